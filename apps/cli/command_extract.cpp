@@ -1,0 +1,206 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "command.h"
+#include "extraction_options.h"
+#include "input.h"
+#include "outputs.h"
+#include "stopwatch.h"
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+struct ExtractArguments {
+  std::string input;
+  std::string output;
+  ExtractionArguments extraction;
+  ReadingArguments reading;
+};
+
+/// One file to write, and the isovalues that go into it.
+struct Job {
+  std::string path;
+  std::vector<double> isovalues;
+};
+
+/// Several isovalues share a file where it has an attribute to tell them apart.
+std::vector<Job> plan_jobs(const std::string& output, const std::vector<double>& isovalues) {
+  if (isovalues.size() == 1 || can_hold_isovalues(output)) return {{output, isovalues}};
+  std::vector<Job> jobs;
+  for (const double isovalue : isovalues)
+    jobs.push_back({path_for_isovalue(output, isovalue), {isovalue}});
+  return jobs;
+}
+
+std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
+  std::vector<std::string> paths;
+  for (const Job& job : jobs) paths.push_back(job.path);
+  return paths;
+}
+
+Result<void> check_extract(const ExtractArguments& arguments) {
+  LODE_TRY(const ExtractOptions options, to_extract_options(arguments.extraction));
+  if (options.isovalues.empty()) return fail("--isovalue: expected at least one value, got none");
+  LODE_CHECK(check_surface_extension(arguments.output));
+  LODE_CHECK(check_reading_options(arguments.reading, arguments.input));
+  return check_paths_differ({arguments.input},
+                            paths_of(plan_jobs(arguments.output, options.isovalues)));
+}
+
+/// Sums of the jobs' reports; errors are the largest of them.
+struct Totals {
+  ExtractReport report;
+  double write_seconds = 0;
+
+  void add(const ExtractReport& job) {
+    report.max_error = job.max_error;
+    report.achieved_error = std::max(report.achieved_error, job.achieved_error);
+    report.coordinate_slack = std::max(report.coordinate_slack, job.coordinate_slack);
+    report.triangles += job.triangles;
+    report.lines += job.lines;
+    report.vertices += job.vertices;
+    report.nodes_visited += job.nodes_visited;
+    report.components_dropped += job.components_dropped;
+    report.triangles_dropped += job.triangles_dropped;
+    report.seconds.total += job.seconds.total;
+    report.seconds.select += job.seconds.select;
+    report.seconds.geometry += job.seconds.geometry;
+    report.seconds.finish += job.seconds.finish;
+  }
+};
+
+/// What is reported of one extraction.
+struct Extraction {
+  const ExtractArguments& arguments;
+  const ExtractOptions& options;
+  const Input& input;
+  std::vector<std::string> outputs;
+  Totals totals;
+
+  [[nodiscard]] bool is_lines() const { return input.info.model == "diamond2d"; }
+};
+
+Json to_json(const Extraction& extraction, const std::vector<std::string>& warnings) {
+  const ExtractReport& report = extraction.totals.report;
+  return {{"command", "extract"},
+          {"input", extraction.arguments.input},
+          {"outputs", extraction.outputs},
+          {"model", extraction.input.info.model},
+          {"built_in_memory", extraction.input.was_built},
+          {"isovalues", extraction.options.isovalues},
+          {"max_error", report.max_error},
+          {"max_error_is_default", !extraction.options.max_error.has_value()},
+          {"achieved_error", report.achieved_error},
+          {"coordinate_slack", report.coordinate_slack},
+          {"triangles", report.triangles},
+          {"lines", report.lines},
+          {"vertices", report.vertices},
+          {"nodes_visited", report.nodes_visited},
+          {"components_dropped", report.components_dropped},
+          {"triangles_dropped", report.triangles_dropped},
+          {"seconds",
+           {{"total", report.seconds.total},
+            {"select", report.seconds.select},
+            {"geometry", report.seconds.geometry},
+            {"finish", report.seconds.finish},
+            {"open", extraction.input.open_seconds},
+            {"write", extraction.totals.write_seconds}}},
+          {"warnings", warnings}};
+}
+
+std::string to_text(const Extraction& extraction) {
+  const ExtractReport& report = extraction.totals.report;
+  const bool is_lines = extraction.is_lines();
+  std::string isovalues;
+  for (const double isovalue : extraction.options.isovalues)
+    isovalues += (isovalues.empty() ? "" : "; ") + format_number(isovalue);
+  Table table;
+  table.add({extraction.options.isovalues.size() == 1 ? "isovalue" : "isovalues", isovalues});
+  table.add({"max error", describe_tolerance(extraction.options, report.max_error)});
+  table.add({"achieved error", format_number(report.achieved_error)});
+  table.add({"coordinate slack", format_number(report.coordinate_slack)});
+  table.add(
+      {is_lines ? "lines" : "triangles", format_count(is_lines ? report.lines : report.triangles)});
+  table.add({"vertices", format_count(report.vertices)});
+  table.add({"nodes visited", format_count(report.nodes_visited)});
+  if (extraction.options.min_component > 0)
+    table.add(
+        {"pieces dropped",
+         fmt::format("{} with {} {}", format_count(report.components_dropped),
+                     format_count(report.triangles_dropped), is_lines ? "lines" : "triangles")});
+  table.add({"extract", fmt::format("{} (select {:.3f}, geometry {:.3f}, finish {:.3f})",
+                                    format_seconds(report.seconds.total), report.seconds.select,
+                                    report.seconds.geometry, report.seconds.finish)});
+  table.add({extraction.input.was_built ? "read and build" : "open",
+             format_seconds(extraction.input.open_seconds)});
+  table.add({"write", format_seconds(extraction.totals.write_seconds)});
+  for (const std::string& path : extraction.outputs) table.add({"output", path});
+  return table.to_string();
+}
+
+Result<void> run_job(const Job& job, const ExtractOptions& options, const Input& input,
+                     Session& session, Totals& totals) {
+  ExtractOptions job_options = options;
+  job_options.isovalues = job.isovalues;
+  Surface surface;
+  LODE_TRY(const ExtractReport report,
+           input.dataset.extract(job_options, surface, session.progress()));
+  totals.add(report);
+  warn_of_unmet(session, unmet_isovalues(surface, job.isovalues), input.info);
+  if (session.progress().is_cancelled()) return cancelled_error();
+  const Stopwatch watch;
+  LODE_CHECK(write_surface(
+      job.path, surface,
+      {.comment =
+           fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}", LODE_VERSION,
+                       job.isovalues.size() == 1 ? "isovalue" : "isovalues",
+                       fmt::join(job.isovalues, " "), report.max_error, report.achieved_error),
+       .frame = input.info.volume.grid.frame}));
+  totals.write_seconds += watch.seconds();
+  return {};
+}
+
+Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session) {
+  LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
+  options.threads = session.threads();
+  const std::vector<Job> jobs = plan_jobs(arguments.output, options.isovalues);
+  for (const Job& job : jobs) LODE_CHECK(check_writable(job.path));
+  const auto accept = [&](const VolumeInfo& volume) {
+    return check_holds(arguments.output, volume);
+  };
+  LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading, accept));
+  Totals totals;
+  OutputSet outputs;
+  for (const Job& job : jobs) {
+    LODE_CHECK(run_job(job, options, input, session, totals));
+    outputs.add(job.path);
+  }
+  outputs.keep();
+  const Extraction extraction{arguments, options, input, outputs.paths(), totals};
+  return Outcome{to_json(extraction, session.warnings()), to_text(extraction)};
+}
+
+}  // namespace
+
+Command add_extract_command(CLI::App& program) {
+  auto arguments = std::make_shared<ExtractArguments>();
+  CLI::App* app =
+      program.add_subcommand("extract", "Extract isosurfaces (contour lines of 2D data)");
+  app->footer(
+      "OUT may end in .ply, .stl, .obj, .vtp or .glb. Several isovalues share one file; STL and\n"
+      "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl.\n\n"
+      "Example:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10");
+  app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
+      ->type_name("FILE")
+      ->required();
+  app->add_option("output", arguments->output, "Surface to write")->type_name("OUT")->required();
+  add_extraction_options(*app, arguments->extraction);
+  add_reading_options(*app, arguments->reading);
+  return {app, [arguments] { return check_extract(*arguments); },
+          [arguments](Session& session) { return run_extract(*arguments, session); }};
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,208 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "command.h"
+#include "extraction_options.h"
+#include "input.h"
+#include "outputs.h"
+#include "parse.h"
+#include "stopwatch.h"
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+constexpr std::int64_t kMaxSide = 16384;
+constexpr std::int64_t kMaxSamples = 4096;
+
+struct RenderArguments {
+  std::string input;
+  std::string output;
+  std::string size = "1200x900";
+  std::string camera;
+  std::string save_camera;
+  std::string color;
+  std::string background;
+  std::string samples;
+  ExtractionArguments extraction;
+  ReadingArguments reading;
+
+  [[nodiscard]] std::vector<std::string> inputs() const {
+    return camera.empty() ? std::vector{input} : std::vector{input, camera};
+  }
+  [[nodiscard]] std::vector<std::string> outputs() const {
+    return save_camera.empty() ? std::vector{output} : std::vector{output, save_camera};
+  }
+};
+
+Result<Color> parse_color_option(const char* option, const std::string& text) {
+  auto color = parse_color(text);
+  if (!color) return fail("{}: {}", option, color.error().message);
+  return color;
+}
+
+/// One colour, or two separated by a comma: the top and the bottom of a gradient.
+Result<Background> parse_background(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  LODE_TRY(const Color top, parse_color_option("--background", text.substr(0, comma)));
+  if (comma == std::string::npos) return Background{top, top};
+  LODE_TRY(const Color bottom, parse_color_option("--background", text.substr(comma + 1)));
+  return Background{top, bottom};
+}
+
+/// Everything but the camera, which is in a file.
+Result<RenderOptions> to_render_options(const RenderArguments& arguments) {
+  RenderOptions options;
+  LODE_TRY(const auto size, parse_dims("--size", arguments.size, kMaxSide));
+  if (size.size() != 2)
+    return fail("--size: expected width and height as 1200x900, got '{}'", arguments.size);
+  options.width = static_cast<int>(size[0]);
+  options.height = static_cast<int>(size[1]);
+  if (!arguments.color.empty()) {
+    LODE_TRY(options.color, parse_color_option("--color", arguments.color));
+  }
+  if (!arguments.background.empty()) {
+    LODE_TRY(options.background, parse_background(arguments.background));
+  }
+  if (!arguments.samples.empty()) {
+    LODE_TRY(const auto n, parse_integer("--samples", arguments.samples, 1, kMaxSamples));
+    options.samples_per_pixel = static_cast<int>(n);
+  }
+  return options;
+}
+
+Result<void> check_render(const RenderArguments& arguments) {
+  LODE_TRY(const ExtractOptions extraction, to_extract_options(arguments.extraction));
+  if (extraction.isovalues.empty())
+    return fail("--isovalue: expected at least one value, got none");
+  LODE_CHECK(check_extension(arguments.output, ".png"));
+  LODE_CHECK(check_reading_options(arguments.reading, arguments.input));
+  if (auto options = to_render_options(arguments); !options) return options.error();
+  return check_paths_differ(arguments.inputs(), arguments.outputs());
+}
+
+struct Rendering {
+  ExtractReport extraction;
+  double render_seconds = 0;
+  Camera camera;
+};
+
+Json to_json(const Camera& camera) {
+  const auto vector = [](const Vec3d& v) { return Json::array({v[0], v[1], v[2]}); };
+  return {{"eye", vector(camera.eye)},
+          {"target", vector(camera.target)},
+          {"up", vector(camera.up)},
+          {"field_of_view_deg", camera.field_of_view_deg}};
+}
+
+Outcome report_render(const RenderArguments& arguments, const ExtractOptions& options,
+                      const Input& input, const Rendering& rendering,
+                      const std::vector<std::string>& warnings) {
+  const ExtractReport& report = rendering.extraction;
+  Outcome outcome;
+  outcome.json = {{"command", "render"},
+                  {"input", arguments.input},
+                  {"outputs", arguments.outputs()},
+                  {"built_in_memory", input.was_built},
+                  {"isovalues", options.isovalues},
+                  {"max_error", report.max_error},
+                  {"max_error_is_default", !options.max_error.has_value()},
+                  {"achieved_error", report.achieved_error},
+                  {"triangles", report.triangles},
+                  {"lines", report.lines},
+                  {"vertices", report.vertices},
+                  {"size", arguments.size},
+                  {"camera", to_json(rendering.camera)},
+                  {"seconds",
+                   {{"total", report.seconds.total + rendering.render_seconds},
+                    {"open", input.open_seconds},
+                    {"extract", report.seconds.total},
+                    {"render", rendering.render_seconds}}},
+                  {"warnings", warnings}};
+  Table table;
+  table.add({"max error", describe_tolerance(options, report.max_error)});
+  table.add({"achieved error", format_number(report.achieved_error)});
+  const bool is_lines = input.info.model == "diamond2d";
+  table.add(
+      {is_lines ? "lines" : "triangles", format_count(is_lines ? report.lines : report.triangles)});
+  table.add({"size", arguments.size + " pixels"});
+  table.add({input.was_built ? "read and build" : "open", format_seconds(input.open_seconds)});
+  table.add({"extract", format_seconds(report.seconds.total)});
+  table.add({"render", format_seconds(rendering.render_seconds)});
+  for (const std::string& path : arguments.outputs()) table.add({"output", path});
+  outcome.text = table.to_string();
+  return outcome;
+}
+
+/// Draws and writes; the camera that was used comes back in `rendering`.
+Result<void> draw(const RenderArguments& arguments, const Surface& surface,
+                  const VolumeInfo& volume, RenderOptions& options, Session& session,
+                  Rendering& rendering) {
+  const Stopwatch watch;
+  const Box3d bounds = volume.grid.world_bounds();
+  options.axes = viewing_axes(volume.grid.frame);
+  rendering.camera = options.camera ? *options.camera : framing_camera(surface, bounds, options);
+  LODE_TRY(const Image image, render_surface(surface, bounds, options, session.progress()));
+  if (session.progress().is_cancelled()) return cancelled_error();
+  OutputSet outputs;
+  LODE_CHECK(write_png(image, arguments.output));
+  outputs.add(arguments.output);
+  if (!arguments.save_camera.empty())
+    LODE_CHECK(write_camera(rendering.camera, arguments.save_camera));
+  outputs.keep();
+  rendering.render_seconds = watch.seconds();
+  return {};
+}
+
+Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
+  LODE_TRY(RenderOptions options, to_render_options(arguments));
+  LODE_TRY(ExtractOptions extraction, to_extract_options(arguments.extraction));
+  options.threads = extraction.threads = session.threads();
+  if (!arguments.camera.empty()) {
+    LODE_TRY(options.camera, read_camera(arguments.camera));
+  }
+  for (const std::string& path : arguments.outputs()) LODE_CHECK(check_writable(path));
+  LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
+  Rendering rendering;
+  Surface surface;
+  LODE_TRY(rendering.extraction, input.dataset.extract(extraction, surface, session.progress()));
+  warn_of_unmet(session, unmet_isovalues(surface, extraction.isovalues), input.info);
+  LODE_CHECK(draw(arguments, surface, input.info.volume, options, session, rendering));
+  return report_render(arguments, extraction, input, rendering, session.warnings());
+}
+
+void add_picture_options(CLI::App& app, RenderArguments& arguments) {
+  const auto add = [&app](const char* name, std::string& value, const char* type,
+                          const char* help) {
+    app.add_option(name, value, help)->type_name(type)->group("Picture");
+  };
+  add("--size", arguments.size, "WxH", "Pixels (default: 1200x900)");
+  add("--camera", arguments.camera, "FILE", "Look through the camera in a JSON file");
+  add("--save-camera", arguments.save_camera, "FILE", "Write the camera that was used");
+  add("--color", arguments.color, "C", "Colour of the surface: a name or #rrggbb");
+  add("--background", arguments.background, "C[,C]", "Colour, or top and bottom of a gradient");
+  add("--samples", arguments.samples, "N", "Rays per pixel; more is smoother and slower");
+}
+
+}  // namespace
+
+Command add_render_command(CLI::App& program) {
+  auto arguments = std::make_shared<RenderArguments>();
+  CLI::App* app = program.add_subcommand("render", "Draw isosurfaces to a PNG picture");
+  app->footer(
+      "Example:\n  lode render scan.lode bone.png --isovalue 1200 --max-error 10 --size 1600x1200");
+  app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
+      ->type_name("FILE")
+      ->required();
+  app->add_option("output", arguments->output, "Picture to write")
+      ->type_name("OUT.png")
+      ->required();
+  add_picture_options(*app, *arguments);
+  add_extraction_options(*app, arguments->extraction);
+  add_reading_options(*app, arguments->reading);
+  return {app, [arguments] { return check_render(*arguments); },
+          [arguments](Session& session) { return run_render(*arguments, session); }};
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+
+#include <iterator>
+#include <memory>
+
+#include "command.h"
+#include "extraction_options.h"
+#include "input.h"
+#include "stopwatch.h"
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+struct VerifyArguments {
+  std::string input;
+  std::string original;
+  std::string surface;
+  ExtractionArguments extraction;
+  ReadingArguments reading;
+};
+
+Result<void> check_verify(const VerifyArguments& arguments) {
+  LODE_TRY(const ExtractOptions options, to_extract_options(arguments.extraction));
+  if (!arguments.surface.empty()) {
+    LODE_CHECK(check_surface_path(arguments.surface));
+    if (options.isovalues.empty())
+      return fail("--surface: expected the --isovalue it was extracted with, got none");
+  } else if (!options.isovalues.empty()) {
+    return fail("--isovalue: expected --surface FILE with it, got none");
+  }
+  if (!arguments.original.empty()) {
+    if (is_lode_path(arguments.original))
+      return fail("--against: expected the original data, got the .lode file '{}'",
+                  arguments.original);
+    if (auto reading = to_read_options(arguments.reading); !reading) return reading.error();
+    return {};
+  }
+  if (!is_lode_path(arguments.input) && arguments.surface.empty())
+    return fail("{}: expected a .lode file, or --surface FILE to check against this volume",
+                arguments.input);
+  return check_reading_options(arguments.reading, arguments.input);
+}
+
+void append(VerifyReport& report, VerifyReport more) {
+  report.checks.insert(report.checks.end(), std::make_move_iterator(more.checks.begin()),
+                       std::make_move_iterator(more.checks.end()));
+}
+
+Result<void> verify_model(const VerifyArguments& arguments, Session& session,
+                          VerifyReport& report) {
+  LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
+  if (!arguments.original.empty()) {
+    LODE_TRY(const ReadOptions options, to_read_options(arguments.reading));
+    LODE_TRY(const auto original, open_volume(arguments.original, options));
+    LODE_TRY(VerifyReport more,
+             input.dataset.verify_against(*original, session.threads(), session.progress()));
+    append(report, std::move(more));
+  }
+  if (!arguments.surface.empty()) {
+    LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
+    options.threads = session.threads();
+    LODE_TRY(const Surface surface, read_surface(arguments.surface));
+    LODE_TRY(VerifyReport more, input.dataset.verify_surface(surface, options, session.progress()));
+    append(report, std::move(more));
+  }
+  return {};
+}
+
+Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& report,
+                      double seconds) {
+  Outcome outcome;
+  outcome.exit_code = report.passed() ? 0 : 1;
+  Json checks = Json::array();
+  Table table({"check", "count", "result", "detail"});
+  for (const VerifyReport::Check& check : report.checks) {
+    checks.push_back({{"name", check.name},
+                      {"count", check.count},
+                      {"passed", check.passed},
+                      {"detail", check.detail}});
+    table.add(
+        {check.name, format_count(check.count), check.passed ? "passed" : "FAILED", check.detail});
+  }
+  const auto or_null = [](const std::string& path) {
+    return path.empty() ? Json(nullptr) : Json(path);
+  };
+  outcome.json = {{"command", "verify"},
+                  {"file", arguments.input},
+                  {"against", or_null(arguments.original)},
+                  {"surface", or_null(arguments.surface)},
+                  {"passed", report.passed()},
+                  {"checks", std::move(checks)},
+                  {"seconds", seconds}};
+  outcome.text = table.to_string();
+  return outcome;
+}
+
+Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
+  const Stopwatch watch;
+  VerifyReport report;
+  if (is_lode_path(arguments.input)) {
+    LODE_TRY(report, verify_file(arguments.input, session.threads(), session.progress()));
+  }
+  const bool needs_model = !arguments.original.empty() || !arguments.surface.empty();
+  if (needs_model && report.passed()) LODE_CHECK(verify_model(arguments, session, report));
+  for (const VerifyReport::Check& check : report.checks) {
+    if (check.passed) continue;
+    session.fail(fmt::format("{}: failed: {}{}{}",
+                             arguments.surface.empty() ? arguments.input : arguments.surface,
+                             check.name, check.detail.empty() ? "" : ": ", check.detail));
+    break;
+  }
+  return report_checks(arguments, report, watch.seconds());
+}
+
+}  // namespace
+
+Command add_verify_command(CLI::App& program) {
+  auto arguments = std::make_shared<VerifyArguments>();
+  CLI::App* app = program.add_subcommand("verify", "Check a .lode file, or a surface made from it");
+  app->footer(
+      "Reads and checks every byte of FILE; --against recomputes its errors from the original\n"
+      "data; --surface checks a surface, given the options it was extracted with.\n\n"
+      "Examples:\n  lode verify scan.lode --against scan.nrrd\n"
+      "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10");
+  app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
+      ->type_name("FILE")
+      ->required();
+  app->add_option("--against", arguments->original, "Original data of FILE")->type_name("ORIGINAL");
+  app->add_option("--surface", arguments->surface, "Surface to check")->type_name("SURFACE");
+  add_extraction_options(*app, arguments->extraction);
+  add_reading_options(*app, arguments->reading);
+  return {app, [arguments] { return check_verify(*arguments); },
+          [arguments](Session& session) { return run_verify(*arguments, session); }};
+}
+
+}  // namespace lode::cli

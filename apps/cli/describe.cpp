@@ -1,0 +1,101 @@
+#include "describe.h"
+
+#include <fmt/format.h>
+
+namespace lode::cli {
+namespace {
+
+Json to_json(const Vec3d& v) { return Json::array({v[0], v[1], v[2]}); }
+
+std::string to_text(const Vec3d& v) {
+  return fmt::format("{}, {}, {}", format_number(v[0]), format_number(v[1]), format_number(v[2]));
+}
+
+double per_sample(std::uint64_t bytes, const DatasetInfo& info) {
+  const auto n = static_cast<double>(info.volume.grid.n_samples());
+  return n > 0 ? static_cast<double>(bytes) / n : 0;
+}
+
+Json to_json(const LevelInfo& level) {
+  return {{"level", level.level},   {"step", level.step},           {"samples", level.n_samples},
+          {"nodes", level.n_nodes}, {"max_error", level.max_error}, {"bytes", level.bytes}};
+}
+
+}  // namespace
+
+Json to_json(const VolumeInfo& volume) {
+  const RegularGrid& grid = volume.grid;
+  Json json;
+  json["dims"] = {grid.dims[0], grid.dims[1], grid.dims[2]};
+  json["samples"] = grid.n_samples();
+  json["spacing"] = to_json(grid.spacing);
+  json["origin"] = to_json(grid.origin);
+  json["direction"] = {to_json(grid.direction.rows[0]), to_json(grid.direction.rows[1]),
+                       to_json(grid.direction.rows[2])};
+  json["frame"] = name_of(grid.frame);
+  json["type"] = name_of(volume.type);
+  json["field"] = volume.field_name;
+  json["nodata"] = volume.nodata ? Json(*volume.nodata) : Json(nullptr);
+  return json;
+}
+
+Json to_json(const DatasetInfo& info) {
+  Json json = to_json(info.volume);
+  json["model"] = info.model;
+  json["range"] = {info.range_min, info.range_max};
+  json["holes"] = info.n_holes;
+  json["removed_cells"] = info.n_removed_cells;
+  json["base_error"] = info.base_error;
+  // A dataset in memory has no sizes on disk; zeros would claim that it had.
+  if (info.data_bytes + info.attribute_bytes > 0) {
+    json["data_bytes"] = info.data_bytes;
+    json["attribute_bytes"] = info.attribute_bytes;
+    json["data_bytes_per_sample"] = per_sample(info.data_bytes, info);
+    json["attribute_bytes_per_sample"] = per_sample(info.attribute_bytes, info);
+  }
+  json["levels"] = Json::array();
+  for (const LevelInfo& level : info.levels) json["levels"].push_back(to_json(level));
+  return json;
+}
+
+void add_volume(Table& table, const VolumeInfo& volume) {
+  const RegularGrid& grid = volume.grid;
+  table.add(
+      {"dims", fmt::format("{} x {} x {} = {} samples", grid.dims[0], grid.dims[1], grid.dims[2],
+                           format_count(static_cast<std::uint64_t>(grid.n_samples())))});
+  table.add({"type", std::string(name_of(volume.type))});
+  if (!volume.field_name.empty()) table.add({"field", volume.field_name});
+  table.add({"spacing", to_text(grid.spacing)});
+  table.add({"origin", to_text(grid.origin)});
+  constexpr const char* kAxes[] = {"x axis", "y axis", "z axis"};
+  for (std::size_t i = 0; i < 3; ++i) table.add({kAxes[i], to_text(grid.direction.column(i))});
+  table.add({"frame", std::string(name_of(grid.frame))});
+  if (volume.nodata) table.add({"nodata", format_number(*volume.nodata)});
+}
+
+void add_sizes(Table& table, const DatasetInfo& info) {
+  if (info.data_bytes + info.attribute_bytes == 0) return;
+  const auto size = [&](std::uint64_t bytes) {
+    return fmt::format("{} ({:.3f} bytes per sample)", format_bytes(bytes),
+                       per_sample(bytes, info));
+  };
+  table.add({"data on disk", size(info.data_bytes)});
+  table.add({"the rest", size(info.attribute_bytes)});
+}
+
+std::string describe_range(const DatasetInfo& info) {
+  if (info.n_holes == static_cast<std::uint64_t>(info.volume.grid.n_samples())) return "none";
+  return fmt::format("{} to {}", format_number(info.range_min), format_number(info.range_max));
+}
+
+std::string describe_levels(const DatasetInfo& info) {
+  Table table({"level", "step", "samples", "nodes", "largest error", "on disk"});
+  for (auto level = info.levels.rbegin(); level != info.levels.rend(); ++level)
+    table.add(
+        {fmt::format("{}", level->level), format_count(static_cast<std::uint64_t>(level->step)),
+         format_count(level->n_samples), format_count(level->n_nodes),
+         format_number(level->max_error), level->bytes > 0 ? format_bytes(level->bytes) : ""});
+  return table.to_string();
+}
+
+}  // namespace lode::cli

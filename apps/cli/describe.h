@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "command.h"
+#include "text.h"
+
+namespace lode::cli {
+
+/// The keys every JSON description of a volume has: dims, spacing, origin, direction, frame, ...
+[[nodiscard]] Json to_json(const VolumeInfo& volume);
+/// Those, and model, range, holes, levels and sizes.
+[[nodiscard]] Json to_json(const DatasetInfo& info);
+
+/// Rows for dims, spacing, origin, direction, frame, type and field.
+void add_volume(Table& table, const VolumeInfo& volume);
+/// Rows for sizes on disk and bytes per sample; none for a dataset in memory.
+void add_sizes(Table& table, const DatasetInfo& info);
+
+/// "0 to 255", or "none" when every sample is a hole.
+[[nodiscard]] std::string describe_range(const DatasetInfo& info);
+/// The levels table, coarsest first.
+[[nodiscard]] std::string describe_levels(const DatasetInfo& info);
+
+}  // namespace lode::cli

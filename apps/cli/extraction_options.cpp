@@ -1,0 +1,108 @@
+#include "extraction_options.h"
+
+#include <algorithm>
+
+#include "parse.h"
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+Result<std::vector<double>> parse_isovalues(const std::vector<std::string>& arguments) {
+  std::vector<double> isovalues;
+  for (const std::string& argument : arguments) {
+    LODE_TRY(const std::vector<double> some, parse_numbers("--isovalue", argument));
+    for (const double isovalue : some) {
+      if (std::ranges::find(isovalues, isovalue) != isovalues.end())
+        return fail("--isovalue: expected each value once, got {} twice", isovalue);
+      isovalues.push_back(isovalue);
+    }
+  }
+  return isovalues;
+}
+
+Result<Box3d> parse_clip(const std::string& text) {
+  LODE_TRY(const std::vector<double> n, parse_numbers("--clip", text));
+  if (n.size() != 6)
+    return fail("--clip: expected six numbers as X0,X1,Y0,Y1,Z0,Z1, got '{}'", text);
+  if (n[0] > n[1] || n[2] > n[3] || n[4] > n[5])
+    return fail("--clip: expected X0 <= X1, Y0 <= Y1 and Z0 <= Z1, got '{}'", text);
+  return Box3d{{{n[0], n[2], n[4]}}, {{n[1], n[3], n[5]}}};
+}
+
+}  // namespace
+
+void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
+  const char* group = "Surface";
+  app.add_option("--isovalue", arguments.isovalues, "Value of the surface; may be repeated")
+      ->type_name("V")
+      ->allow_extra_args(false)
+      ->group(group);
+  app.add_option("--max-error", arguments.max_error,
+                 "Tolerance in field units; 0 is full resolution (default: 0.5 % of the range)")
+      ->type_name("E")
+      ->group(group);
+  app.add_option("--clip", arguments.clip, "Crop to a box in world units")
+      ->type_name("X0,X1,Y0,Y1,Z0,Z1")
+      ->group(group);
+  app.add_flag("--close-border", arguments.close_border,
+               "Cap the surface at the domain's border, so that it is watertight")
+      ->group(group);
+  app.add_option("--min-component", arguments.min_component,
+                 "Drop pieces with fewer triangles (lines) than N")
+      ->type_name("N")
+      ->group(group);
+  app.add_flag("--flip", arguments.flip, "Turn triangles and normals to the other side")
+      ->group(group);
+  app.add_option("--normals", arguments.normals, "on or off (default: on)")
+      ->type_name("on|off")
+      ->group(group);
+}
+
+Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) {
+  ExtractOptions options;
+  LODE_TRY(options.isovalues, parse_isovalues(arguments.isovalues));
+  if (!arguments.max_error.empty()) {
+    LODE_TRY(const double max_error, parse_number("--max-error", arguments.max_error));
+    if (max_error < 0)
+      return fail("--max-error: expected a number >= 0, got '{}'", arguments.max_error);
+    options.max_error = max_error;
+  }
+  if (!arguments.clip.empty()) {
+    LODE_TRY(options.clip, parse_clip(arguments.clip));
+  }
+  if (arguments.normals != "on" && arguments.normals != "off")
+    return fail("--normals: expected 'on' or 'off', got '{}'", arguments.normals);
+  options.normals = arguments.normals == "on" ? Normals::on : Normals::off;
+  options.border = arguments.close_border ? Border::closed : Border::open;
+  options.orientation =
+      arguments.flip ? Orientation::from_higher_values : Orientation::from_lower_values;
+  options.min_component = arguments.min_component;
+  return options;
+}
+
+std::string describe_tolerance(const ExtractOptions& options, double max_error) {
+  return format_number(max_error) +
+         (options.max_error ? "" : " (default: 0.5 % of the value range)");
+}
+
+std::vector<double> unmet_isovalues(const Surface& surface, const std::vector<double>& isovalues) {
+  if (surface.is_empty()) return isovalues;
+  std::vector<double> unmet;
+  // Without the attribute the vertices cannot be told apart; then only one isovalue was asked for.
+  if (surface.isovalues.empty()) return unmet;
+  for (const double isovalue : isovalues)
+    if (std::ranges::find(surface.isovalues, static_cast<float>(isovalue)) ==
+        surface.isovalues.end())
+      unmet.push_back(isovalue);
+  return unmet;
+}
+
+void warn_of_unmet(Session& session, const std::vector<double>& unmet, const DatasetInfo& info) {
+  for (const double isovalue : unmet)
+    session.warn(
+        fmt::format("no surface at isovalue {}: it meets nothing (values run from {} to {})",
+                    isovalue, info.range_min, info.range_max));
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "command.h"
+
+namespace lode::cli {
+
+/// The extraction options as typed; extract, verify --surface and render share them.
+struct ExtractionArguments {
+  std::vector<std::string> isovalues;
+  std::string max_error;
+  std::string clip;
+  std::string normals = "on";
+  std::uint64_t min_component = 0;
+  bool close_border = false;
+  bool flip = false;
+};
+
+void add_extraction_options(CLI::App& app, ExtractionArguments& arguments);
+
+/// Checks the arguments; an empty list of isovalues is left to the caller. Threads are not set.
+[[nodiscard]] Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments);
+
+/// "10 (as asked)" or "1.275 (default: 0.5 % of the value range)".
+[[nodiscard]] std::string describe_tolerance(const ExtractOptions& options, double max_error);
+
+/// The isovalues that `surface`, extracted for `isovalues`, has no vertex on.
+[[nodiscard]] std::vector<double> unmet_isovalues(const Surface& surface,
+                                                  const std::vector<double>& isovalues);
+
+/// Warns of each such isovalue, naming the value range.
+void warn_of_unmet(Session& session, const std::vector<double>& unmet, const DatasetInfo& info);
+
+}  // namespace lode::cli

@@ -1,0 +1,147 @@
+#include "input.h"
+
+#include <filesystem>
+#include <limits>
+#include <system_error>
+
+#include "parse.h"
+#include "stopwatch.h"
+
+namespace lode::cli {
+namespace {
+
+constexpr std::int64_t kMaxInt = std::numeric_limits<std::int32_t>::max();
+
+Result<RawLayout> to_raw_layout(const ReadingArguments& arguments) {
+  if (arguments.dims.empty() || arguments.type.empty())
+    return fail("expected both --dims and --type for a file of bare samples, got {}",
+                !arguments.dims.empty()   ? "only --dims"
+                : !arguments.type.empty() ? "only --type"
+                                          : "only --spacing, --origin or --byte-order");
+  RawLayout raw;
+  LODE_TRY(const auto dims, parse_dims("--dims", arguments.dims, kMaxInt));
+  if (dims.size() != 2 && dims.size() != 3)
+    return fail("--dims: expected two or three numbers as 256x256x128, got '{}'", arguments.dims);
+  for (std::size_t i = 0; i < 3; ++i)
+    raw.dims[i] = i < dims.size() ? static_cast<std::int32_t>(dims[i]) : 1;
+  const auto type = scalar_type_from_name(arguments.type);
+  if (!type)
+    return fail("--type: expected uint8, int16, float32 or the like, got '{}'", arguments.type);
+  raw.type = *type;
+  if (!arguments.spacing.empty()) {
+    LODE_TRY(raw.spacing, parse_vector("--spacing", arguments.spacing));
+  }
+  if (!arguments.origin.empty()) {
+    LODE_TRY(raw.origin, parse_vector("--origin", arguments.origin));
+  }
+  if (arguments.byte_order == "big") {
+    raw.byte_order = ByteOrder::big;
+  } else if (!arguments.byte_order.empty() && arguments.byte_order != "little") {
+    return fail("--byte-order: expected 'little' or 'big', got '{}'", arguments.byte_order);
+  }
+  return raw;
+}
+
+Result<Dataset> build_in_memory(Session& session, const std::string& path,
+                                const ReadOptions& options, const AcceptVolume& accept) {
+  LODE_TRY(const auto source, open_volume(path, options));
+  if (accept) LODE_CHECK(accept(source->info()));
+  session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
+  return Dataset::build(*source, {.threads = session.threads()}, session.progress());
+}
+
+/// One spelling for each existing place, so that links and relative paths compare equal.
+std::string canonical_path(const std::string& path) {
+  std::error_code status;
+  const auto canonical = std::filesystem::weakly_canonical(path, status);
+  return status ? path : canonical.string();
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code status;
+  return std::filesystem::equivalent(a, b, status) || canonical_path(a) == canonical_path(b);
+}
+
+}  // namespace
+
+bool ReadingArguments::is_empty() const {
+  return field.empty() && component.empty() && time.empty() && nodata.empty() && dims.empty() &&
+         type.empty() && spacing.empty() && origin.empty() && byte_order.empty();
+}
+
+void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
+  const auto add = [&app](const char* name, std::string& value, const char* type,
+                          const char* help) {
+    app.add_option(name, value, help)->type_name(type)->group("Reading other formats");
+  };
+  add("--field", arguments.field, "NAME", "Array to read, where a file holds several");
+  add("--component", arguments.component, "N|magnitude", "Which scalar of a vector, from 0");
+  add("--time", arguments.time, "N", "Time step, from 0");
+  add("--nodata", arguments.nodata, "V", "Samples with this value are holes");
+  add("--dims", arguments.dims, "XxYxZ", "Samples per axis of a raw file");
+  add("--type", arguments.type, "TYPE", "uint8, int16, float32, ... of a raw file");
+  add("--spacing", arguments.spacing, "X,Y,Z", "Distance of samples in a raw file");
+  add("--origin", arguments.origin, "X,Y,Z", "Position of the first sample of a raw file");
+  add("--byte-order", arguments.byte_order, "ORDER", "little (default) or big, of a raw file");
+}
+
+Result<ReadOptions> to_read_options(const ReadingArguments& arguments) {
+  ReadOptions options;
+  if (!arguments.field.empty()) options.field = arguments.field;
+  if (arguments.component == "magnitude") {
+    options.component = Magnitude{};
+  } else if (!arguments.component.empty()) {
+    LODE_TRY(const auto n, parse_integer("--component", arguments.component, 0, kMaxInt));
+    options.component = static_cast<int>(n);
+  }
+  if (!arguments.time.empty()) {
+    LODE_TRY(const auto step, parse_integer("--time", arguments.time, 0, kMaxInt));
+    options.time = static_cast<int>(step);
+  }
+  if (!arguments.nodata.empty()) {
+    LODE_TRY(options.nodata, parse_number("--nodata", arguments.nodata));
+  }
+  const bool is_raw = !arguments.dims.empty() || !arguments.type.empty() ||
+                      !arguments.spacing.empty() || !arguments.origin.empty() ||
+                      !arguments.byte_order.empty();
+  if (is_raw) {
+    LODE_TRY(options.raw, to_raw_layout(arguments));
+  }
+  return options;
+}
+
+Result<void> check_reading_options(const ReadingArguments& arguments, const std::string& path) {
+  if (is_lode_path(path) && !arguments.is_empty())
+    return fail("{}: expected no reading options (--field, --dims, ...) for a .lode file", path);
+  if (auto options = to_read_options(arguments); !options) return options.error();
+  return {};
+}
+
+Result<Input> open_input(Session& session, const std::string& path,
+                         const ReadingArguments& arguments, const AcceptVolume& accept) {
+  const Stopwatch watch;
+  LODE_TRY(const ReadOptions options, to_read_options(arguments));
+  const bool is_foreign = !is_lode_path(path);
+  auto dataset = is_foreign ? build_in_memory(session, path, options, accept)
+                            : Dataset::open(path, session.threads(), session.progress());
+  if (!dataset) return dataset.error();
+  DatasetInfo info = dataset->describe();
+  if (accept) LODE_CHECK(accept(info.volume));
+  return Input{std::move(dataset).value(), std::move(info), watch.seconds(), is_foreign};
+}
+
+Result<void> check_paths_differ(const std::vector<std::string>& inputs,
+                                const std::vector<std::string>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (const std::string& input : inputs)
+      if (is_same_file(outputs[i], input))
+        return fail("{}: expected an output that is not an input, got the file that is read",
+                    outputs[i]);
+    for (std::size_t j = 0; j < i; ++j)
+      if (is_same_file(outputs[i], outputs[j]))
+        return fail("{}: expected outputs that differ, got the same file twice", outputs[i]);
+  }
+  return {};
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "command.h"
+#include "lode/api/files.h"
+
+namespace lode::cli {
+
+/// The options that say how a foreign file is to be read, as typed.
+struct ReadingArguments {
+  std::string field;
+  std::string component;
+  std::string time;
+  std::string nodata;
+  std::string dims;
+  std::string type;
+  std::string spacing;
+  std::string origin;
+  std::string byte_order;
+
+  [[nodiscard]] bool is_empty() const;
+};
+
+void add_reading_options(CLI::App& app, ReadingArguments& arguments);
+
+[[nodiscard]] Result<ReadOptions> to_read_options(const ReadingArguments& arguments);
+
+/// Refuses reading options for a .lode file: they would silently do nothing.
+[[nodiscard]] Result<void> check_reading_options(const ReadingArguments& arguments,
+                                                 const std::string& path);
+
+/// A model ready for queries, and how it came to be.
+struct Input {
+  Dataset dataset;
+  DatasetInfo info;
+  double open_seconds = 0;  ///< Reading, and building where it was needed.
+  bool was_built = false;   ///< From a foreign file, in memory.
+};
+
+/// Looks at what a file holds before the work starts, and may refuse it.
+using AcceptVolume = std::function<Result<void>(const VolumeInfo&)>;
+
+/// Opens a .lode file, or builds a foreign one in memory and says so on stderr.
+[[nodiscard]] Result<Input> open_input(Session& session, const std::string& path,
+                                       const ReadingArguments& arguments,
+                                       const AcceptVolume& accept = {});
+
+/// Refuses two outputs in one place and an output that would replace an input.
+[[nodiscard]] Result<void> check_paths_differ(const std::vector<std::string>& inputs,
+                                              const std::vector<std::string>& outputs);
+
+}  // namespace lode::cli

@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "signals.h"
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+constexpr int kFailure = 1;
+constexpr int kUsage = 2;
+constexpr int kSignalBase = 128;
+
+/// Says what went wrong on stderr, and where JSON was asked for also on stdout, so that a reader
+/// of it always gets its one object.
+int report_error(const std::string& message, int exit_code, bool is_json) {
+  fmt::print(stderr, "lode: {}\n", message);
+  if (is_json) {
+    const Json json{{"error", message}, {"exit_code", exit_code}};
+    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  }
+  return exit_code;
+}
+
+void add_common_options(CLI::App& app, CommonOptions& options) {
+  app.add_flag("--json", options.json, "Print one JSON object instead of tables")->group("General");
+  app.add_option("--threads", options.threads, "Threads to use (default: all cores)")
+      ->check(CLI::Range(1, 4096))
+      ->type_name("N")
+      ->group("General");
+  app.add_flag("-q,--quiet", options.quiet, "No progress bar and no notes on stderr")
+      ->group("General");
+}
+
+std::vector<std::string> names_of(const std::vector<Command>& commands) {
+  std::vector<std::string> names{"help"};
+  for (const Command& command : commands) names.push_back(command.app->get_name());
+  return names;
+}
+
+std::string unknown_command(const std::string& word, const std::vector<Command>& commands) {
+  const std::string hint = closest_to(word, names_of(commands));
+  return fmt::format("expected a command (see lode --help), got '{}'{}", word,
+                     hint.empty() ? "" : fmt::format("; did you mean '{}'?", hint));
+}
+
+/// The first argument that looks like an option but is none of this command's, with a hint.
+std::string unknown_option(const std::vector<std::string>& arguments, const CLI::App& app) {
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (const std::string& argument : arguments) {
+    const std::string name = argument.substr(0, argument.find('='));
+    if (!name.starts_with("--") || name == "--" || std::ranges::count(known, name) > 0) continue;
+    const std::string hint = closest_to(name, known);
+    return fmt::format("{}: expected one of the options in lode {} --help, got '{}'{}",
+                       app.get_name(), app.get_name(), name,
+                       hint.empty() ? "" : fmt::format("; did you mean '{}'?", hint));
+  }
+  return {};
+}
+
+/// CLI11's sentences may have several lines; ours have one.
+std::string one_line(std::string text) {
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0)
+    text.pop_back();
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
+
+int print_outcome(const Outcome& outcome, bool is_json) {
+  const std::string text =
+      is_json ? outcome.json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
+              : outcome.text;
+  const bool is_written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (is_written && std::fflush(stdout) == 0) return outcome.exit_code;
+  fmt::print(stderr, "lode: cannot write to standard output\n");
+  return kFailure;
+}
+
+int run_command(const Command& command, const CommonOptions& options) {
+  if (const auto status = command.check(); !status)
+    return report_error(status.error().message, kUsage, options.json);
+  ProgressBar bar(options.quiet ? ProgressDisplay::off : ProgressDisplay::terminal);
+  Progress progress(
+      [&bar](std::string_view phase, double fraction) { bar.update(phase, fraction); });
+  const SignalGuard guard(progress);
+  Session session(options, progress, bar);
+  const auto outcome = command.run(session);
+  bar.clear();
+  if (outcome) return print_outcome(*outcome, options.json);
+  if (SignalGuard::received() != 0)
+    return report_error("stopped; no output was written", kSignalBase + SignalGuard::received(),
+                        options.json);
+  return report_error(outcome.error().message, kFailure, options.json);
+}
+
+int print_help(CLI::App& program, const std::string& topic, const std::vector<Command>& commands) {
+  for (const Command& command : commands) {
+    if (command.app->get_name() != topic) continue;
+    fmt::print("{}", command.app->help("lode"));
+    return 0;
+  }
+  if (!topic.empty()) return report_error(unknown_command(topic, commands), kUsage, false);
+  fmt::print("{}", program.help());
+  return 0;
+}
+
+int handle_parse_error(const CLI::ParseError& error, const CLI::App& program,
+                       const std::vector<std::string>& arguments,
+                       const std::vector<Command>& commands) {
+  const bool is_json = std::ranges::count(arguments, "--json") > 0;
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success))
+    return program.exit(error);
+  for (const Command& command : commands) {
+    if (arguments.empty() || command.app->get_name() != arguments[0]) continue;
+    const std::string message = unknown_option(arguments, *command.app);
+    return report_error(message.empty() ? fmt::format("{}: {} (see lode {} --help)", arguments[0],
+                                                      one_line(error.what()), arguments[0])
+                                        : message,
+                        kUsage, is_json);
+  }
+  return report_error(one_line(error.what()) + " (see lode --help)", kUsage, is_json);
+}
+
+int run_program(const std::vector<std::string>& arguments) {
+  CLI::App program(
+      "Lode: multiresolution scalar fields with proven errors.\n"
+      "Builds a hierarchy of a volume, and extracts and draws surfaces within a tolerance.");
+  program.name("lode");
+  program.set_version_flag("--version", "lode " LODE_VERSION, "Print the version");
+  program.require_subcommand(1);
+  program.footer("lode COMMAND --help says more, with an example.");
+  CommonOptions options;
+  std::vector<Command> commands{add_info_command(program), add_build_command(program),
+                                add_extract_command(program), add_verify_command(program),
+                                add_render_command(program)};
+  for (const Command& command : commands) add_common_options(*command.app, options);
+  std::string topic;
+  CLI::App* help = program.add_subcommand("help", "Explain a command");
+  help->add_option("command", topic, "Command to explain")->type_name("COMMAND");
+
+  if (arguments.empty()) {
+    fmt::print(stderr, "{}", program.help());
+    return kUsage;
+  }
+  if (!arguments[0].starts_with('-') && std::ranges::count(names_of(commands), arguments[0]) == 0)
+    return report_error(unknown_command(arguments[0], commands), kUsage,
+                        std::ranges::count(arguments, "--json") > 0);
+  try {
+    // CLI11 takes the arguments as a stack.
+    program.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::ParseError& error) {
+    return handle_parse_error(error, program, arguments, commands);
+  }
+  if (help->parsed()) return print_help(program, topic, commands);
+  const auto chosen =
+      std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });
+  return run_command(*chosen, options);
+}
+
+}  // namespace
+}  // namespace lode::cli
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+  const bool is_json = std::ranges::count(arguments, "--json") > 0;
+  try {
+    return lode::cli::run_program(arguments);
+  } catch (const std::bad_alloc&) {
+    return lode::cli::report_error("out of memory", lode::cli::kFailure, is_json);
+  } catch (const std::exception& error) {
+    return lode::cli::report_error(error.what(), lode::cli::kFailure, is_json);
+  }
+}

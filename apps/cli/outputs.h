@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "command.h"
+
+namespace lode::cli {
+
+/// Refuses extensions that are no surface format, with a hint where one is nearly right.
+[[nodiscard]] Result<void> check_surface_extension(const std::string& path);
+
+/// Refuses formats that cannot hold what extraction will give: contour lines of 2D data.
+[[nodiscard]] Result<void> check_holds(const std::string& path, const VolumeInfo& volume);
+
+/// Fails unless `path` ends in `extension`, which starts with a dot (any case).
+[[nodiscard]] Result<void> check_extension(const std::string& path, const std::string& extension);
+
+/// bone.stl and 1200 give bone-1200.stl.
+[[nodiscard]] std::string path_for_isovalue(const std::string& path, double isovalue);
+
+/// Files written by a command that makes several: unless keep() is called, those written so far
+/// are taken away again, so that a failed command leaves no part of its result.
+class OutputSet {
+ public:
+  OutputSet() = default;
+  OutputSet(const OutputSet&) = delete;
+  OutputSet& operator=(const OutputSet&) = delete;
+  ~OutputSet();
+
+  void add(std::string path) { paths_.push_back(std::move(path)); }
+  [[nodiscard]] const std::vector<std::string>& paths() const { return paths_; }
+  void keep() { is_kept_ = true; }
+
+ private:
+  std::vector<std::string> paths_;
+  bool is_kept_ = false;
+};
+
+}  // namespace lode::cli

@@ -1,0 +1,114 @@
+#include "bench/report.h"
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "lode/core/atomic_file.h"
+
+namespace lode::bench {
+namespace {
+
+constexpr int kRuns = 7;
+
+// Keeps the time of each repetition and prints nothing: our table compares, Google's lists.
+class Collector final : public benchmark::BenchmarkReporter {
+ public:
+  bool ReportContext(const Context& /*context*/) override { return true; }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs)
+      if (run.run_type == Run::RT_Iteration && !run.error_occurred)
+        seconds_.push_back(run.real_accumulated_time / static_cast<double>(run.iterations));
+  }
+
+  [[nodiscard]] std::vector<double> seconds() const { return seconds_; }
+
+ private:
+  std::vector<double> seconds_;
+};
+
+std::string milliseconds(const std::optional<double>& seconds) {
+  return seconds ? fmt::format("{:.2f}", *seconds * 1e3) : std::string("-");
+}
+
+std::string count(const Row& row, const std::string& key) {
+  const auto found = row.counts.find(key);
+  return found == row.counts.end() ? std::string("-") : fmt::format("{:.0f}", found->second);
+}
+
+nlohmann::json number_or_null(const std::optional<double>& number) {
+  return number ? nlohmann::json(*number) : nlohmann::json(nullptr);
+}
+
+nlohmann::json to_json_value(const Row& row) {
+  nlohmann::json value;
+  value["name"] = row.name;
+  value["ours_s"] = number_or_null(row.ours_s);
+  value["peer"] = row.peer.empty() ? nlohmann::json(nullptr) : nlohmann::json(row.peer);
+  value["peer_s"] = number_or_null(row.peer_s);
+  value["ratio"] = number_or_null(row.ratio());
+  value["counts"] = row.counts;
+  if (!row.note.empty()) value["note"] = row.note;
+  return value;
+}
+
+}  // namespace
+
+std::optional<double> Row::ratio() const {
+  if (!ours_s || !peer_s || *peer_s <= 0) return std::nullopt;
+  return *ours_s / *peer_s;
+}
+
+Result<double> median_seconds(const std::string& name, const Work& work) {
+  LODE_CHECK(work());
+  std::optional<Error> error;
+  benchmark::RegisterBenchmark(name.c_str(),
+                               [&](benchmark::State& state) {
+                                 for ([[maybe_unused]] auto _ : state)
+                                   if (auto done = work(); !done) error = done.error();
+                               })
+      ->Iterations(1)
+      ->Repetitions(kRuns)
+      ->UseRealTime();
+  Collector collector;
+  benchmark::RunSpecifiedBenchmarks(&collector, "all");
+  benchmark::ClearRegisteredBenchmarks();
+  if (error) return *error;
+  std::vector<double> seconds = collector.seconds();
+  if (seconds.size() != kRuns)
+    return fail("{}: expected {} timed runs, got {}", name, kRuns, seconds.size());
+  std::ranges::nth_element(seconds, seconds.begin() + kRuns / 2);
+  return seconds[kRuns / 2];
+}
+
+void print_heading(const std::string& peer) {
+  fmt::print("Median of {} runs after a warm-up; ratio = ours / peer; peer: {}\n", kRuns, peer);
+  fmt::print("{:<40} {:>10} {:>10} {:>7} {:>12} {:>12}  {}\n", "name", "ours ms", "peer ms",
+             "ratio", "ours tri", "peer tri", "note");
+  std::fflush(stdout);
+}
+
+void print_row(const Row& row) {
+  const auto ratio = row.ratio();
+  fmt::print("{:<40} {:>10} {:>10} {:>7} {:>12} {:>12}  {}\n", row.name, milliseconds(row.ours_s),
+             milliseconds(row.peer_s), ratio ? fmt::format("{:.3f}", *ratio) : std::string("-"),
+             count(row, "ours_triangles"), count(row, "peer_triangles"), row.note);
+  std::fflush(stdout);
+}
+
+std::string to_json(const std::vector<Row>& rows) {
+  nlohmann::json values = nlohmann::json::array();
+  for (const Row& row : rows) values.push_back(to_json_value(row));
+  return values.dump(2) + "\n";
+}
+
+Result<void> write_json(const std::vector<Row>& rows, const std::string& path) {
+  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+  LODE_CHECK(file.write(to_json(rows)));
+  return file.commit();
+}
+
+}  // namespace lode::bench

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lode/core/result.h"
+
+namespace lode::bench {
+
+/// One line of a benchmark: ours against a peer's, on the same input in the same run.
+struct Row {
+  std::string name;
+  std::optional<double> ours_s;
+  std::string peer;  ///< Empty where nothing comparable exists.
+  std::optional<double> peer_s;
+  std::map<std::string, double> counts;  ///< ours_triangles, peer_triangles, samples, ...
+  std::string note;                      ///< Why it was skipped, or how the inputs differ.
+
+  /// ours_s / peer_s: below 1 we are faster.
+  [[nodiscard]] std::optional<double> ratio() const;
+};
+
+/// Does the timed work once. A bad Result ends the measurement.
+using Work = std::function<Result<void>()>;
+
+/// Seconds: the median of seven runs of `work` after one that does not count, timed by Google
+/// Benchmark under `name`.
+[[nodiscard]] Result<double> median_seconds(const std::string& name, const Work& work);
+
+/// Prints one row as soon as it is known, aligned under print_heading's.
+void print_heading(const std::string& peer);
+void print_row(const Row& row);
+
+/// [{"name", "ours_s", "peer", "peer_s", "ratio", "note", counts...}, ...], missing values null.
+[[nodiscard]] std::string to_json(const std::vector<Row>& rows);
+/// Writes to_json(rows) whole or not at all.
+[[nodiscard]] Result<void> write_json(const std::vector<Row>& rows, const std::string& path);
+
+}  // namespace lode::bench

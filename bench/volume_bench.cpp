@@ -1,0 +1,172 @@
+// Build and extraction of regular volumes, with VTK's Flying Edges (and quadric decimation after
+// it) on the same samples in the same run. Both sides use two threads and start from memory.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/peers/flying_edges.h"
+#include "bench/report.h"
+#include "bench/volume_cases.h"
+#include "lode/api/dataset.h"
+
+namespace lode::bench {
+namespace {
+
+constexpr Threads kThreads{2};
+
+struct Settings {
+  std::string only;  ///< Only cases whose name contains this.
+  std::string json_path;
+};
+
+/// Prints each row when it is known and keeps it for the JSON.
+class Table {
+ public:
+  void add(Row row) {
+    print_row(row);
+    rows_.push_back(std::move(row));
+  }
+  [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
+
+ private:
+  std::vector<Row> rows_;
+};
+
+struct Timed {
+  double seconds = 0;
+  std::uint64_t triangles = 0;
+  double achieved_error = 0;
+};
+
+Result<Timed> time_ours(const Dataset& dataset, const VolumeCase& volume_case, double max_error,
+                        Normals normals) {
+  Timed timed;
+  Surface surface;  // reused by all runs, as the interface offers
+  Progress progress;
+  const ExtractOptions options{.isovalues = {volume_case.isovalue},
+                               .max_error = max_error,
+                               .normals = normals,
+                               .threads = kThreads};
+  const Work work = [&]() -> Result<void> {
+    LODE_TRY(const ExtractReport report, dataset.extract(options, surface, progress));
+    timed.triangles = report.triangles;
+    timed.achieved_error = report.achieved_error;
+    return {};
+  };
+  LODE_TRY(timed.seconds, median_seconds(volume_case.name, work));
+  return timed;
+}
+
+template <typename Extract>
+Result<Timed> time_peer(const VolumeCase& volume_case, const Extract& extract) {
+  Timed timed;
+  const Work work = [&]() -> Result<void> {
+    LODE_TRY(const PeerCounts counts, extract());
+    timed.triangles = counts.triangles;
+    return {};
+  };
+  LODE_TRY(timed.seconds, median_seconds(volume_case.name, work));
+  return timed;
+}
+
+Row versus(std::string name, const Timed& ours, std::string peer, const Timed& theirs,
+           const std::string& note) {
+  return {.name = std::move(name),
+          .ours_s = ours.seconds,
+          .peer = std::move(peer),
+          .peer_s = theirs.seconds,
+          .counts = {{"ours_triangles", static_cast<double>(ours.triangles)},
+                     {"peer_triangles", static_cast<double>(theirs.triangles)},
+                     {"ours_achieved_error", ours.achieved_error}},
+          .note = note};
+}
+
+Result<Dataset> run_build(const VolumeCase& volume_case, const Volume& volume, Table& table) {
+  Progress progress;
+  const auto source = make_memory_source(volume);
+  std::optional<Dataset> dataset;
+  const Work work = [&]() -> Result<void> {
+    dataset.reset();
+    LODE_TRY(dataset, Dataset::build(*source, {.threads = kThreads}, progress));
+    return {};
+  };
+  LODE_TRY(const double seconds, median_seconds(volume_case.name, work));
+  const auto n_samples = static_cast<double>(volume.info.grid.n_samples());
+  table.add({.name = "build/" + volume_case.name,
+             .ours_s = seconds,
+             .peer = {},
+             .peer_s = {},
+             .counts = {{"samples", n_samples}, {"samples_per_s", n_samples / seconds}},
+             .note = fmt::format("{:.1f} M samples/s", n_samples / seconds / 1e6)});
+  return std::move(*dataset);
+}
+
+Result<Timed> run_full(const VolumeCase& volume_case, const Volume& volume, const Dataset& dataset,
+                       Normals normals, Table& table) {
+  const bool with_normals = normals == Normals::on;
+  FlyingEdges peer(volume, volume_case.isovalue, with_normals ? PeerNormals::on : PeerNormals::off);
+  LODE_TRY(const Timed ours, time_ours(dataset, volume_case, 0, normals));
+  LODE_TRY(const Timed theirs, time_peer(volume_case, [&] { return peer.extract(); }));
+  table.add(versus((with_normals ? "full_normals/" : "full/") + volume_case.name, ours,
+                   with_normals ? "vtkFlyingEdges3D, normals" : "vtkFlyingEdges3D", theirs,
+                   peer.note()));
+  return theirs;
+}
+
+Result<void> run_adaptive(const VolumeCase& volume_case, const Volume& volume,
+                          const Dataset& dataset, const Timed& full_peer, Table& table) {
+  const DatasetInfo info = dataset.describe();
+  const double max_error = volume_case.relative_error * (info.range_max - info.range_min);
+  LODE_TRY(const Timed ours, time_ours(dataset, volume_case, max_error, Normals::off));
+  const std::string note =
+      fmt::format("max error {:.2g} % of the range", 100 * volume_case.relative_error);
+  table.add(versus("adaptive/" + volume_case.name, ours, "vtkFlyingEdges3D (full resolution)",
+                   full_peer, note));
+  FlyingEdges peer(volume, volume_case.isovalue, PeerNormals::off);
+  const auto decimate = [&] { return peer.extract_and_decimate(ours.triangles); };
+  LODE_TRY(const Timed decimated, time_peer(volume_case, decimate));
+  table.add(versus("adaptive_decimated/" + volume_case.name, ours,
+                   "vtkFlyingEdges3D + vtkQuadricDecimation", decimated, note));
+  return {};
+}
+
+Result<void> run_case(const VolumeCase& volume_case, Table& table) {
+  LODE_TRY(const Volume volume, load(volume_case));
+  LODE_TRY(const Dataset dataset, run_build(volume_case, volume, table));
+  LODE_TRY(const Timed peer, run_full(volume_case, volume, dataset, Normals::off, table));
+  LODE_CHECK(run_full(volume_case, volume, dataset, Normals::on, table));
+  return run_adaptive(volume_case, volume, dataset, peer, table);
+}
+
+int run(const Settings& settings) {
+  print_heading(describe_peer());
+  Table table;
+  for (const VolumeCase& volume_case : volume_cases()) {
+    if (volume_case.name.find(settings.only) == std::string::npos) continue;
+    if (auto done = run_case(volume_case, table); !done)
+      table.add({.name = volume_case.name, .note = done.error().message});
+  }
+  if (settings.json_path.empty()) return 0;
+  if (auto written = write_json(table.rows(), settings.json_path); !written) {
+    fmt::print(stderr, "volume_bench: {}\n", written.error().message);
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace lode::bench
+
+int main(int argc, char** argv) {
+  CLI::App app("Times building and extracting volumes against VTK.");
+  lode::bench::Settings settings;
+  app.add_option("--only", settings.only, "Only cases whose name contains this");
+  app.add_option("--json", settings.json_path, "Also write the rows to this file");
+  CLI11_PARSE(app, argc, argv);
+  return lode::bench::run(settings);
+}

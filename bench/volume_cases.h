@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lode/core/result.h"
+#include "lode/core/volume.h"
+#include "tests/oracles/analytic_fields.h"
+
+namespace lode::bench {
+
+/// A volume to race on: an analytic field, or a file of LODE_DATA/volume.
+struct VolumeCase {
+  std::string name;                     ///< "bonsai", "sphere_257", ...
+  std::optional<oracles::Field> field;  ///< Unset: a file.
+  std::int32_t n = 0;                   ///< Samples per axis of the field.
+  std::string file;
+  std::string array;  ///< Which of several fields in the file.
+  double isovalue = 0;
+  double relative_error = 0.005;  ///< Of the value range, for the adaptive rows.
+};
+
+[[nodiscard]] std::vector<VolumeCase> volume_cases();
+
+/// The samples; an Error where the file is absent or unreadable.
+[[nodiscard]] Result<Volume> load(const VolumeCase& volume_case);
+
+}  // namespace lode::bench

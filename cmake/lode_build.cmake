@@ -1,0 +1,55 @@
+# Compiler settings, packages and the two functions every room uses.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+
+set(LODE_SANITIZE "" CACHE STRING "Sanitizers, as given to -fsanitize=")
+
+find_program(LODE_CCACHE ccache)
+if(LODE_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${LODE_CCACHE})
+endif()
+
+find_package(fmt REQUIRED)
+find_package(TBB REQUIRED)
+find_package(PkgConfig REQUIRED)
+
+add_library(lode_settings INTERFACE)
+# No contraction and no fast-math: each result that reaches an output has one order of operations.
+target_compile_options(lode_settings INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror
+                                               -ffp-contract=off)
+target_include_directories(lode_settings INTERFACE ${PROJECT_SOURCE_DIR}/src)
+if(LODE_SANITIZE)
+  target_compile_options(lode_settings INTERFACE -fsanitize=${LODE_SANITIZE}
+                                                 -fno-omit-frame-pointer
+                                                 -fno-sanitize-recover=all)
+  target_link_options(lode_settings INTERFACE -fsanitize=${LODE_SANITIZE})
+endif()
+
+# lode_room(NAME SOURCES ... [DEPENDS targets...]): one static library, lode_NAME.
+function(lode_room name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_library(lode_${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(lode_${name} PUBLIC lode_settings ${ARG_DEPENDS})
+  # One compilation per room: headers, which cost most of the time, are read once.
+  set_target_properties(lode_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+endfunction()
+
+# lode_test(NAME SOURCES ... [DEPENDS targets...] [LABEL fast|slow]): one GoogleTest program,
+# registered with CTest test by test.
+function(lode_test name)
+  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT ARG_LABEL)
+    set(ARG_LABEL fast)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE lode_settings ${ARG_DEPENDS} GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE
+    LODE_SAMPLES_DIR="${PROJECT_SOURCE_DIR}/samples"
+    LODE_TEST_FILES_DIR="${PROJECT_SOURCE_DIR}/tests/files")
+  gtest_discover_tests(${name} PROPERTIES LABELS ${ARG_LABEL} DISCOVERY_TIMEOUT 60)
+endfunction()

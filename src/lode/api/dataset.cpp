@@ -1,0 +1,246 @@
+#include "lode/api/dataset.h"
+
+#include <chrono>
+#include <cmath>
+#include <variant>
+
+#include "lode/api/verification.h"
+#include "lode/mappers/surface_edits.h"
+#include "lode/models/diamond/build.h"
+#include "lode/models/diamond/extract.h"
+#include "lode/models/diamond/normals.h"
+#include "lode/models/diamond/persist.h"
+
+namespace lode {
+
+class Dataset::Impl {
+ public:
+  std::variant<diamond::Model<2>, diamond::Model<3>> model;
+  std::optional<diamond::StoredBytes> stored;
+};
+
+namespace {
+
+/// A volume one sample thick (or a 2D image) is a diamond2d.
+bool is_flat(const Index3& dims) { return dims[0] == 1 || dims[1] == 1 || dims[2] == 1; }
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Result<void> check_options(const ExtractOptions& options) {
+  if (options.isovalues.empty()) return fail("expected at least one isovalue, got none");
+  for (const double c : options.isovalues)
+    if (!std::isfinite(c)) return fail("expected a finite isovalue, got {}", c);
+  if (options.max_error && !(*options.max_error >= 0 && std::isfinite(*options.max_error)))
+    return fail("expected a finite max_error >= 0, got {}", *options.max_error);
+  if (options.clip)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (!(options.clip->lower[i] < options.clip->upper[i]))
+        return fail("expected a clip box with lower < upper on each axis, got {} and {} on axis {}",
+                    options.clip->lower[i], options.clip->upper[i], i);
+  if (options.border == Border::closed)
+    return fail("closing a surface at the border is not available in this version");
+  return {};
+}
+
+template <int D>
+double tolerance_of(const diamond::Model<D>& model, const ExtractOptions& options) {
+  constexpr double kDefaultShareOfRange = 0.005;
+  return options.max_error.value_or(kDefaultShareOfRange * (model.stats.max - model.stats.min));
+}
+
+/// Appends one isovalue's surface, with isovalue and normals per vertex.
+template <int D>
+Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& options,
+                         double isovalue, Surface& surface, ExtractReport& report,
+                         Progress& progress) {
+  const std::size_t first = surface.positions.size();
+  std::vector<EdgePoint> points;
+  const bool wants_normals = D == 3 && options.normals == Normals::on;
+  LODE_TRY(
+      const auto part,
+      diamond::extract_isosurface<D>(
+          model, {.isovalue = isovalue, .tolerance = report.max_error, .threads = options.threads},
+          surface, wants_normals ? &points : nullptr, progress));
+  report.achieved_error = std::max(report.achieved_error, part.achieved_error);
+  report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
+  report.nodes_visited += part.nodes_visited;
+  report.seconds.select += part.select_seconds;
+  report.seconds.geometry += part.geometry_seconds;
+  const auto start = std::chrono::steady_clock::now();
+  if (wants_normals) {
+    surface.normals.resize(surface.positions.size());
+    diamond::compute_normals<D>(model, std::span<const EdgePoint>(points).subspan(first),
+                                options.threads, std::span(surface.normals).subspan(first));
+  }
+  surface.isovalues.resize(surface.positions.size(), static_cast<float>(isovalue));
+  report.seconds.finish += seconds_since(start);
+  return {};
+}
+
+void finish_surface(const ExtractOptions& options, bool has_holes, Surface& surface,
+                    ExtractReport& report) {
+  const auto start = std::chrono::steady_clock::now();
+  if (has_holes && !surface.triangles.empty()) split_pinched_vertices(surface);
+  fill_zero_normals(surface);
+  if (options.clip) crop(surface, *options.clip);
+  if (options.min_component > 1) {
+    const Dropped dropped = drop_small_components(surface, options.min_component);
+    report.components_dropped = dropped.components;
+    report.triangles_dropped = dropped.cells;
+  }
+  if (options.orientation == Orientation::from_higher_values) flip_orientation(surface);
+  report.triangles = surface.triangles.size();
+  report.lines = surface.lines.size();
+  report.vertices = surface.positions.size();
+  report.seconds.finish += seconds_since(start);
+}
+
+template <int D>
+LevelInfo describe_level(const diamond::Model<D>& model, int level) {
+  LevelInfo info{.level = level, .step = std::int64_t{1} << level};
+  std::uint64_t here = 1;
+  std::uint64_t coarser = 1;
+  for (std::size_t i = 0; i < diamond::as_size(D); ++i) {
+    const auto last = static_cast<std::uint64_t>(model.shape.dims[i] - 1);
+    here *= (last >> level) + 1;
+    coarser *= (last >> (level + 1)) + 1;
+  }
+  info.n_samples = level == model.shape.n_levels - 1 ? here : here - coarser;
+  const diamond::NodeLevel& nodes = model.levels[static_cast<std::size_t>(level)];
+  if (level > 0) {
+    const auto dims = model.shape.grid_dims(level);
+    for (std::size_t i = 0; i < nodes.error.size(); ++i) {
+      const auto q = diamond::point_of<D>(dims, i);
+      std::int32_t odd = 0;
+      for (std::size_t a = 0; a < diamond::as_size(D); ++a) odd |= q[a];
+      info.n_nodes += (odd & 1) != 0 ? 1 : 0;
+    }
+  } else {
+    info.n_nodes = info.n_samples;
+  }
+  for (const diamond::ErrorCode error : nodes.error)
+    info.max_error = std::max(info.max_error, static_cast<double>(diamond::decode_error(error)));
+  return info;
+}
+
+template <int D>
+DatasetInfo describe_model(const diamond::Model<D>& model) {
+  DatasetInfo info;
+  info.model = diamond::model_name<D>();
+  info.volume = model.info;
+  info.range_min = model.stats.min;
+  info.range_max = model.stats.max;
+  info.n_holes = model.stats.n_holes;
+  info.n_removed_cells = model.stats.n_removed_cells;
+  info.base_error = model.base_error();
+  for (int level = 0; level < model.shape.n_levels; ++level)
+    info.levels.push_back(describe_level<D>(model, level));
+  return info;
+}
+
+}  // namespace
+
+Dataset::Dataset(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Dataset::Dataset(Dataset&&) noexcept = default;
+Dataset& Dataset::operator=(Dataset&&) noexcept = default;
+Dataset::~Dataset() = default;
+
+Result<Dataset> Dataset::build(VolumeSource& source, const BuildOptions& options,
+                               Progress& progress) {
+  const diamond::BuildSettings settings{.threads = options.threads};
+  if (is_flat(source.info().grid.dims)) {
+    LODE_TRY(auto model, diamond::build<2>(source, settings, progress));
+    return Dataset(std::make_unique<Impl>(Impl{std::move(model), {}}));
+  }
+  LODE_TRY(auto model, diamond::build<3>(source, settings, progress));
+  return Dataset(std::make_unique<Impl>(Impl{std::move(model), {}}));
+}
+
+Result<Dataset> Dataset::open(const std::string& path, Threads threads, Progress& progress) {
+  LODE_TRY(const auto reader, store::Reader::open(path));
+  auto stored = diamond::stored_bytes(reader);
+  if (reader.model() == diamond::model_name<2>()) {
+    LODE_TRY(auto model, diamond::load<2>(reader, threads, progress));
+    return Dataset(std::make_unique<Impl>(Impl{std::move(model), std::move(stored)}));
+  }
+  if (reader.model() == diamond::model_name<3>()) {
+    LODE_TRY(auto model, diamond::load<3>(reader, threads, progress));
+    return Dataset(std::make_unique<Impl>(Impl{std::move(model), std::move(stored)}));
+  }
+  return fail("{}: expected a model diamond2d or diamond3d, got \"{}\"", path, reader.model());
+}
+
+Result<void> Dataset::save(const std::string& path, Threads threads, Progress& progress) const {
+  return std::visit(
+      [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
+        return diamond::save<D>(model, path, threads, progress);
+      },
+      impl_->model);
+}
+
+DatasetInfo Dataset::describe() const {
+  DatasetInfo info = std::visit(
+      []<int D>(const diamond::Model<D>& model) { return describe_model<D>(model); }, impl_->model);
+  if (impl_->stored) {
+    info.data_bytes = impl_->stored->samples;
+    info.attribute_bytes = impl_->stored->attributes;
+    for (std::size_t i = 0; i < std::min(info.levels.size(), impl_->stored->by_level.size()); ++i)
+      info.levels[i].bytes = impl_->stored->by_level[i];
+  }
+  return info;
+}
+
+Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& surface,
+                                       Progress& progress) const {
+  LODE_CHECK(check_options(options));
+  const auto start = std::chrono::steady_clock::now();
+  surface.clear();
+  ExtractReport report;
+  const auto done = std::visit(
+      [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
+        report.max_error = tolerance_of<D>(model, options);
+        for (const double isovalue : options.isovalues)
+          LODE_CHECK(extract_one<D>(model, options, isovalue, surface, report, progress));
+        finish_surface(options, model.has_holes(), surface, report);
+        return {};
+      },
+      impl_->model);
+  if (!done) return done.error();
+  report.seconds.total = seconds_since(start);
+  return report;
+}
+
+Result<VerifyReport> Dataset::verify_against(VolumeSource& original, Threads threads,
+                                             Progress& progress) const {
+  return std::visit(
+      [&]<int D>(const diamond::Model<D>& model) {
+        return verify_model_against<D>(model, original, threads, progress);
+      },
+      impl_->model);
+}
+
+Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const ExtractOptions& options,
+                                             Progress& progress) const {
+  LODE_CHECK(check_options(options));
+  return std::visit(
+      [&]<int D>(const diamond::Model<D>& model) {
+        return verify_model_surface<D>(model, surface, options, tolerance_of<D>(model, options),
+                                       progress);
+      },
+      impl_->model);
+}
+
+Result<VerifyReport> verify_file(const std::string& path, Threads threads, Progress& progress) {
+  LODE_TRY(const auto reader, store::Reader::open(path));
+  LODE_CHECK(reader.check_all(threads, progress));
+  VerifyReport report;
+  report.checks.push_back({.name = "every byte of the file",
+                           .count = reader.file_size(),
+                           .passed = true,
+                           .detail = fmt::format("{} blocks", reader.blocks().size())});
+  return report;
+}
+
+}  // namespace lode

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lode/core/box.h"
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/core/surface.h"
+#include "lode/core/volume.h"
+
+namespace lode {
+
+struct BuildOptions {
+  Threads threads;
+};
+
+/// One level of the hierarchy, finest (0) first.
+struct LevelInfo {
+  int level = 0;
+  std::int64_t step = 1;        ///< Distance of the level's samples, in samples of the data.
+  std::uint64_t n_samples = 0;  ///< Samples this level adds.
+  std::uint64_t n_nodes = 0;    ///< Nodes (diamonds) of this level.
+  std::uint64_t bytes = 0;      ///< On disk; 0 when the dataset is not on disk.
+  double max_error = 0;         ///< Largest nested error of the level's nodes, field units.
+};
+
+struct DatasetInfo {
+  std::string model;  ///< "diamond2d" or "diamond3d".
+  VolumeInfo volume;
+  double range_min = 0;  ///< Of the finite, non-hole samples; both 0 when none is.
+  double range_max = 0;
+  std::uint64_t n_holes = 0;          ///< Samples that are non-finite or nodata.
+  std::uint64_t n_removed_cells = 0;  ///< Unit cells the holes remove.
+  double base_error = 0;              ///< Nested error of the unrefined base mesh, field units.
+  std::uint64_t data_bytes = 0;       ///< Compressed samples on disk.
+  std::uint64_t attribute_bytes = 0;  ///< Everything on disk that is not samples.
+  std::vector<LevelInfo> levels;
+};
+
+enum class Normals : std::uint8_t { off, on };
+enum class Orientation : std::uint8_t { from_lower_values, from_higher_values };
+enum class Border : std::uint8_t { open, closed };
+
+struct ExtractOptions {
+  std::vector<double> isovalues;    ///< At least one; finite.
+  std::optional<double> max_error;  ///< Field units, >= 0; unset: 0.5 % of the value range.
+  std::optional<Box3d> clip;        ///< Crops the result, world units.
+  Border border = Border::open;     ///< closed caps the surface at the domain's border.
+  std::uint64_t min_component = 0;  ///< Pieces with fewer triangles (lines) are dropped.
+  Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.
+  Normals normals = Normals::on;
+  Threads threads;
+};
+
+/// Seconds per phase of an extraction.
+struct ExtractSeconds {
+  double total = 0;
+  double select = 0;    ///< Finding the active simplices.
+  double geometry = 0;  ///< Vertices, triangles, stitching.
+  double finish = 0;    ///< Normals, clipping, caps, small pieces.
+};
+
+struct ExtractReport {
+  double max_error = 0;       ///< The tolerance asked for (or chosen), field units.
+  double achieved_error = 0;  ///< Proven bound of |F - F'| over the active simplices, <= max_error.
+  double coordinate_slack = 0;  ///< What rounding vertices may add to |F - isovalue|, field units.
+  std::uint64_t triangles = 0;
+  std::uint64_t lines = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t nodes_visited = 0;
+  std::uint64_t components_dropped = 0;  ///< By min_component.
+  std::uint64_t triangles_dropped = 0;   ///< Their triangles (lines).
+  ExtractSeconds seconds;
+};
+
+/// What a verification looked at, and the first thing that failed (empty: all holds).
+struct VerifyReport {
+  struct Check {
+    std::string name;         ///< "no self-intersection", ...
+    std::uint64_t count = 0;  ///< How many things were checked.
+    bool passed = true;
+    std::string detail;  ///< Measured worst value, or the worst offender.
+  };
+  std::vector<Check> checks;
+
+  [[nodiscard]] bool passed() const {
+    for (const Check& check : checks)
+      if (!check.passed) return false;
+    return true;
+  }
+};
+
+/// The one door: a multiresolution model, in memory or opened from a .lode file.
+class Dataset {
+ public:
+  Dataset(Dataset&&) noexcept;
+  Dataset& operator=(Dataset&&) noexcept;
+  ~Dataset();
+
+  /// Builds the hierarchy of a volume with exact errors and ranges.
+  [[nodiscard]] static Result<Dataset> build(VolumeSource& source, const BuildOptions& options,
+                                             Progress& progress);
+  /// Opens a .lode file; every block that is read is checked.
+  [[nodiscard]] static Result<Dataset> open(const std::string& path, Threads threads,
+                                            Progress& progress);
+  /// Writes the .lode file, whole or not at all.
+  [[nodiscard]] Result<void> save(const std::string& path, Threads threads,
+                                  Progress& progress) const;
+
+  [[nodiscard]] DatasetInfo describe() const;
+
+  /// Extracts isosurfaces (or contour lines of 2D data) into `surface`, whose memory is reused.
+  [[nodiscard]] Result<ExtractReport> extract(const ExtractOptions& options, Surface& surface,
+                                              Progress& progress) const;
+
+  /// Recomputes errors and ranges from the original data and compares them with the stored ones.
+  [[nodiscard]] Result<VerifyReport> verify_against(VolumeSource& original, Threads threads,
+                                                    Progress& progress) const;
+  /// Checks a surface extracted with `options`: manifold, oriented, closed where it must be,
+  /// free of self-intersections, and within tolerance everywhere.
+  [[nodiscard]] Result<VerifyReport> verify_surface(const Surface& surface,
+                                                    const ExtractOptions& options,
+                                                    Progress& progress) const;
+
+  class Impl;
+
+ private:
+  explicit Dataset(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Reads every byte of a .lode file and checks it.
+[[nodiscard]] Result<VerifyReport> verify_file(const std::string& path, Threads threads,
+                                               Progress& progress);
+
+}  // namespace lode

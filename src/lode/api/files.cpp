@@ -1,0 +1,56 @@
+#include "lode/api/files.h"
+
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "lode/core/atomic_file.h"
+#include "lode/store/format.h"
+
+namespace lode {
+namespace {
+
+bool is_named_lode(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension == ".lode";
+}
+
+bool starts_like_lode(const std::string& path) {
+  std::error_code status;
+  // Only regular files: opening a pipe would wait for its other end.
+  if (!std::filesystem::is_regular_file(path, status)) return false;
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, store::kMagicBytes> start{};
+  return file.read(start.data(), start.size()) &&
+         std::memcmp(start.data(), store::kMagic.data(), start.size()) == 0;
+}
+
+}  // namespace
+
+bool is_lode_path(const std::string& path) { return is_named_lode(path) || starts_like_lode(path); }
+
+Result<Dataset> open_any(const std::string& path, const ReadOptions& options, Threads threads,
+                         Progress& progress) {
+  if (is_lode_path(path)) return Dataset::open(path, threads, progress);
+  LODE_TRY(const auto source, open_volume(path, options));
+  return Dataset::build(*source, {.threads = threads}, progress);
+}
+
+Result<void> check_writable(const std::string& path) {
+  std::error_code status;
+  const auto type = std::filesystem::status(path, status).type();
+  // Replacing a device or a pipe by a file is never what was meant.
+  if (type != std::filesystem::file_type::not_found &&
+      type != std::filesystem::file_type::regular &&
+      type != std::filesystem::file_type::directory && type != std::filesystem::file_type::none)
+    return fail("{}: expected a file name for the output, got a device, pipe or socket", path);
+  // Making the temporary is the one test that says what the real write will say.
+  if (auto file = AtomicFile::create(path); !file) return file.error();
+  return {};
+}
+
+}  // namespace lode

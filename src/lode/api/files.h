@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+
+#include "lode/api/dataset.h"
+#include "lode/io/surface_file.h"
+#include "lode/io/volume_reader.h"
+#include "lode/render/camera_file.h"
+#include "lode/render/surface_renderer.h"
+
+namespace lode {
+
+// The door's part of io, documented there. That of render is in this namespace already.
+using io::ByteOrder;
+using io::can_hold_isovalues;
+using io::can_hold_lines;
+using io::check_surface_path;
+using io::ComponentChoice;
+using io::describe_volume;
+using io::FileDescription;
+using io::Magnitude;
+using io::open_volume;
+using io::RawLayout;
+using io::read_surface;
+using io::ReadOptions;
+using io::SurfaceWriteOptions;
+using io::write_surface;
+
+/// Whether `path` is to be opened as a .lode file: it is named so (any case), or starts as one.
+[[nodiscard]] bool is_lode_path(const std::string& path);
+
+/// Opens a .lode file, or reads a foreign one and builds its hierarchy in memory, which costs the
+/// time of a build; `options` is used by foreign files only.
+[[nodiscard]] Result<Dataset> open_any(const std::string& path, const ReadOptions& options,
+                                       Threads threads, Progress& progress);
+
+/// Fails, naming `path`, unless a file can be made or replaced there. Leaves nothing behind; meant
+/// to be asked before expensive work starts.
+[[nodiscard]] Result<void> check_writable(const std::string& path);
+
+}  // namespace lode

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "lode/api/dataset.h"
+#include "lode/models/diamond/model.h"
+
+namespace lode {
+
+/// Recomputes own errors and ranges of all stored nodes sample by sample, by a path of its own
+/// (interpolants evaluated directly), and compares: own <= stored, stored nested.
+template <int D>
+[[nodiscard]] Result<VerifyReport> verify_model_against(const diamond::Model<D>& model,
+                                                        VolumeSource& original, Threads threads,
+                                                        Progress& progress);
+
+/// Checks a surface against the model's samples; see Dataset::verify_surface.
+template <int D>
+[[nodiscard]] Result<VerifyReport> verify_model_surface(const diamond::Model<D>& model,
+                                                        const Surface& surface,
+                                                        const ExtractOptions& options,
+                                                        double tolerance, Progress& progress);
+
+}  // namespace lode

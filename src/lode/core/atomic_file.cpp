@@ -1,0 +1,117 @@
+#include "lode/core/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+namespace lode {
+namespace {
+
+constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+
+std::string directory_of(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+bool write_fully(int descriptor, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(descriptor, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::string path, std::string temporary, int descriptor)
+    : path_(std::move(path)), temporary_(std::move(temporary)), descriptor_(descriptor) {
+  buffer_.reserve(kBufferBytes);
+}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      temporary_(std::move(other.temporary_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      size_(other.size_),
+      buffer_(std::move(other.buffer_)) {}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  ::unlink(temporary_.c_str());
+}
+
+Error AtomicFile::system_error(const char* action) const {
+  return fail("{}: cannot {}: {}", path_, action, std::strerror(errno));
+}
+
+Result<AtomicFile> AtomicFile::create(std::string path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode))
+    return fail("{}: expected a file name for the output, got a directory", path);
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    std::string temporary = fmt::format("{}.tmp-{}-{}", path, ::getpid(), attempt);
+    const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0) return AtomicFile(std::move(path), std::move(temporary), descriptor);
+    if (errno != EEXIST)
+      return fail("{}: cannot create the output file: {}", path, std::strerror(errno));
+  }
+  return fail("{}: cannot find a free name for a temporary file beside it", path);
+}
+
+Result<void> AtomicFile::flush() {
+  if (!write_fully(descriptor_, buffer_)) return system_error("write");
+  buffer_.clear();
+  return {};
+}
+
+Result<void> AtomicFile::write(std::span<const std::byte> bytes) {
+  LODE_EXPECTS(descriptor_ >= 0);
+  size_ += bytes.size();
+  if (buffer_.size() + bytes.size() > kBufferBytes) LODE_CHECK(flush());
+  if (bytes.size() > kBufferBytes) {
+    if (!write_fully(descriptor_, bytes)) return system_error("write");
+    return {};
+  }
+  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+  return {};
+}
+
+Result<void> AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+  LODE_EXPECTS(descriptor_ >= 0 && offset + bytes.size() <= size_);
+  LODE_CHECK(flush());
+  while (!bytes.empty()) {
+    const ssize_t n = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return system_error("write");
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+    offset += static_cast<std::uint64_t>(n);
+  }
+  return {};
+}
+
+Result<void> AtomicFile::commit() {
+  LODE_EXPECTS(descriptor_ >= 0);
+  LODE_CHECK(flush());
+  if (::fsync(descriptor_) != 0) return system_error("flush to disk");
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) return system_error("rename into place");
+  ::close(std::exchange(descriptor_, -1));
+  // The rename is durable once its directory is; a file system without that call is no failure.
+  const int directory = ::open(directory_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (directory >= 0) {
+    ::fsync(directory);
+    ::close(directory);
+  }
+  return {};
+}
+
+}  // namespace lode

@@ -1,0 +1,36 @@
+#include "lode/core/parallel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace lode {
+
+int n_workers(Threads threads) {
+  if (threads.count > 0) return threads.count;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void parallel_for(std::size_t n, Threads threads, std::size_t grain,
+                  const std::function<void(std::size_t i, int worker)>& body) {
+  const int workers = n_workers(threads);
+  if (workers == 1 || n <= std::max<std::size_t>(grain, 1)) {
+    for (std::size_t i = 0; i < n; ++i) body(i, 0);
+    return;
+  }
+  tbb::task_arena arena(workers);
+  arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          const int worker = tbb::this_task_arena::current_thread_index();
+          for (std::size_t i = range.begin(); i != range.end(); ++i) body(i, worker);
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+}  // namespace lode

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lode/core/vec.h"
+
+namespace lode {
+
+/// An extracted isosurface (triangles) or set of contour lines (lines): exactly one of the two
+/// is used. World position of vertex i = origin + positions[i]; the origin is zero unless the
+/// coordinates are too large for float32 (see docs/models/diamond3d.md).
+struct Surface {
+  Vec3d origin{{0, 0, 0}};
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;                           ///< Unit length, per vertex; may be empty.
+  std::vector<float> isovalues;                         ///< Per vertex; may be empty.
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Counter-clockwise from lower values.
+  std::vector<std::array<std::uint32_t, 2>> lines;      ///< Lower values on the right, z up.
+
+  [[nodiscard]] bool is_empty() const { return triangles.empty() && lines.empty(); }
+  [[nodiscard]] Vec3d world_position(std::uint32_t vertex) const;
+  /// Empties the vectors but keeps their memory, so that a Surface can be filled again.
+  void clear();
+};
+
+}  // namespace lode

@@ -1,0 +1,226 @@
+#include "lode/io/image_source.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "lode/io/text.h"
+
+namespace lode::io {
+namespace {
+
+/// What is read of each sample: `n_components` numbers from `first_component`, at one time.
+struct Selection {
+  std::int64_t first = 0;  ///< Offset of the first number, in numbers.
+  std::int64_t n_components = 1;
+  bool is_computed = false;
+};
+
+ScalarType computed_type(ScalarType stored) {
+  return size_of(stored) <= 2 || stored == ScalarType::float32 ? ScalarType::float32
+                                                               : ScalarType::float64;
+}
+
+class ImageSource final : public VolumeSource {
+ public:
+  ImageSource(VolumeInfo info, const ImageField& field, Selection selection,
+              std::unique_ptr<SampleStore> store)
+      : info_(std::move(info)),
+        layout_(field.layout),
+        slope_(field.slope),
+        intercept_(field.intercept),
+        selection_(selection),
+        store_(std::move(store)) {}
+
+  const VolumeInfo& info() const override { return info_; }
+
+  Result<void> read(const IndexBox& box, std::span<std::byte> out) override {
+    LODE_EXPECTS(info_.grid.index_box().contains(box));
+    LODE_EXPECTS(out.size() == static_cast<std::size_t>(box.n_samples()) * size_of(info_.type));
+    if (box.is_empty()) return {};
+    return is_plain() ? read_plain(box, out) : read_rows(box, out);
+  }
+
+ private:
+  /// Samples of a row lie side by side and go out as they are.
+  bool is_plain() const { return !selection_.is_computed && layout_.strides[0] == 1; }
+
+  std::int64_t position(std::int32_t x, std::int32_t y, std::int32_t z) const {
+    return selection_.first + x * layout_.strides[0] + y * layout_.strides[1] +
+           z * layout_.strides[2];
+  }
+
+  Result<void> read_plain(const IndexBox& box, std::span<std::byte> out) {
+    const std::size_t size = size_of(layout_.type);
+    const Index3 dims = box.dims();
+    std::int64_t run = dims[0];
+    // Whole rows that follow one another are read together, and so are whole slices.
+    const bool joins_rows = layout_.strides[1] == run;
+    if (joins_rows) run *= dims[1];
+    const bool joins_slices = joins_rows && layout_.strides[2] == run;
+    if (joins_slices) run *= dims[2];
+    const std::size_t n_bytes = static_cast<std::size_t>(run) * size;
+    for (std::int32_t z = box.lower[2]; z < box.upper[2]; z += joins_slices ? dims[2] : 1)
+      for (std::int32_t y = box.lower[1]; y < box.upper[1]; y += joins_rows ? dims[1] : 1) {
+        const auto first = static_cast<std::uint64_t>(position(box.lower[0], y, z));
+        LODE_CHECK(store_->read(first * size, out.first(n_bytes)));
+        to_native(out.first(n_bytes), layout_.type, layout_.byte_order);
+        out = out.subspan(n_bytes);
+      }
+    return {};
+  }
+
+  Result<void> read_rows(const IndexBox& box, std::span<std::byte> out) {
+    const std::size_t row_bytes = static_cast<std::size_t>(box.dims()[0]) * size_of(info_.type);
+    for (std::int32_t z = box.lower[2]; z < box.upper[2]; ++z)
+      for (std::int32_t y = box.lower[1]; y < box.upper[1]; ++y) {
+        const std::int64_t first = position(box.lower[0], y, z);
+        const auto n = static_cast<std::size_t>(box.dims()[0]);
+        if (selection_.is_computed)
+          LODE_CHECK(compute_row(first, n, out.first(row_bytes)));
+        else
+          LODE_CHECK(gather(first, n, out.first(row_bytes)));
+        out = out.subspan(row_bytes);
+      }
+    return {};
+  }
+
+  /// n numbers, one x stride apart, in native byte order.
+  Result<void> gather(std::int64_t first, std::size_t n, std::span<std::byte> out) {
+    const std::size_t size = size_of(layout_.type);
+    const auto stride = static_cast<std::size_t>(layout_.strides[0]);
+    scratch_.resize(((n - 1) * stride + 1) * size);
+    LODE_CHECK(store_->read(static_cast<std::uint64_t>(first) * size, scratch_));
+    for (std::size_t i = 0; i < n; ++i)
+      std::memcpy(out.data() + i * size, scratch_.data() + i * stride * size, size);
+    to_native(out, layout_.type, layout_.byte_order);
+    return {};
+  }
+
+  Result<void> compute_row(std::int64_t first, std::size_t n, std::span<std::byte> out) {
+    values_.assign(n, 0.0);
+    gathered_.resize(n * size_of(layout_.type));
+    for (std::int64_t c = 0; c < selection_.n_components; ++c) {
+      LODE_CHECK(gather(first + c * layout_.component_stride, n, gathered_));
+      visit_scalar_type(layout_.type, [&]<typename T>() { accumulate<T>(); });
+    }
+    if (info_.type == ScalarType::float32)
+      write_values<float>(out);
+    else
+      write_values<double>(out);
+    return {};
+  }
+
+  template <typename T>
+  void accumulate() {
+    const bool is_magnitude = selection_.n_components > 1;
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      T stored;
+      std::memcpy(&stored, gathered_.data() + i * sizeof(T), sizeof(T));
+      const double value = slope_ * static_cast<double>(stored) + intercept_;
+      values_[i] = is_magnitude ? values_[i] + value * value : value;
+    }
+  }
+
+  template <typename T>
+  void write_values(std::span<std::byte> out) const {
+    const bool is_magnitude = selection_.n_components > 1;
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const auto value = static_cast<T>(is_magnitude ? std::sqrt(values_[i]) : values_[i]);
+      std::memcpy(out.data() + i * sizeof(T), &value, sizeof(T));
+    }
+  }
+
+  VolumeInfo info_;
+  SampleLayout layout_;
+  double slope_;
+  double intercept_;
+  Selection selection_;
+  std::unique_ptr<SampleStore> store_;
+  std::vector<std::byte> scratch_;
+  std::vector<std::byte> gathered_;
+  std::vector<double> values_;
+};
+
+std::string field_list(const Image& image) {
+  std::string list;
+  for (const ImageField& field : image.fields) {
+    if (!list.empty()) list += ", ";
+    list += field.name.empty() ? "(unnamed)" : field.name;
+  }
+  return list;
+}
+
+Result<void> select_time(const Image& image, const SampleLayout& layout, const ReadOptions& options,
+                         Selection& selection) {
+  if (!options.time && layout.n_times > 1)
+    return fail("{}: holds {} times; choose one with --time N, 0 to {}", image.path, layout.n_times,
+                layout.n_times - 1);
+  const std::int64_t time = options.time.value_or(0);
+  if (time < 0 || time >= layout.n_times)
+    return fail("{}: expected --time between 0 and {}, got {}", image.path, layout.n_times - 1,
+                time);
+  selection.first += time * layout.time_stride;
+  return {};
+}
+
+Result<void> select_component(const Image& image, const SampleLayout& layout,
+                              const ReadOptions& options, Selection& selection) {
+  const std::int64_t n = layout.n_components;
+  if (!options.component) {
+    if (n == 1) return {};
+    return fail(
+        "{}: the samples have {} components; choose one with --component N, 0 to {}, or all with "
+        "--component magnitude",
+        image.path, n, n - 1);
+  }
+  if (std::holds_alternative<Magnitude>(*options.component)) {
+    if (n == 1)
+      return fail("{}: a magnitude needs vectors, but the samples have one component", image.path);
+    selection.n_components = n;
+    return {};
+  }
+  const std::int64_t component = std::get<int>(*options.component);
+  if (component < 0 || component >= n)
+    return fail("{}: expected --component between 0 and {}, got {}", image.path, n - 1, component);
+  selection.first += component * layout.component_stride;
+  return {};
+}
+
+}  // namespace
+
+Result<const ImageField*> choose_field(const Image& image, const ReadOptions& options) {
+  LODE_EXPECTS(!image.fields.empty());
+  if (options.field) {
+    for (const ImageField& field : image.fields)
+      if (field.name == *options.field) return &field;
+    return fail("{}: has no field {}; it has {}", image.path, in_quotes(*options.field),
+                field_list(image));
+  }
+  if (image.fields.size() == 1) return &image.fields.front();
+  return fail("{}: holds {} fields; choose one with --field: {}", image.path, image.fields.size(),
+              field_list(image));
+}
+
+Result<std::unique_ptr<VolumeSource>> make_image_source(const Image& image,
+                                                        const ReadOptions& options) {
+  if (options.nodata && !std::isfinite(*options.nodata))
+    return fail(
+        "{}: expected a finite --nodata value (non-finite samples are always holes), got {}",
+        image.path, *options.nodata);
+  LODE_TRY(const ImageField* field, choose_field(image, options));
+  const SampleLayout& layout = field->layout;
+  Selection selection;
+  LODE_CHECK(select_time(image, layout, options, selection));
+  LODE_CHECK(select_component(image, layout, options, selection));
+  const bool has_scale = field->slope != 1 || field->intercept != 0;
+  selection.is_computed = has_scale || selection.n_components > 1;
+  VolumeInfo info{.grid = image.grid,
+                  .type = selection.is_computed ? computed_type(layout.type) : layout.type,
+                  .field_name = field->name,
+                  .nodata = options.nodata};
+  LODE_TRY(std::unique_ptr<SampleStore> store, field->load());
+  return std::unique_ptr<VolumeSource>(
+      std::make_unique<ImageSource>(std::move(info), *field, selection, std::move(store)));
+}
+
+}  // namespace lode::io

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+
+#include "lode/core/result.h"
+#include "lode/core/volume.h"
+#include "lode/io/image.h"
+#include "lode/io/volume_reader.h"
+
+namespace lode::io {
+
+/// The field that the options pick; fails, listing them, when there are several and no choice, or
+/// none of that name.
+[[nodiscard]] Result<const ImageField*> choose_field(const Image& image,
+                                                     const ReadOptions& options);
+
+/// Makes the scalar source that the options pick out of an image: field, time, component or
+/// magnitude, with slope and intercept applied. The type stays as stored unless values are
+/// computed: then it is float32 for samples of up to 16 bits and float32 ones, else float64.
+[[nodiscard]] Result<std::unique_ptr<VolumeSource>> make_image_source(const Image& image,
+                                                                      const ReadOptions& options);
+
+}  // namespace lode::io

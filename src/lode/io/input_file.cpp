@@ -1,0 +1,59 @@
+#include "lode/io/input_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+namespace lode::io {
+namespace {
+
+std::string system_message() { return std::generic_category().message(errno); }
+
+}  // namespace
+
+Result<InputFilePtr> InputFile::open(const std::string& path) {
+  // O_NONBLOCK: opening a FIFO that nobody writes to must not wait.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) return fail("{}: cannot be opened: {}", path, system_message());
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) {
+    const Error error = fail("{}: cannot be examined: {}", path, system_message());
+    ::close(descriptor);
+    return error;
+  }
+  InputFilePtr file(new InputFile(path, descriptor, static_cast<std::uint64_t>(status.st_size)));
+  if (S_ISDIR(status.st_mode)) return fail("{}: expected a file, got a directory", path);
+  if (!S_ISREG(status.st_mode)) return fail("{}: expected a regular file", path);
+  if (file->size() == 0) return fail("{}: the file is empty (0 bytes)", path);
+  return file;
+}
+
+InputFile::~InputFile() { ::close(descriptor_); }
+
+Result<void> InputFile::read(std::uint64_t offset, std::span<std::byte> out) const {
+  if (size_from(offset) < out.size())
+    return fail("{}: expected {} bytes from offset {}, but the file has only {} bytes", path_,
+                out.size(), offset, size_);
+  std::size_t done = 0;
+  while (done < out.size()) {
+    constexpr std::size_t kMaxRead = std::size_t{1} << 30;
+    const ssize_t n = ::pread(descriptor_, out.data() + done, std::min(out.size() - done, kMaxRead),
+                              static_cast<off_t>(offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return fail("{}: cannot be read: {}", path_, system_message());
+    if (n == 0) return fail("{}: the file became shorter while it was read", path_);
+    done += static_cast<std::size_t>(n);
+  }
+  return {};
+}
+
+std::string path_beside(const std::string& beside, const std::string& name) {
+  return (std::filesystem::path(beside).parent_path() / name).string();
+}
+
+}  // namespace lode::io

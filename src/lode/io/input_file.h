@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "lode/core/result.h"
+
+namespace lode::io {
+
+/// A regular, non-empty file opened for reading at any offset. Shared by what reads from it.
+class InputFile {
+ public:
+  /// Fails, naming `path`, when it is missing, unreadable, empty, or no regular file.
+  [[nodiscard]] static Result<std::shared_ptr<const InputFile>> open(const std::string& path);
+
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+  ~InputFile();
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  /// Bytes from `offset` to the end; 0 beyond it.
+  [[nodiscard]] std::uint64_t size_from(std::uint64_t offset) const {
+    return offset < size_ ? size_ - offset : 0;
+  }
+  /// Fills `out` from `offset`, or fails.
+  [[nodiscard]] Result<void> read(std::uint64_t offset, std::span<std::byte> out) const;
+
+ private:
+  InputFile(std::string path, int descriptor, std::uint64_t size)
+      : path_(std::move(path)), descriptor_(descriptor), size_(size) {}
+
+  std::string path_;
+  int descriptor_;
+  std::uint64_t size_;
+};
+
+using InputFilePtr = std::shared_ptr<const InputFile>;
+
+/// `name`, taken relative to the directory of the file `beside` unless it is absolute.
+[[nodiscard]] std::string path_beside(const std::string& beside, const std::string& name);
+
+}  // namespace lode::io

@@ -1,0 +1,85 @@
+#include "lode/io/surface_file.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "lode/io/surface_glb.h"
+#include "lode/io/surface_obj.h"
+#include "lode/io/surface_ply.h"
+#include "lode/io/surface_ply_reader.h"
+#include "lode/io/surface_stl.h"
+#include "lode/io/surface_vtp.h"
+#include "lode/io/surface_vtp_reader.h"
+
+namespace lode::io {
+namespace {
+
+struct SurfaceFormat {
+  std::string_view extension;
+  bool holds_isovalues;
+  bool holds_lines;
+  Result<void> (*write)(const std::string&, const Surface&, const SurfaceWriteOptions&);
+  Result<Surface> (*read)(const std::string&);
+};
+
+constexpr std::array kFormats{
+    SurfaceFormat{".ply", true, true, write_ply, read_ply},
+    SurfaceFormat{".stl", false, false, write_stl, read_stl},
+    SurfaceFormat{".obj", false, true, write_obj, read_obj},
+    SurfaceFormat{".vtp", true, true, write_vtp, read_vtp},
+    SurfaceFormat{".glb", true, true, write_glb, read_glb},
+};
+
+std::string extension_of(const std::string& path) {
+  const std::size_t name = path.find_last_of('/') + 1;  // npos + 1 is 0: no directory.
+  const std::size_t dot = path.rfind('.');
+  if (dot == std::string::npos || dot < name) return "";
+  std::string extension = path.substr(dot);
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+const SurfaceFormat* find_format(const std::string& path) {
+  const std::string extension = extension_of(path);
+  const auto found =
+      std::find_if(kFormats.begin(), kFormats.end(),
+                   [&](const SurfaceFormat& format) { return format.extension == extension; });
+  return found == kFormats.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+Result<void> check_surface_path(const std::string& path) {
+  if (find_format(path) != nullptr) return {};
+  const std::string extension = extension_of(path);
+  return fail("{}: expected a surface file (.ply, .stl, .obj, .vtp or .glb), got {}", path,
+              extension.empty() ? "no extension" : "extension " + extension);
+}
+
+bool can_hold_isovalues(const std::string& path) {
+  const SurfaceFormat* format = find_format(path);
+  return format != nullptr && format->holds_isovalues;
+}
+
+bool can_hold_lines(const std::string& path) {
+  const SurfaceFormat* format = find_format(path);
+  return format != nullptr && format->holds_lines;
+}
+
+Result<void> write_surface(const std::string& path, const Surface& surface,
+                           const SurfaceWriteOptions& options) {
+  LODE_EXPECTS(surface.triangles.empty() || surface.lines.empty());
+  LODE_EXPECTS(surface.normals.empty() || surface.normals.size() == surface.positions.size());
+  LODE_EXPECTS(surface.isovalues.empty() || surface.isovalues.size() == surface.positions.size());
+  LODE_CHECK(check_surface_path(path));
+  return find_format(path)->write(path, surface, options);
+}
+
+Result<Surface> read_surface(const std::string& path) {
+  LODE_CHECK(check_surface_path(path));
+  return find_format(path)->read(path);
+}
+
+}  // namespace lode::io

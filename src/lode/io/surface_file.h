@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+
+#include "lode/core/regular_grid.h"
+#include "lode/core/result.h"
+#include "lode/core/surface.h"
+
+namespace lode::io {
+
+struct SurfaceWriteOptions {
+  std::string comment;           ///< One line for the file's header; what made it, and how.
+  Frame frame = Frame::unknown;  ///< Named in the header where the format has comments.
+};
+
+/// Writes a surface, whole or not at all, in the format that the extension names: .ply, .stl,
+/// .obj, .vtp or .glb (any case). Normals are written everywhere but to STL, isovalues where
+/// can_hold_isovalues() says so. A surface with an origin is written with double coordinates
+/// (PLY, OBJ, VTP) or with the origin as the node's translation (GLB), and refused by STL, which
+/// has neither; STL also refuses lines. At least one of triangles and lines must be empty.
+[[nodiscard]] Result<void> write_surface(const std::string& path, const Surface& surface,
+                                         const SurfaceWriteOptions& options);
+
+/// Reads a surface back: all that write_surface() writes, and usual files of other programs
+/// (GLB: one mesh of one primitive only). Polygons become triangle fans, polylines segments; STL
+/// corners with equal coordinates become one vertex. Coordinates that float32 cannot hold come
+/// back relative to an origin: the one our writer noted, or the lower corner of the bounds.
+/// Survives any bytes, in memory proportional to the file (compressed VTP: to its content).
+[[nodiscard]] Result<Surface> read_surface(const std::string& path);
+
+/// Whether the format that the extension names has a per-vertex attribute for isovalues.
+[[nodiscard]] bool can_hold_isovalues(const std::string& path);
+
+/// Whether the format that the extension names can hold contour lines.
+[[nodiscard]] bool can_hold_lines(const std::string& path);
+
+/// Fails, listing the known extensions, unless `path` ends in one of them. Meant to be asked
+/// before expensive work starts.
+[[nodiscard]] Result<void> check_surface_path(const std::string& path);
+
+}  // namespace lode::io

@@ -1,0 +1,321 @@
+#include "lode/io/surface_glb.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <initializer_list>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "lode/io/surface_input.h"
+#include "lode/io/surface_output.h"
+
+namespace lode::io {
+namespace {
+
+using nlohmann::json;
+
+// The numbers that glTF 2.0 and its container define.
+constexpr std::uint32_t kGlbMagic = 0x46546c67;
+constexpr std::uint32_t kGlbVersion = 2;
+constexpr std::uint32_t kJsonChunk = 0x4e4f534a;
+constexpr std::uint32_t kBinChunk = 0x004e4942;
+constexpr int kGlFloat = 5126;
+constexpr int kGlUint32 = 5125;
+constexpr int kGlVertexBuffer = 34962;
+constexpr int kGlIndexBuffer = 34963;
+constexpr int kGlPoints = 0;
+constexpr int kGlLines = 1;
+constexpr int kGlTriangles = 4;
+constexpr std::size_t kChunkHeadBytes = 8;
+constexpr std::size_t kFileHeadBytes = 12;
+
+/// Collects the JSON of the arrays, in the order of their data.
+struct GlbArrays {
+  json accessors = json::array();
+  json views = json::array();
+  std::uint64_t n_bytes = 0;
+
+  /// Returns the accessor's number.
+  std::size_t add(const char* type, int component, std::size_t count, std::size_t bytes,
+                  int target) {
+    views.push_back(
+        {{"buffer", 0}, {"byteOffset", n_bytes}, {"byteLength", bytes}, {"target", target}});
+    accessors.push_back({{"bufferView", views.size() - 1},
+                         {"componentType", component},
+                         {"count", count},
+                         {"type", type}});
+    n_bytes += bytes;
+    return accessors.size() - 1;
+  }
+};
+
+json describe_point(const Vec3f& p) { return json::array({p[0], p[1], p[2]}); }
+
+void add_bounds(const std::vector<Vec3f>& positions, json& accessor) {
+  Vec3f lower = positions.front();
+  Vec3f upper = positions.front();
+  for (const Vec3f& p : positions)
+    for (std::size_t k = 0; k < 3; ++k) {
+      lower[k] = std::min(lower[k], p[k]);
+      upper[k] = std::max(upper[k], p[k]);
+    }
+  accessor["min"] = describe_point(lower);
+  accessor["max"] = describe_point(upper);
+}
+
+json describe_primitive(const Surface& surface, GlbArrays& arrays) {
+  const std::size_t n = surface.positions.size();
+  json attributes;
+  attributes["POSITION"] = arrays.add("VEC3", kGlFloat, n, n * sizeof(Vec3f), kGlVertexBuffer);
+  add_bounds(surface.positions, arrays.accessors[0]);
+  if (!surface.normals.empty())
+    attributes["NORMAL"] = arrays.add("VEC3", kGlFloat, n, n * sizeof(Vec3f), kGlVertexBuffer);
+  if (!surface.isovalues.empty())
+    attributes["_ISOVALUE"] = arrays.add("SCALAR", kGlFloat, n, n * sizeof(float), kGlVertexBuffer);
+  json primitive = {{"attributes", attributes}, {"mode", kGlPoints}};
+  const std::size_t n_indices = 3 * surface.triangles.size() + 2 * surface.lines.size();
+  if (n_indices > 0) {
+    primitive["indices"] = arrays.add("SCALAR", kGlUint32, n_indices,
+                                      n_indices * sizeof(std::uint32_t), kGlIndexBuffer);
+    primitive["mode"] = surface.lines.empty() ? kGlTriangles : kGlLines;
+  }
+  return primitive;
+}
+
+/// The JSON chunk, padded to whole words as the container demands; sets the size of the data.
+std::string describe(const Surface& surface, const SurfaceWriteOptions& options,
+                     std::uint64_t& n_bytes) {
+  json node = {{"name", "isosurface"}};
+  if (has_origin(surface))
+    node["translation"] = {surface.origin[0], surface.origin[1], surface.origin[2]};
+  json document = {
+      {"asset",
+       {{"version", "2.0"},
+        {"generator", "lode"},
+        {"extras", {{"comment", options.comment}, {"frame", name_of(options.frame)}}}}},
+      {"scene", 0},
+      {"scenes", json::array({{{"nodes", json::array({0})}}})}};
+  if (!surface.positions.empty()) {
+    GlbArrays arrays;
+    const json primitives = json::array({describe_primitive(surface, arrays)});
+    document["meshes"] = json::array({{{"primitives", primitives}}});
+    document["accessors"] = arrays.accessors;
+    document["bufferViews"] = arrays.views;
+    document["buffers"] = json::array({{{"byteLength", arrays.n_bytes}}});
+    node["mesh"] = 0;
+    n_bytes = arrays.n_bytes;
+  }
+  document["nodes"] = json::array({node});
+  // Comments may hold any bytes; those that are no UTF-8 are replaced, not thrown at.
+  std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  return text;
+}
+
+Result<void> write_words(AtomicFile& file, std::initializer_list<std::uint64_t> words) {
+  for (const std::uint64_t word : words) {
+    const auto narrow = static_cast<std::uint32_t>(word);
+    LODE_CHECK(file.write(std::as_bytes(std::span(&narrow, 1))));
+  }
+  return {};
+}
+
+Error not_ours(const std::string& path, std::string_view expected) {
+  return fail("{}: expected glTF as Lode writes it: {}", path, expected);
+}
+
+/// The JSON and the data of a .glb file.
+struct GlbChunks {
+  std::string_view json_text;
+  std::span<const std::byte> data;
+};
+
+Result<GlbChunks> split_chunks(const std::string& path, const SurfaceBytes& file) {
+  const std::span<const std::byte> bytes = file.bytes();
+  const auto word = [&](std::size_t offset) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + offset, sizeof(value));
+    return value;
+  };
+  constexpr std::size_t kJsonStart = kFileHeadBytes + kChunkHeadBytes;
+  if (bytes.size() < kJsonStart || word(0) != kGlbMagic || word(4) != kGlbVersion)
+    return fail("{}: expected a binary glTF 2 file (starting with \"glTF\")", path);
+  if (word(8) != bytes.size())
+    return fail("{}: the header announces {} bytes, but the file has {}", path, word(8),
+                bytes.size());
+  const std::size_t json_bytes = word(kFileHeadBytes);
+  if (word(kFileHeadBytes + 4) != kJsonChunk || json_bytes > bytes.size() - kJsonStart)
+    return fail("{}: expected a JSON chunk inside the file, got one of {} bytes", path, json_bytes);
+  GlbChunks chunks{file.text().substr(kJsonStart, json_bytes), {}};
+  const std::size_t bin = kJsonStart + json_bytes;
+  if (bytes.size() - bin < kChunkHeadBytes) return chunks;
+  const std::size_t data_bytes = word(bin);
+  if (word(bin + 4) != kBinChunk || data_bytes > bytes.size() - bin - kChunkHeadBytes)
+    return fail("{}: expected a BIN chunk inside the file, got one of {} bytes", path, data_bytes);
+  chunks.data = bytes.subspan(bin + kChunkHeadBytes, data_bytes);
+  return chunks;
+}
+
+const json* member(const json& object, const char* key) {
+  const auto found = object.find(key);
+  return object.is_object() && found != object.end() ? &*found : nullptr;
+}
+
+/// The only entry of an array of one.
+const json* only_entry(const json* array) {
+  return array != nullptr && array->is_array() && array->size() == 1 ? &array->front() : nullptr;
+}
+
+/// An unsigned member, or `fallback`; nothing when it is something else.
+std::optional<std::uint64_t> number(const json& object, const char* key,
+                                    std::optional<std::uint64_t> fallback = std::nullopt) {
+  const json* value = member(object, key);
+  if (value == nullptr) return fallback;
+  if (!value->is_number_unsigned()) return std::nullopt;
+  return value->get<std::uint64_t>();
+}
+
+/// The entry of document[list] that object[key] numbers.
+const json* referred(const json& document, const char* list, const json& object, const char* key) {
+  const json* entries = member(document, list);
+  const std::optional<std::uint64_t> index = number(object, key);
+  if (entries == nullptr || !entries->is_array() || !index || *index >= entries->size())
+    return nullptr;
+  return &(*entries)[static_cast<std::size_t>(*index)];
+}
+
+/// Copies the array that object[key] numbers: `component` values, `type` of them an entry, each
+/// entry a T.
+template <typename T>
+Result<std::vector<T>> copy_array(const std::string& path, const json& document,
+                                  std::span<const std::byte> data, const json& object,
+                                  const char* key) {
+  constexpr bool is_index = std::is_same_v<T, std::uint32_t>;
+  const Error error = not_ours(path, fmt::format("a plain array {} inside the file", key));
+  const json* accessor = referred(document, "accessors", object, key);
+  if (accessor == nullptr || member(*accessor, "sparse") != nullptr) return error;
+  const json* view = referred(document, "bufferViews", *accessor, "bufferView");
+  if (view == nullptr || number(*view, "buffer") != 0U) return error;
+  const json* type = member(*accessor, "type");
+  if (type == nullptr || *type != (sizeof(T) == sizeof(Vec3f) ? "VEC3" : "SCALAR")) return error;
+  if (number(*accessor, "componentType") != std::uint64_t{is_index ? kGlUint32 : kGlFloat})
+    return error;
+  if (number(*view, "byteStride", sizeof(T)) != sizeof(T)) return error;
+  const auto view_offset = number(*view, "byteOffset", 0);
+  const auto view_bytes = number(*view, "byteLength");
+  const auto offset = number(*accessor, "byteOffset", 0);
+  const auto count = number(*accessor, "count");
+  if (!view_offset || !view_bytes || !offset || !count) return error;
+  if (*view_offset > data.size() || *view_bytes > data.size() - *view_offset) return error;
+  if (*offset > *view_bytes || *count > (*view_bytes - *offset) / sizeof(T)) return error;
+  std::vector<T> values(static_cast<std::size_t>(*count));
+  const std::size_t start = static_cast<std::size_t>(*view_offset + *offset);
+  if (!values.empty()) std::memcpy(values.data(), data.data() + start, values.size() * sizeof(T));
+  return values;
+}
+
+template <std::size_t N>
+Result<void> fill_cells(const std::string& path, const std::vector<std::uint32_t>& indices,
+                        std::vector<std::array<std::uint32_t, N>>& cells) {
+  if (indices.size() % N != 0)
+    return fail("{}: expected {} indices per cell, got {} indices", path, N, indices.size());
+  cells.resize(indices.size() / N);
+  for (std::size_t i = 0; i < indices.size(); ++i) cells[i / N][i % N] = indices[i];
+  return {};
+}
+
+Result<void> read_primitive(const std::string& path, const json& document,
+                            std::span<const std::byte> data, const json& primitive,
+                            Surface& surface) {
+  const json* attributes = member(primitive, "attributes");
+  if (attributes == nullptr) return not_ours(path, "a primitive with attributes");
+  LODE_TRY(surface.positions, copy_array<Vec3f>(path, document, data, *attributes, "POSITION"));
+  if (member(*attributes, "NORMAL") != nullptr) {
+    LODE_TRY(surface.normals, copy_array<Vec3f>(path, document, data, *attributes, "NORMAL"));
+  }
+  if (member(*attributes, "_ISOVALUE") != nullptr) {
+    LODE_TRY(surface.isovalues, copy_array<float>(path, document, data, *attributes, "_ISOVALUE"));
+  }
+  const std::optional<std::uint64_t> mode = number(primitive, "mode", kGlTriangles);
+  if (mode == std::uint64_t{kGlPoints} && member(primitive, "indices") == nullptr) return {};
+  if (mode != std::uint64_t{kGlTriangles} && mode != std::uint64_t{kGlLines})
+    return not_ours(path, "a primitive of mode 0, 1 or 4");
+  LODE_TRY(const std::vector<std::uint32_t> indices,
+           copy_array<std::uint32_t>(path, document, data, primitive, "indices"));
+  if (mode == std::uint64_t{kGlTriangles}) return fill_cells(path, indices, surface.triangles);
+  return fill_cells(path, indices, surface.lines);
+}
+
+Result<void> read_translation(const std::string& path, const json& node, Surface& surface) {
+  for (const char* key : {"matrix", "rotation", "scale", "children"})
+    if (member(node, key) != nullptr)
+      return not_ours(path, fmt::format("a node without \"{}\"", key));
+  const json* translation = member(node, "translation");
+  if (translation == nullptr) return {};
+  if (!translation->is_array() || translation->size() != 3)
+    return not_ours(path, "a translation of three numbers");
+  for (std::size_t k = 0; k < 3; ++k) {
+    const json& component = (*translation)[k];
+    if (!component.is_number()) return not_ours(path, "a translation of three numbers");
+    surface.origin[k] = component.get<double>();
+  }
+  return {};
+}
+
+Result<Surface> read_document(const std::string& path, const json& document,
+                              std::span<const std::byte> data) {
+  const json* node = only_entry(member(document, "nodes"));
+  if (node == nullptr || !node->is_object()) return not_ours(path, "one node");
+  Surface surface;
+  LODE_CHECK(read_translation(path, *node, surface));
+  if (member(*node, "mesh") == nullptr) return surface;
+  const json* mesh = referred(document, "meshes", *node, "mesh");
+  const json* primitive = mesh == nullptr ? nullptr : only_entry(member(*mesh, "primitives"));
+  if (primitive == nullptr) return not_ours(path, "one mesh of one primitive");
+  LODE_CHECK(read_primitive(path, document, data, *primitive, surface));
+  LODE_CHECK(check_surface(path, surface));
+  return surface;
+}
+
+}  // namespace
+
+Result<void> write_glb(const std::string& path, const Surface& surface,
+                       const SurfaceWriteOptions& options) {
+  std::uint64_t n_data_bytes = 0;
+  const std::string text = describe(surface, options, n_data_bytes);
+  std::uint64_t n_bytes = kFileHeadBytes + kChunkHeadBytes + text.size();
+  if (n_data_bytes > 0) n_bytes += kChunkHeadBytes + n_data_bytes;
+  if (n_bytes > std::numeric_limits<std::uint32_t>::max())
+    return fail(
+        "{}: glTF files hold fewer than 2^32 bytes, and this surface takes {}; expected "
+        ".ply, .obj or .vtp",
+        path, n_bytes);
+  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+  LODE_CHECK(write_words(file, {kGlbMagic, kGlbVersion, n_bytes, text.size(), kJsonChunk}));
+  LODE_CHECK(file.write(text));
+  if (n_data_bytes > 0) {
+    LODE_CHECK(write_words(file, {n_data_bytes, kBinChunk}));
+    LODE_CHECK(write_array(file, std::span(surface.positions)));
+    LODE_CHECK(write_array(file, std::span(surface.normals)));
+    LODE_CHECK(write_array(file, std::span(surface.isovalues)));
+    LODE_CHECK(write_array(file, std::span(surface.triangles)));
+    LODE_CHECK(write_array(file, std::span(surface.lines)));
+  }
+  return file.commit();
+}
+
+Result<Surface> read_glb(const std::string& path) {
+  LODE_TRY(const SurfaceBytes file, SurfaceBytes::load(path));
+  LODE_TRY(const GlbChunks chunks, split_chunks(path, file));
+  const json document = json::parse(chunks.json_text, nullptr, false);
+  if (document.is_discarded()) return fail("{}: expected JSON in the first glTF chunk", path);
+  try {
+    return read_document(path, document, chunks.data);
+  } catch (const json::exception& exception) {
+    return fail("{}: unexpected glTF content: {}", path, exception.what());
+  }
+}
+
+}  // namespace lode::io

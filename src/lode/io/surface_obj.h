@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "lode/core/result.h"
+#include "lode/core/surface.h"
+#include "lode/io/surface_file.h"
+
+namespace lode::io {
+
+/// Wavefront OBJ: v and vn lines and f (or l) lines, with as many digits as reading back exactly
+/// needs. An origin is added to the coordinates and noted in a comment.
+[[nodiscard]] Result<void> write_obj(const std::string& path, const Surface& surface,
+                                     const SurfaceWriteOptions& options);
+
+/// Reads v, vn, f and l lines (other lines are skipped). Normals are kept when each vertex has
+/// one. Coordinates are read as float32, or as doubles relative to an origin when they are far
+/// from zero compared to their extent (or our writer noted an origin).
+[[nodiscard]] Result<Surface> read_obj(const std::string& path);
+
+}  // namespace lode::io

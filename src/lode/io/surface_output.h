@@ -1,0 +1,65 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lode/core/atomic_file.h"
+#include "lode/core/result.h"
+#include "lode/core/surface.h"
+
+namespace lode::io {
+
+// The binary formats are little-endian; arrays and records are copied to them as they lie.
+static_assert(std::endian::native == std::endian::little);
+
+/// The word that starts the comment in which PLY and OBJ files note a surface's origin.
+inline constexpr std::string_view kOriginNote = "lode_origin";
+
+[[nodiscard]] inline bool has_origin(const Surface& surface) {
+  return surface.origin != Vec3d{{0, 0, 0}};
+}
+
+/// `text` with control characters turned into spaces, so that it stays inside one comment line.
+[[nodiscard]] inline std::string to_one_line(std::string_view text) {
+  std::string line(text);
+  for (char& c : line)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return line;
+}
+
+/// Copies a value to `out` and moves `out` past it.
+template <typename T>
+inline void put(std::byte*& out, const T& value) {
+  std::memcpy(out, &value, sizeof(T));
+  out += sizeof(T);
+}
+
+/// Appends a whole array as it lies in memory.
+template <typename T>
+[[nodiscard]] Result<void> write_array(AtomicFile& file, std::span<const T> values) {
+  return file.write(std::as_bytes(values));
+}
+
+/// Appends n records of record_bytes each, filled in by fill(i, out), in pieces large enough to
+/// bypass the file's own buffer.
+template <typename Fill>
+[[nodiscard]] Result<void> write_records(AtomicFile& file, std::size_t n, std::size_t record_bytes,
+                                         const Fill& fill) {
+  constexpr std::size_t kPieceBytes = std::size_t{2} << 20;
+  const std::size_t n_per_piece = kPieceBytes / record_bytes;
+  std::vector<std::byte> piece(std::min(n, n_per_piece) * record_bytes);
+  for (std::size_t first = 0; first < n; first += n_per_piece) {
+    const std::size_t n_records = std::min(n_per_piece, n - first);
+    for (std::size_t i = 0; i < n_records; ++i) fill(first + i, piece.data() + i * record_bytes);
+    LODE_CHECK(file.write(std::span<const std::byte>(piece.data(), n_records * record_bytes)));
+  }
+  return {};
+}
+
+}  // namespace lode::io

@@ -1,0 +1,12 @@
+# Writing and reading surfaces; included by CMakeLists.txt beside it.
+set(IO_SURFACE_SOURCES
+  surface_file.cpp
+  surface_glb.cpp
+  surface_input.cpp
+  surface_obj.cpp
+  surface_ply.cpp
+  surface_ply_reader.cpp
+  surface_stl.cpp
+  surface_vtp.cpp
+  surface_vtp_reader.cpp)
+find_package(nlohmann_json REQUIRED)

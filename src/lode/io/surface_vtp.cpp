@@ -1,0 +1,169 @@
+#include "lode/io/surface_vtp.h"
+
+#include <limits>
+#include <optional>
+
+#include "lode/io/surface_output.h"
+
+namespace lode::io {
+namespace {
+
+/// One array of the appended data: its XML and its bytes.
+struct VtpArray {
+  std::string attributes;  ///< type, Name, NumberOfComponents.
+  std::uint64_t n_bytes = 0;
+};
+
+/// The arrays of a file in the order of their data. Unused ones are left out.
+struct VtpLayout {
+  std::optional<VtpArray> isovalues;
+  std::optional<VtpArray> normals;
+  VtpArray points;
+  VtpArray connectivity;
+  VtpArray offsets;
+};
+
+std::size_t n_cells(const Surface& surface) {
+  return surface.triangles.size() + surface.lines.size();
+}
+
+std::size_t corners_per_cell(const Surface& surface) { return surface.lines.empty() ? 3 : 2; }
+
+bool needs_wide_indices(const Surface& surface) {
+  constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max();
+  return surface.positions.size() > kMax || n_cells(surface) * corners_per_cell(surface) > kMax;
+}
+
+VtpLayout make_vtp_layout(const Surface& surface) {
+  const bool is_double = has_origin(surface);
+  const std::uint64_t n = surface.positions.size();
+  const std::uint64_t index_bytes = needs_wide_indices(surface) ? 8 : 4;
+  const char* index = index_bytes == 8 ? "Int64" : "Int32";
+  VtpLayout layout;
+  if (!surface.isovalues.empty())
+    layout.isovalues = {R"(type="Float32" Name="isovalue")", n * sizeof(float)};
+  if (!surface.normals.empty())
+    layout.normals = {R"(type="Float32" Name="Normals" NumberOfComponents="3")", n * sizeof(Vec3f)};
+  layout.points = {fmt::format(R"(type="{}" Name="Points" NumberOfComponents="3")",
+                               is_double ? "Float64" : "Float32"),
+                   n * (is_double ? sizeof(Vec3d) : sizeof(Vec3f))};
+  layout.connectivity = {fmt::format(R"(type="{}" Name="connectivity")", index),
+                         n_cells(surface) * corners_per_cell(surface) * index_bytes};
+  layout.offsets = {fmt::format(R"(type="{}" Name="offsets")", index),
+                    n_cells(surface) * index_bytes};
+  return layout;
+}
+
+/// XML comments must not contain "--"; tags in them would mislead readers that look for the
+/// appended data without parsing all of the XML.
+std::string to_xml_comment(std::string_view text) {
+  std::string comment = to_one_line(text);
+  for (std::size_t i = 0; i < comment.size(); ++i) {
+    const bool is_second_dash = i > 0 && comment[i - 1] == '-' && comment[i] == '-';
+    if (is_second_dash || comment[i] == '<' || comment[i] == '>') comment[i] = ' ';
+  }
+  return fmt::format("<!-- {} -->\n", comment);
+}
+
+std::string describe_array(const VtpArray& array, std::uint64_t& offset) {
+  std::string xml =
+      fmt::format("<DataArray {} format=\"appended\" offset=\"{}\"/>\n", array.attributes, offset);
+  offset += sizeof(std::uint64_t) + array.n_bytes;
+  return xml;
+}
+
+std::string vtp_head(const Surface& surface, const SurfaceWriteOptions& options) {
+  std::string xml = "<?xml version=\"1.0\"?>\n";
+  if (!options.comment.empty()) xml += to_xml_comment(options.comment);
+  xml += to_xml_comment(fmt::format("frame {}", name_of(options.frame)));
+  xml +=
+      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n<PolyData>\n";
+  if (has_origin(surface))
+    xml += fmt::format(
+        "<FieldData>\n<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"3\" "
+        "NumberOfTuples=\"1\" format=\"ascii\">{} {} {}</DataArray>\n</FieldData>\n",
+        kOriginNote, surface.origin[0], surface.origin[1], surface.origin[2]);
+  xml += fmt::format(
+      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" "
+      "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
+      surface.positions.size(), surface.lines.size(), surface.triangles.size());
+  return xml;
+}
+
+std::string vtp_piece(const Surface& surface, const VtpLayout& layout) {
+  const char* cells = surface.lines.empty() ? "Polys" : "Lines";
+  std::uint64_t offset = 0;
+  std::string xml = "<PointData";
+  if (layout.isovalues) xml += " Scalars=\"isovalue\"";
+  if (layout.normals) xml += " Normals=\"Normals\"";
+  xml += ">\n";
+  if (layout.isovalues) xml += describe_array(*layout.isovalues, offset);
+  if (layout.normals) xml += describe_array(*layout.normals, offset);
+  xml += "</PointData>\n<Points>\n" + describe_array(layout.points, offset) + "</Points>\n";
+  xml += fmt::format("<{}>\n", cells) + describe_array(layout.connectivity, offset);
+  xml += describe_array(layout.offsets, offset) + fmt::format("</{}>\n", cells);
+  xml += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+  return xml;
+}
+
+Result<void> write_array_size(AtomicFile& file, const VtpArray& array) {
+  return file.write(std::as_bytes(std::span(&array.n_bytes, 1)));
+}
+
+Result<void> write_point_arrays(AtomicFile& file, const Surface& surface, const VtpLayout& layout) {
+  if (layout.isovalues) {
+    LODE_CHECK(write_array_size(file, *layout.isovalues));
+    LODE_CHECK(write_array(file, std::span(surface.isovalues)));
+  }
+  if (layout.normals) {
+    LODE_CHECK(write_array_size(file, *layout.normals));
+    LODE_CHECK(write_array(file, std::span(surface.normals)));
+  }
+  LODE_CHECK(write_array_size(file, layout.points));
+  if (!has_origin(surface)) return write_array(file, std::span(surface.positions));
+  const auto fill = [&](std::size_t i, std::byte* out) {
+    put(out, surface.world_position(static_cast<std::uint32_t>(i)));
+  };
+  return write_records(file, surface.positions.size(), sizeof(Vec3d), fill);
+}
+
+/// Connectivity and offsets, as T where the indices are not already so in memory.
+template <typename T>
+Result<void> write_cell_arrays(AtomicFile& file, const Surface& surface, const VtpLayout& layout) {
+  const std::size_t n_corners = corners_per_cell(surface);
+  LODE_CHECK(write_array_size(file, layout.connectivity));
+  const auto write_corners = [&](const auto& cells) -> Result<void> {
+    if constexpr (sizeof(T) == sizeof(std::uint32_t)) {
+      return write_array(file, std::span(cells));
+    } else {
+      const auto fill = [&](std::size_t i, std::byte* out) {
+        for (const std::uint32_t vertex : cells[i]) put(out, T{vertex});
+      };
+      return write_records(file, cells.size(), n_corners * sizeof(T), fill);
+    }
+  };
+  LODE_CHECK(write_corners(surface.triangles));
+  LODE_CHECK(write_corners(surface.lines));
+  LODE_CHECK(write_array_size(file, layout.offsets));
+  return write_records(file, n_cells(surface), sizeof(T), [&](std::size_t i, std::byte* out) {
+    put(out, static_cast<T>((i + 1) * n_corners));
+  });
+}
+
+}  // namespace
+
+Result<void> write_vtp(const std::string& path, const Surface& surface,
+                       const SurfaceWriteOptions& options) {
+  const VtpLayout layout = make_vtp_layout(surface);
+  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+  LODE_CHECK(file.write(vtp_head(surface, options)));
+  LODE_CHECK(file.write(vtp_piece(surface, layout)));
+  LODE_CHECK(write_point_arrays(file, surface, layout));
+  LODE_CHECK(needs_wide_indices(surface) ? write_cell_arrays<std::int64_t>(file, surface, layout)
+                                         : write_cell_arrays<std::int32_t>(file, surface, layout));
+  LODE_CHECK(file.write(std::string_view("\n</AppendedData>\n</VTKFile>\n")));
+  return file.commit();
+}
+
+}  // namespace lode::io

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lode::io {
+
+/// Small text helpers of the header parsers. Whitespace is ASCII; letters fold as ASCII.
+[[nodiscard]] std::string_view trimmed(std::string_view text);
+[[nodiscard]] std::string to_lower(std::string_view text);
+[[nodiscard]] bool equals_ignoring_case(std::string_view a, std::string_view b);
+[[nodiscard]] std::vector<std::string_view> split_words(std::string_view text);
+
+/// The whole of `text` (a leading + allowed) as a number, else nothing.
+[[nodiscard]] std::optional<double> to_double(std::string_view text);
+[[nodiscard]] std::optional<std::int64_t> to_int64(std::string_view text);
+[[nodiscard]] std::optional<std::uint64_t> to_uint64(std::string_view text);
+
+/// All words of `text` as numbers, else nothing.
+[[nodiscard]] std::optional<std::vector<double>> to_doubles(std::string_view text);
+[[nodiscard]] std::optional<std::vector<std::int64_t>> to_int64s(std::string_view text);
+
+/// `text` in quotes, fit for a message: unprintable bytes replaced, cut after 60.
+[[nodiscard]] std::string in_quotes(std::string_view text);
+/// The same. Its name is taken over by std::quoted where <iomanip> is included and the argument is
+/// a std::string, so new code calls in_quotes.
+[[nodiscard]] inline std::string quoted(std::string_view text) { return in_quotes(text); }
+
+}  // namespace lode::io

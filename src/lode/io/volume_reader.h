@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lode/core/regular_grid.h"
+#include "lode/core/result.h"
+#include "lode/core/scalar_type.h"
+#include "lode/core/volume.h"
+
+namespace lode::io {
+
+enum class ByteOrder { little, big };
+
+/// What a file of bare samples cannot say about itself; x varies fastest.
+struct RawLayout {
+  Index3 dims{{0, 0, 0}};
+  ScalarType type = ScalarType::uint8;
+  Vec3d spacing{{1, 1, 1}};  ///< A negative one mirrors its axis.
+  Vec3d origin{{0, 0, 0}};
+  ByteOrder byte_order = ByteOrder::little;
+};
+
+/// The length of a vector, taken as the scalar.
+struct Magnitude {};
+
+/// Which scalar of a vector field is read: a component, counted from 0, or the magnitude.
+using ComponentChoice = std::variant<int, Magnitude>;
+
+struct ReadOptions {
+  std::optional<std::string> field;          ///< Needed where the file holds several arrays.
+  std::optional<ComponentChoice> component;  ///< Needed for vectors.
+  std::optional<int> time;                   ///< Step, from 0; needed where there are several.
+  std::optional<double> nodata;              ///< Finite: this value marks holes.
+  std::optional<RawLayout> raw;              ///< Needed by, and only for, files of bare samples.
+};
+
+/// What a foreign file says beside VolumeInfo.
+struct FileDescription {
+  std::string format;               ///< "NRRD, gzip", ...
+  std::string frame_note;           ///< How the file names its frame, or that it does not.
+  std::vector<std::string> fields;  ///< Names of its point arrays; one empty name if unnamed.
+  int n_components = 1;             ///< Of the field that `field` picks, else of the first.
+  int n_times = 1;
+  RegularGrid grid;
+  ScalarType type = ScalarType::uint8;  ///< As stored, before any slope; of the same field.
+};
+
+/// Opens a volume for reading; the format follows from the extension: .nrrd .nhdr .mha .mhd .nii
+/// .nii.gz .hdr .img .vti .vtr .vtk, and .raw .raw.gz or any other one with options.raw.
+/// Uncompressed samples stay in the file and are read box by box; compressed and text ones are
+/// decoded into memory here. Fails, naming the file, on anything missing, truncated, malformed or
+/// ambiguous (several fields, components or times and no choice).
+[[nodiscard]] Result<std::unique_ptr<VolumeSource>> open_volume(const std::string& path,
+                                                                const ReadOptions& options);
+
+/// Reads a file's header only; options.field and options.raw are used, the rest ignored.
+[[nodiscard]] Result<FileDescription> describe_volume(const std::string& path,
+                                                      const ReadOptions& options);
+
+}  // namespace lode::io

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "lode/core/result.h"
+#include "lode/io/image.h"
+
+namespace lode::io {
+
+/// Legacy VTK (.vtk), ASCII or BINARY: STRUCTURED_POINTS, and RECTILINEAR_GRID with evenly spaced
+/// axes; point data only.
+[[nodiscard]] Result<Image> read_vtk_legacy(const std::string& path);
+
+}  // namespace lode::io

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lode/core/result.h"
+#include "lode/core/scalar_type.h"
+#include "lode/io/text_cursor.h"
+
+namespace lode::io {
+
+/// An array somewhere in a legacy VTK file.
+struct LegacyArray {
+  std::string name;
+  ScalarType type = ScalarType::uint8;
+  std::int64_t n_components = 1;
+  std::int64_t n_tuples = 0;
+  std::uint64_t offset = 0;   ///< In the file, of its numbers.
+  std::uint64_t n_bytes = 0;  ///< As numbers of `type`, whether text or binary.
+};
+
+enum class LegacyEncoding { ascii, binary };
+
+/// A legacy VTK file being parsed.
+struct LegacyFile {
+  TextCursor cursor;
+  LegacyEncoding encoding = LegacyEncoding::ascii;
+};
+
+/// The next line that is not blank, as words; empty at the end of the file.
+[[nodiscard]] Result<std::vector<std::string>> next_words(LegacyFile& file);
+
+/// "unsigned_char", "vtktypeint64", ... as the legacy format spells them.
+[[nodiscard]] Result<ScalarType> legacy_type(const std::string& path, const std::string& name);
+
+/// Notes where the numbers of `array` start (the cursor's position) and skips them.
+[[nodiscard]] Result<void> skip_array(LegacyFile& file, LegacyArray& array);
+
+/// What one attribute line and its data are: no array for those that only have to be skipped,
+/// several for a FIELD.
+struct LegacyAttribute {
+  bool is_known = false;
+  std::vector<LegacyArray> arrays;
+};
+
+/// Parses SCALARS, VECTORS, FIELD and so on, whose first line is `words`, with n_tuples values.
+[[nodiscard]] Result<LegacyAttribute> parse_legacy_attribute(LegacyFile& file,
+                                                             const std::vector<std::string>& words,
+                                                             std::int64_t n_tuples);
+
+}  // namespace lode::io

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "lode/core/result.h"
+#include "lode/io/image.h"
+
+namespace lode::io {
+
+/// VTK XML ImageData (.vti) and RectilinearGrid with evenly spaced axes (.vtr), one piece, point
+/// data; zlib compressed or not. https://docs.vtk.org/en/latest/vtk_file_formats
+[[nodiscard]] Result<Image> read_vtk_xml_image(const std::string& path);
+
+}  // namespace lode::io

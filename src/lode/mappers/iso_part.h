@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lode/mappers/lattice_frame.h"
+#include "lode/mappers/lattice_key.h"
+
+namespace lode {
+
+/// Where a vertex of an isosurface comes from: the point at parameter t of a lattice edge.
+struct EdgePoint {
+  LatticeKey first = 0;  ///< The end with the smaller key.
+  LatticeKey second = 0;
+  double t = 0;
+
+  [[nodiscard]] LatticeKey doubled_midpoint() const { return first + second; }
+  [[nodiscard]] Vec3d lattice_position() const {
+    const Index3 a = to_point(first);
+    const Index3 b = to_point(second);
+    Vec3d p;
+    for (std::size_t i = 0; i < 3; ++i) p[i] = a[i] + t * (b[i] - a[i]);
+    return p;
+  }
+};
+
+/// A vertex made by clipping at the domain's border: where the segment between two edge points
+/// meets the plane coordinate `axis` = last sample.
+struct ClipPoint {
+  std::uint32_t first = 0;  ///< Local ids of the segment's ends.
+  std::uint32_t second = 0;
+  std::uint32_t axis = 0;
+};
+
+/// What one part of the lattice (a brick, or everything coarser than bricks) contributes to an
+/// isosurface: vertices on its edges and cells (triangles, or lines in 2D) between them.
+template <int D>
+struct IsoPart {
+  std::vector<EdgePoint> points;       ///< Vertices 0 .. points.size() - 1.
+  std::vector<ClipPoint> clip_points;  ///< The vertices after those.
+  std::vector<Vec3d> positions;        ///< Lattice coordinates of all vertices.
+  std::vector<std::array<std::uint32_t, static_cast<std::size_t>(D)>> cells;
+  double largest_step = 0;  ///< Largest difference of values along a crossed edge.
+  double largest_snap = 0;  ///< The same over vertices that the margin moved.
+
+  void clear();
+};
+
+/// Cuts the cells at coordinate axis <= limits[axis] for each axis, keeping what is inside;
+/// vertices within `snap` of a plane are moved onto it first.
+template <int D>
+void clip_to_domain(IsoPart<D>& part, const Vec3d& limits, double snap);
+
+extern template struct IsoPart<2>;
+extern template struct IsoPart<3>;
+
+}  // namespace lode

@@ -1,0 +1,236 @@
+#include "lode/mappers/surface_edits.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace lode {
+namespace {
+
+/// Union-find over dense ids.
+class Groups {
+ public:
+  explicit Groups(std::size_t n) : parent_(n) {
+    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+  }
+  std::uint32_t find(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+std::uint32_t copy_vertex(Surface& surface, std::uint32_t v) {
+  surface.positions.push_back(surface.positions[v]);
+  if (!surface.normals.empty()) surface.normals.push_back(surface.normals[v]);
+  if (!surface.isovalues.empty()) surface.isovalues.push_back(surface.isovalues[v]);
+  return static_cast<std::uint32_t>(surface.positions.size() - 1);
+}
+
+/// Removes vertices no cell uses, keeping the order of the others.
+template <std::size_t N>
+void compact(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells) {
+  constexpr std::uint32_t kUnused = 0xFFFFFFFFU;
+  std::vector<std::uint32_t> renumbered(surface.positions.size(), kUnused);
+  for (const auto& cell : cells)
+    for (const std::uint32_t v : cell) renumbered[v] = 0;
+  std::uint32_t n = 0;
+  for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
+    if (renumbered[v] == kUnused) continue;
+    surface.positions[n] = surface.positions[v];
+    if (!surface.normals.empty()) surface.normals[n] = surface.normals[v];
+    if (!surface.isovalues.empty()) surface.isovalues[n] = surface.isovalues[v];
+    renumbered[v] = n++;
+  }
+  surface.positions.resize(n);
+  if (!surface.normals.empty()) surface.normals.resize(n);
+  if (!surface.isovalues.empty()) surface.isovalues.resize(n);
+  for (auto& cell : cells)
+    for (std::uint32_t& v : cell) v = renumbered[v];
+}
+
+/// Corners (cell · 3 + k) in the same fan as seen from their vertex are joined across each edge.
+void join_corners_across_edges(const Surface& surface, Groups& corners) {
+  struct Edge {
+    std::uint32_t low, high, corner_low, corner_high;
+  };
+  std::vector<Edge> edges;
+  edges.reserve(surface.triangles.size() * 3);
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t next = (k + 1) % 3;
+      const std::uint32_t a = surface.triangles[t][k];
+      const std::uint32_t b = surface.triangles[t][next];
+      const std::uint32_t ca = 3 * t + k;
+      const std::uint32_t cb = 3 * t + next;
+      edges.push_back(a < b ? Edge{a, b, ca, cb} : Edge{b, a, cb, ca});
+    }
+  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
+    return std::tie(x.low, x.high, x.corner_low) < std::tie(y.low, y.high, y.corner_low);
+  });
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    if (edges[i].low != edges[i - 1].low || edges[i].high != edges[i - 1].high) continue;
+    corners.join(edges[i].corner_low, edges[i - 1].corner_low);
+    corners.join(edges[i].corner_high, edges[i - 1].corner_high);
+  }
+}
+
+template <std::size_t N>
+Dropped drop_small(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells,
+                   std::uint64_t n) {
+  Groups groups(surface.positions.size());
+  for (const auto& cell : cells)
+    for (std::size_t k = 1; k < N; ++k) groups.join(cell[0], cell[k]);
+  std::vector<std::uint64_t> sizes(surface.positions.size(), 0);
+  for (const auto& cell : cells) ++sizes[groups.find(cell[0])];
+  Dropped dropped;
+  for (const std::uint64_t size : sizes)
+    if (size > 0 && size < n) {
+      ++dropped.components;
+      dropped.cells += size;
+    }
+  if (dropped.components == 0) return dropped;
+  std::erase_if(cells, [&](const auto& cell) { return sizes[groups.find(cell[0])] < n; });
+  compact(surface, cells);
+  return dropped;
+}
+
+/// Cuts cells at one plane of the crop box: coordinate axis times sign <= limit.
+class BoxPlane {
+ public:
+  BoxPlane(Surface& surface, std::size_t axis, double sign, double limit)
+      : surface_(surface), axis_(axis), sign_(sign), limit_(limit) {}
+
+  template <std::size_t N>
+  void cut_cells(std::vector<std::array<std::uint32_t, N>>& cells) {
+    std::vector<std::array<std::uint32_t, N>> kept;
+    for (const auto& cell : cells) cut_cell(cell, kept);
+    cells = std::move(kept);
+    compact(surface_, cells);
+  }
+
+ private:
+  double beyond(std::uint32_t v) const {
+    return sign_ * surface_.world_position(v)[axis_] - limit_;
+  }
+
+  std::uint32_t cut_edge(std::uint32_t a, std::uint32_t b) {
+    if (a > b) std::swap(a, b);
+    const auto [entry, is_new] = cuts_.try_emplace({a, b}, 0U);
+    if (!is_new) return entry->second;
+    const double t = beyond(a) / (beyond(a) - beyond(b));
+    const auto mixed = [&](const Vec3f& p, const Vec3f& q) {
+      Vec3f r;
+      for (std::size_t i = 0; i < 3; ++i)
+        r[i] = static_cast<float>(static_cast<double>(p[i]) +
+                                  t * (static_cast<double>(q[i]) - static_cast<double>(p[i])));
+      return r;
+    };
+    const std::uint32_t v = copy_vertex(surface_, a);
+    surface_.positions[v] = mixed(surface_.positions[a], surface_.positions[b]);
+    surface_.positions[v][axis_] = static_cast<float>(sign_ * limit_ - surface_.origin[axis_]);
+    if (!surface_.normals.empty())
+      surface_.normals[v] = normalized(mixed(surface_.normals[a], surface_.normals[b]));
+    return entry->second = v;
+  }
+
+  template <std::size_t N>
+  void cut_cell(const std::array<std::uint32_t, N>& cell,
+                std::vector<std::array<std::uint32_t, N>>& kept) {
+    std::array<double, N> d;
+    for (std::size_t i = 0; i < N; ++i) d[i] = beyond(cell[i]);
+    if (std::none_of(d.begin(), d.end(), [](double x) { return x < 0; })) return;
+    if (std::none_of(d.begin(), d.end(), [](double x) { return x > 0; })) {
+      kept.push_back(cell);
+      return;
+    }
+    std::array<std::uint32_t, N + 1> polygon{};
+    std::size_t n = 0;
+    constexpr std::size_t kEdges = N == 2 ? 1 : N;
+    for (std::size_t i = 0; i < N; ++i) {
+      const std::size_t j = (i + 1) % N;
+      if (d[i] <= 0) polygon[n++] = cell[i];
+      if (i < kEdges && d[i] * d[j] < 0) polygon[n++] = cut_edge(cell[i], cell[j]);
+    }
+    if constexpr (N == 2)
+      kept.push_back({polygon[0], polygon[1]});
+    else
+      for (std::size_t i = 2; i < n; ++i) kept.push_back({polygon[0], polygon[i - 1], polygon[i]});
+  }
+
+  Surface& surface_;
+  std::size_t axis_;
+  double sign_;
+  double limit_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cuts_;
+};
+
+}  // namespace
+
+void split_pinched_vertices(Surface& surface) {
+  Groups corners(surface.triangles.size() * 3);
+  join_corners_across_edges(surface, corners);
+  constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  std::vector<std::uint32_t> first_fan(surface.positions.size(), kNone);
+  std::map<std::uint32_t, std::uint32_t> copies;  // further fan -> its vertex
+  for (std::uint32_t c = 0; c < surface.triangles.size() * 3; ++c) {
+    std::uint32_t& v = surface.triangles[c / 3][c % 3];
+    const std::uint32_t fan = corners.find(c);
+    if (first_fan[v] == kNone) first_fan[v] = fan;
+    if (first_fan[v] == fan) continue;
+    const auto [entry, is_new] = copies.try_emplace(fan, 0U);
+    if (is_new) entry->second = copy_vertex(surface, v);
+    v = entry->second;
+  }
+}
+
+void crop(Surface& surface, const Box3d& box) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      const double limit = sign < 0 ? -box.lower[axis] : box.upper[axis];
+      if (!surface.triangles.empty())
+        BoxPlane(surface, axis, sign, limit).cut_cells(surface.triangles);
+      if (!surface.lines.empty()) BoxPlane(surface, axis, sign, limit).cut_cells(surface.lines);
+    }
+}
+
+Dropped drop_small_components(Surface& surface, std::uint64_t n) {
+  if (!surface.lines.empty()) return drop_small(surface, surface.lines, n);
+  return drop_small(surface, surface.triangles, n);
+}
+
+void flip_orientation(Surface& surface) {
+  for (auto& t : surface.triangles) std::swap(t[1], t[2]);
+  for (auto& l : surface.lines) std::swap(l[0], l[1]);
+  for (Vec3f& n : surface.normals) n = n * -1.0F;
+}
+
+void fill_zero_normals(Surface& surface) {
+  std::vector<bool> is_zero(surface.normals.size());
+  bool is_any = false;
+  for (std::size_t v = 0; v < surface.normals.size(); ++v) {
+    is_zero[v] = surface.normals[v] == Vec3f{};
+    is_any = is_any || is_zero[v];
+  }
+  if (!is_any) return;
+  for (const auto& t : surface.triangles) {
+    if (!is_zero[t[0]] && !is_zero[t[1]] && !is_zero[t[2]]) continue;
+    const Vec3f n = cross(surface.positions[t[1]] - surface.positions[t[0]],
+                          surface.positions[t[2]] - surface.positions[t[0]]);
+    for (const std::uint32_t v : t)
+      if (is_zero[v]) surface.normals[v] = surface.normals[v] + n;
+  }
+  for (std::size_t v = 0; v < surface.normals.size(); ++v)
+    if (is_zero[v]) surface.normals[v] = normalized(surface.normals[v]);
+}
+
+}  // namespace lode

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include "lode/core/box.h"
+#include "lode/core/surface.h"
+
+namespace lode {
+
+/// What an edit took away.
+struct Dropped {
+  std::uint64_t components = 0;
+  std::uint64_t cells = 0;
+};
+
+/// Gives each fan of cells round a vertex its own copy of it: where holes pinch the domain, cells
+/// that share no edge must not share the vertex. Attributes are copied. O(n).
+void split_pinched_vertices(Surface& surface);
+
+/// Keeps the part inside the box (world units); the cut is straight and shared by both cells.
+void crop(Surface& surface, const Box3d& box);
+
+/// Drops connected pieces of fewer than n cells.
+[[nodiscard]] Dropped drop_small_components(Surface& surface, std::uint64_t n);
+
+/// Turns triangles (lines) and normals round.
+void flip_orientation(Surface& surface);
+
+/// Replaces zero normals by the area-weighted mean of the triangles round the vertex.
+void fill_zero_normals(Surface& surface);
+
+}  // namespace lode

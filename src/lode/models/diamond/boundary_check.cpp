@@ -1,0 +1,56 @@
+#include "lode/models/diamond/boundary_check.h"
+
+#include <span>
+
+#include "lode/mappers/surface_topology.h"
+#include "lode/models/diamond/cell_neighbours.h"
+#include "lode/models/diamond/cell_pieces.h"
+#include "lode/models/diamond/surface_coordinates.h"
+
+namespace lode::diamond {
+namespace {
+
+constexpr std::size_t kEdgesPerReport = 65536;
+
+/// Every part of the segment (or point) lies both in a present and in a removed cell.
+bool is_on_holes(const FieldSamples& samples, const SurfaceCoordinates& coordinates,
+                 std::span<const std::uint32_t> ends) {
+  for (const std::uint32_t vertex : ends)
+    if (coordinates.is_outside(vertex)) return false;
+  bool is_on = true;
+  const Vec3d& rounding = coordinates.rounding();
+  const auto visit = [&](const Index3& cell, const Piece& piece) {
+    is_on = is_on && find_near_cell(samples, cell, piece, rounding, CellState::removed) &&
+            find_near_cell(samples, cell, piece, rounding, CellState::present);
+  };
+  visit_cells(coordinates.piece_of(ends), samples.grid().dims, visit);
+  return is_on;
+}
+
+}  // namespace
+
+Result<BoundaryReport> check_boundary(const FieldSamples& samples, const Surface& surface,
+                                      const BoundaryOptions& options, Progress& progress) {
+  const SurfaceCoordinates coordinates(samples.grid(), surface, options.clip, options.threads);
+  const auto edges = find_boundary_edges(surface, options.threads);
+  BoundaryReport report;
+  for (const auto& edge : edges) {
+    if (report.n_edges++ % kEdgesPerReport == 0)
+      progress.report("boundary",
+                      static_cast<double>(report.n_edges) / static_cast<double>(edges.size()));
+    if (progress.is_cancelled()) return cancelled_error();
+    const auto ends = std::span(edge).first(edge[0] == edge[1] ? 1 : 2);
+    if (coordinates.are_on_border(ends)) {
+      ++report.n_on_border;
+    } else if (coordinates.are_on_clip(ends)) {
+      ++report.n_on_clip;
+    } else if (is_on_holes(samples, coordinates, ends)) {
+      ++report.n_on_holes;
+    } else if (report.n_stray++ == 0) {
+      report.first_stray = edge;
+    }
+  }
+  return report;
+}
+
+}  // namespace lode::diamond

@@ -1,0 +1,7 @@
+# The geometric checks against the full-resolution field, for CMakeLists.txt beside this file.
+set(DIAMOND_CHECK_SOURCES
+  boundary_check.cpp
+  cell_field.cpp
+  cell_neighbours.cpp
+  level_set_check.cpp
+  surface_coordinates.cpp)

@@ -1,0 +1,195 @@
+#include "lode/models/diamond/cube_plan.h"
+
+#include <algorithm>
+
+namespace lode::diamond {
+namespace {
+
+template <int D>
+std::size_t plan_offset(const Index<D>& p) {
+  std::size_t offset = 0;
+  for (int i = D - 1; i >= 0; --i)
+    offset = offset * as_size(kPlanEdge<D> + 1) + as_size(p[as_size(i)]);
+  return offset;
+}
+
+/// A cube inside the plan's cube: its corner ≡ 0 mod 2·side, and which way its axes run.
+template <int D>
+struct SubCube {
+  Index<D> even_corner;
+  Index<D> sign;
+  std::int32_t side = 0;
+
+  Index<D> at(const Index<D>& u) const {
+    Index<D> p;
+    for (std::size_t i = 0; i < as_size(D); ++i) p[i] = even_corner[i] + sign[i] * u[i];
+    return p;
+  }
+};
+
+template <int D>
+SubCube<D> sub_cube(const Index<D>& position, std::int32_t side) {
+  SubCube<D> cube;
+  cube.side = side;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    const bool is_mirrored = (position[i] & 1) != 0;
+    cube.even_corner[i] = (position[i] + (is_mirrored ? 1 : 0)) * side;
+    cube.sign[i] = is_mirrored ? -1 : 1;
+  }
+  return cube;
+}
+
+/// A point of the cube that is no corner: its diamond inside the canonical cube. The origin is
+/// ≡ 0 for every modulus, so canonical coordinates classify as lattice ones do.
+template <int D>
+bool is_vertex(const Index<D>& u, std::int32_t side, int tier) {
+  const int exponent = common_exponent<D>(u);
+  if (exponent >= 31 || (std::int32_t{1} << exponent) >= side) return true;
+  const Diamond<D> d = diamond_at<D>(u);
+  return 2 * d.h() == side && d.tier < tier;
+}
+
+template <int D>
+void add_values(InterpolantPass& pass, const SubCube<D>& cube, int tier) {
+  struct Step {
+    int level, tier;
+    InterpolantPass::Mean mean;
+  };
+  std::vector<Step> steps;
+  Index<D> dims;
+  for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = cube.side + 1;
+  for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
+    const Index<D> u = point_of<D>(dims, i);
+    const auto to = static_cast<std::uint16_t>(plan_offset<D>(cube.at(u)));
+    if (is_vertex<D>(u, cube.side, tier)) {
+      pass.vertices.push_back(to);
+      continue;
+    }
+    const Diamond<D> d = diamond_at<D>(u);
+    const auto ends = axis_ends<D>(d);
+    steps.push_back({d.level,
+                     d.tier,
+                     {to, static_cast<std::uint16_t>(plan_offset<D>(cube.at(ends[0]))),
+                      static_cast<std::uint16_t>(plan_offset<D>(cube.at(ends[1])))}});
+  }
+  std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) {
+    return a.level != b.level ? a.level > b.level : a.tier < b.tier;
+  });
+  for (const Step& step : steps) pass.means.push_back(step.mean);
+}
+
+void add_region(InterpolantPass& pass, std::uint32_t target,
+                const std::vector<std::uint16_t>& points) {
+  InterpolantPass::Region region{target, static_cast<std::uint32_t>(pass.points.size()), 0};
+  pass.points.insert(pass.points.end(), points.begin(), points.end());
+  region.end = static_cast<std::uint32_t>(pass.points.size());
+  pass.regions.push_back(region);
+}
+
+template <int D>
+void add_node_regions(InterpolantPass& pass, const SubCube<D>& cube, int tier) {
+  std::vector<std::pair<std::uint32_t, std::uint16_t>> pairs;
+  Index<D> dims;
+  for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = cube.side + 1;
+  for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
+    const Index<D> u = point_of<D>(dims, i);
+    if (is_vertex<D>(u, cube.side, tier)) continue;  // the interpolant is exact there
+    for (const Index<D>& node : nodes_containing<D>(u, cube.side, tier))
+      pairs.emplace_back(static_cast<std::uint32_t>(plan_offset<D>(cube.at(node))),
+                         static_cast<std::uint16_t>(plan_offset<D>(cube.at(u))));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  for (std::size_t i = 0; i < pairs.size();) {
+    std::vector<std::uint16_t> points;
+    const std::uint32_t target = pairs[i].first;
+    for (; i < pairs.size() && pairs[i].first == target; ++i) points.push_back(pairs[i].second);
+    add_region(pass, target, points);
+  }
+}
+
+template <int D>
+void add_kuhn_regions(CubePlan<D>& plan) {
+  Index<D> dims;
+  for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = kPlanEdge<D> + 1;
+  for (std::size_t s = 0; s < plan.kuhn_simplices.size(); ++s) {
+    const Simplex<D>& simplex = plan.kuhn_simplices[s];
+    std::array<std::size_t, as_size(D)> order;  // axes by descending coordinate
+    for (std::size_t j = 0; j < as_size(D); ++j)
+      for (std::size_t i = 0; i < as_size(D); ++i)
+        if (simplex.v[j + 1][i] != simplex.v[j][i]) order[j] = i;
+    std::vector<std::uint16_t> points;
+    for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
+      const Index<D> u = point_of<D>(dims, i);
+      bool is_inside = true;
+      for (std::size_t j = 0; j + 1 < as_size(D); ++j)
+        is_inside = is_inside && u[order[j]] >= u[order[j + 1]];
+      if (is_inside) points.push_back(static_cast<std::uint16_t>(plan_offset<D>(u)));
+    }
+    add_region(plan.kuhn, static_cast<std::uint32_t>(s), points);
+  }
+}
+
+template <int D>
+CubePlan<D> make_plan() {
+  CubePlan<D> plan;
+  for (int level = 1; (std::int32_t{2} << level) <= kPlanEdge<D>; ++level) {
+    const std::int32_t side = std::int32_t{2} << level;
+    Index<D> n;
+    for (std::size_t i = 0; i < as_size(D); ++i) n[i] = kPlanEdge<D> / side;
+    for (std::size_t i = 0; i < n_points<D>(n); ++i) {
+      const SubCube<D> cube = sub_cube<D>(point_of<D>(n, i), side);
+      for (int tier = 0; tier < D; ++tier) {
+        typename CubePlan<D>::NodePass node_pass{level, {}};
+        add_values<D>(node_pass.pass, cube, tier);
+        add_node_regions<D>(node_pass.pass, cube, tier);
+        plan.node_passes.push_back(std::move(node_pass));
+      }
+    }
+  }
+  plan.kuhn_simplices = kuhn_simplices<D>({}, kPlanEdge<D>);
+  add_values<D>(plan.kuhn, sub_cube<D>({}, kPlanEdge<D>), 0);
+  add_kuhn_regions<D>(plan);
+  return plan;
+}
+
+}  // namespace
+
+template <int D>
+std::vector<Index<D>> nodes_containing(const Index<D>& u, std::int32_t side, int tier) {
+  std::vector<Index<D>> result;
+  // Each choice of snapped axes and sides: 0 = middle, 1 = lower border, 2 = upper border.
+  int n_choices = 1;
+  for (int i = 0; i < D; ++i) n_choices *= 3;
+  for (int code = 0; code < n_choices; ++code) {
+    Index<D> node;
+    int n_snapped = 0;
+    std::int32_t largest_snapped = 0;
+    std::int32_t smallest_free = side;
+    for (int i = 0, rest = code; i < D; ++i, rest /= 3) {
+      const std::size_t axis = as_size(i);
+      const int choice = rest % 3;
+      node[axis] = choice == 0 ? side / 2 : choice == 1 ? 0 : side;
+      if (choice == 0) {
+        smallest_free = std::min({smallest_free, u[axis], side - u[axis]});
+      } else {
+        ++n_snapped;
+        largest_snapped = std::max(largest_snapped, choice == 1 ? u[axis] : side - u[axis]);
+      }
+    }
+    if (n_snapped == tier && largest_snapped <= smallest_free) result.push_back(node);
+  }
+  return result;
+}
+
+template <int D>
+const CubePlan<D>& CubePlan<D>::instance() {
+  static const CubePlan<D> plan = make_plan<D>();
+  return plan;
+}
+
+template struct CubePlan<2>;
+template struct CubePlan<3>;
+template std::vector<Index<2>> nodes_containing<2>(const Index<2>&, std::int32_t, int);
+template std::vector<Index<3>> nodes_containing<3>(const Index<3>&, std::int32_t, int);
+
+}  // namespace lode::diamond

@@ -1,0 +1,336 @@
+#include "lode/models/diamond/extract.h"
+
+#include <chrono>
+#include <memory>
+
+#include "lode/mappers/simplex_isosurface.h"
+#include "lode/mappers/stitch.h"
+#include "lode/models/diamond/brick_traversal.h"
+
+namespace lode::diamond {
+namespace {
+
+/// The part of the cut above brick size, and which brick-size simplices it was refined down to.
+template <int D>
+struct CoarseCut {
+  std::vector<ActiveSimplex<D>> leaves;
+  std::vector<std::pair<std::size_t, Simplex<D>>> brick_simplices;  ///< By brick, ascending.
+  TraversalStats stats;
+};
+
+template <int D>
+class CoarseTraversal {
+ public:
+  CoarseTraversal(const Selection<D>& selection, CoarseCut<D>& out)
+      : selection_(selection), out_(out) {}
+
+  void run() {
+    const std::int32_t root = selection_.model().shape.root_side();
+    for (const Simplex<D>& s : kuhn_simplices<D>({}, root)) visit(s);
+    std::stable_sort(out_.brick_simplices.begin(), out_.brick_simplices.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+  }
+
+ private:
+  void visit(const Simplex<D>& s) {
+    const Model<D>& model = selection_.model();
+    Index<D> lower = s.v[0];
+    Index<D> upper = s.v[0];
+    for (const Index<D>& v : s.v)
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        lower[i] = std::min(lower[i], v[i]);
+        upper[i] = std::max(upper[i], v[i]);
+      }
+    if (!model.shape.overlaps_data(lower, upper)) return;
+    if (s.tag == D && upper[0] - lower[0] <= kBrickEdge<D>) {
+      Index<D> brick;
+      for (std::size_t i = 0; i < as_size(D); ++i) brick[i] = lower[i] / kBrickEdge<D>;
+      out_.brick_simplices.emplace_back(linear_index<D>(model.brick_dims, brick), s);
+      return;
+    }
+    ++out_.stats.nodes_visited;
+    const Diamond<D> d = diamond_at<D>(s.bisection_point());
+    const std::size_t at = selection_.index_of(d);
+    if (!selection_.is_active(d.level, at)) return;
+    if (selection_.exceeds_tolerance(selection_.error(d.level, at))) {
+      for (const Simplex<D>& half : bisect(s)) visit(half);
+      return;
+    }
+    add_leaf(s, selection_.error(d.level, at));
+  }
+
+  void add_leaf(const Simplex<D>& s, ErrorCode error) {
+    const Model<D>& model = selection_.model();
+    ActiveSimplex<D> leaf;
+    leaf.vertex = s.v;
+    int n_inside = 0;
+    for (std::size_t i = 0; i <= as_size(D); ++i) {
+      leaf.value[i] = model.value(s.v[i]);
+      if (model.has_holes() && model.is_hole(leaf.value[i])) return;
+      n_inside += leaf.value[i] >= selection_.isovalue() ? 1 : 0;
+    }
+    if (n_inside == 0 || n_inside == D + 1) return;
+    if (model.has_holes() && is_removed(s)) return;
+    out_.leaves.push_back(leaf);
+    out_.stats.achieved = std::max(out_.stats.achieved, error);
+  }
+
+  /// An unrefined simplex is removed as a whole or not at all: one of its cells tells.
+  bool is_removed(Simplex<D> s) const {
+    const Model<D>& model = selection_.model();
+    while (true) {
+      Index<D> lower = s.v[0];
+      Index<D> upper = s.v[0];
+      for (const Index<D>& v : s.v)
+        for (std::size_t i = 0; i < as_size(D); ++i) {
+          lower[i] = std::min(lower[i], v[i]);
+          upper[i] = std::max(upper[i], v[i]);
+        }
+      if (s.tag == D && upper[0] - lower[0] == 1)
+        return model.shape.overlaps_data(lower, upper) && model.is_removed_cell(lower);
+      const auto halves = bisect(s);
+      bool first_overlaps = false;
+      for (const Index<D>& v : halves[0].v) {
+        bool is_inside = true;
+        for (std::size_t i = 0; i < as_size(D); ++i)
+          is_inside = is_inside && v[i] < model.shape.dims[i] - 1;
+        first_overlaps = first_overlaps || is_inside;
+      }
+      s = halves[first_overlaps ? 0 : 1];
+    }
+  }
+
+  const Selection<D>& selection_;
+  CoarseCut<D>& out_;
+};
+
+template <int D>
+LatticeSimplex<D> to_lattice(const AxisMap<D>& axes,
+                             const std::array<Index<D>, as_size(D) + 1>& vertex,
+                             const std::array<double, as_size(D) + 1>& value) {
+  LatticeSimplex<D> s;
+  for (std::size_t i = 0; i <= as_size(D); ++i) s.vertex[i] = to_key(axes.to_grid(vertex[i]));
+  s.value = value;
+  return s;
+}
+
+/// Brick simplices as ranges, one per brick that has any.
+template <int D>
+struct BrickWork {
+  std::size_t brick, begin, end;
+};
+
+template <int D>
+std::vector<BrickWork<D>> work_of(const CoarseCut<D>& cut) {
+  std::vector<BrickWork<D>> work;
+  for (std::size_t i = 0; i < cut.brick_simplices.size(); ++i) {
+    if (work.empty() || work.back().brick != cut.brick_simplices[i].first)
+      work.push_back({cut.brick_simplices[i].first, i, i});
+    work.back().end = i + 1;
+  }
+  return work;
+}
+
+template <int D>
+Index3 last_sample(const Model<D>& model) {
+  Index3 last;
+  for (std::size_t i = 0; i < 3; ++i) last[i] = model.info.grid.dims[i] - 1;
+  return last;
+}
+
+/// Whether a vertex on this edge may belong to a part other than the brick with lower corner
+/// `base`: its midpoint is on the brick's border, or the edge joins two of its corners.
+template <int D>
+bool is_on_brick_border(const AxisMap<D>& axes, const EdgePoint& point) {
+  const Index3 a = to_point(point.first);
+  const Index3 b = to_point(point.second);
+  bool joins_corners = true;
+  for (const int axis : axes.axis) {
+    const auto i = as_size(axis);
+    if ((a[i] + b[i]) % (2 * kBrickEdge<D>) == 0) return true;
+    joins_corners = joins_corners && a[i] % kBrickEdge<D> == 0 && b[i] % kBrickEdge<D> == 0;
+  }
+  return joins_corners;
+}
+
+template <int D>
+class Extraction {
+ public:
+  Extraction(const Model<D>& model, const IsosurfaceQuery& query)
+      : model_(model),
+        query_(query),
+        frame_(LatticeFrame::of(model.info.grid)),
+        selection_(model, query.isovalue, query.tolerance) {}
+
+  Result<IsosurfaceReport> run(Surface& surface, std::vector<EdgePoint>* points,
+                               Progress& progress) {
+    const auto start = std::chrono::steady_clock::now();
+    IsosurfaceReport report;
+    surface.origin = frame_.surface_origin;
+    if (!model_.shape.has_cells()) return report;
+    CoarseTraversal<D>(selection_, cut_).run();
+    march(progress);
+    if (progress.is_cancelled()) return cancelled_error();
+    const auto marched = std::chrono::steady_clock::now();
+    std::vector<VertexOrigin> origins;
+    const std::size_t first_new = surface.positions.size();
+    stitch<D>(
+        parts_, [&](LatticeKey key, std::vector<std::uint32_t>& out) { candidates(key, out); },
+        frame_, query_.threads, surface, points != nullptr ? &origins : nullptr);
+    if (points != nullptr) {
+      points->resize(surface.positions.size());
+      for (std::size_t v = first_new; v < origins.size(); ++v)
+        (*points)[v] = edge_of(parts_[origins[v].part].part, origins[v].vertex);
+    }
+    fill(report);
+    const auto done = std::chrono::steady_clock::now();
+    report.select_seconds = std::chrono::duration<double>(marched - start).count();
+    report.geometry_seconds = std::chrono::duration<double>(done - marched).count();
+    return report;
+  }
+
+ private:
+  void march(Progress& progress) {
+    work_ = work_of(cut_);
+    parts_.resize(work_.size() + 1);
+    {
+      SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts_[0].part);
+      for (const ActiveSimplex<D>& s : cut_.leaves)
+        mapper.add(to_lattice<D>(model_.axes, s.vertex, s.value));
+      finish(parts_[0], [](const EdgePoint&) { return true; });
+    }
+    std::vector<TraversalStats> stats(work_.size());
+    std::vector<std::unique_ptr<BrickTraversal<D>>> traversals(as_size(n_workers(query_.threads)));
+    parallel_for(work_.size(), query_.threads, 1, [&](std::size_t i, int worker) {
+      if (progress.is_cancelled()) return;
+      auto& traversal = traversals[as_size(worker)];
+      if (!traversal) traversal = std::make_unique<BrickTraversal<D>>(selection_);
+      march_brick(*traversal, i, stats[i]);
+    });
+    stats_ = cut_.stats;
+    for (const TraversalStats& s : stats) stats_.join(s);
+  }
+
+  void march_brick(BrickTraversal<D>& traversal, std::size_t i, TraversalStats& stats) {
+    SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts_[i + 1].part);
+    traversal.open(point_of<D>(model_.brick_dims, work_[i].brick));
+    for (std::size_t s = work_[i].begin; s < work_[i].end; ++s)
+      traversal.visit(cut_.brick_simplices[s].second, stats,
+                      [&](const auto& vertex, const auto& value) {
+                        mapper.add(to_lattice<D>(model_.axes, vertex, value));
+                      });
+    finish(parts_[i + 1],
+           [&](const EdgePoint& p) { return is_on_brick_border<D>(model_.axes, p); });
+  }
+
+  void finish(StitchPart<D>& part, const std::function<bool(const EdgePoint&)>& is_shared) {
+    const Index3 last = last_sample<D>(model_);
+    clip_to_domain<D>(part.part,
+                      {{static_cast<double>(last[0]), static_cast<double>(last[1]),
+                        static_cast<double>(last[2])}},
+                      frame_.margin / 2);
+    find_shared<D>(part, is_shared);
+  }
+
+  /// The parts whose closed region contains a doubled midpoint: the coarse one, and up to 2^D
+  /// bricks. Part i + 1 is brick work_[i].
+  void candidates(LatticeKey key, std::vector<std::uint32_t>& out) const {
+    const Index3 doubled = to_point(key);
+    out.push_back(0);
+    for (int corner = 0; corner < (1 << D); ++corner) {
+      Index<D> brick;
+      bool exists = true;
+      for (int i = 0; i < D; ++i) {
+        const std::int32_t x = doubled[as_size(model_.axes.axis[as_size(i)])];
+        const bool lower = ((corner >> i) & 1) == 0;
+        brick[as_size(i)] = x / (2 * kBrickEdge<D>)-(lower ? 1 : 0);
+        exists = exists && (!lower || x % (2 * kBrickEdge<D>) == 0) && brick[as_size(i)] >= 0 &&
+                 brick[as_size(i)] < model_.brick_dims[as_size(i)];
+      }
+      if (!exists) continue;
+      const std::size_t number = linear_index<D>(model_.brick_dims, brick);
+      const auto at =
+          std::lower_bound(work_.begin(), work_.end(), number,
+                           [](const BrickWork<D>& w, std::size_t n) { return w.brick < n; });
+      if (at != work_.end() && at->brick == number)
+        out.push_back(static_cast<std::uint32_t>(at - work_.begin()) + 1);
+    }
+    std::sort(out.begin(), out.end());
+  }
+
+  void fill(IsosurfaceReport& report) const {
+    report.achieved_error = static_cast<double>(decode_error(stats_.achieved));
+    report.nodes_visited = stats_.nodes_visited;
+    double largest_step = 0;
+    double largest_snap = 0;
+    for (const StitchPart<D>& part : parts_) {
+      largest_step = std::max(largest_step, part.part.largest_step);
+      largest_snap = std::max(largest_snap, part.part.largest_snap);
+    }
+    // Margin: along its edge. Rounding: up to half a unit along each axis, where the field
+    // changes by at most twice the simplex's range a step. Border snapping: half a margin.
+    report.coordinate_slack = frame_.margin * largest_snap + 4 * frame_.rounding * largest_step +
+                              (is_border_cut() ? frame_.margin * largest_step : 0);
+  }
+
+  static EdgePoint edge_of(const IsoPart<D>& part, std::uint32_t vertex) {
+    while (vertex >= part.points.size())
+      vertex = part.clip_points[vertex - part.points.size()].first;
+    return part.points[vertex];
+  }
+
+  bool is_border_cut() const {
+    return std::any_of(parts_.begin(), parts_.end(),
+                       [](const StitchPart<D>& part) { return !part.part.clip_points.empty(); });
+  }
+
+  const Model<D>& model_;
+  IsosurfaceQuery query_;
+  LatticeFrame frame_;
+  Selection<D> selection_;
+  CoarseCut<D> cut_;
+  std::vector<BrickWork<D>> work_;
+  std::vector<StitchPart<D>> parts_;
+  TraversalStats stats_;
+};
+
+}  // namespace
+
+template <int D>
+Result<IsosurfaceReport> extract_isosurface(const Model<D>& model, const IsosurfaceQuery& query,
+                                            Surface& surface, std::vector<EdgePoint>* points,
+                                            Progress& progress) {
+  return Extraction<D>(model, query).run(surface, points, progress);
+}
+
+template <int D>
+std::vector<ActiveSimplex<D>> active_simplices(const Model<D>& model,
+                                               const IsosurfaceQuery& query) {
+  const Selection<D> selection(model, query.isovalue, query.tolerance);
+  CoarseCut<D> cut;
+  if (!model.shape.has_cells()) return {};
+  CoarseTraversal<D>(selection, cut).run();
+  std::vector<ActiveSimplex<D>> result = cut.leaves;
+  BrickTraversal<D> traversal(selection);
+  TraversalStats stats;
+  for (const BrickWork<D>& work : work_of(cut)) {
+    traversal.open(point_of<D>(model.brick_dims, work.brick));
+    for (std::size_t s = work.begin; s < work.end; ++s)
+      traversal.visit(cut.brick_simplices[s].second, stats,
+                      [&](const auto& vertex, const auto& value) {
+                        result.push_back({vertex, value});
+                      });
+  }
+  return result;
+}
+
+template Result<IsosurfaceReport> extract_isosurface<2>(const Model<2>&, const IsosurfaceQuery&,
+                                                        Surface&, std::vector<EdgePoint>*,
+                                                        Progress&);
+template Result<IsosurfaceReport> extract_isosurface<3>(const Model<3>&, const IsosurfaceQuery&,
+                                                        Surface&, std::vector<EdgePoint>*,
+                                                        Progress&);
+template std::vector<ActiveSimplex<2>> active_simplices<2>(const Model<2>&, const IsosurfaceQuery&);
+template std::vector<ActiveSimplex<3>> active_simplices<3>(const Model<3>&, const IsosurfaceQuery&);
+
+}  // namespace lode::diamond

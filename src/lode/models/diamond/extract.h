@@ -1,0 +1,47 @@
+#pragma once
+
+#include "lode/core/progress.h"
+#include "lode/core/surface.h"
+#include "lode/mappers/iso_part.h"
+#include "lode/models/diamond/model.h"
+
+namespace lode::diamond {
+
+struct IsosurfaceQuery {
+  double isovalue = 0;
+  double tolerance = 0;  ///< Field units; 0 refines every active node.
+  Threads threads;
+};
+
+struct IsosurfaceReport {
+  double achieved_error = 0;    ///< Largest nested error of an active node left unrefined.
+  double coordinate_slack = 0;  ///< What margins and rounding may add to |F - isovalue|.
+  std::uint64_t nodes_visited = 0;
+  double select_seconds = 0;    ///< Traversal and marching, which run together.
+  double geometry_seconds = 0;  ///< Stitching and positions.
+};
+
+/// A leaf simplex of the cut that the isosurface crosses, in lattice coordinates.
+template <int D>
+struct ActiveSimplex {
+  std::array<Index<D>, as_size(D) + 1> vertex;
+  std::array<double, as_size(D) + 1> value;
+};
+
+/// Extracts one isosurface (contour lines in 2D), clipped at the domain's border, straight from
+/// the hierarchy: bricks in parallel, then stitched. Appends to `surface`; positions and cells
+/// only. The lattice edge each new vertex lies on (or next to, at the border) goes to `points`
+/// when it is not null.
+template <int D>
+[[nodiscard]] Result<IsosurfaceReport> extract_isosurface(const Model<D>& model,
+                                                          const IsosurfaceQuery& query,
+                                                          Surface& surface,
+                                                          std::vector<EdgePoint>* points,
+                                                          Progress& progress);
+
+/// The leaf simplices the same query's surface comes from, brick by brick in a fixed order.
+template <int D>
+[[nodiscard]] std::vector<ActiveSimplex<D>> active_simplices(const Model<D>& model,
+                                                             const IsosurfaceQuery& query);
+
+}  // namespace lode::diamond

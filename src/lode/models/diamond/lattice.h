@@ -1,0 +1,274 @@
+#pragma once
+
+// The implicit diamond hierarchy of a regular lattice, in any dimension: everything about a node
+// follows from the integer coordinates of its centre.
+// Sources: Borgo, Scopigno, Cignoni, Pascucci, "A Progressive Subdivision Paradigm" (2003);
+// Maubach, "Local bisection refinement for n-simplicial grids" (1995).
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lode/core/expects.h"
+#include "lode/core/vec.h"
+
+namespace lode::diamond {
+
+template <int D>
+using Index = Vec<std::int32_t, static_cast<std::size_t>(D)>;
+
+inline constexpr std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+
+/// The largest power of two, as an exponent, that divides all coordinates; 31 for the origin.
+template <int D>
+[[nodiscard]] constexpr int common_exponent(const Index<D>& p) {
+  std::uint32_t bits = 0;
+  for (int i = 0; i < D; ++i) bits |= static_cast<std::uint32_t>(p[as_size(i)]);
+  return bits == 0 ? 31 : std::countr_zero(bits);
+}
+
+/// A node: the bisection at one lattice point. With h = 2^level, the coordinates that are odd
+/// multiples of h are the axis directions; tier = D - how many there are. Its domain lies in
+/// centre ± h.
+template <int D>
+struct Diamond {
+  Index<D> centre;
+  int level = 0;          ///< h = 2^level.
+  int tier = 0;           ///< 0 .. D-1; tier 0 is a cube of side 2h.
+  std::uint32_t odd = 0;  ///< Bit i: coordinate i is an odd multiple of h.
+
+  friend constexpr bool operator==(const Diamond&, const Diamond&) = default;
+
+  [[nodiscard]] constexpr std::int32_t h() const { return std::int32_t{1} << level; }
+  [[nodiscard]] constexpr bool is_odd(int axis) const { return ((odd >> axis) & 1U) != 0; }
+};
+
+/// The diamond centred at `centre`, which must not be a corner of the root cube.
+template <int D>
+[[nodiscard]] constexpr Diamond<D> diamond_at(const Index<D>& centre) {
+  Diamond<D> d{centre, common_exponent<D>(centre), 0, 0};
+  int n_odd = 0;
+  for (int i = 0; i < D; ++i)
+    if (((centre[as_size(i)] >> d.level) & 1) != 0) {
+      d.odd |= 1U << i;
+      ++n_odd;
+    }
+  d.tier = D - n_odd;
+  return d;
+}
+
+/// The two ends of the bisected edge: along exactly the odd coordinates, centre ± h; the first
+/// has those coordinates ≡ 0 mod 4h, the second ≡ 2h.
+template <int D>
+[[nodiscard]] constexpr std::array<Index<D>, 2> axis_ends(const Diamond<D>& d) {
+  std::array<Index<D>, 2> ends{d.centre, d.centre};
+  const std::int32_t h = d.h();
+  for (int i = 0; i < D; ++i) {
+    if (!d.is_odd(i)) continue;
+    const std::int32_t c = d.centre[as_size(i)];
+    const std::int32_t step = ((c >> d.level) & 3) == 1 ? -h : h;
+    ends[0][as_size(i)] = c + step;
+    ends[1][as_size(i)] = c - step;
+  }
+  return ends;
+}
+
+/// The nodes whose diamonds receive the simplices that bisecting `d` makes: 2·(odd) in the same
+/// level, or the 2^D cubes of the next finer one. Empty at the finest (level 0, tier D-1). Not
+/// clipped to any root cube.
+template <int D>
+[[nodiscard]] std::vector<Index<D>> children(const Diamond<D>& d) {
+  std::vector<Index<D>> result;
+  if (d.tier < D - 1) {
+    for (int i = 0; i < D; ++i)
+      if (d.is_odd(i))
+        for (const std::int32_t s : {-d.h(), d.h()}) {
+          Index<D> c = d.centre;
+          c[as_size(i)] += s;
+          result.push_back(c);
+        }
+    return result;
+  }
+  if (d.level == 0) return result;
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    Index<D> c = d.centre;
+    for (int i = 0; i < D; ++i) c[as_size(i)] += ((corner >> i) & 1) != 0 ? d.h() / 2 : -d.h() / 2;
+    result.push_back(c);
+  }
+  return result;
+}
+
+/// The nodes that must be refined before `d`: 2·tier in the same level, or D of the next coarser
+/// one. Empty for the root. Not clipped to any root cube of side `root`, except that a tier-0
+/// node of that size has no parents.
+template <int D>
+[[nodiscard]] std::vector<Index<D>> parents(const Diamond<D>& d, std::int32_t root) {
+  std::vector<Index<D>> result;
+  if (d.tier > 0) {
+    for (int i = 0; i < D; ++i)
+      if (!d.is_odd(i))
+        for (const std::int32_t s : {-d.h(), d.h()}) {
+          Index<D> c = d.centre;
+          c[as_size(i)] += s;
+          result.push_back(c);
+        }
+    return result;
+  }
+  if (2 * d.h() >= root) return result;
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    Index<D> c = d.centre;
+    int n_odd = 0;
+    for (int i = 0; i < D; ++i) {
+      c[as_size(i)] += ((corner >> i) & 1) != 0 ? d.h() : -d.h();
+      n_odd += (c[as_size(i)] >> (d.level + 1)) & 1;
+    }
+    if (n_odd == 1) result.push_back(c);
+  }
+  return result;
+}
+
+/// The vertices of the diamond's simplices other than its centre: the corners of its face of
+/// dimension D - tier, and the centres of the larger faces and cubes round that.
+template <int D>
+[[nodiscard]] std::vector<Index<D>> domain_vertices(const Diamond<D>& d) {
+  std::vector<Index<D>> result;
+  int n_offsets = 1;
+  for (int i = 0; i < D; ++i) n_offsets *= 3;
+  for (int code = 0; code < n_offsets; ++code) {
+    Index<D> p = d.centre;
+    int n_odd_moved = 0;
+    int n_even_moved = 0;
+    for (int i = 0, rest = code; i < D; ++i, rest /= 3) {
+      const int step = rest % 3 - 1;
+      p[as_size(i)] += step * d.h();
+      if (step != 0) ++(d.is_odd(i) ? n_odd_moved : n_even_moved);
+    }
+    const bool is_face_corner = n_odd_moved == D - d.tier && n_even_moved == 0;
+    const bool is_larger_centre = n_odd_moved == 0 && n_even_moved > 0;
+    if (is_face_corner || is_larger_centre) result.push_back(p);
+  }
+  return result;
+}
+
+/// A simplex of the hierarchy in Maubach's form: the edge v[0] – v[tag] is bisected next;
+/// v[0..tag] is a Kuhn chain of a face of dimension tag, the rest are centres of larger faces.
+template <int D>
+struct Simplex {
+  std::array<Index<D>, as_size(D) + 1> v;
+  int tag = D;
+
+  [[nodiscard]] constexpr Index<D> bisection_point() const {
+    Index<D> c;
+    for (std::size_t i = 0; i < as_size(D); ++i) c[i] = (v[0][i] + v[as_size(tag)][i]) / 2;
+    return c;
+  }
+};
+
+/// The two halves of a simplex, bisected at its bisection_point().
+template <int D>
+[[nodiscard]] constexpr std::array<Simplex<D>, 2> bisect(const Simplex<D>& s) {
+  const Index<D> c = s.bisection_point();
+  std::array<Simplex<D>, 2> halves{s, s};
+  const std::size_t tag = as_size(s.tag);
+  halves[0].v[tag] = c;
+  for (std::size_t i = 0; i < tag; ++i) halves[1].v[i] = s.v[i + 1];
+  halves[1].v[tag] = c;
+  halves[0].tag = halves[1].tag = s.tag > 1 ? s.tag - 1 : D;
+  return halves;
+}
+
+/// The D! Kuhn simplices of a cube of side `side`, from the corner with all coordinates
+/// ≡ 0 mod 2·side to the opposite one. `lower` is the cube's lowest corner.
+template <int D>
+[[nodiscard]] std::vector<Simplex<D>> kuhn_simplices(const Index<D>& lower, std::int32_t side) {
+  std::array<int, as_size(D)> order;
+  for (int i = 0; i < D; ++i) order[as_size(i)] = i;
+  Index<D> even;
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    even[i] = ((lower[i] / side) & 1) == 0 ? lower[i] : lower[i] + side;
+  std::vector<Simplex<D>> result;
+  do {
+    Simplex<D> s;
+    s.v[0] = even;
+    for (std::size_t j = 0; j < as_size(D); ++j) {
+      s.v[j + 1] = s.v[j];
+      const std::size_t axis = as_size(order[j]);
+      s.v[j + 1][axis] += even[axis] == lower[axis] ? side : -side;
+    }
+    result.push_back(s);
+  } while (std::next_permutation(order.begin(), order.end()));
+  return result;
+}
+
+/// The shape of a data set's hierarchy: a root cube of side 2^n_levels round samples
+/// 0 .. dims-1; only cubes that overlap the data exist at each level.
+template <int D>
+struct Shape {
+  Index<D> dims;     ///< Samples per axis.
+  int n_levels = 1;  ///< Levels 0 .. n_levels-1; the root diamond is tier 0 of the last.
+
+  [[nodiscard]] static Shape of(const Index<D>& dims) {
+    Shape shape{dims, 1};
+    for (int i = 0; i < D; ++i)
+      while ((std::int64_t{1} << shape.n_levels) < dims[as_size(i)] - 1) ++shape.n_levels;
+    return shape;
+  }
+  [[nodiscard]] std::int32_t root_side() const { return std::int32_t{1} << n_levels; }
+  /// Cubes of side 2^(level+1) along an axis; 0 when the axis has one sample.
+  [[nodiscard]] std::int32_t n_cubes(int level, int axis) const {
+    const std::int32_t side = std::int32_t{2} << level;
+    return (dims[as_size(axis)] - 1 + side - 1) / side;
+  }
+  /// Points of the level's grid: multiples of 2^level in all cubes that overlap the data.
+  [[nodiscard]] Index<D> grid_dims(int level) const {
+    Index<D> g;
+    for (int i = 0; i < D; ++i) g[as_size(i)] = 2 * n_cubes(level, i) + 1;
+    return g;
+  }
+  [[nodiscard]] bool has_cells() const {
+    return std::all_of(dims.v.begin(), dims.v.end(), [](std::int32_t n) { return n > 1; });
+  }
+  [[nodiscard]] bool is_sample(const Index<D>& p) const {
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      if (p[i] < 0 || p[i] >= dims[i]) return false;
+    return true;
+  }
+  /// Whether the open box (lower, upper) meets the data's box.
+  [[nodiscard]] bool overlaps_data(const Index<D>& lower, const Index<D>& upper) const {
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      if (lower[i] >= dims[i] - 1 || upper[i] <= 0) return false;
+    return true;
+  }
+};
+
+/// The linear index of grid point q (in units of the grid's step), x fastest.
+template <int D>
+[[nodiscard]] constexpr std::size_t linear_index(const Index<D>& dims, const Index<D>& q) {
+  std::size_t index = 0;
+  for (int i = D - 1; i >= 0; --i)
+    index = index * as_size(dims[as_size(i)]) + as_size(q[as_size(i)]);
+  return index;
+}
+
+template <int D>
+[[nodiscard]] constexpr std::size_t n_points(const Index<D>& dims) {
+  std::size_t n = 1;
+  for (int i = 0; i < D; ++i) n *= as_size(dims[as_size(i)]);
+  return n;
+}
+
+/// The inverse of linear_index.
+template <int D>
+[[nodiscard]] constexpr Index<D> point_of(const Index<D>& dims, std::size_t index) {
+  Index<D> q;
+  for (int i = 0; i < D; ++i) {
+    q[as_size(i)] = static_cast<std::int32_t>(index % as_size(dims[as_size(i)]));
+    index /= as_size(dims[as_size(i)]);
+  }
+  return q;
+}
+
+}  // namespace lode::diamond

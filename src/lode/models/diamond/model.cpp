@@ -1,0 +1,259 @@
+#include "lode/models/diamond/model.h"
+
+namespace lode::diamond {
+namespace {
+
+/// The bricks along one axis that hold coordinate p: one, or two where it is on their border.
+struct BrickSpan {
+  std::int32_t first, last;
+};
+
+template <int D>
+BrickSpan bricks_holding(std::int32_t p, std::int32_t n_bricks) {
+  const std::int32_t upper = std::min(p / kBrickEdge<D>, n_bricks - 1);
+  const bool is_border = upper > 0 && p == upper * kBrickEdge<D>;
+  return {is_border ? upper - 1 : upper, upper};
+}
+
+/// Calls body(p) for each point of a non-empty box with coordinate 0 held at its lower end.
+template <int D, typename F>
+void for_each_row(const Index<D>& lower, const Index<D>& upper, const F& body) {
+  Index<D> p = lower;
+  while (true) {
+    body(p);
+    std::size_t i = 1;
+    for (; i < as_size(D); ++i) {
+      if (++p[i] < upper[i]) break;
+      p[i] = lower[i];
+    }
+    if (i == as_size(D)) return;
+  }
+}
+
+struct BrickStats {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+  std::uint64_t n_holes = 0;
+  std::uint64_t n_removed_cells = 0;
+};
+
+template <int D>
+bool touches_hole(const Model<D>& model, std::size_t brick) {
+  if (!is_floating(model.storage) && !model.info.nodata) return false;
+  return visit_storage_type(model.storage, [&]<typename T>() {
+    const T* values = reinterpret_cast<const T*>(model.brick(brick));
+    return std::any_of(values, values + kBrickSize<D>,
+                       [&](T v) { return model.is_hole(static_cast<double>(v)); });
+  });
+}
+
+/// Range and holes of the samples a brick owns: its last layer only where it is the last brick.
+template <int D>
+BrickStats stats_of_brick(const Model<D>& model, std::size_t brick, bool has_holes) {
+  const Index<D> b = point_of<D>(model.brick_dims, brick);
+  const Index<D> lower = b * kBrickEdge<D>;
+  Index<D> upper;
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    upper[i] = b[i] == model.brick_dims[i] - 1 ? model.shape.dims[i] : lower[i] + kBrickEdge<D>;
+  BrickStats stats;
+  visit_storage_type(model.storage, [&]<typename T>() {
+    T low = std::numeric_limits<T>::max();
+    T high = std::numeric_limits<T>::lowest();
+    std::uint64_t n_holes = 0;
+    std::uint64_t n_samples = 0;
+    for_each_row<D>(lower, upper, [&](const Index<D>& row) {
+      const T* values =
+          reinterpret_cast<const T*>(model.brick(brick)) + model.brick_offset(row - lower);
+      for (std::int32_t x = 0; x < upper[0] - lower[0]; ++x) {
+        ++n_samples;
+        if (has_holes && model.is_hole(static_cast<double>(values[x]))) {
+          ++n_holes;
+          continue;
+        }
+        low = std::min(low, values[x]);
+        high = std::max(high, values[x]);
+      }
+    });
+    stats.n_holes = n_holes;
+    if (n_holes == n_samples) return;
+    stats.min = static_cast<double>(low);
+    stats.max = static_cast<double>(high);
+  });
+  if (!has_holes || !model.shape.has_cells()) return stats;
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    upper[i] = std::min(upper[i], model.shape.dims[i] - 1);
+  for_each_row<D>(lower, upper, [&](Index<D> cell) {
+    for (; cell[0] < upper[0]; ++cell[0])
+      if (model.is_removed_cell(cell)) ++stats.n_removed_cells;
+  });
+  return stats;
+}
+
+template <int D>
+void find_stats(Model<D>& model, Threads threads) {
+  std::vector<BrickStats> stats(model.n_bricks());
+  parallel_for(model.n_bricks(), threads, 4, [&](std::size_t i, int) {
+    const bool has_holes = touches_hole<D>(model, i);
+    model.brick_holes[i] = has_holes ? 1 : 0;
+    stats[i] = stats_of_brick<D>(model, i, has_holes);
+  });
+  BrickStats total;
+  for (const BrickStats& s : stats) {
+    total.min = std::min(total.min, s.min);
+    total.max = std::max(total.max, s.max);
+    total.n_holes += s.n_holes;
+    total.n_removed_cells += s.n_removed_cells;
+  }
+  const bool is_empty = total.min > total.max;
+  model.stats = {.min = is_empty ? 0.0 : total.min,
+                 .max = is_empty ? 0.0 : total.max,
+                 .n_holes = total.n_holes,
+                 .n_removed_cells = total.n_removed_cells};
+}
+
+template <int D>
+void replicate_border(Model<D>& model, std::size_t brick) {
+  const Index<D> base = point_of<D>(model.brick_dims, brick) * kBrickEdge<D>;
+  Index<D> last;  // local coordinates of the last sample in the data
+  Index<D> end;
+  bool is_whole = true;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    last[i] = std::min(kBrickEdge<D>, model.shape.dims[i] - 1 - base[i]);
+    end[i] = kBrickSamples<D>;
+    is_whole = is_whole && last[i] == kBrickEdge<D>;
+  }
+  if (is_whole) return;
+  const std::size_t size = model.sample_size();
+  std::byte* values = model.brick(brick);
+  for_each_row<D>({}, end, [&](Index<D> p) {
+    for (; p[0] < end[0]; ++p[0]) {
+      Index<D> from = p;
+      for (std::size_t i = 0; i < as_size(D); ++i) from[i] = std::min(p[i], last[i]);
+      if (from != p)
+        std::memcpy(values + model.brick_offset(p) * size, values + model.brick_offset(from) * size,
+                    size);
+    }
+  });
+}
+
+}  // namespace
+
+template <int D>
+Model<D> Model<D>::make(const VolumeInfo& info) {
+  Model model;
+  model.info = info;
+  model.storage = storage_type(info.type);
+  model.axes = AxisMap<D>::of(info.grid.dims);
+  model.shape = Shape<D>::of(model.axes.lattice_dims(info.grid.dims));
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    model.brick_dims[i] = std::max(1, (model.shape.dims[i] + kBrickEdge<D> - 2) / kBrickEdge<D>);
+  model.samples.resize(model.n_bricks() * kBrickSize<D> * model.sample_size());
+  model.brick_holes.assign(model.n_bricks(), 0);
+  return model;
+}
+
+template <int D>
+double Model<D>::base_error() const {
+  if (!shape.has_cells()) return 0;
+  const int level = shape.n_levels - 1;
+  const NodeLevel& top = levels[as_size(level)];
+  if (level == 0) return static_cast<double>(decode_error(top.error[0]));
+  Index<D> centre;
+  for (std::size_t i = 0; i < as_size(D); ++i) centre[i] = 1;
+  const std::size_t at = linear_index<D>(shape.grid_dims(level), centre);
+  return static_cast<double>(decode_error(top.error[at]));
+}
+
+void widen_samples(ScalarType type, const std::byte* from, std::size_t n, std::byte* to) {
+  visit_scalar_type(type, [&]<typename S>() {
+    visit_storage_type(type, [&]<typename T>() {
+      for (std::size_t i = 0; i < n; ++i) {
+        S sample;
+        std::memcpy(&sample, from + i * sizeof(S), sizeof(S));
+        const T wide = static_cast<T>(sample);
+        std::memcpy(to + i * sizeof(T), &wide, sizeof(T));
+      }
+    });
+  });
+}
+
+template <int D>
+void put_samples(Model<D>& model, const Index<D>& lower, const Index<D>& upper,
+                 const std::byte* values) {
+  const std::size_t size = model.sample_size();
+  for_each_row<D>(lower, upper, [&](const Index<D>& row) {
+    Index<D> first;
+    Index<D> end;
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      first[i] = bricks_holding<D>(row[i], model.brick_dims[i]).first;
+      end[i] = bricks_holding<D>(i == 0 ? upper[0] - 1 : row[i], model.brick_dims[i]).last + 1;
+    }
+    for_each_row<D>(first, end, [&](Index<D> b) {
+      for (; b[0] < end[0]; ++b[0]) {
+        Index<D> local = row - b * kBrickEdge<D>;
+        const std::int32_t begin = std::max(lower[0], b[0] * kBrickEdge<D>);
+        const std::int32_t stop = std::min(upper[0], b[0] * kBrickEdge<D> + kBrickSamples<D>);
+        if (begin >= stop) continue;
+        local[0] = begin - b[0] * kBrickEdge<D>;
+        std::byte* to =
+            model.brick(linear_index<D>(model.brick_dims, b)) + model.brick_offset(local) * size;
+        std::memcpy(to, values + as_size(begin - lower[0]) * size, as_size(stop - begin) * size);
+      }
+    });
+    values += as_size(upper[0] - lower[0]) * size;
+  });
+}
+
+template <int D>
+void finish_samples(Model<D>& model, Threads threads) {
+  for (std::size_t i = 0; i < model.n_bricks(); ++i) replicate_border<D>(model, i);
+  find_stats<D>(model, threads);
+}
+
+template <int D, typename C>
+void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin, C* out) {
+  const Index<D> base = b * kBrickEdge<D>;
+  const bool mark_holes = model.has_holes();
+  const auto converted = [&](double v) {
+    return mark_holes && model.is_hole(v) ? std::numeric_limits<C>::quiet_NaN() : static_cast<C>(v);
+  };
+  Index<D> lower;
+  Index<D> upper;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    lower[i] = -margin;
+    upper[i] = kBrickSamples<D> + margin;
+  }
+  visit_storage_type(model.storage, [&]<typename T>() {
+    const T* brick = reinterpret_cast<const T*>(model.brick(linear_index<D>(model.brick_dims, b)));
+    for_each_row<D>(lower, upper, [&](Index<D> p) {
+      bool is_inside = true;
+      for (std::size_t i = 1; i < as_size(D); ++i)
+        is_inside = is_inside && p[i] >= 0 && p[i] < kBrickSamples<D>;
+      for (; p[0] < 0; ++p[0]) *out++ = converted(model.value(base + p));
+      if (is_inside) {
+        const T* row = brick + model.brick_offset(p);
+        if (mark_holes)
+          for (std::int32_t x = 0; x < kBrickSamples<D>; ++x)
+            out[x] = converted(static_cast<double>(row[x]));
+        else
+          for (std::int32_t x = 0; x < kBrickSamples<D>; ++x) out[x] = static_cast<C>(row[x]);
+        out += kBrickSamples<D>;
+        p[0] = kBrickSamples<D>;
+      }
+      for (; p[0] < upper[0]; ++p[0]) *out++ = converted(model.value(base + p));
+    });
+  });
+}
+
+template struct Model<2>;
+template struct Model<3>;
+template void put_samples<2>(Model<2>&, const Index<2>&, const Index<2>&, const std::byte*);
+template void put_samples<3>(Model<3>&, const Index<3>&, const Index<3>&, const std::byte*);
+template void finish_samples<2>(Model<2>&, Threads);
+template void finish_samples<3>(Model<3>&, Threads);
+template void gather_values<2, float>(const Model<2>&, const Index<2>&, std::int32_t, float*);
+template void gather_values<3, float>(const Model<3>&, const Index<3>&, std::int32_t, float*);
+template void gather_values<2, double>(const Model<2>&, const Index<2>&, std::int32_t, double*);
+template void gather_values<3, double>(const Model<3>&, const Index<3>&, std::int32_t, double*);
+
+}  // namespace lode::diamond

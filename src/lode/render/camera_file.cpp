@@ -1,0 +1,108 @@
+#include "lode/render/camera_file.h"
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "lode/core/atomic_file.h"
+
+namespace lode {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxBytes = 64 * 1024;
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+Result<std::string> read_text(const std::string& path) {
+  const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
+  if (!file) return fail("{}: cannot open: {}", path, std::strerror(errno));
+  std::string text(kMaxBytes + 1, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  if (std::ferror(file.get()) != 0) return fail("{}: cannot read: {}", path, std::strerror(errno));
+  if (text.size() > kMaxBytes) {
+    return fail("{}: expected a camera file of at most {} bytes, got a larger one", path,
+                kMaxBytes);
+  }
+  return text;
+}
+
+Result<Json> parse(const std::string& text, const std::string& path) {
+  try {
+    Json json = Json::parse(text);
+    if (json.is_object()) return Result<Json>(std::move(json));
+    return fail("{}: expected one JSON object with eye and target, got {}", path, json.type_name());
+  } catch (const nlohmann::json::exception& exception) {
+    return fail("{}: expected a camera as JSON, got something else ({})", path, exception.what());
+  }
+}
+
+Result<Vec3d> vector_of(const Json& value, const std::string& key, const std::string& path) {
+  const Error error = fail("{}: \"{}\": expected three numbers [x, y, z]", path, key);
+  if (!value.is_array() || value.size() != 3) return error;
+  Vec3d v;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!value[i].is_number()) return error;
+    v[i] = value[i].get<double>();
+  }
+  return v;
+}
+
+Json json_of(const Vec3d& v) { return Json{v[0], v[1], v[2]}; }
+
+Result<void> set_field(Camera& camera, const std::string& key, const Json& value,
+                       const std::string& path) {
+  if (key == "field_of_view_deg") {
+    if (!value.is_number()) return fail("{}: \"{}\": expected a number", path, key);
+    camera.field_of_view_deg = value.get<double>();
+    return {};
+  }
+  Vec3d* const target = key == "eye"      ? &camera.eye
+                        : key == "target" ? &camera.target
+                        : key == "up"     ? &camera.up
+                                          : nullptr;
+  if (target == nullptr) {
+    return fail("{}: unknown field \"{}\": expected eye, target, up and field_of_view_deg", path,
+                key);
+  }
+  LODE_TRY(*target, vector_of(value, key, path));
+  return {};
+}
+
+}  // namespace
+
+Result<Camera> read_camera(const std::string& path) {
+  LODE_TRY(const std::string text, read_text(path));
+  LODE_TRY(const Json json, parse(text, path));
+  for (const char* required : {"eye", "target"}) {
+    if (!json.contains(required)) {
+      return fail("{}: expected a camera with the field \"{}\", which is missing", path, required);
+    }
+  }
+  Camera camera;
+  for (const auto& [key, value] : json.items()) LODE_CHECK(set_field(camera, key, value, path));
+  if (const auto status = check_camera(camera); !status) {
+    return fail("{}: {}", path, status.error().message);
+  }
+  return camera;
+}
+
+Result<void> write_camera(const Camera& camera, const std::string& path) {
+  LODE_CHECK(check_camera(camera));
+  const Json json{{"eye", json_of(camera.eye)},
+                  {"target", json_of(camera.target)},
+                  {"up", json_of(camera.up)},
+                  {"field_of_view_deg", camera.field_of_view_deg}};
+  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+  LODE_CHECK(file.write(json.dump(2) + "\n"));
+  return file.commit();
+}
+
+}  // namespace lode

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+
+#include "lode/core/vec.h"
+#include "lode/render/camera.h"
+#include "lode/render/ray_scene.h"
+
+namespace lode {
+
+/// Turns points of a picture into rays, in normalised coordinates.
+class Lens {
+ public:
+  /// Precondition: check_camera(camera) holds. `width` and `height` in pixels.
+  Lens(const Camera& camera, const Normalization& normalization, int width, int height);
+
+  [[nodiscard]] const CameraAxes& axes() const { return axes_; }
+  /// The distance of neighbouring pixels at the camera's target.
+  [[nodiscard]] double pixel_size() const { return slope_per_px_ * target_distance_; }
+  /// The same at another place.
+  [[nodiscard]] float pixel_size_at(const Vec3f& position) const;
+
+  struct Ray {
+    Vec3f origin;
+    Vec3f direction;
+  };
+  /// The ray through a point of the picture (pixels from its upper left corner), or nothing where
+  /// it misses the ball of `radius` round 0 that holds the scene. Rays start where they enter the
+  /// ball, so a far eye costs no accuracy.
+  [[nodiscard]] std::optional<Ray> ray_through(double x, double y, double radius) const;
+
+ private:
+  CameraAxes axes_;
+  Vec3d eye_;
+  double slope_per_px_;
+  double center_x_;
+  double center_y_;
+  double target_distance_;
+};
+
+}  // namespace lode

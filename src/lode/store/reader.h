@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/store/directory.h"
+#include "lode/store/header.h"
+
+namespace lode::store {
+
+struct ReaderOptions {
+  /// Bytes that the directory, or a block, may take when decoded; 0: four times the file and
+  /// 64 MiB, which every valid file that Lode writes is far below.
+  std::uint64_t memory_limit = 0;
+};
+
+/// An open .lode file. Const members are safe from many threads.
+class Reader {
+ public:
+  /// Reads and checks the header and the directory, no block. Fails, naming `path`, what was
+  /// expected and what came, on anything but a whole file of a version and features that this
+  /// program knows.
+  [[nodiscard]] static Result<Reader> open(std::string path, const ReaderOptions& options = {});
+
+  Reader(Reader&& other) noexcept;
+  Reader& operator=(Reader&& other) noexcept;
+  ~Reader();
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] std::uint64_t file_size() const { return header_.file_size; }
+  [[nodiscard]] const std::string& model() const { return directory_.model; }
+  [[nodiscard]] std::span<const std::byte> metadata() const { return directory_.metadata; }
+  /// In the order of the file.
+  [[nodiscard]] std::span<const BlockEntry> blocks() const { return directory_.blocks; }
+  /// Index into blocks(), in O(log n).
+  [[nodiscard]] std::optional<std::size_t> find(const BlockKey& key) const;
+
+  /// Reads block i, checks its checksum, decodes it.
+  [[nodiscard]] Result<std::vector<std::byte>> read_block(std::size_t i) const;
+  /// The same into `out`, of blocks()[i].raw_size bytes.
+  [[nodiscard]] Result<void> read_block(std::size_t i, std::span<std::byte> out) const;
+
+  /// Reads and checks every byte of the file anew: header, directory and, decoding them, all
+  /// blocks, which together cover it without gap or overlap. Reports the first fault in the
+  /// order of the file.
+  [[nodiscard]] Result<void> check_all(Threads threads, Progress& progress) const;
+
+ private:
+  Reader(std::string path, int descriptor);
+  [[nodiscard]] Result<std::uint64_t> size_on_disk() const;
+  [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> out) const;
+  [[nodiscard]] Result<Header> load_header() const;
+  [[nodiscard]] Result<std::vector<std::byte>> load_directory(const Header& header) const;
+  [[nodiscard]] Error block_error(const BlockEntry& block, const std::string& what) const;
+
+  std::string path_;
+  int descriptor_ = -1;
+  std::uint64_t memory_limit_ = 0;
+  Header header_;
+  Directory directory_;
+  std::vector<std::size_t> order_;  ///< Of blocks, by key.
+};
+
+}  // namespace lode::store

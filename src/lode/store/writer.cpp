@@ -1,0 +1,59 @@
+#include "lode/store/writer.h"
+
+#include <array>
+#include <utility>
+
+#include "lode/store/checksum.h"
+#include "lode/store/header.h"
+
+namespace lode::store {
+
+Writer::Writer(std::string path, AtomicFile file, Directory directory)
+    : path_(std::move(path)), file_(std::move(file)), directory_(std::move(directory)) {}
+
+Result<Writer> Writer::create(std::string path, std::string_view model,
+                              std::span<const std::byte> metadata) {
+  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+  // Zeros until finish(): what an interruption leaves is not a .lode file.
+  LODE_CHECK(file.write(std::array<std::byte, kHeaderBytes>{}));
+  Writer writer(std::move(path), std::move(file),
+                Directory{std::string(model), {metadata.begin(), metadata.end()}, {}});
+  return writer;
+}
+
+Result<void> Writer::append(const BlockKey& key, const EncodedBlock& block) {
+  LODE_EXPECTS(!is_finished_ && block.raw_size <= kMaxBlockBytes);
+  directory_.blocks.push_back({.key = key,
+                               .offset = file_.size(),
+                               .stored_size = block.stored.size(),
+                               .raw_size = block.raw_size,
+                               .checksum = checksum(block.stored),
+                               .codec = block.codec,
+                               .element_size = block.element_size});
+  return file_.write(block.stored);
+}
+
+void Writer::set_metadata(std::span<const std::byte> metadata) {
+  LODE_EXPECTS(!is_finished_);
+  directory_.metadata.assign(metadata.begin(), metadata.end());
+}
+
+Result<std::uint64_t> Writer::finish() {
+  LODE_EXPECTS(!is_finished_);
+  is_finished_ = true;
+  LODE_CHECK(check_keys_differ(directory_.blocks, order_by_key(directory_.blocks), path_));
+  const auto raw = encode_directory(directory_);
+  const auto stored = zstd_compress(raw);
+  const Header header{.features = 0,
+                      .file_size = file_.size() + stored.size(),
+                      .directory_offset = file_.size(),
+                      .directory_stored_size = stored.size(),
+                      .directory_raw_size = raw.size(),
+                      .directory_checksum = checksum(stored)};
+  LODE_CHECK(file_.write(stored));
+  LODE_CHECK(file_.write_at(0, encode_header(header)));
+  LODE_CHECK(file_.commit());
+  return header.file_size;
+}
+
+}  // namespace lode::store

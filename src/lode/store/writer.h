@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lode/core/atomic_file.h"
+#include "lode/core/result.h"
+#include "lode/store/codec.h"
+#include "lode/store/directory.h"
+
+namespace lode::store {
+
+/// Writes a .lode file that appears whole or not at all. Blocks lie in the file in the order of
+/// append(): coarse to fine is the caller's business. One thread at a time.
+class Writer {
+ public:
+  /// Fails when the output cannot be created. model: whose blocks these are, "diamond3d".
+  [[nodiscard]] static Result<Writer> create(std::string path, std::string_view model,
+                                             std::span<const std::byte> metadata);
+
+  [[nodiscard]] Result<void> append(const BlockKey& key, const EncodedBlock& block);
+  /// Replaces the metadata, for what is known only after the blocks.
+  void set_metadata(std::span<const std::byte> metadata);
+  /// Writes the directory and the header and renames the file into place; the size of the file.
+  /// Fails when two blocks have one key. Nothing may be called afterwards.
+  [[nodiscard]] Result<std::uint64_t> finish();
+
+ private:
+  Writer(std::string path, AtomicFile file, Directory directory);
+
+  std::string path_;
+  AtomicFile file_;
+  Directory directory_;
+  bool is_finished_ = false;
+};
+
+}  // namespace lode::store

@@ -1,0 +1,162 @@
+#include <gtest/gtest.h>
+
+#include "lode/api/files.h"
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+/// A ball's volume and .lode file, ready to be extracted from.
+class cli_extract : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_ball(volume());
+    const Finished run = run_lode({"build", volume(), lode_file()});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+
+  [[nodiscard]] std::string volume() const { return scratch_ / "ball.nrrd"; }
+  [[nodiscard]] std::string lode_file() const { return scratch_ / "ball.lode"; }
+  [[nodiscard]] std::string file(const std::string& name) const { return scratch_ / name; }
+  [[nodiscard]] Finished extract(const std::string& output, std::vector<std::string> options) {
+    options.insert(options.begin(), {"extract", lode_file(), file(output)});
+    return run_lode(options);
+  }
+
+  Scratch scratch_;
+};
+
+TEST_F(cli_extract, reports_every_promised_key) {
+  const Finished run = extract("s.ply", {"--isovalue", "100", "--max-error", "4", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  const nlohmann::json report = run.json();
+  for (const char* key : {"achieved_error", "triangles", "vertices", "nodes_visited", "seconds",
+                          "max_error", "coordinate_slack", "isovalues", "outputs", "warnings"})
+    EXPECT_TRUE(report.contains(key)) << key;
+  EXPECT_TRUE(report.at("seconds").is_object());
+  EXPECT_EQ(report.at("max_error"), 4);
+  EXPECT_LE(report.at("achieved_error").get<double>(), 4);
+  EXPECT_EQ(report.at("isovalues"), nlohmann::json{100});
+  EXPECT_EQ(report.at("warnings"), nlohmann::json::array());
+  const auto surface = read_surface(file("s.ply"));
+  ASSERT_TRUE(surface) << surface.error().message;
+  EXPECT_EQ(report.at("triangles"), surface->triangles.size());
+  EXPECT_EQ(report.at("vertices"), surface->positions.size());
+  EXPECT_GT(surface->triangles.size(), 0u);
+}
+
+TEST_F(cli_extract, takes_half_a_percent_of_the_range_by_default_and_says_so) {
+  const nlohmann::json report = extract("s.ply", {"--isovalue", "100", "--json"}).json();
+  EXPECT_DOUBLE_EQ(report.at("max_error").get<double>(), 1);
+  EXPECT_EQ(report.at("max_error_is_default"), true);
+  EXPECT_NE(extract("s.ply", {"--isovalue", "100"}).out.find("default: 0.5 % of the value range"),
+            std::string::npos);
+}
+
+TEST_F(cli_extract, writes_an_empty_file_and_warns_where_an_isovalue_meets_nothing) {
+  for (const char* name : {"s.ply", "s.stl", "s.obj", "s.vtp", "s.glb"}) {
+    const Finished run = extract(name, {"--isovalue", "1000", "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_NE(run.err.find("lode: warning: "), std::string::npos) << run.err;
+    const nlohmann::json report = run.json();
+    ASSERT_EQ(report.at("warnings").size(), 1u);
+    EXPECT_EQ(report.at("triangles"), 0);
+    EXPECT_TRUE(std::filesystem::exists(file(name)));
+    const auto surface = read_surface(file(name));
+    ASSERT_TRUE(surface) << surface.error().message;
+    EXPECT_TRUE(surface->is_empty());
+  }
+}
+
+TEST_F(cli_extract, puts_several_isovalues_into_one_file_where_it_can) {
+  const Finished run = extract("s.ply", {"--isovalue", "60", "--isovalue", "120,500", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json report = run.json();
+  EXPECT_EQ(report.at("isovalues"), (nlohmann::json{60, 120, 500}));
+  EXPECT_EQ(report.at("outputs"), nlohmann::json{file("s.ply")});
+  ASSERT_EQ(report.at("warnings").size(), 1u);
+  EXPECT_NE(report.at("warnings").at(0).get<std::string>().find("500"), std::string::npos);
+}
+
+TEST_F(cli_extract, writes_a_file_for_each_isovalue_where_it_must_and_names_them) {
+  const Finished run = extract("s.stl", {"--isovalue", "60", "--isovalue", "120.5"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const char* name : {"s-60.stl", "s-120.5.stl"}) {
+    EXPECT_TRUE(std::filesystem::exists(file(name))) << name;
+    EXPECT_NE(run.out.find(name), std::string::npos) << run.out;
+  }
+  EXPECT_FALSE(std::filesystem::exists(file("s.stl")));
+}
+
+TEST_F(cli_extract, replaces_an_older_output_whole_or_not_at_all) {
+  write_bytes(file("s.ply"), "old");
+  const Finished failed =
+      run_lode({"extract", file("none.lode"), file("s.ply"), "--isovalue", "100"});
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_EQ(read_bytes(file("s.ply")), "old");
+  EXPECT_EQ(extract("s.ply", {"--isovalue", "100"}).exit_code, 0);
+  EXPECT_TRUE(read_bytes(file("s.ply")).starts_with("ply"));
+}
+
+TEST_F(cli_extract, refuses_an_output_it_cannot_write_before_any_work) {
+  for (const auto& arguments : {Words{"extract", volume(), file("no/s.ply"), "--isovalue", "1"},
+                                Words{"render", volume(), file("no/s.png"), "--isovalue", "1"},
+                                Words{"build", volume(), file("no/s.lode")}}) {
+    expect_refusal(run_lode(arguments), 1, {"no/s."});
+  }
+  std::filesystem::create_directory(file("d.ply"));
+  expect_refusal(extract("d.ply", {"--isovalue", "1"}), 1, {"d.ply", "directory"});
+}
+
+TEST_F(cli_extract, builds_a_foreign_file_in_memory_and_says_so) {
+  const Finished run = run_lode({"extract", volume(), file("s.ply"), "--isovalue", "100"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.err.find("in memory"), std::string::npos) << run.err;
+  const std::string bytes = read_bytes(file("s.ply"));
+  EXPECT_EQ(run_lode({"extract", volume(), file("s.ply"), "--isovalue", "100", "-q"}).err, "");
+  EXPECT_EQ(extract("s.ply", {"--isovalue", "100"}).exit_code, 0);
+  EXPECT_EQ(read_bytes(file("s.ply")), bytes);
+}
+
+TEST_F(cli_extract, writes_the_same_bytes_for_any_number_of_threads) {
+  std::string first;
+  for (const char* threads : {"1", "2", "7"}) {
+    const Finished run = extract("s.ply", {"--isovalue", "100", "--threads", threads});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    if (first.empty()) first = read_bytes(file("s.ply"));
+    EXPECT_EQ(read_bytes(file("s.ply")), first);
+  }
+}
+
+TEST_F(cli_extract, accepts_negative_isovalues_in_any_spelling) {
+  for (const auto& options :
+       {Words{"--isovalue", "-5"}, Words{"--isovalue", "-.5"}, Words{"--isovalue=-1e3"}})
+    EXPECT_EQ(extract("s.ply", options).exit_code, 0);
+}
+
+TEST_F(cli_extract, leaves_no_normals_where_none_are_wanted) {
+  ASSERT_EQ(extract("s.ply", {"--isovalue", "100", "--normals", "off"}).exit_code, 0);
+  const auto surface = read_surface(file("s.ply"));
+  ASSERT_TRUE(surface);
+  EXPECT_TRUE(surface->normals.empty());
+}
+
+TEST_F(cli_extract, separates_thousands_for_people) {
+  const Finished run = extract("s.ply", {"--isovalue", "20", "--max-error", "0"});
+  EXPECT_TRUE(run.out.find(",") != std::string::npos) << run.out;
+}
+
+TEST(cli_contours, go_to_formats_with_lines_only) {
+  const Scratch scratch;
+  write_nrrd(scratch / "flat.nrrd", {{9, 9, 1}}, [](int x, int y, int) { return 10 * (x + y); });
+  const std::string flat = scratch / "flat.nrrd";
+  expect_refusal(run_lode({"extract", flat, scratch / "c.stl", "--isovalue", "55"}), 1,
+                 {"c.stl", "contour lines"});
+  const Finished run = run_lode({"extract", flat, scratch / "c.obj", "--isovalue", "55", "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_GT(run.json().at("lines").get<int>(), 0);
+}
+
+}  // namespace
+}  // namespace lode::test

@@ -1,0 +1,134 @@
+#include <gtest/gtest.h>
+
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+/// Every command that reads `input`, each with an output of its own in `scratch`.
+std::vector<std::vector<std::string>> commands_reading(const std::string& input,
+                                                       const Scratch& scratch) {
+  std::vector<std::vector<std::string>> commands{
+      {"info", input},
+      {"extract", input, scratch / "out.ply", "--isovalue", "100"},
+      {"render", input, scratch / "out.png", "--isovalue", "100"}};
+  if (input.ends_with(".lode"))
+    commands.push_back({"verify", input});
+  else
+    commands.push_back({"build", input, scratch / "out.lode"});
+  return commands;
+}
+
+/// Each command refuses `input` with a sentence that names it, and leaves nothing behind.
+void expect_refused_everywhere(const std::string& input, const Scratch& scratch) {
+  const std::vector<std::string> before = scratch.files();
+  for (const auto& command : commands_reading(input, scratch)) {
+    SCOPED_TRACE(command[0] + ' ' + input);
+    auto quiet = command;
+    quiet.push_back("--quiet");
+    expect_refusal(run_lode(quiet), 1, {input});
+    EXPECT_EQ(scratch.files(), before);
+  }
+}
+
+TEST(cli_inputs, refuses_a_missing_file) {
+  const Scratch scratch;
+  expect_refused_everywhere(scratch / "missing.nrrd", scratch);
+  expect_refused_everywhere(scratch / "missing.lode", scratch);
+}
+
+TEST(cli_inputs, refuses_an_empty_file) {
+  const Scratch scratch;
+  for (const char* name : {"a.nrrd", "a.vti", "a.vtk", "a.mha", "a.nii", "a.nii.gz", "a.lode"}) {
+    write_bytes(scratch / name, "");
+    expect_refused_everywhere(scratch / name, scratch);
+  }
+}
+
+TEST(cli_inputs, refuses_a_directory) {
+  const Scratch scratch;
+  for (const char* name : {"a.nrrd", "a.lode"}) {
+    std::filesystem::create_directory(scratch / name);
+    expect_refused_everywhere(scratch / name, scratch);
+  }
+}
+
+TEST(cli_inputs, refuses_a_truncated_volume) {
+  const Scratch scratch;
+  write_ball(scratch / "ball.nrrd");
+  const std::string bytes = read_bytes(scratch / "ball.nrrd");
+  write_bytes(scratch / "half.nrrd", bytes.substr(0, bytes.size() / 2));
+  expect_refused_everywhere(scratch / "half.nrrd", scratch);
+}
+
+TEST(cli_inputs, refuses_noise_under_any_known_extension) {
+  const Scratch scratch;
+  std::string noise(5000, '\0');
+  std::uint32_t state = 1;
+  for (char& c : noise) c = static_cast<char>((state = state * 1664525u + 1013904223u) >> 24);
+  for (const char* name : {"a.nrrd", "a.vti", "a.vtk", "a.mha", "a.nii", "a.nii.gz", "a.lode"}) {
+    write_bytes(scratch / name, noise);
+    expect_refused_everywhere(scratch / name, scratch);
+  }
+}
+
+TEST(cli_inputs, refuses_an_unknown_extension) {
+  const Scratch scratch;
+  write_bytes(scratch / "scan.xyz", "some bytes");
+  expect_refused_everywhere(scratch / "scan.xyz", scratch);
+}
+
+TEST(cli_inputs, refuses_a_truncated_lode_file) {
+  const Scratch scratch;
+  write_ball(scratch / "ball.nrrd");
+  ASSERT_EQ(run_lode({"build", scratch / "ball.nrrd", scratch / "ball.lode"}).exit_code, 0);
+  const std::string bytes = read_bytes(scratch / "ball.lode");
+  for (const std::size_t size : {std::size_t{10}, bytes.size() / 2, bytes.size() - 1}) {
+    write_bytes(scratch / "cut.lode", bytes.substr(0, size));
+    expect_refused_everywhere(scratch / "cut.lode", scratch);
+  }
+}
+
+TEST(cli_inputs, names_the_fields_of_a_file_that_holds_several) {
+  const Scratch scratch;
+  write_bytes(scratch / "two.vtk",
+              "# vtk DataFile Version 3.0\ntwo fields\nASCII\nDATASET STRUCTURED_POINTS\n"
+              "DIMENSIONS 2 2 2\nORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 8\n"
+              "SCALARS speed float 1\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 7\n"
+              "SCALARS heat float 1\nLOOKUP_TABLE default\n7 6 5 4 3 2 1 0\n");
+  expect_refusal(run_lode({"build", scratch / "two.vtk", scratch / "two.lode"}), 1,
+                 {"speed", "heat"});
+  const nlohmann::json info = run_lode({"info", scratch / "two.vtk", "--json"}).json();
+  EXPECT_EQ(info.at("fields"), (nlohmann::json{"speed", "heat"}));
+  const Finished chosen =
+      run_lode({"build", scratch / "two.vtk", scratch / "two.lode", "--field", "heat"});
+  EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
+}
+
+TEST(cli_inputs, finds_range_and_holes_of_a_foreign_file) {
+  const Scratch scratch;
+  write_ball(scratch / "ball.nrrd");
+  const Finished run = run_lode({"info", scratch / "ball.nrrd", "--json", "--nodata", "0"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json info = run.json();
+  EXPECT_EQ(info.at("dims"), (nlohmann::json{17, 17, 17}));
+  EXPECT_EQ(info.at("type"), "uint8");
+  EXPECT_EQ(info.at("range").at(1), 200);
+  EXPECT_GT(info.at("range").at(0).get<double>(), 0);
+  EXPECT_GT(info.at("holes").get<int>(), 0);
+}
+
+TEST(cli_inputs, reads_bare_samples_as_told) {
+  const Scratch scratch;
+  write_bytes(scratch / "v.raw", std::string({0, 1, 0, 2, 0, 3, 1, 0}));
+  const nlohmann::json info =
+      run_lode({"info", scratch / "v.raw", "--dims", "2x2x1", "--type", "uint16", "--byte-order",
+                "big", "--spacing", "1,2,3", "--origin", "-.5,10,20", "--json"})
+          .json();
+  EXPECT_EQ(info.at("range"), (nlohmann::json{1, 256}));
+  EXPECT_EQ(info.at("spacing"), (nlohmann::json{1, 2, 3}));
+  EXPECT_EQ(info.at("origin"), (nlohmann::json{-0.5, 10, 20}));
+}
+
+}  // namespace
+}  // namespace lode::test

@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Noise is the slowest to build, compress and extract.
+void write_noise(const std::string& path, int n) {
+  std::uint32_t state = 7;
+  write_nrrd(path, {{n, n, n}}, [&state](int, int, int) {
+    return static_cast<int>((state = state * 1664525u + 1013904223u) >> 24);
+  });
+}
+
+/// Sends `signal` at several moments of a run, and expects it to have finished or to have left
+/// nothing. Returns how many runs were stopped.
+int stop_at_several_moments(const std::vector<std::string>& arguments, const std::string& output,
+                            const Scratch& scratch, int signal) {
+  const std::vector<std::string> before = scratch.files();
+  const Clock::time_point start = Clock::now();
+  EXPECT_EQ(run_lode(arguments).exit_code, 0);
+  const Clock::duration whole = Clock::now() - start;
+  std::filesystem::remove(output);
+  int n_stopped = 0;
+  for (int eighth = 0; eighth < 8; ++eighth) {
+    Running running(arguments);
+    std::this_thread::sleep_for(whole * eighth / 8);
+    running.send(signal);
+    const Finished run = running.finish();
+    if (run.exit_code == 0) {
+      EXPECT_TRUE(std::filesystem::exists(output));
+      std::filesystem::remove(output);
+      continue;
+    }
+    ++n_stopped;
+    EXPECT_EQ(run.exit_code, 128 + signal) << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_EQ(scratch.files(), before);
+  }
+  return n_stopped;
+}
+
+TEST(cli_signals, leave_no_partial_build) {
+  const Scratch scratch;
+  write_noise(scratch / "noise.nrrd", 128);
+  const std::vector<std::string> build{"build", scratch / "noise.nrrd", scratch / "noise.lode"};
+  EXPECT_GT(stop_at_several_moments(build, scratch / "noise.lode", scratch, SIGINT), 0);
+  EXPECT_GT(stop_at_several_moments(build, scratch / "noise.lode", scratch, SIGTERM), 0);
+}
+
+TEST(cli_signals, leave_no_partial_surface) {
+  const Scratch scratch;
+  write_noise(scratch / "noise.nrrd", 96);
+  const std::vector<std::string> extract{
+      "extract", scratch / "noise.nrrd", scratch / "noise.ply", "--isovalue", "128", "--max-error",
+      "0"};
+  EXPECT_GT(stop_at_several_moments(extract, scratch / "noise.ply", scratch, SIGINT), 0);
+}
+
+}  // namespace
+}  // namespace lode::test

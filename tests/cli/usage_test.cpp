@@ -1,0 +1,131 @@
+#include <gtest/gtest.h>
+
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+const std::vector<std::string> kCommands{"info", "build", "extract", "verify", "render"};
+
+TEST(cli_usage, explains_every_command_with_an_example) {
+  for (const std::string& command : kCommands) {
+    const Finished run = run_lode({command, "--help"});
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_EQ(run.err, "");
+    EXPECT_NE(run.out.find("Example"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("lode " + command + " "), std::string::npos) << run.out;
+    for (const char* option : {"--json", "--threads", "--quiet"})
+      EXPECT_NE(run.out.find(option), std::string::npos) << command << ' ' << option;
+    EXPECT_EQ(run_lode({"help", command}).out, run.out);
+  }
+}
+
+TEST(cli_usage, lists_every_command_in_the_help) {
+  for (const auto& arguments : {Words{"--help"}, Words{"help"}}) {
+    const Finished run = run_lode(arguments);
+    EXPECT_EQ(run.exit_code, 0);
+    for (const std::string& command : kCommands)
+      EXPECT_NE(run.out.find("\n  " + command), std::string::npos) << run.out;
+  }
+}
+
+TEST(cli_usage, prints_its_version) {
+  const Finished run = run_lode({"--version"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_TRUE(run.out.starts_with("lode ")) << run.out;
+}
+
+TEST(cli_usage, shows_help_and_exits_with_2_when_nothing_is_asked) {
+  const Finished run = run_lode({});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.out, "");
+  EXPECT_NE(run.err.find("extract"), std::string::npos);
+}
+
+TEST(cli_usage, guesses_what_a_misspelt_command_meant) {
+  expect_refusal(run_lode({"exract", "a.lode"}), 2, {"'exract'", "did you mean 'extract'?"});
+  expect_refusal(run_lode({"help", "bulid"}), 2, {"'bulid'", "did you mean 'build'?"});
+  expect_refusal(run_lode({"frobnicate"}), 2, {"'frobnicate'"});
+}
+
+TEST(cli_usage, guesses_what_a_misspelt_option_meant) {
+  expect_refusal(run_lode({"extract", "a.lode", "b.ply", "--isovlaue", "3"}), 2,
+                 {"'--isovlaue'", "did you mean '--isovalue'?"});
+}
+
+TEST(cli_usage, guesses_what_a_misspelt_extension_meant) {
+  expect_refusal(run_lode({"extract", "a.lode", "b.pyl", "--isovalue", "3"}), 2,
+                 {"b.pyl", "did you mean .ply?"});
+  expect_refusal(run_lode({"extract", "a.lode", "b", "--isovalue", "3"}), 2, {"no extension"});
+  expect_refusal(run_lode({"build", "a.nrrd", "b.lod"}), 2, {"b.lod", ".lode"});
+  expect_refusal(run_lode({"render", "a.lode", "b.jpg", "--isovalue", "3"}), 2, {"b.jpg", ".png"});
+}
+
+TEST(cli_usage, refuses_missing_arguments) {
+  for (const std::string& command : kCommands) expect_refusal(run_lode({command}), 2, {command});
+  expect_refusal(run_lode({"extract", "a.lode", "b.ply"}), 2, {"--isovalue"});
+  expect_refusal(run_lode({"verify", "a.lode", "--surface", "b.ply"}), 2, {"--isovalue"});
+}
+
+TEST(cli_usage, refuses_numbers_that_are_none) {
+  const auto extract = [](std::vector<std::string> options) {
+    options.insert(options.begin(), {"extract", "a.lode", "b.ply"});
+    return run_lode(options);
+  };
+  for (const char* number : {"nan", "inf", "1e999", "12a", "1,,2"})
+    expect_refusal(extract({"--isovalue", number}), 2, {"--isovalue", "finite number"});
+  expect_refusal(extract({"--isovalue", "1", "--isovalue", "1.0"}), 2, {"twice"});
+  for (const char* number : {"nan", "-1", "x"})
+    expect_refusal(extract({"--isovalue", "1", "--max-error", number}), 2, {"--max-error", number});
+  for (const char* box : {"1,2,3", "0,1,0,1,0,nan", "1,0,0,1,0,1"})
+    expect_refusal(extract({"--isovalue", "1", "--clip", box}), 2, {"--clip"});
+  for (const char* threads : {"0", "-2", "many"})
+    expect_refusal(extract({"--isovalue", "1", "--threads", threads}), 2, {"--threads"});
+  expect_refusal(extract({"--isovalue", "1", "--normals", "maybe"}), 2, {"--normals", "'maybe'"});
+}
+
+TEST(cli_usage, refuses_reading_options_that_make_no_sense) {
+  expect_refusal(run_lode({"info", "a.raw", "--dims", "4x4x0", "--type", "uint8"}), 2, {"--dims"});
+  expect_refusal(run_lode({"info", "a.raw", "--dims", "4x4x4"}), 2, {"--type"});
+  expect_refusal(run_lode({"info", "a.raw", "--dims", "4x4x4", "--type", "int7"}), 2, {"'int7'"});
+  expect_refusal(run_lode({"info", "a.nrrd", "--nodata", "nan"}), 2, {"--nodata"});
+  expect_refusal(run_lode({"info", "a.nrrd", "--component", "-1"}), 2, {"--component"});
+  expect_refusal(run_lode({"info", "a.lode", "--field", "x"}), 2, {"a.lode", "--field"});
+}
+
+TEST(cli_usage, refuses_pictures_that_make_no_sense) {
+  const auto render = [](std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", "a.lode", "b.png", "--isovalue", "1"});
+    return run_lode(options);
+  };
+  expect_refusal(render({"--size", "0x10"}), 2, {"--size"});
+  expect_refusal(render({"--size", "1000000x10"}), 2, {"--size"});
+  expect_refusal(render({"--color", "blurple"}), 2, {"--color", "blurple"});
+  expect_refusal(render({"--background", "white,#12"}), 2, {"--background"});
+  expect_refusal(render({"--samples", "0"}), 2, {"--samples"});
+  expect_refusal(render({"--camera", "c.json", "--save-camera", "c.json"}), 2, {"c.json"});
+}
+
+TEST(cli_usage, refuses_to_replace_its_input) {
+  const Scratch scratch;
+  write_bytes(scratch / "v.ply", std::string(64, '\0'));
+  expect_refusal(run_lode({"extract", scratch / "v.ply", scratch / "./v.ply", "--isovalue", "1",
+                           "--dims", "4x4x4", "--type", "uint8"}),
+                 2, {"v.ply", "not an input"});
+  EXPECT_EQ(read_bytes(scratch / "v.ply"), std::string(64, '\0'));
+}
+
+TEST(cli_usage, prints_one_json_object_also_for_an_error) {
+  for (const auto& arguments :
+       {Words{"extract", "a.lode", "b.ply", "--isovalue", "nan", "--json"},
+        Words{"exract", "--json"}, Words{"extract", "--isovlaue", "1", "--json"},
+        Words{"info", "/nonexistent.nrrd", "--json"}}) {
+    const Finished run = run_lode(arguments);
+    EXPECT_NE(run.exit_code, 0);
+    EXPECT_TRUE(run.json().contains("error")) << run.out;
+    EXPECT_TRUE(run.err.starts_with("lode: ")) << run.err;
+  }
+}
+
+}  // namespace
+}  // namespace lode::test

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+TEST(cli_whole_path, builds_extracts_verifies_and_renders) {
+  const Scratch scratch;
+  const std::string volume = scratch / "ball.nrrd";
+  const std::string lode = scratch / "ball.lode";
+  const std::string surface = scratch / "ball.ply";
+  write_ball(volume);
+  const std::string picture = scratch / "ball.png";
+  for (const auto& arguments :
+       {Words{"info", volume}, Words{"build", volume, lode}, Words{"info", lode},
+        Words{"extract", lode, surface, "--isovalue", "100", "--max-error", "4"},
+        Words{"verify", lode}, Words{"verify", lode, "--against", volume},
+        Words{"verify", lode, "--surface", surface, "--isovalue", "100", "--max-error", "4"},
+        Words{"render", lode, picture, "--isovalue", "100", "--max-error", "4", "--size", "64x48",
+              "--samples", "2", "--save-camera", scratch / "camera.json"}}) {
+    const Finished people = run_lode(arguments);
+    EXPECT_EQ(people.exit_code, 0) << arguments[0] << people.err;
+    EXPECT_EQ(people.err, "") << arguments[0];
+    EXPECT_NE(people.out, "") << arguments[0];
+    auto with_json = arguments;
+    with_json.push_back("--json");
+    const Finished machine = run_lode(with_json);
+    EXPECT_EQ(machine.err, "") << arguments[0];
+    EXPECT_EQ(machine.json().at("command"), arguments[0]);
+  }
+  EXPECT_TRUE(read_bytes(picture).starts_with("\x89PNG"));
+  EXPECT_EQ(scratch.files(), (std::vector<std::string>{"ball.lode", "ball.nrrd", "ball.ply",
+                                                       "ball.png", "camera.json"}));
+}
+
+TEST(cli_verify, fails_on_a_flipped_byte_anywhere) {
+  const Scratch scratch;
+  write_ball(scratch / "ball.nrrd");
+  ASSERT_EQ(run_lode({"build", scratch / "ball.nrrd", scratch / "ball.lode"}).exit_code, 0);
+  const std::string bytes = read_bytes(scratch / "ball.lode");
+  const std::size_t step = std::max<std::size_t>(1, bytes.size() / 23);
+  for (std::size_t at = 0; at < bytes.size(); at += step) {
+    std::string flipped = bytes;
+    flipped[at] = static_cast<char>(flipped[at] ^ 0x10);
+    write_bytes(scratch / "flipped.lode", flipped);
+    const Finished run = run_lode({"verify", scratch / "flipped.lode"});
+    EXPECT_EQ(run.exit_code, 1) << "byte " << at;
+    EXPECT_NE(run.err.find("flipped.lode"), std::string::npos) << run.err;
+  }
+}
+
+TEST(cli_verify, fails_against_other_data_and_names_the_worst) {
+  const Scratch scratch;
+  write_ball(scratch / "ball.nrrd");
+  write_nrrd(scratch / "noise.nrrd", {{17, 17, 17}},
+             [](int x, int y, int z) { return (x * 7919 + y * 104729 + z * 1299709) % 251; });
+  ASSERT_EQ(run_lode({"build", scratch / "ball.nrrd", scratch / "ball.lode"}).exit_code, 0);
+  const Finished run =
+      run_lode({"verify", scratch / "ball.lode", "--against", scratch / "noise.nrrd", "--json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(run.err.starts_with("lode: ")) << run.err;
+  EXPECT_NE(run.json(), nlohmann::json());
+}
+
+TEST(cli_verify, fails_on_a_surface_of_another_isovalue) {
+  const Scratch scratch;
+  write_ball(scratch / "ball.nrrd");
+  ASSERT_EQ(run_lode({"build", scratch / "ball.nrrd", scratch / "ball.lode"}).exit_code, 0);
+  ASSERT_EQ(run_lode({"extract", scratch / "ball.lode", scratch / "s.ply", "--isovalue", "100",
+                      "--max-error", "1"})
+                .exit_code,
+            0);
+  const Finished run = run_lode({"verify", scratch / "ball.lode", "--surface", scratch / "s.ply",
+                                 "--isovalue", "140", "--max-error", "1", "--json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.json().at("passed"), false);
+}
+
+}  // namespace
+}  // namespace lode::test

@@ -1,0 +1,178 @@
+#include "lode/io/surface_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <random>
+
+#include "tests/io/surface_fixtures.h"
+
+namespace lode::io {
+namespace {
+
+class surface_formats : public testing::TestWithParam<const char*> {
+ protected:
+  [[nodiscard]] std::string extension() const { return GetParam(); }
+  [[nodiscard]] bool is_stl() const { return extension() == ".stl"; }
+  /// What a format without that attribute gives back.
+  [[nodiscard]] Surface as_held(Surface surface) const {
+    if (!can_hold_isovalues(extension())) surface.isovalues.clear();
+    if (is_stl()) surface.normals.clear();
+    return surface;
+  }
+};
+
+/// Corner positions triangle by triangle: what STL keeps.
+std::vector<Vec3f> corners_of(const Surface& surface) {
+  std::vector<Vec3f> corners;
+  for (const auto& triangle : surface.triangles)
+    for (const std::uint32_t vertex : triangle) corners.push_back(surface.positions[vertex]);
+  return corners;
+}
+
+TEST_P(surface_formats, give_back_what_was_written) {
+  const Surface torus = make_torus(20);
+  const Surface read = written_and_read(extension(), torus, {.comment = "a -- <torus>"});
+  if (is_stl()) {
+    EXPECT_EQ(corners_of(read), corners_of(torus));
+    EXPECT_EQ(read.positions.size(), torus.positions.size());
+  } else {
+    expect_same_surface(read, as_held(torus));
+  }
+}
+
+TEST_P(surface_formats, need_no_attributes) {
+  Surface torus = make_torus(5);
+  torus.normals.clear();
+  torus.isovalues.clear();
+  const Surface read = written_and_read(extension(), torus);
+  EXPECT_EQ(corners_of(read), corners_of(torus));
+  EXPECT_TRUE(read.normals.empty());
+  EXPECT_TRUE(read.isovalues.empty());
+}
+
+TEST_P(surface_formats, give_back_lines_or_say_why_not) {
+  const Surface circle = make_circle(30);
+  EXPECT_EQ(can_hold_lines(extension()), !is_stl());
+  if (can_hold_lines(extension())) {
+    expect_same_surface(written_and_read(extension(), circle), as_held(circle));
+    return;
+  }
+  const std::string path = temporary_path("lines") + extension();
+  const Result<void> written = write_surface(path, circle, {});
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("triangles only"), std::string::npos);
+  EXPECT_FALSE(std::ifstream(path).good());
+}
+
+TEST_P(surface_formats, hold_empty_surfaces) {
+  const Surface read = written_and_read(extension(), {});
+  EXPECT_TRUE(read.is_empty());
+  EXPECT_TRUE(read.positions.empty());
+}
+
+TEST_P(surface_formats, give_back_large_origins_exactly_or_say_why_not) {
+  Surface torus = make_torus(20);
+  torus.origin = {{500000.1, 4649776.25, -1e9}};
+  if (is_stl()) {
+    const Result<void> written = write_surface(temporary_path("far.stl"), torus, {});
+    ASSERT_FALSE(written);
+    EXPECT_NE(written.error().message.find(".ply"), std::string::npos);
+    return;
+  }
+  const Surface read = written_and_read(extension(), torus);
+  ASSERT_EQ(read.positions.size(), torus.positions.size());
+  EXPECT_EQ(read.origin, torus.origin);
+  for (std::uint32_t i = 0; i < torus.positions.size(); ++i)
+    ASSERT_EQ(read.world_position(i), torus.world_position(i));
+  EXPECT_EQ(read.triangles, torus.triangles);
+}
+
+TEST_P(surface_formats, keep_small_surfaces_far_from_zero_without_an_origin) {
+  Surface torus = make_torus(6);
+  for (Vec3f& p : torus.positions) p[0] = p[0] * 1e-3F + 3000.1F;
+  const Surface read = written_and_read(extension(), torus);
+  EXPECT_EQ(read.origin, Vec3d{});
+  EXPECT_EQ(corners_of(read), corners_of(torus));
+}
+
+TEST_P(surface_formats, refuse_every_cut_binary_file) {
+  const std::string path = temporary_path("whole") + extension();
+  expect_written(path, make_torus(4), {.comment = "cut"});
+  const std::string bytes = bytes_of(path);
+  const bool detects_all = extension() != ".obj" && extension() != ".vtp";
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const std::string complaint = complaint_about(extension(), bytes.substr(0, size));
+    if (detects_all) {
+      EXPECT_NE(complaint, "") << size << " of " << bytes.size() << " bytes";
+    }
+  }
+  ::unlink(path.c_str());
+}
+
+TEST_P(surface_formats, survive_flipped_bytes) {
+  const std::string path = temporary_path("sound") + extension();
+  expect_written(path, make_torus(4), {.comment = "flipped"});
+  const std::string sound = bytes_of(path);
+  constexpr unsigned kSeed = 20;
+  std::mt19937 random(kSeed);
+  for (int round = 0; round < 2000; ++round) {
+    std::string bytes = sound;
+    // Half of the flips hit the head, where the sizes are.
+    const std::size_t reach =
+        round % 2 == 0 ? bytes.size() : std::min<std::size_t>(400, bytes.size());
+    for (int flip = 0; flip <= round % 3; ++flip)
+      bytes[random() % reach] = static_cast<char>(random() % 256);
+    const Result<Surface> read = read_bytes(extension(), bytes);
+    if (!read) continue;
+    for (const auto& triangle : read.value().triangles)
+      for (const std::uint32_t vertex : triangle)
+        ASSERT_LT(vertex, read.value().positions.size()) << "seed " << kSeed;
+  }
+  ::unlink(path.c_str());
+}
+
+TEST_P(surface_formats, refuse_empty_and_foreign_files) {
+  EXPECT_NE(complaint_about(extension(), ""), "");
+  if (extension() == ".obj") return;  // Any text is an OBJ file of unknown lines.
+  EXPECT_NE(complaint_about(extension(), "hello\n"), "");
+  EXPECT_NE(complaint_about(extension(), std::string(1000, '\0')), "");
+}
+
+TEST_P(surface_formats, leave_no_file_where_writing_fails) {
+  const std::string path = "/no/such/directory/surface" + extension();
+  const Result<void> written = write_surface(path, make_torus(3), {});
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find(path), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(all, surface_formats,
+                         testing::Values(".ply", ".stl", ".obj", ".vtp", ".glb"),
+                         [](const auto& instance) { return std::string(instance.param + 1); });
+
+TEST(surface_file, knows_formats_by_extension_in_any_case) {
+  EXPECT_TRUE(check_surface_path("a/b.c/bone.PLY"));
+  EXPECT_TRUE(check_surface_path("bone.glb"));
+  EXPECT_TRUE(can_hold_isovalues("bone.Vtp"));
+  EXPECT_FALSE(can_hold_isovalues("bone.stl"));
+  EXPECT_FALSE(can_hold_isovalues("bone.obj"));
+}
+
+TEST(surface_file, lists_the_known_extensions_when_it_gets_another) {
+  for (const char* path : {"bone.xyz", "bone", "bone.ply/", "dir.ply/bone"}) {
+    const Result<void> checked = check_surface_path(path);
+    ASSERT_FALSE(checked) << path;
+    EXPECT_NE(checked.error().message.find(".ply, .stl, .obj, .vtp or .glb"), std::string::npos);
+    EXPECT_FALSE(read_surface(path));
+    EXPECT_FALSE(write_surface(path, {}, {}));
+  }
+}
+
+TEST(surface_file, names_a_missing_file) {
+  const Result<Surface> missing = read_surface("/no/such/bone.ply");
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find("/no/such/bone.ply"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lode::io

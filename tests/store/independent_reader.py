@@ -1,0 +1,194 @@
+"""Lists and decodes the blocks of a .lode file: written from docs/format.md alone.
+
+Shares no code with Lode; needs only the standard library and libzstd. Prints the model, the
+length of its metadata, and for each block
+
+    kind level x y z offset stored_size raw_size codec element_size xxh64_of_the_raw_bytes
+
+Exit status: 0, 1 for a bad file, 77 where libzstd is absent.
+"""
+
+import ctypes
+import ctypes.util
+import struct
+import sys
+
+MAGIC = b"\x8bLOD\r\n\x1a\n"
+HEADER_BYTES = 128
+MASK = (1 << 64) - 1
+PRIMES = (
+    11400714785074694791,
+    14029467366897019727,
+    1609587929392839161,
+    9650029242287828579,
+    2870177450012600261,
+)
+
+
+class BadFile(Exception):
+    """The file breaks a rule of the format."""
+
+
+def expect(condition, message):
+    if not condition:
+        raise BadFile(message)
+
+
+def rotate(value, bits):
+    return ((value << bits) | (value >> (64 - bits))) & MASK
+
+
+def xxh64_round(accumulator, lane):
+    return rotate((accumulator + lane * PRIMES[1]) & MASK, 31) * PRIMES[0] & MASK
+
+
+def xxh64(data):
+    """XXH64 with seed 0, after its published specification."""
+    at = 0
+    if len(data) >= 32:
+        lanes = [(PRIMES[0] + PRIMES[1]) & MASK, PRIMES[1], 0, (0 - PRIMES[0]) & MASK]
+        while at + 32 <= len(data):
+            for i, lane in enumerate(struct.unpack_from("<4Q", data, at)):
+                lanes[i] = xxh64_round(lanes[i], lane)
+            at += 32
+        hashed = sum(rotate(lane, bits) for lane, bits in zip(lanes, (1, 7, 12, 18))) & MASK
+        for lane in lanes:
+            hashed = ((hashed ^ xxh64_round(0, lane)) * PRIMES[0] + PRIMES[3]) & MASK
+    else:
+        hashed = PRIMES[4]
+    hashed = (hashed + len(data)) & MASK
+    while at + 8 <= len(data):
+        hashed ^= xxh64_round(0, struct.unpack_from("<Q", data, at)[0])
+        hashed = (rotate(hashed, 27) * PRIMES[0] + PRIMES[3]) & MASK
+        at += 8
+    if at + 4 <= len(data):
+        hashed ^= struct.unpack_from("<I", data, at)[0] * PRIMES[0] & MASK
+        hashed = (rotate(hashed, 23) * PRIMES[1] + PRIMES[2]) & MASK
+        at += 4
+    for byte in data[at:]:
+        hashed ^= byte * PRIMES[4] & MASK
+        hashed = rotate(hashed, 11) * PRIMES[0] & MASK
+    hashed = (hashed ^ (hashed >> 33)) * PRIMES[1] & MASK
+    hashed = (hashed ^ (hashed >> 29)) * PRIMES[2] & MASK
+    return hashed ^ (hashed >> 32)
+
+
+def load_zstd():
+    name = ctypes.util.find_library("zstd") or "libzstd.so.1"
+    try:
+        library = ctypes.CDLL(name)
+    except OSError:
+        print("libzstd is absent: the independent reader cannot run")
+        sys.exit(77)
+    library.ZSTD_decompress.restype = ctypes.c_size_t
+    library.ZSTD_decompress.argtypes = [
+        ctypes.c_char_p,
+        ctypes.c_size_t,
+        ctypes.c_char_p,
+        ctypes.c_size_t,
+    ]
+    return library
+
+
+def unzstd(library, stored, raw_size):
+    out = ctypes.create_string_buffer(max(raw_size, 1))
+    size = library.ZSTD_decompress(out, raw_size, stored, len(stored))
+    expect(size == raw_size, f"expected a zstd frame of {raw_size} bytes")
+    return out.raw[:raw_size]
+
+
+def unshuffle(planes, size):
+    n = len(planes) // size
+    elements = bytearray(planes)
+    for b in range(size):
+        elements[b : n * size : size] = planes[b * n : (b + 1) * n]
+    return bytes(elements)
+
+
+def undelta(codes, size):
+    n = len(codes) // size
+    out = bytearray(codes)
+    value = 0
+    for i in range(n):
+        code = int.from_bytes(codes[i * size : (i + 1) * size], "little")
+        value += code >> 1 if code % 2 == 0 else -((code + 1) >> 1)
+        out[i * size : (i + 1) * size] = (value % (1 << (8 * size))).to_bytes(size, "little")
+    return bytes(out)
+
+
+def decode(library, block, stored):
+    if block["codec"] == 0:
+        return stored
+    raw = unzstd(library, stored, block["raw_size"])
+    if block["codec"] >= 2:
+        raw = unshuffle(raw, block["element_size"])
+    if block["codec"] == 3:
+        raw = undelta(raw, block["element_size"])
+    return raw
+
+
+def read_header(data):
+    expect(data[:8] == MAGIC, "not a .lode file")
+    expect(len(data) >= HEADER_BYTES, "truncated header")
+    (stored_sum,) = struct.unpack_from("<Q", data, 120)
+    expect(stored_sum == xxh64(data[:120]), "header checksum differs")
+    names = ("version", "header_size", "features", "file_size", "directory_offset")
+    names += ("directory_stored_size", "directory_raw_size", "directory_checksum")
+    header = dict(zip(names, struct.unpack_from("<II6Q", data, 8)))
+    expect(header["version"] == 1, "unknown version")
+    expect(header["features"] == 0, "unknown features")
+    expect(header["file_size"] == len(data), "wrong file size")
+    return header
+
+
+def read_directory(library, data, header):
+    start = header["directory_offset"]
+    stored = data[start : start + header["directory_stored_size"]]
+    expect(start + len(stored) == len(data), "the directory is not at the end")
+    expect(xxh64(stored) == header["directory_checksum"], "directory checksum differs")
+    raw = unzstd(library, stored, header["directory_raw_size"])
+    (name_size,) = struct.unpack_from("<I", raw, 0)
+    model = raw[4 : 4 + name_size].decode("utf-8")
+    at = 4 + name_size
+    (metadata_size,) = struct.unpack_from("<Q", raw, at)
+    at += 8 + metadata_size
+    (n,) = struct.unpack_from("<Q", raw, at)
+    at += 8
+    columns = {}
+    names = ("kind", "level", "x", "y", "z", "stored_size", "raw_size", "codec", "element_size")
+    for name, letter in zip(names + ("checksum",), "IIiiiQQBBQ"):
+        columns[name] = struct.unpack_from(f"<{n}{letter}", raw, at)
+        at += n * struct.calcsize(letter)
+    expect(at == len(raw), "wrong directory size")
+    blocks = [{name: column[i] for name, column in columns.items()} for i in range(n)]
+    return model, metadata_size, blocks
+
+
+def main():
+    library = load_zstd()
+    with open(sys.argv[1], "rb") as file:
+        data = file.read()
+    header = read_header(data)
+    model, metadata_size, blocks = read_directory(library, data, header)
+    print("model", model)
+    print("metadata", metadata_size)
+    offset = HEADER_BYTES
+    for block in blocks:
+        stored = data[offset : offset + block["stored_size"]]
+        expect(xxh64(stored) == block["checksum"], f"block checksum differs at offset {offset}")
+        raw = decode(library, block, stored)
+        expect(len(raw) == block["raw_size"], f"wrong raw size at offset {offset}")
+        names = ("stored_size", "raw_size", "codec", "element_size")
+        fields = [block[name] for name in ("kind", "level", "x", "y", "z")]
+        fields += [offset] + [block[name] for name in names]
+        print(*fields, f"{xxh64(raw):016x}")
+        offset += block["stored_size"]
+    expect(offset == header["directory_offset"], "a gap before the directory")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (BadFile, struct.error) as error:
+        print(error)
+        sys.exit(1)

@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+
+#include "lode/store/checksum.h"
+#include "lode/store/codec.h"
+#include "lode/store/reader.h"
+#include "tests/store/test_file.h"
+
+namespace lode::store {
+namespace {
+
+struct Run {
+  int exit_code = -1;
+  std::string output;
+};
+
+Run run_reader(const std::string& path) {
+  const std::string command = fmt::format("python3 '{}' '{}' 2>&1", LODE_INDEPENDENT_READER, path);
+  Run run;
+  FILE* pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) return run;
+  std::array<char, 4096> buffer;
+  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+    run.output.append(buffer.data(), n);
+  const int status = ::pclose(pipe);
+  run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return run;
+}
+
+/// What the Python reader prints for a file: the last number is the checksum of the raw bytes.
+std::string expected_listing(const std::string& path, std::span<const TestBlock> blocks) {
+  const auto reader = Reader::open(path);
+  if (!reader) return reader.error().message;
+  std::string text = "model test model\nmetadata 13\n";
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const BlockEntry& b = reader->blocks()[i];
+    const BlockKey& key = blocks[i].key;
+    text +=
+        fmt::format("{} {} {} {} {} {} {} {} {} {} {:016x}\n", key.kind, key.level, key.position[0],
+                    key.position[1], key.position[2], b.offset, b.stored_size, b.raw_size,
+                    static_cast<int>(b.codec), b.element_size, checksum(blocks[i].raw));
+  }
+  return text;
+}
+
+constexpr int kSkip = 77;
+
+TEST(independent_reader, decodes_every_block_of_a_file_from_the_format_document_alone) {
+  const TestPath path("independent.lode");
+  const auto blocks = small_blocks();
+  write_file(path.str(), blocks);
+  const Run run = run_reader(path.str());
+  if (run.exit_code == kSkip || run.exit_code == 127) GTEST_SKIP() << run.output;
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.output, expected_listing(path.str(), blocks));
+}
+
+TEST(independent_reader, finds_a_flipped_byte) {
+  const TestPath path("independent_flipped.lode");
+  write_file(path.str(), small_blocks());
+  auto bytes = load_file(path.str());
+  for (const std::size_t offset : {std::size_t{70}, kHeaderBytes + 3, bytes.size() - 1}) {
+    auto flipped = bytes;
+    flipped[offset] ^= std::byte{2};
+    save_file(path.str(), flipped);
+    const Run run = run_reader(path.str());
+    if (run.exit_code == kSkip || run.exit_code == 127) GTEST_SKIP() << run.output;
+    EXPECT_EQ(run.exit_code, 1) << offset << ": " << run.output;
+    EXPECT_NE(run.output.find("checksum"), std::string::npos) << run.output;
+  }
+}
+
+}  // namespace
+}  // namespace lode::store
