@@ -26,7 +26,7 @@ struct MetaHeader {
   }
 };
 
-Result<MetaHeader> read_header(const InputFilePtr& file) {
+Result<MetaHeader> read_meta_header(const InputFilePtr& file) {
   constexpr std::uint64_t kMaxHeader = 1 << 20;
   auto stream = make_file_stream(file, 0);
   TextCursor cursor(*stream, file->path());
@@ -47,7 +47,7 @@ Result<MetaHeader> read_header(const InputFilePtr& file) {
   }
 }
 
-Result<std::vector<double>> numbers_of(const MetaHeader& header,
+Result<std::vector<double>> meta_numbers(const MetaHeader& header,
                                        std::initializer_list<const char*> keys,
                                        std::size_t n_expected) {
   const std::string* text = header.find(keys);
@@ -69,7 +69,7 @@ Result<bool> flag_of(const MetaHeader& header, std::initializer_list<const char*
               in_quotes(*text));
 }
 
-Result<ScalarType> parse_type(const MetaHeader& header) {
+Result<ScalarType> parse_meta_type(const MetaHeader& header) {
   using enum ScalarType;
   const std::string* text = header.find({"elementtype"});
   if (text == nullptr) return fail("{}: expected ElementType in the header", header.path);
@@ -114,7 +114,7 @@ std::string world_axes(const std::string& letters, const Mat3& direction) {
   return world.find('?') == std::string::npos ? world : std::string();
 }
 
-std::string note_frame(const MetaHeader& header, const Mat3& direction, Frame& frame) {
+std::string note_meta_frame(const MetaHeader& header, const Mat3& direction, Frame& frame) {
   const std::string* letters = header.find({"anatomicalorientation"});
   if (letters == nullptr) return "the header has no AnatomicalOrientation";
   const std::string world = world_axes(*letters, direction);
@@ -154,15 +154,15 @@ Result<MetaShape> parse_shape(const MetaHeader& header) {
   return shape;
 }
 
-Result<RegularGrid> parse_grid(const MetaHeader& header, const MetaShape& shape,
+Result<RegularGrid> parse_meta_grid(const MetaHeader& header, const MetaShape& shape,
                                std::string& frame_note) {
   const std::size_t n = shape.n_dims;
   GridFrame frame;
   LODE_TRY(frame.dims, checked_dims(header.path, std::span(shape.counts).first(3)));
-  LODE_TRY(const auto spacing, numbers_of(header, {"elementspacing", "elementsize"}, n));
-  LODE_TRY(const auto origin, numbers_of(header, {"offset", "position", "origin"}, n));
+  LODE_TRY(const auto spacing, meta_numbers(header, {"elementspacing", "elementsize"}, n));
+  LODE_TRY(const auto origin, meta_numbers(header, {"offset", "position", "origin"}, n));
   LODE_TRY(const auto matrix,
-           numbers_of(header, {"transformmatrix", "rotation", "orientation"}, n * n));
+           meta_numbers(header, {"transformmatrix", "rotation", "orientation"}, n * n));
   for (std::size_t i = 0; i < std::min<std::size_t>(n, 3); ++i) {
     if (!spacing.empty()) frame.spacing[i] = spacing[i];
     if (!origin.empty()) frame.origin[i] = origin[i];
@@ -170,24 +170,24 @@ Result<RegularGrid> parse_grid(const MetaHeader& header, const MetaShape& shape,
     for (std::size_t j = 0; j < std::min<std::size_t>(n, 3) && !matrix.empty(); ++j)
       frame.direction.rows[j][i] = matrix[i * n + j];
   }
-  frame_note = note_frame(header, frame.direction, frame.frame);
+  frame_note = note_meta_frame(header, frame.direction, frame.frame);
   return make_grid(header.path, frame);
 }
 
-enum class Encoding { raw, zlib, text };
+enum class MetaEncoding { raw, zlib, text };
 
 struct MetaData {
   InputFilePtr file;
   std::uint64_t offset = 0;
-  Encoding encoding = Encoding::raw;
+  MetaEncoding encoding = MetaEncoding::raw;
 };
 
-Result<MetaData> find_data(const InputFilePtr& file, const MetaHeader& header,
+Result<MetaData> find_meta_data(const InputFilePtr& file, const MetaHeader& header,
                            std::uint64_t n_bytes) {
   LODE_TRY(const bool is_compressed, flag_of(header, {"compresseddata"}, false));
   LODE_TRY(const bool is_binary, flag_of(header, {"binarydata"}, true));
   MetaData data{.file = file, .offset = header.end};
-  data.encoding = is_compressed ? Encoding::zlib : is_binary ? Encoding::raw : Encoding::text;
+  data.encoding = is_compressed ? MetaEncoding::zlib : is_binary ? MetaEncoding::raw : MetaEncoding::text;
   const std::string& name = *header.find({"elementdatafile"});
   if (!equals_ignoring_case(name, "local")) {
     if (name.empty() || name.starts_with("LIST") || name.find('%') != std::string::npos)
@@ -212,12 +212,12 @@ Result<MetaData> find_data(const InputFilePtr& file, const MetaHeader& header,
   return data;
 }
 
-Result<std::unique_ptr<SampleStore>> load_data(const MetaData& data, ScalarType type,
+Result<std::unique_ptr<SampleStore>> load_meta_data(const MetaData& data, ScalarType type,
                                                std::uint64_t n_bytes) {
   switch (data.encoding) {
-    case Encoding::zlib: return load_inflated(data.file, data.offset, 0, n_bytes);
-    case Encoding::text: return load_text(data.file, data.offset, type, n_bytes);
-    case Encoding::raw: break;
+    case MetaEncoding::zlib: return load_inflated(data.file, data.offset, 0, n_bytes);
+    case MetaEncoding::text: return load_text(data.file, data.offset, type, n_bytes);
+    case MetaEncoding::raw: break;
   }
   return make_file_store(data.file, data.offset, n_bytes);
 }
@@ -226,23 +226,23 @@ Result<std::unique_ptr<SampleStore>> load_data(const MetaData& data, ScalarType 
 
 Result<Image> read_metaimage(const std::string& path) {
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
-  LODE_TRY(const MetaHeader header, read_header(file));
-  LODE_TRY(const ScalarType type, parse_type(header));
+  LODE_TRY(const MetaHeader header, read_meta_header(file));
+  LODE_TRY(const ScalarType type, parse_meta_type(header));
   LODE_TRY(const MetaShape shape, parse_shape(header));
   Image image{.path = path, .format = {}, .frame_note = {}, .grid = {}, .fields = {}};
-  LODE_TRY(image.grid, parse_grid(header, shape, image.frame_note));
+  LODE_TRY(image.grid, parse_meta_grid(header, shape, image.frame_note));
   ImageField field;
   LODE_TRY(field.layout,
            interleaved_layout(path, image.grid.dims, type, shape.n_channels, shape.counts[3]));
   const std::uint64_t n_bytes = field.layout.n_bytes;
-  LODE_TRY(const MetaData data, find_data(file, header, n_bytes));
+  LODE_TRY(const MetaData data, find_meta_data(file, header, n_bytes));
   LODE_TRY(const bool is_big_endian,
            flag_of(header, {"binarydatabyteordermsb", "elementbyteordermsb"}, false));
   field.layout.byte_order = is_big_endian ? ByteOrder::big : ByteOrder::little;
-  if (data.encoding == Encoding::text) field.layout.byte_order = native_byte_order();
+  if (data.encoding == MetaEncoding::text) field.layout.byte_order = native_byte_order();
   constexpr std::array<std::string_view, 3> kEncodings = {"raw", "zlib", "text"};
   image.format = fmt::format("MetaImage, {}", kEncodings[static_cast<std::size_t>(data.encoding)]);
-  field.load = [data, type, n_bytes] { return load_data(data, type, n_bytes); };
+  field.load = [data, type, n_bytes] { return load_meta_data(data, type, n_bytes); };
   image.fields.push_back(std::move(field));
   return image;
 }

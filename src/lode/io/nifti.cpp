@@ -118,7 +118,7 @@ NiftiHeader parse_version_2(const HeaderBytes& b) {
   return h;
 }
 
-Result<NiftiHeader> read_header(const InputFilePtr& file) {
+Result<NiftiHeader> read_nifti_header(const InputFilePtr& file) {
   LODE_TRY(const HeaderBytes bytes, read_header_bytes(file));
   const bool is_version_2 = bytes.get<std::int32_t>(0) == static_cast<std::int32_t>(kHeaderSize2);
   NiftiHeader header = is_version_2 ? parse_version_2(bytes) : parse_version_1(bytes);
@@ -138,7 +138,7 @@ struct NiftiType {
   std::int64_t n_components;
 };
 
-Result<NiftiType> parse_type(const std::string& path, int datatype) {
+Result<NiftiType> parse_nifti_type(const std::string& path, int datatype) {
   switch (datatype) {
     case 2: return NiftiType{ScalarType::uint8, 1};
     case 4: return NiftiType{ScalarType::int16, 1};
@@ -187,7 +187,7 @@ GridFrame frame_from_quaternion(const NiftiHeader& h) {
   return frame;
 }
 
-Result<RegularGrid> parse_grid(const std::string& path, const NiftiHeader& h, const Index3& dims,
+Result<RegularGrid> parse_nifti_grid(const std::string& path, const NiftiHeader& h, const Index3& dims,
                                std::string& frame_note) {
   if (h.sform_code > 0) {
     frame_note = fmt::format("sform, code {}", h.sform_code);
@@ -262,17 +262,17 @@ Result<std::uint64_t> parse_offset(const std::string& path, const NiftiHeader& h
 
 Result<Image> read_nifti(const std::string& path) {
   LODE_TRY(const InputFilePtr file, InputFile::open(header_beside(path)));
-  LODE_TRY(const NiftiHeader header, read_header(file));
+  LODE_TRY(const NiftiHeader header, read_nifti_header(file));
   LODE_TRY(const auto counts, parse_counts(path, header));
   LODE_TRY(const Index3 dims, checked_dims(path, std::span(counts).first(3)));
-  LODE_TRY(const NiftiType type, parse_type(path, header.datatype));
+  LODE_TRY(const NiftiType type, parse_nifti_type(path, header.datatype));
   const bool is_compressed = is_gzip(path);
   Image image{.path = path,
               .format = fmt::format("NIfTI-{}{}", header.version, is_compressed ? ", gzip" : ""),
               .frame_note = {},
               .grid = {},
               .fields = {}};
-  LODE_TRY(image.grid, parse_grid(path, header, dims, image.frame_note));
+  LODE_TRY(image.grid, parse_nifti_grid(path, header, dims, image.frame_note));
   ImageField field;
   LODE_TRY(field.layout, make_layout(path, header, dims, counts, type));
   const bool has_scale = std::isfinite(header.slope) && header.slope != 0 && type.n_components == 1;

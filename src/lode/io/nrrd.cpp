@@ -12,14 +12,14 @@
 namespace lode::io {
 namespace {
 
-enum class Encoding { raw, gzip, text, hex };
+enum class NrrdEncoding { raw, gzip, text, hex };
 
 /// Where the samples are and how they are written.
 struct NrrdData {
   InputFilePtr file;
   std::uint64_t offset = 0;    ///< Of the first byte after the header and the skipped lines.
   std::int64_t byte_skip = 0;  ///< -1: the samples are the last bytes of the file (raw only).
-  Encoding encoding = Encoding::raw;
+  NrrdEncoding encoding = NrrdEncoding::raw;
 };
 
 struct NrrdHeader {
@@ -43,7 +43,7 @@ std::string canonical_key(std::string_view key) {
   return name;
 }
 
-Result<NrrdHeader> read_header(const InputFilePtr& file) {
+Result<NrrdHeader> read_nrrd_header(const InputFilePtr& file) {
   constexpr std::uint64_t kMaxHeader = 1 << 20;
   auto stream = make_file_stream(file, 0);
   TextCursor cursor(*stream, file->path());
@@ -70,7 +70,7 @@ Result<NrrdHeader> read_header(const InputFilePtr& file) {
   }
 }
 
-Result<ScalarType> parse_type(const std::string& path, const NrrdFields& fields) {
+Result<ScalarType> parse_nrrd_type(const std::string& path, const NrrdFields& fields) {
   const auto it = fields.find("type");
   if (it == fields.end()) return fail("{}: expected the field 'type' in the NRRD header", path);
   std::string name = to_lower(it->second);
@@ -98,21 +98,21 @@ Result<ScalarType> parse_type(const std::string& path, const NrrdFields& fields)
   return *type;
 }
 
-Result<Encoding> parse_encoding(const std::string& path, const NrrdFields& fields) {
+Result<NrrdEncoding> parse_encoding(const std::string& path, const NrrdFields& fields) {
   const auto it = fields.find("encoding");
   if (it == fields.end()) return fail("{}: expected the field 'encoding' in the NRRD header", path);
   const std::string name = to_lower(it->second);
-  if (name == "raw") return Encoding::raw;
-  if (name == "gzip" || name == "gz") return Encoding::gzip;
-  if (name == "text" || name == "txt" || name == "ascii") return Encoding::text;
-  if (name == "hex") return Encoding::hex;
+  if (name == "raw") return NrrdEncoding::raw;
+  if (name == "gzip" || name == "gz") return NrrdEncoding::gzip;
+  if (name == "text" || name == "txt" || name == "ascii") return NrrdEncoding::text;
+  if (name == "hex") return NrrdEncoding::hex;
   return fail("{}: expected the encoding raw, gzip, text or hex, got {}", path,
               in_quotes(it->second));
 }
 
 Result<ByteOrder> parse_byte_order(const std::string& path, const NrrdFields& fields,
-                                   ScalarType type, Encoding encoding) {
-  if (encoding == Encoding::text) return native_byte_order();
+                                   ScalarType type, NrrdEncoding encoding) {
+  if (encoding == NrrdEncoding::text) return native_byte_order();
   const auto it = fields.find("endian");
   if (it == fields.end()) {
     if (size_of(type) == 1) return ByteOrder::little;
@@ -145,7 +145,7 @@ Result<std::uint64_t> skip_lines(const InputFilePtr& file, std::uint64_t offset,
   return offset + cursor.position();
 }
 
-Result<NrrdData> find_data(const InputFilePtr& header_file, const NrrdHeader& header) {
+Result<NrrdData> find_nrrd_data(const InputFilePtr& header_file, const NrrdHeader& header) {
   const std::string& path = header_file->path();
   NrrdData data{.file = header_file, .offset = header.end};
   LODE_TRY(data.encoding, parse_encoding(path, header.fields));
@@ -189,11 +189,11 @@ Result<std::unique_ptr<SampleStore>> load_hex(const InputFilePtr& file, std::uin
   return make_memory_store(std::move(bytes));
 }
 
-Result<std::unique_ptr<SampleStore>> load_data(const NrrdData& data, ScalarType type,
+Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, ScalarType type,
                                                std::uint64_t n_bytes) {
   const std::string& path = data.file->path();
   if (data.byte_skip < 0) {
-    if (data.encoding != Encoding::raw)
+    if (data.encoding != NrrdEncoding::raw)
       return fail("{}: 'byte skip: -1' is defined for raw encoding only", path);
     if (data.file->size_from(data.offset) < n_bytes)
       return fail("{}: expected {} bytes of samples, got {}", path, n_bytes,
@@ -202,16 +202,16 @@ Result<std::unique_ptr<SampleStore>> load_data(const NrrdData& data, ScalarType 
   }
   const auto skip = static_cast<std::uint64_t>(data.byte_skip);
   // In compressed data the bytes to skip are counted after decompression.
-  if (data.encoding == Encoding::gzip) return load_inflated(data.file, data.offset, skip, n_bytes);
+  if (data.encoding == NrrdEncoding::gzip) return load_inflated(data.file, data.offset, skip, n_bytes);
   if (skip > data.file->size_from(data.offset))
     return fail("{}: expected to skip {} bytes, the file has {}", path, skip, data.file->size());
   const std::uint64_t offset = data.offset + skip;
-  if (data.encoding == Encoding::text) return load_text(data.file, offset, type, n_bytes);
-  if (data.encoding == Encoding::hex) return load_hex(data.file, offset, n_bytes);
+  if (data.encoding == NrrdEncoding::text) return load_text(data.file, offset, type, n_bytes);
+  if (data.encoding == NrrdEncoding::hex) return load_hex(data.file, offset, n_bytes);
   return make_file_store(data.file, offset, n_bytes);
 }
 
-std::string_view name_of(Encoding encoding) {
+std::string_view name_of(NrrdEncoding encoding) {
   constexpr std::array<std::string_view, 4> kNames = {"raw", "gzip", "text", "hex"};
   return kNames[static_cast<std::size_t>(encoding)];
 }
@@ -220,10 +220,10 @@ std::string_view name_of(Encoding encoding) {
 
 Result<Image> read_nrrd(const std::string& path) {
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
-  LODE_TRY(const NrrdHeader header, read_header(file));
-  LODE_TRY(const ScalarType type, parse_type(path, header.fields));
+  LODE_TRY(const NrrdHeader header, read_nrrd_header(file));
+  LODE_TRY(const ScalarType type, parse_nrrd_type(path, header.fields));
   LODE_TRY(NrrdAxes axes, parse_nrrd_axes(path, header.fields, type));
-  LODE_TRY(const NrrdData data, find_data(file, header));
+  LODE_TRY(const NrrdData data, find_nrrd_data(file, header));
   LODE_TRY(axes.layout.byte_order, parse_byte_order(path, header.fields, type, data.encoding));
   const std::uint64_t n_bytes = axes.layout.n_bytes;
   Image image{.path = path,
@@ -232,7 +232,7 @@ Result<Image> read_nrrd(const std::string& path) {
               .grid = axes.grid,
               .fields = {}};
   ImageField field{.name = {}, .layout = axes.layout, .load = [data, type, n_bytes] {
-                     return load_data(data, type, n_bytes);
+                     return load_nrrd_data(data, type, n_bytes);
                    }};
   image.fields.push_back(std::move(field));
   return image;

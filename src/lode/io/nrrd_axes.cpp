@@ -168,7 +168,7 @@ Vec3d step_of(const Axis& axis, std::size_t k, double& first) {
   return step;
 }
 
-std::string note_frame(const NrrdFields& fields, Frame& frame) {
+std::string note_nrrd_frame(const NrrdFields& fields, Frame& frame) {
   const std::string* space = find(fields, "space");
   if (space == nullptr) return "the header names no space";
   std::string name = to_lower(*space);
@@ -229,7 +229,7 @@ Result<NrrdAxes> parse_nrrd_axes(const std::string& path, const NrrdFields& fiel
         "and {}",
         path, space_axes.size(), n_other[0], n_other[1]);
   Frame frame = Frame::unknown;
-  result.frame_note = note_frame(fields, frame);
+  result.frame_note = note_nrrd_frame(fields, frame);
   LODE_TRY(result.grid, make_nrrd_grid(path, fields, space_axes, frame));
   // The rows of missing axes follow one another, so that whole slices are read at once.
   for (std::size_t k = space_axes.size(); k < 3; ++k)

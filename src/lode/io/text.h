@@ -25,8 +25,10 @@ namespace lode::io {
 
 /// `text` in quotes, fit for a message: unprintable bytes replaced, cut after 60.
 [[nodiscard]] std::string in_quotes(std::string_view text);
-/// The same. Its name is taken over by std::quoted where <iomanip> is included and the argument is
-/// a std::string, so new code calls in_quotes.
+/// The same under a shorter name. One overload for each kind of string, because argument-dependent
+/// lookup also finds the std::quoted templates where <iomanip> is included; exact matches win.
 [[nodiscard]] inline std::string quoted(std::string_view text) { return in_quotes(text); }
+[[nodiscard]] inline std::string quoted(const std::string& text) { return in_quotes(text); }
+[[nodiscard]] inline std::string quoted(std::string& text) { return in_quotes(text); }
 
 }  // namespace lode::io

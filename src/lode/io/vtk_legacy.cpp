@@ -44,7 +44,7 @@ Result<bool> parse_preamble(LegacyFile& file) {
 }
 
 template <typename T, typename Parse>
-Result<std::vector<T>> numbers_of(const LegacyFile& file, const std::vector<std::string>& words,
+Result<std::vector<T>> legacy_numbers(const LegacyFile& file, const std::vector<std::string>& words,
                                   std::size_t n, Parse parse) {
   std::vector<T> numbers;
   for (std::size_t i = 1; i < words.size(); ++i) {
@@ -57,9 +57,9 @@ Result<std::vector<T>> numbers_of(const LegacyFile& file, const std::vector<std:
               in_quotes(words.size() > 1 ? words[1] : ""));
 }
 
-Result<void> parse_extent(const LegacyFile& file, const std::vector<std::string>& words,
+Result<void> parse_legacy_extent(const LegacyFile& file, const std::vector<std::string>& words,
                           LegacyData& data) {
-  LODE_TRY(const auto extent, numbers_of<std::int64_t>(file, words, 6, to_int64));
+  LODE_TRY(const auto extent, legacy_numbers<std::int64_t>(file, words, 6, to_int64));
   std::array<std::int64_t, 3> counts{};
   constexpr std::int64_t kLimit = std::int64_t{1} << 40;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -77,18 +77,18 @@ Result<bool> parse_geometry(LegacyFile& file, const std::vector<std::string>& wo
                             LegacyData& data) {
   const std::string keyword = to_lower(words[0]);
   if (keyword == "dimensions") {
-    LODE_TRY(const auto n, numbers_of<std::int64_t>(file, words, 3, to_int64));
+    LODE_TRY(const auto n, legacy_numbers<std::int64_t>(file, words, 3, to_int64));
     data.counts = {n[0], n[1], n[2]};
   } else if (keyword == "extent") {
-    LODE_CHECK(parse_extent(file, words, data));
+    LODE_CHECK(parse_legacy_extent(file, words, data));
   } else if (keyword == "spacing" || keyword == "aspect_ratio") {
-    LODE_TRY(const auto n, numbers_of<double>(file, words, 3, to_double));
+    LODE_TRY(const auto n, legacy_numbers<double>(file, words, 3, to_double));
     data.frame.spacing = {{n[0], n[1], n[2]}};
   } else if (keyword == "origin") {
-    LODE_TRY(const auto n, numbers_of<double>(file, words, 3, to_double));
+    LODE_TRY(const auto n, legacy_numbers<double>(file, words, 3, to_double));
     data.frame.origin = {{n[0], n[1], n[2]}};
   } else if (keyword == "direction") {
-    LODE_TRY(const auto n, numbers_of<double>(file, words, 9, to_double));
+    LODE_TRY(const auto n, legacy_numbers<double>(file, words, 9, to_double));
     for (std::size_t i = 0; i < 3; ++i)
       data.frame.direction.rows[i] = {{n[3 * i], n[3 * i + 1], n[3 * i + 2]}};
   } else if (keyword.size() == 13 && keyword.ends_with("_coordinates") && keyword[0] >= 'x' &&
@@ -191,7 +191,7 @@ Result<RegularGrid> make_legacy_grid(const InputFilePtr& file, LegacyEncoding en
   return make_grid(file->path(), data.frame);
 }
 
-Result<std::vector<ImageField>> make_fields(const InputFilePtr& file, LegacyEncoding encoding,
+Result<std::vector<ImageField>> make_legacy_fields(const InputFilePtr& file, LegacyEncoding encoding,
                                             const LegacyData& data, const Index3& dims) {
   const std::string& path = file->path();
   if (data.arrays.empty() && data.has_cell_arrays)
@@ -226,7 +226,7 @@ Result<Image> read_vtk_legacy(const std::string& path) {
               .grid = {},
               .fields = {}};
   LODE_TRY(image.grid, make_legacy_grid(file, legacy.encoding, data));
-  LODE_TRY(image.fields, make_fields(file, legacy.encoding, data, image.grid.dims));
+  LODE_TRY(image.fields, make_legacy_fields(file, legacy.encoding, data, image.grid.dims));
   return image;
 }
 

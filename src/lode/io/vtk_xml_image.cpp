@@ -12,7 +12,7 @@ struct Extent {
   Index3 dims;
 };
 
-Result<Extent> parse_extent(const std::string& path, const char* text) {
+Result<Extent> parse_xml_extent(const std::string& path, const char* text) {
   const auto numbers = to_int64s(text);
   if (!numbers || numbers->size() != 6)
     return fail("{}: expected an extent of 6 whole numbers, got {}", path, in_quotes(text));
@@ -32,7 +32,7 @@ Result<Extent> parse_extent(const std::string& path, const char* text) {
 }
 
 /// `fallback` where the attribute is missing.
-Result<std::vector<double>> numbers_of(const std::string& path, const pugi::xml_node& node,
+Result<std::vector<double>> xml_numbers(const std::string& path, const pugi::xml_node& node,
                                        const char* name, std::vector<double> fallback) {
   const pugi::xml_attribute attribute = node.attribute(name);
   if (!attribute) return fallback;
@@ -45,9 +45,9 @@ Result<std::vector<double>> numbers_of(const std::string& path, const pugi::xml_
 
 Result<RegularGrid> image_grid(const std::string& path, const pugi::xml_node& node,
                                const Extent& extent) {
-  LODE_TRY(const auto spacing, numbers_of(path, node, "Spacing", {1, 1, 1}));
-  LODE_TRY(const auto origin, numbers_of(path, node, "Origin", {0, 0, 0}));
-  LODE_TRY(const auto direction, numbers_of(path, node, "Direction", {1, 0, 0, 0, 1, 0, 0, 0, 1}));
+  LODE_TRY(const auto spacing, xml_numbers(path, node, "Spacing", {1, 1, 1}));
+  LODE_TRY(const auto origin, xml_numbers(path, node, "Origin", {0, 0, 0}));
+  LODE_TRY(const auto direction, xml_numbers(path, node, "Direction", {1, 0, 0, 0, 1, 0, 0, 0, 1}));
   GridFrame frame{.dims = extent.dims};
   Vec3d start;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -103,7 +103,7 @@ Result<ImageField> make_field(const VtkXmlFilePtr& xml, const pugi::xml_node& ar
   return field;
 }
 
-Result<std::vector<ImageField>> make_fields(const VtkXmlFilePtr& xml, const pugi::xml_node& piece,
+Result<std::vector<ImageField>> make_xml_fields(const VtkXmlFilePtr& xml, const pugi::xml_node& piece,
                                             const Index3& dims) {
   const std::string& path = xml->file->path();
   std::vector<ImageField> fields;
@@ -136,8 +136,8 @@ Result<Image> read_vtk_xml_image(const std::string& path) {
   const pugi::xml_node piece = data.child("Piece");
   if (!piece) return fail("{}: expected an element Piece in {}", path, kind);
   if (piece.next_sibling("Piece")) return fail("{}: expected one Piece, got several", path);
-  LODE_TRY(const Extent extent, parse_extent(path, data.attribute("WholeExtent").as_string()));
-  LODE_TRY(const Extent own, parse_extent(path, piece.attribute("Extent").as_string()));
+  LODE_TRY(const Extent extent, parse_xml_extent(path, data.attribute("WholeExtent").as_string()));
+  LODE_TRY(const Extent own, parse_xml_extent(path, piece.attribute("Extent").as_string()));
   if (own.first != extent.first || own.dims != extent.dims)
     return fail("{}: expected a Piece with the whole extent {}, got {}", path,
                 in_quotes(data.attribute("WholeExtent").as_string()),
@@ -149,7 +149,7 @@ Result<Image> read_vtk_xml_image(const std::string& path) {
               .fields = {}};
   LODE_TRY(image.grid,
            is_image ? image_grid(path, data, extent) : rectilinear_grid(*xml, piece, extent));
-  LODE_TRY(image.fields, make_fields(xml, piece, extent.dims));
+  LODE_TRY(image.fields, make_xml_fields(xml, piece, extent.dims));
   return image;
 }
 
