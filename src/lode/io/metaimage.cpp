@@ -48,8 +48,8 @@ Result<MetaHeader> read_meta_header(const InputFilePtr& file) {
 }
 
 Result<std::vector<double>> meta_numbers(const MetaHeader& header,
-                                       std::initializer_list<const char*> keys,
-                                       std::size_t n_expected) {
+                                         std::initializer_list<const char*> keys,
+                                         std::size_t n_expected) {
   const std::string* text = header.find(keys);
   if (text == nullptr) return std::vector<double>();
   const auto numbers = to_doubles(*text);
@@ -155,7 +155,7 @@ Result<MetaShape> parse_shape(const MetaHeader& header) {
 }
 
 Result<RegularGrid> parse_meta_grid(const MetaHeader& header, const MetaShape& shape,
-                               std::string& frame_note) {
+                                    std::string& frame_note) {
   const std::size_t n = shape.n_dims;
   GridFrame frame;
   LODE_TRY(frame.dims, checked_dims(header.path, std::span(shape.counts).first(3)));
@@ -183,11 +183,13 @@ struct MetaData {
 };
 
 Result<MetaData> find_meta_data(const InputFilePtr& file, const MetaHeader& header,
-                           std::uint64_t n_bytes) {
+                                std::uint64_t n_bytes) {
   LODE_TRY(const bool is_compressed, flag_of(header, {"compresseddata"}, false));
   LODE_TRY(const bool is_binary, flag_of(header, {"binarydata"}, true));
   MetaData data{.file = file, .offset = header.end};
-  data.encoding = is_compressed ? MetaEncoding::zlib : is_binary ? MetaEncoding::raw : MetaEncoding::text;
+  data.encoding = is_compressed ? MetaEncoding::zlib
+                  : is_binary   ? MetaEncoding::raw
+                                : MetaEncoding::text;
   const std::string& name = *header.find({"elementdatafile"});
   if (!equals_ignoring_case(name, "local")) {
     if (name.empty() || name.starts_with("LIST") || name.find('%') != std::string::npos)
@@ -213,7 +215,7 @@ Result<MetaData> find_meta_data(const InputFilePtr& file, const MetaHeader& head
 }
 
 Result<std::unique_ptr<SampleStore>> load_meta_data(const MetaData& data, ScalarType type,
-                                               std::uint64_t n_bytes) {
+                                                    std::uint64_t n_bytes) {
   switch (data.encoding) {
     case MetaEncoding::zlib: return load_inflated(data.file, data.offset, 0, n_bytes);
     case MetaEncoding::text: return load_text(data.file, data.offset, type, n_bytes);

@@ -187,8 +187,8 @@ GridFrame frame_from_quaternion(const NiftiHeader& h) {
   return frame;
 }
 
-Result<RegularGrid> parse_nifti_grid(const std::string& path, const NiftiHeader& h, const Index3& dims,
-                               std::string& frame_note) {
+Result<RegularGrid> parse_nifti_grid(const std::string& path, const NiftiHeader& h,
+                                     const Index3& dims, std::string& frame_note) {
   if (h.sform_code > 0) {
     frame_note = fmt::format("sform, code {}", h.sform_code);
     GridSteps steps{.dims = dims, .steps = {}, .frame = Frame::ras};

@@ -190,7 +190,7 @@ Result<std::unique_ptr<SampleStore>> load_hex(const InputFilePtr& file, std::uin
 }
 
 Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, ScalarType type,
-                                               std::uint64_t n_bytes) {
+                                                    std::uint64_t n_bytes) {
   const std::string& path = data.file->path();
   if (data.byte_skip < 0) {
     if (data.encoding != NrrdEncoding::raw)
@@ -202,7 +202,8 @@ Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, Scalar
   }
   const auto skip = static_cast<std::uint64_t>(data.byte_skip);
   // In compressed data the bytes to skip are counted after decompression.
-  if (data.encoding == NrrdEncoding::gzip) return load_inflated(data.file, data.offset, skip, n_bytes);
+  if (data.encoding == NrrdEncoding::gzip)
+    return load_inflated(data.file, data.offset, skip, n_bytes);
   if (skip > data.file->size_from(data.offset))
     return fail("{}: expected to skip {} bytes, the file has {}", path, skip, data.file->size());
   const std::uint64_t offset = data.offset + skip;

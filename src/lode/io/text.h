@@ -30,5 +30,6 @@ namespace lode::io {
 [[nodiscard]] inline std::string quoted(std::string_view text) { return in_quotes(text); }
 [[nodiscard]] inline std::string quoted(const std::string& text) { return in_quotes(text); }
 [[nodiscard]] inline std::string quoted(std::string& text) { return in_quotes(text); }
+[[nodiscard]] inline std::string quoted(const char* text) { return in_quotes(text); }
 
 }  // namespace lode::io

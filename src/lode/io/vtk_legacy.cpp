@@ -45,7 +45,7 @@ Result<bool> parse_preamble(LegacyFile& file) {
 
 template <typename T, typename Parse>
 Result<std::vector<T>> legacy_numbers(const LegacyFile& file, const std::vector<std::string>& words,
-                                  std::size_t n, Parse parse) {
+                                      std::size_t n, Parse parse) {
   std::vector<T> numbers;
   for (std::size_t i = 1; i < words.size(); ++i) {
     const auto number = parse(words[i]);
@@ -58,7 +58,7 @@ Result<std::vector<T>> legacy_numbers(const LegacyFile& file, const std::vector<
 }
 
 Result<void> parse_legacy_extent(const LegacyFile& file, const std::vector<std::string>& words,
-                          LegacyData& data) {
+                                 LegacyData& data) {
   LODE_TRY(const auto extent, legacy_numbers<std::int64_t>(file, words, 6, to_int64));
   std::array<std::int64_t, 3> counts{};
   constexpr std::int64_t kLimit = std::int64_t{1} << 40;
@@ -191,8 +191,9 @@ Result<RegularGrid> make_legacy_grid(const InputFilePtr& file, LegacyEncoding en
   return make_grid(file->path(), data.frame);
 }
 
-Result<std::vector<ImageField>> make_legacy_fields(const InputFilePtr& file, LegacyEncoding encoding,
-                                            const LegacyData& data, const Index3& dims) {
+Result<std::vector<ImageField>> make_legacy_fields(const InputFilePtr& file,
+                                                   LegacyEncoding encoding, const LegacyData& data,
+                                                   const Index3& dims) {
   const std::string& path = file->path();
   if (data.arrays.empty() && data.has_cell_arrays)
     return fail("{}: expected values at points, got only cell data; convert them first", path);

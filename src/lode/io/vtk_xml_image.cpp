@@ -33,7 +33,7 @@ Result<Extent> parse_xml_extent(const std::string& path, const char* text) {
 
 /// `fallback` where the attribute is missing.
 Result<std::vector<double>> xml_numbers(const std::string& path, const pugi::xml_node& node,
-                                       const char* name, std::vector<double> fallback) {
+                                        const char* name, std::vector<double> fallback) {
   const pugi::xml_attribute attribute = node.attribute(name);
   if (!attribute) return fallback;
   const auto numbers = to_doubles(attribute.as_string());
@@ -103,8 +103,8 @@ Result<ImageField> make_field(const VtkXmlFilePtr& xml, const pugi::xml_node& ar
   return field;
 }
 
-Result<std::vector<ImageField>> make_xml_fields(const VtkXmlFilePtr& xml, const pugi::xml_node& piece,
-                                            const Index3& dims) {
+Result<std::vector<ImageField>> make_xml_fields(const VtkXmlFilePtr& xml,
+                                                const pugi::xml_node& piece, const Index3& dims) {
   const std::string& path = xml->file->path();
   std::vector<ImageField> fields;
   for (const pugi::xml_node array : piece.child("PointData").children("DataArray")) {

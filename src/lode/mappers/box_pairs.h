@@ -22,7 +22,7 @@ using IndexPair = std::array<std::uint32_t, 2>;
 
 /// Hands every pair of boxes that have a common point to `visit`, once, lower index first, in
 /// batches and in no stated order; no two calls with the same worker run at once. Boxes of very
-/// different sizes are fine: a tree over the boxes in Morton order. About 45 bytes a box.
+/// different sizes are fine: a tree over the boxes in Morton order.
 /// Fails only when cancelled.
 [[nodiscard]] Result<void> visit_box_pairs(
     std::span<const Box3f> boxes, Threads threads, Progress& progress,

@@ -23,7 +23,7 @@ struct SelfIntersectionReport {
 /// Finds all self-intersections of a well-formed surface, exactly for its float coordinates.
 /// Simplices may meet at corners and edges with equal coordinates (so twins may touch), nowhere
 /// else; two with all corners equal overlap. Contour lines are looked at along the coordinate axis
-/// most perpendicular to their plane. Two million triangles take a few seconds and 250 MB.
+/// most perpendicular to their plane.
 /// Fails when cancelled.
 [[nodiscard]] Result<SelfIntersectionReport> check_self_intersections(const Surface& surface,
                                                                       Threads threads,

@@ -8,8 +8,7 @@
 namespace lode {
 namespace {
 
-// Chosen by eye on CT, simulation and analytic surfaces: a matt surface that faces the viewer
-// comes out close to its own colour.
+// Meant so that a matt surface that faces the viewer comes out close to its own colour.
 constexpr Vec3f kSkyColor{{0.93f, 0.97f, 1.04f}};
 constexpr Vec3f kKeyColor{{1.05f, 1.00f, 0.93f}};
 constexpr float kSkyStrength = 0.62f;

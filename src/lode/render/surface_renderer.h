@@ -44,9 +44,8 @@ struct RenderOptions {
 
 /// Draws a surface or contour lines by ray casting, without a GPU or window. `bounds`: the
 /// volume's, so that surfaces of one volume are framed alike. The same input gives the same
-/// pixels for any number of threads. About 4 s for a million triangles at the default size on
-/// two cores; memory: about 100 bytes per triangle. Fails on unusable options, bounds or camera,
-/// on surfaces with wrong indices or non-finite positions, and when cancelled.
+/// pixels for any number of threads. Fails on unusable options, bounds or camera, on surfaces with
+/// wrong indices or non-finite positions, and when cancelled.
 [[nodiscard]] Result<Image> render_surface(const Surface& surface, const Box3d& bounds,
                                            const RenderOptions& options, Progress& progress);
 

@@ -55,7 +55,7 @@ struct LevelSetReport {
 /// full-resolution field: each triangle is cut by the finest simplices, on which F is linear, and F
 /// evaluated at the corners of the pieces. A deviation counts as beyond the tolerance only if it is
 /// so by more than the rounding of this evaluation. A triangle may run along the border of a
-/// removed cell, not through it. About a microsecond a piece; fails when cancelled.
+/// removed cell, not through it. Fails when cancelled.
 [[nodiscard]] Result<LevelSetReport> check_level_set(const FieldSamples& samples,
                                                      const Surface& surface,
                                                      const LevelSetOptions& options,
