@@ -39,15 +39,19 @@ function(lode_room name)
 endfunction()
 
 # lode_test(NAME SOURCES ... [DEPENDS targets...] [LABEL fast|slow]): one GoogleTest program,
-# registered with CTest test by test.
+# compiled at once like a room and registered with CTest test by test.
 function(lode_test name)
   cmake_parse_arguments(ARG "" "LABEL" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL fast)
   endif()
   add_executable(${name} ${ARG_SOURCES})
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE lode_settings ${ARG_DEPENDS} GTest::gtest_main)
+  # Tests name only the options they set; -O1 halves the time to compile them.
+  target_compile_options(${name} PRIVATE -Wno-missing-field-initializers -Wno-dangling-else
+                                         $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE
     LODE_SAMPLES_DIR="${PROJECT_SOURCE_DIR}/samples"
     LODE_TEST_FILES_DIR="${PROJECT_SOURCE_DIR}/tests/files")

@@ -10,8 +10,8 @@ using test::ramp;
 using test::samples_of;
 using test::TempDir;
 
-const std::string kStart = "ObjectType = Image\nNDims = 3\nDimSize = 4 3 2\n";
-const std::string kShort = kStart + "ElementType = MET_SHORT\n";
+const std::string kMetaStart = "ObjectType = Image\nNDims = 3\nDimSize = 4 3 2\n";
+const std::string kShort = kMetaStart + "ElementType = MET_SHORT\n";
 
 TEST(metaimage_reader, reads_plain_compressed_and_text_data) {
   const TempDir dir;
@@ -51,7 +51,7 @@ TEST(metaimage_reader, knows_every_element_type) {
       {"MET_FLOAT", ScalarType::float32},     {"MET_DOUBLE", ScalarType::float64}};
   for (const auto& [name, type] : types) {
     const auto path =
-        dir.write("a.mha", kStart + "ElementType = " + name + "\nElementDataFile = LOCAL\n" +
+        dir.write("a.mha", kMetaStart + "ElementType = " + name + "\nElementDataFile = LOCAL\n" +
                                std::string(24 * size_of(type), '\x01'));
     EXPECT_EQ(info_of(path).type, type) << name;
   }
@@ -116,7 +116,8 @@ TEST(metaimage_reader, refuses_truncated_data_and_bad_headers) {
                                         test::zlibbed(raw).substr(0, 20)),
                  {"early"});
   expect_failure(dir.write("c.mha", kShort), {"ElementDataFile"});
-  expect_failure(dir.write("d.mha", kStart + "ElementType = MET_OTHER\n" + local), {"MET_OTHER"});
+  expect_failure(dir.write("d.mha", kMetaStart + "ElementType = MET_OTHER\n" + local),
+                 {"MET_OTHER"});
   expect_failure(dir.write("e.mha", "NDims = 3\nDimSize = 4 3\nElementType = MET_CHAR\n" + local),
                  {"3 numbers for DimSize", "'4 3'"});
   expect_failure(dir.write("f.mha",

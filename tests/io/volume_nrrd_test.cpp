@@ -10,7 +10,7 @@ using test::ramp;
 using test::samples_of;
 using test::TempDir;
 
-const std::string kStart = "NRRD0004\n# a comment\ntype: short\ndimension: 3\nsizes: 4 3 2\n";
+const std::string kNrrdStart = "NRRD0004\n# a comment\ntype: short\ndimension: 3\nsizes: 4 3 2\n";
 
 TEST(nrrd_reader, reads_every_encoding) {
   const TempDir dir;
@@ -20,7 +20,7 @@ TEST(nrrd_reader, reads_every_encoding) {
   std::string hex;
   for (const std::int16_t s : samples) text += fmt::format("{} ", s);
   for (const char c : raw) hex += fmt::format("{:02x}", static_cast<unsigned char>(c));
-  const std::string start = kStart + "endian: little\nencoding: ";
+  const std::string start = kNrrdStart + "endian: little\nencoding: ";
   EXPECT_EQ(samples_of<std::int16_t>(dir.write("a.nrrd", start + "raw\n\n" + raw)), samples);
   EXPECT_EQ(samples_of<std::int16_t>(dir.write("b.nrrd", start + "gzip\n\n" + test::gzipped(raw))),
             samples);
@@ -32,7 +32,7 @@ TEST(nrrd_reader, reads_detached_headers_with_skips_in_either_byte_order) {
   const TempDir dir;
   const auto samples = ramp<std::int16_t>(24);
   const std::string raw = bytes_of(samples, ByteOrder::big);
-  const std::string start = kStart + "endian: big\n";
+  const std::string start = kNrrdStart + "endian: big\n";
   dir.write("a.raw", "line one\nline two\nxyz" + raw);
   dir.write("a.raw.gz", test::gzipped("xyz" + raw));
   const auto plain =
@@ -50,7 +50,7 @@ TEST(nrrd_reader, keeps_space_directions_origin_and_frame) {
   const TempDir dir;
   const std::string raw(48, 'x');
   const auto path =
-      dir.write("a.nrrd", kStart +
+      dir.write("a.nrrd", kNrrdStart +
                               "endian: little\nencoding: raw\nspace: left-posterior-superior\n"
                               "space directions: (0,2,0) (-0.5, 0, 0) (0,0,3)\n"
                               "space origin: (10,-20,30.5)\nkinds: domain domain domain\n\n" +
@@ -119,7 +119,7 @@ TEST(nrrd_reader, takes_a_fourth_axis_as_time) {
 TEST(nrrd_reader, refuses_truncated_and_overlong_data) {
   const TempDir dir;
   const std::string raw = bytes_of(ramp<std::int16_t>(24));
-  const std::string start = kStart + "endian: little\nencoding: ";
+  const std::string start = kNrrdStart + "endian: little\nencoding: ";
   expect_failure(dir.write("a.nrrd", start + "raw\n\n" + raw.substr(1)), {"48 bytes", "47"});
   expect_failure(dir.write("b.nrrd", start + "gzip\n\n" + test::gzipped(raw.substr(2))),
                  {"expected 48 bytes", "hold 46"});
@@ -146,15 +146,16 @@ TEST(nrrd_reader, refuses_sizes_that_overflow_or_exceed_the_file) {
 TEST(nrrd_reader, refuses_what_it_cannot_know) {
   const TempDir dir;
   const std::string raw(48, 'x');
-  expect_failure(dir.write("a.nrrd", kStart + "encoding: raw\n\n" + raw), {"endian", "int16"});
-  expect_failure(dir.write("b.nrrd", kStart + "endian: little\n\n" + raw), {"'encoding'"});
-  expect_failure(dir.write("c.nrrd", kStart + "endian: little\nencoding: bzip2\n\n" + raw),
+  expect_failure(dir.write("a.nrrd", kNrrdStart + "encoding: raw\n\n" + raw), {"endian", "int16"});
+  expect_failure(dir.write("b.nrrd", kNrrdStart + "endian: little\n\n" + raw), {"'encoding'"});
+  expect_failure(dir.write("c.nrrd", kNrrdStart + "endian: little\nencoding: bzip2\n\n" + raw),
                  {"'bzip2'"});
   expect_failure(dir.write("d.nrrd", "NRRD0004\ntype: block\ndimension: 1\nsizes: 1\n\n"),
                  {"'block'"});
-  expect_failure(dir.write("e.nhdr", kStart + "endian: little\nencoding: raw\ndata file: LIST\n\n"),
-                 {"one data file"});
-  expect_failure(dir.write("f.nrrd", kStart +
+  expect_failure(
+      dir.write("e.nhdr", kNrrdStart + "endian: little\nencoding: raw\ndata file: LIST\n\n"),
+      {"one data file"});
+  expect_failure(dir.write("f.nrrd", kNrrdStart +
                                          "endian: little\nencoding: raw\nspace directions: "
                                          "(1,0,0) (0,1,0) (1,1,0)\n\n" +
                                          raw),
@@ -164,7 +165,7 @@ TEST(nrrd_reader, refuses_what_it_cannot_know) {
 TEST(nrrd_reader, names_a_missing_data_file) {
   const TempDir dir;
   const auto path =
-      dir.write("a.nhdr", kStart + "endian: little\nencoding: raw\ndata file: gone.raw\n");
+      dir.write("a.nhdr", kNrrdStart + "endian: little\nencoding: raw\ndata file: gone.raw\n");
   const auto source = open_volume(path, {});
   ASSERT_FALSE(source);
   EXPECT_NE(source.error().message.find(dir.path("gone.raw")), std::string::npos);

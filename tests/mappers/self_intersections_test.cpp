@@ -16,7 +16,7 @@ using test::make_sphere;
 using test::make_torus;
 using test::point;
 
-SelfIntersectionReport report_of(const Surface& surface, int threads = 2) {
+SelfIntersectionReport intersections_of(const Surface& surface, int threads = 2) {
   Progress progress;
   EXPECT_TRUE(check_well_formed(surface));
   auto report = check_self_intersections(surface, {threads}, progress);
@@ -24,7 +24,9 @@ SelfIntersectionReport report_of(const Surface& surface, int threads = 2) {
   return *report;
 }
 
-std::uint64_t n_intersections(const Surface& surface) { return report_of(surface).n_intersections; }
+std::uint64_t n_intersections(const Surface& surface) {
+  return intersections_of(surface).n_intersections;
+}
 
 TEST(self_intersections, are_not_seen_in_spheres_and_tori) {
   EXPECT_EQ(n_intersections(make_sphere(40, 1.0, {{0, 0, 0}})), 0U);
@@ -46,7 +48,7 @@ TEST(self_intersections, are_found_between_interpenetrating_spheres_only) {
   Surface crossing = make_sphere(20, 1.0, {{0, 0, 0}});
   const auto n_first = static_cast<std::uint32_t>(crossing.triangles.size());
   append(crossing, make_sphere(20, 1.0, {{1.03, 0.01, 0.02}}));
-  const auto report = report_of(crossing);
+  const auto report = intersections_of(crossing);
   EXPECT_GT(report.n_intersections, 20U);
   EXPECT_LT(report.first[0], n_first);
   EXPECT_GE(report.first[1], n_first);
@@ -60,7 +62,7 @@ TEST(self_intersections, survive_a_large_offset) {
 TEST(self_intersections, are_the_same_for_any_threads) {
   Surface crossing = make_sphere(30, 1.0, {{0, 0, 0}});
   append(crossing, make_sphere(30, 1.0, {{0.5, 0.1, 0.2}}));
-  EXPECT_EQ(report_of(crossing, 1), report_of(crossing, 4));
+  EXPECT_EQ(intersections_of(crossing, 1), intersections_of(crossing, 4));
 }
 
 TEST(self_intersections, include_coplanar_overlaps) {
@@ -100,7 +102,7 @@ TEST(self_intersections, include_a_corner_that_touches_a_face) {
 TEST(self_intersections, leave_out_triangles_of_no_area) {
   Surface surface = make_sphere(6, 1.0, {{0, 0, 0}});
   surface.triangles.push_back({0, 1, 1});
-  const auto report = report_of(surface);
+  const auto report = intersections_of(surface);
   EXPECT_EQ(report.n_simplices + 1, surface.triangles.size());
   EXPECT_EQ(report.n_intersections, 0U);
 }

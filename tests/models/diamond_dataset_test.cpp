@@ -62,7 +62,9 @@ Surface expect_true_surface(const Dataset& dataset, double isovalue, double max_
   const ExtractOptions options{.isovalues = {isovalue}, .max_error = max_error, .threads = {2}};
   const auto report = dataset.extract(options, surface, progress);
   EXPECT_TRUE(report) << (report ? "" : report.error().message);
-  if (report) EXPECT_LE(report->achieved_error, max_error);
+  if (report) {
+    EXPECT_LE(report->achieved_error, max_error);
+  }
   expect_passed(dataset.verify_surface(surface, options, progress));
   return surface;
 }

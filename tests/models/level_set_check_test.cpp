@@ -18,7 +18,7 @@ using test::field_at;
 using test::finest_level_set;
 using test::random_volume;
 
-RegularGrid grid_of(std::int32_t x, std::int32_t y, std::int32_t z) {
+RegularGrid small_grid(std::int32_t x, std::int32_t y, std::int32_t z) {
   RegularGrid grid;
   grid.dims = {{x, y, z}};
   return grid;
@@ -143,12 +143,12 @@ TEST_P(level_set_check, finds_the_largest_deviation_of_large_simplices) {
 }
 
 INSTANTIATE_TEST_SUITE_P(grids, level_set_check,
-                         testing::Values(grid_of(6, 5, 7), skewed(grid_of(7, 8, 4)),
-                                         grid_of(2, 30, 2), grid_of(9, 12, 1), grid_of(9, 1, 8),
-                                         skewed(grid_of(1, 7, 9))));
+                         testing::Values(small_grid(6, 5, 7), skewed(small_grid(7, 8, 4)),
+                                         small_grid(2, 30, 2), small_grid(9, 12, 1),
+                                         small_grid(9, 1, 8), skewed(small_grid(1, 7, 9))));
 
 TEST(level_set_check_rules, are_the_same_for_any_threads) {
-  const Volume volume = random_volume(grid_of(20, 20, 20), 9);
+  const Volume volume = random_volume(small_grid(20, 20, 20), 9);
   const Surface surface = finest_level_set(volume, 0.0);
   const auto one = report_of(volume, surface, {.isovalues = {0.05}, .clip = {}, .threads = {1}});
   const auto four = report_of(volume, surface, {.isovalues = {0.05}, .clip = {}, .threads = {4}});
@@ -159,7 +159,7 @@ TEST(level_set_check_rules, are_the_same_for_any_threads) {
 }
 
 TEST(level_set_check_rules, refuse_what_leaves_the_lattice_or_the_clip_box) {
-  const Volume volume = random_volume(grid_of(5, 5, 5), 1);
+  const Volume volume = random_volume(small_grid(5, 5, 5), 1);
   Surface surface;
   surface.positions = {Vec3f{{1, 1, 1}}, Vec3f{{4.001F, 1, 1}}, Vec3f{{1, 2, 1}}};
   surface.triangles = {{0, 1, 2}};
@@ -172,7 +172,7 @@ TEST(level_set_check_rules, refuse_what_leaves_the_lattice_or_the_clip_box) {
 }
 
 TEST(level_set_check_rules, keep_out_of_removed_cells_but_allow_their_border) {
-  Volume volume = random_volume(grid_of(7, 7, 7), 6);
+  Volume volume = random_volume(small_grid(7, 7, 7), 6);
   std::vector<float> samples(volume.as<float>().begin(), volume.as<float>().end());
   samples[3 + 7 * (3 + 7 * 3)] = std::numeric_limits<float>::quiet_NaN();
   volume = make_volume<float>(volume.info.grid, samples);
@@ -193,7 +193,7 @@ TEST(level_set_check_rules, keep_out_of_removed_cells_but_allow_their_border) {
 }
 
 TEST(level_set_check_rules, choose_among_several_isovalues) {
-  const Volume volume = random_volume(grid_of(6, 6, 6), 2);
+  const Volume volume = random_volume(small_grid(6, 6, 6), 2);
   Surface surface = finest_level_set(volume, 0.1);
   surface.isovalues.assign(surface.positions.size(), 0.1F);
   const LevelSetOptions options{.isovalues = {-0.3, 0.1}, .tolerance = kOracleSlack, .clip = {}};
@@ -205,7 +205,7 @@ TEST(level_set_check_rules, choose_among_several_isovalues) {
 TEST(level_set_check_rules, bound_caps_from_below_only) {
   std::vector<float> samples;
   for (int i = 0; i < 27; ++i) samples.push_back(static_cast<float>(i % 3));
-  const Volume volume = make_volume<float>(grid_of(3, 3, 3), samples);
+  const Volume volume = make_volume<float>(small_grid(3, 3, 3), samples);
   Surface surface;
   surface.positions = {Vec3f{{1, 0, 0}}, Vec3f{{2, 0, 0}}, Vec3f{{2, 2, 0}}};
   surface.triangles = {{0, 1, 2}};
@@ -220,7 +220,7 @@ TEST(level_set_check_rules, bound_caps_from_below_only) {
 }
 
 TEST(level_set_check_rules, stop_when_cancelled) {
-  const Volume volume = random_volume(grid_of(6, 6, 6), 2);
+  const Volume volume = random_volume(small_grid(6, 6, 6), 2);
   Progress progress;
   progress.cancel();
   const VolumeSamples samples(volume);

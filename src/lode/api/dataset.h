@@ -16,7 +16,7 @@
 namespace lode {
 
 struct BuildOptions {
-  Threads threads;
+  Threads threads{};
 };
 
 /// One level of the hierarchy, finest (0) first.
@@ -47,14 +47,14 @@ enum class Orientation : std::uint8_t { from_lower_values, from_higher_values };
 enum class Border : std::uint8_t { open, closed };
 
 struct ExtractOptions {
-  std::vector<double> isovalues;    ///< At least one; finite.
-  std::optional<double> max_error;  ///< Field units, >= 0; unset: 0.5 % of the value range.
-  std::optional<Box3d> clip;        ///< Crops the result, world units.
-  Border border = Border::open;     ///< closed caps the surface at the domain's border.
-  std::uint64_t min_component = 0;  ///< Pieces with fewer triangles (lines) are dropped.
+  std::vector<double> isovalues;      ///< At least one; finite.
+  std::optional<double> max_error{};  ///< Field units, >= 0; unset: 0.5 % of the value range.
+  std::optional<Box3d> clip{};        ///< Crops the result, world units.
+  Border border = Border::open;       ///< closed caps the surface at the domain's border.
+  std::uint64_t min_component = 0;    ///< Pieces with fewer triangles (lines) are dropped.
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.
   Normals normals = Normals::on;
-  Threads threads;
+  Threads threads{};
 };
 
 /// Seconds per phase of an extraction.

@@ -5,30 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "lode/mappers/tetrahedron_cases.h"
+
 namespace lode {
 namespace {
-
-/// Even permutations of a tetrahedron's vertices, by the set of inside vertices (as bits): the
-/// inside ones first where there are one or two, the single outside one first where there are
-/// three.
-constexpr std::array<std::array<std::uint8_t, 4>, 16> kOrder = {{
-    {0, 1, 2, 3},
-    {0, 1, 2, 3},
-    {1, 0, 3, 2},
-    {0, 1, 2, 3},
-    {2, 0, 1, 3},
-    {0, 2, 3, 1},
-    {1, 2, 0, 3},
-    {3, 0, 2, 1},
-    {3, 0, 2, 1},
-    {0, 3, 1, 2},
-    {1, 3, 2, 0},
-    {2, 0, 1, 3},
-    {2, 3, 0, 1},
-    {1, 0, 3, 2},
-    {0, 1, 2, 3},
-    {0, 1, 2, 3},
-}};
 
 std::int64_t orientation(const LatticeSimplex<3>& s) {
   std::array<std::array<std::int64_t, 3>, 3> m{};
@@ -112,7 +92,7 @@ std::uint32_t SimplexIsosurface<D>::vertex_on(const LatticeSimplex<D>& s, std::s
 
 template <int D>
 void SimplexIsosurface<D>::add_triangles(const LatticeSimplex<D>& s, std::size_t inside) {
-  const auto& o = kOrder[inside];
+  const auto& o = kTetrahedronOrder[inside];
   const bool flip = (orientation(s) < 0) != is_mirrored_;
   const auto put = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     if constexpr (D == 3) part_.cells.push_back({a, flip ? c : b, flip ? b : c});

@@ -21,6 +21,10 @@ class Selection {
     return static_cast<double>(nodes.low[at]) < relative_above_ &&
            static_cast<double>(nodes.high[at]) >= relative_below_;
   }
+  /// Whether all samples below the node are at least the isovalue.
+  [[nodiscard]] bool is_inside(int level, std::size_t at) const {
+    return static_cast<double>(model_.levels[as_size(level)].low[at]) >= relative_above_;
+  }
   [[nodiscard]] bool exceeds_tolerance(ErrorCode error) const {
     return is_full_ || error > tolerance_;
   }

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "lode/core/progress.h"
+#include "lode/core/surface.h"
+#include "lode/mappers/iso_part.h"
+#include "lode/mappers/lattice_frame.h"
+#include "lode/models/diamond/selection.h"
+
+namespace lode::diamond {
+
+/// What a full-resolution extraction found besides the surface.
+struct FullResolutionReport {
+  double largest_step = 0;  ///< Largest difference of values along a crossed edge.
+  double largest_snap = 0;  ///< The same over vertices that the margin moved.
+  std::uint64_t n_bricks_read = 0;
+  double sign_seconds = 0;   ///< Sign bits and counts.
+  double write_seconds = 0;  ///< Vertices and triangles.
+};
+
+/// Tolerance 0 on a volume without holes: the surface in all finest simplices, by flat passes
+/// over rows of cells instead of a traversal (sign bits, counts, prefix sums, write). The same
+/// vertices and triangles as the traversal's but for their order, which depends on nothing but
+/// the model: by row of cells. Appends to `surface`, and each new vertex's edge to `points`
+/// (resized to the surface's vertices) when that is not null.
+[[nodiscard]] Result<FullResolutionReport> extract_full_resolution(const Selection<3>& selection,
+                                                                   const LatticeFrame& frame,
+                                                                   Threads threads,
+                                                                   Surface& surface,
+                                                                   std::vector<EdgePoint>* points,
+                                                                   Progress& progress);
+
+}  // namespace lode::diamond

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace lode::diamond {
+
+/// A box of rows of at least 32 samples each, and where their sign words go.
+template <typename T>
+struct SignRows {
+  const T* samples;
+  std::size_t row_step;    ///< In samples.
+  std::size_t slice_step;  ///< In samples.
+  std::uint32_t* words;
+  std::size_t word_row_step;
+  std::size_t word_slice_step;
+  std::int32_t n_rows;
+  std::int32_t n_slices;
+};
+
+/// Bit x of each row's word: whether sample x is at least `threshold`. Bound by reading samples.
+void find_signs(const SignRows<std::uint8_t>& rows, std::uint8_t threshold);
+void find_signs(const SignRows<std::uint16_t>& rows, std::uint16_t threshold);
+void find_signs(const SignRows<std::int16_t>& rows, std::int16_t threshold);
+void find_signs(const SignRows<float>& rows, float threshold);
+void find_signs(const SignRows<double>& rows, double threshold);
+
+}  // namespace lode::diamond
