@@ -83,7 +83,7 @@ struct Extraction {
   [[nodiscard]] bool is_lines() const { return input.info.model == "diamond2d"; }
 };
 
-Json to_json(const Extraction& extraction, const std::vector<std::string>& warnings) {
+Json extraction_json(const Extraction& extraction, const std::vector<std::string>& warnings) {
   const ExtractReport& report = extraction.totals.report;
   return {{"command", "extract"},
           {"input", extraction.arguments.input},
@@ -111,7 +111,7 @@ Json to_json(const Extraction& extraction, const std::vector<std::string>& warni
           {"warnings", warnings}};
 }
 
-std::string to_text(const Extraction& extraction) {
+std::string extraction_text(const Extraction& extraction) {
   const ExtractReport& report = extraction.totals.report;
   const bool is_lines = extraction.is_lines();
   std::string isovalues;
@@ -180,7 +180,7 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
   }
   outputs.keep();
   const Extraction extraction{arguments, options, input, outputs.paths(), totals};
-  return Outcome{to_json(extraction, session.warnings()), to_text(extraction)};
+  return Outcome{extraction_json(extraction, session.warnings()), extraction_text(extraction)};
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ struct Rendering {
   Camera camera;
 };
 
-Json to_json(const Camera& camera) {
+Json camera_json(const Camera& camera) {
   const auto vector = [](const Vec3d& v) { return Json::array({v[0], v[1], v[2]}); };
   return {{"eye", vector(camera.eye)},
           {"target", vector(camera.target)},
@@ -113,7 +113,7 @@ Outcome report_render(const RenderArguments& arguments, const ExtractOptions& op
                   {"lines", report.lines},
                   {"vertices", report.vertices},
                   {"size", arguments.size},
-                  {"camera", to_json(rendering.camera)},
+                  {"camera", camera_json(rendering.camera)},
                   {"seconds",
                    {{"total", report.seconds.total + rendering.render_seconds},
                     {"open", input.open_seconds},

@@ -5,9 +5,9 @@
 namespace lode::cli {
 namespace {
 
-Json to_json(const Vec3d& v) { return Json::array({v[0], v[1], v[2]}); }
+Json vector_json(const Vec3d& v) { return Json::array({v[0], v[1], v[2]}); }
 
-std::string to_text(const Vec3d& v) {
+std::string vector_text(const Vec3d& v) {
   return fmt::format("{}, {}, {}", format_number(v[0]), format_number(v[1]), format_number(v[2]));
 }
 
@@ -16,7 +16,7 @@ double per_sample(std::uint64_t bytes, const DatasetInfo& info) {
   return n > 0 ? static_cast<double>(bytes) / n : 0;
 }
 
-Json to_json(const LevelInfo& level) {
+Json level_json(const LevelInfo& level) {
   return {{"level", level.level},   {"step", level.step},           {"samples", level.n_samples},
           {"nodes", level.n_nodes}, {"max_error", level.max_error}, {"bytes", level.bytes}};
 }
@@ -28,10 +28,10 @@ Json to_json(const VolumeInfo& volume) {
   Json json;
   json["dims"] = {grid.dims[0], grid.dims[1], grid.dims[2]};
   json["samples"] = grid.n_samples();
-  json["spacing"] = to_json(grid.spacing);
-  json["origin"] = to_json(grid.origin);
-  json["direction"] = {to_json(grid.direction.rows[0]), to_json(grid.direction.rows[1]),
-                       to_json(grid.direction.rows[2])};
+  json["spacing"] = vector_json(grid.spacing);
+  json["origin"] = vector_json(grid.origin);
+  json["direction"] = {vector_json(grid.direction.rows[0]), vector_json(grid.direction.rows[1]),
+                       vector_json(grid.direction.rows[2])};
   json["frame"] = name_of(grid.frame);
   json["type"] = name_of(volume.type);
   json["field"] = volume.field_name;
@@ -54,7 +54,7 @@ Json to_json(const DatasetInfo& info) {
     json["attribute_bytes_per_sample"] = per_sample(info.attribute_bytes, info);
   }
   json["levels"] = Json::array();
-  for (const LevelInfo& level : info.levels) json["levels"].push_back(to_json(level));
+  for (const LevelInfo& level : info.levels) json["levels"].push_back(level_json(level));
   return json;
 }
 
@@ -65,10 +65,10 @@ void add_volume(Table& table, const VolumeInfo& volume) {
                            format_count(static_cast<std::uint64_t>(grid.n_samples())))});
   table.add({"type", std::string(name_of(volume.type))});
   if (!volume.field_name.empty()) table.add({"field", volume.field_name});
-  table.add({"spacing", to_text(grid.spacing)});
-  table.add({"origin", to_text(grid.origin)});
+  table.add({"spacing", vector_text(grid.spacing)});
+  table.add({"origin", vector_text(grid.origin)});
   constexpr const char* kAxes[] = {"x axis", "y axis", "z axis"};
-  for (std::size_t i = 0; i < 3; ++i) table.add({kAxes[i], to_text(grid.direction.column(i))});
+  for (std::size_t i = 0; i < 3; ++i) table.add({kAxes[i], vector_text(grid.direction.column(i))});
   table.add({"frame", std::string(name_of(grid.frame))});
   if (volume.nodata) table.add({"nodata", format_number(*volume.nodata)});
 }

@@ -13,14 +13,14 @@
 namespace lode::store {
 namespace {
 
-struct Run {
+struct Outcome {
   int exit_code = -1;
   std::string output;
 };
 
-Run run_reader(const std::string& path) {
+Outcome run_reader(const std::string& path) {
   const std::string command = fmt::format("python3 '{}' '{}' 2>&1", LODE_INDEPENDENT_READER, path);
-  Run run;
+  Outcome run;
   FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) return run;
   std::array<char, 4096> buffer;
@@ -53,7 +53,7 @@ TEST(independent_reader, decodes_every_block_of_a_file_from_the_format_document_
   const TestPath path("independent.lode");
   const auto blocks = small_blocks();
   write_file(path.str(), blocks);
-  const Run run = run_reader(path.str());
+  const Outcome run = run_reader(path.str());
   if (run.exit_code == kSkip || run.exit_code == 127) GTEST_SKIP() << run.output;
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.output, expected_listing(path.str(), blocks));
@@ -67,7 +67,7 @@ TEST(independent_reader, finds_a_flipped_byte) {
     auto flipped = bytes;
     flipped[offset] ^= std::byte{2};
     save_file(path.str(), flipped);
-    const Run run = run_reader(path.str());
+    const Outcome run = run_reader(path.str());
     if (run.exit_code == kSkip || run.exit_code == 127) GTEST_SKIP() << run.output;
     EXPECT_EQ(run.exit_code, 1) << offset << ": " << run.output;
     EXPECT_NE(run.output.find("checksum"), std::string::npos) << run.output;

@@ -53,7 +53,7 @@ double tolerance_of(const diamond::Model<D>& model, const ExtractOptions& option
 /// Appends one isovalue's surface, with isovalue and normals per vertex.
 template <int D>
 Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& options,
-                         double isovalue, Surface& surface, ExtractReport& report,
+                         double isovalue, Surface& surface, ExtractReport& report, bool& may_pinch,
                          Progress& progress) {
   const std::size_t first = surface.positions.size();
   std::vector<EdgePoint> points;
@@ -66,6 +66,7 @@ Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& o
   report.achieved_error = std::max(report.achieved_error, part.achieved_error);
   report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
   report.nodes_visited += part.nodes_visited;
+  may_pinch = may_pinch || part.is_border_cut;
   report.seconds.select += part.select_seconds;
   report.seconds.geometry += part.geometry_seconds;
   const auto start = std::chrono::steady_clock::now();
@@ -79,10 +80,10 @@ Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& o
   return {};
 }
 
-void finish_surface(const ExtractOptions& options, bool has_holes, Surface& surface,
+void finish_surface(const ExtractOptions& options, bool may_pinch, Surface& surface,
                     ExtractReport& report) {
   const auto start = std::chrono::steady_clock::now();
-  if (has_holes && !surface.triangles.empty()) split_pinched_vertices(surface);
+  if (may_pinch && !surface.triangles.empty()) split_pinched_vertices(surface);
   fill_zero_normals(surface);
   if (options.clip) crop(surface, *options.clip);
   if (options.min_component > 1) {
@@ -201,9 +202,11 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   const auto done = std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
         report.max_error = tolerance_of<D>(model, options);
+        bool may_pinch = model.has_holes();
         for (const double isovalue : options.isovalues)
-          LODE_CHECK(extract_one<D>(model, options, isovalue, surface, report, progress));
-        finish_surface(options, model.has_holes(), surface, report);
+          LODE_CHECK(
+              extract_one<D>(model, options, isovalue, surface, report, may_pinch, progress));
+        finish_surface(options, may_pinch, surface, report);
         return {};
       },
       impl_->model);

@@ -1,11 +1,10 @@
 #include "lode/api/verification.h"
 
-#include <atomic>
-
 #include "lode/mappers/lattice_frame.h"
 #include "lode/mappers/surface_checks.h"
+#include "lode/models/diamond/attribute_check.h"
 #include "lode/models/diamond/boundary_check.h"
-#include "lode/models/diamond/cube_plan.h"
+#include "lode/models/diamond/cut_check.h"
 #include "lode/models/diamond/level_set_check.h"
 #include "lode/models/diamond/model_samples.h"
 
@@ -13,8 +12,6 @@ namespace lode {
 namespace {
 
 using diamond::as_size;
-using diamond::Diamond;
-using diamond::Index;
 using diamond::Model;
 
 void add(VerifyReport& report, std::string name, std::uint64_t count, std::uint64_t failures,
@@ -47,118 +44,9 @@ Result<void> check_same_samples(const Model<D>& model, VolumeSource& original,
   return {};
 }
 
-/// The largest |F - F'| over one node's domain, sample by sample; NaN samples do not count.
-template <int D>
-double own_error(const Model<D>& model, const Diamond<D>& d) {
-  const std::int32_t side = 2 * d.h();
-  double largest = 0;
-  for (int code = 0; code < (1 << d.tier); ++code) {
-    Index<D> lower;  // of one of the cubes that share the node
-    for (int i = 0, bit = 0; i < D; ++i) {
-      const std::int32_t c = d.centre[as_size(i)];
-      lower[as_size(i)] = d.is_odd(i) ? c - d.h() : c - (((code >> bit++) & 1) != 0 ? 0 : side);
-    }
-    bool exists = true;
-    for (std::size_t i = 0; i < as_size(D); ++i)
-      exists = exists && lower[i] >= 0 && lower[i] < model.shape.dims[i] - 1;
-    if (!exists) continue;
-    Index<D> even;
-    Index<D> sign;
-    for (std::size_t i = 0; i < as_size(D); ++i) {
-      sign[i] = ((lower[i] / side) & 1) != 0 ? -1 : 1;
-      even[i] = sign[i] < 0 ? lower[i] + side : lower[i];
-    }
-    Index<D> dims;
-    for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = side + 1;
-    for (std::size_t n = 0; n < diamond::n_points<D>(dims); ++n) {
-      const Index<D> u = diamond::point_of<D>(dims, n);
-      Index<D> p;
-      for (std::size_t i = 0; i < as_size(D); ++i) p[i] = even[i] + sign[i] * u[i];
-      if (!model.shape.is_sample(p)) continue;
-      const auto nodes = diamond::nodes_containing<D>(u, side, d.tier);
-      bool is_inside = false;
-      for (Index<D> node : nodes) {
-        for (std::size_t i = 0; i < as_size(D); ++i) node[i] = even[i] + sign[i] * node[i];
-        is_inside = is_inside || node == d.centre;
-      }
-      if (!is_inside) continue;
-      const double f = model.value(p);
-      if (model.has_holes() && model.is_hole(f)) continue;
-      const double g = diamond::interpolant_at<D>(u, side, d.tier, [&](const Index<D>& v) {
-        Index<D> q;
-        for (std::size_t i = 0; i < as_size(D); ++i) q[i] = even[i] + sign[i] * v[i];
-        const double value = model.value(q);
-        return model.has_holes() && model.is_hole(value) ? std::numeric_limits<double>::quiet_NaN()
-                                                         : value;
-      });
-      const double e = std::abs(f - g);
-      if (!std::isnan(e)) largest = std::max(largest, e);
-    }
-  }
-  return largest;
-}
-
-template <int D>
-void check_own_errors(const Model<D>& model, Threads threads, Progress& progress,
-                      VerifyReport& report) {
-  std::atomic<std::uint64_t> n_nodes{0};
-  std::atomic<std::uint64_t> n_wrong{0};
-  for (int level = 1; level < model.shape.n_levels; ++level) {
-    const auto dims = model.shape.grid_dims(level);
-    const diamond::NodeLevel& nodes = model.levels[as_size(level)];
-    parallel_for(nodes.error.size(), threads, 64, [&](std::size_t i, int) {
-      if (progress.is_cancelled()) return;
-      const Index<D> q = diamond::point_of<D>(dims, i);
-      std::int32_t odd = 0;
-      for (std::size_t a = 0; a < as_size(D); ++a) odd |= q[a];
-      if ((odd & 1) == 0) return;
-      ++n_nodes;
-      const double own =
-          own_error<D>(model, diamond::diamond_at<D>(q * (std::int32_t{1} << level)));
-      if (own > static_cast<double>(diamond::decode_error(nodes.error[i]))) ++n_wrong;
-    });
-    progress.report("errors", static_cast<double>(level) / model.shape.n_levels);
-  }
-  add(report, "own error <= stored error", n_nodes, n_wrong,
-      fmt::format("{} nodes claim too little", n_wrong.load()));
-}
-
-template <int D>
-void check_nesting(const Model<D>& model, VerifyReport& report) {
-  std::uint64_t n_pairs = 0;
-  std::uint64_t n_wrong = 0;
-  for (int level = 1; level < model.shape.n_levels; ++level) {
-    const auto dims = model.shape.grid_dims(level);
-    const diamond::NodeLevel& nodes = model.levels[as_size(level)];
-    for (std::size_t i = 0; i < nodes.error.size(); ++i) {
-      const Index<D> q = diamond::point_of<D>(dims, i);
-      std::int32_t odd = 0;
-      for (std::size_t a = 0; a < as_size(D); ++a) odd |= q[a];
-      if ((odd & 1) == 0) continue;
-      const auto d = diamond::diamond_at<D>(q * (std::int32_t{1} << level));
-      for (const Index<D>& child : diamond::children<D>(d)) {
-        const auto c = diamond::diamond_at<D>(child);
-        if (c.level == 0) continue;
-        Index<D> at;
-        const auto child_dims = model.shape.grid_dims(c.level);
-        bool exists = true;
-        for (std::size_t a = 0; a < as_size(D); ++a) {
-          at[a] = child[a] >> c.level;
-          exists = exists && at[a] >= 0 && at[a] < child_dims[a];
-        }
-        if (!exists) continue;
-        const std::size_t j = diamond::linear_index<D>(child_dims, at);
-        const diamond::NodeLevel& below = model.levels[as_size(c.level)];
-        ++n_pairs;
-        const bool is_nested = below.error[j] <= nodes.error[i] &&
-                               (below.low[j] > below.high[j] ||
-                                (below.low[j] >= nodes.low[i] && below.high[j] <= nodes.high[i]));
-        n_wrong += is_nested ? 0 : 1;
-      }
-    }
-  }
-  add(report, "errors and ranges are nested", n_pairs, n_wrong,
-      fmt::format("{} children exceed a parent", n_wrong));
+void add(VerifyReport& report, std::string name, const diamond::AttributeFinding& finding) {
+  add(report, std::move(name), finding.n_checked, finding.n_wrong,
+      finding.n_wrong == 0 ? "" : fmt::format("{} wrong; {}", finding.n_wrong, finding.worst));
 }
 
 void add_topology(const Surface& surface, Threads threads, VerifyReport& report) {
@@ -175,6 +63,25 @@ void add_topology(const Surface& surface, Threads threads, VerifyReport& report)
       fmt::format("{} duplicates, {} hole twins", t.duplicate_vertices.count, t.n_twins));
 }
 
+/// Repeats the query and compares it with every sample.
+template <int D>
+Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads, double tolerance,
+                     Progress& progress, VerifyReport& report) {
+  LODE_TRY(
+      const auto cut,
+      diamond::check_cut<D>(
+          model, {.isovalue = isovalue, .tolerance = tolerance, .threads = threads}, progress));
+  const bool is_achieved = cut.achieved_error <= tolerance && cut.n_too_far == 0;
+  add(report, fmt::format("F' within the achieved error at {}", isovalue), cut.n_active_samples,
+      is_achieved ? 0 : 1,
+      fmt::format("largest {} of {}{}{}", cut.largest_difference, cut.achieved_error,
+                  cut.n_too_far > 0 ? "; " : "", cut.n_too_far > 0 ? cut.worst : ""));
+  add(report, fmt::format("no true surface outside the active simplices at {}", isovalue),
+      cut.n_pruned_samples, cut.n_lost,
+      cut.n_lost == 0 ? "" : fmt::format("{} simplices; {}", cut.n_lost, cut.worst));
+  return {};
+}
+
 }  // namespace
 
 template <int D>
@@ -182,11 +89,11 @@ Result<VerifyReport> verify_model_against(const Model<D>& model, VolumeSource& o
                                           Threads threads, Progress& progress) {
   VerifyReport report;
   LODE_CHECK(check_same_samples<D>(model, original, report));
-  if (model.shape.has_cells()) {
-    check_own_errors<D>(model, threads, progress, report);
-    check_nesting<D>(model, report);
-  }
-  if (progress.is_cancelled()) return cancelled_error();
+  LODE_TRY(const auto attributes, diamond::check_attributes<D>(model, threads, progress));
+  add(report, "own errors <= stored errors", attributes.own_errors);
+  add(report, "own ranges inside stored ranges", attributes.own_ranges);
+  add(report, "stored values nested", attributes.nesting);
+  add(report, "stored values no wider than rounding makes them", attributes.tightness);
   return report;
 }
 
@@ -217,6 +124,8 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
                                    {.clip = options.clip, .threads = options.threads}, progress));
   add(report, "ends only at the border, holes and clip planes", boundary.n_edges, boundary.n_stray,
       fmt::format("{} stray edges", boundary.n_stray));
+  for (const double isovalue : options.isovalues)
+    LODE_CHECK(add_cut(model, isovalue, options.threads, tolerance, progress, report));
   return report;
 }
 

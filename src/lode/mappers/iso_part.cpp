@@ -20,8 +20,9 @@ class DomainClipper {
  public:
   using Cell = std::array<std::uint32_t, static_cast<std::size_t>(D)>;
 
-  DomainClipper(IsoPart<D>& part, std::uint32_t axis, double limit)
-      : part_(part), axis_(axis), limit_(limit) {}
+  DomainClipper(IsoPart<D>& part, const Vec3d& limits, std::uint32_t axis,
+                std::vector<double>& snap)
+      : part_(part), limits_(limits), axis_(axis), limit_(limits[axis]), snap_(snap) {}
 
   void run() {
     std::vector<Cell> kept;
@@ -44,6 +45,11 @@ class DomainClipper {
     Vec3d x;
     for (std::size_t i = 0; i < 3; ++i) x[i] = p[i] + t * (q[i] - p[i]);
     x[axis_] = limit_;
+    // The same ends give the same vertex in every part that shares the segment.
+    const double snap = std::max(snap_[a], snap_[b]);
+    for (std::size_t i = axis_ + 1; i < 3; ++i)
+      if (std::abs(x[i] - limits_[i]) < snap) x[i] = limits_[i];
+    snap_.push_back(snap);
     part_.positions.push_back(x);
     part_.clip_points.push_back({a, b, axis_});
     return entry->second;
@@ -82,10 +88,18 @@ class DomainClipper {
   }
 
   IsoPart<D>& part_;
+  Vec3d limits_;
   std::uint32_t axis_;
   double limit_;
+  std::vector<double>& snap_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cuts_;
 };
+
+/// Length of a vertex's lattice edge along its longest axis, in steps.
+double reach(const EdgePoint& point) {
+  const Index3 d = to_point(point.second) - to_point(point.first);
+  return std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
+}
 
 }  // namespace
 
@@ -101,13 +115,17 @@ void IsoPart<D>::clear() {
 
 template <int D>
 void clip_to_domain(IsoPart<D>& part, const Vec3d& limits, double snap) {
-  for (Vec3d& p : part.positions)
+  std::vector<double> snaps(part.points.size());
+  for (std::size_t v = 0; v < part.points.size(); ++v) {
+    snaps[v] = snap * reach(part.points[v]);
+    Vec3d& p = part.positions[v];
     for (std::size_t i = 0; i < 3; ++i)
-      if (std::abs(p[i] - limits[i]) < snap) p[i] = limits[i];
+      if (std::abs(p[i] - limits[i]) < snaps[v]) p[i] = limits[i];
+  }
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
     const bool is_crossed = std::any_of(part.positions.begin(), part.positions.end(),
                                         [&](const Vec3d& p) { return p[axis] > limits[axis]; });
-    if (is_crossed) DomainClipper<D>(part, axis, limits[axis]).run();
+    if (is_crossed) DomainClipper<D>(part, limits, axis, snaps).run();
   }
 }
 

@@ -48,7 +48,8 @@ struct IsoPart {
 };
 
 /// Cuts the cells at coordinate axis <= limits[axis] for each axis, keeping what is inside;
-/// vertices within `snap` of a plane are moved onto it first.
+/// vertices within `snap` times their edge's length of a plane are moved onto it first, so that no
+/// cut is too thin for float32.
 template <int D>
 void clip_to_domain(IsoPart<D>& part, const Vec3d& limits, double snap);
 

@@ -22,13 +22,15 @@ class CellRow {
     for (int i = 0; i < 4; ++i) {
       has_[as_size(i)] = y + (i & 1) < field.dims[1] && z + (i >> 1) < field.dims[2];
       // A row beyond the data reads as the row itself: nothing crosses between the two.
-      row_[as_size(i)] = field.words.data() + (has_[as_size(i)]
-                                                   ? field.offset(y + (i & 1), z + (i >> 1))
-                                                   : field.offset(y, z));
+      row_[as_size(i)] =
+          field.words.data() +
+          (has_[as_size(i)] ? field.offset(y + (i & 1), z + (i >> 1)) : field.offset(y, z));
     }
   }
 
-  [[nodiscard]] bool has_row(int row_y, int row_z) const { return has_[as_size(row_y + 2 * row_z)]; }
+  [[nodiscard]] bool has_row(int row_y, int row_z) const {
+    return has_[as_size(row_y + 2 * row_z)];
+  }
   [[nodiscard]] bool has_cells() const { return has_[3] && n_x_ > 1; }
 
   [[nodiscard]] CornerRows corners(std::size_t word) const {
@@ -37,22 +39,21 @@ class CellRow {
       r[i] = row_[i][word] | (static_cast<std::uint64_t>(row_[i][word + 1]) & 1) << 32;
     return r;
   }
-  /// Whether no edge round these cells is crossed (then neither is one that starts at them).
-  [[nodiscard]] static bool is_uniform(const CornerRows& r, std::uint32_t samples) {
-    const std::uint64_t any = r[0] | r[1] | r[2] | r[3];
-    const std::uint64_t all = r[0] & r[1] & r[2] & r[3];
-    const std::uint64_t needed = samples | (static_cast<std::uint64_t>(samples) + 1);
-    return any == 0 || (all & needed) == needed;
+  /// Whether all corners of the 32 cells have one sign. Bits beyond the data are 0, so that a
+  /// row's last word is never taken for uniform by mistake.
+  [[nodiscard]] static bool is_uniform(const CornerRows& r) {
+    constexpr std::uint64_t kAll = 0x1FFFFFFFF;
+    return (r[0] | r[1] | r[2] | r[3]) == 0 || (r[0] & r[1] & r[2] & r[3]) == kAll;
   }
   /// Bits of the word that are samples, and those where a cell starts.
   [[nodiscard]] std::uint32_t sample_bits(std::size_t word) const { return bits(word, n_x_); }
   [[nodiscard]] std::uint32_t cell_bits(std::size_t word) const { return bits(word, n_x_ - 1); }
 
   /// Cells with corners of both signs.
-  [[nodiscard]] static std::uint32_t crossed_cells(const CornerRows& r) {
+  [[nodiscard]] std::uint32_t crossed_cells(const CornerRows& r, std::size_t word) const {
     const std::uint64_t any = r[0] | r[1] | r[2] | r[3];
     const std::uint64_t all = r[0] & r[1] & r[2] & r[3];
-    return static_cast<std::uint32_t>((any | any >> 1) & ~(all & all >> 1));
+    return low((any | any >> 1) & ~(all & all >> 1)) & cell_bits(word);
   }
 
   /// Per series (edge_series), the anchors whose edge is crossed.

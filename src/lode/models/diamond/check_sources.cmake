@@ -1,5 +1,6 @@
 # The geometric checks against the full-resolution field, for CMakeLists.txt beside this file.
 set(DIAMOND_CHECK_SOURCES
+  attribute_check.cpp
   boundary_check.cpp
   cell_field.cpp
   cell_neighbours.cpp

@@ -6,6 +6,7 @@
 #include "lode/mappers/simplex_isosurface.h"
 #include "lode/mappers/stitch.h"
 #include "lode/models/diamond/brick_traversal.h"
+#include "lode/models/diamond/full_resolution.h"
 
 namespace lode::diamond {
 namespace {
@@ -168,6 +169,9 @@ class Extraction {
     IsosurfaceReport report;
     surface.origin = frame_.surface_origin;
     if (!model_.shape.has_cells()) return report;
+    if constexpr (D == 3)
+      if (query_.tolerance == 0 && !model_.has_holes())
+        return run_flat(selection_, surface, points, progress);
     CoarseTraversal<D>(selection_, cut_).run();
     march(progress);
     if (progress.is_cancelled()) return cancelled_error();
@@ -190,6 +194,18 @@ class Extraction {
   }
 
  private:
+  Result<IsosurfaceReport> run_flat(const Selection<3>& selection, Surface& surface,
+                                    std::vector<EdgePoint>* points, Progress& progress) {
+    LODE_TRY(const auto flat,
+             extract_full_resolution(selection, frame_, query_.threads, surface, points, progress));
+    IsosurfaceReport report;
+    report.coordinate_slack = slack(flat.largest_step, flat.largest_snap);
+    report.nodes_visited = flat.n_bricks_read;
+    report.select_seconds = flat.sign_seconds;
+    report.geometry_seconds = flat.write_seconds;
+    return report;
+  }
+
   void march(Progress& progress) {
     work_ = work_of(cut_);
     parts_.resize(work_.size() + 1);
@@ -261,16 +277,22 @@ class Extraction {
   void fill(IsosurfaceReport& report) const {
     report.achieved_error = static_cast<double>(decode_error(stats_.achieved));
     report.nodes_visited = stats_.nodes_visited;
+    report.is_border_cut = is_border_cut();
     double largest_step = 0;
     double largest_snap = 0;
     for (const StitchPart<D>& part : parts_) {
       largest_step = std::max(largest_step, part.part.largest_step);
       largest_snap = std::max(largest_snap, part.part.largest_snap);
     }
-    // Margin: along its edge. Rounding: up to half a unit along each axis, where the field
-    // changes by at most twice the simplex's range a step. Border snapping: half a margin.
-    report.coordinate_slack = frame_.margin * largest_snap + 4 * frame_.rounding * largest_step +
-                              (is_border_cut() ? frame_.margin * largest_step : 0);
+    report.coordinate_slack = slack(largest_step, largest_snap) +
+                              (report.is_border_cut ? frame_.margin * largest_step : 0);
+  }
+
+  /// What margin and rounding may add to |F - isovalue|. Margin: along its edge. Rounding: up to
+  /// half a unit along each axis, where the field changes by at most twice the simplex's range a
+  /// step.
+  [[nodiscard]] double slack(double largest_step, double largest_snap) const {
+    return frame_.margin * largest_snap + 4 * frame_.rounding * largest_step;
   }
 
   static EdgePoint edge_of(const IsoPart<D>& part, std::uint32_t vertex) {

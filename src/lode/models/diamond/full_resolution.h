@@ -22,11 +22,8 @@ struct FullResolutionReport {
 /// vertices and triangles as the traversal's but for their order, which depends on nothing but
 /// the model: by row of cells. Appends to `surface`, and each new vertex's edge to `points`
 /// (resized to the surface's vertices) when that is not null.
-[[nodiscard]] Result<FullResolutionReport> extract_full_resolution(const Selection<3>& selection,
-                                                                   const LatticeFrame& frame,
-                                                                   Threads threads,
-                                                                   Surface& surface,
-                                                                   std::vector<EdgePoint>* points,
-                                                                   Progress& progress);
+[[nodiscard]] Result<FullResolutionReport> extract_full_resolution(
+    const Selection<3>& selection, const LatticeFrame& frame, Threads threads, Surface& surface,
+    std::vector<EdgePoint>* points, Progress& progress);
 
 }  // namespace lode::diamond

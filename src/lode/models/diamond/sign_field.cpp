@@ -88,8 +88,7 @@ class SignFinder {
         for (std::int32_t y = 0; y < n[1]; ++y) {
           std::uint32_t* row = words_at(lower + Index<3>{{0, y, z}});
           row[0] &= valid_bits(n[0]);
-          if (n[0] > 32)
-            row[1] = first[Model<3>::brick_offset({{32, y, z}})] >= *threshold ? 1 : 0;
+          if (n[0] > 32) row[1] = first[Model<3>::brick_offset({{32, y, z}})] >= *threshold ? 1 : 0;
         }
     });
   }
@@ -106,8 +105,7 @@ class SignFinder {
 
 }  // namespace
 
-SignField sign_field(const Selection<3>& selection, Threads threads,
-                     std::uint64_t& n_bricks_read) {
+SignField sign_field(const Selection<3>& selection, Threads threads, std::uint64_t& n_bricks_read) {
   const Model<3>& model = selection.model();
   SignField field{model.shape.dims, (as_size(model.shape.dims[0]) + 31) / 32 + 1, {}};
   field.words.assign(field.stride * as_size(field.dims[1]) * as_size(field.dims[2]), 0);

@@ -1,0 +1,313 @@
+#include "lode/models/diamond/attribute_check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <atomic>
+
+#include "lode/models/diamond/cube_plan.h"
+
+namespace lode::diamond {
+namespace {
+
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+/// Attributes of one level's nodes as recomputed, laid out as NodeLevel's.
+struct TrueLevel {
+  std::vector<double> error, low, high;
+
+  explicit TrueLevel(std::size_t n) : error(n, 0.0), low(n, kEndless), high(n, -kEndless) {}
+
+  void join(std::size_t at, double e, double l, double h) {
+    raise(error[at], e);
+    raise(high[at], h);
+    lower(low[at], l);
+  }
+
+ private:
+  static void raise(double& target, double value) {
+    std::atomic_ref<double> atomic(target);
+    double old = atomic.load(std::memory_order_relaxed);
+    while (old < value && !atomic.compare_exchange_weak(old, value, std::memory_order_relaxed)) {
+    }
+  }
+  static void lower(double& target, double value) {
+    std::atomic_ref<double> atomic(target);
+    double old = atomic.load(std::memory_order_relaxed);
+    while (old > value && !atomic.compare_exchange_weak(old, value, std::memory_order_relaxed)) {
+    }
+  }
+};
+
+/// Where a node's attributes are stored; -1 where they are not.
+template <int D>
+std::ptrdiff_t place_of(const Shape<D>& shape, const Diamond<D>& d) {
+  if (d.level == 0 && d.tier > 0) return -1;
+  Index<D> dims;
+  Index<D> q;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    dims[i] = d.level == 0 ? shape.n_cubes(0, static_cast<int>(i)) : shape.grid_dims(d.level)[i];
+    q[i] = d.level == 0 ? d.centre[i] >> 1 : d.centre[i] >> d.level;
+    if (d.centre[i] < 0 || q[i] >= dims[i]) return -1;
+  }
+  return static_cast<std::ptrdiff_t>(linear_index<D>(dims, q));
+}
+
+/// Finds the own attributes of every stored node, brick by brick and level by level.
+template <int D>
+class OwnAttributes {
+ public:
+  OwnAttributes(const Model<D>& model, std::vector<TrueLevel>& levels)
+      : model_(model), levels_(levels) {}
+
+  void add_brick(const Index<D>& brick) const {
+    for (int level = 0; level < model_.shape.n_levels; ++level) {
+      const std::int32_t side = std::int32_t{2} << level;
+      const std::int32_t step = std::min(side, kBrickEdge<D>);
+      Index<D> n;
+      for (std::size_t i = 0; i < as_size(D); ++i) n[i] = kBrickEdge<D> / step;
+      for (std::size_t i = 0; i < n_points<D>(n); ++i) {
+        const Index<D> lower = brick * kBrickEdge<D> + point_of<D>(n, i) * step;
+        add_box(level, lower, step);
+      }
+    }
+  }
+
+ private:
+  /// A cube of the hierarchy in canonical orientation: the corner ≡ 0 mod 2·side at the origin.
+  struct Cube {
+    std::int32_t side;
+    Index<D> even, sign;
+
+    Cube(const Index<D>& inside, std::int32_t cube_side) : side(cube_side) {
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        const std::int32_t number = inside[i] / side;
+        sign[i] = number % 2 == 0 ? 1 : -1;
+        even[i] = (number + number % 2) * side;
+      }
+    }
+    [[nodiscard]] Index<D> local(const Index<D>& p) const {
+      Index<D> u;
+      for (std::size_t i = 0; i < as_size(D); ++i) u[i] = sign[i] * (p[i] - even[i]);
+      return u;
+    }
+    [[nodiscard]] Index<D> global(const Index<D>& u) const {
+      Index<D> p;
+      for (std::size_t i = 0; i < as_size(D); ++i) p[i] = even[i] + sign[i] * u[i];
+      return p;
+    }
+  };
+
+  [[nodiscard]] double field(const Index<D>& p) const {
+    const double value = model_.value(p);
+    return model_.has_holes() && model_.is_hole(value) ? std::numeric_limits<double>::quiet_NaN()
+                                                       : value;
+  }
+
+  /// Adds the samples of a box of the lattice, which one cube of the level contains.
+  void add_box(int level, const Index<D>& lower, std::int32_t edge) const {
+    Index<D> dims;
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      if (lower[i] >= model_.shape.dims[i] - 1) return;
+      dims[i] = std::min(edge, model_.shape.dims[i] - 1 - lower[i]) + 1;
+    }
+    const Cube cube(lower, std::int32_t{2} << level);
+    const int n_tiers = level == 0 ? 1 : D;
+    for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
+      const Index<D> p = lower + point_of<D>(dims, i);
+      const double f = field(p);
+      if (std::isnan(f)) continue;
+      for (int tier = 0; tier < n_tiers; ++tier) add_sample(level, tier, cube, cube.local(p), f);
+    }
+  }
+
+  void add_sample(int level, int tier, const Cube& cube, const Index<D>& u, double f) const {
+    const double g = interpolant_at<D>(u, cube.side, tier,
+                                       [&](const Index<D>& v) { return field(cube.global(v)); });
+    const double e = std::abs(f - g);
+    for (const Index<D>& node : nodes_containing<D>(u, cube.side, tier)) {
+      const std::ptrdiff_t at = place_of<D>(model_.shape, diamond_at<D>(cube.global(node)));
+      if (at >= 0)
+        levels_[as_size(level)].join(static_cast<std::size_t>(at), std::isnan(e) ? 0 : e, f, f);
+    }
+  }
+
+  const Model<D>& model_;
+  std::vector<TrueLevel>& levels_;
+};
+
+/// Counts one property over nodes, in parallel.
+template <int D>
+class Finder {
+ public:
+  void check(const Diamond<D>& d, double excess, const char* what, double stored, double found) {
+    ++n_checked_;
+    if (!(excess > 0)) return;
+    ++n_wrong_;
+    if (excess <= worst_excess_) return;
+    worst_excess_ = excess;
+    worst_ = fmt::format("{} of the node at {} (level {}): stored {}, found {}", what,
+                         fmt::join(d.centre.v, ", "), d.level, stored, found);
+  }
+  [[nodiscard]] AttributeFinding finding() const { return {n_checked_, n_wrong_, worst_}; }
+
+ private:
+  std::uint64_t n_checked_ = 0;
+  std::uint64_t n_wrong_ = 0;
+  double worst_excess_ = 0;
+  std::string worst_;
+};
+
+template <int D>
+class AttributeChecker {
+ public:
+  AttributeChecker(const Model<D>& model, std::vector<TrueLevel>& levels)
+      : model_(model), levels_(levels) {}
+
+  /// Children before parents, so that `levels` turns from own into nested values on the way.
+  AttributeReport run() {
+    for (int level = 0; level < model_.shape.n_levels; ++level)
+      for (int tier = level == 0 ? 0 : D - 1; tier >= 0; --tier) run_tier(level, tier);
+    return {errors_.finding(), ranges_.finding(), nesting_.finding(), tightness_.finding()};
+  }
+
+ private:
+  void run_tier(int level, int tier) {
+    const Shape<D>& shape = model_.shape;
+    const NodeLevel& stored = model_.levels[as_size(level)];
+    Index<D> dims = shape.grid_dims(level);
+    if (level == 0)
+      for (int i = 0; i < D; ++i) dims[as_size(i)] = shape.n_cubes(0, i);
+    for (std::size_t at = 0; at < stored.error.size(); ++at) {
+      const Index<D> q = point_of<D>(dims, at);
+      Index<D> centre;
+      int n_odd = 0;
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        centre[i] = level == 0 ? 2 * q[i] + 1 : q[i] << level;
+        n_odd += level == 0 ? 1 : q[i] & 1;
+      }
+      if (n_odd == D - tier) check_node(diamond_at<D>(centre), at);
+    }
+  }
+
+  void check_node(const Diamond<D>& d, std::size_t at) {
+    const NodeLevel& stored = model_.levels[as_size(d.level)];
+    TrueLevel& own = levels_[as_size(d.level)];
+    const double reference = model_.range_reference();
+    const double error = static_cast<double>(decode_error(stored.error[at]));
+    const double low = static_cast<double>(stored.low[at]) + reference;
+    const double high = static_cast<double>(stored.high[at]) + reference;
+    // Adding the reference back rounds once.
+    const double rounding = 0x1p-50 * std::max(std::abs(low), std::abs(high));
+    errors_.check(d, own.error[at] - error, "error", error, own.error[at]);
+    if (own.low[at] <= own.high[at]) {
+      ranges_.check(d, low - own.low[at] - rounding, "low end", low, own.low[at]);
+      ranges_.check(d, own.high[at] - high - rounding, "high end", high, own.high[at]);
+    }
+    join_children(d, at, error, low, high);
+    check_tightness(d, at, error, low, high);
+  }
+
+  void join_children(const Diamond<D>& d, std::size_t at, double error, double low, double high) {
+    TrueLevel& own = levels_[as_size(d.level)];
+    if (d.level == 0) {
+      join_finest(d, at);
+      return;
+    }
+    for (const Index<D>& centre : children<D>(d)) {
+      const Diamond<D> child = diamond_at<D>(centre);
+      const std::ptrdiff_t place = place_of<D>(model_.shape, child);
+      if (place < 0) continue;
+      const auto j = static_cast<std::size_t>(place);
+      const TrueLevel& below = levels_[as_size(child.level)];
+      own.join(at, below.error[j], below.low[j], below.high[j]);
+      const NodeLevel& stored = model_.levels[as_size(child.level)];
+      const double reference = model_.range_reference();
+      const double e = static_cast<double>(decode_error(stored.error[j]));
+      nesting_.check(d, e - error, "error against a child", error, e);
+      if (stored.low[j] > stored.high[j]) continue;
+      const double l = static_cast<double>(stored.low[j]) + reference;
+      const double h = static_cast<double>(stored.high[j]) + reference;
+      nesting_.check(d, low - l, "low end against a child", low, l);
+      nesting_.check(d, h - high, "high end against a child", high, h);
+    }
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      if (d.centre[i] + d.h() > model_.shape.dims[i] - 1) {
+        join_vertices(d, own, at);
+        break;
+      }
+  }
+
+  /// The finest nodes below a cube of side 2 are stored with it: those on its edges reach beyond.
+  void join_finest(const Diamond<D>& cube, std::size_t at) {
+    Index<D> box;
+    for (std::size_t i = 0; i < as_size(D); ++i) box[i] = 3;
+    for (std::size_t i = 0; i < n_points<D>(box); ++i) {
+      Index<D> p = cube.centre + point_of<D>(box, i);
+      int n_odd = 0;
+      for (std::size_t a = 0; a < as_size(D); ++a) {
+        --p[a];
+        n_odd += p[a] & 1;
+      }
+      if (n_odd == 1) join_vertices(diamond_at<D>(p), levels_[0], at);
+    }
+  }
+
+  void join_vertices(const Diamond<D>& d, TrueLevel& own, std::size_t at) const {
+    join_value(d.centre, own, at);
+    for (const Index<D>& v : domain_vertices<D>(d)) join_value(v, own, at);
+  }
+
+  void join_value(const Index<D>& p, TrueLevel& own, std::size_t at) const {
+    const double f = model_.value(p);
+    if (!(model_.has_holes() && model_.is_hole(f))) own.join(at, 0, f, f);
+  }
+
+  void check_tightness(const Diamond<D>& d, std::size_t at, double error, double low, double high) {
+    const TrueLevel& nested = levels_[as_size(d.level)];
+    const double magnitude = std::max(std::abs(model_.stats.min), std::abs(model_.stats.max));
+    const double slack = 0x1p-46 * magnitude;
+    // Upper halves of float32: 1/128 relative; float32 ranges: one unit, relative to reference.
+    const double allowed = (nested.error[at] + slack) * (1 + 0x1p-7) * (1 + 0x1p-22);
+    if (std::isfinite(error) || !model_.has_holes())
+      tightness_.check(d, error - allowed, "error above the smallest nested", error,
+                       nested.error[at]);
+    if (nested.low[at] > nested.high[at]) return;
+    const double span = std::max(std::abs(nested.low[at] - model_.range_reference()),
+                                 std::abs(nested.high[at] - model_.range_reference()));
+    const double unit = 0x1p-22 * span + slack;
+    tightness_.check(d, nested.low[at] - unit - low, "low end below the nested", low,
+                     nested.low[at]);
+    tightness_.check(d, high - nested.high[at] - unit, "high end above the nested", high,
+                     nested.high[at]);
+  }
+
+  const Model<D>& model_;
+  std::vector<TrueLevel>& levels_;
+  Finder<D> errors_, ranges_, nesting_, tightness_;
+};
+
+}  // namespace
+
+template <int D>
+Result<AttributeReport> check_attributes(const Model<D>& model, Threads threads,
+                                         Progress& progress) {
+  if (!model.shape.has_cells()) return AttributeReport{};
+  std::vector<TrueLevel> levels;
+  for (const NodeLevel& level : model.levels) levels.emplace_back(level.error.size());
+  const OwnAttributes<D> own(model, levels);
+  std::atomic<std::size_t> n_done{0};
+  parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int) {
+    if (progress.is_cancelled()) return;
+    own.add_brick(point_of<D>(model.brick_dims, i));
+    progress.report("checking errors",
+                    static_cast<double>(++n_done) / static_cast<double>(model.n_bricks()));
+  });
+  if (progress.is_cancelled()) return cancelled_error();
+  return AttributeChecker<D>(model, levels).run();
+}
+
+template Result<AttributeReport> check_attributes<2>(const Model<2>&, Threads, Progress&);
+template Result<AttributeReport> check_attributes<3>(const Model<3>&, Threads, Progress&);
+
+}  // namespace lode::diamond

@@ -1,0 +1,165 @@
+// Fields that break extraction in practice: each surface is checked by everything `verify` has.
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "lode/api/dataset.h"
+#include "lode/mappers/surface_topology.h"
+#include "lode/models/diamond/build.h"
+#include "lode/models/diamond/persist.h"
+#include "tests/models/finest_level_set.h"
+#include "tests/oracles/analytic_fields.h"
+
+namespace lode {
+namespace {
+
+RegularGrid grid_with(const Index3& dims) {
+  RegularGrid grid;
+  grid.dims = dims;
+  return grid;
+}
+
+template <typename T>
+Volume volume_of(const RegularGrid& grid, const std::function<double(const Index3&)>& field) {
+  std::vector<T> samples;
+  Index3 p;
+  for (p[2] = 0; p[2] < grid.dims[2]; ++p[2])
+    for (p[1] = 0; p[1] < grid.dims[1]; ++p[1])
+      for (p[0] = 0; p[0] < grid.dims[0]; ++p[0]) samples.push_back(static_cast<T>(field(p)));
+  return make_volume<T>(grid, samples);
+}
+
+void expect_holds(const Result<VerifyReport>& report) {
+  ASSERT_TRUE(report) << report.error().message;
+  for (const VerifyReport::Check& check : report->checks)
+    EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+}
+
+/// Builds, compares with the original, and extracts and checks at each tolerance.
+std::uint64_t expect_true_everywhere(const Volume& volume, double isovalue,
+                                     const std::vector<double>& tolerances) {
+  Progress progress;
+  const auto source = make_memory_source(volume);
+  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+  EXPECT_TRUE(dataset) << (dataset ? "" : dataset.error().message);
+  expect_holds(dataset->verify_against(*source, {2}, progress));
+  std::uint64_t n_triangles = 0;
+  for (const double tolerance : tolerances) {
+    Surface surface;
+    const ExtractOptions options{.isovalues = {isovalue}, .max_error = tolerance, .threads = {2}};
+    const auto report = dataset->extract(options, surface, progress);
+    EXPECT_TRUE(report);
+    expect_holds(dataset->verify_surface(surface, options, progress));
+    n_triangles += surface.triangles.size();
+  }
+  return n_triangles;
+}
+
+double wave(const Index3& p) {
+  return std::sin(0.4 * p[0]) + std::cos(0.3 * p[1] + 0.2 * p[2]) * std::sin(0.25 * p[2]);
+}
+
+TEST(hard_cases, a_constant_volume_has_no_surface) {
+  const auto volume =
+      volume_of<std::uint8_t>(grid_with({{9, 8, 7}}), [](const Index3&) { return 7; });
+  for (const double isovalue : {6.0, 7.0, 8.0})
+    EXPECT_EQ(expect_true_everywhere(volume, isovalue, {0, 1}), 0U);
+}
+
+TEST(hard_cases, a_checkerboard_of_extremes) {
+  const auto volume = volume_of<std::uint8_t>(grid_with({{12, 11, 10}}), [](const Index3& p) {
+    return (p[0] + p[1] + p[2]) % 2 == 0 ? 0 : 255;
+  });
+  EXPECT_GT(expect_true_everywhere(volume, 127.5, {0, 100, 254}), 1000U);
+}
+
+TEST(hard_cases, a_small_signal_on_a_huge_offset) {
+  const auto field = [](const Index3& p) { return 1e9 + wave(p); };
+  EXPECT_GT(expect_true_everywhere(volume_of<double>(grid_with({{30, 20, 19}}), field), 1e9 + 0.3,
+                                   {0, 0.05, 0.5}),
+            100U);
+  // float32 keeps steps of 64 at 1e9: the samples are what is left, and true to themselves.
+  const auto coarse = [](const Index3& p) { return 1e9 + 400 * wave(p); };
+  EXPECT_GT(expect_true_everywhere(volume_of<float>(grid_with({{30, 20, 19}}), coarse), 1e9 + 130,
+                                   {0, 100}),
+            100U);
+}
+
+TEST(hard_cases, origins_far_from_zero) {
+  RegularGrid grid = grid_with({{20, 21, 22}});
+  grid.origin = {{500000.5, 4649776.25, -1200}};
+  grid.spacing = {{0.001, 0.002, 0.001}};
+  EXPECT_GT(expect_true_everywhere(volume_of<float>(grid, wave), 0.3, {0, 0.2}), 100U);
+}
+
+TEST(hard_cases, mirrored_and_oblique_directions) {
+  RegularGrid grid = grid_with({{20, 18, 17}});
+  grid.spacing = {{1, 0.25, 3}};
+  grid.direction = {{Vec3d{{-1, 0, 0}}, Vec3d{{0, -1, 0}}, Vec3d{{0, 0, -1}}}};
+  EXPECT_GT(expect_true_everywhere(volume_of<float>(grid, wave), 0.3, {0, 0.2}), 100U);
+  const double c = std::cos(0.7);
+  const double s = std::sin(0.7);
+  grid.direction = {{Vec3d{{c, s, 0}}, Vec3d{{s, -c, 0}}, Vec3d{{0, 0, 1}}}};
+  EXPECT_GT(expect_true_everywhere(volume_of<float>(grid, wave), 0.3, {0, 0.2}), 100U);
+}
+
+TEST(hard_cases, thin_slabs) {
+  EXPECT_GT(
+      expect_true_everywhere(volume_of<std::int16_t>(grid_with({{90, 70, 5}}),
+                                                     [](const Index3& p) { return 100 * wave(p); }),
+                             30.5, {0, 20}),
+      100U);
+}
+
+TEST(hard_cases, every_configuration_of_a_cell) {
+  // All 256 sign patterns, the ambiguous ones of marching cubes among them.
+  for (unsigned signs = 0; signs < 256; ++signs) {
+    const auto volume = volume_of<float>(grid_with({{2, 2, 2}}), [&](const Index3& p) {
+      return (signs >> (p[0] + 2 * p[1] + 4 * p[2])) & 1U;
+    });
+    Progress progress;
+    const auto source = make_memory_source(volume);
+    const auto dataset = Dataset::build(*source, {.threads = {1}}, progress);
+    ASSERT_TRUE(dataset);
+    Surface surface;
+    const ExtractOptions options{.isovalues = {0.5}, .max_error = 0.0, .threads = {1}};
+    ASSERT_TRUE(dataset->extract(options, surface, progress));
+    expect_holds(dataset->verify_surface(surface, options, progress));
+    EXPECT_EQ(check_topology(surface, {}).euler_number,
+              check_topology(test::finest_level_set(volume, 0.5), {}).euler_number)
+        << "signs " << signs;
+  }
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(hard_cases, reading_slab_by_slab_gives_the_same_file) {
+  const auto path = (std::filesystem::temp_directory_path() /
+                     ("lode_slabs_" + std::to_string(::getpid()) + ".lode"))
+                        .string();
+  const Volume volume = oracles::sample(oracles::Field::gaussians40, 128);
+  Progress progress;
+  std::string expected;
+  for (const std::int32_t slices : {128, 16, 5}) {
+    const auto source = make_memory_source(volume);
+    const auto model =
+        diamond::build<3>(*source, {.threads = {2}, .slices_per_read = slices}, progress);
+    ASSERT_TRUE(model);
+    ASSERT_TRUE(diamond::save<3>(*model, path, {2}, progress));
+    const std::string bytes = bytes_of(path);
+    if (expected.empty()) expected = bytes;
+    EXPECT_TRUE(bytes == expected) << slices << " slices at a time";
+  }
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace lode
