@@ -110,6 +110,7 @@ int print_help(CLI::App& program, const std::string& topic, const std::vector<Co
     return 0;
   }
   if (!topic.empty()) return report_error(unknown_command(topic, commands), kUsage, false);
+  program.clear();  // a program that has parsed a subcommand explains only that
   fmt::print("{}", program.help());
   return 0;
 }

@@ -116,9 +116,9 @@ INSTANTIATE_TEST_SUITE_P(
                  -1000,
                  1988,
                  kPancreas}),
-    [](const testing::TestParamInfo<RealFile>& info) {
-      const std::string name = info.param.name;
-      return name.substr(0, name.find_first_of("0123456789.")) + std::to_string(info.index);
+    [](const testing::TestParamInfo<RealFile>& file) {
+      const std::string name = file.param.name;
+      return name.substr(0, name.find_first_of("0123456789.")) + std::to_string(file.index);
     });
 
 TEST(real_volume, of_uneven_ocean_levels_is_refused_by_axis_and_deviation) {

@@ -1,10 +1,12 @@
 #include "lode/core/parallel.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <optional>
 #include <thread>
 
 namespace lode {
@@ -21,6 +23,10 @@ void parallel_for(std::size_t n, Threads threads, std::size_t grain,
     for (std::size_t i = 0; i < n; ++i) body(i, 0);
     return;
   }
+  // More threads than cores are given where they are asked for, without oneTBB's warning.
+  std::optional<tbb::global_control> limit;
+  if (workers > n_workers({}))
+    limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(workers));
   tbb::task_arena arena(workers);
   arena.execute([&] {
     tbb::parallel_for(

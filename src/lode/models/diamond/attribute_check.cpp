@@ -39,10 +39,22 @@ struct TrueLevel {
   }
 };
 
+/// Whether the inside of a node's domain meets the data: no simplex needs the others.
+template <int D>
+bool meets_data(const Shape<D>& shape, const Diamond<D>& d) {
+  Index<D> lower = d.centre;
+  Index<D> upper = d.centre;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    lower[i] -= d.h();
+    upper[i] += d.h();
+  }
+  return shape.overlaps_data(lower, upper);
+}
+
 /// Where a node's attributes are stored; -1 where they are not.
 template <int D>
 std::ptrdiff_t place_of(const Shape<D>& shape, const Diamond<D>& d) {
-  if (d.level == 0 && d.tier > 0) return -1;
+  if ((d.level == 0 && d.tier > 0) || !meets_data<D>(shape, d)) return -1;
   Index<D> dims;
   Index<D> q;
   for (std::size_t i = 0; i < as_size(D); ++i) {
@@ -186,7 +198,9 @@ class AttributeChecker {
         centre[i] = level == 0 ? 2 * q[i] + 1 : q[i] << level;
         n_odd += level == 0 ? 1 : q[i] & 1;
       }
-      if (n_odd == D - tier) check_node(diamond_at<D>(centre), at);
+      if (n_odd != D - tier) continue;
+      const Diamond<D> d = diamond_at<D>(centre);
+      if (meets_data<D>(shape, d)) check_node(d, at);
     }
   }
 

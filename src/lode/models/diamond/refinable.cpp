@@ -47,15 +47,18 @@ bool Refinable<D>::exists(const Index<D>& centre) const {
 
 template <int D>
 Box3d Refinable<D>::bounds(const Node& node) const {
-  // A level moves at most h from a cube's centre along each axis, then half as far again, ...
-  const std::int32_t reach = 3 * node.h();
+  // Descendants of the same level lie up to h away along an odd axis, which is even from then on;
+  // the next level's cubes h / 2 further along every axis, and so on: 3h and 2h in all.
+  const auto reach = [&](int axis) { return (node.is_odd(axis) ? 3 : 2) * node.h(); };
   Box3d box;
   bool is_first = true;
   for (int corner = 0; corner < (1 << D); ++corner) {
     Index<D> p;
-    for (std::size_t i = 0; i < as_size(D); ++i)
-      p[i] = ((corner >> i) & 1) == 0 ? std::max(0, node.centre[i] - reach)
-                                      : std::min(model_.shape.dims[i] - 1, node.centre[i] + reach);
+    for (int i = 0; i < D; ++i) {
+      const std::int32_t to_side = ((corner >> i) & 1) == 0 ? -reach(i) : reach(i);
+      p[as_size(i)] = node.centre[as_size(i)] + to_side;
+    }
+    p = model_.clamped(p);
     const Index3 q = model_.axes.to_grid(p);
     const Vec3d world = model_.info.grid.to_world({{double(q[0]), double(q[1]), double(q[2])}});
     for (std::size_t i = 0; i < 3; ++i) {
