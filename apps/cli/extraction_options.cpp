@@ -25,8 +25,8 @@ Result<Box3d> parse_clip(const std::string& text) {
   LODE_TRY(const std::vector<double> n, parse_numbers("--clip", text));
   if (n.size() != 6)
     return fail("--clip: expected six numbers as X0,X1,Y0,Y1,Z0,Z1, got '{}'", text);
-  if (n[0] > n[1] || n[2] > n[3] || n[4] > n[5])
-    return fail("--clip: expected X0 <= X1, Y0 <= Y1 and Z0 <= Z1, got '{}'", text);
+  if (n[0] >= n[1] || n[2] >= n[3] || n[4] >= n[5])
+    return fail("--clip: expected X0 < X1, Y0 < Y1 and Z0 < Z1, got '{}'", text);
   return Box3d{{{n[0], n[2], n[4]}}, {{n[1], n[3], n[5]}}};
 }
 
@@ -74,7 +74,8 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
   if (arguments.normals != "on" && arguments.normals != "off")
     return fail("--normals: expected 'on' or 'off', got '{}'", arguments.normals);
   options.normals = arguments.normals == "on" ? Normals::on : Normals::off;
-  options.border = arguments.close_border ? Border::closed : Border::open;
+  if (arguments.close_border)
+    return fail("--close-border: closing a surface at the border is not available in this version");
   options.orientation =
       arguments.flip ? Orientation::from_higher_values : Orientation::from_lower_values;
   options.min_component = arguments.min_component;

@@ -7,12 +7,13 @@
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkQuadricDecimation.h>
-#include <vtkSMPTools.h>
 #include <vtkVersion.h>
 
 #include <algorithm>
 #include <cstring>
 #include <type_traits>
+
+#include "bench/peers/vtk_threads.h"
 
 namespace lode::bench {
 namespace {
@@ -68,7 +69,7 @@ PeerCounts counts_of(vtkPolyData& surface) {
 class FlyingEdges::Pipeline {
  public:
   Pipeline(const Volume& volume, double isovalue, PeerNormals normals) {
-    vtkSMPTools::Initialize(kThreads);
+    limit_vtk_threads(kThreads);
     fill_image(volume, *image_);
     filter_->SetInputData(image_);
     filter_->SetValue(0, isovalue);
@@ -89,9 +90,9 @@ class FlyingEdges::Pipeline {
 };
 
 std::string describe_peer() {
-  vtkSMPTools::Initialize(kThreads);
-  return fmt::format("VTK {}, {}, {} threads", vtkVersion::GetVTKVersion(),
-                     vtkSMPTools::GetBackend(), vtkSMPTools::GetEstimatedNumberOfThreads());
+  limit_vtk_threads(kThreads);
+  return fmt::format("VTK {}, {}, {} threads", vtkVersion::GetVTKVersion(), vtk_backend(),
+                     n_vtk_threads());
 }
 
 FlyingEdges::FlyingEdges(const Volume& volume, double isovalue, PeerNormals normals)

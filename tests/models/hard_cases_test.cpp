@@ -116,6 +116,23 @@ TEST(hard_cases, thin_slabs) {
       100U);
 }
 
+TEST(hard_cases, simplices_cut_by_two_border_planes) {
+  // Coarse simplices reach beyond the data along two axes at once: the same segment is cut twice.
+  const auto volume = volume_of<float>(
+      grid_with({{65, 40, 36}}), [](const Index3& p) { return static_cast<double>(p[1] + p[2]); });
+  Progress progress;
+  const auto source = make_memory_source(volume);
+  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+  ASSERT_TRUE(dataset);
+  for (int i = 0; i < 30; ++i) {
+    Surface surface;
+    const ExtractOptions options{
+        .isovalues = {66 + 0.13 * i}, .max_error = 10.0, .normals = Normals::off, .threads = {2}};
+    ASSERT_TRUE(dataset->extract(options, surface, progress));
+    expect_holds(dataset->verify_surface(surface, options, progress));
+  }
+}
+
 TEST(hard_cases, every_configuration_of_a_cell) {
   // All 256 sign patterns, the ambiguous ones of marching cubes among them.
   for (unsigned signs = 0; signs < 256; ++signs) {

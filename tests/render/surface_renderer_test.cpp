@@ -170,8 +170,13 @@ TEST(surface_renderer, darkens_hollows_and_casts_shadows) {
   const Image bright = render(scene, kCube, lit);
   const Image occluded = render(scene, kCube, hollow);
   const Image shaded = render(scene, kCube, shadowed);
-  // The ball's outline ends 13 pixels off the middle; the lamp is at the upper left.
-  EXPECT_LT(lightness(occluded.at(80 + 14, 60)), 0.9 * lightness(bright.at(80 + 14, 60)));
+  // The ball's outline ends 13 pixels off the middle; the lamp, at the upper left, outshines the
+  // sky where it reaches, so hollows are darkest in the shadow.
+  RenderOptions both = hollow;
+  both.shadow = 1;
+  const Image dark = render(scene, kCube, both);
+  EXPECT_LT(lightness(occluded.at(80 + 14, 60)), lightness(bright.at(80 + 14, 60)));
+  EXPECT_LT(lightness(dark.at(80 + 12, 60 + 14)), 0.95 * lightness(shaded.at(80 + 12, 60 + 14)));
   EXPECT_NEAR(lightness(occluded.at(45, 30)), lightness(bright.at(45, 30)), 0.05);
   EXPECT_LT(lightness(shaded.at(80 + 12, 60 + 14)), 0.8 * lightness(bright.at(80 + 12, 60 + 14)));
   EXPECT_EQ(shaded.at(80 - 20, 60 - 20), bright.at(80 - 20, 60 - 20));

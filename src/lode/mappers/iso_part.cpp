@@ -39,13 +39,13 @@ class DomainClipper {
     const auto [entry, is_new] =
         cuts_.try_emplace({a, b}, static_cast<std::uint32_t>(part_.positions.size()));
     if (!is_new) return entry->second;
-    const Vec3d p = part_.positions[a];
-    const Vec3d q = part_.positions[b];
+    // From the lower end to the higher, whatever their numbers: every part that shares the segment
+    // computes the same vertex.
+    const auto [p, q] = std::minmax({part_.positions[a], part_.positions[b]});
     const double t = (limit_ - p[axis_]) / (q[axis_] - p[axis_]);
     Vec3d x;
     for (std::size_t i = 0; i < 3; ++i) x[i] = p[i] + t * (q[i] - p[i]);
     x[axis_] = limit_;
-    // The same ends give the same vertex in every part that shares the segment.
     const double snap = std::max(snap_[a], snap_[b]);
     for (std::size_t i = axis_ + 1; i < 3; ++i)
       if (std::abs(x[i] - limits_[i]) < snap) x[i] = limits_[i];

@@ -67,12 +67,26 @@ void find_shared(StitchPart<D>& part, const std::function<bool(const EdgePoint&)
     flags[v] = is_shared(points[v]);
     if (flags[v]) part.shared.push_back({{points[v].doubled_midpoint(), 0, 0}, v});
   }
+  // Cutting a segment at two border planes, one after the other, gives clip points whose ends are
+  // clip points: all lie on the segment between the same two edge points, their roots.
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  std::vector<std::array<std::uint32_t, 2>> roots;
+  const auto roots_of = [&](std::uint32_t v) {
+    return v < n_points ? std::array{v, v} : roots[v - n_points];
+  };
   for (std::uint32_t i = 0; i < part.part.clip_points.size(); ++i) {
     const ClipPoint& clip = part.part.clip_points[i];
-    if (clip.first >= n_points || clip.second >= n_points) continue;
-    if (!flags[clip.first] || !flags[clip.second]) continue;
-    const LatticeKey a = points[clip.first].doubled_midpoint();
-    const LatticeKey b = points[clip.second].doubled_midpoint();
+    const auto p = roots_of(clip.first);
+    const auto q = roots_of(clip.second);
+    const std::uint32_t low = std::min({p[0], p[1], q[0], q[1]});
+    const std::uint32_t high = std::max({p[0], p[1], q[0], q[1]});
+    const auto is_end = [&](std::uint32_t v) { return v == low || v == high; };
+    const bool is_one_segment =
+        high != kNone && is_end(p[0]) && is_end(p[1]) && is_end(q[0]) && is_end(q[1]);
+    roots.push_back(is_one_segment ? std::array{low, high} : std::array{kNone, kNone});
+    if (!is_one_segment || !flags[low] || !flags[high]) continue;
+    const LatticeKey a = points[low].doubled_midpoint();
+    const LatticeKey b = points[high].doubled_midpoint();
     part.shared.push_back({{std::min(a, b), std::max(a, b), clip.axis}, n_points + i});
   }
   std::sort(part.shared.begin(), part.shared.end());

@@ -215,6 +215,7 @@ class AttributeChecker {
     const double rounding = 0x1p-50 * std::max(std::abs(low), std::abs(high));
     errors_.check(d, own.error[at] - error, "error", error, own.error[at]);
     if (own.low[at] <= own.high[at]) {
+      if (!(low <= high)) ranges_.check(d, 1, "empty range", low, own.low[at]);
       ranges_.check(d, low - own.low[at] - rounding, "low end", low, own.low[at]);
       ranges_.check(d, own.high[at] - high - rounding, "high end", high, own.high[at]);
     }
@@ -282,14 +283,15 @@ class AttributeChecker {
     const double magnitude = std::max(std::abs(model_.stats.min), std::abs(model_.stats.max));
     const double slack = 0x1p-46 * magnitude;
     // Upper halves of float32: 1/128 relative; float32 ranges: one unit, relative to reference.
-    const double allowed = (nested.error[at] + slack) * (1 + 0x1p-7) * (1 + 0x1p-22);
+    // Below float32's normal numbers the steps are absolute: 2^-133 and 2^-149.
+    const double allowed = (nested.error[at] + slack) * (1 + 0x1p-7) * (1 + 0x1p-22) + 0x1p-133;
     if (std::isfinite(error) || !model_.has_holes())
       tightness_.check(d, error - allowed, "error above the smallest nested", error,
                        nested.error[at]);
     if (nested.low[at] > nested.high[at]) return;
     const double span = std::max(std::abs(nested.low[at] - model_.range_reference()),
                                  std::abs(nested.high[at] - model_.range_reference()));
-    const double unit = 0x1p-22 * span + slack;
+    const double unit = 0x1p-22 * span + slack + 0x1p-148;
     tightness_.check(d, nested.low[at] - unit - low, "low end below the nested", low,
                      nested.low[at]);
     tightness_.check(d, high - nested.high[at] - unit, "high end above the nested", high,

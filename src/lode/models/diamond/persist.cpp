@@ -205,11 +205,15 @@ Result<VolumeInfo> decode_metadata(const store::Reader& reader) {
   }
   for (double& x : info.grid.origin.v) {
     LODE_TRY(x, in.read<double>());
+    if (!std::isfinite(x)) return fail("{}: metadata: expected a finite origin", reader.path());
   }
   for (Vec3d& row : info.grid.direction.rows)
     for (double& x : row.v) {
       LODE_TRY(x, in.read<double>());
     }
+  // The readers of foreign files ask the same.
+  if (!(std::abs(determinant(info.grid.direction)) >= 1e-6))
+    return fail("{}: metadata: expected independent directions of the axes", reader.path());
   LODE_TRY(const auto frame, in.read<std::uint8_t>());
   LODE_TRY(const auto type, in.read<std::uint8_t>());
   LODE_TRY(const auto has_nodata, in.read<std::uint8_t>());
@@ -343,11 +347,16 @@ Result<void> load_attributes(Model<D>& model, const store::Reader& reader, Threa
                                   });
                                 }));
     for (NodeLevel& nodes : model.levels)
-      for (std::size_t i = 0; i < nodes.low.size(); ++i)
+      for (std::size_t i = 0; i < nodes.low.size(); ++i) {
+        if (nodes.error[i] > kInfiniteError || std::isnan(nodes.low[i]) ||
+            std::isnan(nodes.high[i]))
+          return fail("{}: attributes: expected an error and a range, got a code {} and {} to {}",
+                      reader.path(), nodes.error[i], nodes.low[i], nodes.high[i]);
         if (nodes.low[i] > nodes.high[i]) {
           nodes.low[i] = std::numeric_limits<float>::infinity();
           nodes.high[i] = -std::numeric_limits<float>::infinity();
         }
+      }
     return {};
   });
 }

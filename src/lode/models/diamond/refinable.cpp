@@ -83,6 +83,24 @@ NodeFacts Refinable<D>::facts(const Node& node) const {
           bounds(node)};
 }
 
+/// Whether some, but not all, of the unit cells round a point are removed by holes.
+template <int D>
+bool is_mixed(const Model<D>& model, const Index<D>& p) {
+  bool has_present = false;
+  bool has_removed = false;
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    Index<D> cell = p;
+    bool is_real = true;
+    for (int i = 0; i < D; ++i) {
+      cell[as_size(i)] -= (corner >> i) & 1;
+      is_real =
+          is_real && cell[as_size(i)] >= 0 && cell[as_size(i)] < model.shape.dims[as_size(i)] - 1;
+    }
+    if (is_real) (model.is_removed_cell(cell) ? has_removed : has_present) = true;
+  }
+  return has_present && has_removed;
+}
+
 template <int D>
 void Refinable<D>::join_own(const Node& node, NodeFacts& facts) const {
   const auto value = [&](const Index<D>& p) {
@@ -96,6 +114,7 @@ void Refinable<D>::join_own(const Node& node, NodeFacts& facts) const {
   };
   for (const Index<D>& v : domain_vertices<D>(node)) join(value(v));
   join(value(node.centre));
+  if (model_.has_holes() && is_mixed<D>(model_, node.centre)) facts.error = kEndless;
   if (!model_.shape.is_sample(node.centre)) return;
   const auto ends = axis_ends<D>(node);
   const double e = std::abs(value(node.centre) - 0.5 * (value(ends[0]) + value(ends[1])));
