@@ -49,7 +49,7 @@ int stop_at_several_moments(const std::vector<std::string>& arguments, const std
 
 TEST(cli_signals, leave_no_partial_build) {
   const Scratch scratch;
-  write_noise(scratch / "noise.nrrd", 128);
+  write_noise(scratch / "noise.nrrd", 64);
   const std::vector<std::string> build{"build", scratch / "noise.nrrd", scratch / "noise.lode"};
   EXPECT_GT(stop_at_several_moments(build, scratch / "noise.lode", scratch, SIGINT), 0);
   EXPECT_GT(stop_at_several_moments(build, scratch / "noise.lode", scratch, SIGTERM), 0);
@@ -57,7 +57,7 @@ TEST(cli_signals, leave_no_partial_build) {
 
 TEST(cli_signals, leave_no_partial_surface) {
   const Scratch scratch;
-  write_noise(scratch / "noise.nrrd", 96);
+  write_noise(scratch / "noise.nrrd", 48);
   const std::vector<std::string> extract{
       "extract", scratch / "noise.nrrd", scratch / "noise.ply", "--isovalue", "128", "--max-error",
       "0"};
