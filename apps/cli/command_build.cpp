@@ -42,11 +42,15 @@ Outcome report_build(const BuildArguments& arguments, const DatasetInfo& info,
   const auto n = static_cast<double>(n_samples);
   const double rate = seconds.build > 0 ? n / seconds.build / 1e6 : 0;
   Outcome outcome;
-  outcome.json = {{"command", "build"}, {"input", arguments.input}, {"output", arguments.output}};
+  outcome.json["command"] = "build";
+  outcome.json["input"] = arguments.input;
+  outcome.json["output"] = arguments.output;
   outcome.json.update(to_json(info));
   outcome.json["file_bytes"] = file_bytes;
-  outcome.json["seconds"] = {
-      {"total", seconds.build + seconds.save}, {"build", seconds.build}, {"save", seconds.save}};
+  Json& json_seconds = outcome.json["seconds"];
+  json_seconds["total"] = seconds.build + seconds.save;
+  json_seconds["build"] = seconds.build;
+  json_seconds["save"] = seconds.save;
   Table table;
   table.add({"model", info.model});
   table.add({"samples", format_count(n_samples)});

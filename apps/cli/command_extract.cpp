@@ -85,30 +85,26 @@ struct Extraction {
 
 Json extraction_json(const Extraction& extraction, const std::vector<std::string>& warnings) {
   const ExtractReport& report = extraction.totals.report;
-  return {{"command", "extract"},
-          {"input", extraction.arguments.input},
-          {"outputs", extraction.outputs},
-          {"model", extraction.input.info.model},
-          {"built_in_memory", extraction.input.was_built},
-          {"isovalues", extraction.options.isovalues},
-          {"max_error", report.max_error},
-          {"max_error_is_default", !extraction.options.max_error.has_value()},
-          {"achieved_error", report.achieved_error},
-          {"coordinate_slack", report.coordinate_slack},
-          {"triangles", report.triangles},
-          {"lines", report.lines},
-          {"vertices", report.vertices},
-          {"nodes_visited", report.nodes_visited},
-          {"components_dropped", report.components_dropped},
-          {"triangles_dropped", report.triangles_dropped},
-          {"seconds",
-           {{"total", report.seconds.total},
-            {"select", report.seconds.select},
-            {"geometry", report.seconds.geometry},
-            {"finish", report.seconds.finish},
-            {"open", extraction.input.open_seconds},
-            {"write", extraction.totals.write_seconds}}},
-          {"warnings", warnings}};
+  Json json;
+  json["command"] = "extract";
+  json["input"] = extraction.arguments.input;
+  json["outputs"] = extraction.outputs;
+  json["model"] = extraction.input.info.model;
+  json["built_in_memory"] = extraction.input.was_built;
+  add_extraction(json, extraction.options, report);
+  json["coordinate_slack"] = report.coordinate_slack;
+  json["nodes_visited"] = report.nodes_visited;
+  json["components_dropped"] = report.components_dropped;
+  json["triangles_dropped"] = report.triangles_dropped;
+  Json& seconds = json["seconds"];
+  seconds["total"] = report.seconds.total;
+  seconds["select"] = report.seconds.select;
+  seconds["geometry"] = report.seconds.geometry;
+  seconds["finish"] = report.seconds.finish;
+  seconds["open"] = extraction.input.open_seconds;
+  seconds["write"] = extraction.totals.write_seconds;
+  json["warnings"] = warnings;
+  return json;
 }
 
 std::string extraction_text(const Extraction& extraction) {
@@ -149,7 +145,7 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
   LODE_TRY(const ExtractReport report,
            input.dataset.extract(job_options, surface, session.progress()));
   totals.add(report);
-  warn_of_unmet(session, unmet_isovalues(surface, job.isovalues), input.info);
+  warn_of_unmet(session, unmet_isovalues(surface, job.isovalues), options, input.info);
   if (session.progress().is_cancelled()) return cancelled_error();
   const Stopwatch watch;
   LODE_CHECK(write_surface(

@@ -16,9 +16,17 @@ struct InfoArguments {
   ReadingArguments reading;
 };
 
+Json file_json(const std::string& path, const std::string& format) {
+  Json json;
+  json["command"] = "info";
+  json["file"] = path;
+  json["format"] = format;
+  return json;
+}
+
 Outcome report_lode(const std::string& path, const DatasetInfo& info) {
   Outcome outcome;
-  outcome.json = {{"command", "info"}, {"file", path}, {"format", "lode"}};
+  outcome.json = file_json(path, "lode");
   outcome.json.update(to_json(info));
   Table table;
   table.add({"file", path});
@@ -46,7 +54,7 @@ std::string join(const std::vector<std::string>& names) {
 Outcome report_header(const std::string& path, const FileDescription& file) {
   const VolumeInfo volume{.grid = file.grid, .type = file.type, .field_name = {}, .nodata = {}};
   Outcome outcome;
-  outcome.json = {{"command", "info"}, {"file", path}, {"format", file.format}};
+  outcome.json = file_json(path, file.format);
   outcome.json.update(to_json(volume));
   outcome.json.erase("field");
   outcome.json.erase("nodata");
@@ -77,7 +85,7 @@ Result<void> add_samples(Outcome& outcome, VolumeSource& source, Session& sessio
   const bool has_values = range.n_holes < static_cast<std::uint64_t>(volume.grid.n_samples());
   outcome.json["field"] = volume.field_name;
   outcome.json["sample_type"] = name_of(volume.type);
-  outcome.json["range"] = has_values ? Json{range.lower, range.upper} : Json(nullptr);
+  outcome.json["range"] = has_values ? Json::array({range.lower, range.upper}) : Json(nullptr);
   outcome.json["holes"] = range.n_holes;
   Table table;
   if (!volume.field_name.empty()) table.add({"field", volume.field_name});

@@ -90,10 +90,31 @@ struct Rendering {
 
 Json camera_json(const Camera& camera) {
   const auto vector = [](const Vec3d& v) { return Json::array({v[0], v[1], v[2]}); };
-  return {{"eye", vector(camera.eye)},
-          {"target", vector(camera.target)},
-          {"up", vector(camera.up)},
-          {"field_of_view_deg", camera.field_of_view_deg}};
+  Json json;
+  json["eye"] = vector(camera.eye);
+  json["target"] = vector(camera.target);
+  json["up"] = vector(camera.up);
+  json["field_of_view_deg"] = camera.field_of_view_deg;
+  return json;
+}
+
+Json rendering_json(const RenderArguments& arguments, const ExtractOptions& options,
+                    const Input& input, const Rendering& rendering) {
+  const ExtractReport& report = rendering.extraction;
+  Json json;
+  json["command"] = "render";
+  json["input"] = arguments.input;
+  json["outputs"] = arguments.outputs();
+  json["built_in_memory"] = input.was_built;
+  add_extraction(json, options, report);
+  json["size"] = arguments.size;
+  json["camera"] = camera_json(rendering.camera);
+  Json& seconds = json["seconds"];
+  seconds["total"] = report.seconds.total + rendering.render_seconds;
+  seconds["open"] = input.open_seconds;
+  seconds["extract"] = report.seconds.total;
+  seconds["render"] = rendering.render_seconds;
+  return json;
 }
 
 Outcome report_render(const RenderArguments& arguments, const ExtractOptions& options,
@@ -101,25 +122,8 @@ Outcome report_render(const RenderArguments& arguments, const ExtractOptions& op
                       const std::vector<std::string>& warnings) {
   const ExtractReport& report = rendering.extraction;
   Outcome outcome;
-  outcome.json = {{"command", "render"},
-                  {"input", arguments.input},
-                  {"outputs", arguments.outputs()},
-                  {"built_in_memory", input.was_built},
-                  {"isovalues", options.isovalues},
-                  {"max_error", report.max_error},
-                  {"max_error_is_default", !options.max_error.has_value()},
-                  {"achieved_error", report.achieved_error},
-                  {"triangles", report.triangles},
-                  {"lines", report.lines},
-                  {"vertices", report.vertices},
-                  {"size", arguments.size},
-                  {"camera", camera_json(rendering.camera)},
-                  {"seconds",
-                   {{"total", report.seconds.total + rendering.render_seconds},
-                    {"open", input.open_seconds},
-                    {"extract", report.seconds.total},
-                    {"render", rendering.render_seconds}}},
-                  {"warnings", warnings}};
+  outcome.json = rendering_json(arguments, options, input, rendering);
+  outcome.json["warnings"] = warnings;
   Table table;
   table.add({"max error", describe_tolerance(options, report.max_error)});
   table.add({"achieved error", format_number(report.achieved_error)});
@@ -167,7 +171,7 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   Rendering rendering;
   Surface surface;
   LODE_TRY(rendering.extraction, input.dataset.extract(extraction, surface, session.progress()));
-  warn_of_unmet(session, unmet_isovalues(surface, extraction.isovalues), input.info);
+  warn_of_unmet(session, unmet_isovalues(surface, extraction.isovalues), extraction, input.info);
   LODE_CHECK(draw(arguments, surface, input.info.volume, options, session, rendering));
   return report_render(arguments, extraction, input, rendering, session.warnings());
 }

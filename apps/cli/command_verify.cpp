@@ -74,23 +74,24 @@ Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& repo
   Json checks = Json::array();
   Table table({"check", "count", "result", "detail"});
   for (const VerifyReport::Check& check : report.checks) {
-    checks.push_back({{"name", check.name},
-                      {"count", check.count},
-                      {"passed", check.passed},
-                      {"detail", check.detail}});
+    Json& json = checks.emplace_back();
+    json["name"] = check.name;
+    json["count"] = check.count;
+    json["passed"] = check.passed;
+    json["detail"] = check.detail;
     table.add(
         {check.name, format_count(check.count), check.passed ? "passed" : "FAILED", check.detail});
   }
   const auto or_null = [](const std::string& path) {
     return path.empty() ? Json(nullptr) : Json(path);
   };
-  outcome.json = {{"command", "verify"},
-                  {"file", arguments.input},
-                  {"against", or_null(arguments.original)},
-                  {"surface", or_null(arguments.surface)},
-                  {"passed", report.passed()},
-                  {"checks", std::move(checks)},
-                  {"seconds", seconds}};
+  outcome.json["command"] = "verify";
+  outcome.json["file"] = arguments.input;
+  outcome.json["against"] = or_null(arguments.original);
+  outcome.json["surface"] = or_null(arguments.surface);
+  outcome.json["passed"] = report.passed();
+  outcome.json["checks"] = std::move(checks);
+  outcome.json["seconds"] = seconds;
   outcome.text = table.to_string();
   return outcome;
 }

@@ -17,8 +17,14 @@ double per_sample(std::uint64_t bytes, const DatasetInfo& info) {
 }
 
 Json level_json(const LevelInfo& level) {
-  return {{"level", level.level},   {"step", level.step},           {"samples", level.n_samples},
-          {"nodes", level.n_nodes}, {"max_error", level.max_error}, {"bytes", level.bytes}};
+  Json json;
+  json["level"] = level.level;
+  json["step"] = level.step;
+  json["samples"] = level.n_samples;
+  json["nodes"] = level.n_nodes;
+  json["max_error"] = level.max_error;
+  json["bytes"] = level.bytes;
+  return json;
 }
 
 }  // namespace
@@ -26,12 +32,11 @@ Json level_json(const LevelInfo& level) {
 Json to_json(const VolumeInfo& volume) {
   const RegularGrid& grid = volume.grid;
   Json json;
-  json["dims"] = {grid.dims[0], grid.dims[1], grid.dims[2]};
+  json["dims"] = grid.dims.v;
   json["samples"] = grid.n_samples();
   json["spacing"] = vector_json(grid.spacing);
   json["origin"] = vector_json(grid.origin);
-  json["direction"] = {vector_json(grid.direction.rows[0]), vector_json(grid.direction.rows[1]),
-                       vector_json(grid.direction.rows[2])};
+  for (const Vec3d& row : grid.direction.rows) json["direction"].push_back(vector_json(row));
   json["frame"] = name_of(grid.frame);
   json["type"] = name_of(volume.type);
   json["field"] = volume.field_name;
@@ -42,7 +47,7 @@ Json to_json(const VolumeInfo& volume) {
 Json to_json(const DatasetInfo& info) {
   Json json = to_json(info.volume);
   json["model"] = info.model;
-  json["range"] = {info.range_min, info.range_max};
+  json["range"] = Json::array({info.range_min, info.range_max});
   json["holes"] = info.n_holes;
   json["removed_cells"] = info.n_removed_cells;
   json["base_error"] = info.base_error;

@@ -46,7 +46,7 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
       ->type_name("X0,X1,Y0,Y1,Z0,Z1")
       ->group(group);
   app.add_flag("--close-border", arguments.close_border,
-               "Cap the surface at the domain's border, so that it is watertight")
+               "Cap the surface at the domain's border (not in this version)")
       ->group(group);
   app.add_option("--min-component", arguments.min_component,
                  "Drop pieces with fewer triangles (lines) than N")
@@ -87,6 +87,16 @@ std::string describe_tolerance(const ExtractOptions& options, double max_error) 
          (options.max_error ? "" : " (default: 0.5 % of the value range)");
 }
 
+void add_extraction(Json& json, const ExtractOptions& options, const ExtractReport& report) {
+  json["isovalues"] = options.isovalues;
+  json["max_error"] = report.max_error;
+  json["max_error_is_default"] = !options.max_error.has_value();
+  json["achieved_error"] = report.achieved_error;
+  json["triangles"] = report.triangles;
+  json["lines"] = report.lines;
+  json["vertices"] = report.vertices;
+}
+
 std::vector<double> unmet_isovalues(const Surface& surface, const std::vector<double>& isovalues) {
   if (surface.is_empty()) return isovalues;
   std::vector<double> unmet;
@@ -99,11 +109,17 @@ std::vector<double> unmet_isovalues(const Surface& surface, const std::vector<do
   return unmet;
 }
 
-void warn_of_unmet(Session& session, const std::vector<double>& unmet, const DatasetInfo& info) {
-  for (const double isovalue : unmet)
-    session.warn(
-        fmt::format("no surface at isovalue {}: it meets nothing (values run from {} to {})",
-                    isovalue, info.range_min, info.range_max));
+void warn_of_unmet(Session& session, const std::vector<double>& unmet,
+                   const ExtractOptions& options, const DatasetInfo& info) {
+  const bool is_cropped = options.clip || options.min_component > 0;
+  for (const double isovalue : unmet) {
+    const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
+    session.warn(fmt::format("no surface at isovalue {}: {} (values run from {} to {})", isovalue,
+                             is_cropped && is_in_range
+                                 ? "nothing of it is left by --clip and --min-component"
+                                 : "it meets nothing",
+                             info.range_min, info.range_max));
+  }
 }
 
 }  // namespace lode::cli

@@ -28,11 +28,15 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments);
 /// "10 (as asked)" or "1.275 (default: 0.5 % of the value range)".
 [[nodiscard]] std::string describe_tolerance(const ExtractOptions& options, double max_error);
 
+/// The keys of isovalues, tolerance, achieved error and counts.
+void add_extraction(Json& json, const ExtractOptions& options, const ExtractReport& report);
+
 /// The isovalues that `surface`, extracted for `isovalues`, has no vertex on.
 [[nodiscard]] std::vector<double> unmet_isovalues(const Surface& surface,
                                                   const std::vector<double>& isovalues);
 
-/// Warns of each such isovalue, naming the value range.
-void warn_of_unmet(Session& session, const std::vector<double>& unmet, const DatasetInfo& info);
+/// Warns of each such isovalue, naming the value range or the options that may have removed it.
+void warn_of_unmet(Session& session, const std::vector<double>& unmet,
+                   const ExtractOptions& options, const DatasetInfo& info);
 
 }  // namespace lode::cli

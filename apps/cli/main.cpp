@@ -24,7 +24,9 @@ constexpr int kSignalBase = 128;
 int report_error(const std::string& message, int exit_code, bool is_json) {
   fmt::print(stderr, "lode: {}\n", message);
   if (is_json) {
-    const Json json{{"error", message}, {"exit_code", exit_code}};
+    Json json;
+    json["error"] = message;
+    json["exit_code"] = exit_code;
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
   }
   return exit_code;

@@ -14,6 +14,8 @@ namespace lode::io {
 namespace {
 
 constexpr const char* kPython = "/usr/bin/python3";
+constexpr const char* kMissing =
+    "expected VTK for /usr/bin/python3: package python3-vtk9, which ./dev test installs";
 
 std::string output_of(const std::string& command) {
   std::string output;
@@ -107,7 +109,7 @@ std::vector<Written> write_all() {
 }
 
 TEST(surfaces_in_vtk, are_read_with_the_same_counts_and_bounds) {
-  if (!has_vtk()) GTEST_SKIP() << "VTK for " << kPython << " (package python3-vtk9) is not there";
+  ASSERT_TRUE(has_vtk()) << kMissing;
   const std::vector<Written> all = write_all();
   std::string arguments = "read";
   for (const Written& written : all) arguments += " " + written.path;
@@ -132,7 +134,7 @@ TEST(surfaces_in_vtk, are_read_with_the_same_counts_and_bounds) {
 }
 
 TEST(surfaces_from_vtk, are_read_in_every_form_that_vtk_writes) {
-  if (!has_vtk()) GTEST_SKIP() << "VTK for " << kPython << " (package python3-vtk9) is not there";
+  ASSERT_TRUE(has_vtk()) << kMissing;
   std::istringstream lines(oracle("write " + temporary_path("vtk_")));
   std::size_t n_files = 0;
   std::string path;

@@ -5,7 +5,7 @@ length of its metadata, and for each block
 
     kind level x y z offset stored_size raw_size codec element_size xxh64_of_the_raw_bytes
 
-Exit status: 0, 1 for a bad file, 77 where libzstd is absent.
+Exit status: 0, 1 for a bad file, 2 where libzstd (package libzstd1) is absent.
 """
 
 import ctypes
@@ -78,8 +78,8 @@ def load_zstd():
     try:
         library = ctypes.CDLL(name)
     except OSError:
-        print("libzstd is absent: the independent reader cannot run")
-        sys.exit(77)
+        print("expected libzstd (package libzstd1), which ./dev test installs; found none")
+        sys.exit(2)
     library.ZSTD_decompress.restype = ctypes.c_size_t
     library.ZSTD_decompress.argtypes = [
         ctypes.c_char_p,

@@ -5,6 +5,7 @@
 
 #include <atomic>
 
+#include "lode/core/atomic_extremes.h"
 #include "lode/models/diamond/cube_plan.h"
 
 namespace lode::diamond {
@@ -19,36 +20,16 @@ struct TrueLevel {
   explicit TrueLevel(std::size_t n) : error(n, 0.0), low(n, kEndless), high(n, -kEndless) {}
 
   void join(std::size_t at, double e, double l, double h) {
-    raise(error[at], e);
-    raise(high[at], h);
-    lower(low[at], l);
-  }
-
- private:
-  static void raise(double& target, double value) {
-    std::atomic_ref<double> atomic(target);
-    double old = atomic.load(std::memory_order_relaxed);
-    while (old < value && !atomic.compare_exchange_weak(old, value, std::memory_order_relaxed)) {
-    }
-  }
-  static void lower(double& target, double value) {
-    std::atomic_ref<double> atomic(target);
-    double old = atomic.load(std::memory_order_relaxed);
-    while (old > value && !atomic.compare_exchange_weak(old, value, std::memory_order_relaxed)) {
-    }
+    raise_to(error[at], e);
+    raise_to(high[at], h);
+    lower_to(low[at], l);
   }
 };
 
 /// Whether the inside of a node's domain meets the data: no simplex needs the others.
 template <int D>
 bool meets_data(const Shape<D>& shape, const Diamond<D>& d) {
-  Index<D> lower = d.centre;
-  Index<D> upper = d.centre;
-  for (std::size_t i = 0; i < as_size(D); ++i) {
-    lower[i] -= d.h();
-    upper[i] += d.h();
-  }
-  return shape.overlaps_data(lower, upper);
+  return shape.overlaps_data(bounds_of(d));
 }
 
 /// Where a node's attributes are stored; -1 where they are not.
@@ -86,36 +67,6 @@ class OwnAttributes {
   }
 
  private:
-  /// A cube of the hierarchy in canonical orientation: the corner ≡ 0 mod 2·side at the origin.
-  struct Cube {
-    std::int32_t side;
-    Index<D> even, sign;
-
-    Cube(const Index<D>& inside, std::int32_t cube_side) : side(cube_side) {
-      for (std::size_t i = 0; i < as_size(D); ++i) {
-        const std::int32_t number = inside[i] / side;
-        sign[i] = number % 2 == 0 ? 1 : -1;
-        even[i] = (number + number % 2) * side;
-      }
-    }
-    [[nodiscard]] Index<D> local(const Index<D>& p) const {
-      Index<D> u;
-      for (std::size_t i = 0; i < as_size(D); ++i) u[i] = sign[i] * (p[i] - even[i]);
-      return u;
-    }
-    [[nodiscard]] Index<D> global(const Index<D>& u) const {
-      Index<D> p;
-      for (std::size_t i = 0; i < as_size(D); ++i) p[i] = even[i] + sign[i] * u[i];
-      return p;
-    }
-  };
-
-  [[nodiscard]] double field(const Index<D>& p) const {
-    const double value = model_.value(p);
-    return model_.has_holes() && model_.is_hole(value) ? std::numeric_limits<double>::quiet_NaN()
-                                                       : value;
-  }
-
   /// Adds the samples of a box of the lattice, which one cube of the level contains.
   void add_box(int level, const Index<D>& lower, std::int32_t edge) const {
     Index<D> dims;
@@ -123,19 +74,20 @@ class OwnAttributes {
       if (lower[i] >= model_.shape.dims[i] - 1) return;
       dims[i] = std::min(edge, model_.shape.dims[i] - 1 - lower[i]) + 1;
     }
-    const Cube cube(lower, std::int32_t{2} << level);
+    const CanonicalCube<D> cube(lower, std::int32_t{2} << level);
     const int n_tiers = level == 0 ? 1 : D;
     for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
       const Index<D> p = lower + point_of<D>(dims, i);
-      const double f = field(p);
+      const double f = model_.value_or_nan(p);
       if (std::isnan(f)) continue;
       for (int tier = 0; tier < n_tiers; ++tier) add_sample(level, tier, cube, cube.local(p), f);
     }
   }
 
-  void add_sample(int level, int tier, const Cube& cube, const Index<D>& u, double f) const {
-    const double g = interpolant_at<D>(u, cube.side, tier,
-                                       [&](const Index<D>& v) { return field(cube.global(v)); });
+  void add_sample(int level, int tier, const CanonicalCube<D>& cube, const Index<D>& u,
+                  double f) const {
+    const double g = interpolant_at<D>(
+        u, cube.side, tier, [&](const Index<D>& v) { return model_.value_or_nan(cube.global(v)); });
     const double e = std::abs(f - g);
     for (const Index<D>& node : nodes_containing<D>(u, cube.side, tier)) {
       const std::ptrdiff_t at = place_of<D>(model_.shape, diamond_at<D>(cube.global(node)));
@@ -274,8 +226,8 @@ class AttributeChecker {
   }
 
   void join_value(const Index<D>& p, TrueLevel& own, std::size_t at) const {
-    const double f = model_.value(p);
-    if (!(model_.has_holes() && model_.is_hole(f))) own.join(at, 0, f, f);
+    const double f = model_.value_or_nan(p);
+    if (!std::isnan(f)) own.join(at, 0, f, f);
   }
 
   void check_tightness(const Diamond<D>& d, std::size_t at, double error, double low, double high) {

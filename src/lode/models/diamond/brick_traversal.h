@@ -54,17 +54,9 @@ class BrickTraversal {
   template <typename Emit>
   void visit(const Simplex<D>& simplex, TraversalStats& stats, const Emit& emit) {
     const Model<D>& model = selection_.model();
-    Index<D> lower = simplex.v[0];
-    Index<D> upper = simplex.v[0];
-    for (const Index<D>& v : simplex.v)
-      for (std::size_t i = 0; i < as_size(D); ++i) {
-        lower[i] = std::min(lower[i], v[i]);
-        upper[i] = std::max(upper[i], v[i]);
-      }
-    if (!model.shape.overlaps_data(lower, upper)) return;
-    const bool is_finest = simplex.tag == D && is_unit(lower, upper);
-    if (is_finest) {
-      emit_leaf(simplex, lower, emit);
+    if (!model.shape.overlaps_data(bounds_of(simplex))) return;
+    if (is_finest(simplex)) {
+      emit_leaf(simplex, emit);
       return;
     }
     ++stats.nodes_visited;
@@ -78,20 +70,13 @@ class BrickTraversal {
       error = fine_error(d);
     }
     if (!selection_.exceeds_tolerance(error)) {
-      if (emit_leaf(simplex, finest_cell(simplex), emit))
-        stats.achieved = std::max(stats.achieved, error);
+      if (emit_leaf(simplex, emit)) stats.achieved = std::max(stats.achieved, error);
       return;
     }
     for (const Simplex<D>& half : bisect(simplex)) visit(half, stats, emit);
   }
 
  private:
-  static bool is_unit(const Index<D>& lower, const Index<D>& upper) {
-    for (std::size_t i = 0; i < as_size(D); ++i)
-      if (upper[i] - lower[i] != 1) return false;
-    return true;
-  }
-
   double value(const Index<D>& p) const { return values_[Model<D>::brick_offset(p - base_)]; }
 
   double midpoint_error(const Diamond<D>& d) const {
@@ -104,63 +89,18 @@ class BrickTraversal {
   /// The nested error of a node of level 0 and tier >= 1: the largest midpoint error of itself
   /// and the finest nodes below it.
   ErrorCode fine_error(const Diamond<D>& d) const {
-    if (is_near_hole_ && is_mixed(d.centre)) return kInfiniteError;
+    if (is_near_hole_ && selection_.model().is_mixed(d.centre)) return kInfiniteError;
     double e = midpoint_error(d);
     if (d.tier < D - 1)
       for (const Index<D>& child : children<D>(d)) {
-        if (is_near_hole_ && is_mixed(child)) return kInfiniteError;
+        if (is_near_hole_ && selection_.model().is_mixed(child)) return kInfiniteError;
         e = std::max(e, midpoint_error(diamond_at<D>(child)));
       }
     return encode_error(float_up(e));
   }
 
-  bool is_mixed(const Index<D>& p) const {
-    const Model<D>& model = selection_.model();
-    bool has_present = false;
-    bool has_removed = false;
-    for (int corner = 0; corner < (1 << D); ++corner) {
-      Index<D> cell = p;
-      bool is_real = true;
-      for (int i = 0; i < D; ++i) {
-        cell[as_size(i)] -= (corner >> i) & 1;
-        is_real =
-            is_real && cell[as_size(i)] >= 0 && cell[as_size(i)] < model.shape.dims[as_size(i)] - 1;
-      }
-      if (is_real) (model.is_removed_cell(cell) ? has_removed : has_present) = true;
-    }
-    return has_present && has_removed;
-  }
-
-  /// The unit cell of one finest simplex inside `simplex`, in the data if possible.
-  Index<D> finest_cell(Simplex<D> simplex) const {
-    if (!is_near_hole_) return simplex.v[0];
-    while (true) {
-      Index<D> lower = simplex.v[0];
-      Index<D> upper = simplex.v[0];
-      for (const Index<D>& v : simplex.v)
-        for (std::size_t i = 0; i < as_size(D); ++i) {
-          lower[i] = std::min(lower[i], v[i]);
-          upper[i] = std::max(upper[i], v[i]);
-        }
-      if (simplex.tag == D && is_unit(lower, upper)) return lower;
-      const auto halves = bisect(simplex);
-      simplex = halves[overlaps(halves[0]) ? 0 : 1];
-    }
-  }
-
-  bool overlaps(const Simplex<D>& s) const {
-    Index<D> lower = s.v[0];
-    Index<D> upper = s.v[0];
-    for (const Index<D>& v : s.v)
-      for (std::size_t i = 0; i < as_size(D); ++i) {
-        lower[i] = std::min(lower[i], v[i]);
-        upper[i] = std::max(upper[i], v[i]);
-      }
-    return selection_.model().shape.overlaps_data(lower, upper);
-  }
-
   template <typename Emit>
-  bool emit_leaf(const Simplex<D>& simplex, const Index<D>& cell, const Emit& emit) {
+  bool emit_leaf(const Simplex<D>& simplex, const Emit& emit) {
     std::array<double, as_size(D) + 1> values;
     int n_inside = 0;
     for (std::size_t i = 0; i <= as_size(D); ++i) {
@@ -169,7 +109,7 @@ class BrickTraversal {
       n_inside += values[i] >= selection_.isovalue() ? 1 : 0;
     }
     if (n_inside == 0 || n_inside == D + 1) return false;
-    if (is_near_hole_ && selection_.model().is_removed_cell(cell)) return false;
+    if (is_near_hole_ && selection_.model().is_removed(simplex)) return false;
     emit(simplex.v, values);
     return true;
   }

@@ -55,6 +55,40 @@ struct CubePlan {
 extern template struct CubePlan<2>;
 extern template struct CubePlan<3>;
 
+/// A cube of the hierarchy with its canonical coordinates: the corner ≡ 0 mod 2·side at the
+/// origin, mirrored so that all coordinates grow from it.
+template <int D>
+struct CanonicalCube {
+  std::int32_t side;
+  Index<D> even_corner;
+  Index<D> sign;
+
+  /// The cube of this side that contains the unit cell with lowest corner `cell`.
+  CanonicalCube(const Index<D>& cell, std::int32_t cube_side) : side(cube_side) {
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      const std::int32_t number = cell[i] / side;
+      sign[i] = (number & 1) != 0 ? -1 : 1;
+      even_corner[i] = (number + (number & 1)) * side;
+    }
+  }
+  [[nodiscard]] Index<D> lowest_corner() const {
+    Index<D> p = even_corner;
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      if (sign[i] < 0) p[i] -= side;
+    return p;
+  }
+  [[nodiscard]] Index<D> local(const Index<D>& p) const {
+    Index<D> u;
+    for (std::size_t i = 0; i < as_size(D); ++i) u[i] = (p[i] - even_corner[i]) * sign[i];
+    return u;
+  }
+  [[nodiscard]] Index<D> global(const Index<D>& u) const {
+    Index<D> p;
+    for (std::size_t i = 0; i < as_size(D); ++i) p[i] = even_corner[i] + sign[i] * u[i];
+    return p;
+  }
+};
+
 /// The centres of the nodes of a tier of a cube of side `side` (lowest corner at the origin,
 /// local coordinates u) whose closed domain contains u: snap the `tier` coordinates that are
 /// nearest to the cube's border to it, all others to the middle; ties give several.

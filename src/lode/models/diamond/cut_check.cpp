@@ -8,19 +8,6 @@
 namespace lode::diamond {
 namespace {
 
-template <int D>
-struct LatticeBox {
-  Index<D> lower, upper;
-
-  explicit LatticeBox(const Simplex<D>& s) : lower(s.v[0]), upper(s.v[0]) {
-    for (const Index<D>& v : s.v)
-      for (std::size_t i = 0; i < as_size(D); ++i) {
-        lower[i] = std::min(lower[i], v[i]);
-        upper[i] = std::max(upper[i], v[i]);
-      }
-  }
-};
-
 /// A simplex's barycentric coordinates, exact: integer adjugate over the determinant.
 template <int D>
 class Barycentric {
@@ -88,14 +75,13 @@ class CutChecker {
 
  private:
   void visit(const Simplex<D>& s, CutReport& report, bool may_wait) {
-    const LatticeBox<D> box(s);
-    if (!model_.shape.overlaps_data(box.lower, box.upper)) return;
-    if (may_wait && box.upper[0] - box.lower[0] <= kBrickEdge<D>) {
+    const LatticeBox<D> box = bounds_of(s);
+    if (!model_.shape.overlaps_data(box)) return;
+    if (may_wait && box.edge(0) <= kBrickEdge<D>) {
       waiting_.push_back(s);
       return;
     }
-    const bool is_finest = common_exponent<D>(s.v[0] - s.v[as_size(s.tag)]) == 0;
-    if (is_finest) return;  // F' is F there
+    if (is_finest(s)) return;  // F' is F there
     const Diamond<D> d = diamond_at<D>(s.bisection_point());
     const NodeFacts facts = nodes_.facts(d);
     if (!facts.range.meets(query_.isovalue)) {
@@ -123,16 +109,12 @@ class CutChecker {
     }
   }
 
-  [[nodiscard]] bool is_hole(double value) const {
-    return model_.has_holes() && model_.is_hole(value);
-  }
-
   void check_pruned(const Simplex<D>& s, const LatticeBox<D>& box, CutReport& report) const {
     bool has_inside = false;
     bool has_outside = false;
     for_each_sample(s, box, [&](const Index<D>& p, const auto&, std::int64_t) {
-      const double f = model_.value(p);
-      if (is_hole(f)) return;
+      const double f = model_.value_or_nan(p);
+      if (std::isnan(f)) return;
       ++report.n_pruned_samples;
       (f >= query_.isovalue ? has_inside : has_outside) = true;
     });
@@ -145,15 +127,15 @@ class CutChecker {
   void check_active(const Simplex<D>& s, const LatticeBox<D>& box, double stored,
                     CutReport& report) const {
     std::array<double, as_size(D) + 1> vertex{};
-    for (std::size_t i = 0; i <= as_size(D); ++i) vertex[i] = model_.value(s.v[i]);
-    if (std::any_of(vertex.begin(), vertex.end(), [&](double f) { return is_hole(f); })) return;
+    for (std::size_t i = 0; i <= as_size(D); ++i) vertex[i] = model_.value_or_nan(s.v[i]);
+    if (std::any_of(vertex.begin(), vertex.end(), [](double f) { return std::isnan(f); })) return;
     ++report.n_active;
     report.achieved_error = std::max(report.achieved_error, stored);
     const double rounding =
         0x1p-46 * std::max(std::abs(model_.stats.min), std::abs(model_.stats.max));
     for_each_sample(s, box, [&](const Index<D>& p, const auto& weights, std::int64_t sum) {
-      const double f = model_.value(p);
-      if (is_hole(f)) return;
+      const double f = model_.value_or_nan(p);
+      if (std::isnan(f)) return;
       double g = 0;
       for (std::size_t i = 0; i <= as_size(D); ++i)
         g += static_cast<double>(weights[i]) * vertex[i];

@@ -35,17 +35,11 @@ class CoarseTraversal {
  private:
   void visit(const Simplex<D>& s) {
     const Model<D>& model = selection_.model();
-    Index<D> lower = s.v[0];
-    Index<D> upper = s.v[0];
-    for (const Index<D>& v : s.v)
-      for (std::size_t i = 0; i < as_size(D); ++i) {
-        lower[i] = std::min(lower[i], v[i]);
-        upper[i] = std::max(upper[i], v[i]);
-      }
-    if (!model.shape.overlaps_data(lower, upper)) return;
-    if (s.tag == D && upper[0] - lower[0] <= kBrickEdge<D>) {
+    const LatticeBox<D> box = bounds_of(s);
+    if (!model.shape.overlaps_data(box)) return;
+    if (s.tag == D && box.edge(0) <= kBrickEdge<D>) {
       Index<D> brick;
-      for (std::size_t i = 0; i < as_size(D); ++i) brick[i] = lower[i] / kBrickEdge<D>;
+      for (std::size_t i = 0; i < as_size(D); ++i) brick[i] = box.lower[i] / kBrickEdge<D>;
       out_.brick_simplices.emplace_back(linear_index<D>(model.brick_dims, brick), s);
       return;
     }
@@ -66,39 +60,14 @@ class CoarseTraversal {
     leaf.vertex = s.v;
     int n_inside = 0;
     for (std::size_t i = 0; i <= as_size(D); ++i) {
-      leaf.value[i] = model.value(s.v[i]);
-      if (model.has_holes() && model.is_hole(leaf.value[i])) return;
+      leaf.value[i] = model.value_or_nan(s.v[i]);
+      if (std::isnan(leaf.value[i])) return;
       n_inside += leaf.value[i] >= selection_.isovalue() ? 1 : 0;
     }
     if (n_inside == 0 || n_inside == D + 1) return;
-    if (model.has_holes() && is_removed(s)) return;
+    if (model.has_holes() && model.is_removed(s)) return;
     out_.leaves.push_back(leaf);
     out_.stats.achieved = std::max(out_.stats.achieved, error);
-  }
-
-  /// An unrefined simplex is removed as a whole or not at all: one of its cells tells.
-  bool is_removed(Simplex<D> s) const {
-    const Model<D>& model = selection_.model();
-    while (true) {
-      Index<D> lower = s.v[0];
-      Index<D> upper = s.v[0];
-      for (const Index<D>& v : s.v)
-        for (std::size_t i = 0; i < as_size(D); ++i) {
-          lower[i] = std::min(lower[i], v[i]);
-          upper[i] = std::max(upper[i], v[i]);
-        }
-      if (s.tag == D && upper[0] - lower[0] == 1)
-        return model.shape.overlaps_data(lower, upper) && model.is_removed_cell(lower);
-      const auto halves = bisect(s);
-      bool first_overlaps = false;
-      for (const Index<D>& v : halves[0].v) {
-        bool is_inside = true;
-        for (std::size_t i = 0; i < as_size(D); ++i)
-          is_inside = is_inside && v[i] < model.shape.dims[i] - 1;
-        first_overlaps = first_overlaps || is_inside;
-      }
-      s = halves[first_overlaps ? 0 : 1];
-    }
   }
 
   const Selection<D>& selection_;

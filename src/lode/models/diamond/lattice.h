@@ -167,6 +167,44 @@ struct Simplex {
   }
 };
 
+/// Whether it is one of a unit cube's Kuhn simplices: its next bisection would leave the lattice.
+template <int D>
+[[nodiscard]] constexpr bool is_finest(const Simplex<D>& s) {
+  return common_exponent<D>(s.v[0] - s.v[as_size(s.tag)]) == 0;
+}
+
+/// A box of lattice points.
+template <int D>
+struct LatticeBox {
+  Index<D> lower, upper;
+
+  [[nodiscard]] constexpr std::int32_t edge(int axis) const {
+    return upper[as_size(axis)] - lower[as_size(axis)];
+  }
+};
+
+template <int D>
+[[nodiscard]] constexpr LatticeBox<D> bounds_of(const Simplex<D>& s) {
+  LatticeBox<D> box{s.v[0], s.v[0]};
+  for (const Index<D>& v : s.v)
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      box.lower[i] = std::min(box.lower[i], v[i]);
+      box.upper[i] = std::max(box.upper[i], v[i]);
+    }
+  return box;
+}
+
+/// centre ± h, which contains the domain.
+template <int D>
+[[nodiscard]] constexpr LatticeBox<D> bounds_of(const Diamond<D>& d) {
+  LatticeBox<D> box{d.centre, d.centre};
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    box.lower[i] -= d.h();
+    box.upper[i] += d.h();
+  }
+  return box;
+}
+
 /// The two halves of a simplex, bisected at its bisection_point().
 template <int D>
 [[nodiscard]] constexpr std::array<Simplex<D>, 2> bisect(const Simplex<D>& s) {
@@ -236,10 +274,10 @@ struct Shape {
       if (p[i] < 0 || p[i] >= dims[i]) return false;
     return true;
   }
-  /// Whether the open box (lower, upper) meets the data's box.
-  [[nodiscard]] bool overlaps_data(const Index<D>& lower, const Index<D>& upper) const {
+  /// Whether the inside of a box meets the data's box.
+  [[nodiscard]] bool overlaps_data(const LatticeBox<D>& box) const {
     for (std::size_t i = 0; i < as_size(D); ++i)
-      if (lower[i] >= dims[i] - 1 || upper[i] <= 0) return false;
+      if (box.lower[i] >= dims[i] - 1 || box.upper[i] <= 0) return false;
     return true;
   }
 };

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -123,6 +125,11 @@ struct Model {
       return static_cast<double>(sample);
     });
   }
+  /// As value(), but NaN for a hole.
+  [[nodiscard]] double value_or_nan(const Index<D>& p) const {
+    const double sample = value(p);
+    return has_holes() && is_hole(sample) ? std::numeric_limits<double>::quiet_NaN() : sample;
+  }
   [[nodiscard]] Index<D> clamped(Index<D> p) const {
     for (std::size_t i = 0; i < as_size(D); ++i) p[i] = std::clamp(p[i], 0, shape.dims[i] - 1);
     return p;
@@ -138,6 +145,37 @@ struct Model {
       if (is_hole(value(p))) return true;
     }
     return false;
+  }
+  /// Whether some, but not all, of the unit cells round a point are removed by holes: simplices
+  /// that meet there must be refined.
+  [[nodiscard]] bool is_mixed(const Index<D>& p) const {
+    bool has_present = false;
+    bool has_removed = false;
+    for (int corner = 0; corner < (1 << D); ++corner) {
+      Index<D> cell = p;
+      bool is_real = true;
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        cell[i] -= (corner >> i) & 1;
+        is_real = is_real && cell[i] >= 0 && cell[i] < shape.dims[i] - 1;
+      }
+      if (is_real) (is_removed_cell(cell) ? has_removed : has_present) = true;
+    }
+    return has_present && has_removed;
+  }
+  /// The lowest corner of a unit cell in the data that one of the simplex's finest ones lies in.
+  [[nodiscard]] std::optional<Index<D>> cell_inside(const Simplex<D>& s) const {
+    const LatticeBox<D> box = bounds_of(s);
+    if (!shape.overlaps_data(box)) return {};
+    if (is_finest(s)) return box.lower;
+    for (const Simplex<D>& half : bisect(s))
+      if (const auto cell = cell_inside(half)) return cell;
+    return {};
+  }
+  /// Whether an unrefined simplex is removed by holes: as a whole or not at all, so that the
+  /// first of its cells that is in the data tells.
+  [[nodiscard]] bool is_removed(const Simplex<D>& s) const {
+    const auto cell = cell_inside(s);
+    return cell && is_removed_cell(*cell);
   }
   /// What ranges are stored relative to, so that float32 keeps them tight: the field's minimum,
   /// or 0 for integers of up to 16 bits, whose ranges are exact.

@@ -7,18 +7,6 @@ namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-template <int D>
-bool meets_data(const Shape<D>& shape, const Simplex<D>& simplex) {
-  Index<D> lower = simplex.v[0];
-  Index<D> upper = simplex.v[0];
-  for (const Index<D>& v : simplex.v)
-    for (std::size_t i = 0; i < as_size(D); ++i) {
-      lower[i] = std::min(lower[i], v[i]);
-      upper[i] = std::max(upper[i], v[i]);
-    }
-  return shape.overlaps_data(lower, upper);
-}
-
 }  // namespace
 
 template <int D>
@@ -34,15 +22,7 @@ bool Refinable<D>::exists(const Index<D>& centre) const {
   const std::int32_t root = model_.shape.root_side();
   for (std::size_t i = 0; i < as_size(D); ++i)
     if (centre[i] < 0 || centre[i] > root) return false;
-  const Node node = diamond_at<D>(centre);
-  const std::int32_t h = node.h();
-  Index<D> lower;
-  Index<D> upper;
-  for (std::size_t i = 0; i < as_size(D); ++i) {
-    lower[i] = std::max(0, centre[i] - h);
-    upper[i] = std::min(root, centre[i] + h);
-  }
-  return model_.shape.overlaps_data(lower, upper);
+  return model_.shape.overlaps_data(bounds_of(diamond_at<D>(centre)));
 }
 
 template <int D>
@@ -83,41 +63,20 @@ NodeFacts Refinable<D>::facts(const Node& node) const {
           bounds(node)};
 }
 
-/// Whether some, but not all, of the unit cells round a point are removed by holes.
-template <int D>
-bool is_mixed(const Model<D>& model, const Index<D>& p) {
-  bool has_present = false;
-  bool has_removed = false;
-  for (int corner = 0; corner < (1 << D); ++corner) {
-    Index<D> cell = p;
-    bool is_real = true;
-    for (int i = 0; i < D; ++i) {
-      cell[as_size(i)] -= (corner >> i) & 1;
-      is_real =
-          is_real && cell[as_size(i)] >= 0 && cell[as_size(i)] < model.shape.dims[as_size(i)] - 1;
-    }
-    if (is_real) (model.is_removed_cell(cell) ? has_removed : has_present) = true;
-  }
-  return has_present && has_removed;
-}
-
 template <int D>
 void Refinable<D>::join_own(const Node& node, NodeFacts& facts) const {
-  const auto value = [&](const Index<D>& p) {
-    const double f = model_.value(p);
-    return model_.has_holes() && model_.is_hole(f) ? std::numeric_limits<double>::quiet_NaN() : f;
-  };
   const auto join = [&](double f) {
     if (std::isnan(f)) return;
     facts.range.low = std::min(facts.range.low, f);
     facts.range.high = std::max(facts.range.high, f);
   };
-  for (const Index<D>& v : domain_vertices<D>(node)) join(value(v));
-  join(value(node.centre));
-  if (model_.has_holes() && is_mixed<D>(model_, node.centre)) facts.error = kEndless;
+  for (const Index<D>& v : domain_vertices<D>(node)) join(model_.value_or_nan(v));
+  join(model_.value_or_nan(node.centre));
+  if (model_.has_holes() && model_.is_mixed(node.centre)) facts.error = kEndless;
   if (!model_.shape.is_sample(node.centre)) return;
   const auto ends = axis_ends<D>(node);
-  const double e = std::abs(value(node.centre) - 0.5 * (value(ends[0]) + value(ends[1])));
+  const double e = std::abs(model_.value_or_nan(node.centre) -
+                            0.5 * (model_.value_or_nan(ends[0]) + model_.value_or_nan(ends[1])));
   if (!std::isnan(e)) facts.error = std::max(facts.error, e);
 }
 
@@ -164,10 +123,8 @@ std::vector<Simplex<D>> Refinable<D>::leaves(const Cut<Node>& cut) const {
   while (!open.empty()) {
     const Simplex<D> simplex = open.back();
     open.pop_back();
-    if (!meets_data<D>(model_.shape, simplex)) continue;
-    const Index<D> edge = simplex.v[0] - simplex.v[as_size(simplex.tag)];
-    const bool is_finest = common_exponent<D>(edge) == 0;
-    if (is_finest || !cut.contains(id(diamond_at<D>(simplex.bisection_point())))) {
+    if (!model_.shape.overlaps_data(bounds_of(simplex))) continue;
+    if (is_finest(simplex) || !cut.contains(id(diamond_at<D>(simplex.bisection_point())))) {
       result.push_back(simplex);
       continue;
     }
