@@ -163,13 +163,17 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
   options.threads = session.threads();
   const std::vector<Job> jobs = plan_jobs(arguments.output, options.isovalues);
-  for (const Job& job : jobs) LODE_CHECK(check_writable(job.path));
+  std::vector<std::string> paths;
+  for (const Job& job : jobs) {
+    LODE_CHECK(check_writable(job.path));
+    paths.push_back(job.path);
+  }
   const auto accept = [&](const VolumeInfo& volume) {
     return check_holds(arguments.output, volume);
   };
   LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading, accept));
   Totals totals;
-  OutputSet outputs;
+  OutputSet outputs(paths);
   for (const Job& job : jobs) {
     LODE_CHECK(run_job(job, options, input, session, totals));
     outputs.add(job.path);

@@ -149,7 +149,7 @@ Result<void> draw(const RenderArguments& arguments, const Surface& surface,
   rendering.camera = options.camera ? *options.camera : framing_camera(surface, bounds, options);
   LODE_TRY(const Image image, render_surface(surface, bounds, options, session.progress()));
   if (session.progress().is_cancelled()) return cancelled_error();
-  OutputSet outputs;
+  OutputSet outputs(arguments.outputs());
   LODE_CHECK(write_png(image, arguments.output));
   outputs.add(arguments.output);
   if (!arguments.save_camera.empty())

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -22,12 +22,13 @@ constexpr int kSignalBase = 128;
 /// Says what went wrong on stderr, and where JSON was asked for also on stdout, so that a reader
 /// of it always gets its one object.
 int report_error(const std::string& message, int exit_code, bool is_json) {
-  fmt::print(stderr, "lode: {}\n", message);
+  print_error(fmt::format("lode: {}\n", message));
   if (is_json) {
     Json json;
     json["error"] = message;
     json["exit_code"] = exit_code;
-    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+    if (!print_output(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"))
+      return kFailure;
   }
   return exit_code;
 }
@@ -82,10 +83,7 @@ int print_outcome(const Outcome& outcome, bool is_json) {
   const std::string text =
       is_json ? outcome.json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
               : outcome.text;
-  const bool is_written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
-  if (is_written && std::fflush(stdout) == 0) return outcome.exit_code;
-  fmt::print(stderr, "lode: cannot write to standard output\n");
-  return kFailure;
+  return print_output(text) ? outcome.exit_code : kFailure;
 }
 
 int run_command(const Command& command, const CommonOptions& options) {
@@ -108,21 +106,22 @@ int run_command(const Command& command, const CommonOptions& options) {
 int print_help(CLI::App& program, const std::string& topic, const std::vector<Command>& commands) {
   for (const Command& command : commands) {
     if (command.app->get_name() != topic) continue;
-    fmt::print("{}", command.app->help("lode"));
-    return 0;
+    return print_output(command.app->help("lode")) ? 0 : kFailure;
   }
   if (!topic.empty()) return report_error(unknown_command(topic, commands), kUsage, false);
   program.clear();  // a program that has parsed a subcommand explains only that
-  fmt::print("{}", program.help());
-  return 0;
+  return print_output(program.help()) ? 0 : kFailure;
 }
 
 int handle_parse_error(const CLI::ParseError& error, const CLI::App& program,
                        const std::vector<std::string>& arguments,
                        const std::vector<Command>& commands) {
   const bool is_json = std::ranges::count(arguments, "--json") > 0;
-  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success))
-    return program.exit(error);
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+    std::ostringstream text;  // --help or --version
+    const int exit_code = program.exit(error, text, text);
+    return print_output(text.str()) ? exit_code : kFailure;
+  }
   for (const Command& command : commands) {
     if (arguments.empty() || command.app->get_name() != arguments[0]) continue;
     const std::string message = unknown_option(arguments, *command.app);
@@ -152,7 +151,7 @@ int run_program(const std::vector<std::string>& arguments) {
   help->add_option("command", topic, "Command to explain")->type_name("COMMAND");
 
   if (arguments.empty()) {
-    fmt::print(stderr, "{}", program.help());
+    print_error(program.help());
     return kUsage;
   }
   if (!arguments[0].starts_with('-') && std::ranges::count(names_of(commands), arguments[0]) == 0)

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
@@ -53,12 +54,18 @@ std::string path_for_isovalue(const std::string& path, double isovalue) {
   return named.string();
 }
 
+OutputSet::OutputSet(const std::vector<std::string>& planned) {
+  std::error_code status;
+  for (const std::string& path : planned)
+    if (std::filesystem::exists(path, status)) replaced_.push_back(path);
+}
+
 OutputSet::~OutputSet() {
   if (is_kept_) return;
-  for (const std::string& path : paths_) {
-    std::error_code status;
-    std::filesystem::remove(path, status);
-  }
+  std::error_code status;
+  for (const std::string& path : paths_)
+    if (std::ranges::find(replaced_, path) == replaced_.end())
+      std::filesystem::remove(path, status);
 }
 
 }  // namespace lode::cli

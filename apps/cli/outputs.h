@@ -20,10 +20,12 @@ namespace lode::cli {
 [[nodiscard]] std::string path_for_isovalue(const std::string& path, double isovalue);
 
 /// Files written by a command that makes several: unless keep() is called, those written so far
-/// are taken away again, so that a failed command leaves no part of its result.
+/// are taken away again, so that a failed command leaves no part of its result. Where one of them
+/// replaced an older file it stays: it is whole, and the older one is gone.
 class OutputSet {
  public:
-  OutputSet() = default;
+  /// `planned`: the paths to be written.
+  explicit OutputSet(const std::vector<std::string>& planned);
   OutputSet(const OutputSet&) = delete;
   OutputSet& operator=(const OutputSet&) = delete;
   ~OutputSet();
@@ -34,6 +36,7 @@ class OutputSet {
 
  private:
   std::vector<std::string> paths_;
+  std::vector<std::string> replaced_;  ///< Those that were there before.
   bool is_kept_ = false;
 };
 

@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "text.h"
 
 namespace lode::cli {
 namespace {
@@ -30,17 +31,15 @@ void ProgressBar::update(std::string_view phase, double fraction) {
   is_shown_ = true;
   const double part = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
   const int filled = static_cast<int>(part * kWidth);
-  fmt::print(stderr, "{}{:<20} [{:#<{}}{:.<{}}] {:3.0f} %", kWipe, phase, "", filled, "",
-             kWidth - filled, 100 * part);
-  std::fflush(stderr);
+  print_error(fmt::format("{}{:<20} [{:#<{}}{:.<{}}] {:3.0f} %", kWipe, phase, "", filled, "",
+                          kWidth - filled, 100 * part));
 }
 
 void ProgressBar::clear() {
   const std::lock_guard lock(mutex_);
   if (!is_shown_) return;
   is_shown_ = false;
-  fmt::print(stderr, "{}", kWipe);
-  std::fflush(stderr);
+  print_error(kWipe);
 }
 
 }  // namespace lode::cli

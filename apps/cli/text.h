@@ -8,6 +8,11 @@
 
 namespace lode::cli {
 
+/// Writes to stderr; what cannot be written there is lost, as there is nowhere else to say so.
+void print_error(std::string_view text);
+/// Writes to stdout and flushes; on failure says so on stderr and returns false.
+[[nodiscard]] bool print_output(std::string_view text);
+
 /// 1,234,567
 [[nodiscard]] std::string format_count(std::uint64_t n);
 /// Up to seven significant digits, thousands separated: 1,200 or 0.00123.

@@ -133,7 +133,7 @@ Camera framing_camera(const Surface& surface, const Box3d& bounds, const RenderO
   const Vec3d size = bounds.upper - bounds.lower;
   const bool is_flat = std::min({size[0], size[1], size[2]}) <= 1e-3 * length(size);
   if (is_flat && surface.triangles.empty()) return top_camera(bounds, aspect);
-  return default_camera(bounds, options.axes, aspect);
+  return default_camera(bounds_of(surface, bounds), options.axes, aspect);
 }
 
 Result<Image> render_surface(const Surface& surface, const Box3d& bounds,

@@ -37,8 +37,8 @@ struct RenderOptions {
 /// The smallest box round the vertices that triangles or lines use; `otherwise` if there is none.
 [[nodiscard]] Box3d bounds_of(const Surface& surface, const Box3d& otherwise);
 
-/// The camera that render_surface uses where options.camera is unset: a three-quarter view of
-/// `bounds`, or the view from above where they are flat and the surface is contour lines.
+/// The camera that render_surface uses where options.camera is unset: a three-quarter view of the
+/// surface, or of `bounds` from above where they are flat and the surface is contour lines.
 [[nodiscard]] Camera framing_camera(const Surface& surface, const Box3d& bounds,
                                     const RenderOptions& options);
 
