@@ -63,6 +63,7 @@ struct Totals {
     report.lines += job.lines;
     report.vertices += job.vertices;
     report.nodes_visited += job.nodes_visited;
+    report.cap_cells += job.cap_cells;
     report.components_dropped += job.components_dropped;
     report.triangles_dropped += job.triangles_dropped;
     report.seconds.total += job.seconds.total;
@@ -121,6 +122,8 @@ std::string extraction_text(const Extraction& extraction) {
   table.add(
       {is_lines ? "lines" : "triangles", format_count(is_lines ? report.lines : report.triangles)});
   table.add({"vertices", format_count(report.vertices)});
+  if (extraction.options.border == Border::closed)
+    table.add({"caps at the border", format_count(report.cap_cells)});
   table.add({"nodes visited", format_count(report.nodes_visited)});
   if (extraction.options.min_component > 0)
     table.add(
@@ -145,6 +148,7 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
   LODE_TRY(const ExtractReport report,
            input.dataset.extract(job_options, surface, session.progress()));
   totals.add(report);
+  warn_of_open(session, report);
   warn_of_unmet(session, unmet_isovalues(surface, job.isovalues), options, input.info);
   if (session.progress().is_cancelled()) return cancelled_error();
   const Stopwatch watch;

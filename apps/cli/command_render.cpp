@@ -171,6 +171,7 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   Rendering rendering;
   Surface surface;
   LODE_TRY(rendering.extraction, input.dataset.extract(extraction, surface, session.progress()));
+  warn_of_open(session, rendering.extraction);
   warn_of_unmet(session, unmet_isovalues(surface, extraction.isovalues), extraction, input.info);
   LODE_CHECK(draw(arguments, surface, input.info.volume, options, session, rendering));
   return report_render(arguments, extraction, input, rendering, session.warnings());

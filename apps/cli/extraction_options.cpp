@@ -46,7 +46,7 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
       ->type_name("X0,X1,Y0,Y1,Z0,Z1")
       ->group(group);
   app.add_flag("--close-border", arguments.close_border,
-               "Cap the surface at the domain's border (not in this version)")
+               "Cap the surface at the domain's border: it then encloses all values from V up")
       ->group(group);
   app.add_option("--min-component", arguments.min_component,
                  "Drop pieces with fewer triangles (lines) than N")
@@ -74,8 +74,12 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
   if (arguments.normals != "on" && arguments.normals != "off")
     return fail("--normals: expected 'on' or 'off', got '{}'", arguments.normals);
   options.normals = arguments.normals == "on" ? Normals::on : Normals::off;
-  if (arguments.close_border)
-    return fail("--close-border: closing a surface at the border is not available in this version");
+  if (arguments.close_border && options.isovalues.size() > 1)
+    return fail("--close-border: expected one --isovalue, got {}: caps would lie in each other",
+                options.isovalues.size());
+  if (arguments.close_border && options.clip)
+    return fail("--close-border: expected no --clip with it, whose cut would stay open");
+  options.border = arguments.close_border ? Border::closed : Border::open;
   options.orientation =
       arguments.flip ? Orientation::from_higher_values : Orientation::from_lower_values;
   options.min_component = arguments.min_component;
@@ -94,6 +98,7 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
   json["achieved_error"] = report.achieved_error;
   json["triangles"] = report.triangles;
   json["lines"] = report.lines;
+  json["cap_cells"] = report.cap_cells;
   json["vertices"] = report.vertices;
 }
 
@@ -107,6 +112,11 @@ std::vector<double> unmet_isovalues(const Surface& surface, const std::vector<do
         surface.isovalues.end())
       unmet.push_back(isovalue);
   return unmet;
+}
+
+void warn_of_open(Session& session, const ExtractReport& report) {
+  if (report.open_edges > 0)
+    session.warn(fmt::format("the surface stays open at holes: along {} edges", report.open_edges));
 }
 
 void warn_of_unmet(Session& session, const std::vector<double>& unmet,

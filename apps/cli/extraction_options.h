@@ -35,6 +35,8 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
 [[nodiscard]] std::vector<double> unmet_isovalues(const Surface& surface,
                                                   const std::vector<double>& isovalues);
 
+/// Warns where holes keep a surface open that was to be closed.
+void warn_of_open(Session& session, const ExtractReport& report);
 /// Warns of each such isovalue, naming the value range or the options that may have removed it.
 void warn_of_unmet(Session& session, const std::vector<double>& unmet,
                    const ExtractOptions& options, const DatasetInfo& info);

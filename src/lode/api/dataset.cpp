@@ -7,6 +7,7 @@
 #include "lode/api/verification.h"
 #include "lode/mappers/surface_edits.h"
 #include "lode/models/diamond/build.h"
+#include "lode/models/diamond/close_border.h"
 #include "lode/models/diamond/extract.h"
 #include "lode/models/diamond/normals.h"
 #include "lode/models/diamond/persist.h"
@@ -39,8 +40,13 @@ Result<void> check_options(const ExtractOptions& options) {
       if (!(options.clip->lower[i] < options.clip->upper[i]))
         return fail("expected a clip box with lower < upper on each axis, got {} and {} on axis {}",
                     options.clip->lower[i], options.clip->upper[i], i);
-  if (options.border == Border::closed)
-    return fail("closing a surface at the border is not available in this version");
+  if (options.border == Border::closed && options.isovalues.size() > 1)
+    return fail(
+        "closing at the border: expected one isovalue, got {}: caps of several would lie "
+        "in each other",
+        options.isovalues.size());
+  if (options.border == Border::closed && options.clip)
+    return fail("closing at the border: expected no clip box, whose cut would stay open");
   return {};
 }
 
@@ -80,9 +86,25 @@ Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& o
   return {};
 }
 
-void finish_surface(const ExtractOptions& options, bool may_pinch, Surface& surface,
-                    ExtractReport& report) {
+template <int D>
+Result<void> close_surface(const diamond::Model<D>& model, const ExtractOptions& options,
+                           Surface& surface, ExtractReport& report) {
+  if (model.has_holes() && model.has_removed_border_cell())
+    return fail("closing at the border: expected no holes there, but the field has some");
+  const bool is_inside = model.value({}) >= options.isovalues.front();
+  LODE_TRY(const auto caps,
+           diamond::close_border(model.info.grid, is_inside, options.threads, surface));
+  report.cap_cells = caps.n_cells;
+  report.open_edges = caps.n_open;
+  return {};
+}
+
+template <int D>
+Result<void> finish_surface(const diamond::Model<D>& model, const ExtractOptions& options,
+                            bool may_pinch, Surface& surface, ExtractReport& report) {
   const auto start = std::chrono::steady_clock::now();
+  if (options.border == Border::closed)
+    LODE_CHECK(close_surface<D>(model, options, surface, report));
   if (may_pinch && !surface.triangles.empty()) split_pinched_vertices(surface);
   fill_zero_normals(surface);
   if (options.clip) crop(surface, *options.clip);
@@ -96,6 +118,7 @@ void finish_surface(const ExtractOptions& options, bool may_pinch, Surface& surf
   report.lines = surface.lines.size();
   report.vertices = surface.positions.size();
   report.seconds.finish += seconds_since(start);
+  return {};
 }
 
 template <int D>
@@ -206,8 +229,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
         for (const double isovalue : options.isovalues)
           LODE_CHECK(
               extract_one<D>(model, options, isovalue, surface, report, may_pinch, progress));
-        finish_surface(options, may_pinch, surface, report);
-        return {};
+        return finish_surface<D>(model, options, may_pinch, surface, report);
       },
       impl_->model);
   if (!done) return done.error();

@@ -44,14 +44,16 @@ struct DatasetInfo {
 
 enum class Normals : std::uint8_t { off, on };
 enum class Orientation : std::uint8_t { from_lower_values, from_higher_values };
+/// closed: caps in the border planes make the surface the whole boundary of the region at or above
+/// the isovalue (one isovalue, no clip box, no holes at the border; it stays open at other holes).
 enum class Border : std::uint8_t { open, closed };
 
 struct ExtractOptions {
   std::vector<double> isovalues;      ///< At least one; finite.
   std::optional<double> max_error{};  ///< Field units, >= 0; unset: 0.5 % of the value range.
   std::optional<Box3d> clip{};        ///< Crops the result, world units.
-  Border border = Border::open;       ///< closed caps the surface at the domain's border.
-  std::uint64_t min_component = 0;    ///< Pieces with fewer triangles (lines) are dropped.
+  Border border = Border::open;
+  std::uint64_t min_component = 0;  ///< Pieces with fewer triangles (lines) are dropped.
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.
   Normals normals = Normals::on;
   Threads threads{};
@@ -73,6 +75,8 @@ struct ExtractReport {
   std::uint64_t lines = 0;
   std::uint64_t vertices = 0;
   std::uint64_t nodes_visited = 0;
+  std::uint64_t cap_cells = 0;           ///< Triangles (lines) that close the border.
+  std::uint64_t open_edges = 0;          ///< With a closed border: edges at holes, still open.
   std::uint64_t components_dropped = 0;  ///< By min_component.
   std::uint64_t triangles_dropped = 0;   ///< Their triangles (lines).
   ExtractSeconds seconds;

@@ -153,6 +153,21 @@ Model<D> Model<D>::make(const VolumeInfo& info) {
 }
 
 template <int D>
+bool Model<D>::has_removed_border_cell() const {
+  for (std::size_t axis = 0; axis < as_size(D); ++axis) {
+    Index<D> layer;  // its cells
+    for (std::size_t i = 0; i < as_size(D); ++i) layer[i] = i == axis ? 1 : shape.dims[i] - 1;
+    for (const std::int32_t at : {0, shape.dims[axis] - 2})
+      for (std::size_t i = 0; i < n_points<D>(layer); ++i) {
+        Index<D> cell = point_of<D>(layer, i);
+        cell[axis] = at;
+        if (is_removed_cell(cell)) return true;
+      }
+  }
+  return false;
+}
+
+template <int D>
 double Model<D>::base_error() const {
   if (!shape.has_cells()) return 0;
   const int level = shape.n_levels - 1;

@@ -146,6 +146,8 @@ struct Model {
     }
     return false;
   }
+  /// Whether a hole removes one of the unit cells along the domain's border.
+  [[nodiscard]] bool has_removed_border_cell() const;
   /// Whether some, but not all, of the unit cells round a point are removed by holes: simplices
   /// that meet there must be refined.
   [[nodiscard]] bool is_mixed(const Index<D>& p) const {

@@ -25,6 +25,11 @@ class SurfaceCoordinates {
   [[nodiscard]] bool is_outside(std::uint32_t vertex) const {
     return (planes_[vertex] & kOutside) != 0;
   }
+  /// The border planes of the lattice that a vertex lies in: bit 2·axis for the lower, the next for
+  /// the upper.
+  [[nodiscard]] unsigned border_planes(std::uint32_t vertex) const {
+    return planes_[vertex] & unsigned{kBorderPlanes};
+  }
   /// All these vertices lie in one border plane of the lattice.
   [[nodiscard]] bool are_on_border(std::span<const std::uint32_t> vertices) const {
     return (common_planes(vertices) & kBorderPlanes) != 0;
