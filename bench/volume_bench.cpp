@@ -2,9 +2,11 @@
 // it) on the same samples in the same run. Both sides use two threads and start from memory.
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -163,6 +165,9 @@ int run(const Settings& settings) {
 }  // namespace lode::bench
 
 int main(int argc, char** argv) {
+  // Freed memory stays with the process: after the warm-up neither side waits for fresh pages.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   CLI::App app("Times building and extracting volumes against VTK.");
   lode::bench::Settings settings;
   app.add_option("--only", settings.only, "Only cases whose name contains this");

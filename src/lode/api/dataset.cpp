@@ -9,7 +9,6 @@
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/close_border.h"
 #include "lode/models/diamond/extract.h"
-#include "lode/models/diamond/normals.h"
 #include "lode/models/diamond/persist.h"
 
 namespace lode {
@@ -61,28 +60,22 @@ template <int D>
 Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& options,
                          double isovalue, Surface& surface, ExtractReport& report, bool& may_pinch,
                          Progress& progress) {
-  const std::size_t first = surface.positions.size();
-  std::vector<EdgePoint> points;
-  const bool wants_normals = D == 3 && options.normals == Normals::on;
-  LODE_TRY(
-      const auto part,
-      diamond::extract_isosurface<D>(
-          model, {.isovalue = isovalue, .tolerance = report.max_error, .threads = options.threads},
-          surface, wants_normals ? &points : nullptr, progress));
+  LODE_TRY(const auto part,
+           diamond::extract_isosurface<D>(model,
+                                          {.isovalue = isovalue,
+                                           .tolerance = report.max_error,
+                                           .threads = options.threads,
+                                           .with_normals = D == 3 && options.normals == Normals::on,
+                                           .replaces = options.isovalues.size() == 1},
+                                          surface, progress));
   report.achieved_error = std::max(report.achieved_error, part.achieved_error);
   report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
   report.nodes_visited += part.nodes_visited;
   may_pinch = may_pinch || part.is_border_cut;
   report.seconds.select += part.select_seconds;
   report.seconds.geometry += part.geometry_seconds;
-  const auto start = std::chrono::steady_clock::now();
-  if (wants_normals) {
-    surface.normals.resize(surface.positions.size());
-    diamond::compute_normals<D>(model, std::span<const EdgePoint>(points).subspan(first),
-                                options.threads, std::span(surface.normals).subspan(first));
-  }
+  if (options.isovalues.size() == 1) surface.isovalues.clear();
   surface.isovalues.resize(surface.positions.size(), static_cast<float>(isovalue));
-  report.seconds.finish += seconds_since(start);
   return {};
 }
 
@@ -220,7 +213,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
                                        Progress& progress) const {
   LODE_CHECK(check_options(options));
   const auto start = std::chrono::steady_clock::now();
-  surface.clear();
+  if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
   ExtractReport report;
   const auto done = std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {

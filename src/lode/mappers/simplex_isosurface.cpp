@@ -33,8 +33,10 @@ std::int64_t orientation(const LatticeSimplex<2>& s) {
   return xy + xz + yz;
 }
 
-std::size_t slot_of(LatticeKey key, std::size_t mask) {
-  return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 20) & mask;
+/// Only the top bits of the product depend on all of the key.
+std::size_t slot_of(LatticeKey key, std::size_t n_slots) {
+  return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >>
+                                  (64 - std::bit_width(n_slots - 1)));
 }
 
 }  // namespace
@@ -53,7 +55,7 @@ void SimplexIsosurface<D>::grow() {
   std::vector<std::uint32_t> larger(slots_.size() * 4, 0);
   const std::size_t mask = larger.size() - 1;
   for (std::uint32_t id = 0; id < part_.points.size(); ++id) {
-    std::size_t slot = slot_of(part_.points[id].doubled_midpoint(), mask);
+    std::size_t slot = slot_of(part_.points[id].doubled_midpoint(), larger.size());
     while (larger[slot] != 0) slot = (slot + 1) & mask;
     larger[slot] = id + 1;
   }
@@ -81,7 +83,7 @@ std::uint32_t SimplexIsosurface<D>::vertex_on(const LatticeSimplex<D>& s, std::s
                                               std::size_t j) {
   const LatticeKey key = s.vertex[i] + s.vertex[j];
   const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = slot_of(key, mask);
+  std::size_t slot = slot_of(key, slots_.size());
   for (; slots_[slot] != 0; slot = (slot + 1) & mask)
     if (part_.points[slots_[slot] - 1].doubled_midpoint() == key) return slots_[slot] - 1;
   const std::uint32_t id = make_vertex(s.vertex[i], s.value[i], s.vertex[j], s.value[j]);

@@ -1,6 +1,7 @@
 #include "lode/mappers/stitch.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace lode {
 namespace {
@@ -93,10 +94,10 @@ void find_shared(StitchPart<D>& part, const std::function<bool(const EdgePoint&)
 }
 
 template <int D>
-void stitch(const std::vector<StitchPart<D>>& parts,
-            const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>& candidates,
-            const LatticeFrame& frame, Threads threads, Surface& surface,
-            std::vector<VertexOrigin>* origins) {
+Result<void> stitch(const std::vector<StitchPart<D>>& parts,
+                    const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>& candidates,
+                    const LatticeFrame& frame, Threads threads, Surface& surface,
+                    std::vector<VertexOrigin>* origins) {
   std::vector<Ownership> ownership(parts.size());
   std::vector<std::vector<bool>> used(parts.size());
   parallel_for(parts.size(), threads, 8,
@@ -104,6 +105,11 @@ void stitch(const std::vector<StitchPart<D>>& parts,
   parallel_for(parts.size(), threads, 8, [&](std::size_t i, int) {
     find_owners<D>(parts, static_cast<std::uint32_t>(i), used, candidates, ownership[i]);
   });
+  std::uint64_t n_vertices = surface.positions.size();
+  for (const Ownership& own : ownership) n_vertices += own.n_owned;
+  if (n_vertices > std::numeric_limits<std::uint32_t>::max())
+    return fail("the surface has {} vertices, more than {}: give it a larger tolerance", n_vertices,
+                std::numeric_limits<std::uint32_t>::max());
   std::vector<std::uint32_t> first_vertex(parts.size() + 1);
   std::vector<std::size_t> first_cell(parts.size() + 1);
   first_vertex[0] = static_cast<std::uint32_t>(surface.positions.size());
@@ -142,15 +148,16 @@ void stitch(const std::vector<StitchPart<D>>& parts,
       for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k)
         cells[first_cell[i] + c][k] = final_id[part.cells[c][k]];
   });
+  return {};
 }
 
 template void find_shared<2>(StitchPart<2>&, const std::function<bool(const EdgePoint&)>&);
 template void find_shared<3>(StitchPart<3>&, const std::function<bool(const EdgePoint&)>&);
-template void stitch<2>(const std::vector<StitchPart<2>>&,
-                        const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>&,
-                        const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
-template void stitch<3>(const std::vector<StitchPart<3>>&,
-                        const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>&,
-                        const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
+template Result<void> stitch<2>(const std::vector<StitchPart<2>>&,
+                                const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>&,
+                                const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
+template Result<void> stitch<3>(const std::vector<StitchPart<3>>&,
+                                const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>&,
+                                const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
 
 }  // namespace lode

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lode/core/parallel.h"
+#include "lode/core/result.h"
 #include "lode/core/surface.h"
 #include "lode/mappers/iso_part.h"
 
@@ -39,12 +40,13 @@ struct VertexOrigin {
 
 /// Joins parts into one surface, appended to `surface`. A shared vertex belongs to the first part
 /// that has it, in order; `candidates(key, out)` lists the parts that may, ascending. The result
-/// depends on nothing but the parts.
+/// depends on nothing but the parts. Fails where 32 bits cannot number the vertices.
 template <int D>
-void stitch(const std::vector<StitchPart<D>>& parts,
-            const std::function<void(LatticeKey doubled_midpoint, std::vector<std::uint32_t>& out)>&
-                candidates,
-            const LatticeFrame& frame, Threads threads, Surface& surface,
-            std::vector<VertexOrigin>* origins);
+[[nodiscard]] Result<void> stitch(
+    const std::vector<StitchPart<D>>& parts,
+    const std::function<void(LatticeKey doubled_midpoint, std::vector<std::uint32_t>& out)>&
+        candidates,
+    const LatticeFrame& frame, Threads threads, Surface& surface,
+    std::vector<VertexOrigin>* origins);
 
 }  // namespace lode

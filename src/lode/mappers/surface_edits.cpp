@@ -215,13 +215,11 @@ void flip_orientation(Surface& surface) {
 }
 
 void fill_zero_normals(Surface& surface) {
+  const auto is_zero_normal = [](const Vec3f& n) { return n == Vec3f{}; };
+  if (std::ranges::none_of(surface.normals, is_zero_normal)) return;
   std::vector<bool> is_zero(surface.normals.size());
-  bool is_any = false;
-  for (std::size_t v = 0; v < surface.normals.size(); ++v) {
-    is_zero[v] = surface.normals[v] == Vec3f{};
-    is_any = is_any || is_zero[v];
-  }
-  if (!is_any) return;
+  for (std::size_t v = 0; v < surface.normals.size(); ++v)
+    is_zero[v] = is_zero_normal(surface.normals[v]);
   for (const auto& t : surface.triangles) {
     if (!is_zero[t[0]] && !is_zero[t[1]] && !is_zero[t[2]]) continue;
     const Vec3f n = cross(surface.positions[t[1]] - surface.positions[t[0]],

@@ -7,6 +7,7 @@
 #include "lode/mappers/stitch.h"
 #include "lode/models/diamond/brick_traversal.h"
 #include "lode/models/diamond/full_resolution.h"
+#include "lode/models/diamond/normals.h"
 
 namespace lode::diamond {
 namespace {
@@ -132,28 +133,31 @@ class Extraction {
         frame_(LatticeFrame::of(model.info.grid)),
         selection_(model, query.isovalue, query.tolerance) {}
 
-  Result<IsosurfaceReport> run(Surface& surface, std::vector<EdgePoint>* points,
-                               Progress& progress) {
+  Result<IsosurfaceReport> run(Surface& surface, Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
     IsosurfaceReport report;
+    if constexpr (D == 3)
+      if (model_.shape.has_cells() && query_.tolerance == 0 && !model_.has_holes())
+        return run_flat(selection_, surface, progress);
+    if (query_.replaces) surface.clear();
     surface.origin = frame_.surface_origin;
     if (!model_.shape.has_cells()) return report;
-    if constexpr (D == 3)
-      if (query_.tolerance == 0 && !model_.has_holes())
-        return run_flat(selection_, surface, points, progress);
     CoarseTraversal<D>(selection_, cut_).run();
     march(progress);
     if (progress.is_cancelled()) return cancelled_error();
     const auto marched = std::chrono::steady_clock::now();
     std::vector<VertexOrigin> origins;
     const std::size_t first_new = surface.positions.size();
-    stitch<D>(
+    LODE_CHECK(stitch<D>(
         parts_, [&](LatticeKey key, std::vector<std::uint32_t>& out) { candidates(key, out); },
-        frame_, query_.threads, surface, points != nullptr ? &origins : nullptr);
-    if (points != nullptr) {
-      points->resize(surface.positions.size());
+        frame_, query_.threads, surface, query_.with_normals ? &origins : nullptr));
+    if (query_.with_normals) {
+      std::vector<EdgePoint> points(surface.positions.size() - first_new);
       for (std::size_t v = first_new; v < origins.size(); ++v)
-        (*points)[v] = edge_of(parts_[origins[v].part].part, origins[v].vertex);
+        points[v - first_new] = edge_of(parts_[origins[v].part].part, origins[v].vertex);
+      surface.normals.resize(surface.positions.size());
+      compute_normals<D>(model_, points, query_.threads,
+                         std::span(surface.normals).subspan(first_new));
     }
     fill(report);
     const auto done = std::chrono::steady_clock::now();
@@ -164,9 +168,9 @@ class Extraction {
 
  private:
   Result<IsosurfaceReport> run_flat(const Selection<3>& selection, Surface& surface,
-                                    std::vector<EdgePoint>* points, Progress& progress) {
+                                    Progress& progress) {
     LODE_TRY(const auto flat,
-             extract_full_resolution(selection, frame_, query_.threads, surface, points, progress));
+             extract_full_resolution(selection, frame_, query_, surface, progress));
     IsosurfaceReport report;
     report.coordinate_slack = slack(flat.largest_step, flat.largest_snap);
     report.nodes_visited = flat.n_bricks_read;
@@ -289,9 +293,8 @@ class Extraction {
 
 template <int D>
 Result<IsosurfaceReport> extract_isosurface(const Model<D>& model, const IsosurfaceQuery& query,
-                                            Surface& surface, std::vector<EdgePoint>* points,
-                                            Progress& progress) {
-  return Extraction<D>(model, query).run(surface, points, progress);
+                                            Surface& surface, Progress& progress) {
+  return Extraction<D>(model, query).run(surface, progress);
 }
 
 template <int D>
@@ -316,11 +319,9 @@ std::vector<ActiveSimplex<D>> active_simplices(const Model<D>& model,
 }
 
 template Result<IsosurfaceReport> extract_isosurface<2>(const Model<2>&, const IsosurfaceQuery&,
-                                                        Surface&, std::vector<EdgePoint>*,
-                                                        Progress&);
+                                                        Surface&, Progress&);
 template Result<IsosurfaceReport> extract_isosurface<3>(const Model<3>&, const IsosurfaceQuery&,
-                                                        Surface&, std::vector<EdgePoint>*,
-                                                        Progress&);
+                                                        Surface&, Progress&);
 template std::vector<ActiveSimplex<2>> active_simplices<2>(const Model<2>&, const IsosurfaceQuery&);
 template std::vector<ActiveSimplex<3>> active_simplices<3>(const Model<3>&, const IsosurfaceQuery&);
 

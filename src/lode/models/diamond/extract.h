@@ -10,7 +10,9 @@ namespace lode::diamond {
 struct IsosurfaceQuery {
   double isovalue = 0;
   double tolerance = 0;  ///< Field units; 0 refines every active node.
-  Threads threads;
+  Threads threads{};
+  bool with_normals = false;  ///< Normals too; see normals.h.
+  bool replaces = false;      ///< The surface is overwritten, its memory used as it is.
 };
 
 struct IsosurfaceReport {
@@ -30,15 +32,12 @@ struct ActiveSimplex {
 };
 
 /// Extracts one isosurface (contour lines in 2D), clipped at the domain's border, straight from
-/// the hierarchy: bricks in parallel, then stitched. Appends to `surface`; positions and cells
-/// only. The lattice edge each new vertex lies on (or next to, at the border) goes to `points`
-/// when it is not null.
+/// the hierarchy: bricks in parallel, then stitched. Appends positions, cells and, where asked for,
+/// normals to `surface`, or replaces it.
 template <int D>
 [[nodiscard]] Result<IsosurfaceReport> extract_isosurface(const Model<D>& model,
                                                           const IsosurfaceQuery& query,
-                                                          Surface& surface,
-                                                          std::vector<EdgePoint>* points,
-                                                          Progress& progress);
+                                                          Surface& surface, Progress& progress);
 
 /// The leaf simplices the same query's surface comes from, brick by brick in a fixed order.
 template <int D>

@@ -6,6 +6,7 @@
 
 #include "lode/mappers/kuhn_cube.h"
 #include "lode/models/diamond/cell_rows.h"
+#include "lode/models/diamond/normals.h"
 
 namespace lode::diamond {
 namespace {
@@ -32,29 +33,39 @@ struct Extremes {
 template <typename T>
 class VertexWriter {
  public:
-  VertexWriter(const Model<3>& model, const LatticeFrame& frame, double isovalue, Vec3f* positions,
-               EdgePoint* points)
-      : model_(model), frame_(frame), isovalue_(isovalue), positions_(positions), points_(points) {}
+  /// Normals are written where there is room for them.
+  VertexWriter(const Model<3>& model, const LatticeFrame& frame, double isovalue, Surface& surface)
+      : model_(model),
+        frame_(frame),
+        sampler_(model),
+        isovalue_(isovalue),
+        positions_(surface.positions.data()),
+        normals_(surface.normals.empty() ? nullptr : surface.normals.data()) {}
 
-  /// Sets the row of anchors (y, z).
+  /// Sets the row of anchors (y, z), then 32 of them.
   void open_row(std::int32_t y, std::int32_t z) {
     anchor_ = {{0, y, z}};
     for (std::size_t i = 1; i < 3; ++i)
       brick_[i] = std::min(anchor_[i] / kBrickEdge<3>, model_.brick_dims[i] - 1);
+    const unsigned parity = (static_cast<unsigned>(y) & 1) << 1 | (static_cast<unsigned>(z) & 1)
+                                                                      << 2;
+    for (unsigned direction = 1; direction < 8; ++direction)
+      ends_[direction] = {ends_of(direction, parity), ends_of(direction, parity | 1)};
+  }
+  void open_word(std::size_t word) {
+    brick_[0] = std::min(static_cast<std::int32_t>(word), model_.brick_dims[0] - 1);
+    anchor_[0] = static_cast<std::int32_t>(word) * 32;
+    samples_ =
+        reinterpret_cast<const T*>(model_.brick(linear_index<3>(model_.brick_dims, brick_))) +
+        Model<3>::brick_offset(anchor_ - brick_ * kBrickEdge<3>);
   }
 
-  void write(std::size_t word, unsigned direction, std::uint32_t crossed, std::uint32_t id) {
-    brick_[0] = std::min(static_cast<std::int32_t>(word), model_.brick_dims[0] - 1);
-    const Index<3> local = anchor_ - brick_ * kBrickEdge<3>;
-    const T* row =
-        reinterpret_cast<const T*>(model_.brick(linear_index<3>(model_.brick_dims, brick_))) +
-        Model<3>::brick_offset({{0, local[1], local[2]}});
-    const std::int32_t first_x = static_cast<std::int32_t>(word) * 32;
-    const T* samples = row + (first_x - brick_[0] * kBrickEdge<3>);
-    std::array<EdgeEnds, 2> ends{ends_of(direction, 0), ends_of(direction, 1)};
+  /// The crossed edges of one direction; the first gets this number.
+  void write(unsigned direction, std::uint32_t crossed, std::uint32_t id) {
+    const std::array<EdgeEnds, 2>& ends = ends_[direction];
     for (; crossed != 0; crossed &= crossed - 1, ++id) {
       const int x = std::countr_zero(crossed);
-      write_one(samples + x, first_x + x, ends[as_size(x & 1)], id);
+      write_one(samples_ + x, anchor_[0] + x, ends[as_size(x & 1)], id);
     }
   }
   [[nodiscard]] const Extremes& extremes() const { return extremes_; }
@@ -66,9 +77,7 @@ class VertexWriter {
   };
 
   /// An edge joins the corners of its box whose coordinates are even, and odd, along its axes.
-  [[nodiscard]] EdgeEnds ends_of(unsigned direction, unsigned parity_x) const {
-    const unsigned parity = parity_x | (static_cast<unsigned>(anchor_[1]) & 1) << 1 |
-                            (static_cast<unsigned>(anchor_[2]) & 1) << 2;
+  [[nodiscard]] static EdgeEnds ends_of(unsigned direction, unsigned parity) {
     const int last_axis = 31 - std::countl_zero(direction);
     const unsigned same = ((parity >> last_axis) & 1) != 0 ? ~parity : parity;
     EdgeEnds ends{};
@@ -97,16 +106,19 @@ class VertexWriter {
     const Vec3d world = frame_.position(lattice);
     positions_[id] = {
         {static_cast<float>(world[0]), static_cast<float>(world[1]), static_cast<float>(world[2])}};
-    if (points_ != nullptr) points_[id] = {to_key(p), to_key(q), kept};
+    if (normals_ != nullptr) normals_[id] = sampler_.at({to_key(p), to_key(q), kept});
   }
 
   const Model<3>& model_;
   const LatticeFrame& frame_;
+  NormalSampler<3, T> sampler_;
   double isovalue_;
   Vec3f* positions_;
-  EdgePoint* points_;
-  Index<3> anchor_;
+  Vec3f* normals_;
+  Index<3> anchor_;  ///< The word's first.
   Index<3> brick_;
+  const T* samples_ = nullptr;                     ///< At that anchor.
+  std::array<std::array<EdgeEnds, 2>, 8> ends_{};  ///< By direction and parity of x.
   Extremes extremes_;
 };
 
@@ -118,11 +130,10 @@ struct WordCells {
   Counters first_id;   ///< Per series, the id of the first of them.
 };
 
-/// Appends the triangles of the word's crossed cells at `out`; returns its end. Inlined into one
-/// copy for processors that count bits in one instruction and one for the others.
-[[gnu::always_inline]] inline std::array<std::uint32_t, 3>* write_cells(
-    const WordCells& w, const KuhnCubeCases& even_x, const KuhnCubeCases& odd_x,
-    std::array<std::uint32_t, 3>* out) {
+/// Appends the triangles of the word's crossed cells at `out`; returns its end.
+std::array<std::uint32_t, 3>* write_cells(const WordCells& w, const KuhnCubeCases& even_x,
+                                          const KuhnCubeCases& odd_x,
+                                          std::array<std::uint32_t, 3>* out) {
   for (std::uint32_t cells = w.crossed; cells != 0; cells &= cells - 1) {
     const int x = std::countr_zero(cells);
     const std::size_t corners = (w.corners[0] >> x & 3) | (w.corners[1] >> x & 3) << 2 |
@@ -133,7 +144,7 @@ struct WordCells {
       const std::size_t series = c.edges[e] & 15;
       const std::uint64_t before = (std::uint64_t{1} << (x + (c.edges[e] >> 4))) - 1;
       id[e] = w.first_id[series] +
-              static_cast<std::uint32_t>(__builtin_popcountll(w.crossings[series] & before));
+              static_cast<std::uint32_t>(std::popcount(w.crossings[series] & before));
     }
     for (std::size_t t = 0; t < c.n_triangles; ++t)
       *out++ = {id[c.triangles[t][0]], id[c.triangles[t][1]], id[c.triangles[t][2]]};
@@ -141,46 +152,20 @@ struct WordCells {
   return out;
 }
 
-using WriteCells = std::array<std::uint32_t, 3>* (*)(const WordCells&, const KuhnCubeCases&,
-                                                     const KuhnCubeCases&,
-                                                     std::array<std::uint32_t, 3>*);
-
-std::array<std::uint32_t, 3>* write_cells_anywhere(const WordCells& w, const KuhnCubeCases& even_x,
-                                                   const KuhnCubeCases& odd_x,
-                                                   std::array<std::uint32_t, 3>* out) {
-  return write_cells(w, even_x, odd_x, out);
-}
-
-#if defined(__x86_64__)
-[[gnu::target("popcnt")]] std::array<std::uint32_t, 3>* write_cells_popcnt(
-    const WordCells& w, const KuhnCubeCases& even_x, const KuhnCubeCases& odd_x,
-    std::array<std::uint32_t, 3>* out) {
-  return write_cells(w, even_x, odd_x, out);
-}
-#endif
-
-WriteCells best_write_cells() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("popcnt") != 0) return write_cells_popcnt;
-#endif
-  return write_cells_anywhere;
-}
-
 class FullResolution {
  public:
-  FullResolution(const Selection<3>& selection, const LatticeFrame& frame, Threads threads,
-                 Surface& surface, std::vector<EdgePoint>* points, Progress& progress)
+  FullResolution(const Selection<3>& selection, const LatticeFrame& frame,
+                 const IsosurfaceQuery& query, Surface& surface, Progress& progress)
       : selection_(selection),
         model_(selection.model()),
         frame_(frame),
-        threads_(threads),
+        query_(query),
         surface_(surface),
-        points_(points),
         progress_(progress) {}
 
   Result<FullResolutionReport> run() {
     const auto start = std::chrono::steady_clock::now();
-    field_ = sign_field(selection_, threads_, report_.n_bricks_read);
+    field_ = sign_field(selection_, query_.threads, report_.n_bricks_read);
     for_each_slice([&](std::int32_t y, std::int32_t z) { count(y, z); });
     LODE_CHECK(place());
     const auto counted = std::chrono::steady_clock::now();
@@ -205,7 +190,7 @@ class FullResolution {
   template <typename F>
   void for_each_slice(const F& body) {
     starts_.resize(as_size(field_.dims[1]) * as_size(field_.dims[2]));
-    parallel_for(as_size(field_.dims[2]), threads_, 1, [&](std::size_t z, int) {
+    parallel_for(as_size(field_.dims[2]), query_.threads, 1, [&](std::size_t z, int) {
       if (progress_.is_cancelled()) return;
       for (std::int32_t y = 0; y < field_.dims[1]; ++y) body(y, static_cast<std::int32_t>(z));
     });
@@ -228,8 +213,8 @@ class FullResolution {
 
   /// Turns counts into first numbers and makes room.
   Result<void> place() {
-    std::uint64_t n_vertices = surface_.positions.size();
-    std::uint64_t n_triangles = surface_.triangles.size();
+    std::uint64_t n_vertices = query_.replaces ? 0 : surface_.positions.size();
+    std::uint64_t n_triangles = query_.replaces ? 0 : surface_.triangles.size();
     for (RowStart& start : starts_) {
       for (std::uint32_t& first : start.vertex) {
         const std::uint32_t n = first;
@@ -243,21 +228,20 @@ class FullResolution {
     if (std::max(n_vertices, n_triangles) > std::numeric_limits<std::uint32_t>::max())
       return fail("the surface has {} vertices and {} triangles, more than {}: give it a tolerance",
                   n_vertices, n_triangles, std::numeric_limits<std::uint32_t>::max());
+    if (query_.replaces) surface_.lines.clear();
     surface_.positions.resize(n_vertices);
     surface_.triangles.resize(n_triangles);
-    if (points_ != nullptr) points_->resize(n_vertices);
+    surface_.normals.resize(query_.with_normals ? n_vertices : 0);
     return {};
   }
 
   template <typename T>
   void write(std::vector<Extremes>& extremes) {
-    const WriteCells write_triangles = best_write_cells();
-    parallel_for(as_size(field_.dims[2]), threads_, 1, [&](std::size_t z, int) {
+    parallel_for(as_size(field_.dims[2]), query_.threads, 1, [&](std::size_t z, int) {
       if (progress_.is_cancelled()) return;
-      VertexWriter<T> vertices(model_, frame_, selection_.isovalue(), surface_.positions.data(),
-                               points_ != nullptr ? points_->data() : nullptr);
+      VertexWriter<T> vertices(model_, frame_, selection_.isovalue(), surface_);
       for (std::int32_t y = 0; y < field_.dims[1]; ++y)
-        write_row(y, static_cast<std::int32_t>(z), vertices, write_triangles);
+        write_row(y, static_cast<std::int32_t>(z), vertices);
       extremes[z] = vertices.extremes();
     });
   }
@@ -279,8 +263,7 @@ class FullResolution {
   }
 
   template <typename T>
-  void write_row(std::int32_t y, std::int32_t z, VertexWriter<T>& vertices,
-                 WriteCells write_triangles) {
+  void write_row(std::int32_t y, std::int32_t z, VertexWriter<T>& vertices) {
     const CellRow row(field_, y, z);
     const int parity = (y & 1) << 1 | (z & 1) << 2;
     const KuhnCubeCases& even_x = kuhn_cube_cases(parity, frame_.is_mirrored);
@@ -293,11 +276,11 @@ class FullResolution {
       cells.corners = row.corners(word);
       if (CellRow::is_uniform(cells.corners)) continue;
       row.crossings(cells.corners, word, cells.crossings);
+      vertices.open_word(word);
       for (std::size_t s = 0; s < kOwnSeries; ++s)
-        if (cells.crossings[s] != 0)
-          vertices.write(word, kDirection[s], cells.crossings[s], cells.first_id[s]);
+        vertices.write(kDirection[s], cells.crossings[s], cells.first_id[s]);
       cells.crossed = row.has_cells() ? row.crossed_cells(cells.corners, word) : 0;
-      out = write_triangles(cells, even_x, odd_x, out);
+      out = write_cells(cells, even_x, odd_x, out);
       for (std::size_t s = 0; s < kEdgeSeries; ++s)
         cells.first_id[s] += static_cast<std::uint32_t>(std::popcount(cells.crossings[s]));
     }
@@ -306,9 +289,8 @@ class FullResolution {
   const Selection<3>& selection_;
   const Model<3>& model_;
   const LatticeFrame& frame_;
-  Threads threads_;
+  const IsosurfaceQuery& query_;
   Surface& surface_;
-  std::vector<EdgePoint>* points_;
   Progress& progress_;
   SignField field_;
   std::vector<RowStart> starts_;
@@ -318,13 +300,11 @@ class FullResolution {
 }  // namespace
 
 Result<FullResolutionReport> extract_full_resolution(const Selection<3>& selection,
-                                                     const LatticeFrame& frame, Threads threads,
-                                                     Surface& surface,
-                                                     std::vector<EdgePoint>* points,
+                                                     const LatticeFrame& frame,
+                                                     const IsosurfaceQuery& query, Surface& surface,
                                                      Progress& progress) {
   surface.origin = frame.surface_origin;
-  if (!selection.model().shape.has_cells()) return FullResolutionReport{};
-  return FullResolution(selection, frame, threads, surface, points, progress).run();
+  return FullResolution(selection, frame, query, surface, progress).run();
 }
 
 }  // namespace lode::diamond

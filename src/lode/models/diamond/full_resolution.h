@@ -2,8 +2,8 @@
 
 #include "lode/core/progress.h"
 #include "lode/core/surface.h"
-#include "lode/mappers/iso_part.h"
 #include "lode/mappers/lattice_frame.h"
+#include "lode/models/diamond/extract.h"
 #include "lode/models/diamond/selection.h"
 
 namespace lode::diamond {
@@ -20,10 +20,11 @@ struct FullResolutionReport {
 /// Tolerance 0 on a volume without holes: the surface in all finest simplices, by flat passes
 /// over rows of cells instead of a traversal (sign bits, counts, prefix sums, write). The same
 /// vertices and triangles as the traversal's but for their order, which depends on nothing but
-/// the model: by row of cells. Appends to `surface`, and each new vertex's edge to `points`
-/// (resized to the surface's vertices) when that is not null.
-[[nodiscard]] Result<FullResolutionReport> extract_full_resolution(
-    const Selection<3>& selection, const LatticeFrame& frame, Threads threads, Surface& surface,
-    std::vector<EdgePoint>* points, Progress& progress);
+/// the model: by row of cells. Appends to `surface` or replaces it, as the query says.
+[[nodiscard]] Result<FullResolutionReport> extract_full_resolution(const Selection<3>& selection,
+                                                                   const LatticeFrame& frame,
+                                                                   const IsosurfaceQuery& query,
+                                                                   Surface& surface,
+                                                                   Progress& progress);
 
 }  // namespace lode::diamond

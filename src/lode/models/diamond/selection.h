@@ -25,6 +25,8 @@ class Selection {
   [[nodiscard]] bool is_inside(int level, std::size_t at) const {
     return static_cast<double>(model_.levels[as_size(level)].low[at]) >= relative_above_;
   }
+  /// Tolerance 0: everything is refined, whatever its error.
+  [[nodiscard]] bool is_full() const { return is_full_; }
   [[nodiscard]] bool exceeds_tolerance(ErrorCode error) const {
     return is_full_ || error > tolerance_;
   }
