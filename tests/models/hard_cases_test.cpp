@@ -14,6 +14,7 @@
 #include "lode/models/diamond/persist.h"
 #include "tests/models/finest_level_set.h"
 #include "tests/oracles/analytic_fields.h"
+#include "tests/oracles/random.h"
 
 namespace lode {
 namespace {
@@ -114,6 +115,43 @@ TEST(hard_cases, thin_slabs) {
                                                      [](const Index3& p) { return 100 * wave(p); }),
                              30.5, {0, 20}),
       100U);
+}
+
+TEST(hard_cases, nan_blocks_and_five_percent_of_scattered_nan) {
+  const auto nan = std::nan("");
+  for (const Index3& dims : {Index3{{19, 18, 17}}, Index3{{2, 60, 2}}, Index3{{1, 40, 40}},
+                             Index3{{3, 3, 3}}, Index3{{34, 9, 5}}}) {
+    const auto block = volume_of<float>(grid_with(dims), [&](const Index3& p) {
+      const bool is_hole = p[0] <= dims[0] / 2 && p[1] > dims[1] / 3 && p[1] < 2 * dims[1] / 3;
+      return is_hole ? nan : wave(p);
+    });
+    expect_true_everywhere(block, 0.3, {0, 0.4});
+    oracles::Random random(17);
+    const auto scattered = volume_of<float>(
+        grid_with(dims), [&](const Index3& p) { return random.uniform() < 0.05 ? nan : wave(p); });
+    expect_true_everywhere(scattered, 0.3, {0, 0.4});
+  }
+}
+
+TEST(hard_cases, a_slab_of_a_whole_scan) {
+  // 512 x 512 x 34 in a cube of 512: nothing outside the slab may cost time or memory.
+  const auto volume = volume_of<std::int16_t>(grid_with({{512, 512, 34}}), [](const Index3& p) {
+    return 1000 - 40 * std::hypot(p[0] - 100.0, p[1] - 400.0, 3.0 * (p[2] - 33.0));
+  });
+  Progress progress;
+  const auto source = make_memory_source(volume);
+  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+  ASSERT_TRUE(dataset);
+  for (const double tolerance : {0.0, 100.0}) {
+    Surface surface;
+    const ExtractOptions options{.isovalues = {300}, .max_error = tolerance, .threads = {2}};
+    const auto report = dataset->extract(options, surface, progress);
+    ASSERT_TRUE(report);
+    EXPECT_GT(surface.triangles.size(), 100U);
+    EXPECT_LT(report->nodes_visited, 100000U);
+    EXPECT_TRUE(check_topology(surface, {}).is_clean_manifold());
+    if (tolerance > 0) expect_holds(dataset->verify_surface(surface, options, progress));
+  }
 }
 
 TEST(hard_cases, simplices_cut_by_two_border_planes) {
