@@ -9,16 +9,6 @@
 namespace lode::diamond {
 namespace {
 
-/// Whether float32 holds every interpolant exactly: multiples of 1/root side below the largest
-/// value's magnitude.
-template <int D>
-bool is_exact_in_float(const Model<D>& model) {
-  if (is_floating(model.storage)) return false;
-  const double largest = std::max(std::abs(model.stats.min), std::abs(model.stats.max));
-  const int bits = static_cast<int>(std::ceil(std::log2(largest + 1))) + 1;
-  return bits + model.shape.n_levels <= 24;
-}
-
 /// value - reference rounded to float32, downward (direction < 0) or upward.
 float outward(double value, double reference, double direction) {
   double difference = value - reference;
@@ -52,20 +42,7 @@ NodeLevel encode(const Model<D>& model, const RawLevel<C>& raw, Threads threads)
 
 template <int D, typename C>
 Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progress) {
-  std::vector<RawLevel<C>> raw;
-  for (int level = 0; level < model.shape.n_levels; ++level)
-    raw.emplace_back(n_points<D>(level_dims<D>(model.shape, level)));
-  std::vector<std::unique_ptr<ErrorPass<D, C>>> passes(as_size(n_workers(threads)));
-  std::atomic<std::size_t> n_done{0};
-  parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int worker) {
-    if (progress.is_cancelled()) return;
-    auto& pass = passes[as_size(worker)];
-    if (!pass) pass = std::make_unique<ErrorPass<D, C>>(model, raw);
-    pass->run_brick(point_of<D>(model.brick_dims, i));
-    progress.report("errors",
-                    static_cast<double>(++n_done) / static_cast<double>(model.n_bricks()));
-  });
-  if (progress.is_cancelled()) return cancelled_error();
+  LODE_TRY(std::vector<RawLevel<C>> raw, (find_own_errors<D, C>(model, threads, progress)));
   NestingPass<D, C>(model, raw, threads).run();
   model.levels.clear();
   for (RawLevel<C>& level : raw) {

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "lode/core/atomic_extremes.h"
+#include "lode/core/progress.h"
 #include "lode/models/diamond/cube_plan.h"
 #include "lode/models/diamond/interpolant_kernel.h"
 #include "lode/models/diamond/leaf_attributes.h"
@@ -222,5 +225,37 @@ class ErrorPass {
   LeafAttributes<C> leaf_;
   AlignedVector<C> samples_, vertices_, scratch_, corners_, errors_;
 };
+
+/// Whether float32 holds every interpolant exactly: multiples of 1/root side below the largest
+/// value's magnitude.
+template <int D>
+[[nodiscard]] bool is_exact_in_float(const Model<D>& model) {
+  if (is_floating(model.storage)) return false;
+  const double largest = std::max(std::abs(model.stats.min), std::abs(model.stats.max));
+  const int bits = static_cast<int>(std::ceil(std::log2(largest + 1))) + 1;
+  return bits + model.shape.n_levels <= 24;
+}
+
+/// The own errors of all nodes, and the leaf attributes (nested, as level 0 holds them).
+template <int D, typename C>
+[[nodiscard]] Result<std::vector<RawLevel<C>>> find_own_errors(const Model<D>& model,
+                                                               Threads threads,
+                                                               Progress& progress) {
+  std::vector<RawLevel<C>> raw;
+  for (int level = 0; level < model.shape.n_levels; ++level)
+    raw.emplace_back(n_points<D>(level_dims<D>(model.shape, level)));
+  std::vector<std::unique_ptr<ErrorPass<D, C>>> passes(as_size(n_workers(threads)));
+  std::atomic<std::size_t> n_done{0};
+  parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int worker) {
+    if (progress.is_cancelled()) return;
+    auto& pass = passes[as_size(worker)];
+    if (!pass) pass = std::make_unique<ErrorPass<D, C>>(model, raw);
+    pass->run_brick(point_of<D>(model.brick_dims, i));
+    progress.report("errors",
+                    static_cast<double>(++n_done) / static_cast<double>(model.n_bricks()));
+  });
+  if (progress.is_cancelled()) return cancelled_error();
+  return raw;
+}
 
 }  // namespace lode::diamond

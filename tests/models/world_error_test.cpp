@@ -1,0 +1,169 @@
+// World errors against their definition, simplex by simplex.
+
+#include "lode/models/diamond/world_error.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "lode/models/diamond/build.h"
+#include "lode/models/diamond/selection.h"
+#include "tests/oracles/random.h"
+
+namespace lode::diamond {
+namespace {
+
+template <int D>
+using Point = Vec<double, as_size(D)>;
+
+/// Solves a (D rows) x = b by Cramer's rule in 2D, elimination in 3D.
+template <int D>
+Point<D> solve(std::array<Point<D>, as_size(D)> a, Point<D> b) {
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    std::size_t pivot = i;
+    for (std::size_t r = i; r < as_size(D); ++r)
+      if (std::abs(a[r][i]) > std::abs(a[pivot][i])) pivot = r;
+    std::swap(a[i], a[pivot]);
+    std::swap(b[i], b[pivot]);
+    for (std::size_t r = 0; r < as_size(D); ++r) {
+      if (r == i) continue;
+      const double factor = a[r][i] / a[i][i];
+      for (std::size_t k = 0; k < as_size(D); ++k) a[r][k] -= factor * a[i][k];
+      b[r] -= factor * b[i];
+    }
+  }
+  for (std::size_t i = 0; i < as_size(D); ++i) b[i] /= a[i][i];
+  return b;
+}
+
+template <int D>
+class Oracle {
+ public:
+  explicit Oracle(const Model<D>& model) : model_(model) {
+    for (const Simplex<D>& s : kuhn_simplices<D>({}, model.shape.root_side())) collect(s);
+  }
+
+  double nested(const Index<D>& centre) {
+    const auto known = nested_.find(centre.v);
+    if (known != nested_.end()) return known->second;
+    double world = own(centre);
+    for (const Index<D>& child : children<D>(diamond_at<D>(centre)))
+      if (simplices_.contains(child.v)) world = std::max(world, nested(child));
+    return nested_[centre.v] = world;
+  }
+  const std::map<std::array<std::int32_t, as_size(D)>, std::vector<Simplex<D>>>& nodes() const {
+    return simplices_;
+  }
+
+ private:
+  /// All simplices on the grid of their level's cubes, by the node that bisects them.
+  void collect(const Simplex<D>& s) {
+    if (is_finest(s)) return;
+    const Diamond<D> node = diamond_at<D>(s.bisection_point());
+    const Index<D> grid = model_.shape.grid_dims(node.level);
+    bool is_on_grid = true;
+    for (const Index<D>& v : s.v)
+      for (std::size_t i = 0; i < as_size(D); ++i)
+        is_on_grid = is_on_grid && (v[i] >> node.level) < grid[i];
+    if (is_on_grid) simplices_[node.centre.v].push_back(s);
+    for (const Simplex<D>& half : bisect(s)) collect(half);
+  }
+
+  double own(const Index<D>& centre) {
+    double error = 0;
+    double gradient = std::numeric_limits<double>::infinity();
+    double longest = 0;
+    for (const Simplex<D>& s : simplices_.at(centre.v)) {
+      std::array<Point<D>, as_size(D)> edges;
+      Point<D> rise;
+      for (std::size_t j = 0; j < as_size(D); ++j) {
+        edges[j] = place(s.v[j + 1]) - place(s.v[0]);
+        rise[j] = model_.value(s.v[j + 1]) - model_.value(s.v[0]);
+      }
+      const Point<D> slope = solve<D>(edges, rise);
+      gradient = std::min(gradient, length(slope));
+      for (const Index<D>& a : s.v)
+        for (const Index<D>& b : s.v) longest = std::max(longest, length(place(a) - place(b)));
+      error = std::max(error, error_in(s, edges, slope));
+    }
+    return error > 0 ? std::min(longest, error / gradient) : 0;
+  }
+
+  double error_in(const Simplex<D>& s, const std::array<Point<D>, as_size(D)>& edges,
+                  const Point<D>& slope) const {
+    std::array<Point<D>, as_size(D)> columns;
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      for (std::size_t j = 0; j < as_size(D); ++j) columns[i][j] = edges[j][i];
+    double error = 0;
+    for (std::size_t i = 0; i < n_points<D>(model_.shape.dims); ++i) {
+      const Index<D> p = point_of<D>(model_.shape.dims, i);
+      const Point<D> offset = place(p) - place(s.v[0]);
+      const Point<D> weights = solve<D>(columns, offset);
+      double sum = 0;
+      bool is_inside = true;
+      for (const double w : weights.v) {
+        sum += w;
+        is_inside = is_inside && w > -1e-9;
+      }
+      if (is_inside && sum < 1 + 1e-9)
+        error =
+            std::max(error, std::abs(model_.value(p) - model_.value(s.v[0]) - dot(slope, offset)));
+    }
+    return error;
+  }
+
+  [[nodiscard]] Point<D> place(const Index<D>& p) const {
+    Point<D> x;
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      x[i] = p[i] * model_.info.grid.spacing[as_size(model_.axes.axis[i])];
+    return x;
+  }
+
+  const Model<D>& model_;
+  std::map<std::array<std::int32_t, as_size(D)>, std::vector<Simplex<D>>> simplices_;
+  std::map<std::array<std::int32_t, as_size(D)>, double> nested_;
+};
+
+template <int D>
+void expect_world_errors(const Index3& dims, std::uint64_t seed) {
+  oracles::Random random(seed);
+  RegularGrid grid;
+  grid.dims = dims;
+  grid.spacing = {{1, 0.5, 2}};
+  std::vector<float> samples(static_cast<std::size_t>(grid.n_samples()));
+  for (float& f : samples) f = static_cast<float>(random.uniform(-1, 1));
+  Progress progress;
+  const auto model = build<D>(*make_memory_source(make_volume<float>(grid, samples)), {}, progress);
+  ASSERT_TRUE(model);
+  const auto worlds = compute_world_errors<D>(*model, {2}, progress);
+  ASSERT_TRUE(worlds);
+  const Selection<D> selection(*model, 0, 0);
+  Oracle<D> oracle(*model);
+  std::size_t n_checked = 0;
+  for (const auto& [centre, simplices] : oracle.nodes()) {
+    const Diamond<D> node = diamond_at<D>({centre});
+    if (!model->shape.overlaps_data(bounds_of(node)) || !model->shape.is_sample(node.centre))
+      continue;
+    const double expected = oracle.nested(node.centre);
+    const bool is_stored = node.level > 0 || node.tier == 0;
+    const double found =
+        is_stored ? double{decode_error((*worlds)[as_size(node.level)][selection.index_of(node)])}
+                  : finest_world_error<D>(*model, node);
+    EXPECT_GE(found, expected * (1 - 1e-6)) << "level " << node.level << " tier " << node.tier;
+    EXPECT_LE(found, expected * 1.02 + 1e-6) << "level " << node.level << " tier " << node.tier;
+    ++n_checked;
+  }
+  EXPECT_GT(n_checked, 10U);
+}
+
+TEST(world_error, is_the_nested_estimate_of_its_definition) {
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    expect_world_errors<3>({{9, 9, 9}}, seed);
+    expect_world_errors<3>({{5, 9, 5}}, seed);
+    expect_world_errors<2>({{17, 17, 1}}, seed);
+    expect_world_errors<2>({{1, 9, 33}}, seed);
+  }
+}
+
+}  // namespace
+}  // namespace lode::diamond
