@@ -1,6 +1,7 @@
 #include "lode/mappers/surface_edits.h"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <numeric>
 #include <tuple>
@@ -214,21 +215,36 @@ void flip_orientation(Surface& surface) {
   for (Vec3f& n : surface.normals) n = n * -1.0F;
 }
 
-void fill_zero_normals(Surface& surface) {
-  const auto is_zero_normal = [](const Vec3f& n) { return n == Vec3f{}; };
-  if (std::ranges::none_of(surface.normals, is_zero_normal)) return;
-  std::vector<bool> is_zero(surface.normals.size());
-  for (std::size_t v = 0; v < surface.normals.size(); ++v)
-    is_zero[v] = is_zero_normal(surface.normals[v]);
-  for (const auto& t : surface.triangles) {
-    if (!is_zero[t[0]] && !is_zero[t[1]] && !is_zero[t[2]]) continue;
-    const Vec3f n = cross(surface.positions[t[1]] - surface.positions[t[0]],
-                          surface.positions[t[2]] - surface.positions[t[0]]);
-    for (const std::uint32_t v : t)
-      if (is_zero[v]) surface.normals[v] = surface.normals[v] + n;
-  }
-  for (std::size_t v = 0; v < surface.normals.size(); ++v)
-    if (is_zero[v]) surface.normals[v] = normalized(surface.normals[v]);
+void fill_zero_normals(Surface& surface, Threads threads) {
+  constexpr std::size_t kChunk = 1 << 16;
+  std::vector<std::uint8_t> is_zero(surface.normals.size());
+  std::atomic<bool> is_any{false};
+  parallel_for((is_zero.size() + kChunk - 1) / kChunk, threads, 1, [&](std::size_t chunk, int) {
+    bool is_any_here = false;
+    for (std::size_t v = chunk * kChunk; v < std::min(is_zero.size(), (chunk + 1) * kChunk); ++v) {
+      is_zero[v] = surface.normals[v] == Vec3f{} ? 1 : 0;
+      is_any_here = is_any_here || is_zero[v] != 0;
+    }
+    if (is_any_here) is_any = true;
+  });
+  if (!is_any) return;
+  const auto& triangles = surface.triangles;
+  std::vector<std::vector<std::uint32_t>> found((triangles.size() + kChunk - 1) / kChunk);
+  parallel_for(found.size(), threads, 1, [&](std::size_t chunk, int) {
+    for (std::size_t t = chunk * kChunk; t < std::min(triangles.size(), (chunk + 1) * kChunk); ++t)
+      if ((is_zero[triangles[t][0]] | is_zero[triangles[t][1]] | is_zero[triangles[t][2]]) != 0)
+        found[chunk].push_back(static_cast<std::uint32_t>(t));
+  });
+  for (const auto& chunk : found)
+    for (const std::uint32_t i : chunk) {
+      const auto& t = triangles[i];
+      const Vec3f n = cross(surface.positions[t[1]] - surface.positions[t[0]],
+                            surface.positions[t[2]] - surface.positions[t[0]]);
+      for (const std::uint32_t v : t)
+        if (is_zero[v] != 0) surface.normals[v] = surface.normals[v] + n;
+    }
+  for (std::size_t v = 0; v < is_zero.size(); ++v)
+    if (is_zero[v] != 0) surface.normals[v] = normalized(surface.normals[v]);
 }
 
 }  // namespace lode

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "lode/core/box.h"
+#include "lode/core/parallel.h"
 #include "lode/core/surface.h"
 
 namespace lode {
@@ -27,6 +28,6 @@ void crop(Surface& surface, const Box3d& box);
 void flip_orientation(Surface& surface);
 
 /// Replaces zero normals by the area-weighted mean of the triangles round the vertex.
-void fill_zero_normals(Surface& surface);
+void fill_zero_normals(Surface& surface, Threads threads);
 
 }  // namespace lode
