@@ -56,7 +56,7 @@ function(lode_test name)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE lode_settings ${ARG_DEPENDS} GTest::gtest_main)
-  # Tests name only the options they set, and are run far less often than they are compiled.
+  # Tests name only the options they set. -O1: what they test is compiled like any release.
   target_compile_options(${name} PRIVATE -Wno-missing-field-initializers -Wno-dangling-else
                                          $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE

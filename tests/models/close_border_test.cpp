@@ -216,6 +216,9 @@ TEST(close_border, refuses_what_it_cannot_close) {
   const auto holed = c.dataset.extract(closed_at(9.3, 0), surface, progress);
   ASSERT_FALSE(holed);
   EXPECT_NE(holed.error().message.find("holes"), std::string::npos) << holed.error().message;
+  // Nothing to close is nothing to refuse.
+  EXPECT_TRUE(c.dataset.extract(closed_at(1000, 0), surface, progress));
+  EXPECT_TRUE(surface.is_empty());
   ExtractOptions options = closed_at(9.3, 0);
   options.isovalues.push_back(4);
   EXPECT_FALSE(c.dataset.extract(options, surface, progress));

@@ -82,6 +82,7 @@ Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& o
 template <int D>
 Result<void> close_surface(const diamond::Model<D>& model, const ExtractOptions& options,
                            Surface& surface, ExtractReport& report) {
+  if (surface.is_empty()) return {};
   if (model.has_holes() && model.has_removed_border_cell())
     return fail("closing at the border: expected no holes there, but the field has some");
   const bool is_inside = model.value({}) >= options.isovalues.front();

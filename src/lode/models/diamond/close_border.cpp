@@ -96,10 +96,10 @@ class BorderCloser {
     }
     settle_unknown();
     std::vector<std::array<std::uint32_t, 3>> caps;
-    const Surface before = surface_;  // corners are added on the way
+    const std::size_t n_vertices = surface_.positions.size();  // corners are added on the way
     for (std::size_t p = 0; p < kPlanes; ++p)
       if (auto done = add_cap(p, caps); !done) {
-        surface_ = before;
+        remove_corners(n_vertices);
         return done.error();
       }
     surface_.triangles.insert(surface_.triangles.end(), caps.begin(), caps.end());
@@ -290,6 +290,12 @@ class BorderCloser {
     }
     if (!surface_.isovalues.empty()) surface_.isovalues.push_back(surface_.isovalues.front());
     return static_cast<std::uint32_t>(surface_.positions.size() - 1);
+  }
+
+  void remove_corners(std::size_t n_vertices) {
+    surface_.positions.resize(n_vertices);
+    if (!surface_.normals.empty()) surface_.normals.resize(n_vertices);
+    if (!surface_.isovalues.empty()) surface_.isovalues.resize(n_vertices);
   }
 
   /// The plane's unit normal in the world, away from the domain.
