@@ -1,7 +1,6 @@
 #include "lode/models/diamond/build.h"
 
-#include <atomic>
-#include <memory>
+#include <cmath>
 
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/nesting_pass.h"
@@ -9,62 +8,37 @@
 namespace lode::diamond {
 namespace {
 
-/// value - reference rounded to float32, downward (direction < 0) or upward.
-float outward(double value, double reference, double direction) {
-  double difference = value - reference;
-  if (reference != 0)
-    difference = std::nextafter(difference, direction * std::numeric_limits<double>::infinity());
-  const float f = static_cast<float>(difference);
-  const bool is_outward =
-      direction < 0 ? static_cast<double>(f) <= difference : static_cast<double>(f) >= difference;
-  if (is_outward) return f;
-  return std::nextafter(f, static_cast<float>(direction) * std::numeric_limits<float>::infinity());
-}
-
-template <int D, typename C>
-NodeLevel encode(const Model<D>& model, const RawLevel<C>& raw, Threads threads) {
+NodeLevel make_level(std::size_t n) {
   NodeLevel level;
-  const std::size_t n = raw.error.size();
   level.error.resize(n);
   level.low.resize(n);
   level.high.resize(n);
-  const double reference = model.range_reference();
-  constexpr std::size_t kChunk = 1 << 14;
-  parallel_for((n + kChunk - 1) / kChunk, threads, 1, [&](std::size_t chunk, int) {
-    for (std::size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
-      level.error[i] = encode_error(raw.error[i]);
-      level.low[i] = outward(static_cast<double>(raw.low[i]), reference, -1);
-      level.high[i] = outward(static_cast<double>(raw.high[i]), reference, 1);
-    }
-  });
   return level;
 }
 
 template <int D, typename C>
 Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progress) {
-  LODE_TRY(std::vector<RawLevel<C>> raw, (find_own_errors<D, C>(model, threads, progress)));
-  NestingPass<D, C>(model, raw, threads).run();
   model.levels.clear();
-  for (RawLevel<C>& level : raw) {
-    model.levels.push_back(encode<D>(model, level, threads));
-    level = RawLevel<C>(0);
-  }
+  for (int level = 0; level < model.shape.n_levels; ++level)
+    model.levels.push_back(make_level(n_points<D>(model.shape.attribute_dims(level))));
+  LODE_TRY(const OwnErrors own,
+           (find_own_errors<D, C>(model, threads, progress, &model.levels[0])));
+  NestingPass<D>(model, own, threads).run();
   return {};
 }
 
 template <int D, typename C>
 void compute_level_0_as(Model<D>& model, Threads threads) {
-  std::vector<RawLevel<C>> raw;
-  raw.emplace_back(n_points<D>(level_dims<D>(model.shape, 0)));
-  std::vector<std::unique_ptr<ErrorPass<D, C>>> passes(as_size(n_workers(threads)));
+  model.levels[0] = make_level(n_points<D>(model.shape.attribute_dims(0)));
+  const double slack = rounding_slack<D>(model);
+  std::vector<std::vector<C>> values(as_size(n_workers(threads)));
   parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int worker) {
-    auto& pass = passes[as_size(worker)];
-    if (!pass) pass = std::make_unique<ErrorPass<D, C>>(model, raw);
+    std::vector<C>& samples = values[as_size(worker)];
+    samples.resize(power(as_size(kBrickSamples<D> + 2), D));
     const Index<D> brick = point_of<D>(model.brick_dims, i);
-    pass->gather_only(brick);
-    pass->put_leaf_attributes(brick);
+    gather_values<D>(model, brick, 1, samples.data());
+    put_leaf_attributes<D, C>(model, brick, samples.data(), slack, model.levels[0]);
   });
-  model.levels[0] = encode<D>(model, raw[0], threads);
 }
 
 template <int D>
@@ -97,6 +71,12 @@ Result<void> read_samples(Model<D>& model, VolumeSource& source, const BuildSett
     put_samples<D>(model, lower, upper, widened.empty() ? bytes.data() : widened.data());
   }
   finish_samples<D>(model, settings.threads);
+  // Sums and differences of a few values must not overflow.
+  constexpr double kLimit = 0x1p1020;
+  for (const double extreme : {model.stats.min, model.stats.max})
+    if (std::abs(extreme) > kLimit)
+      return fail("expected finite samples of magnitude up to {:.3g}, got {:.17g}", kLimit,
+                  extreme);
   return {};
 }
 

@@ -1,6 +1,7 @@
 #include "lode/models/diamond/cube_plan.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace lode::diamond {
 namespace {
@@ -78,9 +79,9 @@ void add_values(InterpolantPass& pass, const SubCube<D>& cube, int tier) {
   for (const Step& step : steps) pass.means.push_back(step.mean);
 }
 
-void add_region(InterpolantPass& pass, std::uint32_t target,
+void add_region(InterpolantPass& pass, std::uint32_t node,
                 const std::vector<std::uint16_t>& points) {
-  InterpolantPass::Region region{target, static_cast<std::uint32_t>(pass.points.size()), 0};
+  InterpolantPass::Region region{node, static_cast<std::uint32_t>(pass.points.size()), 0};
   pass.points.insert(pass.points.end(), points.begin(), points.end());
   region.end = static_cast<std::uint32_t>(pass.points.size());
   pass.regions.push_back(region);
@@ -101,32 +102,39 @@ void add_node_regions(InterpolantPass& pass, const SubCube<D>& cube, int tier) {
   std::sort(pairs.begin(), pairs.end());
   for (std::size_t i = 0; i < pairs.size();) {
     std::vector<std::uint16_t> points;
-    const std::uint32_t target = pairs[i].first;
-    for (; i < pairs.size() && pairs[i].first == target; ++i) points.push_back(pairs[i].second);
-    add_region(pass, target, points);
+    const std::uint32_t node = pairs[i].first;
+    for (; i < pairs.size() && pairs[i].first == node; ++i) points.push_back(pairs[i].second);
+    add_region(pass, node, points);
   }
 }
 
+/// The rows of a Kuhn simplex: points with kPlanEdge >= u[0] >= .. >= u[D-1] >= 0 steps along the
+/// edges of its chain, joined along edge 0.
 template <int D>
-void add_kuhn_regions(CubePlan<D>& plan) {
-  Index<D> dims;
-  for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = kPlanEdge<D> + 1;
-  for (std::size_t s = 0; s < plan.kuhn_simplices.size(); ++s) {
-    const Simplex<D>& simplex = plan.kuhn_simplices[s];
-    std::array<std::size_t, as_size(D)> order;  // axes by descending coordinate
-    for (std::size_t j = 0; j < as_size(D); ++j)
-      for (std::size_t i = 0; i < as_size(D); ++i)
-        if (simplex.v[j + 1][i] != simplex.v[j][i]) order[j] = i;
-    std::vector<std::uint16_t> points;
-    for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
-      const Index<D> u = point_of<D>(dims, i);
-      bool is_inside = true;
-      for (std::size_t j = 0; j + 1 < as_size(D); ++j)
-        is_inside = is_inside && u[order[j]] >= u[order[j + 1]];
-      if (is_inside) points.push_back(static_cast<std::uint16_t>(plan_offset<D>(u)));
+KuhnSimplex<D> kuhn_rows(const Simplex<D>& simplex) {
+  KuhnSimplex<D> result{.simplex = simplex, .corner = {}, .step = 0, .rows = {}};
+  std::array<std::size_t, as_size(D)> strides;  // per edge of the chain
+  for (std::size_t j = 0; j < as_size(D); ++j)
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      if (simplex.v[j + 1][i] == simplex.v[j][i]) continue;
+      strides[j] = power(as_size(kPlanEdge<D> + 1), static_cast<int>(i));
+      result.corner[j + 1] = static_cast<std::uint16_t>(result.corner[j] | 1U << i);
     }
-    add_region(plan.kuhn, static_cast<std::uint32_t>(s), points);
+  result.step = static_cast<std::uint16_t>(strides[0]);
+  Index<D> dims;  // of all u with u[0] left out
+  for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = i == 0 ? 1 : kPlanEdge<D> + 1;
+  for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
+    Index<D> u = point_of<D>(dims, i);
+    u[0] = u[1];
+    if (!std::is_sorted(u.v.rbegin(), u.v.rend())) continue;
+    typename KuhnSimplex<D>::Row row{0, static_cast<std::uint16_t>(kPlanEdge<D> + 1 - u[0]), {}};
+    for (std::size_t j = 0; j < as_size(D); ++j) {
+      row.u[j] = static_cast<std::uint16_t>(u[j]);
+      row.first = static_cast<std::uint16_t>(row.first + as_size(u[j]) * strides[j]);
+    }
+    result.rows.push_back(row);
   }
+  return result;
 }
 
 template <int D>
@@ -146,37 +154,33 @@ CubePlan<D> make_plan() {
       }
     }
   }
-  plan.kuhn_simplices = kuhn_simplices<D>({}, kPlanEdge<D>);
-  add_values<D>(plan.kuhn, sub_cube<D>({}, kPlanEdge<D>), 0);
-  add_kuhn_regions<D>(plan);
+  for (const Simplex<D>& s : kuhn_simplices<D>({}, kPlanEdge<D>))
+    plan.kuhn.push_back(kuhn_rows<D>(s));
   return plan;
 }
 
 }  // namespace
 
 template <int D>
-std::vector<Index<D>> nodes_containing(const Index<D>& u, std::int32_t side, int tier) {
-  std::vector<Index<D>> result;
-  // Each choice of snapped axes and sides: 0 = middle, 1 = lower border, 2 = upper border.
-  int n_choices = 1;
-  for (int i = 0; i < D; ++i) n_choices *= 3;
-  for (int code = 0; code < n_choices; ++code) {
-    Index<D> node;
-    int n_snapped = 0;
-    std::int32_t largest_snapped = 0;
-    std::int32_t smallest_free = side;
-    for (int i = 0, rest = code; i < D; ++i, rest /= 3) {
-      const std::size_t axis = as_size(i);
-      const int choice = rest % 3;
-      node[axis] = choice == 0 ? side / 2 : choice == 1 ? 0 : side;
-      if (choice == 0) {
-        smallest_free = std::min({smallest_free, u[axis], side - u[axis]});
-      } else {
-        ++n_snapped;
-        largest_snapped = std::max(largest_snapped, choice == 1 ? u[axis] : side - u[axis]);
+NearPoints<D> nodes_containing(const Index<D>& u, std::int32_t side, int tier) {
+  NearPoints<D> result;
+  for (std::uint32_t snapped = 0; snapped < 1U << D; ++snapped) {
+    if (std::popcount(snapped) != tier) continue;
+    std::int32_t nearest_free = side;
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      if ((snapped >> i & 1U) == 0) nearest_free = std::min({nearest_free, u[i], side - u[i]});
+    for (std::uint32_t upper = snapped;; upper = (upper - 1) & snapped) {
+      Index<D> node;
+      bool is_nearer = true;
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        const bool is_upper = (upper >> i & 1U) != 0;
+        node[i] = (snapped >> i & 1U) == 0 ? side / 2 : is_upper ? side : 0;
+        if ((snapped >> i & 1U) != 0)
+          is_nearer = is_nearer && (is_upper ? side - u[i] : u[i]) <= nearest_free;
       }
+      if (is_nearer) result.push_back(node);
+      if (upper == 0) break;
     }
-    if (n_snapped == tier && largest_snapped <= smallest_free) result.push_back(node);
   }
   return result;
 }
@@ -189,7 +193,7 @@ const CubePlan<D>& CubePlan<D>::instance() {
 
 template struct CubePlan<2>;
 template struct CubePlan<3>;
-template std::vector<Index<2>> nodes_containing<2>(const Index<2>&, std::int32_t, int);
-template std::vector<Index<3>> nodes_containing<3>(const Index<3>&, std::int32_t, int);
+template NearPoints<2> nodes_containing<2>(const Index<2>&, std::int32_t, int);
+template NearPoints<3> nodes_containing<3>(const Index<3>&, std::int32_t, int);
 
 }  // namespace lode::diamond

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "lode/models/diamond/lattice.h"
@@ -25,14 +27,27 @@ struct InterpolantPass {
     std::uint16_t to, first, second;
   };
   struct Region {
-    std::uint32_t target = 0;  ///< A node's offset in the cube, or the number of a Kuhn simplex.
-    std::uint32_t begin = 0;   ///< Its points, as a range of `points`.
+    std::uint32_t node = 0;   ///< Its centre's offset in the cube.
+    std::uint32_t begin = 0;  ///< Its points, as a range of `points`.
     std::uint32_t end = 0;
   };
   std::vector<std::uint16_t> vertices;
   std::vector<Mean> means;  ///< In order of evaluation.
   std::vector<Region> regions;
   std::vector<std::uint16_t> points;
+};
+
+/// The points of a cube's Kuhn simplex in rows. A coarser interpolant is linear there.
+template <int D>
+struct KuhnSimplex {
+  struct Row {
+    std::uint16_t first, n;                   ///< Offset of the first point; how many.
+    std::array<std::uint16_t, as_size(D)> u;  ///< Steps to the first point along each chain edge.
+  };
+  Simplex<D> simplex;                                ///< In canonical coordinates.
+  std::array<std::uint16_t, as_size(D) + 1> corner;  ///< Bit i: at the far end of axis i.
+  std::uint16_t step = 0;                            ///< Between points of a row, along edge 0.
+  std::vector<Row> rows;
 };
 
 /// Everything needed to find the own errors of all nodes of sides 4 .. kPlanEdge inside a cube of
@@ -46,8 +61,7 @@ struct CubePlan {
     InterpolantPass pass;
   };
   std::vector<NodePass> node_passes;  ///< Per sub-cube and tier; regions are nodes.
-  InterpolantPass kuhn;               ///< Tier 0 on the whole cube; regions are Kuhn simplices.
-  std::vector<Simplex<D>> kuhn_simplices;  ///< In canonical coordinates, in `kuhn`'s order.
+  std::vector<KuhnSimplex<D>> kuhn;
 
   [[nodiscard]] static const CubePlan& instance();
 };
@@ -59,9 +73,12 @@ extern template struct CubePlan<3>;
 /// origin, mirrored so that all coordinates grow from it.
 template <int D>
 struct CanonicalCube {
-  std::int32_t side;
+  std::int32_t side = 0;
   Index<D> even_corner;
   Index<D> sign;
+
+  CanonicalCube() = default;
+  friend bool operator==(const CanonicalCube&, const CanonicalCube&) = default;
 
   /// The cube of this side that contains the unit cell with lowest corner `cell`.
   CanonicalCube(const Index<D>& cell, std::int32_t cube_side) : side(cube_side) {
@@ -93,8 +110,39 @@ struct CanonicalCube {
 /// local coordinates u) whose closed domain contains u: snap the `tier` coordinates that are
 /// nearest to the cube's border to it, all others to the middle; ties give several.
 template <int D>
-[[nodiscard]] std::vector<Index<D>> nodes_containing(const Index<D>& u, std::int32_t side,
-                                                     int tier);
+[[nodiscard]] NearPoints<D> nodes_containing(const Index<D>& u, std::int32_t side, int tier);
+
+/// The centre of the one such node whose inside contains u, which lies on none's border.
+template <int D>
+[[nodiscard]] Index<D> node_round(const Index<D>& u, std::int32_t side, int tier);
+
+/// Sorts axes [first, D) so that before(a, b) holds for no later a and earlier b; equal ones stay.
+template <std::size_t D, typename Before>
+constexpr void sort_axes(std::array<int, D>& axes, std::size_t first, const Before& before) {
+  for (std::size_t i = first + 1; i < D; ++i)
+    for (std::size_t j = i; j > first && before(axes[j], axes[j - 1]); --j)
+      std::swap(axes[j], axes[j - 1]);
+}
+
+template <int D>
+Index<D> node_round(const Index<D>& u, std::int32_t side, int tier) {
+  std::array<int, as_size(D)> order;
+  Index<D> node;
+  Index<D> border_distance;
+  for (int i = 0; i < D; ++i) {
+    order[as_size(i)] = i;
+    node[as_size(i)] = side / 2;
+    border_distance[as_size(i)] = std::min(u[as_size(i)], side - u[as_size(i)]);
+  }
+  sort_axes(order, 0, [&](int a, int b) {
+    return border_distance[as_size(a)] < border_distance[as_size(b)];
+  });
+  for (std::size_t j = 0; j < as_size(tier); ++j) {
+    const std::size_t axis = as_size(order[j]);
+    node[axis] = 2 * u[axis] < side ? 0 : side;
+  }
+  return node;
+}
 
 /// The value at local coordinates u, in a cube of side `side` in canonical orientation, of the
 /// interpolant in which the cube's nodes of tiers below `tier` are refined. `vertex(Index<D>)`
@@ -109,7 +157,7 @@ template <int D, typename VertexValue>
     order[as_size(i)] = i;
     border_distance[as_size(i)] = std::min(u[as_size(i)], side - u[as_size(i)]);
   }
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+  sort_axes(order, 0, [&](int a, int b) {
     return border_distance[as_size(a)] < border_distance[as_size(b)];
   });
   // The centres of the cube, then of the faces u lies nearest to: weights are steps of distance.
@@ -131,8 +179,8 @@ template <int D, typename VertexValue>
     p[axis] = 0;
     rest[axis] = 2 * u[axis] - used;  // doubled, in [0, 2·(side - used)]
   }
-  std::stable_sort(order.begin() + tier, order.end(),
-                   [&](int a, int b) { return rest[as_size(a)] > rest[as_size(b)]; });
+  sort_axes(order, as_size(tier),
+            [&](int a, int b) { return rest[as_size(a)] > rest[as_size(b)]; });
   std::int32_t left = 2 * (side - used);
   for (int j = tier; j <= D; ++j) {
     const std::int32_t next = j < D ? rest[as_size(order[as_size(j)])] : 0;

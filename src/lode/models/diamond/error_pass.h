@@ -4,19 +4,19 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
-#include "lode/core/atomic_extremes.h"
 #include "lode/core/progress.h"
-#include "lode/models/diamond/cube_plan.h"
+#include "lode/models/diamond/coarse_pass.h"
 #include "lode/models/diamond/interpolant_kernel.h"
 #include "lode/models/diamond/leaf_attributes.h"
-#include "lode/models/diamond/raw_level.h"
+#include "lode/models/diamond/own_errors.h"
 
 namespace lode::diamond {
 
-/// What rounding may have hidden from a computed error: F' is a chain of at most 64 means, each
-/// rounded once. Nothing where all values are integers with room for the weights.
+/// What rounding may have hidden from a computed error: F' is a chain of at most 64 means or sums,
+/// each rounded once. Nothing where all values are integers with room for the weights.
 template <int D>
 [[nodiscard]] double rounding_slack(const Model<D>& model) {
   const bool is_exact = !is_floating(model.info.type) && size_of(model.info.type) <= 4;
@@ -24,118 +24,37 @@ template <int D>
   return 0x1p-47 * std::max(std::abs(model.stats.min), std::abs(model.stats.max));
 }
 
-/// Finds the leaf attributes and all own errors, brick by brick. Each brick sees its samples and
-/// one layer round them, and the corners of coarser cubes; the largest over bricks is the answer,
-/// whatever the order.
+/// Finds the own errors of all nodes of levels >= 1, and level 0's nested attributes where `leaf`
+/// is given, brick by brick. Each brick sees its samples and one layer round them, and the corners
+/// of coarser cubes; the largest over bricks is the answer, whatever the order.
 template <int D, typename C>
 class ErrorPass {
  public:
-  ErrorPass(const Model<D>& model, std::vector<RawLevel<C>>& levels)
-      : model_(model), levels_(levels), slack_(rounding_slack<D>(model)) {}
+  ErrorPass(const Model<D>& model, OwnErrors& own, NodeLevel* leaf)
+      : model_(model),
+        own_(own),
+        leaf_(leaf),
+        slack_(rounding_slack<D>(model)),
+        coarse_(model, slack_, own) {}
 
   void run_brick(const Index<D>& brick) {
-    values_.resize(kMarginPoints);
+    values_.resize(power(kEdge, D));
     gather_values<D>(model_, brick, 1, values_.data());
-    put_leaf_attributes(brick);
+    if (leaf_ != nullptr) put_leaf_attributes<D, C>(model_, brick, values_.data(), slack_, *leaf_);
     if (model_.shape.n_levels == 1) return;
-    const bool has_holes = model_.has_holes();
-    for (int first = 0; first < kPlansPerBrick<D>; first += static_cast<int>(kLanes)) {
-      if (!gather_lanes(brick, first)) continue;
-      const Holes holes = has_holes ? Holes::present : Holes::absent;
-      node_errors(holes);
-      for (int level = kPlanLevel + 1; level < model_.shape.n_levels; ++level)
-        for (int tier = 0; tier < D; ++tier) coarse_errors(level, tier, holes);
+    const Holes holes = model_.has_holes() ? Holes::present : Holes::absent;
+    brick_errors_.clear();
+    for (std::size_t batch = 0; batch < as_size(kPlansPerBrick<D>) / kLanes; ++batch) {
+      if (!gather_lanes(brick, batch)) continue;
+      node_errors(batch, holes);
+      for (int level = kPlanLevel<D> + 1; level < model_.shape.n_levels; ++level)
+        coarse_.run(level, cubes_, is_used_, samples_, holes);
     }
-  }
-
-  void put_leaf_attributes(const Index<D>& brick) {
-    compute_leaf_attributes<D>(model_, brick, values_.data(), leaf_);
-    const Index<D> dims = level_dims<D>(model_.shape, 0);
-    Index<D> edge;
-    for (std::size_t i = 0; i < as_size(D); ++i) edge[i] = kLeafCubes<D>;
-    for (std::size_t i = 0; i < leaf_.error.size(); ++i) {
-      const Index<D> cube = brick * kLeafCubes<D> + point_of<D>(edge, i);
-      bool is_inside = true;
-      for (std::size_t a = 0; a < as_size(D); ++a) is_inside = is_inside && cube[a] < dims[a];
-      if (!is_inside) continue;
-      const std::size_t at = linear_index<D>(dims, cube);
-      levels_[0].error[at] = float_up(static_cast<double>(leaf_.error[i]) + slack_);
-      levels_[0].low[at] = leaf_.low[i];
-      levels_[0].high[at] = leaf_.high[i];
-    }
-  }
-
-  void gather_only(const Index<D>& brick) {
-    values_.resize(kMarginPoints);
-    gather_values<D>(model_, brick, 1, values_.data());
+    brick_errors_.merge(model_.shape, brick, slack_, own_);
   }
 
  private:
-  static constexpr int kPlanLevel = D == 3 ? 3 : 4;  // tier-0 level of a cube of side kPlanEdge
-  static constexpr std::size_t kMarginPoints =
-      D == 3 ? std::size_t{35} * 35 * 35 : std::size_t{131} * 131;
-
-  struct Lane {
-    bool is_used = false;
-    CanonicalCube<D> cube{{}, kPlanEdge<D>};
-  };
-
-  /// Offsets into the brick's samples (with margin) of each point of each of its cubes: the same
-  /// for every brick, because a brick is itself a cube of the hierarchy.
-  static const std::vector<std::uint32_t>& lane_offsets() {
-    static const std::vector<std::uint32_t> offsets = [] {
-      std::vector<std::uint32_t> result(kPlanPoints<D> * as_size(kPlansPerBrick<D>));
-      Index<D> dims;
-      for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = kPlanEdge<D> + 1;
-      for (std::size_t cube = 0; cube < as_size(kPlansPerBrick<D>); ++cube)
-        for (std::size_t i = 0; i < kPlanPoints<D>; ++i) {
-          const Index<D> p = cube_of({}, cube).global(point_of<D>(dims, i));
-          std::size_t at = 0;
-          for (std::size_t a = as_size(D); a-- > 0;)
-            at = at * as_size(kBrickSamples<D> + 2) + as_size(p[a] + 1);
-          result[i * as_size(kPlansPerBrick<D>) + cube] = static_cast<std::uint32_t>(at);
-        }
-      return result;
-    }();
-    return offsets;
-  }
-
-  /// Fills the lanes with the brick's cubes first .. first + kLanes - 1; false when none of them
-  /// meets the data.
-  bool gather_lanes(const Index<D>& brick, int first) {
-    bool is_any = false;
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      const CanonicalCube<D> cube = cube_of(brick, as_size(first) + l);
-      const Index<D> lower = cube.lowest_corner();
-      lanes_[l] = {true, cube};
-      for (std::size_t i = 0; i < as_size(D); ++i)
-        lanes_[l].is_used = lanes_[l].is_used && lower[i] < model_.shape.dims[i] - 1;
-      is_any = is_any || lanes_[l].is_used;
-    }
-    if (!is_any) return false;
-    vertices_.resize(kPlanPoints<D> * kLanes);
-    scratch_.resize(kPlanPoints<D> * kLanes);
-    const std::uint32_t* offsets = lane_offsets().data() + first;
-    for (std::size_t i = 0; i < kPlanPoints<D>; ++i, offsets += kPlansPerBrick<D>)
-      for (std::size_t l = 0; l < kLanes; ++l) vertices_[i * kLanes + l] = values_[offsets[l]];
-    samples_ = vertices_;
-    for (std::size_t i = 0; i < as_size(D); ++i)
-      if ((brick[i] + 1) * kBrickEdge<D> >= model_.shape.dims[i]) {
-        mask_beyond_data();
-        break;
-      }
-    return true;
-  }
-
-  /// Points beyond the data do not count as samples.
-  void mask_beyond_data() {
-    Index<D> dims;
-    for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = kPlanEdge<D> + 1;
-    for (std::size_t i = 0; i < kPlanPoints<D>; ++i)
-      for (std::size_t l = 0; l < kLanes; ++l)
-        if (!model_.shape.is_sample(lanes_[l].cube.global(point_of<D>(dims, i))))
-          samples_[i * kLanes + l] = std::numeric_limits<C>::quiet_NaN();
-  }
+  static constexpr std::size_t kEdge = as_size(kBrickSamples<D> + 2);  ///< Of values_.
 
   static CanonicalCube<D> cube_of(const Index<D>& brick, std::size_t number) {
     Index<D> per_edge;
@@ -144,86 +63,120 @@ class ErrorPass {
                             kPlanEdge<D>);
   }
 
-  void put_error(int level, const Index<D>& node, C error) {
-    if (!(error > C(0)) && slack_ == 0) return;
-    const Index<D> dims = model_.shape.grid_dims(level);
-    Index<D> q;
-    for (std::size_t i = 0; i < as_size(D); ++i) {
-      q[i] = node[i] >> level;
-      if (q[i] < 0 || q[i] >= dims[i]) return;
-    }
-    raise_to(levels_[as_size(level)].error[linear_index<D>(dims, q)],
-             float_up(static_cast<double>(error) + slack_));
+  /// Per batch of cubes, the place in BrickErrors of every region of every node pass, per lane: the
+  /// same for every brick, because a brick is itself a cube of the hierarchy.
+  static const std::vector<std::vector<std::uint16_t>>& places() {
+    static const auto all = [] {
+      Index<D> dims;
+      for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = kPlanEdge<D> + 1;
+      std::vector<std::vector<std::uint16_t>> result(as_size(kPlansPerBrick<D>) / kLanes);
+      for (std::size_t batch = 0; batch < result.size(); ++batch)
+        for (const auto& node_pass : CubePlan<D>::instance().node_passes)
+          for (const auto& region : node_pass.pass.regions)
+            for (std::size_t l = 0; l < kLanes; ++l)
+              result[batch].push_back(BrickErrors<D, C>::place(
+                  node_pass.level,
+                  cube_of({}, batch * kLanes + l).global(point_of<D>(dims, region.node))));
+      return result;
+    }();
+    return all;
   }
 
-  void node_errors(Holes holes) {
-    const CubePlan<D>& plan = CubePlan<D>::instance();
-    Index<D> dims;
-    for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = kPlanEdge<D> + 1;
-    for (const auto& node_pass : plan.node_passes) {
-      if (node_pass.level >= model_.shape.n_levels) continue;
-      const auto& regions = node_pass.pass.regions;
-      errors_.resize(regions.size() * kLanes);
-      run_interpolant(node_pass.pass, {samples_.data(), vertices_.data(), scratch_.data()}, holes,
-                      errors_.data());
-      for (std::size_t r = 0; r < regions.size(); ++r) {
-        const Index<D> u = point_of<D>(dims, regions[r].target);
-        for (std::size_t l = 0; l < kLanes; ++l)
-          if (lanes_[l].is_used)
-            put_error(node_pass.level, lanes_[l].cube.global(u), errors_[r * kLanes + l]);
-      }
-    }
-  }
-
-  /// The cube of side 2h of a level that contains a lane's cube.
-  static CanonicalCube<D> coarse_cube(int level, const CanonicalCube<D>& lane) {
-    return CanonicalCube<D>(lane.lowest_corner(), std::int32_t{2} << level);
-  }
-
-  void coarse_errors(int level, int tier, Holes holes) {
-    const CubePlan<D>& plan = CubePlan<D>::instance();
-    Index<D> dims;
-    for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = kPlanEdge<D> + 1;
-    corners_.resize(kPlanPoints<D> * kLanes);
+  /// Fills the lanes with a batch of the brick's cubes; false when none of them meets the data.
+  bool gather_lanes(const Index<D>& brick, std::size_t batch) {
+    bool is_any = false;
+    bool is_whole = true;
     for (std::size_t l = 0; l < kLanes; ++l) {
-      const CanonicalCube<D> cube = coarse_cube(level, lanes_[l].cube);
-      for (const std::uint16_t corner : plan.kuhn.vertices) {
-        const Index<D> p = lanes_[l].cube.global(point_of<D>(dims, corner));
-        corners_[corner * kLanes + l] =
-            lanes_[l].is_used
-                ? static_cast<C>(interpolant_at<D>(
-                      cube.local(p), cube.side, tier,
-                      [&](const Index<D>& u) { return model_.value_or_nan(cube.global(u)); }))
-                : C(0);
+      cubes_[l] = cube_of(brick, batch * kLanes + l);
+      const Index<D> lower = cubes_[l].lowest_corner();
+      is_used_[l] = true;
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        is_used_[l] = is_used_[l] && lower[i] < model_.shape.dims[i] - 1;
+        is_whole = is_whole && lower[i] + kPlanEdge<D> < model_.shape.dims[i];
       }
+      is_any = is_any || is_used_[l];
     }
-    errors_.resize(plan.kuhn.regions.size() * kLanes);
-    run_interpolant(plan.kuhn, {samples_.data(), corners_.data(), scratch_.data()}, holes,
-                    errors_.data());
-    for (std::size_t r = 0; r < plan.kuhn.regions.size(); ++r)
-      for (std::size_t l = 0; l < kLanes; ++l)
-        if (lanes_[l].is_used) put_coarse_error(level, tier, l, r, errors_[r * kLanes + l]);
+    if (!is_any) return false;
+    vertices_.resize(kPlanPoints<D> * kLanes);
+    scratch_.resize(kPlanPoints<D> * kLanes);
+    copy_rows(batch);
+    samples_ = vertices_.data();
+    if (!is_whole) mask_beyond_data();
+    return true;
   }
 
-  /// A Kuhn simplex lies in one coarser diamond of each tier: the one round its centroid.
-  void put_coarse_error(int level, int tier, std::size_t l, std::size_t simplex, C error) {
-    const CanonicalCube<D> cube = coarse_cube(level, lanes_[l].cube);
-    Index<D> sum;  // (D+1) · centroid
-    for (const Index<D>& v : CubePlan<D>::instance().kuhn_simplices[simplex].v)
-      sum = sum + cube.local(lanes_[l].cube.global(v));
-    for (Index<D> node : nodes_containing<D>(sum, cube.side * (D + 1), tier)) {
-      for (std::size_t i = 0; i < as_size(D); ++i) node[i] /= D + 1;
-      put_error(level, cube.global(node), error);
+  /// The points of all lanes side by side. Rows of mirrored cubes run backwards.
+  void copy_rows(std::size_t batch) {
+    Index<D> rows;
+    for (std::size_t i = 0; i < as_size(D); ++i) rows[i] = i == 0 ? 1 : kPlanEdge<D> + 1;
+    std::array<const C*, kLanes> origin;
+    std::array<std::array<std::ptrdiff_t, as_size(D)>, kLanes> step;
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const CanonicalCube<D> cube = cube_of({}, batch * kLanes + l);
+      origin[l] = values_.data();
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        const auto stride = static_cast<std::ptrdiff_t>(power(kEdge, static_cast<int>(i)));
+        origin[l] += (cube.even_corner[i] + 1) * stride;
+        step[l][i] = cube.sign[i] * stride;
+      }
+    }
+    C* out = vertices_.data();
+    for (std::size_t r = 0; r < n_points<D>(rows); ++r) {
+      const Index<D> u = point_of<D>(rows, r);
+      std::array<const C*, kLanes> from = origin;
+      for (std::size_t l = 0; l < kLanes; ++l)
+        for (std::size_t i = 1; i < as_size(D); ++i) from[l] += u[i] * step[l][i];
+      for (std::ptrdiff_t x = 0; x <= kPlanEdge<D>; ++x, out += kLanes)
+        for (std::size_t l = 0; l < kLanes; ++l) out[l] = from[l][x * step[l][0]];
+    }
+  }
+
+  /// Points beyond the data do not count as samples.
+  void mask_beyond_data() {
+    masked_ = vertices_;
+    samples_ = masked_.data();
+    Index<D> rows;
+    for (std::size_t i = 0; i < as_size(D); ++i) rows[i] = i == 0 ? 1 : kPlanEdge<D> + 1;
+    C* row = masked_.data();
+    for (std::size_t r = 0; r < n_points<D>(rows); ++r, row += (kPlanEdge<D> + 1) * kLanes)
+      for (std::size_t l = 0; l < kLanes; ++l) {
+        // Along a row p[0] grows or falls by one a point; the other coordinates stay.
+        Index<D> p = cubes_[l].global(point_of<D>(rows, r));
+        const std::int32_t first = std::exchange(p[0], 0);
+        const bool is_row_beyond = !model_.shape.is_sample(p);
+        for (std::int32_t x = 0; x <= kPlanEdge<D>; ++x)
+          if (is_row_beyond || first + cubes_[l].sign[0] * x >= model_.shape.dims[0])
+            row[as_size(x) * kLanes + l] = std::numeric_limits<C>::quiet_NaN();
+      }
+  }
+
+  void node_errors(std::size_t batch, Holes holes) {
+    const std::uint16_t* place = places()[batch].data();
+    for (const auto& node_pass : CubePlan<D>::instance().node_passes) {
+      const std::size_t n_regions = node_pass.pass.regions.size();
+      if (node_pass.level < model_.shape.n_levels) {
+        errors_.resize(n_regions * kLanes);
+        run_interpolant(node_pass.pass, {samples_, vertices_.data(), scratch_.data()}, holes,
+                        errors_.data());
+        for (std::size_t r = 0; r < n_regions; ++r)
+          for (std::size_t l = 0; l < kLanes; ++l)
+            if (is_used_[l]) brick_errors_.raise(place[r * kLanes + l], errors_[r * kLanes + l]);
+      }
+      place += n_regions * kLanes;
     }
   }
 
   const Model<D>& model_;
-  std::vector<RawLevel<C>>& levels_;
+  OwnErrors& own_;
+  NodeLevel* leaf_;
   double slack_;
-  std::array<Lane, kLanes> lanes_;
-  std::vector<C> values_;
-  LeafAttributes<C> leaf_;
-  AlignedVector<C> samples_, vertices_, scratch_, corners_, errors_;
+  CoarsePass<D, C> coarse_;
+  BrickErrors<D, C> brick_errors_;
+  std::array<CanonicalCube<D>, kLanes> cubes_;
+  std::array<bool, kLanes> is_used_{};
+  std::vector<C> values_;  ///< The brick's samples with one layer round them.
+  AlignedVector<C> vertices_, masked_, scratch_, errors_;
+  const C* samples_ = nullptr;  ///< vertices_, or masked_ where points lie beyond the data.
 };
 
 /// Whether float32 holds every interpolant exactly: multiples of 1/root side below the largest
@@ -236,26 +189,24 @@ template <int D>
   return bits + model.shape.n_levels <= 24;
 }
 
-/// The own errors of all nodes, and the leaf attributes (nested, as level 0 holds them).
+/// The own errors of all nodes of levels >= 1. Where `leaf` is given, level 0's nested attributes
+/// are put there.
 template <int D, typename C>
-[[nodiscard]] Result<std::vector<RawLevel<C>>> find_own_errors(const Model<D>& model,
-                                                               Threads threads,
-                                                               Progress& progress) {
-  std::vector<RawLevel<C>> raw;
-  for (int level = 0; level < model.shape.n_levels; ++level)
-    raw.emplace_back(n_points<D>(level_dims<D>(model.shape, level)));
+[[nodiscard]] Result<OwnErrors> find_own_errors(const Model<D>& model, Threads threads,
+                                                Progress& progress, NodeLevel* leaf = nullptr) {
+  OwnErrors own = make_own_errors<D>(model.shape);
   std::vector<std::unique_ptr<ErrorPass<D, C>>> passes(as_size(n_workers(threads)));
   std::atomic<std::size_t> n_done{0};
   parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int worker) {
     if (progress.is_cancelled()) return;
     auto& pass = passes[as_size(worker)];
-    if (!pass) pass = std::make_unique<ErrorPass<D, C>>(model, raw);
+    if (!pass) pass = std::make_unique<ErrorPass<D, C>>(model, own, leaf);
     pass->run_brick(point_of<D>(model.brick_dims, i));
     progress.report("errors",
                     static_cast<double>(++n_done) / static_cast<double>(model.n_bricks()));
   });
   if (progress.is_cancelled()) return cancelled_error();
-  return raw;
+  return own;
 }
 
 }  // namespace lode::diamond

@@ -28,29 +28,104 @@ void interpolate(const InterpolantPass& pass, const InterpolantArrays<C>& arrays
     }
 }
 
+template <Holes kHoles, typename Tag, typename V>
+V larger_error(Tag d, V sample, V value, V largest) {
+  using C = hn::TFromD<Tag>;
+  auto error = hn::Abs(hn::Sub(sample, value));
+  if constexpr (kHoles == Holes::present) {
+    const auto infinity = hn::Set(d, std::numeric_limits<C>::infinity());
+    error = hn::IfThenElse(hn::IsNaN(value), infinity, error);
+    error = hn::IfThenElse(hn::IsNaN(sample), hn::Zero(d), error);
+  }
+  // A comparison with NaN is false: points that must not count do not.
+  return hn::IfThenElse(hn::Gt(error, largest), error, largest);
+}
+
 template <Holes kHoles, typename C>
 void largest_errors(const InterpolantPass& pass, const InterpolantArrays<C>& arrays, C* out) {
   const hn::CappedTag<C, kLanes> d;
   const std::size_t step = hn::Lanes(d);
-  const auto zero = hn::Zero(d);
-  const auto infinity = hn::Set(d, std::numeric_limits<C>::infinity());
   for (std::size_t r = 0; r < pass.regions.size(); ++r) {
     const InterpolantPass::Region& region = pass.regions[r];
     for (std::size_t l = 0; l < kLanes; l += step) {
-      auto largest = zero;
+      auto largest = hn::Zero(d);
       for (std::uint32_t i = region.begin; i < region.end; ++i) {
         const std::size_t at = pass.points[i] * kLanes + l;
-        const auto sample = hn::Load(d, arrays.samples + at);
-        const auto value = hn::Load(d, arrays.values + at);
-        auto error = hn::Abs(hn::Sub(sample, value));
-        if constexpr (kHoles == Holes::present) {
-          error = hn::IfThenElse(hn::IsNaN(value), infinity, error);
-          error = hn::IfThenElse(hn::IsNaN(sample), zero, error);
-        }
-        // A comparison with NaN is false: points that must not count do not.
-        largest = hn::IfThenElse(hn::Gt(error, largest), error, largest);
+        largest = larger_error<kHoles>(d, hn::Load(d, arrays.samples + at),
+                                       hn::Load(d, arrays.values + at), largest);
       }
       hn::Store(largest, d, out + r * kLanes + l);
+    }
+  }
+}
+
+/// One interpolant of run_linear on one simplex and the lanes from l on: value at the origin and
+/// the change per step along each edge of the chain.
+template <typename Tag, int D>
+class LinearPiece {
+ public:
+  using C = hn::TFromD<Tag>;
+  using V = hn::Vec<Tag>;
+
+  LinearPiece(Tag d, const C* corners, const KuhnSimplex<D>& simplex, std::size_t l)
+      : corners_(corners + l), d_(d), simplex_(simplex) {}
+
+  [[nodiscard]] V slope(std::size_t edge) const {
+    const auto difference = hn::Sub(at(edge + 1), at(edge));
+    return hn::Mul(difference, hn::Set(d_, C(1) / C(kPlanEdge<D>)));
+  }
+  [[nodiscard]] V first_of(const typename KuhnSimplex<D>::Row& row) const {
+    auto value = at(0);
+    for (std::size_t j = 0; j < static_cast<std::size_t>(D); ++j)
+      value = hn::Add(value, hn::Mul(slope(j), hn::Set(d_, static_cast<C>(row.u[j]))));
+    return value;
+  }
+
+ private:
+  [[nodiscard]] V at(std::size_t chain) const {
+    return hn::Load(d_, corners_ + simplex_.corner[chain] * kLanes);
+  }
+
+  const C* corners_;
+  Tag d_;
+  const KuhnSimplex<D>& simplex_;
+};
+
+template <Holes kHoles, int D, typename C>
+void linear_errors(const std::vector<KuhnSimplex<D>>& kuhn, const LinearArrays<C>& arrays) {
+  const hn::CappedTag<C, kLanes> d;
+  using Piece = LinearPiece<hn::CappedTag<C, kLanes>, D>;
+  for (std::size_t s = 0; s < kuhn.size(); ++s) {
+    const KuhnSimplex<D>& simplex = kuhn[s];
+    for (std::size_t l = 0; l < kLanes; l += hn::Lanes(d)) {
+      const Piece a(d, arrays.corners[0], simplex, l);
+      const Piece b(d, arrays.corners[1], simplex, l);
+      const Piece c(d, arrays.corners[2], simplex, l);
+      const auto a_step = a.slope(0);
+      const auto b_step = b.slope(0);
+      const auto c_step = c.slope(0);
+      auto a_largest = hn::Zero(d);
+      auto b_largest = hn::Zero(d);
+      auto c_largest = hn::Zero(d);
+      const std::size_t stride = simplex.step * kLanes;
+      for (const auto& row : simplex.rows) {
+        auto a_value = a.first_of(row);
+        auto b_value = b.first_of(row);
+        auto c_value = c.first_of(row);
+        const C* sample = arrays.samples + row.first * kLanes + l;
+        for (std::size_t i = 0; i < row.n; ++i, sample += stride) {
+          const auto v = hn::Load(d, sample);
+          a_largest = larger_error<kHoles>(d, v, a_value, a_largest);
+          b_largest = larger_error<kHoles>(d, v, b_value, b_largest);
+          c_largest = larger_error<kHoles>(d, v, c_value, c_largest);
+          a_value = hn::Add(a_value, a_step);
+          b_value = hn::Add(b_value, b_step);
+          c_value = hn::Add(c_value, c_step);
+        }
+      }
+      hn::Store(a_largest, d, arrays.errors[0] + s * kLanes + l);
+      hn::Store(b_largest, d, arrays.errors[1] + s * kLanes + l);
+      hn::Store(c_largest, d, arrays.errors[2] + s * kLanes + l);
     }
   }
 }
@@ -74,6 +149,36 @@ void run_double(const InterpolantPass& pass, const InterpolantArrays<double>& ar
   run(pass, arrays, holes, out);
 }
 
+template <int D, typename C>
+void run_linear_as(const std::vector<KuhnSimplex<D>>& kuhn, const LinearArrays<C>& arrays,
+                   Holes holes) {
+  if (holes == Holes::present)
+    linear_errors<Holes::present, D, C>(kuhn, arrays);
+  else
+    linear_errors<Holes::absent, D, C>(kuhn, arrays);
+}
+
+// Highway exports functions, not templates.
+void run_linear_2_float(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<float>& arrays,
+                        Holes holes) {
+  run_linear_as(kuhn, arrays, holes);
+}
+
+void run_linear_3_float(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<float>& arrays,
+                        Holes holes) {
+  run_linear_as(kuhn, arrays, holes);
+}
+
+void run_linear_2_double(const std::vector<KuhnSimplex<2>>& kuhn,
+                         const LinearArrays<double>& arrays, Holes holes) {
+  run_linear_as(kuhn, arrays, holes);
+}
+
+void run_linear_3_double(const std::vector<KuhnSimplex<3>>& kuhn,
+                         const LinearArrays<double>& arrays, Holes holes) {
+  run_linear_as(kuhn, arrays, holes);
+}
+
 }  // namespace lode::diamond::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -82,6 +187,10 @@ namespace lode::diamond {
 
 HWY_EXPORT(run_float);
 HWY_EXPORT(run_double);
+HWY_EXPORT(run_linear_2_float);
+HWY_EXPORT(run_linear_3_float);
+HWY_EXPORT(run_linear_2_double);
+HWY_EXPORT(run_linear_3_double);
 
 void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<float>& arrays,
                      Holes holes, float* out) {
@@ -91,6 +200,30 @@ void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<float>
 void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<double>& arrays,
                      Holes holes, double* out) {
   HWY_DYNAMIC_DISPATCH(run_double)(pass, arrays, holes, out);
+}
+
+template <>
+void run_linear(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<float>& arrays,
+                Holes holes) {
+  HWY_DYNAMIC_DISPATCH(run_linear_2_float)(kuhn, arrays, holes);
+}
+
+template <>
+void run_linear(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<float>& arrays,
+                Holes holes) {
+  HWY_DYNAMIC_DISPATCH(run_linear_3_float)(kuhn, arrays, holes);
+}
+
+template <>
+void run_linear(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<double>& arrays,
+                Holes holes) {
+  HWY_DYNAMIC_DISPATCH(run_linear_2_double)(kuhn, arrays, holes);
+}
+
+template <>
+void run_linear(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<double>& arrays,
+                Holes holes) {
+  HWY_DYNAMIC_DISPATCH(run_linear_3_double)(kuhn, arrays, holes);
 }
 
 }  // namespace lode::diamond

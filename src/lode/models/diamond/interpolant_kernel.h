@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -49,5 +50,20 @@ void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<float>
                      Holes holes, float* out);
 void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<double>& arrays,
                      Holes holes, double* out);
+
+/// Interpolants that are linear on the Kuhn simplices of kLanes cubes, run_linear's input and
+/// output. Always three of them, which share each sample they are compared with.
+template <typename C>
+struct LinearArrays {
+  const C* samples;                 ///< As above.
+  std::array<const C*, 3> corners;  ///< Each cube's 2^D values, bit i: far end of axis i; per lane.
+  std::array<C*, 3> errors;         ///< The largest per Kuhn simplex; per lane.
+};
+
+/// As run_interpolant, per Kuhn simplex. A hole at one of its corners counts for all of it. F' at
+/// a point is a sum of at most 20 terms.
+template <int D, typename C>
+void run_linear(const std::vector<KuhnSimplex<D>>& kuhn, const LinearArrays<C>& arrays,
+                Holes holes);
 
 }  // namespace lode::diamond

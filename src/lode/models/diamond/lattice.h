@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "lode/core/expects.h"
+#include "lode/core/inline_list.h"
 #include "lode/core/vec.h"
 
 namespace lode::diamond {
@@ -21,6 +22,14 @@ template <int D>
 using Index = Vec<std::int32_t, static_cast<std::size_t>(D)>;
 
 inline constexpr std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+
+[[nodiscard]] constexpr std::size_t power(std::size_t base, int exponent) {
+  return exponent == 0 ? 1 : base * power(base, exponent - 1);
+}
+
+/// Some lattice points near one: at most its neighbours.
+template <int D>
+using NearPoints = InlineList<Index<D>, power(3, D) - 1>;
 
 /// The largest power of two, as an exponent, that divides all coordinates; 31 for the origin.
 template <int D>
@@ -80,8 +89,8 @@ template <int D>
 /// level, or the 2^D cubes of the next finer one. Empty at the finest (level 0, tier D-1). Not
 /// clipped to any root cube.
 template <int D>
-[[nodiscard]] std::vector<Index<D>> children(const Diamond<D>& d) {
-  std::vector<Index<D>> result;
+[[nodiscard]] NearPoints<D> children(const Diamond<D>& d) {
+  NearPoints<D> result;
   if (d.tier < D - 1) {
     for (int i = 0; i < D; ++i)
       if (d.is_odd(i))
@@ -105,8 +114,8 @@ template <int D>
 /// one. Empty for the root. Not clipped to any root cube of side `root`, except that a tier-0
 /// node of that size has no parents.
 template <int D>
-[[nodiscard]] std::vector<Index<D>> parents(const Diamond<D>& d, std::int32_t root) {
-  std::vector<Index<D>> result;
+[[nodiscard]] NearPoints<D> parents(const Diamond<D>& d, std::int32_t root) {
+  NearPoints<D> result;
   if (d.tier > 0) {
     for (int i = 0; i < D; ++i)
       if (!d.is_odd(i))
@@ -133,8 +142,8 @@ template <int D>
 /// The vertices of the diamond's simplices other than its centre: the corners of its face of
 /// dimension D - tier, and the centres of the larger faces and cubes round that.
 template <int D>
-[[nodiscard]] std::vector<Index<D>> domain_vertices(const Diamond<D>& d) {
-  std::vector<Index<D>> result;
+[[nodiscard]] NearPoints<D> domain_vertices(const Diamond<D>& d) {
+  NearPoints<D> result;
   int n_offsets = 1;
   for (int i = 0; i < D; ++i) n_offsets *= 3;
   for (int code = 0; code < n_offsets; ++code) {
@@ -259,6 +268,13 @@ struct Shape {
   [[nodiscard]] std::int32_t n_cubes(int level, int axis) const {
     const std::int32_t side = std::int32_t{2} << level;
     return (dims[as_size(axis)] - 1 + side - 1) / side;
+  }
+  /// How a level's attributes are laid out: on its grid, level 0 as one per cube of side 2.
+  [[nodiscard]] Index<D> attribute_dims(int level) const {
+    if (level > 0) return grid_dims(level);
+    Index<D> cubes;
+    for (int i = 0; i < D; ++i) cubes[as_size(i)] = n_cubes(0, i);
+    return cubes;
   }
   /// Points of the level's grid: multiples of 2^level in all cubes that overlap the data.
   [[nodiscard]] Index<D> grid_dims(int level) const {

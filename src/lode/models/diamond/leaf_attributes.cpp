@@ -1,5 +1,7 @@
 #include "lode/models/diamond/leaf_attributes.h"
 
+#include "lode/models/diamond/range_code.h"
+
 namespace lode::diamond {
 namespace {
 
@@ -37,8 +39,31 @@ std::size_t offset_of(const Index<D>& p, const std::array<std::ptrdiff_t, as_siz
   return static_cast<std::size_t>(offset);
 }
 
-/// |F - mean of the axis ends| at every sample of the brick; 0 at all-even points, beyond the
-/// data, and where a hole is involved. At step 1 the parity of a point decides its axis.
+/// |F - mean of the axis ends| along one row of samples: at even x the ends lie at -across and
+/// +across, at odd x also to the sides. Each parity is computed for the whole row, then taken.
+template <int D, typename C>
+void row_midpoint_errors(const C* v, std::ptrdiff_t across, std::int32_t n, C* error) {
+  using Row = std::array<C, as_size(kBrickSamples<D>)>;
+  const auto find = [&](std::ptrdiff_t to_end, Row& out) {
+    for (std::int32_t x = 0; x < n; ++x) {
+      const C e = std::abs(v[x] - (v[x + to_end] + v[x - to_end]) * C(0.5));
+      out[as_size(x)] = e >= C(0) ? e : C(0);
+    }
+  };
+  Row even;
+  Row first;   // x ≡ 1 mod 4
+  Row second;  // x ≡ 3 mod 4
+  find(across, even);
+  find(across - 1, first);
+  find(across + 1, second);
+  if (across != 0)
+    for (std::int32_t x = 0; x < n; x += 2) error[x] = even[as_size(x)];
+  for (std::int32_t x = 1; x < n; x += 4) error[x] = first[as_size(x)];
+  for (std::int32_t x = 3; x < n; x += 4) error[x] = second[as_size(x)];
+}
+
+/// Midpoint errors of every sample of the brick; 0 at all-even points, beyond the data, and where
+/// a hole is involved. At step 1 the parity of a point decides its axis.
 template <int D, typename C>
 void midpoint_errors(const Model<D>& model, const Index<D>& base, const C* values,
                      std::vector<C>& out) {
@@ -49,23 +74,15 @@ void midpoint_errors(const Model<D>& model, const Index<D>& base, const C* value
     for (std::size_t i = 0; i < as_size(D); ++i) v[i] = 1;
     return v;
   }();
+  const std::int32_t n = std::min(kBrickSamples<D>, model.shape.dims[0] - base[0]);
   for_each_row<D>(kBrickSamples<D>, [&](const Index<D>& row) {
     std::ptrdiff_t across = 0;  // from a point to the first axis end, without the x part
     for (std::size_t i = 1; i < as_size(D); ++i) {
       if (base[i] + row[i] >= model.shape.dims[i]) return;
       if ((row[i] & 1) != 0) across += (row[i] & 3) == 1 ? -stride[i] : stride[i];
     }
-    const C* v = values + offset_of<D>(row + ones, stride);
-    C* error = out.data() + model.brick_offset(row);
-    const std::int32_t n = std::min(kBrickSamples<D>, model.shape.dims[0] - base[0]);
-    const auto put = [&](std::int32_t x, std::ptrdiff_t to_end) {
-      const C e = std::abs(v[x] - (v[x + to_end] + v[x - to_end]) * C(0.5));
-      error[x] = e >= C(0) ? e : C(0);
-    };
-    if (across != 0)
-      for (std::int32_t x = 0; x < n; x += 2) put(x, across);
-    for (std::int32_t x = 1; x < n; x += 4) put(x, across - 1);
-    for (std::int32_t x = 3; x < n; x += 4) put(x, across + 1);
+    row_midpoint_errors<D>(values + offset_of<D>(row + ones, stride), across, n,
+                           out.data() + model.brick_offset(row));
   });
 }
 
@@ -118,22 +135,16 @@ void mark_mixed_nodes(const Model<D>& model, const Index<D>& base, const C* valu
   });
 }
 
-/// Errors of the cubes of side 2: the largest over their points.
+/// Errors of one row of cubes of side 2: the largest over their points.
 template <int D, typename C>
-void cube_errors(const std::vector<C>& midpoint, std::vector<C>& out) {
-  for_each_row<D>(kLeafCubes<D>, [&](Index<D> cube) {
-    for (; cube[0] < kLeafCubes<D>; ++cube[0]) {
-      C largest = C(0);
-      for_each_row<D>(3, [&](const Index<D>& o) {
-        const C* m = midpoint.data() + Model<D>::brick_offset(cube * 2 + o);
-        largest = std::max({largest, m[0], m[1], m[2]});
-      });
-      std::size_t at = 0;
-      for (std::size_t i = as_size(D); i-- > 0;)
-        at = at * as_size(kLeafCubes<D>) + as_size(cube[i]);
-      out[at] = largest;
-    }
+void row_errors(const std::vector<C>& midpoint, const Index<D>& cube, C* out) {
+  std::array<C, as_size(kBrickSamples<D>)> largest{};
+  for_each_row<D>(3, [&](const Index<D>& o) {
+    const C* m = midpoint.data() + Model<D>::brick_offset(cube * 2 + o);
+    for (std::size_t x = 0; x < largest.size(); ++x) largest[x] = std::max(largest[x], m[x]);
   });
+  for (std::size_t x = 0; x < as_size(kLeafCubes<D>); ++x)
+    out[x] = std::max({largest[2 * x], largest[2 * x + 1], largest[2 * x + 2]});
 }
 
 /// Whether offset o from the centre of a cube of side 2 is in its nested domain: the union of
@@ -212,37 +223,46 @@ void row_ranges(const C* centre_row, const std::vector<StencilRow>& rows, C* low
 }  // namespace
 
 template <int D, typename C>
-void compute_leaf_attributes(const Model<D>& model, const Index<D>& brick, const C* values,
-                             LeafAttributes<C>& out) {
-  std::size_t n_cubes = 1;
-  for (int i = 0; i < D; ++i) n_cubes *= as_size(kLeafCubes<D>);
-  out.error.resize(n_cubes);
-  out.low.resize(n_cubes);
-  out.high.resize(n_cubes);
+void put_leaf_attributes(const Model<D>& model, const Index<D>& brick, const C* values,
+                         double slack, NodeLevel& out) {
+  static const std::vector<StencilRow> stencil = nested_domain_rows<D>();
   const Index<D> base = brick * kBrickEdge<D>;
   std::vector<C> midpoint;
   midpoint_errors<D>(model, base, values, midpoint);
   if (model.has_holes()) mark_mixed_nodes<D>(model, base, values, midpoint);
-  cube_errors<D>(midpoint, out.error);
-
-  static const std::vector<StencilRow> rows = nested_domain_rows<D>();
+  const double reference = model.range_reference();
   const auto stride = strides<D>(kEdge<D>);
-  std::size_t at = 0;
+  const Index<D> dims = model.shape.attribute_dims(0);
+  const std::int32_t first = brick[0] * kLeafCubes<D>;
+  const auto n = static_cast<std::size_t>(std::clamp(dims[0] - first, 0, kLeafCubes<D>));
   for_each_row<D>(kLeafCubes<D>, [&](const Index<D>& cube) {
+    const Index<D> global = brick * kLeafCubes<D> + cube;
     std::ptrdiff_t row = 0;
-    for (std::size_t i = 1; i < as_size(D); ++i) row += (2 * cube[i] + 2) * stride[i];
-    row_ranges<D>(values + row, rows, out.low.data() + at, out.high.data() + at);
-    at += as_size(kLeafCubes<D>);
+    for (std::size_t i = 1; i < as_size(D); ++i) {
+      if (global[i] >= dims[i]) return;
+      row += (2 * cube[i] + 2) * stride[i];
+    }
+    std::array<C, as_size(kLeafCubes<D>)> error;
+    std::array<C, as_size(kLeafCubes<D>)> low;
+    std::array<C, as_size(kLeafCubes<D>)> high;
+    row_errors<D>(midpoint, cube, error.data());
+    row_ranges<D>(values + row, stencil, low.data(), high.data());
+    const std::size_t at = linear_index<D>(dims, global);
+    for (std::size_t x = 0; x < n; ++x) {
+      out.error[at + x] = encode_error(float_up(static_cast<double>(error[x]) + slack));
+      out.low[at + x] = range_down(static_cast<double>(low[x]), reference);
+      out.high[at + x] = range_up(static_cast<double>(high[x]), reference);
+    }
   });
 }
 
-template void compute_leaf_attributes<2, float>(const Model<2>&, const Index<2>&, const float*,
-                                                LeafAttributes<float>&);
-template void compute_leaf_attributes<3, float>(const Model<3>&, const Index<3>&, const float*,
-                                                LeafAttributes<float>&);
-template void compute_leaf_attributes<2, double>(const Model<2>&, const Index<2>&, const double*,
-                                                 LeafAttributes<double>&);
-template void compute_leaf_attributes<3, double>(const Model<3>&, const Index<3>&, const double*,
-                                                 LeafAttributes<double>&);
+template void put_leaf_attributes<2, float>(const Model<2>&, const Index<2>&, const float*, double,
+                                            NodeLevel&);
+template void put_leaf_attributes<3, float>(const Model<3>&, const Index<3>&, const float*, double,
+                                            NodeLevel&);
+template void put_leaf_attributes<2, double>(const Model<2>&, const Index<2>&, const double*,
+                                             double, NodeLevel&);
+template void put_leaf_attributes<3, double>(const Model<3>&, const Index<3>&, const double*,
+                                             double, NodeLevel&);
 
 }  // namespace lode::diamond

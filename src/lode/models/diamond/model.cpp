@@ -42,8 +42,12 @@ bool touches_hole(const Model<D>& model, std::size_t brick) {
   if (!is_floating(model.storage) && !model.info.nodata) return false;
   return visit_storage_type(model.storage, [&]<typename T>() {
     const T* values = reinterpret_cast<const T*>(model.brick(brick));
-    return std::any_of(values, values + kBrickSize<D>,
-                       [&](T v) { return model.is_hole(static_cast<double>(v)); });
+    if (model.info.nodata)
+      return std::any_of(values, values + kBrickSize<D>,
+                         [&](T v) { return model.is_hole(static_cast<double>(v)); });
+    int n_finite = 0;  // counted without a branch, so that the loop is vectorised
+    for (std::size_t i = 0; i < kBrickSize<D>; ++i) n_finite += values[i] - values[i] == T(0);
+    return n_finite != static_cast<int>(kBrickSize<D>);
   });
 }
 
@@ -64,9 +68,14 @@ BrickStats stats_of_brick(const Model<D>& model, std::size_t brick, bool has_hol
     for_each_row<D>(lower, upper, [&](const Index<D>& row) {
       const T* values =
           reinterpret_cast<const T*>(model.brick(brick)) + model.brick_offset(row - lower);
-      for (std::int32_t x = 0; x < upper[0] - lower[0]; ++x) {
-        ++n_samples;
-        if (has_holes && model.is_hole(static_cast<double>(values[x]))) {
+      const std::int32_t n = upper[0] - lower[0];
+      n_samples += as_size(n);
+      for (std::int32_t x = 0; !has_holes && x < n; ++x) {
+        low = values[x] < low ? values[x] : low;
+        high = values[x] > high ? values[x] : high;
+      }
+      for (std::int32_t x = 0; has_holes && x < n; ++x) {
+        if (model.is_hole(static_cast<double>(values[x]))) {
           ++n_holes;
           continue;
         }
@@ -123,16 +132,15 @@ void replicate_border(Model<D>& model, std::size_t brick) {
     is_whole = is_whole && last[i] == kBrickEdge<D>;
   }
   if (is_whole) return;
-  const std::size_t size = model.sample_size();
-  std::byte* values = model.brick(brick);
-  for_each_row<D>({}, end, [&](Index<D> p) {
-    for (; p[0] < end[0]; ++p[0]) {
-      Index<D> from = p;
-      for (std::size_t i = 0; i < as_size(D); ++i) from[i] = std::min(p[i], last[i]);
-      if (from != p)
-        std::memcpy(values + model.brick_offset(p) * size, values + model.brick_offset(from) * size,
-                    size);
-    }
+  visit_storage_type(model.storage, [&]<typename T>() {
+    T* values = reinterpret_cast<T*>(model.brick(brick));
+    for_each_row<D>({}, end, [&](const Index<D>& row) {
+      Index<D> from = row;
+      for (std::size_t i = 1; i < as_size(D); ++i) from[i] = std::min(row[i], last[i]);
+      T* to = values + model.brick_offset(row);
+      if (from != row) std::copy_n(values + model.brick_offset(from), last[0] + 1, to);
+      std::fill(to + last[0] + 1, to + end[0], to[last[0]]);
+    });
   });
 }
 
@@ -221,7 +229,8 @@ void put_samples(Model<D>& model, const Index<D>& lower, const Index<D>& upper,
 
 template <int D>
 void finish_samples(Model<D>& model, Threads threads) {
-  for (std::size_t i = 0; i < model.n_bricks(); ++i) replicate_border<D>(model, i);
+  parallel_for(model.n_bricks(), threads, 4,
+               [&](std::size_t i, int) { replicate_border<D>(model, i); });
   find_stats<D>(model, threads);
 }
 
@@ -229,8 +238,9 @@ template <int D, typename C>
 void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin, C* out) {
   const Index<D> base = b * kBrickEdge<D>;
   const bool mark_holes = model.has_holes();
-  const auto converted = [&](double v) {
-    return mark_holes && model.is_hole(v) ? std::numeric_limits<C>::quiet_NaN() : static_cast<C>(v);
+  const auto converted = [&](auto v) {
+    return mark_holes && model.is_hole(static_cast<double>(v)) ? std::numeric_limits<C>::quiet_NaN()
+                                                               : static_cast<C>(v);
   };
   Index<D> lower;
   Index<D> upper;
@@ -239,23 +249,32 @@ void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin
     upper[i] = kBrickSamples<D> + margin;
   }
   visit_storage_type(model.storage, [&]<typename T>() {
-    const T* brick = reinterpret_cast<const T*>(model.brick(linear_index<D>(model.brick_dims, b)));
-    for_each_row<D>(lower, upper, [&](Index<D> p) {
-      bool is_inside = true;
-      for (std::size_t i = 1; i < as_size(D); ++i)
-        is_inside = is_inside && p[i] >= 0 && p[i] < kBrickSamples<D>;
-      for (; p[0] < 0; ++p[0]) *out++ = converted(model.value(base + p));
-      if (is_inside) {
-        const T* row = brick + model.brick_offset(p);
-        if (mark_holes)
-          for (std::int32_t x = 0; x < kBrickSamples<D>; ++x)
-            out[x] = converted(static_cast<double>(row[x]));
-        else
-          for (std::int32_t x = 0; x < kBrickSamples<D>; ++x) out[x] = static_cast<C>(row[x]);
-        out += kBrickSamples<D>;
-        p[0] = kBrickSamples<D>;
+    for_each_row<D>(lower, upper, [&](const Index<D>& p) {
+      // The row lies in this brick or in one beside it in x; beyond those, its end repeats.
+      Index<D> at = model.clamped(base + p);
+      Index<D> brick = b;
+      for (std::size_t i = 1; i < as_size(D); ++i) {
+        brick[i] = std::min(at[i] / kBrickEdge<D>, model.brick_dims[i] - 1);
+        at[i] -= brick[i] * kBrickEdge<D>;
       }
-      for (; p[0] < upper[0]; ++p[0]) *out++ = converted(model.value(base + p));
+      at[0] = 0;
+      const auto row_of = [&](std::int32_t x) {
+        Index<D> beside = brick;
+        beside[0] = x;
+        const std::size_t number = linear_index<D>(model.brick_dims, beside);
+        return reinterpret_cast<const T*>(model.brick(number)) + model.brick_offset(at);
+      };
+      const T* row = row_of(b[0]);
+      for (std::int32_t x = -margin; x < 0; ++x)
+        *out++ = converted(b[0] > 0 ? row_of(b[0] - 1)[kBrickEdge<D> + x] : row[0]);
+      if (mark_holes)
+        for (std::int32_t x = 0; x < kBrickSamples<D>; ++x) out[x] = converted(row[x]);
+      else
+        for (std::int32_t x = 0; x < kBrickSamples<D>; ++x) out[x] = static_cast<C>(row[x]);
+      out += kBrickSamples<D>;
+      for (std::int32_t x = 1; x <= margin; ++x)
+        *out++ =
+            converted(b[0] + 1 < model.brick_dims[0] ? row_of(b[0] + 1)[x] : row[kBrickEdge<D>]);
     });
   });
 }

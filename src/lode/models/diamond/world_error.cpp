@@ -106,9 +106,10 @@ class LevelSamples {
 template <int D, typename C>
 class WorldPass {
  public:
-  WorldPass(const Model<D>& model, const std::vector<RawLevel<C>>& own, Threads threads)
+  WorldPass(const Model<D>& model, const OwnErrors& own, Threads threads)
       : model_(model), own_(own), threads_(threads) {
-    for (const RawLevel<C>& level : own) worlds_.emplace_back(level.error.size(), 0.0F);
+    for (int level = 0; level < model.shape.n_levels; ++level)
+      worlds_.emplace_back(n_points<D>(model.shape.attribute_dims(level)), 0.0F);
   }
 
   WorldErrors run() {
@@ -128,7 +129,7 @@ class WorldPass {
  private:
   void find_finest() {
     const FinestWorldErrors<D> finest(model_);
-    const Index<D> dims = level_dims<D>(model_.shape, 0);
+    const Index<D> dims = model_.shape.attribute_dims(0);
     parallel_for(worlds_[0].size(), threads_, 64, [&](std::size_t at, int) {
       Index<D> centre = point_of<D>(dims, at) * 2;
       for (std::int32_t& x : centre.v) ++x;
@@ -146,7 +147,7 @@ class WorldPass {
       for (const std::int32_t x : q.v) n_odd += x & 1;
       if (n_odd != D - tier) return;
       const Diamond<D> node = diamond_at<D>(q * (1 << level));
-      const double own = static_cast<double>(own_[as_size(level)].error[at]);
+      const double own = static_cast<double>(own_[as_size(level)][at]);
       float world = float_up(rule(node, own, samples));
       for (const Index<D>& child : children<D>(node)) world = std::max(world, stored(child));
       worlds[at] = world;
@@ -156,7 +157,7 @@ class WorldPass {
   /// A child's, 0 where there is none.
   [[nodiscard]] float stored(const Index<D>& centre) const {
     const Diamond<D> node = diamond_at<D>(centre);
-    const Index<D> dims = level_dims<D>(model_.shape, node.level);
+    const Index<D> dims = model_.shape.attribute_dims(node.level);
     Index<D> q;
     for (std::size_t i = 0; i < as_size(D); ++i) {
       q[i] = centre[i] >> std::max(node.level, 1);
@@ -166,7 +167,7 @@ class WorldPass {
   }
 
   const Model<D>& model_;
-  const std::vector<RawLevel<C>>& own_;
+  const OwnErrors& own_;
   Threads threads_;
   std::vector<std::vector<float>> worlds_;
 };

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "lode/models/diamond/interpolant_kernel.h"
+#include "lode/models/diamond/own_errors.h"
+
+namespace lode::diamond {
+
+/// The nodes coarser than a plan's cube, one level at a time. F' of such a level is linear on each
+/// Kuhn simplex of the cube, so the values at the cube's corners say all; they follow from the 3^D
+/// values at the corners, edge middles and centres of the level's cube round it.
+template <int D, typename C>
+class CoarsePass {
+ public:
+  CoarsePass(const Model<D>& model, double slack, OwnErrors& own)
+      : model_(model), slack_(slack), own_(own) {
+    for (auto& corners : corners_) corners.resize(power(2, D) * kLanes);
+    for (auto& errors : errors_) errors.resize(CubePlan<D>::instance().kuhn.size() * kLanes);
+  }
+
+  /// `cubes`: one per lane; those without samples have only NaN in `samples`.
+  void run(int level, const std::array<CanonicalCube<D>, kLanes>& cubes,
+           const std::array<bool, kLanes>& is_used, const C* samples, Holes holes) {
+    const auto& kuhn = CubePlan<D>::instance().kuhn;
+    for (std::size_t l = 0; l < kLanes; ++l)
+      if (is_used[l]) find_corners(round(cubes[l], level), cubes[l], l);
+    LinearArrays<C> arrays{.samples = samples, .corners = {}, .errors = {}};
+    for (std::size_t tier = 0; tier < 3; ++tier) {  // the last one twice where D is 2
+      arrays.corners[tier] = corners_[std::min(tier, as_size(D) - 1)].data();
+      arrays.errors[tier] = errors_[tier].data();
+    }
+    run_linear<D, C>(kuhn, arrays, holes);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (!is_used[l]) continue;
+      const CanonicalCube<D> coarse = round(cubes[l], level);
+      for (std::size_t s = 0; s < kuhn.size(); ++s)
+        put_errors(level, coarse, cubes[l], kuhn[s].simplex, s * kLanes + l);
+    }
+  }
+
+ private:
+  static CanonicalCube<D> round(const CanonicalCube<D>& cube, int level) {
+    return CanonicalCube<D>(cube.lowest_corner(), std::int32_t{2} << level);
+  }
+
+  void find_corners(const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
+                    std::size_t lane) {
+    find_vertices(coarse);
+    const std::int32_t half = coarse.side / 2;
+    for (std::size_t corner = 0; corner < power(2, D); ++corner) {
+      Index<D> u;
+      for (std::size_t i = 0; i < as_size(D); ++i)
+        u[i] = (corner >> i & 1U) != 0 ? kPlanEdge<D> : 0;
+      u = coarse.local(cube.global(u));
+      for (int tier = 0; tier < D; ++tier)
+        corners_[as_size(tier)][corner * kLanes + lane] =
+            static_cast<C>(interpolant_at<D>(u, coarse.side, tier, [&](const Index<D>& v) {
+              std::size_t at = 0;
+              for (std::size_t i = as_size(D); i-- > 0;) at = at * 3 + as_size(v[i] / half);
+              return vertices_[at];
+            }));
+    }
+  }
+
+  /// The samples at the coarse cube's vertices; kept from call to call, as neighbours share it.
+  void find_vertices(const CanonicalCube<D>& coarse) {
+    if (coarse == vertices_of_) return;
+    vertices_of_ = coarse;
+    Index<D> three;
+    for (std::size_t i = 0; i < as_size(D); ++i) three[i] = 3;
+    for (std::size_t i = 0; i < vertices_.size(); ++i)
+      vertices_[i] = model_.value_or_nan(coarse.global(point_of<D>(three, i) * (coarse.side / 2)));
+  }
+
+  /// A Kuhn simplex lies in one coarser node of each tier: the one round its centroid.
+  void put_errors(int level, const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
+                  const Simplex<D>& simplex, std::size_t at) {
+    const Index<D> dims = model_.shape.grid_dims(level);
+    Index<D> sum;  // (D+1) · centroid
+    for (const Index<D>& v : simplex.v) sum = sum + coarse.local(cube.global(v));
+    for (int tier = 0; tier < D; ++tier) {
+      const C error = errors_[as_size(tier)][at];
+      Index<D> node = node_round<D>(sum, coarse.side * (D + 1), tier);
+      for (std::size_t i = 0; i < as_size(D); ++i) node[i] /= D + 1;
+      Index<D> q = coarse.global(node);
+      bool exists = true;
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        q[i] >>= level;
+        exists = exists && q[i] < dims[i];
+      }
+      if (exists)
+        raise_to(own_[as_size(level)][linear_index<D>(dims, q)],
+                 float_up(static_cast<double>(error) + slack_));
+    }
+  }
+
+  const Model<D>& model_;
+  double slack_;
+  OwnErrors& own_;
+  CanonicalCube<D> vertices_of_;
+  std::array<double, power(3, D)> vertices_{};
+  std::array<AlignedVector<C>, as_size(D)> corners_;  ///< Per tier, corner and lane.
+  std::array<AlignedVector<C>, 3> errors_;            ///< Per tier, Kuhn simplex and lane.
+};
+
+}  // namespace lode::diamond

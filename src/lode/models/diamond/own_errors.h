@@ -1,0 +1,102 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "lode/core/atomic_extremes.h"
+#include "lode/models/diamond/cube_plan.h"
+#include "lode/models/diamond/model.h"
+
+namespace lode::diamond {
+
+/// Own errors, rounded up, per level from 1 on its grid; [0] is empty: level 0 is found nested.
+/// Nodes without samples have 0.
+using OwnErrors = std::vector<std::vector<float>>;
+
+template <int D>
+[[nodiscard]] OwnErrors make_own_errors(const Shape<D>& shape) {
+  OwnErrors own(as_size(shape.n_levels));
+  for (int level = 1; level < shape.n_levels; ++level)
+    own[as_size(level)].resize(n_points<D>(shape.grid_dims(level)));
+  return own;
+}
+
+/// Level of the tier-0 node that is a whole cube of side kPlanEdge.
+template <int D>
+inline constexpr int kPlanLevel = D == 3 ? 3 : 4;
+
+/// The errors of the nodes of levels 1 .. kPlanLevel in one brick and on its border, while they
+/// are found: each is raised several times, in memory that stays in the cache.
+template <int D, typename C>
+class BrickErrors {
+ public:
+  /// Where the node at `local`, relative to the brick's lowest corner, is.
+  [[nodiscard]] static std::uint16_t place(int level, const Index<D>& local) {
+    Index<D> dims;
+    Index<D> q;
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      dims[i] = edge(level);
+      q[i] = local[i] >> level;
+    }
+    return static_cast<std::uint16_t>(first_of(level) + linear_index<D>(dims, q));
+  }
+
+  void clear() { errors_.assign(first_of(kPlanLevel<D> + 1), kUnseen); }
+
+  void raise(std::uint16_t place, C error) {
+    C& own = errors_[place];
+    own = error > own ? error : own;
+  }
+
+  /// Raises the model's errors, each by `slack` more. Nodes on the brick's border are shared with
+  /// other bricks and so with other threads.
+  void merge(const Shape<D>& shape, const Index<D>& brick, double slack, OwnErrors& own) const {
+    for (int level = 1; level <= kPlanLevel<D> && level < shape.n_levels; ++level)
+      merge_level(level, shape.grid_dims(level), brick, slack, own[as_size(level)]);
+  }
+
+ private:
+  static constexpr C kUnseen = -1;
+
+  static constexpr std::int32_t edge(int level) { return (kBrickEdge<D> >> level) + 1; }
+  static constexpr std::size_t first_of(int level) {
+    std::size_t first = 0;
+    for (int l = 1; l < level; ++l) first += power(as_size(edge(l)), D);
+    return first;
+  }
+
+  void merge_level(int level, const Index<D>& dims, const Index<D>& brick, double slack,
+                   std::vector<float>& own) const {
+    const std::int32_t n = edge(level);
+    Index<D> rows;  // of the brick's nodes, at x = 0
+    for (std::size_t i = 0; i < as_size(D); ++i) rows[i] = i == 0 ? 1 : n;
+    const C* local = errors_.data() + first_of(level);
+    for (std::size_t r = 0; r < n_points<D>(rows); ++r, local += n) {
+      const Index<D> p = point_of<D>(rows, r);
+      const Index<D> q = p + brick * (n - 1);
+      bool is_shared = false;
+      bool exists = true;
+      for (std::size_t i = 1; i < as_size(D); ++i) {
+        is_shared = is_shared || p[i] == 0 || p[i] == n - 1;
+        exists = exists && q[i] < dims[i];
+      }
+      if (!exists) continue;
+      float* to = own.data() + linear_index<D>(dims, q);
+      const std::int32_t n_real = std::min(n, dims[0] - q[0]);
+      for (std::int32_t x = 0; x < n_real; ++x) {
+        if (!(local[x] >= C(0))) continue;
+        const float error = float_up(static_cast<double>(local[x]) + slack);
+        if (is_shared || x == 0 || x == n - 1)
+          raise_to(to[x], error);
+        else
+          to[x] = error;
+      }
+    }
+  }
+
+  std::vector<C> errors_;
+};
+
+}  // namespace lode::diamond
