@@ -1,0 +1,144 @@
+#pragma once
+
+// How a model is cut into the blocks of a .lode file; docs/format.md, section 7.
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "lode/models/diamond/model.h"
+#include "lode/store/format.h"
+
+namespace lode::diamond {
+
+/// What a block holds; part of the format.
+enum class Kind : std::uint32_t { samples = 1, errors = 2, lows = 3, highs = 4 };
+
+/// Grid points per edge of a block.
+template <int D>
+inline constexpr std::int32_t kBlockEdge = D == 3 ? 64 : 512;
+
+/// One block's region of a level's grid: points lower <= q < upper, in steps of the level, without
+/// those that belong to a coarser level (all coordinates even), except on the coarsest.
+template <int D>
+struct Region {
+  int level = 0;
+  Index<D> position, lower, upper;
+  bool has_coarser_points = false;
+};
+
+template <int D>
+std::uint64_t morton(const Index<D>& p) {
+  std::uint64_t code = 0;
+  for (int bit = 0; bit < 20; ++bit)
+    for (int i = 0; i < D; ++i)
+      code |= static_cast<std::uint64_t>((p[as_size(i)] >> bit) & 1) << (bit * D + i);
+  return code;
+}
+
+template <int D>
+std::vector<Region<D>> regions_of(const Index<D>& dims, int level, bool has_coarser_points) {
+  Index<D> n;
+  for (std::size_t i = 0; i < as_size(D); ++i) n[i] = (dims[i] + kBlockEdge<D> - 1) / kBlockEdge<D>;
+  std::vector<Region<D>> regions;
+  for (std::size_t i = 0; i < n_points<D>(n); ++i) {
+    Region<D> r{level, point_of<D>(n, i), {}, {}, has_coarser_points};
+    for (std::size_t a = 0; a < as_size(D); ++a) {
+      r.lower[a] = r.position[a] * kBlockEdge<D>;
+      r.upper[a] = std::min(r.lower[a] + kBlockEdge<D>, dims[a]);
+    }
+    regions.push_back(r);
+  }
+  std::sort(regions.begin(), regions.end(), [](const Region<D>& a, const Region<D>& b) {
+    return morton<D>(a.position) < morton<D>(b.position);
+  });
+  return regions;
+}
+
+template <int D>
+Index<D> sample_dims(const Shape<D>& shape, int level) {
+  Index<D> dims;
+  for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = ((shape.dims[i] - 1) >> level) + 1;
+  return dims;
+}
+
+/// Calls body(q) for each point of the region, x fastest.
+template <int D, typename F>
+void for_each_point(const Region<D>& r, const F& body) {
+  const Index<D> dims = r.upper - r.lower;
+  const std::size_t n = n_points<D>(dims);
+  Index<D> q = r.lower;
+  for (std::size_t i = 0; i < n; ++i) {
+    std::int32_t odd = 0;
+    for (std::size_t a = 0; a < as_size(D); ++a) odd |= q[a];
+    if (r.has_coarser_points || (odd & 1) != 0) body(q);
+    for (std::size_t a = 0; a < as_size(D); ++a) {
+      if (++q[a] < r.upper[a]) break;
+      q[a] = r.lower[a];
+    }
+  }
+}
+
+template <int D>
+std::size_t count_points(const Region<D>& r) {
+  std::size_t all = 1;
+  std::size_t even = 1;
+  for (std::size_t a = 0; a < as_size(D); ++a) {
+    all *= as_size(r.upper[a] - r.lower[a]);
+    even *= as_size((r.upper[a] + 1) / 2 - (r.lower[a] + 1) / 2);
+  }
+  return r.has_coarser_points ? all : all - even;
+}
+
+/// Ranges are stored in the sample type where that is exact, else as float32.
+template <typename F>
+decltype(auto) visit_range_type(ScalarType storage, F&& f) {
+  switch (storage) {
+    case ScalarType::uint8: return f.template operator()<std::uint8_t>();
+    case ScalarType::uint16: return f.template operator()<std::uint16_t>();
+    case ScalarType::int16: return f.template operator()<std::int16_t>();
+    default: return f.template operator()<float>();
+  }
+}
+
+template <int D>
+store::BlockKey key_of(Kind kind, const Region<D>& r) {
+  store::BlockKey key{static_cast<std::uint32_t>(kind), static_cast<std::uint32_t>(r.level), {}};
+  for (std::size_t a = 0; a < as_size(D); ++a) key.position[a] = r.position[a];
+  return key;
+}
+
+/// The region's points in rows: body(q, n, stride) for each, q the first of n points that lie
+/// `stride` steps of the level apart: 2 where every other point belongs to a coarser level.
+template <int D, typename F>
+void for_each_row(const Region<D>& r, const F& body) {
+  Index<D> rows = r.upper - r.lower;
+  const std::int32_t n = std::exchange(rows[0], 1);
+  for (std::size_t i = 0; i < n_points<D>(rows); ++i) {
+    Index<D> q = r.lower + point_of<D>(rows, i);
+    std::int32_t odd = 0;
+    for (std::size_t a = 1; a < as_size(D); ++a) odd |= q[a] & 1;
+    if (r.has_coarser_points || odd != 0) {
+      body(q, n, 1);
+      continue;
+    }
+    const std::int32_t skipped = (q[0] & 1) == 0 ? 1 : 0;
+    q[0] += skipped;
+    if (n > skipped) body(q, (n - skipped + 1) / 2, 2);
+  }
+}
+
+template <int D>
+std::vector<Region<D>> all_regions(const Shape<D>& shape, Kind kind) {
+  std::vector<Region<D>> regions;
+  for (int level = shape.n_levels - 1; level >= (kind == Kind::samples ? 0 : 1); --level) {
+    const bool is_coarsest = level == shape.n_levels - 1;
+    const Index<D> dims =
+        kind == Kind::samples ? sample_dims<D>(shape, level) : shape.grid_dims(level);
+    const auto more = regions_of<D>(dims, level, kind == Kind::samples && is_coarsest);
+    regions.insert(regions.end(), more.begin(), more.end());
+  }
+  return regions;
+}
+
+}  // namespace lode::diamond

@@ -1,0 +1,145 @@
+#include "lode/models/diamond/block_layout.h"
+#include "lode/models/diamond/persist.h"
+#include "lode/store/bytes.h"
+#include "lode/store/codec.h"
+#include "lode/store/writer.h"
+
+namespace lode::diamond {
+namespace {
+
+template <typename R>
+R to_range(float v) {
+  if constexpr (std::is_integral_v<R>) {
+    if (std::isinf(v))
+      return v > 0 ? std::numeric_limits<R>::max() : std::numeric_limits<R>::lowest();
+  }
+  return static_cast<R>(v);
+}
+
+struct PendingBlock {
+  store::BlockKey key;
+  store::EncodedBlock block;
+};
+template <int D>
+void encode_samples(const Model<D>& model, const Region<D>& r, std::vector<PendingBlock>& out) {
+  visit_storage_type(model.storage, [&]<typename T>() {
+    std::vector<T> values(count_points(r));
+    T* to = values.data();
+    for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
+      Index<D> brick;
+      Index<D> p;
+      for (std::size_t a = 0; a < as_size(D); ++a) {
+        p[a] = q[a] << r.level;
+        brick[a] = std::min(p[a] / kBrickEdge<D>, model.brick_dims[a] - 1);
+        p[a] -= brick[a] * kBrickEdge<D>;
+      }
+      const std::int32_t step = stride << r.level;
+      const T* from = nullptr;
+      for (std::int32_t i = 0; i < n; ++i, p[0] += step) {
+        if (from == nullptr || p[0] > kBrickEdge<D>) {
+          const std::int32_t bricks =
+              std::min(p[0] / kBrickEdge<D>, model.brick_dims[0] - 1 - brick[0]);
+          brick[0] += bricks;
+          p[0] -= bricks * kBrickEdge<D>;
+          const std::int32_t x = std::exchange(p[0], 0);
+          from = reinterpret_cast<const T*>(model.brick(linear_index<D>(model.brick_dims, brick))) +
+                 model.brick_offset(p);
+          p[0] = x;
+        }
+        *to++ = from[p[0]];
+      }
+    });
+    if (!values.empty())
+      out.push_back({key_of(Kind::samples, r),
+                     store::encode_block(std::as_bytes(std::span<const T>(values)), sizeof(T))});
+  });
+}
+
+template <int D>
+void encode_attributes(const Model<D>& model, const Region<D>& r, std::vector<PendingBlock>& out) {
+  const NodeLevel& nodes = model.levels[as_size(r.level)];
+  const Index<D> dims = model.shape.grid_dims(r.level);
+  std::vector<ErrorCode> errors;
+  for_each_point<D>(
+      r, [&](const Index<D>& q) { errors.push_back(nodes.error[linear_index<D>(dims, q)]); });
+  if (errors.empty()) return;
+  out.push_back(
+      {key_of(Kind::errors, r),
+       store::encode_block(std::as_bytes(std::span<const ErrorCode>(errors)), sizeof(ErrorCode))});
+  visit_range_type(model.storage, [&]<typename R>() {
+    std::vector<R> lows;
+    std::vector<R> highs;
+    for_each_point<D>(r, [&](const Index<D>& q) {
+      const std::size_t at = linear_index<D>(dims, q);
+      const bool is_empty = nodes.low[at] > nodes.high[at];
+      lows.push_back(is_empty ? std::numeric_limits<R>::max() : to_range<R>(nodes.low[at]));
+      highs.push_back(is_empty ? std::numeric_limits<R>::lowest() : to_range<R>(nodes.high[at]));
+    });
+    out.push_back({key_of(Kind::lows, r),
+                   store::encode_block(std::as_bytes(std::span<const R>(lows)), sizeof(R))});
+    out.push_back({key_of(Kind::highs, r),
+                   store::encode_block(std::as_bytes(std::span<const R>(highs)), sizeof(R))});
+  });
+}
+
+std::vector<std::byte> encode_metadata(const VolumeInfo& info) {
+  store::ByteWriter out;
+  for (const std::int32_t n : info.grid.dims.v) out.write(n);
+  for (const double x : info.grid.spacing.v) out.write(x);
+  for (const double x : info.grid.origin.v) out.write(x);
+  for (const Vec3d& row : info.grid.direction.rows)
+    for (const double x : row.v) out.write(x);
+  out.write(static_cast<std::uint8_t>(info.grid.frame));
+  out.write(static_cast<std::uint8_t>(info.type));
+  out.write(static_cast<std::uint8_t>(info.nodata.has_value() ? 1 : 0));
+  out.write(info.nodata.value_or(0));
+  out.write_string(info.field_name);
+  return std::move(out).take();
+}
+
+}  // namespace
+
+template <int D>
+std::string model_name() {
+  return D == 3 ? "diamond3d" : "diamond2d";
+}
+
+template <int D>
+Result<void> save(const Model<D>& model, const std::string& path, Threads threads,
+                  Progress& progress) {
+  LODE_TRY(auto writer, store::Writer::create(path, model_name<D>(), encode_metadata(model.info)));
+  std::vector<Region<D>> sample_regions = all_regions<D>(model.shape, Kind::samples);
+  std::vector<Region<D>> node_regions = all_regions<D>(model.shape, Kind::errors);
+  for (int level = model.shape.n_levels - 1; level >= 0; --level) {
+    const auto of_level = [&](const std::vector<Region<D>>& from) {
+      std::vector<Region<D>> result;
+      for (const Region<D>& r : from)
+        if (r.level == level) result.push_back(r);
+      return result;
+    };
+    const std::vector<Region<D>> samples = of_level(sample_regions);
+    const std::vector<Region<D>> nodes = of_level(node_regions);
+    std::vector<std::vector<PendingBlock>> pending(samples.size() + nodes.size());
+    parallel_for(pending.size(), threads, 1, [&](std::size_t i, int) {
+      if (progress.is_cancelled()) return;
+      if (i < samples.size())
+        encode_samples<D>(model, samples[i], pending[i]);
+      else
+        encode_attributes<D>(model, nodes[i - samples.size()], pending[i]);
+    });
+    if (progress.is_cancelled()) return cancelled_error();
+    progress.report("writing", 1.0 - static_cast<double>(level) / model.shape.n_levels);
+    for (const auto& blocks : pending)
+      for (const PendingBlock& block : blocks) LODE_CHECK(writer.append(block.key, block.block));
+  }
+  const auto finished = writer.finish();
+  if (!finished) return finished.error();
+  return {};
+}
+
+template std::string model_name<2>();
+template std::string model_name<3>();
+template Result<void> save<2>(const Model<2>&, const std::string&, Threads, Progress&);
+template Result<void> save<3>(const Model<3>&, const std::string&, Threads, Progress&);
+
+}  // namespace lode::diamond
