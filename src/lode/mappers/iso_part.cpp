@@ -116,7 +116,9 @@ void IsoPart<D>::clear() {
 template <int D>
 void clip_to_domain(IsoPart<D>& part, const Vec3d& limits, double snap) {
   std::vector<double> snaps(part.points.size());
+  part.positions.resize(part.points.size());
   for (std::size_t v = 0; v < part.points.size(); ++v) {
+    part.positions[v] = part.points[v].lattice_position();
     snaps[v] = snap * reach(part.points[v]);
     Vec3d& p = part.positions[v];
     for (std::size_t i = 0; i < 3; ++i)

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "lode/mappers/lattice_frame.h"
@@ -39,12 +42,36 @@ template <int D>
 struct IsoPart {
   std::vector<EdgePoint> points;       ///< Vertices 0 .. points.size() - 1.
   std::vector<ClipPoint> clip_points;  ///< The vertices after those.
-  std::vector<Vec3d> positions;        ///< Lattice coordinates of all vertices.
+  /// Lattice coordinates of all vertices where the part was clipped; else empty: points tell, and
+  /// every vertex has a cell.
+  std::vector<Vec3d> positions;
   std::vector<std::array<std::uint32_t, static_cast<std::size_t>(D)>> cells;
   double largest_step = 0;  ///< Largest difference of values along a crossed edge.
   double largest_snap = 0;  ///< The same over vertices that the margin moved.
 
   void clear();
+  [[nodiscard]] std::size_t n_vertices() const { return points.size() + clip_points.size(); }
+  [[nodiscard]] bool is_clipped() const { return !positions.empty(); }
+  [[nodiscard]] Vec3d position(std::uint32_t vertex) const {
+    return is_clipped() ? positions[vertex] : points[vertex].lattice_position();
+  }
+
+  /// Adds the vertex where the field, linear along the edge p – q from a to b, is the isovalue; its
+  /// parameter is kept within [margin, 1 - margin].
+  std::uint32_t add_point(LatticeKey p, double a, LatticeKey q, double b, double isovalue,
+                          double margin) {
+    if (p > q) {
+      std::swap(p, q);
+      std::swap(a, b);
+    }
+    const double step = std::abs(b - a);
+    const double t = (isovalue - a) / (b - a);
+    const double kept = std::clamp(t, margin, 1 - margin);
+    largest_step = std::max(largest_step, step);
+    if (kept != t) largest_snap = std::max(largest_snap, step);
+    points.push_back({p, q, kept});
+    return static_cast<std::uint32_t>(points.size() - 1);
+  }
 };
 
 /// Cuts the cells at coordinate axis <= limits[axis] for each axis, keeping what is inside;

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <utility>
 
-#include "lode/mappers/tetrahedron_cases.h"
+#include "lode/mappers/march_simplex.h"
 
 namespace lode {
 namespace {
@@ -63,22 +62,6 @@ void SimplexIsosurface<D>::grow() {
 }
 
 template <int D>
-std::uint32_t SimplexIsosurface<D>::make_vertex(LatticeKey p, double a, LatticeKey q, double b) {
-  if (p > q) {
-    std::swap(p, q);
-    std::swap(a, b);
-  }
-  const double step = std::abs(b - a);
-  const double t = (isovalue_ - a) / (b - a);
-  const double kept = std::clamp(t, margin_, 1 - margin_);
-  part_.largest_step = std::max(part_.largest_step, step);
-  if (kept != t) part_.largest_snap = std::max(part_.largest_snap, step);
-  part_.points.push_back({p, q, kept});
-  part_.positions.push_back(part_.points.back().lattice_position());
-  return static_cast<std::uint32_t>(part_.points.size() - 1);
-}
-
-template <int D>
 std::uint32_t SimplexIsosurface<D>::vertex_on(const LatticeSimplex<D>& s, std::size_t i,
                                               std::size_t j) {
   const LatticeKey key = s.vertex[i] + s.vertex[j];
@@ -86,48 +69,11 @@ std::uint32_t SimplexIsosurface<D>::vertex_on(const LatticeSimplex<D>& s, std::s
   std::size_t slot = slot_of(key, slots_.size());
   for (; slots_[slot] != 0; slot = (slot + 1) & mask)
     if (part_.points[slots_[slot] - 1].doubled_midpoint() == key) return slots_[slot] - 1;
-  const std::uint32_t id = make_vertex(s.vertex[i], s.value[i], s.vertex[j], s.value[j]);
+  const std::uint32_t id =
+      part_.add_point(s.vertex[i], s.value[i], s.vertex[j], s.value[j], isovalue_, margin_);
   slots_[slot] = id + 1;
   if (part_.points.size() * 2 > slots_.size()) grow();
   return id;
-}
-
-template <int D>
-void SimplexIsosurface<D>::add_triangles(const LatticeSimplex<D>& s, std::size_t inside) {
-  const auto& o = kTetrahedronOrder[inside];
-  const bool flip = (orientation(s) < 0) != is_mirrored_;
-  const auto put = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    if constexpr (D == 3) part_.cells.push_back({a, flip ? c : b, flip ? b : c});
-  };
-  const int n_inside = std::popcount(inside);
-  if (n_inside == 2) {
-    const std::uint32_t ik = vertex_on(s, o[0], o[2]);
-    const std::uint32_t il = vertex_on(s, o[0], o[3]);
-    const std::uint32_t jl = vertex_on(s, o[1], o[3]);
-    const std::uint32_t jk = vertex_on(s, o[1], o[2]);
-    put(ik, il, jl);
-    put(ik, jl, jk);
-    return;
-  }
-  const std::uint32_t ij = vertex_on(s, o[0], o[1]);
-  const std::uint32_t ik = vertex_on(s, o[0], o[2]);
-  const std::uint32_t il = vertex_on(s, o[0], o[3]);
-  if (n_inside == 1)
-    put(ij, ik, il);
-  else
-    put(ij, il, ik);
-}
-
-template <int D>
-void SimplexIsosurface<D>::add_line(const LatticeSimplex<D>& s, std::size_t inside) {
-  const bool is_single_inside = (inside & (inside - 1)) == 0;
-  const std::size_t single = is_single_inside ? inside : 7 - inside;
-  const std::size_t i = single == 1 ? 0 : single == 2 ? 1 : 2;
-  std::uint32_t from = vertex_on(s, i, (i + 1) % 3);
-  std::uint32_t to = vertex_on(s, i, (i + 2) % 3);
-  const bool flip = ((orientation(s) < 0) != is_mirrored_) != !is_single_inside;
-  if (flip) std::swap(from, to);
-  if constexpr (D == 2) part_.cells.push_back({from, to});
 }
 
 template <int D>
@@ -137,10 +83,10 @@ void SimplexIsosurface<D>::add(const LatticeSimplex<D>& simplex) {
   for (std::size_t i = 0; i <= static_cast<std::size_t>(D); ++i)
     if (simplex.value[i] >= isovalue_) inside |= std::size_t{1} << i;
   if (inside == 0 || inside == kAll) return;
-  if constexpr (D == 3)
-    add_triangles(simplex, inside);
-  else
-    add_line(simplex, inside);
+  march_simplex<D>(
+      inside, (orientation(simplex) < 0) != is_mirrored_,
+      [&](std::size_t i, std::size_t j) { return vertex_on(simplex, i, j); },
+      [&](const auto& cell) { part_.cells.push_back(cell); });
 }
 
 template class SimplexIsosurface<2>;

@@ -28,10 +28,7 @@ class SimplexIsosurface {
 
  private:
   std::uint32_t vertex_on(const LatticeSimplex<D>& simplex, std::size_t i, std::size_t j);
-  std::uint32_t make_vertex(LatticeKey p, double a, LatticeKey q, double b);
   void grow();
-  void add_triangles(const LatticeSimplex<D>& s, std::size_t inside);
-  void add_line(const LatticeSimplex<D>& s, std::size_t inside);
 
   double isovalue_;
   double margin_;

@@ -12,8 +12,25 @@ constexpr std::uint32_t kOwned = 0xFFFFFFFFU;
 struct Ownership {
   std::vector<std::uint32_t> owner;  ///< Part, or kOwned.
   std::vector<std::uint32_t> id;     ///< Rank here when owned, local id in the owner otherwise.
-  std::vector<bool> is_used;
   std::uint32_t n_owned = 0;
+};
+
+/// Which vertices of a part have a cell; only where clipping left some without.
+class UsedVertices {
+ public:
+  UsedVertices() = default;
+  template <int D>
+  explicit UsedVertices(const IsoPart<D>& part) : is_partial_(part.is_clipped()) {
+    if (!is_partial_) return;
+    is_used_.resize(part.n_vertices());
+    for (const auto& cell : part.cells)
+      for (const std::uint32_t v : cell) is_used_[v] = true;
+  }
+  [[nodiscard]] bool operator[](std::uint32_t v) const { return !is_partial_ || is_used_[v]; }
+
+ private:
+  bool is_partial_ = false;
+  std::vector<bool> is_used_;
 };
 
 template <int D>
@@ -24,21 +41,13 @@ const std::uint32_t* find_shared_vertex(const StitchPart<D>& part, const SharedK
   return at != part.shared.end() && at->first == key ? &at->second : nullptr;
 }
 
-template <int D>
-std::vector<bool> used_vertices(const IsoPart<D>& part) {
-  std::vector<bool> used(part.positions.size(), false);
-  for (const auto& cell : part.cells)
-    for (const std::uint32_t v : cell) used[v] = true;
-  return used;
-}
-
 template <int D, typename Candidates>
 void find_owners(const std::vector<StitchPart<D>>& parts, std::uint32_t self,
-                 const std::vector<std::vector<bool>>& used, const Candidates& candidates,
+                 const std::vector<UsedVertices>& used, const Candidates& candidates,
                  Ownership& out) {
   const StitchPart<D>& part = parts[self];
-  out.owner.assign(part.part.positions.size(), kOwned);
-  out.id.assign(part.part.positions.size(), 0);
+  out.owner.assign(part.part.n_vertices(), kOwned);
+  out.id.assign(part.part.n_vertices(), 0);
   std::vector<std::uint32_t> others;
   for (const auto& [key, vertex] : part.shared) {
     others.clear();
@@ -52,7 +61,7 @@ void find_owners(const std::vector<StitchPart<D>>& parts, std::uint32_t self,
       break;
     }
   }
-  for (std::size_t v = 0; v < out.owner.size(); ++v)
+  for (std::uint32_t v = 0; v < out.owner.size(); ++v)
     if (out.owner[v] == kOwned && used[self][v]) out.id[v] = out.n_owned++;
 }
 
@@ -99,9 +108,9 @@ Result<void> stitch(const std::vector<StitchPart<D>>& parts,
                     const LatticeFrame& frame, Threads threads, Surface& surface,
                     std::vector<VertexOrigin>* origins) {
   std::vector<Ownership> ownership(parts.size());
-  std::vector<std::vector<bool>> used(parts.size());
+  std::vector<UsedVertices> used(parts.size());
   parallel_for(parts.size(), threads, 8,
-               [&](std::size_t i, int) { used[i] = used_vertices<D>(parts[i].part); });
+               [&](std::size_t i, int) { used[i] = UsedVertices(parts[i].part); });
   parallel_for(parts.size(), threads, 8, [&](std::size_t i, int) {
     find_owners<D>(parts, static_cast<std::uint32_t>(i), used, candidates, ownership[i]);
   });
@@ -131,15 +140,15 @@ Result<void> stitch(const std::vector<StitchPart<D>>& parts,
   parallel_for(parts.size(), threads, 8, [&](std::size_t i, int) {
     const IsoPart<D>& part = parts[i].part;
     const Ownership& own = ownership[i];
-    std::vector<std::uint32_t> final_id(part.positions.size());
-    for (std::uint32_t v = 0; v < part.positions.size(); ++v) {
+    std::vector<std::uint32_t> final_id(part.n_vertices());
+    for (std::uint32_t v = 0; v < part.n_vertices(); ++v) {
       if (!used[i][v]) continue;
       if (own.owner[v] != kOwned) {
         final_id[v] = first_vertex[own.owner[v]] + ownership[own.owner[v]].id[own.id[v]];
         continue;
       }
       final_id[v] = first_vertex[i] + own.id[v];
-      const Vec3d p = frame.position(part.positions[v]);
+      const Vec3d p = frame.position(part.position(v));
       surface.positions[final_id[v]] = {
           {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}};
       if (origins != nullptr) (*origins)[final_id[v]] = {static_cast<std::uint32_t>(i), v};

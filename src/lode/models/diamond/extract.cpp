@@ -5,7 +5,7 @@
 
 #include "lode/mappers/simplex_isosurface.h"
 #include "lode/mappers/stitch.h"
-#include "lode/models/diamond/brick_traversal.h"
+#include "lode/models/diamond/brick_isosurface.h"
 #include "lode/models/diamond/full_resolution.h"
 #include "lode/models/diamond/normals.h"
 
@@ -167,6 +167,14 @@ class Extraction {
   }
 
  private:
+  struct Worker {
+    explicit Worker(const Extraction& e)
+        : traversal(e.selection_), mapper(e.frame_, e.query_.isovalue) {}
+
+    BrickTraversal<D> traversal;
+    BrickIsosurface<D> mapper;
+  };
+
   Result<IsosurfaceReport> run_flat(const Selection<3>& selection, Surface& surface,
                                     Progress& progress) {
     LODE_TRY(const auto flat,
@@ -186,39 +194,45 @@ class Extraction {
       SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts_[0].part);
       for (const ActiveSimplex<D>& s : cut_.leaves)
         mapper.add(to_lattice<D>(model_.axes, s.vertex, s.value));
-      finish(parts_[0], [](const EdgePoint&) { return true; });
+      clip(parts_[0]);
+      find_shared<D>(parts_[0], [](const EdgePoint&) { return true; });
     }
     std::vector<TraversalStats> stats(work_.size());
-    std::vector<std::unique_ptr<BrickTraversal<D>>> traversals(as_size(n_workers(query_.threads)));
+    std::vector<std::unique_ptr<Worker>> workers(as_size(n_workers(query_.threads)));
     parallel_for(work_.size(), query_.threads, 1, [&](std::size_t i, int worker) {
       if (progress.is_cancelled()) return;
-      auto& traversal = traversals[as_size(worker)];
-      if (!traversal) traversal = std::make_unique<BrickTraversal<D>>(selection_);
-      march_brick(*traversal, i, stats[i]);
+      auto& own = workers[as_size(worker)];
+      if (!own) own = std::make_unique<Worker>(*this);
+      march_brick(*own, i, stats[i]);
     });
     stats_ = cut_.stats;
     for (const TraversalStats& s : stats) stats_.join(s);
+    part_of_brick_.assign(model_.n_bricks(), 0);
+    for (std::size_t i = 0; i < work_.size(); ++i)
+      part_of_brick_[work_[i].brick] = static_cast<std::uint32_t>(i + 1);
   }
 
-  void march_brick(BrickTraversal<D>& traversal, std::size_t i, TraversalStats& stats) {
-    SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts_[i + 1].part);
-    traversal.open(point_of<D>(model_.brick_dims, work_[i].brick));
+  void march_brick(Worker& worker, std::size_t i, TraversalStats& stats) {
+    const Index<D> brick = point_of<D>(model_.brick_dims, work_[i].brick);
+    worker.traversal.open(brick);
+    worker.mapper.open(worker.traversal, model_.axes, parts_[i + 1].part);
     for (std::size_t s = work_[i].begin; s < work_[i].end; ++s)
-      traversal.visit(cut_.brick_simplices[s].second, stats,
-                      [&](const auto& vertex, const auto& value) {
-                        mapper.add(to_lattice<D>(model_.axes, vertex, value));
-                      });
-    finish(parts_[i + 1],
-           [&](const EdgePoint& p) { return is_on_brick_border<D>(model_.axes, p); });
+      worker.traversal.visit(cut_.brick_simplices[s].second, stats,
+                             [&](const BrickSimplex<D>& leaf) { worker.mapper.add(leaf); });
+    bool is_at_border = false;
+    for (std::size_t a = 0; a < as_size(D); ++a)
+      is_at_border = is_at_border || (brick[a] + 1) * kBrickEdge<D> >= model_.shape.dims[a] - 1;
+    if (is_at_border) clip(parts_[i + 1]);
+    find_shared<D>(parts_[i + 1],
+                   [&](const EdgePoint& p) { return is_on_brick_border<D>(model_.axes, p); });
   }
 
-  void finish(StitchPart<D>& part, const std::function<bool(const EdgePoint&)>& is_shared) {
+  void clip(StitchPart<D>& part) const {
     const Index3 last = last_sample<D>(model_);
     clip_to_domain<D>(part.part,
                       {{static_cast<double>(last[0]), static_cast<double>(last[1]),
                         static_cast<double>(last[2])}},
                       frame_.margin / 2);
-    find_shared<D>(part, is_shared);
   }
 
   /// The parts whose closed region contains a doubled midpoint: the coarse one, and up to 2^D
@@ -237,12 +251,8 @@ class Extraction {
                  brick[as_size(i)] < model_.brick_dims[as_size(i)];
       }
       if (!exists) continue;
-      const std::size_t number = linear_index<D>(model_.brick_dims, brick);
-      const auto at =
-          std::lower_bound(work_.begin(), work_.end(), number,
-                           [](const BrickWork<D>& w, std::size_t n) { return w.brick < n; });
-      if (at != work_.end() && at->brick == number)
-        out.push_back(static_cast<std::uint32_t>(at - work_.begin()) + 1);
+      const std::uint32_t part = part_of_brick_[linear_index<D>(model_.brick_dims, brick)];
+      if (part != 0) out.push_back(part);
     }
     std::sort(out.begin(), out.end());
   }
@@ -285,7 +295,8 @@ class Extraction {
   Selection<D> selection_;
   CoarseCut<D> cut_;
   std::vector<BrickWork<D>> work_;
-  std::vector<StitchPart<D>> parts_;
+  std::vector<StitchPart<D>> parts_;          ///< Everything coarser, then one per brick of work_.
+  std::vector<std::uint32_t> part_of_brick_;  ///< 0: none.
   TraversalStats stats_;
 };
 
@@ -310,10 +321,13 @@ std::vector<ActiveSimplex<D>> active_simplices(const Model<D>& model,
   for (const BrickWork<D>& work : work_of(cut)) {
     traversal.open(point_of<D>(model.brick_dims, work.brick));
     for (std::size_t s = work.begin; s < work.end; ++s)
-      traversal.visit(cut.brick_simplices[s].second, stats,
-                      [&](const auto& vertex, const auto& value) {
-                        result.push_back({vertex, value});
-                      });
+      traversal.visit(cut.brick_simplices[s].second, stats, [&](const BrickSimplex<D>& leaf) {
+        ActiveSimplex<D>& active = result.emplace_back();
+        for (std::size_t i = 0; i <= as_size(D); ++i) {
+          active.vertex[i] = traversal.global(leaf.corner[i].packed);
+          active.value[i] = leaf.corner[i].value;
+        }
+      });
   }
   return result;
 }
