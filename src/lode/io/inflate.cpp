@@ -117,10 +117,18 @@ Result<std::vector<std::byte>> inflate_exactly(std::unique_ptr<ByteStream> compr
   LODE_CHECK(check_inflated_size(path, n_bytes, compressed->n_left()));
   InflateStream stream(std::move(compressed), path);
   LODE_CHECK(stream.skip(n_skipped));
-  std::vector<std::byte> bytes(static_cast<std::size_t>(n_bytes));
-  LODE_TRY(const std::size_t n, stream.read_some(bytes));
-  if (n < bytes.size())
-    return fail("{}: expected {} bytes of samples, the compressed data hold {}", path, n_bytes, n);
+  // The header's promise is not trusted with memory: what is there at most doubles.
+  constexpr std::uint64_t kFirstPiece = std::uint64_t{16} << 20;
+  std::vector<std::byte> bytes;
+  while (bytes.size() < n_bytes) {
+    const std::size_t done = bytes.size();
+    bytes.resize(static_cast<std::size_t>(
+        std::min(n_bytes, std::max<std::uint64_t>(kFirstPiece, 2 * done))));
+    LODE_TRY(const std::size_t n, stream.read_some(std::span(bytes).subspan(done)));
+    if (done + n < bytes.size())
+      return fail("{}: expected {} bytes of samples, the compressed data hold {}", path, n_bytes,
+                  done + n);
+  }
   std::array<std::byte, 1> extra;
   LODE_TRY(const std::size_t n_extra, stream.read_some(extra));
   if (n_extra > 0)
