@@ -135,6 +135,27 @@ TEST_F(cli_extract, accepts_negative_isovalues_in_any_spelling) {
     EXPECT_EQ(extract("s.ply", options).exit_code, 0);
 }
 
+TEST_F(cli_extract, closes_a_surface_at_the_border_and_proves_it) {
+  // The isosurface at 10 leaves the ball's box through all six faces.
+  const Finished open = extract("s.ply", {"--isovalue", "10", "--max-error", "4", "--json"});
+  const Finished closed =
+      extract("c.ply", {"--isovalue", "10", "--max-error", "4", "--close-border", "--json"});
+  ASSERT_EQ(closed.exit_code, 0) << closed.err;
+  EXPECT_GT(closed.json().at("cap_cells"), 0);
+  EXPECT_EQ(closed.err, "");  // no warning that it stays open somewhere
+  EXPECT_GT(closed.json().at("triangles"), open.json().at("triangles"));
+  const Words query{"--isovalue", "10", "--max-error", "4"};
+  Words verify{"verify", lode_file(), "--surface", file("c.ply"), "--close-border"};
+  verify.insert(verify.end(), query.begin(), query.end());
+  const Finished proof = run_lode(verify);
+  EXPECT_EQ(proof.exit_code, 0) << proof.err;
+  for (const std::string option : {"--clip=0,8,0,8,0,8", "--isovalue=20"}) {
+    const Finished refused = extract("r.ply", {"--isovalue", "10", "--close-border", option});
+    EXPECT_NE(refused.exit_code, 0) << option;
+    EXPECT_FALSE(std::filesystem::exists(file("r.ply"))) << option;
+  }
+}
+
 TEST_F(cli_extract, leaves_no_normals_where_none_are_wanted) {
   ASSERT_EQ(extract("s.ply", {"--isovalue", "100", "--normals", "off"}).exit_code, 0);
   const auto surface = read_surface(file("s.ply"));

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <span>
+
+#include "lode/store/checksum.h"
 #include "tests/cli/program.h"
 
 namespace lode::test {
@@ -86,6 +90,45 @@ TEST(cli_inputs, refuses_a_truncated_lode_file) {
   for (const std::size_t size : {std::size_t{10}, bytes.size() / 2, bytes.size() - 1}) {
     write_bytes(scratch / "cut.lode", bytes.substr(0, size));
     expect_refused_everywhere(scratch / "cut.lode", scratch);
+  }
+}
+
+TEST(cli_inputs, refuses_a_lode_file_of_a_newer_version) {
+  const Scratch scratch;
+  write_ball(scratch / "ball.nrrd");
+  ASSERT_EQ(run_lode({"build", scratch / "ball.nrrd", scratch / "ball.lode"}).exit_code, 0);
+  std::string bytes = read_bytes(scratch / "ball.lode");
+  constexpr std::size_t kVersionAt = 8;
+  constexpr std::size_t kChecksumAt = 120;
+  bytes[kVersionAt] = 2;
+  const std::uint64_t sum = store::checksum(std::as_bytes(std::span(bytes).first(kChecksumAt)));
+  std::memcpy(bytes.data() + kChecksumAt, &sum, sizeof sum);
+  write_bytes(scratch / "newer.lode", bytes);
+  expect_refused_everywhere(scratch / "newer.lode", scratch);
+  const Finished run = run_lode({"info", scratch / "newer.lode"});
+  EXPECT_NE(run.err.find("version 2"), std::string::npos) << run.err;
+}
+
+TEST(cli_inputs, refuses_a_flipped_byte_in_anything_it_reads) {
+  const Scratch scratch;
+  write_ball(scratch / "ball.nrrd");
+  ASSERT_EQ(run_lode({"build", scratch / "ball.nrrd", scratch / "ball.lode"}).exit_code, 0);
+  const std::string bytes = read_bytes(scratch / "ball.lode");
+  const std::string input = scratch / "flipped.lode";
+  const std::size_t step = bytes.size() / 7;
+  for (std::size_t at = 3; at < bytes.size(); at += step) {
+    SCOPED_TRACE(at);
+    std::string flipped = bytes;
+    flipped[at] = static_cast<char>(flipped[at] ^ 0x04);
+    write_bytes(input, flipped);
+    const std::vector<std::string> before = scratch.files();
+    for (const auto& command : commands_reading(input, scratch)) {
+      if (command[0] == "info") continue;  // it reads no blocks, where most bytes are
+      auto quiet = command;
+      quiet.push_back("--quiet");
+      expect_refusal(run_lode(quiet), 1, {input});
+      EXPECT_EQ(scratch.files(), before);
+    }
   }
 }
 
