@@ -69,6 +69,22 @@ Surface expect_true_surface(const Dataset& dataset, double isovalue, double max_
   return surface;
 }
 
+TEST(long_contour, stays_whole_where_a_seam_runs_next_to_the_border) {
+  // One sample beyond a brick's border, and so long that vertices within two steps of the domain's
+  // are moved onto it: both bricks must move the ones they share.
+  RegularGrid grid;
+  grid.dims = {{8194, 258, 1}};
+  std::vector<float> values;
+  for (int y = 0; y < 258; ++y)
+    for (int x = 0; x < 8194; ++x)
+      values.push_back(static_cast<float>(y + 20 * std::abs(std::remainder(x / 128.0, 2.0))));
+  const Dataset dataset = build(make_volume<float>(grid, values));
+  const Surface contour = expect_true_surface(dataset, 60.3, 1);
+  float reach = 0;
+  for (const Vec3f& p : contour.positions) reach = std::max(reach, p[0]);
+  EXPECT_EQ(reach, 8193);
+}
+
 class awkward_shapes : public ::testing::TestWithParam<Index3> {};
 
 TEST_P(awkward_shapes, have_true_errors_and_clean_surfaces_at_any_tolerance) {

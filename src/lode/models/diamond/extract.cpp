@@ -219,12 +219,18 @@ class Extraction {
     for (std::size_t s = work_[i].begin; s < work_[i].end; ++s)
       worker.traversal.visit(cut_.brick_simplices[s].second, stats,
                              [&](const BrickSimplex<D>& leaf) { worker.mapper.add(leaf); });
-    bool is_at_border = false;
-    for (std::size_t a = 0; a < as_size(D); ++a)
-      is_at_border = is_at_border || (brick[a] + 1) * kBrickEdge<D> >= model_.shape.dims[a] - 1;
-    if (is_at_border) clip(parts_[i + 1]);
+    if (is_clipped(brick)) clip(parts_[i + 1]);
     find_shared<D>(parts_[i + 1],
                    [&](const EdgePoint& p) { return is_on_brick_border<D>(model_.axes, p); });
+  }
+
+  /// Whether clipping may change a brick's part: it reaches the domain's border, or so close to it
+  /// that vertices are moved onto it; a brick beside it must move those they share.
+  [[nodiscard]] bool is_clipped(const Index<D>& brick) const {
+    const double reach = frame_.margin / 2 * kBrickEdge<D>;
+    for (std::size_t a = 0; a < as_size(D); ++a)
+      if ((brick[a] + 1) * kBrickEdge<D> + reach >= model_.shape.dims[a] - 1) return true;
+    return false;
   }
 
   void clip(StitchPart<D>& part) const {
