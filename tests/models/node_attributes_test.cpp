@@ -47,8 +47,14 @@ bool is_inside_data(const Shape<D>& shape, const Diamond<D>& node) {
   return shape.is_sample(box.lower) && shape.is_sample(box.upper);
 }
 
+/// How many stored errors are finite, and how many of the true ones are not.
+struct Finiteness {
+  int n_finite = 0;
+  int n_infinite = 0;
+};
+
 template <int D, typename T>
-void expect_stored_nested(const Index3& dims, std::uint64_t seed, double hole_share) {
+Finiteness expect_stored_nested(const Index3& dims, std::uint64_t seed, double hole_share) {
   oracles::Random random(seed);
   RegularGrid grid;
   grid.dims = dims;
@@ -60,12 +66,14 @@ void expect_stored_nested(const Index3& dims, std::uint64_t seed, double hole_sh
   }
   Progress progress;
   const auto model = build<D>(*make_memory_source(make_volume<T>(grid, samples)), {}, progress);
-  ASSERT_TRUE(model);
+  EXPECT_TRUE(model);
+  if (!model) return {};
   const Selection<D> selection(*model, 0, 0);
   Nested<D> nested(*model);
   const double slack = std::is_integral_v<T> ? 0 : 1e-9;
   const double reference = model->range_reference();
   std::size_t n_checked = 0;
+  Finiteness found;
   for (int level = 0; level < model->shape.n_levels; ++level) {
     const Index<D> points = model->shape.grid_dims(level);
     for (std::size_t i = 0; i < n_points<D>(points); ++i) {
@@ -78,6 +86,8 @@ void expect_stored_nested(const Index3& dims, std::uint64_t seed, double hole_sh
       SCOPED_TRACE(testing::Message() << "level " << level << ", tier " << node.tier);
       const double error = static_cast<double>(decode_error(stored.error[at]));
       EXPECT_GE(error, expected.error);
+      found.n_finite += std::isfinite(error) ? 1 : 0;
+      found.n_infinite += std::isfinite(expected.error) ? 0 : 1;
       if (hole_share == 0) EXPECT_LE(error, (expected.error + slack) * (1 + 1.0 / 127));
       if (expected.low > expected.high) continue;
       const double low = static_cast<double>(stored.low[at]) + reference;
@@ -92,6 +102,7 @@ void expect_stored_nested(const Index3& dims, std::uint64_t seed, double hole_sh
     }
   }
   EXPECT_GT(n_checked, 10U);
+  return found;
 }
 
 TEST(node_attributes, join_to_the_stored_nested_ones) {
@@ -105,8 +116,22 @@ TEST(node_attributes, join_to_the_stored_nested_ones) {
 }
 
 TEST(node_attributes, are_infinite_where_holes_meet_present_cells) {
-  expect_stored_nested<3, float>({{17, 12, 9}}, 3, 0.02);
-  expect_stored_nested<2, float>({{33, 1, 20}}, 4, 0.05);
+  for (const Finiteness n : {expect_stored_nested<3, float>({{40, 12, 9}}, 3, 0.002),
+                             expect_stored_nested<2, float>({{70, 1, 40}}, 4, 0.004)}) {
+    EXPECT_GT(n.n_finite, 0);
+    EXPECT_GT(n.n_infinite, 0);
+  }
+}
+
+TEST(diamond_build, refuses_magnitudes_that_could_overflow) {
+  RegularGrid grid;
+  grid.dims = {{2, 2, 2}};
+  const std::vector<double> samples{0, 1, 2, 3, 4, 5, 6, -1.7e308};
+  Progress progress;
+  const auto model =
+      build<3>(*make_memory_source(make_volume<double>(grid, samples)), {}, progress);
+  ASSERT_FALSE(model);
+  EXPECT_NE(model.error().message.find("-1.7"), std::string::npos) << model.error().message;
 }
 
 TEST(node_attributes, are_own_and_not_nested) {

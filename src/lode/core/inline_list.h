@@ -3,13 +3,18 @@
 #include <array>
 #include <cstddef>
 
+#include "lode/core/expects.h"
+
 namespace lode {
 
 /// Up to N items held in place: a result that is small by nature and costs no allocation.
 template <typename T, std::size_t N>
 class InlineList {
  public:
-  void push_back(const T& item) { items_[size_++] = item; }
+  void push_back(const T& item) {
+    LODE_EXPECTS(size_ < N);
+    items_[size_++] = item;
+  }
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }

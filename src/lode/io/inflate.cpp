@@ -122,8 +122,10 @@ Result<std::vector<std::byte>> inflate_exactly(std::unique_ptr<ByteStream> compr
   std::vector<std::byte> bytes;
   while (bytes.size() < n_bytes) {
     const std::size_t done = bytes.size();
-    bytes.resize(static_cast<std::size_t>(
-        std::min(n_bytes, std::max<std::uint64_t>(kFirstPiece, 2 * done))));
+    const auto target =
+        static_cast<std::size_t>(std::min(n_bytes, std::max<std::uint64_t>(kFirstPiece, 2 * done)));
+    bytes.reserve(target);  // resize alone may take twice as much
+    bytes.resize(target);
     LODE_TRY(const std::size_t n, stream.read_some(std::span(bytes).subspan(done)));
     if (done + n < bytes.size())
       return fail("{}: expected {} bytes of samples, the compressed data hold {}", path, n_bytes,

@@ -91,8 +91,9 @@ class BrickTraversal {
     const Corner& a = local.corner[0];
     const Corner& b = local.corner[as_size(simplex.tag)];
     std::size_t at = 0;
-    if (enters(level, simplex.tag, a, b, at, stats))
-      descend(local, simplex.tag, level, at, stats, emit);
+    if (!enters(level, simplex.tag, a, b, at, stats)) return;
+    for (Corner& corner : local.corner) corner.value = sample_at(corner.offset);
+    descend(local, simplex.tag, level, at, stats, emit);
   }
 
   /// A corner's lattice coordinates.
@@ -162,6 +163,7 @@ class BrickTraversal {
     is_gathered_ = true;
   }
 
+  /// Without its value: samples are not touched before a node is known to be active.
   [[nodiscard]] Corner corner_at(const Index<D>& local) const {
     Corner corner;
     for (int i = 0; i < D; ++i) {
@@ -169,7 +171,6 @@ class BrickTraversal {
       corner.packed |= x << (kBits * i);
       corner.offset += x * kStride[as_size(i)];
     }
-    corner.value = sample_at(corner.offset);
     return corner;
   }
 

@@ -1,7 +1,5 @@
 #include "lode/models/diamond/build.h"
 
-#include <cmath>
-
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/nesting_pass.h"
 
@@ -71,13 +69,7 @@ Result<void> read_samples(Model<D>& model, VolumeSource& source, const BuildSett
     put_samples<D>(model, lower, upper, widened.empty() ? bytes.data() : widened.data());
   }
   finish_samples<D>(model, settings.threads);
-  // Sums and differences of a few values must not overflow.
-  constexpr double kLimit = 0x1p1020;
-  for (const double extreme : {model.stats.min, model.stats.max})
-    if (std::abs(extreme) > kLimit)
-      return fail("expected finite samples of magnitude up to {:.3g}, got {:.17g}", kLimit,
-                  extreme);
-  return {};
+  return check_magnitude(model.stats);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <vector>
+#include <cmath>
+#include <limits>
 
 #include "lode/models/diamond/interpolant_kernel.h"
 #include "lode/models/diamond/own_errors.h"
@@ -20,28 +22,30 @@ class CoarsePass {
     for (auto& errors : errors_) errors.resize(CubePlan<D>::instance().kuhn.size() * kLanes);
   }
 
-  /// `cubes`: one per lane; those without samples have only NaN in `samples`.
+  /// `cubes`: one per lane; those not used are ignored.
   void run(int level, const std::array<CanonicalCube<D>, kLanes>& cubes,
            const std::array<bool, kLanes>& is_used, const C* samples, Holes holes) {
     const auto& kuhn = CubePlan<D>::instance().kuhn;
     for (std::size_t l = 0; l < kLanes; ++l)
-      if (is_used[l]) find_corners(round(cubes[l], level), cubes[l], l);
+      if (is_used[l]) find_corners(coarse_cube(cubes[l], level), cubes[l], l);
     LinearArrays<C> arrays{.samples = samples, .corners = {}, .errors = {}};
     for (std::size_t tier = 0; tier < 3; ++tier) {  // the last one twice where D is 2
       arrays.corners[tier] = corners_[std::min(tier, as_size(D) - 1)].data();
       arrays.errors[tier] = errors_[tier].data();
     }
-    run_linear<D, C>(kuhn, arrays, holes);
+    run_linear(kuhn, arrays, holes);
+    if (holes == Holes::present) correct_at_holes(is_used, samples);
     for (std::size_t l = 0; l < kLanes; ++l) {
       if (!is_used[l]) continue;
-      const CanonicalCube<D> coarse = round(cubes[l], level);
+      const CanonicalCube<D> coarse = coarse_cube(cubes[l], level);
       for (std::size_t s = 0; s < kuhn.size(); ++s)
         put_errors(level, coarse, cubes[l], kuhn[s].simplex, s * kLanes + l);
     }
   }
 
  private:
-  static CanonicalCube<D> round(const CanonicalCube<D>& cube, int level) {
+  /// The cube of the level that a lane's cube lies in.
+  static CanonicalCube<D> coarse_cube(const CanonicalCube<D>& cube, int level) {
     return CanonicalCube<D>(cube.lowest_corner(), std::int32_t{2} << level);
   }
 
@@ -72,6 +76,44 @@ class CoarsePass {
     for (std::size_t i = 0; i < as_size(D); ++i) three[i] = 3;
     for (std::size_t i = 0; i < vertices_.size(); ++i)
       vertices_[i] = model_.value_or_nan(coarse.global(point_of<D>(three, i) * (coarse.side / 2)));
+  }
+
+  /// Finds the errors of simplices with a hole at a corner: it counts for points that lean on it.
+  void correct_at_holes(const std::array<bool, kLanes>& is_used, const C* samples) {
+    const auto& kuhn = CubePlan<D>::instance().kuhn;
+    for (std::size_t tier = 0; tier < as_size(D); ++tier)
+      for (std::size_t s = 0; s < kuhn.size(); ++s)
+        for (std::size_t l = 0; l < kLanes; ++l) {
+          std::array<C, as_size(D) + 1> corner;
+          bool has_hole = false;
+          for (std::size_t j = 0; j < corner.size(); ++j) {
+            corner[j] = corners_[tier][kuhn[s].corner[j] * kLanes + l];
+            has_hole = has_hole || std::isnan(corner[j]);
+          }
+          if (is_used[l] && has_hole)
+            errors_[tier][s * kLanes + l] = error_at_hole(kuhn[s], corner, samples + l);
+        }
+  }
+
+  static C error_at_hole(const KuhnSimplex<D>& simplex, const std::array<C, as_size(D) + 1>& corner,
+                         const C* samples) {
+    C largest = 0;
+    for (const auto& row : simplex.rows)
+      for (std::size_t i = 0; i < row.n; ++i) {
+        const C f = samples[(row.first + i * simplex.step) * kLanes];
+        if (std::isnan(f)) continue;
+        C value = 0;
+        std::size_t rest = as_size(kPlanEdge<D>);  // what the corners from j on weigh
+        for (std::size_t j = 0; j <= as_size(D); ++j) {
+          const std::size_t next = j == as_size(D) ? 0 : row.u[j] + (j == 0 ? i : 0);
+          if (rest > next) value += static_cast<C>(rest - next) * corner[j];
+          rest = next;
+        }
+        const C error = std::abs(f - value / static_cast<C>(kPlanEdge<D>));
+        if (std::isnan(error)) return std::numeric_limits<C>::infinity();
+        largest = std::max(largest, error);
+      }
+    return largest;
   }
 
   /// A Kuhn simplex lies in one coarser node of each tier: the one round its centroid.

@@ -202,25 +202,21 @@ void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<double
   HWY_DYNAMIC_DISPATCH(run_double)(pass, arrays, holes, out);
 }
 
-template <>
 void run_linear(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<float>& arrays,
                 Holes holes) {
   HWY_DYNAMIC_DISPATCH(run_linear_2_float)(kuhn, arrays, holes);
 }
 
-template <>
 void run_linear(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<float>& arrays,
                 Holes holes) {
   HWY_DYNAMIC_DISPATCH(run_linear_3_float)(kuhn, arrays, holes);
 }
 
-template <>
 void run_linear(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<double>& arrays,
                 Holes holes) {
   HWY_DYNAMIC_DISPATCH(run_linear_2_double)(kuhn, arrays, holes);
 }
 
-template <>
 void run_linear(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<double>& arrays,
                 Holes holes) {
   HWY_DYNAMIC_DISPATCH(run_linear_3_double)(kuhn, arrays, holes);

@@ -60,10 +60,15 @@ struct LinearArrays {
   std::array<C*, 3> errors;         ///< The largest per Kuhn simplex; per lane.
 };
 
-/// As run_interpolant, per Kuhn simplex. A hole at one of its corners counts for all of it. F' at
-/// a point is a sum of at most 20 terms.
-template <int D, typename C>
-void run_linear(const std::vector<KuhnSimplex<D>>& kuhn, const LinearArrays<C>& arrays,
+/// As run_interpolant, per Kuhn simplex; simplices with a hole at a corner get any result. F' at a
+/// point is a sum of at most 20 terms.
+void run_linear(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<float>& arrays,
+                Holes holes);
+void run_linear(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<float>& arrays,
+                Holes holes);
+void run_linear(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<double>& arrays,
+                Holes holes);
+void run_linear(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<double>& arrays,
                 Holes holes);
 
 }  // namespace lode::diamond

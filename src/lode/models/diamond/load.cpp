@@ -109,8 +109,8 @@ Result<void> load_samples(Model<D>& model, const store::Reader& reader, Threads 
       for (std::size_t a = 0; a < as_size(D); ++a) q[a] <<= r.level;
       std::byte* to = all.data() + linear_index<D>(dims, q) * sizeof(T);
       const std::size_t step = sizeof(T) * as_size(stride << r.level);
-      for (std::int32_t i = 0; i < n; ++i, to += step, from += sizeof(T))
-        std::memcpy(to, from, sizeof(T));
+      for (std::size_t i = 0; i < as_size(n); ++i, from += sizeof(T))
+        std::memcpy(to + i * step, from, sizeof(T));
     });
   };
   LODE_CHECK(load_blocks<D>(reader, model.shape, Kind::samples, size, threads, progress,
@@ -121,6 +121,8 @@ Result<void> load_samples(Model<D>& model, const store::Reader& reader, Threads 
                             }));
   put_samples<D>(model, {}, dims, all.data());
   finish_samples<D>(model, threads);
+  if (auto checked = check_magnitude(model.stats); !checked)
+    return fail("{}: {}", reader.path(), checked.error().message);
   return {};
 }
 

@@ -234,6 +234,14 @@ void finish_samples(Model<D>& model, Threads threads) {
   find_stats<D>(model, threads);
 }
 
+Result<void> check_magnitude(const FieldStats& stats) {
+  constexpr double kLimit = 0x1p1000;
+  for (const double extreme : {stats.min, stats.max})
+    if (std::abs(extreme) > kLimit)
+      return fail("expected samples of magnitude up to {:.3g}, got {}", kLimit, extreme);
+  return {};
+}
+
 template <int D, typename C>
 void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin, C* out) {
   const Index<D> base = b * kBrickEdge<D>;

@@ -202,8 +202,12 @@ void put_samples(Model<D>& model, const Index<D>& lower, const Index<D>& upper,
 template <int D>
 void finish_samples(Model<D>& model, Threads threads);
 
+/// Fails where samples are so large that F' could overflow: weights up to 2^19, and sums of
+/// products.
+[[nodiscard]] Result<void> check_magnitude(const FieldStats& stats);
+
 /// Copies the samples of brick `b` with `margin` layers round them, clamped to the data, into
-/// `out` ((kBrickSamples + 2·margin)^D values, x fastest), holes as NaN.
+/// `out` ((kBrickSamples + 2·margin)^D values, x fastest), holes as NaN. margin <= kBrickEdge.
 template <int D, typename C>
 void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin, C* out);
 

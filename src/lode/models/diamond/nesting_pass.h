@@ -1,9 +1,7 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <span>
 #include <vector>
 
 #include "lode/core/inline_list.h"

@@ -18,7 +18,7 @@ template <int D>
 [[nodiscard]] std::vector<Simplex<D>> simplices_of(const Shape<D>& shape, const Diamond<D>& node);
 
 /// Finds them by walking the node's simplices down to the finest, so in time proportional to the
-/// samples in its domain. Exact for integers of up to 53 bits; else rounded as double is.
+/// samples in its domain. Exact for integers of up to 32 bits; else rounded as double is.
 template <int D>
 [[nodiscard]] NodeAttributes own_attributes(const Model<D>& model, const Diamond<D>& node);
 

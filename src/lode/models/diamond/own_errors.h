@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -12,7 +11,7 @@
 namespace lode::diamond {
 
 /// Own errors, rounded up, per level from 1 on its grid; [0] is empty: level 0 is found nested.
-/// Nodes without samples have 0.
+/// Nodes that no simplex with samples belongs to have 0.
 using OwnErrors = std::vector<std::vector<float>>;
 
 template <int D>
@@ -28,7 +27,7 @@ template <int D>
 inline constexpr int kPlanLevel = D == 3 ? 3 : 4;
 
 /// The errors of the nodes of levels 1 .. kPlanLevel in one brick and on its border, while they
-/// are found: each is raised several times, in memory that stays in the cache.
+/// are found: each is raised several times, in memory that stays near.
 template <int D, typename C>
 class BrickErrors {
  public:

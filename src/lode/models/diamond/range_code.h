@@ -7,7 +7,7 @@
 
 namespace lode::diamond {
 
-/// The next number of a type towards +infinity or -infinity, for any finite one but the last.
+/// The next number towards +infinity, of any but +infinity and NaN.
 template <typename Bits, typename F>
 [[nodiscard]] inline F next_up(F x) {
   if (x == F(0)) return std::numeric_limits<F>::denorm_min();

@@ -20,6 +20,7 @@ struct PendingBlock {
   store::BlockKey key;
   store::EncodedBlock block;
 };
+
 template <int D>
 void encode_samples(const Model<D>& model, const Region<D>& r, std::vector<PendingBlock>& out) {
   visit_storage_type(model.storage, [&]<typename T>() {
