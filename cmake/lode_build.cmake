@@ -45,10 +45,15 @@ function(lode_room name)
   target_compile_options(lode_${name} PRIVATE -Wno-subobject-linkage)
 endfunction()
 
-# lode_test(NAME SOURCES ... [DEPENDS targets...] [LABEL fast|slow]): one GoogleTest program,
-# compiled at once like a room and registered with CTest test by test.
+# lode_test(NAME SOURCES ... [DEPENDS targets...] [LABEL fast|slow] [COMPUTES]): one GoogleTest
+# program, compiled at once like a room and registered with CTest test by test. COMPUTES: the tests
+# themselves work hard (oracles) and are optimised; the others would only compile longer.
 function(lode_test name)
-  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES" "LABEL" "SOURCES;DEPENDS" ${ARGN})
+  set(optimise -O0)
+  if(ARG_COMPUTES)
+    set(optimise -O1)
+  endif()
   if(NOT ARG_LABEL)
     set(ARG_LABEL fast)
   endif()
@@ -56,9 +61,9 @@ function(lode_test name)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE lode_settings ${ARG_DEPENDS} GTest::gtest_main)
-  # Tests name only the options they set. -O1: what they test is compiled like any release.
+  # Tests name only the options they set.
   target_compile_options(${name} PRIVATE -Wno-missing-field-initializers -Wno-dangling-else
-                                         $<$<CONFIG:Release>:-O1>)
+                                         $<$<CONFIG:Release>:${optimise}>)
   target_compile_definitions(${name} PRIVATE
     LODE_SAMPLES_DIR="${PROJECT_SOURCE_DIR}/samples"
     LODE_TEST_FILES_DIR="${PROJECT_SOURCE_DIR}/tests/files")

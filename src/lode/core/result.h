@@ -12,15 +12,28 @@
 namespace lode {
 
 /// What went wrong, in one sentence that says what was expected, what came, and where
-/// (file, offset or argument).
+/// (file, offset or argument). Special members are in result.cpp: inline, every function that may
+/// fail would compile copies of them.
 struct Error {
   std::string message;
+
+  Error() noexcept;
+  explicit Error(std::string text) noexcept;
+  Error(const Error& other);
+  Error(Error&& other) noexcept;
+  Error& operator=(const Error& other);
+  Error& operator=(Error&& other) noexcept;
+  ~Error();
 };
+
+/// fail() for arguments already packed.
+[[nodiscard]] Error format_error(fmt::string_view format, fmt::format_args args);
 
 /// Makes an Error from a format string: `return fail("{}: expected {} bytes, got {}", ...)`.
 template <typename... Args>
-[[nodiscard]] Error fail(fmt::format_string<Args...> format, Args&&... args) {
-  return Error{fmt::format(format, std::forward<Args>(args)...)};
+[[nodiscard, gnu::cold, gnu::noinline]] Error fail(fmt::format_string<Args...> format,
+                                                   Args&&... args) {
+  return format_error(format, fmt::make_format_args(args...));
 }
 
 /// A value or an Error. Member names follow std::expected, which our compiler lacks in C++20.
