@@ -62,23 +62,6 @@ Index<D> sample_dims(const Shape<D>& shape, int level) {
   return dims;
 }
 
-/// Calls body(q) for each point of the region, x fastest.
-template <int D, typename F>
-void for_each_point(const Region<D>& r, const F& body) {
-  const Index<D> dims = r.upper - r.lower;
-  const std::size_t n = n_points<D>(dims);
-  Index<D> q = r.lower;
-  for (std::size_t i = 0; i < n; ++i) {
-    std::int32_t odd = 0;
-    for (std::size_t a = 0; a < as_size(D); ++a) odd |= q[a];
-    if (r.has_coarser_points || (odd & 1) != 0) body(q);
-    for (std::size_t a = 0; a < as_size(D); ++a) {
-      if (++q[a] < r.upper[a]) break;
-      q[a] = r.lower[a];
-    }
-  }
-}
-
 template <int D>
 std::size_t count_points(const Region<D>& r) {
   std::size_t all = 1;

@@ -105,7 +105,6 @@ class BrickTraversal {
 
  private:
   static constexpr int kBits = BrickPoint::kBits;
-  static constexpr std::uint32_t kMask = BrickPoint::kMask;
   using Corner = BrickPoint;
   using Local = BrickSimplex<D>;
 

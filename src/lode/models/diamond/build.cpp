@@ -19,23 +19,29 @@ Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progre
   model.levels.clear();
   for (int level = 0; level < model.shape.n_levels; ++level)
     model.levels.push_back(make_level(n_points<D>(model.shape.attribute_dims(level))));
-  LODE_TRY(const OwnErrors own,
-           (find_own_errors<D, C>(model, threads, progress, &model.levels[0])));
-  NestingPass<D>(model, own, threads).run();
+  OwnErrors own(model.levels.size());
+  for (std::size_t level = 1; level < own.size(); ++level) own[level] = model.levels[level].error;
+  LODE_CHECK((find_own_errors<D, C>(model, own, &model.levels[0], threads, progress)));
+  NestingPass<D>(model, threads).run();
   return {};
 }
 
 template <int D, typename C>
 void compute_level_0_as(Model<D>& model, Threads threads) {
   model.levels[0] = make_level(n_points<D>(model.shape.attribute_dims(0)));
-  const double slack = rounding_slack<D>(model);
-  std::vector<std::vector<C>> values(as_size(n_workers(threads)));
-  parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int worker) {
-    std::vector<C>& samples = values[as_size(worker)];
-    samples.resize(power(as_size(kBrickSamples<D> + 2), D));
+  struct Worker {
+    LeafPass<D, C> pass;
+    std::vector<C> values;
+  };
+  std::vector<std::optional<Worker>> workers(as_size(n_workers(threads)));
+  parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int number) {
+    std::optional<Worker>& worker = workers[as_size(number)];
+    if (!worker)
+      worker.emplace(Worker{{model, rounding_slack<D>(model), model.levels[0]},
+                            std::vector<C>(kLeafValues<D>)});
     const Index<D> brick = point_of<D>(model.brick_dims, i);
-    gather_values<D>(model, brick, 1, samples.data());
-    put_leaf_attributes<D, C>(model, brick, samples.data(), slack, model.levels[0]);
+    gather_values<D>(model, brick, 1, worker->values.data());
+    worker->pass.run_brick(brick, worker->values.data());
   });
 }
 
@@ -45,7 +51,7 @@ Result<void> read_samples(Model<D>& model, VolumeSource& source, const BuildSett
   const Index3 dims = model.info.grid.dims;
   const std::int64_t slice_samples = std::int64_t{dims[0]} * dims[1];
   const std::size_t size = size_of(model.info.type);
-  constexpr std::int64_t kBytesPerRead = std::int64_t{16} << 20;
+  constexpr std::int64_t kBytesPerRead = std::int64_t{4} << 20;  // fits in a last-level cache
   std::int32_t slices = settings.slices_per_read;
   if (slices <= 0)
     slices = static_cast<std::int32_t>(std::clamp<std::int64_t>(
@@ -60,13 +66,12 @@ Result<void> read_samples(Model<D>& model, VolumeSource& source, const BuildSett
     const auto n_read = static_cast<std::size_t>(box.n_samples());
     LODE_CHECK(source.read(box, std::span(bytes).first(n_read * size)));
     if (!widened.empty()) widen_samples(model.info.type, bytes.data(), n_read, widened.data());
-    Index<D> lower;
-    Index<D> upper;
+    LatticeBox<D> part;
     for (std::size_t i = 0; i < as_size(D); ++i) {
-      lower[i] = box.lower[as_size(model.axes.axis[i])];
-      upper[i] = box.upper[as_size(model.axes.axis[i])];
+      part.lower[i] = box.lower[as_size(model.axes.axis[i])];
+      part.upper[i] = box.upper[as_size(model.axes.axis[i])];
     }
-    put_samples<D>(model, lower, upper, widened.empty() ? bytes.data() : widened.data());
+    put_samples<D>(model, part, widened.empty() ? bytes.data() : widened.data(), settings.threads);
   }
   finish_samples<D>(model, settings.threads);
   return check_magnitude(model.stats);

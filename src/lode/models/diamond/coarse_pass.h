@@ -16,7 +16,7 @@ namespace lode::diamond {
 template <int D, typename C>
 class CoarsePass {
  public:
-  CoarsePass(const Model<D>& model, double slack, OwnErrors& own)
+  CoarsePass(const Model<D>& model, double slack, const OwnErrors& own)
       : model_(model), slack_(slack), own_(own) {
     for (auto& corners : corners_) corners.resize(power(2, D) * kLanes);
     for (auto& errors : errors_) errors.resize(CubePlan<D>::instance().kuhn.size() * kLanes);
@@ -24,7 +24,7 @@ class CoarsePass {
 
   /// `cubes`: one per lane; those not used are ignored.
   void run(int level, const std::array<CanonicalCube<D>, kLanes>& cubes,
-           const std::array<bool, kLanes>& is_used, const C* samples, Holes holes) {
+           const std::array<bool, kLanes>& is_used, const C* samples, Gaps gaps) {
     const auto& kuhn = CubePlan<D>::instance().kuhn;
     for (std::size_t l = 0; l < kLanes; ++l)
       if (is_used[l]) find_corners(coarse_cube(cubes[l], level), cubes[l], l);
@@ -33,8 +33,8 @@ class CoarsePass {
       arrays.corners[tier] = corners_[std::min(tier, as_size(D) - 1)].data();
       arrays.errors[tier] = errors_[tier].data();
     }
-    run_linear(kuhn, arrays, holes);
-    if (holes == Holes::present) correct_at_holes(is_used, samples);
+    run_linear(kuhn, arrays, gaps);
+    if (gaps == Gaps::holes) correct_at_holes(is_used, samples);
     for (std::size_t l = 0; l < kLanes; ++l) {
       if (!is_used[l]) continue;
       const CanonicalCube<D> coarse = coarse_cube(cubes[l], level);
@@ -72,8 +72,7 @@ class CoarsePass {
   void find_vertices(const CanonicalCube<D>& coarse) {
     if (coarse == vertices_of_) return;
     vertices_of_ = coarse;
-    Index<D> three;
-    for (std::size_t i = 0; i < as_size(D); ++i) three[i] = 3;
+    const Index<D> three = all_equal<D>(3);
     for (std::size_t i = 0; i < vertices_.size(); ++i)
       vertices_[i] = model_.value_or_nan(coarse.global(point_of<D>(three, i) * (coarse.side / 2)));
   }
@@ -100,7 +99,7 @@ class CoarsePass {
     C largest = 0;
     for (const auto& row : simplex.rows)
       for (std::size_t i = 0; i < row.n; ++i) {
-        const C f = samples[(row.first + i * simplex.step) * kLanes];
+        const C f = samples[row.first + i * simplex.step];
         if (std::isnan(f)) continue;
         C value = 0;
         std::size_t rest = as_size(kPlanEdge<D>);  // what the corners from j on weigh
@@ -134,13 +133,13 @@ class CoarsePass {
       }
       if (exists)
         raise_to(own_[as_size(level)][linear_index<D>(dims, q)],
-                 float_up(static_cast<double>(error) + slack_));
+                 encode_error(float_up(static_cast<double>(error) + slack_)));
     }
   }
 
   const Model<D>& model_;
   double slack_;
-  OwnErrors& own_;
+  const OwnErrors& own_;
   CanonicalCube<D> vertices_of_;
   std::array<double, power(3, D)> vertices_{};
   std::array<AlignedVector<C>, as_size(D)> corners_;  ///< Per tier, corner and lane.

@@ -7,37 +7,18 @@ namespace lode::diamond {
 namespace {
 
 template <int D>
-std::size_t plan_offset(const Index<D>& p) {
-  std::size_t offset = 0;
+std::size_t plan_number(const Index<D>& p) {
+  std::size_t number = 0;
   for (int i = D - 1; i >= 0; --i)
-    offset = offset * as_size(kPlanEdge<D> + 1) + as_size(p[as_size(i)]);
-  return offset;
+    number = number * as_size(kPlanEdge<D> + 1) + as_size(p[as_size(i)]);
+  return number;
 }
 
-/// A cube inside the plan's cube: its corner ≡ 0 mod 2·side, and which way its axes run.
+/// Where its values are in an array of kLanes values a point.
 template <int D>
-struct SubCube {
-  Index<D> even_corner;
-  Index<D> sign;
-  std::int32_t side = 0;
-
-  Index<D> at(const Index<D>& u) const {
-    Index<D> p;
-    for (std::size_t i = 0; i < as_size(D); ++i) p[i] = even_corner[i] + sign[i] * u[i];
-    return p;
-  }
-};
-
-template <int D>
-SubCube<D> sub_cube(const Index<D>& position, std::int32_t side) {
-  SubCube<D> cube;
-  cube.side = side;
-  for (std::size_t i = 0; i < as_size(D); ++i) {
-    const bool is_mirrored = (position[i] & 1) != 0;
-    cube.even_corner[i] = (position[i] + (is_mirrored ? 1 : 0)) * side;
-    cube.sign[i] = is_mirrored ? -1 : 1;
-  }
-  return cube;
+std::uint16_t place_of(const Index<D>& p) {
+  static_assert(kPlanPoints<D> * kLanes <= std::size_t{1} << 16);
+  return static_cast<std::uint16_t>(plan_number<D>(p) * kLanes);
 }
 
 /// A point of the cube that is no corner: its diamond inside the canonical cube. The origin is
@@ -51,17 +32,16 @@ bool is_vertex(const Index<D>& u, std::int32_t side, int tier) {
 }
 
 template <int D>
-void add_values(InterpolantPass& pass, const SubCube<D>& cube, int tier) {
+void add_values(InterpolantPass& pass, const CanonicalCube<D>& cube, int tier) {
   struct Step {
     int level, tier;
     InterpolantPass::Mean mean;
   };
   std::vector<Step> steps;
-  Index<D> dims;
-  for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = cube.side + 1;
+  const Index<D> dims = all_equal<D>(cube.side + 1);
   for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
     const Index<D> u = point_of<D>(dims, i);
-    const auto to = static_cast<std::uint16_t>(plan_offset<D>(cube.at(u)));
+    const auto to = place_of<D>(cube.global(u));
     if (is_vertex<D>(u, cube.side, tier)) {
       pass.vertices.push_back(to);
       continue;
@@ -70,8 +50,7 @@ void add_values(InterpolantPass& pass, const SubCube<D>& cube, int tier) {
     const auto ends = axis_ends<D>(d);
     steps.push_back({d.level,
                      d.tier,
-                     {to, static_cast<std::uint16_t>(plan_offset<D>(cube.at(ends[0]))),
-                      static_cast<std::uint16_t>(plan_offset<D>(cube.at(ends[1])))}});
+                     {to, place_of<D>(cube.global(ends[0])), place_of<D>(cube.global(ends[1]))}});
   }
   std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) {
     return a.level != b.level ? a.level > b.level : a.tier < b.tier;
@@ -88,16 +67,15 @@ void add_region(InterpolantPass& pass, std::uint32_t node,
 }
 
 template <int D>
-void add_node_regions(InterpolantPass& pass, const SubCube<D>& cube, int tier) {
+void add_node_regions(InterpolantPass& pass, const CanonicalCube<D>& cube, int tier) {
   std::vector<std::pair<std::uint32_t, std::uint16_t>> pairs;
-  Index<D> dims;
-  for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = cube.side + 1;
+  const Index<D> dims = all_equal<D>(cube.side + 1);
   for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
     const Index<D> u = point_of<D>(dims, i);
     if (is_vertex<D>(u, cube.side, tier)) continue;  // the interpolant is exact there
     for (const Index<D>& node : nodes_containing<D>(u, cube.side, tier))
-      pairs.emplace_back(static_cast<std::uint32_t>(plan_offset<D>(cube.at(node))),
-                         static_cast<std::uint16_t>(plan_offset<D>(cube.at(u))));
+      pairs.emplace_back(static_cast<std::uint32_t>(plan_number<D>(cube.global(node))),
+                         place_of<D>(cube.global(u)));
   }
   std::sort(pairs.begin(), pairs.end());
   for (std::size_t i = 0; i < pairs.size();) {
@@ -117,7 +95,7 @@ KuhnSimplex<D> kuhn_rows(const Simplex<D>& simplex) {
   for (std::size_t j = 0; j < as_size(D); ++j)
     for (std::size_t i = 0; i < as_size(D); ++i) {
       if (simplex.v[j + 1][i] == simplex.v[j][i]) continue;
-      strides[j] = power(as_size(kPlanEdge<D> + 1), static_cast<int>(i));
+      strides[j] = kLanes * power(as_size(kPlanEdge<D> + 1), static_cast<int>(i));
       result.corner[j + 1] = static_cast<std::uint16_t>(result.corner[j] | 1U << i);
     }
   result.step = static_cast<std::uint16_t>(strides[0]);
@@ -142,10 +120,9 @@ CubePlan<D> make_plan() {
   CubePlan<D> plan;
   for (int level = 1; (std::int32_t{2} << level) <= kPlanEdge<D>; ++level) {
     const std::int32_t side = std::int32_t{2} << level;
-    Index<D> n;
-    for (std::size_t i = 0; i < as_size(D); ++i) n[i] = kPlanEdge<D> / side;
+    const Index<D> n = all_equal<D>(kPlanEdge<D> / side);
     for (std::size_t i = 0; i < n_points<D>(n); ++i) {
-      const SubCube<D> cube = sub_cube<D>(point_of<D>(n, i), side);
+      const CanonicalCube<D> cube(point_of<D>(n, i) * side, side);
       for (int tier = 0; tier < D; ++tier) {
         typename CubePlan<D>::NodePass node_pass{level, {}};
         add_values<D>(node_pass.pass, cube, tier);

@@ -12,6 +12,8 @@ namespace lode::diamond {
 /// Cells per edge of the cubes whose errors are computed together, one per SIMD lane.
 template <int D>
 inline constexpr std::int32_t kPlanEdge = D == 3 ? 16 : 32;
+/// Cubes computed side by side.
+inline constexpr std::size_t kLanes = 8;
 /// Lattice points of such a cube.
 template <int D>
 inline constexpr std::size_t kPlanPoints = D == 3 ? 17 * 17 * 17 : 33 * 33;
@@ -21,13 +23,13 @@ inline constexpr int kPlansPerBrick = D == 3 ? 8 : 16;
 
 /// One interpolant F' on a cube, spelled out: which points are its vertices, how every other
 /// point's value is the mean of two earlier ones (F' is linear along each diamond's axis), and
-/// for which node each point counts.
+/// for which node each point counts. Points are given as places in arrays of kLanes values a point.
 struct InterpolantPass {
   struct Mean {
     std::uint16_t to, first, second;
   };
   struct Region {
-    std::uint32_t node = 0;   ///< Its centre's offset in the cube.
+    std::uint32_t node = 0;   ///< Its centre, as a number among the cube's points.
     std::uint32_t begin = 0;  ///< Its points, as a range of `points`.
     std::uint32_t end = 0;
   };
@@ -41,7 +43,7 @@ struct InterpolantPass {
 template <int D>
 struct KuhnSimplex {
   struct Row {
-    std::uint16_t first, n;                   ///< Offset of the first point; how many.
+    std::uint16_t first, n;                   ///< Place of the first point; how many.
     std::array<std::uint16_t, as_size(D)> u;  ///< Steps to the first point along each chain edge.
   };
   Simplex<D> simplex;                                ///< In canonical coordinates.
@@ -51,8 +53,8 @@ struct KuhnSimplex {
 };
 
 /// Everything needed to find the own errors of all nodes of sides 4 .. kPlanEdge inside a cube of
-/// side kPlanEdge, and the error of any coarser interpolant on its Kuhn simplices. All offsets are
-/// into the (kPlanEdge+1)^D points of the cube in canonical coordinates: the corner ≡ 0 mod
+/// side kPlanEdge, and the error of any coarser interpolant on its Kuhn simplices. All numbers are
+/// of the (kPlanEdge+1)^D points of the cube in canonical coordinates: the corner ≡ 0 mod
 /// 2·kPlanEdge at the origin, mirrored so that all coordinates grow from it.
 template <int D>
 struct CubePlan {
@@ -124,21 +126,29 @@ constexpr void sort_axes(std::array<int, D>& axes, std::size_t first, const Befo
       std::swap(axes[j], axes[j - 1]);
 }
 
+/// The axes, those first along which a point of a cube (local coordinates u) is nearest to the
+/// cube's border, and how far it is from that.
+template <int D>
+struct BorderOrder {
+  std::array<int, as_size(D)> axes;
+  Index<D> distance;
+
+  BorderOrder(const Index<D>& u, std::int32_t side) {
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      axes[i] = static_cast<int>(i);
+      distance[i] = std::min(u[i], side - u[i]);
+    }
+    sort_axes(axes, 0, [&](int a, int b) { return distance[as_size(a)] < distance[as_size(b)]; });
+  }
+};
+
 template <int D>
 Index<D> node_round(const Index<D>& u, std::int32_t side, int tier) {
-  std::array<int, as_size(D)> order;
+  const BorderOrder<D> order(u, side);
   Index<D> node;
-  Index<D> border_distance;
-  for (int i = 0; i < D; ++i) {
-    order[as_size(i)] = i;
-    node[as_size(i)] = side / 2;
-    border_distance[as_size(i)] = std::min(u[as_size(i)], side - u[as_size(i)]);
-  }
-  sort_axes(order, 0, [&](int a, int b) {
-    return border_distance[as_size(a)] < border_distance[as_size(b)];
-  });
+  for (std::size_t i = 0; i < as_size(D); ++i) node[i] = side / 2;
   for (std::size_t j = 0; j < as_size(tier); ++j) {
-    const std::size_t axis = as_size(order[j]);
+    const std::size_t axis = as_size(order.axes[j]);
     node[axis] = 2 * u[axis] < side ? 0 : side;
   }
   return node;
@@ -151,15 +161,8 @@ Index<D> node_round(const Index<D>& u, std::int32_t side, int tier) {
 template <int D, typename VertexValue>
 [[nodiscard]] double interpolant_at(const Index<D>& u, std::int32_t side, int tier,
                                     const VertexValue& vertex) {
-  std::array<int, as_size(D)> order;
-  std::array<std::int32_t, as_size(D)> border_distance;
-  for (int i = 0; i < D; ++i) {
-    order[as_size(i)] = i;
-    border_distance[as_size(i)] = std::min(u[as_size(i)], side - u[as_size(i)]);
-  }
-  sort_axes(order, 0, [&](int a, int b) {
-    return border_distance[as_size(a)] < border_distance[as_size(b)];
-  });
+  BorderOrder<D> border(u, side);
+  std::array<int, as_size(D)>& order = border.axes;
   // The centres of the cube, then of the faces u lies nearest to: weights are steps of distance.
   Index<D> p;
   for (int i = 0; i < D; ++i) p[as_size(i)] = side / 2;
@@ -167,7 +170,7 @@ template <int D, typename VertexValue>
   std::int32_t used = 0;  // 2 · (border distance) given away so far, of `side`
   for (int j = 0; j < tier; ++j) {
     const std::size_t axis = as_size(order[as_size(j)]);
-    const std::int32_t weight = 2 * border_distance[axis] - used;
+    const std::int32_t weight = 2 * border.distance[axis] - used;
     if (weight > 0) sum += static_cast<double>(weight) * vertex(p);
     used += weight;
     p[axis] = 2 * u[axis] <= side ? 0 : side;

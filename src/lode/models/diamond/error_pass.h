@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -30,35 +31,29 @@ template <int D>
 template <int D, typename C>
 class ErrorPass {
  public:
-  ErrorPass(const Model<D>& model, OwnErrors& own, NodeLevel* leaf)
-      : model_(model),
-        own_(own),
-        leaf_(leaf),
-        slack_(rounding_slack<D>(model)),
-        coarse_(model, slack_, own) {}
+  ErrorPass(const Model<D>& model, const OwnErrors& own, NodeLevel* leaf)
+      : model_(model), own_(own), slack_(rounding_slack<D>(model)), coarse_(model, slack_, own) {
+    if (leaf != nullptr) leaf_.emplace(model, slack_, *leaf);
+    values_.resize(kLeafValues<D>);
+  }
 
   void run_brick(const Index<D>& brick) {
-    values_.resize(power(kEdge, D));
     gather_values<D>(model_, brick, 1, values_.data());
-    if (leaf_ != nullptr) put_leaf_attributes<D, C>(model_, brick, values_.data(), slack_, *leaf_);
+    if (leaf_) leaf_->run_brick(brick, values_.data());
     if (model_.shape.n_levels == 1) return;
-    const Holes holes = model_.has_holes() ? Holes::present : Holes::absent;
     brick_errors_.clear();
     for (std::size_t batch = 0; batch < as_size(kPlansPerBrick<D>) / kLanes; ++batch) {
       if (!gather_lanes(brick, batch)) continue;
-      node_errors(batch, holes);
+      node_errors(batch);
       for (int level = kPlanLevel<D> + 1; level < model_.shape.n_levels; ++level)
-        coarse_.run(level, cubes_, is_used_, samples_, holes);
+        coarse_.run(level, cubes_, is_used_, samples_, gaps_);
     }
     brick_errors_.merge(model_.shape, brick, slack_, own_);
   }
 
  private:
-  static constexpr std::size_t kEdge = as_size(kBrickSamples<D> + 2);  ///< Of values_.
-
   static CanonicalCube<D> cube_of(const Index<D>& brick, std::size_t number) {
-    Index<D> per_edge;
-    for (std::size_t i = 0; i < as_size(D); ++i) per_edge[i] = kBrickEdge<D> / kPlanEdge<D>;
+    const Index<D> per_edge = all_equal<D>(kBrickEdge<D> / kPlanEdge<D>);
     return CanonicalCube<D>(brick * kBrickEdge<D> + point_of<D>(per_edge, number) * kPlanEdge<D>,
                             kPlanEdge<D>);
   }
@@ -67,8 +62,7 @@ class ErrorPass {
   /// same for every brick, because a brick is itself a cube of the hierarchy.
   static const std::vector<std::vector<std::uint16_t>>& places() {
     static const auto all = [] {
-      Index<D> dims;
-      for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = kPlanEdge<D> + 1;
+      const Index<D> dims = all_equal<D>(kPlanEdge<D> + 1);
       std::vector<std::vector<std::uint16_t>> result(as_size(kPlansPerBrick<D>) / kLanes);
       for (std::size_t batch = 0; batch < result.size(); ++batch)
         for (const auto& node_pass : CubePlan<D>::instance().node_passes)
@@ -102,32 +96,36 @@ class ErrorPass {
     copy_rows(batch);
     samples_ = vertices_.data();
     if (!is_whole) mask_beyond_data();
+    gaps_ = model_.has_holes() ? Gaps::holes : is_whole ? Gaps::none : Gaps::beyond_data;
     return true;
   }
 
   /// The points of all lanes side by side. Rows of mirrored cubes run backwards.
   void copy_rows(std::size_t batch) {
-    Index<D> rows;
-    for (std::size_t i = 0; i < as_size(D); ++i) rows[i] = i == 0 ? 1 : kPlanEdge<D> + 1;
+    Index<D> rows = all_equal<D>(kPlanEdge<D> + 1);
+    rows[0] = 1;
     std::array<const C*, kLanes> origin;
     std::array<std::array<std::ptrdiff_t, as_size(D)>, kLanes> step;
     for (std::size_t l = 0; l < kLanes; ++l) {
       const CanonicalCube<D> cube = cube_of({}, batch * kLanes + l);
       origin[l] = values_.data();
       for (std::size_t i = 0; i < as_size(D); ++i) {
-        const auto stride = static_cast<std::ptrdiff_t>(power(kEdge, static_cast<int>(i)));
+        const auto stride =
+            static_cast<std::ptrdiff_t>(power(as_size(kLeafEdge<D>), static_cast<int>(i)));
         origin[l] += (cube.even_corner[i] + 1) * stride;
         step[l][i] = cube.sign[i] * stride;
       }
     }
-    C* out = vertices_.data();
-    for (std::size_t r = 0; r < n_points<D>(rows); ++r) {
+    C* row = vertices_.data();
+    for (std::size_t r = 0; r < n_points<D>(rows); ++r, row += (kPlanEdge<D> + 1) * kLanes) {
       const Index<D> u = point_of<D>(rows, r);
-      std::array<const C*, kLanes> from = origin;
-      for (std::size_t l = 0; l < kLanes; ++l)
-        for (std::size_t i = 1; i < as_size(D); ++i) from[l] += u[i] * step[l][i];
-      for (std::ptrdiff_t x = 0; x <= kPlanEdge<D>; ++x, out += kLanes)
-        for (std::size_t l = 0; l < kLanes; ++l) out[l] = from[l][x * step[l][0]];
+      for (std::size_t l = 0; l < kLanes; ++l) {
+        const C* from = origin[l];
+        for (std::size_t i = 1; i < as_size(D); ++i) from += u[i] * step[l][i];
+        C* to = row + l;
+        for (std::int32_t x = 0; x <= kPlanEdge<D>; ++x, to += kLanes, from += step[l][0])
+          *to = *from;
+      }
     }
   }
 
@@ -135,28 +133,45 @@ class ErrorPass {
   void mask_beyond_data() {
     masked_ = vertices_;
     samples_ = masked_.data();
-    Index<D> rows;
-    for (std::size_t i = 0; i < as_size(D); ++i) rows[i] = i == 0 ? 1 : kPlanEdge<D> + 1;
-    C* row = masked_.data();
-    for (std::size_t r = 0; r < n_points<D>(rows); ++r, row += (kPlanEdge<D> + 1) * kLanes)
-      for (std::size_t l = 0; l < kLanes; ++l) {
-        // Along a row p[0] grows or falls by one a point; the other coordinates stay.
-        Index<D> p = cubes_[l].global(point_of<D>(rows, r));
-        const std::int32_t first = std::exchange(p[0], 0);
-        const bool is_row_beyond = !model_.shape.is_sample(p);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const LatticeBox<D> inside = part_in_data(cubes_[l]);
+      if (inside.lower == Index<D>{} && inside.upper == all_equal<D>(kPlanEdge<D> + 1)) continue;
+      Index<D> rows = all_equal<D>(kPlanEdge<D> + 1);
+      rows[0] = 1;
+      C* row = masked_.data() + l;
+      for (std::size_t r = 0; r < n_points<D>(rows); ++r, row += (kPlanEdge<D> + 1) * kLanes) {
+        const Index<D> u = point_of<D>(rows, r);
+        bool is_inside = true;
+        for (std::size_t i = 1; i < as_size(D); ++i)
+          is_inside = is_inside && u[i] >= inside.lower[i] && u[i] < inside.upper[i];
+        const std::int32_t begin = is_inside ? inside.lower[0] : 0;
+        const std::int32_t end = is_inside ? inside.upper[0] : 0;
         for (std::int32_t x = 0; x <= kPlanEdge<D>; ++x)
-          if (is_row_beyond || first + cubes_[l].sign[0] * x >= model_.shape.dims[0])
-            row[as_size(x) * kLanes + l] = std::numeric_limits<C>::quiet_NaN();
+          if (x < begin || x >= end) row[as_size(x) * kLanes] = std::numeric_limits<C>::quiet_NaN();
       }
+    }
   }
 
-  void node_errors(std::size_t batch, Holes holes) {
+  /// The points of a cube that are samples: lower <= u < upper, in its coordinates.
+  [[nodiscard]] LatticeBox<D> part_in_data(const CanonicalCube<D>& cube) const {
+    LatticeBox<D> part{{}, all_equal<D>(kPlanEdge<D> + 1)};
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      const std::int32_t beyond = model_.shape.dims[i] - cube.even_corner[i];  // first one, as u
+      if (cube.sign[i] > 0)
+        part.upper[i] = std::clamp(beyond, 0, kPlanEdge<D> + 1);
+      else
+        part.lower[i] = std::clamp(1 - beyond, 0, kPlanEdge<D> + 1);
+    }
+    return part;
+  }
+
+  void node_errors(std::size_t batch) {
     const std::uint16_t* place = places()[batch].data();
     for (const auto& node_pass : CubePlan<D>::instance().node_passes) {
       const std::size_t n_regions = node_pass.pass.regions.size();
       if (node_pass.level < model_.shape.n_levels) {
         errors_.resize(n_regions * kLanes);
-        run_interpolant(node_pass.pass, {samples_, vertices_.data(), scratch_.data()}, holes,
+        run_interpolant(node_pass.pass, {samples_, vertices_.data(), scratch_.data()}, gaps_,
                         errors_.data());
         for (std::size_t r = 0; r < n_regions; ++r)
           for (std::size_t l = 0; l < kLanes; ++l)
@@ -167,9 +182,9 @@ class ErrorPass {
   }
 
   const Model<D>& model_;
-  OwnErrors& own_;
-  NodeLevel* leaf_;
+  const OwnErrors& own_;
   double slack_;
+  std::optional<LeafPass<D, C>> leaf_;
   CoarsePass<D, C> coarse_;
   BrickErrors<D, C> brick_errors_;
   std::array<CanonicalCube<D>, kLanes> cubes_;
@@ -177,6 +192,7 @@ class ErrorPass {
   std::vector<C> values_;  ///< The brick's samples with one layer round them.
   AlignedVector<C> vertices_, masked_, scratch_, errors_;
   const C* samples_ = nullptr;  ///< vertices_, or masked_ where points lie beyond the data.
+  Gaps gaps_ = Gaps::none;
 };
 
 /// Whether float32 holds every interpolant exactly: multiples of 1/root side below the largest
@@ -189,12 +205,11 @@ template <int D>
   return bits + model.shape.n_levels <= 24;
 }
 
-/// The own errors of all nodes of levels >= 1. Where `leaf` is given, level 0's nested attributes
-/// are put there.
+/// Finds the own errors of all nodes of levels >= 1. Where `leaf` is given, level 0's nested
+/// attributes are put there.
 template <int D, typename C>
-[[nodiscard]] Result<OwnErrors> find_own_errors(const Model<D>& model, Threads threads,
-                                                Progress& progress, NodeLevel* leaf = nullptr) {
-  OwnErrors own = make_own_errors<D>(model.shape);
+[[nodiscard]] Result<void> find_own_errors(const Model<D>& model, const OwnErrors& own,
+                                           NodeLevel* leaf, Threads threads, Progress& progress) {
   std::vector<std::unique_ptr<ErrorPass<D, C>>> passes(as_size(n_workers(threads)));
   std::atomic<std::size_t> n_done{0};
   parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int worker) {
@@ -206,7 +221,7 @@ template <int D, typename C>
                     static_cast<double>(++n_done) / static_cast<double>(model.n_bricks()));
   });
   if (progress.is_cancelled()) return cancelled_error();
-  return own;
+  return {};
 }
 
 }  // namespace lode::diamond

@@ -19,20 +19,21 @@ void interpolate(const InterpolantPass& pass, const InterpolantArrays<C>& arrays
   const auto half = hn::Set(d, C(0.5));
   for (const std::uint16_t v : pass.vertices)
     for (std::size_t l = 0; l < kLanes; l += step)
-      hn::Store(hn::Load(d, arrays.vertices + v * kLanes + l), d, arrays.values + v * kLanes + l);
+      hn::Store(hn::Load(d, arrays.vertices + v + l), d, arrays.values + v + l);
   for (const InterpolantPass::Mean& mean : pass.means)
     for (std::size_t l = 0; l < kLanes; l += step) {
-      const auto a = hn::Load(d, arrays.values + mean.first * kLanes + l);
-      const auto b = hn::Load(d, arrays.values + mean.second * kLanes + l);
-      hn::Store(hn::Mul(hn::Add(a, b), half), d, arrays.values + mean.to * kLanes + l);
+      const auto a = hn::Load(d, arrays.values + mean.first + l);
+      const auto b = hn::Load(d, arrays.values + mean.second + l);
+      hn::Store(hn::Mul(hn::Add(a, b), half), d, arrays.values + mean.to + l);
     }
 }
 
-template <Holes kHoles, typename Tag, typename V>
+template <Gaps kGaps, typename Tag, typename V>
 V larger_error(Tag d, V sample, V value, V largest) {
   using C = hn::TFromD<Tag>;
   auto error = hn::Abs(hn::Sub(sample, value));
-  if constexpr (kHoles == Holes::present) {
+  if constexpr (kGaps == Gaps::none) return hn::Max(error, largest);
+  if constexpr (kGaps == Gaps::holes) {
     const auto infinity = hn::Set(d, std::numeric_limits<C>::infinity());
     error = hn::IfThenElse(hn::IsNaN(value), infinity, error);
     error = hn::IfThenElse(hn::IsNaN(sample), hn::Zero(d), error);
@@ -41,20 +42,27 @@ V larger_error(Tag d, V sample, V value, V largest) {
   return hn::IfThenElse(hn::Gt(error, largest), error, largest);
 }
 
-template <Holes kHoles, typename C>
+template <Gaps kGaps, typename C>
 void largest_errors(const InterpolantPass& pass, const InterpolantArrays<C>& arrays, C* out) {
   const hn::CappedTag<C, kLanes> d;
   const std::size_t step = hn::Lanes(d);
+  const auto raised = [&](std::uint16_t point, std::size_t l, auto largest) {
+    return larger_error<kGaps>(d, hn::Load(d, arrays.samples + point + l),
+                               hn::Load(d, arrays.values + point + l), largest);
+  };
   for (std::size_t r = 0; r < pass.regions.size(); ++r) {
-    const InterpolantPass::Region& region = pass.regions[r];
+    const std::uint16_t* point = pass.points.data() + pass.regions[r].begin;
+    const std::size_t n = pass.regions[r].end - pass.regions[r].begin;
     for (std::size_t l = 0; l < kLanes; l += step) {
-      auto largest = hn::Zero(d);
-      for (std::uint32_t i = region.begin; i < region.end; ++i) {
-        const std::size_t at = pass.points[i] * kLanes + l;
-        largest = larger_error<kHoles>(d, hn::Load(d, arrays.samples + at),
-                                       hn::Load(d, arrays.values + at), largest);
+      auto first = hn::Zero(d);  // two chains of maxima: each alone would wait for itself
+      auto second = hn::Zero(d);
+      std::size_t i = 0;
+      for (; i + 1 < n; i += 2) {
+        first = raised(point[i], l, first);
+        second = raised(point[i + 1], l, second);
       }
-      hn::Store(largest, d, out + r * kLanes + l);
+      if (i < n) first = raised(point[i], l, first);
+      hn::Store(hn::Max(first, second), d, out + r * kLanes + l);
     }
   }
 }
@@ -91,7 +99,7 @@ class LinearPiece {
   const KuhnSimplex<D>& simplex_;
 };
 
-template <Holes kHoles, int D, typename C>
+template <Gaps kGaps, int D, typename C>
 void linear_errors(const std::vector<KuhnSimplex<D>>& kuhn, const LinearArrays<C>& arrays) {
   const hn::CappedTag<C, kLanes> d;
   using Piece = LinearPiece<hn::CappedTag<C, kLanes>, D>;
@@ -107,17 +115,16 @@ void linear_errors(const std::vector<KuhnSimplex<D>>& kuhn, const LinearArrays<C
       auto a_largest = hn::Zero(d);
       auto b_largest = hn::Zero(d);
       auto c_largest = hn::Zero(d);
-      const std::size_t stride = simplex.step * kLanes;
       for (const auto& row : simplex.rows) {
         auto a_value = a.first_of(row);
         auto b_value = b.first_of(row);
         auto c_value = c.first_of(row);
-        const C* sample = arrays.samples + row.first * kLanes + l;
-        for (std::size_t i = 0; i < row.n; ++i, sample += stride) {
+        const C* sample = arrays.samples + row.first + l;
+        for (std::size_t i = 0; i < row.n; ++i, sample += simplex.step) {
           const auto v = hn::Load(d, sample);
-          a_largest = larger_error<kHoles>(d, v, a_value, a_largest);
-          b_largest = larger_error<kHoles>(d, v, b_value, b_largest);
-          c_largest = larger_error<kHoles>(d, v, c_value, c_largest);
+          a_largest = larger_error<kGaps>(d, v, a_value, a_largest);
+          b_largest = larger_error<kGaps>(d, v, b_value, b_largest);
+          c_largest = larger_error<kGaps>(d, v, c_value, c_largest);
           a_value = hn::Add(a_value, a_step);
           b_value = hn::Add(b_value, b_step);
           c_value = hn::Add(c_value, c_step);
@@ -131,52 +138,53 @@ void linear_errors(const std::vector<KuhnSimplex<D>>& kuhn, const LinearArrays<C
 }
 
 template <typename C>
-void run(const InterpolantPass& pass, const InterpolantArrays<C>& arrays, Holes holes, C* out) {
+void run(const InterpolantPass& pass, const InterpolantArrays<C>& arrays, Gaps gaps, C* out) {
   interpolate(pass, arrays);
-  if (holes == Holes::present)
-    largest_errors<Holes::present>(pass, arrays, out);
-  else
-    largest_errors<Holes::absent>(pass, arrays, out);
+  switch (gaps) {
+    case Gaps::none: return largest_errors<Gaps::none>(pass, arrays, out);
+    case Gaps::beyond_data: return largest_errors<Gaps::beyond_data>(pass, arrays, out);
+    case Gaps::holes: return largest_errors<Gaps::holes>(pass, arrays, out);
+  }
 }
 
-void run_float(const InterpolantPass& pass, const InterpolantArrays<float>& arrays, Holes holes,
+void run_float(const InterpolantPass& pass, const InterpolantArrays<float>& arrays, Gaps gaps,
                float* out) {
-  run(pass, arrays, holes, out);
+  run(pass, arrays, gaps, out);
 }
 
-void run_double(const InterpolantPass& pass, const InterpolantArrays<double>& arrays, Holes holes,
+void run_double(const InterpolantPass& pass, const InterpolantArrays<double>& arrays, Gaps gaps,
                 double* out) {
-  run(pass, arrays, holes, out);
+  run(pass, arrays, gaps, out);
 }
 
 template <int D, typename C>
 void run_linear_as(const std::vector<KuhnSimplex<D>>& kuhn, const LinearArrays<C>& arrays,
-                   Holes holes) {
-  if (holes == Holes::present)
-    linear_errors<Holes::present, D, C>(kuhn, arrays);
+                   Gaps gaps) {
+  if (gaps == Gaps::none)
+    linear_errors<Gaps::none>(kuhn, arrays);
   else
-    linear_errors<Holes::absent, D, C>(kuhn, arrays);
+    linear_errors<Gaps::beyond_data>(kuhn, arrays);
 }
 
 // Highway exports functions, not templates.
 void run_linear_2_float(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<float>& arrays,
-                        Holes holes) {
-  run_linear_as(kuhn, arrays, holes);
+                        Gaps gaps) {
+  run_linear_as(kuhn, arrays, gaps);
 }
 
 void run_linear_3_float(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<float>& arrays,
-                        Holes holes) {
-  run_linear_as(kuhn, arrays, holes);
+                        Gaps gaps) {
+  run_linear_as(kuhn, arrays, gaps);
 }
 
 void run_linear_2_double(const std::vector<KuhnSimplex<2>>& kuhn,
-                         const LinearArrays<double>& arrays, Holes holes) {
-  run_linear_as(kuhn, arrays, holes);
+                         const LinearArrays<double>& arrays, Gaps gaps) {
+  run_linear_as(kuhn, arrays, gaps);
 }
 
 void run_linear_3_double(const std::vector<KuhnSimplex<3>>& kuhn,
-                         const LinearArrays<double>& arrays, Holes holes) {
-  run_linear_as(kuhn, arrays, holes);
+                         const LinearArrays<double>& arrays, Gaps gaps) {
+  run_linear_as(kuhn, arrays, gaps);
 }
 
 }  // namespace lode::diamond::HWY_NAMESPACE
@@ -192,34 +200,34 @@ HWY_EXPORT(run_linear_3_float);
 HWY_EXPORT(run_linear_2_double);
 HWY_EXPORT(run_linear_3_double);
 
-void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<float>& arrays,
-                     Holes holes, float* out) {
-  HWY_DYNAMIC_DISPATCH(run_float)(pass, arrays, holes, out);
+void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<float>& arrays, Gaps gaps,
+                     float* out) {
+  HWY_DYNAMIC_DISPATCH(run_float)(pass, arrays, gaps, out);
 }
 
 void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<double>& arrays,
-                     Holes holes, double* out) {
-  HWY_DYNAMIC_DISPATCH(run_double)(pass, arrays, holes, out);
+                     Gaps gaps, double* out) {
+  HWY_DYNAMIC_DISPATCH(run_double)(pass, arrays, gaps, out);
 }
 
 void run_linear(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<float>& arrays,
-                Holes holes) {
-  HWY_DYNAMIC_DISPATCH(run_linear_2_float)(kuhn, arrays, holes);
+                Gaps gaps) {
+  HWY_DYNAMIC_DISPATCH(run_linear_2_float)(kuhn, arrays, gaps);
 }
 
 void run_linear(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<float>& arrays,
-                Holes holes) {
-  HWY_DYNAMIC_DISPATCH(run_linear_3_float)(kuhn, arrays, holes);
+                Gaps gaps) {
+  HWY_DYNAMIC_DISPATCH(run_linear_3_float)(kuhn, arrays, gaps);
 }
 
 void run_linear(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<double>& arrays,
-                Holes holes) {
-  HWY_DYNAMIC_DISPATCH(run_linear_2_double)(kuhn, arrays, holes);
+                Gaps gaps) {
+  HWY_DYNAMIC_DISPATCH(run_linear_2_double)(kuhn, arrays, gaps);
 }
 
 void run_linear(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<double>& arrays,
-                Holes holes) {
-  HWY_DYNAMIC_DISPATCH(run_linear_3_double)(kuhn, arrays, holes);
+                Gaps gaps) {
+  HWY_DYNAMIC_DISPATCH(run_linear_3_double)(kuhn, arrays, gaps);
 }
 
 }  // namespace lode::diamond

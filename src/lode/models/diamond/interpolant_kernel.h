@@ -10,9 +10,6 @@
 
 namespace lode::diamond {
 
-/// Cubes computed side by side; array element [point * kLanes + lane].
-inline constexpr std::size_t kLanes = 8;
-
 /// Gives vectors the alignment the kernels load with.
 template <typename C>
 struct AlignedAllocator {
@@ -32,24 +29,30 @@ struct AlignedAllocator {
 template <typename C>
 using AlignedVector = std::vector<C, AlignedAllocator<C>>;
 
-enum class Holes : std::uint8_t { absent, present };
+/// Which samples of a run may be NaN and do not count.
+enum class Gaps : std::uint8_t {
+  none,         ///< Not one of them.
+  beyond_data,  ///< Points outside the data, where vertices have values all the same.
+  holes         ///< Those and holes, where vertices are NaN too.
+};
 
-/// The arrays of one run; each has points · kLanes elements, 64-byte aligned.
+/// The arrays of one run: for each point of the plan's cube kLanes values, one per cube; 64-byte
+/// aligned.
 template <typename C>
 struct InterpolantArrays {
-  const C* samples;   ///< NaN where a point must not count (outside the data, or a hole).
+  const C* samples;   ///< NaN where a point must not count.
   const C* vertices;  ///< Values at vertices: samples, extended outside the data.
   C* values;          ///< Scratch: the interpolant.
 };
 
 /// Evaluates one interpolant on kLanes cubes and finds, per region and lane, the largest
-/// |sample - value| (out[region * kLanes + lane], >= 0). With holes present, a finite sample
-/// whose interpolant touches a hole makes that infinite. Bound by cache bandwidth: about six
+/// |sample - value| (out[region * kLanes + lane], >= 0). With holes, a finite sample whose
+/// interpolant touches a hole makes that infinite. Bound by cache bandwidth: about six
 /// vector accesses a point.
-void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<float>& arrays,
-                     Holes holes, float* out);
+void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<float>& arrays, Gaps gaps,
+                     float* out);
 void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<double>& arrays,
-                     Holes holes, double* out);
+                     Gaps gaps, double* out);
 
 /// Interpolants that are linear on the Kuhn simplices of kLanes cubes, run_linear's input and
 /// output. Always three of them, which share each sample they are compared with.
@@ -60,15 +63,15 @@ struct LinearArrays {
   std::array<C*, 3> errors;         ///< The largest per Kuhn simplex; per lane.
 };
 
-/// As run_interpolant, per Kuhn simplex; simplices with a hole at a corner get any result. F' at a
-/// point is a sum of at most 20 terms.
+/// As run_interpolant, per Kuhn simplex; one with a hole at a corner gets 0. F' at a point is a sum
+/// of at most 20 terms.
 void run_linear(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<float>& arrays,
-                Holes holes);
+                Gaps gaps);
 void run_linear(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<float>& arrays,
-                Holes holes);
+                Gaps gaps);
 void run_linear(const std::vector<KuhnSimplex<2>>& kuhn, const LinearArrays<double>& arrays,
-                Holes holes);
+                Gaps gaps);
 void run_linear(const std::vector<KuhnSimplex<3>>& kuhn, const LinearArrays<double>& arrays,
-                Holes holes);
+                Gaps gaps);
 
 }  // namespace lode::diamond

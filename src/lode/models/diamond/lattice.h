@@ -31,6 +31,13 @@ inline constexpr std::size_t as_size(int i) { return static_cast<std::size_t>(i)
 template <int D>
 using NearPoints = InlineList<Index<D>, power(3, D) - 1>;
 
+template <int D>
+[[nodiscard]] constexpr Index<D> all_equal(std::int32_t n) {
+  Index<D> p;
+  for (std::size_t i = 0; i < as_size(D); ++i) p[i] = n;
+  return p;
+}
+
 /// The largest power of two, as an exponent, that divides all coordinates; 31 for the origin.
 template <int D>
 [[nodiscard]] constexpr int common_exponent(const Index<D>& p) {
@@ -139,26 +146,37 @@ template <int D>
   return result;
 }
 
+/// domain_vertices() of a diamond with these odd axes, in units of h from its centre.
+template <int D>
+[[nodiscard]] NearPoints<D> domain_vertex_steps(std::uint32_t odd) {
+  NearPoints<D> result;
+  for (std::size_t code = 0; code < power(3, D); ++code) {
+    Index<D> step;
+    std::uint32_t moved = 0;
+    std::size_t rest = code;
+    for (int i = 0; i < D; ++i, rest /= 3) {
+      step[as_size(i)] = static_cast<std::int32_t>(rest % 3) - 1;
+      if (step[as_size(i)] != 0) moved |= 1U << i;
+    }
+    const bool is_face_corner = moved == odd;
+    const bool is_larger_centre = moved != 0 && (moved & odd) == 0;
+    if (is_face_corner || is_larger_centre) result.push_back(step);
+  }
+  return result;
+}
+
 /// The vertices of the diamond's simplices other than its centre: the corners of its face of
 /// dimension D - tier, and the centres of the larger faces and cubes round that.
 template <int D>
 [[nodiscard]] NearPoints<D> domain_vertices(const Diamond<D>& d) {
+  static const auto steps = [] {
+    std::array<NearPoints<D>, power(2, D)> by_odd;
+    for (std::uint32_t odd = 1; odd < by_odd.size(); ++odd)
+      by_odd[odd] = domain_vertex_steps<D>(odd);
+    return by_odd;
+  }();
   NearPoints<D> result;
-  int n_offsets = 1;
-  for (int i = 0; i < D; ++i) n_offsets *= 3;
-  for (int code = 0; code < n_offsets; ++code) {
-    Index<D> p = d.centre;
-    int n_odd_moved = 0;
-    int n_even_moved = 0;
-    for (int i = 0, rest = code; i < D; ++i, rest /= 3) {
-      const int step = rest % 3 - 1;
-      p[as_size(i)] += step * d.h();
-      if (step != 0) ++(d.is_odd(i) ? n_odd_moved : n_even_moved);
-    }
-    const bool is_face_corner = n_odd_moved == D - d.tier && n_even_moved == 0;
-    const bool is_larger_centre = n_odd_moved == 0 && n_even_moved > 0;
-    if (is_face_corner || is_larger_centre) result.push_back(p);
-  }
+  for (const Index<D>& step : steps[d.odd]) result.push_back(d.centre + step * d.h());
   return result;
 }
 

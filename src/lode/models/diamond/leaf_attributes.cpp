@@ -1,13 +1,11 @@
 #include "lode/models/diamond/leaf_attributes.h"
 
+#include <type_traits>
+
 #include "lode/models/diamond/range_code.h"
 
 namespace lode::diamond {
 namespace {
-
-/// Edge of the sample array: a brick and one layer round it. Local coordinate p is at p + 1.
-template <int D>
-inline constexpr std::int32_t kEdge = kBrickSamples<D> + 2;
 
 template <int D>
 std::array<std::ptrdiff_t, as_size(D)> strides(std::int32_t edge) {
@@ -39,50 +37,28 @@ std::size_t offset_of(const Index<D>& p, const std::array<std::ptrdiff_t, as_siz
   return static_cast<std::size_t>(offset);
 }
 
-/// |F - mean of the axis ends| along one row of samples: at even x the ends lie at -across and
-/// +across, at odd x also to the sides. Each parity is computed for the whole row, then taken.
-template <int D, typename C>
-void row_midpoint_errors(const C* v, std::ptrdiff_t across, std::int32_t n, C* error) {
-  using Row = std::array<C, as_size(kBrickSamples<D>)>;
-  const auto find = [&](std::ptrdiff_t to_end, Row& out) {
-    for (std::int32_t x = 0; x < n; ++x) {
-      const C e = std::abs(v[x] - (v[x + to_end] + v[x - to_end]) * C(0.5));
-      out[as_size(x)] = e >= C(0) ? e : C(0);
-    }
-  };
-  Row even;
-  Row first;   // x ≡ 1 mod 4
-  Row second;  // x ≡ 3 mod 4
-  find(across, even);
-  find(across - 1, first);
-  find(across + 1, second);
-  if (across != 0)
-    for (std::int32_t x = 0; x < n; x += 2) error[x] = even[as_size(x)];
-  for (std::int32_t x = 1; x < n; x += 4) error[x] = first[as_size(x)];
-  for (std::int32_t x = 3; x < n; x += 4) error[x] = second[as_size(x)];
-}
-
 /// Midpoint errors of every sample of the brick; 0 at all-even points, beyond the data, and where
 /// a hole is involved. At step 1 the parity of a point decides its axis.
 template <int D, typename C>
-void midpoint_errors(const Model<D>& model, const Index<D>& base, const C* values,
-                     std::vector<C>& out) {
-  out.assign(kBrickSize<D>, C(0));
-  const auto stride = strides<D>(kEdge<D>);
-  const Index<D> ones = [] {
-    Index<D> v;
-    for (std::size_t i = 0; i < as_size(D); ++i) v[i] = 1;
-    return v;
-  }();
+void find_midpoint_errors(const Model<D>& model, const Index<D>& base, const C* values,
+                          std::vector<C>& out) {
+  out.resize(kBrickSize<D> + kRowPadding);
+  const auto stride = strides<D>(kLeafEdge<D>);
+  const Index<D> ones = all_equal<D>(1);
   const std::int32_t n = std::min(kBrickSamples<D>, model.shape.dims[0] - base[0]);
+  // Rows in ascending order: what one writes beyond its end, the next one puts right.
   for_each_row<D>(kBrickSamples<D>, [&](const Index<D>& row) {
+    C* const error = out.data() + model.brick_offset(row);
+    bool is_beyond = false;
     std::ptrdiff_t across = 0;  // from a point to the first axis end, without the x part
     for (std::size_t i = 1; i < as_size(D); ++i) {
-      if (base[i] + row[i] >= model.shape.dims[i]) return;
+      is_beyond = is_beyond || base[i] + row[i] >= model.shape.dims[i];
       if ((row[i] & 1) != 0) across += (row[i] & 3) == 1 ? -stride[i] : stride[i];
     }
-    row_midpoint_errors<D>(values + offset_of<D>(row + ones, stride), across, n,
-                           out.data() + model.brick_offset(row));
+    const std::int32_t n_real = is_beyond ? 0 : n;
+    if (n_real > 0)
+      midpoint_errors(values + offset_of<D>(row + ones, stride), across, as_size(n_real), error);
+    std::fill(error + n_real, error + kBrickSamples<D>, C(0));
   });
 }
 
@@ -93,14 +69,9 @@ void mark_mixed_nodes(const Model<D>& model, const Index<D>& base, const C* valu
                       std::vector<C>& errors) {
   enum : std::uint8_t { absent, present, removed };
   const std::int32_t edge = kBrickEdge<D> + 2;  // cells -1 .. kBrickEdge
-  const auto stride = strides<D>(kEdge<D>);
+  const auto stride = strides<D>(kLeafEdge<D>);
   const auto cell_stride = strides<D>(edge);
-  std::vector<std::uint8_t> cells(n_points<D>([&] {
-                                    Index<D> v;
-                                    for (std::size_t i = 0; i < as_size(D); ++i) v[i] = edge;
-                                    return v;
-                                  }()),
-                                  absent);
+  std::vector<std::uint8_t> cells(n_points<D>(all_equal<D>(edge)), absent);
   for_each_row<D>(edge, [&](Index<D> p) {
     for (; p[0] < edge; ++p[0]) {
       bool is_real = true;
@@ -138,11 +109,13 @@ void mark_mixed_nodes(const Model<D>& model, const Index<D>& base, const C* valu
 /// Errors of one row of cubes of side 2: the largest over their points.
 template <int D, typename C>
 void row_errors(const std::vector<C>& midpoint, const Index<D>& cube, C* out) {
-  std::array<C, as_size(kBrickSamples<D>)> largest{};
+  std::array<const C*, power(3, D - 1)> rows;
+  std::size_t n = 0;
   for_each_row<D>(3, [&](const Index<D>& o) {
-    const C* m = midpoint.data() + Model<D>::brick_offset(cube * 2 + o);
-    for (std::size_t x = 0; x < largest.size(); ++x) largest[x] = std::max(largest[x], m[x]);
+    rows[n++] = midpoint.data() + Model<D>::brick_offset(cube * 2 + o);
   });
+  std::array<C, as_size(kBrickSamples<D>) + kRowPadding> largest;
+  largest_of(rows, as_size(kBrickSamples<D>), largest.data());
   for (std::size_t x = 0; x < as_size(kLeafCubes<D>); ++x)
     out[x] = std::max({largest[2 * x], largest[2 * x + 1], largest[2 * x + 2]});
 }
@@ -164,75 +137,65 @@ constexpr bool is_in_nested_domain(const Index<D>& o) {
   return false;
 }
 
-/// One row of the nested domain: where it lies, and how far it reaches in x.
-struct StencilRow {
-  std::ptrdiff_t offset;
-  int reach;
-};
-
+/// The nested domain of a cube of side 2, as rows round its centre.
 template <int D>
-std::vector<StencilRow> nested_domain_rows() {
-  std::vector<StencilRow> rows;
-  const auto stride = strides<D>(kEdge<D>);
+RowStencil nested_domain_rows() {
+  RowStencil rows;
+  const auto stride = strides<D>(kLeafEdge<D>);
   for_each_row<D>(5, [&](const Index<D>& corner) {
-    StencilRow row{0, -1};
+    std::ptrdiff_t offset = 0;
+    int reach = -1;
     Index<D> o;
     for (std::size_t i = 1; i < as_size(D); ++i) {
       o[i] = corner[i] - 2;
-      row.offset += o[i] * stride[i];
+      offset += o[i] * stride[i];
     }
     for (o[0] = 0; o[0] <= 2; ++o[0])
-      if (is_in_nested_domain<D>(o)) row.reach = o[0];
-    if (row.reach >= 0) rows.push_back(row);
+      if (is_in_nested_domain<D>(o)) reach = o[0];
+    if (reach >= 0) rows[as_size(reach)].push_back(offset);
   });
   return rows;
 }
 
-/// Ranges of one row of cubes: per reach the extremes over the stencil's rows, then over x.
-template <int D, typename C>
-void row_ranges(const C* centre_row, const std::vector<StencilRow>& rows, C* low, C* high) {
-  constexpr C kInfinity = std::numeric_limits<C>::infinity();
-  std::array<std::array<C, as_size(kEdge<D>)>, 3> lows;
-  std::array<std::array<C, as_size(kEdge<D>)>, 3> highs;
-  for (std::size_t reach = 0; reach < 3; ++reach) {
-    lows[reach].fill(kInfinity);
-    highs[reach].fill(-kInfinity);
+/// Stores a row's attributes, rounded as NodeLevel says. What is computed in float32 is exact
+/// there, and so are its ranges above a reference of 0.
+template <typename C>
+struct RowEncoder {
+  double slack;
+  double reference;
+
+  [[nodiscard]] ErrorCode error(C e) const {
+    if constexpr (std::is_same_v<C, float>) return encode_error(e);
+    return encode_error(float_up(static_cast<double>(e) + slack));
   }
-  for (const StencilRow& row : rows) {
-    const C* v = centre_row + row.offset;
-    C* l = lows[as_size(row.reach)].data();
-    C* h = highs[as_size(row.reach)].data();
-    for (std::size_t x = 0; x < as_size(kEdge<D>); ++x) {  // comparisons with NaN are false
-      l[x] = v[x] < l[x] ? v[x] : l[x];
-      h[x] = v[x] > h[x] ? v[x] : h[x];
-    }
+  [[nodiscard]] float low(C v) const {
+    if constexpr (std::is_same_v<C, float>) return v;
+    return range_down(static_cast<double>(v), reference);
   }
-  for (std::size_t cube = 0; cube < as_size(kLeafCubes<D>); ++cube) {
-    const std::size_t x = 2 * cube + 2;  // centre 2·cube + 1, stored at + 1
-    C l = std::min({lows[0][x], lows[1][x], lows[2][x], lows[1][x - 1], lows[1][x + 1]});
-    C h = std::max({highs[0][x], highs[1][x], highs[2][x], highs[1][x - 1], highs[1][x + 1]});
-    for (const std::size_t at : {x - 2, x - 1, x + 1, x + 2}) {
-      l = std::min(l, lows[2][at]);
-      h = std::max(h, highs[2][at]);
-    }
-    low[cube] = l;
-    high[cube] = h;
+  [[nodiscard]] float high(C v) const {
+    if constexpr (std::is_same_v<C, float>) return v;
+    return range_up(static_cast<double>(v), reference);
   }
-}
+};
 
 }  // namespace
 
 template <int D, typename C>
-void put_leaf_attributes(const Model<D>& model, const Index<D>& brick, const C* values,
-                         double slack, NodeLevel& out) {
-  static const std::vector<StencilRow> stencil = nested_domain_rows<D>();
+LeafPass<D, C>::LeafPass(const Model<D>& model, double slack, NodeLevel& out)
+    : model_(model), slack_(slack), out_(out) {
+  static_assert(as_size(kLeafEdge<D>) <= kMaxRow);
+  if constexpr (std::is_same_v<C, float>) LODE_EXPECTS(slack == 0 && model.range_reference() == 0);
+}
+
+template <int D, typename C>
+void LeafPass<D, C>::run_brick(const Index<D>& brick, const C* values) {
+  static const RowStencil stencil = nested_domain_rows<D>();
   const Index<D> base = brick * kBrickEdge<D>;
-  std::vector<C> midpoint;
-  midpoint_errors<D>(model, base, values, midpoint);
-  if (model.has_holes()) mark_mixed_nodes<D>(model, base, values, midpoint);
-  const double reference = model.range_reference();
-  const auto stride = strides<D>(kEdge<D>);
-  const Index<D> dims = model.shape.attribute_dims(0);
+  find_midpoint_errors<D>(model_, base, values, midpoint_);
+  if (model_.has_holes()) mark_mixed_nodes<D>(model_, base, values, midpoint_);
+  const RowEncoder<C> encoder{slack_, model_.range_reference()};
+  const auto stride = strides<D>(kLeafEdge<D>);
+  const Index<D> dims = model_.shape.attribute_dims(0);
   const std::int32_t first = brick[0] * kLeafCubes<D>;
   const auto n = static_cast<std::size_t>(std::clamp(dims[0] - first, 0, kLeafCubes<D>));
   for_each_row<D>(kLeafCubes<D>, [&](const Index<D>& cube) {
@@ -243,26 +206,24 @@ void put_leaf_attributes(const Model<D>& model, const Index<D>& brick, const C* 
       row += (2 * cube[i] + 2) * stride[i];
     }
     std::array<C, as_size(kLeafCubes<D>)> error;
-    std::array<C, as_size(kLeafCubes<D>)> low;
-    std::array<C, as_size(kLeafCubes<D>)> high;
-    row_errors<D>(midpoint, cube, error.data());
-    row_ranges<D>(values + row, stencil, low.data(), high.data());
+    std::array<C, as_size(kLeafEdge<D>) + kRowPadding> low;
+    std::array<C, as_size(kLeafEdge<D>) + kRowPadding> high;
+    row_errors<D>(midpoint_, cube, error.data());
+    extremes_round(values + row, stencil, as_size(kLeafEdge<D>), model_.has_holes(), low.data(),
+                   high.data());
     const std::size_t at = linear_index<D>(dims, global);
     for (std::size_t x = 0; x < n; ++x) {
-      out.error[at + x] = encode_error(float_up(static_cast<double>(error[x]) + slack));
-      out.low[at + x] = range_down(static_cast<double>(low[x]), reference);
-      out.high[at + x] = range_up(static_cast<double>(high[x]), reference);
+      const std::size_t centre = 2 * x + 2;  // 2·x + 1, stored at + 1
+      out_.error[at + x] = encoder.error(error[x]);
+      out_.low[at + x] = encoder.low(low[centre]);
+      out_.high[at + x] = encoder.high(high[centre]);
     }
   });
 }
 
-template void put_leaf_attributes<2, float>(const Model<2>&, const Index<2>&, const float*, double,
-                                            NodeLevel&);
-template void put_leaf_attributes<3, float>(const Model<3>&, const Index<3>&, const float*, double,
-                                            NodeLevel&);
-template void put_leaf_attributes<2, double>(const Model<2>&, const Index<2>&, const double*,
-                                             double, NodeLevel&);
-template void put_leaf_attributes<3, double>(const Model<3>&, const Index<3>&, const double*,
-                                             double, NodeLevel&);
+template class LeafPass<2, float>;
+template class LeafPass<3, float>;
+template class LeafPass<2, double>;
+template class LeafPass<3, double>;
 
 }  // namespace lode::diamond

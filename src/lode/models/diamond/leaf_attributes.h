@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "lode/models/diamond/leaf_rows.h"
 #include "lode/models/diamond/model.h"
 
 namespace lode::diamond {
@@ -7,13 +10,37 @@ namespace lode::diamond {
 /// Cubes of side 2 along a brick's edge.
 template <int D>
 inline constexpr std::int32_t kLeafCubes = kBrickEdge<D> / 2;
+/// Edge of the array of a brick's samples with one layer round them: local coordinate p is at p
+/// + 1.
+template <int D>
+inline constexpr std::int32_t kLeafEdge = kBrickSamples<D> + 2;
+/// Its elements.
+template <int D>
+inline constexpr std::size_t kLeafValues = power(as_size(kLeafEdge<D>), D) + kRowPadding;
 
-/// Finds the nested attributes of the tier-0 nodes of level 0 in one brick, from its samples with a
-/// margin of one layer (see gather_values; holes are NaN), and stores them in `out` (the model's
-/// level 0). Errors are largest at midpoints of edges, because at this level every sample is one;
-/// `slack` is added to each. They are infinite where holes meet present cells.
+/// Finds the nested attributes of the tier-0 nodes of level 0, brick by brick, and stores them in
+/// `out` (the model's level 0). Errors are largest at midpoints of edges, because at this level
+/// every sample is one; `slack` is added to each (0 where C is float, which must hold all values
+/// and range ends exactly). They are infinite where holes meet present cells. One thread.
 template <int D, typename C>
-void put_leaf_attributes(const Model<D>& model, const Index<D>& brick, const C* values,
-                         double slack, NodeLevel& out);
+class LeafPass {
+ public:
+  LeafPass(const Model<D>& model, double slack, NodeLevel& out);
+
+  /// `values`: kLeafValues; the brick's samples with a margin of one layer (see gather_values;
+  /// holes are NaN).
+  void run_brick(const Index<D>& brick, const C* values);
+
+ private:
+  const Model<D>& model_;
+  double slack_;
+  NodeLevel& out_;
+  std::vector<C> midpoint_;  ///< Scratch: one error a sample.
+};
+
+extern template class LeafPass<2, float>;
+extern template class LeafPass<3, float>;
+extern template class LeafPass<2, double>;
+extern template class LeafPass<3, double>;
 
 }  // namespace lode::diamond

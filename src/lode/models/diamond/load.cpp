@@ -103,7 +103,7 @@ Result<void> load_samples(Model<D>& model, const store::Reader& reader, Threads 
                           Progress& progress) {
   const std::size_t size = model.sample_size();
   const Index<D> dims = model.shape.dims;
-  std::vector<std::byte> all(n_points<D>(dims) * size);
+  UninitializedArray<std::byte> all(n_points<D>(dims) * size);
   const auto put_block = [&]<typename T>(const Region<D>& r, const std::byte* from) {
     for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
       for (std::size_t a = 0; a < as_size(D); ++a) q[a] <<= r.level;
@@ -119,11 +119,30 @@ Result<void> load_samples(Model<D>& model, const store::Reader& reader, Threads 
                                 put_block.template operator()<T>(r, from);
                               });
                             }));
-  put_samples<D>(model, {}, dims, all.data());
+  put_samples<D>(model, {{}, dims}, all.data(), threads);
   finish_samples<D>(model, threads);
   if (auto checked = check_magnitude(model.stats); !checked)
     return fail("{}: {}", reader.path(), checked.error().message);
   return {};
+}
+
+/// Loads one attribute, stored as T, into the arrays that array_of(level) gives.
+template <typename T, int D, typename ArrayOf>
+Result<void> load_attribute(const Shape<D>& shape, const store::Reader& reader, Kind kind,
+                            Threads threads, Progress& progress, const ArrayOf& array_of) {
+  const auto put_block = [&](const Region<D>& r, const std::byte* from) {
+    auto& to = array_of(r.level);
+    const Index<D> dims = shape.grid_dims(r.level);
+    for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
+      const std::size_t first = linear_index<D>(dims, q);
+      for (std::size_t i = 0; i < as_size(n); ++i, from += sizeof(T)) {
+        T value;
+        std::memcpy(&value, from, sizeof(T));
+        to[first + i * as_size(stride)] = value;
+      }
+    });
+  };
+  return load_blocks<D>(reader, shape, kind, sizeof(T), threads, progress, put_block);
 }
 
 template <int D>
@@ -136,30 +155,15 @@ Result<void> load_attributes(Model<D>& model, const store::Reader& reader, Threa
     nodes.low.assign(n, std::numeric_limits<float>::infinity());
     nodes.high.assign(n, -std::numeric_limits<float>::infinity());
   }
-  LODE_CHECK(load_blocks<D>(reader, model.shape, Kind::errors, sizeof(ErrorCode), threads, progress,
-                            [&](const Region<D>& r, const std::byte* from) {
-                              const Index<D> dims = model.shape.grid_dims(r.level);
-                              for_each_point<D>(r, [&](const Index<D>& q) {
-                                std::memcpy(
-                                    &model.levels[as_size(r.level)].error[linear_index<D>(dims, q)],
-                                    from, sizeof(ErrorCode));
-                                from += sizeof(ErrorCode);
-                              });
-                            }));
+  const auto load_kind = [&]<typename T>(Kind kind, auto NodeLevel::*array) {
+    return load_attribute<T>(
+        model.shape, reader, kind, threads,
+        progress, [&](int level) -> auto& { return model.levels[as_size(level)].*array; });
+  };
+  LODE_CHECK(load_kind.template operator()<ErrorCode>(Kind::errors, &NodeLevel::error));
   return visit_range_type(model.storage, [&]<typename R>() -> Result<void> {
-    for (const Kind kind : {Kind::lows, Kind::highs})
-      LODE_CHECK(load_blocks<D>(reader, model.shape, kind, sizeof(R), threads, progress,
-                                [&](const Region<D>& r, const std::byte* from) {
-                                  NodeLevel& nodes = model.levels[as_size(r.level)];
-                                  auto& values = kind == Kind::lows ? nodes.low : nodes.high;
-                                  const Index<D> dims = model.shape.grid_dims(r.level);
-                                  for_each_point<D>(r, [&](const Index<D>& q) {
-                                    R v;
-                                    std::memcpy(&v, from, sizeof(R));
-                                    from += sizeof(R);
-                                    values[linear_index<D>(dims, q)] = static_cast<float>(v);
-                                  });
-                                }));
+    LODE_CHECK(load_kind.template operator()<R>(Kind::lows, &NodeLevel::low));
+    LODE_CHECK(load_kind.template operator()<R>(Kind::highs, &NodeLevel::high));
     for (NodeLevel& nodes : model.levels)
       for (std::size_t i = 0; i < nodes.low.size(); ++i) {
         if (nodes.error[i] > kInfiniteError || std::isnan(nodes.low[i]) ||

@@ -1,5 +1,7 @@
 #include "lode/models/diamond/model.h"
 
+#include <utility>
+
 namespace lode::diamond {
 namespace {
 
@@ -201,10 +203,16 @@ void widen_samples(ScalarType type, const std::byte* from, std::size_t n, std::b
 }
 
 template <int D>
-void put_samples(Model<D>& model, const Index<D>& lower, const Index<D>& upper,
-                 const std::byte* values) {
+void put_samples(Model<D>& model, const LatticeBox<D>& box, const std::byte* values,
+                 Threads threads) {
   const std::size_t size = model.sample_size();
-  for_each_row<D>(lower, upper, [&](const Index<D>& row) {
+  const Index<D>& lower = box.lower;
+  const Index<D>& upper = box.upper;
+  Index<D> rows = upper - lower;
+  const std::size_t row_bytes = as_size(std::exchange(rows[0], 1)) * size;
+  parallel_for(n_points<D>(rows), threads, 256, [&](std::size_t number, int) {
+    const Index<D> row = lower + point_of<D>(rows, number);
+    const std::byte* from = values + number * row_bytes;
     Index<D> first;
     Index<D> end;
     for (std::size_t i = 0; i < as_size(D); ++i) {
@@ -220,10 +228,9 @@ void put_samples(Model<D>& model, const Index<D>& lower, const Index<D>& upper,
         local[0] = begin - b[0] * kBrickEdge<D>;
         std::byte* to =
             model.brick(linear_index<D>(model.brick_dims, b)) + model.brick_offset(local) * size;
-        std::memcpy(to, values + as_size(begin - lower[0]) * size, as_size(stop - begin) * size);
+        std::memcpy(to, from + as_size(begin - lower[0]) * size, as_size(stop - begin) * size);
       }
     });
-    values += as_size(upper[0] - lower[0]) * size;
   });
 }
 
@@ -257,6 +264,7 @@ void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin
     upper[i] = kBrickSamples<D> + margin;
   }
   visit_storage_type(model.storage, [&]<typename T>() {
+    const T* samples = reinterpret_cast<const T*>(model.samples.data());
     for_each_row<D>(lower, upper, [&](const Index<D>& p) {
       // The row lies in this brick or in one beside it in x; beyond those, its end repeats.
       Index<D> at = model.clamped(base + p);
@@ -266,31 +274,27 @@ void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin
         at[i] -= brick[i] * kBrickEdge<D>;
       }
       at[0] = 0;
-      const auto row_of = [&](std::int32_t x) {
-        Index<D> beside = brick;
-        beside[0] = x;
-        const std::size_t number = linear_index<D>(model.brick_dims, beside);
-        return reinterpret_cast<const T*>(model.brick(number)) + model.brick_offset(at);
-      };
-      const T* row = row_of(b[0]);
+      // Bricks beside each other in x lie one after the other.
+      const T* row = samples + linear_index<D>(model.brick_dims, brick) * kBrickSize<D> +
+                     model.brick_offset(at);
+      constexpr auto kToNext = static_cast<std::ptrdiff_t>(kBrickSize<D>);
       for (std::int32_t x = -margin; x < 0; ++x)
-        *out++ = converted(b[0] > 0 ? row_of(b[0] - 1)[kBrickEdge<D> + x] : row[0]);
+        *out++ = converted(row[b[0] > 0 ? kBrickEdge<D> + x - kToNext : 0]);
       if (mark_holes)
         for (std::int32_t x = 0; x < kBrickSamples<D>; ++x) out[x] = converted(row[x]);
       else
         for (std::int32_t x = 0; x < kBrickSamples<D>; ++x) out[x] = static_cast<C>(row[x]);
       out += kBrickSamples<D>;
       for (std::int32_t x = 1; x <= margin; ++x)
-        *out++ =
-            converted(b[0] + 1 < model.brick_dims[0] ? row_of(b[0] + 1)[x] : row[kBrickEdge<D>]);
+        *out++ = converted(row[b[0] + 1 < model.brick_dims[0] ? kToNext + x : kBrickEdge<D>]);
     });
   });
 }
 
 template struct Model<2>;
 template struct Model<3>;
-template void put_samples<2>(Model<2>&, const Index<2>&, const Index<2>&, const std::byte*);
-template void put_samples<3>(Model<3>&, const Index<3>&, const Index<3>&, const std::byte*);
+template void put_samples<2>(Model<2>&, const LatticeBox<2>&, const std::byte*, Threads);
+template void put_samples<3>(Model<3>&, const LatticeBox<3>&, const std::byte*, Threads);
 template void finish_samples<2>(Model<2>&, Threads);
 template void finish_samples<3>(Model<3>&, Threads);
 template void gather_values<2, float>(const Model<2>&, const Index<2>&, std::int32_t, float*);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lode/core/parallel.h"
+#include "lode/core/uninitialized_array.h"
 #include "lode/core/volume.h"
 #include "lode/models/diamond/error_code.h"
 #include "lode/models/diamond/lattice.h"
@@ -37,9 +38,10 @@ inline constexpr std::int32_t kMaxSamplesPerAxis = (1 << 19) + 1;
 /// 0 only of its tier-0 nodes, one per cube of side 2. Entries that are no node of the level are
 /// unused.
 struct NodeLevel {
-  std::vector<ErrorCode> error;  ///< Nested error, rounded up.
-  std::vector<float> low;        ///< Nested minimum above Model::range_reference(), rounded down.
-  std::vector<float> high;       ///< Nested maximum, likewise, rounded up; < low: no finite sample.
+  std::vector<ErrorCode> error;   ///< Nested error, rounded up.
+  UninitializedArray<float> low;  ///< Nested minimum above Model::range_reference(), rounded down.
+  UninitializedArray<float>
+      high;  ///< Nested maximum, likewise, rounded up; < low: no finite sample.
 };
 
 /// Facts about the samples, found while they are read.
@@ -88,7 +90,7 @@ struct Model {
   Shape<D> shape;
   FieldStats stats;
   Index<D> brick_dims;                    ///< Bricks per axis, >= 1.
-  std::vector<std::byte> samples;         ///< Brick after brick, kBrickSize each, x fastest.
+  UninitializedArray<std::byte> samples;  ///< Brick after brick, kBrickSize each, x fastest.
   std::vector<std::uint8_t> brick_holes;  ///< Per brick: 1 when one of its samples is a hole.
   std::vector<NodeLevel> levels;          ///< Finest first; shape.n_levels of them.
 
@@ -194,8 +196,8 @@ void widen_samples(ScalarType type, const std::byte* from, std::size_t n, std::b
 
 /// Copies a box of lattice samples (storage type, x fastest) into all bricks that hold them.
 template <int D>
-void put_samples(Model<D>& model, const Index<D>& lower, const Index<D>& upper,
-                 const std::byte* values);
+void put_samples(Model<D>& model, const LatticeBox<D>& box, const std::byte* values,
+                 Threads threads);
 
 /// Completes a model whose samples have all been put: fills the parts of border bricks that lie
 /// beyond the data with the nearest samples, and finds range, holes and removed cells.

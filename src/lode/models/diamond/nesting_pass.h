@@ -4,10 +4,9 @@
 #include <limits>
 #include <vector>
 
-#include "lode/core/inline_list.h"
 #include "lode/core/parallel.h"
+#include "lode/models/diamond/attribute_rows.h"
 #include "lode/models/diamond/model.h"
-#include "lode/models/diamond/own_errors.h"
 #include "lode/models/diamond/range_code.h"
 
 namespace lode::diamond {
@@ -18,147 +17,143 @@ namespace lode::diamond {
 template <int D>
 class NestingPass {
  public:
-  /// Fills model.levels from level 1 on; level 0 must be complete.
-  NestingPass(Model<D>& model, const OwnErrors& own, Threads threads)
+  /// Completes model.levels from level 1 on, where errors are own ones so far, and ranges missing;
+  /// level 0 must be complete.
+  NestingPass(Model<D>& model, Threads threads)
       : model_(model),
-        own_(own),
         threads_(threads),
+        scratch_(as_size(n_workers(threads))),
         reference_(model.range_reference()),
         mark_holes_(model.has_holes()) {}
 
   void run() {
-    for (int level = 1; level < model_.shape.n_levels; ++level)
-      for (int tier = D - 1; tier >= 0; --tier) run_tier(level, tier);
+    for (int level = 1; level < model_.shape.n_levels; ++level) {
+      clear_points(level);
+      for (int tier = D - 1; tier >= 0; --tier)
+        for (const std::int32_t parity : {1, 0}) run_rows(level, tier, parity);
+    }
   }
 
  private:
-  static constexpr std::size_t kMaxChildren = power(2, D) > 2 * D ? power(2, D) : 2 * D;
-
-  /// A row of children: the child of the node at q[0] = x is at x·scale + shift of n.
-  struct ChildRow {
-    const ErrorCode* error = nullptr;
-    const float* low = nullptr;
-    const float* high = nullptr;
-    std::int32_t scale = 1;
-    std::int32_t shift = 0;
-    std::int32_t n = 0;
-  };
-  using ChildRows = InlineList<ChildRow, kMaxChildren>;
-
-  void run_tier(int level, int tier) {
+  /// The nodes of a tier whose x is even (parity 0) or odd (1). Rows are read whole, also where
+  /// their points are no children: those are complete too, as odd x go first.
+  void run_rows(int level, int tier, std::int32_t parity) {
     const Index<D> dims = model_.shape.grid_dims(level);
-    const std::size_t n_rows = n_points<D>(dims) / as_size(dims[0]);
-    parallel_for(n_rows, threads_, 16, [&](std::size_t row, int) {
-      const Index<D> q = point_of<D>(dims, row * as_size(dims[0]));
-      int n_odd = 0;
-      for (std::size_t i = 1; i < as_size(D); ++i) n_odd += q[i] & 1;
-      if (tier == D - 1 && n_odd == 0) clear_points(level, dims, q);
-      if (n_odd == D - tier) run_row(level, dims, q, 0);
-      if (n_odd + 1 == D - tier) run_row(level, dims, q, 1);
+    parallel_for(n_rows(dims), threads_, 16, [&](std::size_t number, int worker) {
+      const Index<D> row = point_of<D>(dims, number * as_size(dims[0]));
+      if (n_odd(row) + parity == D - tier) run_row(level, row, parity, scratch_[as_size(worker)]);
     });
   }
 
-  /// The row's points that are samples of coarser levels: no nodes of this one.
-  void clear_points(int level, const Index<D>& dims, const Index<D>& row) {
-    NodeLevel& nodes = model_.levels[as_size(level)];
-    const std::size_t first = linear_index<D>(dims, row);
-    for (std::size_t x = 0; x < as_size(dims[0]); x += 2) {
-      nodes.error[first + x] = 0;
-      nodes.low[first + x] = std::numeric_limits<float>::infinity();
-      nodes.high[first + x] = -std::numeric_limits<float>::infinity();
-    }
+  static std::size_t n_rows(const Index<D>& dims) { return n_points<D>(dims) / as_size(dims[0]); }
+
+  static int n_odd(const Index<D>& q) {
+    int n = 0;
+    for (std::size_t i = 0; i < as_size(D); ++i) n += q[i] & 1;
+    return n;
   }
 
-  /// The nodes of one row whose x is even (parity 0) or odd (1): one tier.
-  void run_row(int level, const Index<D>& dims, const Index<D>& row, std::int32_t parity) {
+  /// Points that are samples of coarser levels are no nodes of this one.
+  void clear_points(int level) {
+    const Index<D> dims = model_.shape.grid_dims(level);
+    NodeLevel& nodes = model_.levels[as_size(level)];
+    parallel_for(n_rows(dims), threads_, 16, [&](std::size_t number, int) {
+      const std::size_t first = number * as_size(dims[0]);
+      if (n_odd(point_of<D>(dims, first)) > 0) return;
+      for (std::size_t x = 0; x < as_size(dims[0]); x += 2) {
+        nodes.error[first + x] = 0;
+        nodes.low[first + x] = std::numeric_limits<float>::infinity();
+        nodes.high[first + x] = -std::numeric_limits<float>::infinity();
+      }
+    });
+  }
+
+  /// What is joined before it is known for which nodes of a row; per worker.
+  struct Scratch {
+    AttributeScratch row;   ///< Of the level's row.
+    AttributeScratch fine;  ///< Of a row of the next finer level, from x = -1 on.
+  };
+
+  void run_row(int level, const Index<D>& row, std::int32_t parity, Scratch& scratch) {
     Index<D> q = row;
     q[0] = parity;
-    int n_odd = 0;
-    for (std::size_t i = 0; i < as_size(D); ++i) n_odd += q[i] & 1;
-    ChildRows children;
-    if (n_odd == 1)
-      add_cube_rows(level, q, children);
+    const Index<D> dims = model_.shape.grid_dims(level);
+    scratch.row.clear(as_size(dims[0]));
+    if (n_odd(q) == 1)
+      join_cubes(level, q, dims[0], scratch);
     else
-      add_level_rows(level, dims, q, children);
+      join_level(level, q, dims, scratch.row);
     const std::size_t first = linear_index<D>(dims, row);
     NodeLevel& nodes = model_.levels[as_size(level)];
-    const Row to{nodes.error.data() + first, nodes.low.data() + first, nodes.high.data() + first};
-    const float* own = own_[as_size(level)].data() + first;
     for (std::int32_t x = parity; x < dims[0]; x += 2) {
-      to.error[x] = encode_error(own[x]);
-      to.low[x] = std::numeric_limits<float>::infinity();
-      to.high[x] = -std::numeric_limits<float>::infinity();
-    }
-    for (const ChildRow& child : children) {
-      if (child.scale == 1)
-        join_row<1>(child, parity, dims[0], to);
-      else
-        join_row<2>(child, parity, dims[0], to);
+      const std::size_t at = as_size(x);
+      nodes.error[first + at] = std::max(nodes.error[first + at], scratch.row.error[at]);
+      nodes.low[first + at] = scratch.row.low[at];
+      nodes.high[first + at] = scratch.row.high[at];
     }
     q[0] = std::max(parity, first_beyond_data(level, row));
     q[0] += (q[0] ^ parity) & 1;
     for (; q[0] < dims[0]; q[0] += 2)
-      join_vertices(diamond_at<D>(q * (std::int32_t{1} << level)), to.low[q[0]], to.high[q[0]]);
+      join_vertices(diamond_at<D>(q * (std::int32_t{1} << level)), nodes.low[first + as_size(q[0])],
+                    nodes.high[first + as_size(q[0])]);
   }
 
-  struct Row {
-    ErrorCode* error;
-    float* low;
-    float* high;
-  };
-
-  /// Joins one child of each node parity, parity + 2, .. < n of a row.
-  template <std::int32_t kScale>
-  static void join_row(const ChildRow& child, std::int32_t parity, std::int32_t n, const Row& to) {
-    std::int32_t x = parity;
-    while (x * kScale + child.shift < 0) x += 2;
-    for (; x < n && x * kScale + child.shift < child.n; x += 2) {
-      const std::int32_t at = x * kScale + child.shift;
-      to.error[x] = child.error[at] > to.error[x] ? child.error[at] : to.error[x];
-      to.low[x] = child.low[at] < to.low[x] ? child.low[at] : to.low[x];
-      to.high[x] = child.high[at] > to.high[x] ? child.high[at] : to.high[x];
-    }
-  }
-
-  void add_row(int level, const Index<D>& dims, const Index<D>& first, std::int32_t scale,
-               std::int32_t shift, ChildRows& out) const {
-    Index<D> p = first;
-    p[0] = 0;
-    for (std::size_t i = 1; i < as_size(D); ++i)
-      if (p[i] < 0 || p[i] >= dims[i]) return;
-    const NodeLevel& nodes = model_.levels[as_size(level)];
-    const std::size_t at = linear_index<D>(dims, p);
-    out.push_back({nodes.error.data() + at, nodes.low.data() + at, nodes.high.data() + at, scale,
-                   shift, dims[0]});
+  [[nodiscard]] static AttributeRow row_at(const NodeLevel& nodes, std::size_t at) {
+    return {nodes.error.data() + at, nodes.low.data() + at, nodes.high.data() + at};
   }
 
   /// Children in the same level: one step along each odd axis.
-  void add_level_rows(int level, const Index<D>& dims, const Index<D>& q, ChildRows& out) const {
-    for (std::size_t i = 0; i < as_size(D); ++i) {
+  void join_level(int level, const Index<D>& q, const Index<D>& dims, AttributeScratch& out) const {
+    const NodeLevel& nodes = model_.levels[as_size(level)];
+    Index<D> row = q;
+    row[0] = 0;
+    for (std::size_t i = 1; i < as_size(D); ++i) {
       if ((q[i] & 1) == 0) continue;
       for (const std::int32_t step : {-1, 1}) {
-        Index<D> child = q;
+        Index<D> child = row;
         child[i] += step;
-        add_row(level, dims, child, 1, i == 0 ? step : 0, out);
+        if (child[i] < 0 || child[i] >= dims[i]) continue;
+        out.join(row_at(nodes, linear_index<D>(dims, child)), 0, as_size(dims[0]));
       }
     }
+    if ((q[0] & 1) == 0) return;
+    const AttributeRow own = row_at(nodes, linear_index<D>(dims, row));
+    for (std::size_t x = 1; x < as_size(dims[0]); x += 2)  // an odd number of points
+      for (const std::size_t child : {x - 1, x + 1}) {
+        out.error[x] = std::max(out.error[x], own.error[child]);
+        out.low[x] = std::min(out.low[x], own.low[child]);
+        out.high[x] = std::max(out.high[x], own.high[child]);
+      }
   }
 
   /// Children that are cubes of the next finer level: half a step along all axes.
-  void add_cube_rows(int level, const Index<D>& q, ChildRows& out) const {
+  void join_cubes(int level, const Index<D>& q, std::int32_t n, Scratch& scratch) const {
     const Index<D> dims = model_.shape.attribute_dims(level - 1);
     const bool is_finest = level == 1;  // one entry per cube instead of a grid
-    for (int corner = 0; corner < (1 << D); ++corner) {
-      Index<D> child;
-      Index<D> step;
-      for (int i = 0; i < D; ++i) {
-        const auto a = as_size(i);
-        const bool is_upper = ((corner >> i) & 1) != 0;
-        step[a] = is_finest ? (is_upper ? 0 : -1) : (is_upper ? 1 : -1);
-        child[a] = q[a] * (is_finest ? 1 : 2) + step[a];
+    const std::int32_t scale = is_finest ? 1 : 2;
+    const std::int32_t below = -1;
+    const std::int32_t above = is_finest ? 0 : 1;
+    AttributeScratch& fine = scratch.fine;
+    fine.clear(as_size(scale * n) + 2);
+    for (std::uint32_t corner = 0; corner < 1U << D; corner += 2) {
+      Index<D> row;
+      bool exists = true;
+      for (std::size_t i = 1; i < as_size(D); ++i) {
+        row[i] = q[i] * scale + ((corner >> i & 1U) != 0 ? above : below);
+        exists = exists && row[i] >= 0 && row[i] < dims[i];
       }
-      add_row(level - 1, dims, child, is_finest ? 1 : 2, step[0], out);
+      if (exists)
+        fine.join(row_at(model_.levels[as_size(level - 1)], linear_index<D>(dims, row)), 1,
+                  as_size(dims[0]));
     }
+    for (std::int32_t x = q[0]; x < n; x += 2)
+      for (const std::int32_t step : {below, above}) {
+        const std::size_t child = as_size(x * scale + step + 1);
+        const std::size_t at = as_size(x);
+        scratch.row.error[at] = std::max(scratch.row.error[at], fine.error[child]);
+        scratch.row.low[at] = std::min(scratch.row.low[at], fine.low[child]);
+        scratch.row.high[at] = std::max(scratch.row.high[at], fine.high[child]);
+      }
   }
 
   /// The first x of a row from which domains reach beyond the data.
@@ -177,13 +172,17 @@ class NestingPass {
   void join_value(const Index<D>& p, float& low, float& high) const {
     const double v = model_.value(p);
     if (mark_holes_ && model_.is_hole(v)) return;
+    const double relative = v - reference_;  // exact above a reference of 0
+    const bool is_inside =
+        relative > static_cast<double>(low) && relative < static_cast<double>(high);
+    if (is_inside || (reference_ == 0 && relative == static_cast<double>(low))) return;
     low = std::min(low, range_down(v, reference_));
     high = std::max(high, range_up(v, reference_));
   }
 
   Model<D>& model_;
-  const OwnErrors& own_;
   Threads threads_;
+  std::vector<Scratch> scratch_;
   double reference_;
   bool mark_holes_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lode/core/atomic_extremes.h"
@@ -10,17 +11,9 @@
 
 namespace lode::diamond {
 
-/// Own errors, rounded up, per level from 1 on its grid; [0] is empty: level 0 is found nested.
-/// Nodes that no simplex with samples belongs to have 0.
-using OwnErrors = std::vector<std::vector<float>>;
-
-template <int D>
-[[nodiscard]] OwnErrors make_own_errors(const Shape<D>& shape) {
-  OwnErrors own(as_size(shape.n_levels));
-  for (int level = 1; level < shape.n_levels; ++level)
-    own[as_size(level)].resize(n_points<D>(shape.grid_dims(level)));
-  return own;
-}
+/// Where own errors, rounded up, go: per level from 1 on its grid, 0 before any is known; [0] is
+/// empty, level 0 is found nested. Nodes that no simplex with samples belongs to keep 0.
+using OwnErrors = std::vector<std::span<ErrorCode>>;
 
 /// Level of the tier-0 node that is a whole cube of side kPlanEdge.
 template <int D>
@@ -51,7 +44,8 @@ class BrickErrors {
 
   /// Raises the model's errors, each by `slack` more. Nodes on the brick's border are shared with
   /// other bricks and so with other threads.
-  void merge(const Shape<D>& shape, const Index<D>& brick, double slack, OwnErrors& own) const {
+  void merge(const Shape<D>& shape, const Index<D>& brick, double slack,
+             const OwnErrors& own) const {
     for (int level = 1; level <= kPlanLevel<D> && level < shape.n_levels; ++level)
       merge_level(level, shape.grid_dims(level), brick, slack, own[as_size(level)]);
   }
@@ -67,7 +61,7 @@ class BrickErrors {
   }
 
   void merge_level(int level, const Index<D>& dims, const Index<D>& brick, double slack,
-                   std::vector<float>& own) const {
+                   std::span<ErrorCode> own) const {
     const std::int32_t n = edge(level);
     Index<D> rows;  // of the brick's nodes, at x = 0
     for (std::size_t i = 0; i < as_size(D); ++i) rows[i] = i == 0 ? 1 : n;
@@ -82,11 +76,11 @@ class BrickErrors {
         exists = exists && q[i] < dims[i];
       }
       if (!exists) continue;
-      float* to = own.data() + linear_index<D>(dims, q);
+      ErrorCode* to = own.data() + linear_index<D>(dims, q);
       const std::int32_t n_real = std::min(n, dims[0] - q[0]);
       for (std::int32_t x = 0; x < n_real; ++x) {
         if (!(local[x] >= C(0))) continue;
-        const float error = float_up(static_cast<double>(local[x]) + slack);
+        const ErrorCode error = encode_error(float_up(static_cast<double>(local[x]) + slack));
         if (is_shared || x == 0 || x == n - 1)
           raise_to(to[x], error);
         else

@@ -18,13 +18,13 @@ template <typename Bits, typename F>
 [[nodiscard]] inline float next_up(float x) { return next_up<std::uint32_t>(x); }
 
 /// value - reference as float32, rounded up: an upper end of a range (see NodeLevel). -infinity
-/// stays what it is.
+/// stays what it is, and -0 becomes 0: ends of either sign would be equal, but not the same bytes.
 [[nodiscard]] inline float range_up(double value, double reference) {
   double difference = value - reference;
   if (std::isinf(difference)) return static_cast<float>(difference);
   if (reference != 0) difference = next_up(difference);
   const float f = static_cast<float>(difference);
-  return static_cast<double>(f) >= difference ? f : next_up(f);
+  return (static_cast<double>(f) >= difference ? f : next_up(f)) + 0.0F;
 }
 
 /// Likewise rounded down: a lower end.

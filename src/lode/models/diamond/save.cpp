@@ -56,30 +56,37 @@ void encode_samples(const Model<D>& model, const Region<D>& r, std::vector<Pendi
   });
 }
 
+/// One attribute of the region's nodes, each as encode(its place in the level's arrays) gives it.
+template <typename T, int D, typename Encode>
+void encode_attribute(const Model<D>& model, Kind kind, const Region<D>& r, const Encode& encode,
+                      std::vector<PendingBlock>& out) {
+  const Index<D> dims = model.shape.grid_dims(r.level);
+  std::vector<T> values(count_points(r));
+  T* to = values.data();
+  for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
+    const std::size_t first = linear_index<D>(dims, q);
+    for (std::size_t i = 0; i < as_size(n); ++i) *to++ = encode(first + i * as_size(stride));
+  });
+  out.push_back(
+      {key_of(kind, r), store::encode_block(std::as_bytes(std::span<const T>(values)), sizeof(T))});
+}
+
 template <int D>
 void encode_attributes(const Model<D>& model, const Region<D>& r, std::vector<PendingBlock>& out) {
+  if (count_points(r) == 0) return;
   const NodeLevel& nodes = model.levels[as_size(r.level)];
-  const Index<D> dims = model.shape.grid_dims(r.level);
-  std::vector<ErrorCode> errors;
-  for_each_point<D>(
-      r, [&](const Index<D>& q) { errors.push_back(nodes.error[linear_index<D>(dims, q)]); });
-  if (errors.empty()) return;
-  out.push_back(
-      {key_of(Kind::errors, r),
-       store::encode_block(std::as_bytes(std::span<const ErrorCode>(errors)), sizeof(ErrorCode))});
+  encode_attribute<ErrorCode>(
+      model, Kind::errors, r, [&](std::size_t at) { return nodes.error[at]; }, out);
   visit_range_type(model.storage, [&]<typename R>() {
-    std::vector<R> lows;
-    std::vector<R> highs;
-    for_each_point<D>(r, [&](const Index<D>& q) {
-      const std::size_t at = linear_index<D>(dims, q);
-      const bool is_empty = nodes.low[at] > nodes.high[at];
-      lows.push_back(is_empty ? std::numeric_limits<R>::max() : to_range<R>(nodes.low[at]));
-      highs.push_back(is_empty ? std::numeric_limits<R>::lowest() : to_range<R>(nodes.high[at]));
-    });
-    out.push_back({key_of(Kind::lows, r),
-                   store::encode_block(std::as_bytes(std::span<const R>(lows)), sizeof(R))});
-    out.push_back({key_of(Kind::highs, r),
-                   store::encode_block(std::as_bytes(std::span<const R>(highs)), sizeof(R))});
+    const auto is_empty = [&](std::size_t at) { return nodes.low[at] > nodes.high[at]; };
+    const auto low = [&](std::size_t at) {
+      return is_empty(at) ? std::numeric_limits<R>::max() : to_range<R>(nodes.low[at]);
+    };
+    const auto high = [&](std::size_t at) {
+      return is_empty(at) ? std::numeric_limits<R>::lowest() : to_range<R>(nodes.high[at]);
+    };
+    encode_attribute<R>(model, Kind::lows, r, low, out);
+    encode_attribute<R>(model, Kind::highs, r, high, out);
   });
 }
 

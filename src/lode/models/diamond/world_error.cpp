@@ -147,7 +147,7 @@ class WorldPass {
       for (const std::int32_t x : q.v) n_odd += x & 1;
       if (n_odd != D - tier) return;
       const Diamond<D> node = diamond_at<D>(q * (1 << level));
-      const double own = static_cast<double>(own_[as_size(level)][at]);
+      const double own = static_cast<double>(decode_error(own_[as_size(level)][at]));
       float world = float_up(rule(node, own, samples));
       for (const Index<D>& child : children<D>(node)) world = std::max(world, stored(child));
       worlds[at] = world;
@@ -174,7 +174,13 @@ class WorldPass {
 
 template <int D, typename C>
 Result<WorldErrors> compute_as(const Model<D>& model, Threads threads, Progress& progress) {
-  LODE_TRY(const auto own, (find_own_errors<D, C>(model, threads, progress)));
+  std::vector<std::vector<ErrorCode>> errors(as_size(model.shape.n_levels));
+  OwnErrors own(errors.size());
+  for (int level = 1; level < model.shape.n_levels; ++level) {
+    errors[as_size(level)].resize(n_points<D>(model.shape.grid_dims(level)));
+    own[as_size(level)] = errors[as_size(level)];
+  }
+  LODE_CHECK((find_own_errors<D, C>(model, own, nullptr, threads, progress)));
   return WorldPass<D, C>(model, own, threads).run();
 }
 

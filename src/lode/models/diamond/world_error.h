@@ -93,8 +93,9 @@ class WorldErrorRule {
   Vec<double, as_size(D)> spacing_;
 };
 
-/// The nested world errors of all stored nodes, laid out as Model::levels and rounded up; an entry
-/// of level 0 also covers the finer nodes in its cube.
+/// The nested world errors of all stored nodes, laid out as Model::levels and rounded up: by at
+/// most (1 + 1/128)^2, as own errors are ErrorCodes too. An entry of level 0 also covers the finer
+/// nodes in its cube.
 using WorldErrors = std::vector<std::vector<ErrorCode>>;
 
 /// Finds them from the samples, as one more build does; nothing of it is in the file. Fails when
