@@ -17,25 +17,35 @@ struct Row {
   std::optional<double> ours_s;
   std::string peer;  ///< Empty where nothing comparable exists.
   std::optional<double> peer_s;
+  std::optional<double> ours_fastest_s;
+  std::optional<double> peer_fastest_s;
   std::map<std::string, double> counts;  ///< ours_triangles, peer_triangles, samples, ...
   std::string note;                      ///< Why it was skipped, or how the inputs differ.
 
   /// ours_s / peer_s: below 1 we are faster.
   [[nodiscard]] std::optional<double> ratio() const;
+  [[nodiscard]] std::optional<double> fastest_ratio() const;
+};
+
+/// Seconds of seven runs. Where a machine is shared, and taken away for longer than a run, the
+/// fastest says what the work costs; the median what was seen.
+struct Seconds {
+  double median = 0;
+  double fastest = 0;
 };
 
 /// Does the timed work once. A bad Result ends the measurement.
 using Work = std::function<Result<void>()>;
 
-/// Seconds: the median of seven runs of `work` after one that does not count, timed by Google
-/// Benchmark under `name`.
-[[nodiscard]] Result<double> median_seconds(const std::string& name, const Work& work);
+/// Seven runs of `work` after one that does not count, timed by Google Benchmark under `name`.
+[[nodiscard]] Result<Seconds> time_runs(const std::string& name, const Work& work);
 
 /// Prints one row as soon as it is known, aligned under print_heading's.
 void print_heading(const std::string& peer);
 void print_row(const Row& row);
 
-/// [{"name", "ours_s", "peer", "peer_s", "ratio", "note", counts...}, ...], missing values null.
+/// [{"name", "ours_s", "peer", "peer_s", "ratio", "ours_fastest_s", "peer_fastest_s",
+/// "fastest_ratio", "counts", "note"}, ...], missing values null.
 [[nodiscard]] std::string to_json(const std::vector<Row>& rows);
 /// Writes to_json(rows) whole or not at all.
 [[nodiscard]] Result<void> write_json(const std::vector<Row>& rows, const std::string& path);
