@@ -164,8 +164,8 @@ NearPoints<D> nodes_containing(const Index<D>& u, std::int32_t side, int tier) {
 
 template <int D>
 const CubePlan<D>& CubePlan<D>::instance() {
-  static const CubePlan<D> plan = make_plan<D>();
-  return plan;
+  static const CubePlan<D> kPlan = make_plan<D>();
+  return kPlan;
 }
 
 template struct CubePlan<2>;

@@ -61,7 +61,7 @@ class ErrorPass {
   /// Per batch of cubes, the place in BrickErrors of every region of every node pass, per lane: the
   /// same for every brick, because a brick is itself a cube of the hierarchy.
   static const std::vector<std::vector<std::uint16_t>>& places() {
-    static const auto all = [] {
+    static const auto kAll = [] {
       const Index<D> dims = all_equal<D>(kPlanEdge<D> + 1);
       std::vector<std::vector<std::uint16_t>> result(as_size(kPlansPerBrick<D>) / kLanes);
       for (std::size_t batch = 0; batch < result.size(); ++batch)
@@ -73,7 +73,7 @@ class ErrorPass {
                   cube_of({}, batch * kLanes + l).global(point_of<D>(dims, region.node))));
       return result;
     }();
-    return all;
+    return kAll;
   }
 
   /// Fills the lanes with a batch of the brick's cubes; false when none of them meets the data.

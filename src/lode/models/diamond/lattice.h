@@ -169,14 +169,14 @@ template <int D>
 /// dimension D - tier, and the centres of the larger faces and cubes round that.
 template <int D>
 [[nodiscard]] NearPoints<D> domain_vertices(const Diamond<D>& d) {
-  static const auto steps = [] {
+  static const auto kSteps = [] {
     std::array<NearPoints<D>, power(2, D)> by_odd;
     for (std::uint32_t odd = 1; odd < by_odd.size(); ++odd)
       by_odd[odd] = domain_vertex_steps<D>(odd);
     return by_odd;
   }();
   NearPoints<D> result;
-  for (const Index<D>& step : steps[d.odd]) result.push_back(d.centre + step * d.h());
+  for (const Index<D>& step : kSteps[d.odd]) result.push_back(d.centre + step * d.h());
   return result;
 }
 

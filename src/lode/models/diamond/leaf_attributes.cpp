@@ -189,7 +189,7 @@ LeafPass<D, C>::LeafPass(const Model<D>& model, double slack, NodeLevel& out)
 
 template <int D, typename C>
 void LeafPass<D, C>::run_brick(const Index<D>& brick, const C* values) {
-  static const RowStencil stencil = nested_domain_rows<D>();
+  static const RowStencil kStencil = nested_domain_rows<D>();
   const Index<D> base = brick * kBrickEdge<D>;
   find_midpoint_errors<D>(model_, base, values, midpoint_);
   if (model_.has_holes()) mark_mixed_nodes<D>(model_, base, values, midpoint_);
@@ -209,7 +209,7 @@ void LeafPass<D, C>::run_brick(const Index<D>& brick, const C* values) {
     std::array<C, as_size(kLeafEdge<D>) + kRowPadding> low;
     std::array<C, as_size(kLeafEdge<D>) + kRowPadding> high;
     row_errors<D>(midpoint_, cube, error.data());
-    extremes_round(values + row, stencil, as_size(kLeafEdge<D>), model_.has_holes(), low.data(),
+    extremes_round(values + row, kStencil, as_size(kLeafEdge<D>), model_.has_holes(), low.data(),
                    high.data());
     const std::size_t at = linear_index<D>(dims, global);
     for (std::size_t x = 0; x < n; ++x) {
