@@ -207,8 +207,7 @@ class AttributeChecker {
 
   /// The finest nodes below a cube of side 2 are stored with it: those on its edges reach beyond.
   void join_finest(const Diamond<D>& cube, std::size_t at) {
-    Index<D> box;
-    for (std::size_t i = 0; i < as_size(D); ++i) box[i] = 3;
+    const Index<D> box = all_equal<D>(3);
     for (std::size_t i = 0; i < n_points<D>(box); ++i) {
       Index<D> p = cube.centre + point_of<D>(box, i);
       int n_odd = 0;

@@ -1,5 +1,7 @@
 #include "lode/models/diamond/build.h"
 
+#include <optional>
+
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/nesting_pass.h"
 
@@ -51,7 +53,7 @@ Result<void> read_samples(Model<D>& model, VolumeSource& source, const BuildSett
   const Index3 dims = model.info.grid.dims;
   const std::int64_t slice_samples = std::int64_t{dims[0]} * dims[1];
   const std::size_t size = size_of(model.info.type);
-  constexpr std::int64_t kBytesPerRead = std::int64_t{4} << 20;  // fits in a last-level cache
+  constexpr std::int64_t kBytesPerRead = std::int64_t{4} << 20;  // reused while it is in a cache
   std::int32_t slices = settings.slices_per_read;
   if (slices <= 0)
     slices = static_cast<std::int32_t>(std::clamp<std::int64_t>(

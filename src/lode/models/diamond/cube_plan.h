@@ -145,8 +145,7 @@ struct BorderOrder {
 template <int D>
 Index<D> node_round(const Index<D>& u, std::int32_t side, int tier) {
   const BorderOrder<D> order(u, side);
-  Index<D> node;
-  for (std::size_t i = 0; i < as_size(D); ++i) node[i] = side / 2;
+  Index<D> node = all_equal<D>(side / 2);
   for (std::size_t j = 0; j < as_size(tier); ++j) {
     const std::size_t axis = as_size(order.axes[j]);
     node[axis] = 2 * u[axis] < side ? 0 : side;
@@ -164,8 +163,7 @@ template <int D, typename VertexValue>
   BorderOrder<D> border(u, side);
   std::array<int, as_size(D)>& order = border.axes;
   // The centres of the cube, then of the faces u lies nearest to: weights are steps of distance.
-  Index<D> p;
-  for (int i = 0; i < D; ++i) p[as_size(i)] = side / 2;
+  Index<D> p = all_equal<D>(side / 2);
   double sum = 0;
   std::int32_t used = 0;  // 2 · (border distance) given away so far, of `side`
   for (int j = 0; j < tier; ++j) {

@@ -183,9 +183,7 @@ double Model<D>::base_error() const {
   const int level = shape.n_levels - 1;
   const NodeLevel& top = levels[as_size(level)];
   if (level == 0) return static_cast<double>(decode_error(top.error[0]));
-  Index<D> centre;
-  for (std::size_t i = 0; i < as_size(D); ++i) centre[i] = 1;
-  const std::size_t at = linear_index<D>(shape.grid_dims(level), centre);
+  const std::size_t at = linear_index<D>(shape.grid_dims(level), all_equal<D>(1));
   return static_cast<double>(decode_error(top.error[at]));
 }
 
