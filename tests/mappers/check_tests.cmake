@@ -3,6 +3,7 @@ lode_test(mappers_check_test
   SOURCES
     ${CMAKE_CURRENT_LIST_DIR}/box_pairs_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/self_intersections_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/surface_edits_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/surface_topology_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/triangle_intersection_test.cpp
   DEPENDS lode_mappers lode_core)

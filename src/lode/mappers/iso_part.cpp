@@ -116,6 +116,7 @@ void IsoPart<D>::clear() {
 template <int D>
 void clip_to_domain(IsoPart<D>& part, const Vec3d& limits, double snap) {
   std::vector<double> snaps(part.points.size());
+  part.limits = limits;
   part.positions.resize(part.points.size());
   for (std::size_t v = 0; v < part.points.size(); ++v) {
     part.positions[v] = part.points[v].lattice_position();

@@ -45,6 +45,7 @@ struct IsoPart {
   /// Lattice coordinates of all vertices where the part was clipped; else empty: points tell, and
   /// every vertex has a cell.
   std::vector<Vec3d> positions;
+  Vec3d limits;  ///< The planes it was clipped at.
   std::vector<std::array<std::uint32_t, static_cast<std::size_t>(D)>> cells;
   double largest_step = 0;  ///< Largest difference of values along a crossed edge.
   double largest_snap = 0;  ///< The same over vertices that the margin moved.
@@ -54,6 +55,13 @@ struct IsoPart {
   [[nodiscard]] bool is_clipped() const { return !positions.empty(); }
   [[nodiscard]] Vec3d position(std::uint32_t vertex) const {
     return is_clipped() ? positions[vertex] : points[vertex].lattice_position();
+  }
+
+  /// Whether a vertex lies in a plane that the part was clipped at.
+  [[nodiscard]] bool is_on_limit(std::uint32_t vertex) const {
+    if (!is_clipped()) return false;
+    const Vec3d& p = positions[vertex];
+    return p[0] == limits[0] || p[1] == limits[1] || p[2] == limits[2];
   }
 
   /// Adds the vertex where the field, linear along the edge p – q from a to b, is the isovalue; its

@@ -106,7 +106,8 @@ template <int D>
 Result<void> stitch(const std::vector<StitchPart<D>>& parts,
                     const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>& candidates,
                     const LatticeFrame& frame, Threads threads, Surface& surface,
-                    std::vector<VertexOrigin>* origins) {
+                    std::vector<VertexOrigin>* origins,
+                    std::vector<std::uint32_t>& limit_vertices) {
   std::vector<Ownership> ownership(parts.size());
   std::vector<UsedVertices> used(parts.size());
   parallel_for(parts.size(), threads, 8,
@@ -157,6 +158,10 @@ Result<void> stitch(const std::vector<StitchPart<D>>& parts,
       for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k)
         cells[first_cell[i] + c][k] = final_id[part.cells[c][k]];
   });
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::uint32_t v = 0; v < parts[i].part.positions.size(); ++v)
+      if (ownership[i].owner[v] == kOwned && used[i][v] && parts[i].part.is_on_limit(v))
+        limit_vertices.push_back(first_vertex[i] + ownership[i].id[v]);
   return {};
 }
 
@@ -164,9 +169,11 @@ template void find_shared<2>(StitchPart<2>&, const std::function<bool(const Edge
 template void find_shared<3>(StitchPart<3>&, const std::function<bool(const EdgePoint&)>&);
 template Result<void> stitch<2>(const std::vector<StitchPart<2>>&,
                                 const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>&,
-                                const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
+                                const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*,
+                                std::vector<std::uint32_t>&);
 template Result<void> stitch<3>(const std::vector<StitchPart<3>>&,
                                 const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>&,
-                                const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
+                                const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*,
+                                std::vector<std::uint32_t>&);
 
 }  // namespace lode

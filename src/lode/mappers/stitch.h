@@ -40,13 +40,14 @@ struct VertexOrigin {
 
 /// Joins parts into one surface, appended to `surface`. A shared vertex belongs to the first part
 /// that has it, in order; `candidates(key, out)` lists the parts that may, ascending. The result
-/// depends on nothing but the parts. Fails where 32 bits cannot number the vertices.
+/// depends on nothing but the parts. `limit_vertices` gets the vertices in planes that parts were
+/// clipped at. Fails where 32 bits cannot number the vertices.
 template <int D>
 [[nodiscard]] Result<void> stitch(
     const std::vector<StitchPart<D>>& parts,
     const std::function<void(LatticeKey doubled_midpoint, std::vector<std::uint32_t>& out)>&
         candidates,
     const LatticeFrame& frame, Threads threads, Surface& surface,
-    std::vector<VertexOrigin>* origins);
+    std::vector<VertexOrigin>* origins, std::vector<std::uint32_t>& limit_vertices);
 
 }  // namespace lode

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <map>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 namespace lode {
@@ -59,30 +58,40 @@ void compact(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells)
     for (std::uint32_t& v : cell) v = renumbered[v];
 }
 
-/// Corners (cell · 3 + k) in the same fan as seen from their vertex are joined across each edge.
-void join_corners_across_edges(const Surface& surface, Groups& corners) {
-  struct Edge {
-    std::uint32_t low, high, corner_low, corner_high;
-  };
-  std::vector<Edge> edges;
-  edges.reserve(surface.triangles.size() * 3);
+/// A corner of a triangle, cell · 3 + k, and the vertex there.
+struct VertexCorner {
+  std::uint32_t vertex, corner;
+  friend constexpr auto operator<=>(const VertexCorner&, const VertexCorner&) = default;
+};
+
+/// The corners at some vertices, ascending, those of a vertex together.
+std::vector<VertexCorner> corners_of(std::span<const std::uint32_t> vertices,
+                                     const Surface& surface) {
+  std::vector<bool> is_asked(surface.positions.size());
+  for (const std::uint32_t v : vertices) is_asked[v] = true;
+  std::vector<VertexCorner> corners;
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t next = (k + 1) % 3;
-      const std::uint32_t a = surface.triangles[t][k];
-      const std::uint32_t b = surface.triangles[t][next];
-      const std::uint32_t ca = 3 * t + k;
-      const std::uint32_t cb = 3 * t + next;
-      edges.push_back(a < b ? Edge{a, b, ca, cb} : Edge{b, a, cb, ca});
-    }
-  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
-    return std::tie(x.low, x.high, x.corner_low) < std::tie(y.low, y.high, y.corner_low);
-  });
-  for (std::size_t i = 1; i < edges.size(); ++i) {
-    if (edges[i].low != edges[i - 1].low || edges[i].high != edges[i - 1].high) continue;
-    corners.join(edges[i].corner_low, edges[i - 1].corner_low);
-    corners.join(edges[i].corner_high, edges[i - 1].corner_high);
-  }
+    for (std::uint32_t k = 0; k < 3; ++k)
+      if (is_asked[surface.triangles[t][k]])
+        corners.push_back({surface.triangles[t][k], 3 * t + k});
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
+/// The fans that corners of one vertex form: those of triangles that share an edge there. Corner i
+/// belongs to the fan that find(i) names by its first corner.
+Groups find_fans(std::span<const VertexCorner> corners, const Surface& surface) {
+  Groups fans(corners.size());
+  const auto other = [&](std::size_t i, std::uint32_t step) {
+    const std::uint32_t c = corners[i].corner;
+    return surface.triangles[c / 3][(c % 3 + step) % 3];
+  };
+  for (std::size_t i = 1; i < corners.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      for (const std::uint32_t step : {1U, 2U})
+        if (other(i, step) == other(j, 1) || other(i, step) == other(j, 2))
+          fans.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
+  return fans;
 }
 
 template <std::size_t N>
@@ -177,20 +186,25 @@ class BoxPlane {
 
 }  // namespace
 
-void split_pinched_vertices(Surface& surface) {
-  Groups corners(surface.triangles.size() * 3);
-  join_corners_across_edges(surface, corners);
-  constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-  std::vector<std::uint32_t> first_fan(surface.positions.size(), kNone);
-  std::map<std::uint32_t, std::uint32_t> copies;  // further fan -> its vertex
-  for (std::uint32_t c = 0; c < surface.triangles.size() * 3; ++c) {
-    std::uint32_t& v = surface.triangles[c / 3][c % 3];
-    const std::uint32_t fan = corners.find(c);
-    if (first_fan[v] == kNone) first_fan[v] = fan;
-    if (first_fan[v] == fan) continue;
-    const auto [entry, is_new] = copies.try_emplace(fan, 0U);
-    if (is_new) entry->second = copy_vertex(surface, v);
-    v = entry->second;
+void split_pinched_vertices(std::span<const std::uint32_t> vertices, Surface& surface) {
+  if (vertices.empty()) return;
+  const std::vector<VertexCorner> corners = corners_of(vertices, surface);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> apart;  // first corner of a further fan, one
+  for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
+    while (end < corners.size() && corners[end].vertex == corners[begin].vertex) ++end;
+    const auto here = std::span(corners).subspan(begin, end - begin);
+    Groups fans = find_fans(here, surface);
+    for (std::uint32_t i = 0; i < here.size(); ++i)
+      if (const std::uint32_t fan = fans.find(i); fan != 0)
+        apart.emplace_back(here[fan].corner, here[i].corner);
+  }
+  std::sort(apart.begin(), apart.end());
+  std::uint32_t copy = 0;
+  for (std::size_t i = 0; i < apart.size(); ++i) {
+    const auto [fan, corner] = apart[i];
+    std::uint32_t& v = surface.triangles[corner / 3][corner % 3];
+    if (i == 0 || fan != apart[i - 1].first) copy = copy_vertex(surface, v);
+    v = copy;
   }
 }
 

@@ -150,7 +150,8 @@ class Extraction {
     const std::size_t first_new = surface.positions.size();
     LODE_CHECK(stitch<D>(
         parts_, [&](LatticeKey key, std::vector<std::uint32_t>& out) { candidates(key, out); },
-        frame_, query_.threads, surface, query_.with_normals ? &origins : nullptr));
+        frame_, query_.threads, surface, query_.with_normals ? &origins : nullptr,
+        report.border_vertices));
     if (query_.with_normals) {
       std::vector<EdgePoint> points(surface.positions.size() - first_new);
       for (std::size_t v = first_new; v < origins.size(); ++v)
@@ -266,15 +267,14 @@ class Extraction {
   void fill(IsosurfaceReport& report) const {
     report.achieved_error = static_cast<double>(decode_error(stats_.achieved));
     report.nodes_visited = stats_.nodes_visited;
-    report.is_border_cut = is_border_cut();
     double largest_step = 0;
     double largest_snap = 0;
     for (const StitchPart<D>& part : parts_) {
       largest_step = std::max(largest_step, part.part.largest_step);
       largest_snap = std::max(largest_snap, part.part.largest_snap);
     }
-    report.coordinate_slack = slack(largest_step, largest_snap) +
-                              (report.is_border_cut ? frame_.margin * largest_step : 0);
+    report.coordinate_slack =
+        slack(largest_step, largest_snap) + (is_border_cut() ? frame_.margin * largest_step : 0);
   }
 
   /// What margin and rounding may add to |F - isovalue|. Margin: along its edge. Rounding: up to

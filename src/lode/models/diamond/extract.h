@@ -18,7 +18,8 @@ struct IsosurfaceQuery {
 struct IsosurfaceReport {
   double achieved_error = 0;    ///< Largest nested error of an active node left unrefined.
   double coordinate_slack = 0;  ///< What margins and rounding may add to |F - isovalue|.
-  bool is_border_cut = false;   ///< Whether cells were clipped at the border: may pinch it.
+  /// Where cells were clipped at the border: the vertices there, which the cut may have pinched.
+  std::vector<std::uint32_t> border_vertices;
   std::uint64_t nodes_visited = 0;
   double select_seconds = 0;    ///< Traversal and marching, which run together.
   double geometry_seconds = 0;  ///< Stitching and positions.

@@ -1,0 +1,204 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "lode/models/diamond/error_code.h"
+#include "lode/models/diamond/model.h"
+
+namespace lode::diamond {
+
+/// A lattice point of a brick: its coordinates, packed, and its offset among the brick's samples.
+/// Both are linear in the coordinates, so the middle of an edge is half the sum of its ends, and a
+/// bisection costs one addition each.
+struct BrickPoint {
+  static constexpr int kBits = 10;  ///< Of a packed coordinate: the sum of two is below 2^kBits.
+  static constexpr std::uint32_t kMask = (1U << kBits) - 1;
+
+  std::uint32_t packed = 0;
+  std::uint32_t offset = 0;
+  double value = 0;  ///< Of the field; NaN for a hole.
+
+  [[nodiscard]] static constexpr std::int32_t coordinate(std::uint32_t packed, int axis) {
+    return static_cast<std::int32_t>((packed >> (kBits * axis)) & kMask);
+  }
+};
+
+/// A simplex inside a brick.
+template <int D>
+struct BrickSimplex {
+  std::array<BrickPoint, as_size(D) + 1> corner;
+  bool is_positive = true;  ///< Orientation of the corners in lattice coordinates.
+};
+
+/// The samples of one brick after another, and what they tell of simplices and of the nodes that
+/// have no stored attributes: those of level 0 and tier >= 1.
+template <int D>
+class BrickSamples {
+ public:
+  explicit BrickSamples(const Model<D>& model) : model_(model) {}
+
+  void open(const Index<D>& brick) {
+    brick_ = brick;
+    base_ = brick * kBrickEdge<D>;
+    samples_ = model_.brick(linear_index<D>(model_.brick_dims, brick));
+    is_gathered_ = false;
+    is_partial_ = false;
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      is_partial_ = is_partial_ || base_[i] + kBrickEdge<D> > model_.shape.dims[i] - 1;
+    is_near_hole_ = model_.has_holes() && has_hole_round(brick);
+  }
+
+  /// The brick's lower corner in the lattice.
+  [[nodiscard]] const Index<D>& base() const { return base_; }
+  /// Reaches beyond the data.
+  [[nodiscard]] bool is_partial() const { return is_partial_; }
+
+  /// A point's lattice coordinates.
+  [[nodiscard]] Index<D> global(std::uint32_t packed) const {
+    Index<D> p = base_;
+    for (int i = 0; i < D; ++i) p[as_size(i)] += BrickPoint::coordinate(packed, i);
+    return p;
+  }
+
+  /// A point of the brick, given by its coordinates there, without its value: samples are not
+  /// touched before a node is known to be active.
+  [[nodiscard]] BrickPoint point(const Index<D>& local) const {
+    BrickPoint p;
+    for (int i = 0; i < D; ++i) {
+      const auto x = static_cast<std::uint32_t>(local[as_size(i)]);
+      p.packed |= x << (BrickPoint::kBits * i);
+      p.offset += x * kStride[as_size(i)];
+    }
+    return p;
+  }
+
+  /// The sample there; NaN for a hole.
+  [[nodiscard]] double value(std::uint32_t offset) const {
+    if (is_gathered_) return values_[offset];
+    const double sample = visit_storage_type(model_.storage, [&]<typename T>() {
+      return static_cast<double>(reinterpret_cast<const T*>(samples_)[offset]);
+    });
+    return is_near_hole_ && model_.is_hole(sample) ? std::numeric_limits<double>::quiet_NaN()
+                                                   : sample;
+  }
+
+  /// Converts all samples at once, where so many are asked for that it pays.
+  void gather() {
+    values_.resize(kBrickSize<D>);
+    gather_values<D>(model_, brick_, 0, values_.data());
+    is_gathered_ = true;
+  }
+
+  [[nodiscard]] BrickPoint middle(const BrickPoint& a, const BrickPoint& b) const {
+    BrickPoint m{(a.packed + b.packed) >> 1U, (a.offset + b.offset) >> 1U, 0};
+    m.value = value(m.offset);
+    return m;
+  }
+
+  [[nodiscard]] bool overlaps_data(const BrickSimplex<D>& s) const {
+    for (int i = 0; i < D; ++i) {
+      std::int32_t lower = kBrickSamples<D>;
+      for (const BrickPoint& corner : s.corner)
+        lower = std::min(lower, BrickPoint::coordinate(corner.packed, i));
+      if (base_[as_size(i)] + lower >= model_.shape.dims[as_size(i)] - 1) return false;
+    }
+    return true;
+  }
+
+  /// Whether all of a simplex lies in the data.
+  [[nodiscard]] bool is_in_data(const BrickSimplex<D>& s) const {
+    if (!is_partial_) return true;
+    return std::all_of(s.corner.begin(), s.corner.end(), [this](const BrickPoint& corner) {
+      return model_.shape.is_sample(global(corner.packed));
+    });
+  }
+
+  /// Whether holes take a simplex away.
+  [[nodiscard]] bool is_removed(const BrickSimplex<D>& s, int tag) const {
+    if (!is_near_hole_) return false;
+    Simplex<D> simplex;
+    simplex.tag = tag;
+    for (std::size_t i = 0; i <= as_size(D); ++i) simplex.v[i] = global(s.corner[i].packed);
+    return model_.is_removed(simplex);
+  }
+
+  /// Whether all samples of a simplex that is bisected at a node of level 0 and tier >= 1 (its
+  /// vertices, m, and the middles of the edges that its halves are bisected at) have one sign.
+  [[nodiscard]] bool is_on_one_side(const BrickSimplex<D>& s, int tag, const BrickPoint& m,
+                                    double isovalue) const {
+    const bool side = m.value >= isovalue;
+    for (const BrickPoint& corner : s.corner)
+      if ((corner.value >= isovalue) != side) return false;
+    for (std::size_t i = 0; tag > 1 && i < as_size(tag); ++i)
+      if ((middle(s.corner[i], s.corner[i + 1]).value >= isovalue) != side) return false;
+    return true;
+  }
+
+  /// The nested error of a node of level 0 and tier >= 1, centre m, whose axis is the edge that s
+  /// is bisected at: the largest midpoint error of itself and the finest nodes below it.
+  [[nodiscard]] ErrorCode fine_error(const BrickSimplex<D>& s, int tag, const BrickPoint& m) const {
+    const BrickPoint& a = s.corner[0];
+    const BrickPoint& b = s.corner[as_size(tag)];
+    if (is_near_hole_ && model_.is_mixed(global(m.packed))) return kInfiniteError;
+    double e = is_sample(m.packed) ? or_zero(std::abs(m.value - 0.5 * (a.value + b.value))) : 0;
+    if (tag == 1) return encode_error(float_up(e));
+    for (int k = 0; k < D; ++k) {
+      if (coordinate(a.packed, k) == coordinate(b.packed, k)) continue;
+      int along = 0;  // the other axis of the face
+      while (along == k || coordinate(a.packed, along) == coordinate(b.packed, along)) ++along;
+      for (const bool is_up : {false, true}) {
+        const std::uint32_t packed_step = 1U << (BrickPoint::kBits * k);
+        const std::uint32_t packed = is_up ? m.packed + packed_step : m.packed - packed_step;
+        if (is_near_hole_ && model_.is_mixed(global(packed))) return kInfiniteError;
+        if (!is_sample(packed)) continue;
+        const std::uint32_t step = kStride[as_size(k)];
+        const std::uint32_t at = is_up ? m.offset + step : m.offset - step;
+        const std::uint32_t side = kStride[as_size(along)];
+        const double mean = 0.5 * (value(at - side) + value(at + side));
+        e = std::max(e, or_zero(std::abs(value(at) - mean)));
+      }
+    }
+    return encode_error(float_up(e));
+  }
+
+ private:
+  static constexpr std::array<std::uint32_t, 3> kStride{
+      1, static_cast<std::uint32_t>(kBrickSamples<D>),
+      static_cast<std::uint32_t>(kBrickSamples<D>* kBrickSamples<D>)};
+
+  static constexpr std::int32_t coordinate(std::uint32_t packed, int axis) {
+    return BrickPoint::coordinate(packed, axis);
+  }
+
+  [[nodiscard]] bool has_hole_round(const Index<D>& brick) const {
+    for (int code = 0, n = D == 3 ? 27 : 9; code < n; ++code) {
+      Index<D> b = brick;
+      bool exists = true;
+      for (int i = 0, rest = code; i < D; ++i, rest /= 3) {
+        b[as_size(i)] += rest % 3 - 1;
+        exists = exists && b[as_size(i)] >= 0 && b[as_size(i)] < model_.brick_dims[as_size(i)];
+      }
+      if (exists && model_.brick_holes[linear_index<D>(model_.brick_dims, b)] != 0) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool is_sample(std::uint32_t packed) const {
+    return !is_partial_ || model_.shape.is_sample(global(packed));
+  }
+
+  [[nodiscard]] static double or_zero(double error) { return std::isnan(error) ? 0 : error; }
+
+  const Model<D>& model_;
+  Index<D> brick_, base_;
+  const std::byte* samples_ = nullptr;  ///< The open brick's.
+  std::vector<double> values_;          ///< The same as doubles, holes as NaN, when gathered.
+  bool is_gathered_ = false;
+  bool is_partial_ = false;
+  bool is_near_hole_ = false;
+};
+
+}  // namespace lode::diamond

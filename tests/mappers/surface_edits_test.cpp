@@ -1,0 +1,63 @@
+#include "lode/mappers/surface_edits.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "tests/mappers/shape_surfaces.h"
+
+namespace lode {
+namespace {
+
+using test::point;
+
+std::vector<std::uint32_t> all_vertices(const Surface& surface) {
+  std::vector<std::uint32_t> vertices(surface.positions.size());
+  std::iota(vertices.begin(), vertices.end(), 0U);
+  return vertices;
+}
+
+/// Three pairs of triangles that share an edge, all round vertex 0; the pairs take turns.
+Surface make_three_fans() {
+  Surface surface;
+  for (int i = 0; i < 10; ++i) surface.positions.push_back(point(i, i * i, 0));
+  surface.isovalues.resize(10);
+  std::iota(surface.isovalues.begin(), surface.isovalues.end(), 0.0F);
+  surface.triangles = {{1, 2, 0}, {0, 4, 5}, {8, 0, 7}, {0, 2, 3}, {5, 6, 0}, {9, 0, 8}};
+  return surface;
+}
+
+TEST(surface_edits, gives_each_fan_its_own_vertex) {
+  Surface surface = make_three_fans();
+  split_pinched_vertices(all_vertices(surface), surface);
+  const std::vector<std::array<std::uint32_t, 3>> expected = {
+      {{1, 2, 0}}, {{10, 4, 5}}, {{8, 11, 7}}, {{0, 2, 3}}, {{5, 6, 10}}, {{9, 11, 8}}};
+  EXPECT_EQ(surface.triangles, expected);
+  ASSERT_EQ(surface.positions.size(), 12U);
+  EXPECT_EQ(surface.positions[10], surface.positions[0]);
+  EXPECT_EQ(surface.positions[11], surface.positions[0]);
+  ASSERT_EQ(surface.isovalues.size(), 12U);
+  EXPECT_EQ(surface.isovalues[10], surface.isovalues[0]);
+}
+
+TEST(surface_edits, splits_only_the_vertices_asked_for) {
+  Surface surface = make_three_fans();
+  const auto before = surface.triangles;
+  split_pinched_vertices({}, surface);
+  split_pinched_vertices(std::array{1U, 2U, 9U}, surface);
+  EXPECT_EQ(surface.triangles, before);
+  split_pinched_vertices(std::array{0U}, surface);
+  EXPECT_EQ(surface.positions.size(), 12U);
+}
+
+TEST(surface_edits, leaves_manifolds_alone) {
+  for (Surface surface :
+       {test::make_sphere(7, 1.0, {{0, 0, 0}}), test::make_torus(9, 5, 2.0, 0.5)}) {
+    const auto before = surface.triangles;
+    split_pinched_vertices(all_vertices(surface), surface);
+    EXPECT_EQ(surface.triangles, before);
+  }
+}
+
+}  // namespace
+}  // namespace lode
