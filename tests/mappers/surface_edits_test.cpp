@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numeric>
+#include <vector>
 
 #include "tests/mappers/shape_surfaces.h"
 
@@ -10,12 +12,6 @@ namespace lode {
 namespace {
 
 using test::point;
-
-std::vector<std::uint32_t> all_vertices(const Surface& surface) {
-  std::vector<std::uint32_t> vertices(surface.positions.size());
-  std::iota(vertices.begin(), vertices.end(), 0U);
-  return vertices;
-}
 
 /// Three pairs of triangles that share an edge, all round vertex 0; the pairs take turns.
 Surface make_three_fans() {
@@ -29,7 +25,7 @@ Surface make_three_fans() {
 
 TEST(surface_edits, gives_each_fan_its_own_vertex) {
   Surface surface = make_three_fans();
-  split_pinched_vertices(all_vertices(surface), surface);
+  split_pinched_vertices(surface);
   const std::vector<std::array<std::uint32_t, 3>> expected = {
       {{1, 2, 0}}, {{10, 4, 5}}, {{8, 11, 7}}, {{0, 2, 3}}, {{5, 6, 10}}, {{9, 11, 8}}};
   EXPECT_EQ(surface.triangles, expected);
@@ -40,21 +36,11 @@ TEST(surface_edits, gives_each_fan_its_own_vertex) {
   EXPECT_EQ(surface.isovalues[10], surface.isovalues[0]);
 }
 
-TEST(surface_edits, splits_only_the_vertices_asked_for) {
-  Surface surface = make_three_fans();
-  const auto before = surface.triangles;
-  split_pinched_vertices({}, surface);
-  split_pinched_vertices(std::array{1U, 2U, 9U}, surface);
-  EXPECT_EQ(surface.triangles, before);
-  split_pinched_vertices(std::array{0U}, surface);
-  EXPECT_EQ(surface.positions.size(), 12U);
-}
-
 TEST(surface_edits, leaves_manifolds_alone) {
   for (Surface surface :
        {test::make_sphere(7, 1.0, {{0, 0, 0}}), test::make_torus(9, 5, 2.0, 0.5)}) {
     const auto before = surface.triangles;
-    split_pinched_vertices(all_vertices(surface), surface);
+    split_pinched_vertices(surface);
     EXPECT_EQ(surface.triangles, before);
   }
 }

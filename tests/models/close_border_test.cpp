@@ -159,6 +159,32 @@ TEST(close_border, holds_at_any_tolerance_and_in_any_frame) {
   }
 }
 
+/// Whole numbers, some equal to the isovalue, on ramps that large simplices follow: the surface
+/// passes through samples, and halfway between them, also where simplices would reach across.
+TEST(close_border, holds_where_whole_numbers_meet_the_border) {
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    oracles::Random random(seed);
+    Index3 dims;
+    Vec3d slope;
+    for (std::size_t i = 0; i < 3; ++i) {
+      dims[i] = static_cast<std::int32_t>(random.uniform(6, 24));
+      slope[i] = random.uniform(-1, 1);
+    }
+    const Case c = case_of(grid_with(dims), [&](const Index3& p) {
+      const double ramp = slope[0] * p[0] + slope[1] * p[1] + slope[2] * p[2];
+      return static_cast<float>(std::floor(ramp + random.uniform(0, 2)));
+    });
+    const double isovalue = std::floor(dot(slope, {{dims[0] / 2.0, dims[1] / 2.0, dims[2] / 2.0}}));
+    for (const double tolerance : {1.0, 2.0}) {
+      const Surface closed = extract(c, closed_at(isovalue, tolerance));
+      if (!closed.is_empty()) expect_watertight(closed);
+      ExtractOptions open = closed_at(isovalue, tolerance);
+      open.border = Border::open;
+      extract(c, open);
+    }
+  }
+}
+
 TEST(close_border, adds_the_whole_box_round_a_bubble_of_low_values) {
   const Case c = case_of(grid_with({{20, 18, 17}}), [](const Index3& p) {
     return static_cast<float>(std::hypot(p[0] - 9, p[1] - 8, p[2] - 8));

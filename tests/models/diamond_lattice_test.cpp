@@ -80,5 +80,47 @@ TEST(diamond_lattice, makes_parents_and_children_each_others_inverse) {
   }
 }
 
+/// Every simplex that has samples on both sides of the last one is bisected at a node that knows.
+template <int D>
+void expect_known_across(const Shape<D>& shape, const Simplex<D>& s) {
+  const LatticeBox<D> box = bounds_of(s);
+  if (s.tag == D && box.edge(0) == 1) return;
+  const Diamond<D> d = diamond_at<D>(s.bisection_point());
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    if (box.lower[i] < shape.dims[i] - 1 && shape.dims[i] - 1 < box.upper[i])
+      EXPECT_TRUE(shape.reaches_across(d.centre, d.level));
+  for (const Simplex<D>& half : bisect(s)) expect_known_across(shape, half);
+}
+
+template <int D>
+void expect_nested_across(const Index<D>& dims) {
+  const Shape<D> shape = Shape<D>::of(dims);
+  for (const Simplex<D>& s : kuhn_simplices<D>({}, shape.root_side()))
+    expect_known_across(shape, s);
+  for (const auto& [centre, n] : all_diamonds<D>(shape.root_side())) {
+    const Diamond<D> d = diamond_at<D>(centre);
+    if (!shape.reaches_across(d.centre, d.level)) continue;
+    for (const Index<D>& parent : parents<D>(d, shape.root_side()))
+      EXPECT_TRUE(shape.reaches_across(parent, diamond_at<D>(parent).level));
+  }
+}
+
+TEST(diamond_lattice, knows_nodes_that_reach_across_the_border_and_so_do_their_parents) {
+  for (std::int32_t n = 2; n <= 17; ++n) {
+    expect_nested_across<3>({{n, 17, 12}});
+    expect_nested_across<3>({{5, n, 16}});
+    expect_nested_across<2>({{n, 30}});
+    expect_nested_across<2>({{33, 2 * n}});
+  }
+}
+
+TEST(diamond_lattice, has_no_cube_across_the_border_that_does_not_hold_it) {
+  const Shape<3> shape = Shape<3>::of({{17, 9, 17}});
+  for (const auto& [centre, n] : all_diamonds<3>(16)) {
+    const int level = diamond_at<3>(centre).level;
+    EXPECT_EQ(shape.reaches_across(centre, level), level == 3);
+  }
+}
+
 }  // namespace
 }  // namespace lode::diamond

@@ -59,7 +59,7 @@ double tolerance_of(const diamond::Model<D>& model, const ExtractOptions& option
 template <int D>
 Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& options,
                          double isovalue, Surface& surface, ExtractReport& report,
-                         std::vector<std::uint32_t>& border_vertices, Progress& progress) {
+                         Progress& progress) {
   LODE_TRY(const auto part,
            diamond::extract_isosurface<D>(model,
                                           {.isovalue = isovalue,
@@ -71,8 +71,6 @@ Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& o
   report.achieved_error = std::max(report.achieved_error, part.achieved_error);
   report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
   report.nodes_visited += part.nodes_visited;
-  border_vertices.insert(border_vertices.end(), part.border_vertices.begin(),
-                         part.border_vertices.end());
   report.seconds.select += part.select_seconds;
   report.seconds.geometry += part.geometry_seconds;
   if (options.isovalues.size() == 1) surface.isovalues.clear();
@@ -94,26 +92,13 @@ Result<void> close_surface(const diamond::Model<D>& model, const ExtractOptions&
   return {};
 }
 
-/// Adds the numbers first .. end - 1.
-void append_range(std::vector<std::uint32_t>& numbers, std::size_t first, std::size_t end) {
-  for (std::size_t i = first; i < end; ++i) numbers.push_back(static_cast<std::uint32_t>(i));
-}
-
-/// `border_vertices`: where cells were clipped at the border. There, at caps and beside holes,
-/// vertices may be pinched.
 template <int D>
 Result<void> finish_surface(const diamond::Model<D>& model, const ExtractOptions& options,
-                            std::vector<std::uint32_t> border_vertices, Surface& surface,
-                            ExtractReport& report) {
+                            Surface& surface, ExtractReport& report) {
   const auto start = std::chrono::steady_clock::now();
-  const std::size_t n_before = surface.positions.size();
   if (options.border == Border::closed)
     LODE_CHECK(close_surface<D>(model, options, surface, report));
-  if (model.has_holes())
-    append_range(border_vertices, 0, surface.positions.size());
-  else if (!border_vertices.empty())
-    append_range(border_vertices, n_before, surface.positions.size());
-  split_pinched_vertices(border_vertices, surface);
+  if (model.has_holes()) split_pinched_vertices(surface);
   fill_zero_normals(surface, options.threads);
   if (options.clip) crop(surface, *options.clip);
   if (options.min_component > 1) {
@@ -233,11 +218,9 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   const auto done = std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
         report.max_error = tolerance_of<D>(model, options);
-        std::vector<std::uint32_t> border_vertices;
         for (const double isovalue : options.isovalues)
-          LODE_CHECK(
-              extract_one<D>(model, options, isovalue, surface, report, border_vertices, progress));
-        return finish_surface<D>(model, options, std::move(border_vertices), surface, report);
+          LODE_CHECK(extract_one<D>(model, options, isovalue, surface, report, progress));
+        return finish_surface<D>(model, options, surface, report);
       },
       impl_->model);
   if (!done) return done.error();

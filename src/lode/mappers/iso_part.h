@@ -28,41 +28,14 @@ struct EdgePoint {
   }
 };
 
-/// A vertex made by clipping at the domain's border: where the segment between two edge points
-/// meets the plane coordinate `axis` = last sample.
-struct ClipPoint {
-  std::uint32_t first = 0;  ///< Local ids of the segment's ends.
-  std::uint32_t second = 0;
-  std::uint32_t axis = 0;
-};
-
 /// What one part of the lattice (a brick, or everything coarser than bricks) contributes to an
 /// isosurface: vertices on its edges and cells (triangles, or lines in 2D) between them.
 template <int D>
 struct IsoPart {
-  std::vector<EdgePoint> points;       ///< Vertices 0 .. points.size() - 1.
-  std::vector<ClipPoint> clip_points;  ///< The vertices after those.
-  /// Lattice coordinates of all vertices where the part was clipped; else empty: points tell, and
-  /// every vertex has a cell.
-  std::vector<Vec3d> positions;
-  Vec3d limits;  ///< The planes it was clipped at.
+  std::vector<EdgePoint> points;  ///< The vertices.
   std::vector<std::array<std::uint32_t, static_cast<std::size_t>(D)>> cells;
   double largest_step = 0;  ///< Largest difference of values along a crossed edge.
   double largest_snap = 0;  ///< The same over vertices that the margin moved.
-
-  void clear();
-  [[nodiscard]] std::size_t n_vertices() const { return points.size() + clip_points.size(); }
-  [[nodiscard]] bool is_clipped() const { return !positions.empty(); }
-  [[nodiscard]] Vec3d position(std::uint32_t vertex) const {
-    return is_clipped() ? positions[vertex] : points[vertex].lattice_position();
-  }
-
-  /// Whether a vertex lies in a plane that the part was clipped at.
-  [[nodiscard]] bool is_on_limit(std::uint32_t vertex) const {
-    if (!is_clipped()) return false;
-    const Vec3d& p = positions[vertex];
-    return p[0] == limits[0] || p[1] == limits[1] || p[2] == limits[2];
-  }
 
   /// Adds the vertex where the field, linear along the edge p – q from a to b, is the isovalue; its
   /// parameter is kept within [margin, 1 - margin].
@@ -81,14 +54,5 @@ struct IsoPart {
     return static_cast<std::uint32_t>(points.size() - 1);
   }
 };
-
-/// Cuts the cells at coordinate axis <= limits[axis] for each axis, keeping what is inside;
-/// vertices within `snap` times their edge's length of a plane are moved onto it first, so that no
-/// cut is too thin for float32.
-template <int D>
-void clip_to_domain(IsoPart<D>& part, const Vec3d& limits, double snap);
-
-extern template struct IsoPart<2>;
-extern template struct IsoPart<3>;
 
 }  // namespace lode

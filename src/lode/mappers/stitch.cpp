@@ -15,54 +15,34 @@ struct Ownership {
   std::uint32_t n_owned = 0;
 };
 
-/// Which vertices of a part have a cell; only where clipping left some without.
-class UsedVertices {
- public:
-  UsedVertices() = default;
-  template <int D>
-  explicit UsedVertices(const IsoPart<D>& part) : is_partial_(part.is_clipped()) {
-    if (!is_partial_) return;
-    is_used_.resize(part.n_vertices());
-    for (const auto& cell : part.cells)
-      for (const std::uint32_t v : cell) is_used_[v] = true;
-  }
-  [[nodiscard]] bool operator[](std::uint32_t v) const { return !is_partial_ || is_used_[v]; }
-
- private:
-  bool is_partial_ = false;
-  std::vector<bool> is_used_;
-};
-
 template <int D>
-const std::uint32_t* find_shared_vertex(const StitchPart<D>& part, const SharedKey& key) {
-  const auto at =
-      std::lower_bound(part.shared.begin(), part.shared.end(), key,
-                       [](const auto& entry, const SharedKey& k) { return entry.first < k; });
+const std::uint32_t* find_shared_vertex(const StitchPart<D>& part, LatticeKey key) {
+  const auto at = std::lower_bound(part.shared.begin(), part.shared.end(), key,
+                                   [](const auto& entry, LatticeKey k) { return entry.first < k; });
   return at != part.shared.end() && at->first == key ? &at->second : nullptr;
 }
 
 template <int D, typename Candidates>
 void find_owners(const std::vector<StitchPart<D>>& parts, std::uint32_t self,
-                 const std::vector<UsedVertices>& used, const Candidates& candidates,
-                 Ownership& out) {
+                 const Candidates& candidates, Ownership& out) {
   const StitchPart<D>& part = parts[self];
-  out.owner.assign(part.part.n_vertices(), kOwned);
-  out.id.assign(part.part.n_vertices(), 0);
+  out.owner.assign(part.part.points.size(), kOwned);
+  out.id.assign(part.part.points.size(), 0);
   std::vector<std::uint32_t> others;
   for (const auto& [key, vertex] : part.shared) {
     others.clear();
-    candidates(key.first, others);
+    candidates(key, others);
     for (const std::uint32_t other : others) {
       if (other >= self) break;
       const std::uint32_t* there = find_shared_vertex<D>(parts[other], key);
-      if (there == nullptr || !used[other][*there]) continue;
+      if (there == nullptr) continue;
       out.owner[vertex] = other;
       out.id[vertex] = *there;
       break;
     }
   }
   for (std::uint32_t v = 0; v < out.owner.size(); ++v)
-    if (out.owner[v] == kOwned && used[self][v]) out.id[v] = out.n_owned++;
+    if (out.owner[v] == kOwned) out.id[v] = out.n_owned++;
 }
 
 }  // namespace
@@ -71,34 +51,8 @@ template <int D>
 void find_shared(StitchPart<D>& part, const std::function<bool(const EdgePoint&)>& is_shared) {
   part.shared.clear();
   const auto& points = part.part.points;
-  const auto n_points = static_cast<std::uint32_t>(points.size());
-  std::vector<bool> flags(n_points);
-  for (std::uint32_t v = 0; v < n_points; ++v) {
-    flags[v] = is_shared(points[v]);
-    if (flags[v]) part.shared.push_back({{points[v].doubled_midpoint(), 0, 0}, v});
-  }
-  // Cutting a segment at two border planes, one after the other, gives clip points whose ends are
-  // clip points: all lie on the segment between the same two edge points, their roots.
-  constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  std::vector<std::array<std::uint32_t, 2>> roots;
-  const auto roots_of = [&](std::uint32_t v) {
-    return v < n_points ? std::array{v, v} : roots[v - n_points];
-  };
-  for (std::uint32_t i = 0; i < part.part.clip_points.size(); ++i) {
-    const ClipPoint& clip = part.part.clip_points[i];
-    const auto p = roots_of(clip.first);
-    const auto q = roots_of(clip.second);
-    const std::uint32_t low = std::min({p[0], p[1], q[0], q[1]});
-    const std::uint32_t high = std::max({p[0], p[1], q[0], q[1]});
-    const auto is_end = [&](std::uint32_t v) { return v == low || v == high; };
-    const bool is_one_segment =
-        high != kNone && is_end(p[0]) && is_end(p[1]) && is_end(q[0]) && is_end(q[1]);
-    roots.push_back(is_one_segment ? std::array{low, high} : std::array{kNone, kNone});
-    if (!is_one_segment || !flags[low] || !flags[high]) continue;
-    const LatticeKey a = points[low].doubled_midpoint();
-    const LatticeKey b = points[high].doubled_midpoint();
-    part.shared.push_back({{std::min(a, b), std::max(a, b), clip.axis}, n_points + i});
-  }
+  for (std::uint32_t v = 0; v < points.size(); ++v)
+    if (is_shared(points[v])) part.shared.emplace_back(points[v].doubled_midpoint(), v);
   std::sort(part.shared.begin(), part.shared.end());
 }
 
@@ -106,14 +60,10 @@ template <int D>
 Result<void> stitch(const std::vector<StitchPart<D>>& parts,
                     const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>& candidates,
                     const LatticeFrame& frame, Threads threads, Surface& surface,
-                    std::vector<VertexOrigin>* origins,
-                    std::vector<std::uint32_t>& limit_vertices) {
+                    std::vector<VertexOrigin>* origins) {
   std::vector<Ownership> ownership(parts.size());
-  std::vector<UsedVertices> used(parts.size());
-  parallel_for(parts.size(), threads, 8,
-               [&](std::size_t i, int) { used[i] = UsedVertices(parts[i].part); });
   parallel_for(parts.size(), threads, 8, [&](std::size_t i, int) {
-    find_owners<D>(parts, static_cast<std::uint32_t>(i), used, candidates, ownership[i]);
+    find_owners<D>(parts, static_cast<std::uint32_t>(i), candidates, ownership[i]);
   });
   std::uint64_t n_vertices = surface.positions.size();
   for (const Ownership& own : ownership) n_vertices += own.n_owned;
@@ -141,15 +91,14 @@ Result<void> stitch(const std::vector<StitchPart<D>>& parts,
   parallel_for(parts.size(), threads, 8, [&](std::size_t i, int) {
     const IsoPart<D>& part = parts[i].part;
     const Ownership& own = ownership[i];
-    std::vector<std::uint32_t> final_id(part.n_vertices());
-    for (std::uint32_t v = 0; v < part.n_vertices(); ++v) {
-      if (!used[i][v]) continue;
+    std::vector<std::uint32_t> final_id(part.points.size());
+    for (std::uint32_t v = 0; v < part.points.size(); ++v) {
       if (own.owner[v] != kOwned) {
         final_id[v] = first_vertex[own.owner[v]] + ownership[own.owner[v]].id[own.id[v]];
         continue;
       }
       final_id[v] = first_vertex[i] + own.id[v];
-      const Vec3d p = frame.position(part.position(v));
+      const Vec3d p = frame.position(part.points[v].lattice_position());
       surface.positions[final_id[v]] = {
           {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}};
       if (origins != nullptr) (*origins)[final_id[v]] = {static_cast<std::uint32_t>(i), v};
@@ -158,10 +107,6 @@ Result<void> stitch(const std::vector<StitchPart<D>>& parts,
       for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k)
         cells[first_cell[i] + c][k] = final_id[part.cells[c][k]];
   });
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    for (std::uint32_t v = 0; v < parts[i].part.positions.size(); ++v)
-      if (ownership[i].owner[v] == kOwned && used[i][v] && parts[i].part.is_on_limit(v))
-        limit_vertices.push_back(first_vertex[i] + ownership[i].id[v]);
   return {};
 }
 
@@ -169,11 +114,9 @@ template void find_shared<2>(StitchPart<2>&, const std::function<bool(const Edge
 template void find_shared<3>(StitchPart<3>&, const std::function<bool(const EdgePoint&)>&);
 template Result<void> stitch<2>(const std::vector<StitchPart<2>>&,
                                 const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>&,
-                                const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*,
-                                std::vector<std::uint32_t>&);
+                                const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
 template Result<void> stitch<3>(const std::vector<StitchPart<3>>&,
                                 const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>&,
-                                const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*,
-                                std::vector<std::uint32_t>&);
+                                const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
 
 }  // namespace lode

@@ -11,24 +11,16 @@
 
 namespace lode {
 
-/// A vertex that other parts may have as well, by what makes it: a lattice edge, or the crossing
-/// of a segment between two of them with a border plane.
-struct SharedKey {
-  LatticeKey first = 0;
-  LatticeKey second = 0;  ///< 0 for a vertex on a lattice edge.
-  std::uint32_t axis = 0;
-
-  friend constexpr auto operator<=>(const SharedKey&, const SharedKey&) = default;
-};
-
 /// One part with what it needs to be joined to others.
 template <int D>
 struct StitchPart {
   IsoPart<D> part;
-  std::vector<std::pair<SharedKey, std::uint32_t>> shared;  ///< Sorted; local vertex ids.
+  /// Vertices that other parts may have as well: their edges' doubled midpoints and local ids,
+  /// sorted.
+  std::vector<std::pair<LatticeKey, std::uint32_t>> shared;
 };
 
-/// Fills part.shared: vertices whose edge satisfies `is_shared`, and clip points between two such.
+/// Fills part.shared: vertices whose edge satisfies `is_shared`.
 template <int D>
 void find_shared(StitchPart<D>& part, const std::function<bool(const EdgePoint&)>& is_shared);
 
@@ -40,14 +32,13 @@ struct VertexOrigin {
 
 /// Joins parts into one surface, appended to `surface`. A shared vertex belongs to the first part
 /// that has it, in order; `candidates(key, out)` lists the parts that may, ascending. The result
-/// depends on nothing but the parts. `limit_vertices` gets the vertices in planes that parts were
-/// clipped at. Fails where 32 bits cannot number the vertices.
+/// depends on nothing but the parts. Fails where 32 bits cannot number the vertices.
 template <int D>
 [[nodiscard]] Result<void> stitch(
     const std::vector<StitchPart<D>>& parts,
     const std::function<void(LatticeKey doubled_midpoint, std::vector<std::uint32_t>& out)>&
         candidates,
     const LatticeFrame& frame, Threads threads, Surface& surface,
-    std::vector<VertexOrigin>* origins, std::vector<std::uint32_t>& limit_vertices);
+    std::vector<VertexOrigin>* origins);
 
 }  // namespace lode

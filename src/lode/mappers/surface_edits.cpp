@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "lode/mappers/vertex_corners.h"
+
 namespace lode {
 namespace {
 
@@ -58,32 +60,12 @@ void compact(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells)
     for (std::uint32_t& v : cell) v = renumbered[v];
 }
 
-/// A corner of a triangle, cell · 3 + k, and the vertex there.
-struct VertexCorner {
-  std::uint32_t vertex, corner;
-  friend constexpr auto operator<=>(const VertexCorner&, const VertexCorner&) = default;
-};
-
-/// The corners at some vertices, ascending, those of a vertex together.
-std::vector<VertexCorner> corners_of(std::span<const std::uint32_t> vertices,
-                                     const Surface& surface) {
-  std::vector<bool> is_asked(surface.positions.size());
-  for (const std::uint32_t v : vertices) is_asked[v] = true;
-  std::vector<VertexCorner> corners;
-  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-    for (std::uint32_t k = 0; k < 3; ++k)
-      if (is_asked[surface.triangles[t][k]])
-        corners.push_back({surface.triangles[t][k], 3 * t + k});
-  std::sort(corners.begin(), corners.end());
-  return corners;
-}
-
 /// The fans that corners of one vertex form: those of triangles that share an edge there. Corner i
 /// belongs to the fan that find(i) names by its first corner.
-Groups find_fans(std::span<const VertexCorner> corners, const Surface& surface) {
+Groups find_fans(std::span<const std::uint32_t> corners, const Surface& surface) {
   Groups fans(corners.size());
   const auto other = [&](std::size_t i, std::uint32_t step) {
-    const std::uint32_t c = corners[i].corner;
+    const std::uint32_t c = corners[i];
     return surface.triangles[c / 3][(c % 3 + step) % 3];
   };
   for (std::size_t i = 1; i < corners.size(); ++i)
@@ -186,17 +168,14 @@ class BoxPlane {
 
 }  // namespace
 
-void split_pinched_vertices(std::span<const std::uint32_t> vertices, Surface& surface) {
-  if (vertices.empty()) return;
-  const std::vector<VertexCorner> corners = corners_of(vertices, surface);
+void split_pinched_vertices(Surface& surface) {
+  const VertexCorners corners = find_vertex_corners(surface.triangles, surface.positions.size());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> apart;  // first corner of a further fan, one
-  for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
-    while (end < corners.size() && corners[end].vertex == corners[begin].vertex) ++end;
-    const auto here = std::span(corners).subspan(begin, end - begin);
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    const std::span<const std::uint32_t> here = corners.of(v);
     Groups fans = find_fans(here, surface);
     for (std::uint32_t i = 0; i < here.size(); ++i)
-      if (const std::uint32_t fan = fans.find(i); fan != 0)
-        apart.emplace_back(here[fan].corner, here[i].corner);
+      if (const std::uint32_t fan = fans.find(i); fan != 0) apart.emplace_back(here[fan], here[i]);
   }
   std::sort(apart.begin(), apart.end());
   std::uint32_t copy = 0;

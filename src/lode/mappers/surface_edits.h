@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
 #include "lode/core/box.h"
 #include "lode/core/parallel.h"
@@ -15,10 +14,10 @@ struct Dropped {
   std::uint64_t cells = 0;
 };
 
-/// Gives each fan of cells round one of these vertices its own copy of it: where a cut pinches the
-/// surface, cells that share no edge must not share the vertex. Attributes are copied; copies are
-/// numbered in the order of their cells. One pass over the triangles.
-void split_pinched_vertices(std::span<const std::uint32_t> vertices, Surface& surface);
+/// Gives each fan of cells round a vertex its own copy of it: where holes pinch the domain, cells
+/// that share no edge must not share the vertex. Attributes are copied; copies are numbered in the
+/// order of their cells. O(n).
+void split_pinched_vertices(Surface& surface);
 
 /// Keeps the part inside the box (world units); the cut is straight and shared by both cells.
 void crop(Surface& surface, const Box3d& box);

@@ -48,6 +48,9 @@ class BrickSamples {
     is_partial_ = false;
     for (std::size_t i = 0; i < as_size(D); ++i)
       is_partial_ = is_partial_ || base_[i] + kBrickEdge<D> > model_.shape.dims[i] - 1;
+    is_near_end_ = false;
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      is_near_end_ = is_near_end_ || base_[i] + 5 * kBrickEdge<D> / 2 > model_.shape.dims[i] - 1;
     is_near_hole_ = model_.has_holes() && has_hole_round(brick);
   }
 
@@ -92,10 +95,9 @@ class BrickSamples {
     is_gathered_ = true;
   }
 
-  [[nodiscard]] BrickPoint middle(const BrickPoint& a, const BrickPoint& b) const {
-    BrickPoint m{(a.packed + b.packed) >> 1U, (a.offset + b.offset) >> 1U, 0};
-    m.value = value(m.offset);
-    return m;
+  /// The middle of an edge, without its value.
+  [[nodiscard]] static BrickPoint between(const BrickPoint& a, const BrickPoint& b) {
+    return {(a.packed + b.packed) >> 1U, (a.offset + b.offset) >> 1U, 0};
   }
 
   [[nodiscard]] bool overlaps_data(const BrickSimplex<D>& s) const {
@@ -116,6 +118,12 @@ class BrickSamples {
     });
   }
 
+  /// Whether the node with this centre is to be refined whatever its error, since simplices of it
+  /// or below it reach across the end of the data.
+  [[nodiscard]] bool reaches_across(const BrickPoint& centre, int level) const {
+    return is_near_end_ && model_.shape.reaches_across(global(centre.packed), level);
+  }
+
   /// Whether holes take a simplex away.
   [[nodiscard]] bool is_removed(const BrickSimplex<D>& s, int tag) const {
     if (!is_near_hole_) return false;
@@ -133,7 +141,7 @@ class BrickSamples {
     for (const BrickPoint& corner : s.corner)
       if ((corner.value >= isovalue) != side) return false;
     for (std::size_t i = 0; tag > 1 && i < as_size(tag); ++i)
-      if ((middle(s.corner[i], s.corner[i + 1]).value >= isovalue) != side) return false;
+      if ((value(between(s.corner[i], s.corner[i + 1]).offset) >= isovalue) != side) return false;
     return true;
   }
 
@@ -198,6 +206,7 @@ class BrickSamples {
   std::vector<double> values_;          ///< The same as doubles, holes as NaN, when gathered.
   bool is_gathered_ = false;
   bool is_partial_ = false;
+  bool is_near_end_ = false;
   bool is_near_hole_ = false;
 };
 

@@ -104,29 +104,26 @@ class BrickTraversal {
       return;
     }
     ++stats.nodes_visited;
-    const BrickPoint& a = s.corner[0];
-    const BrickPoint& b = s.corner[as_size(tag)];
+    BrickPoint m = samples_.between(s.corner[0], s.corner[as_size(tag)]);
+    const bool is_forced = samples_.reaches_across(m, level);
+    ErrorCode error = 0;
     if (is_stored(level, tag)) {
-      const std::size_t at = node_index(level, (a.packed + b.packed) >> 1U);
-      const ErrorCode error = selection_.error(level, at);
+      const std::size_t at = node_index(level, m.packed);
+      error = selection_.error(level, at);
       if (is_clear(s, error)) return;
-      if (!selection_.exceeds_tolerance(error)) {
-        if (emit_leaf(s, tag, emit)) stats.achieved = std::max(stats.achieved, error);
+      if ((is_forced || selection_.exceeds_tolerance(error)) && !selection_.is_active(level, at))
         return;
-      }
-      if (!selection_.is_active(level, at)) return;
-      bisect(s, samples_.middle(a, b), tag, level, stats, emit);
+      m.value = samples_.value(m.offset);
     } else {
+      m.value = samples_.value(m.offset);
       if (++n_fine_nodes_ == kManyFineNodes) samples_.gather();
-      const BrickPoint m = samples_.middle(a, b);
       if (samples_.is_on_one_side(s, tag, m, selection_.isovalue())) return;
-      const ErrorCode error = selection_.is_full() ? 0 : samples_.fine_error(s, tag, m);
-      if (selection_.exceeds_tolerance(error)) {
-        bisect(s, m, tag, level, stats, emit);
-        return;
-      }
-      if (emit_leaf(s, tag, emit)) stats.achieved = std::max(stats.achieved, error);
+      if (!is_forced && !selection_.is_full()) error = samples_.fine_error(s, tag, m);
     }
+    if (is_forced || selection_.exceeds_tolerance(error))
+      bisect(s, m, tag, level, stats, emit);
+    else if (emit_leaf(s, tag, emit))
+      stats.achieved = std::max(stats.achieved, error);
   }
 
   template <typename Emit>

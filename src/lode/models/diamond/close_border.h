@@ -22,7 +22,7 @@ struct CapReport {
 /// where the surface does not meet the border.
 /// Expects a surface of one isovalue with triangles counter-clockwise from lower values, as
 /// extracted, of a field without holes at the border. Fails, and leaves it as it was, where its
-/// edges in a border plane do not enclose anything.
+/// edges in a border plane do not enclose anything, or lie along an edge of the domain.
 [[nodiscard]] Result<CapReport> close_border(const RegularGrid& grid, bool is_first_sample_inside,
                                              Threads threads, Surface& surface);
 

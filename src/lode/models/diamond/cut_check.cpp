@@ -88,7 +88,8 @@ class CutChecker {
       check_pruned(s, box, report);
       return;
     }
-    if (query_.tolerance == 0 || facts.error > query_.tolerance) {
+    if (query_.tolerance == 0 || facts.error > query_.tolerance ||
+        model_.shape.reaches_across(d.centre, d.level)) {
       for (const Simplex<D>& half : bisect(s)) visit(half, report, may_wait);
       return;
     }

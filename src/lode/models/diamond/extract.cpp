@@ -48,7 +48,8 @@ class CoarseTraversal {
     const Diamond<D> d = diamond_at<D>(s.bisection_point());
     const std::size_t at = selection_.index_of(d);
     if (!selection_.is_active(d.level, at)) return;
-    if (selection_.exceeds_tolerance(selection_.error(d.level, at))) {
+    if (selection_.exceeds_tolerance(selection_.error(d.level, at)) ||
+        model.shape.reaches_across(d.centre, d.level)) {
       for (const Simplex<D>& half : bisect(s)) visit(half);
       return;
     }
@@ -102,13 +103,6 @@ std::vector<BrickWork<D>> work_of(const CoarseCut<D>& cut) {
   return work;
 }
 
-template <int D>
-Index3 last_sample(const Model<D>& model) {
-  Index3 last;
-  for (std::size_t i = 0; i < 3; ++i) last[i] = model.info.grid.dims[i] - 1;
-  return last;
-}
-
 /// Whether a vertex on this edge may belong to a part other than the brick with lower corner
 /// `base`: its midpoint is on the brick's border, or the edge joins two of its corners.
 template <int D>
@@ -150,12 +144,11 @@ class Extraction {
     const std::size_t first_new = surface.positions.size();
     LODE_CHECK(stitch<D>(
         parts_, [&](LatticeKey key, std::vector<std::uint32_t>& out) { candidates(key, out); },
-        frame_, query_.threads, surface, query_.with_normals ? &origins : nullptr,
-        report.border_vertices));
+        frame_, query_.threads, surface, query_.with_normals ? &origins : nullptr));
     if (query_.with_normals) {
       std::vector<EdgePoint> points(surface.positions.size() - first_new);
       for (std::size_t v = first_new; v < origins.size(); ++v)
-        points[v - first_new] = edge_of(parts_[origins[v].part].part, origins[v].vertex);
+        points[v - first_new] = parts_[origins[v].part].part.points[origins[v].vertex];
       surface.normals.resize(surface.positions.size());
       compute_normals<D>(model_, points, query_.threads,
                          std::span(surface.normals).subspan(first_new));
@@ -195,7 +188,6 @@ class Extraction {
       SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts_[0].part);
       for (const ActiveSimplex<D>& s : cut_.leaves)
         mapper.add(to_lattice<D>(model_.axes, s.vertex, s.value));
-      clip(parts_[0]);
       find_shared<D>(parts_[0], [](const EdgePoint&) { return true; });
     }
     std::vector<TraversalStats> stats(work_.size());
@@ -220,26 +212,8 @@ class Extraction {
     for (std::size_t s = work_[i].begin; s < work_[i].end; ++s)
       worker.traversal.visit(cut_.brick_simplices[s].second, stats,
                              [&](const BrickSimplex<D>& leaf) { worker.mapper.add(leaf); });
-    if (is_clipped(brick)) clip(parts_[i + 1]);
     find_shared<D>(parts_[i + 1],
                    [&](const EdgePoint& p) { return is_on_brick_border<D>(model_.axes, p); });
-  }
-
-  /// Whether clipping may change a brick's part: it reaches the domain's border, or so close to it
-  /// that vertices are moved onto it; a brick beside it must move those they share.
-  [[nodiscard]] bool is_clipped(const Index<D>& brick) const {
-    const double reach = frame_.margin / 2 * kBrickEdge<D>;
-    for (std::size_t a = 0; a < as_size(D); ++a)
-      if ((brick[a] + 1) * kBrickEdge<D> + reach >= model_.shape.dims[a] - 1) return true;
-    return false;
-  }
-
-  void clip(StitchPart<D>& part) const {
-    const Index3 last = last_sample<D>(model_);
-    clip_to_domain<D>(part.part,
-                      {{static_cast<double>(last[0]), static_cast<double>(last[1]),
-                        static_cast<double>(last[2])}},
-                      frame_.margin / 2);
   }
 
   /// The parts whose closed region contains a doubled midpoint: the coarse one, and up to 2^D
@@ -273,8 +247,7 @@ class Extraction {
       largest_step = std::max(largest_step, part.part.largest_step);
       largest_snap = std::max(largest_snap, part.part.largest_snap);
     }
-    report.coordinate_slack =
-        slack(largest_step, largest_snap) + (is_border_cut() ? frame_.margin * largest_step : 0);
+    report.coordinate_slack = slack(largest_step, largest_snap);
   }
 
   /// What margin and rounding may add to |F - isovalue|. Margin: along its edge. Rounding: up to
@@ -282,17 +255,6 @@ class Extraction {
   /// step.
   [[nodiscard]] double slack(double largest_step, double largest_snap) const {
     return frame_.margin * largest_snap + 4 * frame_.rounding * largest_step;
-  }
-
-  static EdgePoint edge_of(const IsoPart<D>& part, std::uint32_t vertex) {
-    while (vertex >= part.points.size())
-      vertex = part.clip_points[vertex - part.points.size()].first;
-    return part.points[vertex];
-  }
-
-  bool is_border_cut() const {
-    return std::any_of(parts_.begin(), parts_.end(),
-                       [](const StitchPart<D>& part) { return !part.part.clip_points.empty(); });
   }
 
   const Model<D>& model_;

@@ -18,8 +18,6 @@ struct IsosurfaceQuery {
 struct IsosurfaceReport {
   double achieved_error = 0;    ///< Largest nested error of an active node left unrefined.
   double coordinate_slack = 0;  ///< What margins and rounding may add to |F - isovalue|.
-  /// Where cells were clipped at the border: the vertices there, which the cut may have pinched.
-  std::vector<std::uint32_t> border_vertices;
   std::uint64_t nodes_visited = 0;
   double select_seconds = 0;    ///< Traversal and marching, which run together.
   double geometry_seconds = 0;  ///< Stitching and positions.
@@ -32,8 +30,9 @@ struct ActiveSimplex {
   std::array<double, as_size(D) + 1> value;
 };
 
-/// Extracts one isosurface (contour lines in 2D), clipped at the domain's border, straight from
-/// the hierarchy: bricks in parallel, then stitched. Appends positions, cells and, where asked for,
+/// Extracts one isosurface (contour lines in 2D) straight from the hierarchy: bricks in parallel,
+/// then stitched. Simplices that reach across the domain's border are refined, so that it ends
+/// exactly there. Appends positions, cells and, where asked for,
 /// normals to `surface`, or replaces it.
 template <int D>
 [[nodiscard]] Result<IsosurfaceReport> extract_isosurface(const Model<D>& model,

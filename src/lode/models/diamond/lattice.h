@@ -314,6 +314,18 @@ struct Shape {
       if (box.lower[i] >= dims[i] - 1 || box.upper[i] <= 0) return false;
     return true;
   }
+  /// Whether simplices of a node or of one below it may reach across the last sample of an axis: it
+  /// lies inside their cubes, and closer to the node's centre than they do. Nested: where a node's
+  /// do, so do its parents'.
+  [[nodiscard]] bool reaches_across(const Index<D>& centre, int level) const {
+    const std::int32_t h = std::int32_t{1} << level;
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      const std::int32_t last = dims[i] - 1;
+      const std::int32_t reach = ((centre[i] >> level) & 1) != 0 ? 3 * h : 2 * h;
+      if (last % (2 * h) != 0 && std::abs(centre[i] - last) < reach) return true;
+    }
+    return false;
+  }
 };
 
 /// The linear index of grid point q (in units of the grid's step), x fastest.
