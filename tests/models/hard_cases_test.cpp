@@ -154,8 +154,8 @@ TEST(hard_cases, a_slab_of_a_whole_scan) {
   }
 }
 
-TEST(hard_cases, simplices_cut_by_two_border_planes) {
-  // Coarse simplices reach beyond the data along two axes at once: the same segment is cut twice.
+TEST(hard_cases, simplices_that_reach_across_two_border_planes) {
+  // They are refined along the edge where both planes meet.
   const auto volume = volume_of<float>(
       grid_with({{65, 40, 36}}), [](const Index3& p) { return static_cast<double>(p[1] + p[2]); });
   Progress progress;

@@ -96,9 +96,9 @@ template <int D>
 Result<void> finish_surface(const diamond::Model<D>& model, const ExtractOptions& options,
                             Surface& surface, ExtractReport& report) {
   const auto start = std::chrono::steady_clock::now();
+  if (model.has_holes()) split_pinched_vertices(surface);
   if (options.border == Border::closed)
     LODE_CHECK(close_surface<D>(model, options, surface, report));
-  if (model.has_holes()) split_pinched_vertices(surface);
   fill_zero_normals(surface, options.threads);
   if (options.clip) crop(surface, *options.clip);
   if (options.min_component > 1) {

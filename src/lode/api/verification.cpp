@@ -146,7 +146,7 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   const diamond::ModelSamples<D> samples(model);
   const LatticeFrame frame = LatticeFrame::of(model.info.grid);
   const double range = model.stats.max - model.stats.min;
-  const double slack = (2 * frame.margin + 4 * frame.rounding) * range;
+  const double slack = (frame.margin + 4 * frame.rounding) * range;
   LODE_TRY(
       const auto level_set,
       diamond::check_level_set(samples, surface,

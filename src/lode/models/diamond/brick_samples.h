@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -38,7 +39,7 @@ struct BrickSimplex {
 template <int D>
 class BrickSamples {
  public:
-  explicit BrickSamples(const Model<D>& model) : model_(model) {}
+  explicit BrickSamples(const Model<D>& model) : model_(model), slack_(rounding_slack<D>(model)) {}
 
   void open(const Index<D>& brick) {
     brick_ = brick;
@@ -46,18 +47,18 @@ class BrickSamples {
     samples_ = model_.brick(linear_index<D>(model_.brick_dims, brick));
     is_gathered_ = false;
     is_partial_ = false;
-    for (std::size_t i = 0; i < as_size(D); ++i)
-      is_partial_ = is_partial_ || base_[i] + kBrickEdge<D> > model_.shape.dims[i] - 1;
     is_near_end_ = false;
-    for (std::size_t i = 0; i < as_size(D); ++i)
-      is_near_end_ = is_near_end_ || base_[i] + 5 * kBrickEdge<D> / 2 > model_.shape.dims[i] - 1;
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      const std::int32_t last = model_.shape.dims[i] - 1;
+      is_partial_ = is_partial_ || base_[i] + kBrickEdge<D> > last;
+      // No node that is decided here reaches farther: centre edge / 2, reach three times that.
+      is_near_end_ = is_near_end_ || base_[i] + 2 * kBrickEdge<D> > last;
+    }
     is_near_hole_ = model_.has_holes() && has_hole_round(brick);
   }
 
   /// The brick's lower corner in the lattice.
   [[nodiscard]] const Index<D>& base() const { return base_; }
-  /// Reaches beyond the data.
-  [[nodiscard]] bool is_partial() const { return is_partial_; }
 
   /// A point's lattice coordinates.
   [[nodiscard]] Index<D> global(std::uint32_t packed) const {
@@ -66,8 +67,7 @@ class BrickSamples {
     return p;
   }
 
-  /// A point of the brick, given by its coordinates there, without its value: samples are not
-  /// touched before a node is known to be active.
+  /// A point of the brick, given by its coordinates there, without its value.
   [[nodiscard]] BrickPoint point(const Index<D>& local) const {
     BrickPoint p;
     for (int i = 0; i < D; ++i) {
@@ -101,6 +101,7 @@ class BrickSamples {
   }
 
   [[nodiscard]] bool overlaps_data(const BrickSimplex<D>& s) const {
+    if (!is_partial_) return true;
     for (int i = 0; i < D; ++i) {
       std::int32_t lower = kBrickSamples<D>;
       for (const BrickPoint& corner : s.corner)
@@ -146,13 +147,14 @@ class BrickSamples {
   }
 
   /// The nested error of a node of level 0 and tier >= 1, centre m, whose axis is the edge that s
-  /// is bisected at: the largest midpoint error of itself and the finest nodes below it.
+  /// is bisected at: the largest midpoint error of itself and the finest nodes below it. s meets
+  /// the data and the node does not reach across its end, so all its samples are there.
   [[nodiscard]] ErrorCode fine_error(const BrickSimplex<D>& s, int tag, const BrickPoint& m) const {
     const BrickPoint& a = s.corner[0];
     const BrickPoint& b = s.corner[as_size(tag)];
     if (is_near_hole_ && model_.is_mixed(global(m.packed))) return kInfiniteError;
-    double e = is_sample(m.packed) ? or_zero(std::abs(m.value - 0.5 * (a.value + b.value))) : 0;
-    if (tag == 1) return encode_error(float_up(e));
+    double e = or_zero(std::abs(m.value - 0.5 * (a.value + b.value)));
+    if (tag == 1) return encode_error(float_up(e + slack_));
     for (int k = 0; k < D; ++k) {
       if (coordinate(a.packed, k) == coordinate(b.packed, k)) continue;
       int along = 0;  // the other axis of the face
@@ -161,7 +163,6 @@ class BrickSamples {
         const std::uint32_t packed_step = 1U << (BrickPoint::kBits * k);
         const std::uint32_t packed = is_up ? m.packed + packed_step : m.packed - packed_step;
         if (is_near_hole_ && model_.is_mixed(global(packed))) return kInfiniteError;
-        if (!is_sample(packed)) continue;
         const std::uint32_t step = kStride[as_size(k)];
         const std::uint32_t at = is_up ? m.offset + step : m.offset - step;
         const std::uint32_t side = kStride[as_size(along)];
@@ -169,7 +170,7 @@ class BrickSamples {
         e = std::max(e, or_zero(std::abs(value(at) - mean)));
       }
     }
-    return encode_error(float_up(e));
+    return encode_error(float_up(e + slack_));
   }
 
  private:
@@ -194,13 +195,10 @@ class BrickSamples {
     return false;
   }
 
-  [[nodiscard]] bool is_sample(std::uint32_t packed) const {
-    return !is_partial_ || model_.shape.is_sample(global(packed));
-  }
-
   [[nodiscard]] static double or_zero(double error) { return std::isnan(error) ? 0 : error; }
 
   const Model<D>& model_;
+  double slack_;
   Index<D> brick_, base_;
   const std::byte* samples_ = nullptr;  ///< The open brick's.
   std::vector<double> values_;          ///< The same as doubles, holes as NaN, when gathered.

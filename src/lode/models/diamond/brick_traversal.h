@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "lode/models/diamond/brick_samples.h"
 #include "lode/models/diamond/selection.h"
@@ -98,7 +97,7 @@ class BrickTraversal {
   template <typename Emit>
   void descend(const BrickSimplex<D>& s, int tag, int level, TraversalStats& stats,
                const Emit& emit) {
-    if (samples_.is_partial() && !samples_.overlaps_data(s)) return;
+    if (!samples_.overlaps_data(s)) return;
     if (level < 0) {
       emit_leaf(s, tag, emit);
       return;
@@ -149,8 +148,8 @@ class BrickTraversal {
       low = std::min(low, s.corner[i].value);
       high = std::max(high, s.corner[i].value);
     }
-    const double reach = static_cast<double>(decode_error(error)) + rounding_;
-    return (low - reach >= selection_.isovalue() || high + reach < selection_.isovalue()) &&
+    const double bound = static_cast<double>(decode_error(error)) + rounding_;
+    return (low - bound >= selection_.isovalue() || high + bound < selection_.isovalue()) &&
            samples_.is_in_data(s);
   }
 

@@ -84,7 +84,7 @@ class CutChecker {
     if (is_finest(s)) return;  // F' is F there
     const Diamond<D> d = diamond_at<D>(s.bisection_point());
     const NodeFacts facts = nodes_.facts(d);
-    if (!facts.range.meets(query_.isovalue)) {
+    if (!facts.range.meets(query_.isovalue) || is_clear(s, box, facts.error)) {
       check_pruned(s, box, report);
       return;
     }
@@ -94,6 +94,20 @@ class CutChecker {
       return;
     }
     check_active(s, box, facts.error, report);
+  }
+
+  /// Whether an extraction may leave a simplex aside because of its corners: they lie on one side,
+  /// farther from the isovalue than the error.
+  [[nodiscard]] bool is_clear(const Simplex<D>& s, const LatticeBox<D>& box, double error) const {
+    if (!model_.shape.is_sample(box.upper)) return false;
+    bool is_above = true;
+    bool is_below = true;
+    for (const Index<D>& v : s.v) {
+      const double distance = model_.value_or_nan(v) - query_.isovalue;
+      is_above = is_above && distance > error;
+      is_below = is_below && -distance > error;
+    }
+    return is_above || is_below;
   }
 
   /// Calls body(p, weights) for each sample in the closed simplex.

@@ -15,15 +15,6 @@
 
 namespace lode::diamond {
 
-/// What rounding may have hidden from a computed error: F' is a chain of at most 64 means or sums,
-/// each rounded once. Nothing where all values are integers with room for the weights.
-template <int D>
-[[nodiscard]] double rounding_slack(const Model<D>& model) {
-  const bool is_exact = !is_floating(model.info.type) && size_of(model.info.type) <= 4;
-  if (is_exact || model.stats.min == model.stats.max) return 0;
-  return 0x1p-47 * std::max(std::abs(model.stats.min), std::abs(model.stats.max));
-}
-
 /// Finds the own errors of all nodes of levels >= 1, and level 0's nested attributes where `leaf`
 /// is given, brick by brick. Each brick sees its samples and one layer round them, and the corners
 /// of coarser cubes; the largest over bricks is the answer, whatever the order.

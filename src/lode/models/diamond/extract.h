@@ -32,8 +32,8 @@ struct ActiveSimplex {
 
 /// Extracts one isosurface (contour lines in 2D) straight from the hierarchy: bricks in parallel,
 /// then stitched. Simplices that reach across the domain's border are refined, so that it ends
-/// exactly there. Appends positions, cells and, where asked for,
-/// normals to `surface`, or replaces it.
+/// exactly there. Appends positions, cells and, where asked for, normals to `surface`, or replaces
+/// it.
 template <int D>
 [[nodiscard]] Result<IsosurfaceReport> extract_isosurface(const Model<D>& model,
                                                           const IsosurfaceQuery& query,

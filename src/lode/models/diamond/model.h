@@ -213,4 +213,13 @@ void finish_samples(Model<D>& model, Threads threads);
 template <int D, typename C>
 void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin, C* out);
 
+/// What rounding may have hidden from a computed error: F' is a chain of at most 64 means or sums,
+/// each rounded once. Nothing where all values are integers with room for the weights.
+template <int D>
+[[nodiscard]] double rounding_slack(const Model<D>& model) {
+  const bool is_exact = !is_floating(model.info.type) && size_of(model.info.type) <= 4;
+  if (is_exact || model.stats.min == model.stats.max) return 0;
+  return 0x1p-47 * std::max(std::abs(model.stats.min), std::abs(model.stats.max));
+}
+
 }  // namespace lode::diamond

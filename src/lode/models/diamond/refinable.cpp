@@ -77,7 +77,7 @@ void Refinable<D>::join_own(const Node& node, NodeFacts& facts) const {
   const auto ends = axis_ends<D>(node);
   const double e = std::abs(model_.value_or_nan(node.centre) -
                             0.5 * (model_.value_or_nan(ends[0]) + model_.value_or_nan(ends[1])));
-  if (!std::isnan(e)) facts.error = std::max(facts.error, e);
+  if (!std::isnan(e)) facts.error = std::max(facts.error, e + rounding_slack<D>(model_));
 }
 
 template <int D>

@@ -21,7 +21,8 @@ class Refinable {
   void add_children(const Node& node, std::vector<Node>& out) const;
   void add_parents(const Node& node, std::vector<Node>& out) const;
 
-  /// The simplices of a cut that meet the data, in depth-first order.
+  /// The simplices of a cut that meet the data, in depth-first order. They may reach across its
+  /// end: demands know nothing of the lattice.
   [[nodiscard]] std::vector<Simplex<D>> leaves(const Cut<Node>& cut) const;
 
  private:

@@ -5,9 +5,10 @@
 namespace lode::diamond {
 
 /// The one question of an isosurface query: is a node to be refined? It is when its nested error
-/// exceeds the tolerance (tolerance 0: always) and its nested range meets the isovalue. Both are
-/// nested, so a refined node's parents are refined, and every simplex of a diamond gets the same
-/// answer: the mesh is conforming without looking at neighbours.
+/// exceeds the tolerance (tolerance 0: always), or it reaches across the border
+/// (Shape::reaches_across), and its nested range meets the isovalue. All of these are nested, so a
+/// refined node's parents are refined, and every simplex of a diamond gets the same answer: the
+/// mesh is conforming without looking at neighbours.
 template <int D>
 class Selection {
  public:
