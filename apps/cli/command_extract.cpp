@@ -30,6 +30,7 @@ struct Job {
 std::vector<Job> plan_jobs(const std::string& output, const std::vector<double>& isovalues) {
   if (isovalues.size() == 1 || can_hold_isovalues(output)) return {{output, isovalues}};
   std::vector<Job> jobs;
+  jobs.reserve(isovalues.size());
   for (const double isovalue : isovalues)
     jobs.push_back({path_for_isovalue(output, isovalue), {isovalue}});
   return jobs;
@@ -37,6 +38,7 @@ std::vector<Job> plan_jobs(const std::string& output, const std::vector<double>&
 
 std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
   std::vector<std::string> paths;
+  paths.reserve(jobs.size());
   for (const Job& job : jobs) paths.push_back(job.path);
   return paths;
 }

@@ -89,6 +89,7 @@ Result<std::vector<Axis>> parse_sizes(const std::string& path, const NrrdFields&
 Result<std::uint64_t> set_strides(const std::string& path, std::vector<Axis>& axes,
                                   ScalarType type) {
   std::vector<std::int64_t> sizes;
+  sizes.reserve(axes.size());
   for (const Axis& axis : axes) sizes.push_back(axis.size);
   LODE_TRY(const std::uint64_t n_bytes, checked_n_bytes(path, sizes, size_of(type)));
   for (std::size_t i = 1; i < axes.size(); ++i)

@@ -96,9 +96,9 @@ std::array<KuhnCubeCases, 8> make_all_cases(bool is_mirrored) {
 }  // namespace
 
 const KuhnCubeCases& kuhn_cube_cases(int parity, bool is_mirrored) {
-  static const std::array<KuhnCubeCases, 8> right_handed = make_all_cases(false);
-  static const std::array<KuhnCubeCases, 8> mirrored = make_all_cases(true);
-  return (is_mirrored ? mirrored : right_handed)[static_cast<std::size_t>(parity)];
+  static const std::array<KuhnCubeCases, 8> kRightHanded = make_all_cases(false);
+  static const std::array<KuhnCubeCases, 8> kMirrored = make_all_cases(true);
+  return (is_mirrored ? kMirrored : kRightHanded)[static_cast<std::size_t>(parity)];
 }
 
 }  // namespace lode

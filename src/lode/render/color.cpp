@@ -105,8 +105,8 @@ Result<Color> parse_color(std::string_view text) {
 }
 
 Vec3f to_linear(Color color) {
-  static const std::array<float, 256> table = make_decode_table();
-  return {{table[color.r], table[color.g], table[color.b]}};
+  static const std::array<float, 256> kTable = make_decode_table();
+  return {{kTable[color.r], kTable[color.g], kTable[color.b]}};
 }
 
 Color to_srgb(const Vec3f& linear, float alpha) {

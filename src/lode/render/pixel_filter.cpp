@@ -39,7 +39,7 @@ float ratio_or(float open, float whole, float otherwise) {
 
 Visibility smooth_visibility(const PixelRows& rows, int x, int y, int y_begin, int y_end,
                              float pixel_size) {
-  static const std::array<float, kFilterRadius + 1> falloff = make_falloff();
+  static const std::array<float, kFilterRadius + 1> kFalloff = make_falloff();
   const PixelData& center = rows.at(x, y);
   if (center.sky_coverage <= 0) return {};
   const Vec3f normal = normalized(center.normal);
@@ -55,8 +55,8 @@ Visibility smooth_visibility(const PixelRows& rows, int x, int y, int y_begin, i
       const PixelData& other = rows.at(u, v);
       if (other.sky_coverage <= 0) continue;
       const bool is_center = u == x && v == y;
-      const float weight = falloff[static_cast<std::size_t>(std::abs(u - x))] *
-                           falloff[static_cast<std::size_t>(std::abs(v - y))] *
+      const float weight = kFalloff[static_cast<std::size_t>(std::abs(u - x))] *
+                           kFalloff[static_cast<std::size_t>(std::abs(v - y))] *
                            (is_center ? 1 : likeness(center, normal, position, other, pixel_size));
       sky_open += weight * other.sky_open;
       sky_whole += weight * other.sky_coverage;

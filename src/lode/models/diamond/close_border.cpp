@@ -347,6 +347,7 @@ class BorderCloser {
     std::size_t y = (drop + 2) % 3;
     if (normal[drop] < 0) std::swap(x, y);
     std::vector<delaunay::Point> points;
+    points.reserve(vertices.size());
     for (const std::uint32_t v : vertices)
       points.push_back({{static_cast<double>(surface_.positions[v][x]),
                          static_cast<double>(surface_.positions[v][y])}});

@@ -193,7 +193,7 @@ void widen_samples(ScalarType type, const std::byte* from, std::size_t n, std::b
       for (std::size_t i = 0; i < n; ++i) {
         S sample;
         std::memcpy(&sample, from + i * sizeof(S), sizeof(S));
-        const T wide = static_cast<T>(sample);
+        const T wide = static_cast<T>(+sample);  // + makes numbers of characters
         std::memcpy(to + i * sizeof(T), &wide, sizeof(T));
       }
     });
