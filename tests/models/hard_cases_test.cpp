@@ -171,6 +171,30 @@ TEST(hard_cases, simplices_that_reach_across_two_border_planes) {
   }
 }
 
+TEST(hard_cases, clip_planes_through_vertices) {
+  // Samples -1 and 1: vertices lie in the middle of edges, and so do the clip planes.
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    oracles::Random random(seed);
+    const auto volume = volume_of<float>(grid_with({{14, 12, 13}}), [&](const Index3&) {
+      return random.uniform(0, 1) < 0.5 ? -1.0 : 1.0;
+    });
+    Progress progress;
+    const auto source = make_memory_source(volume);
+    const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+    ASSERT_TRUE(dataset);
+    for (const double max_error : {0.0, 1.0}) {
+      Surface surface;
+      const ExtractOptions options{.isovalues = {0},
+                                   .max_error = max_error,
+                                   .clip = Box3d{{{2.5, 1.5, 3.5}}, {{9.5, 8.5, 9.5}}},
+                                   .threads = {2}};
+      ASSERT_TRUE(dataset->extract(options, surface, progress));
+      EXPECT_FALSE(surface.is_empty());
+      expect_holds(dataset->verify_surface(surface, options, progress));
+    }
+  }
+}
+
 TEST(hard_cases, every_configuration_of_a_cell) {
   // All 256 sign patterns, the ambiguous ones of marching cubes among them.
   for (unsigned signs = 0; signs < 256; ++signs) {

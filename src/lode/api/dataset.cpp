@@ -100,7 +100,10 @@ Result<void> finish_surface(const diamond::Model<D>& model, const ExtractOptions
   if (options.border == Border::closed)
     LODE_CHECK(close_surface<D>(model, options, surface, report));
   fill_zero_normals(surface, options.threads);
-  if (options.clip) crop(surface, *options.clip);
+  if (options.clip) {
+    crop(surface, *options.clip);
+    split_pinched_vertices(surface);
+  }
   if (options.min_component > 1) {
     const Dropped dropped = drop_small_components(surface, options.min_component);
     report.components_dropped = dropped.components;

@@ -14,9 +14,9 @@ struct Dropped {
   std::uint64_t cells = 0;
 };
 
-/// Gives each fan of cells round a vertex its own copy of it: where holes pinch the domain, cells
-/// that share no edge must not share the vertex. Attributes are copied; copies are numbered in the
-/// order of their cells. O(n) while vertices have few cells each.
+/// Gives each fan of cells round a vertex its own copy of it: where holes or a crop
+/// box pinch the domain, cells that share no edge must not share the vertex. Attributes are copied;
+/// copies are numbered in the order of their cells. O(n) while vertices have few cells each.
 void split_pinched_vertices(Surface& surface);
 
 /// Keeps the part inside the box (world units); the cut is straight and shared by both cells.
