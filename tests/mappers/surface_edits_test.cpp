@@ -45,5 +45,35 @@ TEST(surface_edits, leaves_manifolds_alone) {
   }
 }
 
+TEST(surface_edits, drops_pieces_below_a_size_and_counts_them) {
+  Surface surface = test::make_torus(9, 5, 2.0, 0.5);
+  const auto torus = surface.triangles;
+  const std::size_t n_vertices = surface.positions.size();
+  test::append(surface, test::make_sphere(3, 0.1, {{5, 0, 0}}));
+  test::append(surface, test::make_sphere(3, 0.1, {{7, 0, 0}}));
+  const auto all = surface.triangles;
+  const std::size_t n_of_sphere = (all.size() - torus.size()) / 2;
+  EXPECT_EQ(drop_small_components(surface, n_of_sphere).components, 0U);
+  EXPECT_EQ(surface.triangles, all);
+  const Dropped dropped = drop_small_components(surface, n_of_sphere + 1);
+  EXPECT_EQ(dropped.components, 2U);
+  EXPECT_EQ(dropped.cells, 2 * n_of_sphere);
+  EXPECT_EQ(surface.triangles, torus);
+  EXPECT_EQ(surface.positions.size(), n_vertices);
+}
+
+TEST(surface_edits, flipping_turns_triangles_and_normals) {
+  Surface surface = test::make_sphere(5, 1.0, {{0, 0, 0}});
+  surface.normals = surface.positions;
+  const Surface before = surface;
+  flip_orientation(surface);
+  for (std::size_t v = 0; v < surface.normals.size(); ++v)
+    EXPECT_EQ(surface.normals[v], before.normals[v] * -1.0F);
+  EXPECT_NE(surface.triangles, before.triangles);
+  flip_orientation(surface);
+  EXPECT_EQ(surface.triangles, before.triangles);
+  EXPECT_EQ(surface.normals, before.normals);
+}
+
 }  // namespace
 }  // namespace lode

@@ -97,10 +97,10 @@ TEST_P(awkward_shapes, have_true_errors_and_clean_surfaces_at_any_tolerance) {
 }
 
 INSTANTIATE_TEST_SUITE_P(dims, awkward_shapes,
-                         ::testing::Values(Index3{{2, 2, 2}}, Index3{{3, 3, 3}}, Index3{{2, 40, 2}},
-                                           Index3{{1, 64, 64}}, Index3{{37, 35, 6}},
-                                           Index3{{33, 18, 34}}, Index3{{1, 1, 9}},
-                                           Index3{{150, 1, 133}}));
+                         ::testing::Values(Index3{{2, 2, 2}}, Index3{{3, 3, 3}},
+                                           Index3{{2, 300, 2}}, Index3{{1, 64, 64}},
+                                           Index3{{37, 35, 6}}, Index3{{33, 18, 34}},
+                                           Index3{{1, 1, 9}}, Index3{{150, 1, 133}}));
 
 TEST(dataset, keeps_true_errors_and_clean_surfaces_round_scattered_holes) {
   const Volume volume = random_volume({{36, 20, 17}}, 3, 0.05);
@@ -120,6 +120,25 @@ TEST(dataset, extracts_a_closed_ball_with_fewer_triangles_at_a_tolerance) {
 TEST(dataset, handles_isovalues_equal_to_samples) {
   const Dataset dataset = build(ball_volume({{34, 33, 35}}, 9));
   for (const double isovalue : {1.0, 128.0, 200.0}) expect_true_surface(dataset, isovalue, 0);
+}
+
+TEST(dataset, drops_small_pieces_and_turns_the_surface_and_still_holds) {
+  const Dataset dataset = build(random_volume({{20, 19, 18}}, 5, 0));
+  Progress progress;
+  Surface all;
+  const auto whole = dataset.extract({.isovalues = {20}, .threads = {2}}, all, progress);
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->components_dropped, 0U);
+  const ExtractOptions options{.isovalues = {20},
+                               .min_component = 30,
+                               .orientation = Orientation::from_higher_values,
+                               .threads = {2}};
+  Surface surface;
+  const auto report = dataset.extract(options, surface, progress);
+  ASSERT_TRUE(report);
+  EXPECT_GT(report->components_dropped, 0U);
+  EXPECT_EQ(report->triangles + report->triangles_dropped, whole->triangles);
+  expect_passed(dataset.verify_surface(surface, options, progress));
 }
 
 TEST(dataset, gives_an_empty_surface_where_the_isovalue_meets_nothing) {
