@@ -6,10 +6,41 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
 #include <optional>
 #include <thread>
+#include <vector>
 
 namespace lode {
+namespace {
+
+#ifdef __SANITIZE_THREAD__
+/// The same for the thread sanitizer, which would take oneTBB for racing: that is not instrumented.
+void run_on_plain_threads(std::size_t n, int workers, std::size_t grain,
+                          const std::function<void(std::size_t i, int worker)>& body) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work = [&](int worker) {
+    try {
+      for (std::size_t begin; (begin = next.fetch_add(grain)) < n;)
+        for (std::size_t i = begin; i < std::min(n, begin + grain); ++i) body(i, worker);
+    } catch (...) {
+      const std::lock_guard lock(failure_mutex);
+      failure = std::current_exception();
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int worker = 1; worker < workers; ++worker) threads.emplace_back(work, worker);
+  work(0);
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+#endif
+
+}  // namespace
 
 int n_workers(Threads threads) {
   if (threads.count > 0) return threads.count;
@@ -23,6 +54,9 @@ void parallel_for(std::size_t n, Threads threads, std::size_t grain,
     for (std::size_t i = 0; i < n; ++i) body(i, 0);
     return;
   }
+#ifdef __SANITIZE_THREAD__
+  run_on_plain_threads(n, workers, std::max<std::size_t>(grain, 1), body);
+#else
   // More threads than cores are given where they are asked for, without oneTBB's warning.
   std::optional<tbb::global_control> limit;
   if (workers > n_workers({}))
@@ -37,6 +71,7 @@ void parallel_for(std::size_t n, Threads threads, std::size_t grain,
         },
         tbb::simple_partitioner());
   });
+#endif
 }
 
 }  // namespace lode
