@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <vector>
 
+#include "lode/mappers/surface_topology.h"
 #include "tests/mappers/shape_surfaces.h"
+#include "tests/oracles/random.h"
 
 namespace lode {
 namespace {
@@ -42,6 +45,53 @@ TEST(surface_edits, leaves_manifolds_alone) {
     const auto before = surface.triangles;
     split_pinched_vertices(surface);
     EXPECT_EQ(surface.triangles, before);
+  }
+}
+
+/// A sheet of 2 (n-1)^2 triangles; its vertices lie on, or one float32
+/// beside, multiples of a half, and its diagonals run at random.
+Surface make_sheet(int n, oracles::Random& random, bool is_flat) {
+  Surface surface;
+  const auto nudged = [&](double x) {
+    auto y = static_cast<float>(x);
+    const auto n_steps = static_cast<int>(random.below(3)) - 1;
+    for (int i = 0; i < std::abs(n_steps); ++i)
+      y = std::nextafter(y, n_steps < 0 ? -100.0F : 100.0F);
+    return y;
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const float z = is_flat ? 0.7F : nudged(0.5 * static_cast<double>(random.below(3)));
+      surface.positions.push_back({{nudged(0.5 * i), nudged(0.5 * j), z}});
+    }
+  const auto m = static_cast<std::uint32_t>(n);
+  for (std::uint32_t i = 0; i + 1 < m; ++i)
+    for (std::uint32_t j = 0; j + 1 < m; ++j) {
+      const std::uint32_t p = i * m + j;
+      const bool is_turned = random.below(2) == 0;
+      const std::uint32_t apex = is_turned ? p + m + 1 : p + m;
+      surface.triangles.push_back({p, apex, p + 1});
+      if (is_turned)
+        surface.triangles.push_back({p, p + m, apex});
+      else
+        surface.triangles.push_back({p + 1, apex, p + m + 1});
+    }
+  return surface;
+}
+
+TEST(surface_edits, cuts_beside_vertices_leave_no_degenerate_triangle) {
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    oracles::Random random(seed);
+    Surface surface = make_sheet(12, random, seed % 2 == 0);
+    ASSERT_TRUE(check_topology(surface, {}).is_clean_manifold());
+    crop(surface, {{{1.0, 1.5, 0.5}}, {{4.0, 3.5, 1.0}}});
+    split_pinched_vertices(surface);
+    const TopologyReport report = check_topology(surface, {});
+    EXPECT_GT(report.n_simplices, 0U);
+    EXPECT_TRUE(report.is_clean_manifold())
+        << "seed " << seed << ": " << report.degenerate_simplices.count << " degenerate, "
+        << report.duplicate_vertices.count << " duplicate, " << report.non_manifold_edges.count
+        << " edges";
   }
 }
 

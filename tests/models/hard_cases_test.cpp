@@ -35,6 +35,11 @@ Volume volume_of(const RegularGrid& grid, const std::function<double(const Index
   return make_volume<T>(grid, samples);
 }
 
+Result<Dataset> built(const Volume& volume) {
+  Progress progress;
+  return Dataset::build(*make_memory_source(volume), {.threads = {2}}, progress);
+}
+
 void expect_holds(const Result<VerifyReport>& report) {
   ASSERT_TRUE(report) << report.error().message;
   for (const VerifyReport::Check& check : report->checks)
@@ -139,8 +144,7 @@ TEST(hard_cases, a_slab_of_a_whole_scan) {
     return 1000 - 40 * std::hypot(p[0] - 100.0, p[1] - 400.0, 3.0 * (p[2] - 33.0));
   });
   Progress progress;
-  const auto source = make_memory_source(volume);
-  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+  const auto dataset = built(volume);
   ASSERT_TRUE(dataset);
   for (const double tolerance : {0.0, 100.0}) {
     Surface surface;
@@ -159,8 +163,7 @@ TEST(hard_cases, simplices_that_reach_across_two_border_planes) {
   const auto volume = volume_of<float>(
       grid_with({{65, 40, 36}}), [](const Index3& p) { return static_cast<double>(p[1] + p[2]); });
   Progress progress;
-  const auto source = make_memory_source(volume);
-  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+  const auto dataset = built(volume);
   ASSERT_TRUE(dataset);
   for (int i = 0; i < 30; ++i) {
     Surface surface;
@@ -179,8 +182,7 @@ TEST(hard_cases, clip_planes_through_vertices) {
       return random.uniform(0, 1) < 0.5 ? -1.0 : 1.0;
     });
     Progress progress;
-    const auto source = make_memory_source(volume);
-    const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+    const auto dataset = built(volume);
     ASSERT_TRUE(dataset);
     for (const double max_error : {0.0, 1.0}) {
       Surface surface;
@@ -195,6 +197,34 @@ TEST(hard_cases, clip_planes_through_vertices) {
   }
 }
 
+TEST(hard_cases, clip_planes_beside_vertices) {
+  // Few different values, many equal to the isovalue: vertices at halves, thirds and whole numbers,
+  // and the clip planes there too, give or take the rounding of either.
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    oracles::Random random(seed);
+    const auto volume = volume_of<std::uint8_t>(grid_with({{15, 17, 14}}), [&](const Index3& p) {
+      return p[0] + p[2] + static_cast<double>(random.below(4));
+    });
+    const auto dataset = built(volume);
+    ASSERT_TRUE(dataset);
+    for (int i = 0; i < 4; ++i) {
+      Box3d box;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = static_cast<double>(random.below(30)) / 6;
+        box.upper[axis] = box.lower[axis] + 3 + static_cast<double>(random.below(30)) / 6;
+      }
+      Progress progress;
+      Surface surface;
+      const ExtractOptions options{.isovalues = {i % 2 == 0 ? 12.0 : 12.5},
+                                   .max_error = 0.5 * i,
+                                   .clip = box,
+                                   .threads = {2}};
+      ASSERT_TRUE(dataset->extract(options, surface, progress));
+      expect_holds(dataset->verify_surface(surface, options, progress));
+    }
+  }
+}
+
 TEST(hard_cases, every_configuration_of_a_cell) {
   // All 256 sign patterns, the ambiguous ones of marching cubes among them.
   for (unsigned signs = 0; signs < 256; ++signs) {
@@ -202,8 +232,7 @@ TEST(hard_cases, every_configuration_of_a_cell) {
       return (signs >> (p[0] + 2 * p[1] + 4 * p[2])) & 1U;
     });
     Progress progress;
-    const auto source = make_memory_source(volume);
-    const auto dataset = Dataset::build(*source, {.threads = {1}}, progress);
+    const auto dataset = built(volume);
     ASSERT_TRUE(dataset);
     Surface surface;
     const ExtractOptions options{.isovalues = {0.5}, .max_error = 0.0, .threads = {1}};

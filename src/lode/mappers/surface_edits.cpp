@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -98,21 +99,50 @@ Dropped drop_small(Surface& surface, std::vector<std::array<std::uint32_t, N>>& 
 
 /// Cuts cells at one plane of the crop box: coordinate axis times sign <= limit.
 class BoxPlane {
+  static constexpr double kFloat32Step = 0x1p-23;
+
  public:
   BoxPlane(Surface& surface, std::size_t axis, double sign, double limit)
-      : surface_(surface), axis_(axis), sign_(sign), limit_(limit) {}
+      : surface_(surface),
+        axis_(axis),
+        sign_(sign),
+        plane_(static_cast<float>(sign * limit - surface.origin[axis])),
+        first_new_(surface.positions.size()) {}
 
   template <std::size_t N>
   void cut_cells(std::vector<std::array<std::uint32_t, N>>& cells) {
     std::vector<std::array<std::uint32_t, N>> kept;
     for (const auto& cell : cells) cut_cell(cell, kept);
     cells = std::move(kept);
+    weld(cells);
     compact(surface_, cells);
   }
 
  private:
+  /// 0 within a unit in the last place, so that a plane through vertices cuts at none of them.
   double beyond(std::uint32_t v) const {
-    return sign_ * surface_.world_position(v)[axis_] - limit_;
+    const double x = static_cast<double>(surface_.positions[v][axis_]) - plane_;
+    return std::abs(x) <= kFloat32Step * std::abs(plane_) ? 0.0 : sign_ * x;
+  }
+
+  /// Makes one of a cell's new vertices that float32 does not tell apart, where a corner lies
+  /// hardly before or behind the plane, and drops the cells that leaves without area.
+  template <std::size_t N>
+  void weld(std::vector<std::array<std::uint32_t, N>>& cells) {
+    Groups same(surface_.positions.size());
+    for (const auto& cell : cells)
+      for (std::size_t k = 0; k < N; ++k) {
+        const std::uint32_t a = cell[k];
+        const std::uint32_t b = cell[(k + 1) % N];
+        if (std::min(a, b) >= first_new_ && surface_.positions[a] == surface_.positions[b])
+          same.join(a, b);
+      }
+    std::erase_if(cells, [&](auto& cell) {
+      bool is_flat = false;
+      for (std::uint32_t& v : cell) v = same.find(v);
+      for (std::size_t k = 0; k < N; ++k) is_flat = is_flat || cell[k] == cell[(k + 1) % N];
+      return is_flat;
+    });
   }
 
   std::uint32_t cut_edge(std::uint32_t a, std::uint32_t b) {
@@ -129,7 +159,7 @@ class BoxPlane {
     };
     const std::uint32_t v = copy_vertex(surface_, a);
     surface_.positions[v] = mixed(surface_.positions[a], surface_.positions[b]);
-    surface_.positions[v][axis_] = static_cast<float>(sign_ * limit_ - surface_.origin[axis_]);
+    surface_.positions[v][axis_] = static_cast<float>(plane_);
     if (!surface_.normals.empty())
       surface_.normals[v] = normalized(mixed(surface_.normals[a], surface_.normals[b]));
     return entry->second = v;
@@ -147,22 +177,31 @@ class BoxPlane {
     }
     std::array<std::uint32_t, N + 1> polygon{};
     std::size_t n = 0;
+    std::size_t nearest = 0;  // to the plane, of the corners kept
     constexpr std::size_t kEdges = N == 2 ? 1 : N;
     for (std::size_t i = 0; i < N; ++i) {
       const std::size_t j = (i + 1) % N;
-      if (d[i] <= 0) polygon[n++] = cell[i];
+      if (d[i] <= 0) {
+        if (n == 0 || d[i] > beyond(polygon[nearest])) nearest = n;
+        polygon[n++] = cell[i];
+      }
       if (i < kEdges && d[i] * d[j] < 0) polygon[n++] = cut_edge(cell[i], cell[j]);
     }
-    if constexpr (N == 2)
+    if constexpr (N == 2) {
       kept.push_back({polygon[0], polygon[1]});
-    else
-      for (std::size_t i = 2; i < n; ++i) kept.push_back({polygon[0], polygon[i - 1], polygon[i]});
+    } else {
+      // From the nearest: hardly before the plane, it may lie on the line from the other corner
+      // to the cut above it.
+      const auto corner = [&](std::size_t i) { return polygon[(nearest + i) % n]; };
+      for (std::size_t i = 2; i < n; ++i) kept.push_back({corner(0), corner(i - 1), corner(i)});
+    }
   }
 
   Surface& surface_;
   std::size_t axis_;
   double sign_;
-  double limit_;
+  double plane_;           ///< Coordinate along the axis, a float32, from the surface's origin.
+  std::size_t first_new_;  ///< Vertex: those from here on lie in the plane.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cuts_;
 };
 
