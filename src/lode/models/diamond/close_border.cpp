@@ -1,72 +1,21 @@
 #include "lode/models/diamond/close_border.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <optional>
 #include <unordered_map>
 
-#include "lode/delaunay/triangulation.h"
 #include "lode/mappers/lattice_frame.h"
 #include "lode/mappers/surface_topology.h"
+#include "lode/models/diamond/border_polygon.h"
+#include "lode/models/diamond/cap_points.h"
 #include "lode/models/diamond/surface_coordinates.h"
 
 namespace lode::diamond {
 namespace {
 
 using Ends = std::array<std::uint32_t, 2>;
-
-/// A border plane: an axis and which of its two ends. Its number is its bit in
-/// SurfaceCoordinates::border_planes().
-struct Plane {
-  std::size_t axis;
-  bool is_upper;
-
-  explicit Plane(std::size_t number) : axis(number / 2), is_upper(number % 2 == 1) {}
-};
-constexpr std::size_t kPlanes = 6;
-
-constexpr std::size_t plane_number(std::size_t axis, bool is_upper) {
-  return 2 * axis + (is_upper ? 1 : 0);
-}
-
-/// A corner of the domain's border polygon, or a vertex of the surface on it.
-struct Stop {
-  std::uint32_t vertex = delaunay::kNone;  ///< kNone: a corner that is no vertex yet.
-  Index3 corner;                           ///< In samples; for corners only.
-  int balance = 0;                         ///< Edges in the plane that start here - that end here.
-};
-
-/// The border polygon of one plane, counter-clockwise as seen from outside: which parts of it, from
-/// each stop to the next, are inside.
-struct Cycle {
-  std::vector<Stop> stops;
-  std::vector<bool> is_inside;
-  bool is_known = false;
-
-  /// An edge that ends here goes on along the border; one that starts here came along it.
-  [[nodiscard]] Result<void> walk() {
-    const auto turning = std::find_if(stops.begin(), stops.end(),
-                                      [](const Stop& stop) { return stop.balance != 0; });
-    if (turning == stops.end()) return {};
-    is_inside.assign(stops.size(), false);
-    const auto first = static_cast<std::size_t>(turning - stops.begin());
-    bool state = turning->balance > 0;
-    for (std::size_t n = 0; n < stops.size(); ++n) {
-      const std::size_t i = (first + n) % stops.size();
-      if (stops[i].balance != 0) {
-        if (std::abs(stops[i].balance) != 1 || state != (stops[i].balance > 0))
-          return fail("the surface's edges there do not alternate along an edge of the domain");
-        state = !state;
-      }
-      is_inside[i] = state;
-    }
-    is_known = true;
-    return {};
-  }
-  void set_all(bool state) {
-    is_inside.assign(stops.size(), state);
-    is_known = true;
-  }
-};
 
 class BorderCloser {
  public:
@@ -75,6 +24,8 @@ class BorderCloser {
       : grid_(grid),
         frame_(LatticeFrame::of(grid)),
         coordinates_(grid, surface, {}, threads),
+        is_oblique_(is_oblique(frame_.to_world)),
+        is_mirrored_(frame_.is_mirrored),
         is_first_sample_inside_(is_first_sample_inside),
         surface_(surface),
         boundary_(find_boundary_edges(surface, threads)) {
@@ -84,22 +35,22 @@ class BorderCloser {
 
   Result<CapReport> close_surface() {
     LODE_CHECK(sort_edges());
-    for (std::size_t p = 0; p < kPlanes; ++p) {
-      const Plane plane(p);
+    if (is_oblique_) find_samples();
+    for (std::size_t p = 0; p < kBorderPlanes; ++p) {
+      const BorderPlane plane(p);
       const std::size_t i = (plane.axis + 1) % 3;
-      const bool is_mirrored = determinant(grid_.index_to_world_matrix()) < 0;
       Index3 corner;
       corner[plane.axis] = plane.is_upper ? last_[plane.axis] : 0;
-      cycles_[p] = cycle_of(corner, i, (i + 1) % 3, plane.is_upper == is_mirrored, edges_[p]);
+      polygons_[p] = polygon_of(corner, i, (i + 1) % 3, plane.is_upper == is_mirrored_, edges_[p]);
       LODE_CHECK(check_ends(p));
-      LODE_CHECK(cycles_[p].walk());
+      LODE_CHECK(polygons_[p].walk());
     }
     settle_unknown();
     std::vector<std::array<std::uint32_t, 3>> caps;
-    const std::size_t n_vertices = surface_.positions.size();  // corners are added on the way
-    for (std::size_t p = 0; p < kPlanes; ++p)
+    const std::size_t n_vertices = surface_.positions.size();  // samples are added on the way
+    for (std::size_t p = 0; p < kBorderPlanes; ++p)
       if (auto done = add_cap(p, caps); !done) {
-        remove_corners(n_vertices);
+        remove_samples(n_vertices);
         return done.error();
       }
     surface_.triangles.insert(surface_.triangles.end(), caps.begin(), caps.end());
@@ -114,16 +65,16 @@ class BorderCloser {
     for (const Ends& end : boundary_)
       if (!coordinates_.are_on_border(std::span(end).first(1))) ++n_open_;
     // Which way round the lines turn follows from the side on which the first sample is.
-    Cycle cycle;
+    BorderPolygon polygon;
     for (const bool is_clockwise : {false, true}) {
-      cycle = cycle_of({}, i, j, is_clockwise, surface_.lines);
-      LODE_CHECK(cycle.walk());
-      if (!cycle.is_known) cycle.set_all(is_first_sample_inside_);
-      const bool state = cycle.is_inside[is_clockwise ? cycle.is_inside.size() - 1 : 0];
+      polygon = polygon_of({}, i, j, is_clockwise, surface_.lines);
+      LODE_CHECK(polygon.walk());
+      if (!polygon.is_known) polygon.set_all(is_first_sample_inside_);
+      const bool state = polygon.is_inside[is_clockwise ? polygon.is_inside.size() - 1 : 0];
       if (state == is_first_sample_inside_) break;
     }
     const std::size_t n_before = surface_.lines.size();
-    add_parts(cycle, surface_.lines);
+    add_parts(polygon, surface_.lines);
     return CapReport{surface_.lines.size() - n_before, n_open_};
   }
 
@@ -146,54 +97,56 @@ class BorderCloser {
   }
 
   /// The border polygon in the plane of axes i and j through `corner` (with i and j at 0).
-  [[nodiscard]] Cycle cycle_of(const Index3& corner, std::size_t i, std::size_t j,
-                               bool is_clockwise, const std::vector<Ends>& edges) {
+  [[nodiscard]] BorderPolygon polygon_of(const Index3& corner, std::size_t i, std::size_t j,
+                                         bool is_clockwise, const std::vector<Ends>& edges) {
     balance_.clear();
     for (const Ends& edge : edges) {
       ++balance_[edge[0]];
       --balance_[edge[1]];
     }
-    Cycle cycle;
+    BorderPolygon polygon;
     const auto add_side = [&](std::size_t along, std::size_t across, bool at_end, bool backward) {
       Index3 start = corner;
       start[across] = at_end ? last_[across] : 0;
       start[along] = backward ? last_[along] : 0;
       const std::uint32_t vertex = corners_[corner_number(start)];
-      cycle.stops.push_back({vertex, start, balance_of(vertex)});
-      add_stops(corner, i, j, along, across, at_end, backward, cycle);
+      polygon.stops.push_back({vertex, start, balance_of(vertex)});
+      add_stops(corner, i, j, along, across, at_end, backward, polygon);
     };
     add_side(i, j, false, false);
     add_side(j, i, true, false);
     add_side(i, j, true, true);
     add_side(j, i, false, true);
     // Counter-clockwise in (i, j); the other way round keeps the first corner first.
-    if (is_clockwise) std::reverse(cycle.stops.begin() + 1, cycle.stops.end());
-    return cycle;
+    if (is_clockwise) std::reverse(polygon.stops.begin() + 1, polygon.stops.end());
+    return polygon;
   }
 
-  /// The surface's vertices on one side of the polygon, in order.
+  /// The surface's vertices and the samples on one side of the polygon, in order.
   void add_stops(const Index3& corner, std::size_t i, std::size_t j, std::size_t along,
-                 std::size_t across, bool at_end, bool backward, Cycle& cycle) const {
-    unsigned needed = 1U << plane_number(across, at_end);
+                 std::size_t across, bool at_end, bool backward, BorderPolygon& polygon) const {
+    unsigned needed = 1U << border_plane_number(across, at_end);
     const std::size_t axis = 3 - i - j;
-    if (grid_.dims[axis] > 1) needed |= 1U << plane_number(axis, corner[axis] > 0);
-    std::vector<std::uint32_t> vertices;
+    if (grid_.dims[axis] > 1) needed |= 1U << border_plane_number(axis, corner[axis] > 0);
+    std::vector<std::pair<double, BorderStop>> found;
     for (const std::uint32_t vertex : rim_)
       if ((coordinates_.border_planes(vertex) & needed) == needed && !is_at_corner(vertex))
-        vertices.push_back(vertex);
-    std::sort(vertices.begin(), vertices.end(), [&](std::uint32_t a, std::uint32_t b) {
-      const double x = coordinates_[a][along];
-      const double y = coordinates_[b][along];
-      return x != y ? (backward ? x > y : x < y) : a < b;
+        found.push_back({coordinates_[vertex][along], {vertex, {}, balance_of(vertex)}});
+    for (const Index3& sample : samples_)
+      if (sample[axis] == corner[axis] && sample[across] == (at_end ? last_[across] : 0))
+        found.push_back({1.0 * sample[along], {delaunay::kNone, sample, 0}});
+    std::sort(found.begin(), found.end(), [&](const auto& a, const auto& b) {
+      if (a.first != b.first) return backward ? a.first > b.first : a.first < b.first;
+      return a.second.vertex < b.second.vertex;
     });
-    for (const std::uint32_t v : vertices) cycle.stops.push_back({v, {}, balance_of(v)});
+    for (const auto& [coordinate, stop] : found) polygon.stops.push_back(stop);
   }
 
   /// Edges in a plane may end only on the border polygon.
   [[nodiscard]] Result<void> check_ends(std::size_t p) const {
     std::size_t n_ends = 0;
     for (const auto& [vertex, balance] : balance_) n_ends += balance != 0 ? 1 : 0;
-    for (const Stop& stop : cycles_[p].stops) n_ends -= stop.balance != 0 ? 1 : 0;
+    for (const BorderStop& stop : polygons_[p].stops) n_ends -= stop.balance != 0 ? 1 : 0;
     if (n_ends != 0)
       return fail("the surface cannot be closed: it ends inside a border plane of the domain");
     return {};
@@ -201,39 +154,47 @@ class BorderCloser {
 
   /// Planes whose polygon no edge reaches take the state from a neighbour, across their side.
   void settle_unknown() {
-    const auto is_any_known =
-        std::any_of(cycles_.begin(), cycles_.end(), [](const Cycle& c) { return c.is_known; });
+    const auto is_any_known = std::any_of(polygons_.begin(), polygons_.end(),
+                                          [](const BorderPolygon& c) { return c.is_known; });
     if (!is_any_known) {
-      for (Cycle& cycle : cycles_) cycle.set_all(is_first_sample_inside_);
+      for (BorderPolygon& polygon : polygons_) polygon.set_all(is_first_sample_inside_);
       return;
     }
     for (bool is_changed = true; is_changed;) {
       is_changed = false;
-      for (std::size_t p = 0; p < kPlanes; ++p) {
-        if (cycles_[p].is_known) continue;
-        for (std::size_t q = 0; q < kPlanes && !cycles_[p].is_known; ++q) {
-          if (q / 2 == p / 2 || !cycles_[q].is_known) continue;
-          if (const auto state = state_at_side(cycles_[q], Plane(p))) cycles_[p].set_all(*state);
+      for (std::size_t p = 0; p < kBorderPlanes; ++p) {
+        if (polygons_[p].is_known) continue;
+        for (std::size_t q = 0; q < kBorderPlanes && !polygons_[p].is_known; ++q) {
+          if (q / 2 == p / 2 || !polygons_[q].is_known) continue;
+          if (const auto state = state_at_side(polygons_[q], BorderPlane(p)))
+            polygons_[p].set_all(*state);
         }
-        is_changed = is_changed || cycles_[p].is_known;
+        is_changed = is_changed || polygons_[p].is_known;
       }
     }
   }
 
-  /// Whether the part of a cycle that starts or ends in a corner of another plane, and lies in
+  /// Whether the part of a polygon that starts or ends in a corner of another plane, and lies in
   /// that, is inside.
-  [[nodiscard]] std::optional<bool> state_at_side(const Cycle& cycle, const Plane& plane) const {
-    const auto is_in = [&](const Stop& stop) {
+  [[nodiscard]] std::optional<bool> state_at_side(const BorderPolygon& polygon,
+                                                  const BorderPlane& plane) const {
+    const auto is_in = [&](const BorderStop& stop) {
       if (stop.vertex != delaunay::kNone)
         return ((coordinates_.border_planes(stop.vertex) >>
-                 plane_number(plane.axis, plane.is_upper)) &
+                 border_plane_number(plane.axis, plane.is_upper)) &
                 1U) != 0;
-      return stop.corner[plane.axis] == (plane.is_upper ? last_[plane.axis] : 0);
+      return stop.sample[plane.axis] == (plane.is_upper ? last_[plane.axis] : 0);
     };
-    for (std::size_t n = 0; n < cycle.stops.size(); ++n)
-      if (is_in(cycle.stops[n]) && is_in(cycle.stops[(n + 1) % cycle.stops.size()]))
-        return cycle.is_inside[n];
+    for (std::size_t n = 0; n < polygon.stops.size(); ++n)
+      if (is_in(polygon.stops[n]) && is_in(polygon.stops[(n + 1) % polygon.stops.size()]))
+        return polygon.is_inside[n];
     return {};
+  }
+
+  [[nodiscard]] bool is_corner(const Index3& sample) const {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (sample[i] != 0 && sample[i] != last_[i]) return false;
+    return true;
   }
 
   [[nodiscard]] static std::size_t corner_number(const Index3& corner) {
@@ -262,28 +223,61 @@ class BorderCloser {
     for (std::size_t number = 0; number < corners_.size(); ++number) {
       unsigned planes = 0;
       for (std::size_t i = 0; i < 3; ++i)
-        if (grid_.dims[i] > 1) planes |= 1U << plane_number(i, ((number >> i) & 1) != 0);
+        if (grid_.dims[i] > 1) planes |= 1U << border_plane_number(i, ((number >> i) & 1) != 0);
       for (const std::uint32_t v : rim_)
         if (coordinates_.border_planes(v) == planes) corners_[number] = v;
     }
   }
 
-  std::uint32_t vertex_of(const Stop& stop) {
-    if (stop.vertex != delaunay::kNone) return stop.vertex;
-    std::uint32_t& corner = corners_[corner_number(stop.corner)];
-    if (corner == delaunay::kNone) corner = add_corner(stop.corner);
-    return corner;
+  /// Samples on the domain's edges with vertices hardly beside them. As vertices, they keep the
+  /// caps' triangles there from reaching past several such vertices, so close to the line from one
+  /// to the next that rounding decides on which side they are.
+  void find_samples() {
+    constexpr double kNear = 1.0 / 16;
+    std::vector<Index3> taken;  // by a vertex
+    for (const std::uint32_t v : rim_) {
+      Index3 sample;
+      double distance = 0;
+      int n_planes = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        sample[i] = static_cast<std::int32_t>(std::lround(coordinates_[v][i]));
+        distance = std::max(distance, std::abs(coordinates_[v][i] - sample[i]));
+        n_planes += sample[i] == 0 || sample[i] == last_[i] ? 1 : 0;
+      }
+      if (n_planes != 2 || distance >= kNear) continue;
+      (distance < frame_.margin / 2 ? taken : samples_).push_back(sample);
+    }
+    const auto by_coordinates = [](const Index3& a, const Index3& b) { return a.v < b.v; };
+    std::sort(taken.begin(), taken.end(), by_coordinates);
+    std::sort(samples_.begin(), samples_.end(), by_coordinates);
+    samples_.erase(std::unique(samples_.begin(), samples_.end()), samples_.end());
+    std::erase_if(samples_, [&](const Index3& sample) {
+      return std::binary_search(taken.begin(), taken.end(), sample, by_coordinates);
+    });
   }
 
-  std::uint32_t add_corner(const Index3& corner) {
-    const Vec3d p =
-        frame_.position({{static_cast<double>(corner[0]), static_cast<double>(corner[1]),
-                          static_cast<double>(corner[2])}});
+  std::uint32_t vertex_of(const BorderStop& stop) {
+    if (stop.vertex != delaunay::kNone) return stop.vertex;
+    if (is_corner(stop.sample)) {
+      const std::uint32_t corner = corners_[corner_number(stop.sample)];
+      if (corner != delaunay::kNone) return corner;
+    }
+    const auto [entry, is_new] = added_.try_emplace(stop.sample.v, 0U);
+    if (is_new) {
+      entry->second = add_sample(stop.sample);
+      added_samples_.push_back(stop.sample);
+    }
+    return entry->second;
+  }
+
+  std::uint32_t add_sample(const Index3& sample) {
+    const Vec3d p = frame_.position({{1.0 * sample[0], 1.0 * sample[1], 1.0 * sample[2]}});
     surface_.positions.push_back(
         {{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}});
     if (!surface_.normals.empty()) {
       Vec3d normal;
-      for (std::size_t i = 0; i < 3; ++i) normal = normal + outward(i, corner[i] > 0);
+      for (std::size_t i = 0; i < 3; ++i)
+        if (sample[i] == 0 || sample[i] == last_[i]) normal = normal + outward(i, sample[i] > 0);
       const Vec3d n = normalized(normal);
       surface_.normals.push_back(
           {{static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])}});
@@ -292,7 +286,7 @@ class BorderCloser {
     return static_cast<std::uint32_t>(surface_.positions.size() - 1);
   }
 
-  void remove_corners(std::size_t n_vertices) {
+  void remove_samples(std::size_t n_vertices) {
     surface_.positions.resize(n_vertices);
     if (!surface_.normals.empty()) surface_.normals.resize(n_vertices);
     if (!surface_.isovalues.empty()) surface_.isovalues.resize(n_vertices);
@@ -305,17 +299,17 @@ class BorderCloser {
     return sign * normalized(cofactors(matrix).column(axis));
   }
 
-  void add_parts(const Cycle& cycle, std::vector<Ends>& edges) {
-    for (std::size_t n = 0; n < cycle.stops.size(); ++n)
-      if (cycle.is_inside[n]) {
-        const std::uint32_t from = vertex_of(cycle.stops[n]);
-        edges.push_back({from, vertex_of(cycle.stops[(n + 1) % cycle.stops.size()])});
+  void add_parts(const BorderPolygon& polygon, std::vector<Ends>& edges) {
+    for (std::size_t n = 0; n < polygon.stops.size(); ++n)
+      if (polygon.is_inside[n]) {
+        const std::uint32_t from = vertex_of(polygon.stops[n]);
+        edges.push_back({from, vertex_of(polygon.stops[(n + 1) % polygon.stops.size()])});
       }
   }
 
   Result<void> add_cap(std::size_t p, std::vector<std::array<std::uint32_t, 3>>& caps) {
     std::vector<Ends> edges = edges_[p];
-    add_parts(cycles_[p], edges);
+    add_parts(polygons_[p], edges);
     if (edges.empty()) return {};
     // Numbers of their own, in the order of the surface's vertices.
     std::vector<std::uint32_t> vertices;
@@ -335,37 +329,39 @@ class BorderCloser {
     return {};
   }
 
-  /// Positions in the plane, seen from outside, without the coordinate that varies least: those
-  /// written, so that what is exact there is exact in the file.
   [[nodiscard]] std::vector<delaunay::Point> project(
       std::size_t p, const std::vector<std::uint32_t>& vertices) const {
-    const Vec3d normal = outward(Plane(p).axis, Plane(p).is_upper);
-    std::size_t drop = 0;
-    for (std::size_t i = 1; i < 3; ++i)
-      if (std::abs(normal[i]) > std::abs(normal[drop])) drop = i;
-    std::size_t x = (drop + 1) % 3;
-    std::size_t y = (drop + 2) % 3;
-    if (normal[drop] < 0) std::swap(x, y);
-    std::vector<delaunay::Point> points;
-    points.reserve(vertices.size());
+    std::vector<CapVertex> on_cap;
+    on_cap.reserve(vertices.size());
     for (const std::uint32_t v : vertices)
-      points.push_back({{static_cast<double>(surface_.positions[v][x]),
-                         static_cast<double>(surface_.positions[v][y])}});
-    return points;
+      on_cap.push_back({lattice_position(v), surface_.positions[v]});
+    return cap_points(frame_, coordinates_.rounding(), BorderPlane(p), on_cap);
+  }
+
+  /// Of a vertex of the surface, or of a sample that has become one.
+  [[nodiscard]] Vec3d lattice_position(std::uint32_t v) const {
+    if (v < coordinates_.size()) return coordinates_[v];
+    const Index3& sample = added_samples_[v - coordinates_.size()];
+    return {{1.0 * sample[0], 1.0 * sample[1], 1.0 * sample[2]}};
   }
 
   const RegularGrid& grid_;
   LatticeFrame frame_;
   SurfaceCoordinates coordinates_;
+  bool is_oblique_;
+  bool is_mirrored_;
   bool is_first_sample_inside_;
   Surface& surface_;
   std::vector<Ends> boundary_;
   Index3 last_;
-  std::array<std::vector<Ends>, kPlanes> edges_;
-  std::array<Cycle, kPlanes> cycles_;
+  std::array<std::vector<Ends>, kBorderPlanes> edges_;
+  std::array<BorderPolygon, kBorderPlanes> polygons_;
   std::unordered_map<std::uint32_t, int> balance_;  ///< Of the plane at hand.
   std::vector<std::uint32_t> rim_;
   std::array<std::uint32_t, 8> corners_;  ///< Vertices in the domain's corners, as far as any.
+  std::vector<Index3> samples_;           ///< Those find_samples() found.
+  std::map<std::array<std::int32_t, 3>, std::uint32_t> added_;  ///< Samples that are vertices now.
+  std::vector<Index3> added_samples_;                           ///< By vertex.
   std::uint64_t n_open_ = 0;
 };
 

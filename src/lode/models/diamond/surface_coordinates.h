@@ -19,6 +19,7 @@ class SurfaceCoordinates {
   SurfaceCoordinates(const RegularGrid& grid, const Surface& surface,
                      const std::optional<Box3d>& clip, Threads threads);
 
+  [[nodiscard]] std::size_t size() const { return index_.size(); }
   /// Index coordinates of a vertex, moved onto the lattice's border where rounding put it outside.
   [[nodiscard]] const Vec3d& operator[](std::uint32_t vertex) const { return index_[vertex]; }
   /// Vertex lies outside the lattice or the clip box by more than rounding.
