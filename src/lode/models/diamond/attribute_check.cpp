@@ -233,7 +233,8 @@ class AttributeChecker {
     const TrueLevel& nested = levels_[as_size(d.level)];
     const double magnitude = std::max(std::abs(model_.stats.min), std::abs(model_.stats.max));
     const double slack = 0x1p-46 * magnitude;
-    // Upper halves of float32: 1/128 relative; float32 ranges: one unit, relative to reference.
+    // Upper halves of float32: 1/128 relative; ranges: 1/64 of their width, and one unit of float32
+    // relative to the reference.
     // Below float32's normal numbers the steps are absolute: 2^-133 and 2^-149.
     const double allowed = (nested.error[at] + slack) * (1 + 0x1p-7) * (1 + 0x1p-22) + 0x1p-133;
     if (std::isfinite(error) || !model_.has_holes())
@@ -242,7 +243,9 @@ class AttributeChecker {
     if (nested.low[at] > nested.high[at]) return;
     const double span = std::max(std::abs(nested.low[at] - model_.range_reference()),
                                  std::abs(nested.high[at] - model_.range_reference()));
-    const double unit = 0x1p-22 * span + slack + 0x1p-148;
+    const double width = nested.high[at] - nested.low[at];
+    const double rounded = has_exact_ranges(model_.storage) ? 0 : width / 64;
+    const double unit = rounded + 0x1p-22 * span + slack + 0x1p-148;
     tightness_.check(d, nested.low[at] - unit - low, "low end below the nested", low,
                      nested.low[at]);
     tightness_.check(d, high - nested.high[at] - unit, "high end above the nested", high,

@@ -16,6 +16,23 @@ NodeLevel make_level(std::size_t n) {
   return level;
 }
 
+/// But for level 0, whose ranges are found again when a file is opened.
+template <int D>
+void round_ranges(Model<D>& model, Threads threads) {
+  constexpr std::size_t kChunk = 4096;
+  const double reference = model.range_reference();
+  const std::array<float, 2> whole{range_down(model.stats.min, reference),
+                                   range_up(model.stats.max, reference)};
+  for (std::size_t level = 1; level < model.levels.size(); ++level) {
+    NodeLevel& nodes = model.levels[level];
+    const std::size_t n = nodes.error.size();
+    parallel_for((n + kChunk - 1) / kChunk, threads, 1, [&](std::size_t chunk, int) {
+      for (std::size_t at = chunk * kChunk; at < std::min(n, (chunk + 1) * kChunk); ++at)
+        round_range(whole, nodes.low[at], nodes.high[at]);
+    });
+  }
+}
+
 template <int D, typename C>
 Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progress) {
   model.levels.clear();
@@ -25,6 +42,7 @@ Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progre
   for (std::size_t level = 1; level < own.size(); ++level) own[level] = model.levels[level].error;
   LODE_CHECK((find_own_errors<D, C>(model, own, &model.levels[0], threads, progress)));
   NestingPass<D>(model, threads).run();
+  if (!has_exact_ranges(model.storage)) round_ranges(model, threads);
   return {};
 }
 

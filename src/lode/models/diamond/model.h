@@ -182,7 +182,7 @@ struct Model {
     return cell && is_removed_cell(*cell);
   }
   /// What ranges are stored relative to, so that float32 keeps them tight: the field's minimum,
-  /// or 0 for integers of up to 16 bits, whose ranges are exact.
+  /// or 0 for integers of up to 16 bits, which float32 holds.
   [[nodiscard]] double range_reference() const { return sample_size() <= 2 ? 0.0 : stats.min; }
   /// Nested error of the unrefined base; 0 when there are no cells.
   [[nodiscard]] double base_error() const;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -30,6 +32,22 @@ template <typename Bits, typename F>
 /// Likewise rounded down: a lower end.
 [[nodiscard]] inline float range_down(double value, double reference) {
   return -range_up(-value, -reference);
+}
+
+/// How much of a range's width round_range() may add at either end, as a power of two.
+inline constexpr int kRangeRoundingExponent = -6;
+
+/// Rounds a range's ends outward to multiples of a power of two, at most 1/64 of its width, so that
+/// they compress; but not beyond the whole field's range. Where one contains another, it still does.
+inline void round_range(const std::array<float, 2>& whole, float& low, float& high) {
+  const double width = static_cast<double>(high) - static_cast<double>(low);
+  if (!(width > 0) || std::isinf(width)) return;
+  const double step = std::ldexp(1.0, std::ilogb(width) + kRangeRoundingExponent);
+  // Exact in double; where float32 is coarser than the step, these are multiples already.
+  const auto below = static_cast<float>(std::floor(static_cast<double>(low) / step) * step);
+  const auto above = static_cast<float>(std::ceil(static_cast<double>(high) / step) * step);
+  low = std::max(below, whole[0]) + 0.0F;
+  high = std::min(above, whole[1]) + 0.0F;
 }
 
 }  // namespace lode::diamond

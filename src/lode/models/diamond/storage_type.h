@@ -20,6 +20,9 @@ namespace lode::diamond {
   }
 }
 
+/// Whether ranges of samples held in this type are exact. Others are rounded (see round_range()).
+[[nodiscard]] inline bool has_exact_ranges(ScalarType storage) { return size_of(storage) == 1; }
+
 /// Calls f.template operator()<T>() with the storage type of `type`.
 template <typename F>
 decltype(auto) visit_storage_type(ScalarType type, F&& f) {
