@@ -16,13 +16,14 @@ struct CapReport {
 
 /// Makes an isosurface the whole boundary of {F' >= isovalue} in the domain: adds caps in the
 /// border planes of the lattice (for contour lines: lines along its border). Caps share the
-/// surface's vertices; the only new ones are corners of the domain and, in oblique frames, samples on
-/// its edges hardly beside vertices. Each is a constrained Delaunay triangulation of what the
-/// surface's edges in the plane and the box's edges enclose, so nothing overlaps. `is_first_sample_inside` says whether F >= isovalue at sample (0, 0, 0), which decides
-/// where the surface does not meet the border.
-/// Expects a surface of one isovalue with triangles counter-clockwise from lower values, as
-/// extracted, of a field without holes at the border. Fails, and leaves it as it was, where its
-/// edges in a border plane do not enclose anything, or lie along an edge of the domain.
+/// surface's vertices; the only new ones are corners of the domain and, in oblique frames, samples
+/// on its edges hardly beside vertices. Each is a constrained Delaunay triangulation of what the
+/// surface's edges in the plane and the box's edges enclose, so nothing overlaps.
+/// `is_first_sample_inside` says whether F >= isovalue at sample (0, 0, 0), which decides where the
+/// surface does not meet the border. Expects a surface of one isovalue with triangles
+/// counter-clockwise from lower values, as extracted, of a field without holes at the border.
+/// Fails, and leaves it as it was, where its edges in a border plane do not enclose anything, or
+/// lie along an edge of the domain.
 [[nodiscard]] Result<CapReport> close_border(const RegularGrid& grid, bool is_first_sample_inside,
                                              Threads threads, Surface& surface);
 

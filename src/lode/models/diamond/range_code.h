@@ -38,7 +38,8 @@ template <typename Bits, typename F>
 inline constexpr int kRangeRoundingExponent = -6;
 
 /// Rounds a range's ends outward to multiples of a power of two, at most 1/64 of its width, so that
-/// they compress; but not beyond the whole field's range. Where one contains another, it still does.
+/// they compress; but not beyond the whole field's range. Where one contains another, it still
+/// does.
 inline void round_range(const std::array<float, 2>& whole, float& low, float& high) {
   const double width = static_cast<double>(high) - static_cast<double>(low);
   if (!(width > 0) || std::isinf(width)) return;
