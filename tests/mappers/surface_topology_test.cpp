@@ -134,7 +134,7 @@ TEST(surface_topology, tells_twins_from_duplicates) {
   EXPECT_EQ(report.n_twins, 1U);
   EXPECT_EQ(report.duplicate_vertices.count, 0U);
   report =
-      check_topology(surface, {.may_pinch = [](const Vec3d&) { return false; }, .threads = {}});
+      check_topology(surface, {.may_pinch = [](std::uint32_t) { return false; }, .threads = {}});
   EXPECT_EQ(report.n_twins, 0U);
   EXPECT_EQ(report.duplicate_vertices.first, (std::array<std::uint32_t, 2>{0, 3}));
   // Closed surfaces have no boundary, so what coincides there is a duplicate.

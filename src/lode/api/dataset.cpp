@@ -242,11 +242,14 @@ Result<VerifyReport> Dataset::verify_against(VolumeSource& original, Threads thr
 
 Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const ExtractOptions& options,
                                              Progress& progress) const {
-  LODE_CHECK(check_options(options));
+  ExtractOptions again = options;
+  again.normals = Normals::off;
+  Surface expected;
+  LODE_CHECK(extract(again, expected, progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) {
-        return verify_model_surface<D>(model, surface, options, tolerance_of<D>(model, options),
-                                       progress);
+        return verify_model_surface<D>(model, surface, expected, options,
+                                       tolerance_of<D>(model, options), progress);
       },
       impl_->model);
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lode/core/box.h"
@@ -92,6 +93,9 @@ struct VerifyReport {
   };
   std::vector<Check> checks;
 
+  void add(std::string name, std::uint64_t count, std::uint64_t failures, std::string detail) {
+    checks.push_back({std::move(name), count, failures == 0, std::move(detail)});
+  }
   [[nodiscard]] bool passed() const {
     for (const Check& check : checks)
       if (!check.passed) return false;
@@ -125,8 +129,8 @@ class Dataset {
   /// Recomputes errors and ranges from the original data and compares them with the stored ones.
   [[nodiscard]] Result<VerifyReport> verify_against(VolumeSource& original, Threads threads,
                                                     Progress& progress) const;
-  /// Checks a surface extracted with `options`: manifold, oriented, closed where it must be,
-  /// free of self-intersections, and within tolerance everywhere.
+  /// Checks a surface extracted with `options`: manifold, oriented, closed where it must be, free
+  /// of self-intersections, within tolerance everywhere, and all that repeating the query makes.
   [[nodiscard]] Result<VerifyReport> verify_surface(const Surface& surface,
                                                     const ExtractOptions& options,
                                                     Progress& progress) const;

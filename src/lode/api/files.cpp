@@ -4,19 +4,21 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 #include <system_error>
 
 #include "lode/core/atomic_file.h"
+#include "lode/mappers/surface_edits.h"
 #include "lode/store/format.h"
 
 namespace lode {
 namespace {
 
-bool is_named_lode(const std::string& path) {
+bool has_extension(const std::string& path, std::string_view wanted) {
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension == ".lode";
+  return extension == wanted;
 }
 
 bool starts_like_lode(const std::string& path) {
@@ -31,7 +33,15 @@ bool starts_like_lode(const std::string& path) {
 
 }  // namespace
 
-bool is_lode_path(const std::string& path) { return is_named_lode(path) || starts_like_lode(path); }
+bool is_lode_path(const std::string& path) {
+  return has_extension(path, ".lode") || starts_like_lode(path);
+}
+
+Result<Surface> read_surface(const std::string& path) {
+  LODE_TRY(Surface surface, io::read_surface(path));
+  if (has_extension(path, ".stl")) split_pinched_vertices(surface);
+  return surface;
+}
 
 Result<Dataset> open_any(const std::string& path, const ReadOptions& options, Threads threads,
                          Progress& progress) {

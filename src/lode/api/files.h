@@ -21,13 +21,16 @@ using io::FileDescription;
 using io::Magnitude;
 using io::open_volume;
 using io::RawLayout;
-using io::read_surface;
 using io::ReadOptions;
 using io::SurfaceWriteOptions;
 using io::write_surface;
 
 /// Whether `path` is to be opened as a .lode file: it is named so (any case), or starts as one.
 [[nodiscard]] bool is_lode_path(const std::string& path);
+
+/// As io::read_surface; where a format without indices (STL) made one vertex of two with equal
+/// coordinates, each fan of triangles has its own again.
+[[nodiscard]] Result<Surface> read_surface(const std::string& path);
 
 /// Opens a .lode file, or reads a foreign one and builds its hierarchy in memory, which costs the
 /// time of a build; `options` is used by foreign files only.

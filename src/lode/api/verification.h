@@ -12,10 +12,12 @@ template <int D>
                                                         VolumeSource& original, Threads threads,
                                                         Progress& progress);
 
-/// Checks a surface against the model's samples; see Dataset::verify_surface.
+/// Checks a surface against the model's samples, and against what the query makes (`expected`); see
+/// Dataset::verify_surface.
 template <int D>
 [[nodiscard]] Result<VerifyReport> verify_model_surface(const diamond::Model<D>& model,
                                                         const Surface& surface,
+                                                        const Surface& expected,
                                                         const ExtractOptions& options,
                                                         double tolerance, Progress& progress);
 

@@ -6,6 +6,7 @@ set(MAPPERS_CHECK_SOURCES
   line_topology.cpp
   self_intersections.cpp
   surface_checks.cpp
+  surface_match.cpp
   surface_topology.cpp
   triangle_intersection.cpp
   vertex_corners.cpp)

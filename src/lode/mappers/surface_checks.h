@@ -3,6 +3,7 @@
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
 #include "lode/mappers/self_intersections.h"
+#include "lode/mappers/surface_match.h"
 #include "lode/mappers/surface_topology.h"
 
 namespace lode {

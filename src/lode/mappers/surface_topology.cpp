@@ -241,8 +241,8 @@ void check_duplicates(const Surface& surface, const TopologyOptions& options,
     if (is_boundary[v] == 0) all_boundary[lowest[v]] = 0;
   for (std::uint32_t v = 0; v < lowest.size(); ++v) {
     if (lowest[v] == v) continue;
-    const bool is_twin = all_boundary[lowest[v]] != 0 &&
-                         (!options.may_pinch || options.may_pinch(surface.world_position(v)));
+    const bool is_twin =
+        all_boundary[lowest[v]] != 0 && (!options.may_pinch || options.may_pinch(v));
     if (is_twin)
       ++report.n_twins;
     else

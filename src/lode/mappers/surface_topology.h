@@ -54,10 +54,10 @@ struct TopologyReport {
 };
 
 struct TopologyOptions {
-  /// Whether a hole of the data may pinch the domain at this world position. Vertices with equal
-  /// coordinates are twins where this holds and each of them is on the surface's boundary; with
-  /// no function, being on the boundary is enough.
-  std::function<bool(const Vec3d& world)> may_pinch = {};
+  /// Whether the domain may be pinched at this vertex: by a hole of the data, or a clip box.
+  /// Vertices with equal coordinates are twins where this holds and each of them is on the
+  /// surface's boundary; with no function, being on the boundary is enough.
+  std::function<bool(std::uint32_t vertex)> may_pinch = {};
   Threads threads = {};
 };
 

@@ -53,4 +53,16 @@ Result<BoundaryReport> check_boundary(const FieldSamples& samples, const Surface
   return report;
 }
 
+std::vector<std::uint8_t> find_pinches(const FieldSamples& samples, const Surface& surface,
+                                       const BoundaryOptions& options) {
+  const SurfaceCoordinates coordinates(samples.grid(), surface, options.clip, options.threads);
+  std::vector<std::uint8_t> pinches(surface.positions.size());
+  parallel_for(pinches.size(), options.threads, 4096, [&](std::size_t v, int) {
+    const std::array vertex{static_cast<std::uint32_t>(v)};
+    pinches[v] =
+        coordinates.are_on_clip(vertex) || is_on_holes(samples, coordinates, vertex) ? 1 : 0;
+  });
+  return pinches;
+}
+
 }  // namespace lode::diamond

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
@@ -35,5 +36,11 @@ struct BoundaryReport {
                                                     const Surface& surface,
                                                     const BoundaryOptions& options,
                                                     Progress& progress);
+
+/// Which of a surface's vertices lie where its domain may be pinched: between present and removed
+/// cells, or in a plane of the clip box. Within coordinate rounding.
+[[nodiscard]] std::vector<std::uint8_t> find_pinches(const FieldSamples& samples,
+                                                     const Surface& surface,
+                                                     const BoundaryOptions& options);
 
 }  // namespace lode::diamond

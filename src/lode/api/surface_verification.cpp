@@ -1,0 +1,181 @@
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "lode/api/surface_text.h"
+#include "lode/api/verification.h"
+#include "lode/mappers/lattice_frame.h"
+#include "lode/mappers/surface_checks.h"
+#include "lode/models/diamond/boundary_check.h"
+#include "lode/models/diamond/cut_check.h"
+#include "lode/models/diamond/level_set_check.h"
+#include "lode/models/diamond/model_samples.h"
+
+namespace lode {
+namespace {
+
+using diamond::Model;
+
+void add_topology(const Surface& surface, const std::vector<std::uint8_t>& pinches, Threads threads,
+                  VerifyReport& report) {
+  const TopologyReport t = check_topology(
+      surface, {.may_pinch = [&](std::uint32_t v) { return pinches[v] != 0; }, .threads = threads});
+  const auto add_offenders = [&](const char* name, std::uint64_t n, const Offenders& offenders,
+                                 const auto& describe) {
+    report.add(name, n, offenders.count,
+               offenders.count == 0
+                   ? "0 bad"
+                   : fmt::format("{} bad; first: {}", offenders.count, describe(offenders.first)));
+  };
+  const auto edge = [&](const auto& e) { return describe_edge(surface, e[0], e[1]); };
+  const auto vertex = [&](const auto& v) { return describe_vertex(surface, v[0]); };
+  const auto cell = [&](const auto& c) { return describe_cell(surface, c[0]); };
+  add_offenders("manifold edges", t.n_edges, t.non_manifold_edges, edge);
+  add_offenders("consistent orientation", t.n_edges, t.inconsistent_edges, edge);
+  add_offenders("manifold vertices", t.n_used_vertices, t.non_manifold_vertices, vertex);
+  add_offenders("no degenerate cell", t.n_simplices, t.degenerate_simplices, cell);
+  add_offenders("no unused vertex", surface.positions.size(), t.isolated_vertices, vertex);
+  report.add("no duplicate vertex", t.n_used_vertices, t.duplicate_vertices.count,
+             t.duplicate_vertices.count == 0
+                 ? fmt::format("0 duplicates, {} hole or clip twins", t.n_twins)
+                 : fmt::format("{} duplicates; first: vertices {} and {}",
+                               t.duplicate_vertices.count, t.duplicate_vertices.first[0],
+                               describe_vertex(surface, t.duplicate_vertices.first[1])));
+}
+
+void add_crossings(const Surface& surface, const SelfIntersectionReport& crossings,
+                   VerifyReport& report) {
+  report.add("no self-intersection", crossings.n_candidates, crossings.n_intersections,
+             crossings.n_intersections == 0
+                 ? "0 pairs meet"
+                 : fmt::format("{} pairs meet; first: {} and {}", crossings.n_intersections,
+                               describe_cell(surface, crossings.first[0]),
+                               describe_cell(surface, crossings.first[1])));
+}
+
+/// What breaks a rule of the level set, or the largest deviation.
+std::string describe_level_set(const Surface& surface, const diamond::LevelSetReport& found,
+                               double tolerance, double slack) {
+  const auto some = [&](const diamond::SimplexOffenders& offenders, const char* what) {
+    return fmt::format("{} {}; first: {}", offenders.count, what,
+                       describe_cell(surface, offenders.first));
+  };
+  if (found.outside.count > 0) return some(found.outside, "outside the volume or the clip box");
+  if (found.ambiguous_isovalue.count > 0)
+    return some(found.ambiguous_isovalue, "with corners of several isovalues");
+  if (found.inside_removed.count > 0) return some(found.inside_removed, "inside holes");
+  return fmt::format("largest {} of {} + {}, at {}, in {}", found.max_deviation, tolerance, slack,
+                     describe_place(found.worst_point),
+                     describe_cell(surface, found.worst_simplex));
+}
+
+void add_boundary(const Surface& surface, const diamond::BoundaryReport& boundary, bool is_closed,
+                  VerifyReport& report) {
+  const std::string first =
+      boundary.n_stray == 0
+          ? ""
+          : "; first: " + describe_edge(surface, boundary.first_stray[0], boundary.first_stray[1]);
+  if (is_closed)
+    report.add("closed but for holes", boundary.n_edges, boundary.n_stray + boundary.n_on_border,
+               fmt::format("{} stray edges, {} at the border{}", boundary.n_stray,
+                           boundary.n_on_border, first));
+  else
+    report.add("ends only at the border, holes and clip planes", boundary.n_edges, boundary.n_stray,
+               fmt::format("{} stray edges{}", boundary.n_stray, first));
+}
+
+/// Rounding, in the file and by other choices of the origin: two units in the last place of
+/// float32.
+double rounding_of(const Surface& a, const Surface& b) {
+  double largest = std::numeric_limits<double>::min();
+  double origin = 0;
+  for (const Surface* surface : {&a, &b}) {
+    for (const Vec3f& p : surface->positions)
+      for (const float x : p.v) largest = std::max(largest, std::abs(static_cast<double>(x)));
+    for (const double x : surface->origin.v) origin = std::max(origin, std::abs(x));
+  }
+  return 0x1p-22 * largest + 0x1p-48 * origin;
+}
+
+void add_match(const Surface& expected, const Surface& surface, VerifyReport& report) {
+  const MatchReport match = match_surfaces(expected, surface, rounding_of(expected, surface));
+  std::string detail;
+  if (match.n_missing > 0)
+    detail = fmt::format("{} cells missing; first: the query's {}", match.n_missing,
+                         describe_cell(expected, match.first_missing));
+  else if (match.n_extra > 0)
+    detail = fmt::format("{} cells that the query does not make; first: {}", match.n_extra,
+                         describe_cell(surface, match.first_extra));
+  else if (match.n_turned > 0)
+    detail = fmt::format("{} cells turned the other way round; first: {}", match.n_turned,
+                         describe_cell(surface, match.first_turned));
+  report.add("complete: all that the query makes, turned as it says", match.n_cells,
+             match.is_same() ? 0 : 1, std::move(detail));
+}
+
+/// Repeats the query and compares it with every sample.
+template <int D>
+Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads, double tolerance,
+                     Progress& progress, VerifyReport& report) {
+  LODE_TRY(
+      const auto cut,
+      diamond::check_cut<D>(
+          model, {.isovalue = isovalue, .tolerance = tolerance, .threads = threads}, progress));
+  const bool is_achieved = cut.achieved_error <= tolerance && cut.n_too_far == 0;
+  report.add(fmt::format("F' within the achieved error at {}", isovalue), cut.n_active_samples,
+             is_achieved ? 0 : 1,
+             fmt::format("largest {} of {}{}{}", cut.largest_difference, cut.achieved_error,
+                         cut.n_too_far > 0 ? "; " : "", cut.n_too_far > 0 ? cut.worst : ""));
+  report.add(fmt::format("no true surface outside the active simplices at {}", isovalue),
+             cut.n_pruned_samples, cut.n_lost,
+             cut.n_lost == 0 ? "" : fmt::format("{} simplices; {}", cut.n_lost, cut.worst));
+  return {};
+}
+
+}  // namespace
+
+template <int D>
+Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& surface,
+                                          const Surface& expected, const ExtractOptions& options,
+                                          double tolerance, Progress& progress) {
+  VerifyReport report;
+  LODE_CHECK(check_well_formed(surface));
+  const bool is_closed = options.border == Border::closed;
+  const diamond::ModelSamples<D> samples(model);
+  const diamond::BoundaryOptions ends{.clip = options.clip, .threads = options.threads};
+  add_topology(surface, diamond::find_pinches(samples, surface, ends), options.threads, report);
+  LODE_TRY(const auto crossings, check_self_intersections(surface, options.threads, progress));
+  add_crossings(surface, crossings, report);
+  const LatticeFrame frame = LatticeFrame::of(model.info.grid);
+  const double range = model.stats.max - model.stats.min;
+  const double slack = (frame.margin + 4 * frame.rounding) * range;
+  LODE_TRY(
+      const auto level_set,
+      diamond::check_level_set(samples, surface,
+                               {.isovalues = options.isovalues,
+                                .tolerance = tolerance + slack,
+                                .clip = options.clip,
+                                .caps = is_closed ? diamond::Caps::on_border : diamond::Caps::none,
+                                .threads = options.threads},
+                               progress));
+  report.add(is_closed ? "|F - isovalue| <= tolerance + slack; on caps isovalue - F"
+                       : "|F - isovalue| <= tolerance + slack",
+             level_set.n_pieces, level_set.holds() ? 0 : 1,
+             describe_level_set(surface, level_set, tolerance, slack) +
+                 (is_closed ? fmt::format("; {} caps", level_set.n_caps) : ""));
+  LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, ends, progress));
+  add_boundary(surface, boundary, is_closed, report);
+  add_match(expected, surface, report);
+  for (const double isovalue : options.isovalues)
+    LODE_CHECK(add_cut(model, isovalue, options.threads, tolerance, progress, report));
+  return report;
+}
+
+template Result<VerifyReport> verify_model_surface<2>(const Model<2>&, const Surface&,
+                                                      const Surface&, const ExtractOptions&, double,
+                                                      Progress&);
+template Result<VerifyReport> verify_model_surface<3>(const Model<3>&, const Surface&,
+                                                      const Surface&, const ExtractOptions&, double,
+                                                      Progress&);
+
+}  // namespace lode
