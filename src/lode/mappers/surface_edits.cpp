@@ -61,21 +61,28 @@ void compact(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells)
     for (std::uint32_t& v : cell) v = renumbered[v];
 }
 
-/// The fans that corners of one vertex form: those of triangles that share an edge there. Corner i
-/// belongs to the fan that find(i) names by its first corner.
-Groups find_fans(std::span<const std::uint32_t> corners, const Surface& surface) {
-  Groups fans(corners.size());
-  const auto other = [&](std::size_t i, std::uint32_t step) {
-    const std::uint32_t c = corners[i];
-    return surface.triangles[c / 3][(c % 3 + step) % 3];
-  };
-  for (std::size_t i = 1; i < corners.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      for (const std::uint32_t step : {1U, 2U})
-        if (other(i, step) == other(j, 1) || other(i, step) == other(j, 2))
-          fans.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
-  return fans;
-}
+/// The fans that corners of one vertex form: those of triangles that share an edge there.
+class Fans {
+ public:
+  /// Corner i then belongs to the fan that find(i) names by its first corner.
+  Groups find(std::span<const std::uint32_t> corners, const Surface& surface) {
+    Groups fans(corners.size());
+    spokes_.clear();
+    for (std::uint32_t i = 0; i < corners.size(); ++i)
+      for (const std::uint32_t step : {1U, 2U}) {
+        const std::uint32_t c = corners[i];
+        spokes_.push_back({surface.triangles[c / 3][(c % 3 + step) % 3], i});
+      }
+    std::sort(spokes_.begin(), spokes_.end());
+    for (std::size_t i = 1; i < spokes_.size(); ++i)
+      if (spokes_[i].first == spokes_[i - 1].first)
+        fans.join(spokes_[i].second, spokes_[i - 1].second);
+    return fans;
+  }
+
+ private:
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> spokes_;  ///< {other end, corner}
+};
 
 template <std::size_t N>
 Dropped drop_small(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells,
@@ -170,11 +177,11 @@ class BoxPlane {
                 std::vector<std::array<std::uint32_t, N>>& kept) {
     std::array<double, N> d;
     for (std::size_t i = 0; i < N; ++i) d[i] = beyond(cell[i]);
-    if (std::none_of(d.begin(), d.end(), [](double x) { return x < 0; })) return;
     if (std::none_of(d.begin(), d.end(), [](double x) { return x > 0; })) {
       kept.push_back(cell);
       return;
     }
+    if (std::none_of(d.begin(), d.end(), [](double x) { return x < 0; })) return;
     std::array<std::uint32_t, N + 1> polygon{};
     std::size_t n = 0;
     std::size_t nearest = 0;  // to the plane, of the corners kept
@@ -210,9 +217,10 @@ class BoxPlane {
 void split_pinched_vertices(Surface& surface) {
   const VertexCorners corners = find_vertex_corners(surface.triangles, surface.positions.size());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> apart;  // first corner of a further fan, one
+  Fans finder;
   for (std::size_t v = 0; v < surface.positions.size(); ++v) {
     const std::span<const std::uint32_t> here = corners.of(v);
-    Groups fans = find_fans(here, surface);
+    Groups fans = finder.find(here, surface);
     for (std::uint32_t i = 0; i < here.size(); ++i)
       if (const std::uint32_t fan = fans.find(i); fan != 0) apart.emplace_back(here[fan], here[i]);
   }

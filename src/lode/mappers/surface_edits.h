@@ -16,10 +16,11 @@ struct Dropped {
 
 /// Gives each fan of cells round a vertex its own copy of it: where holes or a crop
 /// box pinch the domain, cells that share no edge must not share the vertex. Attributes are copied;
-/// copies are numbered in the order of their cells. O(n) while vertices have few cells each.
+/// copies are numbered in the order of their cells. O(n log n).
 void split_pinched_vertices(Surface& surface);
 
-/// Keeps the part inside the box (world units); the cut is straight and shared by both cells.
+/// Keeps the part inside the box (world units) or in its planes; the cut is straight and shared by
+/// both cells.
 void crop(Surface& surface, const Box3d& box);
 
 /// Drops connected pieces of fewer than n cells.
