@@ -95,6 +95,17 @@ TEST(surface_edits, cuts_beside_vertices_leave_no_degenerate_triangle) {
   }
 }
 
+TEST(surface_edits, what_lies_in_a_plane_of_the_box_is_inside) {
+  oracles::Random random(1);
+  for (const Box3d& box :
+       {Box3d{{{-9, -9, -9}}, {{9, 9, 0.7}}}, Box3d{{{-9, -9, 0.7}}, {{9, 9, 9}}}}) {
+    Surface surface = make_sheet(5, random, true);
+    const auto before = surface.triangles;
+    crop(surface, box);
+    EXPECT_EQ(surface.triangles, before);
+  }
+}
+
 TEST(surface_edits, drops_pieces_below_a_size_and_counts_them) {
   Surface surface = test::make_torus(9, 5, 2.0, 0.5);
   const auto torus = surface.triangles;
