@@ -152,7 +152,6 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
   totals.add(report);
   warn_of_open(session, report);
   warn_of_unmet(session, unmet_isovalues(surface, job.isovalues), options, input.info);
-  if (session.progress().is_cancelled()) return cancelled_error();
   const Stopwatch watch;
   LODE_CHECK(write_surface(
       job.path, surface,
@@ -160,7 +159,8 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
            fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}", LODE_VERSION,
                        job.isovalues.size() == 1 ? "isovalue" : "isovalues",
                        fmt::join(job.isovalues, " "), report.max_error, report.achieved_error),
-       .frame = input.info.volume.grid.frame}));
+       .frame = input.info.volume.grid.frame},
+      session.progress()));
   totals.write_seconds += watch.seconds();
   return {};
 }

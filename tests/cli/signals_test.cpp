@@ -64,5 +64,44 @@ TEST(cli_signals, leave_no_partial_surface) {
   EXPECT_GT(stop_at_several_moments(extract, scratch / "noise.ply", scratch, SIGINT), 0);
 }
 
+/// Waits until the file that becomes `output` has got its first bytes.
+bool is_being_written(const Scratch& scratch, const std::string& output) {
+  const Clock::time_point deadline = Clock::now() + std::chrono::seconds(60);
+  while (Clock::now() < deadline) {
+    for (const std::string& name : scratch.files()) {
+      const std::string path = scratch / name;
+      std::error_code status;
+      const bool is_temporary = path.starts_with(output + ".tmp-");
+      const std::uintmax_t n_bytes = is_temporary ? std::filesystem::file_size(path, status) : 0;
+      if (n_bytes > 0 && !status) return true;
+    }
+  }
+  return false;
+}
+
+TEST(cli_signals, stop_a_surface_that_is_being_written) {
+  const Scratch scratch;
+  write_noise(scratch / "noise.nrrd", 48);
+  const std::vector<std::string> before = scratch.files();
+  const std::string output = scratch / "noise.obj";
+  int n_stopped = 0;
+  for (int i = 0; i < 5; ++i) {
+    Running running(
+        {"extract", scratch / "noise.nrrd", output, "--isovalue", "128", "--max-error", "0"});
+    ASSERT_TRUE(is_being_written(scratch, output));
+    running.send(SIGINT);
+    const Finished run = running.finish();
+    if (run.exit_code == 0) {  // It came too late.
+      std::filesystem::remove(output);
+      continue;
+    }
+    ++n_stopped;
+    EXPECT_EQ(run.exit_code, 128 + SIGINT) << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_EQ(scratch.files(), before);
+  }
+  EXPECT_GT(n_stopped, 0);
+}
+
 }  // namespace
 }  // namespace lode::test

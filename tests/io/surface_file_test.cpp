@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <random>
+#include <vector>
 
 #include "tests/io/surface_fixtures.h"
 
@@ -59,7 +62,8 @@ TEST_P(surface_formats, give_back_lines_or_say_why_not) {
     return;
   }
   const std::string path = temporary_path("lines") + extension();
-  const Result<void> written = write_surface(path, circle, {});
+  Progress progress;
+  const Result<void> written = write_surface(path, circle, {}, progress);
   ASSERT_FALSE(written);
   EXPECT_NE(written.error().message.find("triangles only"), std::string::npos);
   EXPECT_FALSE(std::ifstream(path).good());
@@ -75,7 +79,8 @@ TEST_P(surface_formats, give_back_large_origins_exactly_or_say_why_not) {
   Surface torus = make_torus(20);
   torus.origin = {{500000.1, 4649776.25, -1e9}};
   if (is_stl()) {
-    const Result<void> written = write_surface(temporary_path("far.stl"), torus, {});
+    Progress progress;
+    const Result<void> written = write_surface(temporary_path("far.stl"), torus, {}, progress);
     ASSERT_FALSE(written);
     EXPECT_NE(written.error().message.find(".ply"), std::string::npos);
     return;
@@ -141,9 +146,48 @@ TEST_P(surface_formats, refuse_empty_and_foreign_files) {
 
 TEST_P(surface_formats, leave_no_file_where_writing_fails) {
   const std::string path = "/no/such/directory/surface" + extension();
-  const Result<void> written = write_surface(path, make_torus(3), {});
+  Progress progress;
+  const Result<void> written = write_surface(path, make_torus(3), {}, progress);
   ASSERT_FALSE(written);
   EXPECT_NE(written.error().message.find(path), std::string::npos);
+}
+
+TEST_P(surface_formats, report_how_far_they_are) {
+  const std::string path = temporary_path("reported") + extension();
+  std::vector<double> fractions;
+  Progress progress([&](std::string_view phase, double fraction) {
+    EXPECT_EQ(phase, "writing");
+    fractions.push_back(fraction);
+  });
+  ASSERT_TRUE(write_surface(path, make_torus(20), {}, progress));
+  ::unlink(path.c_str());
+  ASSERT_FALSE(fractions.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(fractions));
+  EXPECT_GT(fractions.front(), 0);
+  EXPECT_LE(fractions.back(), 1);
+  EXPECT_GT(fractions.back(), 0.5);
+}
+
+TEST_P(surface_formats, leave_no_file_where_they_are_cancelled) {
+  const std::filesystem::path directory = temporary_path("cancelled");
+  std::filesystem::create_directory(directory);
+  const std::string path = (directory / "surface").string() + extension();
+  // Cancelled after the first piece, the second, and so on until one run is through.
+  int n_stopped = 0;
+  while (!std::filesystem::exists(path)) {
+    int n_pieces = 0;
+    Progress progress([&](std::string_view, double) {
+      if (n_pieces++ == n_stopped) progress.cancel();
+    });
+    const Result<void> written = write_surface(path, make_torus(20), {}, progress);
+    EXPECT_EQ(written.has_value(), n_pieces <= n_stopped);
+    if (written) break;
+    EXPECT_EQ(written.error().message, cancelled_error().message);
+    EXPECT_TRUE(std::filesystem::is_empty(directory));
+    ++n_stopped;
+  }
+  EXPECT_GT(n_stopped, 0);
+  std::filesystem::remove_all(directory);
 }
 
 INSTANTIATE_TEST_SUITE_P(all, surface_formats,
@@ -159,12 +203,13 @@ TEST(surface_file, knows_formats_by_extension_in_any_case) {
 }
 
 TEST(surface_file, lists_the_known_extensions_when_it_gets_another) {
+  Progress progress;
   for (const char* path : {"bone.xyz", "bone", "bone.ply/", "dir.ply/bone"}) {
     const Result<void> checked = check_surface_path(path);
     ASSERT_FALSE(checked) << path;
     EXPECT_NE(checked.error().message.find(".ply, .stl, .obj, .vtp or .glb"), std::string::npos);
     EXPECT_FALSE(read_surface(path));
-    EXPECT_FALSE(write_surface(path, {}, {}));
+    EXPECT_FALSE(write_surface(path, {}, {}, progress));
   }
 }
 

@@ -93,7 +93,8 @@ inline void expect_same_surface(const Surface& a, const Surface& b) {
 
 inline void expect_written(const std::string& path, const Surface& surface,
                            const SurfaceWriteOptions& options = {}) {
-  const Result<void> written = write_surface(path, surface, options);
+  Progress progress;
+  const Result<void> written = write_surface(path, surface, options, progress);
   ASSERT_TRUE(written) << written.error().message;
 }
 

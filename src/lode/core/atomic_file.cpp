@@ -99,10 +99,11 @@ Result<void> AtomicFile::write_at(std::uint64_t offset, std::span<const std::byt
   return {};
 }
 
-Result<void> AtomicFile::commit() {
+Result<void> AtomicFile::commit(const Progress& progress) {
   LODE_EXPECTS(descriptor_ >= 0);
   LODE_CHECK(flush());
   if (::fsync(descriptor_) != 0) return system_error("flush to disk");
+  if (progress.is_cancelled()) return cancelled_error();
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return system_error("rename into place");
   ::close(std::exchange(descriptor_, -1));
   // The rename is durable once its directory is; a file system without that call is no failure.

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lode/core/progress.h"
 #include "lode/core/result.h"
 
 namespace lode {
@@ -31,7 +32,9 @@ class AtomicFile {
   [[nodiscard]] Result<void> write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Bytes appended so far.
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  [[nodiscard]] Result<void> commit();
+  [[nodiscard]] Result<void> commit() { return commit(Progress()); }
+  /// Fails when `progress` is cancelled before the rename.
+  [[nodiscard]] Result<void> commit(const Progress& progress);
 
  private:
   AtomicFile(std::string path, std::string temporary, int descriptor);

@@ -19,7 +19,7 @@ struct SurfaceFormat {
   std::string_view extension;
   bool holds_isovalues;
   bool holds_lines;
-  Result<void> (*write)(const std::string&, const Surface&, const SurfaceWriteOptions&);
+  Result<void> (*write)(const std::string&, const Surface&, const SurfaceWriteOptions&, Progress&);
   Result<Surface> (*read)(const std::string&);
 };
 
@@ -69,12 +69,12 @@ bool can_hold_lines(const std::string& path) {
 }
 
 Result<void> write_surface(const std::string& path, const Surface& surface,
-                           const SurfaceWriteOptions& options) {
+                           const SurfaceWriteOptions& options, Progress& progress) {
   LODE_EXPECTS(surface.triangles.empty() || surface.lines.empty());
   LODE_EXPECTS(surface.normals.empty() || surface.normals.size() == surface.positions.size());
   LODE_EXPECTS(surface.isovalues.empty() || surface.isovalues.size() == surface.positions.size());
   LODE_CHECK(check_surface_path(path));
-  return find_format(path)->write(path, surface, options);
+  return find_format(path)->write(path, surface, options, progress);
 }
 
 Result<Surface> read_surface(const std::string& path) {

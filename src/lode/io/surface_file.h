@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "lode/core/progress.h"
 #include "lode/core/regular_grid.h"
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
@@ -18,8 +19,9 @@ struct SurfaceWriteOptions {
 /// can_hold_isovalues() says so. A surface with an origin is written with double coordinates
 /// (PLY, OBJ, VTP) or with the origin as the node's translation (GLB), and refused by STL, which
 /// has neither; STL also refuses lines. At least one of triangles and lines must be empty.
+/// Reports the phase "writing"; cancelled until the file is in place, it leaves none.
 [[nodiscard]] Result<void> write_surface(const std::string& path, const Surface& surface,
-                                         const SurfaceWriteOptions& options);
+                                         const SurfaceWriteOptions& options, Progress& progress);
 
 /// Reads a surface back: all that write_surface() writes, and usual files of other programs
 /// (GLB: one mesh of one primitive only). Polygons become triangle fans, polylines segments; STL

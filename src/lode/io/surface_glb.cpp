@@ -114,7 +114,7 @@ std::string describe(const Surface& surface, const SurfaceWriteOptions& options,
   return text;
 }
 
-Result<void> write_words(AtomicFile& file, std::initializer_list<std::uint64_t> words) {
+Result<void> write_words(SurfaceOutput& file, std::initializer_list<std::uint64_t> words) {
   for (const std::uint64_t word : words) {
     const auto narrow = static_cast<std::uint32_t>(word);
     LODE_CHECK(file.write(std::as_bytes(std::span(&narrow, 1))));
@@ -282,7 +282,7 @@ Result<Surface> read_document(const std::string& path, const json& document,
 }  // namespace
 
 Result<void> write_glb(const std::string& path, const Surface& surface,
-                       const SurfaceWriteOptions& options) {
+                       const SurfaceWriteOptions& options, Progress& progress) {
   std::uint64_t n_data_bytes = 0;
   const std::string text = describe(surface, options, n_data_bytes);
   std::uint64_t n_bytes = kFileHeadBytes + kChunkHeadBytes + text.size();
@@ -292,7 +292,7 @@ Result<void> write_glb(const std::string& path, const Surface& surface,
         "{}: glTF files hold fewer than 2^32 bytes, and this surface takes {}; expected "
         ".ply, .obj or .vtp",
         path, n_bytes);
-  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress));
   LODE_CHECK(write_words(file, {kGlbMagic, kGlbVersion, n_bytes, text.size(), kJsonChunk}));
   LODE_CHECK(file.write(text));
   if (n_data_bytes > 0) {

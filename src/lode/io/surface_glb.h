@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
 #include "lode/io/surface_file.h"
@@ -12,7 +13,7 @@ namespace lode::io {
 /// POSITION, NORMAL and _ISOVALUE. Axes are written as they are, whatever glTF calls up. Fails
 /// past 4 GiB, which is the format's limit.
 [[nodiscard]] Result<void> write_glb(const std::string& path, const Surface& surface,
-                                     const SurfaceWriteOptions& options);
+                                     const SurfaceWriteOptions& options, Progress& progress);
 
 /// Reads what write_glb() writes: at most one mesh of one primitive, no buffers outside the file,
 /// no transformation but a translation.

@@ -18,7 +18,7 @@ constexpr std::uint32_t kNoNormal = ~std::uint32_t{0};
 
 /// Writes n lines of text, appended by add(i, text), in large pieces.
 template <typename Add>
-Result<void> write_lines(AtomicFile& file, std::size_t n, const Add& add) {
+Result<void> write_lines(SurfaceOutput& file, std::size_t n, const Add& add) {
   constexpr std::size_t kPieceBytes = std::size_t{2} << 20;
   constexpr std::size_t kMaxLineBytes = 128;
   fmt::memory_buffer text;
@@ -32,7 +32,14 @@ Result<void> write_lines(AtomicFile& file, std::size_t n, const Add& add) {
   return file.write(std::string_view(text.data(), text.size()));
 }
 
-Result<void> write_comments(AtomicFile& file, const Surface& surface,
+/// A guess: how long a line is depends on its digits.
+std::uint64_t usual_obj_bytes(const Surface& surface) {
+  constexpr std::uint64_t kUsualLineBytes = 40;
+  return kUsualLineBytes * (surface.positions.size() + surface.normals.size() +
+                            surface.triangles.size() + surface.lines.size());
+}
+
+Result<void> write_comments(SurfaceOutput& file, const Surface& surface,
                             const SurfaceWriteOptions& options) {
   std::string header;
   if (!options.comment.empty()) header += fmt::format("# {}\n", to_one_line(options.comment));
@@ -43,7 +50,7 @@ Result<void> write_comments(AtomicFile& file, const Surface& surface,
   return file.write(header);
 }
 
-Result<void> write_vertex_lines(AtomicFile& file, const Surface& surface) {
+Result<void> write_vertex_lines(SurfaceOutput& file, const Surface& surface) {
   const bool is_double = has_origin(surface);
   LODE_CHECK(write_lines(file, surface.positions.size(), [&](std::size_t i, auto out) {
     if (is_double) {
@@ -60,7 +67,7 @@ Result<void> write_vertex_lines(AtomicFile& file, const Surface& surface) {
   });
 }
 
-Result<void> write_cell_lines(AtomicFile& file, const Surface& surface) {
+Result<void> write_cell_lines(SurfaceOutput& file, const Surface& surface) {
   const bool has_normals = !surface.normals.empty();
   LODE_CHECK(write_lines(file, surface.triangles.size(), [&](std::size_t i, auto out) {
     const std::uint64_t a = std::uint64_t{surface.triangles[i][0]} + 1;
@@ -247,8 +254,8 @@ Result<Surface> read_as_double(const std::string& path, std::string_view text,
 }  // namespace
 
 Result<void> write_obj(const std::string& path, const Surface& surface,
-                       const SurfaceWriteOptions& options) {
-  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+                       const SurfaceWriteOptions& options, Progress& progress) {
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, usual_obj_bytes(surface), progress));
   LODE_CHECK(write_comments(file, surface, options));
   LODE_CHECK(write_vertex_lines(file, surface));
   LODE_CHECK(write_cell_lines(file, surface));

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
 #include "lode/io/surface_file.h"
@@ -11,7 +12,7 @@ namespace lode::io {
 /// Wavefront OBJ: v and vn lines and f (or l) lines, with as many digits as reading back exactly
 /// needs. An origin is added to the coordinates and noted in a comment.
 [[nodiscard]] Result<void> write_obj(const std::string& path, const Surface& surface,
-                                     const SurfaceWriteOptions& options);
+                                     const SurfaceWriteOptions& options, Progress& progress);
 
 /// Reads v, vn, f and l lines (other lines are skipped). Normals are kept when each vertex has
 /// one. Coordinates are read as float32, or as doubles relative to an origin when they are far

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lode/core/atomic_file.h"
+#include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
 
@@ -40,17 +43,41 @@ inline void put(std::byte*& out, const T& value) {
   out += sizeof(T);
 }
 
+/// The file that a writer fills: an AtomicFile that reports the phase "writing" piece by piece, and
+/// fails once it is cancelled.
+class SurfaceOutput {
+ public:
+  /// n_bytes: the size the file will have, as far as it is known; only the progress hangs on it.
+  [[nodiscard]] static Result<SurfaceOutput> create(const std::string& path, std::uint64_t n_bytes,
+                                                    Progress& progress);
+
+  /// Appends bytes.
+  [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
+  [[nodiscard]] Result<void> write(std::string_view text) {
+    return write(std::as_bytes(std::span(text.data(), text.size())));
+  }
+  [[nodiscard]] Result<void> commit() { return file_.commit(progress_); }
+
+ private:
+  SurfaceOutput(AtomicFile file, std::uint64_t n_bytes, Progress& progress)
+      : file_(std::move(file)), n_bytes_(n_bytes), progress_(progress) {}
+
+  AtomicFile file_;
+  std::uint64_t n_bytes_;
+  Progress& progress_;
+};
+
 /// Appends a whole array as it lies in memory.
 template <typename T>
-[[nodiscard]] Result<void> write_array(AtomicFile& file, std::span<const T> values) {
+[[nodiscard]] Result<void> write_array(SurfaceOutput& file, std::span<const T> values) {
   return file.write(std::as_bytes(values));
 }
 
 /// Appends n records of record_bytes each, filled in by fill(i, out), in pieces large enough to
 /// bypass the file's own buffer.
 template <typename Fill>
-[[nodiscard]] Result<void> write_records(AtomicFile& file, std::size_t n, std::size_t record_bytes,
-                                         const Fill& fill) {
+[[nodiscard]] Result<void> write_records(SurfaceOutput& file, std::size_t n,
+                                         std::size_t record_bytes, const Fill& fill) {
   constexpr std::size_t kPieceBytes = std::size_t{2} << 20;
   const std::size_t n_per_piece = kPieceBytes / record_bytes;
   std::vector<std::byte> piece(std::min(n, n_per_piece) * record_bytes);

@@ -7,6 +7,8 @@
 namespace lode::io {
 namespace {
 
+constexpr std::size_t kFaceBytes = 1 + 3 * sizeof(std::uint32_t);
+
 std::string ply_header(const Surface& surface, const SurfaceWriteOptions& options) {
   const char* coordinate = has_origin(surface) ? "double" : "float";
   const std::size_t n = surface.positions.size();
@@ -34,13 +36,22 @@ std::string ply_header(const Surface& surface, const SurfaceWriteOptions& option
   return header + "end_header\n";
 }
 
-Result<void> write_vertex_records(AtomicFile& file, const Surface& surface) {
+std::size_t vertex_bytes(const Surface& surface) {
+  return (has_origin(surface) ? sizeof(Vec3d) : sizeof(Vec3f)) +
+         (surface.normals.empty() ? 0 : sizeof(Vec3f)) +
+         (surface.isovalues.empty() ? 0 : sizeof(float));
+}
+
+/// Of all but the header.
+std::uint64_t ply_bytes(const Surface& surface) {
+  return surface.positions.size() * vertex_bytes(surface) + surface.triangles.size() * kFaceBytes +
+         surface.lines.size() * sizeof(surface.lines[0]);
+}
+
+Result<void> write_vertex_records(SurfaceOutput& file, const Surface& surface) {
   const bool is_double = has_origin(surface);
   const bool has_normals = !surface.normals.empty();
   const bool has_isovalues = !surface.isovalues.empty();
-  const std::size_t record_bytes = (is_double ? sizeof(Vec3d) : sizeof(Vec3f)) +
-                                   (has_normals ? sizeof(Vec3f) : 0) +
-                                   (has_isovalues ? sizeof(float) : 0);
   const auto fill = [&](std::size_t i, std::byte* out) {
     if (is_double)
       put(out, surface.world_position(static_cast<std::uint32_t>(i)));
@@ -49,22 +60,22 @@ Result<void> write_vertex_records(AtomicFile& file, const Surface& surface) {
     if (has_normals) put(out, surface.normals[i]);
     if (has_isovalues) put(out, surface.isovalues[i]);
   };
-  return write_records(file, surface.positions.size(), record_bytes, fill);
+  return write_records(file, surface.positions.size(), vertex_bytes(surface), fill);
 }
 
-Result<void> write_face_records(AtomicFile& file, const Surface& surface) {
+Result<void> write_face_records(SurfaceOutput& file, const Surface& surface) {
   const auto fill = [&](std::size_t i, std::byte* out) {
     put(out, std::uint8_t{3});
     put(out, surface.triangles[i]);
   };
-  return write_records(file, surface.triangles.size(), 1 + sizeof(surface.triangles[0]), fill);
+  return write_records(file, surface.triangles.size(), kFaceBytes, fill);
 }
 
 }  // namespace
 
 Result<void> write_ply(const std::string& path, const Surface& surface,
-                       const SurfaceWriteOptions& options) {
-  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+                       const SurfaceWriteOptions& options, Progress& progress) {
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, ply_bytes(surface), progress));
   LODE_CHECK(file.write(ply_header(surface, options)));
   LODE_CHECK(write_vertex_records(file, surface));
   LODE_CHECK(write_face_records(file, surface));

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
 #include "lode/io/surface_file.h"
@@ -12,6 +13,6 @@ namespace lode::io {
 /// (noted in a comment, so that reading restores it); nx ny nz and isovalue where the surface has
 /// them; faces as uchar counts and int (uint past 2^31 vertices) indices; contour lines as edges.
 [[nodiscard]] Result<void> write_ply(const std::string& path, const Surface& surface,
-                                     const SurfaceWriteOptions& options);
+                                     const SurfaceWriteOptions& options, Progress& progress);
 
 }  // namespace lode::io

@@ -4,6 +4,7 @@ set(IO_SURFACE_SOURCES
   surface_glb.cpp
   surface_input.cpp
   surface_obj.cpp
+  surface_output.cpp
   surface_ply.cpp
   surface_ply_reader.cpp
   surface_stl.cpp

@@ -145,9 +145,11 @@ Result<Surface> read_ascii(const std::string& path, std::string_view text) {
 }  // namespace
 
 Result<void> write_stl(const std::string& path, const Surface& surface,
-                       const SurfaceWriteOptions& options) {
+                       const SurfaceWriteOptions& options, Progress& progress) {
   LODE_CHECK(check_can_hold(path, surface));
-  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+  LODE_TRY(
+      SurfaceOutput file,
+      SurfaceOutput::create(path, kCountEnd + kFacetBytes * surface.triangles.size(), progress));
   LODE_CHECK(file.write(stl_header(options)));
   const auto n = static_cast<std::uint32_t>(surface.triangles.size());
   LODE_CHECK(file.write(std::as_bytes(std::span(&n, 1))));

@@ -54,6 +54,13 @@ VtpLayout make_vtp_layout(const Surface& surface) {
   return layout;
 }
 
+/// Of the arrays, without the XML.
+std::uint64_t vtp_bytes(const VtpLayout& layout) {
+  return (layout.isovalues ? layout.isovalues->n_bytes : 0) +
+         (layout.normals ? layout.normals->n_bytes : 0) + layout.points.n_bytes +
+         layout.connectivity.n_bytes + layout.offsets.n_bytes;
+}
+
 /// XML comments must not contain "--"; tags in them would mislead readers that look for the
 /// appended data without parsing all of the XML.
 std::string to_xml_comment(std::string_view text) {
@@ -107,11 +114,12 @@ std::string vtp_piece(const Surface& surface, const VtpLayout& layout) {
   return xml;
 }
 
-Result<void> write_array_size(AtomicFile& file, const VtpArray& array) {
+Result<void> write_array_size(SurfaceOutput& file, const VtpArray& array) {
   return file.write(std::as_bytes(std::span(&array.n_bytes, 1)));
 }
 
-Result<void> write_point_arrays(AtomicFile& file, const Surface& surface, const VtpLayout& layout) {
+Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
+                                const VtpLayout& layout) {
   if (layout.isovalues) {
     LODE_CHECK(write_array_size(file, *layout.isovalues));
     LODE_CHECK(write_array(file, std::span(surface.isovalues)));
@@ -130,7 +138,8 @@ Result<void> write_point_arrays(AtomicFile& file, const Surface& surface, const 
 
 /// Connectivity and offsets, as T where the indices are not already so in memory.
 template <typename T>
-Result<void> write_cell_arrays(AtomicFile& file, const Surface& surface, const VtpLayout& layout) {
+Result<void> write_cell_arrays(SurfaceOutput& file, const Surface& surface,
+                               const VtpLayout& layout) {
   const std::size_t n_corners = corners_per_cell(surface);
   LODE_CHECK(write_array_size(file, layout.connectivity));
   const auto write_corners = [&](const auto& cells) -> Result<void> {
@@ -154,9 +163,9 @@ Result<void> write_cell_arrays(AtomicFile& file, const Surface& surface, const V
 }  // namespace
 
 Result<void> write_vtp(const std::string& path, const Surface& surface,
-                       const SurfaceWriteOptions& options) {
+                       const SurfaceWriteOptions& options, Progress& progress) {
   const VtpLayout layout = make_vtp_layout(surface);
-  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, vtp_bytes(layout), progress));
   LODE_CHECK(file.write(vtp_head(surface, options)));
   LODE_CHECK(file.write(vtp_piece(surface, layout)));
   LODE_CHECK(write_point_arrays(file, surface, layout));
