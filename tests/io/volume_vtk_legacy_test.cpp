@@ -42,6 +42,28 @@ TEST(vtk_legacy_reader, reads_binary_and_ascii_scalars) {
   EXPECT_EQ(grid.origin, (Vec3d{{5, 6, 7}}));
 }
 
+TEST(vtk_legacy_reader, reads_colours_as_the_same_bytes_from_binary_and_ascii) {
+  const TempDir dir;
+  std::vector<std::uint8_t> samples(256);
+  std::string fractions;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i] = static_cast<std::uint8_t>(i);
+    // Six digits, as VTK writes them.
+    fractions += fmt::format("{:g} ", static_cast<float>(i) / 255.0F);
+  }
+  const auto file = [&](const std::string& encoding, const std::string& data) {
+    return head(encoding) +
+           "DATASET STRUCTURED_POINTS\nDIMENSIONS 16 8 2\nPOINT_DATA 256\nCOLOR_SCALARS c 1\n" +
+           data + "\n";
+  };
+  EXPECT_EQ(samples_of<std::uint8_t>(dir.write("a.vtk", file("BINARY", bytes_of(samples)))),
+            samples);
+  EXPECT_EQ(samples_of<std::uint8_t>(dir.write("b.vtk", file("ASCII", fractions))), samples);
+  for (const char* wrong : {"1.2", "-0.1", "nan"})
+    expect_failure(dir.write("c.vtk", file("ASCII", wrong + fractions.substr(fractions.find(' ')))),
+                   {"from 0 to 1", wrong});
+}
+
 TEST(vtk_legacy_reader, reads_lines_that_end_in_carriage_returns) {
   const TempDir dir;
   const auto samples = ramp<std::uint16_t>(24);

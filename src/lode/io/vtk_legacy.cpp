@@ -155,9 +155,27 @@ ByteOrder byte_order_of(LegacyEncoding encoding) {
   return encoding == LegacyEncoding::binary ? ByteOrder::big : native_byte_order();
 }
 
+/// Colours written as fractions of 255, as bytes.
+Result<std::unique_ptr<SampleStore>> load_colors(const InputFilePtr& file,
+                                                 const LegacyArray& array) {
+  constexpr ScalarType kText = ScalarType::float32;
+  const auto n = static_cast<std::size_t>(array.n_bytes);
+  LODE_TRY(const auto store, load_text(file, array.offset, kText, array.n_bytes * size_of(kText)));
+  LODE_TRY(const auto fractions, read_doubles(*store, kText, native_byte_order(), n));
+  std::vector<std::byte> bytes(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(fractions[i] >= 0 && fractions[i] <= 1))
+      return fail("{}: expected colours from 0 to 1 in {}, got {}", file->path(),
+                  in_quotes(array.name), fractions[i]);
+    bytes[i] = static_cast<std::byte>(255.0 * fractions[i] + 0.5);  // as VTK rounds
+  }
+  return make_memory_store(std::move(bytes));
+}
+
 Result<std::unique_ptr<SampleStore>> load_array(const InputFilePtr& file, LegacyEncoding encoding,
                                                 const LegacyArray& array) {
   if (encoding == LegacyEncoding::binary) return make_file_store(file, array.offset, array.n_bytes);
+  if (array.text == LegacyArray::Text::fractions) return load_colors(file, array);
   return load_text(file, array.offset, array.type, array.n_bytes);
 }
 

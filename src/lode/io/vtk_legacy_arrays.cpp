@@ -70,13 +70,14 @@ Result<LegacyArray> parse_scalars(LegacyFile& file, const std::vector<std::strin
   return array;
 }
 
-/// COLOR_SCALARS name n and LOOKUP_TABLE name n: bytes in binary files, fractions in text.
+/// COLOR_SCALARS name n and LOOKUP_TABLE name n.
 Result<LegacyArray> parse_colors(LegacyFile& file, const std::vector<std::string>& words,
                                  std::int64_t n_components) {
   if (words.size() != 3) return malformed(file, words);
-  LegacyArray array{.name = decoded_name(words[1]), .n_components = n_components};
-  array.type = file.encoding == LegacyEncoding::binary ? ScalarType::uint8 : ScalarType::float32;
-  return array;
+  return LegacyArray{.name = decoded_name(words[1]),
+                     .type = ScalarType::uint8,
+                     .n_components = n_components,
+                     .text = LegacyArray::Text::fractions};
 }
 
 Result<LegacyArray> parse_texture(LegacyFile& file, const std::vector<std::string>& words) {

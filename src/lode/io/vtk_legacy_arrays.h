@@ -13,12 +13,15 @@ namespace lode::io {
 
 /// An array somewhere in a legacy VTK file.
 struct LegacyArray {
+  enum class Text { numbers, fractions };  ///< fractions: of 255, for colours, which are bytes.
+
   std::string name;
   ScalarType type = ScalarType::uint8;
   std::int64_t n_components = 1;
   std::int64_t n_tuples = 0;
   std::uint64_t offset = 0;   ///< In the file, of its numbers.
   std::uint64_t n_bytes = 0;  ///< As numbers of `type`, whether text or binary.
+  Text text = Text::numbers;  ///< What stands for the numbers in an ASCII file.
 };
 
 enum class LegacyEncoding { ascii, binary };
