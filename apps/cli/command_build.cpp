@@ -71,8 +71,8 @@ Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
   LODE_CHECK(check_writable(arguments.output));
   LODE_TRY(auto source, open_volume(arguments.input, options));
   const Stopwatch build_watch;
-  LODE_TRY(Dataset dataset,
-           Dataset::build(*source, {.threads = session.threads()}, session.progress()));
+  LODE_TRY(Dataset dataset, build_opened(arguments.input, *source, {.threads = session.threads()},
+                                         session.progress()));
   BuildSeconds seconds{.build = build_watch.seconds()};
   const Stopwatch save_watch;
   LODE_CHECK(dataset.save(arguments.output, session.threads(), session.progress()));

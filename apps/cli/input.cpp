@@ -47,7 +47,7 @@ Result<Dataset> build_in_memory(Session& session, const std::string& path,
   LODE_TRY(const auto source, open_volume(path, options));
   if (accept) LODE_CHECK(accept(source->info()));
   session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
-  return Dataset::build(*source, {.threads = session.threads()}, session.progress());
+  return build_opened(path, *source, {.threads = session.threads()}, session.progress());
 }
 
 /// One spelling for each existing place, so that links and relative paths compare equal.

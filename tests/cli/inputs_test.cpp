@@ -65,6 +65,24 @@ TEST(cli_inputs, refuses_a_truncated_volume) {
   expect_refused_everywhere(scratch / "half.nrrd", scratch);
 }
 
+TEST(cli_inputs, names_the_file_whose_samples_cannot_be_built_and_names_it_once) {
+  const Scratch scratch;
+  const std::vector<double> samples(8, -1.7e308);
+  const std::string bytes(reinterpret_cast<const char*>(samples.data()), 64);
+  const std::string head =
+      "NRRD0004\ntype: double\ndimension: 3\nsizes: 2 2 2\nendian: little\nencoding: raw\n\n";
+  const std::string input = scratch / "large.nrrd";
+  write_bytes(input, head + bytes);
+  for (const auto& command : {Words{"build", input, scratch / "out.lode"},
+                              Words{"extract", input, scratch / "out.ply", "--isovalue", "1"}}) {
+    Words quiet = command;
+    quiet.push_back("--quiet");
+    const Finished run = run_lode(quiet);
+    expect_refusal(run, 1, {"lode: " + input + ": expected samples", "-1.7"});
+    EXPECT_EQ(run.err.find(input), run.err.rfind(input)) << run.err;
+  }
+}
+
 TEST(cli_inputs, refuses_noise_under_any_known_extension) {
   const Scratch scratch;
   std::string noise(5000, '\0');

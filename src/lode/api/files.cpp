@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <string_view>
 #include <system_error>
 
@@ -31,6 +32,24 @@ bool starts_like_lode(const std::string& path) {
          std::memcmp(start.data(), store::kMagic.data(), start.size()) == 0;
 }
 
+/// Hands reads on and remembers whether one failed: the reader's messages name the file.
+class WatchedSource final : public VolumeSource {
+ public:
+  explicit WatchedSource(VolumeSource& source) : source_(source) {}
+
+  [[nodiscard]] const VolumeInfo& info() const override { return source_.info(); }
+  [[nodiscard]] Result<void> read(const IndexBox& box, std::span<std::byte> out) override {
+    auto status = source_.read(box, out);
+    has_failed_ = has_failed_ || !status;
+    return status;
+  }
+  [[nodiscard]] bool has_failed() const { return has_failed_; }
+
+ private:
+  VolumeSource& source_;
+  bool has_failed_ = false;
+};
+
 }  // namespace
 
 bool is_lode_path(const std::string& path) {
@@ -47,7 +66,15 @@ Result<Dataset> open_any(const std::string& path, const ReadOptions& options, Th
                          Progress& progress) {
   if (is_lode_path(path)) return Dataset::open(path, threads, progress);
   LODE_TRY(const auto source, open_volume(path, options));
-  return Dataset::build(*source, {.threads = threads}, progress);
+  return build_opened(path, *source, {.threads = threads}, progress);
+}
+
+Result<Dataset> build_opened(const std::string& path, VolumeSource& source,
+                             const BuildOptions& options, Progress& progress) {
+  WatchedSource watched(source);
+  auto dataset = Dataset::build(watched, options, progress);
+  if (dataset || watched.has_failed() || progress.is_cancelled()) return dataset;
+  return fail("{}: {}", path, dataset.error().message);
 }
 
 Result<void> check_writable(const std::string& path) {

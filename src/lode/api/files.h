@@ -37,6 +37,11 @@ using io::write_surface;
 [[nodiscard]] Result<Dataset> open_any(const std::string& path, const ReadOptions& options,
                                        Threads threads, Progress& progress);
 
+/// Dataset::build() of the opened file `path`. Every failure but a cancellation names a file:
+/// `path`, unless the reader has named one already.
+[[nodiscard]] Result<Dataset> build_opened(const std::string& path, VolumeSource& source,
+                                           const BuildOptions& options, Progress& progress);
+
 /// Fails, naming `path`, unless a file can be made or replaced there. Leaves nothing behind; meant
 /// to be asked before expensive work starts.
 [[nodiscard]] Result<void> check_writable(const std::string& path);
