@@ -1,6 +1,8 @@
 #include "extraction_options.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 
 #include "parse.h"
 #include "text.h"
@@ -82,7 +84,11 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
   options.border = arguments.close_border ? Border::closed : Border::open;
   options.orientation =
       arguments.flip ? Orientation::from_higher_values : Orientation::from_lower_values;
-  options.min_component = arguments.min_component;
+  if (!arguments.min_component.empty()) {
+    constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+    LODE_TRY(const auto n, parse_integer("--min-component", arguments.min_component, 0, kMost));
+    options.min_component = static_cast<std::uint64_t>(n);
+  }
   return options;
 }
 

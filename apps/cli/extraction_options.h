@@ -1,7 +1,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,7 +14,7 @@ struct ExtractionArguments {
   std::string max_error;
   std::string clip;
   std::string normals = "on";
-  std::uint64_t min_component = 0;
+  std::string min_component;
   bool close_border = false;
   bool flip = false;
 };

@@ -79,6 +79,9 @@ TEST(cli_usage, refuses_numbers_that_are_none) {
     expect_refusal(extract({"--isovalue", "1", "--max-error", number}), 2, {"--max-error", number});
   for (const char* box : {"1,2,3", "0,1,0,1,0,nan", "1,0,0,1,0,1"})
     expect_refusal(extract({"--isovalue", "1", "--clip", box}), 2, {"--clip"});
+  for (const char* n : {"-3", "99999999999999999999999", "2.5", "few", "0x10"})
+    expect_refusal(extract({"--isovalue", "1", std::string("--min-component=") + n}), 2,
+                   {"--min-component", n});
   for (const char* threads : {"0", "-2", "many"})
     expect_refusal(extract({"--isovalue", "1", "--threads", threads}), 2, {"--threads"});
   expect_refusal(extract({"--isovalue", "1", "--normals", "maybe"}), 2, {"--normals", "'maybe'"});
