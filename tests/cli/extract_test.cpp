@@ -69,6 +69,21 @@ TEST_F(cli_extract, writes_an_empty_file_and_warns_where_an_isovalue_meets_nothi
   }
 }
 
+TEST(cli_far_volume, gives_an_empty_file_of_any_format_where_an_isovalue_meets_nothing) {
+  const Scratch scratch;
+  write_bytes(scratch / "far.raw", std::string(8, '\7'));
+  for (const char* name : {"s.ply", "s.stl", "s.obj", "s.vtp", "s.glb"}) {
+    const Finished run =
+        run_lode({"extract", scratch / "far.raw", scratch / name, "--isovalue=100", "--dims=2x2x2",
+                  "--type=uint8", "--spacing=0.2,0.2,0.2", "--origin=0,0,-1100", "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.json().at("warnings").size(), 1u);
+    const auto surface = read_surface(scratch / name);
+    ASSERT_TRUE(surface) << surface.error().message;
+    EXPECT_TRUE(surface->is_empty());
+  }
+}
+
 TEST_F(cli_extract, puts_several_isovalues_into_one_file_where_it_can) {
   const Finished run = extract("s.ply", {"--isovalue", "60", "--isovalue", "120,500", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -75,6 +75,14 @@ TEST_P(surface_formats, hold_empty_surfaces) {
   EXPECT_TRUE(read.positions.empty());
 }
 
+TEST_P(surface_formats, hold_empty_surfaces_with_an_origin) {
+  Surface surface;
+  surface.origin = {{500000.1, 4649776.25, -1e9}};
+  const Surface read = written_and_read(extension(), surface);
+  EXPECT_TRUE(read.is_empty());
+  EXPECT_TRUE(read.positions.empty());
+}
+
 TEST_P(surface_formats, give_back_large_origins_exactly_or_say_why_not) {
   Surface torus = make_torus(20);
   torus.origin = {{500000.1, 4649776.25, -1e9}};

@@ -29,7 +29,8 @@ Result<void> check_can_hold(const std::string& path, const Surface& surface) {
         "{}: STL holds triangles only, and this surface is {} contour lines; expected .ply, "
         ".obj, .vtp or .glb",
         path, surface.lines.size());
-  if (has_origin(surface))
+  // An empty surface has no coordinates that could be too coarse.
+  if (has_origin(surface) && !surface.is_empty())
     return fail(
         "{}: STL holds float32 coordinates only, too coarse for this surface near ({}, {}, "
         "{}); expected .ply, .obj, .vtp or .glb",

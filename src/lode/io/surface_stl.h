@@ -9,7 +9,8 @@
 
 namespace lode::io {
 
-/// Binary STL, with facet normals. Fails for lines and for a surface with an origin.
+/// Binary STL, with facet normals. Fails for lines and for a surface with an origin,
+/// unless it is empty.
 [[nodiscard]] Result<void> write_stl(const std::string& path, const Surface& surface,
                                      const SurfaceWriteOptions& options, Progress& progress);
 
