@@ -45,6 +45,9 @@ std::vector<Seed> text_header_seeds() {
           {"b.nrrd", nrrd + "gzip\n\n" + gzipped(raw)},
           {"c.nrrd", nrrd + "ascii\n\n" + numbers},
           {"d.nrrd", nrrd + "hex\n\n" + std::string(96, 'a')},
+          // Their own data files, so that one file is enough.
+          {"e.nhdr", nrrd + "raw\nbyte skip: -1\ndata file: LIST 3\ne.nhdr\ne.nhdr\n\n" + raw},
+          {"f1.nhdr", nrrd + "raw\nbyte skip: -1\ndata file: f%d.nhdr 1 1 1 4\n\n" + raw},
           {"a.mha", meta + "ElementDataFile = LOCAL\n" + raw},
           {"b.mha", meta + "CompressedData = True\nElementDataFile = LOCAL\n" + zlibbed(raw)},
           {"a.vtk", legacy + "BINARY\n" + points + raw},

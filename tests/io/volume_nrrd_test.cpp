@@ -152,14 +152,85 @@ TEST(nrrd_reader, refuses_what_it_cannot_know) {
                  {"'bzip2'"});
   expect_failure(dir.write("d.nrrd", "NRRD0004\ntype: block\ndimension: 1\nsizes: 1\n\n"),
                  {"'block'"});
-  expect_failure(
-      dir.write("e.nhdr", kNrrdStart + "endian: little\nencoding: raw\ndata file: LIST\n\n"),
-      {"one data file"});
   expect_failure(dir.write("f.nrrd", kNrrdStart +
                                          "endian: little\nencoding: raw\nspace directions: "
                                          "(1,0,0) (0,1,0) (1,1,0)\n\n" +
                                          raw),
                  {"independent"});
+}
+
+/// Writes the samples into files of equal size, called by name(i).
+template <typename Name>
+void write_pieces(const TempDir& dir, const std::string& bytes, std::size_t n, const Name& name) {
+  const std::size_t size = bytes.size() / n;
+  for (std::size_t i = 0; i < n; ++i) dir.write(name(i), bytes.substr(i * size, size));
+}
+
+TEST(nrrd_reader, joins_listed_data_files_along_the_slowest_axis) {
+  const TempDir dir;
+  std::filesystem::create_directory(dir.path("slices"));
+  const auto samples = ramp<std::int16_t>(24);
+  const std::string raw = bytes_of(samples, ByteOrder::big);
+  const std::string start = kNrrdStart + "endian: big\nencoding: ";
+  dir.write("slices/one.raw", raw.substr(0, 24));
+  dir.write("two.raw", raw.substr(24));
+  dir.write("one.gz", test::gzipped("xyz" + raw.substr(0, 24)));
+  dir.write("two.gz", test::gzipped("xyz" + raw.substr(24)));
+  dir.write("one.hex", "a line\n" + std::string(48, '0'));
+  dir.write("two.hex", "a line\n" + std::string(48, 'f'));
+  const std::string list = "data file: LIST\nslices/one.raw\r\n" + dir.path("two.raw");
+  EXPECT_EQ(samples_of<std::int16_t>(dir.write("a.nhdr", start + "raw\n" + list)), samples);
+  EXPECT_EQ(samples_of<std::int16_t>(dir.write("b.nhdr", start + "raw\n" + list + "\n\nignored\n")),
+            samples);
+  EXPECT_EQ(samples_of<std::int16_t>(dir.write(
+                "c.nhdr", start + "gzip\nbyte skip: 3\ndata file: LIST 2\none.gz\ntwo.gz\n")),
+            samples);
+  std::vector<std::int16_t> halves(24, 0);
+  std::fill(halves.begin() + 12, halves.end(), std::int16_t{-1});
+  EXPECT_EQ(samples_of<std::int16_t>(dir.write(
+                "d.nhdr", start + "hex\nline skip: 1\ndatafile: LIST\none.hex\ntwo.hex\n")),
+            halves);
+}
+
+TEST(nrrd_reader, joins_numbered_data_files_of_any_number_of_axes) {
+  const TempDir dir;
+  const auto samples = ramp<std::int16_t>(24);
+  const std::string raw = bytes_of(samples);
+  const std::string start = kNrrdStart + "endian: little\nencoding: raw\ndata file: ";
+  write_pieces(dir, raw, 2, [](std::size_t i) { return fmt::format("slice{:03}.raw", 9 + i); });
+  write_pieces(dir, raw, 2, [](std::size_t i) { return fmt::format("back{}.raw", 2 - 2 * i); });
+  write_pieces(dir, raw, 6, [](std::size_t i) { return fmt::format("row{:2}", 5 * i); });
+  EXPECT_EQ(samples_of<std::int16_t>(dir.write("a.nhdr", start + "slice%03d.raw 9 10 1\n")),
+            samples);
+  EXPECT_EQ(samples_of<std::int16_t>(dir.write("b.nhdr", start + "./back%d.raw 2 0 -2\n")),
+            samples);
+  EXPECT_EQ(samples_of<std::int16_t>(dir.write("c.nhdr", start + "row%2d 0 29 5 1\n")), samples);
+  EXPECT_EQ(samples_of<std::int16_t>(dir.write("d.nhdr", start + "slice%03d.raw 9 10 1 3\n")),
+            samples);
+}
+
+TEST(nrrd_reader, refuses_data_files_that_do_not_fit) {
+  const TempDir dir;
+  const std::string start = kNrrdStart + "endian: little\nencoding: raw\ndata file: ";
+  dir.write("1", std::string(24, 'x'));
+  dir.write("2", std::string(23, 'x'));
+  expect_failure(dir.write("a.nhdr", start + "LIST\n1\n"), {"2 data files", "got 1"});
+  expect_failure(dir.write("b.nhdr", start + "LIST\n"), {"2 data files", "got 0"});
+  expect_failure(dir.write("c.nhdr", start + "LIST 3\n1\n1\n1\n"), {"2 slices", "3 files"});
+  expect_failure(dir.write("d.nhdr", start + "LIST 4\n1\n2\n"), {"1 to 3 axes, got 4"});
+  expect_failure(dir.write("e.nhdr", start + "LIST x\n1\n2\n"), {"LIST subdim", "'LIST x'"});
+  for (const char* pattern : {"%d 1 2", "%d 1 2 0", "%d 2 1 1", "%d 1 2 -5", "%d 1 2 1 1 1",
+                              "%s 1 2 1", "%d%d 1 2 1", "%9999d 1 2 1", "% 1 2 1", "%d 1 1e99 1"})
+    expect_failure(dir.write("f.nhdr", start + pattern + "\n"), {"slice%03d.raw 1 9 1", pattern});
+  expect_failure(dir.write("g.nhdr", start + "%d 1 4000000000 1\n"), {"at most 65536 data files"});
+  const auto complaint = [](const std::string& path) {
+    const auto source = open_volume(path, {});
+    return source ? "" : source.error().message;
+  };
+  EXPECT_NE(complaint(dir.write("h.nhdr", start + "%d 1 2 1\n")).find(dir.path("2") + ": "),
+            std::string::npos);
+  EXPECT_NE(complaint(dir.write("i.nhdr", start + "%d 0 1 1\n")).find(dir.path("0") + ": "),
+            std::string::npos);
 }
 
 TEST(nrrd_reader, names_a_missing_data_file) {

@@ -5,6 +5,7 @@
 
 #include "lode/io/inflate.h"
 #include "lode/io/nrrd_axes.h"
+#include "lode/io/nrrd_files.h"
 #include "lode/io/text.h"
 #include "lode/io/text_cursor.h"
 #include "lode/io/text_samples.h"
@@ -16,14 +17,17 @@ enum class NrrdEncoding { raw, gzip, text, hex };
 
 /// Where the samples are and how they are written.
 struct NrrdData {
-  InputFilePtr file;
-  std::uint64_t offset = 0;    ///< Of the first byte after the header and the skipped lines.
+  InputFilePtr file;               ///< With or without a header; none where there are several.
+  std::vector<std::string> paths;  ///< Of several data files, in the order of their samples.
+  std::uint64_t offset = 0;        ///< Of the first byte after the header.
+  std::int64_t line_skip = 0;
   std::int64_t byte_skip = 0;  ///< -1: the samples are the last bytes of the file (raw only).
   NrrdEncoding encoding = NrrdEncoding::raw;
 };
 
 struct NrrdHeader {
   NrrdFields fields;
+  std::vector<std::string> data_files;  ///< The lines after "data file: LIST".
   std::uint64_t end = 0;
 };
 
@@ -52,12 +56,17 @@ Result<NrrdHeader> read_nrrd_header(const InputFilePtr& file) {
     return fail("{}: expected a NRRD file to start with NRRD000, got {}", file->path(),
                 in_quotes(line.value_or("")));
   NrrdHeader header;
+  bool is_listing = false;
   while (true) {
     LODE_TRY(line, cursor.line());
     header.end = cursor.position();
     if (!line || line->empty()) return header;
     if (header.end > kMaxHeader)
       return fail("{}: expected a header of at most {} bytes", file->path(), kMaxHeader);
+    if (is_listing) {
+      header.data_files.emplace_back(trimmed(*line));
+      continue;
+    }
     if (line->front() == '#') continue;
     const std::size_t colon = line->find(':');
     if (colon == std::string::npos)
@@ -65,8 +74,10 @@ Result<NrrdHeader> read_nrrd_header(const InputFilePtr& file) {
                   in_quotes(*line));
     // "key:=value" pairs are the user's own.
     if (line->substr(colon).starts_with(":=")) continue;
-    const std::string_view value = std::string_view(*line).substr(colon + 1);
-    header.fields[canonical_key(std::string_view(*line).substr(0, colon))] = trimmed(value);
+    const std::string_view value = trimmed(std::string_view(*line).substr(colon + 1));
+    const std::string key = canonical_key(std::string_view(*line).substr(0, colon));
+    header.fields[key] = value;
+    is_listing = key == "data file" && is_list_of_lines(value);
   }
 }
 
@@ -147,18 +158,22 @@ Result<std::uint64_t> skip_lines(const InputFilePtr& file, std::uint64_t offset,
 
 Result<NrrdData> find_nrrd_data(const InputFilePtr& header_file, const NrrdHeader& header) {
   const std::string& path = header_file->path();
-  NrrdData data{.file = header_file, .offset = header.end};
+  NrrdData data{.file = header_file, .paths = {}, .offset = header.end};
   LODE_TRY(data.encoding, parse_encoding(path, header.fields));
   if (const auto it = header.fields.find("data file"); it != header.fields.end()) {
-    const std::string& name = it->second;
-    if (name.starts_with("LIST") || name.find('%') != std::string::npos)
-      return fail("{}: expected one data file, got several ({})", path, in_quotes(name));
-    LODE_TRY(data.file, InputFile::open(path_beside(path, name)));
+    const std::string& value = it->second;
     data.offset = 0;
+    if (is_file_list(value)) {
+      data.file = nullptr;
+      const auto sizes = to_int64s(header.fields.at("sizes"));  // known to be numbers
+      LODE_TRY(data.paths, parse_file_list(path, value, header.data_files, *sizes));
+      for (std::string& name : data.paths) name = path_beside(path, name);
+    } else {
+      LODE_TRY(data.file, InputFile::open(path_beside(path, value)));
+    }
   }
-  LODE_TRY(const std::int64_t n_lines, parse_skip(path, header.fields, "line skip", 0));
+  LODE_TRY(data.line_skip, parse_skip(path, header.fields, "line skip", 0));
   LODE_TRY(data.byte_skip, parse_skip(path, header.fields, "byte skip", -1));
-  LODE_TRY(data.offset, skip_lines(data.file, data.offset, n_lines));
   return data;
 }
 
@@ -189,27 +204,44 @@ Result<std::unique_ptr<SampleStore>> load_hex(const InputFilePtr& file, std::uin
   return make_memory_store(std::move(bytes));
 }
 
-Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, ScalarType type,
-                                                    std::uint64_t n_bytes) {
-  const std::string& path = data.file->path();
+/// The samples of one file.
+Result<std::unique_ptr<SampleStore>> load_nrrd_file(const InputFilePtr& file, const NrrdData& data,
+                                                    ScalarType type, std::uint64_t n_bytes) {
+  const std::string& path = file->path();
+  LODE_TRY(const std::uint64_t start, skip_lines(file, data.offset, data.line_skip));
   if (data.byte_skip < 0) {
     if (data.encoding != NrrdEncoding::raw)
       return fail("{}: 'byte skip: -1' is defined for raw encoding only", path);
-    if (data.file->size_from(data.offset) < n_bytes)
+    if (file->size_from(start) < n_bytes)
       return fail("{}: expected {} bytes of samples, got {}", path, n_bytes,
-                  data.file->size_from(data.offset));
-    return make_file_store(data.file, data.file->size() - n_bytes, n_bytes);
+                  file->size_from(start));
+    return make_file_store(file, file->size() - n_bytes, n_bytes);
   }
   const auto skip = static_cast<std::uint64_t>(data.byte_skip);
   // In compressed data the bytes to skip are counted after decompression.
-  if (data.encoding == NrrdEncoding::gzip)
-    return load_inflated(data.file, data.offset, skip, n_bytes);
-  if (skip > data.file->size_from(data.offset))
-    return fail("{}: expected to skip {} bytes, the file has {}", path, skip, data.file->size());
-  const std::uint64_t offset = data.offset + skip;
-  if (data.encoding == NrrdEncoding::text) return load_text(data.file, offset, type, n_bytes);
-  if (data.encoding == NrrdEncoding::hex) return load_hex(data.file, offset, n_bytes);
-  return make_file_store(data.file, offset, n_bytes);
+  if (data.encoding == NrrdEncoding::gzip) return load_inflated(file, start, skip, n_bytes);
+  if (skip > file->size_from(start))
+    return fail("{}: expected to skip {} bytes, the file has {}", path, skip, file->size());
+  const std::uint64_t offset = start + skip;
+  if (data.encoding == NrrdEncoding::text) return load_text(file, offset, type, n_bytes);
+  if (data.encoding == NrrdEncoding::hex) return load_hex(file, offset, n_bytes);
+  return make_file_store(file, offset, n_bytes);
+}
+
+/// Several files are read into memory one after the other: slices may be more than a process may
+/// hold open.
+Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, ScalarType type,
+                                                    std::uint64_t n_bytes) {
+  if (data.file) return load_nrrd_file(data.file, data, type, n_bytes);
+  const std::uint64_t n_each = n_bytes / data.paths.size();
+  std::vector<std::byte> bytes;
+  for (const std::string& path : data.paths) {
+    LODE_TRY(const InputFilePtr file, InputFile::open(path));
+    LODE_TRY(const auto store, load_nrrd_file(file, data, type, n_each));
+    bytes.resize(bytes.size() + static_cast<std::size_t>(n_each));
+    LODE_CHECK(store->read(0, std::span(bytes).last(static_cast<std::size_t>(n_each))));
+  }
+  return make_memory_store(std::move(bytes));
 }
 
 std::string_view name_of(NrrdEncoding encoding) {

@@ -51,9 +51,9 @@ struct FileDescription {
 
 /// Opens a volume for reading; the format follows from the extension: .nrrd .nhdr .mha .mhd .nii
 /// .nii.gz .hdr .img .vti .vtr .vtk, and .raw .raw.gz or any other one with options.raw.
-/// Uncompressed samples stay in the file and are read box by box; compressed and text ones are
-/// decoded into memory here. Fails, naming the file, on anything missing, truncated, malformed or
-/// ambiguous (several fields, components or times and no choice).
+/// Uncompressed samples stay in the file and are read box by box; compressed and text ones, and
+/// those of several data files, are decoded into memory here. Fails, naming the file, on anything
+/// missing, truncated, malformed or ambiguous (several fields, components or times and no choice).
 [[nodiscard]] Result<std::unique_ptr<VolumeSource>> open_volume(const std::string& path,
                                                                 const ReadOptions& options);
 
