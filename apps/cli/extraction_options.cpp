@@ -128,7 +128,14 @@ void warn_of_open(Session& session, const ExtractReport& report) {
 void warn_of_unmet(Session& session, const std::vector<double>& unmet,
                    const ExtractOptions& options, const DatasetInfo& info) {
   const bool is_cropped = options.clip || options.min_component > 0;
+  const bool is_all_holes =
+      info.n_holes == static_cast<std::uint64_t>(info.volume.grid.n_samples());
   for (const double isovalue : unmet) {
+    if (is_all_holes) {
+      session.warn(fmt::format("no surface at isovalue {}: the field has no finite sample{}",
+                               isovalue, info.volume.nodata ? " but nodata" : ""));
+      continue;
+    }
     const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
     session.warn(fmt::format("no surface at isovalue {}: {} (values run from {} to {})", isovalue,
                              is_cropped && is_in_range

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "lode/api/files.h"
 #include "tests/cli/program.h"
 
@@ -81,6 +83,24 @@ TEST(cli_far_volume, gives_an_empty_file_of_any_format_where_an_isovalue_meets_n
     const auto surface = read_surface(scratch / name);
     ASSERT_TRUE(surface) << surface.error().message;
     EXPECT_TRUE(surface->is_empty());
+  }
+}
+
+TEST(cli_holes, are_named_where_a_field_has_nothing_else) {
+  const Scratch scratch;
+  const std::vector<float> samples(8, std::numeric_limits<float>::quiet_NaN());
+  write_bytes(scratch / "nan.raw", {reinterpret_cast<const char*>(samples.data()), 32});
+  write_bytes(scratch / "seven.raw", std::string(8, '\7'));
+  for (const Words& options : {Words{scratch / "nan.raw", "--type=float32"},
+                               Words{scratch / "seven.raw", "--type=uint8", "--nodata=7"}}) {
+    Words extract{"extract", scratch / "s.ply", "--isovalue=1", "--dims=2x2x2", "--json"};
+    extract.insert(extract.begin() + 1, options.begin(), options.end());
+    const Finished run = run_lode(extract);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    ASSERT_EQ(run.json().at("warnings").size(), 1u);
+    const auto warning = run.json().at("warnings").at(0).get<std::string>();
+    EXPECT_NE(warning.find("no finite sample"), std::string::npos) << warning;
+    EXPECT_EQ(warning.find("from 0 to 0"), std::string::npos) << warning;
   }
 }
 
