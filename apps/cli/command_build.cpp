@@ -20,8 +20,15 @@ struct BuildArguments {
   ReadingArguments reading;
 };
 
+bool holds_bytes(const std::string& path) {
+  std::error_code status;
+  return std::filesystem::is_regular_file(path, status) &&
+         std::filesystem::file_size(path, status) > 0;
+}
+
 Result<void> check_build(const BuildArguments& arguments) {
-  if (is_lode_path(arguments.input))
+  // What is no file, or empty, is left to the reader, which says so.
+  if (is_lode_path(arguments.input) && holds_bytes(arguments.input))
     return fail("{}: expected a file of another format to build from, got a .lode file",
                 arguments.input);
   if (!is_lode_path(arguments.output))

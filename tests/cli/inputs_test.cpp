@@ -57,6 +57,20 @@ TEST(cli_inputs, refuses_a_directory) {
   }
 }
 
+TEST(cli_inputs, says_what_is_no_lode_file_but_named_so) {
+  const Scratch scratch;
+  const auto build = [&](const std::string& name) {
+    return run_lode({"build", scratch / name, scratch / "out.lode"});
+  };
+  std::filesystem::create_directory(scratch / "directory.lode");
+  write_bytes(scratch / "empty.lode", "");
+  write_bytes(scratch / "bytes.lode", "bytes");
+  expect_refusal(build("directory.lode"), 1, {scratch / "directory.lode", "a directory"});
+  expect_refusal(build("empty.lode"), 1, {scratch / "empty.lode", "empty"});
+  expect_refusal(build("missing.lode"), 1, {scratch / "missing.lode", "No such file"});
+  expect_refusal(build("bytes.lode"), 2, {scratch / "bytes.lode", "a .lode file"});
+}
+
 TEST(cli_inputs, refuses_a_truncated_volume) {
   const Scratch scratch;
   write_ball(scratch / "ball.nrrd");
