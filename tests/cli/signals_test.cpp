@@ -79,16 +79,14 @@ bool is_being_written(const Scratch& scratch, const std::string& output) {
   return false;
 }
 
-TEST(cli_signals, stop_a_surface_that_is_being_written) {
-  const Scratch scratch;
-  write_noise(scratch / "noise.nrrd", 48);
+/// Interrupts runs that write `output`; returns how many were stopped, leaving nothing.
+int stop_while_writing(const std::vector<std::string>& arguments, const std::string& output,
+                       const Scratch& scratch) {
   const std::vector<std::string> before = scratch.files();
-  const std::string output = scratch / "noise.obj";
   int n_stopped = 0;
   for (int i = 0; i < 5; ++i) {
-    Running running(
-        {"extract", scratch / "noise.nrrd", output, "--isovalue", "128", "--max-error", "0"});
-    ASSERT_TRUE(is_being_written(scratch, output));
+    Running running(arguments);
+    EXPECT_TRUE(is_being_written(scratch, output));
     running.send(SIGINT);
     const Finished run = running.finish();
     if (run.exit_code == 0) {  // It came too late.
@@ -100,7 +98,24 @@ TEST(cli_signals, stop_a_surface_that_is_being_written) {
     EXPECT_EQ(run.out, "");
     EXPECT_EQ(scratch.files(), before);
   }
-  EXPECT_GT(n_stopped, 0);
+  return n_stopped;
+}
+
+TEST(cli_signals, stop_a_surface_that_is_being_written) {
+  const Scratch scratch;
+  const std::string output = scratch / "noise.obj";
+  write_noise(scratch / "noise.nrrd", 48);
+  EXPECT_GT(stop_while_writing({"extract", scratch / "noise.nrrd", output, "--isovalue", "128",
+                                "--max-error", "0"},
+                               output, scratch),
+            0);
+}
+
+TEST(cli_signals, stop_a_lode_file_that_is_being_written) {
+  const Scratch scratch;
+  const std::string output = scratch / "noise.lode";
+  write_noise(scratch / "noise.nrrd", 96);
+  EXPECT_GT(stop_while_writing({"build", scratch / "noise.nrrd", output}, output, scratch), 0);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ void Writer::set_metadata(std::span<const std::byte> metadata) {
   directory_.metadata.assign(metadata.begin(), metadata.end());
 }
 
-Result<std::uint64_t> Writer::finish() {
+Result<std::uint64_t> Writer::finish(const Progress& progress) {
   LODE_EXPECTS(!is_finished_);
   is_finished_ = true;
   LODE_CHECK(check_keys_differ(directory_.blocks, order_by_key(directory_.blocks), path_));
@@ -52,7 +52,7 @@ Result<std::uint64_t> Writer::finish() {
                       .directory_checksum = checksum(stored)};
   LODE_CHECK(file_.write(stored));
   LODE_CHECK(file_.write_at(0, encode_header(header)));
-  LODE_CHECK(file_.commit());
+  LODE_CHECK(file_.commit(progress));
   return header.file_size;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lode/core/atomic_file.h"
+#include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/store/codec.h"
 #include "lode/store/directory.h"
@@ -26,8 +27,10 @@ class Writer {
   /// Replaces the metadata, for what is known only after the blocks.
   void set_metadata(std::span<const std::byte> metadata);
   /// Writes the directory and the header and renames the file into place; the size of the file.
-  /// Fails when two blocks have one key. Nothing may be called afterwards.
-  [[nodiscard]] Result<std::uint64_t> finish();
+  /// Fails when two blocks have one key, or `progress` is cancelled before the rename. Nothing may
+  /// be called afterwards.
+  [[nodiscard]] Result<std::uint64_t> finish(const Progress& progress);
+  [[nodiscard]] Result<std::uint64_t> finish() { return finish(Progress()); }
 
  private:
   Writer(std::string path, AtomicFile file, Directory directory);

@@ -137,10 +137,12 @@ Result<void> save(const Model<D>& model, const std::string& path, Threads thread
     });
     if (progress.is_cancelled()) return cancelled_error();
     progress.report("writing", 1.0 - static_cast<double>(level) / model.shape.n_levels);
-    for (const auto& blocks : pending)
+    for (const auto& blocks : pending) {
+      if (progress.is_cancelled()) return cancelled_error();
       for (const PendingBlock& block : blocks) LODE_CHECK(writer.append(block.key, block.block));
+    }
   }
-  const auto finished = writer.finish();
+  const auto finished = writer.finish(progress);
   if (!finished) return finished.error();
   return {};
 }
