@@ -110,7 +110,7 @@ class Dataset {
   Dataset& operator=(Dataset&&) noexcept;
   ~Dataset();
 
-  /// Builds the hierarchy of a volume with exact errors and ranges.
+  /// Builds the hierarchy of a volume with proven errors and ranges.
   [[nodiscard]] static Result<Dataset> build(VolumeSource& source, const BuildOptions& options,
                                              Progress& progress);
   /// Opens a .lode file; every block that is read is checked.

@@ -243,6 +243,7 @@ class AttributeChecker {
     if (nested.low[at] > nested.high[at]) return;
     const double span = std::max(std::abs(nested.low[at] - model_.range_reference()),
                                  std::abs(nested.high[at] - model_.range_reference()));
+    if (span > 0.999 * static_cast<double>(std::numeric_limits<float>::max())) return;  // infinite
     const double width = nested.high[at] - nested.low[at];
     const double rounded = has_exact_ranges(model_.storage) ? 0 : width / 64;
     const double unit = rounded + 0x1p-22 * span + slack + 0x1p-148;

@@ -39,16 +39,23 @@ inline constexpr int kRangeRoundingExponent = -6;
 
 /// Rounds a range's ends outward to multiples of a power of two, at most 1/64 of its width, so that
 /// they compress; but not beyond the whole field's range. Where one contains another, it still
-/// does.
+/// does. An end that float32 cannot hold is infinite; the other is then rounded as for the widest
+/// range.
 inline void round_range(const std::array<float, 2>& whole, float& low, float& high) {
   const double width = static_cast<double>(high) - static_cast<double>(low);
-  if (!(width > 0) || std::isinf(width)) return;
-  const double step = std::ldexp(1.0, std::ilogb(width) + kRangeRoundingExponent);
+  if (!(width > 0)) return;
+  const int exponent =
+      std::isinf(width) ? std::numeric_limits<float>::max_exponent : std::ilogb(width);
+  const double step = std::ldexp(1.0, exponent + kRangeRoundingExponent);
   // Exact in double; where float32 is coarser than the step, these are multiples already.
-  const auto below = static_cast<float>(std::floor(static_cast<double>(low) / step) * step);
-  const auto above = static_cast<float>(std::ceil(static_cast<double>(high) / step) * step);
-  low = std::max(below, whole[0]) + 0.0F;
-  high = std::min(above, whole[1]) + 0.0F;
+  const double below = std::floor(static_cast<double>(low) / step) * step;
+  const double above = std::ceil(static_cast<double>(high) / step) * step;
+  const auto largest = static_cast<double>(std::numeric_limits<float>::max());
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto whole_low = static_cast<double>(whole[0]);
+  const auto whole_high = static_cast<double>(whole[1]);
+  low = static_cast<float>(std::max(below < -largest ? -infinity : below, whole_low)) + 0.0F;
+  high = static_cast<float>(std::min(above > largest ? infinity : above, whole_high)) + 0.0F;
 }
 
 }  // namespace lode::diamond
