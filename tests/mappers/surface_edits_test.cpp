@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -48,13 +49,14 @@ TEST(surface_edits, leaves_manifolds_alone) {
   }
 }
 
-/// A sheet of 2 (n-1)^2 triangles; its vertices lie on, or one float32
-/// beside, multiples of a half, and its diagonals run at random.
-Surface make_sheet(int n, oracles::Random& random, bool is_flat) {
+/// A sheet of 2 (n-1)^2 triangles; its vertices lie at most `n_beside` float32 steps beside
+/// multiples of a half, its diagonals run at random, and triangles start with any corner.
+Surface make_sheet(int n, int n_beside, oracles::Random& random, bool is_flat) {
   Surface surface;
   const auto nudged = [&](double x) {
     auto y = static_cast<float>(x);
-    const auto n_steps = static_cast<int>(random.below(3)) - 1;
+    const auto n_steps =
+        static_cast<int>(random.below(static_cast<std::uint64_t>(2 * n_beside + 1))) - n_beside;
     for (int i = 0; i < std::abs(n_steps); ++i)
       y = std::nextafter(y, n_steps < 0 ? -100.0F : 100.0F);
     return y;
@@ -76,13 +78,16 @@ Surface make_sheet(int n, oracles::Random& random, bool is_flat) {
       else
         surface.triangles.push_back({p + 1, apex, p + m + 1});
     }
+  for (auto& t : surface.triangles)
+    std::rotate(t.begin(), t.begin() + static_cast<std::ptrdiff_t>(random.below(3)), t.end());
   return surface;
 }
 
 TEST(surface_edits, cuts_beside_vertices_leave_no_degenerate_triangle) {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
     oracles::Random random(seed);
-    Surface surface = make_sheet(12, random, seed % 2 == 0);
+    constexpr std::array kBeside{1, 5, 40};
+    Surface surface = make_sheet(12, kBeside[seed % 3], random, seed % 2 == 0);
     ASSERT_TRUE(check_topology(surface, {}).is_clean_manifold());
     crop(surface, {{{1.0, 1.5, 0.5}}, {{4.0, 3.5, 1.0}}});
     split_pinched_vertices(surface);
@@ -99,7 +104,7 @@ TEST(surface_edits, what_lies_in_a_plane_of_the_box_is_inside) {
   oracles::Random random(1);
   for (const Box3d& box :
        {Box3d{{{-9, -9, -9}}, {{9, 9, 0.7}}}, Box3d{{{-9, -9, 0.7}}, {{9, 9, 9}}}}) {
-    Surface surface = make_sheet(5, random, true);
+    Surface surface = make_sheet(5, 0, random, true);
     const auto before = surface.triangles;
     crop(surface, box);
     EXPECT_EQ(surface.triangles, before);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -106,14 +107,15 @@ Dropped drop_small(Surface& surface, std::vector<std::array<std::uint32_t, N>>& 
 
 /// Cuts cells at one plane of the crop box: coordinate axis times sign <= limit.
 class BoxPlane {
-  static constexpr double kFloat32Step = 0x1p-23;
-
  public:
-  BoxPlane(Surface& surface, std::size_t axis, double sign, double limit)
+  /// rounding: vertices so close to the plane are taken to be in it, so that a plane through
+  /// vertices cuts beside none of them.
+  BoxPlane(Surface& surface, std::size_t axis, double sign, double limit, double rounding)
       : surface_(surface),
         axis_(axis),
         sign_(sign),
-        plane_(static_cast<float>(sign * limit - surface.origin[axis])),
+        plane_(to_float(sign * limit - surface.origin[axis])),
+        rounding_(rounding),
         first_new_(surface.positions.size()) {}
 
   template <std::size_t N>
@@ -126,10 +128,15 @@ class BoxPlane {
   }
 
  private:
-  /// 0 within a unit in the last place, so that a plane through vertices cuts at none of them.
+  static float to_float(double x) {
+    constexpr auto kLargest = static_cast<double>(std::numeric_limits<float>::max());
+    return static_cast<float>(std::clamp(x, -kLargest, kLargest));
+  }
+
   double beyond(std::uint32_t v) const {
-    const double x = static_cast<double>(surface_.positions[v][axis_]) - plane_;
-    return std::abs(x) <= kFloat32Step * std::abs(plane_) ? 0.0 : sign_ * x;
+    const double x =
+        static_cast<double>(surface_.positions[v][axis_]) - static_cast<double>(plane_);
+    return std::abs(x) <= rounding_ ? 0.0 : sign_ * x;
   }
 
   /// Makes one of a cell's new vertices that float32 does not tell apart, where a corner lies
@@ -166,7 +173,7 @@ class BoxPlane {
     };
     const std::uint32_t v = copy_vertex(surface_, a);
     surface_.positions[v] = mixed(surface_.positions[a], surface_.positions[b]);
-    surface_.positions[v][axis_] = static_cast<float>(plane_);
+    surface_.positions[v][axis_] = plane_;
     if (!surface_.normals.empty())
       surface_.normals[v] = normalized(mixed(surface_.normals[a], surface_.normals[b]));
     return entry->second = v;
@@ -184,12 +191,12 @@ class BoxPlane {
     if (std::none_of(d.begin(), d.end(), [](double x) { return x < 0; })) return;
     std::array<std::uint32_t, N + 1> polygon{};
     std::size_t n = 0;
-    std::size_t nearest = 0;  // to the plane, of the corners kept
+    std::size_t nearest = polygon.size();  // to the plane, of the corners kept
     constexpr std::size_t kEdges = N == 2 ? 1 : N;
     for (std::size_t i = 0; i < N; ++i) {
       const std::size_t j = (i + 1) % N;
       if (d[i] <= 0) {
-        if (n == 0 || d[i] > beyond(polygon[nearest])) nearest = n;
+        if (nearest == polygon.size() || d[i] > beyond(polygon[nearest])) nearest = n;
         polygon[n++] = cell[i];
       }
       if (i < kEdges && d[i] * d[j] < 0) polygon[n++] = cut_edge(cell[i], cell[j]);
@@ -207,7 +214,8 @@ class BoxPlane {
   Surface& surface_;
   std::size_t axis_;
   double sign_;
-  double plane_;           ///< Coordinate along the axis, a float32, from the surface's origin.
+  float plane_;  ///< Coordinate along the axis, from the surface's origin.
+  double rounding_;
   std::size_t first_new_;  ///< Vertex: those from here on lie in the plane.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cuts_;
 };
@@ -234,13 +242,42 @@ void split_pinched_vertices(Surface& surface) {
   }
 }
 
+namespace {
+
+Box3d world_bounds(const Surface& surface) {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  Box3d bounds{{{kEndless, kEndless, kEndless}}, {{-kEndless, -kEndless, -kEndless}}};
+  for (std::uint32_t v = 0; v < surface.positions.size(); ++v) {
+    const Vec3d p = surface.world_position(v);
+    for (std::size_t i = 0; i < 3; ++i) {
+      bounds.lower[i] = std::min(bounds.lower[i], p[i]);
+      bounds.upper[i] = std::max(bounds.upper[i], p[i]);
+    }
+  }
+  return bounds;
+}
+
+}  // namespace
+
+double crop_rounding(const Box3d& box, const Box3d& bounds, const Vec3d& origin) {
+  double largest = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (const double end :
+         {std::max(box.lower[i], bounds.lower[i]), std::min(box.upper[i], bounds.upper[i])})
+      largest = std::max(largest, std::abs(end - origin[i]));
+  return 0x1p-20 * largest;
+}
+
 void crop(Surface& surface, const Box3d& box) {
+  if (surface.is_empty()) return;
+  const double rounding = crop_rounding(box, world_bounds(surface), surface.origin);
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
       const double limit = sign < 0 ? -box.lower[axis] : box.upper[axis];
       if (!surface.triangles.empty())
-        BoxPlane(surface, axis, sign, limit).cut_cells(surface.triangles);
-      if (!surface.lines.empty()) BoxPlane(surface, axis, sign, limit).cut_cells(surface.lines);
+        BoxPlane(surface, axis, sign, limit, rounding).cut_cells(surface.triangles);
+      if (!surface.lines.empty())
+        BoxPlane(surface, axis, sign, limit, rounding).cut_cells(surface.lines);
     }
 }
 

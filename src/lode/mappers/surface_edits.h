@@ -19,8 +19,13 @@ struct Dropped {
 /// copies are numbered in the order of their cells. O(n log n).
 void split_pinched_vertices(Surface& surface);
 
+/// How far beside a plane of the box a cropped surface's vertices may lie: 8 to 16 units in the
+/// last place of float32 at its largest coordinate, which may be that of another axis. bounds: what
+/// the surface lies in; origin: its own.
+[[nodiscard]] double crop_rounding(const Box3d& box, const Box3d& bounds, const Vec3d& origin);
+
 /// Keeps the part inside the box (world units) or in its planes; the cut is straight and shared by
-/// both cells.
+/// both cells. Vertices within crop_rounding() of a plane count as in it, and stay where they are.
 void crop(Surface& surface, const Box3d& box);
 
 /// Drops connected pieces of fewer than n cells.

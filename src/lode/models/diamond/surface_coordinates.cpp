@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lode/mappers/surface_edits.h"
+
 namespace lode::diamond {
 namespace {
 
@@ -30,6 +32,7 @@ SurfaceCoordinates::SurfaceCoordinates(const RegularGrid& grid, const Surface& s
                                        const std::optional<Box3d>& clip, Threads threads)
     : index_(surface.positions.size()), planes_(surface.positions.size()) {
   find_rounding(grid, surface);
+  if (clip) clip_rounding_ = crop_rounding(*clip, grid.world_bounds(), surface.origin);
   parallel_for(index_.size(), threads, 4096, [&](std::size_t v, int) {
     const auto vertex = static_cast<std::uint32_t>(v);
     place(grid, surface.world_position(vertex), clip, vertex);
@@ -71,7 +74,8 @@ void SurfaceCoordinates::place(const RegularGrid& grid, const Vec3d& world,
     if (grid.dims[i] > 1) planes |= border.planes << (2 * i);
     index_[vertex][i] = std::clamp(index[i], 0.0, last);
     if (!clip) continue;
-    const PlaneSides cut = sides_of(world[i], clip->lower[i], clip->upper[i], world_rounding_[i]);
+    const PlaneSides cut =
+        sides_of(world[i], clip->lower[i], clip->upper[i], clip_rounding_ + world_rounding_[i]);
     is_outside |= cut.is_outside;
     planes |= cut.planes << (6 + 2 * i);
   }

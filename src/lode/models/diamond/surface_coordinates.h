@@ -69,6 +69,7 @@ class SurfaceCoordinates {
   std::vector<std::uint16_t> planes_;  ///< Two bits an axis: lattice border, then clip box.
   Vec3d rounding_;
   Vec3d world_rounding_;
+  double clip_rounding_ = 0;
   double check_rounding_ = 0;
 };
 
