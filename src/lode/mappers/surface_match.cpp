@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <unordered_map>
 #include <vector>
+
+#include "lode/core/expects.h"
 
 namespace lode {
 namespace {
@@ -78,23 +81,34 @@ class Matcher {
     }
   }
 
+  /// The nearest of those turned the same way, else of those turned the other; then the first.
   void find_partner(std::uint32_t i) {
     const Corners<N> corners = found(i);
     const Vec3d middle = centre(corners);
+    auto best = by_cube_.end();
+    std::tuple<bool, double, std::uint32_t> best_rank;
     for (int side = 0; side < 8; ++side) {
       Vec3d near = middle;
       for (std::size_t k = 0; k < 3; ++k)
         near[k] += ((side >> k) & 1) != 0 ? distance_ : -distance_;
       const auto [begin, end] = by_cube_.equal_range(cube_of(near));
       for (auto at = begin; at != end; ++at) {
-        const Sense sense = compare<N>(expected(at->second), corners, distance_);
+        const Corners<N> candidate = expected(at->second);
+        const Sense sense = compare<N>(candidate, corners, distance_);
         if (sense == Sense::none) continue;
-        if (sense == Sense::turned && report_.n_turned++ == 0) report_.first_turned = i;
-        by_cube_.erase(at);
-        return;
+        const Vec3d offset = centre(candidate) - middle;
+        const std::tuple rank{sense == Sense::turned, dot(offset, offset), at->second};
+        if (best != by_cube_.end() && !(rank < best_rank)) continue;
+        best = at;
+        best_rank = rank;
       }
     }
-    if (report_.n_extra++ == 0) report_.first_extra = i;
+    if (best == by_cube_.end()) {
+      if (report_.n_extra++ == 0) report_.first_extra = i;
+      return;
+    }
+    if (std::get<0>(best_rank) && report_.n_turned++ == 0) report_.first_turned = i;
+    by_cube_.erase(best);
   }
 
   /// Cubes that share a number cost time only.

@@ -21,7 +21,7 @@ struct MatchReport {
 
 /// Compares a well-formed surface with the one expected, in whatever order its cells and vertices
 /// are: cells are the same whose corners lie within `distance` along each axis (world units), one
-/// by one. Distances must be well below the cells' size.
+/// by one. `distance` > 0, and well below the cells' size.
 [[nodiscard]] MatchReport match_surfaces(const Surface& expected, const Surface& surface,
                                          double distance);
 

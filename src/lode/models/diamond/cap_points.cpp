@@ -24,7 +24,9 @@ void align_fractions(double rounding, std::size_t i, std::vector<delaunay::Point
   for (const Fraction& fraction : fractions) {
     if (fraction.distance > first + rounding) first = fraction.distance;
     double& x = points[fraction.point][i];
-    const double distance = first <= rounding ? 0 : std::round(first / kUnit) * kUnit;
+    double distance = std::round(first / kUnit) * kUnit;
+    if (first <= rounding) distance = 0;
+    if (first >= 0.5 - rounding) distance = 0.5;  // from either side
     x = std::round(x) + std::copysign(distance, x - std::round(x));
   }
 }
