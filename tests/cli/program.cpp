@@ -51,6 +51,8 @@ Running::Running(const std::vector<std::string>& arguments) {
   const Pipe err;
   process_ = ::fork();
   if (process_ == 0) {
+    // Whatever the tests themselves ignore: a shell's jobs in the background, SIGINT.
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
     ::dup2(out.ends[1], STDOUT_FILENO);
     ::dup2(err.ends[1], STDERR_FILENO);
     ::execv(argv[0], argv.data());
