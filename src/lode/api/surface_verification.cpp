@@ -16,10 +16,11 @@ namespace {
 
 using diamond::Model;
 
-void add_topology(const Surface& surface, const std::vector<std::uint8_t>& pinches, Threads threads,
+void add_topology(const Surface& surface, const diamond::PinchPlaces& pinches, Threads threads,
                   VerifyReport& report) {
   const TopologyReport t = check_topology(
-      surface, {.may_pinch = [&](std::uint32_t v) { return pinches[v] != 0; }, .threads = threads});
+      surface,
+      {.may_pinch = [&](std::uint32_t v) { return pinches.contain(v); }, .threads = threads});
   const auto add_offenders = [&](const char* name, std::uint64_t n, const Offenders& offenders,
                                  const auto& describe) {
     report.add(name, n, offenders.count,
@@ -143,7 +144,7 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   const bool is_closed = options.border == Border::closed;
   const diamond::ModelSamples<D> samples(model);
   const diamond::BoundaryOptions ends{.clip = options.clip, .threads = options.threads};
-  add_topology(surface, diamond::find_pinches(samples, surface, ends), options.threads, report);
+  add_topology(surface, diamond::PinchPlaces(samples, surface, ends), options.threads, report);
   LODE_TRY(const auto crossings, check_self_intersections(surface, options.threads, progress));
   add_crossings(surface, crossings, report);
   const LatticeFrame frame = LatticeFrame::of(model.info.grid);

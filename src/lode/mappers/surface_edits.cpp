@@ -143,6 +143,7 @@ class BoxPlane {
   /// hardly before or behind the plane, and drops the cells that leaves without area.
   template <std::size_t N>
   void weld(std::vector<std::array<std::uint32_t, N>>& cells) {
+    if (surface_.positions.size() == first_new_) return;
     Groups same(surface_.positions.size());
     for (const auto& cell : cells)
       for (std::size_t k = 0; k < N; ++k) {

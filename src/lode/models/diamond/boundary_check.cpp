@@ -5,7 +5,6 @@
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/cell_neighbours.h"
 #include "lode/models/diamond/cell_pieces.h"
-#include "lode/models/diamond/surface_coordinates.h"
 
 namespace lode::diamond {
 namespace {
@@ -53,16 +52,9 @@ Result<BoundaryReport> check_boundary(const FieldSamples& samples, const Surface
   return report;
 }
 
-std::vector<std::uint8_t> find_pinches(const FieldSamples& samples, const Surface& surface,
-                                       const BoundaryOptions& options) {
-  const SurfaceCoordinates coordinates(samples.grid(), surface, options.clip, options.threads);
-  std::vector<std::uint8_t> pinches(surface.positions.size());
-  parallel_for(pinches.size(), options.threads, 4096, [&](std::size_t v, int) {
-    const std::array vertex{static_cast<std::uint32_t>(v)};
-    pinches[v] =
-        coordinates.are_on_clip(vertex) || is_on_holes(samples, coordinates, vertex) ? 1 : 0;
-  });
-  return pinches;
+bool PinchPlaces::contain(std::uint32_t vertex) const {
+  const std::array point{vertex};
+  return coordinates_.are_on_clip(point) || is_on_holes(samples_, coordinates_, point);
 }
 
 }  // namespace lode::diamond

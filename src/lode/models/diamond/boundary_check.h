@@ -3,13 +3,13 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
 #include "lode/models/diamond/cell_field.h"
+#include "lode/models/diamond/surface_coordinates.h"
 
 namespace lode::diamond {
 
@@ -37,10 +37,19 @@ struct BoundaryReport {
                                                     const BoundaryOptions& options,
                                                     Progress& progress);
 
-/// Which of a surface's vertices lie where its domain may be pinched: between present and removed
-/// cells, or in a plane of the clip box. Within coordinate rounding.
-[[nodiscard]] std::vector<std::uint8_t> find_pinches(const FieldSamples& samples,
-                                                     const Surface& surface,
-                                                     const BoundaryOptions& options);
+/// Whether a surface's domain may be pinched at a vertex of it, which lies between present and
+/// removed cells, or in a plane of the clip box. Within coordinate rounding.
+class PinchPlaces {
+ public:
+  /// `samples` must outlive it.
+  PinchPlaces(const FieldSamples& samples, const Surface& surface, const BoundaryOptions& options)
+      : samples_(samples), coordinates_(samples.grid(), surface, options.clip, options.threads) {}
+
+  [[nodiscard]] bool contain(std::uint32_t vertex) const;
+
+ private:
+  const FieldSamples& samples_;
+  SurfaceCoordinates coordinates_;
+};
 
 }  // namespace lode::diamond

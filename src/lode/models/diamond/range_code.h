@@ -34,9 +34,6 @@ template <typename Bits, typename F>
   return -range_up(-value, -reference);
 }
 
-/// How much of a range's width round_range() may add at either end, as a power of two.
-inline constexpr int kRangeRoundingExponent = -6;
-
 /// Rounds a range's ends outward to multiples of a power of two, at most 1/64 of its width, so that
 /// they compress; but not beyond the whole field's range. Where one contains another, it still
 /// does. An end that float32 cannot hold is infinite; the other is then rounded as for the widest
@@ -44,12 +41,16 @@ inline constexpr int kRangeRoundingExponent = -6;
 inline void round_range(const std::array<float, 2>& whole, float& low, float& high) {
   const double width = static_cast<double>(high) - static_cast<double>(low);
   if (!(width > 0)) return;
-  const int exponent =
-      std::isinf(width) ? std::numeric_limits<float>::max_exponent : std::ilogb(width);
-  const double step = std::ldexp(1.0, exponent + kRangeRoundingExponent);
+  // The power of two in the width, without its mantissa.
+  constexpr std::uint64_t kExponent = 0x7ff0000000000000U;
+  const double power = std::isinf(width)
+                           ? 0x1p128
+                           : std::bit_cast<double>(std::bit_cast<std::uint64_t>(width) & kExponent);
+  const double step = power / 64;
+  const double steps = 64 / power;
   // Exact in double; where float32 is coarser than the step, these are multiples already.
-  const double below = std::floor(static_cast<double>(low) / step) * step;
-  const double above = std::ceil(static_cast<double>(high) / step) * step;
+  const double below = std::floor(static_cast<double>(low) * steps) * step;
+  const double above = std::ceil(static_cast<double>(high) * steps) * step;
   const auto largest = static_cast<double>(std::numeric_limits<float>::max());
   const double infinity = std::numeric_limits<double>::infinity();
   const auto whole_low = static_cast<double>(whole[0]);
