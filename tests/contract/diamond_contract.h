@@ -21,8 +21,6 @@ template <int D>
 class DiamondContract {
  public:
   static constexpr int kDimension = D;
-  using Node = diamond::Diamond<D>;
-
   /// A random volume of an awkward shape.
   static DiamondContract make(std::uint32_t seed, Threads threads) {
     std::mt19937 random(seed);
@@ -52,9 +50,9 @@ class DiamondContract {
   [[nodiscard]] diamond::Refinable<D> refinable() const { return diamond::Refinable<D>(*model_); }
 
   /// The mesh of a cut; each vertex's id is its place in the lattice.
-  [[nodiscard]] Mesh mesh(const Cut<Node>& cut) const {
+  [[nodiscard]] Mesh mesh(const diamond::Refinable<D>& opened, const Cut& cut) const {
     Mesh mesh{D, {}};
-    for (const diamond::Simplex<D>& s : refinable().leaves(cut)) {
+    for (const diamond::Simplex<D>& s : opened.leaves(cut)) {
       Mesh::Cell cell;
       for (const auto& v : s.v) cell.push_back(vertex(v));
       mesh.cells.push_back(cell);

@@ -41,10 +41,10 @@ class PlainWalk {
     if (!model_.shape.overlaps_data(bounds_of(s))) return;
     if (!is_finest(s)) {
       const Diamond<D> d = diamond_at<D>(s.bisection_point());
-      const NodeFacts facts = nodes_.facts(d);
+      const NodeFacts facts = nodes_.facts_at(d);
       const bool is_wanted = query_.tolerance == 0 || facts.error > query_.tolerance ||
                              model_.shape.reaches_across(d.centre, d.level);
-      if (is_wanted && facts.range.meets(query_.isovalue)) {
+      if (is_wanted && facts.range.crosses(query_.isovalue)) {
         for (const Simplex<D>& half : bisect(s)) visit(half);
         return;
       }

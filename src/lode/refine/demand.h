@@ -1,35 +1,70 @@
 #pragma once
 
 #include <concepts>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "lode/refine/model.h"
 
 namespace lode {
 
-/// How much a node wants refining: > 0 if at all, the larger the sooner. Must not decrease when
-/// the error grows or the range or bounds widen; then it is nested as they are.
-template <typename F>
-concept Demand = requires(const F& demand, const NodeFacts& facts) {
-  { demand(facts) } -> std::convertible_to<double>;
+/// How much nodes want refining: > 0 if at all, the larger the sooner. A small value, cheap to
+/// copy, safe to use from many threads. Must not decrease when an error grows, or the range or
+/// bounds widen; then it is nested as they are, and the cut of a query is unique and minimal.
+///
+/// Any callable (const NodeFacts&) -> double is a demand. It may have a member
+/// `bool touches(const NodeFacts&)`, as monotone: where false, the demand is never positive for the
+/// query's focus, so such nodes need not be kept as candidates nor counted in error bounds.
+class Demand {
+ public:
+  /// Wants nothing.
+  Demand();
+  template <typename F>
+  requires(!std::same_as<std::remove_cvref_t<F>, Demand> &&
+           std::is_invocable_r_v<double, const std::remove_cvref_t<F>&, const NodeFacts&>)
+      Demand(F&& rule)  // NOLINT(google-explicit-constructor): any callable is one
+      : rule_(std::make_shared<Held<std::remove_cvref_t<F>>>(std::forward<F>(rule))) {}
+
+  [[nodiscard]] double operator()(const NodeFacts& node) const { return rule_->demand(node); }
+  [[nodiscard]] bool touches(const NodeFacts& node) const { return rule_->touches(node); }
+  /// Whether NodeFacts::bounds must be filled.
+  [[nodiscard]] bool uses_bounds() const { return rule_->uses_bounds(); }
+
+ private:
+  struct Rule {
+    virtual ~Rule() = default;
+    [[nodiscard]] virtual double demand(const NodeFacts& node) const = 0;
+    [[nodiscard]] virtual bool touches(const NodeFacts& node) const = 0;
+    [[nodiscard]] virtual bool uses_bounds() const = 0;
+  };
+  template <typename F>
+  struct Held final : Rule {
+    explicit Held(F f) : rule(std::move(f)) {}
+    [[nodiscard]] double demand(const NodeFacts& node) const override { return rule(node); }
+    [[nodiscard]] bool touches(const NodeFacts& node) const override {
+      if constexpr (requires { rule.touches(node); })
+        return rule.touches(node);
+      else
+        return true;
+    }
+    [[nodiscard]] bool uses_bounds() const override {
+      if constexpr (requires { rule.uses_bounds(); })
+        return rule.uses_bounds();
+      else
+        return true;
+    }
+    F rule;
+  };
+
+  std::shared_ptr<const Rule> rule_;
 };
 
-/// The same tolerance everywhere, in field units; 0 refines every node, whatever its error.
-struct UniformDemand {
-  double tolerance = 0;
-
-  [[nodiscard]] double operator()(const NodeFacts& node) const {
-    return tolerance == 0 ? 1 + node.error : node.error - tolerance;
-  }
-};
-
-/// A tolerance where an isosurface may pass, nothing elsewhere.
-struct IsovalueDemand {
-  double isovalue = 0;
-  double tolerance = 0;
-
-  [[nodiscard]] double operator()(const NodeFacts& node) const {
-    return node.range.meets(isovalue) ? UniformDemand{tolerance}(node) : 0;
-  }
-};
+/// The largest of several demands; nothing where there are none.
+[[nodiscard]] Demand max_of(std::vector<Demand> demands);
+/// The sum of the positive ones: what many want comes first.
+[[nodiscard]] Demand sum_of(std::vector<Demand> demands);
+/// The smallest: only what all want.
+[[nodiscard]] Demand min_of(std::vector<Demand> demands);
 
 }  // namespace lode

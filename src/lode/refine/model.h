@@ -2,13 +2,18 @@
 
 // What the engine needs from a multiresolution model. The engine never learns what a node is.
 
+#include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
-#include "lode/core/box.h"
+#include "lode/core/vec.h"
 
 namespace lode {
+
+/// A node of a model; the order of ids breaks ties between equal demands.
+enum class NodeId : std::uint64_t {};
 
 /// Minimum and maximum of the full-resolution field; empty (low > high) where there is none.
 struct Range {
@@ -16,30 +21,86 @@ struct Range {
   double high = 0;
 
   [[nodiscard]] bool is_empty() const { return low > high; }
-  [[nodiscard]] bool meets(double value) const { return low <= value && value <= high; }
+  /// Whether an isosurface may pass: samples of at least the isovalue are inside it.
+  [[nodiscard]] bool crosses(double isovalue) const { return low < isovalue && isovalue <= high; }
+  [[nodiscard]] bool meets(const Range& r) const { return low <= r.high && r.low <= high; }
   [[nodiscard]] bool contains(const Range& r) const {
     return r.is_empty() || (low <= r.low && r.high <= high);
   }
 };
 
-/// A node's nested attributes: its own joined with all its descendants'.
-struct NodeFacts {
-  double error = 0;  ///< Field units: how wrong the field is on its domain if it is not refined.
-  Range range;       ///< Of the full-resolution field over the domain.
-  Box3d bounds;      ///< World units: contains the domain.
+/// World units.
+struct Ball {
+  Vec3d centre;
+  double radius = 0;
+
+  [[nodiscard]] bool contains(const Ball& b) const {
+    return length(b.centre - centre) + b.radius <= radius;
+  }
 };
 
-/// A model whose refinements are partially ordered. `add_base` appends the nodes that can be
-/// applied first; `add_children` those that may follow a node (its discovery children); and
-/// `add_parents` those that must be applied before it. Ids are unique and order equal demands.
-template <typename M>
-concept RefinableModel = requires(const M& model, const typename M::Node& node,
-                                  std::vector<typename M::Node>& out) {
-  { model.id(node) } -> std::same_as<std::uint64_t>;
-  { model.facts(node) } -> std::same_as<NodeFacts>;
-  model.add_base(out);
-  model.add_children(node, out);
-  model.add_parents(node, out);
+/// A node's nested attributes, its own joined with all its descendants', as a cut keeps them.
+struct StoredFacts {
+  float error = 0;                                             ///< Field units, rounded up.
+  float world_error = std::numeric_limits<float>::infinity();  ///< World units; an estimate.
+  float low = 0;   ///< Range above the model's range_reference(), rounded outward;
+  float high = 0;  ///< low > high where there is no field.
+  /// Its simplices reach across the end of the data, where a surface must end exactly.
+  bool is_at_border = false;
+
+  friend bool operator==(const StoredFacts&, const StoredFacts&) = default;
 };
+
+/// The same as demands see them.
+struct NodeFacts {
+  double error = 0;        ///< How wrong the field is on its domain if it is not refined.
+  double world_error = 0;  ///< How far an isosurface may be off, an estimate.
+  Range range;             ///< Of the full-resolution field over the domain.
+  Ball bounds;             ///< Contains the domain.
+  bool is_at_border = false;
+};
+
+/// `bounds` stay empty: only some demands look at them.
+[[nodiscard]] inline NodeFacts without_bounds(const StoredFacts& stored, double range_reference) {
+  NodeFacts facts{
+      stored.error, stored.world_error, {stored.low, stored.high}, {}, stored.is_at_border};
+  if (range_reference != 0 && !facts.range.is_empty()) {
+    constexpr double kEndless = std::numeric_limits<double>::infinity();
+    facts.range = {std::nextafter(facts.range.low + range_reference, -kEndless),
+                   std::nextafter(facts.range.high + range_reference, kEndless)};
+  }
+  return facts;
+}
+
+/// A model whose refinements are partially ordered, opened for refinement: it is told of every node
+/// that is applied or undone, one at a time, always from one consistent set to another.
+/// - add_base: the nodes that nothing comes before, or that discovery starts from.
+/// - add_children: the nodes that a node discovers; each node but the base has exactly one such
+///   parent, which it also depends on.
+/// - add_parents: the nodes a node directly depends on. If some are not applied, those must be
+///   first, and asking again afterwards may name others. Once all are applied the list is
+///   complete, and the same again after the node has been undone. Implicit and tabulated models
+///   know it always; label-encoded ones find it in the mesh of the nodes applied so far.
+/// - facts, bounds: nested along add_children.
+/// - apply, undo: return how many simplices the mesh has gained or lost by it.
+template <typename M>
+concept RefinableModel = requires(M& model, const M& fixed, NodeId node, std::vector<NodeId>& out) {
+  fixed.add_base(out);
+  fixed.add_children(node, out);
+  fixed.add_parents(node, out);
+  { fixed.facts(node) } -> std::same_as<StoredFacts>;
+  { fixed.bounds(node) } -> std::same_as<Ball>;
+  { fixed.range_reference() } -> std::convertible_to<double>;
+  { fixed.n_base_cells() } -> std::convertible_to<std::uint64_t>;
+  { model.apply(node) } -> std::convertible_to<std::uint64_t>;
+  { model.undo(node) } -> std::convertible_to<std::uint64_t>;
+};
+
+template <RefinableModel M>
+[[nodiscard]] NodeFacts facts_of(const M& model, NodeId node) {
+  NodeFacts facts = without_bounds(model.facts(node), model.range_reference());
+  facts.bounds = model.bounds(node);
+  return facts;
+}
 
 }  // namespace lode

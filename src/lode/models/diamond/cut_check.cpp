@@ -83,8 +83,8 @@ class CutChecker {
     }
     if (is_finest(s)) return;  // F' is F there
     const Diamond<D> d = diamond_at<D>(s.bisection_point());
-    const NodeFacts facts = nodes_.facts(d);
-    if (!facts.range.meets(query_.isovalue) || is_clear(s, box, facts.error)) {
+    const NodeFacts facts = nodes_.facts_at(d);
+    if (!facts.range.crosses(query_.isovalue) || is_clear(s, box, facts.error)) {
       check_pruned(s, box, report);
       return;
     }

@@ -1,6 +1,7 @@
 #include "lode/models/diamond/refinable.h"
 
 #include "lode/models/diamond/selection.h"
+#include "lode/models/diamond/star.h"
 
 namespace lode::diamond {
 namespace {
@@ -10,11 +11,11 @@ constexpr double kEndless = std::numeric_limits<double>::infinity();
 }  // namespace
 
 template <int D>
-std::uint64_t Refinable<D>::id(const Node& node) const {
-  std::uint64_t id = 0;
-  for (std::size_t i = 0; i < as_size(D); ++i)
-    id |= static_cast<std::uint64_t>(node.centre[i]) << (21 * i);
-  return id;
+Refinable<D>::Refinable(const Model<D>& model, const WorldErrors* world_errors)
+    : model_(model),
+      world_errors_(world_errors),
+      to_world_(model.info.grid.index_to_world_matrix()) {
+  find_radii();
 }
 
 template <int D>
@@ -25,98 +26,164 @@ bool Refinable<D>::exists(const Index<D>& centre) const {
   return model_.shape.overlaps_data(bounds_of(diamond_at<D>(centre)));
 }
 
+/// A node's ball contains the vertices of its own domain and its children's balls.
 template <int D>
-Box3d Refinable<D>::bounds(const Node& node) const {
-  // Descendants of the same level lie up to h away along an odd axis, which is even from then on;
-  // the next level's cubes h / 2 further along every axis, and so on: 3h and 2h in all.
-  const auto reach = [&](int axis) { return (node.is_odd(axis) ? 3 : 2) * node.h(); };
-  Box3d box;
-  bool is_first = true;
-  for (int corner = 0; corner < (1 << D); ++corner) {
-    Index<D> p;
-    for (int i = 0; i < D; ++i) {
-      const std::int32_t to_side = ((corner >> i) & 1) == 0 ? -reach(i) : reach(i);
-      p[as_size(i)] = node.centre[as_size(i)] + to_side;
-    }
-    p = model_.clamped(p);
-    const Index3 q = model_.axes.to_grid(p);
-    const Vec3d world = model_.info.grid.to_world({{double(q[0]), double(q[1]), double(q[2])}});
-    for (std::size_t i = 0; i < 3; ++i) {
-      box.lower[i] = is_first ? world[i] : std::min(box.lower[i], world[i]);
-      box.upper[i] = is_first ? world[i] : std::max(box.upper[i], world[i]);
-    }
-    is_first = false;
-  }
-  return box;
+void Refinable<D>::find_radii() {
+  const auto distance = [&](const Index<D>& step) {
+    const Index3 q = model_.axes.to_grid(step);
+    return length(to_world_ * Vec3d{{double(q[0]), double(q[1]), double(q[2])}});
+  };
+  for (int level = 0; level < model_.shape.n_levels; ++level)
+    for (int tier = D - 1; tier >= 0; --tier)
+      for (std::uint32_t odd = 1; odd < power(2, D); ++odd) {
+        if (D - std::popcount(odd) != tier) continue;
+        Index<D> centre;
+        for (int i = 0; i < D; ++i) centre[as_size(i)] = (((odd >> i) & 1U) != 0 ? 3 : 4) << level;
+        const Diamond<D> d = diamond_at<D>(centre);
+        double radius = 0;
+        for (const Index<D>& v : domain_vertices<D>(d))
+          radius = std::max(radius, distance(v - centre));
+        for (const Index<D>& child : children<D>(d)) {
+          const Diamond<D> c = diamond_at<D>(child);
+          radius = std::max(radius, distance(child - centre) + radii_[as_size(c.level)][c.odd]);
+        }
+        radii_[as_size(level)][odd] = radius * (1 + 1e-12);
+      }
 }
 
 template <int D>
-NodeFacts Refinable<D>::facts(const Node& node) const {
-  if (node.level == 0 && node.tier > 0) return finest_facts(node);
+Ball Refinable<D>::bounds(NodeId id) const {
+  const Diamond<D> node = diamond_at<D>(centre_of<D>(id));
+  const Index3 q = model_.axes.to_grid(node.centre);
+  return {model_.info.grid.to_world({{double(q[0]), double(q[1]), double(q[2])}}),
+          radii_[as_size(node.level)][node.odd]};
+}
+
+template <int D>
+StoredFacts Refinable<D>::facts(NodeId id) const {
+  const Diamond<D> node = diamond_at<D>(centre_of<D>(id));
+  StoredFacts facts;
+  facts.is_at_border = model_.shape.reaches_across(node.centre, node.level);
+  if (node.level == 0 && node.tier > 0) {
+    add_finest(node, facts);
+    return facts;
+  }
   const Selection<D> selection(model_, 0, 0);
   const std::size_t at = selection.index_of(node);
   const NodeLevel& level = model_.levels[as_size(node.level)];
-  const double reference = model_.range_reference();
-  return {static_cast<double>(decode_error(level.error[at])),
-          {static_cast<double>(level.low[at]) + reference,
-           static_cast<double>(level.high[at]) + reference},
-          bounds(node)};
+  facts.error = decode_error(level.error[at]);
+  facts.low = level.low[at];
+  facts.high = level.high[at];
+  if (world_errors_ != nullptr)
+    facts.world_error = decode_error((*world_errors_)[as_size(node.level)][at]);
+  return facts;
 }
 
+/// Own error and range, and those of the nodes below.
 template <int D>
-void Refinable<D>::join_own(const Node& node, NodeFacts& facts) const {
+void Refinable<D>::join_finest(const Diamond<D>& node, Finest& facts) const {
   const auto join = [&](double f) {
     if (std::isnan(f)) return;
     facts.range.low = std::min(facts.range.low, f);
     facts.range.high = std::max(facts.range.high, f);
   };
   for (const Index<D>& v : domain_vertices<D>(node)) join(model_.value_or_nan(v));
-  join(model_.value_or_nan(node.centre));
+  const double value = model_.value_or_nan(node.centre);
+  join(value);
   if (model_.has_holes() && model_.is_mixed(node.centre)) facts.error = kEndless;
-  if (!model_.shape.is_sample(node.centre)) return;
-  const auto ends = axis_ends<D>(node);
-  const double e = std::abs(model_.value_or_nan(node.centre) -
-                            0.5 * (model_.value_or_nan(ends[0]) + model_.value_or_nan(ends[1])));
-  if (!std::isnan(e)) facts.error = std::max(facts.error, e + rounding_slack<D>(model_));
-}
-
-template <int D>
-NodeFacts Refinable<D>::finest_facts(const Node& node) const {
-  NodeFacts facts{0, {kEndless, -kEndless}, bounds(node)};
-  join_own(node, facts);
-  std::vector<Node> below;
-  add_children(node, below);
-  for (const Node& child : below) {
-    const NodeFacts nested = finest_facts(child);
-    facts.error = std::max(facts.error, nested.error);
-    facts.range.low = std::min(facts.range.low, nested.range.low);
-    facts.range.high = std::max(facts.range.high, nested.range.high);
+  if (model_.shape.is_sample(node.centre)) {
+    const auto ends = axis_ends<D>(node);
+    const double e =
+        std::abs(value - 0.5 * (model_.value_or_nan(ends[0]) + model_.value_or_nan(ends[1])));
+    if (!std::isnan(e)) facts.error = std::max(facts.error, e + rounding_slack<D>(model_));
   }
-  return facts;
+  if (node.tier == D - 1) return;
+  for (const Index<D>& child : children<D>(node))
+    if (exists(child)) join_finest(diamond_at<D>(child), facts);
+}
+
+/// Rounded as stored ones are.
+template <int D>
+void Refinable<D>::add_finest(const Diamond<D>& node, StoredFacts& facts) const {
+  Finest finest{0, {kEndless, -kEndless}};
+  join_finest(node, finest);
+  facts.error = decode_error(encode_error(float_up(finest.error)));
+  const double low = finest.range.low - range_reference();
+  const double high = finest.range.high - range_reference();
+  facts.low = static_cast<float>(low);
+  facts.high = static_cast<float>(high);
+  constexpr float kFloatEndless = std::numeric_limits<float>::infinity();
+  if (static_cast<double>(facts.low) > low) facts.low = std::nextafter(facts.low, -kFloatEndless);
+  if (static_cast<double>(facts.high) < high)
+    facts.high = std::nextafter(facts.high, kFloatEndless);
+  if (world_errors_ != nullptr)
+    facts.world_error = decode_error(encode_error(float_up(finest_world_error<D>(model_, node))));
 }
 
 template <int D>
-void Refinable<D>::add_base(std::vector<Node>& out) const {
+void Refinable<D>::add_base(std::vector<NodeId>& out) const {
   if (!model_.shape.has_cells()) return;
-  Index<D> centre;
-  for (std::size_t i = 0; i < as_size(D); ++i) centre[i] = model_.shape.root_side() / 2;
-  out.push_back(diamond_at<D>(centre));
+  out.push_back(id_of<D>(all_equal<D>(model_.shape.root_side() / 2)));
 }
 
 template <int D>
-void Refinable<D>::add_children(const Node& node, std::vector<Node>& out) const {
-  for (const Index<D>& centre : children<D>(node))
-    if (exists(centre)) out.push_back(diamond_at<D>(centre));
+void Refinable<D>::add_all_children(NodeId id, std::vector<NodeId>& out) const {
+  for (const Index<D>& child : children<D>(diamond_at<D>(centre_of<D>(id))))
+    if (exists(child)) out.push_back(id_of<D>(child));
 }
 
 template <int D>
-void Refinable<D>::add_parents(const Node& node, std::vector<Node>& out) const {
-  for (const Index<D>& centre : parents<D>(node, model_.shape.root_side()))
-    if (exists(centre)) out.push_back(diamond_at<D>(centre));
+void Refinable<D>::add_children(NodeId id, std::vector<NodeId>& out) const {
+  const Index<D> centre = centre_of<D>(id);
+  const std::int32_t root = model_.shape.root_side();
+  const auto is_first_parent = [&](const Index<D>& child) {
+    for (const Index<D>& parent : parents<D>(diamond_at<D>(child), root))
+      if (exists(parent)) return parent == centre;
+    return false;
+  };
+  for (const Index<D>& child : children<D>(diamond_at<D>(centre)))
+    if (exists(child) && is_first_parent(child)) out.push_back(id_of<D>(child));
 }
 
 template <int D>
-std::vector<Simplex<D>> Refinable<D>::leaves(const Cut<Node>& cut) const {
+void Refinable<D>::add_parents(NodeId id, std::vector<NodeId>& out) const {
+  for (const Index<D>& parent :
+       parents<D>(diamond_at<D>(centre_of<D>(id)), model_.shape.root_side()))
+    if (exists(parent)) out.push_back(id_of<D>(parent));
+}
+
+template <int D>
+std::uint64_t Refinable<D>::n_base_cells() const {
+  if (!model_.shape.has_cells()) return 0;
+  std::uint64_t n = 0;
+  for (const Simplex<D>& s : kuhn_simplices<D>({}, model_.shape.root_side()))
+    n += model_.shape.overlaps_data(bounds_of(s)) ? 1 : 0;
+  return n;
+}
+
+/// What bisecting adds: one for each simplex, unless one half misses the data.
+template <int D>
+std::uint64_t Refinable<D>::n_simplices(NodeId id) const {
+  const Diamond<D> node = diamond_at<D>(centre_of<D>(id));
+  const Star<D>& star = star_of(node);
+  const LatticeBox<D> box = bounds_of(node);
+  bool is_inside = true;
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    is_inside = is_inside && box.lower[i] >= 0 && box.upper[i] < model_.shape.dims[i];
+  if (is_inside) return star.simplices.size();
+  std::uint64_t n = 0;
+  for (const Simplex<D>& s : star.simplices) {
+    const Simplex<D> whole = placed(s, node);
+    if (!model_.shape.overlaps_data(bounds_of(whole))) continue;
+    --n;
+    for (const Simplex<D>& half : bisect(whole))
+      n += model_.shape.overlaps_data(bounds_of(half)) ? 1 : 0;
+  }
+  return n;
+}
+
+template <int D>
+std::vector<Simplex<D>> Refinable<D>::leaves(const Cut& cut) const {
   std::vector<Simplex<D>> result;
   if (!model_.shape.has_cells()) return result;
   std::vector<Simplex<D>> open = kuhn_simplices<D>({}, model_.shape.root_side());
@@ -124,7 +191,7 @@ std::vector<Simplex<D>> Refinable<D>::leaves(const Cut<Node>& cut) const {
     const Simplex<D> simplex = open.back();
     open.pop_back();
     if (!model_.shape.overlaps_data(bounds_of(simplex))) continue;
-    if (is_finest(simplex) || !cut.contains(id(diamond_at<D>(simplex.bisection_point())))) {
+    if (is_finest(simplex) || !cut.contains(id_of<D>(simplex.bisection_point()))) {
       result.push_back(simplex);
       continue;
     }

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lode/core/vec.h"
+#include "lode/refine/model.h"
+
+namespace lode {
+
+/// A consistent set of applied nodes, and the candidates beyond it: found by an applied node, in
+/// focus, not applied themselves. 32 bytes a node in pages that never move, found through an open
+/// hash table of 4-byte entries, at most three quarters full.
+class Cut {
+ public:
+  using Place = std::uint32_t;
+  static constexpr Place kNowhere = 0xFFFFFFFFU;
+
+  enum class State : std::uint8_t { empty, candidate, applied };
+
+  struct Entry {
+    NodeId id{};
+    float error = 0;
+    float world_error = 0;
+    float low = 0;
+    float high = 0;
+    float demand = 0;
+    std::uint16_t n_dependents = 0;  ///< Applied nodes that directly depend on this one.
+    State state = State::empty;
+    bool is_at_border = false;
+
+    [[nodiscard]] StoredFacts facts() const {
+      return {error, world_error, low, high, is_at_border};
+    }
+  };
+  static_assert(sizeof(Entry) == 32);
+
+  Cut();
+
+  [[nodiscard]] bool contains(NodeId id) const {
+    const Place at = find(id);
+    return at != kNowhere && (*this)[at].state == State::applied;
+  }
+  [[nodiscard]] std::size_t n_applied() const { return n_applied_; }
+  /// The applied nodes by ascending id.
+  [[nodiscard]] std::vector<NodeId> applied() const;
+
+  // For the engine and one_shot().
+
+  [[nodiscard]] Place find(NodeId id) const {
+    for (std::size_t i = slot_of(id);; i = (i + 1) & mask_) {
+      const Place at = slots_[i];
+      if (at == kNowhere || (*this)[at].id == id) return at;
+    }
+  }
+  [[nodiscard]] Entry& operator[](Place at) { return pages_[at / kPageSize][at % kPageSize]; }
+  [[nodiscard]] const Entry& operator[](Place at) const {
+    return pages_[at / kPageSize][at % kPageSize];
+  }
+  /// Adds a candidate, which must not be there.
+  Place insert(NodeId id, const StoredFacts& facts);
+  void erase(Place at);
+  void set_state(Place at, State state) {
+    Entry& entry = (*this)[at];
+    n_applied_ += state == State::applied ? 1 : 0;
+    n_applied_ -= entry.state == State::applied ? 1 : 0;
+    entry.state = state;
+  }
+  /// Places 0 .. n_places-1 hold all entries, and empty ones.
+  [[nodiscard]] std::size_t n_places() const { return n_places_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t n_bytes() const {
+    return pages_.size() * (kPageSize * sizeof(Entry) + sizeof(void*)) +
+           (slots_.capacity() + free_.capacity()) * sizeof(Place);
+  }
+
+ private:
+  static constexpr std::size_t kPageSize = 1024;
+
+  [[nodiscard]] std::size_t slot_of(NodeId id) const {
+    return static_cast<std::size_t>((static_cast<std::uint64_t>(id) * 0x9E3779B97F4A7C15ULL) >>
+                                    shift_);
+  }
+  void grow();
+
+  std::vector<std::unique_ptr<Entry[]>> pages_;
+  std::vector<Place> free_;
+  std::vector<Place> slots_;
+  std::size_t mask_ = 0;
+  int shift_ = 0;
+  std::size_t n_places_ = 0;
+  std::size_t size_ = 0;
+  std::size_t n_applied_ = 0;
+};
+
+}  // namespace lode

@@ -1,0 +1,441 @@
+#pragma once
+
+// Selective refinement from any earlier cut, by two priority queues: Cignoni, De Floriani, Magillo,
+// Puppo, Scopigno (2004), section 4.3.
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "lode/refine/demand.h"
+#include "lode/refine/demand_queue.h"
+#include "lode/refine/error_counts.h"
+#include "lode/refine/one_shot.h"
+
+namespace lode {
+
+/// How large the mesh of a cut may be.
+struct Budget {
+  std::uint64_t max_cells = std::numeric_limits<std::uint64_t>::max();  ///< Simplices.
+
+  [[nodiscard]] bool is_limited() const {
+    return max_cells != std::numeric_limits<std::uint64_t>::max();
+  }
+  friend bool operator==(const Budget&, const Budget&) = default;
+};
+
+/// What a new query has in common with the one before.
+enum class FocusChange : std::uint8_t {
+  changed,  ///< Perhaps nothing: candidates are looked for anew.
+  same,     ///< Demand::touches is the same function: only tolerance, view or budget differ.
+};
+
+/// Where the engine stands; true after every step.
+struct Standing {
+  std::uint64_t n_steps = 0;    ///< Since the query was set.
+  std::uint64_t n_applied = 0;  ///< Nodes in the cut.
+  std::uint64_t n_cells = 0;    ///< Simplices of its mesh.
+  double error_bound = 0;       ///< Largest nested field error left unrefined in focus.
+  bool is_settled = false;      ///< The answer: nothing is left to do.
+  bool budget_met = true;       ///< False: even the base is larger.
+  bool is_nested = true;  ///< False: a demand was seen to grow along discovery, which is no error,
+                          ///< but then the cut may depend on where it started.
+};
+
+/// Moves a cut towards the answer of a query, one node or a few thousand evaluations a step. After
+/// any step the cut is consistent, and the query can be changed.
+///
+/// Without a budget the answer is the ancestors' closure of {demand > 0}, the same from any earlier
+/// cut. With one it is the longest prefix of one order whose every member fits: again and again
+/// the candidate of the largest demand, ties by id, with whatever must come before it. So larger
+/// budgets contain smaller ones.
+template <RefinableModel M>
+class Engine {
+ public:
+  /// `model` is at its base and must outlive the engine.
+  explicit Engine(M& model) : model_(model), n_cells_(model.n_base_cells()) {}
+
+  void set_query(Demand demand, Budget budget = {}, FocusChange focus = FocusChange::changed);
+
+  /// False if nothing was left to do.
+  bool step();
+
+  /// Steps until the answer is there.
+  void finish() {
+    while (step()) {
+    }
+  }
+  /// Steps until the answer is there, or `must_stop`, asked before each, says so.
+  template <typename MustStop>
+  void run(const MustStop& must_stop) {
+    while (!must_stop() && step()) {
+    }
+  }
+
+  [[nodiscard]] Standing standing() const {
+    return {n_steps_,
+            cut_.n_applied(),
+            n_cells_,
+            static_cast<double>(errors_.largest()),
+            phase_ == Phase::settled,
+            n_cells_ <= budget_.max_cells,
+            is_nested_};
+  }
+  [[nodiscard]] const Cut& cut() const { return cut_; }
+  /// The largest measure(facts) of a candidate: what the answer achieves in any unit.
+  template <typename Measure>
+  [[nodiscard]] double largest(const Measure& measure) const;
+  /// Of all the engine holds; the model's own not included.
+  [[nodiscard]] std::size_t n_bytes() const {
+    return cut_.n_bytes() + wanted_.n_bytes() + spare_.n_bytes() + sizeof(*this) +
+           sizeof(std::uint32_t) * 0x7F81;
+  }
+
+ private:
+  using Place = Cut::Place;
+  using State = Cut::State;
+  enum class Phase : std::uint8_t {
+    settled,
+    evaluate,  ///< All entries get their new demand.
+    adjust,    ///< Refining what is wanted most, undoing what is least.
+    unwind,    ///< Back to before the demand at which the budget ends,
+    replay,    ///< and forward in order.
+  };
+  struct Room {
+    float demand = 0;
+    std::uint64_t n_cells = 0;
+  };
+  static constexpr std::size_t kEvaluationsPerStep = 1024;
+
+  [[nodiscard]] NodeFacts facts(NodeId id, const StoredFacts& stored) const {
+    NodeFacts result = without_bounds(stored, model_.range_reference());
+    if (demand_.uses_bounds()) result.bounds = model_.bounds(id);
+    return result;
+  }
+  void settle() { phase_ = Phase::settled; }
+
+  void evaluate_some();
+  void evaluate(Place at);
+  void discover(NodeId id, float limit);
+  void queue_candidate(Place at);
+  void queue_spare(Place at);
+
+  void adjust();
+  void make_room();
+  bool is_valid_candidate(const Ranked& entry) const;
+  bool is_valid_spare(const Ranked& entry) const;
+  const Ranked* most_wanted();
+  const Ranked* least_wanted();
+
+  void begin_chain(NodeId id, float demand);
+  void continue_chain();
+  void roll_back();
+  bool find_missing_parents(NodeId id);
+  void apply(NodeId id);
+  void undo(NodeId id);
+  void end_chain();
+
+  M& model_;
+  Demand demand_;
+  Budget budget_;
+  Cut cut_;
+  DemandQueue<false> wanted_;  ///< Candidates with a demand.
+  DemandQueue<true> spare_;    ///< Applied nodes nothing depends on; unlimited: only unwanted ones.
+  ErrorCounts errors_;         ///< Of all candidates.
+  Phase phase_ = Phase::settled;
+  std::size_t next_place_ = 0;  ///< To evaluate.
+  FocusChange focus_ = FocusChange::changed;
+  bool is_in_order_ = true;  ///< The cut was reached from the base by this query alone.
+  bool is_nested_ = true;
+  std::optional<Room> room_;  ///< What the most wanted node lacks.
+  float unwind_to_ = 0;
+  std::vector<NodeId> chain_;  ///< What is being applied: the wanted one, then what it needs.
+  std::vector<NodeId> done_;   ///< Applied for it so far.
+  float chain_demand_ = 0;
+  std::uint64_t cells_before_chain_ = 0;
+  bool is_rolling_back_ = false;
+  std::uint64_t n_cells_ = 0;
+  std::uint64_t n_steps_ = 0;
+  std::vector<NodeId> parents_;   // scratch
+  std::vector<NodeId> children_;  // scratch
+};
+
+template <RefinableModel M>
+void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus) {
+  // An evaluation that was cut short has not looked for candidates everywhere.
+  const bool is_complete = phase_ != Phase::evaluate || focus_ == FocusChange::same;
+  demand_ = std::move(demand);
+  budget_ = budget;
+  focus_ = is_complete ? focus : FocusChange::changed;
+  phase_ = Phase::evaluate;
+  next_place_ = 0;
+  n_steps_ = 0;
+  wanted_.clear();
+  spare_.clear();
+  chain_.clear();
+  done_.clear();
+  room_.reset();
+  is_rolling_back_ = false;
+  is_in_order_ = cut_.n_applied() == 0;
+  is_nested_ = true;
+  if (focus_ == FocusChange::same) return;
+  children_.clear();
+  model_.add_base(children_);
+  for (const NodeId id : children_)
+    if (cut_.find(id) == Cut::kNowhere) discover(id, std::numeric_limits<float>::infinity());
+}
+
+template <RefinableModel M>
+bool Engine<M>::step() {
+  if (phase_ == Phase::settled) return false;
+  ++n_steps_;
+  if (phase_ == Phase::evaluate)
+    evaluate_some();
+  else if (!chain_.empty() || is_rolling_back_)
+    continue_chain();
+  else
+    adjust();
+  return true;
+}
+
+template <RefinableModel M>
+void Engine<M>::evaluate_some() {
+  const std::size_t end = std::min(cut_.n_places(), next_place_ + kEvaluationsPerStep);
+  for (; next_place_ < end; ++next_place_) evaluate(static_cast<Place>(next_place_));
+  if (next_place_ == cut_.n_places()) phase_ = Phase::adjust;
+}
+
+template <RefinableModel M>
+void Engine<M>::evaluate(Place at) {
+  Cut::Entry& entry = cut_[at];
+  if (entry.state == State::empty) return;
+  const NodeFacts node = facts(entry.id, entry.facts());
+  if (entry.state == State::candidate && !demand_.touches(node)) {
+    errors_.remove(entry.error);
+    cut_.erase(at);
+    return;
+  }
+  entry.demand = to_rank(demand_(node));
+  if (entry.state == State::candidate) {
+    queue_candidate(at);
+    return;
+  }
+  queue_spare(at);
+  if (focus_ == FocusChange::same) return;
+  children_.clear();
+  const float limit = entry.demand;
+  model_.add_children(entry.id, children_);
+  for (const NodeId child : children_)
+    if (cut_.find(child) == Cut::kNowhere) discover(child, limit);
+}
+
+/// `limit`: the demand of the node that discovers it.
+template <RefinableModel M>
+void Engine<M>::discover(NodeId id, float limit) {
+  const StoredFacts stored = model_.facts(id);
+  const NodeFacts node = facts(id, stored);
+  if (!demand_.touches(node)) return;
+  const Place at = cut_.insert(id, stored);
+  cut_[at].demand = to_rank(demand_(node));
+  is_nested_ = is_nested_ && !(cut_[at].demand > 0 && cut_[at].demand > limit);
+  errors_.add(stored.error);
+  queue_candidate(at);
+}
+
+template <RefinableModel M>
+void Engine<M>::queue_candidate(Place at) {
+  const Cut::Entry& entry = cut_[at];
+  if (!(entry.demand > 0)) return;
+  if (wanted_.size() > 2 * cut_.size() + 1024)
+    wanted_.keep_if([&](const Ranked& other) { return is_valid_candidate(other); });
+  wanted_.push({entry.id, entry.demand, at});
+}
+
+template <RefinableModel M>
+void Engine<M>::queue_spare(Place at) {
+  const Cut::Entry& entry = cut_[at];
+  if (entry.n_dependents > 0 || (entry.demand > 0 && !budget_.is_limited())) return;
+  if (spare_.size() > 2 * cut_.size() + 1024)
+    spare_.keep_if([&](const Ranked& other) { return is_valid_spare(other); });
+  spare_.push({entry.id, entry.demand, at});
+}
+
+template <RefinableModel M>
+bool Engine<M>::is_valid_candidate(const Ranked& entry) const {
+  const Cut::Entry& now = cut_[entry.place];
+  return now.state == State::candidate && now.id == entry.id && now.demand == entry.demand;
+}
+
+template <RefinableModel M>
+bool Engine<M>::is_valid_spare(const Ranked& entry) const {
+  const Cut::Entry& now = cut_[entry.place];
+  return now.state == State::applied && now.id == entry.id && now.demand == entry.demand &&
+         now.n_dependents == 0;
+}
+
+template <RefinableModel M>
+const Ranked* Engine<M>::most_wanted() {
+  while (!wanted_.is_empty() && !is_valid_candidate(wanted_.top())) wanted_.pop();
+  return wanted_.is_empty() ? nullptr : &wanted_.top();
+}
+
+template <RefinableModel M>
+const Ranked* Engine<M>::least_wanted() {
+  while (!spare_.is_empty() && !is_valid_spare(spare_.top())) spare_.pop();
+  return spare_.is_empty() ? nullptr : &spare_.top();
+}
+
+template <RefinableModel M>
+void Engine<M>::adjust() {
+  if (phase_ == Phase::unwind) {
+    const Ranked* least = least_wanted();
+    if (least != nullptr && least->demand <= unwind_to_) return undo(least->id);
+    phase_ = Phase::replay;
+  }
+  if (n_cells_ > budget_.max_cells) {
+    const Ranked* least = least_wanted();
+    return least != nullptr ? undo(least->id) : settle();
+  }
+  if (room_) return make_room();
+  if (const Ranked* most = most_wanted()) {
+    begin_chain(most->id, most->demand);
+    return continue_chain();
+  }
+  const Ranked* least = least_wanted();
+  if (least == nullptr || least->demand > 0) return settle();
+  undo(least->id);
+}
+
+/// The most wanted node did not fit: what is wanted less goes first.
+template <RefinableModel M>
+void Engine<M>::make_room() {
+  if (is_in_order_ || phase_ == Phase::replay) return settle();
+  const Ranked* least = least_wanted();
+  if (n_cells_ + room_->n_cells <= budget_.max_cells) {
+    room_.reset();
+  } else if (least != nullptr && least->demand < room_->demand) {
+    undo(least->id);
+  } else {
+    unwind_to_ = room_->demand;
+    room_.reset();
+    phase_ = Phase::unwind;
+  }
+}
+
+template <RefinableModel M>
+void Engine<M>::begin_chain(NodeId id, float demand) {
+  chain_.assign(1, id);
+  done_.clear();
+  chain_demand_ = demand;
+  cells_before_chain_ = n_cells_;
+}
+
+/// Leaves a node's parents in parents_; those that are missing go on the chain.
+template <RefinableModel M>
+bool Engine<M>::find_missing_parents(NodeId id) {
+  parents_.clear();
+  model_.add_parents(id, parents_);
+  const std::size_t n_before = chain_.size();
+  for (const NodeId parent : parents_)
+    if (!cut_.contains(parent)) chain_.push_back(parent);
+  return chain_.size() > n_before;
+}
+
+/// Applies the next node of the chain.
+template <RefinableModel M>
+void Engine<M>::continue_chain() {
+  if (is_rolling_back_) return roll_back();
+  while (!chain_.empty()) {
+    const NodeId id = chain_.back();
+    if (cut_.contains(id)) {
+      chain_.pop_back();
+      continue;
+    }
+    if (find_missing_parents(id)) continue;
+    chain_.pop_back();
+    apply(id);
+    if (!budget_.is_limited()) return;
+    done_.push_back(id);
+    if (n_cells_ <= budget_.max_cells) return;
+    is_rolling_back_ = true;
+    room_ = Room{chain_demand_, n_cells_ - cells_before_chain_};
+    return;
+  }
+}
+
+template <RefinableModel M>
+void Engine<M>::roll_back() {
+  const NodeId id = done_.back();
+  done_.pop_back();
+  const bool was_in_order = is_in_order_;
+  undo(id);
+  is_in_order_ = was_in_order;
+  if (!done_.empty()) return;
+  is_rolling_back_ = false;
+  chain_.clear();
+}
+
+/// Its parents are applied, and in parents_.
+template <RefinableModel M>
+void Engine<M>::apply(NodeId id) {
+  for (const NodeId parent : parents_) ++cut_[cut_.find(parent)].n_dependents;
+  Place at = cut_.find(id);
+  if (at == Cut::kNowhere) {
+    const StoredFacts stored = model_.facts(id);
+    at = cut_.insert(id, stored);
+    cut_[at].demand = to_rank(demand_(facts(id, stored)));
+  } else {
+    errors_.remove(cut_[at].error);
+  }
+  cut_.set_state(at, State::applied);
+  cut_[at].n_dependents = 0;
+  n_cells_ += model_.apply(id);
+  queue_spare(at);
+  children_.clear();
+  model_.add_children(id, children_);
+  const float limit = cut_[at].demand;
+  for (const NodeId child : children_) discover(child, limit);
+}
+
+template <RefinableModel M>
+void Engine<M>::undo(NodeId id) {
+  is_in_order_ = false;
+  n_cells_ -= model_.undo(id);
+  parents_.clear();
+  model_.add_parents(id, parents_);
+  for (const NodeId parent : parents_) {
+    const Place at = cut_.find(parent);
+    if (--cut_[at].n_dependents == 0) queue_spare(at);
+  }
+  children_.clear();
+  model_.add_children(id, children_);
+  for (const NodeId child : children_) {
+    const Place at = cut_.find(child);
+    if (at == Cut::kNowhere) continue;
+    errors_.remove(cut_[at].error);
+    cut_.erase(at);
+  }
+  const Place at = cut_.find(id);
+  if (!demand_.touches(facts(id, cut_[at].facts()))) return cut_.erase(at);
+  cut_.set_state(at, State::candidate);
+  errors_.add(cut_[at].error);
+  queue_candidate(at);
+}
+
+template <RefinableModel M>
+template <typename Measure>
+double Engine<M>::largest(const Measure& measure) const {
+  double result = 0;
+  for (std::size_t at = 0; at < cut_.n_places(); ++at) {
+    const Cut::Entry& entry = cut_[static_cast<Place>(at)];
+    if (entry.state != State::candidate) continue;
+    NodeFacts node = without_bounds(entry.facts(), model_.range_reference());
+    node.bounds = model_.bounds(entry.id);
+    result = std::max(result, static_cast<double>(measure(node)));
+  }
+  return result;
+}
+
+}  // namespace lode

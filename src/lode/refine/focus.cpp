@@ -1,0 +1,146 @@
+#include "lode/refine/focus.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lode {
+namespace {
+
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+/// Wants refining, but after everything that has an error.
+constexpr double kLast = 1e-30;
+
+bool touches_focus(const IsovalueFocus& focus, const NodeFacts& node) {
+  return std::any_of(focus.isovalues.begin(), focus.isovalues.end(),
+                     [&](double isovalue) { return node.range.crosses(isovalue); });
+}
+
+bool touches_focus(const IntervalFocus& focus, const NodeFacts& node) {
+  return !node.range.is_empty() && node.range.meets(focus.interval);
+}
+
+bool touches_focus(const BoxFocus& focus, const NodeFacts& node) {
+  double squared = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double x = node.bounds.centre[i];
+    const double d = std::max({focus.box.lower[i] - x, x - focus.box.upper[i], 0.0});
+    squared += d * d;
+  }
+  return squared <= node.bounds.radius * node.bounds.radius;
+}
+
+bool touches_focus(const BallFocus& focus, const NodeFacts& node) {
+  return length(node.bounds.centre - focus.ball.centre) <= node.bounds.radius + focus.ball.radius;
+}
+
+bool touches_focus(const HalfSpaceFocus& focus, const NodeFacts& node) {
+  return dot(node.bounds.centre - focus.point, normalized(focus.normal)) >= -node.bounds.radius;
+}
+
+bool touches_focus(const SectionFocus& focus, const NodeFacts& node) {
+  return std::abs(dot(node.bounds.centre - focus.point, normalized(focus.normal))) <=
+         node.bounds.radius;
+}
+
+double opacity_at(const OpacityFocus& focus, double value) {
+  const auto& points = focus.points;
+  const auto above = std::find_if(points.begin(), points.end(),
+                                  [&](const auto& point) { return point.value >= value; });
+  if (above == points.end()) return points.back().opacity;
+  if (above == points.begin()) return above->opacity;
+  const auto& below = *(above - 1);
+  const double t = (value - below.value) / (above->value - below.value);
+  return below.opacity + t * (above->opacity - below.opacity);
+}
+
+bool touches_focus(const OpacityFocus& focus, const NodeFacts& node) {
+  if (focus.points.empty() || node.range.is_empty()) return false;
+  if (opacity_at(focus, node.range.low) > 0 || opacity_at(focus, node.range.high) > 0) return true;
+  return std::any_of(focus.points.begin(), focus.points.end(), [&](const auto& point) {
+    return point.opacity > 0 && node.range.low <= point.value && point.value <= node.range.high;
+  });
+}
+
+bool touches_focus(const ViewFocus& focus, const NodeFacts& node) {
+  return focus.shows(node.bounds);
+}
+
+double excess(double error, double tolerance) {
+  if (tolerance == 0) return std::max(error, kLast);
+  return error - tolerance;
+}
+
+}  // namespace
+
+bool ViewFocus::shows(const Ball& ball) const {
+  return std::all_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+    return dot(plane.normal, ball.centre) - plane.offset <= ball.radius;
+  });
+}
+
+double ViewFocus::pixels(double length_of, const Ball& ball) const {
+  if (length_of == 0) return 0;
+  const double distance = length(ball.centre - eye) - ball.radius;
+  return distance > 0 ? pixels_per_radian * length_of / distance : kEndless;
+}
+
+bool touches(const Focus& focus, const NodeFacts& node) {
+  return std::visit([&](const auto& kind) { return touches_focus(kind, node); }, focus);
+}
+
+double FocusDemand::error(const NodeFacts& node) const {
+  if (!std::all_of(foci.begin(), foci.end(),
+                   [&](const Focus& focus) { return lode::touches(focus, node); }))
+    return 0;
+  switch (unit) {
+    case ErrorUnit::field: return node.error;
+    case ErrorUnit::world: return node.world_error;
+    case ErrorUnit::pixels: return view ? view->pixels(node.world_error, node.bounds) : 0;
+  }
+  return node.error;
+}
+
+double FocusDemand::operator()(const NodeFacts& node) const {
+  const bool is_inside = std::all_of(
+      foci.begin(), foci.end(), [&](const Focus& focus) { return lode::touches(focus, node); });
+  const double tolerance = is_inside ? inside : outside;
+  if (tolerance == kEndless) return 0;
+  double measured = node.error;
+  if (unit == ErrorUnit::world) measured = node.world_error;
+  if (unit == ErrorUnit::pixels) measured = view ? view->pixels(node.world_error, node.bounds) : 0;
+  const double demand = excess(measured, tolerance);
+  return is_inside && ends_at_border && node.is_at_border ? std::max(demand, kLast) : demand;
+}
+
+/// A view does not count: what is out of sight remains a candidate, so that a moved view finds it.
+bool FocusDemand::touches(const NodeFacts& node) const {
+  if (outside != kEndless) return true;
+  return std::all_of(foci.begin(), foci.end(), [&](const Focus& focus) {
+    return std::holds_alternative<ViewFocus>(focus) || lode::touches(focus, node);
+  });
+}
+
+bool FocusDemand::uses_bounds() const {
+  if (unit == ErrorUnit::pixels) return true;
+  return std::any_of(foci.begin(), foci.end(), [](const Focus& focus) {
+    return !std::holds_alternative<IsovalueFocus>(focus) &&
+           !std::holds_alternative<IntervalFocus>(focus) &&
+           !std::holds_alternative<OpacityFocus>(focus);
+  });
+}
+
+Demand uniform_demand(double tolerance) {
+  FocusDemand demand;
+  demand.inside = tolerance;
+  return demand;
+}
+
+Demand isovalue_demand(double isovalue, double tolerance) {
+  FocusDemand demand;
+  demand.foci = {IsovalueFocus{{isovalue}}};
+  demand.inside = tolerance;
+  demand.ends_at_border = true;
+  return demand;
+}
+
+}  // namespace lode
