@@ -4,33 +4,17 @@
 // Puppo, Scopigno (2004), section 4.3.
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "lode/refine/budget.h"
 #include "lode/refine/demand.h"
 #include "lode/refine/demand_queue.h"
 #include "lode/refine/error_counts.h"
 #include "lode/refine/one_shot.h"
 
 namespace lode {
-
-/// How large the mesh of a cut may be.
-struct Budget {
-  std::uint64_t max_cells = std::numeric_limits<std::uint64_t>::max();  ///< Simplices.
-
-  [[nodiscard]] bool is_limited() const {
-    return max_cells != std::numeric_limits<std::uint64_t>::max();
-  }
-  friend bool operator==(const Budget&, const Budget&) = default;
-};
-
-/// What a new query has in common with the one before.
-enum class FocusChange : std::uint8_t {
-  changed,  ///< Perhaps nothing: candidates are looked for anew.
-  same,     ///< Demand::touches is the same function: only tolerance, view or budget differ.
-};
 
 /// Where the engine stands; true after every step.
 struct Standing {

@@ -16,7 +16,9 @@ bool touches_focus(const IsovalueFocus& focus, const NodeFacts& node) {
 }
 
 bool touches_focus(const IntervalFocus& focus, const NodeFacts& node) {
-  return !node.range.is_empty() && node.range.meets(focus.interval);
+  return !node.range.is_empty() &&
+         std::any_of(focus.intervals.begin(), focus.intervals.end(),
+                     [&](const Range& interval) { return node.range.meets(interval); });
 }
 
 bool touches_focus(const BoxFocus& focus, const NodeFacts& node) {
@@ -67,7 +69,7 @@ bool touches_focus(const ViewFocus& focus, const NodeFacts& node) {
 
 double excess(double error, double tolerance) {
   if (tolerance == 0) return std::max(error, kLast);
-  return error - tolerance;
+  return std::max(0.0, error - tolerance);
 }
 
 }  // namespace
@@ -103,7 +105,8 @@ double FocusDemand::error(const NodeFacts& node) const {
 double FocusDemand::operator()(const NodeFacts& node) const {
   const bool is_inside = std::all_of(
       foci.begin(), foci.end(), [&](const Focus& focus) { return lode::touches(focus, node); });
-  const double tolerance = is_inside ? inside : outside;
+  // The smaller tolerance inside: it would not be monotone otherwise.
+  const double tolerance = is_inside ? std::min(inside, outside) : outside;
   if (tolerance == kEndless) return 0;
   double measured = node.error;
   if (unit == ErrorUnit::world) measured = node.world_error;

@@ -20,9 +20,9 @@ namespace lode {
 struct IsovalueFocus {
   std::vector<double> isovalues;
 };
-/// Where the field may have a value of the interval.
+/// Where the field may have a value of one of the intervals.
 struct IntervalFocus {
-  Range interval;
+  std::vector<Range> intervals;
 };
 struct BoxFocus {
   Box3d box;
@@ -72,7 +72,8 @@ using Focus = std::variant<IsovalueFocus, IntervalFocus, BoxFocus, BallFocus, Ha
 enum class ErrorUnit { field, world, pixels };
 
 /// The built-in demand: the error above `inside` where all of the foci touch, above `outside`
-/// elsewhere. A tolerance of 0 refines whatever it is about, even without error.
+/// elsewhere; an `outside` below `inside` holds inside, too. A tolerance of 0 refines whatever it
+/// is about, even without error.
 struct FocusDemand {
   std::vector<Focus> foci;  ///< Everywhere, if empty.
   double inside = 0;
