@@ -21,6 +21,8 @@ template <int D>
 class DiamondContract {
  public:
   static constexpr int kDimension = D;
+  /// Whatever a node needs has at least its error.
+  static constexpr bool kIsNestedAlongParents = true;
   /// A random volume of an awkward shape.
   static DiamondContract make(std::uint32_t seed, Threads threads) {
     std::mt19937 random(seed);

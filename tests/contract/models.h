@@ -1,0 +1,24 @@
+#pragma once
+
+// The models that the tests of this room are made for; a model joins by one line.
+
+#include <gtest/gtest.h>
+
+#include "tests/contract/diamond_contract.h"
+#include "tests/contract/split_contract.h"
+
+namespace lode::test {
+
+/// Those that can be saved and opened.
+using StoredModels = ::testing::Types<  //
+    DiamondContract<2>,                 //
+    DiamondContract<3>>;
+
+/// All that the engine refines.
+using AllModels = ::testing::Types<  //
+    DiamondContract<2>,              //
+    DiamondContract<3>,              //
+    SplitTableContract,              //
+    SplitLabelsContract>;
+
+}  // namespace lode::test
