@@ -1,12 +1,11 @@
 #include "lode/refine/cut.h"
 
 #include <algorithm>
-#include <bit>
 #include <utility>
 
 namespace lode {
 
-Cut::Cut() : slots_(64, kNowhere), mask_(63), shift_(58) {}
+Cut::Cut() : slots_(64, kNowhere), mask_(63) {}
 
 std::vector<NodeId> Cut::applied() const {
   std::vector<NodeId> result;
@@ -20,7 +19,7 @@ std::vector<NodeId> Cut::applied() const {
 }
 
 Cut::Place Cut::insert(NodeId id, const StoredFacts& facts) {
-  if (4 * (size_ + 1) > 3 * slots_.size()) grow();
+  if (8 * (size_ + 1) > 5 * slots_.size()) grow();
   Place at;
   if (!free_.empty()) {
     at = free_.back();
@@ -59,7 +58,6 @@ void Cut::grow() {
   const std::vector<Place> old =
       std::exchange(slots_, std::vector<Place>(2 * slots_.size(), kNowhere));
   mask_ = slots_.size() - 1;
-  shift_ = 64 - static_cast<int>(std::bit_width(mask_));
   for (const Place at : old) {
     if (at == kNowhere) continue;
     std::size_t i = slot_of((*this)[at].id);

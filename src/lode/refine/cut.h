@@ -12,7 +12,7 @@ namespace lode {
 
 /// A consistent set of applied nodes, and the candidates beyond it: found by an applied node, in
 /// focus, not applied themselves. 32 bytes a node in pages that never move, found through an open
-/// hash table of 4-byte entries, at most three quarters full.
+/// hash table of 4-byte entries, at most 5/8 full.
 class Cut {
  public:
   using Place = std::uint32_t;
@@ -55,6 +55,8 @@ class Cut {
       if (at == kNowhere || (*this)[at].id == id) return at;
     }
   }
+  /// Asks the memory for what find() will look at first.
+  void prefetch(NodeId id) const { __builtin_prefetch(&slots_[slot_of(id)]); }
   [[nodiscard]] Entry& operator[](Place at) { return pages_[at / kPageSize][at % kPageSize]; }
   [[nodiscard]] const Entry& operator[](Place at) const {
     return pages_[at / kPageSize][at % kPageSize];
@@ -80,8 +82,9 @@ class Cut {
   static constexpr std::size_t kPageSize = 1024;
 
   [[nodiscard]] std::size_t slot_of(NodeId id) const {
-    return static_cast<std::size_t>((static_cast<std::uint64_t>(id) * 0x9E3779B97F4A7C15ULL) >>
-                                    shift_);
+    auto bits = static_cast<std::uint64_t>(id);
+    bits = (bits ^ (bits >> 32)) * 0x9E3779B97F4A7C15ULL;
+    return static_cast<std::size_t>(bits ^ (bits >> 32)) & mask_;
   }
   void grow();
 
@@ -89,7 +92,6 @@ class Cut {
   std::vector<Place> free_;
   std::vector<Place> slots_;
   std::size_t mask_ = 0;
-  int shift_ = 0;
   std::size_t n_places_ = 0;
   std::size_t size_ = 0;
   std::size_t n_applied_ = 0;

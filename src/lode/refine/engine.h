@@ -113,6 +113,7 @@ class Engine {
   const Ranked* most_wanted();
   const Ranked* least_wanted();
 
+  void prefetch(NodeId id) const;
   void begin_chain(NodeId id, float demand);
   void continue_chain();
   void roll_back();
@@ -142,8 +143,9 @@ class Engine {
   bool is_rolling_back_ = false;
   std::uint64_t n_cells_ = 0;
   std::uint64_t n_steps_ = 0;
-  std::vector<NodeId> parents_;   // scratch
-  std::vector<NodeId> children_;  // scratch
+  std::vector<NodeId> parents_;  ///< This and the next two are scratch.
+  std::vector<Place> parent_places_;
+  std::vector<NodeId> children_;
 };
 
 template <RefinableModel M>
@@ -285,6 +287,8 @@ void Engine<M>::adjust() {
   if (room_) return make_room();
   if (const Ranked* most = most_wanted()) {
     begin_chain(most->id, most->demand);
+    wanted_.pop();
+    if (!wanted_.is_empty()) prefetch(wanted_.top().id);
     return continue_chain();
   }
   const Ranked* least = least_wanted();
@@ -308,6 +312,13 @@ void Engine<M>::make_room() {
   }
 }
 
+/// For the node that comes next: the memory answers while this one is applied.
+template <RefinableModel M>
+void Engine<M>::prefetch(NodeId id) const {
+  cut_.prefetch(id);
+  if constexpr (requires { model_.prefetch(id); }) model_.prefetch(id);
+}
+
 template <RefinableModel M>
 void Engine<M>::begin_chain(NodeId id, float demand) {
   chain_.assign(1, id);
@@ -316,14 +327,21 @@ void Engine<M>::begin_chain(NodeId id, float demand) {
   cells_before_chain_ = n_cells_;
 }
 
-/// Leaves a node's parents in parents_; those that are missing go on the chain.
+/// Leaves the places of a node's parents in parent_places_; those that are missing go on the
+/// chain.
 template <RefinableModel M>
 bool Engine<M>::find_missing_parents(NodeId id) {
   parents_.clear();
+  parent_places_.clear();
   model_.add_parents(id, parents_);
   const std::size_t n_before = chain_.size();
-  for (const NodeId parent : parents_)
-    if (!cut_.contains(parent)) chain_.push_back(parent);
+  for (const NodeId parent : parents_) {
+    const Place at = cut_.find(parent);
+    if (at == Cut::kNowhere || cut_[at].state != State::applied)
+      chain_.push_back(parent);
+    else
+      parent_places_.push_back(at);
+  }
   return chain_.size() > n_before;
 }
 
@@ -358,13 +376,16 @@ void Engine<M>::roll_back() {
   is_in_order_ = was_in_order;
   if (!done_.empty()) return;
   is_rolling_back_ = false;
+  if (chain_.empty()) return;  // the wanted node was undone, and is in the queue again
+  const Place wanted = cut_.find(chain_.front());
+  if (wanted != Cut::kNowhere && cut_[wanted].state == State::candidate) queue_candidate(wanted);
   chain_.clear();
 }
 
-/// Its parents are applied, and in parents_.
+/// Its parents are applied, and their places in parent_places_.
 template <RefinableModel M>
 void Engine<M>::apply(NodeId id) {
-  for (const NodeId parent : parents_) ++cut_[cut_.find(parent)].n_dependents;
+  for (const Place parent : parent_places_) ++cut_[parent].n_dependents;
   Place at = cut_.find(id);
   if (at == Cut::kNowhere) {
     const StoredFacts stored = model_.facts(id);

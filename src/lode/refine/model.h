@@ -65,9 +65,11 @@ struct NodeFacts {
   NodeFacts facts{
       stored.error, stored.world_error, {stored.low, stored.high}, {}, stored.is_at_border};
   if (range_reference != 0 && !facts.range.is_empty()) {
-    constexpr double kEndless = std::numeric_limits<double>::infinity();
-    facts.range = {std::nextafter(facts.range.low + range_reference, -kEndless),
-                   std::nextafter(facts.range.high + range_reference, kEndless)};
+    // At least one unit outward: adding rounds.
+    facts.range.low += range_reference;
+    facts.range.high += range_reference;
+    facts.range.low -= std::abs(facts.range.low) * 0x1p-52;
+    facts.range.high += std::abs(facts.range.high) * 0x1p-52;
   }
   return facts;
 }
@@ -76,7 +78,7 @@ struct NodeFacts {
 /// that is applied or undone, one at a time, always from one consistent set to another.
 /// - add_base: the nodes that nothing comes before, or that discovery starts from.
 /// - add_children: the nodes that a node discovers; each node but the base has exactly one such
-///   parent, which it also depends on.
+///   node, on which it depends, directly or not.
 /// - add_parents: the nodes a node directly depends on. If some are not applied, those must be
 ///   first, and asking again afterwards may name others. Once all are applied the list is
 ///   complete, and the same again after the node has been undone. Implicit and tabulated models

@@ -118,31 +118,30 @@ template <int D>
   return result;
 }
 
-/// The nodes that must be refined before `d`: 2·tier in the same level, or D of the next coarser
-/// one. Empty for the root. Not clipped to any root cube of side `root`, except that a tier-0
-/// node of that size has no parents.
+/// The nodes that must be refined before `d`: 2·tier in the same level, by axis, the lower side
+/// first; or D of the next coarser one, by axis. Empty for the root. Not clipped to any root cube
+/// of side `root`, except that a tier-0 node of that size has no parents.
 template <int D>
-[[nodiscard]] NearPoints<D> parents(const Diamond<D>& d, std::int32_t root) {
+[[nodiscard]] constexpr NearPoints<D> parents(const Diamond<D>& d, std::int32_t root) {
   NearPoints<D> result;
+  const std::int32_t h = d.h();
   if (d.tier > 0) {
     for (int i = 0; i < D; ++i)
       if (!d.is_odd(i))
-        for (const std::int32_t s : {-d.h(), d.h()}) {
+        for (const std::int32_t s : {-h, h}) {
           Index<D> c = d.centre;
           c[as_size(i)] += s;
           result.push_back(c);
         }
     return result;
   }
-  if (2 * d.h() >= root) return result;
-  for (int corner = 0; corner < (1 << D); ++corner) {
-    Index<D> c = d.centre;
-    int n_odd = 0;
-    for (int i = 0; i < D; ++i) {
-      c[as_size(i)] += ((corner >> i) & 1) != 0 ? d.h() : -d.h();
-      n_odd += (c[as_size(i)] >> (d.level + 1)) & 1;
-    }
-    if (n_odd == 1) result.push_back(c);
+  if (2 * h >= root) return result;
+  // A cube's even corner has all coordinates ≡ 0 mod 4h; each parent one ≡ 2h.
+  const Index<D> even = axis_ends<D>(d)[0];
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    Index<D> c = even;
+    c[i] = 2 * d.centre[i] - c[i];
+    result.push_back(c);
   }
   return result;
 }

@@ -1,12 +1,27 @@
 #include "lode/models/diamond/refinable.h"
 
-#include "lode/models/diamond/selection.h"
 #include "lode/models/diamond/star.h"
 
 namespace lode::diamond {
 namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+/// The children of a node with all its relations whose first parent it is: parents() lists the one
+/// on the lower side of the first even axis first; of cubes, the one whose axis is axis 0.
+template <int D, typename Body>
+void for_each_discovered(const Diamond<D>& node, const Body& body) {
+  if (node.tier == D - 1) {
+    if (node.level > 0 && node.is_odd(0))
+      for (const Index<D>& child : children<D>(node)) body(child);
+    return;
+  }
+  for (int i = 0; i < D && node.is_odd(i); ++i) {
+    Index<D> child = node.centre;
+    child[as_size(i)] += node.h();
+    body(child);
+  }
+}
 
 }  // namespace
 
@@ -16,6 +31,35 @@ Refinable<D>::Refinable(const Model<D>& model, const WorldErrors* world_errors)
       world_errors_(world_errors),
       to_world_(model.info.grid.index_to_world_matrix()) {
   find_radii();
+  find_strides();
+}
+
+template <int D>
+bool Refinable<D>::is_deep(const Diamond<D>& node) const {
+  const std::int32_t reach = 4 * node.h();
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    if (node.centre[i] < reach || node.centre[i] + reach >= model_.shape.dims[i]) return false;
+  return true;
+}
+
+template <int D>
+void Refinable<D>::find_strides() {
+  for (int level = 0; level < model_.shape.n_levels; ++level) {
+    const Index<D> dims = model_.shape.attribute_dims(level);
+    std::size_t stride = 1;
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      strides_[as_size(level)][i] = stride;
+      stride *= as_size(dims[i]);
+    }
+  }
+}
+
+template <int D>
+std::size_t Refinable<D>::index_of(const Diamond<D>& node) const {
+  std::size_t index = 0;
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    index += as_size(node.centre[i] >> std::max(node.level, 1)) * strides_[as_size(node.level)][i];
+  return index;
 }
 
 template <int D>
@@ -53,7 +97,7 @@ void Refinable<D>::find_radii() {
 
 template <int D>
 Ball Refinable<D>::bounds(NodeId id) const {
-  const Diamond<D> node = diamond_at<D>(centre_of<D>(id));
+  const Diamond<D> node = diamond_of<D>(id);
   const Index3 q = model_.axes.to_grid(node.centre);
   return {model_.info.grid.to_world({{double(q[0]), double(q[1]), double(q[2])}}),
           radii_[as_size(node.level)][node.odd]};
@@ -61,15 +105,14 @@ Ball Refinable<D>::bounds(NodeId id) const {
 
 template <int D>
 StoredFacts Refinable<D>::facts(NodeId id) const {
-  const Diamond<D> node = diamond_at<D>(centre_of<D>(id));
+  const Diamond<D> node = diamond_of<D>(id);
   StoredFacts facts;
   facts.is_at_border = model_.shape.reaches_across(node.centre, node.level);
   if (node.level == 0 && node.tier > 0) {
     add_finest(node, facts);
     return facts;
   }
-  const Selection<D> selection(model_, 0, 0);
-  const std::size_t at = selection.index_of(node);
+  const std::size_t at = index_of(node);
   const NodeLevel& level = model_.levels[as_size(node.level)];
   facts.error = decode_error(level.error[at]);
   facts.low = level.low[at];
@@ -121,6 +164,21 @@ void Refinable<D>::add_finest(const Diamond<D>& node, StoredFacts& facts) const 
 }
 
 template <int D>
+void Refinable<D>::prefetch(NodeId id) const {
+  const Diamond<D> node = diamond_of<D>(id);
+  if (node.level == 0 || !is_deep(node)) return;
+  const auto touch = [&](const Index<D>& centre) {
+    const Diamond<D> d = diamond_at<D>(centre);
+    const std::size_t at = index_of(d);
+    const NodeLevel& level = model_.levels[as_size(d.level)];
+    __builtin_prefetch(&level.error[at]);
+    __builtin_prefetch(&level.low[at]);
+    __builtin_prefetch(&level.high[at]);
+  };
+  for_each_discovered(node, touch);
+}
+
+template <int D>
 void Refinable<D>::add_base(std::vector<NodeId>& out) const {
   if (!model_.shape.has_cells()) return;
   out.push_back(id_of<D>(all_equal<D>(model_.shape.root_side() / 2)));
@@ -128,28 +186,33 @@ void Refinable<D>::add_base(std::vector<NodeId>& out) const {
 
 template <int D>
 void Refinable<D>::add_all_children(NodeId id, std::vector<NodeId>& out) const {
-  for (const Index<D>& child : children<D>(diamond_at<D>(centre_of<D>(id))))
+  for (const Index<D>& child : children<D>(diamond_of<D>(id)))
     if (exists(child)) out.push_back(id_of<D>(child));
 }
 
 template <int D>
 void Refinable<D>::add_children(NodeId id, std::vector<NodeId>& out) const {
-  const Index<D> centre = centre_of<D>(id);
+  const Diamond<D> node = diamond_of<D>(id);
+  if (is_deep(node)) {
+    for_each_discovered(node, [&](const Index<D>& child) { out.push_back(id_of<D>(child)); });
+    return;
+  }
   const std::int32_t root = model_.shape.root_side();
   const auto is_first_parent = [&](const Index<D>& child) {
     for (const Index<D>& parent : parents<D>(diamond_at<D>(child), root))
-      if (exists(parent)) return parent == centre;
+      if (exists(parent)) return parent == node.centre;
     return false;
   };
-  for (const Index<D>& child : children<D>(diamond_at<D>(centre)))
+  for (const Index<D>& child : children<D>(node))
     if (exists(child) && is_first_parent(child)) out.push_back(id_of<D>(child));
 }
 
 template <int D>
 void Refinable<D>::add_parents(NodeId id, std::vector<NodeId>& out) const {
-  for (const Index<D>& parent :
-       parents<D>(diamond_at<D>(centre_of<D>(id)), model_.shape.root_side()))
-    if (exists(parent)) out.push_back(id_of<D>(parent));
+  const Diamond<D> node = diamond_of<D>(id);
+  const bool all_exist = is_deep(node);
+  for (const Index<D>& parent : parents<D>(node, model_.shape.root_side()))
+    if (all_exist || exists(parent)) out.push_back(id_of<D>(parent));
 }
 
 template <int D>
@@ -164,13 +227,11 @@ std::uint64_t Refinable<D>::n_base_cells() const {
 /// What bisecting adds: one for each simplex, unless one half misses the data.
 template <int D>
 std::uint64_t Refinable<D>::n_simplices(NodeId id) const {
-  const Diamond<D> node = diamond_at<D>(centre_of<D>(id));
+  const Diamond<D> node = diamond_of<D>(id);
+  constexpr std::array<std::uint64_t, 3> kCounts =
+      D == 3 ? std::array<std::uint64_t, 3>{6, 4, 8} : std::array<std::uint64_t, 3>{2, 2};
+  if (is_deep(node)) return kCounts[as_size(node.tier)];
   const Star<D>& star = star_of(node);
-  const LatticeBox<D> box = bounds_of(node);
-  bool is_inside = true;
-  for (std::size_t i = 0; i < as_size(D); ++i)
-    is_inside = is_inside && box.lower[i] >= 0 && box.upper[i] < model_.shape.dims[i];
-  if (is_inside) return star.simplices.size();
   std::uint64_t n = 0;
   for (const Simplex<D>& s : star.simplices) {
     const Simplex<D> whole = placed(s, node);

@@ -7,21 +7,35 @@
 
 namespace lode::diamond {
 
-/// A node's id: its centre, 21 bits a coordinate.
+/// A node's id: which axes are odd, and the coordinates without their bit h, the first marked with
+/// it; so level and tier are read off.
 template <int D>
-[[nodiscard]] constexpr NodeId id_of(const Index<D>& centre) {
-  std::uint64_t id = 0;
-  for (std::size_t i = 0; i < as_size(D); ++i)
-    id |= static_cast<std::uint64_t>(centre[i]) << (21 * i);
-  return NodeId{id};
+[[nodiscard]] constexpr NodeId id_of(const Diamond<D>& d) {
+  std::uint64_t id = static_cast<std::uint64_t>(d.centre[0] | d.h());
+  for (std::size_t i = 1; i < as_size(D); ++i)
+    id |= static_cast<std::uint64_t>((d.centre[i] & ~d.h()) >> 1) << (19 * i + 1);
+  return NodeId{id << 3 | d.odd};
 }
 
 template <int D>
-[[nodiscard]] constexpr Index<D> centre_of(NodeId id) {
-  Index<D> centre;
-  for (std::size_t i = 0; i < as_size(D); ++i)
-    centre[i] = static_cast<std::int32_t>((static_cast<std::uint64_t>(id) >> (21 * i)) & 0x1FFFFFU);
-  return centre;
+[[nodiscard]] constexpr NodeId id_of(const Index<D>& centre) {
+  return id_of<D>(diamond_at<D>(centre));
+}
+
+template <int D>
+[[nodiscard]] constexpr Diamond<D> diamond_of(NodeId id) {
+  const std::uint64_t bits = static_cast<std::uint64_t>(id);
+  Diamond<D> d;
+  d.odd = static_cast<std::uint32_t>(bits & 7U);
+  d.tier = D - std::popcount(d.odd);
+  const auto first = static_cast<std::int32_t>((bits >> 3) & 0xFFFFFU);
+  d.level = std::countr_zero(static_cast<std::uint32_t>(first));
+  d.centre[0] = d.is_odd(0) ? first : first & ~d.h();
+  for (int i = 1; i < D; ++i) {
+    const auto half = static_cast<std::int32_t>((bits >> (19 * i + 4)) & 0x7FFFFU);
+    d.centre[as_size(i)] = 2 * half | (d.is_odd(i) ? d.h() : 0);
+  }
+  return d;
 }
 
 /// The diamond hierarchy as the engine sees it: everything but the stored attributes follows from
@@ -35,10 +49,12 @@ class Refinable {
   [[nodiscard]] const Model<D>& model() const { return model_; }
 
   void add_base(std::vector<NodeId>& out) const;
-  /// Of a node's children those whose first parent it is.
+  /// Of a node's children those whose first existing parent it is.
   void add_children(NodeId id, std::vector<NodeId>& out) const;
   void add_parents(NodeId id, std::vector<NodeId>& out) const;
   [[nodiscard]] StoredFacts facts(NodeId id) const;
+  /// Asks the memory for what discovering this node's children will need.
+  void prefetch(NodeId id) const;
   /// Contains the domains of all nodes below; its radius depends on level and odd axes only.
   [[nodiscard]] Ball bounds(NodeId id) const;
   [[nodiscard]] double range_reference() const { return model_.range_reference(); }
@@ -49,7 +65,7 @@ class Refinable {
   /// Field error and range of any node; those of level 0 and tiers above 0 are found from the
   /// samples. No bounds.
   [[nodiscard]] NodeFacts facts_at(const Diamond<D>& node) const {
-    return without_bounds(facts(id_of<D>(node.centre)), range_reference());
+    return without_bounds(facts(id_of<D>(node)), range_reference());
   }
   /// All children in the data, whoever discovers them.
   void add_all_children(NodeId id, std::vector<NodeId>& out) const;
@@ -65,14 +81,19 @@ class Refinable {
   };
 
   [[nodiscard]] bool exists(const Index<D>& centre) const;
+  /// Whether all nodes related to this one exist.
+  [[nodiscard]] bool is_deep(const Diamond<D>& node) const;
+  [[nodiscard]] std::size_t index_of(const Diamond<D>& node) const;
   [[nodiscard]] std::uint64_t n_simplices(NodeId id) const;
   void join_finest(const Diamond<D>& node, Finest& facts) const;
   void add_finest(const Diamond<D>& node, StoredFacts& facts) const;
   void find_radii();
+  void find_strides();
 
   const Model<D>& model_;
   const WorldErrors* world_errors_;
-  std::array<std::array<double, power(2, D)>, 21> radii_{};  ///< By level and odd axes.
+  std::array<std::array<double, power(2, D)>, 21> radii_{};        ///< By level and odd axes.
+  std::array<std::array<std::size_t, as_size(D)>, 21> strides_{};  ///< Of stored attributes.
   Mat3 to_world_;
 };
 
