@@ -1,6 +1,7 @@
 #include "lode/refine/cut.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 namespace lode {
@@ -25,8 +26,7 @@ Cut::Place Cut::insert(NodeId id, const StoredFacts& facts) {
     at = free_.back();
     free_.pop_back();
   } else {
-    if (n_places_ == pages_.size() * kPageSize)
-      pages_.push_back(std::make_unique<Entry[]>(kPageSize));
+    if (n_places_ == pages_.size() * kPageSize) add_page();
     at = static_cast<Place>(n_places_++);
   }
   (*this)[at] = {id, facts.error, facts.world_error, facts.low,         facts.high,
@@ -54,15 +54,25 @@ void Cut::erase(Place at) {
   --size_;
 }
 
+void Cut::add_page() {
+  constexpr std::size_t kBytes = kPageSize * sizeof(Entry);
+  void* memory = pages_.empty() ? std::malloc(kBytes) : allocate_large(kBytes);
+  if (memory == nullptr) throw std::bad_alloc();
+  pages_.emplace_back(static_cast<Entry*>(memory));  // entries begin to live when they are set
+}
+
+/// Entries are read as they lie; looking for each from its old slot would be random.
 void Cut::grow() {
-  const std::vector<Place> old =
-      std::exchange(slots_, std::vector<Place>(2 * slots_.size(), kNowhere));
-  mask_ = slots_.size() - 1;
-  for (const Place at : old) {
-    if (at == kNowhere) continue;
-    std::size_t i = slot_of((*this)[at].id);
+  const std::size_t n_slots = 2 * slots_.size();
+  slots_ = {};
+  slots_.assign(n_slots, kNowhere);
+  mask_ = n_slots - 1;
+  for (std::size_t at = 0; at < n_places_; ++at) {
+    const Entry& entry = (*this)[static_cast<Place>(at)];
+    if (entry.state == State::empty) continue;
+    std::size_t i = slot_of(entry.id);
     while (slots_[i] != kNowhere) i = (i + 1) & mask_;
-    slots_[i] = at;
+    slots_[i] = static_cast<Place>(at);
   }
 }
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "lode/core/vec.h"
+#include "lode/core/uninitialized_array.h"
 #include "lode/refine/model.h"
 
 namespace lode {
@@ -55,11 +55,9 @@ class Cut {
       if (at == kNowhere || (*this)[at].id == id) return at;
     }
   }
-  /// Asks the memory for what find() will look at first.
-  void prefetch(NodeId id) const { __builtin_prefetch(&slots_[slot_of(id)]); }
-  [[nodiscard]] Entry& operator[](Place at) { return pages_[at / kPageSize][at % kPageSize]; }
+  [[nodiscard]] Entry& operator[](Place at) { return pages_[at / kPageSize].get()[at % kPageSize]; }
   [[nodiscard]] const Entry& operator[](Place at) const {
-    return pages_[at / kPageSize][at % kPageSize];
+    return pages_[at / kPageSize].get()[at % kPageSize];
   }
   /// Adds a candidate, which must not be there.
   Place insert(NodeId id, const StoredFacts& facts);
@@ -74,23 +72,28 @@ class Cut {
   [[nodiscard]] std::size_t n_places() const { return n_places_; }
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t n_bytes() const {
-    return pages_.size() * (kPageSize * sizeof(Entry) + sizeof(void*)) +
-           (slots_.capacity() + free_.capacity()) * sizeof(Place);
+    const std::size_t n_entries = pages_.size() < 2 ? n_places_ : pages_.size() * kPageSize;
+    return n_entries * sizeof(Entry) + (slots_.capacity() + free_.capacity()) * sizeof(Place);
   }
 
  private:
-  static constexpr std::size_t kPageSize = 1024;
+  /// 2 MiB; of the first page only what is used costs memory.
+  static constexpr std::size_t kPageSize = 65536;
 
   [[nodiscard]] std::size_t slot_of(NodeId id) const {
     auto bits = static_cast<std::uint64_t>(id);
     bits = (bits ^ (bits >> 32)) * 0x9E3779B97F4A7C15ULL;
     return static_cast<std::size_t>(bits ^ (bits >> 32)) & mask_;
   }
+  struct Free {
+    void operator()(Entry* page) const noexcept { free_large(page); }
+  };
+  void add_page();
   void grow();
 
-  std::vector<std::unique_ptr<Entry[]>> pages_;
+  std::vector<std::unique_ptr<Entry, Free>> pages_;
   std::vector<Place> free_;
-  std::vector<Place> slots_;
+  UninitializedArray<Place> slots_;
   std::size_t mask_ = 0;
   std::size_t n_places_ = 0;
   std::size_t size_ = 0;

@@ -9,13 +9,20 @@
 
 namespace lode {
 
+/// What a demand says about a node.
+struct Evaluation {
+  double demand = 0;
+  bool touches = true;
+};
+
 /// How much nodes want refining: > 0 if at all, the larger the sooner. A small value, cheap to
 /// copy, safe to use from many threads. Must not decrease when an error grows, or the range or
 /// bounds widen; then it is nested as they are, and the cut of a query is unique and minimal.
 ///
 /// Any callable (const NodeFacts&) -> double is a demand. It may have a member
 /// `bool touches(const NodeFacts&)`, as monotone: where false, the demand is never positive for the
-/// query's focus, so such nodes need not be kept as candidates nor counted in error bounds.
+/// query's focus, so such nodes need not be kept as candidates nor counted in error bounds. One
+/// that can say both at once has `Evaluation evaluate(const NodeFacts&)`.
 class Demand {
  public:
   /// Wants nothing.
@@ -28,6 +35,7 @@ class Demand {
 
   [[nodiscard]] double operator()(const NodeFacts& node) const { return rule_->demand(node); }
   [[nodiscard]] bool touches(const NodeFacts& node) const { return rule_->touches(node); }
+  [[nodiscard]] Evaluation evaluate(const NodeFacts& node) const { return rule_->evaluate(node); }
   /// Whether NodeFacts::bounds must be filled.
   [[nodiscard]] bool uses_bounds() const { return rule_->uses_bounds(); }
 
@@ -36,6 +44,7 @@ class Demand {
     virtual ~Rule() = default;
     [[nodiscard]] virtual double demand(const NodeFacts& node) const = 0;
     [[nodiscard]] virtual bool touches(const NodeFacts& node) const = 0;
+    [[nodiscard]] virtual Evaluation evaluate(const NodeFacts& node) const = 0;
     [[nodiscard]] virtual bool uses_bounds() const = 0;
   };
   template <typename F>
@@ -47,6 +56,12 @@ class Demand {
         return rule.touches(node);
       else
         return true;
+    }
+    [[nodiscard]] Evaluation evaluate(const NodeFacts& node) const override {
+      if constexpr (requires { rule.evaluate(node); })
+        return rule.evaluate(node);
+      else
+        return {rule(node), touches(node)};
     }
     [[nodiscard]] bool uses_bounds() const override {
       if constexpr (requires { rule.uses_bounds(); })

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
+#include "lode/refine/bucket_bits.h"
 #include "lode/refine/cut.h"
 
 namespace lode {
@@ -11,7 +14,7 @@ namespace lode {
 /// The order of refinement: larger demands first, ties by smaller id.
 struct Ranked {
   NodeId id{};
-  float demand = 0;
+  float demand = 0;  ///< >= 0.
   Cut::Place place = 0;
 
   [[nodiscard]] bool comes_before(const Ranked& other) const {
@@ -20,56 +23,82 @@ struct Ranked {
 };
 
 /// A priority queue of nodes of a cut whose entries may have become stale: the reader asks the cut.
-/// From the first in the order of refinement, or (IsReversed) from the last.
+/// From the first in the order of refinement, or (IsReversed) from the last. A heap for each value
+/// of a demand's upper 16 bits: most are small and stay in the cache.
 template <bool IsReversed>
 class DemandQueue {
  public:
-  [[nodiscard]] bool is_empty() const { return heap_.empty(); }
-  [[nodiscard]] std::size_t size() const { return heap_.size(); }
-  [[nodiscard]] const Ranked& top() const { return heap_.front(); }
-  void clear() { heap_.clear(); }
+  DemandQueue() : heap_of_(BucketBits::kBuckets, kNone) {}
+
+  [[nodiscard]] bool is_empty() const { return size_ == 0; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] const Ranked& top() const {
+    const std::size_t bucket = first();
+    const auto& heap = heaps_[heap_of_[bucket]];
+    return is_stack(bucket) ? heap.back() : heap.front();
+  }
+
+  void clear() {
+    for (auto& heap : heaps_) heap.clear();
+    occupied_.clear();
+    size_ = 0;
+  }
   void push(const Ranked& entry) {
-    heap_.push_back(entry);
-    std::size_t i = heap_.size() - 1;
-    for (; i > 0 && comes_first(entry, heap_[(i - 1) / kWays]); i = (i - 1) / kWays)
-      heap_[i] = heap_[(i - 1) / kWays];
-    heap_[i] = entry;
+    const std::size_t bucket = bucket_of(entry.demand);
+    if (heap_of_[bucket] == kNone) {
+      heap_of_[bucket] = static_cast<std::uint16_t>(heaps_.size());
+      heaps_.emplace_back();
+    }
+    auto& heap = heaps_[heap_of_[bucket]];
+    if (heap.empty()) occupied_.set(bucket);
+    heap.push_back(entry);
+    if (!is_stack(bucket)) std::push_heap(heap.begin(), heap.end(), comes_later);
+    ++size_;
   }
   void pop() {
-    const Ranked last = heap_.back();
-    heap_.pop_back();
-    if (heap_.empty()) return;
-    std::size_t i = 0;
-    for (std::size_t child = 1; child < heap_.size(); child = kWays * i + 1) {
-      const std::size_t end = std::min(child + kWays, heap_.size());
-      std::size_t best = child;
-      for (std::size_t k = child + 1; k < end; ++k)
-        if (comes_first(heap_[k], heap_[best])) best = k;
-      if (!comes_first(heap_[best], last)) break;
-      heap_[i] = heap_[best];
-      i = best;
-    }
-    heap_[i] = last;
+    const std::size_t bucket = first();
+    auto& heap = heaps_[heap_of_[bucket]];
+    if (!is_stack(bucket)) std::pop_heap(heap.begin(), heap.end(), comes_later);
+    heap.pop_back();
+    if (heap.empty()) occupied_.reset(bucket);
+    --size_;
   }
+  /// Drops the others, and doubles.
   template <typename IsValid>
   void keep_if(const IsValid& is_valid) {
-    std::erase_if(heap_, [&](const Ranked& entry) { return !is_valid(entry); });
-    std::sort(heap_.begin(), heap_.end(),
-              [](const Ranked& a, const Ranked& b) { return comes_first(a, b); });  // a heap, too
-    heap_.erase(std::unique(heap_.begin(), heap_.end(),
-                            [](const Ranked& a, const Ranked& b) { return a.id == b.id; }),
-                heap_.end());
+    std::vector<Ranked> kept;
+    for (const auto& heap : heaps_)
+      std::copy_if(heap.begin(), heap.end(), std::back_inserter(kept), is_valid);
+    std::sort(kept.begin(), kept.end(),
+              [](const Ranked& a, const Ranked& b) { return a.comes_before(b); });
+    const auto same = [](const Ranked& a, const Ranked& b) { return a.id == b.id; };
+    kept.erase(std::unique(kept.begin(), kept.end(), same), kept.end());
+    clear();
+    for (const Ranked& entry : kept) push(entry);
   }
-  [[nodiscard]] std::size_t n_bytes() const { return heap_.capacity() * sizeof(Ranked); }
+  [[nodiscard]] std::size_t n_bytes() const {
+    std::size_t n = heap_of_.size() * sizeof(std::uint16_t);
+    for (const auto& heap : heaps_) n += sizeof(heap) + heap.capacity() * sizeof(Ranked);
+    return n;
+  }
 
  private:
-  static constexpr std::size_t kWays = 4;  ///< Siblings share a cache line; half the levels of 2.
+  static constexpr std::uint16_t kNone = 0xFFFFU;
 
-  static bool comes_first(const Ranked& a, const Ranked& b) {
-    return IsReversed ? b.comes_before(a) : a.comes_before(b);
+  /// Nodes that nobody wants all go, in whatever order: the last first, which lies near.
+  static bool is_stack(std::size_t bucket) { return IsReversed && bucket == 0; }
+  [[nodiscard]] std::size_t first() const {
+    return IsReversed ? occupied_.lowest() : occupied_.highest();
+  }
+  static std::size_t bucket_of(float demand) { return std::bit_cast<std::uint32_t>(demand) >> 16; }
+  static bool comes_later(const Ranked& a, const Ranked& b) {
+    return IsReversed ? a.comes_before(b) : b.comes_before(a);
   }
 
-  std::vector<Ranked> heap_;
+  std::vector<std::uint16_t> heap_of_;
+  std::vector<std::vector<Ranked>> heaps_;
+  BucketBits occupied_;
+  std::size_t size_ = 0;
 };
 
 }  // namespace lode

@@ -73,8 +73,8 @@ class Engine {
   [[nodiscard]] double largest(const Measure& measure) const;
   /// Of all the engine holds; the model's own not included.
   [[nodiscard]] std::size_t n_bytes() const {
-    return cut_.n_bytes() + wanted_.n_bytes() + spare_.n_bytes() + sizeof(*this) +
-           sizeof(std::uint32_t) * 0x7F81;
+    return cut_.n_bytes() + wanted_.n_bytes() + spare_.n_bytes() + errors_.n_bytes() +
+           sizeof(*this);
   }
 
  private:
@@ -113,12 +113,11 @@ class Engine {
   const Ranked* most_wanted();
   const Ranked* least_wanted();
 
-  void prefetch(NodeId id) const;
-  void begin_chain(NodeId id, float demand);
+  void begin_chain(const Ranked& wanted);
   void continue_chain();
   void roll_back();
   bool find_missing_parents(NodeId id);
-  void apply(NodeId id);
+  void apply(NodeId id, Place at);
   void undo(NodeId id);
   void end_chain();
 
@@ -139,6 +138,7 @@ class Engine {
   std::vector<NodeId> chain_;  ///< What is being applied: the wanted one, then what it needs.
   std::vector<NodeId> done_;   ///< Applied for it so far.
   float chain_demand_ = 0;
+  Place chain_place_ = 0;  ///< Of the wanted one.
   std::uint64_t cells_before_chain_ = 0;
   bool is_rolling_back_ = false;
   std::uint64_t n_cells_ = 0;
@@ -197,13 +197,13 @@ template <RefinableModel M>
 void Engine<M>::evaluate(Place at) {
   Cut::Entry& entry = cut_[at];
   if (entry.state == State::empty) return;
-  const NodeFacts node = facts(entry.id, entry.facts());
-  if (entry.state == State::candidate && !demand_.touches(node)) {
+  const Evaluation node = demand_.evaluate(facts(entry.id, entry.facts()));
+  if (entry.state == State::candidate && !node.touches) {
     errors_.remove(entry.error);
     cut_.erase(at);
     return;
   }
-  entry.demand = to_rank(demand_(node));
+  entry.demand = to_rank(node.demand);
   if (entry.state == State::candidate) {
     queue_candidate(at);
     return;
@@ -221,10 +221,10 @@ void Engine<M>::evaluate(Place at) {
 template <RefinableModel M>
 void Engine<M>::discover(NodeId id, float limit) {
   const StoredFacts stored = model_.facts(id);
-  const NodeFacts node = facts(id, stored);
-  if (!demand_.touches(node)) return;
+  const Evaluation node = demand_.evaluate(facts(id, stored));
+  if (!node.touches) return;
   const Place at = cut_.insert(id, stored);
-  cut_[at].demand = to_rank(demand_(node));
+  cut_[at].demand = to_rank(node.demand);
   is_nested_ = is_nested_ && !(cut_[at].demand > 0 && cut_[at].demand > limit);
   errors_.add(stored.error);
   queue_candidate(at);
@@ -286,9 +286,8 @@ void Engine<M>::adjust() {
   }
   if (room_) return make_room();
   if (const Ranked* most = most_wanted()) {
-    begin_chain(most->id, most->demand);
+    begin_chain(*most);
     wanted_.pop();
-    if (!wanted_.is_empty()) prefetch(wanted_.top().id);
     return continue_chain();
   }
   const Ranked* least = least_wanted();
@@ -312,18 +311,12 @@ void Engine<M>::make_room() {
   }
 }
 
-/// For the node that comes next: the memory answers while this one is applied.
 template <RefinableModel M>
-void Engine<M>::prefetch(NodeId id) const {
-  cut_.prefetch(id);
-  if constexpr (requires { model_.prefetch(id); }) model_.prefetch(id);
-}
-
-template <RefinableModel M>
-void Engine<M>::begin_chain(NodeId id, float demand) {
-  chain_.assign(1, id);
+void Engine<M>::begin_chain(const Ranked& wanted) {
+  chain_.assign(1, wanted.id);
   done_.clear();
-  chain_demand_ = demand;
+  chain_demand_ = wanted.demand;
+  chain_place_ = wanted.place;
   cells_before_chain_ = n_cells_;
 }
 
@@ -351,13 +344,14 @@ void Engine<M>::continue_chain() {
   if (is_rolling_back_) return roll_back();
   while (!chain_.empty()) {
     const NodeId id = chain_.back();
-    if (cut_.contains(id)) {
+    const Place at = chain_.size() == 1 ? chain_place_ : cut_.find(id);
+    if (at != Cut::kNowhere && cut_[at].state == State::applied) {
       chain_.pop_back();
       continue;
     }
     if (find_missing_parents(id)) continue;
     chain_.pop_back();
-    apply(id);
+    apply(id, at);
     if (!budget_.is_limited()) return;
     done_.push_back(id);
     if (n_cells_ <= budget_.max_cells) return;
@@ -382,11 +376,10 @@ void Engine<M>::roll_back() {
   chain_.clear();
 }
 
-/// Its parents are applied, and their places in parent_places_.
+/// Its parents are applied, and their places in parent_places_. `at`: where it is a candidate.
 template <RefinableModel M>
-void Engine<M>::apply(NodeId id) {
+void Engine<M>::apply(NodeId id, Place at) {
   for (const Place parent : parent_places_) ++cut_[parent].n_dependents;
-  Place at = cut_.find(id);
   if (at == Cut::kNowhere) {
     const StoredFacts stored = model_.facts(id);
     at = cut_.insert(id, stored);

@@ -90,10 +90,7 @@ bool touches(const Focus& focus, const NodeFacts& node) {
   return std::visit([&](const auto& kind) { return touches_focus(kind, node); }, focus);
 }
 
-double FocusDemand::error(const NodeFacts& node) const {
-  if (!std::all_of(foci.begin(), foci.end(),
-                   [&](const Focus& focus) { return lode::touches(focus, node); }))
-    return 0;
+double FocusDemand::measure(const NodeFacts& node) const {
   switch (unit) {
     case ErrorUnit::field: return node.error;
     case ErrorUnit::world: return node.world_error;
@@ -102,25 +99,34 @@ double FocusDemand::error(const NodeFacts& node) const {
   return node.error;
 }
 
-double FocusDemand::operator()(const NodeFacts& node) const {
+double FocusDemand::error(const NodeFacts& node) const {
   const bool is_inside = std::all_of(
       foci.begin(), foci.end(), [&](const Focus& focus) { return lode::touches(focus, node); });
-  // The smaller tolerance inside: it would not be monotone otherwise.
-  const double tolerance = is_inside ? std::min(inside, outside) : outside;
-  if (tolerance == kEndless) return 0;
-  double measured = node.error;
-  if (unit == ErrorUnit::world) measured = node.world_error;
-  if (unit == ErrorUnit::pixels) measured = view ? view->pixels(node.world_error, node.bounds) : 0;
-  const double demand = excess(measured, tolerance);
-  return is_inside && ends_at_border && node.is_at_border ? std::max(demand, kLast) : demand;
+  return is_inside ? measure(node) : 0;
 }
 
-/// A view does not count: what is out of sight remains a candidate, so that a moved view finds it.
-bool FocusDemand::touches(const NodeFacts& node) const {
-  if (outside != kEndless) return true;
-  return std::all_of(foci.begin(), foci.end(), [&](const Focus& focus) {
-    return std::holds_alternative<ViewFocus>(focus) || lode::touches(focus, node);
-  });
+double FocusDemand::operator()(const NodeFacts& node) const { return evaluate(node).demand; }
+bool FocusDemand::touches(const NodeFacts& node) const { return evaluate(node).touches; }
+
+Evaluation FocusDemand::evaluate(const NodeFacts& node) const {
+  Evaluation result;
+  bool is_inside = true;
+  for (const Focus& focus : foci) {
+    if (lode::touches(focus, node)) continue;
+    is_inside = false;
+    // A view does not count: what is out of sight remains a candidate, so that a moved view finds
+    // it.
+    result.touches = std::holds_alternative<ViewFocus>(focus);
+    if (!result.touches) break;
+  }
+  // The smaller tolerance inside: it would not be monotone otherwise.
+  const double tolerance = is_inside ? std::min(inside, outside) : outside;
+  if (outside != kEndless) result.touches = true;
+  if (tolerance == kEndless) return result;
+  result.demand = excess(measure(node), tolerance);
+  if (is_inside && ends_at_border && node.is_at_border)
+    result.demand = std::max(result.demand, kLast);
+  return result;
 }
 
 bool FocusDemand::uses_bounds() const {

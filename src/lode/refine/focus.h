@@ -85,9 +85,13 @@ struct FocusDemand {
 
   [[nodiscard]] double operator()(const NodeFacts& node) const;
   [[nodiscard]] bool touches(const NodeFacts& node) const;
+  [[nodiscard]] Evaluation evaluate(const NodeFacts& node) const;
   [[nodiscard]] bool uses_bounds() const;
   /// The node's error in `unit`, as far as the foci touch it; 0 elsewhere.
   [[nodiscard]] double error(const NodeFacts& node) const;
+
+ private:
+  [[nodiscard]] double measure(const NodeFacts& node) const;
 };
 
 /// The same tolerance everywhere, in field units; 0 refines every node.

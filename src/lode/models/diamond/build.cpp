@@ -10,7 +10,7 @@ namespace {
 
 NodeLevel make_level(std::size_t n) {
   NodeLevel level;
-  level.error.resize(n);
+  level.error.assign(n, 0);
   level.low.resize(n);
   level.high.resize(n);
   return level;

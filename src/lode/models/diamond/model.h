@@ -38,7 +38,7 @@ inline constexpr std::int32_t kMaxSamplesPerAxis = (1 << 19) + 1;
 /// 0 only of its tier-0 nodes, one per cube of side 2. Entries that are no node of the level are
 /// unused.
 struct NodeLevel {
-  std::vector<ErrorCode> error;   ///< Nested error, rounded up.
+  UninitializedArray<ErrorCode> error;  ///< Nested error, rounded up.
   UninitializedArray<float> low;  ///< Nested minimum above Model::range_reference(), rounded down.
   UninitializedArray<float>
       high;  ///< Nested maximum, likewise, rounded up; < low: no finite sample.

@@ -7,22 +7,6 @@ namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-/// The children of a node with all its relations whose first parent it is: parents() lists the one
-/// on the lower side of the first even axis first; of cubes, the one whose axis is axis 0.
-template <int D, typename Body>
-void for_each_discovered(const Diamond<D>& node, const Body& body) {
-  if (node.tier == D - 1) {
-    if (node.level > 0 && node.is_odd(0))
-      for (const Index<D>& child : children<D>(node)) body(child);
-    return;
-  }
-  for (int i = 0; i < D && node.is_odd(i); ++i) {
-    Index<D> child = node.centre;
-    child[as_size(i)] += node.h();
-    body(child);
-  }
-}
-
 }  // namespace
 
 template <int D>
@@ -107,7 +91,7 @@ template <int D>
 StoredFacts Refinable<D>::facts(NodeId id) const {
   const Diamond<D> node = diamond_of<D>(id);
   StoredFacts facts;
-  facts.is_at_border = model_.shape.reaches_across(node.centre, node.level);
+  facts.is_at_border = !is_deep(node) && model_.shape.reaches_across(node.centre, node.level);
   if (node.level == 0 && node.tier > 0) {
     add_finest(node, facts);
     return facts;
@@ -164,21 +148,6 @@ void Refinable<D>::add_finest(const Diamond<D>& node, StoredFacts& facts) const 
 }
 
 template <int D>
-void Refinable<D>::prefetch(NodeId id) const {
-  const Diamond<D> node = diamond_of<D>(id);
-  if (node.level == 0 || !is_deep(node)) return;
-  const auto touch = [&](const Index<D>& centre) {
-    const Diamond<D> d = diamond_at<D>(centre);
-    const std::size_t at = index_of(d);
-    const NodeLevel& level = model_.levels[as_size(d.level)];
-    __builtin_prefetch(&level.error[at]);
-    __builtin_prefetch(&level.low[at]);
-    __builtin_prefetch(&level.high[at]);
-  };
-  for_each_discovered(node, touch);
-}
-
-template <int D>
 void Refinable<D>::add_base(std::vector<NodeId>& out) const {
   if (!model_.shape.has_cells()) return;
   out.push_back(id_of<D>(all_equal<D>(model_.shape.root_side() / 2)));
@@ -194,7 +163,7 @@ template <int D>
 void Refinable<D>::add_children(NodeId id, std::vector<NodeId>& out) const {
   const Diamond<D> node = diamond_of<D>(id);
   if (is_deep(node)) {
-    for_each_discovered(node, [&](const Index<D>& child) { out.push_back(id_of<D>(child)); });
+    for_each_discovered<D>(id, node, [&](NodeId child) { out.push_back(child); });
     return;
   }
   const std::int32_t root = model_.shape.root_side();
@@ -211,8 +180,9 @@ template <int D>
 void Refinable<D>::add_parents(NodeId id, std::vector<NodeId>& out) const {
   const Diamond<D> node = diamond_of<D>(id);
   const bool all_exist = is_deep(node);
-  for (const Index<D>& parent : parents<D>(node, model_.shape.root_side()))
-    if (all_exist || exists(parent)) out.push_back(id_of<D>(parent));
+  for_each_parent<D>(id, node, model_.shape.root_side(), [&](NodeId parent) {
+    if (all_exist || exists(parent)) out.push_back(parent);
+  });
 }
 
 template <int D>

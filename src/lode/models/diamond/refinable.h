@@ -38,6 +38,57 @@ template <int D>
   return d;
 }
 
+/// How ids change along an axis by 2h, for a node of this level.
+template <int D>
+[[nodiscard]] constexpr std::uint64_t id_step(int axis, int level) {
+  return axis == 0 ? std::uint64_t{16} << level : std::uint64_t{16} << (19 * axis + level);
+}
+
+/// Calls body(id) for parents<D>(d, root), in their order.
+template <int D, typename Body>
+constexpr void for_each_parent(NodeId id, const Diamond<D>& d, std::int32_t root,
+                               const Body& body) {
+  const auto bits = static_cast<std::uint64_t>(id);
+  if (d.tier > 0) {
+    for (int i = 0; i < D; ++i) {
+      if (d.is_odd(i)) continue;
+      const std::uint64_t upper = bits | std::uint64_t{1} << i;
+      body(NodeId{upper - id_step<D>(i, d.level)});
+      body(NodeId{upper});
+    }
+    return;
+  }
+  if (2 * d.h() >= root) return;
+  const Index<D> even = axis_ends<D>(d)[0];
+  for (int i = 0; i < D; ++i) {
+    Diamond<D> parent{even, d.level + 1, D - 1, 1U << i};
+    parent.centre[as_size(i)] = 2 * d.centre[as_size(i)] - even[as_size(i)];
+    body(id_of<D>(parent));
+  }
+}
+
+/// Calls body(id) for the children of a node with all its relations whose first parent it is:
+/// that is the one on the lower side of the first even axis; of cubes, the one whose axis is 0.
+template <int D, typename Body>
+constexpr void for_each_discovered(NodeId id, const Diamond<D>& d, const Body& body) {
+  const auto bits = static_cast<std::uint64_t>(id);
+  if (d.tier < D - 1) {
+    for (int i = 0; i < D && d.is_odd(i); ++i)
+      body(NodeId{bits - (std::uint64_t{1} << i) + id_step<D>(i, d.level)});
+    return;
+  }
+  if (d.level == 0 || !d.is_odd(0)) return;
+  Diamond<D> lowest{d.centre, d.level - 1, 0, (1U << D) - 1};
+  for (std::size_t i = 0; i < as_size(D); ++i) lowest.centre[i] -= lowest.h();
+  const auto first = static_cast<std::uint64_t>(id_of<D>(lowest));
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    std::uint64_t child = first;
+    for (int i = 0; i < D; ++i)
+      if (((corner >> i) & 1) != 0) child += id_step<D>(i, lowest.level);
+    body(NodeId{child});
+  }
+}
+
 /// The diamond hierarchy as the engine sees it: everything but the stored attributes follows from
 /// a node's centre. Nodes whose domain misses the data do not exist.
 template <int D>
@@ -53,8 +104,6 @@ class Refinable {
   void add_children(NodeId id, std::vector<NodeId>& out) const;
   void add_parents(NodeId id, std::vector<NodeId>& out) const;
   [[nodiscard]] StoredFacts facts(NodeId id) const;
-  /// Asks the memory for what discovering this node's children will need.
-  void prefetch(NodeId id) const;
   /// Contains the domains of all nodes below; its radius depends on level and odd axes only.
   [[nodiscard]] Ball bounds(NodeId id) const;
   [[nodiscard]] double range_reference() const { return model_.range_reference(); }
@@ -81,6 +130,7 @@ class Refinable {
   };
 
   [[nodiscard]] bool exists(const Index<D>& centre) const;
+  [[nodiscard]] bool exists(NodeId id) const { return exists(diamond_of<D>(id).centre); }
   /// Whether all nodes related to this one exist.
   [[nodiscard]] bool is_deep(const Diamond<D>& node) const;
   [[nodiscard]] std::size_t index_of(const Diamond<D>& node) const;
