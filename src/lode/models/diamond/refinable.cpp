@@ -216,18 +216,9 @@ std::uint64_t Refinable<D>::n_simplices(NodeId id) const {
 template <int D>
 std::vector<Simplex<D>> Refinable<D>::leaves(const Cut& cut) const {
   std::vector<Simplex<D>> result;
-  if (!model_.shape.has_cells()) return result;
-  std::vector<Simplex<D>> open = kuhn_simplices<D>({}, model_.shape.root_side());
-  while (!open.empty()) {
-    const Simplex<D> simplex = open.back();
-    open.pop_back();
-    if (!model_.shape.overlaps_data(bounds_of(simplex))) continue;
-    if (is_finest(simplex) || !cut.contains(id_of<D>(simplex.bisection_point()))) {
-      result.push_back(simplex);
-      continue;
-    }
-    for (const Simplex<D>& half : bisect(simplex)) open.push_back(half);
-  }
+  for_each_leaf(
+      cut, [](const Simplex<D>&) { return true; },
+      [&](const Simplex<D>& leaf) { result.push_back(leaf); });
   return result;
 }
 

@@ -122,6 +122,10 @@ class Refinable {
   /// The simplices of a cut that meet the data, in depth-first order. They may reach across its
   /// end: demands know nothing of the lattice.
   [[nodiscard]] std::vector<Simplex<D>> leaves(const Cut& cut) const;
+  /// Calls visit(simplex) for each of them, but none of what lies in a simplex that
+  /// enters(simplex) is false for.
+  template <typename Enters, typename Visit>
+  void for_each_leaf(const Cut& cut, const Enters& enters, const Visit& visit) const;
 
  private:
   struct Finest {
@@ -146,6 +150,23 @@ class Refinable {
   std::array<std::array<std::size_t, as_size(D)>, 21> strides_{};  ///< Of stored attributes.
   Mat3 to_world_;
 };
+
+template <int D>
+template <typename Enters, typename Visit>
+void Refinable<D>::for_each_leaf(const Cut& cut, const Enters& enters, const Visit& visit) const {
+  if (!model_.shape.has_cells()) return;
+  std::vector<Simplex<D>> open = kuhn_simplices<D>({}, model_.shape.root_side());
+  while (!open.empty()) {
+    const Simplex<D> simplex = open.back();
+    open.pop_back();
+    if (!model_.shape.overlaps_data(bounds_of(simplex)) || !enters(simplex)) continue;
+    if (is_finest(simplex) || !cut.contains(id_of<D>(simplex.bisection_point()))) {
+      visit(simplex);
+      continue;
+    }
+    for (const Simplex<D>& half : bisect(simplex)) open.push_back(half);
+  }
+}
 
 extern template class Refinable<2>;
 extern template class Refinable<3>;
