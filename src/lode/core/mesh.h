@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lode/core/vec.h"
+
+namespace lode {
+
+/// A conforming mesh of tetrahedra or triangles (exactly one of the two is used) with a field that
+/// is linear on each. Positions are world coordinates in doubles, unlike those of a Surface: a mesh
+/// has five or six cells of 20 bytes for each vertex, so that floats would save a tenth of it only,
+/// and without rounding and origin its volume is the domain's and cells can be cut further.
+struct SimplexMesh {
+  std::vector<Vec3d> positions;
+  std::vector<double> values;                            ///< Per vertex.
+  bool has_narrow_values = false;                        ///< float32 holds all values exactly.
+  std::vector<std::array<std::uint32_t, 4>> tetrahedra;  ///< Of positive volume.
+  std::vector<std::array<std::uint32_t, 3>> triangles;   ///< Counter-clockwise, z up.
+  std::vector<float> errors;  ///< Per cell: proven bound of |F - F'| on it, field units.
+
+  [[nodiscard]] std::size_t n_cells() const { return tetrahedra.size() + triangles.size(); }
+  [[nodiscard]] bool is_empty() const { return n_cells() == 0; }
+};
+
+}  // namespace lode
