@@ -13,6 +13,8 @@ void Surface::clear() {
   positions.clear();
   normals.clear();
   isovalues.clear();
+  values.clear();
+  errors.clear();
   triangles.clear();
   lines.clear();
 }

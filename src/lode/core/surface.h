@@ -8,14 +8,16 @@
 
 namespace lode {
 
-/// An extracted isosurface (triangles) or set of contour lines (lines): exactly one of the two
-/// is used. World position of vertex i = origin + positions[i]; the origin is zero unless the
-/// coordinates are too large for float32 (see docs/models/diamond3d.md).
+/// An extracted isosurface or section (triangles), or a set of contour lines (lines): exactly one
+/// of the two is used. World position of vertex i = origin + positions[i]; the origin is zero
+/// unless the coordinates are too large for float32 (see docs/models/diamond3d.md).
 struct Surface {
   Vec3d origin{{0, 0, 0}};
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;                           ///< Unit length, per vertex; may be empty.
   std::vector<float> isovalues;                         ///< Per vertex; may be empty.
+  std::vector<double> values;                           ///< The field, per vertex; may be empty.
+  std::vector<float> errors;                            ///< Of the field, per cell; may be empty.
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Counter-clockwise from lower values.
   std::vector<std::array<std::uint32_t, 2>> lines;      ///< Lower values on the right, z up.
 

@@ -37,6 +37,7 @@ std::uint32_t copy_vertex(Surface& surface, std::uint32_t v) {
   surface.positions.push_back(surface.positions[v]);
   if (!surface.normals.empty()) surface.normals.push_back(surface.normals[v]);
   if (!surface.isovalues.empty()) surface.isovalues.push_back(surface.isovalues[v]);
+  if (!surface.values.empty()) surface.values.push_back(surface.values[v]);
   return static_cast<std::uint32_t>(surface.positions.size() - 1);
 }
 
@@ -53,11 +54,13 @@ void compact(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells)
     surface.positions[n] = surface.positions[v];
     if (!surface.normals.empty()) surface.normals[n] = surface.normals[v];
     if (!surface.isovalues.empty()) surface.isovalues[n] = surface.isovalues[v];
+    if (!surface.values.empty()) surface.values[n] = surface.values[v];
     renumbered[v] = n++;
   }
   surface.positions.resize(n);
   if (!surface.normals.empty()) surface.normals.resize(n);
   if (!surface.isovalues.empty()) surface.isovalues.resize(n);
+  if (!surface.values.empty()) surface.values.resize(n);
   for (auto& cell : cells)
     for (std::uint32_t& v : cell) v = renumbered[v];
 }
@@ -177,6 +180,8 @@ class BoxPlane {
     surface_.positions[v][axis_] = plane_;
     if (!surface_.normals.empty())
       surface_.normals[v] = normalized(mixed(surface_.normals[a], surface_.normals[b]));
+    if (!surface_.values.empty())
+      surface_.values[v] += t * (surface_.values[b] - surface_.values[a]);
     return entry->second = v;
   }
 
@@ -270,6 +275,7 @@ double crop_rounding(const Box3d& box, const Box3d& bounds, const Vec3d& origin)
 }
 
 void crop(Surface& surface, const Box3d& box) {
+  LODE_EXPECTS(surface.errors.empty());
   if (surface.is_empty()) return;
   const double rounding = crop_rounding(box, world_bounds(surface), surface.origin);
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -283,6 +289,7 @@ void crop(Surface& surface, const Box3d& box) {
 }
 
 Dropped drop_small_components(Surface& surface, std::uint64_t n) {
+  LODE_EXPECTS(surface.errors.empty());
   if (!surface.lines.empty()) return drop_small(surface, surface.lines, n);
   return drop_small(surface, surface.triangles, n);
 }

@@ -26,9 +26,10 @@ void split_pinched_vertices(Surface& surface);
 
 /// Keeps the part inside the box (world units) or in its planes; the cut is straight and shared by
 /// both cells. Vertices within crop_rounding() of a plane count as in it, and stay where they are.
+/// Expects no errors per cell.
 void crop(Surface& surface, const Box3d& box);
 
-/// Drops connected pieces of fewer than n cells.
+/// Drops connected pieces of fewer than n cells. Expects no errors per cell.
 [[nodiscard]] Dropped drop_small_components(Surface& surface, std::uint64_t n);
 
 /// Turns triangles (lines) and normals round.

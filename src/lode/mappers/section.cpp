@@ -1,0 +1,222 @@
+#include "lode/mappers/section.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "lode/mappers/march_simplex.h"
+#include "lode/mappers/vertex_ids.h"
+
+namespace lode {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Vertices on edges, keyed by their ends; with equal ends, the vertex itself.
+std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+}
+
+Vec3f relative_to(const Vec3d& origin, const Vec3d& p) {
+  const Vec3d q = p - origin;
+  return {{static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2])}};
+}
+
+/// A face of the mesh in the plane, with what the cell on one side of it knows.
+struct FlatFace {
+  Triangle corners;  ///< Mesh vertices, ascending: what both sides call it.
+  Triangle turned;   ///< The same, counter-clockwise from where the normal points to.
+  float error = 0;
+
+  friend bool operator<(const FlatFace& a, const FlatFace& b) { return a.corners < b.corners; }
+};
+
+class SectionCutter {
+ public:
+  SectionCutter(const SimplexMesh& mesh, const SectionPlane& plane, const LatticeFrame& frame);
+
+  Surface run();
+
+ private:
+  void add_cell(std::size_t cell);
+  void add_flat_face(const std::array<std::uint32_t, 4>& cell, std::size_t opposite, float error);
+  void add_flat_faces();
+  void add_triangle(const Triangle& triangle, float error);
+  std::uint32_t vertex_on(std::uint32_t a, std::uint32_t b);
+
+  const SimplexMesh& mesh_;
+  std::vector<double> distance_;  ///< Of each mesh vertex; 0 where it counts as in the plane.
+  VertexIds ids_;
+  std::vector<FlatFace> flat_faces_;
+  Surface section_;
+};
+
+SectionCutter::SectionCutter(const SimplexMesh& mesh, const SectionPlane& plane,
+                             const LatticeFrame& frame)
+    : mesh_(mesh) {
+  section_.origin = frame.surface_origin;
+  const Vec3d normal = normalized(plane.normal);
+  const double snap = snap_distance(frame, normal);
+  distance_.reserve(mesh.positions.size());
+  for (const Vec3d& p : mesh.positions) {
+    const double d = dot(normal, p - plane.point);
+    distance_.push_back(std::abs(d) <= snap ? 0.0 : d);
+  }
+}
+
+/// The vertex where the edge crosses the plane; its ends lie on both sides, or one in it.
+std::uint32_t SectionCutter::vertex_on(std::uint32_t a, std::uint32_t b) {
+  if (distance_[a] == 0) b = a;
+  if (distance_[b] == 0) a = b;
+  if (a > b) std::swap(a, b);
+  const auto [id, is_new] = ids_.find_or_add(edge_key(a, b));
+  if (!is_new) return id;
+  const double t = a == b ? 0.0 : distance_[a] / (distance_[a] - distance_[b]);
+  const Vec3d p = mesh_.positions[a] + (mesh_.positions[b] - mesh_.positions[a]) * t;
+  section_.positions.push_back(relative_to(section_.origin, p));
+  section_.values.push_back(mesh_.values[a] + t * (mesh_.values[b] - mesh_.values[a]));
+  return id;
+}
+
+void SectionCutter::add_triangle(const Triangle& t, float error) {
+  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return;
+  section_.triangles.push_back(t);
+  section_.errors.push_back(error);
+}
+
+void SectionCutter::add_flat_face(const std::array<std::uint32_t, 4>& cell, std::size_t opposite,
+                                  float error) {
+  Triangle turned{};
+  for (std::size_t i = 0, n = 0; i < 4; ++i)
+    if (i != opposite) turned[n++] = cell[i];
+  // Without vertex 3, a positive tetrahedron's others turn counter-clockwise seen from it; without
+  // vertex 1, too. The normal points to a vertex above.
+  const bool is_seen_from_opposite = opposite % 2 == 1;
+  const bool is_above = distance_[cell[opposite]] > 0;
+  if (is_seen_from_opposite != is_above) std::swap(turned[1], turned[2]);
+  Triangle corners = turned;
+  std::sort(corners.begin(), corners.end());
+  flat_faces_.push_back({corners, turned, error});
+}
+
+void SectionCutter::add_cell(std::size_t at) {
+  const std::array<std::uint32_t, 4>& cell = mesh_.tetrahedra[at];
+  std::size_t above = 0;
+  std::size_t below = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (distance_[cell[i]] > 0) above |= std::size_t{1} << i;
+    if (distance_[cell[i]] < 0) below |= std::size_t{1} << i;
+  }
+  if (above == 0 || below == 0) {
+    if (std::has_single_bit(above | below))
+      add_flat_face(cell, static_cast<std::size_t>(std::countr_zero(above | below)),
+                    mesh_.errors[at]);
+    return;
+  }
+  // Vertices in the plane are inside, as those above: then all edges between the sides that are
+  // asked for have an end below.
+  march_simplex<3>(
+      std::size_t{15} - below, true,
+      [&](std::size_t i, std::size_t j) { return vertex_on(cell[i], cell[j]); },
+      [&](const Triangle& t) { add_triangle(t, mesh_.errors[at]); });
+}
+
+/// Each once, though two cells have it.
+void SectionCutter::add_flat_faces() {
+  std::stable_sort(flat_faces_.begin(), flat_faces_.end());
+  for (std::size_t i = 0; i < flat_faces_.size(); ++i) {
+    const FlatFace& face = flat_faces_[i];
+    float error = face.error;
+    if (i + 1 < flat_faces_.size() && flat_faces_[i + 1].corners == face.corners)
+      error = std::min(error, flat_faces_[++i].error);
+    add_triangle(
+        {vertex_on(face.turned[0], face.turned[0]), vertex_on(face.turned[1], face.turned[1]),
+         vertex_on(face.turned[2], face.turned[2])},
+        error);
+  }
+}
+
+Surface SectionCutter::run() {
+  for (std::size_t i = 0; i < mesh_.tetrahedra.size(); ++i) add_cell(i);
+  add_flat_faces();
+  return std::move(section_);
+}
+
+/// Contour lines of one isovalue.
+class IsolineMarcher {
+ public:
+  IsolineMarcher(const Surface& section, double isovalue, double distance, Surface& lines)
+      : section_(section),
+        isovalue_(isovalue),
+        distance_(distance),
+        first_(static_cast<std::uint32_t>(lines.positions.size())),
+        lines_(lines) {}
+
+  double run();
+
+ private:
+  std::uint32_t vertex_on(std::uint32_t a, std::uint32_t b);
+
+  const Surface& section_;
+  double isovalue_;
+  double distance_;  ///< To be kept from ends of edges, world units.
+  std::uint32_t first_;
+  VertexIds ids_;
+  Surface& lines_;
+};
+
+std::uint32_t IsolineMarcher::vertex_on(std::uint32_t a, std::uint32_t b) {
+  if (a > b) std::swap(a, b);
+  const auto [id, is_new] = ids_.find_or_add(edge_key(a, b));
+  if (!is_new) return first_ + id;
+  const Vec3d from = section_.world_position(a);
+  const Vec3d way = section_.world_position(b) - from;
+  const double margin = std::min(0.25, distance_ / length(way));
+  const double t =
+      std::clamp((isovalue_ - section_.values[a]) / (section_.values[b] - section_.values[a]),
+                 margin, 1 - margin);
+  lines_.positions.push_back(relative_to(section_.origin, from + way * t));
+  lines_.isovalues.push_back(static_cast<float>(isovalue_));
+  return first_ + id;
+}
+
+double IsolineMarcher::run() {
+  double largest_error = 0;
+  for (std::size_t at = 0; at < section_.triangles.size(); ++at) {
+    const Triangle& t = section_.triangles[at];
+    std::size_t inside = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (section_.values[t[i]] >= isovalue_) inside |= std::size_t{1} << i;
+    if (inside == 0 || inside == 7) continue;
+    march_simplex<2>(
+        inside, false, [&](std::size_t i, std::size_t j) { return vertex_on(t[i], t[j]); },
+        [&](const auto& line) { lines_.lines.push_back(line); });
+    lines_.errors.push_back(section_.errors[at]);
+    largest_error = std::max(largest_error, static_cast<double>(section_.errors[at]));
+  }
+  return largest_error;
+}
+
+}  // namespace
+
+double snap_distance(const LatticeFrame& frame, const Vec3d& normal) {
+  const Vec3d unit = normalized(normal);
+  double step = 0;
+  for (std::size_t i = 0; i < 3; ++i) step += std::abs(dot(unit, frame.to_world.column(i)));
+  return frame.margin * step;
+}
+
+Surface cut_section(const SimplexMesh& mesh, const SectionPlane& plane, const LatticeFrame& frame) {
+  return SectionCutter(mesh, plane, frame).run();
+}
+
+double add_isolines(const Surface& section, double isovalue, const LatticeFrame& frame,
+                    Surface& lines) {
+  double step = length(frame.to_world.column(0));
+  for (const std::size_t i : {1U, 2U}) step = std::min(step, length(frame.to_world.column(i)));
+  lines.origin = section.origin;
+  return IsolineMarcher(section, isovalue, frame.margin * step, lines).run();
+}
+
+}  // namespace lode
