@@ -18,17 +18,18 @@ namespace {
 struct SurfaceFormat {
   std::string_view extension;
   bool holds_isovalues;
+  bool holds_values;
   bool holds_lines;
   Result<void> (*write)(const std::string&, const Surface&, const SurfaceWriteOptions&, Progress&);
   Result<Surface> (*read)(const std::string&);
 };
 
 constexpr std::array kFormats{
-    SurfaceFormat{".ply", true, true, write_ply, read_ply},
-    SurfaceFormat{".stl", false, false, write_stl, read_stl},
-    SurfaceFormat{".obj", false, true, write_obj, read_obj},
-    SurfaceFormat{".vtp", true, true, write_vtp, read_vtp},
-    SurfaceFormat{".glb", true, true, write_glb, read_glb},
+    SurfaceFormat{".ply", true, true, true, write_ply, read_ply},
+    SurfaceFormat{".stl", false, false, false, write_stl, read_stl},
+    SurfaceFormat{".obj", false, false, true, write_obj, read_obj},
+    SurfaceFormat{".vtp", true, true, true, write_vtp, read_vtp},
+    SurfaceFormat{".glb", true, false, true, write_glb, read_glb},
 };
 
 std::string extension_of(const std::string& path) {
@@ -63,6 +64,11 @@ bool can_hold_isovalues(const std::string& path) {
   return format != nullptr && format->holds_isovalues;
 }
 
+bool can_hold_values(const std::string& path) {
+  const SurfaceFormat* format = find_format(path);
+  return format != nullptr && format->holds_values;
+}
+
 bool can_hold_lines(const std::string& path) {
   const SurfaceFormat* format = find_format(path);
   return format != nullptr && format->holds_lines;
@@ -73,6 +79,9 @@ Result<void> write_surface(const std::string& path, const Surface& surface,
   LODE_EXPECTS(surface.triangles.empty() || surface.lines.empty());
   LODE_EXPECTS(surface.normals.empty() || surface.normals.size() == surface.positions.size());
   LODE_EXPECTS(surface.isovalues.empty() || surface.isovalues.size() == surface.positions.size());
+  LODE_EXPECTS(surface.values.empty() || surface.values.size() == surface.positions.size());
+  LODE_EXPECTS(surface.errors.empty() ||
+               surface.errors.size() == surface.triangles.size() + surface.lines.size());
   LODE_CHECK(check_surface_path(path));
   return find_format(path)->write(path, surface, options, progress);
 }

@@ -12,15 +12,16 @@ namespace lode::io {
 struct SurfaceWriteOptions {
   std::string comment;           ///< One line for the file's header; what made it, and how.
   Frame frame = Frame::unknown;  ///< Named in the header where the format has comments.
+  std::string value_name{};      ///< What VTP calls the values; empty: "value", as PLY does.
 };
 
 /// Writes a surface, whole or not at all, in the format that the extension names: .ply, .stl,
 /// .obj, .vtp or .glb (any case). Normals are written everywhere but to STL, isovalues where
-/// can_hold_isovalues() says so. A surface with an origin is written with double coordinates
-/// (PLY, OBJ, VTP) or with the origin as the node's translation (GLB), and, unless it is empty,
-/// refused by STL, which has neither; STL also refuses lines. At least one of triangles and lines
-/// must be empty. Reports the phase "writing"; cancelled until the file is in place, it leaves
-/// none.
+/// can_hold_isovalues() says so, values and errors where can_hold_values() does. A surface with an
+/// origin is written with double coordinates (PLY, OBJ, VTP) or with the origin as the node's
+/// translation (GLB), and, unless it is empty, refused by STL, which has neither; STL also refuses
+/// lines. At least one of triangles and lines must be empty. Reports the phase "writing"; cancelled
+/// until the file is in place, it leaves none.
 [[nodiscard]] Result<void> write_surface(const std::string& path, const Surface& surface,
                                          const SurfaceWriteOptions& options, Progress& progress);
 
@@ -33,6 +34,9 @@ struct SurfaceWriteOptions {
 
 /// Whether the format that the extension names has a per-vertex attribute for isovalues.
 [[nodiscard]] bool can_hold_isovalues(const std::string& path);
+
+/// Whether the format that the extension names can hold values per vertex and errors per cell.
+[[nodiscard]] bool can_hold_values(const std::string& path);
 
 /// Whether the format that the extension names can hold contour lines.
 [[nodiscard]] bool can_hold_lines(const std::string& path);

@@ -7,7 +7,13 @@
 namespace lode::io {
 namespace {
 
-constexpr std::size_t kFaceBytes = 1 + 3 * sizeof(std::uint32_t);
+std::size_t face_bytes(const Surface& surface) {
+  return 1 + 3 * sizeof(std::uint32_t) + (surface.errors.empty() ? 0 : sizeof(float));
+}
+
+std::size_t line_bytes(const Surface& surface) {
+  return 2 * sizeof(std::uint32_t) + (surface.errors.empty() ? 0 : sizeof(float));
+}
 
 std::string ply_header(const Surface& surface, const SurfaceWriteOptions& options) {
   const char* coordinate = has_origin(surface) ? "double" : "float";
@@ -27,31 +33,36 @@ std::string ply_header(const Surface& surface, const SurfaceWriteOptions& option
   if (!surface.normals.empty())
     for (const char* name : {"nx", "ny", "nz"}) add("property float {}\n", name);
   if (!surface.isovalues.empty()) add("property float isovalue\n");
+  if (!surface.values.empty()) add("property double value\n");
   if (surface.lines.empty())
     add("element face {}\nproperty list uchar {} vertex_indices\n", surface.triangles.size(),
         index);
   else
     add("element edge {}\nproperty {} vertex1\nproperty {} vertex2\n", surface.lines.size(), index,
         index);
+  if (!surface.errors.empty()) add("property float error\n");
   return header + "end_header\n";
 }
 
 std::size_t vertex_bytes(const Surface& surface) {
   return (has_origin(surface) ? sizeof(Vec3d) : sizeof(Vec3f)) +
          (surface.normals.empty() ? 0 : sizeof(Vec3f)) +
-         (surface.isovalues.empty() ? 0 : sizeof(float));
+         (surface.isovalues.empty() ? 0 : sizeof(float)) +
+         (surface.values.empty() ? 0 : sizeof(double));
 }
 
 /// Of all but the header.
 std::uint64_t ply_bytes(const Surface& surface) {
-  return surface.positions.size() * vertex_bytes(surface) + surface.triangles.size() * kFaceBytes +
-         surface.lines.size() * sizeof(surface.lines[0]);
+  return surface.positions.size() * vertex_bytes(surface) +
+         surface.triangles.size() * face_bytes(surface) +
+         surface.lines.size() * line_bytes(surface);
 }
 
 Result<void> write_vertex_records(SurfaceOutput& file, const Surface& surface) {
   const bool is_double = has_origin(surface);
   const bool has_normals = !surface.normals.empty();
   const bool has_isovalues = !surface.isovalues.empty();
+  const bool has_values = !surface.values.empty();
   const auto fill = [&](std::size_t i, std::byte* out) {
     if (is_double)
       put(out, surface.world_position(static_cast<std::uint32_t>(i)));
@@ -59,16 +70,28 @@ Result<void> write_vertex_records(SurfaceOutput& file, const Surface& surface) {
       put(out, surface.positions[i]);
     if (has_normals) put(out, surface.normals[i]);
     if (has_isovalues) put(out, surface.isovalues[i]);
+    if (has_values) put(out, surface.values[i]);
   };
   return write_records(file, surface.positions.size(), vertex_bytes(surface), fill);
 }
 
 Result<void> write_face_records(SurfaceOutput& file, const Surface& surface) {
+  const bool has_errors = !surface.errors.empty();
   const auto fill = [&](std::size_t i, std::byte* out) {
     put(out, std::uint8_t{3});
     put(out, surface.triangles[i]);
+    if (has_errors) put(out, surface.errors[i]);
   };
-  return write_records(file, surface.triangles.size(), kFaceBytes, fill);
+  return write_records(file, surface.triangles.size(), face_bytes(surface), fill);
+}
+
+Result<void> write_line_records(SurfaceOutput& file, const Surface& surface) {
+  if (surface.errors.empty()) return write_array(file, std::span(surface.lines));
+  const auto fill = [&](std::size_t i, std::byte* out) {
+    put(out, surface.lines[i]);
+    put(out, surface.errors[i]);
+  };
+  return write_records(file, surface.lines.size(), line_bytes(surface), fill);
 }
 
 }  // namespace
@@ -79,7 +102,7 @@ Result<void> write_ply(const std::string& path, const Surface& surface,
   LODE_CHECK(file.write(ply_header(surface, options)));
   LODE_CHECK(write_vertex_records(file, surface));
   LODE_CHECK(write_face_records(file, surface));
-  LODE_CHECK(write_array(file, std::span(surface.lines)));
+  LODE_CHECK(write_line_records(file, surface));
   return file.commit();
 }
 

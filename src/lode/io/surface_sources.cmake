@@ -1,5 +1,6 @@
 # Writing and reading surfaces; included by CMakeLists.txt beside it.
 set(IO_SURFACE_SOURCES
+  mesh_vtu.cpp
   surface_file.cpp
   surface_glb.cpp
   surface_input.cpp
@@ -9,5 +10,6 @@ set(IO_SURFACE_SOURCES
   surface_ply_reader.cpp
   surface_stl.cpp
   surface_vtp.cpp
-  surface_vtp_reader.cpp)
+  surface_vtp_reader.cpp
+  vtk_xml_output.cpp)
 find_package(nlohmann_json REQUIRED)

@@ -3,24 +3,20 @@
 #include <limits>
 #include <optional>
 
-#include "lode/io/surface_output.h"
+#include "lode/io/vtk_xml_output.h"
 
 namespace lode::io {
 namespace {
 
-/// One array of the appended data: its XML and its bytes.
-struct VtpArray {
-  std::string attributes;  ///< type, Name, NumberOfComponents.
-  std::uint64_t n_bytes = 0;
-};
-
 /// The arrays of a file in the order of their data. Unused ones are left out.
 struct VtpLayout {
-  std::optional<VtpArray> isovalues;
-  std::optional<VtpArray> normals;
-  VtpArray points;
-  VtpArray connectivity;
-  VtpArray offsets;
+  std::optional<VtkXmlArray> values;
+  std::optional<VtkXmlArray> isovalues;
+  std::optional<VtkXmlArray> normals;
+  std::optional<VtkXmlArray> errors;
+  VtkXmlArray points;
+  VtkXmlArray connectivity;
+  VtkXmlArray offsets;
 };
 
 std::size_t n_cells(const Surface& surface) {
@@ -34,16 +30,21 @@ bool needs_wide_indices(const Surface& surface) {
   return surface.positions.size() > kMax || n_cells(surface) * corners_per_cell(surface) > kMax;
 }
 
-VtpLayout make_vtp_layout(const Surface& surface) {
+VtpLayout make_vtp_layout(const Surface& surface, const SurfaceWriteOptions& options) {
   const bool is_double = has_origin(surface);
   const std::uint64_t n = surface.positions.size();
   const std::uint64_t index_bytes = needs_wide_indices(surface) ? 8 : 4;
   const char* index = index_bytes == 8 ? "Int64" : "Int32";
   VtpLayout layout;
+  if (!surface.values.empty())
+    layout.values = {fmt::format(R"(type="Float64" Name="{}")", vtk_array_name(options.value_name)),
+                     n * sizeof(double)};
   if (!surface.isovalues.empty())
     layout.isovalues = {R"(type="Float32" Name="isovalue")", n * sizeof(float)};
   if (!surface.normals.empty())
     layout.normals = {R"(type="Float32" Name="Normals" NumberOfComponents="3")", n * sizeof(Vec3f)};
+  if (!surface.errors.empty())
+    layout.errors = {R"(type="Float32" Name="error")", n_cells(surface) * sizeof(float)};
   layout.points = {fmt::format(R"(type="{}" Name="Points" NumberOfComponents="3")",
                                is_double ? "Float64" : "Float32"),
                    n * (is_double ? sizeof(Vec3d) : sizeof(Vec3f))};
@@ -54,38 +55,19 @@ VtpLayout make_vtp_layout(const Surface& surface) {
   return layout;
 }
 
+std::uint64_t bytes_of(const std::optional<VtkXmlArray>& array) {
+  return array ? array->n_bytes : 0;
+}
+
 /// Of the arrays, without the XML.
 std::uint64_t vtp_bytes(const VtpLayout& layout) {
-  return (layout.isovalues ? layout.isovalues->n_bytes : 0) +
-         (layout.normals ? layout.normals->n_bytes : 0) + layout.points.n_bytes +
-         layout.connectivity.n_bytes + layout.offsets.n_bytes;
-}
-
-/// XML comments must not contain "--"; tags in them would mislead readers that look for the
-/// appended data without parsing all of the XML.
-std::string to_xml_comment(std::string_view text) {
-  std::string comment = to_one_line(text);
-  for (std::size_t i = 0; i < comment.size(); ++i) {
-    const bool is_second_dash = i > 0 && comment[i - 1] == '-' && comment[i] == '-';
-    if (is_second_dash || comment[i] == '<' || comment[i] == '>') comment[i] = ' ';
-  }
-  return fmt::format("<!-- {} -->\n", comment);
-}
-
-std::string describe_array(const VtpArray& array, std::uint64_t& offset) {
-  std::string xml =
-      fmt::format("<DataArray {} format=\"appended\" offset=\"{}\"/>\n", array.attributes, offset);
-  offset += sizeof(std::uint64_t) + array.n_bytes;
-  return xml;
+  return bytes_of(layout.values) + bytes_of(layout.isovalues) + bytes_of(layout.normals) +
+         bytes_of(layout.errors) + layout.points.n_bytes + layout.connectivity.n_bytes +
+         layout.offsets.n_bytes;
 }
 
 std::string vtp_head(const Surface& surface, const SurfaceWriteOptions& options) {
-  std::string xml = "<?xml version=\"1.0\"?>\n";
-  if (!options.comment.empty()) xml += to_xml_comment(options.comment);
-  xml += to_xml_comment(fmt::format("frame {}", name_of(options.frame)));
-  xml +=
-      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-      "header_type=\"UInt64\">\n<PolyData>\n";
+  std::string xml = vtk_xml_head("PolyData", options.comment, options.frame);
   if (has_origin(surface))
     xml += fmt::format(
         "<FieldData>\n<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"3\" "
@@ -98,36 +80,45 @@ std::string vtp_head(const Surface& surface, const SurfaceWriteOptions& options)
   return xml;
 }
 
-std::string vtp_piece(const Surface& surface, const VtpLayout& layout) {
+std::string vtp_piece(const Surface& surface, const SurfaceWriteOptions& options,
+                      const VtpLayout& layout) {
   const char* cells = surface.lines.empty() ? "Polys" : "Lines";
   std::uint64_t offset = 0;
   std::string xml = "<PointData";
-  if (layout.isovalues) xml += " Scalars=\"isovalue\"";
+  if (layout.values)
+    xml += fmt::format(" Scalars=\"{}\"", vtk_array_name(options.value_name));
+  else if (layout.isovalues)
+    xml += " Scalars=\"isovalue\"";
   if (layout.normals) xml += " Normals=\"Normals\"";
   xml += ">\n";
-  if (layout.isovalues) xml += describe_array(*layout.isovalues, offset);
-  if (layout.normals) xml += describe_array(*layout.normals, offset);
-  xml += "</PointData>\n<Points>\n" + describe_array(layout.points, offset) + "</Points>\n";
+  for (const auto* array : {&layout.values, &layout.isovalues, &layout.normals})
+    if (*array) xml += describe_array(**array, offset);
+  xml += "</PointData>\n";
+  if (layout.errors)
+    xml += "<CellData>\n" + describe_array(*layout.errors, offset) + "</CellData>\n";
+  xml += "<Points>\n" + describe_array(layout.points, offset) + "</Points>\n";
   xml += fmt::format("<{}>\n", cells) + describe_array(layout.connectivity, offset);
   xml += describe_array(layout.offsets, offset) + fmt::format("</{}>\n", cells);
   xml += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
   return xml;
 }
 
-Result<void> write_array_size(SurfaceOutput& file, const VtpArray& array) {
-  return file.write(std::as_bytes(std::span(&array.n_bytes, 1)));
+/// A size and an array, where there is one.
+template <typename T>
+Result<void> write_optional(SurfaceOutput& file, const std::optional<VtkXmlArray>& array,
+                            const std::vector<T>& data) {
+  if (!array) return {};
+  LODE_CHECK(write_array_size(file, *array));
+  return write_array(file, std::span(data));
 }
 
+/// Attributes and points.
 Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
                                 const VtpLayout& layout) {
-  if (layout.isovalues) {
-    LODE_CHECK(write_array_size(file, *layout.isovalues));
-    LODE_CHECK(write_array(file, std::span(surface.isovalues)));
-  }
-  if (layout.normals) {
-    LODE_CHECK(write_array_size(file, *layout.normals));
-    LODE_CHECK(write_array(file, std::span(surface.normals)));
-  }
+  LODE_CHECK(write_optional(file, layout.values, surface.values));
+  LODE_CHECK(write_optional(file, layout.isovalues, surface.isovalues));
+  LODE_CHECK(write_optional(file, layout.normals, surface.normals));
+  LODE_CHECK(write_optional(file, layout.errors, surface.errors));
   LODE_CHECK(write_array_size(file, layout.points));
   if (!has_origin(surface)) return write_array(file, std::span(surface.positions));
   const auto fill = [&](std::size_t i, std::byte* out) {
@@ -164,10 +155,10 @@ Result<void> write_cell_arrays(SurfaceOutput& file, const Surface& surface,
 
 Result<void> write_vtp(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
-  const VtpLayout layout = make_vtp_layout(surface);
+  const VtpLayout layout = make_vtp_layout(surface, options);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, vtp_bytes(layout), progress));
   LODE_CHECK(file.write(vtp_head(surface, options)));
-  LODE_CHECK(file.write(vtp_piece(surface, layout)));
+  LODE_CHECK(file.write(vtp_piece(surface, options, layout)));
   LODE_CHECK(write_point_arrays(file, surface, layout));
   LODE_CHECK(needs_wide_indices(surface) ? write_cell_arrays<std::int64_t>(file, surface, layout)
                                          : write_cell_arrays<std::int32_t>(file, surface, layout));

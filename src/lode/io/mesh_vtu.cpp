@@ -1,0 +1,138 @@
+#include "lode/io/mesh_vtu.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "lode/io/vtk_xml_output.h"
+
+namespace lode::io {
+namespace {
+
+constexpr std::uint8_t kVtkTriangle = 5;
+constexpr std::uint8_t kVtkTetrahedron = 10;
+
+/// The arrays of a file in the order of their data.
+struct VtuLayout {
+  std::string value_name;
+  VtkXmlArray values;
+  VtkXmlArray errors;
+  VtkXmlArray points;
+  VtkXmlArray connectivity;
+  VtkXmlArray offsets;
+  VtkXmlArray types;
+};
+
+std::size_t n_corners_per_cell(const SimplexMesh& mesh) { return mesh.triangles.empty() ? 4 : 3; }
+
+bool needs_wide_indices(const SimplexMesh& mesh) {
+  constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max();
+  return mesh.positions.size() > kMax || mesh.n_cells() * n_corners_per_cell(mesh) > kMax;
+}
+
+VtuLayout make_vtu_layout(const SimplexMesh& mesh, const MeshWriteOptions& options) {
+  const std::uint64_t n = mesh.positions.size();
+  const std::uint64_t index_bytes = needs_wide_indices(mesh) ? 8 : 4;
+  const char* index = index_bytes == 8 ? "Int64" : "Int32";
+  VtuLayout layout;
+  layout.value_name = vtk_array_name(options.value_name);
+  layout.values = {fmt::format(R"(type="{}" Name="{}")",
+                               mesh.has_narrow_values ? "Float32" : "Float64", layout.value_name),
+                   n * (mesh.has_narrow_values ? sizeof(float) : sizeof(double))};
+  layout.errors = {R"(type="Float32" Name="error")", mesh.errors.size() * sizeof(float)};
+  layout.points = {R"(type="Float64" Name="Points" NumberOfComponents="3")", n * sizeof(Vec3d)};
+  layout.connectivity = {fmt::format(R"(type="{}" Name="connectivity")", index),
+                         mesh.n_cells() * n_corners_per_cell(mesh) * index_bytes};
+  layout.offsets = {fmt::format(R"(type="{}" Name="offsets")", index),
+                    mesh.n_cells() * index_bytes};
+  layout.types = {R"(type="UInt8" Name="types")", mesh.n_cells()};
+  return layout;
+}
+
+std::uint64_t vtu_bytes(const VtuLayout& layout) {
+  return layout.values.n_bytes + layout.errors.n_bytes + layout.points.n_bytes +
+         layout.connectivity.n_bytes + layout.offsets.n_bytes + layout.types.n_bytes;
+}
+
+std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout) {
+  std::uint64_t offset = 0;
+  std::string xml = fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
+                                mesh.positions.size(), mesh.n_cells());
+  xml += fmt::format("<PointData Scalars=\"{}\">\n", layout.value_name);
+  xml += describe_array(layout.values, offset) + "</PointData>\n<CellData>\n";
+  xml += describe_array(layout.errors, offset) + "</CellData>\n<Points>\n";
+  xml += describe_array(layout.points, offset) + "</Points>\n<Cells>\n";
+  for (const VtkXmlArray* array : {&layout.connectivity, &layout.offsets, &layout.types})
+    xml += describe_array(*array, offset);
+  return xml + "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
+}
+
+Result<void> write_values(SurfaceOutput& file, const SimplexMesh& mesh) {
+  if (!mesh.has_narrow_values) return write_array(file, std::span(mesh.values));
+  return write_records(file, mesh.values.size(), sizeof(float), [&](std::size_t i, std::byte* out) {
+    put(out, static_cast<float>(mesh.values[i]));
+  });
+}
+
+template <typename T, std::size_t N>
+Result<void> write_corners(SurfaceOutput& file,
+                           const std::vector<std::array<std::uint32_t, N>>& cells) {
+  if constexpr (sizeof(T) == sizeof(std::uint32_t)) {
+    return write_array(file, std::span(cells));
+  } else {
+    return write_records(file, cells.size(), N * sizeof(T), [&](std::size_t i, std::byte* out) {
+      for (const std::uint32_t vertex : cells[i]) put(out, T{vertex});
+    });
+  }
+}
+
+/// Connectivity, offsets and types.
+template <typename T>
+Result<void> write_cells(SurfaceOutput& file, const SimplexMesh& mesh, const VtuLayout& layout) {
+  const std::size_t n_corners = n_corners_per_cell(mesh);
+  LODE_CHECK(write_array_size(file, layout.connectivity));
+  LODE_CHECK((write_corners<T, 4>(file, mesh.tetrahedra)));
+  LODE_CHECK((write_corners<T, 3>(file, mesh.triangles)));
+  LODE_CHECK(write_array_size(file, layout.offsets));
+  LODE_CHECK(write_records(file, mesh.n_cells(), sizeof(T), [&](std::size_t i, std::byte* out) {
+    put(out, static_cast<T>((i + 1) * n_corners));
+  }));
+  LODE_CHECK(write_array_size(file, layout.types));
+  return write_records(file, mesh.n_cells(), 1, [&](std::size_t, std::byte* out) {
+    put(out, n_corners == 4 ? kVtkTetrahedron : kVtkTriangle);
+  });
+}
+
+}  // namespace
+
+Result<void> check_mesh_path(const std::string& path) {
+  const std::string end = path.substr(path.size() - std::min<std::size_t>(4, path.size()));
+  std::string lower = end;
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (lower == ".vtu" && path.size() > 4) return {};
+  return fail("{}: expected a mesh file that ends in .vtu", path);
+}
+
+Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
+                       const MeshWriteOptions& options, Progress& progress) {
+  LODE_EXPECTS(mesh.triangles.empty() || mesh.tetrahedra.empty());
+  LODE_EXPECTS(mesh.values.size() == mesh.positions.size());
+  LODE_EXPECTS(mesh.errors.size() == mesh.n_cells());
+  const VtuLayout layout = make_vtu_layout(mesh, options);
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, vtu_bytes(layout), progress));
+  LODE_CHECK(file.write(vtk_xml_head("UnstructuredGrid", options.comment, options.frame)));
+  LODE_CHECK(file.write(vtu_piece(mesh, layout)));
+  LODE_CHECK(write_array_size(file, layout.values));
+  LODE_CHECK(write_values(file, mesh));
+  LODE_CHECK(write_array_size(file, layout.errors));
+  LODE_CHECK(write_array(file, std::span(mesh.errors)));
+  LODE_CHECK(write_array_size(file, layout.points));
+  LODE_CHECK(write_array(file, std::span(mesh.positions)));
+  LODE_CHECK(needs_wide_indices(mesh) ? write_cells<std::int64_t>(file, mesh, layout)
+                                      : write_cells<std::int32_t>(file, mesh, layout));
+  LODE_CHECK(file.write(std::string_view("\n</AppendedData>\n</VTKFile>\n")));
+  return file.commit();
+}
+
+}  // namespace lode::io
