@@ -2,22 +2,15 @@
 
 #include <chrono>
 #include <cmath>
-#include <variant>
 
+#include "lode/api/dataset_impl.h"
 #include "lode/api/verification.h"
 #include "lode/mappers/surface_edits.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/close_border.h"
 #include "lode/models/diamond/extract.h"
-#include "lode/models/diamond/persist.h"
 
 namespace lode {
-
-class Dataset::Impl {
- public:
-  std::variant<diamond::Model<2>, diamond::Model<3>> model;
-  std::optional<diamond::StoredBytes> stored;
-};
 
 namespace {
 
@@ -51,8 +44,7 @@ Result<void> check_options(const ExtractOptions& options) {
 
 template <int D>
 double tolerance_of(const diamond::Model<D>& model, const ExtractOptions& options) {
-  constexpr double kDefaultShareOfRange = 0.005;
-  return options.max_error.value_or(kDefaultShareOfRange * (model.stats.max - model.stats.min));
+  return options.max_error.value_or(default_tolerance(model));
 }
 
 /// Appends one isovalue's surface, with isovalue and normals per vertex.

@@ -83,6 +83,12 @@ struct ExtractReport {
   ExtractSeconds seconds;
 };
 
+struct MeshOptions;
+struct MeshReport;
+struct SectionOptions;
+struct SectionReport;
+struct SimplexMesh;
+
 /// What a verification looked at, and the first thing that failed (empty: all holds).
 struct VerifyReport {
   struct Check {
@@ -125,6 +131,13 @@ class Dataset {
   /// Extracts isosurfaces (or contour lines of 2D data) into `surface`, whose memory is reused.
   [[nodiscard]] Result<ExtractReport> extract(const ExtractOptions& options, Surface& surface,
                                               Progress& progress) const;
+
+  /// The mesh of a query; see mesh_extraction.h.
+  [[nodiscard]] Result<MeshReport> extract_mesh(const MeshOptions& options, SimplexMesh& mesh,
+                                                Progress& progress) const;
+  /// A planar section of a volume, or isolines on it; see mesh_extraction.h.
+  [[nodiscard]] Result<SectionReport> extract_section(const SectionOptions& options,
+                                                      Surface& section, Progress& progress) const;
 
   /// Recomputes errors and ranges from the original data and compares them with the stored ones.
   [[nodiscard]] Result<VerifyReport> verify_against(VolumeSource& original, Threads threads,

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "lode/api/dataset.h"
+#include "lode/io/mesh_vtu.h"
 #include "lode/io/surface_file.h"
 #include "lode/io/volume_reader.h"
 #include "lode/render/camera_file.h"
@@ -14,16 +15,20 @@ namespace lode {
 using io::ByteOrder;
 using io::can_hold_isovalues;
 using io::can_hold_lines;
+using io::can_hold_values;
+using io::check_mesh_path;
 using io::check_surface_path;
 using io::ComponentChoice;
 using io::describe_volume;
 using io::FileDescription;
 using io::Magnitude;
+using io::MeshWriteOptions;
 using io::open_volume;
 using io::RawLayout;
 using io::ReadOptions;
 using io::SurfaceWriteOptions;
 using io::write_surface;
+using io::write_vtu;
 
 /// Whether `path` is to be opened as a .lode file: it is named so (any case), or starts as one.
 [[nodiscard]] bool is_lode_path(const std::string& path);

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lode/api/dataset.h"
+#include "lode/api/query.h"
+#include "lode/core/mesh.h"
+#include "lode/mappers/section.h"
+
+namespace lode {
+
+/// No mesh has more cells: 2^31. Queries that want more are refused, before memory is asked for.
+inline constexpr std::uint64_t kMaxMeshCells = std::uint64_t{1} << 31;
+
+struct MeshOptions {
+  /// Foci, tolerances in field units and the budget. Without max_error it is 0 with a budget, else
+  /// 0.5 % of the value range. max_error_outside holds everywhere outside the focus, be it one of
+  /// values or of regions. Nothing is refined for the border's sake.
+  Query query;
+};
+
+struct MeshReport {
+  double max_error = 0;           ///< The tolerance asked for (or chosen), field units.
+  double achieved_error = 0;      ///< Proven bound of |F - F'| over the cells in focus.
+  double largest_error = 0;       ///< The same over all cells.
+  std::uint64_t n_cells = 0;      ///< Of the mesh.
+  std::uint64_t n_cut_cells = 0;  ///< Of the cut, before clipping: what the budget counts.
+  std::uint64_t n_vertices = 0;
+  std::uint64_t n_left_out = 0;  ///< Simplices that holes remove in part, and nothing refined.
+  bool budget_met = true;        ///< False: even the unrefined base has more cells.
+  double seconds = 0;
+};
+
+struct SectionOptions {
+  SectionPlane plane;
+  std::vector<double> isovalues;      ///< Lines of these values on the section; none: triangles.
+  std::vector<Range> field_ranges;    ///< Accuracy matters where the field may be in one of them.
+  std::optional<double> max_error{};  ///< As in MeshOptions.
+  Budget budget{};
+};
+
+struct SectionReport {
+  double max_error = 0;
+  double achieved_error = 0;  ///< Over the triangles, or over those that have a line, in focus.
+  std::uint64_t n_triangles = 0;
+  std::uint64_t n_lines = 0;
+  std::uint64_t n_vertices = 0;
+  std::uint64_t n_cut_cells = 0;
+  std::uint64_t n_left_out = 0;  ///< Near the plane.
+  bool budget_met = true;
+  double seconds = 0;
+};
+
+// Dataset::extract_mesh(): the tetrahedra (triangles of 2D data) of a query's cut with values and
+// errors, clipped exactly at the border, conforming; see SimplexMesh. O(cells), one thread.
+//
+// Dataset::extract_section(): the triangles in which a plane cuts the mesh of a query that is fine
+// along the plane (see cut_section()), or with isovalues the lines on them. Fails for 2D data.
+
+}  // namespace lode
