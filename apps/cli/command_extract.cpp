@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "command.h"
+#include "extract_mesh.h"
 #include "extraction_options.h"
 #include "input.h"
 #include "outputs.h"
@@ -17,7 +18,10 @@ struct ExtractArguments {
   std::string input;
   std::string output;
   ExtractionArguments extraction;
+  QueryArguments query;
   ReadingArguments reading;
+
+  [[nodiscard]] MeshJob mesh_job() const { return {input, output, extraction, query, reading}; }
 };
 
 /// One file to write, and the isovalues that go into it.
@@ -44,6 +48,8 @@ std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
 }
 
 Result<void> check_extract(const ExtractArguments& arguments) {
+  if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
+  LODE_CHECK(check_unused(arguments.query));
   LODE_TRY(const ExtractOptions options, to_extract_options(arguments.extraction));
   if (options.isovalues.empty()) return fail("--isovalue: expected at least one value, got none");
   LODE_CHECK(check_surface_extension(arguments.output));
@@ -166,6 +172,7 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
 }
 
 Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session) {
+  if (arguments.query.is_wanted()) return run_mesh_job(arguments.mesh_job(), session);
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
   options.threads = session.threads();
   const std::vector<Job> jobs = plan_jobs(arguments.output, options.isovalues);
@@ -193,17 +200,21 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
 
 Command add_extract_command(CLI::App& program) {
   auto arguments = std::make_shared<ExtractArguments>();
-  CLI::App* app =
-      program.add_subcommand("extract", "Extract isosurfaces (contour lines of 2D data)");
+  CLI::App* app = program.add_subcommand(
+      "extract", "Extract isosurfaces (contour lines of 2D data), meshes or sections");
   app->footer(
       "OUT may end in .ply, .stl, .obj, .vtp or .glb. Several isovalues share one file; STL and\n"
       "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl.\n\n"
-      "Example:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10");
+      "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
+      "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
+      "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
+      "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1");
   app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
       ->type_name("FILE")
       ->required();
   app->add_option("output", arguments->output, "Surface to write")->type_name("OUT")->required();
   add_extraction_options(*app, arguments->extraction);
+  add_query_options(*app, arguments->query);
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_extract(*arguments); },
           [arguments](Session& session) { return run_extract(*arguments, session); }};

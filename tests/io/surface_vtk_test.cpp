@@ -4,36 +4,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 #include <vector>
 
 #include "tests/io/surface_fixtures.h"
+#include "tests/io/vtk_oracle.h"
 
 namespace lode::io {
 namespace {
 
-constexpr const char* kPython = "/usr/bin/python3";
-constexpr const char* kMissing =
-    "expected VTK for /usr/bin/python3: package python3-vtk9, which ./dev test installs";
-
-std::string output_of(const std::string& command) {
-  std::string output;
-  FILE* pipe = ::popen(command.c_str(), "r");
-  if (pipe == nullptr) return output;
-  std::array<char, 4096> part;
-  while (const std::size_t n = std::fread(part.data(), 1, part.size(), pipe))
-    output.append(part.data(), n);
-  ::pclose(pipe);
-  return output;
-}
+using test::has_vtk;
 
 std::string oracle(const std::string& arguments) {
-  return output_of(std::string(kPython) + " " LODE_SURFACE_ORACLE " " + arguments);
-}
-
-bool has_vtk() {
-  return output_of(std::string(kPython) + " -c 'import vtk; print(1)' 2>/dev/null") == "1\n";
+  return test::run_oracle(LODE_SURFACE_ORACLE, arguments);
 }
 
 struct Description {
@@ -109,7 +92,7 @@ std::vector<Written> write_all() {
 }
 
 TEST(surfaces_in_vtk, are_read_with_the_same_counts_and_bounds) {
-  ASSERT_TRUE(has_vtk()) << kMissing;
+  ASSERT_TRUE(has_vtk()) << test::kVtkMissing;
   const std::vector<Written> all = write_all();
   std::string arguments = "read";
   for (const Written& written : all) arguments += " " + written.path;
@@ -134,7 +117,7 @@ TEST(surfaces_in_vtk, are_read_with_the_same_counts_and_bounds) {
 }
 
 TEST(surfaces_from_vtk, are_read_in_every_form_that_vtk_writes) {
-  ASSERT_TRUE(has_vtk()) << kMissing;
+  ASSERT_TRUE(has_vtk()) << test::kVtkMissing;
   std::istringstream lines(oracle("write " + temporary_path("vtk_")));
   std::size_t n_files = 0;
   std::string path;

@@ -1,8 +1,7 @@
 // Meshes of cuts, clipped at the border: exact in the lattice, whatever the cut.
-#include <cstring>
-
-#include "lode/models/diamond/build.h"
 #include "lode/models/diamond/cut_mesh.h"
+#include "lode/models/diamond/build.h"
+#include "lode/models/diamond/query_cut.h"
 #include "tests/models/mesh_fixtures.h"
 
 namespace lode::test {
@@ -232,6 +231,30 @@ TEST(cut_mesh, of_2d_data_is_made_of_triangles) {
       for (const auto& [edge, n] : edges) ASSERT_LE(n, 2);
     }
   }
+}
+
+TEST(cut_mesh, of_too_many_cells_is_refused_before_it_is_made) {
+  const Volume volume = noisy_volume(plain_grid({{30, 22, 27}}), 3);
+  Progress progress;
+  const auto source = make_memory_source(volume);
+  const auto model = diamond::build<3>(*source, {.threads = {1}}, progress);
+  const diamond::Refinable<3> opened(*model);
+  std::uint64_t n_cells = 0;
+  const auto count = [&](const Cut&, const diamond::QueryCutReport& report) -> Result<void> {
+    n_cells = report.n_cells;
+    return {};
+  };
+  for (const Budget& budget : {Budget{}, Budget{2000}}) {
+    const auto refused =
+        diamond::with_cut<3>(opened, {uniform_demand(0), budget, 1000}, progress, count);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("at most 1000 cells"), std::string::npos);
+    EXPECT_EQ(n_cells, 0U);
+  }
+  ASSERT_TRUE(diamond::with_cut<3>(opened, {uniform_demand(0), {}, 200000}, progress, count));
+  EXPECT_EQ(n_cells, 6U * 29 * 21 * 26);
+  progress.cancel();
+  EXPECT_FALSE(diamond::with_cut<3>(opened, {uniform_demand(0), {}, 200000}, progress, count));
 }
 
 TEST(cut_mesh, is_the_same_every_time) {
