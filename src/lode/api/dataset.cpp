@@ -164,10 +164,10 @@ Result<Dataset> Dataset::build(VolumeSource& source, const BuildOptions& options
   const diamond::BuildSettings settings{.threads = options.threads};
   if (is_flat(source.info().grid.dims)) {
     LODE_TRY(auto model, diamond::build<2>(source, settings, progress));
-    return Dataset(std::make_unique<Impl>(Impl{std::move(model), {}}));
+    return Dataset(std::make_unique<Impl>(std::move(model)));
   }
   LODE_TRY(auto model, diamond::build<3>(source, settings, progress));
-  return Dataset(std::make_unique<Impl>(Impl{std::move(model), {}}));
+  return Dataset(std::make_unique<Impl>(std::move(model)));
 }
 
 Result<Dataset> Dataset::open(const std::string& path, Threads threads, Progress& progress) {
@@ -175,11 +175,11 @@ Result<Dataset> Dataset::open(const std::string& path, Threads threads, Progress
   auto stored = diamond::stored_bytes(reader);
   if (reader.model() == diamond::model_name<2>()) {
     LODE_TRY(auto model, diamond::load<2>(reader, threads, progress));
-    return Dataset(std::make_unique<Impl>(Impl{std::move(model), std::move(stored)}));
+    return Dataset(std::make_unique<Impl>(std::move(model), std::move(stored)));
   }
   if (reader.model() == diamond::model_name<3>()) {
     LODE_TRY(auto model, diamond::load<3>(reader, threads, progress));
-    return Dataset(std::make_unique<Impl>(Impl{std::move(model), std::move(stored)}));
+    return Dataset(std::make_unique<Impl>(std::move(model), std::move(stored)));
   }
   return fail("{}: expected a model diamond2d or diamond3d, got \"{}\"", path, reader.model());
 }

@@ -149,6 +149,8 @@ class Dataset {
                                                     Progress& progress) const;
 
   class Impl;
+  /// For the door's other parts.
+  [[nodiscard]] const Impl& impl() const { return *impl_; }
 
  private:
   explicit Dataset(std::unique_ptr<Impl> impl);

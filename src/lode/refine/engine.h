@@ -13,20 +13,9 @@
 #include "lode/refine/demand_queue.h"
 #include "lode/refine/error_counts.h"
 #include "lode/refine/one_shot.h"
+#include "lode/refine/standing.h"
 
 namespace lode {
-
-/// Where the engine stands; true after every step.
-struct Standing {
-  std::uint64_t n_steps = 0;    ///< Since the query was set.
-  std::uint64_t n_applied = 0;  ///< Nodes in the cut.
-  std::uint64_t n_cells = 0;    ///< Simplices of its mesh.
-  double error_bound = 0;       ///< Largest nested field error left unrefined in focus.
-  bool is_settled = false;      ///< The answer: nothing is left to do.
-  bool budget_met = true;       ///< False: even the base is larger.
-  bool is_nested = true;  ///< False: a demand was seen to grow along discovery, which is no error,
-                          ///< but then the cut may depend on where it started.
-};
 
 /// Moves a cut towards the answer of a query, one node or a few thousand evaluations a step. After
 /// any step the cut is consistent, and the query can be changed.

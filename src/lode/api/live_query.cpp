@@ -1,0 +1,85 @@
+#include "lode/api/live_query.h"
+
+#include <optional>
+
+namespace lode {
+namespace {
+
+template <int D>
+class DiamondLiveQuery final : public LiveQuery {
+ public:
+  DiamondLiveQuery(const diamond::Model<D>& model, const diamond::WorldErrors* world_errors,
+                   bool with_normals)
+      : nodes_(model, world_errors), engine_(nodes_), with_normals_(with_normals) {}
+
+  void set_query(const Query& query) override {
+    const double isovalue = query.isovalues.front();
+    const FocusChange change = query_ ? focus_change(*query_, query) : FocusChange::changed;
+    query_ = query;
+    if (!surface_) {
+      surface_.emplace(nodes_, isovalue, with_normals_);
+      nodes_.follow(&*surface_);
+    } else if (surface_->isovalue() != isovalue) {
+      surface_->restart(isovalue);
+      surface_->begin(engine_.cut());
+      next_place_ = 0;
+    }
+    engine_.set_query(to_demand(query), query.budget, change);
+  }
+
+  [[nodiscard]] bool keeps_surface(const Query& query) const override {
+    return surface_ && surface_->isovalue() == query.isovalues.front();
+  }
+
+  bool step() override {
+    if (is_complete()) return engine_.step();
+    constexpr std::size_t kNodesPerStep = 256;
+    const Cut& cut = engine_.cut();
+    const std::size_t end = std::min(cut.n_places(), next_place_ + kNodesPerStep);
+    for (; next_place_ < end; ++next_place_) {
+      const Cut::Entry& entry = cut[static_cast<Cut::Place>(next_place_)];
+      if (entry.state == Cut::State::applied) surface_->add_leaves(entry.id, cut);
+    }
+    if (next_place_ == cut.n_places()) next_place_ = kComplete;
+    return true;
+  }
+
+  [[nodiscard]] bool is_complete() const override { return next_place_ == kComplete; }
+  [[nodiscard]] Standing standing() const override { return engine_.standing(); }
+  [[nodiscard]] std::size_t n_cells() const override { return surface_->n_cells(); }
+  [[nodiscard]] std::size_t n_changed() const override { return surface_->n_changed(); }
+  bool gather(std::size_t n_most, SurfaceBatch& batch) override {
+    return surface_->gather(n_most, batch);
+  }
+  void take_back(const SurfaceBatch& batch) override { surface_->take_back(batch); }
+  [[nodiscard]] double achieved_px() const override {
+    const Query& query = *query_;
+    return engine_.largest([&](const NodeFacts& node) { return achieved_pixels(query, node); });
+  }
+
+ private:
+  static constexpr std::size_t kComplete = static_cast<std::size_t>(-1);
+
+  diamond::LiveRefinable<D> nodes_;
+  Engine<diamond::LiveRefinable<D>> engine_;
+  bool with_normals_;
+  std::optional<diamond::LiveIsosurface<D>> surface_;
+  std::optional<Query> query_;
+  std::size_t next_place_ = kComplete;  ///< Of the cut, whose leaves are looked at next.
+};
+
+}  // namespace
+
+template <int D>
+std::unique_ptr<LiveQuery> make_live_query(const diamond::Model<D>& model,
+                                           const diamond::WorldErrors* world_errors,
+                                           bool with_normals) {
+  return std::make_unique<DiamondLiveQuery<D>>(model, world_errors, with_normals);
+}
+
+template std::unique_ptr<LiveQuery> make_live_query<2>(const diamond::Model<2>&,
+                                                       const diamond::WorldErrors*, bool);
+template std::unique_ptr<LiveQuery> make_live_query<3>(const diamond::Model<3>&,
+                                                       const diamond::WorldErrors*, bool);
+
+}  // namespace lode

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+
+#include "lode/api/query.h"
+#include "lode/models/diamond/live_isosurface.h"
+#include "lode/refine/engine.h"
+
+namespace lode {
+
+/// A query's surface on its way to the answer, in steps of well under a millisecond: what a session
+/// does, without a thread. The model's dimension is hidden.
+class LiveQuery {
+ public:
+  virtual ~LiveQuery() = default;
+
+  /// From the next step on. Exactly one isovalue; the query has been checked.
+  virtual void set_query(const Query& query) = 0;
+  /// Whether set_query() would leave the surface as it is.
+  [[nodiscard]] virtual bool keeps_surface(const Query& query) const = 0;
+  /// False if nothing was left to do.
+  virtual bool step() = 0;
+  /// Whether the surface is one: not while it is being found again for another isovalue.
+  [[nodiscard]] virtual bool is_complete() const = 0;
+  [[nodiscard]] virtual Standing standing() const = 0;
+  [[nodiscard]] virtual std::size_t n_cells() const = 0;
+  [[nodiscard]] virtual std::size_t n_changed() const = 0;
+  /// As LiveIsosurface's.
+  virtual bool gather(std::size_t n_most, SurfaceBatch& batch) = 0;
+  virtual void take_back(const SurfaceBatch& batch) = 0;
+  /// The largest pixel error of what is left unrefined in sight; looks at all candidates.
+  [[nodiscard]] virtual double achieved_px() const = 0;
+};
+
+/// `world_errors` may be null; then tolerances in pixels refine everything.
+template <int D>
+[[nodiscard]] std::unique_ptr<LiveQuery> make_live_query(const diamond::Model<D>& model,
+                                                         const diamond::WorldErrors* world_errors,
+                                                         bool with_normals);
+
+extern template std::unique_ptr<LiveQuery> make_live_query<2>(const diamond::Model<2>&,
+                                                              const diamond::WorldErrors*, bool);
+extern template std::unique_ptr<LiveQuery> make_live_query<3>(const diamond::Model<3>&,
+                                                              const diamond::WorldErrors*, bool);
+
+}  // namespace lode

@@ -1,0 +1,185 @@
+#include "lode/api/session.h"
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "lode/api/dataset_impl.h"
+#include "lode/api/live_query.h"
+
+namespace lode {
+namespace {
+
+struct NumberedQuery {
+  std::uint64_t number = 0;
+  Query query;
+};
+
+/// One place for one thing that one thread leaves and another takes; the newest wins.
+template <typename T>
+class Mailbox {
+ public:
+  Mailbox() = default;
+  Mailbox(const Mailbox&) = delete;
+  Mailbox& operator=(const Mailbox&) = delete;
+  ~Mailbox() { delete thing_.load(std::memory_order_acquire); }
+
+  /// What was there before comes back.
+  std::unique_ptr<T> put(std::unique_ptr<T> thing) {
+    return std::unique_ptr<T>(thing_.exchange(thing.release(), std::memory_order_acq_rel));
+  }
+  std::unique_ptr<T> take() { return put(nullptr); }
+  [[nodiscard]] bool has_mail() const { return thing_.load(std::memory_order_relaxed) != nullptr; }
+
+ private:
+  std::atomic<T*> thing_{nullptr};
+};
+
+Result<void> check_session_query(const Query& query, bool has_world_errors) {
+  LODE_CHECK(check_query(query));
+  if (query.isovalues.size() != 1)
+    return fail("a session's surface: expected one isovalue, got {}", query.isovalues.size());
+  if (query.max_error_px && !has_world_errors)
+    return fail("max error in pixels: expected a session that was opened with views");
+  return {};
+}
+
+}  // namespace
+
+class Session::Impl {
+ public:
+  Impl(std::unique_ptr<LiveQuery> live, std::shared_ptr<const void> kept, bool has_world_errors,
+       const Query& query)
+      : has_world_errors_(has_world_errors), kept_(std::move(kept)), live_(std::move(live)) {
+    send(query);
+    thread_ = std::thread([this] { run(); });
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    must_stop_.store(true, std::memory_order_release);
+    wake();
+    thread_.join();
+  }
+
+  Result<std::uint64_t> set_query(const Query& query) {
+    LODE_CHECK(check_session_query(query, has_world_errors_));
+    return send(query);
+  }
+  std::unique_ptr<SessionBatch> take() { return batches_.take(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  /// A batch is begun when this long has passed since the last one, or the answer is there.
+  static constexpr std::chrono::milliseconds kBetweenBatches{4};
+  static constexpr std::size_t kChangesPerStep = 4096;
+  static constexpr int kStepsPerLook = 64;  ///< At the clock.
+
+  std::uint64_t send(const Query& query) {
+    const std::uint64_t number = ++n_queries_;
+    queries_.put(std::make_unique<NumberedQuery>(NumberedQuery{number, query}));
+    wake();
+    return number;
+  }
+  void wake() {
+    n_wakes_.fetch_add(1, std::memory_order_release);
+    n_wakes_.notify_one();
+  }
+
+  void run() {
+    while (!must_stop_.load(std::memory_order_acquire)) {
+      const std::uint32_t n_wakes = n_wakes_.load(std::memory_order_acquire);
+      if (queries_.has_mail()) accept();
+      if (batch_)
+        gather();
+      else if (!advance())
+        n_wakes_.wait(n_wakes, std::memory_order_acquire);
+    }
+  }
+
+  /// A batch that is being gathered goes on for the old query, unless the surface starts again.
+  void accept() {
+    const auto query = queries_.take();
+    if (batch_ && !live_->keeps_surface(query->query)) {
+      live_->take_back(batch_->change);
+      batch_.reset();
+    }
+    number_ = query->number;
+    live_->set_query(query->query);
+    must_publish_ = true;
+  }
+
+  /// False if there is nothing to do.
+  bool advance() {
+    const bool has_moved = live_->step();
+    if (!live_->is_complete()) return true;
+    if (!has_moved && !must_publish_) return false;
+    if (has_moved && ++n_steps_ % kStepsPerLook != 0) return true;
+    const bool is_due = Clock::now() - last_batch_ >= between_;
+    if (has_moved && !(is_due && live_->n_changed() > 0)) return true;
+    must_publish_ = has_moved;  // once more when the answer is there
+    begin_batch();
+    return true;
+  }
+
+  void begin_batch() {
+    // What the reader has not taken it gets with this one.
+    if (const auto missed = batches_.take()) live_->take_back(missed->change);
+    batch_ = std::make_unique<SessionBatch>();
+    batch_->query = number_;
+    batch_->standing = live_->standing();
+    gathering_ = Clock::now();
+  }
+
+  void gather() {
+    if (!live_->gather(kChangesPerStep, batch_->change)) return;
+    batches_.put(std::move(batch_));
+    last_batch_ = Clock::now();
+    between_ = std::max<Clock::duration>(kBetweenBatches, 4 * (last_batch_ - gathering_));
+  }
+
+  const bool has_world_errors_;
+  const std::shared_ptr<const void> kept_;
+  const std::unique_ptr<LiveQuery> live_;  // the thread's alone from here on
+  std::unique_ptr<SessionBatch> batch_;    ///< Being gathered.
+  std::uint64_t number_ = 0;
+  bool must_publish_ = false;  ///< The newest query has not been answered by a batch yet.
+  std::uint64_t n_steps_ = 0;
+  Clock::time_point last_batch_;
+  Clock::time_point gathering_;
+  Clock::duration between_ = kBetweenBatches;
+
+  std::uint64_t n_queries_ = 0;  // the caller's
+  Mailbox<NumberedQuery> queries_;
+  Mailbox<SessionBatch> batches_;
+  std::atomic<std::uint32_t> n_wakes_{0};
+  std::atomic<bool> must_stop_{false};
+  std::thread thread_;
+};
+
+Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+Session::~Session() = default;
+
+Result<Session> Session::open(const Dataset& dataset, const Query& query,
+                              const SessionOptions& options, Progress& progress) {
+  LODE_CHECK(check_session_query(query, options.with_views));
+  return std::visit(
+      [&]<int D>(const diamond::Model<D>& model) -> Result<Session> {
+        std::shared_ptr<const diamond::WorldErrors> world_errors;
+        if (options.with_views) {
+          LODE_TRY(world_errors, dataset.impl().world_errors(progress));
+        }
+        return Session(std::make_unique<Impl>(
+            make_live_query<D>(model, world_errors.get(), options.normals == Normals::on),
+            world_errors, options.with_views, query));
+      },
+      dataset.impl().model);
+}
+
+Result<std::uint64_t> Session::set_query(const Query& query) { return impl_->set_query(query); }
+std::unique_ptr<SessionBatch> Session::take() { return impl_->take(); }
+
+}  // namespace lode
