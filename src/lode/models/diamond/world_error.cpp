@@ -1,6 +1,6 @@
 #include "lode/models/diamond/world_error.h"
 
-#include <atomic>
+#include <memory>
 
 #include "lode/models/diamond/error_pass.h"
 
@@ -76,6 +76,125 @@ class FinestWorldErrors {
   FinestSamples<D> value_;
 };
 
+/// The world errors of level 0's cubes, a brick at a time: each sample's own node is looked at
+/// once, in values that lie together.
+template <int D, typename C>
+class FinestWorldPass {
+ public:
+  FinestWorldPass(const Model<D>& model, std::vector<float>& worlds)
+      : model_(model), rule_(model), dims_(model.shape.grid_dims(0)), worlds_(worlds) {
+    values_.resize(power(as_size(kEdge), D));
+    midpoint_.resize(values_.size());
+    world_.resize(values_.size());
+    std::size_t stride = 1;
+    for (std::size_t i = 0; i < as_size(D); ++i, stride *= as_size(kEdge)) stride_[i] = stride;
+  }
+
+  void run_brick(const Index<D>& brick) {
+    base_ = brick * kBrickEdge<D>;
+    gather_values<D, C>(model_, brick, 1, values_.data());
+    hide_outside();
+    for_each_node(
+        [&](const Index<D>& p, std::size_t at) { midpoint_[at] = midpoint_error(p, at); });
+    const auto value = [&](const Index<D>& p) { return static_cast<double>(values_[place(p)]); };
+    for_each_node([&](const Index<D>& p, std::size_t at) {
+      const Diamond<D> node = diamond_at<D>(p);
+      world_[at] = float_up(rule_(node, largest_near(midpoint_, node.odd, at), value));
+    });
+    const Index<D> cubes = model_.shape.attribute_dims(0);
+    for_each_node([&](const Index<D>& p, std::size_t at) {
+      Index<D> q;
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        if ((p[i] & 1) == 0 || p[i] - base_[i] == kBrickEdge<D>) return;
+        q[i] = p[i] / 2;
+      }
+      worlds_[linear_index<D>(cubes, q)] =
+          static_cast<float>(largest_near(world_, (1U << D) - 1, at));
+    });
+  }
+
+ private:
+  static constexpr std::int32_t kEdge = kBrickSamples<D> + 2;
+
+  [[nodiscard]] std::size_t place(const Index<D>& p) const {
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < as_size(D); ++i) at += as_size(p[i] - base_[i] + 1) * stride_[i];
+    return at;
+  }
+
+  /// Beyond the grid there is nothing.
+  void hide_outside() {
+    bool is_inside = true;
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      is_inside = is_inside && base_[i] > 0 && base_[i] + kBrickEdge<D> + 1 < dims_[i];
+    if (is_inside) return;
+    const Index<D> edges = all_equal<D>(kEdge);
+    for (std::size_t at = 0; at < values_.size(); ++at) {
+      const Index<D> p = base_ + point_of<D>(edges, at) - all_equal<D>(1);
+      for (std::size_t i = 0; i < as_size(D); ++i)
+        if (p[i] < 0 || p[i] >= dims_[i]) values_[at] = std::numeric_limits<C>::quiet_NaN();
+    }
+  }
+
+  /// body(p, place) for the nodes of level 0 in the brick and on its border.
+  template <typename Body>
+  void for_each_node(const Body& body) const {
+    Index<D> n;
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      n[i] = std::min(kBrickSamples<D>, dims_[i] - base_[i]);
+    Index<D> rows = n;
+    rows[0] = 1;
+    for (std::size_t r = 0; r < n_points<D>(rows); ++r) {
+      Index<D> p = base_ + point_of<D>(rows, r);
+      std::int32_t odd = 0;
+      for (std::size_t i = 1; i < as_size(D); ++i) odd |= p[i] & 1;
+      const std::size_t first = place(p);
+      for (std::int32_t x = 0; x < n[0]; ++x, ++p[0])
+        if (((odd | p[0]) & 1) != 0) body(p, first + as_size(x));
+    }
+  }
+
+  [[nodiscard]] double midpoint_error(const Index<D>& p, std::size_t at) const {
+    if (model_.has_holes() && model_.is_mixed(p)) return std::numeric_limits<double>::infinity();
+    if (!model_.shape.is_sample(p)) return 0;
+    const auto ends = axis_ends<D>(diamond_at<D>(p));
+    const double e = std::abs(static_cast<double>(values_[at]) -
+                              0.5 * (static_cast<double>(values_[place(ends[0])]) +
+                                     static_cast<double>(values_[place(ends[1])])));
+    return std::isnan(e) ? 0 : e;
+  }
+
+  /// The largest of the nodes whose centre lies in the face of the odd axes round `at`.
+  template <typename T>
+  [[nodiscard]] T largest_near(const std::vector<T>& of, std::uint32_t odd, std::size_t at) const {
+    T largest = of[at];
+    for (std::size_t code = 0; code < power(3, D); ++code) {
+      std::ptrdiff_t offset = 0;
+      std::size_t rest = code;
+      std::uint32_t moved = 0;
+      for (std::size_t i = 0; i < as_size(D); ++i, rest /= 3) {
+        const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(rest % 3) - 1;
+        if (step != 0) moved |= 1U << i;
+        offset += step * static_cast<std::ptrdiff_t>(stride_[i]);
+      }
+      if (moved == 0 || (moved & ~odd) != 0 || moved == odd) continue;
+      largest =
+          std::max(largest, of[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) + offset)]);
+    }
+    return largest;
+  }
+
+  const Model<D>& model_;
+  WorldErrorRule<D> rule_;
+  Index<D> dims_;  ///< Of level 0's grid.
+  std::vector<float>& worlds_;
+  Index<D> base_;
+  std::array<std::size_t, as_size(D)> stride_{};
+  std::vector<C> values_;
+  std::vector<double> midpoint_;
+  std::vector<float> world_;
+};
+
 /// The level's samples as one array.
 template <int D, typename C>
 class LevelSamples {
@@ -128,12 +247,11 @@ class WorldPass {
 
  private:
   void find_finest() {
-    const FinestWorldErrors<D> finest(model_);
-    const Index<D> dims = model_.shape.attribute_dims(0);
-    parallel_for(worlds_[0].size(), threads_, 64, [&](std::size_t at, int) {
-      Index<D> centre = point_of<D>(dims, at) * 2;
-      for (std::int32_t& x : centre.v) ++x;
-      worlds_[0][at] = float_up(finest.nested(diamond_at<D>(centre)));
+    std::vector<std::unique_ptr<FinestWorldPass<D, C>>> passes(as_size(n_workers(threads_)));
+    parallel_for(model_.n_bricks(), threads_, 1, [&](std::size_t brick, int worker) {
+      auto& pass = passes[as_size(worker)];
+      if (!pass) pass = std::make_unique<FinestWorldPass<D, C>>(model_, worlds_[0]);
+      pass->run_brick(point_of<D>(model_.brick_dims, brick));
     });
   }
 
