@@ -88,6 +88,7 @@ class FinestWorldPass {
     world_.resize(values_.size());
     std::size_t stride = 1;
     for (std::size_t i = 0; i < as_size(D); ++i, stride *= as_size(kEdge)) stride_[i] = stride;
+    find_near();
   }
 
   void run_brick(const Index<D>& brick) {
@@ -115,6 +116,21 @@ class FinestWorldPass {
 
  private:
   static constexpr std::int32_t kEdge = kBrickSamples<D> + 2;
+
+  /// Around a point, by odd axes: the centres in their face but for its corners.
+  void find_near() {
+    for (std::size_t code = 0; code < power(3, D); ++code) {
+      const Index<D> step = point_of<D>(all_equal<D>(3), code) - all_equal<D>(1);
+      std::ptrdiff_t offset = 0;
+      std::uint32_t moved = 0;
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        if (step[i] != 0) moved |= 1U << i;
+        offset += step[i] * static_cast<std::ptrdiff_t>(stride_[i]);
+      }
+      for (std::uint32_t odd = 1; odd < near_.size(); ++odd)
+        if (moved != 0 && (moved & ~odd) == 0 && moved != odd) near_[odd].push_back(offset);
+    }
+  }
 
   [[nodiscard]] std::size_t place(const Index<D>& p) const {
     std::size_t at = 0;
@@ -168,19 +184,8 @@ class FinestWorldPass {
   template <typename T>
   [[nodiscard]] T largest_near(const std::vector<T>& of, std::uint32_t odd, std::size_t at) const {
     T largest = of[at];
-    for (std::size_t code = 0; code < power(3, D); ++code) {
-      std::ptrdiff_t offset = 0;
-      std::size_t rest = code;
-      std::uint32_t moved = 0;
-      for (std::size_t i = 0; i < as_size(D); ++i, rest /= 3) {
-        const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(rest % 3) - 1;
-        if (step != 0) moved |= 1U << i;
-        offset += step * static_cast<std::ptrdiff_t>(stride_[i]);
-      }
-      if (moved == 0 || (moved & ~odd) != 0 || moved == odd) continue;
-      largest =
-          std::max(largest, of[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) + offset)]);
-    }
+    for (const std::ptrdiff_t offset : near_[odd])
+      largest = std::max(largest, *(of.data() + at + offset));
     return largest;
   }
 
@@ -190,6 +195,7 @@ class FinestWorldPass {
   std::vector<float>& worlds_;
   Index<D> base_;
   std::array<std::size_t, as_size(D)> stride_{};
+  std::array<std::vector<std::ptrdiff_t>, power(2, D)> near_;
   std::vector<C> values_;
   std::vector<double> midpoint_;
   std::vector<float> world_;
