@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "command.h"
-#include "extract_mesh.h"
+#include "extract_focused.h"
 #include "extraction_options.h"
 #include "input.h"
 #include "outputs.h"
@@ -48,8 +48,9 @@ std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
 }
 
 Result<void> check_extract(const ExtractArguments& arguments) {
-  if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
   LODE_CHECK(check_unused(arguments.query));
+  if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
+  if (arguments.query.is_focused()) return check_focused_job(arguments.mesh_job());
   LODE_TRY(const ExtractOptions options, to_extract_options(arguments.extraction));
   if (options.isovalues.empty()) return fail("--isovalue: expected at least one value, got none");
   LODE_CHECK(check_surface_extension(arguments.output));
@@ -173,6 +174,7 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
 
 Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session) {
   if (arguments.query.is_wanted()) return run_mesh_job(arguments.mesh_job(), session);
+  if (arguments.query.is_focused()) return run_focused_job(arguments.mesh_job(), session);
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
   options.threads = session.threads();
   const std::vector<Job> jobs = plan_jobs(arguments.output, options.isovalues);
@@ -207,6 +209,7 @@ Command add_extract_command(CLI::App& program) {
       "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl.\n\n"
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
+      "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
       "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
       "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1");
   app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")

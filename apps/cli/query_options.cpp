@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "parse.h"
@@ -69,6 +70,27 @@ Result<std::vector<Range>> parse_field_ranges(const std::vector<std::string>& te
   return ranges;
 }
 
+/// Boxes, balls and budget, which meshes and surfaces share.
+Result<void> add_foci(const QueryArguments& arguments, Query& query) {
+  for (const std::string& text : arguments.boxes) {
+    LODE_TRY(const Box3d box, parse_box(text));
+    query.boxes.push_back(box);
+  }
+  for (const std::string& text : arguments.balls) {
+    LODE_TRY(const Ball ball, parse_ball(text));
+    query.balls.push_back(ball);
+  }
+  LODE_TRY(query.budget, parse_budget(arguments.max_cells));
+  return {};
+}
+
+Result<std::optional<double>> parse_limit(const char* option, const std::string& text) {
+  if (text.empty()) return std::optional<double>{};
+  LODE_TRY(const double limit, parse_number(option, text));
+  if (limit < 0) return fail("{}: expected a number >= 0, got '{}'", option, text);
+  return std::optional{limit};
+}
+
 /// Refuses options of surfaces, which would silently do nothing.
 Result<void> check_surface_options(const ExtractionArguments& extraction, const char* answer) {
   for (const auto& [name, is_set] : {std::pair{"--clip", !extraction.clip.empty()},
@@ -95,22 +117,33 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "--isovalue the lines on it");
   add("--field-range", arguments.field_ranges, "A:B",
       "Accurate where the field may be from A to B; may be repeated");
+  group = "Focus and budget";
   add("--box", arguments.boxes, "X0,X1,Y0,Y1,Z0,Z1",
-      "Mesh accurate in a box; may be repeated (crops nothing)");
-  add("--ball", arguments.balls, "X,Y,Z,R", "Mesh accurate in a ball; may be repeated");
+      "Accurate in a box; may be repeated (crops nothing)");
+  add("--ball", arguments.balls, "X,Y,Z,R", "Accurate in a ball; may be repeated");
+  add("--view", arguments.view, "CAMERA.json",
+      "Surface accurate where a camera sees it (as render --save-camera writes them)");
+  add("--view-size", arguments.view_size, "WxH", "Pixels of the view (default: 1920x1080)");
+  add("--max-error-px", arguments.max_error_px, "P",
+      "Tolerance in pixels of the view, by an estimate of distances");
   add("--max-error-outside", arguments.max_error_outside, "E",
-      "Tolerance of a mesh outside --isovalue, --field-range, --box and --ball (default: any)");
+      "Tolerance outside the focus, in the unit of the other (default: any)");
   add("--max-cells", arguments.max_cells, "N",
-      "At most N simplices before clipping; without --max-error, as accurate as they allow");
+      "At most N simplices, before clipping; without --max-error, as accurate as they allow");
+  add("--deadline-ms", arguments.deadline_ms, "T",
+      "The best surface that is ready T milliseconds after the file is open");
 }
 
 Result<void> check_unused(const QueryArguments& arguments) {
-  for (const auto& [name, is_set] : {std::pair{"--field-range", !arguments.field_ranges.empty()},
-                                     {"--box", !arguments.boxes.empty()},
-                                     {"--ball", !arguments.balls.empty()},
-                                     {"--max-error-outside", !arguments.max_error_outside.empty()},
-                                     {"--max-cells", !arguments.max_cells.empty()}})
-    if (is_set) return fail("{}: expected --mesh or --section with it", name);
+  if (arguments.is_wanted()) {
+    for (const auto& [name, is_set] : {std::pair{"--view", !arguments.view.empty()},
+                                       {"--max-error-px", !arguments.max_error_px.empty()},
+                                       {"--deadline-ms", !arguments.deadline_ms.empty()}})
+      if (is_set) return fail("{}: expected no --mesh or --section with it", name);
+    return {};
+  }
+  if (!arguments.field_ranges.empty())
+    return fail("--field-range: expected --mesh or --section with it");
   return {};
 }
 
@@ -123,20 +156,9 @@ Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
   query.isovalues = surface.isovalues;
   query.max_error = surface.max_error;
   LODE_TRY(query.field_ranges, parse_field_ranges(arguments.field_ranges));
-  for (const std::string& text : arguments.boxes) {
-    LODE_TRY(const Box3d box, parse_box(text));
-    query.boxes.push_back(box);
-  }
-  for (const std::string& text : arguments.balls) {
-    LODE_TRY(const Ball ball, parse_ball(text));
-    query.balls.push_back(ball);
-  }
-  LODE_TRY(query.budget, parse_budget(arguments.max_cells));
-  if (arguments.max_error_outside.empty()) return MeshOptions{query};
-  LODE_TRY(const double outside, parse_number("--max-error-outside", arguments.max_error_outside));
-  if (outside < 0)
-    return fail("--max-error-outside: expected a number >= 0, got '{}'",
-                arguments.max_error_outside);
+  LODE_CHECK(add_foci(arguments, query));
+  LODE_TRY(const auto outside, parse_limit("--max-error-outside", arguments.max_error_outside));
+  if (!outside) return MeshOptions{query};
   if (query.isovalues.empty() && query.field_ranges.empty() && query.boxes.empty() &&
       query.balls.empty())
     return fail("--max-error-outside: expected --isovalue, --field-range, --box or --ball with it");
@@ -161,6 +183,36 @@ Result<SectionOptions> to_section_options(const QueryArguments& arguments,
   if (!options.isovalues.empty() && !options.field_ranges.empty())
     return fail("--field-range: expected no --isovalue with --section, whose lines need no other");
   LODE_TRY(options.budget, parse_budget(arguments.max_cells));
+  return options;
+}
+
+Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,
+                                          const ExtractionArguments& extraction) {
+  LODE_TRY(const ExtractOptions surface, to_extract_options(extraction));
+  if (surface.isovalues.size() != 1)
+    return fail("--isovalue: expected one with a focus, budget or deadline, got {}",
+                surface.isovalues.size());
+  if (extraction.close_border)
+    return fail("--close-border: expected no focus, budget or deadline with it");
+  FocusedOptions options;
+  options.clip = surface.clip;
+  options.min_component = surface.min_component;
+  options.orientation = surface.orientation;
+  options.normals = surface.normals;
+  Query& query = options.query;
+  query.isovalues = surface.isovalues;
+  query.max_error = surface.max_error;
+  LODE_CHECK(add_foci(arguments, query));
+  LODE_TRY(query.max_error_px, parse_limit("--max-error-px", arguments.max_error_px));
+  LODE_TRY(query.max_error_outside,
+           parse_limit("--max-error-outside", arguments.max_error_outside));
+  if (query.max_error_px && arguments.view.empty())
+    return fail("--max-error-px: expected --view with it, which says how large pixels are");
+  if (query.max_error_outside && arguments.view.empty() && query.boxes.empty() &&
+      query.balls.empty())
+    return fail("--max-error-outside: expected --box, --ball or --view with it");
+  LODE_TRY(const auto deadline, parse_limit("--deadline-ms", arguments.deadline_ms));
+  if (deadline) options.deadline_s = *deadline / 1000;
   return options;
 }
 

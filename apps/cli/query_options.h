@@ -6,11 +6,12 @@
 
 #include "command.h"
 #include "extraction_options.h"
+#include "lode/api/focused_surface.h"
 #include "lode/api/mesh_extraction.h"
 
 namespace lode::cli {
 
-/// The options of meshes and sections as typed.
+/// The options of foci, meshes and sections as typed.
 struct QueryArguments {
   bool is_mesh = false;
   std::string section;
@@ -19,15 +20,29 @@ struct QueryArguments {
   std::vector<std::string> balls;
   std::string max_error_outside;
   std::string max_cells;
+  std::string view;
+  std::string view_size = "1920x1080";
+  std::string max_error_px;
+  std::string deadline_ms;
 
   /// Whether the answer is a mesh or a section, and no surface.
   [[nodiscard]] bool is_wanted() const { return is_mesh || !section.empty(); }
+  /// Whether it is a surface, but not equally good everywhere.
+  [[nodiscard]] bool is_focused() const {
+    return !is_wanted() &&
+           !(boxes.empty() && balls.empty() && max_error_outside.empty() && max_cells.empty() &&
+             view.empty() && max_error_px.empty() && deadline_ms.empty());
+  }
 };
 
 void add_query_options(CLI::App& app, QueryArguments& arguments);
 
-/// Refuses options that only meshes and sections have, where neither is wanted.
+/// Refuses options that the wanted kind of answer does not have.
 [[nodiscard]] Result<void> check_unused(const QueryArguments& arguments);
+
+/// But for the view, whose camera is in a file.
+[[nodiscard]] Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,
+                                                        const ExtractionArguments& extraction);
 
 [[nodiscard]] Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
                                                   const ExtractionArguments& extraction);

@@ -149,12 +149,13 @@ TEST(cli_mesh_usage, refuses_what_makes_no_sense) {
     options.back() = "--section=0,0,0:0,0,1";
     refused("s.vtp", options, {option[0], "no --section"});
   }
-  for (const auto& option :
-       {Words{"--field-range", "1:2"}, Words{"--box", "0,1,0,1,0,1"}, Words{"--ball", "0,0,0,1"},
-        Words{"--max-error-outside", "3"}, Words{"--max-cells", "9"}}) {
+  refused("s.ply", {"--field-range", "1:2", "--isovalue", "3"},
+          {"--field-range", "--mesh or --section"});
+  for (const auto& option : {Words{"--view", "camera.json"}, Words{"--max-error-px", "1"},
+                             Words{"--deadline-ms", "5"}}) {
     Words options = option;
-    options.insert(options.end(), {"--isovalue", "3"});
-    refused("s.ply", options, {option[0], "--mesh or --section"});
+    options.emplace_back("--mesh");
+    refused("m.vtu", options, {option[0], "no --mesh"});
   }
   refused("m.vtu", {"--mesh", "--field-range", "2:1"}, {"--field-range", "A <= B"});
   refused("m.vtu", {"--mesh", "--field-range", "2"}, {"--field-range", "A:B"});

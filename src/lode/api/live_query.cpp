@@ -48,6 +48,7 @@ class DiamondLiveQuery final : public LiveQuery {
   [[nodiscard]] Standing standing() const override { return engine_.standing(); }
   [[nodiscard]] std::size_t n_cells() const override { return surface_->n_cells(); }
   [[nodiscard]] std::size_t n_changed() const override { return surface_->n_changed(); }
+  void write(Surface& surface) const override { surface_->write(surface); }
   bool gather(std::size_t n_most, SurfaceBatch& batch) override {
     return surface_->gather(n_most, batch);
   }

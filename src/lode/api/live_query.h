@@ -26,6 +26,7 @@ class LiveQuery {
   [[nodiscard]] virtual std::size_t n_cells() const = 0;
   [[nodiscard]] virtual std::size_t n_changed() const = 0;
   /// As LiveIsosurface's.
+  virtual void write(Surface& surface) const = 0;
   virtual bool gather(std::size_t n_most, SurfaceBatch& batch) = 0;
   virtual void take_back(const SurfaceBatch& batch) = 0;
   /// The largest pixel error of what is left unrefined in sight; looks at all candidates.

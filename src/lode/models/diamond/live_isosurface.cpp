@@ -378,6 +378,29 @@ void LiveIsosurface<D>::mark_block(std::uint32_t block) {
 }
 
 template <int D>
+void LiveIsosurface<D>::write(Surface& surface) const {
+  surface.clear();
+  surface.origin = frame_.surface_origin;
+  std::vector<std::uint32_t> id(vertices_.size());
+  surface.positions.reserve(vertex_at_.size());
+  for (std::size_t slot = 0; slot < vertices_.size(); ++slot) {
+    const Vertex& vertex = vertices_[slot];
+    if (vertex.n_uses == 0) continue;
+    id[slot] = static_cast<std::uint32_t>(surface.positions.size());
+    surface.positions.push_back(vertex.position);
+    if (with_normals_) surface.normals.push_back(vertex.normal);
+  }
+  for (const Block& block : blocks_)
+    for (std::uint32_t c = 0; c < block.n_cells; ++c) {
+      const Cell& cell = block.cells[c];
+      if constexpr (D == 3)
+        surface.triangles.push_back({id[cell[0]], id[cell[1]], id[cell[2]]});
+      else
+        surface.lines.push_back({id[cell[0]], id[cell[1]]});
+    }
+}
+
+template <int D>
 bool LiveIsosurface<D>::gather(std::size_t n_most, SurfaceBatch& batch) {
   batch.origin = frame_.surface_origin;
   batch.n_vertex_slots = static_cast<std::uint32_t>(vertices_.size());

@@ -51,6 +51,9 @@ class LiveIsosurface {
   [[nodiscard]] std::size_t n_cells() const { return n_cells_; }
   [[nodiscard]] std::size_t n_vertices() const { return vertex_at_.size(); }
 
+  /// The surface as it is, without unused slots.
+  void write(Surface& surface) const;
+
   /// How many slots have changed since they were gathered.
   [[nodiscard]] std::size_t n_changed() const {
     return changed_vertices_.size() + changed_blocks_.size();

@@ -1,0 +1,120 @@
+#include "extract_focused.h"
+
+#include "outputs.h"
+#include "parse.h"
+#include "stopwatch.h"
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+Result<View> read_view(const QueryArguments& query) {
+  View view;
+  LODE_TRY(view.camera, read_camera(query.view));
+  LODE_TRY(const auto size, parse_dims("--view-size", query.view_size, 16384));
+  view.width = static_cast<int>(size[0]);
+  view.height = static_cast<int>(size[1]);
+  return view;
+}
+
+Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& report,
+                  const Surface& surface) {
+  Json json;
+  json["command"] = "extract";
+  json["input"] = job.input;
+  json["outputs"] = Json::array({job.output});
+  json["model"] = input.info.model;
+  json["built_in_memory"] = input.was_built;
+  json["max_error"] = report.max_error ? Json(*report.max_error) : Json();
+  json["max_error_px"] = report.max_error_px ? Json(*report.max_error_px) : Json();
+  json["error_bound"] = report.standing.error_bound;
+  json["achieved_px"] = report.max_error_px ? Json(report.achieved_px) : Json();
+  json["is_settled"] = report.standing.is_settled;
+  json["budget_met"] = report.standing.budget_met;
+  json["steps"] = report.standing.n_steps;
+  json["nodes"] = report.standing.n_applied;
+  json["cells"] = report.standing.n_cells;
+  json["was_clipped"] = report.was_clipped;
+  json["triangles"] = surface.triangles.size();
+  json["lines"] = surface.lines.size();
+  json["vertices"] = surface.positions.size();
+  json["components_dropped"] = report.components_dropped;
+  json["triangles_dropped"] = report.triangles_dropped;
+  json["seconds"]["total"] = report.seconds;
+  json["seconds"]["world_errors"] = report.world_error_seconds;
+  json["seconds"]["open"] = input.open_seconds;
+  return json;
+}
+
+std::string focused_text(const MeshJob& job, const Input& input, const FocusedReport& report,
+                         const Surface& surface) {
+  Table table;
+  if (report.max_error) table.add({"max error", format_number(*report.max_error)});
+  table.add({"error bound", format_number(report.standing.error_bound)});
+  if (report.max_error_px) {
+    table.add({"max error in view", format_number(*report.max_error_px) + " pixels"});
+    table.add({"achieved", format_number(report.achieved_px) + " pixels (estimate)"});
+  }
+  if (!report.standing.is_settled)
+    table.add(
+        {"deadline", fmt::format("reached after {} steps", format_count(report.standing.n_steps))});
+  const bool is_lines = input.info.model == "diamond2d";
+  table.add({is_lines ? "lines" : "triangles",
+             format_count(is_lines ? surface.lines.size() : surface.triangles.size())});
+  table.add({"vertices", format_count(surface.positions.size())});
+  table.add({"simplices", format_count(report.standing.n_cells)});
+  table.add({"extract", format_seconds(report.seconds)});
+  if (report.max_error_px) table.add({"world errors", format_seconds(report.world_error_seconds)});
+  table.add({input.was_built ? "read and build" : "open", format_seconds(input.open_seconds)});
+  table.add({"output", job.output});
+  return table.to_string();
+}
+
+void warn_of_focused(Session& session, const FocusedReport& report, const Surface& surface,
+                     double isovalue) {
+  if (!report.standing.budget_met)
+    session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
+                             report.standing.n_cells));
+  if (surface.is_empty()) session.warn(fmt::format("no surface at isovalue {}", isovalue));
+}
+
+}  // namespace
+
+Result<void> check_focused_job(const MeshJob& job) {
+  LODE_CHECK(to_focused_options(job.query, job.extraction));
+  LODE_TRY(const auto size, parse_dims("--view-size", job.query.view_size, 16384));
+  if (size.size() != 2)
+    return fail("--view-size: expected width and height as 1920x1080, got '{}'",
+                job.query.view_size);
+  LODE_CHECK(check_surface_extension(job.output));
+  LODE_CHECK(check_reading_options(job.reading, job.input));
+  if (job.query.view.empty()) return check_paths_differ({job.input}, {job.output});
+  return check_paths_differ({job.input, job.query.view}, {job.output});
+}
+
+Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
+  LODE_TRY(FocusedOptions options, to_focused_options(job.query, job.extraction));
+  options.threads = session.threads();
+  if (!job.query.view.empty()) {
+    LODE_TRY(options.query.view, read_view(job.query));
+  }
+  LODE_CHECK(check_writable(job.output));
+  LODE_TRY(const Input input, open_input(session, job.input, job.reading));
+  Surface surface;
+  LODE_TRY(const FocusedReport report,
+           extract_focused(input.dataset, options, surface, session.progress()));
+  warn_of_focused(session, report, surface, options.query.isovalues.front());
+  LODE_CHECK(write_surface(
+      job.output, surface,
+      {.comment = fmt::format("Lode {}: isovalue {}, error_bound {}", LODE_VERSION,
+                              options.query.isovalues.front(), report.standing.error_bound),
+       .frame = input.info.volume.grid.frame},
+      session.progress()));
+  Outcome outcome;
+  outcome.json = focused_json(job, input, report, surface);
+  outcome.json["warnings"] = session.warnings();
+  outcome.text = focused_text(job, input, report, surface);
+  return outcome;
+}
+
+}  // namespace lode::cli

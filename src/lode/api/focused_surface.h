@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "lode/api/dataset.h"
+#include "lode/api/query.h"
+#include "lode/refine/standing.h"
+
+namespace lode {
+
+struct FocusedOptions {
+  /// One isovalue. Without a tolerance it is 0.5 % of the value range, or with a budget or a
+  /// deadline 0: as good as they allow.
+  Query query;
+  /// Seconds from the call on; the best surface that is complete by then is the answer.
+  std::optional<double> deadline_s{};
+  std::optional<Box3d> clip{};      ///< As in ExtractOptions; the deadline knows nothing of it.
+  std::uint64_t min_component = 0;  ///< Likewise.
+  Orientation orientation = Orientation::from_lower_values;
+  Normals normals = Normals::on;
+  Threads threads{};
+  /// Seconds since some moment; a steady clock, unless a test brings its own.
+  std::function<double()> clock{};
+};
+
+struct FocusedReport {
+  std::optional<double> max_error;     ///< Field units: asked for, or chosen.
+  std::optional<double> max_error_px;  ///< As asked for.
+  Standing standing;                   ///< n_steps repeats an answer that a deadline cut short.
+  double achieved_px = 0;  ///< With a view: of what is left unrefined in sight, an estimate.
+  double seconds = 0;      ///< Without world errors, which are found once for a dataset.
+  double world_error_seconds = 0;
+  std::uint64_t components_dropped = 0;
+  std::uint64_t triangles_dropped = 0;
+  bool was_clipped = false;  ///< Nodes at the border were left unrefined, so the surface was cut.
+};
+
+/// An isosurface as good as its query wants it at each place: in regions, in a view, in a budget,
+/// by a deadline. It is refined from the base, best first, on one thread; consistent whenever it
+/// ends. Without view, regions, budget and deadline it is Dataset::extract()'s.
+[[nodiscard]] Result<FocusedReport> extract_focused(const Dataset& dataset,
+                                                    const FocusedOptions& options, Surface& surface,
+                                                    Progress& progress);
+
+}  // namespace lode

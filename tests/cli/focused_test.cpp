@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include "lode/api/files.h"
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+/// A ball's volume, 17 samples wide, and its .lode file.
+class cli_focused : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_ball(scratch_ / "ball.nrrd");
+    const Finished run = run_lode({"build", scratch_ / "ball.nrrd", scratch_ / "ball.lode"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  [[nodiscard]] Finished extract(Words options) {
+    options.insert(options.begin(),
+                   {"extract", scratch_ / "ball.lode", scratch_ / "s.ply", "--isovalue", "100"});
+    return run_lode(options);
+  }
+  [[nodiscard]] nlohmann::json report(Words options) {
+    options.emplace_back("--json");
+    const Finished run = extract(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json();
+  }
+  /// As many triangles as the report says are in the file.
+  void expect_written(const nlohmann::json& json) {
+    const auto surface = read_surface(scratch_ / "s.ply");
+    ASSERT_TRUE(surface) << surface.error().message;
+    EXPECT_EQ(surface->triangles.size(), json.at("triangles"));
+  }
+  void write_camera_file(double y) {
+    write_bytes(scratch_ / "camera.json",
+                R"({"eye": [8, )" + std::to_string(y) + R"(, 8], "target": [8, 8, 8]})");
+  }
+
+  Scratch scratch_;
+};
+
+TEST_F(cli_focused, is_finer_in_a_box_than_outside) {
+  const auto n = [&](const Words& options) -> std::size_t {
+    const nlohmann::json json = report(options);
+    expect_written(json);
+    return json.at("triangles");
+  };
+  const std::size_t coarse = n({"--max-error", "20", "--max-cells", "1000000"});
+  const std::size_t fine = n({"--max-error", "0", "--max-cells", "1000000"});
+  const std::size_t mixed =
+      n({"--max-error", "0", "--box", "0,3,0,3,0,3", "--max-error-outside", "20"});
+  EXPECT_GT(mixed, coarse);
+  EXPECT_LT(mixed, fine);
+  EXPECT_EQ(n({"--max-error", "0", "--ball", "8,8,8,20"}), fine);
+}
+
+TEST_F(cli_focused, keeps_budgets_and_says_when_it_cannot) {
+  const nlohmann::json json = report({"--max-cells", "500"});
+  EXPECT_LE(json.at("cells"), 500);
+  EXPECT_TRUE(json.at("budget_met"));
+  EXPECT_GT(json.at("error_bound"), 0);
+  const nlohmann::json less = report({"--max-cells", "1"});
+  EXPECT_FALSE(less.at("budget_met"));
+  EXPECT_EQ(less.at("nodes"), 0);
+  EXPECT_FALSE(less.at("warnings").empty());
+}
+
+TEST_F(cli_focused, looks_through_a_camera) {
+  write_camera_file(-60);
+  const Words view{"--view", scratch_ / "camera.json", "--view-size", "400x300"};
+  const auto with = [&](const char* pixels) {
+    Words options = view;
+    options.insert(options.end(), {"--max-error-px", pixels});
+    const nlohmann::json json = report(options);
+    EXPECT_LE(json.at("achieved_px").get<double>(), std::stod(pixels));
+    expect_written(json);
+    return json.at("triangles").get<std::size_t>();
+  };
+  EXPECT_GT(with("0.2"), with("8"));
+  write_camera_file(8.5);  // inside the data
+  EXPECT_GT(with("1"), 0U);
+}
+
+TEST_F(cli_focused, answers_at_once_at_a_deadline_of_zero) {
+  const nlohmann::json json = report({"--deadline-ms", "0"});
+  EXPECT_EQ(json.at("steps"), 0);
+  EXPECT_FALSE(json.at("is_settled"));
+  const nlohmann::json later = report({"--deadline-ms", "60000"});
+  EXPECT_TRUE(later.at("is_settled"));
+  EXPECT_EQ(later.at("error_bound"), 0);
+}
+
+TEST_F(cli_focused, names_the_camera_file_that_is_missing) {
+  expect_refusal(extract({"--view", scratch_ / "none.json"}), 1, {"none.json"});
+}
+
+TEST(cli_focused_usage, refuses_what_makes_no_sense) {
+  const auto refused = [](Words options, const Words& words) {
+    options.insert(options.begin(), {"extract", "a.lode", "s.ply"});
+    expect_refusal(run_lode(options), 2, words);
+  };
+  refused({"--box", "0,1,0,1,0,1"}, {"--isovalue", "expected one"});
+  refused({"--box", "0,1,0,1,0,1", "--isovalue", "1,2"}, {"--isovalue", "got 2"});
+  refused({"--isovalue", "1", "--max-error-px", "1"}, {"--max-error-px", "--view"});
+  refused({"--isovalue", "1", "--max-error-px", "-1", "--view", "c.json"}, {"--max-error-px"});
+  refused({"--isovalue", "1", "--deadline-ms", "-1"}, {"--deadline-ms"});
+  refused({"--isovalue", "1", "--deadline-ms", "x"}, {"--deadline-ms"});
+  refused({"--isovalue", "1", "--max-error-outside", "1"}, {"--max-error-outside", "--box"});
+  refused({"--isovalue", "1", "--view", "c.json", "--view-size", "3"}, {"--view-size"});
+  refused({"--isovalue", "1", "--max-cells", "5", "--close-border"}, {"--close-border"});
+}
+
+}  // namespace
+}  // namespace lode::test
