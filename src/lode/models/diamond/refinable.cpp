@@ -1,5 +1,6 @@
 #include "lode/models/diamond/refinable.h"
 
+#include "lode/models/diamond/near_samples.h"
 #include "lode/models/diamond/star.h"
 
 namespace lode::diamond {
@@ -108,32 +109,34 @@ StoredFacts Refinable<D>::facts(NodeId id) const {
 
 /// Own error and range, and those of the nodes below.
 template <int D>
-void Refinable<D>::join_finest(const Diamond<D>& node, Finest& facts) const {
+template <typename Value>
+void Refinable<D>::join_finest(const Diamond<D>& node, const Value& value, Finest& facts) const {
   const auto join = [&](double f) {
     if (std::isnan(f)) return;
     facts.range.low = std::min(facts.range.low, f);
     facts.range.high = std::max(facts.range.high, f);
   };
-  for (const Index<D>& v : domain_vertices<D>(node)) join(model_.value_or_nan(v));
-  const double value = model_.value_or_nan(node.centre);
-  join(value);
+  for (const Index<D>& v : domain_vertices<D>(node)) join(value(v));
+  const double middle = value(node.centre);
+  join(middle);
   if (model_.has_holes() && model_.is_mixed(node.centre)) facts.error = kEndless;
   if (model_.shape.is_sample(node.centre)) {
     const auto ends = axis_ends<D>(node);
-    const double e =
-        std::abs(value - 0.5 * (model_.value_or_nan(ends[0]) + model_.value_or_nan(ends[1])));
+    const double e = std::abs(middle - 0.5 * (value(ends[0]) + value(ends[1])));
     if (!std::isnan(e)) facts.error = std::max(facts.error, e + rounding_slack<D>(model_));
   }
   if (node.tier == D - 1) return;
   for (const Index<D>& child : children<D>(node))
-    if (exists(child)) join_finest(diamond_at<D>(child), facts);
+    if (exists(child)) join_finest(diamond_at<D>(child), value, facts);
 }
 
 /// Rounded as stored ones are.
 template <int D>
 void Refinable<D>::add_finest(const Diamond<D>& node, StoredFacts& facts) const {
   Finest finest{0, {kEndless, -kEndless}};
-  join_finest(node, finest);
+  visit_storage_type(model_.storage, [&]<typename T>() {
+    join_finest(node, NearSamples<D, T>(model_, node.centre, 2), finest);
+  });
   facts.error = decode_error(encode_error(float_up(finest.error)));
   const double low = finest.range.low - range_reference();
   const double high = finest.range.high - range_reference();

@@ -139,7 +139,8 @@ class Refinable {
   [[nodiscard]] bool is_deep(const Diamond<D>& node) const;
   [[nodiscard]] std::size_t index_of(const Diamond<D>& node) const;
   [[nodiscard]] std::uint64_t n_simplices(NodeId id) const;
-  void join_finest(const Diamond<D>& node, Finest& facts) const;
+  template <typename Value>
+  void join_finest(const Diamond<D>& node, const Value& value, Finest& facts) const;
   void add_finest(const Diamond<D>& node, StoredFacts& facts) const;
   void find_radii();
   void find_strides();

@@ -3,31 +3,34 @@
 #include <memory>
 
 #include "lode/models/diamond/error_pass.h"
+#include "lode/models/diamond/near_samples.h"
 
 namespace lode::diamond {
 namespace {
 
-/// The samples of level 0's grid, extended beyond the data; NaN outside.
-template <int D>
+/// The samples of level 0's grid round a node, extended beyond the data; NaN outside.
+template <int D, typename T>
 class FinestSamples {
  public:
-  explicit FinestSamples(const Model<D>& model) : model_(model), dims_(model.shape.grid_dims(0)) {}
+  FinestSamples(const Model<D>& model, const Index<D>& centre)
+      : near_(model, centre, 3), dims_(model.shape.grid_dims(0)) {}
 
   [[nodiscard]] double operator()(const Index<D>& p) const {
     for (std::size_t i = 0; i < as_size(D); ++i)
       if (p[i] < 0 || p[i] >= dims_[i]) return std::numeric_limits<double>::quiet_NaN();
-    return model_.value_or_nan(p);
+    return near_(p);
   }
 
  private:
-  const Model<D>& model_;
+  NearSamples<D, T> near_;
   Index<D> dims_;
 };
 
-template <int D>
+template <int D, typename T>
 class FinestWorldErrors {
  public:
-  explicit FinestWorldErrors(const Model<D>& model) : model_(model), rule_(model), value_(model) {}
+  FinestWorldErrors(const Model<D>& model, const Index<D>& centre)
+      : model_(model), rule_(model), value_(model, centre) {}
 
   [[nodiscard]] double nested(const Diamond<D>& node) const {
     double world = rule_(node, own_error(node), value_);
@@ -73,7 +76,7 @@ class FinestWorldErrors {
 
   const Model<D>& model_;
   WorldErrorRule<D> rule_;
-  FinestSamples<D> value_;
+  FinestSamples<D, T> value_;
 };
 
 /// The world errors of level 0's cubes, a brick at a time: each sample's own node is looked at
@@ -319,7 +322,9 @@ Result<WorldErrors> compute_world_errors(const Model<D>& model, Threads threads,
 
 template <int D>
 double finest_world_error(const Model<D>& model, const Diamond<D>& node) {
-  return FinestWorldErrors<D>(model).nested(node);
+  return visit_storage_type(model.storage, [&]<typename T>() {
+    return FinestWorldErrors<D, T>(model, node.centre).nested(node);
+  });
 }
 
 template Result<WorldErrors> compute_world_errors<2>(const Model<2>&, Threads, Progress&);
