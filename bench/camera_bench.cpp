@@ -7,12 +7,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <numbers>
-#include <random>
 
 #include "bench/volume_cases.h"
 #include "lode/api/live_query.h"
 #include "lode/models/diamond/build.h"
+#include "lode/render/camera_path.h"
 
 namespace lode::bench {
 namespace {
@@ -34,54 +33,6 @@ double percentile(std::vector<double> values, double share) {
   return values[std::min(values.size() - 1,
                          static_cast<std::size_t>(share * static_cast<double>(values.size())))];
 }
-
-/// Cameras that see the volume's bounding sphere's height in the whole frame.
-class Paths {
- public:
-  explicit Paths(const Box3d& bounds) {
-    centre_ = (bounds.lower + bounds.upper) * 0.5;
-    diagonal_ = length(bounds.upper - bounds.lower);
-    height_ = bounds.upper[2] - bounds.lower[2];
-    distance_ = height_ / 2 / std::tan(kFieldOfView / 2 * std::numbers::pi / 180) + height_ / 2;
-  }
-  [[nodiscard]] Camera at(double angle_deg, double distance) const {
-    const double a = angle_deg * std::numbers::pi / 180;
-    Camera camera;
-    camera.target = centre_;
-    camera.eye = centre_ + Vec3d{{std::sin(a), -std::cos(a), 0.2}} * distance;
-    camera.field_of_view_deg = kFieldOfView;
-    return camera;
-  }
-  [[nodiscard]] std::vector<Camera> orbit() const {
-    std::vector<Camera> cameras;
-    for (int i = 0; i < 360; ++i) cameras.push_back(at(i, distance_));
-    return cameras;
-  }
-  /// To half the volume's diagonal.
-  [[nodiscard]] std::vector<Camera> fly_in() const {
-    std::vector<Camera> cameras;
-    for (int i = 0; i < 200; ++i)
-      cameras.push_back(at(0, distance_ + (diagonal_ / 2 - distance_) * i / 199.0));
-    return cameras;
-  }
-  [[nodiscard]] std::vector<Camera> jump() const {
-    std::mt19937 random(1);
-    const auto uniform = [&](double low, double high) {
-      return low + (high - low) * static_cast<double>(random() % 100001) / 100000;
-    };
-    std::vector<Camera> cameras;
-    for (int i = 0; i < 100; ++i)
-      cameras.push_back(at(uniform(0, 360), uniform(diagonal_ / 4, 1.5 * distance_)));
-    return cameras;
-  }
-
- private:
-  static constexpr double kFieldOfView = 30;
-  Vec3d centre_;
-  double diagonal_ = 0;
-  double height_ = 0;
-  double distance_ = 0;
-};
 
 struct Measured {
   std::vector<double> ms;
@@ -128,11 +79,12 @@ void replay(const std::string& name, LiveQuery& live, Query query,
   }
   const Standing standing = live.standing();
   fmt::print(
-      "{:<8} {:>8.1f} {:>8.2f} {:>8.2f} {:>8.2f} {:>9.0f} {:>9.0f} {:>8.2f} {:>9} {:>9} {:>8.3f}\n",
+      "{:<8} {:>8.1f} {:>8.2f} {:>8.2f} {:>8.2f} {:>9.0f} {:>9.0f} {:>8.2f} {:>9} {:>9} {:>8.3f} "
+      "{:>7.3f}\n",
       name, first_ms, percentile(measured.ms, 0.5), percentile(measured.ms, 0.99),
       percentile(measured.ms, 1), percentile(measured.updates, 0.5),
       percentile(measured.cells_changed, 0.5), measured.achieved_px, standing.n_applied,
-      live.n_cells(), percentile(measured.steps_ms, 0.999));
+      live.n_cells(), percentile(measured.steps_ms, 0.999), live.finest_share());
   std::fflush(stdout);
 }
 
@@ -145,20 +97,20 @@ Result<void> run_case(const VolumeCase& volume_case, const Settings& settings) {
   LODE_TRY(const auto world_errors, diamond::compute_world_errors<3>(model, {2}, progress));
   fmt::print("{}: world errors in {:.0f} ms, {} px at 1920 x 1080\n", volume_case.name,
              milliseconds_since(start), settings.max_error_px);
-  fmt::print("{:<8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8} {:>9} {:>9} {:>8}\n", "path",
+  fmt::print("{:<8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8} {:>9} {:>9} {:>8} {:>7}\n", "path",
              "first ms", "median", "99 %", "worst", "steps", "slots", "px", "nodes", "triangles",
-             "step ms");
+             "step ms", "finest");
   const auto live = make_live_query<3>(model, &world_errors, true);
   Query query;
   query.isovalues = {volume_case.isovalue};
   query.max_error_px = settings.max_error_px;
   query.view = View{};
-  const Paths paths(model.info.grid.world_bounds());
-  if (settings.path.empty() || settings.path == "orbit")
-    replay("orbit", *live, query, paths.orbit());
-  if (settings.path.empty() || settings.path == "fly_in")
-    replay("fly_in", *live, query, paths.fly_in());
-  if (settings.path.empty() || settings.path == "jump") replay("jump", *live, query, paths.jump());
+  const Box3d bounds = model.info.grid.world_bounds();
+  for (const char* path : {"orbit", "fly-in", "jump"}) {
+    if (!settings.path.empty() && settings.path != path) continue;
+    LODE_TRY(const auto cameras, camera_path(path, bounds));
+    replay(path, *live, query, cameras);
+  }
   return {};
 }
 
@@ -170,7 +122,7 @@ int main(int argc, char** argv) {
   CLI::App app("Camera paths");
   Settings settings;
   app.add_option("--only", settings.only, "Cases whose name contains this");
-  app.add_option("--path", settings.path, "orbit, fly_in or jump");
+  app.add_option("--path", settings.path, "orbit, fly-in or jump");
   app.add_option("--max-error-px", settings.max_error_px, "Tolerance in pixels");
   CLI11_PARSE(app, argc, argv);
   for (const VolumeCase& volume_case : volume_cases()) {

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "lode/render/camera_file.h"
+#include "lode/render/camera_path.h"
 
 namespace lode {
 namespace {
@@ -170,6 +171,36 @@ TEST_F(camera_file, names_a_file_that_is_not_there) {
   const auto camera = read_camera(testing::TempDir() + "no_such_camera.json");
   ASSERT_FALSE(camera);
   EXPECT_NE(camera.error().message.find("no_such_camera.json"), std::string::npos);
+}
+
+TEST_F(camera_file, holds_a_whole_path) {
+  const Box3d bounds{{{1, 2, 3}}, {{11, 22, 33}}};
+  for (const char* name : {"orbit", "fly-in", "jump"}) {
+    const auto cameras = camera_path(name, bounds);
+    ASSERT_TRUE(cameras);
+    for (const Camera& camera : *cameras) ASSERT_TRUE(check_camera(camera));
+    ASSERT_TRUE(write_cameras(*cameras, path_));
+    const auto again = camera_path(path_, bounds);
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(*again, *cameras);
+  }
+  EXPECT_EQ(orbit_path(bounds).size(), 360U);
+  const Camera last = fly_in_path(bounds).back();
+  EXPECT_NEAR(length(last.eye - last.target), length(bounds.upper - bounds.lower) / 2, 1e-9);
+}
+
+TEST_F(camera_file, names_the_frame_of_a_path_that_is_wrong) {
+  for (const char* text :
+       {"[]", "{}", "[3]", "x", R"([{"eye": [0, 0, 0], "target": [0, 0, 0]}])"}) {
+    std::ofstream(path_) << text;
+    const auto cameras = read_cameras(path_);
+    ASSERT_FALSE(cameras) << text;
+    EXPECT_NE(cameras.error().message.find(path_), std::string::npos);
+  }
+  std::ofstream(path_) << R"([{"eye": [0, 1, 0], "target": [0, 0, 0]}, {"eye": [0, 1, 0]}])";
+  const auto cameras = read_cameras(path_);
+  ASSERT_FALSE(cameras);
+  EXPECT_NE(cameras.error().message.find("frame 1"), std::string::npos);
 }
 
 }  // namespace

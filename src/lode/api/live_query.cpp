@@ -58,6 +58,18 @@ class DiamondLiveQuery final : public LiveQuery {
     return engine_.largest([&](const NodeFacts& node) { return achieved_pixels(query, node); });
   }
 
+  [[nodiscard]] double finest_share() const override {
+    const Cut& cut = engine_.cut();
+    std::size_t n_finest = 0;
+    for (std::size_t at = 0; at < cut.n_places(); ++at) {
+      const Cut::Entry& entry = cut[static_cast<Cut::Place>(at)];
+      if (entry.state == Cut::State::applied)
+        n_finest += diamond::diamond_of<D>(entry.id).level == 0 ? 1 : 0;
+    }
+    return static_cast<double>(n_finest) /
+           static_cast<double>(std::max<std::size_t>(1, cut.n_applied()));
+  }
+
  private:
   static constexpr std::size_t kComplete = static_cast<std::size_t>(-1);
 

@@ -31,6 +31,8 @@ class LiveQuery {
   virtual void take_back(const SurfaceBatch& batch) = 0;
   /// The largest pixel error of what is left unrefined in sight; looks at all candidates.
   [[nodiscard]] virtual double achieved_px() const = 0;
+  /// The share of the applied nodes that lie on the finest level.
+  [[nodiscard]] virtual double finest_share() const = 0;
 };
 
 /// `world_errors` may be null; then tolerances in pixels refine everything.

@@ -16,29 +16,28 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxBytes = 64 * 1024;
+constexpr std::size_t kMaxPathBytes = 16 * 1024 * 1024;
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-Result<std::string> read_text(const std::string& path) {
+Result<std::string> read_text(const std::string& path, std::size_t max_bytes) {
   const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
   if (!file) return fail("{}: cannot open: {}", path, std::strerror(errno));
-  std::string text(kMaxBytes + 1, '\0');
+  std::string text(max_bytes + 1, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), file.get()));
   if (std::ferror(file.get()) != 0) return fail("{}: cannot read: {}", path, std::strerror(errno));
-  if (text.size() > kMaxBytes) {
+  if (text.size() > max_bytes) {
     return fail("{}: expected a camera file of at most {} bytes, got a larger one", path,
-                kMaxBytes);
+                max_bytes);
   }
   return text;
 }
 
 Result<Json> parse(const std::string& text, const std::string& path) {
   try {
-    Json json = Json::parse(text);
-    if (json.is_object()) return Result<Json>(std::move(json));
-    return fail("{}: expected one JSON object with eye and target, got {}", path, json.type_name());
+    return Result<Json>(Json::parse(text));
   } catch (const nlohmann::json::exception& exception) {
     return fail("{}: expected a camera as JSON, got something else ({})", path, exception.what());
   }
@@ -76,33 +75,71 @@ Result<void> set_field(Camera& camera, const std::string& key, const Json& value
   return {};
 }
 
-}  // namespace
-
-Result<Camera> read_camera(const std::string& path) {
-  LODE_TRY(const std::string text, read_text(path));
-  LODE_TRY(const Json json, parse(text, path));
+/// `where`: the file, and of a path the frame.
+Result<Camera> camera_of(const Json& json, const std::string& where) {
+  if (!json.is_object())
+    return fail("{}: expected one JSON object with eye and target, got {}", where,
+                json.type_name());
   for (const char* required : {"eye", "target"}) {
     if (!json.contains(required)) {
-      return fail("{}: expected a camera with the field \"{}\", which is missing", path, required);
+      return fail("{}: expected a camera with the field \"{}\", which is missing", where, required);
     }
   }
   Camera camera;
-  for (const auto& [key, value] : json.items()) LODE_CHECK(set_field(camera, key, value, path));
+  for (const auto& [key, value] : json.items()) LODE_CHECK(set_field(camera, key, value, where));
   if (const auto status = check_camera(camera); !status) {
-    return fail("{}: {}", path, status.error().message);
+    return fail("{}: {}", where, status.error().message);
   }
   return camera;
 }
 
-Result<void> write_camera(const Camera& camera, const std::string& path) {
-  LODE_CHECK(check_camera(camera));
-  const Json json{{"eye", json_of(camera.eye)},
-                  {"target", json_of(camera.target)},
-                  {"up", json_of(camera.up)},
-                  {"field_of_view_deg", camera.field_of_view_deg}};
+Json json_of(const Camera& camera) {
+  return Json{{"eye", json_of(camera.eye)},
+              {"target", json_of(camera.target)},
+              {"up", json_of(camera.up)},
+              {"field_of_view_deg", camera.field_of_view_deg}};
+}
+
+Result<void> write_json(const Json& json, const std::string& path) {
   LODE_TRY(AtomicFile file, AtomicFile::create(path));
   LODE_CHECK(file.write(json.dump(2) + "\n"));
   return file.commit();
+}
+
+}  // namespace
+
+Result<Camera> read_camera(const std::string& path) {
+  LODE_TRY(const std::string text, read_text(path, kMaxBytes));
+  LODE_TRY(const Json json, parse(text, path));
+  return camera_of(json, path);
+}
+
+Result<void> write_camera(const Camera& camera, const std::string& path) {
+  LODE_CHECK(check_camera(camera));
+  return write_json(json_of(camera), path);
+}
+
+Result<std::vector<Camera>> read_cameras(const std::string& path) {
+  LODE_TRY(const std::string text, read_text(path, kMaxPathBytes));
+  LODE_TRY(const Json json, parse(text, path));
+  if (!json.is_array() || json.empty())
+    return fail("{}: expected a JSON array of cameras, got {}", path,
+                json.is_array() ? "an empty one" : json.type_name());
+  std::vector<Camera> cameras;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    LODE_TRY(const Camera camera, camera_of(json[i], fmt::format("{}: frame {}", path, i)));
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+Result<void> write_cameras(const std::vector<Camera>& cameras, const std::string& path) {
+  Json json = Json::array();
+  for (const Camera& camera : cameras) {
+    LODE_CHECK(check_camera(camera));
+    json.push_back(json_of(camera));
+  }
+  return write_json(json, path);
 }
 
 }  // namespace lode

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lode/core/result.h"
 #include "lode/render/camera.h"
@@ -21,5 +22,10 @@ namespace lode {
 [[nodiscard]] Result<Camera> read_camera(const std::string& path);
 /// Writes all four fields with enough digits to read back the same numbers.
 [[nodiscard]] Result<void> write_camera(const Camera& camera, const std::string& path);
+
+/// A camera path: a JSON array of at least one such object, at most 16 MiB.
+[[nodiscard]] Result<std::vector<Camera>> read_cameras(const std::string& path);
+[[nodiscard]] Result<void> write_cameras(const std::vector<Camera>& cameras,
+                                         const std::string& path);
 
 }  // namespace lode

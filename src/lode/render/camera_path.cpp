@@ -1,0 +1,83 @@
+#include "lode/render/camera_path.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "lode/render/camera_file.h"
+
+namespace lode {
+namespace {
+
+/// Round the middle of a volume.
+class PathFrame {
+ public:
+  explicit PathFrame(const Box3d& bounds)
+      : centre_((bounds.lower + bounds.upper) * 0.5),
+        diagonal_(length(bounds.upper - bounds.lower)) {
+    const double half = (bounds.upper[2] - bounds.lower[2]) / 2;
+    const double height = half > 0 ? half : diagonal_ / 4;  // a flat one has no height
+    distance_ = height / std::tan(kFieldOfViewDeg / 2 * std::numbers::pi / 180) + height;
+  }
+
+  /// Looking at the middle from `distance`, a little above the horizon.
+  [[nodiscard]] Camera at(double angle_deg, double distance) const {
+    constexpr double kRise = 0.2;
+    const double a = angle_deg * std::numbers::pi / 180;
+    const Vec3d outward = normalized(Vec3d{{std::sin(a), -std::cos(a), kRise}});
+    return {.eye = centre_ + outward * distance,
+            .target = centre_,
+            .field_of_view_deg = kFieldOfViewDeg};
+  }
+  [[nodiscard]] double diagonal() const { return diagonal_; }
+  [[nodiscard]] double distance() const { return distance_; }
+
+ private:
+  static constexpr double kFieldOfViewDeg = 30;
+  Vec3d centre_;
+  double diagonal_;
+  double distance_ = 0;
+};
+
+}  // namespace
+
+std::vector<Camera> orbit_path(const Box3d& bounds) {
+  const PathFrame frame(bounds);
+  std::vector<Camera> cameras;
+  for (int i = 0; i < 360; ++i) cameras.push_back(frame.at(i, frame.distance()));
+  return cameras;
+}
+
+std::vector<Camera> fly_in_path(const Box3d& bounds) {
+  constexpr int kFrames = 200;
+  const PathFrame frame(bounds);
+  std::vector<Camera> cameras;
+  for (int i = 0; i < kFrames; ++i) {
+    const double t = static_cast<double>(i) / (kFrames - 1);
+    cameras.push_back(frame.at(0, (1 - t) * frame.distance() + t * frame.diagonal() / 2));
+  }
+  return cameras;
+}
+
+std::vector<Camera> jump_path(const Box3d& bounds) {
+  const PathFrame frame(bounds);
+  std::mt19937 random(1);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() % 100001) / 100000;
+  };
+  std::vector<Camera> cameras;
+  for (int i = 0; i < 100; ++i) {
+    const double angle = uniform(0, 360);
+    cameras.push_back(frame.at(angle, uniform(frame.diagonal() / 4, 1.5 * frame.distance())));
+  }
+  return cameras;
+}
+
+Result<std::vector<Camera>> camera_path(const std::string& name_or_file, const Box3d& bounds) {
+  if (name_or_file == "orbit") return orbit_path(bounds);
+  if (name_or_file == "fly-in") return fly_in_path(bounds);
+  if (name_or_file == "jump") return jump_path(bounds);
+  return read_cameras(name_or_file);
+}
+
+}  // namespace lode
