@@ -10,7 +10,6 @@
 
 #include "bench/volume_cases.h"
 #include "lode/api/live_query.h"
-#include "lode/models/diamond/build.h"
 #include "lode/render/camera_path.h"
 
 namespace lode::bench {
@@ -92,20 +91,19 @@ Result<void> run_case(const VolumeCase& volume_case, const Settings& settings) {
   LODE_TRY(const auto volume, load(volume_case));
   const auto source = make_memory_source(volume);
   Progress progress;
-  LODE_TRY(const auto model, diamond::build<3>(*source, {.threads = {2}}, progress));
-  auto start = Clock::now();
-  LODE_TRY(const auto world_errors, diamond::compute_world_errors<3>(model, {2}, progress));
+  LODE_TRY(const auto dataset, Dataset::build(*source, {.threads = {2}}, progress));
+  const auto start = Clock::now();
+  LODE_TRY(const auto live, open_live_query(dataset, Normals::on, true, progress));
   fmt::print("{}: world errors in {:.0f} ms, {} px at 1920 x 1080\n", volume_case.name,
              milliseconds_since(start), settings.max_error_px);
   fmt::print("{:<8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8} {:>9} {:>9} {:>8} {:>7}\n", "path",
              "first ms", "median", "99 %", "worst", "steps", "slots", "px", "nodes", "triangles",
              "step ms", "finest");
-  const auto live = make_live_query<3>(model, &world_errors, true);
   Query query;
   query.isovalues = {volume_case.isovalue};
   query.max_error_px = settings.max_error_px;
   query.view = View{};
-  const Box3d bounds = model.info.grid.world_bounds();
+  const Box3d bounds = dataset.describe().volume.grid.world_bounds();
   for (const char* path : {"orbit", "fly-in", "jump"}) {
     if (!settings.path.empty() && settings.path != path) continue;
     LODE_TRY(const auto cameras, camera_path(path, bounds));

@@ -83,15 +83,11 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
         report.max_error_px = query.max_error_px;
         surface.clear();
         if (!model.shape.has_cells()) return report;
-        double start = clock();
-        std::shared_ptr<const diamond::WorldErrors> world_errors;
-        if (query.max_error_px) {
-          LODE_TRY(world_errors, dataset.impl().world_errors(progress));
-          report.world_error_seconds = clock() - start;
-          start = clock();
-        }
-        const bool with_normals = D == 3 && options.normals == Normals::on;
-        const auto live = make_live_query<D>(model, world_errors.get(), with_normals);
+        const double opening = clock();
+        LODE_TRY(const auto live, open_live_query(dataset, options.normals,
+                                                  query.max_error_px.has_value(), progress));
+        const double start = clock();
+        report.world_error_seconds = start - opening;
         live->set_query(query);
         std::optional<double> deadline;
         if (options.deadline_s) deadline = start + *options.deadline_s;

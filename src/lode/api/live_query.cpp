@@ -1,6 +1,11 @@
 #include "lode/api/live_query.h"
 
 #include <optional>
+#include <utility>
+
+#include "lode/api/dataset_impl.h"
+#include "lode/models/diamond/live_isosurface.h"
+#include "lode/refine/engine.h"
 
 namespace lode {
 namespace {
@@ -8,9 +13,12 @@ namespace {
 template <int D>
 class DiamondLiveQuery final : public LiveQuery {
  public:
-  DiamondLiveQuery(const diamond::Model<D>& model, const diamond::WorldErrors* world_errors,
-                   bool with_normals)
-      : nodes_(model, world_errors), engine_(nodes_), with_normals_(with_normals) {}
+  DiamondLiveQuery(const diamond::Model<D>& model,
+                   std::shared_ptr<const diamond::WorldErrors> world_errors, bool with_normals)
+      : world_errors_(std::move(world_errors)),
+        nodes_(model, world_errors_.get()),
+        engine_(nodes_),
+        with_normals_(with_normals) {}
 
   void set_query(const Query& query) override {
     const double isovalue = query.isovalues.front();
@@ -73,6 +81,7 @@ class DiamondLiveQuery final : public LiveQuery {
  private:
   static constexpr std::size_t kComplete = static_cast<std::size_t>(-1);
 
+  std::shared_ptr<const diamond::WorldErrors> world_errors_;
   diamond::LiveRefinable<D> nodes_;
   Engine<diamond::LiveRefinable<D>> engine_;
   bool with_normals_;
@@ -83,16 +92,28 @@ class DiamondLiveQuery final : public LiveQuery {
 
 }  // namespace
 
-template <int D>
-std::unique_ptr<LiveQuery> make_live_query(const diamond::Model<D>& model,
-                                           const diamond::WorldErrors* world_errors,
-                                           bool with_normals) {
-  return std::make_unique<DiamondLiveQuery<D>>(model, world_errors, with_normals);
+Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset, Normals normals,
+                                                   bool with_views, Progress& progress) {
+  std::shared_ptr<const diamond::WorldErrors> world_errors;
+  if (with_views) {
+    LODE_TRY(world_errors, dataset.impl().world_errors(progress));
+  }
+  return std::visit(
+      [&]<int D>(const diamond::Model<D>& model) -> std::unique_ptr<LiveQuery> {
+        return std::make_unique<DiamondLiveQuery<D>>(model, world_errors,
+                                                     D == 3 && normals == Normals::on);
+      },
+      dataset.impl().model);
 }
 
-template std::unique_ptr<LiveQuery> make_live_query<2>(const diamond::Model<2>&,
-                                                       const diamond::WorldErrors*, bool);
-template std::unique_ptr<LiveQuery> make_live_query<3>(const diamond::Model<3>&,
-                                                       const diamond::WorldErrors*, bool);
+Result<void> check_live_query(const Query& query, bool has_views) {
+  LODE_CHECK(check_query(query));
+  if (query.isovalues.size() != 1)
+    return fail("a surface that follows its query: expected one isovalue, got {}",
+                query.isovalues.size());
+  if (query.max_error_px && !has_views)
+    return fail("max error in pixels: expected it to be opened with views");
+  return {};
+}
 
 }  // namespace lode

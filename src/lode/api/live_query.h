@@ -2,9 +2,10 @@
 
 #include <memory>
 
+#include "lode/api/dataset.h"
 #include "lode/api/query.h"
-#include "lode/models/diamond/live_isosurface.h"
-#include "lode/refine/engine.h"
+#include "lode/core/surface_batch.h"
+#include "lode/refine/standing.h"
 
 namespace lode {
 
@@ -35,15 +36,14 @@ class LiveQuery {
   [[nodiscard]] virtual double finest_share() const = 0;
 };
 
-/// `world_errors` may be null; then tolerances in pixels refine everything.
-template <int D>
-[[nodiscard]] std::unique_ptr<LiveQuery> make_live_query(const diamond::Model<D>& model,
-                                                         const diamond::WorldErrors* world_errors,
-                                                         bool with_normals);
+/// A live query at the base, whatever the dataset's model; set_query() comes first. World errors
+/// are found if `with_views`; without them tolerances in pixels must not be asked for. `dataset`
+/// must outlive it.
+[[nodiscard]] Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
+                                                                 Normals normals, bool with_views,
+                                                                 Progress& progress);
 
-extern template std::unique_ptr<LiveQuery> make_live_query<2>(const diamond::Model<2>&,
-                                                              const diamond::WorldErrors*, bool);
-extern template std::unique_ptr<LiveQuery> make_live_query<3>(const diamond::Model<3>&,
-                                                              const diamond::WorldErrors*, bool);
+/// Refuses queries that a live one cannot answer.
+[[nodiscard]] Result<void> check_live_query(const Query& query, bool has_views);
 
 }  // namespace lode

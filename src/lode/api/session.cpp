@@ -5,7 +5,6 @@
 #include <thread>
 #include <utility>
 
-#include "lode/api/dataset_impl.h"
 #include "lode/api/live_query.h"
 
 namespace lode {
@@ -36,22 +35,12 @@ class Mailbox {
   std::atomic<T*> thing_{nullptr};
 };
 
-Result<void> check_session_query(const Query& query, bool has_world_errors) {
-  LODE_CHECK(check_query(query));
-  if (query.isovalues.size() != 1)
-    return fail("a session's surface: expected one isovalue, got {}", query.isovalues.size());
-  if (query.max_error_px && !has_world_errors)
-    return fail("max error in pixels: expected a session that was opened with views");
-  return {};
-}
-
 }  // namespace
 
 class Session::Impl {
  public:
-  Impl(std::unique_ptr<LiveQuery> live, std::shared_ptr<const void> kept, bool has_world_errors,
-       const Query& query)
-      : has_world_errors_(has_world_errors), kept_(std::move(kept)), live_(std::move(live)) {
+  Impl(std::unique_ptr<LiveQuery> live, bool has_views, const Query& query)
+      : has_views_(has_views), live_(std::move(live)) {
     send(query);
     thread_ = std::thread([this] { run(); });
   }
@@ -64,7 +53,7 @@ class Session::Impl {
   }
 
   Result<std::uint64_t> set_query(const Query& query) {
-    LODE_CHECK(check_session_query(query, has_world_errors_));
+    LODE_CHECK(check_live_query(query, has_views_));
     return send(query);
   }
   std::unique_ptr<SessionBatch> take() { return batches_.take(); }
@@ -139,8 +128,7 @@ class Session::Impl {
     between_ = std::max<Clock::duration>(kBetweenBatches, 4 * (last_batch_ - gathering_));
   }
 
-  const bool has_world_errors_;
-  const std::shared_ptr<const void> kept_;
+  const bool has_views_;
   const std::unique_ptr<LiveQuery> live_;  // the thread's alone from here on
   std::unique_ptr<SessionBatch> batch_;    ///< Being gathered.
   std::uint64_t number_ = 0;
@@ -165,18 +153,9 @@ Session::~Session() = default;
 
 Result<Session> Session::open(const Dataset& dataset, const Query& query,
                               const SessionOptions& options, Progress& progress) {
-  LODE_CHECK(check_session_query(query, options.with_views));
-  return std::visit(
-      [&]<int D>(const diamond::Model<D>& model) -> Result<Session> {
-        std::shared_ptr<const diamond::WorldErrors> world_errors;
-        if (options.with_views) {
-          LODE_TRY(world_errors, dataset.impl().world_errors(progress));
-        }
-        return Session(std::make_unique<Impl>(
-            make_live_query<D>(model, world_errors.get(), options.normals == Normals::on),
-            world_errors, options.with_views, query));
-      },
-      dataset.impl().model);
+  LODE_CHECK(check_live_query(query, options.with_views));
+  LODE_TRY(auto live, open_live_query(dataset, options.normals, options.with_views, progress));
+  return Session(std::make_unique<Impl>(std::move(live), options.with_views, query));
 }
 
 Result<std::uint64_t> Session::set_query(const Query& query) { return impl_->set_query(query); }
