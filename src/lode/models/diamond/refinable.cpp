@@ -107,6 +107,17 @@ StoredFacts Refinable<D>::facts(NodeId id) const {
   return facts;
 }
 
+template <int D>
+void Refinable<D>::prefetch(NodeId id) const {
+  const Diamond<D> node = diamond_of<D>(id);
+  if (node.level == 0 && node.tier > 0) return;
+  const std::size_t at = index_of(node);
+  const NodeLevel& level = model_.levels[as_size(node.level)];
+  __builtin_prefetch(&level.error[at]);
+  __builtin_prefetch(&level.low[at]);
+  __builtin_prefetch(&level.high[at]);
+}
+
 /// Own error and range, and those of the nodes below.
 template <int D>
 template <typename Value>

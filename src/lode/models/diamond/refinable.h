@@ -104,6 +104,8 @@ class Refinable {
   void add_children(NodeId id, std::vector<NodeId>& out) const;
   void add_parents(NodeId id, std::vector<NodeId>& out) const;
   [[nodiscard]] StoredFacts facts(NodeId id) const;
+  /// Asks the memory for a node's facts.
+  void prefetch(NodeId id) const;
   /// Contains the domains of all nodes below; its radius depends on level and odd axes only.
   [[nodiscard]] Ball bounds(NodeId id) const;
   [[nodiscard]] double range_reference() const { return model_.range_reference(); }
