@@ -4,6 +4,7 @@ lode_test(io_surface_test
     surface_file_test.cpp
     surface_glb_test.cpp
     surface_obj_test.cpp
+    surface_origins_test.cpp
     surface_ply_test.cpp
     surface_stl_test.cpp
     surface_vtk_test.cpp

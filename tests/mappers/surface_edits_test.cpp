@@ -23,6 +23,7 @@ Surface make_three_fans() {
   for (int i = 0; i < 10; ++i) surface.positions.push_back(point(i, i * i, 0));
   surface.isovalues.resize(10);
   std::iota(surface.isovalues.begin(), surface.isovalues.end(), 0.0F);
+  surface.origins = surface.positions;
   surface.triangles = {{1, 2, 0}, {0, 4, 5}, {8, 0, 7}, {0, 2, 3}, {5, 6, 0}, {9, 0, 8}};
   return surface;
 }
@@ -38,6 +39,7 @@ TEST(surface_edits, gives_each_fan_its_own_vertex) {
   EXPECT_EQ(surface.positions[11], surface.positions[0]);
   ASSERT_EQ(surface.isovalues.size(), 12U);
   EXPECT_EQ(surface.isovalues[10], surface.isovalues[0]);
+  EXPECT_EQ(surface.origins, surface.positions);
 }
 
 TEST(surface_edits, leaves_manifolds_alone) {

@@ -14,6 +14,7 @@ void Surface::clear() {
   normals.clear();
   isovalues.clear();
   values.clear();
+  origins.clear();
   errors.clear();
   triangles.clear();
   lines.clear();

@@ -14,9 +14,12 @@ namespace lode {
 struct Surface {
   Vec3d origin{{0, 0, 0}};
   std::vector<Vec3f> positions;
-  std::vector<Vec3f> normals;                           ///< Unit length, per vertex; may be empty.
-  std::vector<float> isovalues;                         ///< Per vertex; may be empty.
-  std::vector<double> values;                           ///< The field, per vertex; may be empty.
+  std::vector<Vec3f> normals;    ///< Unit length, per vertex; may be empty.
+  std::vector<float> isovalues;  ///< Per vertex; may be empty.
+  std::vector<double> values;    ///< The field, per vertex; may be empty.
+  /// Per vertex where it is moved from by a refinement step, as positions; NaN where it has no such
+  /// place; may be empty.
+  std::vector<Vec3f> origins;
   std::vector<float> errors;                            ///< Of the field, per cell; may be empty.
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Counter-clockwise from lower values.
   std::vector<std::array<std::uint32_t, 2>> lines;      ///< Lower values on the right, z up.

@@ -143,6 +143,11 @@ Result<void> place_positions(const std::string& path, std::span<const Vec3d> wor
   return {};
 }
 
+Vec3f to_origin(const Vec3d& world, const Surface& surface) {
+  const Vec3d offset = world - surface.origin;
+  return {{to_attribute(offset[0]), to_attribute(offset[1]), to_attribute(offset[2])}};
+}
+
 Result<void> append_polygon(const std::string& path, std::span<const std::uint32_t> corners,
                             Surface& surface) {
   if (corners.size() < 3)
@@ -162,6 +167,8 @@ Result<void> check_surface(const std::string& path, const Surface& surface) {
   if (!surface.isovalues.empty() && surface.isovalues.size() != n)
     return fail("{}: expected {} isovalues, one per vertex, got {}", path, n,
                 surface.isovalues.size());
+  if (!surface.origins.empty() && surface.origins.size() != n)
+    return fail("{}: expected {} origins, one per vertex, got {}", path, n, surface.origins.size());
   for (std::size_t i = 0; i < n; ++i)
     if (!has_finite_coordinates(widened(surface.positions[i])))
       return fail("{}: expected finite coordinates, got others at vertex {}", path, i);

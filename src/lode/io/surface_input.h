@@ -58,6 +58,10 @@ class SurfaceBytes {
 [[nodiscard]] Result<void> place_positions(const std::string& path, std::span<const Vec3d> world,
                                            const std::optional<Vec3d>& note, Surface& surface);
 
+/// A vertex's origin from world coordinates, as positions are; what does not fit becomes NaN. The
+/// positions must have been placed.
+[[nodiscard]] Vec3f to_origin(const Vec3d& world, const Surface& surface);
+
 /// Appends the triangle fan of a polygon; fails for fewer than three corners.
 [[nodiscard]] Result<void> append_polygon(const std::string& path,
                                           std::span<const std::uint32_t> corners, Surface& surface);

@@ -28,6 +28,11 @@ inline constexpr std::string_view kOriginNote = "lode_origin";
   return surface.origin != Vec3d{{0, 0, 0}};
 }
 
+/// What positions and origins are relative to, added.
+[[nodiscard]] inline Vec3d world_place(const Surface& surface, const Vec3f& place) {
+  return surface.origin + Vec3d{{place[0], place[1], place[2]}};
+}
+
 /// `text` with control characters turned into spaces, so that it stays inside one comment line.
 [[nodiscard]] inline std::string to_one_line(std::string_view text) {
   std::string line(text);

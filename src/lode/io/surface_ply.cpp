@@ -34,6 +34,8 @@ std::string ply_header(const Surface& surface, const SurfaceWriteOptions& option
     for (const char* name : {"nx", "ny", "nz"}) add("property float {}\n", name);
   if (!surface.isovalues.empty()) add("property float isovalue\n");
   if (!surface.values.empty()) add("property double value\n");
+  if (!surface.origins.empty())
+    for (const char* name : {"x", "y", "z"}) add("property {} origin_{}\n", coordinate, name);
   if (surface.lines.empty())
     add("element face {}\nproperty list uchar {} vertex_indices\n", surface.triangles.size(),
         index);
@@ -45,7 +47,8 @@ std::string ply_header(const Surface& surface, const SurfaceWriteOptions& option
 }
 
 std::size_t vertex_bytes(const Surface& surface) {
-  return (has_origin(surface) ? sizeof(Vec3d) : sizeof(Vec3f)) +
+  const std::size_t place_bytes = has_origin(surface) ? sizeof(Vec3d) : sizeof(Vec3f);
+  return place_bytes + (surface.origins.empty() ? 0 : place_bytes) +
          (surface.normals.empty() ? 0 : sizeof(Vec3f)) +
          (surface.isovalues.empty() ? 0 : sizeof(float)) +
          (surface.values.empty() ? 0 : sizeof(double));
@@ -59,18 +62,22 @@ std::uint64_t ply_bytes(const Surface& surface) {
 }
 
 Result<void> write_vertex_records(SurfaceOutput& file, const Surface& surface) {
-  const bool is_double = has_origin(surface);
   const bool has_normals = !surface.normals.empty();
   const bool has_isovalues = !surface.isovalues.empty();
   const bool has_values = !surface.values.empty();
-  const auto fill = [&](std::size_t i, std::byte* out) {
+  const bool has_origins = !surface.origins.empty();
+  const auto put_place = [&, is_double = has_origin(surface)](std::byte*& out, const Vec3f& place) {
     if (is_double)
-      put(out, surface.world_position(static_cast<std::uint32_t>(i)));
+      put(out, world_place(surface, place));
     else
-      put(out, surface.positions[i]);
+      put(out, place);
+  };
+  const auto fill = [&](std::size_t i, std::byte* out) {
+    put_place(out, surface.positions[i]);
     if (has_normals) put(out, surface.normals[i]);
     if (has_isovalues) put(out, surface.isovalues[i]);
     if (has_values) put(out, surface.values[i]);
+    if (has_origins) put_place(out, surface.origins[i]);
   };
   return write_records(file, surface.positions.size(), vertex_bytes(surface), fill);
 }

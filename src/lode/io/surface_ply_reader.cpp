@@ -168,17 +168,18 @@ class PlyParser {
         LODE_CHECK(parse_cells(element));
     }
     LODE_CHECK(place_positions(path_, world_, header_.origin_note, surface_));
+    for (const Vec3d& origin : origins_) surface_.origins.push_back(to_origin(origin, surface_));
     LODE_CHECK(check_surface(path_, surface_));
     return std::move(surface_);
   }
 
  private:
   /// What a vertex property is for; the numbers index the values of one vertex.
-  enum Role : std::size_t { x, y, z, nx, ny, nz, isovalue, ignored, n_roles };
+  enum Role : std::size_t { x, y, z, nx, ny, nz, isovalue, ox, oy, oz, ignored, n_roles };
 
   static Role role_of(std::string_view name) {
-    constexpr std::array<std::string_view, ignored> kNames = {"x",  "y",  "z",       "nx",
-                                                              "ny", "nz", "isovalue"};
+    constexpr std::array<std::string_view, ignored> kNames = {
+        "x", "y", "z", "nx", "ny", "nz", "isovalue", "origin_x", "origin_y", "origin_z"};
     const auto found = std::find(kNames.begin(), kNames.end(), name);
     return static_cast<Role>(found - kNames.begin());
   }
@@ -210,6 +211,7 @@ class PlyParser {
       return fail("{}: expected properties x, y and z of the PLY element \"vertex\"", path_);
     if (!world_.empty()) return fail("{}: expected one PLY element \"vertex\", got more", path_);
     const bool has_normals = has[nx] && has[ny] && has[nz];
+    const bool has_origins = has[ox] && has[oy] && has[oz];
     reserve_vertices(element.count, has_normals, has[isovalue]);
     std::array<double, n_roles> values{};
     for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -224,6 +226,7 @@ class PlyParser {
         surface_.normals.push_back(
             {{to_attribute(values[nx]), to_attribute(values[ny]), to_attribute(values[nz])}});
       if (has[isovalue]) surface_.isovalues.push_back(to_attribute(values[isovalue]));
+      if (has_origins) origins_.push_back({{values[ox], values[oy], values[oz]}});
     }
     return {};
   }
@@ -295,6 +298,7 @@ class PlyParser {
   PlyValues values_;
   Surface surface_;
   std::vector<Vec3d> world_;
+  std::vector<Vec3d> origins_;  ///< Likewise in world units.
   std::vector<double> list_;
   std::vector<std::uint32_t> corners_;
 };

@@ -13,6 +13,7 @@ struct VtpLayout {
   std::optional<VtkXmlArray> values;
   std::optional<VtkXmlArray> isovalues;
   std::optional<VtkXmlArray> normals;
+  std::optional<VtkXmlArray> origins;
   std::optional<VtkXmlArray> errors;
   VtkXmlArray points;
   VtkXmlArray connectivity;
@@ -32,7 +33,9 @@ bool needs_wide_indices(const Surface& surface) {
 
 VtpLayout make_vtp_layout(const Surface& surface, const SurfaceWriteOptions& options) {
   const bool is_double = has_origin(surface);
+  const char* coordinate = is_double ? "Float64" : "Float32";
   const std::uint64_t n = surface.positions.size();
+  const std::uint64_t point_bytes = n * (is_double ? sizeof(Vec3d) : sizeof(Vec3f));
   const std::uint64_t index_bytes = needs_wide_indices(surface) ? 8 : 4;
   const char* index = index_bytes == 8 ? "Int64" : "Int32";
   VtpLayout layout;
@@ -43,11 +46,13 @@ VtpLayout make_vtp_layout(const Surface& surface, const SurfaceWriteOptions& opt
     layout.isovalues = {R"(type="Float32" Name="isovalue")", n * sizeof(float)};
   if (!surface.normals.empty())
     layout.normals = {R"(type="Float32" Name="Normals" NumberOfComponents="3")", n * sizeof(Vec3f)};
+  if (!surface.origins.empty())
+    layout.origins = {fmt::format(R"(type="{}" Name="origin" NumberOfComponents="3")", coordinate),
+                      point_bytes};
   if (!surface.errors.empty())
     layout.errors = {R"(type="Float32" Name="error")", n_cells(surface) * sizeof(float)};
-  layout.points = {fmt::format(R"(type="{}" Name="Points" NumberOfComponents="3")",
-                               is_double ? "Float64" : "Float32"),
-                   n * (is_double ? sizeof(Vec3d) : sizeof(Vec3f))};
+  layout.points = {fmt::format(R"(type="{}" Name="Points" NumberOfComponents="3")", coordinate),
+                   point_bytes};
   layout.connectivity = {fmt::format(R"(type="{}" Name="connectivity")", index),
                          n_cells(surface) * corners_per_cell(surface) * index_bytes};
   layout.offsets = {fmt::format(R"(type="{}" Name="offsets")", index),
@@ -62,8 +67,8 @@ std::uint64_t bytes_of(const std::optional<VtkXmlArray>& array) {
 /// Of the arrays, without the XML.
 std::uint64_t vtp_bytes(const VtpLayout& layout) {
   return bytes_of(layout.values) + bytes_of(layout.isovalues) + bytes_of(layout.normals) +
-         bytes_of(layout.errors) + layout.points.n_bytes + layout.connectivity.n_bytes +
-         layout.offsets.n_bytes;
+         bytes_of(layout.origins) + bytes_of(layout.errors) + layout.points.n_bytes +
+         layout.connectivity.n_bytes + layout.offsets.n_bytes;
 }
 
 std::string vtp_head(const Surface& surface, const SurfaceWriteOptions& options) {
@@ -91,7 +96,7 @@ std::string vtp_piece(const Surface& surface, const SurfaceWriteOptions& options
     xml += " Scalars=\"isovalue\"";
   if (layout.normals) xml += " Normals=\"Normals\"";
   xml += ">\n";
-  for (const auto* array : {&layout.values, &layout.isovalues, &layout.normals})
+  for (const auto* array : {&layout.values, &layout.isovalues, &layout.normals, &layout.origins})
     if (*array) xml += describe_array(**array, offset);
   xml += "</PointData>\n";
   if (layout.errors)
@@ -112,19 +117,29 @@ Result<void> write_optional(SurfaceOutput& file, const std::optional<VtkXmlArray
   return write_array(file, std::span(data));
 }
 
+/// As positions are: in world units where the surface has an origin.
+Result<void> write_places(SurfaceOutput& file, const Surface& surface,
+                          const std::vector<Vec3f>& places) {
+  if (!has_origin(surface)) return write_array(file, std::span(places));
+  const auto fill = [&](std::size_t i, std::byte* out) {
+    put(out, world_place(surface, places[i]));
+  };
+  return write_records(file, places.size(), sizeof(Vec3d), fill);
+}
+
 /// Attributes and points.
 Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
                                 const VtpLayout& layout) {
   LODE_CHECK(write_optional(file, layout.values, surface.values));
   LODE_CHECK(write_optional(file, layout.isovalues, surface.isovalues));
   LODE_CHECK(write_optional(file, layout.normals, surface.normals));
+  if (layout.origins) {
+    LODE_CHECK(write_array_size(file, *layout.origins));
+    LODE_CHECK(write_places(file, surface, surface.origins));
+  }
   LODE_CHECK(write_optional(file, layout.errors, surface.errors));
   LODE_CHECK(write_array_size(file, layout.points));
-  if (!has_origin(surface)) return write_array(file, std::span(surface.positions));
-  const auto fill = [&](std::size_t i, std::byte* out) {
-    put(out, surface.world_position(static_cast<std::uint32_t>(i)));
-  };
-  return write_records(file, surface.positions.size(), sizeof(Vec3d), fill);
+  return write_places(file, surface, surface.positions);
 }
 
 /// Connectivity and offsets, as T where the indices are not already so in memory.

@@ -75,6 +75,11 @@ Result<void> read_point_data(const VtkXmlFile& xml, pugi::xml_node point_data, S
     LODE_TRY(const std::vector<double> values, read_array(xml, isovalues, n));
     for (const double value : values) surface.isovalues.push_back(to_attribute(value));
   }
+  if (const pugi::xml_node origins = array_named(point_data, "origin")) {
+    LODE_TRY(const std::vector<double> values, read_array(xml, origins, 3 * n));
+    for (std::size_t i = 0; i < values.size(); i += 3)
+      surface.origins.push_back(to_origin({{values[i], values[i + 1], values[i + 2]}}, surface));
+  }
   return {};
 }
 

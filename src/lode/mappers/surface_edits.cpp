@@ -33,11 +33,21 @@ class Groups {
   std::vector<std::uint32_t> parent_;
 };
 
+/// Calls visit(array) for all that the surface has per vertex.
+template <typename Visit>
+void for_each_vertex_array(Surface& surface, const Visit& visit) {
+  visit(surface.positions);
+  if (!surface.normals.empty()) visit(surface.normals);
+  if (!surface.isovalues.empty()) visit(surface.isovalues);
+  if (!surface.values.empty()) visit(surface.values);
+  if (!surface.origins.empty()) visit(surface.origins);
+}
+
 std::uint32_t copy_vertex(Surface& surface, std::uint32_t v) {
-  surface.positions.push_back(surface.positions[v]);
-  if (!surface.normals.empty()) surface.normals.push_back(surface.normals[v]);
-  if (!surface.isovalues.empty()) surface.isovalues.push_back(surface.isovalues[v]);
-  if (!surface.values.empty()) surface.values.push_back(surface.values[v]);
+  for_each_vertex_array(surface, [v](auto& array) {
+    const auto copy = array[v];
+    array.push_back(copy);
+  });
   return static_cast<std::uint32_t>(surface.positions.size() - 1);
 }
 
@@ -49,18 +59,13 @@ void compact(Surface& surface, std::vector<std::array<std::uint32_t, N>>& cells)
   for (const auto& cell : cells)
     for (const std::uint32_t v : cell) renumbered[v] = 0;
   std::uint32_t n = 0;
-  for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
-    if (renumbered[v] == kUnused) continue;
-    surface.positions[n] = surface.positions[v];
-    if (!surface.normals.empty()) surface.normals[n] = surface.normals[v];
-    if (!surface.isovalues.empty()) surface.isovalues[n] = surface.isovalues[v];
-    if (!surface.values.empty()) surface.values[n] = surface.values[v];
-    renumbered[v] = n++;
-  }
-  surface.positions.resize(n);
-  if (!surface.normals.empty()) surface.normals.resize(n);
-  if (!surface.isovalues.empty()) surface.isovalues.resize(n);
-  if (!surface.values.empty()) surface.values.resize(n);
+  for (std::uint32_t& id : renumbered)
+    if (id != kUnused) id = n++;
+  for_each_vertex_array(surface, [&](auto& array) {
+    for (std::size_t v = 0; v < renumbered.size(); ++v)
+      if (renumbered[v] != kUnused) array[renumbered[v]] = array[v];
+    array.resize(n);
+  });
   for (auto& cell : cells)
     for (std::uint32_t& v : cell) v = renumbered[v];
 }
@@ -182,6 +187,8 @@ class BoxPlane {
       surface_.normals[v] = normalized(mixed(surface_.normals[a], surface_.normals[b]));
     if (!surface_.values.empty())
       surface_.values[v] += t * (surface_.values[b] - surface_.values[a]);
+    if (!surface_.origins.empty())
+      surface_.origins[v] = mixed(surface_.origins[a], surface_.origins[b]);
     return entry->second = v;
   }
 
