@@ -21,27 +21,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Result<void> check_options(const ExtractOptions& options) {
-  if (options.isovalues.empty()) return fail("expected at least one isovalue, got none");
-  for (const double c : options.isovalues)
-    if (!std::isfinite(c)) return fail("expected a finite isovalue, got {}", c);
-  if (options.max_error && !(*options.max_error >= 0 && std::isfinite(*options.max_error)))
-    return fail("expected a finite max_error >= 0, got {}", *options.max_error);
-  if (options.clip)
-    for (std::size_t i = 0; i < 3; ++i)
-      if (!(options.clip->lower[i] < options.clip->upper[i]))
-        return fail("expected a clip box with lower < upper on each axis, got {} and {} on axis {}",
-                    options.clip->lower[i], options.clip->upper[i], i);
-  if (options.border == Border::closed && options.isovalues.size() > 1)
-    return fail(
-        "closing at the border: expected one isovalue, got {}: caps of several would lie "
-        "in each other",
-        options.isovalues.size());
-  if (options.border == Border::closed && options.clip)
-    return fail("closing at the border: expected no clip box, whose cut would stay open");
-  return {};
-}
-
 template <int D>
 double tolerance_of(const diamond::Model<D>& model, const ExtractOptions& options) {
   return options.max_error.value_or(default_tolerance(model));
@@ -154,6 +133,27 @@ DatasetInfo describe_model(const diamond::Model<D>& model) {
 
 }  // namespace
 
+Result<void> check_extract_options(const ExtractOptions& options) {
+  if (options.isovalues.empty()) return fail("expected at least one isovalue, got none");
+  for (const double c : options.isovalues)
+    if (!std::isfinite(c)) return fail("expected a finite isovalue, got {}", c);
+  if (options.max_error && !(*options.max_error >= 0 && std::isfinite(*options.max_error)))
+    return fail("expected a finite max_error >= 0, got {}", *options.max_error);
+  if (options.clip)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (!(options.clip->lower[i] < options.clip->upper[i]))
+        return fail("expected a clip box with lower < upper on each axis, got {} and {} on axis {}",
+                    options.clip->lower[i], options.clip->upper[i], i);
+  if (options.border == Border::closed && options.isovalues.size() > 1)
+    return fail(
+        "closing at the border: expected one isovalue, got {}: caps of several would lie "
+        "in each other",
+        options.isovalues.size());
+  if (options.border == Border::closed && options.clip)
+    return fail("closing at the border: expected no clip box, whose cut would stay open");
+  return {};
+}
+
 Dataset::Dataset(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Dataset::Dataset(Dataset&&) noexcept = default;
 Dataset& Dataset::operator=(Dataset&&) noexcept = default;
@@ -206,7 +206,7 @@ DatasetInfo Dataset::describe() const {
 
 Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& surface,
                                        Progress& progress) const {
-  LODE_CHECK(check_options(options));
+  LODE_CHECK(check_extract_options(options));
   const auto start = std::chrono::steady_clock::now();
   if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
   ExtractReport report;

@@ -41,6 +41,9 @@ class Dataset::Impl {
   mutable std::shared_ptr<const diamond::WorldErrors> world_errors_;
 };
 
+/// Refuses options that have no answer.
+[[nodiscard]] Result<void> check_extract_options(const ExtractOptions& options);
+
 /// The tolerance that is chosen where none is asked for.
 template <typename Model>
 [[nodiscard]] double default_tolerance(const Model& model) {

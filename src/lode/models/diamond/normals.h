@@ -22,13 +22,15 @@ class NormalSampler {
   [[nodiscard]] Vec3f at(const EdgePoint& point) const {
     const Vec3d a = gradient(to_point(point.first));
     const Vec3d b = gradient(to_point(point.second));
-    const Vec3d n = normalized(to_world_ * (a * (1 - point.t) + b * point.t));
+    return to_normal(a * (1 - point.t) + b * point.t);
+  }
+  /// What a gradient in grid axes becomes.
+  [[nodiscard]] Vec3f to_normal(const Vec3d& gradient) const {
+    const Vec3d n = normalized(to_world_ * gradient);
     Vec3f result;
     for (std::size_t i = 0; i < 3; ++i) result[i] = static_cast<float>(sign_ * n[i]);
     return result;
   }
-
- private:
   /// d value / d index at a lattice point, in grid axes.
   [[nodiscard]] Vec3d gradient(const Index3& grid_point) const {
     Vec3d result;
@@ -36,6 +38,7 @@ class NormalSampler {
     return one_sided(grid_point);
   }
 
+ private:
   /// Where all neighbours are samples of one brick, and no hole is about: most points.
   [[nodiscard]] bool find_inner(const Index3& grid_point, Vec3d& gradient) const {
     Index<D> brick;
