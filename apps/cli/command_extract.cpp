@@ -5,6 +5,7 @@
 
 #include "command.h"
 #include "extract_focused.h"
+#include "extract_progressive.h"
 #include "extraction_options.h"
 #include "input.h"
 #include "outputs.h"
@@ -19,6 +20,7 @@ struct ExtractArguments {
   std::string output;
   ExtractionArguments extraction;
   QueryArguments query;
+  ProgressiveArguments progressive;
   ReadingArguments reading;
 
   [[nodiscard]] MeshJob mesh_job() const { return {input, output, extraction, query, reading}; }
@@ -49,12 +51,16 @@ std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
 
 Result<void> check_extract(const ExtractArguments& arguments) {
   LODE_CHECK(check_unused(arguments.query));
+  if (arguments.progressive.is_wanted() &&
+      (arguments.query.is_wanted() || arguments.query.is_focused()))
+    return fail("--progressive: expected no --mesh, --section, focus, budget or deadline with it");
   if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
   if (arguments.query.is_focused()) return check_focused_job(arguments.mesh_job());
   LODE_TRY(const ExtractOptions options, to_extract_options(arguments.extraction));
   if (options.isovalues.empty()) return fail("--isovalue: expected at least one value, got none");
   LODE_CHECK(check_surface_extension(arguments.output));
   LODE_CHECK(check_reading_options(arguments.reading, arguments.input));
+  LODE_CHECK(check_progressive(arguments.progressive, arguments.extraction));
   return check_paths_differ({arguments.input},
                             paths_of(plan_jobs(arguments.output, options.isovalues)));
 }
@@ -89,6 +95,7 @@ struct Extraction {
   const Input& input;
   std::vector<std::string> outputs;
   Totals totals;
+  Json steps{};  ///< With --progressive.
 
   [[nodiscard]] bool is_lines() const { return input.info.model == "diamond2d"; }
 };
@@ -106,6 +113,7 @@ Json extraction_json(const Extraction& extraction, const std::vector<std::string
   json["nodes_visited"] = report.nodes_visited;
   json["components_dropped"] = report.components_dropped;
   json["triangles_dropped"] = report.triangles_dropped;
+  if (extraction.steps.contains("steps")) json["steps"] = extraction.steps["steps"];
   Json& seconds = json["seconds"];
   seconds["total"] = report.seconds.total;
   seconds["select"] = report.seconds.select;
@@ -145,6 +153,8 @@ std::string extraction_text(const Extraction& extraction) {
   table.add({extraction.input.was_built ? "read and build" : "open",
              format_seconds(extraction.input.open_seconds)});
   table.add({"write", format_seconds(extraction.totals.write_seconds)});
+  if (extraction.steps.contains("steps"))
+    table.add({"steps", format_count(extraction.steps["steps"].size())});
   for (const std::string& path : extraction.outputs) table.add({"output", path});
   return table.to_string();
 }
@@ -183,18 +193,24 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
     LODE_CHECK(check_writable(job.path));
     paths.push_back(job.path);
   }
+  LODE_TRY(OutputFolder folder, OutputFolder::make(arguments.progressive.directory));
   const auto accept = [&](const VolumeInfo& volume) {
     return check_holds(arguments.output, volume);
   };
   LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading, accept));
   Totals totals;
   OutputSet outputs(paths);
+  Json steps;
+  if (arguments.progressive.is_wanted()) {
+    LODE_TRY(steps, write_steps({folder, arguments.output, options, input}, session, outputs));
+  }
   for (const Job& job : jobs) {
     LODE_CHECK(run_job(job, options, input, session, totals));
     outputs.add(job.path);
   }
   outputs.keep();
-  const Extraction extraction{arguments, options, input, outputs.paths(), totals};
+  folder.keep();
+  const Extraction extraction{arguments, options, input, outputs.paths(), totals, steps};
   return Outcome{extraction_json(extraction, session.warnings()), extraction_text(extraction)};
 }
 
@@ -211,13 +227,17 @@ Command add_extract_command(CLI::App& program) {
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
       "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
-      "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1");
+      "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1\n"
+      "  lode extract scan.lode bone.vtp --isovalue 1200 --progressive bone-steps");
   app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
       ->type_name("FILE")
       ->required();
   app->add_option("output", arguments->output, "Surface to write")->type_name("OUT")->required();
   add_extraction_options(*app, arguments->extraction);
   add_query_options(*app, arguments->query);
+  add_progressive_option(*app, arguments->progressive,
+                         "Also write the surface from coarse to fine, step-000 and so on with "
+                         "index.json, to a new or empty directory");
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_extract(*arguments); },
           [arguments](Session& session) { return run_extract(*arguments, session); }};

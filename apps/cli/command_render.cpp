@@ -7,6 +7,7 @@
 #include "input.h"
 #include "outputs.h"
 #include "parse.h"
+#include "render_progressive.h"
 #include "stopwatch.h"
 #include "text.h"
 
@@ -26,6 +27,7 @@ struct RenderArguments {
   std::string background;
   std::string samples;
   ExtractionArguments extraction;
+  ProgressiveArguments progressive;
   ReadingArguments reading;
 
   [[nodiscard]] std::vector<std::string> inputs() const {
@@ -79,6 +81,8 @@ Result<void> check_render(const RenderArguments& arguments) {
   LODE_CHECK(check_extension(arguments.output, ".png"));
   LODE_CHECK(check_reading_options(arguments.reading, arguments.input));
   if (auto options = to_render_options(arguments); !options) return options.error();
+  LODE_CHECK(check_progressive(arguments.progressive, arguments.extraction));
+  LODE_CHECK(to_frames_per_step(arguments.progressive));
   return check_paths_differ(arguments.inputs(), arguments.outputs());
 }
 
@@ -86,6 +90,7 @@ struct Rendering {
   ExtractReport extraction;
   double render_seconds = 0;
   Camera camera;
+  Json frames{};  ///< With --progressive.
 };
 
 Json camera_json(const Camera& camera) {
@@ -109,6 +114,7 @@ Json rendering_json(const RenderArguments& arguments, const ExtractOptions& opti
   add_extraction(json, options, report);
   json["size"] = arguments.size;
   json["camera"] = camera_json(rendering.camera);
+  if (!rendering.frames.is_null()) json["progressive"] = rendering.frames;
   Json& seconds = json["seconds"];
   seconds["total"] = report.seconds.total + rendering.render_seconds;
   seconds["open"] = input.open_seconds;
@@ -134,9 +140,19 @@ Outcome report_render(const RenderArguments& arguments, const ExtractOptions& op
   table.add({input.was_built ? "read and build" : "open", format_seconds(input.open_seconds)});
   table.add({"extract", format_seconds(report.seconds.total)});
   table.add({"render", format_seconds(rendering.render_seconds)});
+  if (!rendering.frames.is_null())
+    table.add({"frames", fmt::format("{} in {}", rendering.frames["frames"].get<int>(),
+                                     arguments.progressive.directory)});
   for (const std::string& path : arguments.outputs()) table.add({"output", path});
   outcome.text = table.to_string();
   return outcome;
+}
+
+/// Frames the surface where no camera is given.
+void use_camera_of(const Surface& surface, const VolumeInfo& volume, RenderOptions& options) {
+  options.axes = viewing_axes(volume.grid.frame);
+  if (!options.camera)
+    options.camera = framing_camera(surface, volume.grid.world_bounds(), options);
 }
 
 /// Draws and writes; the camera that was used comes back in `rendering`.
@@ -145,8 +161,8 @@ Result<void> draw(const RenderArguments& arguments, const Surface& surface,
                   Rendering& rendering) {
   const Stopwatch watch;
   const Box3d bounds = volume.grid.world_bounds();
-  options.axes = viewing_axes(volume.grid.frame);
-  rendering.camera = options.camera ? *options.camera : framing_camera(surface, bounds, options);
+  use_camera_of(surface, volume, options);
+  rendering.camera = *options.camera;
   LODE_TRY(const Image image, render_surface(surface, bounds, options, session.progress()));
   if (session.progress().is_cancelled()) return cancelled_error();
   OutputSet outputs(arguments.outputs());
@@ -167,13 +183,23 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
     LODE_TRY(options.camera, read_camera(arguments.camera));
   }
   for (const std::string& path : arguments.outputs()) LODE_CHECK(check_writable(path));
+  LODE_TRY(OutputFolder folder, OutputFolder::make(arguments.progressive.directory));
   LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
   Rendering rendering;
   Surface surface;
   LODE_TRY(rendering.extraction, input.dataset.extract(extraction, surface, session.progress()));
   warn_of_open(session, rendering.extraction);
   warn_of_unmet(session, unmet_isovalues(surface, extraction.isovalues), extraction, input.info);
+  OutputSet frames({});
+  if (arguments.progressive.is_wanted()) {
+    LODE_TRY(const int n, to_frames_per_step(arguments.progressive));
+    use_camera_of(surface, input.info.volume, options);
+    LODE_TRY(rendering.frames,
+             draw_frames({folder, n, extraction, options, input}, session, frames));
+  }
   LODE_CHECK(draw(arguments, surface, input.info.volume, options, session, rendering));
+  frames.keep();
+  folder.keep();
   return report_render(arguments, extraction, input, rendering, session.warnings());
 }
 
@@ -205,6 +231,7 @@ Command add_render_command(CLI::App& program) {
       ->required();
   add_picture_options(*app, *arguments);
   add_extraction_options(*app, arguments->extraction);
+  add_frame_options(*app, arguments->progressive);
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_render(*arguments); },
           [arguments](Session& session) { return run_render(*arguments, session); }};

@@ -77,6 +77,12 @@ Result<Dataset> build_opened(const std::string& path, VolumeSource& source,
   return fail("{}: {}", path, dataset.error().message);
 }
 
+Result<void> write_text(const std::string& path, std::string_view text, const Progress& progress) {
+  LODE_TRY(AtomicFile file, AtomicFile::create(path));
+  LODE_CHECK(file.write(text));
+  return file.commit(progress);
+}
+
 Result<void> check_writable(const std::string& path) {
   std::error_code status;
   const auto type = std::filesystem::status(path, status).type();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "lode/api/dataset.h"
 #include "lode/io/mesh_vtu.h"
@@ -46,6 +47,10 @@ using io::write_vtu;
 /// `path`, unless the reader has named one already.
 [[nodiscard]] Result<Dataset> build_opened(const std::string& path, VolumeSource& source,
                                            const BuildOptions& options, Progress& progress);
+
+/// Writes a text file, whole or not at all; none once cancelled.
+[[nodiscard]] Result<void> write_text(const std::string& path, std::string_view text,
+                                      const Progress& progress);
 
 /// Fails, naming `path`, unless a file can be made or replaced there. Leaves nothing behind; meant
 /// to be asked before expensive work starts.
