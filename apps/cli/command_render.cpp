@@ -7,6 +7,7 @@
 #include "input.h"
 #include "outputs.h"
 #include "parse.h"
+#include "render_path.h"
 #include "render_progressive.h"
 #include "stopwatch.h"
 #include "text.h"
@@ -28,6 +29,7 @@ struct RenderArguments {
   std::string samples;
   ExtractionArguments extraction;
   ProgressiveArguments progressive;
+  PathArguments path;
   ReadingArguments reading;
 
   [[nodiscard]] std::vector<std::string> inputs() const {
@@ -83,6 +85,7 @@ Result<void> check_render(const RenderArguments& arguments) {
   if (auto options = to_render_options(arguments); !options) return options.error();
   LODE_CHECK(check_progressive(arguments.progressive, arguments.extraction));
   LODE_CHECK(to_frames_per_step(arguments.progressive));
+  LODE_CHECK(check_path(arguments.path, arguments.extraction));
   return check_paths_differ(arguments.inputs(), arguments.outputs());
 }
 
@@ -91,6 +94,7 @@ struct Rendering {
   double render_seconds = 0;
   Camera camera;
   Json frames{};  ///< With --progressive.
+  Json path{};    ///< With --camera-path.
 };
 
 Json camera_json(const Camera& camera) {
@@ -115,6 +119,7 @@ Json rendering_json(const RenderArguments& arguments, const ExtractOptions& opti
   json["size"] = arguments.size;
   json["camera"] = camera_json(rendering.camera);
   if (!rendering.frames.is_null()) json["progressive"] = rendering.frames;
+  if (!rendering.path.is_null()) json["camera_path"] = rendering.path;
   Json& seconds = json["seconds"];
   seconds["total"] = report.seconds.total + rendering.render_seconds;
   seconds["open"] = input.open_seconds;
@@ -143,6 +148,9 @@ Outcome report_render(const RenderArguments& arguments, const ExtractOptions& op
   if (!rendering.frames.is_null())
     table.add({"frames", fmt::format("{} in {}", rendering.frames["frames"].get<int>(),
                                      arguments.progressive.directory)});
+  if (!rendering.path.is_null())
+    table.add({"frames",
+               fmt::format("{} in {}", rendering.path["frames"].size(), arguments.path.frames)});
   for (const std::string& path : arguments.outputs()) table.add({"output", path});
   outcome.text = table.to_string();
   return outcome;
@@ -184,6 +192,7 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   }
   for (const std::string& path : arguments.outputs()) LODE_CHECK(check_writable(path));
   LODE_TRY(OutputFolder folder, OutputFolder::make(arguments.progressive.directory));
+  LODE_TRY(OutputFolder path_folder, OutputFolder::make(arguments.path.frames));
   LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
   Rendering rendering;
   Surface surface;
@@ -197,9 +206,15 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
     LODE_TRY(rendering.frames,
              draw_frames({folder, n, extraction, options, input}, session, frames));
   }
+  if (arguments.path.is_wanted()) {
+    options.axes = viewing_axes(input.info.volume.grid.frame);
+    LODE_TRY(rendering.path,
+             draw_path({arguments.path, path_folder, extraction, options, input}, session, frames));
+  }
   LODE_CHECK(draw(arguments, surface, input.info.volume, options, session, rendering));
   frames.keep();
   folder.keep();
+  path_folder.keep();
   return report_render(arguments, extraction, input, rendering, session.warnings());
 }
 
@@ -232,6 +247,7 @@ Command add_render_command(CLI::App& program) {
   add_picture_options(*app, *arguments);
   add_extraction_options(*app, arguments->extraction);
   add_frame_options(*app, arguments->progressive);
+  add_path_options(*app, arguments->path);
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_render(*arguments); },
           [arguments](Session& session) { return run_render(*arguments, session); }};

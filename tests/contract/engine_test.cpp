@@ -298,6 +298,48 @@ TYPED_TEST(engine, drags_an_isovalue_through_the_range_as_fresh_queries_do) {
   }
 }
 
+TYPED_TEST(engine, never_promises_too_much_after_a_new_query) {
+  std::mt19937 random(8);
+  typename TestFixture::Run run(this->fixture_);
+  run.answer(this->some_demand(random));
+  for (int i = 0; i < 30; ++i) {
+    const Demand demand = this->some_demand(random);
+    const Budget budget = random() % 3 == 0 ? Budget{random() % 2000} : Budget{};
+    run.engine.set_query(demand, budget);
+    do {
+      ASSERT_GE(run.engine.standing().error_bound, this->error_bound(run, demand));
+    } while (random() % 40 != 0 && run.engine.step());
+  }
+}
+
+TYPED_TEST(engine, takes_demands_below_zero_for_none) {
+  typename TestFixture::Run run(this->fixture_);
+  run.answer(uniform_demand(1));
+  EXPECT_TRUE(run.answer([](const NodeFacts& node) { return -1 - node.error; }).empty());
+  EXPECT_TRUE(run.answer([](const NodeFacts&) { return -0.0; }).empty());
+  run.answer([](const NodeFacts& node) { return node.error - 20; },
+             {run.model.n_base_cells() + 50});
+  EXPECT_LE(run.engine.standing().n_cells, run.model.n_base_cells() + 50);
+}
+
+TYPED_TEST(engine, is_never_over_a_budget_that_the_base_meets) {
+  typename TestFixture::Run run(this->fixture_);
+  const Budget budget{run.model.n_base_cells() + 61};
+  run.engine.set_query(uniform_demand(0), budget);
+  while (run.engine.step()) ASSERT_LE(run.engine.standing().n_cells, budget.max_cells);
+}
+
+TYPED_TEST(engine, answers_queries_that_change_before_all_is_evaluated) {
+  typename TestFixture::Run run(this->fixture_);
+  run.answer(uniform_demand(0));
+  const std::size_t n_all = run.engine.standing().n_applied;
+  for (int i = 0; i < 2000; ++i) {
+    run.engine.set_query(isovalue_demand(60, 30 + i % 2), {}, FocusChange::same);
+    for (int k = 0; k < 3; ++k) run.engine.step();
+  }
+  EXPECT_LT(run.engine.standing().n_applied, n_all);
+}
+
 TYPED_TEST(engine, undoes_what_it_applied) {
   typename TestFixture::Run run(this->fixture_);
   const auto base = run.engine.standing().n_cells;

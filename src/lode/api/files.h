@@ -8,6 +8,7 @@
 #include "lode/io/surface_file.h"
 #include "lode/io/volume_reader.h"
 #include "lode/render/camera_file.h"
+#include "lode/render/camera_path.h"
 #include "lode/render/surface_renderer.h"
 
 namespace lode {

@@ -18,6 +18,8 @@ class Cut {
   using Place = std::uint32_t;
   static constexpr Place kNowhere = 0xFFFFFFFFU;
 
+  static constexpr std::uint16_t kMany = 0xFFFFU;
+
   enum class State : std::uint8_t { empty, candidate, applied };
 
   struct Entry {
@@ -27,7 +29,8 @@ class Cut {
     float low = 0;
     float high = 0;
     float demand = 0;
-    std::uint16_t n_dependents = 0;  ///< Applied nodes that directly depend on this one.
+    /// Applied nodes that directly depend on this one; at kMany it stays, and so does the node.
+    std::uint16_t n_dependents = 0;
     State state = State::empty;
     bool is_at_border = false;
 

@@ -48,12 +48,8 @@ class Engine {
   }
 
   [[nodiscard]] Standing standing() const {
-    return {n_steps_,
-            cut_.n_applied(),
-            n_cells_,
-            static_cast<double>(errors_.largest()),
-            phase_ == Phase::settled,
-            n_cells_ <= budget_.max_cells,
+    return {n_steps_,      cut_.n_applied(),         n_cells_,
+            error_bound(), phase_ == Phase::settled, n_cells_ <= budget_.max_cells,
             is_nested_};
   }
   [[nodiscard]] const Cut& cut() const { return cut_; }
@@ -88,7 +84,13 @@ class Engine {
     return result;
   }
   void settle() { phase_ = Phase::settled; }
+  /// While candidates of a new focus are looked for, nothing is known of those not found yet.
+  [[nodiscard]] double error_bound() const {
+    if (phase_ == Phase::evaluate && is_searching_) return std::numeric_limits<double>::infinity();
+    return static_cast<double>(errors_.largest());
+  }
 
+  void evaluate_or_adjust();
   void evaluate_some();
   void evaluate(Place at);
   void discover(NodeId id, float limit);
@@ -119,18 +121,20 @@ class Engine {
   DemandQueue<true> spare_;    ///< Applied nodes nothing depends on; unlimited: only unwanted ones.
   ErrorCounts errors_;         ///< Of all candidates.
   Phase phase_ = Phase::settled;
-  std::size_t next_place_ = 0;  ///< To evaluate.
+  std::size_t next_place_ = 0;     ///< To evaluate,
+  std::size_t n_unevaluated_ = 0;  ///< how many from there on,
+  std::size_t n_round_ = 0;        ///< of the places that were there when the query came.
   FocusChange focus_ = FocusChange::changed;
   bool is_in_order_ = true;  ///< The cut was reached from the base by this query alone.
   bool is_nested_ = true;
-  std::optional<Room> room_;  ///< What the most wanted node lacks.
+  bool is_searching_ = false;  ///< For candidates that the cut of an earlier focus did not keep.
+  std::optional<Room> room_;   ///< What the most wanted node lacks.
   float unwind_to_ = 0;
   std::vector<NodeId> chain_;  ///< What is being applied: the wanted one, then what it needs.
   std::vector<NodeId> done_;   ///< Applied for it so far.
   float chain_demand_ = 0;
   Place chain_place_ = 0;  ///< Of the wanted one.
   std::uint64_t cells_before_chain_ = 0;
-  bool is_rolling_back_ = false;
   std::uint64_t n_cells_ = 0;
   std::uint64_t n_steps_ = 0;
   std::vector<NodeId> parents_;  ///< This and the next two are scratch.
@@ -146,16 +150,16 @@ void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus) {
   budget_ = budget;
   focus_ = is_complete ? focus : FocusChange::changed;
   phase_ = Phase::evaluate;
-  next_place_ = 0;
+  n_unevaluated_ = n_round_ = cut_.n_places();
   n_steps_ = 0;
   wanted_.clear();
   spare_.clear();
   chain_.clear();
   done_.clear();
   room_.reset();
-  is_rolling_back_ = false;
   is_in_order_ = cut_.n_applied() == 0;
   is_nested_ = true;
+  is_searching_ = focus_ == FocusChange::changed && cut_.n_applied() > 0;
   if (focus_ == FocusChange::same) return;
   children_.clear();
   model_.add_base(children_);
@@ -168,19 +172,39 @@ bool Engine<M>::step() {
   if (phase_ == Phase::settled) return false;
   ++n_steps_;
   if (phase_ == Phase::evaluate)
-    evaluate_some();
-  else if (!chain_.empty() || is_rolling_back_)
+    evaluate_or_adjust();
+  else if (!chain_.empty())
     continue_chain();
   else
     adjust();
   return true;
 }
 
+/// Without a budget what is known to be wanted, or not, need not wait for the rest: queries that
+/// change again and again before all is evaluated would never be answered. With one, order matters.
+template <RefinableModel M>
+void Engine<M>::evaluate_or_adjust() {
+  constexpr std::uint64_t kAdjustments = 32;  // for each evaluation of a thousand
+  if (!chain_.empty()) return continue_chain();
+  if (!budget_.is_limited() && n_steps_ % (kAdjustments + 1) != 0) {
+    if (const Ranked* most = most_wanted()) {
+      begin_chain(*most);
+      wanted_.pop();
+      return continue_chain();
+    }
+    if (const Ranked* least = least_wanted()) return undo(least->id);
+  }
+  evaluate_some();
+}
+
+/// From where the last query left off, once round.
 template <RefinableModel M>
 void Engine<M>::evaluate_some() {
-  const std::size_t end = std::min(cut_.n_places(), next_place_ + kEvaluationsPerStep);
-  for (; next_place_ < end; ++next_place_) evaluate(static_cast<Place>(next_place_));
-  if (next_place_ == cut_.n_places()) phase_ = Phase::adjust;
+  for (std::size_t i = 0; i < kEvaluationsPerStep && n_unevaluated_ > 0; ++i, --n_unevaluated_) {
+    if (next_place_ >= n_round_) next_place_ = 0;
+    evaluate(static_cast<Place>(next_place_++));
+  }
+  if (n_unevaluated_ == 0) phase_ = Phase::adjust;
 }
 
 template <RefinableModel M>
@@ -341,7 +365,6 @@ bool Engine<M>::find_missing_parents(NodeId id) {
 /// Applies the next node of the chain.
 template <RefinableModel M>
 void Engine<M>::continue_chain() {
-  if (is_rolling_back_) return roll_back();
   while (!chain_.empty()) {
     const NodeId id = chain_.back();
     const Place at = chain_.size() == 1 ? chain_place_ : cut_.find(id);
@@ -356,21 +379,17 @@ void Engine<M>::continue_chain() {
     if (!budget_.is_limited()) return;
     done_.push_back(id);
     if (n_cells_ <= budget_.max_cells) return;
-    is_rolling_back_ = true;
     room_ = Room{chain_demand_, n_cells_ - cells_before_chain_};
-    return;
+    return roll_back();
   }
 }
 
+/// Within the step: an answer that is interrupted here must not be too large.
 template <RefinableModel M>
 void Engine<M>::roll_back() {
-  const NodeId id = done_.back();
-  done_.pop_back();
   const bool was_in_order = is_in_order_;
-  undo(id);
+  for (; !done_.empty(); done_.pop_back()) undo(done_.back());
   is_in_order_ = was_in_order;
-  if (!done_.empty()) return;
-  is_rolling_back_ = false;
   if (chain_.empty()) return;  // the wanted node was undone, and is in the queue again
   const Place wanted = cut_.find(chain_.front());
   if (wanted != Cut::kNowhere && cut_[wanted].state == State::candidate) queue_candidate(wanted);
@@ -381,13 +400,15 @@ void Engine<M>::roll_back() {
 /// `at`: where it is a candidate.
 template <RefinableModel M>
 void Engine<M>::apply(NodeId id, Place at) {
-  for (const Place parent : parent_places_) ++cut_[parent].n_dependents;
+  for (const Place parent : parent_places_)
+    if (cut_[parent].n_dependents != Cut::kMany) ++cut_[parent].n_dependents;
   if (at == Cut::kNowhere) {
     const StoredFacts stored = model_.facts(id);
     at = cut_.insert(id, stored);
     cut_[at].demand = to_rank(demand_(facts(id, stored)));
   } else {
     errors_.remove(cut_[at].error);
+    if (phase_ == Phase::evaluate) cut_[at].demand = to_rank(demand_(facts(id, cut_[at].facts())));
   }
   cut_.set_state(at, State::applied);
   cut_[at].n_dependents = 0;
@@ -405,6 +426,7 @@ void Engine<M>::undo(NodeId id) {
   model_.add_parents(id, parents_);
   for (const NodeId parent : parents_) {
     const Place at = cut_.find(parent);
+    if (cut_[at].n_dependents == Cut::kMany) continue;
     if (--cut_[at].n_dependents == 0) queue_spare(at);
   }
   children_.clear();

@@ -9,9 +9,11 @@ struct Standing {
   std::uint64_t n_steps = 0;    ///< Since the query was set.
   std::uint64_t n_applied = 0;  ///< Nodes in the cut.
   std::uint64_t n_cells = 0;    ///< Simplices of its mesh.
-  double error_bound = 0;       ///< Largest nested field error left unrefined in focus.
-  bool is_settled = false;      ///< The answer: nothing is left to do.
-  bool budget_met = true;       ///< False: even the base is larger.
+  /// Largest nested field error left unrefined in focus; infinite while that is not known, since
+  /// an earlier cut is being looked through for a new focus.
+  double error_bound = 0;
+  bool is_settled = false;  ///< The answer: nothing is left to do.
+  bool budget_met = true;   ///< False, once settled: even the base is larger.
   bool is_nested = true;  ///< False: a demand was seen to grow along discovery, which is no error,
                           ///< but then the cut may depend on where it started.
 };
