@@ -11,6 +11,7 @@ namespace {
 Result<View> read_view(const QueryArguments& query) {
   View view;
   LODE_TRY(view.camera, read_camera(query.view));
+  if (query.view_size.empty()) return view;
   LODE_TRY(const auto size, parse_dims("--view-size", query.view_size, 16384));
   view.width = static_cast<int>(size[0]);
   view.height = static_cast<int>(size[1]);
@@ -82,10 +83,12 @@ void warn_of_focused(Session& session, const FocusedReport& report, const Surfac
 
 Result<void> check_focused_job(const MeshJob& job) {
   LODE_CHECK(to_focused_options(job.query, job.extraction));
-  LODE_TRY(const auto size, parse_dims("--view-size", job.query.view_size, 16384));
-  if (size.size() != 2)
-    return fail("--view-size: expected width and height as 1920x1080, got '{}'",
-                job.query.view_size);
+  if (!job.query.view_size.empty()) {
+    LODE_TRY(const auto size, parse_dims("--view-size", job.query.view_size, 16384));
+    if (size.size() != 2)
+      return fail("--view-size: expected width and height as 1920x1080, got '{}'",
+                  job.query.view_size);
+  }
   LODE_CHECK(check_surface_extension(job.output));
   LODE_CHECK(check_reading_options(job.reading, job.input));
   if (job.query.view.empty()) return check_paths_differ({job.input}, {job.output});

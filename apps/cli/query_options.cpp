@@ -144,6 +144,8 @@ Result<void> check_unused(const QueryArguments& arguments) {
   }
   if (!arguments.field_ranges.empty())
     return fail("--field-range: expected --mesh or --section with it");
+  if (!arguments.view_size.empty() && arguments.view.empty())
+    return fail("--view-size: expected --view with it");
   return {};
 }
 

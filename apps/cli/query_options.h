@@ -21,7 +21,7 @@ struct QueryArguments {
   std::string max_error_outside;
   std::string max_cells;
   std::string view;
-  std::string view_size = "1920x1080";
+  std::string view_size;  ///< Empty: 1920x1080.
   std::string max_error_px;
   std::string deadline_ms;
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "tests/oracles/analytic_fields.h"
@@ -184,6 +185,31 @@ TEST_F(focused_surface, refuses_what_it_cannot_answer) {
   Progress cancelled;
   cancelled.cancel();
   EXPECT_FALSE(extract_focused(dataset_, {.query = isosurface(0.1)}, surface, cancelled));
+}
+
+TEST_F(focused_surface, ends_where_oblique_data_ends) {
+  Volume volume = oracles::sample(oracles::Field::gyroid, {{20, 19, 18}});
+  RegularGrid& grid = volume.info.grid;
+  const double c = std::sqrt(0.5);
+  grid.direction = {{Vec3d{{c, -c, 0}}, Vec3d{{c, c, 0}}, Vec3d{{0, 0, -1}}}};  // and mirrored
+  grid.origin = {{100, -50, 7}};
+  const auto source = make_memory_source(volume);
+  dataset_ = Dataset::build(*source, {}, progress_).value();
+  for (const double deadline : {0.01, 0.05, 0.2}) {
+    FocusedOptions options{
+        .query = isosurface(std::nullopt), .deadline_s = deadline, .clock = step_clock()};
+    options.query.isovalues = {oracles::usual_isovalue(oracles::Field::gyroid)};
+    Surface surface;
+    extract(options, surface);
+    EXPECT_FALSE(surface.is_empty());
+    for (std::uint32_t v = 0; v < surface.positions.size(); ++v) {
+      const Vec3d index = grid.to_index(surface.world_position(v));
+      for (std::size_t i = 0; i < 3; ++i) {
+        ASSERT_GE(index[i], -1e-3);
+        ASSERT_LE(index[i], grid.dims[i] - 1 + 1e-3);
+      }
+    }
+  }
 }
 
 }  // namespace

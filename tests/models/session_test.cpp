@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <set>
 #include <thread>
 
 #include "tests/oracles/analytic_fields.h"
@@ -202,6 +203,32 @@ TEST(session, answers_isovalues_that_meet_nothing_with_an_empty_surface) {
   EXPECT_GT(mirror.n_cells(), 0U);
   take_answer(*session, session->set_query(isosurface(1e6, 0.01)).value(), mirror);
   EXPECT_EQ(mirror.n_cells(), 0U);
+}
+
+TEST(session, keeps_showing_while_an_isovalue_is_dragged) {
+  const Dataset dataset = gaussians(129);
+  Progress progress;
+  Query query = isosurface(1.0, 0.0);
+  auto session = Session::open(dataset, query, {.with_views = false}, progress);
+  ASSERT_TRUE(session);
+  SurfaceMirror mirror;
+  take_answer(*session, 1, mirror);
+  std::set<std::uint64_t> shown;
+  std::uint64_t number = 1;
+  for (int i = 0; i < 30; ++i) {
+    query.isovalues = {1.0 + 0.01 * (i + 1)};
+    number = session->set_query(query).value();
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    if (const auto batch = session->take()) {
+      mirror.apply(batch->change);
+      shown.insert(batch->query);
+    }
+  }
+  EXPECT_GT(shown.size(), 3U);
+  query.max_error = 0.05;
+  number = session->set_query(query).value();
+  take_answer(*session, number, mirror);
+  expect_extraction(dataset, query, mirror);
 }
 
 }  // namespace

@@ -1,9 +1,13 @@
 #include "lode/api/focused_surface.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <utility>
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/live_query.h"
+#include "lode/mappers/lattice_frame.h"
 #include "lode/mappers/surface_edits.h"
 
 namespace lode {
@@ -31,13 +35,41 @@ Result<Query> complete_focused(const diamond::Model<D>& model, const FocusedOpti
   return query;
 }
 
-bool is_outside(const Surface& surface, const Box3d& bounds) {
-  for (std::uint32_t v = 0; v < surface.positions.size(); ++v) {
-    const Vec3d p = surface.world_position(v);
+/// Cuts a surface of the extended field where the data ends; false if it does not reach beyond.
+bool crop_to_data(const RegularGrid& grid, Surface& surface) {
+  const double rounding = 4 * LatticeFrame::of(grid).rounding;
+  Box3d data;
+  for (std::size_t i = 0; i < 3; ++i) data.upper[i] = grid.dims[i] - 1;
+  const auto is_outside = [&](const Vec3d& index) {
     for (std::size_t i = 0; i < 3; ++i)
-      if (p[i] < bounds.lower[i] || p[i] > bounds.upper[i]) return true;
+      if (index[i] < -rounding || index[i] > data.upper[i] + rounding) return true;
+    return false;
+  };
+  bool is_any = false;
+  for (std::uint32_t v = 0; v < surface.positions.size() && !is_any; ++v)
+    is_any = is_outside(grid.to_index(surface.world_position(v)));
+  if (!is_any) return false;
+  const bool is_aligned =
+      std::all_of(grid.direction.rows.begin(), grid.direction.rows.end(), [](const Vec3d& row) {
+        return std::all_of(row.v.begin(), row.v.end(),
+                           [](double x) { return x == 0 || std::abs(x) == 1; });
+      });
+  if (is_aligned) {
+    crop(surface, grid.world_bounds());
+    return true;
   }
-  return false;
+  // Its planes are no planes of the world: cut in the lattice.
+  const auto to_float = [](const Vec3d& p) {
+    return Vec3f{{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}};
+  };
+  const Vec3d origin = std::exchange(surface.origin, Vec3d{});
+  for (Vec3f& p : surface.positions)
+    p = to_float(grid.to_index(origin + Vec3d{{p[0], p[1], p[2]}}));
+  crop(surface, data);
+  for (Vec3f& p : surface.positions)
+    p = to_float(grid.to_world(Vec3d{{p[0], p[1], p[2]}}) - origin);
+  surface.origin = origin;
+  return true;
 }
 
 /// Refines until the answer, the deadline or a cancellation.
@@ -82,7 +114,10 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
         report.max_error = query.max_error;
         report.max_error_px = query.max_error_px;
         surface.clear();
-        if (!model.shape.has_cells()) return report;
+        if (!model.shape.has_cells()) {
+          report.standing.is_settled = true;
+          return report;
+        }
         const double opening = clock();
         LODE_TRY(const auto live, open_live_query(dataset, options.normals,
                                                   query.max_error_px.has_value(), progress));
@@ -95,8 +130,7 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
         if (progress.is_cancelled()) return cancelled_error();
         live->write(surface);
         report.standing = live->standing();
-        report.was_clipped = is_outside(surface, model.info.grid.world_bounds());
-        if (report.was_clipped) crop(surface, model.info.grid.world_bounds());
+        report.was_clipped = crop_to_data(model.info.grid, surface);
         finish(options, model.has_holes(), surface, report);
         report.seconds = clock() - start;
         if (query.view && query.max_error_px) report.achieved_px = live->achieved_px();

@@ -14,7 +14,8 @@ struct FocusedOptions {
   /// One isovalue. Without a tolerance it is 0.5 % of the value range, or with a budget or a
   /// deadline 0: as good as they allow.
   Query query;
-  /// Seconds from the call on; the best surface that is complete by then is the answer.
+  /// Seconds from the call on, but for world errors that are not known yet; the best surface that
+  /// is complete by then is the answer.
   std::optional<double> deadline_s{};
   std::optional<Box3d> clip{};      ///< As in ExtractOptions; the deadline knows nothing of it.
   std::uint64_t min_component = 0;  ///< Likewise.

@@ -19,6 +19,9 @@ class LiveQuery {
   virtual void set_query(const Query& query) = 0;
   /// Whether set_query() would leave the surface as it is.
   [[nodiscard]] virtual bool keeps_surface(const Query& query) const = 0;
+  /// Changes when the surface starts over in new slots: another isovalue, and too much to look
+  /// through for it.
+  [[nodiscard]] virtual std::uint64_t generation() const = 0;
   /// False if nothing was left to do.
   virtual bool step() = 0;
   /// Whether the surface is one: not while it is being found again for another isovalue.

@@ -36,7 +36,7 @@ Result<void> check_values(const Query& query) {
 }
 
 Result<void> check_plane(const char* name, const Vec3d& point, const Vec3d& normal) {
-  if (!is_finite(point) || !is_finite(normal) || !(length(normal) > 0))
+  if (!is_finite(point) || !(length(normal) > 0) || !std::isfinite(length(normal)))
     return fail("{}: expected a finite point and a normal that is not zero", name);
   return {};
 }

@@ -50,8 +50,7 @@ struct Query {
 /// The demand of a checked query.
 [[nodiscard]] Demand to_demand(const Query& query);
 
-/// How large the query allows errors to be, over which it asked: achieved / allowed in the same
-/// unit. For the nodes left unrefined in sight and in focus.
+/// How large a node's world error appears in the query's view; 0 out of sight or focus.
 [[nodiscard]] double achieved_pixels(const Query& query, const NodeFacts& node);
 
 /// Whether candidates found for `a` serve `b`: they differ in view, tolerance or budget only.

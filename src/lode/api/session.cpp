@@ -91,11 +91,16 @@ class Session::Impl {
   void accept() {
     const auto query = queries_.take();
     if (batch_ && !live_->keeps_surface(query->query)) {
+      starts_over_ = starts_over_ || batch_->change.starts_over;
       live_->take_back(batch_->change);
       batch_.reset();
     }
     number_ = query->number;
     live_->set_query(query->query);
+    if (live_->generation() != generation_) {
+      generation_ = live_->generation();
+      starts_over_ = true;
+    }
     must_publish_ = true;
   }
 
@@ -114,9 +119,14 @@ class Session::Impl {
 
   void begin_batch() {
     // What the reader has not taken it gets with this one.
-    if (const auto missed = batches_.take()) live_->take_back(missed->change);
+    if (const auto missed = batches_.take(); missed && missed->generation == generation_) {
+      live_->take_back(missed->change);
+      starts_over_ = starts_over_ || missed->change.starts_over;
+    }
     batch_ = std::make_unique<SessionBatch>();
     batch_->query = number_;
+    batch_->generation = generation_;
+    batch_->change.starts_over = std::exchange(starts_over_, false);
     batch_->standing = live_->standing();
     gathering_ = Clock::now();
   }
@@ -132,6 +142,8 @@ class Session::Impl {
   const std::unique_ptr<LiveQuery> live_;  // the thread's alone from here on
   std::unique_ptr<SessionBatch> batch_;    ///< Being gathered.
   std::uint64_t number_ = 0;
+  std::uint64_t generation_ = 0;
+  bool starts_over_ = false;   ///< No batch has said so yet that was taken, or can be.
   bool must_publish_ = false;  ///< The newest query has not been answered by a batch yet.
   std::uint64_t n_steps_ = 0;
   Clock::time_point last_batch_;

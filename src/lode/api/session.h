@@ -22,6 +22,7 @@ struct SessionBatch {
   std::uint64_t query = 0;  ///< The number that set_query() gave.
   Standing standing;        ///< Of the engine when the batch was complete.
   SurfaceBatch change;
+  std::uint64_t generation = 0;  ///< Of the slots, see SurfaceBatch::starts_over.
 };
 
 /// A surface that is refined by a thread of its own while another one shows it. At any moment the

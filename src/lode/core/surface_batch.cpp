@@ -3,6 +3,7 @@
 namespace lode {
 
 void SurfaceMirror::apply(const SurfaceBatch& batch) {
+  if (batch.starts_over) clear();
   origin_ = batch.origin;
   positions_.resize(batch.n_vertex_slots);
   if (!batch.normals.empty() || !normals_.empty()) normals_.resize(batch.n_vertex_slots);

@@ -16,7 +16,8 @@ struct SurfaceBatch {
   /// What an unused slot holds; draws nothing.
   static constexpr Cell kRemoved{0, 0, 0};
 
-  Vec3d origin;  ///< World position = origin + position.
+  Vec3d origin;              ///< World position = origin + position.
+  bool starts_over = false;  ///< All slots are unused before it.
   std::uint32_t n_vertex_slots = 0;
   std::uint32_t n_cell_slots = 0;
   std::vector<std::uint32_t> vertices;  ///< Slots of added vertices,

@@ -193,7 +193,7 @@ std::uint32_t LiveIsosurface<D>::add_vertex(const EdgePoint& point) {
   std::uint32_t slot;
   if (free_vertices_.empty()) {
     slot = static_cast<std::uint32_t>(vertices_.size());
-    vertices_.emplace_back();
+    vertices_.add();
   } else {
     slot = free_vertices_.back();
     free_vertices_.pop_back();
@@ -246,7 +246,7 @@ void LiveIsosurface<D>::add_piece(const Star& star, const Piece& piece, LatticeK
   if (block == FlatIndex::kNone) {
     if (free_blocks_.empty()) {
       block = static_cast<std::uint32_t>(blocks_.size());
-      blocks_.emplace_back();
+      blocks_.add();
     } else {
       block = free_blocks_.back();
       free_blocks_.pop_back();
@@ -390,9 +390,9 @@ void LiveIsosurface<D>::write(Surface& surface) const {
     surface.positions.push_back(vertex.position);
     if (with_normals_) surface.normals.push_back(vertex.normal);
   }
-  for (const Block& block : blocks_)
-    for (std::uint32_t c = 0; c < block.n_cells; ++c) {
-      const Cell& cell = block.cells[c];
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    for (std::uint32_t c = 0; c < blocks_[b].n_cells; ++c) {
+      const Cell& cell = blocks_[b].cells[c];
       if constexpr (D == 3)
         surface.triangles.push_back({id[cell[0]], id[cell[1]], id[cell[2]]});
       else
@@ -403,6 +403,13 @@ void LiveIsosurface<D>::write(Surface& surface) const {
 template <int D>
 bool LiveIsosurface<D>::gather(std::size_t n_most, SurfaceBatch& batch) {
   batch.origin = frame_.surface_origin;
+  if (batch.cells.empty() && batch.vertices.empty()) {
+    batch.vertices.reserve(changed_vertices_.size());
+    batch.positions.reserve(changed_vertices_.size());
+    if (with_normals_) batch.normals.reserve(changed_vertices_.size());
+    batch.cells.reserve(kCellsPerBlock * changed_blocks_.size());
+    batch.corners.reserve(kCellsPerBlock * changed_blocks_.size());
+  }
   batch.n_vertex_slots = static_cast<std::uint32_t>(vertices_.size());
   batch.n_cell_slots = static_cast<std::uint32_t>(blocks_.size()) * kCellsPerBlock;
   for (; n_most > 0 && !changed_vertices_.empty(); --n_most) {

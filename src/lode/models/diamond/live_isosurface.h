@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lode/core/flat_index.h"
+#include "lode/core/paged_array.h"
 #include "lode/core/surface_batch.h"
 #include "lode/mappers/iso_part.h"
 #include "lode/models/diamond/refinable.h"
@@ -107,8 +108,8 @@ class LiveIsosurface {
   bool with_normals_;
   FlatIndex vertex_at_;  ///< By doubled midpoint.
   FlatIndex block_at_;   ///< By the sum of node and child.
-  std::vector<Vertex> vertices_;
-  std::vector<Block> blocks_;
+  PagedArray<Vertex> vertices_;
+  PagedArray<Block> blocks_;
   std::vector<std::uint32_t> free_vertices_;
   std::vector<std::uint32_t> free_blocks_;
   std::vector<std::uint32_t> changed_vertices_;

@@ -62,6 +62,9 @@ void Refinable<D>::find_radii() {
     const Index3 q = model_.axes.to_grid(step);
     return length(to_world_ * Vec3d{{double(q[0]), double(q[1]), double(q[2])}});
   };
+  // Centres are rounded where the origin is far away.
+  const Box3d bounds = model_.info.grid.world_bounds();
+  const double rounding = 0x1p-50 * std::max(length(bounds.lower), length(bounds.upper));
   for (int level = 0; level < model_.shape.n_levels; ++level)
     for (int tier = D - 1; tier >= 0; --tier)
       for (std::uint32_t odd = 1; odd < power(2, D); ++odd) {
@@ -76,7 +79,7 @@ void Refinable<D>::find_radii() {
           const Diamond<D> c = diamond_at<D>(child);
           radius = std::max(radius, distance(child - centre) + radii_[as_size(c.level)][c.odd]);
         }
-        radii_[as_size(level)][odd] = radius * (1 + 1e-12);
+        radii_[as_size(level)][odd] = radius * (1 + 1e-12) + rounding;
       }
 }
 
