@@ -56,8 +56,8 @@ struct Follower {
   Engine<LiveRefinable<D>> engine;
   SurfaceMirror mirror;
 
-  Follower(const Model<D>& model, double isovalue)
-      : nodes(model), surface(nodes, isovalue, false), engine(nodes) {
+  Follower(const Model<D>& model, double isovalue, Inheritance inheritance = Inheritance::on)
+      : nodes(model), surface(nodes, isovalue, false, inheritance), engine(nodes) {
     nodes.follow(&surface);
   }
   Follower(const Follower&) = delete;
@@ -156,6 +156,28 @@ TEST(live_isosurface, interpolates_a_third_of_the_vertices) {
   const LiveCounts& counts = follower.surface.counts();
   EXPECT_GT(static_cast<double>(counts.n_without),
             2.5 * static_cast<double>(counts.n_interpolations));
+}
+
+TEST(live_isosurface, is_the_same_without_inheritance) {
+  const Model<3> model = noisy_model<3>({{18, 14, 13}}, 9, 0.01);
+  Follower<3> follower(model, 45, Inheritance::off);
+  for (const double tolerance : {10.0, 30.0, 0.0}) {
+    follower.finish(tolerance, FocusChange::changed);
+    ASSERT_EQ(cells_of(follower.mirror.to_surface()), one_shot_cells<3>(model, 45, tolerance));
+  }
+}
+
+TEST(live_isosurface, interpolates_every_vertex_of_every_node_without_inheritance) {
+  // A ball that stays clear of the border, where parts of a node's star are missing.
+  const Volume volume = oracles::sample(oracles::Field::sphere, 33, {.scale = -1});
+  const auto source = make_memory_source(volume);
+  Progress progress;
+  const Model<3> model = build<3>(*source, {.threads = {2}}, progress).value();
+  Follower<3> follower(model, -0.7, Inheritance::off);
+  const std::uint64_t n_at_base = follower.surface.counts().n_interpolations;
+  follower.finish(0, FocusChange::changed);
+  const LiveCounts& counts = follower.surface.counts();
+  EXPECT_EQ(counts.n_interpolations, n_at_base + counts.n_without);
 }
 
 }  // namespace

@@ -28,6 +28,17 @@ struct EdgePoint {
   }
 };
 
+/// Where the field, linear along the edge p – q from a to b, is the isovalue. The same edge gives
+/// the same point, whichever end comes first.
+[[nodiscard]] inline EdgePoint crossing(LatticeKey p, double a, LatticeKey q, double b,
+                                        double isovalue) {
+  if (p > q) {
+    std::swap(p, q);
+    std::swap(a, b);
+  }
+  return {p, q, (isovalue - a) / (b - a)};
+}
+
 /// What one part of the lattice (a brick, or everything coarser than bricks) contributes to an
 /// isosurface: vertices on its edges and cells (triangles, or lines in 2D) between them.
 template <int D>
@@ -41,16 +52,13 @@ struct IsoPart {
   /// parameter is kept within [margin, 1 - margin].
   std::uint32_t add_point(LatticeKey p, double a, LatticeKey q, double b, double isovalue,
                           double margin) {
-    if (p > q) {
-      std::swap(p, q);
-      std::swap(a, b);
-    }
+    EdgePoint point = crossing(p, a, q, b, isovalue);
     const double step = std::abs(b - a);
-    const double t = (isovalue - a) / (b - a);
-    const double kept = std::clamp(t, margin, 1 - margin);
+    const double kept = std::clamp(point.t, margin, 1 - margin);
     largest_step = std::max(largest_step, step);
-    if (kept != t) largest_snap = std::max(largest_snap, step);
-    points.push_back({p, q, kept});
+    if (kept != point.t) largest_snap = std::max(largest_snap, step);
+    point.t = kept;
+    points.push_back(point);
     return static_cast<std::uint32_t>(points.size() - 1);
   }
 };

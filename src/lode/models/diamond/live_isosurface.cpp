@@ -1,5 +1,7 @@
 #include "lode/models/diamond/live_isosurface.h"
 
+#include <bitset>
+
 #include "lode/mappers/march_simplex.h"
 #include "lode/models/diamond/normals.h"
 #include "lode/models/diamond/star.h"
@@ -100,17 +102,20 @@ struct LiveIsosurface<D>::Star {
   const LiveTemplate<D>* shape = nullptr;
   std::array<double, kSteps> value;
   std::array<LatticeKey, kSteps> key;
-  bool is_crossed = false;         ///< By the surface after bisection,
-  bool is_crossed_before = false;  ///< and without it.
+  bool is_crossed = false;            ///< By the surface after bisection,
+  bool is_crossed_before = false;     ///< and without it.
+  std::bitset<kSteps * kSteps> made;  ///< Edges whose vertices it made, without inheritance.
 };
 
 template <int D>
-LiveIsosurface<D>::LiveIsosurface(const Refinable<D>& nodes, double isovalue, bool with_normals)
+LiveIsosurface<D>::LiveIsosurface(const Refinable<D>& nodes, double isovalue, bool with_normals,
+                                  Inheritance inheritance)
     : nodes_(nodes),
       model_(nodes.model()),
       frame_(LatticeFrame::of(model_.info.grid)),
       isovalue_(isovalue),
-      with_normals_(with_normals) {
+      with_normals_(with_normals),
+      inheritance_(inheritance) {
   begin();
 }
 
@@ -189,7 +194,7 @@ bool LiveIsosurface<D>::is_present(const Simplex<D>& s) const {
 }
 
 template <int D>
-std::uint32_t LiveIsosurface<D>::add_vertex(const EdgePoint& point) {
+std::uint32_t LiveIsosurface<D>::add_vertex(LatticeKey key) {
   std::uint32_t slot;
   if (free_vertices_.empty()) {
     slot = static_cast<std::uint32_t>(vertices_.size());
@@ -198,9 +203,18 @@ std::uint32_t LiveIsosurface<D>::add_vertex(const EdgePoint& point) {
     slot = free_vertices_.back();
     free_vertices_.pop_back();
   }
-  Vertex& vertex = vertices_[slot];
-  vertex.key = point.doubled_midpoint();
-  vertex.n_uses = 0;
+  vertices_[slot].key = key;
+  vertices_[slot].n_uses = 0;
+  mark_vertex(slot);
+  vertex_at_.insert(key, slot);
+  return slot;
+}
+
+template <int D>
+void LiveIsosurface<D>::interpolate(Vertex& vertex, const Star& star, std::size_t i,
+                                    std::size_t j) {
+  EdgePoint point = crossing(star.key[i], star.value[i], star.key[j], star.value[j], isovalue_);
+  point.t = std::clamp(point.t, frame_.margin, 1 - frame_.margin);
   const Vec3d p = frame_.position(point.lattice_position());
   vertex.position = {
       {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}};
@@ -208,19 +222,22 @@ std::uint32_t LiveIsosurface<D>::add_vertex(const EdgePoint& point) {
     visit_storage_type(model_.storage, [&]<typename T>() {
       vertex.normal = NormalSampler<D, T>(model_).at(point);
     });
-  mark_vertex(slot);
-  vertex_at_.insert(vertex.key, slot);
   ++counts_.n_interpolations;
-  return slot;
 }
 
 template <int D>
-std::uint32_t LiveIsosurface<D>::vertex_on(const Star& star, std::size_t i, std::size_t j) {
-  const std::uint32_t known = vertex_at_.find(star.key[i] + star.key[j]);
-  if (known != FlatIndex::kNone) return known;
-  IsoPart<D> one;
-  one.add_point(star.key[i], star.value[i], star.key[j], star.value[j], isovalue_, frame_.margin);
-  return add_vertex(one.points.front());
+std::uint32_t LiveIsosurface<D>::vertex_on(Star& star, std::size_t i, std::size_t j) {
+  const LatticeKey key = star.key[i] + star.key[j];
+  const std::uint32_t known = vertex_at_.find(key);
+  if (known != FlatIndex::kNone && inheritance_ == Inheritance::on) return known;
+  const std::uint32_t slot = known != FlatIndex::kNone ? known : add_vertex(key);
+  if (inheritance_ == Inheritance::off) {
+    const std::size_t edge = std::min(i, j) * kSteps + std::max(i, j);
+    if (star.made[edge]) return slot;
+    star.made.set(edge);
+  }
+  interpolate(vertices_[slot], star, i, j);
+  return slot;
 }
 
 template <int D>
@@ -234,7 +251,7 @@ void LiveIsosurface<D>::put(std::uint32_t block, Cell cell) {
 /// Adds a piece's cells to the block of its link.
 template <int D>
 template <typename Piece>
-void LiveIsosurface<D>::add_piece(const Star& star, const Piece& piece, LatticeKey link) {
+void LiveIsosurface<D>::add_piece(Star& star, const Piece& piece, LatticeKey link) {
   std::size_t inside = 0;
   for (std::size_t i = 0; i <= as_size(D); ++i)
     inside |= static_cast<std::size_t>(star.value[piece.corner[i]] >= isovalue_) << i;
@@ -300,14 +317,14 @@ LatticeKey LiveIsosurface<D>::link_of(const Star& star, const Index<D>& link_to)
 
 /// Without bisection: its simplices lie in the links from its parents.
 template <int D>
-void LiveIsosurface<D>::add_unrefined(const Star& star) {
+void LiveIsosurface<D>::add_unrefined(Star& star) {
   if (!star.is_crossed_before) return;
   for (const auto& piece : star.shape->unrefined)
     add_piece(star, piece, link_of(star, piece.link_to));
 }
 
 template <int D>
-void LiveIsosurface<D>::add_halves(const Star& star) {
+void LiveIsosurface<D>::add_halves(Star& star) {
   if (!star.is_crossed) return;
   for (const auto& piece : star.shape->halves) add_piece(star, piece, link_of(star, piece.link_to));
 }

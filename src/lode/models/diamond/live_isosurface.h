@@ -16,6 +16,10 @@
 
 namespace lode::diamond {
 
+/// Whether vertices are taken over from what is there. Off: a node makes all of its own, as
+/// section 4.2.3's plain version does, for the same surface; `./dev bench papers` compares.
+enum class Inheritance : std::uint8_t { on, off };
+
 /// What keeping a surface has cost.
 struct LiveCounts {
   std::uint64_t n_applied = 0;         ///< Nodes with a piece of the surface in them.
@@ -32,7 +36,8 @@ template <int D>
 class LiveIsosurface {
  public:
   /// At the base. Both must outlive it.
-  LiveIsosurface(const Refinable<D>& nodes, double isovalue, bool with_normals);
+  LiveIsosurface(const Refinable<D>& nodes, double isovalue, bool with_normals,
+                 Inheritance inheritance = Inheritance::on);
 
   /// Starts again with another isovalue: empty, until begin() and the leaves of all nodes of the
   /// cut are added.
@@ -88,13 +93,14 @@ class LiveIsosurface {
   void load(const Diamond<D>& node, Star& star) const;
   [[nodiscard]] bool is_present(const Simplex<D>& s) const;
   [[nodiscard]] LatticeKey link_of(const Star& star, const Index<D>& link_to) const;
-  void add_unrefined(const Star& star);
-  void add_halves(const Star& star);
+  void add_unrefined(Star& star);
+  void add_halves(Star& star);
   template <typename Piece>
-  void add_piece(const Star& star, const Piece& piece, LatticeKey link);
+  void add_piece(Star& star, const Piece& piece, LatticeKey link);
   void remove_link(LatticeKey link);
-  std::uint32_t vertex_on(const Star& star, std::size_t i, std::size_t j);
-  std::uint32_t add_vertex(const EdgePoint& point);
+  std::uint32_t vertex_on(Star& star, std::size_t i, std::size_t j);
+  std::uint32_t add_vertex(LatticeKey key);
+  void interpolate(Vertex& vertex, const Star& star, std::size_t i, std::size_t j);
   void count(const Star& star);
   void free_unused();
   void mark_vertex(std::uint32_t slot);
@@ -106,6 +112,7 @@ class LiveIsosurface {
   LatticeFrame frame_;
   double isovalue_;
   bool with_normals_;
+  Inheritance inheritance_;
   FlatIndex vertex_at_;  ///< By doubled midpoint.
   FlatIndex block_at_;   ///< By the sum of node and child.
   PagedArray<Vertex> vertices_;
