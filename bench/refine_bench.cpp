@@ -5,9 +5,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <chrono>
 
+#include "bench/timing.h"
 #include "bench/volume_cases.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/refinable.h"
@@ -17,21 +16,7 @@
 namespace lode::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Nodes = diamond::Refinable<3>;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// Median of seven.
-template <typename Work>
-double median_seconds(const Work& work) {
-  std::vector<double> seconds;
-  for (int i = 0; i < 7; ++i) seconds.push_back(work());
-  std::sort(seconds.begin(), seconds.end());
-  return seconds[3];
-}
 
 void measure(const std::string& name, const diamond::Model<3>& model, double isovalue,
              double tolerance) {

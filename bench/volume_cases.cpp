@@ -81,6 +81,7 @@ Result<Volume> load(const VolumeCase& volume_case) {
     return fail("skipped: no {} (set LODE_DATA)", volume_case.file);
   io::ReadOptions options;
   if (!volume_case.array.empty()) options.field = volume_case.array;
+  if (volume_case.raw_dims) options.raw = io::RawLayout{.dims = *volume_case.raw_dims};
   LODE_TRY(const auto source, io::open_volume(path.string(), options));
   return read_all(*source);
 }

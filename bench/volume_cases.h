@@ -16,7 +16,8 @@ struct VolumeCase {
   std::optional<oracles::Field> field;  ///< Unset: a file.
   std::int32_t n = 0;                   ///< Samples per axis of the field.
   std::string file;
-  std::string array;  ///< Which of several fields in the file.
+  std::string array;                 ///< Which of several fields in the file.
+  std::optional<Index3> raw_dims{};  ///< Of a file of bare bytes.
   double isovalue = 0;
   double relative_error = 0.005;  ///< Of the value range, for the adaptive rows.
 };
