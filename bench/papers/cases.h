@@ -6,7 +6,7 @@
 
 namespace lode::bench {
 
-/// A data set of paper 000's tables with what they say of it, in seconds.
+/// A data set of the paper's tables with what they say of it, in seconds.
 struct PaperCase {
   struct Extraction {
     double share = 0;  ///< Of full resolution.

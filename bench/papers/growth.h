@@ -7,7 +7,7 @@
 
 namespace lode::bench {
 
-/// Nodes and time of full resolution against what paper 000's theorems 4.1 to 4.3 name: the size k
+/// Nodes and time of full resolution against what the paper's theorems 4.1 to 4.3 name: the size k
 /// of the output, in triangles, and the size n of the data, in samples.
 class Growth {
  public:

@@ -7,8 +7,8 @@
 
 namespace lode::bench {
 
-/// What the benchmark finds, as Markdown for people and CSV for the plots. A cell is text; whole
-/// numbers are given bare and grouped by thousands in Markdown.
+/// What the benchmark finds, as Markdown for people and CSV for the plots. A cell is text without
+/// commas; whole numbers are given bare and grouped by thousands in Markdown.
 struct Table {
   struct Column {
     std::string name;     ///< In CSV.

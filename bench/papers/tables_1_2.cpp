@@ -38,7 +38,8 @@ Table counts_table() {
   return {"extraction_counts",
           "Table 2: vertices interpolated with and without inheritance. Resolution: the share of "
           "the nodes that full resolution (tolerance 0) refines, best first",
-          {{"data", "data set, isovalue"},
+          {{"data", "data set"},
+           {"isovalue", "isovalue"},
            {"resolution", "resolution"},
            {"nodes", "nodes"},
            {"triangles", "triangles"},
@@ -97,7 +98,7 @@ double Tables12::add_counts(const Step& step) {
   settings.inheritance = Inheritance::off;
   const LiveRun without = run_live(step.model, settings);
   counts_.rows.push_back(
-      {fmt::format("{}, {}", step.data.name, settings.isovalue), share_text(step.paper.share),
+      {step.data.name, fmt::format("{}", settings.isovalue), share_text(step.paper.share),
        fmt::format("{}", with.n_applied), fmt::format("{}", with.n_triangles),
        fmt::format("{:.3g}", with.error_left), fmt::format("{}", with.n_interpolations),
        fmt::format("{}", without.n_interpolations),

@@ -6,7 +6,7 @@
 
 namespace lode::bench {
 
-/// Paper 000's table 1, preprocessing, and table 2, extraction with and without inheritance, with
+/// The paper's table 1, preprocessing, and table 2, extraction with and without inheritance, with
 /// ours beside it. Table 2 is split: what is counted, and what is timed.
 class Tables12 {
  public:
