@@ -28,10 +28,9 @@ class Demand {
   /// Wants nothing.
   Demand();
   template <typename F>
-  requires(!std::same_as<std::remove_cvref_t<F>, Demand> &&
-           std::is_invocable_r_v<double, const std::remove_cvref_t<F>&, const NodeFacts&>)
-      Demand(F&& rule)  // NOLINT(google-explicit-constructor): any callable is one
-      : rule_(std::make_shared<Held<std::remove_cvref_t<F>>>(std::forward<F>(rule))) {}
+  requires(!std::same_as<F, Demand> && std::is_invocable_r_v<double, const F&, const NodeFacts&>)
+      Demand(F rule)  // NOLINT(google-explicit-constructor): any callable is one
+      : rule_(std::make_shared<Held<F>>(std::move(rule))) {}
 
   [[nodiscard]] double operator()(const NodeFacts& node) const { return rule_->demand(node); }
   [[nodiscard]] bool touches(const NodeFacts& node) const { return rule_->touches(node); }

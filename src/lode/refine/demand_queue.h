@@ -78,7 +78,8 @@ class DemandQueue {
   }
   [[nodiscard]] std::size_t n_bytes() const {
     std::size_t n = heap_of_.size() * sizeof(std::uint16_t);
-    for (const auto& heap : heaps_) n += sizeof(heap) + heap.capacity() * sizeof(Ranked);
+    for (const auto& heap : heaps_)
+      n += sizeof(std::vector<Ranked>) + heap.capacity() * sizeof(Ranked);
     return n;
   }
 

@@ -44,6 +44,7 @@ class PathFrame {
 std::vector<Camera> orbit_path(const Box3d& bounds) {
   const PathFrame frame(bounds);
   std::vector<Camera> cameras;
+  cameras.reserve(360);
   for (int i = 0; i < 360; ++i) cameras.push_back(frame.at(i, frame.distance()));
   return cameras;
 }
@@ -52,6 +53,7 @@ std::vector<Camera> fly_in_path(const Box3d& bounds) {
   constexpr int kFrames = 200;
   const PathFrame frame(bounds);
   std::vector<Camera> cameras;
+  cameras.reserve(kFrames);
   for (int i = 0; i < kFrames; ++i) {
     const double t = static_cast<double>(i) / (kFrames - 1);
     cameras.push_back(frame.at(0, (1 - t) * frame.distance() + t * frame.diagonal() / 2));
@@ -66,6 +68,7 @@ std::vector<Camera> jump_path(const Box3d& bounds) {
     return low + (high - low) * static_cast<double>(random() % 100001) / 100000;
   };
   std::vector<Camera> cameras;
+  cameras.reserve(100);
   for (int i = 0; i < 100; ++i) {
     const double angle = uniform(0, 360);
     cameras.push_back(frame.at(angle, uniform(frame.diagonal() / 4, 1.5 * frame.distance())));
