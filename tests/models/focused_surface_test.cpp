@@ -6,23 +6,13 @@
 #include <cmath>
 #include <map>
 
+#include "tests/models/surface_cells.h"
 #include "tests/oracles/analytic_fields.h"
 
 namespace lode {
 namespace {
 
 using Triangle = std::array<Vec3f, 3>;
-
-std::vector<Triangle> triangles_of(const Surface& surface) {
-  std::vector<Triangle> cells;
-  for (const auto& t : surface.triangles) {
-    Triangle cell{surface.positions[t[0]], surface.positions[t[1]], surface.positions[t[2]]};
-    std::rotate(cell.begin(), std::min_element(cell.begin(), cell.end()), cell.end());
-    cells.push_back(cell);
-  }
-  std::sort(cells.begin(), cells.end());
-  return cells;
-}
 
 class focused_surface : public ::testing::Test {
  protected:
@@ -80,7 +70,7 @@ class focused_surface : public ::testing::Test {
 TEST_F(focused_surface, is_the_plain_one_without_a_focus) {
   Surface surface;
   const FocusedReport report = extract({.query = isosurface(0.02)}, surface);
-  EXPECT_EQ(triangles_of(surface), triangles_of(extract_everywhere(0.02)));
+  EXPECT_EQ(cells_of(surface), cells_of(extract_everywhere(0.02)));
   EXPECT_TRUE(report.standing.is_settled);
   EXPECT_LE(report.standing.error_bound, 0.02);
   EXPECT_EQ(surface.normals.size(), surface.positions.size());
@@ -114,7 +104,7 @@ TEST_F(focused_surface, repeats_an_answer_that_a_deadline_cut_short) {
   const FocusedReport b = extract(with_clock, second);
   EXPECT_FALSE(a.standing.is_settled);
   EXPECT_EQ(a.standing.n_steps, b.standing.n_steps);
-  EXPECT_EQ(triangles_of(first), triangles_of(second));
+  EXPECT_EQ(cells_of(first), cells_of(second));
 }
 
 TEST_F(focused_surface, keeps_a_budget) {
@@ -140,8 +130,8 @@ TEST_F(focused_surface, is_exact_in_a_box_and_coarse_elsewhere) {
   expect_consistent(surface);
   const Surface fine = extract_everywhere(0);
   EXPECT_LT(surface.triangles.size(), fine.triangles.size() / 2);
-  const auto found = triangles_of(surface);
-  for (const Triangle& triangle : triangles_of(fine)) {
+  const auto found = cells_of(surface);
+  for (const Triangle& triangle : cells_of(fine)) {
     const bool is_inside = std::all_of(triangle.begin(), triangle.end(), [](const Vec3f& p) {
       return p[0] > -0.39F && p[0] < 0.19F && p[1] > -0.39F && p[1] < 0.19F && p[2] > -0.39F &&
              p[2] < 0.19F;

@@ -8,6 +8,8 @@
 #include <set>
 #include <thread>
 
+#include "lode/api/live_query.h"
+#include "tests/models/surface_cells.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/random.h"
 
@@ -26,18 +28,6 @@ Query isosurface(double isovalue, double max_error) {
   query.isovalues = {isovalue};
   query.max_error = max_error;
   return query;
-}
-
-std::vector<std::array<Vec3f, 3>> sorted_cells(const Surface& surface) {
-  std::vector<std::array<Vec3f, 3>> cells;
-  for (const auto& t : surface.triangles) {
-    std::array<Vec3f, 3> cell{surface.positions[t[0]], surface.positions[t[1]],
-                              surface.positions[t[2]]};
-    std::rotate(cell.begin(), std::min_element(cell.begin(), cell.end()), cell.end());
-    cells.push_back(cell);
-  }
-  std::sort(cells.begin(), cells.end());
-  return cells;
 }
 
 /// Takes batches until the answer of query `number` is there.
@@ -59,7 +49,7 @@ void expect_extraction(const Dataset& dataset, const Query& query, const Surface
   Progress progress;
   ASSERT_TRUE(dataset.extract({.isovalues = query.isovalues, .max_error = query.max_error},
                               expected, progress));
-  EXPECT_EQ(sorted_cells(mirror.to_surface()), sorted_cells(expected));
+  EXPECT_EQ(cells_of(mirror.to_surface()), cells_of(expected));
 }
 
 /// A closed surface: each edge belongs to two triangles, once in each direction.
@@ -230,6 +220,28 @@ TEST(session, keeps_showing_while_an_isovalue_is_dragged) {
   number = session->set_query(query).value();
   take_answer(*session, number, mirror);
   expect_extraction(dataset, query, mirror);
+}
+
+TEST(live_query, starts_over_with_another_isovalue) {
+  const Dataset dataset = gaussians(65);
+  Progress progress;
+  auto live = open_live_query(dataset, Normals::off, false, progress);
+  ASSERT_TRUE(live);
+  SurfaceMirror mirror;
+  for (const double isovalue : {1.0, 1.1, 2.0, 0.3, 500.0, 1.5}) {
+    const Query query = isosurface(isovalue, 0.01);
+    EXPECT_FALSE((*live)->keeps_surface(query));
+    (*live)->set_query(query);
+    EXPECT_TRUE((*live)->keeps_surface(query));
+    while ((*live)->step()) {
+    }
+    SurfaceBatch batch;
+    batch.starts_over = true;
+    while (!(*live)->gather(500, batch)) {
+    }
+    mirror.apply(batch);
+    expect_extraction(dataset, query, mirror);
+  }
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "lode/api/dataset_impl.h"
+#include "lode/api/finishing.h"
 #include "lode/api/verification.h"
-#include "lode/mappers/surface_edits.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/close_border.h"
 #include "lode/models/diamond/extract.h"
@@ -70,17 +70,9 @@ Result<void> finish_surface(const diamond::Model<D>& model, const ExtractOptions
   if (model.has_holes()) split_pinched_vertices(surface);
   if (options.border == Border::closed)
     LODE_CHECK(close_surface<D>(model, options, surface, report));
-  fill_zero_normals(surface, options.threads);
-  if (options.clip) {
-    crop(surface, *options.clip);
-    split_pinched_vertices(surface);
-  }
-  if (options.min_component > 1) {
-    const Dropped dropped = drop_small_components(surface, options.min_component);
-    report.components_dropped = dropped.components;
-    report.triangles_dropped = dropped.cells;
-  }
-  if (options.orientation == Orientation::from_higher_values) flip_orientation(surface);
+  const Dropped dropped = finish_edits(options, surface);
+  report.components_dropped = dropped.components;
+  report.triangles_dropped = dropped.cells;
   report.triangles = surface.triangles.size();
   report.lines = surface.lines.size();
   report.vertices = surface.positions.size();

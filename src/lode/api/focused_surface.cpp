@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
+#include "lode/api/finishing.h"
 #include "lode/api/live_query.h"
 #include "lode/mappers/lattice_frame.h"
-#include "lode/mappers/surface_edits.h"
 
 namespace lode {
 namespace {
@@ -86,22 +86,6 @@ void refine(LiveQuery& live, const std::optional<double>& deadline, const Clock&
   }
 }
 
-void finish(const FocusedOptions& options, bool has_holes, Surface& surface,
-            FocusedReport& report) {
-  if (has_holes) split_pinched_vertices(surface);
-  fill_zero_normals(surface, options.threads);
-  if (options.clip) {
-    crop(surface, *options.clip);
-    split_pinched_vertices(surface);
-  }
-  if (options.min_component > 1) {
-    const Dropped dropped = drop_small_components(surface, options.min_component);
-    report.components_dropped = dropped.components;
-    report.triangles_dropped = dropped.cells;
-  }
-  if (options.orientation == Orientation::from_higher_values) flip_orientation(surface);
-}
-
 }  // namespace
 
 Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptions& options,
@@ -131,7 +115,10 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
         live->write(surface);
         report.standing = live->standing();
         report.was_clipped = crop_to_data(model.info.grid, surface);
-        finish(options, model.has_holes(), surface, report);
+        if (model.has_holes()) split_pinched_vertices(surface);
+        const Dropped dropped = finish_edits(options, surface);
+        report.components_dropped = dropped.components;
+        report.triangles_dropped = dropped.cells;
         report.seconds = clock() - start;
         if (query.view && query.max_error_px) report.achieved_px = live->achieved_px();
         return report;

@@ -19,42 +19,24 @@ class DiamondLiveQuery final : public LiveQuery {
         nodes_(model, world_errors_.get()),
         with_normals_(with_normals) {}
 
+  /// Another isovalue starts from the base, which gives a first surface sooner than looking through
+  /// the cut of the last one.
   void set_query(const Query& query) override {
-    const double isovalue = query.isovalues.front();
-    const FocusChange change = query_ ? focus_change(*query_, query) : FocusChange::changed;
+    FocusChange change = FocusChange::changed;
+    if (keeps_surface(query))
+      change = focus_change(*query_, query);
+    else
+      start_over(query.isovalues.front());
     query_ = query;
-    const bool is_other = surface_ && surface_->isovalue() != isovalue;
-    if (!surface_ || (is_other && engine_->cut().n_applied() > kMostNodesKept)) {
-      start_over(isovalue);
-    } else if (surface_->isovalue() != isovalue) {
-      surface_->restart(isovalue);
-      surface_->begin(engine_->cut());
-      next_place_ = 0;
-    }
-    engine_->set_query(to_demand(query), query.budget,
-                       engine_->cut().size() == 0 ? FocusChange::changed : change);
+    engine_->set_query(to_demand(query), query.budget, change);
   }
 
   [[nodiscard]] bool keeps_surface(const Query& query) const override {
     return surface_ && surface_->isovalue() == query.isovalues.front();
   }
 
-  [[nodiscard]] std::uint64_t generation() const override { return generation_; }
+  bool step() override { return engine_->step(); }
 
-  bool step() override {
-    if (is_complete()) return engine_->step();
-    constexpr std::size_t kNodesPerStep = 256;
-    const Cut& cut = engine_->cut();
-    const std::size_t end = std::min(cut.n_places(), next_place_ + kNodesPerStep);
-    for (; next_place_ < end; ++next_place_) {
-      const Cut::Entry& entry = cut[static_cast<Cut::Place>(next_place_)];
-      if (entry.state == Cut::State::applied) surface_->add_leaves(entry.id, cut);
-    }
-    if (next_place_ == cut.n_places()) next_place_ = kComplete;
-    return true;
-  }
-
-  [[nodiscard]] bool is_complete() const override { return next_place_ == kComplete; }
   [[nodiscard]] Standing standing() const override { return engine_->standing(); }
   [[nodiscard]] std::size_t n_cells() const override { return surface_->n_cells(); }
   [[nodiscard]] std::size_t n_changed() const override { return surface_->n_changed(); }
@@ -64,8 +46,12 @@ class DiamondLiveQuery final : public LiveQuery {
   }
   void take_back(const SurfaceBatch& batch) override { surface_->take_back(batch); }
   [[nodiscard]] double achieved_px() const override {
-    const Query& query = *query_;
-    return engine_->largest([&](const NodeFacts& node) { return achieved_pixels(query, node); });
+    const std::vector<FocusDemand> measures = pixel_measures(*query_);
+    return engine_->largest([&](const NodeFacts& node) {
+      double largest = 0;
+      for (const FocusDemand& measure : measures) largest = std::max(largest, measure.error(node));
+      return largest;
+    });
   }
 
   [[nodiscard]] double finest_share() const override {
@@ -81,27 +67,18 @@ class DiamondLiveQuery final : public LiveQuery {
   }
 
  private:
-  /// From so many nodes the base is sooner refined than the cut looked through: the first surface
-  /// comes at once, whatever was there.
-  static constexpr std::size_t kMostNodesKept = 2000;
-  static constexpr std::size_t kComplete = static_cast<std::size_t>(-1);
-
   std::shared_ptr<const diamond::WorldErrors> world_errors_;
   void start_over(double isovalue) {
     engine_.emplace(nodes_);
     surface_.emplace(nodes_, isovalue, with_normals_);
     nodes_.follow(&*surface_);
-    next_place_ = kComplete;
-    ++generation_;
   }
 
   diamond::LiveRefinable<D> nodes_;
   std::optional<Engine<diamond::LiveRefinable<D>>> engine_;
-  std::uint64_t generation_ = 0;
   bool with_normals_;
   std::optional<diamond::LiveIsosurface<D>> surface_;
   std::optional<Query> query_;
-  std::size_t next_place_ = kComplete;  ///< Of the cut, whose leaves are looked at next.
 };
 
 }  // namespace

@@ -17,15 +17,10 @@ class LiveQuery {
 
   /// From the next step on. Exactly one isovalue; the query has been checked.
   virtual void set_query(const Query& query) = 0;
-  /// Whether set_query() would leave the surface as it is.
+  /// Whether set_query() would leave the surface as it is; else it starts over in new slots.
   [[nodiscard]] virtual bool keeps_surface(const Query& query) const = 0;
-  /// Changes when the surface starts over in new slots: another isovalue, and too much to look
-  /// through for it.
-  [[nodiscard]] virtual std::uint64_t generation() const = 0;
   /// False if nothing was left to do.
   virtual bool step() = 0;
-  /// Whether the surface is one: not while it is being found again for another isovalue.
-  [[nodiscard]] virtual bool is_complete() const = 0;
   [[nodiscard]] virtual Standing standing() const = 0;
   [[nodiscard]] virtual std::size_t n_cells() const = 0;
   [[nodiscard]] virtual std::size_t n_changed() const = 0;

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
-#include "lode/mappers/surface_edits.h"
+#include "lode/api/finishing.h"
 #include "lode/models/diamond/morph.h"
 #include "lode/refine/engine.h"
 
@@ -72,12 +72,7 @@ class ProgressiveSurface::Steps final : public Impl {
     if (step.is_first) surface.origins.clear();
     surface.isovalues.assign(surface.positions.size(), static_cast<float>(isovalue_));
     if (has_holes_) split_pinched_vertices(surface);
-    fill_zero_normals(surface, {1});
-    if (options_.clip) {
-      crop(surface, *options_.clip);
-      split_pinched_vertices(surface);
-    }
-    if (options_.orientation == Orientation::from_higher_values) flip_orientation(surface);
+    static_cast<void>(finish_edits(options_, surface));
     return surface;
   }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 namespace lode {
 namespace {
@@ -133,43 +134,18 @@ Demand to_demand(const Query& query) {
   return max_of({parts.begin(), parts.end()});
 }
 
-double achieved_pixels(const Query& query, const NodeFacts& node) {
-  double largest = 0;
-  if (query.view)
-    for (const FocusDemand& part : parts_of(query, ErrorUnit::pixels, 0))
-      largest = std::max(largest, part.error(node));
-  return largest;
+std::vector<FocusDemand> pixel_measures(const Query& query) {
+  return query.view ? parts_of(query, ErrorUnit::pixels, 0) : std::vector<FocusDemand>{};
 }
 
 FocusChange focus_change(const Query& a, const Query& b) {
-  const auto same_regions = [&] {
-    const auto same_plane = [](const auto& p, const auto& q) {
-      return p.point == q.point && p.normal == q.normal;
-    };
-    return a.boxes == b.boxes &&
-           std::equal(a.balls.begin(), a.balls.end(), b.balls.begin(), b.balls.end(),
-                      [](const Ball& p, const Ball& q) {
-                        return p.centre == q.centre && p.radius == q.radius;
-                      }) &&
-           std::equal(a.half_spaces.begin(), a.half_spaces.end(), b.half_spaces.begin(),
-                      b.half_spaces.end(), same_plane) &&
-           std::equal(a.sections.begin(), a.sections.end(), b.sections.begin(), b.sections.end(),
-                      same_plane);
+  const auto focus = [](const Query& query) {
+    return std::tie(query.isovalues, query.field_ranges, query.opacity, query.boxes, query.balls,
+                    query.half_spaces, query.sections);
   };
-  const auto same_values = [&] {
-    return a.isovalues == b.isovalues &&
-           std::equal(
-               a.field_ranges.begin(), a.field_ranges.end(), b.field_ranges.begin(),
-               b.field_ranges.end(),
-               [](const Range& p, const Range& q) { return p.low == q.low && p.high == q.high; }) &&
-           std::equal(a.opacity.begin(), a.opacity.end(), b.opacity.begin(), b.opacity.end(),
-                      [](const auto& p, const auto& q) {
-                        return p.value == q.value && p.opacity == q.opacity;
-                      });
-  };
-  const bool same_outside = a.max_error_outside.has_value() == b.max_error_outside.has_value() &&
-                            a.view.has_value() == b.view.has_value();
-  return same_values() && same_regions() && same_outside ? FocusChange::same : FocusChange::changed;
+  const bool is_same = focus(a) == focus(b) && a.view.has_value() == b.view.has_value() &&
+                       a.max_error_outside.has_value() == b.max_error_outside.has_value();
+  return is_same ? FocusChange::same : FocusChange::changed;
 }
 
 ViewFocus to_view_focus(const View& view) {

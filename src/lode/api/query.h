@@ -50,8 +50,9 @@ struct Query {
 /// The demand of a checked query.
 [[nodiscard]] Demand to_demand(const Query& query);
 
-/// How large a node's world error appears in the query's view; 0 out of sight or focus.
-[[nodiscard]] double achieved_pixels(const Query& query, const NodeFacts& node);
+/// Their largest error() says how large a node's world error appears in the query's view, as far as
+/// it is in sight and focus.
+[[nodiscard]] std::vector<FocusDemand> pixel_measures(const Query& query);
 
 /// Whether candidates found for `a` serve `b`: they differ in view, tolerance or budget only.
 [[nodiscard]] FocusChange focus_change(const Query& a, const Query& b);

@@ -90,24 +90,19 @@ class Session::Impl {
   /// A batch that is being gathered goes on for the old query, unless the surface starts again.
   void accept() {
     const auto query = queries_.take();
-    if (batch_ && !live_->keeps_surface(query->query)) {
-      starts_over_ = starts_over_ || batch_->change.starts_over;
-      live_->take_back(batch_->change);
+    if (!live_->keeps_surface(query->query)) {
       batch_.reset();
+      ++generation_;
+      starts_over_ = true;
     }
     number_ = query->number;
     live_->set_query(query->query);
-    if (live_->generation() != generation_) {
-      generation_ = live_->generation();
-      starts_over_ = true;
-    }
     must_publish_ = true;
   }
 
   /// False if there is nothing to do.
   bool advance() {
     const bool has_moved = live_->step();
-    if (!live_->is_complete()) return true;
     if (!has_moved && !must_publish_) return false;
     if (has_moved && ++n_steps_ % kStepsPerLook != 0) return true;
     const bool is_due = Clock::now() - last_batch_ >= between_;

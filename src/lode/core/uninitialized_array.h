@@ -8,8 +8,7 @@
 namespace lode {
 
 /// Memory that is asked for in huge pages where it is large: whoever reads it here and there misses
-/// few addresses, and filling it for the first time costs a fifth (bench/refine, M apply/s: 1.5
-/// times). Throws std::bad_alloc.
+/// few addresses (bench/refine, M apply/s on gaussians40_257: 1.2 times). Throws std::bad_alloc.
 [[nodiscard]] void* allocate_large(std::size_t n_bytes);
 void free_large(void* memory) noexcept;
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <concepts>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -73,6 +75,13 @@ class Demand {
 
   std::shared_ptr<const Rule> rule_;
 };
+
+/// A demand as engine and cuts keep it: positive where it is, else 0.
+[[nodiscard]] inline float to_rank(double demand) {
+  const float rank = static_cast<float>(demand);
+  if (demand > 0 && !(rank > 0)) return std::numeric_limits<float>::min();
+  return rank > 0 ? rank : 0.0F;
+}
 
 /// The largest of several demands; nothing where there are none.
 [[nodiscard]] Demand max_of(std::vector<Demand> demands);

@@ -3,7 +3,9 @@
 // Selective refinement from any earlier cut, by two priority queues: Cignoni, De Floriani, Magillo,
 // Puppo, Scopigno (2004), section 4.3.
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,13 +14,12 @@
 #include "lode/refine/demand.h"
 #include "lode/refine/demand_queue.h"
 #include "lode/refine/error_counts.h"
-#include "lode/refine/one_shot.h"
 #include "lode/refine/standing.h"
 
 namespace lode {
 
-/// Moves a cut towards the answer of a query, one node or a few thousand evaluations a step. After
-/// any step the cut is consistent, and the query can be changed.
+/// Moves a cut towards the answer of a query, one node or a thousand evaluations a step. After any
+/// step the cut is consistent, and the query can be changed.
 ///
 /// Without a budget the answer is the ancestors' closure of {demand > 0}, the same from any earlier
 /// cut. With one it is the longest prefix of one order whose every member fits: again and again
@@ -111,7 +112,6 @@ class Engine {
   bool find_missing_parents(NodeId id);
   void apply(NodeId id, Place at);
   void undo(NodeId id);
-  void end_chain();
 
   M& model_;
   Demand demand_;
@@ -335,7 +335,8 @@ void Engine<M>::begin_chain(const Ranked& wanted) {
 }
 
 /// Leaves a node's children in children_, and asks the memory for what discovering them will need:
-/// it answers while the parents are looked up (bench/refine, M apply/s: 1.3 times).
+/// it answers while the parents are looked up (bench/refine, M apply/s on gaussians40_257: 1.3
+/// times).
 template <RefinableModel M>
 void Engine<M>::find_children(NodeId id) {
   children_.clear();

@@ -34,10 +34,14 @@ struct BallFocus {
 struct HalfSpaceFocus {
   Vec3d point;
   Vec3d normal;  ///< Any length but zero.
+
+  friend bool operator==(const HalfSpaceFocus&, const HalfSpaceFocus&) = default;
 };
 struct SectionFocus {
   Vec3d point;
   Vec3d normal;  ///< Any length but zero.
+
+  friend bool operator==(const SectionFocus&, const SectionFocus&) = default;
 };
 /// Where an opacity function is above zero for some value of the range: piecewise linear between
 /// control points, constant beyond them.
@@ -45,6 +49,8 @@ struct OpacityFocus {
   struct Point {
     double value = 0;
     double opacity = 0;
+
+    friend bool operator==(const Point&, const Point&) = default;
   };
   std::vector<Point> points;  ///< By ascending value.
 };

@@ -20,6 +20,7 @@ struct Range {
   double low = 0;
   double high = 0;
 
+  friend bool operator==(const Range&, const Range&) = default;
   [[nodiscard]] bool is_empty() const { return low > high; }
   /// Whether an isosurface may pass: samples of at least the isovalue are inside it.
   [[nodiscard]] bool crosses(double isovalue) const { return low < isovalue && isovalue <= high; }
@@ -34,6 +35,7 @@ struct Ball {
   Vec3d centre;
   double radius = 0;
 
+  friend bool operator==(const Ball&, const Ball&) = default;
   [[nodiscard]] bool contains(const Ball& b) const {
     return length(b.centre - centre) + b.radius <= radius;
   }

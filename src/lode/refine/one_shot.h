@@ -7,13 +7,6 @@
 
 namespace lode {
 
-/// A demand as engine and cuts keep it: positive where it is, else 0.
-[[nodiscard]] inline float to_rank(double demand) {
-  const float rank = static_cast<float>(demand);
-  if (demand > 0 && !(rank > 0)) return std::numeric_limits<float>::min();
-  return rank > 0 ? rank : 0.0F;
-}
-
 /// Finds the cut of a demand from the base, top-down and without a queue: the ancestors' closure of
 /// {demand > 0} as far as discovery reaches. Unique and minimal where the demand is nested.
 template <RefinableModel M>

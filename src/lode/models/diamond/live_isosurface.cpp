@@ -116,36 +116,9 @@ LiveIsosurface<D>::LiveIsosurface(const Refinable<D>& nodes, double isovalue, bo
       isovalue_(isovalue),
       with_normals_(with_normals),
       inheritance_(inheritance) {
-  begin();
-}
-
-template <int D>
-void LiveIsosurface<D>::restart(double isovalue) {
-  isovalue_ = isovalue;
-  n_cells_ = 0;
-  vertex_at_.clear();
-  block_at_.clear();
-  free_vertices_.clear();
-  free_blocks_.clear();
-  for (std::uint32_t slot = static_cast<std::uint32_t>(vertices_.size()); slot-- > 0;) {
-    if (vertices_[slot].n_uses > 0) mark_vertex(slot);
-    vertices_[slot].n_uses = 0;
-    free_vertices_.push_back(slot);
-  }
-  for (std::uint32_t block = static_cast<std::uint32_t>(blocks_.size()); block-- > 0;) {
-    if (blocks_[block].n_cells > 0) mark_block(block);
-    blocks_[block].cells.fill(SurfaceBatch::kRemoved);
-    blocks_[block].n_cells = 0;
-    free_blocks_.push_back(block);
-  }
-}
-
-template <int D>
-void LiveIsosurface<D>::begin(const Cut& cut) {
   std::vector<NodeId> base;
   nodes_.add_base(base);
   for (const NodeId id : base) {
-    if (cut.contains(id)) continue;
     Star star;
     load(diamond_of<D>(id), star);
     add_unrefined(star);
@@ -349,19 +322,6 @@ void LiveIsosurface<D>::undo(NodeId id) {
   if (star.is_crossed)
     for (const auto& piece : star.shape->halves) remove_link(link_of(star, piece.link_to));
   free_unused();
-}
-
-/// The leaves among a node's halves: those whose child is not applied.
-template <int D>
-void LiveIsosurface<D>::add_leaves(NodeId id, const Cut& cut) {
-  Star star;
-  load(diamond_of<D>(id), star);
-  if (!star.is_crossed) return;
-  for (const auto& piece : star.shape->halves) {
-    const Simplex<D> half = placed(piece.simplex, star.node);
-    if (!is_finest(half) && cut.contains(id_of<D>(half.bisection_point()))) continue;
-    add_piece(star, piece, link_of(star, piece.link_to));
-  }
 }
 
 /// What it would cost to find all its vertices anew: 26, 18 and 34 edges, of which 8, 6 and 10 end

@@ -39,14 +39,6 @@ class LiveIsosurface {
   LiveIsosurface(const Refinable<D>& nodes, double isovalue, bool with_normals,
                  Inheritance inheritance = Inheritance::on);
 
-  /// Starts again with another isovalue: empty, until begin() and the leaves of all nodes of the
-  /// cut are added.
-  void restart(double isovalue);
-  /// The surface of the base, where `cut` has not refined it.
-  void begin(const Cut& cut = {});
-  /// The leaves of the cut among the halves of one of its nodes: all of them make its surface.
-  void add_leaves(NodeId id, const Cut& cut);
-
   /// The node's parents are applied and it is not; the surface follows.
   void apply(NodeId id);
   /// The reverse; no node that depends on it is applied.
