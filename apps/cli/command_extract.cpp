@@ -102,12 +102,7 @@ struct Extraction {
 
 Json extraction_json(const Extraction& extraction, const std::vector<std::string>& warnings) {
   const ExtractReport& report = extraction.totals.report;
-  Json json;
-  json["command"] = "extract";
-  json["input"] = extraction.arguments.input;
-  json["outputs"] = extraction.outputs;
-  json["model"] = extraction.input.info.model;
-  json["built_in_memory"] = extraction.input.was_built;
+  Json json = extract_head(extraction.arguments.input, extraction.input, extraction.outputs);
   add_extraction(json, extraction.options, report);
   json["coordinate_slack"] = report.coordinate_slack;
   json["nodes_visited"] = report.nodes_visited;

@@ -20,12 +20,7 @@ Result<View> read_view(const QueryArguments& query) {
 
 Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& report,
                   const Surface& surface) {
-  Json json;
-  json["command"] = "extract";
-  json["input"] = job.input;
-  json["outputs"] = Json::array({job.output});
-  json["model"] = input.info.model;
-  json["built_in_memory"] = input.was_built;
+  Json json = extract_head(job.input, input, {job.output});
   json["max_error"] = report.max_error ? Json(*report.max_error) : Json();
   json["max_error_px"] = report.max_error_px ? Json(*report.max_error_px) : Json();
   json["error_bound"] = report.standing.error_bound;
@@ -50,7 +45,10 @@ Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& r
 std::string focused_text(const MeshJob& job, const Input& input, const FocusedReport& report,
                          const Surface& surface) {
   Table table;
-  if (report.max_error) table.add({"max error", format_number(*report.max_error)});
+  if (report.max_error)
+    table.add({"max error", *report.max_error == 0 && job.extraction.max_error.empty()
+                                ? "as small as the limit allows"
+                                : format_number(*report.max_error)});
   table.add({"error bound", format_number(report.standing.error_bound)});
   if (report.max_error_px) {
     table.add({"max error in view", format_number(*report.max_error_px) + " pixels"});
@@ -72,11 +70,19 @@ std::string focused_text(const MeshJob& job, const Input& input, const FocusedRe
 }
 
 void warn_of_focused(Session& session, const FocusedReport& report, const Surface& surface,
-                     double isovalue) {
+                     const ExtractOptions& options, const DatasetInfo& info, bool has_budget) {
+  const double isovalue = options.isovalues.front();
   if (!report.standing.budget_met)
     session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
                              report.standing.n_cells));
-  if (surface.is_empty()) session.warn(fmt::format("no surface at isovalue {}", isovalue));
+  if (!surface.is_empty()) return;
+  const bool is_limited = !report.standing.is_settled || has_budget;
+  if (!is_limited || report.standing.error_bound == 0)
+    warn_of_unmet(session, {isovalue}, options, info);
+  else
+    session.warn(
+        fmt::format("no surface at isovalue {} yet: {} came too soon", isovalue,
+                    report.standing.is_settled ? "the end of --max-cells" : "the deadline"));
 }
 
 }  // namespace
@@ -102,11 +108,13 @@ Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
     LODE_TRY(options.query.view, read_view(job.query));
   }
   LODE_CHECK(check_writable(job.output));
-  LODE_TRY(const Input input, open_input(session, job.input, job.reading));
+  const auto accept = [&](const VolumeInfo& volume) { return check_holds(job.output, volume); };
+  LODE_TRY(const Input input, open_input(session, job.input, job.reading, accept));
   Surface surface;
   LODE_TRY(const FocusedReport report,
            extract_focused(input.dataset, options, surface, session.progress()));
-  warn_of_focused(session, report, surface, options.query.isovalues.front());
+  LODE_TRY(const ExtractOptions plain, to_extract_options(job.extraction));
+  warn_of_focused(session, report, surface, plain, input.info, options.query.budget.is_limited());
   LODE_CHECK(write_surface(
       job.output, surface,
       {.comment = fmt::format("Lode {}: isovalue {}, error_bound {}", LODE_VERSION,

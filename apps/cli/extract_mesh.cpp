@@ -47,12 +47,7 @@ std::string comment_of(const char* kind, const Made& made) {
 
 /// Keys of the answer, between those that all commands have.
 Json outcome_json(const MeshJob& job, const Input& input, const Made& made, const Json& counts) {
-  Json json;
-  json["command"] = "extract";
-  json["input"] = job.input;
-  json["outputs"] = Json::array({job.output});
-  json["model"] = input.info.model;
-  json["built_in_memory"] = input.was_built;
+  Json json = extract_head(job.input, input, {job.output});
   json["max_error"] = made.max_error;
   json["max_error_is_default"] = made.is_default;
   json["achieved_error"] = made.achieved_error;

@@ -130,6 +130,17 @@ Result<Input> open_input(Session& session, const std::string& path,
   return Input{std::move(dataset).value(), std::move(info), watch.seconds(), is_foreign};
 }
 
+Json extract_head(const std::string& input_path, const Input& input,
+                  const std::vector<std::string>& outputs) {
+  Json json;
+  json["command"] = "extract";
+  json["input"] = input_path;
+  json["outputs"] = outputs;
+  json["model"] = input.info.model;
+  json["built_in_memory"] = input.was_built;
+  return json;
+}
+
 Result<void> check_paths_differ(const std::vector<std::string>& inputs,
                                 const std::vector<std::string>& outputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {

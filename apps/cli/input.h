@@ -50,6 +50,10 @@ using AcceptVolume = std::function<Result<void>(const VolumeInfo&)>;
                                        const ReadingArguments& arguments,
                                        const AcceptVolume& accept = {});
 
+/// The keys that start what `lode extract` reports, whatever kind its answer is.
+[[nodiscard]] Json extract_head(const std::string& input_path, const Input& input,
+                                const std::vector<std::string>& outputs);
+
 /// Refuses two outputs in one place and an output that would replace an input.
 [[nodiscard]] Result<void> check_paths_differ(const std::vector<std::string>& inputs,
                                               const std::vector<std::string>& outputs);

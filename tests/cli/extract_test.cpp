@@ -3,30 +3,12 @@
 #include <limits>
 
 #include "lode/api/files.h"
-#include "tests/cli/program.h"
+#include "tests/cli/ball_fixture.h"
 
 namespace lode::test {
 namespace {
 
-/// A ball's volume and .lode file, ready to be extracted from.
-class cli_extract : public ::testing::Test {
- protected:
-  void SetUp() override {
-    write_ball(volume());
-    const Finished run = run_lode({"build", volume(), lode_file()});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-  }
-
-  [[nodiscard]] std::string volume() const { return scratch_ / "ball.nrrd"; }
-  [[nodiscard]] std::string lode_file() const { return scratch_ / "ball.lode"; }
-  [[nodiscard]] std::string file(const std::string& name) const { return scratch_ / name; }
-  [[nodiscard]] Finished extract(const std::string& output, std::vector<std::string> options) {
-    options.insert(options.begin(), {"extract", lode_file(), file(output)});
-    return run_lode(options);
-  }
-
-  Scratch scratch_;
-};
+class cli_extract : public BallFixture {};
 
 TEST_F(cli_extract, reports_every_promised_key) {
   const Finished run = extract("s.ply", {"--isovalue", "100", "--max-error", "4", "--json"});

@@ -1,23 +1,16 @@
 #include <gtest/gtest.h>
 
 #include "lode/api/files.h"
-#include "tests/cli/program.h"
+#include "tests/cli/ball_fixture.h"
 
 namespace lode::test {
 namespace {
 
-/// A ball's volume, 17 samples wide, and its .lode file.
-class cli_focused : public ::testing::Test {
+class cli_focused : public BallFixture {
  protected:
-  void SetUp() override {
-    write_ball(scratch_ / "ball.nrrd");
-    const Finished run = run_lode({"build", scratch_ / "ball.nrrd", scratch_ / "ball.lode"});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-  }
   [[nodiscard]] Finished extract(Words options) {
-    options.insert(options.begin(),
-                   {"extract", scratch_ / "ball.lode", scratch_ / "s.ply", "--isovalue", "100"});
-    return run_lode(options);
+    options.insert(options.begin(), {"--isovalue", "100"});
+    return BallFixture::extract("s.ply", options);
   }
   [[nodiscard]] nlohmann::json report(Words options) {
     options.emplace_back("--json");
@@ -35,8 +28,6 @@ class cli_focused : public ::testing::Test {
     write_bytes(scratch_ / "camera.json",
                 R"({"eye": [8, )" + std::to_string(y) + R"(, 8], "target": [8, 8, 8]})");
   }
-
-  Scratch scratch_;
 };
 
 TEST_F(cli_focused, is_finer_in_a_box_than_outside) {
@@ -92,6 +83,19 @@ TEST_F(cli_focused, answers_at_once_at_a_deadline_of_zero) {
 
 TEST_F(cli_focused, names_the_camera_file_that_is_missing) {
   expect_refusal(extract({"--view", scratch_ / "none.json"}), 1, {"none.json"});
+}
+
+TEST(cli_focused_lines, need_a_format_that_holds_them) {
+  const Scratch scratch;
+  write_nrrd(scratch / "flat.nrrd", {{20, 20, 1}}, [](int x, int y, int) { return 7 * x + 3 * y; });
+  const Words query{"--isovalue", "50", "--max-cells", "100"};
+  const auto extract = [&](const char* output) {
+    Words words{"extract", scratch / "flat.nrrd", scratch / output, "--quiet"};
+    words.insert(words.end(), query.begin(), query.end());
+    return run_lode(words);
+  };
+  expect_refusal(extract("s.stl"), 1, {"s.stl", "contour lines"});
+  EXPECT_EQ(extract("s.ply").exit_code, 0);
 }
 
 TEST(cli_focused_usage, refuses_what_makes_no_sense) {

@@ -1,28 +1,14 @@
 #include <gtest/gtest.h>
 
 #include "lode/api/files.h"
-#include "tests/cli/program.h"
+#include "tests/cli/ball_fixture.h"
 #include "tests/io/vtk_oracle.h"
 
 namespace lode::test {
 namespace {
 
-/// A ball's volume, 17 samples wide, and its .lode file.
-class cli_mesh : public ::testing::Test {
+class cli_mesh : public BallFixture {
  protected:
-  void SetUp() override {
-    write_ball(volume());
-    const Finished run = run_lode({"build", volume(), lode_file()});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-  }
-
-  [[nodiscard]] std::string volume() const { return scratch_ / "ball.nrrd"; }
-  [[nodiscard]] std::string lode_file() const { return scratch_ / "ball.lode"; }
-  [[nodiscard]] std::string file(const std::string& name) const { return scratch_ / name; }
-  [[nodiscard]] Finished extract(const std::string& output, std::vector<std::string> options) {
-    options.insert(options.begin(), {"extract", lode_file(), file(output)});
-    return run_lode(options);
-  }
   [[nodiscard]] nlohmann::json report(const std::string& output, std::vector<std::string> options) {
     options.emplace_back("--json");
     const Finished run = extract(output, options);
@@ -32,8 +18,6 @@ class cli_mesh : public ::testing::Test {
   [[nodiscard]] nlohmann::json seen_by_vtk(const std::string& name) const {
     return nlohmann::json::parse(run_oracle(LODE_MESH_ORACLE, file(name)), nullptr, false);
   }
-
-  Scratch scratch_;
 };
 
 TEST_F(cli_mesh, writes_what_it_reports_and_vtk_reads_it) {
