@@ -9,8 +9,8 @@
 
 namespace lode {
 
-/// A query's surface on its way to the answer, in steps of well under a millisecond: what a session
-/// does, without a thread. The model's dimension is hidden.
+/// A query's surface on its way to the answer, step by step: what a session does, without a thread.
+/// The model's dimension is hidden.
 class LiveQuery {
  public:
   virtual ~LiveQuery() = default;

@@ -30,8 +30,10 @@ struct SessionBatch {
 /// reach beyond the data's border, where its nodes have not been refined yet (clip it there).
 ///
 /// All members may be called from one thread that is not the session's; take() and set_query() do
-/// one atomic exchange each and never wait. Changes of the query take effect within a millisecond:
-/// work is done in steps that short, from wherever the surface is.
+/// one atomic exchange each and never wait. Changes of the query take effect at the next step; all
+/// but a few steps are far shorter than a millisecond (docs/engine.md). Another isovalue starts
+/// from the base, everything else from wherever the surface is. The session ends the program where
+/// memory does.
 class Session {
  public:
   /// Starts refining. `dataset` must outlive the session; several may share it. Queries must have

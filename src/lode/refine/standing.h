@@ -4,7 +4,7 @@
 
 namespace lode {
 
-/// Where the engine stands; true after every step.
+/// Where the engine stands after a step.
 struct Standing {
   std::uint64_t n_steps = 0;    ///< Since the query was set.
   std::uint64_t n_applied = 0;  ///< Nodes in the cut.
