@@ -13,22 +13,32 @@ Vec3f to_place(const Vec3d& p) {
   return {{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}};
 }
 
-/// The gradient on the coarser mesh: that of the samples, but at new centres the mean of the ends.
+/// The largest power of two that divides all differences of corners: its shortest edge's extent.
+template <int D>
+std::int32_t step_of(const Simplex<D>& s) {
+  Index<D> differences;
+  for (const Index<D>& v : s.v)
+    for (std::size_t i = 0; i < as_size(D); ++i) differences[i] |= v[i] - s.v[0][i];
+  return std::int32_t{1} << common_exponent<D>(differences);
+}
+
+/// The gradient on the coarser mesh: that of the samples, as far apart as its simplices are long,
+/// but at new centres the mean of the ends.
 template <int D, typename T>
 class CoarserGradient {
  public:
   CoarserGradient(const Model<D>& model, const NormalSampler<D, T>& sampler, const FlatIndex& added)
       : model_(model), sampler_(sampler), added_(added) {}
 
-  [[nodiscard]] Vec3d at(const Index<D>& p) {
+  [[nodiscard]] Vec3d at(const Index<D>& p, std::int32_t step) {
     const bool is_corner = common_exponent<D>(p) >= model_.shape.n_levels;
     const auto id = is_corner ? 0 : static_cast<std::uint64_t>(id_of<D>(p));
     if (is_corner || added_.find(id) == FlatIndex::kNone)
-      return sampler_.gradient(model_.axes.to_grid(p));
+      return sampler_.gradient(model_.axes.to_grid(p), step);
     if (const std::uint32_t known = known_at_.find(id); known != FlatIndex::kNone)
       return known_[known];
     const auto ends = axis_ends<D>(diamond_at<D>(p));
-    const Vec3d mean = (at(ends[0]) + at(ends[1])) * 0.5;
+    const Vec3d mean = (at(ends[0], step) + at(ends[1], step)) * 0.5;
     known_at_.insert(id, static_cast<std::uint32_t>(known_.size()));
     known_.push_back(mean);
     return mean;
@@ -73,12 +83,13 @@ class MorphStep<D>::Finder {
     Simplex<D> simplex;
     std::array<double, as_size(D) + 1> before;
     std::array<double, as_size(D) + 1> after;
-    bool is_new = false;  ///< Part of a simplex of the coarser mesh.
+    std::int32_t coarse_step = 0;  ///< Of the simplex of the coarser mesh,
+    bool is_new = false;           ///< that it is a part of.
   };
 
   void begin() {
     for (const Simplex<D>& s : kuhn_simplices<D>({}, model_.shape.root_side())) {
-      Piece& piece = open_.emplace_back(Piece{s, {}, {}, false});
+      Piece& piece = open_.emplace_back(Piece{s, {}, {}, step_of<D>(s), false});
       for (std::size_t i = 0; i <= as_size(D); ++i)
         piece.before[i] = piece.after[i] = model_.value_or_nan(s.v[i]);
     }
@@ -95,7 +106,9 @@ class MorphStep<D>::Finder {
     const double before = is_new ? (piece.before[0] + piece.before[tag]) / 2 : after;
     const std::array<Simplex<D>, 2> halves = bisect(s);
     for (std::size_t h = 0; h < 2; ++h) {
-      Piece half{halves[h], piece.before, piece.after, is_new};
+      const std::int32_t coarse_step =
+          piece.is_new ? piece.coarse_step : step_of<D>(is_new ? s : halves[h]);
+      Piece half{halves[h], piece.before, piece.after, coarse_step, is_new};
       for (std::size_t i = 0; h == 1 && i < tag; ++i) {
         half.before[i] = piece.before[i + 1];
         half.after[i] = piece.after[i + 1];
@@ -128,14 +141,19 @@ class MorphStep<D>::Finder {
 
   void add_leaf(const Piece& leaf) {
     if (!is_met(leaf) || is_removed(leaf.simplex)) return;
+    const std::int32_t step = step_of<D>(leaf.simplex);
     Corners corners{};
     for (std::size_t i = 0; i <= as_size(D); ++i) {
       const LatticeKey key = to_key(model_.axes.to_grid(leaf.simplex.v[i]));
       corners[i] = out_.number_of(key);
-      if (corners[i] != FlatIndex::kNone) continue;
-      corners[i] = static_cast<std::uint32_t>(out_.points_.size());
-      out_.points_.push_back({key, leaf.before[i], leaf.after[i]});
-      out_.number_at_.insert(key, corners[i]);
+      if (corners[i] == FlatIndex::kNone) {
+        corners[i] = static_cast<std::uint32_t>(out_.points_.size());
+        out_.points_.push_back({key, leaf.before[i], leaf.after[i]});
+        out_.number_at_.insert(key, corners[i]);
+      }
+      Point& point = out_.points_[corners[i]];
+      point.step_before = std::min(point.step_before, leaf.coarse_step);
+      point.step_after = std::min(point.step_after, step);
     }
     out_.leaves_.push_back(corners);
   }
@@ -172,7 +190,8 @@ void MorphStep<D>::find_slopes(const FlatIndex& added) {
       const Index3 grid_point = to_point(point.key);
       Index<D> p;
       for (std::size_t i = 0; i < as_size(D); ++i) p[i] = grid_point[as_size(model_->axes.axis[i])];
-      slopes_.push_back({to_place(coarser.at(p)), to_place(sampler.gradient(grid_point))});
+      slopes_.push_back({to_place(coarser.at(p, point.step_before)),
+                         to_place(sampler.gradient(grid_point, point.step_after))});
     }
   });
 }

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "lode/core/flat_index.h"
@@ -47,8 +48,8 @@ struct MorphQuery {
 };
 
 /// One step of refinement of an isosurface (contour lines in 2D), and all that lies between its two
-/// ends. Holds 56 bytes a simplex that the surface crosses at any moment, or sweeps over; nothing
-/// of the cut or the engine.
+/// ends. Holds some 60 bytes a simplex that the surface crosses at any moment, or sweeps over;
+/// nothing of the cut or the engine.
 template <int D>
 class MorphStep {
  public:
@@ -71,6 +72,9 @@ class MorphStep {
     LatticeKey key = 0;
     double before = 0;  ///< Of the field on the coarser mesh.
     double after = 0;
+    /// Shortest extents of the crossed simplices round it, for gradients.
+    std::int32_t step_before = std::numeric_limits<std::int32_t>::max();
+    std::int32_t step_after = std::numeric_limits<std::int32_t>::max();
     [[nodiscard]] double at(double moment) const {
       return moment >= 1 ? after : before + moment * (after - before);
     }

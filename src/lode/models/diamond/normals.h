@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <span>
 
 #include "lode/mappers/iso_part.h"
@@ -8,9 +11,12 @@
 
 namespace lode::diamond {
 
-/// Unit normals that point to lower values, at points on lattice edges: minus the gradient by
-/// central differences of the full-resolution samples at the edge's ends (one-sided at the border
-/// and beside holes), mapped to world space. Zero where the gradient is. T: the model's storage.
+/// Unit normals that point to lower values, at points on lattice edges: minus the gradient at the
+/// edge's ends, mapped to world space. Zero where the gradient is.
+///
+/// The gradient is by central differences as far apart as the edge is long along its axes: a coarse
+/// edge needs no finer samples than it has, and what it has lost does not darken it. At the border
+/// and beside holes they are one-sided. T: the model's storage.
 template <int D, typename T>
 class NormalSampler {
  public:
@@ -20,9 +26,11 @@ class NormalSampler {
         sign_(determinant(model.info.grid.index_to_world_matrix()) < 0 ? 1 : -1) {}
 
   [[nodiscard]] Vec3f at(const EdgePoint& point) const {
-    const Vec3d a = gradient(to_point(point.first));
-    const Vec3d b = gradient(to_point(point.second));
-    return to_normal(a * (1 - point.t) + b * point.t);
+    const Index3 first = to_point(point.first);
+    const Index3 second = to_point(point.second);
+    std::int32_t step = 0;
+    for (std::size_t i = 0; i < 3; ++i) step = std::max(step, std::abs(first[i] - second[i]));
+    return to_normal(gradient(first, step) * (1 - point.t) + gradient(second, step) * point.t);
   }
   /// What a gradient in grid axes becomes.
   [[nodiscard]] Vec3f to_normal(const Vec3d& gradient) const {
@@ -31,60 +39,66 @@ class NormalSampler {
     for (std::size_t i = 0; i < 3; ++i) result[i] = static_cast<float>(sign_ * n[i]);
     return result;
   }
-  /// d value / d index at a lattice point, in grid axes.
-  [[nodiscard]] Vec3d gradient(const Index3& grid_point) const {
+  /// d value / d index at a lattice point whose coordinates `step` divides, in grid axes.
+  [[nodiscard]] Vec3d gradient(const Index3& grid_point, std::int32_t step) const {
     Vec3d result;
-    if (!model_.has_holes() && find_inner(grid_point, result)) return result;
-    return one_sided(grid_point);
+    if (!model_.has_holes() && find_inner(grid_point, step, result)) return result;
+    return general(grid_point, step);
   }
 
  private:
   /// Where all neighbours are samples of one brick, and no hole is about: most points.
-  [[nodiscard]] bool find_inner(const Index3& grid_point, Vec3d& gradient) const {
+  [[nodiscard]] bool find_inner(const Index3& grid_point, std::int32_t step,
+                                Vec3d& gradient) const {
     Index<D> brick;
     Index<D> local;
     for (std::size_t i = 0; i < as_size(D); ++i) {
       const std::int32_t p = grid_point[as_size(model_.axes.axis[i])];
       brick[i] = p / kBrickEdge<D>;
       local[i] = p % kBrickEdge<D>;
-      if (local[i] == 0 || p + 1 >= model_.shape.dims[i]) return false;
+      if (local[i] < step || local[i] + step > kBrickEdge<D> || p + step >= model_.shape.dims[i])
+        return false;
     }
     const T* sample =
         reinterpret_cast<const T*>(model_.brick(linear_index<D>(model_.brick_dims, brick))) +
         Model<D>::brick_offset(local);
-    std::ptrdiff_t stride = 1;
+    std::ptrdiff_t stride = step;
     for (std::size_t i = 0; i < as_size(D); ++i, stride *= kBrickSamples<D>)
       gradient[as_size(model_.axes.axis[i])] =
-          (static_cast<double>(sample[stride]) - static_cast<double>(sample[-stride])) / 2;
+          (static_cast<double>(sample[stride]) - static_cast<double>(sample[-stride])) / (2 * step);
     return true;
   }
 
-  [[nodiscard]] Vec3d one_sided(const Index3& grid_point) const {
+  [[nodiscard]] Vec3d general(const Index3& grid_point, std::int32_t step) const {
     Index<D> p;
     for (std::size_t i = 0; i < as_size(D); ++i) p[i] = grid_point[as_size(model_.axes.axis[i])];
-    p = model_.clamped(p);
-    const auto usable = [&](const Index<D>& q, double& value) {
-      if (!model_.shape.is_sample(q)) return false;
-      value = model_.value(q);
-      return !model_.has_holes() || !model_.is_hole(value);
-    };
     Vec3d gradient;
-    double centre = 0;
-    if (!usable(p, centre)) return gradient;
-    for (std::size_t i = 0; i < as_size(D); ++i) {
-      Index<D> q = p;
-      double low = centre;
-      double high = centre;
-      --q[i];
-      const bool has_low = usable(q, low);
-      if (!has_low) low = centre;
-      q[i] += 2;
-      const bool has_high = usable(q, high);
-      if (!has_high) high = centre;
-      const int n_steps = (has_low ? 1 : 0) + (has_high ? 1 : 0);
-      if (n_steps > 0) gradient[as_size(model_.axes.axis[i])] = (high - low) / n_steps;
-    }
+    const double centre = model_.value_or_nan(p);
+    if (std::isnan(centre)) return gradient;
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      gradient[as_size(model_.axes.axis[i])] = slope(p, i, step, centre);
     return gradient;
+  }
+
+  /// Along an axis. Beyond the data lies its last sample again, which counts where it is.
+  [[nodiscard]] double slope(const Index<D>& p, std::size_t axis, std::int32_t step,
+                             double centre) const {
+    const std::int32_t last = model_.shape.dims[axis] - 1;
+    struct End {
+      std::int32_t place;
+      double value;
+    };
+    const auto end_at = [&](std::int32_t x) {
+      Index<D> q = p;
+      q[axis] = x;
+      const End at_centre{std::min(p[axis], last), centre};
+      const double value = x < 0 ? std::nan("") : model_.value_or_nan(q);
+      return std::isnan(value) ? at_centre : End{std::min(x, last), value};
+    };
+    const bool is_beyond = p[axis] - step >= last;
+    const End low = end_at(p[axis] - (is_beyond ? 2 : 1) * step);
+    const End high = end_at(p[axis] + step);
+    return high.place > low.place ? (high.value - low.value) / (high.place - low.place) : 0;
   }
 
   const Model<D>& model_;
