@@ -95,8 +95,8 @@ const LiveTemplate<D>& live_template(const Diamond<D>& d) {
 }  // namespace
 
 /// A node's star with its samples.
-template <int D>
-struct LiveIsosurface<D>::Star {
+template <int D, typename Field>
+struct LiveIsosurface<D, Field>::Star {
   Diamond<D> node;
   LatticeKey centre = 0;
   const LiveTemplate<D>* shape = nullptr;
@@ -107,9 +107,9 @@ struct LiveIsosurface<D>::Star {
   std::bitset<kSteps * kSteps> made;  ///< Edges whose vertices it made, without inheritance.
 };
 
-template <int D>
-LiveIsosurface<D>::LiveIsosurface(const Refinable<D>& nodes, double isovalue, bool with_normals,
-                                  Inheritance inheritance)
+template <int D, typename Field>
+LiveIsosurface<D, Field>::LiveIsosurface(const Refinable<D, Field>& nodes, double isovalue,
+                                         bool with_normals, Inheritance inheritance)
     : nodes_(nodes),
       model_(nodes.model()),
       frame_(LatticeFrame::of(model_.info.grid)),
@@ -125,8 +125,8 @@ LiveIsosurface<D>::LiveIsosurface(const Refinable<D>& nodes, double isovalue, bo
   }
 }
 
-template <int D>
-void LiveIsosurface<D>::load(const Diamond<D>& node, Star& star) const {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::load(const Diamond<D>& node, Star& star) const {
   star.node = node;
   star.shape = &live_template<D>(node);
   const std::int32_t h = node.h();
@@ -155,8 +155,8 @@ void LiveIsosurface<D>::load(const Diamond<D>& node, Star& star) const {
 }
 
 /// Whether a simplex, at its place, has a piece of the domain and can be interpolated in.
-template <int D>
-bool LiveIsosurface<D>::is_present(const Simplex<D>& s) const {
+template <int D, typename Field>
+bool LiveIsosurface<D, Field>::is_present(const Simplex<D>& s) const {
   if (!model_.shape.overlaps_data(bounds_of(s))) return false;
   if (!model_.has_holes()) return true;
   if (!is_finest(s)) {
@@ -166,8 +166,8 @@ bool LiveIsosurface<D>::is_present(const Simplex<D>& s) const {
   return !model_.is_removed(s);
 }
 
-template <int D>
-std::uint32_t LiveIsosurface<D>::add_vertex(LatticeKey key) {
+template <int D, typename Field>
+std::uint32_t LiveIsosurface<D, Field>::add_vertex(LatticeKey key) {
   std::uint32_t slot;
   if (free_vertices_.empty()) {
     slot = static_cast<std::uint32_t>(vertices_.size());
@@ -183,9 +183,9 @@ std::uint32_t LiveIsosurface<D>::add_vertex(LatticeKey key) {
   return slot;
 }
 
-template <int D>
-void LiveIsosurface<D>::interpolate(Vertex& vertex, const Star& star, std::size_t i,
-                                    std::size_t j) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::interpolate(Vertex& vertex, const Star& star, std::size_t i,
+                                           std::size_t j) {
   EdgePoint point = crossing(star.key[i], star.value[i], star.key[j], star.value[j], isovalue_);
   point.t = std::clamp(point.t, frame_.margin, 1 - frame_.margin);
   const Vec3d p = frame_.position(point.lattice_position());
@@ -193,13 +193,13 @@ void LiveIsosurface<D>::interpolate(Vertex& vertex, const Star& star, std::size_
       {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}};
   if (with_normals_)
     visit_storage_type(model_.storage, [&]<typename T>() {
-      vertex.normal = NormalSampler<D, T>(model_).at(point);
+      vertex.normal = NormalSampler<D, T, Field>(model_).at(point);
     });
   ++counts_.n_interpolations;
 }
 
-template <int D>
-std::uint32_t LiveIsosurface<D>::vertex_on(Star& star, std::size_t i, std::size_t j) {
+template <int D, typename Field>
+std::uint32_t LiveIsosurface<D, Field>::vertex_on(Star& star, std::size_t i, std::size_t j) {
   const LatticeKey key = star.key[i] + star.key[j];
   const std::uint32_t known = vertex_at_.find(key);
   if (known != FlatIndex::kNone && inheritance_ == Inheritance::on) return known;
@@ -213,8 +213,8 @@ std::uint32_t LiveIsosurface<D>::vertex_on(Star& star, std::size_t i, std::size_
   return slot;
 }
 
-template <int D>
-void LiveIsosurface<D>::put(std::uint32_t block, Cell cell) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::put(std::uint32_t block, Cell cell) {
   blocks_[block].cells[blocks_[block].n_cells++] = cell;
   for (int i = 0; i < D; ++i) ++vertices_[cell[as_size(i)]].n_uses;
   ++n_cells_;
@@ -222,9 +222,9 @@ void LiveIsosurface<D>::put(std::uint32_t block, Cell cell) {
 }
 
 /// Adds a piece's cells to the block of its link.
-template <int D>
+template <int D, typename Field>
 template <typename Piece>
-void LiveIsosurface<D>::add_piece(Star& star, const Piece& piece, LatticeKey link) {
+void LiveIsosurface<D, Field>::add_piece(Star& star, const Piece& piece, LatticeKey link) {
   std::size_t inside = 0;
   for (std::size_t i = 0; i <= as_size(D); ++i)
     inside |= static_cast<std::size_t>(star.value[piece.corner[i]] >= isovalue_) << i;
@@ -256,8 +256,8 @@ void LiveIsosurface<D>::add_piece(Star& star, const Piece& piece, LatticeKey lin
       });
 }
 
-template <int D>
-void LiveIsosurface<D>::remove_link(LatticeKey link) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::remove_link(LatticeKey link) {
   if (link == kNoLink) return;
   const std::uint32_t block = block_at_.erase(link);
   if (block == FlatIndex::kNone) return;
@@ -275,8 +275,8 @@ void LiveIsosurface<D>::remove_link(LatticeKey link) {
 /// A link's name: the doubled midpoint of a node and a child of it, which is no other's. Below the
 /// finest nodes there are unit cells instead: the lowest corner, and a mark. Outside the root cube
 /// there is none.
-template <int D>
-LatticeKey LiveIsosurface<D>::link_of(const Star& star, const Index<D>& link_to) const {
+template <int D, typename Field>
+LatticeKey LiveIsosurface<D, Field>::link_of(const Star& star, const Index<D>& link_to) const {
   const Diamond<D>& node = star.node;
   Index<D> sum;
   for (std::size_t i = 0; i < as_size(D); ++i) {
@@ -289,22 +289,22 @@ LatticeKey LiveIsosurface<D>::link_of(const Star& star, const Index<D>& link_to)
 }
 
 /// Without bisection: its simplices lie in the links from its parents.
-template <int D>
-void LiveIsosurface<D>::add_unrefined(Star& star) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::add_unrefined(Star& star) {
   if (!star.is_crossed_before) return;
   for (const auto& piece : star.shape->unrefined)
     add_piece(star, piece, link_of(star, piece.link_to));
 }
 
-template <int D>
-void LiveIsosurface<D>::add_halves(Star& star) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::add_halves(Star& star) {
   if (!star.is_crossed) return;
   for (const auto& piece : star.shape->halves) add_piece(star, piece, link_of(star, piece.link_to));
 }
 
 /// What is added comes first: vertices that both have are inherited.
-template <int D>
-void LiveIsosurface<D>::apply(NodeId id) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::apply(NodeId id) {
   Star star;
   load(diamond_of<D>(id), star);
   add_halves(star);
@@ -314,8 +314,8 @@ void LiveIsosurface<D>::apply(NodeId id) {
   free_unused();
 }
 
-template <int D>
-void LiveIsosurface<D>::undo(NodeId id) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::undo(NodeId id) {
   Star star;
   load(diamond_of<D>(id), star);
   add_unrefined(star);
@@ -326,15 +326,15 @@ void LiveIsosurface<D>::undo(NodeId id) {
 
 /// What it would cost to find all its vertices anew: 26, 18 and 34 edges, of which 8, 6 and 10 end
 /// at the centre.
-template <int D>
-void LiveIsosurface<D>::count(const Star& star) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::count(const Star& star) {
   ++counts_.n_applied;
   for (const auto& [i, j] : star.shape->edges)
     counts_.n_without += (star.value[i] >= isovalue_) != (star.value[j] >= isovalue_) ? 1 : 0;
 }
 
-template <int D>
-void LiveIsosurface<D>::free_unused() {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::free_unused() {
   for (const std::uint32_t slot : unused_) {
     if (vertices_[slot].n_uses > 0) continue;
     vertex_at_.erase(vertices_[slot].key);
@@ -344,18 +344,18 @@ void LiveIsosurface<D>::free_unused() {
   unused_.clear();
 }
 
-template <int D>
-void LiveIsosurface<D>::mark_vertex(std::uint32_t slot) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::mark_vertex(std::uint32_t slot) {
   if (!std::exchange(vertices_[slot].is_changed, true)) changed_vertices_.push_back(slot);
 }
 
-template <int D>
-void LiveIsosurface<D>::mark_block(std::uint32_t block) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::mark_block(std::uint32_t block) {
   if (!std::exchange(blocks_[block].is_changed, true)) changed_blocks_.push_back(block);
 }
 
-template <int D>
-void LiveIsosurface<D>::write(Surface& surface) const {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::write(Surface& surface) const {
   surface.clear();
   surface.origin = frame_.surface_origin;
   std::vector<std::uint32_t> id(vertices_.size());
@@ -377,8 +377,8 @@ void LiveIsosurface<D>::write(Surface& surface) const {
     }
 }
 
-template <int D>
-bool LiveIsosurface<D>::gather(std::size_t n_most, SurfaceBatch& batch) {
+template <int D, typename Field>
+bool LiveIsosurface<D, Field>::gather(std::size_t n_most, SurfaceBatch& batch) {
   batch.origin = frame_.surface_origin;
   if (batch.cells.empty() && batch.vertices.empty()) {
     batch.vertices.reserve(changed_vertices_.size());
@@ -414,8 +414,8 @@ bool LiveIsosurface<D>::gather(std::size_t n_most, SurfaceBatch& batch) {
   return n_changed() == 0;
 }
 
-template <int D>
-void LiveIsosurface<D>::take_back(const SurfaceBatch& batch) {
+template <int D, typename Field>
+void LiveIsosurface<D, Field>::take_back(const SurfaceBatch& batch) {
   for (const std::uint32_t slot : batch.vertices) mark_vertex(slot);
   for (const std::uint32_t slot : batch.removed_vertices) mark_vertex(slot);
   for (const std::uint32_t cell : batch.cells) mark_block(cell / kCellsPerBlock);

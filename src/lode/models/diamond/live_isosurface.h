@@ -32,11 +32,11 @@ struct LiveCounts {
 /// vertices in slots of their own, one for each crossed edge. Beyond the data, where a cut has not
 /// been refined down to the border yet, the surface goes on in the extended field; simplices that
 /// are part hole and part not have none until they are refined.
-template <int D>
+template <int D, typename Field = Model<D>>
 class LiveIsosurface {
  public:
   /// At the base. Both must outlive it.
-  LiveIsosurface(const Refinable<D>& nodes, double isovalue, bool with_normals,
+  LiveIsosurface(const Refinable<D, Field>& nodes, double isovalue, bool with_normals,
                  Inheritance inheritance = Inheritance::on);
 
   /// The node's parents are applied and it is not; the surface follows.
@@ -99,8 +99,8 @@ class LiveIsosurface {
   void mark_block(std::uint32_t block);
   void put(std::uint32_t block, Cell cell);
 
-  const Refinable<D>& nodes_;
-  const Model<D>& model_;
+  const Refinable<D, Field>& nodes_;
+  const Field& model_;
   LatticeFrame frame_;
   double isovalue_;
   bool with_normals_;
@@ -122,24 +122,24 @@ extern template class LiveIsosurface<2>;
 extern template class LiveIsosurface<3>;
 
 /// The diamond hierarchy with an isosurface that follows the engine.
-template <int D>
-class LiveRefinable : public Refinable<D> {
+template <int D, typename Field = Model<D>>
+class LiveRefinable : public Refinable<D, Field> {
  public:
-  explicit LiveRefinable(const Model<D>& model, const WorldErrors* world_errors = nullptr)
-      : Refinable<D>(model, world_errors) {}
+  explicit LiveRefinable(const Field& model, const WorldErrors* world_errors = nullptr)
+      : Refinable<D, Field>(model, world_errors) {}
 
-  void follow(LiveIsosurface<D>* surface) { surface_ = surface; }
+  void follow(LiveIsosurface<D, Field>* surface) { surface_ = surface; }
   std::uint64_t apply(NodeId id) {
     if (surface_ != nullptr) surface_->apply(id);
-    return Refinable<D>::apply(id);
+    return Refinable<D, Field>::apply(id);
   }
   std::uint64_t undo(NodeId id) {
     if (surface_ != nullptr) surface_->undo(id);
-    return Refinable<D>::undo(id);
+    return Refinable<D, Field>::undo(id);
   }
 
  private:
-  LiveIsosurface<D>* surface_ = nullptr;
+  LiveIsosurface<D, Field>* surface_ = nullptr;
 };
 
 }  // namespace lode::diamond

@@ -155,6 +155,15 @@ Model<D> Model<D>::make(const VolumeInfo& info) {
   model.storage = storage_type(info.type);
   model.axes = AxisMap<D>::of(info.grid.dims);
   model.shape = Shape<D>::of(model.axes.lattice_dims(info.grid.dims));
+  for (int level = 0; level < model.shape.n_levels; ++level) {
+    const Index<D> dims = model.shape.attribute_dims(level);
+    auto& strides = model.strides.emplace_back();
+    std::size_t stride = 1;
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      strides[i] = stride;
+      stride *= as_size(dims[i]);
+    }
+  }
   for (std::size_t i = 0; i < as_size(D); ++i)
     model.brick_dims[i] = std::max(1, (model.shape.dims[i] + kBrickEdge<D> - 2) / kBrickEdge<D>);
   model.samples.resize(model.n_bricks() * kBrickSize<D> * model.sample_size());
@@ -171,7 +180,7 @@ bool Model<D>::has_removed_border_cell() const {
       for (std::size_t i = 0; i < n_points<D>(layer); ++i) {
         Index<D> cell = point_of<D>(layer, i);
         cell[axis] = at;
-        if (is_removed_cell(cell)) return true;
+        if (this->is_removed_cell(cell)) return true;
       }
   }
   return false;

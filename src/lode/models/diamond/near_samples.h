@@ -9,8 +9,11 @@ namespace lode::diamond {
 /// The samples round a lattice point, at most `reach` away along each axis. Where all of them are
 /// samples of one brick, as most are, reading one costs no look at bricks or borders. T: the
 /// model's storage.
+template <int D, typename T, typename Field = Model<D>>
+class NearSamples;
+
 template <int D, typename T>
-class NearSamples {
+class NearSamples<D, T, Model<D>> {
  public:
   NearSamples(const Model<D>& model, const Index<D>& centre, std::int32_t reach)
       : model_(model), centre_(centre) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <span>
+#include <type_traits>
 
 #include "lode/mappers/iso_part.h"
 #include "lode/models/diamond/model.h"
@@ -17,10 +18,10 @@ namespace lode::diamond {
 /// The gradient is by central differences as far apart as the edge is long along its axes: a coarse
 /// edge needs no finer samples than it has, and what it has lost does not darken it. At the border
 /// and beside holes they are one-sided. T: the model's storage.
-template <int D, typename T>
+template <int D, typename T, typename Field = Model<D>>
 class NormalSampler {
  public:
-  explicit NormalSampler(const Model<D>& model)
+  explicit NormalSampler(const Field& model)
       : model_(model),
         to_world_(cofactors(model.info.grid.index_to_world_matrix())),
         sign_(determinant(model.info.grid.index_to_world_matrix()) < 0 ? 1 : -1) {}
@@ -42,7 +43,8 @@ class NormalSampler {
   /// d value / d index at a lattice point whose coordinates `step` divides, in grid axes.
   [[nodiscard]] Vec3d gradient(const Index3& grid_point, std::int32_t step) const {
     Vec3d result;
-    if (!model_.has_holes() && find_inner(grid_point, step, result)) return result;
+    if constexpr (std::is_same_v<Field, Model<D>>)
+      if (!model_.has_holes() && find_inner(grid_point, step, result)) return result;
     return general(grid_point, step);
   }
 
@@ -101,7 +103,7 @@ class NormalSampler {
     return high.place > low.place ? (high.value - low.value) / (high.place - low.place) : 0;
   }
 
-  const Model<D>& model_;
+  const Field& model_;
   Mat3 to_world_;
   double sign_;
 };

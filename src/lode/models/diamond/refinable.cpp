@@ -10,45 +10,24 @@ constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-template <int D>
-Refinable<D>::Refinable(const Model<D>& model, const WorldErrors* world_errors)
+template <int D, typename Field>
+Refinable<D, Field>::Refinable(const Field& model, const WorldErrors* world_errors)
     : model_(model),
       world_errors_(world_errors),
       to_world_(model.info.grid.index_to_world_matrix()) {
   find_radii();
-  find_strides();
 }
 
-template <int D>
-bool Refinable<D>::is_deep(const Diamond<D>& node) const {
+template <int D, typename Field>
+bool Refinable<D, Field>::is_deep(const Diamond<D>& node) const {
   const std::int32_t reach = 4 * node.h();
   for (std::size_t i = 0; i < as_size(D); ++i)
     if (node.centre[i] < reach || node.centre[i] + reach >= model_.shape.dims[i]) return false;
   return true;
 }
 
-template <int D>
-void Refinable<D>::find_strides() {
-  for (int level = 0; level < model_.shape.n_levels; ++level) {
-    const Index<D> dims = model_.shape.attribute_dims(level);
-    std::size_t stride = 1;
-    for (std::size_t i = 0; i < as_size(D); ++i) {
-      strides_[as_size(level)][i] = stride;
-      stride *= as_size(dims[i]);
-    }
-  }
-}
-
-template <int D>
-std::size_t Refinable<D>::index_of(const Diamond<D>& node) const {
-  std::size_t index = 0;
-  for (std::size_t i = 0; i < as_size(D); ++i)
-    index += as_size(node.centre[i] >> std::max(node.level, 1)) * strides_[as_size(node.level)][i];
-  return index;
-}
-
-template <int D>
-bool Refinable<D>::exists(const Index<D>& centre) const {
+template <int D, typename Field>
+bool Refinable<D, Field>::exists(const Index<D>& centre) const {
   const std::int32_t root = model_.shape.root_side();
   for (std::size_t i = 0; i < as_size(D); ++i)
     if (centre[i] < 0 || centre[i] > root) return false;
@@ -56,8 +35,8 @@ bool Refinable<D>::exists(const Index<D>& centre) const {
 }
 
 /// A node's ball contains the vertices of its own domain and its children's balls.
-template <int D>
-void Refinable<D>::find_radii() {
+template <int D, typename Field>
+void Refinable<D, Field>::find_radii() {
   const auto distance = [&](const Index<D>& step) {
     const Index3 q = model_.axes.to_grid(step);
     return length(to_world_ * Vec3d{{double(q[0]), double(q[1]), double(q[2])}});
@@ -83,48 +62,45 @@ void Refinable<D>::find_radii() {
       }
 }
 
-template <int D>
-Ball Refinable<D>::bounds(NodeId id) const {
+template <int D, typename Field>
+Ball Refinable<D, Field>::bounds(NodeId id) const {
   const Diamond<D> node = diamond_of<D>(id);
   const Index3 q = model_.axes.to_grid(node.centre);
   return {model_.info.grid.to_world({{double(q[0]), double(q[1]), double(q[2])}}),
           radii_[as_size(node.level)][node.odd]};
 }
 
-template <int D>
-StoredFacts Refinable<D>::facts(NodeId id) const {
+template <int D, typename Field>
+StoredFacts Refinable<D, Field>::facts(NodeId id) const {
   const Diamond<D> node = diamond_of<D>(id);
   StoredFacts facts;
   facts.is_at_border = !is_deep(node) && model_.shape.reaches_across(node.centre, node.level);
-  if (node.level == 0 && node.tier > 0) {
+  if (!Field::has_attributes(node)) {
     add_finest(node, facts);
     return facts;
   }
-  const std::size_t at = index_of(node);
-  const NodeLevel& level = model_.levels[as_size(node.level)];
-  facts.error = decode_error(level.error[at]);
-  facts.low = level.low[at];
-  facts.high = level.high[at];
-  if (world_errors_ != nullptr)
-    facts.world_error = decode_error((*world_errors_)[as_size(node.level)][at]);
+  const StoredAttributes stored = model_.attributes(node);
+  facts.error = decode_error(stored.error);
+  facts.low = stored.low;
+  facts.high = stored.high;
+  if constexpr (std::is_same_v<Field, Model<D>>)
+    if (world_errors_ != nullptr)
+      facts.world_error =
+          decode_error((*world_errors_)[as_size(node.level)][model_.attribute_index(node)]);
   return facts;
 }
 
-template <int D>
-void Refinable<D>::prefetch(NodeId id) const {
+template <int D, typename Field>
+void Refinable<D, Field>::prefetch(NodeId id) const {
   const Diamond<D> node = diamond_of<D>(id);
-  if (node.level == 0 && node.tier > 0) return;
-  const std::size_t at = index_of(node);
-  const NodeLevel& level = model_.levels[as_size(node.level)];
-  __builtin_prefetch(&level.error[at]);
-  __builtin_prefetch(&level.low[at]);
-  __builtin_prefetch(&level.high[at]);
+  if (Field::has_attributes(node)) model_.prefetch(node);
 }
 
 /// Own error and range, and those of the nodes below.
-template <int D>
+template <int D, typename Field>
 template <typename Value>
-void Refinable<D>::join_finest(const Diamond<D>& node, const Value& value, Finest& facts) const {
+void Refinable<D, Field>::join_finest(const Diamond<D>& node, const Value& value,
+                                      Finest& facts) const {
   const auto join = [&](double f) {
     if (std::isnan(f)) return;
     facts.range.low = std::min(facts.range.low, f);
@@ -145,11 +121,11 @@ void Refinable<D>::join_finest(const Diamond<D>& node, const Value& value, Fines
 }
 
 /// Rounded as stored ones are.
-template <int D>
-void Refinable<D>::add_finest(const Diamond<D>& node, StoredFacts& facts) const {
+template <int D, typename Field>
+void Refinable<D, Field>::add_finest(const Diamond<D>& node, StoredFacts& facts) const {
   Finest finest{0, {kEndless, -kEndless}};
   visit_storage_type(model_.storage, [&]<typename T>() {
-    join_finest(node, NearSamples<D, T>(model_, node.centre, 2), finest);
+    join_finest(node, NearSamples<D, T, Field>(model_, node.centre, 2), finest);
   });
   facts.error = decode_error(encode_error(float_up(finest.error)));
   const double low = finest.range.low - range_reference();
@@ -160,24 +136,25 @@ void Refinable<D>::add_finest(const Diamond<D>& node, StoredFacts& facts) const 
   if (static_cast<double>(facts.low) > low) facts.low = std::nextafter(facts.low, -kFloatEndless);
   if (static_cast<double>(facts.high) < high)
     facts.high = std::nextafter(facts.high, kFloatEndless);
-  if (world_errors_ != nullptr)
-    facts.world_error = decode_error(encode_error(float_up(finest_world_error<D>(model_, node))));
+  if constexpr (std::is_same_v<Field, Model<D>>)
+    if (world_errors_ != nullptr)
+      facts.world_error = decode_error(encode_error(float_up(finest_world_error<D>(model_, node))));
 }
 
-template <int D>
-void Refinable<D>::add_base(std::vector<NodeId>& out) const {
+template <int D, typename Field>
+void Refinable<D, Field>::add_base(std::vector<NodeId>& out) const {
   if (!model_.shape.has_cells()) return;
   out.push_back(id_of<D>(all_equal<D>(model_.shape.root_side() / 2)));
 }
 
-template <int D>
-void Refinable<D>::add_all_children(NodeId id, std::vector<NodeId>& out) const {
+template <int D, typename Field>
+void Refinable<D, Field>::add_all_children(NodeId id, std::vector<NodeId>& out) const {
   for (const Index<D>& child : children<D>(diamond_of<D>(id)))
     if (exists(child)) out.push_back(id_of<D>(child));
 }
 
-template <int D>
-void Refinable<D>::add_children(NodeId id, std::vector<NodeId>& out) const {
+template <int D, typename Field>
+void Refinable<D, Field>::add_children(NodeId id, std::vector<NodeId>& out) const {
   const Diamond<D> node = diamond_of<D>(id);
   if (is_deep(node)) {
     for_each_discovered<D>(id, node, [&](NodeId child) { out.push_back(child); });
@@ -193,8 +170,8 @@ void Refinable<D>::add_children(NodeId id, std::vector<NodeId>& out) const {
     if (exists(child) && is_first_parent(child)) out.push_back(id_of<D>(child));
 }
 
-template <int D>
-void Refinable<D>::add_parents(NodeId id, std::vector<NodeId>& out) const {
+template <int D, typename Field>
+void Refinable<D, Field>::add_parents(NodeId id, std::vector<NodeId>& out) const {
   const Diamond<D> node = diamond_of<D>(id);
   const bool all_exist = is_deep(node);
   for_each_parent<D>(id, node, model_.shape.root_side(), [&](NodeId parent) {
@@ -202,8 +179,8 @@ void Refinable<D>::add_parents(NodeId id, std::vector<NodeId>& out) const {
   });
 }
 
-template <int D>
-std::uint64_t Refinable<D>::n_base_cells() const {
+template <int D, typename Field>
+std::uint64_t Refinable<D, Field>::n_base_cells() const {
   if (!model_.shape.has_cells()) return 0;
   std::uint64_t n = 0;
   for (const Simplex<D>& s : kuhn_simplices<D>({}, model_.shape.root_side()))
@@ -212,8 +189,8 @@ std::uint64_t Refinable<D>::n_base_cells() const {
 }
 
 /// What bisecting adds: one for each simplex, unless one half misses the data.
-template <int D>
-std::uint64_t Refinable<D>::n_simplices(NodeId id) const {
+template <int D, typename Field>
+std::uint64_t Refinable<D, Field>::n_simplices(NodeId id) const {
   const Diamond<D> node = diamond_of<D>(id);
   constexpr std::array<std::uint64_t, 3> kCounts =
       D == 3 ? std::array<std::uint64_t, 3>{6, 4, 8} : std::array<std::uint64_t, 3>{2, 2};
@@ -230,8 +207,8 @@ std::uint64_t Refinable<D>::n_simplices(NodeId id) const {
   return n;
 }
 
-template <int D>
-std::vector<Simplex<D>> Refinable<D>::leaves(const Cut& cut) const {
+template <int D, typename Field>
+std::vector<Simplex<D>> Refinable<D, Field>::leaves(const Cut& cut) const {
   std::vector<Simplex<D>> result;
   for_each_leaf(
       cut, [](const Simplex<D>&) { return true; },

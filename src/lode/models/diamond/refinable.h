@@ -90,14 +90,15 @@ constexpr void for_each_discovered(NodeId id, const Diamond<D>& d, const Body& b
 }
 
 /// The diamond hierarchy as the engine sees it: everything but the stored attributes follows from
-/// a node's centre. Nodes whose domain misses the data do not exist.
-template <int D>
+/// a node's centre. Nodes whose domain misses the data do not exist. `Field` is a LatticeField that
+/// also gives attributes.
+template <int D, typename Field = Model<D>>
 class Refinable {
  public:
-  /// `world_errors` may be null: then nodes have infinite ones.
-  explicit Refinable(const Model<D>& model, const WorldErrors* world_errors = nullptr);
+  /// `world_errors`, of a model in memory, may be null: then nodes have infinite ones.
+  explicit Refinable(const Field& model, const WorldErrors* world_errors = nullptr);
 
-  [[nodiscard]] const Model<D>& model() const { return model_; }
+  [[nodiscard]] const Field& model() const { return model_; }
 
   void add_base(std::vector<NodeId>& out) const;
   /// Of a node's children those whose first existing parent it is.
@@ -139,24 +140,22 @@ class Refinable {
   [[nodiscard]] bool exists(NodeId id) const { return exists(diamond_of<D>(id).centre); }
   /// Whether all nodes related to this one exist.
   [[nodiscard]] bool is_deep(const Diamond<D>& node) const;
-  [[nodiscard]] std::size_t index_of(const Diamond<D>& node) const;
   [[nodiscard]] std::uint64_t n_simplices(NodeId id) const;
   template <typename Value>
   void join_finest(const Diamond<D>& node, const Value& value, Finest& facts) const;
   void add_finest(const Diamond<D>& node, StoredFacts& facts) const;
   void find_radii();
-  void find_strides();
 
-  const Model<D>& model_;
+  const Field& model_;
   const WorldErrors* world_errors_;
-  std::array<std::array<double, power(2, D)>, 21> radii_{};        ///< By level and odd axes.
-  std::array<std::array<std::size_t, as_size(D)>, 21> strides_{};  ///< Of stored attributes.
+  std::array<std::array<double, power(2, D)>, 21> radii_{};  ///< By level and odd axes.
   Mat3 to_world_;
 };
 
-template <int D>
+template <int D, typename Field>
 template <typename Enters, typename Visit>
-void Refinable<D>::for_each_leaf(const Cut& cut, const Enters& enters, const Visit& visit) const {
+void Refinable<D, Field>::for_each_leaf(const Cut& cut, const Enters& enters,
+                                        const Visit& visit) const {
   if (!model_.shape.has_cells()) return;
   std::vector<Simplex<D>> open = kuhn_simplices<D>({}, model_.shape.root_side());
   while (!open.empty()) {
