@@ -15,6 +15,7 @@
 #include "lode/refine/demand_queue.h"
 #include "lode/refine/error_counts.h"
 #include "lode/refine/standing.h"
+#include "lode/refine/waiting.h"
 
 namespace lode {
 
@@ -33,15 +34,15 @@ class Engine {
 
   void set_query(Demand demand, Budget budget = {}, FocusChange focus = FocusChange::changed);
 
-  /// False if nothing was left to do.
+  /// False if nothing was left to do: the answer is there, or it takes pages that are not.
   bool step();
 
-  /// Steps until the answer is there.
+  /// Steps until nothing is left to do.
   void finish() {
     while (step()) {
     }
   }
-  /// Steps until the answer is there, or `must_stop`, asked before each, says so.
+  /// Steps until nothing is left to do, or `must_stop`, asked before each, says so.
   template <typename MustStop>
   void run(const MustStop& must_stop) {
     while (!must_stop() && step()) {
@@ -49,8 +50,13 @@ class Engine {
   }
 
   [[nodiscard]] Standing standing() const {
-    return {n_steps_,      cut_.n_applied(),         n_cells_,
-            error_bound(), phase_ == Phase::settled, n_cells_ <= budget_.max_cells,
+    return {n_steps_,
+            cut_.n_applied(),
+            n_cells_,
+            error_bound(),
+            phase_ == Phase::settled,
+            is_idle_,
+            n_cells_ <= budget_.max_cells,
             is_nested_};
   }
   [[nodiscard]] const Cut& cut() const { return cut_; }
@@ -60,7 +66,7 @@ class Engine {
   /// Of all the engine holds; the model's own not included.
   [[nodiscard]] std::size_t n_bytes() const {
     return cut_.n_bytes() + wanted_.n_bytes() + spare_.n_bytes() + errors_.n_bytes() +
-           sizeof(*this);
+           waiting_.n_bytes() + sizeof(*this);
   }
 
  private:
@@ -84,7 +90,12 @@ class Engine {
     if (demand_.uses_bounds()) result.bounds = model_.bounds(id);
     return result;
   }
-  void settle() { phase_ = Phase::settled; }
+  /// Unless candidates wait for data.
+  void settle() {
+    room_.reset();
+    is_idle_ = !waiting_.is_empty();
+    phase_ = is_idle_ ? Phase::adjust : Phase::settled;
+  }
   /// While candidates of a new focus are looked for, nothing is known of those not found yet.
   [[nodiscard]] double error_bound() const {
     if (phase_ == Phase::evaluate && is_searching_) return std::numeric_limits<double>::infinity();
@@ -108,6 +119,8 @@ class Engine {
   void begin_chain(const Ranked& wanted);
   void continue_chain();
   void roll_back();
+  bool park(NodeId id);
+  void accept_pages();
   void find_children(NodeId id);
   bool find_missing_parents(NodeId id);
   void apply(NodeId id, Place at);
@@ -120,6 +133,7 @@ class Engine {
   DemandQueue<false> wanted_;  ///< Candidates with a demand.
   DemandQueue<true> spare_;    ///< Applied nodes nothing depends on; unlimited: only unwanted ones.
   ErrorCounts errors_;         ///< Of all candidates.
+  Waiting waiting_;            ///< Candidates that cannot be applied yet.
   Phase phase_ = Phase::settled;
   std::size_t next_place_ = 0;     ///< To evaluate,
   std::size_t n_unevaluated_ = 0;  ///< how many from there on,
@@ -127,6 +141,7 @@ class Engine {
   FocusChange focus_ = FocusChange::changed;
   bool is_in_order_ = true;  ///< The cut was reached from the base by this query alone.
   bool is_nested_ = true;
+  bool is_idle_ = false;       ///< Until pages arrive.
   bool is_searching_ = false;  ///< For candidates that the cut of an earlier focus did not keep.
   std::optional<Room> room_;   ///< What the most wanted node lacks.
   float unwind_to_ = 0;
@@ -140,6 +155,7 @@ class Engine {
   std::vector<NodeId> parents_;  ///< This and the next two are scratch.
   std::vector<Place> parent_places_;
   std::vector<NodeId> children_;
+  std::vector<std::uint32_t> pages_;
 };
 
 template <RefinableModel M>
@@ -157,6 +173,9 @@ void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus) {
   chain_.clear();
   done_.clear();
   room_.reset();
+  waiting_.clear();
+  is_idle_ = false;
+  if constexpr (PagedRefinableModel<M>) model_.forget_requests();
   is_in_order_ = cut_.n_applied() == 0;
   is_nested_ = true;
   is_searching_ = focus_ == FocusChange::changed && cut_.n_applied() > 0;
@@ -170,6 +189,10 @@ void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus) {
 template <RefinableModel M>
 bool Engine<M>::step() {
   if (phase_ == Phase::settled) return false;
+  if constexpr (PagedRefinableModel<M>) {
+    accept_pages();
+    if (is_idle_) return false;
+  }
   ++n_steps_;
   if (phase_ == Phase::evaluate)
     evaluate_or_adjust();
@@ -373,16 +396,51 @@ void Engine<M>::continue_chain() {
       chain_.pop_back();
       continue;
     }
+    if (park(id)) return;
     find_children(id);
     if (find_missing_parents(id)) continue;
     chain_.pop_back();
     apply(id, at);
+    if (budget_.is_limited() || PagedRefinableModel<M>) done_.push_back(id);
     if (!budget_.is_limited()) return;
-    done_.push_back(id);
     if (n_cells_ <= budget_.max_cells) return;
     room_ = Room{chain_demand_, n_cells_ - cells_before_chain_};
     return roll_back();
   }
+}
+
+/// True if pages are missing to apply the next node of the chain: then the wanted one waits for
+/// them, and the others are wanted by nobody.
+template <RefinableModel M>
+bool Engine<M>::park(NodeId id) {
+  if constexpr (PagedRefinableModel<M>) {
+    const std::optional<std::uint32_t> page = model_.missing(id);
+    if (!page) return false;
+    if (waiting_.park(*page, {chain_.front(), chain_demand_, chain_place_}))
+      model_.request(*page, chain_demand_);
+    chain_.clear();
+    roll_back();
+    is_in_order_ = false;
+    return true;
+  }
+  return false;
+}
+
+/// What waited for pages that have arrived is wanted again.
+template <RefinableModel M>
+void Engine<M>::accept_pages() {
+  if (model_.has_arrivals()) {
+    pages_.clear();
+    model_.take_arrivals(pages_);
+    for (const std::uint32_t page : pages_) waiting_.page_arrived(page);
+  }
+  if (!waiting_.has_arrived()) return;
+  waiting_.release(kEvaluationsPerStep, [&](const Ranked& entry) {
+    if (is_valid_candidate(entry)) queue_candidate(entry.place);
+  });
+  room_.reset();
+  if (phase_ == Phase::replay) phase_ = Phase::adjust;
+  is_idle_ = false;
 }
 
 /// Within the step: an answer that is interrupted here must not be too large.

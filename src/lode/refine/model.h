@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "lode/core/vec.h"
@@ -98,6 +99,21 @@ concept RefinableModel = requires(M& model, const M& fixed, NodeId node, std::ve
   { fixed.n_base_cells() } -> std::convertible_to<std::uint64_t>;
   { model.apply(node) } -> std::convertible_to<std::uint64_t>;
   { model.undo(node) } -> std::convertible_to<std::uint64_t>;
+};
+
+/// A model whose data come in pages, when they are asked for. A node can be applied when nothing is
+/// missing; what is known of applied nodes and their children stays known.
+/// - missing: a page that applying the node lacks.
+/// - request, forget_requests: pages by demand; has_arrivals, take_arrivals: those that have come.
+template <typename M>
+concept PagedRefinableModel = RefinableModel<M> &&
+    requires(M& model, const M& fixed, NodeId node, std::uint32_t page, float demand,
+             std::vector<std::uint32_t>& out) {
+  { fixed.missing(node) } -> std::same_as<std::optional<std::uint32_t>>;
+  model.request(page, demand);
+  model.forget_requests();
+  { fixed.has_arrivals() } -> std::same_as<bool>;
+  model.take_arrivals(out);
 };
 
 template <RefinableModel M>

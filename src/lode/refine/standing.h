@@ -12,8 +12,9 @@ struct Standing {
   /// Largest nested field error left unrefined in focus; infinite while that is not known, since
   /// an earlier cut is being looked through for a new focus.
   double error_bound = 0;
-  bool is_settled = false;  ///< The answer: nothing is left to do.
-  bool budget_met = true;   ///< False, once settled: even the base is larger.
+  bool is_settled = false;   ///< The answer: nothing is left to do.
+  bool awaits_data = false;  ///< Nothing is left to do until pages of the model arrive.
+  bool budget_met = true;    ///< False, once settled: even the base is larger.
   bool is_nested = true;  ///< False: a demand was seen to grow along discovery, which is no error,
                           ///< but then the cut may depend on where it started.
 };
