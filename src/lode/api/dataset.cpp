@@ -9,6 +9,7 @@
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/close_border.h"
 #include "lode/models/diamond/extract.h"
+#include "lode/models/diamond/summary.h"
 
 namespace lode {
 
@@ -81,45 +82,40 @@ Result<void> finish_surface(const diamond::Model<D>& model, const ExtractOptions
 }
 
 template <int D>
-LevelInfo describe_level(const diamond::Model<D>& model, int level) {
+LevelInfo describe_level(const diamond::Shape<D>& shape, int level, double max_error) {
   LevelInfo info{.level = level, .step = std::int64_t{1} << level};
   std::uint64_t here = 1;
   std::uint64_t coarser = 1;
+  std::uint64_t points = 1;
+  std::uint64_t even = 1;
+  const auto grid = shape.grid_dims(level);
   for (std::size_t i = 0; i < diamond::as_size(D); ++i) {
-    const auto last = static_cast<std::uint64_t>(model.shape.dims[i] - 1);
+    const auto last = static_cast<std::uint64_t>(shape.dims[i] - 1);
     here *= (last >> level) + 1;
     coarser *= (last >> (level + 1)) + 1;
+    points *= static_cast<std::uint64_t>(grid[i]);
+    even *= static_cast<std::uint64_t>((grid[i] + 1) / 2);
   }
-  info.n_samples = level == model.shape.n_levels - 1 ? here : here - coarser;
-  const diamond::NodeLevel& nodes = model.levels[static_cast<std::size_t>(level)];
-  if (level > 0) {
-    const auto dims = model.shape.grid_dims(level);
-    for (std::size_t i = 0; i < nodes.error.size(); ++i) {
-      const auto q = diamond::point_of<D>(dims, i);
-      std::int32_t odd = 0;
-      for (std::size_t a = 0; a < diamond::as_size(D); ++a) odd |= q[a];
-      info.n_nodes += (odd & 1) != 0 ? 1 : 0;
-    }
-  } else {
-    info.n_nodes = info.n_samples;
-  }
-  for (const diamond::ErrorCode error : nodes.error)
-    info.max_error = std::max(info.max_error, static_cast<double>(diamond::decode_error(error)));
+  info.n_samples = level == shape.n_levels - 1 ? here : here - coarser;
+  info.n_nodes = level > 0 ? points - even : info.n_samples;
+  info.max_error = max_error;
   return info;
 }
 
 template <int D>
 DatasetInfo describe_model(const diamond::Model<D>& model) {
+  const diamond::Summary summary = diamond::summarize<D>(model);
   DatasetInfo info;
   info.model = diamond::model_name<D>();
   info.volume = model.info;
-  info.range_min = model.stats.min;
-  info.range_max = model.stats.max;
-  info.n_holes = model.stats.n_holes;
-  info.n_removed_cells = model.stats.n_removed_cells;
-  info.base_error = model.base_error();
+  info.range_min = summary.stats.min;
+  info.range_max = summary.stats.max;
+  info.n_holes = summary.stats.n_holes;
+  info.n_removed_cells = summary.stats.n_removed_cells;
+  info.base_error = summary.base_error;
   for (int level = 0; level < model.shape.n_levels; ++level)
-    info.levels.push_back(describe_level<D>(model, level));
+    info.levels.push_back(
+        describe_level<D>(model.shape, level, summary.max_errors[static_cast<std::size_t>(level)]));
   return info;
 }
 

@@ -20,6 +20,8 @@ struct FieldStats {
   double max = 0;
   std::uint64_t n_holes = 0;
   std::uint64_t n_removed_cells = 0;  ///< Unit cells that touch a hole.
+
+  friend bool operator==(const FieldStats&, const FieldStats&) = default;
 };
 
 /// Which axes of the grid the lattice uses: all three for diamond3d; for diamond2d the two that
