@@ -125,20 +125,23 @@ TEST(cli_inputs, refuses_a_truncated_lode_file) {
   }
 }
 
-TEST(cli_inputs, refuses_a_lode_file_of_a_newer_version) {
+TEST(cli_inputs, refuses_a_lode_file_of_another_version) {
   const Scratch scratch;
   write_ball(scratch / "ball.nrrd");
   ASSERT_EQ(run_lode({"build", scratch / "ball.nrrd", scratch / "ball.lode"}).exit_code, 0);
   std::string bytes = read_bytes(scratch / "ball.lode");
   constexpr std::size_t kVersionAt = 8;
   constexpr std::size_t kChecksumAt = 120;
-  bytes[kVersionAt] = 2;
-  const std::uint64_t sum = store::checksum(std::as_bytes(std::span(bytes).first(kChecksumAt)));
-  std::memcpy(bytes.data() + kChecksumAt, &sum, sizeof sum);
-  write_bytes(scratch / "newer.lode", bytes);
-  expect_refused_everywhere(scratch / "newer.lode", scratch);
-  const Finished run = run_lode({"info", scratch / "newer.lode"});
-  EXPECT_NE(run.err.find("version 2"), std::string::npos) << run.err;
+  for (const auto& [version, advice] : {std::pair{1, "build the file again"}, {3, "update lode"}}) {
+    bytes[kVersionAt] = static_cast<char>(version);
+    const std::uint64_t sum = store::checksum(std::as_bytes(std::span(bytes).first(kChecksumAt)));
+    std::memcpy(bytes.data() + kChecksumAt, &sum, sizeof sum);
+    write_bytes(scratch / "other.lode", bytes);
+    expect_refused_everywhere(scratch / "other.lode", scratch);
+    const Finished run = run_lode({"info", scratch / "other.lode"});
+    EXPECT_NE(run.err.find(fmt::format("version {}", version)), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find(advice), std::string::npos) << run.err;
+  }
 }
 
 TEST(cli_inputs, refuses_a_flipped_byte_in_anything_it_reads) {

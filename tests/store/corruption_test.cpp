@@ -119,7 +119,12 @@ TEST_F(damaged_file, fails_when_it_shrinks_after_opening) {
 
 TEST_F(damaged_file, of_a_newer_version_asks_for_an_update) {
   patch_header(bytes_, 8, std::uint32_t{7});
-  expect_error(bytes_, "format version 7, this program reads version 1: update lode");
+  expect_error(bytes_, "format version 7, this program reads version 2: update lode");
+}
+
+TEST_F(damaged_file, of_version_1_asks_to_be_built_again) {
+  patch_header(bytes_, 8, std::uint32_t{1});
+  expect_error(bytes_, "format version 1, this program reads version 2: build the file again");
 }
 
 TEST_F(damaged_file, with_unknown_features_asks_for_an_update) {

@@ -135,7 +135,7 @@ def read_header(data):
     names = ("version", "header_size", "features", "file_size", "directory_offset")
     names += ("directory_stored_size", "directory_raw_size", "directory_checksum")
     header = dict(zip(names, struct.unpack_from("<II6Q", data, 8)))
-    expect(header["version"] == 1, "unknown version")
+    expect(header["version"] == 2, "unknown version")
     expect(header["features"] == 0, "unknown features")
     expect(header["file_size"] == len(data), "wrong file size")
     return header
@@ -151,6 +151,7 @@ def read_directory(library, data, header):
     model = raw[4 : 4 + name_size].decode("utf-8")
     at = 4 + name_size
     (metadata_size,) = struct.unpack_from("<Q", raw, at)
+    metadata = raw[at + 8 : at + 8 + metadata_size]
     at += 8 + metadata_size
     (n,) = struct.unpack_from("<Q", raw, at)
     at += 8
@@ -161,7 +162,20 @@ def read_directory(library, data, header):
         at += n * struct.calcsize(letter)
     expect(at == len(raw), "wrong directory size")
     blocks = [{name: column[i] for name, column in columns.items()} for i in range(n)]
-    return model, metadata_size, blocks
+    return model, metadata, blocks
+
+
+def read_blocks(library, data, header, blocks):
+    """Gives the offset, directory entry and raw bytes of each."""
+    offset = HEADER_BYTES
+    for block in blocks:
+        stored = data[offset : offset + block["stored_size"]]
+        expect(xxh64(stored) == block["checksum"], f"block checksum differs at offset {offset}")
+        raw = decode(library, block, stored)
+        expect(len(raw) == block["raw_size"], f"wrong raw size at offset {offset}")
+        yield offset, block, raw
+        offset += block["stored_size"]
+    expect(offset == header["directory_offset"], "a gap before the directory")
 
 
 def main():
@@ -169,21 +183,14 @@ def main():
     with open(sys.argv[1], "rb") as file:
         data = file.read()
     header = read_header(data)
-    model, metadata_size, blocks = read_directory(library, data, header)
+    model, metadata, blocks = read_directory(library, data, header)
     print("model", model)
-    print("metadata", metadata_size)
-    offset = HEADER_BYTES
-    for block in blocks:
-        stored = data[offset : offset + block["stored_size"]]
-        expect(xxh64(stored) == block["checksum"], f"block checksum differs at offset {offset}")
-        raw = decode(library, block, stored)
-        expect(len(raw) == block["raw_size"], f"wrong raw size at offset {offset}")
+    print("metadata", len(metadata))
+    for offset, block, raw in read_blocks(library, data, header, blocks):
         names = ("stored_size", "raw_size", "codec", "element_size")
         fields = [block[name] for name in ("kind", "level", "x", "y", "z")]
         fields += [offset] + [block[name] for name in names]
         print(*fields, f"{xxh64(raw):016x}")
-        offset += block["stored_size"]
-    expect(offset == header["directory_offset"], "a gap before the directory")
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ inline constexpr std::size_t kMagicBytes = 8;
 /// a DOS `type`.
 inline constexpr std::array<unsigned char, kMagicBytes> kMagic = {0x8B, 'L',  'O',  'D',
                                                                   0x0D, 0x0A, 0x1A, 0x0A};
-inline constexpr std::uint32_t kFormatVersion = 1;
+inline constexpr std::uint32_t kFormatVersion = 2;
 /// Must-understand features this program knows.
 inline constexpr std::uint64_t kKnownFeatures = 0;
 inline constexpr std::size_t kHeaderBytes = 128;

@@ -89,7 +89,8 @@ Result<Header> decode_header(std::span<const std::byte> start, std::uint64_t fil
   const auto version = load<std::uint32_t>(start, 8);
   if (version != kFormatVersion)
     return fail("{}: the file has format version {}, this program reads version {}{}", path,
-                version, kFormatVersion, version > kFormatVersion ? ": update lode" : "");
+                version, kFormatVersion,
+                version > kFormatVersion ? ": update lode" : ": build the file again");
   const auto header_bytes = load<std::uint32_t>(start, 12);
   if (header_bytes != kHeaderBytes)
     return fail("{}: expected a header of {} bytes, got one of {}", path, kHeaderBytes,

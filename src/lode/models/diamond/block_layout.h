@@ -36,16 +36,23 @@ std::uint64_t morton(const Index<D>& p) {
   return code;
 }
 
+/// Blocks along an axis with n grid points. Grids have 2^k + 1 points or so: the last block also
+/// holds the plane that would otherwise be alone, and has up to kBlockEdge + 1 points an edge.
+template <int D>
+constexpr std::int32_t n_blocks(std::int32_t n) {
+  return std::max(1, (n + kBlockEdge<D> - 2) / kBlockEdge<D>);
+}
+
 template <int D>
 std::vector<Region<D>> regions_of(const Index<D>& dims, int level, bool has_coarser_points) {
   Index<D> n;
-  for (std::size_t i = 0; i < as_size(D); ++i) n[i] = (dims[i] + kBlockEdge<D> - 1) / kBlockEdge<D>;
+  for (std::size_t i = 0; i < as_size(D); ++i) n[i] = n_blocks<D>(dims[i]);
   std::vector<Region<D>> regions;
   for (std::size_t i = 0; i < n_points<D>(n); ++i) {
     Region<D> r{level, point_of<D>(n, i), {}, {}, has_coarser_points};
     for (std::size_t a = 0; a < as_size(D); ++a) {
       r.lower[a] = r.position[a] * kBlockEdge<D>;
-      r.upper[a] = std::min(r.lower[a] + kBlockEdge<D>, dims[a]);
+      r.upper[a] = r.position[a] == n[a] - 1 ? dims[a] : r.lower[a] + kBlockEdge<D>;
     }
     regions.push_back(r);
   }
@@ -55,11 +62,27 @@ std::vector<Region<D>> regions_of(const Index<D>& dims, int level, bool has_coar
   return regions;
 }
 
+/// Points per axis of the grid that a level's samples lie on: that of its attributes, which may
+/// reach beyond the data; at level 0 the samples of the data.
 template <int D>
 Index<D> sample_dims(const Shape<D>& shape, int level) {
-  Index<D> dims;
-  for (std::size_t i = 0; i < as_size(D); ++i) dims[i] = ((shape.dims[i] - 1) >> level) + 1;
-  return dims;
+  return level > 0 ? shape.grid_dims(level) : shape.dims;
+}
+
+/// Samples that a file holds in all its blocks, with those beyond the data.
+template <int D>
+std::uint64_t count_stored_samples(const Shape<D>& shape) {
+  std::uint64_t n = 0;
+  for (int level = 0; level < shape.n_levels; ++level) {
+    std::uint64_t all = 1;
+    std::uint64_t even = 1;
+    for (const std::int32_t dim : sample_dims<D>(shape, level).v) {
+      all *= as_size(dim);
+      even *= as_size((dim + 1) / 2);
+    }
+    n += level == shape.n_levels - 1 ? all : all - even;
+  }
+  return n;
 }
 
 template <int D>
@@ -111,14 +134,24 @@ void for_each_row(const Region<D>& r, const F& body) {
   }
 }
 
+/// How many of a row's n points (see for_each_row) lie in the data: the first ones, or none.
+template <int D>
+std::int32_t count_inside(const Shape<D>& shape, int level, const Index<D>& q, std::int32_t n,
+                          std::int32_t stride) {
+  Index<D> p = q;
+  for (std::int32_t& x : p.v) x <<= level;
+  if (!shape.is_sample(p)) return 0;
+  return std::min(n, (shape.dims[0] - 1 - p[0]) / (stride << level) + 1);
+}
+
+/// The regions of all blocks of a kind, in the order of the file.
 template <int D>
 std::vector<Region<D>> all_regions(const Shape<D>& shape, Kind kind) {
   std::vector<Region<D>> regions;
   for (int level = shape.n_levels - 1; level >= (kind == Kind::samples ? 0 : 1); --level) {
     const bool is_coarsest = level == shape.n_levels - 1;
-    const Index<D> dims =
-        kind == Kind::samples ? sample_dims<D>(shape, level) : shape.grid_dims(level);
-    const auto more = regions_of<D>(dims, level, kind == Kind::samples && is_coarsest);
+    const auto more =
+        regions_of<D>(sample_dims<D>(shape, level), level, kind == Kind::samples && is_coarsest);
     regions.insert(regions.end(), more.begin(), more.end());
   }
   return regions;

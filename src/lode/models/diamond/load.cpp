@@ -1,58 +1,19 @@
+#include <fmt/ranges.h>
+
 #include <atomic>
 
 #include "lode/models/diamond/block_layout.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/persist.h"
-#include "lode/store/bytes.h"
 
 namespace lode::diamond {
 namespace {
 
-Result<VolumeInfo> decode_metadata(const store::Reader& reader) {
-  store::ByteReader in(reader.metadata(), reader.path() + ": metadata");
-  VolumeInfo info;
-  for (std::int32_t& n : info.grid.dims.v) {
-    LODE_TRY(n, in.read<std::int32_t>());
-    if (n < 1 || n > kMaxSamplesPerAxis)
-      return fail("{}: metadata: expected 1 to {} samples along an axis, got {}", reader.path(),
-                  kMaxSamplesPerAxis, n);
-  }
-  for (double& x : info.grid.spacing.v) {
-    LODE_TRY(x, in.read<double>());
-    if (!(x > 0) || !std::isfinite(x))
-      return fail("{}: metadata: expected a positive spacing, got {}", reader.path(), x);
-  }
-  for (double& x : info.grid.origin.v) {
-    LODE_TRY(x, in.read<double>());
-    if (!std::isfinite(x)) return fail("{}: metadata: expected a finite origin", reader.path());
-  }
-  for (Vec3d& row : info.grid.direction.rows)
-    for (double& x : row.v) {
-      LODE_TRY(x, in.read<double>());
-    }
-  // The readers of foreign files ask the same.
-  if (!(std::abs(determinant(info.grid.direction)) >= 1e-6))
-    return fail("{}: metadata: expected independent directions of the axes", reader.path());
-  LODE_TRY(const auto frame, in.read<std::uint8_t>());
-  LODE_TRY(const auto type, in.read<std::uint8_t>());
-  LODE_TRY(const auto has_nodata, in.read<std::uint8_t>());
-  LODE_TRY(const auto nodata, in.read<double>());
-  LODE_TRY(info.field_name, in.read_string());
-  info.type = static_cast<ScalarType>(type);
-  if (!is_valid(info.type) || frame > static_cast<std::uint8_t>(Frame::lps))
-    return fail("{}: metadata: expected a sample type 1..10 and a frame 0..2, got {} and {}",
-                reader.path(), type, frame);
-  info.grid.frame = static_cast<Frame>(frame);
-  if (has_nodata != 0) info.nodata = nodata;
-  return info;
-}
-
-/// Loads one kind of block into arrays, in parallel; body(region, bytes) puts the points.
+/// Loads one kind of block into arrays, in parallel; body(i, bytes) puts the points of region i.
 template <int D, typename Body>
-Result<void> load_blocks(const store::Reader& reader, const Shape<D>& shape, Kind kind,
+Result<void> load_blocks(const store::Reader& reader, std::span<const Region<D>> regions, Kind kind,
                          std::size_t element_size, Threads threads, Progress& progress,
                          const Body& body) {
-  const std::vector<Region<D>> regions = all_regions<D>(shape, kind);
   std::vector<Error> errors(regions.size());
   std::atomic<std::size_t> n_done{0};
   parallel_for(regions.size(), threads, 1, [&](std::size_t i, int) {
@@ -75,7 +36,7 @@ Result<void> load_blocks(const store::Reader& reader, const Shape<D>& shape, Kin
       errors[i] = bytes.error();
       return;
     }
-    body(regions[i], bytes->data());
+    body(i, bytes->data());
     progress.report("loading", static_cast<double>(++n_done) / static_cast<double>(regions.size()));
   });
   if (progress.is_cancelled()) return cancelled_error();
@@ -87,8 +48,8 @@ Result<void> load_blocks(const store::Reader& reader, const Shape<D>& shape, Kin
 /// Refuses metadata that promises other samples than the directory holds, before memory is asked.
 template <int D>
 Result<void> check_size(const store::Reader& reader, const VolumeInfo& info) {
-  const auto expected =
-      static_cast<std::uint64_t>(info.grid.n_samples()) * size_of(storage_type(info.type));
+  const Shape<D> shape = Shape<D>::of(AxisMap<D>::of(info.grid.dims).lattice_dims(info.grid.dims));
+  const std::uint64_t expected = count_stored_samples<D>(shape) * size_of(storage_type(info.type));
   std::uint64_t present = 0;
   for (const store::BlockEntry& block : reader.blocks())
     if (block.key.kind == static_cast<std::uint32_t>(Kind::samples)) present += block.raw_size;
@@ -98,31 +59,72 @@ Result<void> check_size(const store::Reader& reader, const VolumeInfo& info) {
               present);
 }
 
+/// Compares the samples beyond the data that one block holds, as for_each_row comes to them, with
+/// the nearest ones in `all`, the samples of the data: bit by bit, as a hole may be NaN.
+template <typename T, int D>
+Result<void> check_beyond(const store::Reader& reader, const Shape<D>& shape, const Region<D>& r,
+                          const std::byte* all, std::span<const std::byte> beyond) {
+  if (beyond.empty()) return {};
+  const std::byte* from = beyond.data();
+  Error error;
+  for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
+    for (std::int32_t i = count_inside(shape, r.level, q, n, stride); i < n; ++i) {
+      Index<D> at = q;
+      at[0] += i * stride;
+      Index<D> nearest;
+      for (std::size_t a = 0; a < as_size(D); ++a)
+        nearest[a] = std::min(at[a] << r.level, shape.dims[a] - 1);
+      T expected;
+      T got;
+      std::memcpy(&expected, all + linear_index<D>(shape.dims, nearest) * sizeof(T), sizeof(T));
+      std::memcpy(&got, std::exchange(from, from + sizeof(T)), sizeof(T));
+      if (std::memcmp(&expected, &got, sizeof(T)) != 0 && error.message.empty())
+        error = fail(
+            "{}: {}: beyond the data at grid point {}: expected the nearest sample, {}, got {}",
+            reader.path(), describe(key_of(Kind::samples, r)), fmt::join(at.v, " "), expected, got);
+    }
+  });
+  if (!error.message.empty()) return error;
+  return {};
+}
+
+/// Loads the samples of the data, x fastest, into `all`; those beyond it are only checked.
+template <typename T, int D>
+Result<void> load_samples_as(const Shape<D>& shape, const store::Reader& reader, Threads threads,
+                             Progress& progress, std::byte* all) {
+  const std::vector<Region<D>> regions = all_regions<D>(shape, Kind::samples);
+  std::vector<std::vector<std::byte>> beyond(regions.size());
+  const auto put_block = [&](std::size_t block, const std::byte* from) {
+    const Region<D>& r = regions[block];
+    for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
+      const std::int32_t n_inside = count_inside(shape, r.level, q, n, stride);
+      for (std::int32_t& x : q.v) x <<= r.level;
+      std::byte* to = n_inside > 0 ? all + linear_index<D>(shape.dims, q) * sizeof(T) : nullptr;
+      const std::size_t step = sizeof(T) * as_size(stride << r.level);
+      for (std::size_t i = 0; i < as_size(n_inside); ++i, from += sizeof(T))
+        std::memcpy(to + i * step, from, sizeof(T));
+      const std::byte* end = from + as_size(n - n_inside) * sizeof(T);
+      beyond[block].insert(beyond[block].end(), from, end);
+      from = end;
+    });
+  };
+  LODE_CHECK(
+      load_blocks<D>(reader, regions, Kind::samples, sizeof(T), threads, progress, put_block));
+  for (std::size_t i = 0; i < regions.size(); ++i)
+    LODE_CHECK((check_beyond<T, D>(reader, shape, regions[i], all, beyond[i])));
+  return {};
+}
+
 template <int D>
 Result<void> load_samples(Model<D>& model, const store::Reader& reader, Threads threads,
                           Progress& progress) {
-  const std::size_t size = model.sample_size();
   const Index<D> dims = model.shape.dims;
-  UninitializedArray<std::byte> all(n_points<D>(dims) * size);
-  const auto put_block = [&]<typename T>(const Region<D>& r, const std::byte* from) {
-    for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
-      for (std::size_t a = 0; a < as_size(D); ++a) q[a] <<= r.level;
-      std::byte* to = all.data() + linear_index<D>(dims, q) * sizeof(T);
-      const std::size_t step = sizeof(T) * as_size(stride << r.level);
-      for (std::size_t i = 0; i < as_size(n); ++i, from += sizeof(T))
-        std::memcpy(to + i * step, from, sizeof(T));
-    });
-  };
-  LODE_CHECK(load_blocks<D>(reader, model.shape, Kind::samples, size, threads, progress,
-                            [&](const Region<D>& r, const std::byte* from) {
-                              visit_storage_type(model.storage, [&]<typename T>() {
-                                put_block.template operator()<T>(r, from);
-                              });
-                            }));
+  UninitializedArray<std::byte> all(n_points<D>(dims) * model.sample_size());
+  LODE_CHECK(visit_storage_type(model.storage, [&]<typename T>() {
+    return load_samples_as<T, D>(model.shape, reader, threads, progress, all.data());
+  }));
   put_samples<D>(model, {{}, dims}, all.data(), threads);
   finish_samples<D>(model, threads);
-  if (auto checked = check_magnitude(model.stats); !checked)
-    return fail("{}: {}", reader.path(), checked.error().message);
   return {};
 }
 
@@ -130,7 +132,9 @@ Result<void> load_samples(Model<D>& model, const store::Reader& reader, Threads 
 template <typename T, int D, typename ArrayOf>
 Result<void> load_attribute(const Shape<D>& shape, const store::Reader& reader, Kind kind,
                             Threads threads, Progress& progress, const ArrayOf& array_of) {
-  const auto put_block = [&](const Region<D>& r, const std::byte* from) {
+  const std::vector<Region<D>> regions = all_regions<D>(shape, kind);
+  const auto put_block = [&](std::size_t block, const std::byte* from) {
+    const Region<D>& r = regions[block];
     auto& to = array_of(r.level);
     const Index<D> dims = shape.grid_dims(r.level);
     for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
@@ -142,7 +146,7 @@ Result<void> load_attribute(const Shape<D>& shape, const store::Reader& reader, 
       }
     });
   };
-  return load_blocks<D>(reader, shape, kind, sizeof(T), threads, progress, put_block);
+  return load_blocks<D>(reader, regions, kind, sizeof(T), threads, progress, put_block);
 }
 
 template <int D>
@@ -179,17 +183,44 @@ Result<void> load_attributes(Model<D>& model, const store::Reader& reader, Threa
   });
 }
 
+/// Compares a number of the metadata with the same one found from the blocks.
+template <typename T>
+Result<void> check_said(const store::Reader& reader, const std::string& name, T said, T found) {
+  if (said == found) return {};
+  return fail("{}: {}: expected {}, as the metadata says, its blocks give {}", reader.path(), name,
+              said, found);
+}
+
+Result<void> check_stats(const store::Reader& reader, const FieldStats& said,
+                         const FieldStats& found) {
+  LODE_CHECK(check_said(reader, "smallest sample", said.min, found.min));
+  LODE_CHECK(check_said(reader, "largest sample", said.max, found.max));
+  LODE_CHECK(check_said(reader, "number of holes", said.n_holes, found.n_holes));
+  return check_said(reader, "number of removed cells", said.n_removed_cells, found.n_removed_cells);
+}
+
+/// Both have one maximum a level.
+Result<void> check_errors(const store::Reader& reader, const Summary& said, const Summary& found) {
+  LODE_CHECK(check_said(reader, "base error", said.base_error, found.base_error));
+  for (std::size_t level = 0; level < found.max_errors.size(); ++level)
+    LODE_CHECK(check_said(reader, fmt::format("largest error of level {}", level),
+                          said.max_errors[level], found.max_errors[level]));
+  return {};
+}
+
 }  // namespace
 
 template <int D>
 Result<Model<D>> load(const store::Reader& reader, Threads threads, Progress& progress) {
-  LODE_TRY(const VolumeInfo info, decode_metadata(reader));
-  LODE_CHECK(check_size<D>(reader, info));
-  Model<D> model = Model<D>::make(info);
+  LODE_TRY(const Metadata metadata, read_metadata(reader));
+  LODE_CHECK(check_size<D>(reader, metadata.info));
+  Model<D> model = Model<D>::make(metadata.info);
   LODE_CHECK(load_samples<D>(model, reader, threads, progress));
+  LODE_CHECK(check_stats(reader, metadata.summary.stats, model.stats));
   model.levels.resize(as_size(model.shape.n_levels));
   LODE_CHECK(load_attributes<D>(model, reader, threads, progress));
   compute_level_0<D>(model, threads);
+  LODE_CHECK(check_errors(reader, metadata.summary, summarize<D>(model)));
   return model;
 }
 

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "lode/core/progress.h"
 #include "lode/models/diamond/model.h"
+#include "lode/models/diamond/summary.h"
 #include "lode/store/reader.h"
 
 namespace lode::diamond {
@@ -12,13 +16,27 @@ namespace lode::diamond {
 template <int D>
 [[nodiscard]] std::string model_name();
 
+/// What a file says of its model beside the blocks (docs/format.md, section 7).
+struct Metadata {
+  VolumeInfo info;
+  Summary summary;
+};
+
+[[nodiscard]] std::vector<std::byte> encode_metadata(const Metadata& metadata);
+
+/// Reads the metadata of a diamond2d or diamond3d, and no block. Fails, naming the file, on sizes,
+/// ranges, counts and errors that no model has, and on bytes too few or too many. Whether the
+/// summary is true, only load() finds out.
+[[nodiscard]] Result<Metadata> read_metadata(const store::Reader& reader);
+
 /// Writes the model as blocks, coarse levels first, along a space-filling curve inside a level
 /// (docs/format.md). The bytes depend on the model only.
 template <int D>
 [[nodiscard]] Result<void> save(const Model<D>& model, const std::string& path, Threads threads,
                                 Progress& progress);
 
-/// Loads a whole model; every block is checked.
+/// Loads a whole model. Every block is checked, samples beyond the data against the nearest ones in
+/// it, and the metadata's summary against what the blocks give.
 template <int D>
 [[nodiscard]] Result<Model<D>> load(const store::Reader& reader, Threads threads,
                                     Progress& progress);

@@ -1,6 +1,5 @@
 #include "lode/models/diamond/block_layout.h"
 #include "lode/models/diamond/persist.h"
-#include "lode/store/bytes.h"
 #include "lode/store/codec.h"
 #include "lode/store/writer.h"
 
@@ -21,38 +20,45 @@ struct PendingBlock {
   store::EncodedBlock block;
 };
 
+/// Appends n samples, the first at lattice point p and `step` apart along x; where they lie beyond
+/// the data, the nearest ones.
+template <typename T, int D>
+T* copy_samples(const Model<D>& model, const Index<D>& p, std::int32_t n, std::int32_t step,
+                T* to) {
+  Index<D> local = model.clamped(p);
+  Index<D> brick;
+  for (std::size_t a = 0; a < as_size(D); ++a) {
+    brick[a] = std::min(local[a] / kBrickEdge<D>, model.brick_dims[a] - 1);
+    local[a] -= brick[a] * kBrickEdge<D>;
+  }
+  local[0] = 0;
+  const T* from = nullptr;
+  std::int32_t begin = 0;  // the brick's first x
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t x = std::min(p[0] + i * step, model.shape.dims[0] - 1);
+    if (from == nullptr || x > begin + kBrickEdge<D>) {
+      brick[0] = std::min(x / kBrickEdge<D>, model.brick_dims[0] - 1);
+      begin = brick[0] * kBrickEdge<D>;
+      from = reinterpret_cast<const T*>(model.brick(linear_index<D>(model.brick_dims, brick))) +
+             model.brick_offset(local);
+    }
+    *to++ = from[x - begin];
+  }
+  return to;
+}
+
 template <int D>
 void encode_samples(const Model<D>& model, const Region<D>& r, std::vector<PendingBlock>& out) {
   visit_storage_type(model.storage, [&]<typename T>() {
     std::vector<T> values(count_points(r));
+    if (values.empty()) return;
     T* to = values.data();
-    for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
-      Index<D> brick;
-      Index<D> p;
-      for (std::size_t a = 0; a < as_size(D); ++a) {
-        p[a] = q[a] << r.level;
-        brick[a] = std::min(p[a] / kBrickEdge<D>, model.brick_dims[a] - 1);
-        p[a] -= brick[a] * kBrickEdge<D>;
-      }
-      const std::int32_t step = stride << r.level;
-      const T* from = nullptr;
-      for (std::int32_t i = 0; i < n; ++i, p[0] += step) {
-        if (from == nullptr || p[0] > kBrickEdge<D>) {
-          const std::int32_t bricks =
-              std::min(p[0] / kBrickEdge<D>, model.brick_dims[0] - 1 - brick[0]);
-          brick[0] += bricks;
-          p[0] -= bricks * kBrickEdge<D>;
-          const std::int32_t x = std::exchange(p[0], 0);
-          from = reinterpret_cast<const T*>(model.brick(linear_index<D>(model.brick_dims, brick))) +
-                 model.brick_offset(p);
-          p[0] = x;
-        }
-        *to++ = from[p[0]];
-      }
+    for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
+      for (std::int32_t& x : q.v) x <<= r.level;
+      to = copy_samples<T, D>(model, q, n, stride << r.level, to);
     });
-    if (!values.empty())
-      out.push_back({key_of(Kind::samples, r),
-                     store::encode_block(std::as_bytes(std::span<const T>(values)), sizeof(T))});
+    out.push_back({key_of(Kind::samples, r),
+                   store::encode_block(std::as_bytes(std::span<const T>(values)), sizeof(T))});
   });
 }
 
@@ -90,21 +96,6 @@ void encode_attributes(const Model<D>& model, const Region<D>& r, std::vector<Pe
   });
 }
 
-std::vector<std::byte> encode_metadata(const VolumeInfo& info) {
-  store::ByteWriter out;
-  for (const std::int32_t n : info.grid.dims.v) out.write(n);
-  for (const double x : info.grid.spacing.v) out.write(x);
-  for (const double x : info.grid.origin.v) out.write(x);
-  for (const Vec3d& row : info.grid.direction.rows)
-    for (const double x : row.v) out.write(x);
-  out.write(static_cast<std::uint8_t>(info.grid.frame));
-  out.write(static_cast<std::uint8_t>(info.type));
-  out.write(static_cast<std::uint8_t>(info.nodata.has_value() ? 1 : 0));
-  out.write(info.nodata.value_or(0));
-  out.write_string(info.field_name);
-  return std::move(out).take();
-}
-
 }  // namespace
 
 template <int D>
@@ -115,7 +106,8 @@ std::string model_name() {
 template <int D>
 Result<void> save(const Model<D>& model, const std::string& path, Threads threads,
                   Progress& progress) {
-  LODE_TRY(auto writer, store::Writer::create(path, model_name<D>(), encode_metadata(model.info)));
+  const Metadata metadata{.info = model.info, .summary = summarize<D>(model)};
+  LODE_TRY(auto writer, store::Writer::create(path, model_name<D>(), encode_metadata(metadata)));
   std::vector<Region<D>> sample_regions = all_regions<D>(model.shape, Kind::samples);
   std::vector<Region<D>> node_regions = all_regions<D>(model.shape, Kind::errors);
   for (int level = model.shape.n_levels - 1; level >= 0; --level) {
