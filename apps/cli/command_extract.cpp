@@ -192,7 +192,7 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
   const auto accept = [&](const VolumeInfo& volume) {
     return check_holds(arguments.output, volume);
   };
-  LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading, accept));
+  LODE_TRY(const Input input, load_input(session, arguments.input, arguments.reading, accept));
   Totals totals;
   OutputSet outputs(paths);
   Json steps;

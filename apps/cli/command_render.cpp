@@ -193,7 +193,7 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   for (const std::string& path : arguments.outputs()) LODE_CHECK(check_writable(path));
   LODE_TRY(OutputFolder folder, OutputFolder::make(arguments.progressive.directory));
   LODE_TRY(OutputFolder path_folder, OutputFolder::make(arguments.path.frames));
-  LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
+  LODE_TRY(const Input input, load_input(session, arguments.input, arguments.reading));
   Rendering rendering;
   Surface surface;
   LODE_TRY(rendering.extraction, input.dataset.extract(extraction, surface, session.progress()));

@@ -49,7 +49,7 @@ void append(VerifyReport& report, VerifyReport more) {
 
 Result<void> verify_model(const VerifyArguments& arguments, Session& session,
                           VerifyReport& report) {
-  LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
+  LODE_TRY(const Input input, load_input(session, arguments.input, arguments.reading));
   if (!arguments.original.empty()) {
     LODE_TRY(const ReadOptions options, to_read_options(arguments.reading));
     LODE_TRY(const auto original, open_volume(arguments.original, options));

@@ -90,7 +90,7 @@ Outcome report_outcome(const MeshJob& job, const Input& input, const Made& made,
 
 Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
   LODE_TRY(const MeshOptions options, to_mesh_options(job.query, job.extraction));
-  LODE_TRY(const Input input, open_input(session, job.input, job.reading));
+  LODE_TRY(const Input input, load_input(session, job.input, job.reading));
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
   Made made = to_made(report, !options.query.max_error);
@@ -130,7 +130,7 @@ Result<void> check_is_volume(const VolumeInfo& volume) {
 
 Result<Outcome> run_section(const MeshJob& job, Session& session) {
   LODE_TRY(const SectionOptions options, to_section_options(job.query, job.extraction));
-  LODE_TRY(const Input input, open_input(session, job.input, job.reading, check_is_volume));
+  LODE_TRY(const Input input, load_input(session, job.input, job.reading, check_is_volume));
   LODE_CHECK(check_is_volume(input.info.volume));
   Surface section;
   LODE_TRY(const SectionReport report,

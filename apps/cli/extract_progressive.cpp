@@ -22,7 +22,7 @@ Result<void> write_step(const StepsJob& job, const ProgressiveStep& step, const 
 
 Result<Json> write_steps(const StepsJob& job, Session& session, OutputSet& outputs) {
   Progress& progress = session.progress();
-  LODE_TRY(auto surfaces, ProgressiveSurface::begin(job.input.dataset, job.options));
+  LODE_TRY(auto surfaces, ProgressiveSurface::begin(job.input.dataset, job.options, progress));
   Json index;
   index["isovalue"] = job.options.isovalues.front();
   index["steps"] = Json::array();

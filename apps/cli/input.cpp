@@ -123,11 +123,20 @@ Result<Input> open_input(Session& session, const std::string& path,
   LODE_TRY(const ReadOptions options, to_read_options(arguments));
   const bool is_foreign = !is_lode_path(path);
   auto dataset = is_foreign ? build_in_memory(session, path, options, accept)
-                            : Dataset::open(path, session.threads(), session.progress());
+                            : Dataset::open(path, session.threads());
   if (!dataset) return dataset.error();
   DatasetInfo info = dataset->describe();
   if (accept) LODE_CHECK(accept(info.volume));
   return Input{std::move(dataset).value(), std::move(info), watch.seconds(), is_foreign};
+}
+
+Result<Input> load_input(Session& session, const std::string& path,
+                         const ReadingArguments& arguments, const AcceptVolume& accept) {
+  LODE_TRY(Input input, open_input(session, path, arguments, accept));
+  const Stopwatch watch;
+  LODE_CHECK(input.dataset.load(session.progress()));
+  input.open_seconds += watch.seconds();
+  return input;
 }
 
 Json extract_head(const std::string& input_path, const Input& input,

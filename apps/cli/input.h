@@ -45,8 +45,13 @@ struct Input {
 /// Looks at what a file holds before the work starts, and may refuse it.
 using AcceptVolume = std::function<Result<void>(const VolumeInfo&)>;
 
-/// Opens a .lode file, or builds a foreign one in memory and says so on stderr.
+/// Opens a .lode file, of which nothing is read yet, or builds a foreign one in memory and says so
+/// on stderr.
 [[nodiscard]] Result<Input> open_input(Session& session, const std::string& path,
+                                       const ReadingArguments& arguments,
+                                       const AcceptVolume& accept = {});
+/// The same, with all of a .lode file read: for what looks at everything.
+[[nodiscard]] Result<Input> load_input(Session& session, const std::string& path,
                                        const ReadingArguments& arguments,
                                        const AcceptVolume& accept = {});
 

@@ -55,7 +55,8 @@ Result<int> to_frames_per_step(const ProgressiveArguments& arguments) {
 }
 
 Result<Json> draw_frames(const FramesJob& job, Session& session, OutputSet& outputs) {
-  LODE_TRY(auto surfaces, ProgressiveSurface::begin(job.input.dataset, job.extraction));
+  LODE_TRY(auto surfaces,
+           ProgressiveSurface::begin(job.input.dataset, job.extraction, session.progress()));
   FrameWriter frames(job, session.progress(), outputs);
   Json steps = Json::array();
   while (true) {

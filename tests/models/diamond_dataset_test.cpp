@@ -173,7 +173,7 @@ TEST(dataset, comes_back_from_a_file_as_it_was) {
   const Dataset dataset = build(volume);
   ASSERT_TRUE(dataset.save(path, {2}, progress));
   expect_passed(verify_file(path, {2}, progress));
-  auto opened = Dataset::open(path, {2}, progress);
+  auto opened = Dataset::open(path, {2});
   ASSERT_TRUE(opened) << opened.error().message;
   EXPECT_EQ(opened->describe().volume, dataset.describe().volume);
   const ExtractOptions options{.isovalues = {40.0}, .max_error = 15.0, .threads = {2}};

@@ -23,7 +23,7 @@ struct Walked {
 /// Each step against the extraction with its tolerance.
 Walked walk(const Dataset& dataset, const ExtractOptions& options) {
   Progress progress;
-  auto surfaces = ProgressiveSurface::begin(dataset, options).value();
+  auto surfaces = ProgressiveSurface::begin(dataset, options, progress).value();
   Walked walked;
   while (surfaces.advance(progress).value()) {
     const ProgressiveStep& step = surfaces.step();
@@ -72,9 +72,9 @@ TEST(progressive_surface, goes_through_contours_clip_boxes_and_turned_surfaces) 
                  .orientation = Orientation::from_higher_values,
                  .normals = Normals::off});
   Progress progress;
-  auto cropped =
-      ProgressiveSurface::begin(dataset, {.isovalues = {0.1}, .max_error = 0.1, .clip = box})
-          .value();
+  auto cropped = ProgressiveSurface::begin(
+                     dataset, {.isovalues = {0.1}, .max_error = 0.1, .clip = box}, progress)
+                     .value();
   while (cropped.advance(progress).value())
     for (const double moment : {0.5, 1.0})
       for (const Vec3f& p : cropped.surface(moment).positions) {
@@ -92,9 +92,9 @@ TEST(progressive_surface, has_one_empty_step_where_the_isovalue_meets_nothing) {
 
 TEST(progressive_surface, refuses_several_isovalues_and_stops_when_cancelled) {
   const Dataset dataset = dataset_of(oracles::Field::sphere, {{9, 9, 9}});
-  EXPECT_FALSE(ProgressiveSurface::begin(dataset, {.isovalues = {0.5, 0.6}}));
-  auto surfaces = ProgressiveSurface::begin(dataset, {.isovalues = {0.5}}).value();
   Progress progress;
+  EXPECT_FALSE(ProgressiveSurface::begin(dataset, {.isovalues = {0.5, 0.6}}, progress));
+  auto surfaces = ProgressiveSurface::begin(dataset, {.isovalues = {0.5}}, progress).value();
   progress.cancel();
   EXPECT_FALSE(surfaces.advance(progress));
 }

@@ -24,7 +24,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 template <int D>
 double tolerance_of(const diamond::Model<D>& model, const ExtractOptions& options) {
-  return options.max_error.value_or(default_tolerance(model));
+  return options.max_error.value_or(default_tolerance(model.stats));
 }
 
 /// Appends one isovalue's surface, with isovalue and normals per vertex.
@@ -103,20 +103,14 @@ LevelInfo describe_level(const diamond::Shape<D>& shape, int level, double max_e
 }
 
 template <int D>
-DatasetInfo describe_model(const diamond::Model<D>& model) {
-  const diamond::Summary summary = diamond::summarize<D>(model);
-  DatasetInfo info;
-  info.model = diamond::model_name<D>();
-  info.volume = model.info;
-  info.range_min = summary.stats.min;
-  info.range_max = summary.stats.max;
-  info.n_holes = summary.stats.n_holes;
-  info.n_removed_cells = summary.stats.n_removed_cells;
-  info.base_error = summary.base_error;
-  for (int level = 0; level < model.shape.n_levels; ++level)
-    info.levels.push_back(
-        describe_level<D>(model.shape, level, summary.max_errors[static_cast<std::size_t>(level)]));
-  return info;
+std::vector<LevelInfo> describe_levels(const VolumeInfo& info, const diamond::Summary& summary) {
+  const auto lattice = diamond::AxisMap<D>::of(info.grid.dims).lattice_dims(info.grid.dims);
+  const auto shape = diamond::Shape<D>::of(lattice);
+  std::vector<LevelInfo> levels;
+  for (int level = 0; level < shape.n_levels; ++level)
+    levels.push_back(
+        describe_level<D>(shape, level, summary.max_errors[static_cast<std::size_t>(level)]));
+  return levels;
 }
 
 }  // namespace
@@ -158,36 +152,48 @@ Result<Dataset> Dataset::build(VolumeSource& source, const BuildOptions& options
   return Dataset(std::make_unique<Impl>(std::move(model)));
 }
 
-Result<Dataset> Dataset::open(const std::string& path, Threads threads, Progress& progress) {
-  LODE_TRY(const auto reader, store::Reader::open(path));
-  auto stored = diamond::stored_bytes(reader);
-  if (reader.model() == diamond::model_name<2>()) {
-    LODE_TRY(auto model, diamond::load<2>(reader, threads, progress));
-    return Dataset(std::make_unique<Impl>(std::move(model), std::move(stored)));
-  }
-  if (reader.model() == diamond::model_name<3>()) {
-    LODE_TRY(auto model, diamond::load<3>(reader, threads, progress));
-    return Dataset(std::make_unique<Impl>(std::move(model), std::move(stored)));
-  }
-  return fail("{}: expected a model diamond2d or diamond3d, got \"{}\"", path, reader.model());
+Result<Dataset> Dataset::open(const std::string& path, Threads threads) {
+  LODE_TRY(auto reader, store::Reader::open(path));
+  if (reader.model() != diamond::model_name<2>() && reader.model() != diamond::model_name<3>())
+    return fail("{}: expected a model diamond2d or diamond3d, got \"{}\"", path, reader.model());
+  LODE_TRY(auto metadata, diamond::read_metadata(reader));
+  return Dataset(std::make_unique<Impl>(std::move(reader), std::move(metadata), threads));
+}
+
+Result<void> Dataset::load(Progress& progress) const {
+  const auto held = impl_->model(progress);
+  if (!held) return held.error();
+  return {};
 }
 
 Result<void> Dataset::save(const std::string& path, Threads threads, Progress& progress) const {
+  LODE_TRY(const auto* const held, impl_->model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
         return diamond::save<D>(model, path, threads, progress);
       },
-      impl_->model);
+      *held);
 }
 
 DatasetInfo Dataset::describe() const {
-  DatasetInfo info = std::visit(
-      []<int D>(const diamond::Model<D>& model) { return describe_model<D>(model); }, impl_->model);
-  if (impl_->stored) {
-    info.data_bytes = impl_->stored->samples;
-    info.attribute_bytes = impl_->stored->attributes;
-    for (std::size_t i = 0; i < std::min(info.levels.size(), impl_->stored->by_level.size()); ++i)
-      info.levels[i].bytes = impl_->stored->by_level[i];
+  const diamond::Summary& summary = impl_->summary();
+  const bool is_2d = impl_->is_flat();
+  DatasetInfo info{.model = is_2d ? diamond::model_name<2>() : diamond::model_name<3>(),
+                   .volume = impl_->info(),
+                   .range_min = summary.stats.min,
+                   .range_max = summary.stats.max,
+                   .n_holes = summary.stats.n_holes,
+                   .n_removed_cells = summary.stats.n_removed_cells,
+                   .base_error = summary.base_error,
+                   .levels = is_2d ? describe_levels<2>(impl_->info(), summary)
+                                   : describe_levels<3>(impl_->info(), summary)};
+  info.levels =
+      is_2d ? describe_levels<2>(info.volume, summary) : describe_levels<3>(info.volume, summary);
+  if (const auto& stored = impl_->stored()) {
+    info.data_bytes = stored->samples;
+    info.attribute_bytes = stored->attributes;
+    for (std::size_t i = 0; i < std::min(info.levels.size(), stored->by_level.size()); ++i)
+      info.levels[i].bytes = stored->by_level[i];
   }
   return info;
 }
@@ -195,9 +201,10 @@ DatasetInfo Dataset::describe() const {
 Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& surface,
                                        Progress& progress) const {
   LODE_CHECK(check_extract_options(options));
-  const auto start = std::chrono::steady_clock::now();
   if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
   ExtractReport report;
+  LODE_TRY(const auto* const held, impl_->model(progress));
+  const auto start = std::chrono::steady_clock::now();
   const auto done = std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
         report.max_error = tolerance_of<D>(model, options);
@@ -205,7 +212,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
           LODE_CHECK(extract_one<D>(model, options, isovalue, surface, report, progress));
         return finish_surface<D>(model, options, surface, report);
       },
-      impl_->model);
+      *held);
   if (!done) return done.error();
   report.seconds.total = seconds_since(start);
   return report;
@@ -213,11 +220,12 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
 
 Result<VerifyReport> Dataset::verify_against(VolumeSource& original, Threads threads,
                                              Progress& progress) const {
+  LODE_TRY(const auto* const held, impl_->model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) {
         return verify_model_against<D>(model, original, threads, progress);
       },
-      impl_->model);
+      *held);
 }
 
 Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const ExtractOptions& options,
@@ -226,12 +234,13 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   again.normals = Normals::off;
   Surface expected;
   LODE_CHECK(extract(again, expected, progress));
+  LODE_TRY(const auto* const held, impl_->model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) {
         return verify_model_surface<D>(model, surface, expected, options,
                                        tolerance_of<D>(model, options), progress);
       },
-      impl_->model);
+      *held);
 }
 
 Result<VerifyReport> verify_file(const std::string& path, Threads threads, Progress& progress) {

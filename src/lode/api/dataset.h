@@ -119,9 +119,12 @@ class Dataset {
   /// Builds the hierarchy of a volume with proven errors and ranges.
   [[nodiscard]] static Result<Dataset> build(VolumeSource& source, const BuildOptions& options,
                                              Progress& progress);
-  /// Opens a .lode file; every block that is read is checked.
-  [[nodiscard]] static Result<Dataset> open(const std::string& path, Threads threads,
-                                            Progress& progress);
+  /// Opens a .lode file without reading its blocks. Live queries and sessions read what they need,
+  /// when they need it; everything else loads the whole file first, once. Each block that is read
+  /// is checked. `threads`: for loading.
+  [[nodiscard]] static Result<Dataset> open(const std::string& path, Threads threads);
+  /// Loads what is still in the file.
+  [[nodiscard]] Result<void> load(Progress& progress) const;
   /// Writes the .lode file, whole or not at all.
   [[nodiscard]] Result<void> save(const std::string& path, Threads threads,
                                   Progress& progress) const;

@@ -3,40 +3,51 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <variant>
 
 #include "lode/api/dataset.h"
+#include "lode/models/diamond/paged_model.h"
 #include "lode/models/diamond/persist.h"
 #include "lode/models/diamond/world_error.h"
 
 namespace lode {
 
-/// What a Dataset holds: one of the built-in models.
+/// What a Dataset holds: one of the built-in models, in memory or in a file. Const members are safe
+/// from many threads.
 class Dataset::Impl {
  public:
-  template <typename Model>
-  explicit Impl(Model held, std::optional<diamond::StoredBytes> stored_bytes = {})
-      : model(std::move(held)), stored(std::move(stored_bytes)) {}
+  using AnyModel = std::variant<diamond::Model<2>, diamond::Model<3>>;
+  using AnyPages = std::variant<std::unique_ptr<const diamond::PagedModel<2>>,
+                                std::unique_ptr<const diamond::PagedModel<3>>>;
 
-  std::variant<diamond::Model<2>, diamond::Model<3>> model;
-  std::optional<diamond::StoredBytes> stored;
+  explicit Impl(AnyModel built);
+  Impl(store::Reader reader, diamond::Metadata metadata, Threads threads);
 
-  /// Found when first asked for, on all cores; they are not in files. Safe from many threads.
+  [[nodiscard]] bool is_flat() const { return is_flat_; }
+  [[nodiscard]] const VolumeInfo& info() const { return metadata_.info; }
+  [[nodiscard]] const diamond::Summary& summary() const { return metadata_.summary; }
+  /// Of the file; none for a model that was built.
+  [[nodiscard]] const std::optional<diamond::StoredBytes>& stored() const { return stored_; }
+
+  /// All of it in memory; a file is loaded when this is first asked.
+  [[nodiscard]] Result<const AnyModel*> model(Progress& progress) const;
+  /// Pages of the file that come when they are wanted; null if the model is in memory, or has
+  /// holes.
+  [[nodiscard]] Result<const AnyPages*> pages() const;
+  /// Found when first asked for, on all cores; they are not in files.
   [[nodiscard]] Result<std::shared_ptr<const diamond::WorldErrors>> world_errors(
-      Progress& progress) const {
-    const std::lock_guard lock(world_errors_mutex_);
-    if (!world_errors_) {
-      LODE_TRY(auto found, std::visit(
-                               [&]<int D>(const diamond::Model<D>& held) {
-                                 return diamond::compute_world_errors<D>(held, {}, progress);
-                               },
-                               model));
-      world_errors_ = std::make_shared<const diamond::WorldErrors>(std::move(found));
-    }
-    return world_errors_;
-  }
+      Progress& progress) const;
 
  private:
+  bool is_flat_;
+  diamond::Metadata metadata_;
+  std::optional<diamond::StoredBytes> stored_;
+  Threads threads_{};
+  std::optional<store::Reader> reader_;
+  mutable std::mutex mutex_;
+  mutable std::optional<AnyModel> model_;
+  mutable std::optional<AnyPages> pages_;
   mutable std::mutex world_errors_mutex_;
   mutable std::shared_ptr<const diamond::WorldErrors> world_errors_;
 };
@@ -45,10 +56,9 @@ class Dataset::Impl {
 [[nodiscard]] Result<void> check_extract_options(const ExtractOptions& options);
 
 /// The tolerance that is chosen where none is asked for.
-template <typename Model>
-[[nodiscard]] double default_tolerance(const Model& model) {
+[[nodiscard]] inline double default_tolerance(const diamond::FieldStats& stats) {
   constexpr double kShareOfRange = 0.005;
-  return kShareOfRange * (model.stats.max - model.stats.min);
+  return kShareOfRange * (stats.max - stats.min);
 }
 
 }  // namespace lode

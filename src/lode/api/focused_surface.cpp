@@ -9,6 +9,7 @@
 #include "lode/api/finishing.h"
 #include "lode/api/live_query.h"
 #include "lode/mappers/lattice_frame.h"
+#include "lode/mappers/surface_order.h"
 
 namespace lode {
 namespace {
@@ -20,14 +21,13 @@ double steady_seconds() {
 /// What writing a surface of so many cells takes at most, so that a deadline is kept.
 double finishing_seconds(std::size_t n_cells) { return 2e-4 + 2e-7 * static_cast<double>(n_cells); }
 
-template <int D>
-Result<Query> complete_focused(const diamond::Model<D>& model, const FocusedOptions& options) {
+Result<Query> complete_focused(const diamond::FieldStats& stats, const FocusedOptions& options) {
   Query query = options.query;
   if (query.isovalues.size() != 1)
     return fail("a surface in focus: expected one isovalue, got {}", query.isovalues.size());
   if (!query.max_error && !query.max_error_px) {
     const bool is_limited = query.budget.is_limited() || options.deadline_s;
-    query.max_error = is_limited ? 0 : default_tolerance(model);
+    query.max_error = is_limited ? 0 : default_tolerance(stats);
   }
   if (options.deadline_s && !(*options.deadline_s >= 0))
     return fail("deadline: expected a number >= 0, got {}", *options.deadline_s);
@@ -74,15 +74,19 @@ bool crop_to_data(const RegularGrid& grid, Surface& surface) {
 
 /// Refines until the answer, the deadline or a cancellation.
 template <typename Clock>
-void refine(LiveQuery& live, const std::optional<double>& deadline, const Clock& clock,
-            Progress& progress) {
+Result<void> refine(LiveQuery& live, const std::optional<double>& deadline, const Clock& clock,
+                    Progress& progress) {
   constexpr int kStepsPerLook = 16;
+  constexpr std::chrono::microseconds kLongestWait{500};
   for (int i = 0;; ++i) {
-    if (i % kStepsPerLook == 0) {
-      if (progress.is_cancelled()) return;
-      if (deadline && clock() + finishing_seconds(live.n_cells()) >= *deadline) return;
-    }
-    if (!live.step()) return;
+    const bool has_moved = i == 0 || live.step();
+    if (has_moved && i % kStepsPerLook != 0) continue;
+    if (progress.is_cancelled()) return cancelled_error();
+    if (deadline && clock() + finishing_seconds(live.n_cells()) >= *deadline) return {};
+    if (has_moved) continue;
+    if (!live.standing().awaits_data) return {};
+    if (auto fault = live.fault()) return *fault;
+    live.wait(std::chrono::steady_clock::now() + kLongestWait);
   }
 }
 
@@ -91,39 +95,38 @@ void refine(LiveQuery& live, const std::optional<double>& deadline, const Clock&
 Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptions& options,
                                       Surface& surface, Progress& progress) {
   const std::function<double()> clock = options.clock ? options.clock : steady_seconds;
-  return std::visit(
-      [&]<int D>(const diamond::Model<D>& model) -> Result<FocusedReport> {
-        LODE_TRY(const Query query, complete_focused<D>(model, options));
-        FocusedReport report;
-        report.max_error = query.max_error;
-        report.max_error_px = query.max_error_px;
-        surface.clear();
-        if (!model.shape.has_cells()) {
-          report.standing.is_settled = true;
-          return report;
-        }
-        const double opening = clock();
-        LODE_TRY(const auto live, open_live_query(dataset, options.normals,
-                                                  query.max_error_px.has_value(), progress));
-        const double start = clock();
-        report.world_error_seconds = start - opening;
-        live->set_query(query);
-        std::optional<double> deadline;
-        if (options.deadline_s) deadline = start + *options.deadline_s;
-        refine(*live, deadline, clock, progress);
-        if (progress.is_cancelled()) return cancelled_error();
-        live->write(surface);
-        report.standing = live->standing();
-        report.was_clipped = crop_to_data(model.info.grid, surface);
-        if (model.has_holes()) split_pinched_vertices(surface);
-        const Dropped dropped = finish_edits(options, surface);
-        report.components_dropped = dropped.components;
-        report.triangles_dropped = dropped.cells;
-        report.seconds = clock() - start;
-        if (query.view && query.max_error_px) report.achieved_px = live->achieved_px();
-        return report;
-      },
-      dataset.impl().model);
+  const VolumeInfo& info = dataset.impl().info();
+  const diamond::FieldStats& stats = dataset.impl().summary().stats;
+  LODE_TRY(const Query query, complete_focused(stats, options));
+  FocusedReport report;
+  report.max_error = query.max_error;
+  report.max_error_px = query.max_error_px;
+  surface.clear();
+  if (std::ranges::count_if(info.grid.dims.v, [](std::int32_t n) { return n > 1; }) < 2) {
+    report.standing.is_settled = true;  // it has no cells
+    return report;
+  }
+  const double opening = clock();
+  LODE_TRY(const auto live,
+           open_live_query(dataset, options.normals, query.max_error_px.has_value(), progress));
+  const double start = clock();
+  report.world_error_seconds = start - opening;
+  live->set_query(query);
+  std::optional<double> deadline;
+  if (options.deadline_s) deadline = start + *options.deadline_s;
+  LODE_CHECK(refine(*live, deadline, clock, progress));
+  live->write(surface);
+  report.standing = live->standing();
+  // Pages of a file come in any order, and the surface with them.
+  if (!deadline) put_in_order(surface);
+  report.was_clipped = crop_to_data(info.grid, surface);
+  if (stats.n_holes > 0) split_pinched_vertices(surface);
+  const Dropped dropped = finish_edits(options, surface);
+  report.components_dropped = dropped.components;
+  report.triangles_dropped = dropped.cells;
+  report.seconds = clock() - start;
+  if (query.view && query.max_error_px) report.achieved_px = live->achieved_px();
+  return report;
 }
 
 }  // namespace lode

@@ -4,20 +4,22 @@
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
-#include "lode/models/diamond/live_isosurface.h"
+#include "lode/models/diamond/paged_refinable.h"
 #include "lode/refine/engine.h"
 
 namespace lode {
 namespace {
 
-template <int D>
+/// `Nodes`: of a model in memory, or in a file.
+template <int D, typename Field, typename Nodes>
 class DiamondLiveQuery final : public LiveQuery {
  public:
-  DiamondLiveQuery(const diamond::Model<D>& model,
-                   std::shared_ptr<const diamond::WorldErrors> world_errors, bool with_normals)
-      : world_errors_(std::move(world_errors)),
-        nodes_(model, world_errors_.get()),
-        with_normals_(with_normals) {}
+  static constexpr bool kIsPaged = PagedRefinableModel<Nodes>;
+
+  /// `given`: what Nodes are made of.
+  template <typename... Given>
+  explicit DiamondLiveQuery(bool with_normals, const Given&... given)
+      : nodes_(given...), with_normals_(with_normals) {}
 
   /// Another isovalue starts from the base, which gives a first surface sooner than looking through
   /// the cut of the last one.
@@ -36,6 +38,16 @@ class DiamondLiveQuery final : public LiveQuery {
   }
 
   bool step() override { return engine_->step(); }
+  void wait(std::chrono::steady_clock::time_point until) override {
+    if constexpr (kIsPaged) nodes_.client().wait(until);
+  }
+  void on_data(std::function<void()> wake) override {
+    if constexpr (kIsPaged) nodes_.client().on_fetched(std::move(wake));
+  }
+  [[nodiscard]] std::optional<Error> fault() const override {
+    if constexpr (kIsPaged) return nodes_.model().fault();
+    return {};
+  }
 
   [[nodiscard]] Standing standing() const override { return engine_->standing(); }
   [[nodiscard]] std::size_t n_cells() const override { return surface_->n_cells(); }
@@ -67,19 +79,35 @@ class DiamondLiveQuery final : public LiveQuery {
   }
 
  private:
-  std::shared_ptr<const diamond::WorldErrors> world_errors_;
   void start_over(double isovalue) {
     engine_.emplace(nodes_);
     surface_.emplace(nodes_, isovalue, with_normals_);
     nodes_.follow(&*surface_);
   }
 
-  diamond::LiveRefinable<D> nodes_;
-  std::optional<Engine<diamond::LiveRefinable<D>>> engine_;
+  Nodes nodes_;
+  std::optional<Engine<Nodes>> engine_;
   bool with_normals_;
-  std::optional<diamond::LiveIsosurface<D>> surface_;
+  std::optional<diamond::LiveIsosurface<D, Field>> surface_;
   std::optional<Query> query_;
 };
+
+/// With world errors, which it keeps.
+template <int D>
+class NodesInMemory : public diamond::LiveRefinable<D> {
+ public:
+  NodesInMemory(const diamond::Model<D>& model,
+                const std::shared_ptr<const diamond::WorldErrors>& world_errors)
+      : diamond::LiveRefinable<D>(model, world_errors.get()), world_errors_(world_errors) {}
+
+ private:
+  std::shared_ptr<const diamond::WorldErrors> world_errors_;
+};
+
+template <int D>
+bool has_normals(Normals normals) {
+  return D == 3 && normals == Normals::on;
+}
 
 }  // namespace
 
@@ -88,13 +116,24 @@ Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset, Norma
   std::shared_ptr<const diamond::WorldErrors> world_errors;
   if (with_views) {
     LODE_TRY(world_errors, dataset.impl().world_errors(progress));
+  } else {
+    LODE_TRY(const auto* const pages, dataset.impl().pages());
+    if (pages != nullptr)
+      return std::visit(
+          [&]<int D>(const std::unique_ptr<const diamond::PagedModel<D>>& model)
+              -> std::unique_ptr<LiveQuery> {
+            using Live = DiamondLiveQuery<D, diamond::PagedModel<D>, diamond::PagedRefinable<D>>;
+            return std::make_unique<Live>(has_normals<D>(normals), *model);
+          },
+          *pages);
   }
+  LODE_TRY(const auto* const in_memory, dataset.impl().model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> std::unique_ptr<LiveQuery> {
-        return std::make_unique<DiamondLiveQuery<D>>(model, world_errors,
-                                                     D == 3 && normals == Normals::on);
+        using Live = DiamondLiveQuery<D, diamond::Model<D>, NodesInMemory<D>>;
+        return std::make_unique<Live>(has_normals<D>(normals), model, world_errors);
       },
-      dataset.impl().model);
+      *in_memory);
 }
 
 Result<void> check_live_query(const Query& query, bool has_views) {

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <chrono>
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include "lode/api/dataset.h"
 #include "lode/api/query.h"
@@ -19,8 +22,14 @@ class LiveQuery {
   virtual void set_query(const Query& query) = 0;
   /// Whether set_query() would leave the surface as it is; else it starts over in new slots.
   [[nodiscard]] virtual bool keeps_surface(const Query& query) const = 0;
-  /// False if nothing was left to do.
+  /// False if nothing was left to do; see Standing::awaits_data.
   virtual bool step() = 0;
+  /// Until data have come that it may go on with, or a moment.
+  virtual void wait(std::chrono::steady_clock::time_point until) = 0;
+  /// Calls `wake`, on another thread, whenever data have come; null: no more.
+  virtual void on_data(std::function<void()> wake) = 0;
+  /// Why data that it waits for will not come.
+  [[nodiscard]] virtual std::optional<Error> fault() const = 0;
   [[nodiscard]] virtual Standing standing() const = 0;
   [[nodiscard]] virtual std::size_t n_cells() const = 0;
   [[nodiscard]] virtual std::size_t n_changed() const = 0;
@@ -34,9 +43,10 @@ class LiveQuery {
   [[nodiscard]] virtual double finest_share() const = 0;
 };
 
-/// A live query at the base, whatever the dataset's model; set_query() comes first. World errors
-/// are found if `with_views`; without them tolerances in pixels must not be asked for. `dataset`
-/// must outlive it.
+/// A live query at the base, whatever the dataset's model; set_query() comes first. A file that is
+/// not loaded is read as the query goes, unless it has holes. World errors are found if
+/// `with_views`, for which it is loaded; without them tolerances in pixels must not be asked for.
+/// `dataset` must outlive it.
 [[nodiscard]] Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
                                                                  Normals normals, bool with_views,
                                                                  Progress& progress);

@@ -47,7 +47,8 @@ template <int D>
 Result<Query> complete_query(const diamond::Model<D>& model, Query query) {
   if (query.view || query.max_error_px)
     return fail("meshes: expected a tolerance in field units and no view, got a view or pixels");
-  if (!query.max_error) query.max_error = query.budget.is_limited() ? 0 : default_tolerance(model);
+  if (!query.max_error)
+    query.max_error = query.budget.is_limited() ? 0 : default_tolerance(model.stats);
   LODE_CHECK(check_query(query));
   return query;
 }
@@ -178,25 +179,27 @@ Result<SectionReport> extract_model_section(const diamond::Model<3>& model,
 
 Result<MeshReport> Dataset::extract_mesh(const MeshOptions& options, SimplexMesh& mesh,
                                          Progress& progress) const {
+  LODE_TRY(const auto* const held, impl_->model(progress));
   const Clock clock;
   LODE_TRY(MeshReport report, std::visit(
                                   [&]<int D>(const diamond::Model<D>& model) {
                                     return extract_model_mesh<D>(model, options, mesh, progress);
                                   },
-                                  impl_->model));
+                                  *held));
   report.seconds = clock.seconds();
   return report;
 }
 
 Result<SectionReport> Dataset::extract_section(const SectionOptions& options, Surface& section,
                                                Progress& progress) const {
-  const Clock clock;
-  const auto* model = std::get_if<diamond::Model<3>>(&impl_->model);
-  if (model == nullptr)
+  if (impl_->is_flat())
     return fail(
         "a section: expected a volume (diamond3d), got 2D data: its contour lines come "
         "from its isovalues alone");
-  LODE_TRY(SectionReport report, extract_model_section(*model, options, section, progress));
+  LODE_TRY(const auto* const held, impl_->model(progress));
+  const Clock clock;
+  LODE_TRY(SectionReport report,
+           extract_model_section(std::get<diamond::Model<3>>(*held), options, section, progress));
   report.seconds = clock.seconds();
   return report;
 }

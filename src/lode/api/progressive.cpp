@@ -48,7 +48,7 @@ class ProgressiveSurface::Steps final : public Impl {
     // With holes the base has no error bound; what any mesh is off by, the range bounds.
     const double range = model.stats.max - model.stats.min;
     tolerances_ = step_tolerances(std::min(model.base_error(), range),
-                                  options.max_error.value_or(default_tolerance(model)));
+                                  options.max_error.value_or(default_tolerance(model.stats)));
   }
 
   Result<bool> advance(Progress& progress) override {
@@ -119,15 +119,17 @@ ProgressiveSurface& ProgressiveSurface::operator=(ProgressiveSurface&&) noexcept
 ProgressiveSurface::~ProgressiveSurface() = default;
 
 Result<ProgressiveSurface> ProgressiveSurface::begin(const Dataset& dataset,
-                                                     const ExtractOptions& options) {
+                                                     const ExtractOptions& options,
+                                                     Progress& progress) {
   LODE_CHECK(check_extract_options(options));
   if (options.isovalues.size() != 1)
     return fail("a progressive surface: expected one isovalue, got {}", options.isovalues.size());
+  LODE_TRY(const auto* const held, dataset.impl().model(progress));
   return ProgressiveSurface(std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> std::unique_ptr<Impl> {
         return std::make_unique<Steps<D>>(model, options);
       },
-      dataset.impl().model));
+      *held));
 }
 
 Result<bool> ProgressiveSurface::advance(Progress& progress) { return impl_->advance(progress); }

@@ -24,7 +24,8 @@ class ProgressiveSurface {
   /// Exactly one isovalue; border, min_component and threads of the options are not used. `dataset`
   /// must outlive it.
   [[nodiscard]] static Result<ProgressiveSurface> begin(const Dataset& dataset,
-                                                        const ExtractOptions& options);
+                                                        const ExtractOptions& options,
+                                                        Progress& progress);
   ProgressiveSurface(ProgressiveSurface&&) noexcept;
   ProgressiveSurface& operator=(ProgressiveSurface&&) noexcept;
   ~ProgressiveSurface();

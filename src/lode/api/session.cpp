@@ -42,12 +42,14 @@ class Session::Impl {
   Impl(std::unique_ptr<LiveQuery> live, bool has_views, const Query& query)
       : has_views_(has_views), live_(std::move(live)) {
     send(query);
+    live_->on_data([this] { wake(); });
     thread_ = std::thread([this] { run(); });
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
     must_stop_.store(true, std::memory_order_release);
+    live_->on_data({});
     wake();
     thread_.join();
   }
@@ -103,7 +105,9 @@ class Session::Impl {
   /// False if there is nothing to do.
   bool advance() {
     const bool has_moved = live_->step();
-    if (!has_moved && !must_publish_) return false;
+    has_failed_ = has_failed_ || (!has_moved && live_->fault());
+    if (!has_moved && !must_publish_ && live_->n_changed() == 0 && has_failed_ == has_told_)
+      return false;
     if (has_moved && ++n_steps_ % kStepsPerLook != 0) return true;
     const bool is_due = Clock::now() - last_batch_ >= between_;
     if (has_moved && !(is_due && live_->n_changed() > 0)) return true;
@@ -123,6 +127,8 @@ class Session::Impl {
     batch_->generation = generation_;
     batch_->change.starts_over = std::exchange(starts_over_, false);
     batch_->standing = live_->standing();
+    batch_->fault = live_->fault();
+    has_told_ = batch_->fault.has_value();
     gathering_ = Clock::now();
   }
 
@@ -140,6 +146,8 @@ class Session::Impl {
   std::uint64_t generation_ = 0;
   bool starts_over_ = false;   ///< No batch has said so yet that was taken, or can be.
   bool must_publish_ = false;  ///< The newest query has not been answered by a batch yet.
+  bool has_failed_ = false;    ///< Data will not come,
+  bool has_told_ = false;      ///< as a batch has said.
   std::uint64_t n_steps_ = 0;
   Clock::time_point last_batch_;
   Clock::time_point gathering_;

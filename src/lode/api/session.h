@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "lode/api/dataset.h"
 #include "lode/api/query.h"
@@ -12,8 +13,8 @@ namespace lode {
 
 struct SessionOptions {
   Normals normals = Normals::on;
-  /// World errors are found when the session opens, which costs another build; without them
-  /// tolerances in pixels are refused.
+  /// World errors are found when the session opens, which loads a file and costs another build;
+  /// without them tolerances in pixels are refused.
   bool with_views = true;
 };
 
@@ -23,6 +24,8 @@ struct SessionBatch {
   Standing standing;        ///< Of the engine when the batch was complete.
   SurfaceBatch change;
   std::uint64_t generation = 0;  ///< Of the slots, see SurfaceBatch::starts_over.
+  /// Why data that the query waits for (Standing::awaits_data) will not come: of a file.
+  std::optional<Error> fault;
 };
 
 /// A surface that is refined by a thread of its own while another one shows it. At any moment the
@@ -32,7 +35,8 @@ struct SessionBatch {
 /// All members may be called from one thread that is not the session's; take() and set_query() do
 /// one atomic exchange each and never wait. Changes of the query take effect at the next step; all
 /// but a few steps are far shorter than a millisecond (docs/engine.md). Another isovalue starts
-/// from the base, everything else from wherever the surface is. The session ends the program where
+/// from the base, everything else from wherever the surface is. A file that is not loaded is read as
+/// the query goes (see open_live_query()): no step waits for it. The session ends the program where
 /// memory does.
 class Session {
  public:

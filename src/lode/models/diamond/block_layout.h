@@ -44,18 +44,30 @@ constexpr std::int32_t n_blocks(std::int32_t n) {
 }
 
 template <int D>
-std::vector<Region<D>> regions_of(const Index<D>& dims, int level, bool has_coarser_points) {
+Index<D> block_counts(const Index<D>& dims) {
   Index<D> n;
   for (std::size_t i = 0; i < as_size(D); ++i) n[i] = n_blocks<D>(dims[i]);
-  std::vector<Region<D>> regions;
-  for (std::size_t i = 0; i < n_points<D>(n); ++i) {
-    Region<D> r{level, point_of<D>(n, i), {}, {}, has_coarser_points};
-    for (std::size_t a = 0; a < as_size(D); ++a) {
-      r.lower[a] = r.position[a] * kBlockEdge<D>;
-      r.upper[a] = r.position[a] == n[a] - 1 ? dims[a] : r.lower[a] + kBlockEdge<D>;
-    }
-    regions.push_back(r);
+  return n;
+}
+
+/// The region of the block at a position, of a grid of so many points.
+template <int D>
+Region<D> region_at(const Index<D>& dims, int level, const Index<D>& position,
+                    bool has_coarser_points) {
+  Region<D> r{level, position, {}, {}, has_coarser_points};
+  for (std::size_t a = 0; a < as_size(D); ++a) {
+    r.lower[a] = position[a] * kBlockEdge<D>;
+    r.upper[a] = position[a] == n_blocks<D>(dims[a]) - 1 ? dims[a] : r.lower[a] + kBlockEdge<D>;
   }
+  return r;
+}
+
+template <int D>
+std::vector<Region<D>> regions_of(const Index<D>& dims, int level, bool has_coarser_points) {
+  const Index<D> n = block_counts<D>(dims);
+  std::vector<Region<D>> regions;
+  for (std::size_t i = 0; i < n_points<D>(n); ++i)
+    regions.push_back(region_at<D>(dims, level, point_of<D>(n, i), has_coarser_points));
   std::sort(regions.begin(), regions.end(), [](const Region<D>& a, const Region<D>& b) {
     return morton<D>(a.position) < morton<D>(b.position);
   });

@@ -3,7 +3,9 @@
 #include <bitset>
 
 #include "lode/mappers/march_simplex.h"
+#include "lode/models/diamond/near_samples.h"
 #include "lode/models/diamond/normals.h"
+#include "lode/models/diamond/paged_model.h"
 #include "lode/models/diamond/star.h"
 
 namespace lode::diamond {
@@ -129,18 +131,26 @@ template <int D, typename Field>
 void LiveIsosurface<D, Field>::load(const Diamond<D>& node, Star& star) const {
   star.node = node;
   star.shape = &live_template<D>(node);
-  const std::int32_t h = node.h();
+  visit_storage_type(model_.storage, [&]<typename T>() {
+    load_values(NearSamples<D, T>(model_, node.centre, 1, node.level), star);
+  });
+}
+
+template <int D, typename Field>
+template <typename Near>
+void LiveIsosurface<D, Field>::load_values(const Near& near, Star& star) const {
   std::size_t n_inside = 0;
   bool has_hole = false;
   const auto load_one = [&](std::size_t i) {
-    const Index<D> p = node.centre + (point_of<D>(all_equal<D>(3), i) - all_equal<D>(1)) * h;
+    const Index<D> steps = point_of<D>(all_equal<D>(3), i) - all_equal<D>(1);
+    const Index<D> p = star.node.centre + steps * star.node.h();
     for (std::size_t a = 0; a < as_size(D); ++a)
       if (p[a] < 0) {  // outside the root cube: of no simplex in the data
         star.value[i] = std::numeric_limits<double>::quiet_NaN();
         return false;
       }
     star.key[i] = to_key(model_.axes.to_grid(p));
-    star.value[i] = model_.value_or_nan(p);
+    star.value[i] = near_value(near, model_, p, steps);
     has_hole = has_hole || std::isnan(star.value[i]);
     return star.value[i] >= isovalue_;
   };
@@ -423,5 +433,7 @@ void LiveIsosurface<D, Field>::take_back(const SurfaceBatch& batch) {
 
 template class LiveIsosurface<2>;
 template class LiveIsosurface<3>;
+template class LiveIsosurface<2, PagedModel<2>>;
+template class LiveIsosurface<3, PagedModel<3>>;
 
 }  // namespace lode::diamond

@@ -83,6 +83,8 @@ class LiveIsosurface {
   struct Star;  // with samples; in the .cpp
 
   void load(const Diamond<D>& node, Star& star) const;
+  template <typename Near>
+  void load_values(const Near& near, Star& star) const;
   [[nodiscard]] bool is_present(const Simplex<D>& s) const;
   [[nodiscard]] LatticeKey link_of(const Star& star, const Index<D>& link_to) const;
   void add_unrefined(Star& star);

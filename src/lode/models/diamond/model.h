@@ -107,6 +107,23 @@ struct Model : LatticeField<D, Model<D>> {
     __builtin_prefetch(&level.low[at]);
     __builtin_prefetch(&level.high[at]);
   }
+  /// See NearSamples.
+  template <typename Near>
+  void find_near(Near& near, const Index<D>& centre, std::int32_t reach, int level) const {
+    Index<D> b;
+    Index<D> local;
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      b[i] = centre[i] / kBrickEdge<D>;
+      local[i] = centre[i] % kBrickEdge<D>;
+      if (local[i] < reach << level || local[i] + (reach << level) > kBrickEdge<D>) return;
+    }
+    std::array<std::ptrdiff_t, as_size(D)> steps{};
+    std::ptrdiff_t step = std::ptrdiff_t{1} << level;
+    for (std::size_t i = 0; i < as_size(D); ++i, step *= kBrickSamples<D>) steps[i] = step;
+    using T = std::remove_cvref_t<decltype(near.at(centre))>;
+    const std::byte* const first = brick(linear_index<D>(brick_dims, b));
+    near.found(reinterpret_cast<const T*>(first) + brick_offset(local), steps);
+  }
   /// Whether a hole removes one of the unit cells along the domain's border.
   [[nodiscard]] bool has_removed_border_cell() const;
   /// Nested error of the unrefined base; 0 when there are no cells.

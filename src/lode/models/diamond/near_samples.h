@@ -6,45 +6,48 @@
 
 namespace lode::diamond {
 
-/// The samples round a lattice point, at most `reach` away along each axis. Where all of them are
-/// samples of one brick, as most are, reading one costs no look at bricks or borders. T: the
-/// model's storage.
-template <int D, typename T, typename Field = Model<D>>
-class NearSamples;
-
+/// The samples round a point of a level's grid, at most `reach` grid steps away along each axis.
+/// Where all of them are samples of one brick or page, as most are, reading one costs no look at
+/// bricks or borders. T: the field's storage.
 template <int D, typename T>
-class NearSamples<D, T, Model<D>> {
+class NearSamples {
  public:
-  NearSamples(const Model<D>& model, const Index<D>& centre, std::int32_t reach)
-      : model_(model), centre_(centre) {
-    Index<D> brick;
-    Index<D> local;
-    for (std::size_t i = 0; i < as_size(D); ++i) {
-      brick[i] = centre[i] / kBrickEdge<D>;
-      local[i] = centre[i] % kBrickEdge<D>;
-      if (local[i] < reach || local[i] + reach > kBrickEdge<D> || centre[i] < reach ||
-          centre[i] + reach >= model.shape.dims[i])
-        return;
-    }
-    middle_ = reinterpret_cast<const T*>(model.brick(linear_index<D>(model.brick_dims, brick))) +
-              Model<D>::brick_offset(local);
+  template <typename Field>
+  NearSamples(const Field& field, const Index<D>& centre, std::int32_t reach, int level = 0) {
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      if (centre[i] < reach << level || centre[i] + (reach << level) >= field.shape.dims[i]) return;
+    field.find_near(*this, centre, reach, level);
   }
 
-  /// NaN for a hole; beyond the data that of the nearest sample.
-  [[nodiscard]] double operator()(const Index<D>& p) const {
-    if (middle_ == nullptr) return model_.value_or_nan(p);
+  /// Whether all are samples of the data, and one brick or page has them.
+  [[nodiscard]] bool is_in_one() const { return middle_ != nullptr; }
+  /// Then that at centre + steps, which may be a hole.
+  [[nodiscard]] T at(const Index<D>& steps) const {
     std::ptrdiff_t offset = 0;
-    for (std::size_t i = as_size(D); i-- > 0;)
-      offset = offset * kBrickSamples<D> + (p[i] - centre_[i]);
-    const auto value = static_cast<double>(middle_[offset]);
-    return model_.has_holes() && model_.is_hole(value) ? std::numeric_limits<double>::quiet_NaN()
-                                                       : value;
+    for (std::size_t i = 0; i < as_size(D); ++i) offset += steps[i] * strides_[i];
+    return middle_[offset];
+  }
+
+  /// For fields: `middle` is the centre's, and so far apart are those of the level.
+  void found(const T* middle, const std::array<std::ptrdiff_t, as_size(D)>& strides) {
+    middle_ = middle;
+    strides_ = strides;
   }
 
  private:
-  const Model<D>& model_;
-  Index<D> centre_;
-  const T* middle_ = nullptr;  ///< Null: some may lie elsewhere.
+  std::array<std::ptrdiff_t, as_size(D)> strides_{};
+  const T* middle_ = nullptr;
 };
+
+/// The value at p, which is centre + steps: NaN for a hole; beyond the data that of the nearest
+/// sample.
+template <int D, typename T, typename Field>
+[[nodiscard]] double near_value(const NearSamples<D, T>& near, const Field& field,
+                                const Index<D>& p, const Index<D>& steps) {
+  if (!near.is_in_one()) return field.value_or_nan(p);
+  const auto value = static_cast<double>(near.at(steps));
+  return field.has_holes() && field.is_hole(value) ? std::numeric_limits<double>::quiet_NaN()
+                                                   : value;
+}
 
 }  // namespace lode::diamond

@@ -1,14 +1,15 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <span>
-#include <type_traits>
 
 #include "lode/mappers/iso_part.h"
 #include "lode/models/diamond/model.h"
+#include "lode/models/diamond/near_samples.h"
 
 namespace lode::diamond {
 
@@ -43,31 +44,27 @@ class NormalSampler {
   /// d value / d index at a lattice point whose coordinates `step` divides, in grid axes.
   [[nodiscard]] Vec3d gradient(const Index3& grid_point, std::int32_t step) const {
     Vec3d result;
-    if constexpr (std::is_same_v<Field, Model<D>>)
-      if (!model_.has_holes() && find_inner(grid_point, step, result)) return result;
+    if (!model_.has_holes() && find_inner(grid_point, step, result)) return result;
     return general(grid_point, step);
   }
 
  private:
-  /// Where all neighbours are samples of one brick, and no hole is about: most points.
+  /// Where all neighbours are samples of one brick or page, and no hole is about: most points.
   [[nodiscard]] bool find_inner(const Index3& grid_point, std::int32_t step,
                                 Vec3d& gradient) const {
-    Index<D> brick;
-    Index<D> local;
+    Index<D> p;
+    for (std::size_t i = 0; i < as_size(D); ++i) p[i] = grid_point[as_size(model_.axes.axis[i])];
+    const int level = std::countr_zero(static_cast<std::uint32_t>(step));
+    const NearSamples<D, T> near(model_, p, 1, level);
+    if (!near.is_in_one()) return false;
     for (std::size_t i = 0; i < as_size(D); ++i) {
-      const std::int32_t p = grid_point[as_size(model_.axes.axis[i])];
-      brick[i] = p / kBrickEdge<D>;
-      local[i] = p % kBrickEdge<D>;
-      if (local[i] < step || local[i] + step > kBrickEdge<D> || p + step >= model_.shape.dims[i])
-        return false;
+      Index<D> side;
+      side[i] = 1;
+      const auto high = static_cast<double>(near.at(side));
+      side[i] = -1;
+      const auto low = static_cast<double>(near.at(side));
+      gradient[as_size(model_.axes.axis[i])] = (high - low) / (2 * step);
     }
-    const T* sample =
-        reinterpret_cast<const T*>(model_.brick(linear_index<D>(model_.brick_dims, brick))) +
-        Model<D>::brick_offset(local);
-    std::ptrdiff_t stride = step;
-    for (std::size_t i = 0; i < as_size(D); ++i, stride *= kBrickSamples<D>)
-      gradient[as_size(model_.axes.axis[i])] =
-          (static_cast<double>(sample[stride]) - static_cast<double>(sample[-stride])) / (2 * step);
     return true;
   }
 

@@ -1,12 +1,33 @@
 #include "lode/models/diamond/refinable.h"
 
+#include "lode/models/diamond/finest_nodes.h"
 #include "lode/models/diamond/near_samples.h"
+#include "lode/models/diamond/paged_model.h"
 #include "lode/models/diamond/star.h"
 
 namespace lode::diamond {
 namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+/// A node's of level 0 and of those below it, all of whose samples are near; none is a hole.
+template <int D, typename Near>
+void join_near(const FinestNodes<D>& nodes, const Near& near, double& error, Range& range) {
+  auto low = near.at({});
+  auto high = low;
+  for (const Index<D>& steps : nodes.samples) {
+    const auto sample = near.at(steps);
+    low = std::min(low, sample);
+    high = std::max(high, sample);
+  }
+  range = {static_cast<double>(low), static_cast<double>(high)};
+  for (const auto& b : nodes.bisections) {
+    const auto middle = static_cast<double>(near.at(b.centre));
+    const auto first = static_cast<double>(near.at(b.first));
+    const auto second = static_cast<double>(near.at(b.second));
+    error = std::max(error, std::abs(middle - 0.5 * (first + second)));
+  }
+}
 
 }  // namespace
 
@@ -98,9 +119,8 @@ void Refinable<D, Field>::prefetch(NodeId id) const {
 
 /// Own error and range, and those of the nodes below.
 template <int D, typename Field>
-template <typename Value>
-void Refinable<D, Field>::join_finest(const Diamond<D>& node, const Value& value,
-                                      Finest& facts) const {
+void Refinable<D, Field>::join_finest(const Diamond<D>& node, Finest& facts) const {
+  const auto value = [&](const Index<D>& p) { return model_.value_or_nan(p); };
   const auto join = [&](double f) {
     if (std::isnan(f)) return;
     facts.range.low = std::min(facts.range.low, f);
@@ -117,7 +137,7 @@ void Refinable<D, Field>::join_finest(const Diamond<D>& node, const Value& value
   }
   if (node.tier == D - 1) return;
   for (const Index<D>& child : children<D>(node))
-    if (exists(child)) join_finest(diamond_at<D>(child), value, facts);
+    if (exists(child)) join_finest(diamond_at<D>(child), facts);
 }
 
 /// Rounded as stored ones are.
@@ -125,7 +145,10 @@ template <int D, typename Field>
 void Refinable<D, Field>::add_finest(const Diamond<D>& node, StoredFacts& facts) const {
   Finest finest{0, {kEndless, -kEndless}};
   visit_storage_type(model_.storage, [&]<typename T>() {
-    join_finest(node, NearSamples<D, T, Field>(model_, node.centre, 2), finest);
+    const NearSamples<D, T> near(model_, node.centre, FinestNodes<D>::kReach);
+    if (!near.is_in_one() || model_.has_holes()) return join_finest(node, finest);
+    join_near<D>(finest_nodes<D>(node.centre), near, finest.error, finest.range);
+    finest.error += rounding_slack<D>(model_);
   });
   facts.error = decode_error(encode_error(float_up(finest.error)));
   const double low = finest.range.low - range_reference();
@@ -218,5 +241,7 @@ std::vector<Simplex<D>> Refinable<D, Field>::leaves(const Cut& cut) const {
 
 template class Refinable<2>;
 template class Refinable<3>;
+template class Refinable<2, PagedModel<2>>;
+template class Refinable<3, PagedModel<3>>;
 
 }  // namespace lode::diamond

@@ -141,8 +141,7 @@ class Refinable {
   /// Whether all nodes related to this one exist.
   [[nodiscard]] bool is_deep(const Diamond<D>& node) const;
   [[nodiscard]] std::uint64_t n_simplices(NodeId id) const;
-  template <typename Value>
-  void join_finest(const Diamond<D>& node, const Value& value, Finest& facts) const;
+  void join_finest(const Diamond<D>& node, Finest& facts) const;
   void add_finest(const Diamond<D>& node, StoredFacts& facts) const;
   void find_radii();
 

@@ -13,15 +13,17 @@ template <int D, typename T>
 class FinestSamples {
  public:
   FinestSamples(const Model<D>& model, const Index<D>& centre)
-      : near_(model, centre, 3), dims_(model.shape.grid_dims(0)) {}
+      : model_(model), centre_(centre), near_(model, centre, 3), dims_(model.shape.grid_dims(0)) {}
 
   [[nodiscard]] double operator()(const Index<D>& p) const {
     for (std::size_t i = 0; i < as_size(D); ++i)
       if (p[i] < 0 || p[i] >= dims_[i]) return std::numeric_limits<double>::quiet_NaN();
-    return near_(p);
+    return near_value(near_, model_, p, p - centre_);
   }
 
  private:
+  const Model<D>& model_;
+  Index<D> centre_;
   NearSamples<D, T> near_;
   Index<D> dims_;
 };

@@ -1,0 +1,306 @@
+#include "lode/models/diamond/paged_model.h"
+
+#include <cstring>
+#include <new>
+
+namespace lode::diamond {
+namespace {
+
+/// Grid steps round a node's centre that refining it may look at: the simplices of its star, their
+/// neighbours for gradients, and finest nodes below it with theirs.
+constexpr std::int32_t kPageReach = 4;
+
+}  // namespace
+
+template <int D>
+PagedModel<D>::PagedModel(const store::Reader& reader, const Metadata& metadata)
+    : reader_(reader),
+      fetcher_(
+          [&] {
+            this->info = metadata.info;
+            this->storage = storage_type(metadata.info.type);
+            this->axes = AxisMap<D>::of(metadata.info.grid.dims);
+            this->shape = Shape<D>::of(this->axes.lattice_dims(metadata.info.grid.dims));
+            this->stats = metadata.summary.stats;
+            std::size_t n = 0;
+            for (int k = 0; k < this->shape.n_levels; ++k) {
+              Level& level = levels_.emplace_back();
+              level.dims = sample_dims<D>(this->shape, k);
+              level.n_blocks = block_counts<D>(level.dims);
+              level.first = static_cast<Page>(n);
+              n += n_points<D>(level.n_blocks);
+            }
+            owned_.resize(n);
+            pages_ = std::vector<std::atomic<const LevelPage<D>*>>(n);
+            return n;
+          }(),
+          [this](Page page) { fetch(page); }) {}
+
+template <int D>
+Result<std::unique_ptr<PagedModel<D>>> PagedModel<D>::open(const store::Reader& reader,
+                                                           const Metadata& metadata) {
+  if (metadata.summary.stats.n_holes > 0)
+    return fail("{}: expected a volume without holes, got {}", reader.path(),
+                metadata.summary.stats.n_holes);
+  std::unique_ptr<PagedModel> model(new PagedModel(reader, metadata));
+  for (int k = model->shape.n_levels; k-- > 0;) {
+    const Level& level = model->levels_[as_size(k)];
+    if (n_points<D>(level.n_blocks) > 1 && k != model->shape.n_levels - 1) break;
+    for (Page page = 0; page < n_points<D>(level.n_blocks); ++page)
+      model->fetch(level.first + page);
+    if (auto fault = model->fault()) return *fault;
+  }
+  return model;
+}
+
+template <int D>
+double PagedModel<D>::value(Index<D> p) const {
+  for (std::size_t i = 0; i < as_size(D); ++i) p[i] = std::max(p[i], 0);
+  int level = 0;
+  for (bool is_inside = false; !is_inside;) {
+    level = std::min(common_exponent<D>(p), this->shape.n_levels - 1);
+    is_inside = true;
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      const std::int32_t last = (levels_[as_size(level)].dims[i] - 1) << level;
+      if (p[i] <= last) continue;
+      p[i] = last;
+      is_inside = false;
+    }
+  }
+  for (std::size_t i = 0; i < as_size(D); ++i) p[i] >>= level;
+  const LevelPage<D>* page = page_at(level, p);
+  LODE_EXPECTS(page != nullptr);
+  const std::size_t at = page->index_of(p);
+  return visit_storage_type(this->storage, [&]<typename T>() {
+    return static_cast<double>(reinterpret_cast<const T*>(page->samples.data())[at]);
+  });
+}
+
+template <int D>
+StoredAttributes PagedModel<D>::attributes(const Diamond<D>& node) const {
+  Index<D> q = node.centre;
+  for (std::size_t i = 0; i < as_size(D); ++i) q[i] >>= node.level;
+  const LevelPage<D>* page = page_at(node.level, q);
+  LODE_EXPECTS(page != nullptr);
+  return visit_range_type(this->storage, [&]<typename R>() {
+    constexpr std::size_t kSize = sizeof(ErrorCode) + 2 * sizeof(R);
+    const std::byte* at = page->attributes.data() + page->index_of(q) * kSize;
+    ErrorCode error;
+    R low;
+    R high;
+    std::memcpy(&error, at, sizeof(error));
+    std::memcpy(&low, at + sizeof(error), sizeof(R));
+    std::memcpy(&high, at + sizeof(error) + sizeof(R), sizeof(R));
+    constexpr float kEndless = std::numeric_limits<float>::infinity();
+    if (low > high) return StoredAttributes{error, kEndless, -kEndless};
+    return StoredAttributes{error, static_cast<float>(low), static_cast<float>(high)};
+  });
+}
+
+template <int D>
+std::size_t PagedModel<D>::range_size() const {
+  return visit_range_type(this->storage, []<typename R>() { return sizeof(R); });
+}
+
+template <int D>
+void PagedModel<D>::prefetch(const Diamond<D>& node) const {
+  Index<D> q = node.centre;
+  for (std::size_t i = 0; i < as_size(D); ++i) q[i] >>= node.level;
+  const LevelPage<D>* page = page_at(node.level, q);
+  if (page == nullptr) return;
+  const std::size_t size = sizeof(ErrorCode) + 2 * range_size();
+  __builtin_prefetch(page->attributes.data() + page->index_of(q) * size);
+}
+
+template <int D>
+std::optional<store::Fetcher::Page> PagedModel<D>::missing(int level,
+                                                           const LatticeBox<D>& box) const {
+  Index<D> first;
+  Index<D> last;
+  const Index<D>& dims = levels_[as_size(level)].dims;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    first[i] = std::clamp(box.lower[i] >> level, 0, dims[i] - 1);
+    last[i] = std::clamp(box.upper[i] >> level, 0, dims[i] - 1);
+  }
+  first = block_of(level, first);
+  last = block_of(level, last);
+  const Index<D> n = last - first + all_equal<D>(1);
+  for (std::size_t i = 0; i < n_points<D>(n); ++i) {
+    const Page page = number_of(level, first + point_of<D>(n, i));
+    if (pages_[page].load(std::memory_order_acquire) == nullptr) return page;
+  }
+  return {};
+}
+
+template <int D>
+std::optional<store::Fetcher::Page> PagedModel<D>::missing(const Diamond<D>& node) const {
+  LatticeBox<D> box{node.centre, node.centre};
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    box.lower[i] -= kPageReach * node.h();
+    box.upper[i] += kPageReach * node.h();
+  }
+  if (const auto page = missing(node.level, box)) return page;
+  if (node.tier < D - 1 || node.level == 0) return {};
+  return missing(node.level - 1, box);
+}
+
+template <int D>
+std::optional<Error> PagedModel<D>::fault() const {
+  const std::lock_guard lock(fault_mutex_);
+  return fault_;
+}
+
+template <int D>
+Region<D> PagedModel<D>::region_of(Page page) const {
+  int k = 0;
+  while (k + 1 < this->shape.n_levels && levels_[as_size(k + 1)].first <= page) ++k;
+  const Level& level = levels_[as_size(k)];
+  return region_at<D>(level.dims, k, point_of<D>(level.n_blocks, page - level.first),
+                      k == this->shape.n_levels - 1);
+}
+
+template <int D>
+void PagedModel<D>::fetch(Page number) {
+  if (owned_[number] || fault()) return;
+  const auto note = [&](Error error) {
+    const std::lock_guard lock(fault_mutex_);
+    fault_ = std::move(error);
+  };
+  const Region<D> region = region_of(number);
+  if (!region.has_coarser_points) {
+    Index<D> q = region.lower;
+    for (std::size_t i = 0; i < as_size(D); ++i) q[i] /= 2;
+    fetch(number_of(region.level + 1, block_of(region.level + 1, q)));
+  }
+  try {
+    auto page = std::make_unique<LevelPage<D>>();
+    if (auto loaded = load(region, *page); !loaded) return note(loaded.error());
+    owned_[number] = std::move(page);
+    pages_[number].store(owned_[number].get(), std::memory_order_release);
+  } catch (const std::bad_alloc&) {
+    note(fail("{}: no memory for a page of level {}", reader_.path(), region.level));
+  }
+}
+
+template <int D>
+Result<void> PagedModel<D>::load(const Region<D>& region, LevelPage<D>& page) const {
+  page.lower = region.lower;
+  page.dims = region.upper - region.lower;
+  std::size_t n = 1;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    page.strides[i] = n;
+    n *= as_size(page.dims[i]);
+  }
+  page.samples.resize(n * this->sample_size());
+  LODE_CHECK(load_samples(region, page));
+  if (!region.has_coarser_points) {
+    // Not there if it could not be read.
+    if (auto error = fault()) return *error;
+    add_coarser(region, page);
+  }
+  if (region.level == 0) return {};
+  page.attributes.assign(n * (sizeof(ErrorCode) + 2 * range_size()), std::byte{0});
+  Region<D> nodes = region;
+  nodes.has_coarser_points = false;
+  return load_attributes(nodes, page);
+}
+
+/// The bytes of a block of Ts.
+template <int D>
+template <typename T>
+Result<std::vector<std::byte>> PagedModel<D>::read(const Region<D>& region, Kind kind) const {
+  const std::size_t n = count_points(region);
+  if (n == 0) return std::vector<std::byte>();
+  const store::BlockKey key = key_of(kind, region);
+  const auto at = reader_.find(key);
+  if (!at) return fail("{}: expected {}, but the file has none", reader_.path(), describe(key));
+  if (reader_.blocks()[*at].raw_size != n * sizeof(T))
+    return fail("{}: {}: expected {} bytes, got {}", reader_.path(), describe(key), n * sizeof(T),
+                reader_.blocks()[*at].raw_size);
+  return reader_.read_block(*at);
+}
+
+template <int D>
+Result<void> PagedModel<D>::load_samples(const Region<D>& region, LevelPage<D>& page) const {
+  return visit_storage_type(this->storage, [&]<typename T>() -> Result<void> {
+    LODE_TRY(const auto bytes, this->template read<T>(region, Kind::samples));
+    const std::byte* from = bytes.data();
+    T* to = reinterpret_cast<T*>(page.samples.data());
+    const bool may_be_hole = is_floating(this->storage) || this->info.nodata;
+    bool has_hole = false;
+    for_each_row<D>(region, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
+      T* row = to + page.index_of(q);
+      for (std::size_t i = 0; i < as_size(n); ++i, from += sizeof(T), row += stride) {
+        std::memcpy(row, from, sizeof(T));
+        if (may_be_hole) has_hole = has_hole || this->is_hole(static_cast<double>(*row));
+      }
+    });
+    if (has_hole)
+      return fail("{}: {}: expected no holes, as the metadata say, got one", reader_.path(),
+                  describe(key_of(Kind::samples, region)));
+    return {};
+  });
+}
+
+/// The samples that the next coarser level has.
+template <int D>
+void PagedModel<D>::add_coarser(const Region<D>& region, LevelPage<D>& page) const {
+  Index<D> first;
+  Index<D> n;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    first[i] = (region.lower[i] + 1) / 2;
+    n[i] = (region.upper[i] - 1) / 2 - first[i] + 1;
+    if (n[i] <= 0) return;
+  }
+  const LevelPage<D>& coarser = *page_at(region.level + 1, first);
+  visit_storage_type(this->storage, [&]<typename T>() {
+    const T* from = reinterpret_cast<const T*>(coarser.samples.data());
+    T* to = reinterpret_cast<T*>(page.samples.data());
+    Index<D> rows = n;
+    rows[0] = 1;
+    for (std::size_t row = 0; row < n_points<D>(rows); ++row) {
+      const Index<D> q = first + point_of<D>(rows, row);
+      const T* source = from + coarser.index_of(q);
+      T* target = to + page.index_of(q * 2);
+      for (std::size_t x = 0; x < as_size(n[0]); ++x) target[2 * x] = source[x];
+    }
+  });
+}
+
+template <int D>
+Result<void> PagedModel<D>::load_attributes(const Region<D>& region, LevelPage<D>& page) const {
+  return visit_range_type(this->storage, [&]<typename R>() -> Result<void> {
+    LODE_TRY(const auto errors, this->template read<ErrorCode>(region, Kind::errors));
+    LODE_TRY(const auto lows, this->template read<R>(region, Kind::lows));
+    LODE_TRY(const auto highs, this->template read<R>(region, Kind::highs));
+    constexpr std::size_t kSize = sizeof(ErrorCode) + 2 * sizeof(R);
+    std::size_t i = 0;
+    bool is_good = true;
+    for_each_row<D>(region, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
+      std::byte* to = page.attributes.data() + page.index_of(q) * kSize;
+      for (std::int32_t x = 0; x < n; ++x, ++i, to += as_size(stride) * kSize) {
+        ErrorCode error;
+        std::memcpy(&error, errors.data() + i * sizeof(error), sizeof(error));
+        is_good = is_good && error <= kInfiniteError;
+        if constexpr (std::is_floating_point_v<R>) {
+          R range[2];
+          std::memcpy(&range[0], lows.data() + i * sizeof(R), sizeof(R));
+          std::memcpy(&range[1], highs.data() + i * sizeof(R), sizeof(R));
+          is_good = is_good && !std::isnan(range[0]) && !std::isnan(range[1]);
+        }
+        std::memcpy(to, &error, sizeof(error));
+        std::memcpy(to + sizeof(error), lows.data() + i * sizeof(R), sizeof(R));
+        std::memcpy(to + sizeof(error) + sizeof(R), highs.data() + i * sizeof(R), sizeof(R));
+      }
+    });
+    if (!is_good)
+      return fail("{}: {}: expected errors and ranges, got a code above {} or no number",
+                  reader_.path(), describe(key_of(Kind::errors, region)), kInfiniteError);
+    return {};
+  });
+}
+
+template class PagedModel<2>;
+template class PagedModel<3>;
+
+}  // namespace lode::diamond

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "lode/core/uninitialized_array.h"
+#include "lode/models/diamond/block_layout.h"
+#include "lode/models/diamond/lattice_field.h"
+#include "lode/models/diamond/persist.h"
+#include "lode/store/fetcher.h"
+#include "lode/store/reader.h"
+
+namespace lode::diamond {
+
+/// One block of a level's grid: the samples at all its points, also those of coarser levels, and
+/// but for level 0 the attributes of its nodes, side by side: error, low, high.
+template <int D>
+struct LevelPage {
+  Index<D> lower;                                 ///< Grid point of the first sample,
+  Index<D> dims;                                  ///< how many there are,
+  std::array<std::size_t, as_size(D)> strides{};  ///< and how far apart along each axis.
+  UninitializedArray<std::byte> samples;          ///< Of the storage type.
+  UninitializedArray<std::byte> attributes;
+
+  /// Grid point q must be in it.
+  [[nodiscard]] std::size_t index_of(const Index<D>& q) const {
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < as_size(D); ++i) index += as_size(q[i] - lower[i]) * strides[i];
+    return index;
+  }
+  /// Whether it holds q and all points up to `reach` away along each axis.
+  [[nodiscard]] bool holds_round(const Index<D>& q, std::int32_t reach) const {
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      if (q[i] - reach < lower[i] || q[i] + reach >= lower[i] + dims[i]) return false;
+    return true;
+  }
+};
+
+/// A volume in a .lode file whose samples and attributes are read when they are wanted, page by
+/// page, coarse before fine. Volumes with holes are refused: whether a coarse simplex exists there
+/// depends on samples of the finest level.
+///
+/// Const members are safe from many threads, and see every page that has been fetched.
+template <int D>
+class PagedModel : public LatticeField<D, PagedModel<D>> {
+ public:
+  using Page = store::Fetcher::Page;
+
+  /// Reads the levels that are one page each. `reader` must outlive it.
+  [[nodiscard]] static Result<std::unique_ptr<PagedModel>> open(const store::Reader& reader,
+                                                                const Metadata& metadata);
+
+  /// As Model's, where pages have been fetched (see missing()); beyond a level's grid that of its
+  /// nearest point.
+  [[nodiscard]] double value(Index<D> p) const;
+  [[nodiscard]] static bool has_attributes(const Diamond<D>& node) { return node.level > 0; }
+  [[nodiscard]] StoredAttributes attributes(const Diamond<D>& node) const;
+  void prefetch(const Diamond<D>& node) const;
+  /// See NearSamples.
+  template <typename Near>
+  void find_near(Near& near, const Index<D>& centre, std::int32_t reach, int level) const {
+    Index<D> q;
+    for (std::size_t i = 0; i < as_size(D); ++i) q[i] = centre[i] >> level;
+    const LevelPage<D>* page = page_at(level, q);
+    if (page == nullptr || !page->holds_round(q, reach)) return;
+    std::array<std::ptrdiff_t, as_size(D)> steps{};
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      steps[i] = static_cast<std::ptrdiff_t>(page->strides[i]);
+    using T = std::remove_cvref_t<decltype(near.at(q))>;
+    near.found(reinterpret_cast<const T*>(page->samples.data()) + page->index_of(q), steps);
+  }
+
+  /// The first page that is not there of those that refining a node takes: samples round it, and
+  /// what is known of its children.
+  [[nodiscard]] std::optional<Page> missing(const Diamond<D>& node) const;
+  [[nodiscard]] store::Fetcher& fetcher() const { return fetcher_; }
+  /// The first page that could not be read; what depends on it is never there.
+  [[nodiscard]] std::optional<Error> fault() const;
+
+  /// The page that holds a point of a level's grid, null if it has not been fetched.
+  [[nodiscard]] const LevelPage<D>* page_at(int level, const Index<D>& q) const {
+    return pages_[number_of(level, block_of(level, q))].load(std::memory_order_acquire);
+  }
+
+ private:
+  struct Level {
+    Index<D> dims;  ///< Of the grid, in points.
+    Index<D> n_blocks;
+    Page first = 0;  ///< Number of its first page; x fastest.
+  };
+
+  PagedModel(const store::Reader& reader, const Metadata& metadata);
+  [[nodiscard]] Index<D> block_of(int level, Index<D> q) const {
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      q[i] = std::min(q[i] / kBlockEdge<D>, levels_[as_size(level)].n_blocks[i] - 1);
+    return q;
+  }
+  [[nodiscard]] Page number_of(int level, const Index<D>& block) const {
+    const Level& l = levels_[as_size(level)];
+    return l.first + static_cast<Page>(linear_index<D>(l.n_blocks, block));
+  }
+  [[nodiscard]] std::optional<Page> missing(int level, const LatticeBox<D>& box) const;
+  [[nodiscard]] Region<D> region_of(Page page) const;
+  void fetch(Page page);
+  [[nodiscard]] Result<void> load(const Region<D>& region, LevelPage<D>& page) const;
+  [[nodiscard]] Result<void> load_samples(const Region<D>& region, LevelPage<D>& page) const;
+  [[nodiscard]] Result<void> load_attributes(const Region<D>& region, LevelPage<D>& page) const;
+  void add_coarser(const Region<D>& region, LevelPage<D>& page) const;
+  template <typename T>
+  [[nodiscard]] Result<std::vector<std::byte>> read(const Region<D>& region, Kind kind) const;
+  [[nodiscard]] std::size_t range_size() const;
+
+  const store::Reader& reader_;
+  std::vector<Level> levels_;
+  std::vector<std::unique_ptr<const LevelPage<D>>> owned_;  ///< By number; the fetching thread's.
+  std::vector<std::atomic<const LevelPage<D>*>> pages_;     ///< The same, for all.
+  mutable std::mutex fault_mutex_;
+  std::optional<Error> fault_;
+  mutable store::Fetcher fetcher_;  ///< Last: its thread uses the others.
+};
+
+extern template class PagedModel<2>;
+extern template class PagedModel<3>;
+
+}  // namespace lode::diamond

@@ -1,0 +1,106 @@
+#include "lode/store/fetcher.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lode::store {
+
+Fetcher::Client::Client(Fetcher& fetcher) : fetcher_(fetcher) {
+  const std::lock_guard lock(fetcher_.mutex_);
+  fetcher_.clients_.push_back(this);
+  n_seen_ = fetcher_.fetched_.size();
+}
+
+Fetcher::Client::~Client() {
+  const std::lock_guard lock(fetcher_.mutex_);
+  std::erase(fetcher_.clients_, this);
+}
+
+void Fetcher::Client::want(Page page, float demand) {
+  {
+    const std::lock_guard lock(fetcher_.mutex_);
+    if (fetcher_.is_fetched_[page]) return;
+    float& known = wanted_.try_emplace(page, demand).first->second;
+    known = std::max(known, demand);
+    if (!fetcher_.thread_.joinable()) fetcher_.thread_ = std::thread([f = &fetcher_] { f->run(); });
+  }
+  fetcher_.changed_.notify_all();
+}
+
+void Fetcher::Client::forget() {
+  const std::lock_guard lock(fetcher_.mutex_);
+  wanted_.clear();
+}
+
+void Fetcher::Client::add_fetched(std::vector<Page>& out) {
+  const std::lock_guard lock(fetcher_.mutex_);
+  out.insert(out.end(), fetcher_.fetched_.begin() + static_cast<std::ptrdiff_t>(n_seen_),
+             fetcher_.fetched_.end());
+  n_seen_ = fetcher_.fetched_.size();
+}
+
+void Fetcher::Client::wait(Clock::time_point until) {
+  std::unique_lock lock(fetcher_.mutex_);
+  fetcher_.changed_.wait_until(lock, until, [this] { return has_fetched(); });
+}
+
+void Fetcher::Client::on_fetched(std::function<void()> wake) {
+  const std::lock_guard lock(fetcher_.mutex_);
+  wake_ = std::move(wake);
+}
+
+Fetcher::Fetcher(std::size_t n_pages, std::function<void(Page)> fetch)
+    : fetch_(std::move(fetch)), is_fetched_(n_pages) {}
+
+Fetcher::~Fetcher() {
+  {
+    const std::lock_guard lock(mutex_);
+    must_stop_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+/// What the next client that wants anything wants most. Some thousand pages at most are wanted at
+/// once, and to fetch one takes longer than to look at them.
+bool Fetcher::next(Page& page) {
+  for (std::size_t i = 0; i < clients_.size(); ++i) {
+    turn_ = (turn_ + 1) % clients_.size();
+    const auto& wanted = clients_[turn_]->wanted_;
+    if (wanted.empty()) continue;
+    const auto most =
+        std::max_element(wanted.begin(), wanted.end(), [](const auto& a, const auto& b) {
+          return a.second != b.second ? a.second < b.second : a.first > b.first;
+        });
+    page = most->first;
+    return true;
+  }
+  return false;
+}
+
+void Fetcher::note(Page page) {
+  is_fetched_[page] = true;
+  fetched_.push_back(page);
+  for (Client* client : clients_) client->wanted_.erase(page);
+  n_fetched_.store(fetched_.size(), std::memory_order_release);
+  for (const Client* client : clients_)
+    if (client->wake_) client->wake_();
+}
+
+void Fetcher::run() {
+  std::unique_lock lock(mutex_);
+  while (!must_stop_) {
+    Page page = 0;
+    if (!next(page)) {
+      changed_.wait(lock);
+      continue;
+    }
+    lock.unlock();
+    fetch_(page);
+    lock.lock();
+    note(page);
+    changed_.notify_all();
+  }
+}
+
+}  // namespace lode::store

@@ -1,0 +1,202 @@
+// Live queries of files that nobody has loaded: pages come as they are wanted, and the surface is
+// that of the model in memory.
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "lode/api/focused_surface.h"
+#include "lode/api/session.h"
+#include "lode/store/reader.h"
+#include "tests/models/surface_cells.h"
+#include "tests/oracles/analytic_fields.h"
+#include "tests/oracles/random.h"
+
+namespace lode {
+namespace {
+
+class paged_model : public ::testing::Test {
+ protected:
+  paged_model()
+      : directory_(std::filesystem::temp_directory_path() /
+                   ("lode_paged_test_" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(directory_);
+  }
+  ~paged_model() override { std::filesystem::remove_all(directory_); }
+
+  Dataset build(const Volume& volume) {
+    return Dataset::build(*make_memory_source(volume), {}, progress_).value();
+  }
+  std::string save(const Dataset& dataset) {
+    const std::string path = (directory_ / "volume.lode").string();
+    EXPECT_TRUE(dataset.save(path, {2}, progress_));
+    return path;
+  }
+  /// Blobs of `scale`, a little of it noise.
+  template <typename T>
+  static Volume blobs(const Index3& dims, double scale, std::uint64_t seed) {
+    RegularGrid grid;
+    grid.dims = dims;
+    grid.spacing = {{1, 0.7, 1.9}};
+    oracles::Random random(seed);
+    std::vector<T> samples;
+    Index3 p;
+    for (p[2] = 0; p[2] < dims[2]; ++p[2])
+      for (p[1] = 0; p[1] < dims[1]; ++p[1])
+        for (p[0] = 0; p[0] < dims[0]; ++p[0]) {
+          const double wave = std::sin(0.13 * p[0]) * std::cos(0.17 * p[1] + 0.05 * p[2]);
+          samples.push_back(static_cast<T>(
+              scale * (0.5 + 0.33 * wave + (seed % 2 == 0 ? random.uniform(0, 0.02) : 0))));
+        }
+    return make_volume<T>(grid, samples);
+  }
+  static Query isosurface(double isovalue, double max_error) {
+    Query query;
+    query.isovalues = {isovalue};
+    query.max_error = max_error;
+    return query;
+  }
+  Surface extract(const Dataset& dataset, const Query& query) {
+    Surface surface;
+    const auto report = extract_focused(dataset, {.query = query}, surface, progress_);
+    EXPECT_TRUE(report) << report.error().message;
+    if (report) EXPECT_TRUE(report->standing.is_settled);
+    return surface;
+  }
+  void expect_same(const Volume& volume, double scale) {
+    const Dataset built = build(volume);
+    const Dataset opened = Dataset::open(save(built), {2}).value();
+    for (const double tolerance : {0.1, 0.0}) {
+      SCOPED_TRACE(fmt::format("{} x {} x {}, tolerance {}", volume.info.grid.dims[0],
+                               volume.info.grid.dims[1], volume.info.grid.dims[2], tolerance));
+      const Query query = isosurface(0.6 * scale, tolerance * scale);
+      const Surface expected = extract(built, query);
+      const Surface surface = extract(opened, query);
+      EXPECT_FALSE(expected.is_empty());
+      EXPECT_EQ(surface.positions, expected.positions);
+      EXPECT_EQ(surface.normals, expected.normals);
+      EXPECT_EQ(surface.triangles, expected.triangles);
+      EXPECT_EQ(surface.lines, expected.lines);
+    }
+  }
+
+  std::filesystem::path directory_;
+  Progress progress_;
+};
+
+TEST_F(paged_model, gives_the_surface_of_the_model_in_memory) {
+  expect_same(blobs<std::uint8_t>({{130, 40, 67}}, 250, 1), 250);
+  expect_same(blobs<std::uint8_t>({{66, 129, 35}}, 250, 2), 250);
+  expect_same(blobs<std::uint16_t>({{64, 34, 128}}, 60000, 3), 60000);
+  expect_same(blobs<std::int16_t>({{97, 33, 70}}, 30000, 4), 30000);
+  expect_same(blobs<float>({{131, 66, 20}}, 1e3, 5), 1e3);
+  expect_same(blobs<double>({{67, 68, 40}}, 1e-3, 6), 1e-3);
+}
+
+TEST_F(paged_model, gives_the_lines_of_2d_data) {
+  expect_same(blobs<std::uint8_t>({{1100, 513, 1}}, 250, 1), 250);
+  expect_same(blobs<float>({{600, 1, 1030}}, 1e3, 2), 1e3);
+}
+
+TEST_F(paged_model, keeps_budgets_whatever_page_comes_first) {
+  const Dataset built = build(blobs<std::uint8_t>({{130, 140, 70}}, 250, 2));
+  const Dataset opened = Dataset::open(save(built), {2}).value();
+  for (const std::uint64_t max_cells : {10, 1000, 30000, 200000}) {
+    Query query = isosurface(150, 0);
+    query.budget.max_cells = max_cells;
+    const Surface expected = extract(built, query);
+    const Surface surface = extract(opened, query);
+    EXPECT_EQ(surface.positions, expected.positions);
+    EXPECT_EQ(surface.triangles, expected.triangles);
+  }
+}
+
+TEST_F(paged_model, serves_several_sessions_at_once) {
+  const Dataset built = build(blobs<std::uint8_t>({{130, 140, 70}}, 250, 2));
+  const Dataset opened = Dataset::open(save(built), {2}).value();
+  std::vector<Session> sessions;
+  const std::vector<Query> queries{isosurface(150, 10), isosurface(120, 20), isosurface(180, 5)};
+  for (const Query& query : queries)
+    sessions.push_back(Session::open(opened, query, {.with_views = false}, progress_).value());
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    SurfaceMirror mirror;
+    for (bool is_settled = false; !is_settled;) {
+      const auto batch = sessions[i].take();
+      if (!batch) {
+        std::this_thread::yield();
+        continue;
+      }
+      ASSERT_FALSE(batch->fault);
+      mirror.apply(batch->change);
+      is_settled = batch->standing.is_settled;
+    }
+    Surface expected;
+    ASSERT_TRUE(
+        built.extract({.isovalues = queries[i].isovalues, .max_error = queries[i].max_error},
+                      expected, progress_));
+    EXPECT_EQ(cells_of(mirror.to_surface()), cells_of(expected));
+  }
+}
+
+TEST_F(paged_model, can_be_redirected_and_closed_while_pages_come) {
+  const Dataset built = build(blobs<std::uint8_t>({{130, 140, 134}}, 250, 2));
+  const std::string path = save(built);
+  oracles::Random random(4);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Dataset opened = Dataset::open(path, {2}).value();
+    auto session =
+        Session::open(opened, isosurface(150, 1), {.with_views = false}, progress_).value();
+    for (int i = 0; i < 5; ++i) {
+      std::this_thread::sleep_for(
+          std::chrono::microseconds(static_cast<int>(random.uniform(0, 2000))));
+      ASSERT_TRUE(session.set_query(isosurface(random.uniform(100, 200), random.uniform(0, 30))));
+    }
+  }
+}
+
+TEST_F(paged_model, names_the_block_that_cannot_be_read) {
+  // No simplex reaches across the border, where even coarse surfaces are refined.
+  const std::string path = save(build(blobs<std::uint8_t>({{129, 129, 65}}, 250, 2)));
+  std::uint64_t offset = 0;
+  {
+    const auto reader = store::Reader::open(path).value();
+    for (const auto& block : reader.blocks())
+      if (block.key.level == 0 && block.key.position == Index3{{1, 1, 0}}) offset = block.offset;
+  }
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(offset + 100));
+  file.write("damaged", 7);
+  file.close();
+
+  const Dataset opened = Dataset::open(path, {2}).value();
+  Surface surface;
+  // Coarse answers need none of it.
+  EXPECT_FALSE(extract(opened, isosurface(150, 50)).is_empty());
+  const auto failed = extract_focused(opened, {.query = isosurface(150, 0)}, surface, progress_);
+  ASSERT_FALSE(failed);
+  EXPECT_NE(failed.error().message.find("position 1 1 0"), std::string::npos);
+  EXPECT_NE(failed.error().message.find("checksum"), std::string::npos);
+
+  auto session =
+      Session::open(opened, isosurface(150, 0), {.with_views = false}, progress_).value();
+  std::optional<Error> fault;
+  while (!fault)
+    if (const auto batch = session.take()) fault = batch->fault;
+  EXPECT_EQ(fault->message, failed.error().message);
+}
+
+TEST_F(paged_model, loads_volumes_with_holes) {
+  Volume volume = blobs<float>({{70, 66, 67}}, 100, 2);
+  const float hole = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(volume.samples.data() + 4 * 150000, &hole, sizeof(hole));
+  const Dataset built = build(volume);
+  const Dataset opened = Dataset::open(save(built), {2}).value();
+  const Query query = isosurface(60, 5);
+  EXPECT_EQ(extract(opened, query).positions, extract(built, query).positions);
+}
+
+}  // namespace
+}  // namespace lode
