@@ -35,9 +35,9 @@ struct SessionBatch {
 /// All members may be called from one thread that is not the session's; take() and set_query() do
 /// one atomic exchange each and never wait. Changes of the query take effect at the next step; all
 /// but a few steps are far shorter than a millisecond (docs/engine.md). Another isovalue starts
-/// from the base, everything else from wherever the surface is. A file that is not loaded is read as
-/// the query goes (see open_live_query()): no step waits for it. The session ends the program where
-/// memory does.
+/// from the base, everything else from wherever the surface is. A file that is not loaded is read
+/// as the query goes (see open_live_query()): no step waits for it. The session ends the program
+/// where memory does.
 class Session {
  public:
   /// Starts refining. `dataset` must outlive the session; several may share it. Queries must have

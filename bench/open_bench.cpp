@@ -1,0 +1,144 @@
+// From a closed .lode file to a surface in memory: the first consistent one, one within ten times
+// the tolerance, and the answer; and what loading the whole file first would take. The operating
+// system is asked to forget the file before each run.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "bench/timing.h"
+#include "bench/volume_cases.h"
+#include "lode/api/session.h"
+
+namespace lode::bench {
+namespace {
+
+/// Bytes that this process has read, from wherever.
+std::uint64_t n_bytes_read() {
+  std::ifstream io("/proc/self/io");
+  std::string key;
+  std::uint64_t n = 0;
+  io >> key >> n;
+  return n;
+}
+
+void forget(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return;
+  ::fsync(file);
+  ::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
+  ::close(file);
+}
+
+/// Milliseconds since the file was closed, and bytes read by then.
+struct Moment {
+  double ms = 0;
+  double share = 0;  ///< Of the file.
+  double error_bound = 0;
+  std::int64_t n_triangles = 0;
+};
+struct Run {
+  Moment first, soon, near, whole;
+};
+
+Result<Run> run_once(const std::string& path, const Query& query, bool loads_first) {
+  const auto size = static_cast<double>(std::filesystem::file_size(path));
+  forget(path);
+  const std::uint64_t n_before = n_bytes_read();
+  const auto start = Clock::now();
+  Progress progress;
+  LODE_TRY(const Dataset dataset, Dataset::open(path, {2}));
+  if (loads_first) LODE_CHECK(dataset.load(progress));
+  LODE_TRY(auto session, Session::open(dataset, query, {.with_views = false}, progress));
+  Run run;
+  SurfaceMirror mirror;
+  for (;;) {
+    const auto batch = session.take();
+    if (!batch) {
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+      continue;
+    }
+    if (batch->fault) return *batch->fault;
+    mirror.apply(batch->change);
+    Moment now{1000 * seconds_since(start), static_cast<double>(n_bytes_read() - n_before) / size,
+               batch->standing.error_bound};
+    if (now.ms <= 50) {
+      now.n_triangles = std::ranges::count_if(
+          mirror.cells(), [](const auto& cell) { return cell != SurfaceBatch::kRemoved; });
+      run.soon = now;
+    }
+    if (run.first.ms == 0 && !batch->change.cells.empty()) run.first = now;
+    if (run.near.ms == 0 && batch->standing.error_bound <= 10 * *query.max_error) run.near = now;
+    if (!batch->standing.is_settled) continue;
+    run.whole = now;
+    return run;
+  }
+}
+
+Result<void> run_case(const VolumeCase& volume_case, const std::string& path) {
+  Query query;
+  std::int64_t n_samples = 0;
+  {
+    LODE_TRY(const auto volume, load(volume_case));
+    Progress progress;
+    LODE_TRY(const auto dataset,
+             Dataset::build(*make_memory_source(volume), {.threads = {2}}, progress));
+    const DatasetInfo info = dataset.describe();
+    query.isovalues = {volume_case.isovalue};
+    query.max_error = volume_case.relative_error * (info.range_max - info.range_min);
+    n_samples = info.volume.grid.n_samples();
+    LODE_CHECK(dataset.save(path, {2}, progress));
+  }
+  fmt::print("{}: {:.1f} M samples, file of {:.1f} MB, tolerance {:.3g}\n", volume_case.name,
+             1e-6 * static_cast<double>(n_samples),
+             1e-6 * static_cast<double>(std::filesystem::file_size(path)), *query.max_error);
+  for (const bool loads_first : {false, true}) {
+    std::vector<Run> runs;
+    for (int i = 0; i < 7; ++i) {
+      LODE_TRY(const Run run, run_once(path, query, loads_first));
+      runs.push_back(run);
+    }
+    fmt::print("  {}\n", loads_first ? "loaded first" : "page by page");
+    const auto print = [&](const char* name, Moment Run::*moment) {
+      std::vector<double> ms;
+      for (const Run& run : runs) ms.push_back((run.*moment).ms);
+      const Moment& last = runs.back().*moment;
+      fmt::print("    {:<30} {:>8.1f} ms, worst of 7 {:>8.1f} ms; {:>5.1f} % read, bound {:.4g}",
+                 name, median(ms), *std::max_element(ms.begin(), ms.end()), 100 * last.share,
+                 last.error_bound);
+      if (last.n_triangles > 0) fmt::print(", {} triangles", last.n_triangles);
+      fmt::print("\n");
+    };
+    print("first surface", &Run::first);
+    print("the last one within 50 ms", &Run::soon);
+    print("within 10 times the tolerance", &Run::near);
+    print("the answer", &Run::whole);
+  }
+  return {};
+}
+
+}  // namespace
+}  // namespace lode::bench
+
+int main(int argc, char** argv) {
+  using namespace lode::bench;
+  CLI::App app("From a closed file to a surface");
+  std::string only;
+  app.add_option("--only", only, "Cases whose name contains this");
+  CLI11_PARSE(app, argc, argv);
+  const auto path =
+      std::filesystem::temp_directory_path() / fmt::format("lode_open_bench_{}.lode", ::getpid());
+  for (const VolumeCase& volume_case : volume_cases()) {
+    if (volume_case.name.find(only) == std::string::npos) continue;
+    if (const auto done = run_case(volume_case, path.string()); !done)
+      fmt::print("{}: {}\n", volume_case.name, done.error().message);
+    std::fflush(stdout);
+  }
+  std::filesystem::remove(path);
+  return 0;
+}
