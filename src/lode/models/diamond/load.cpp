@@ -45,20 +45,6 @@ Result<void> load_blocks(const store::Reader& reader, std::span<const Region<D>>
   return {};
 }
 
-/// Refuses metadata that promises other samples than the directory holds, before memory is asked.
-template <int D>
-Result<void> check_size(const store::Reader& reader, const VolumeInfo& info) {
-  const Shape<D> shape = Shape<D>::of(AxisMap<D>::of(info.grid.dims).lattice_dims(info.grid.dims));
-  const std::uint64_t expected = count_stored_samples<D>(shape) * size_of(storage_type(info.type));
-  std::uint64_t present = 0;
-  for (const store::BlockEntry& block : reader.blocks())
-    if (block.key.kind == static_cast<std::uint32_t>(Kind::samples)) present += block.raw_size;
-  if (expected == present) return {};
-  return fail("{}: expected {} bytes of samples for {} x {} x {}, its blocks hold {}",
-              reader.path(), expected, info.grid.dims[0], info.grid.dims[1], info.grid.dims[2],
-              present);
-}
-
 /// Compares the samples beyond the data that one block holds, as for_each_row comes to them, with
 /// the nearest ones in `all`, the samples of the data: bit by bit, as a hole may be NaN.
 template <typename T, int D>
@@ -213,7 +199,6 @@ Result<void> check_errors(const store::Reader& reader, const Summary& said, cons
 template <int D>
 Result<Model<D>> load(const store::Reader& reader, Threads threads, Progress& progress) {
   LODE_TRY(const Metadata metadata, read_metadata(reader));
-  LODE_CHECK(check_size<D>(reader, metadata.info));
   Model<D> model = Model<D>::make(metadata.info);
   LODE_CHECK(load_samples<D>(model, reader, threads, progress));
   LODE_CHECK(check_stats(reader, metadata.summary.stats, model.stats));

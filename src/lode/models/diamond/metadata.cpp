@@ -1,3 +1,4 @@
+#include "lode/models/diamond/block_layout.h"
 #include "lode/models/diamond/persist.h"
 #include "lode/store/bytes.h"
 
@@ -71,6 +72,20 @@ Result<double> read_error(store::ByteReader& in, const std::string& path) {
   return error;
 }
 
+/// Refuses metadata that promises other samples than the directory holds, before memory is asked.
+template <int D>
+Result<void> check_size(const store::Reader& reader, const VolumeInfo& info) {
+  const Shape<D> shape = Shape<D>::of(AxisMap<D>::of(info.grid.dims).lattice_dims(info.grid.dims));
+  const std::uint64_t expected = count_stored_samples<D>(shape) * size_of(storage_type(info.type));
+  std::uint64_t present = 0;
+  for (const store::BlockEntry& block : reader.blocks())
+    if (block.key.kind == static_cast<std::uint32_t>(Kind::samples)) present += block.raw_size;
+  if (expected == present) return {};
+  return fail("{}: expected {} bytes of samples for {} x {} x {}, its blocks hold {}",
+              reader.path(), expected, info.grid.dims[0], info.grid.dims[1], info.grid.dims[2],
+              present);
+}
+
 }  // namespace
 
 std::vector<std::byte> encode_metadata(const Metadata& metadata) {
@@ -116,6 +131,10 @@ Result<Metadata> read_metadata(const store::Reader& reader) {
     summary.max_errors.push_back(error);
   }
   LODE_CHECK(in.expect_end());
+  if (reader.model() == model_name<2>())
+    LODE_CHECK(check_size<2>(reader, metadata.info));
+  else
+    LODE_CHECK(check_size<3>(reader, metadata.info));
   return metadata;
 }
 

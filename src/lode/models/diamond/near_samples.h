@@ -16,10 +16,13 @@ class NearSamples {
   NearSamples(const Field& field, const Index<D>& centre, std::int32_t reach, int level = 0) {
     for (std::size_t i = 0; i < as_size(D); ++i)
       if (centre[i] < reach << level || centre[i] + (reach << level) >= field.shape.dims[i]) return;
+    is_in_data_ = true;
     field.find_near(*this, centre, reach, level);
   }
 
-  /// Whether all are samples of the data, and one brick or page has them.
+  /// Whether all are samples of the data,
+  [[nodiscard]] bool is_in_data() const { return is_in_data_; }
+  /// and one brick or page has them.
   [[nodiscard]] bool is_in_one() const { return middle_ != nullptr; }
   /// Then that at centre + steps, which may be a hole.
   [[nodiscard]] T at(const Index<D>& steps) const {
@@ -37,6 +40,7 @@ class NearSamples {
  private:
   std::array<std::ptrdiff_t, as_size(D)> strides_{};
   const T* middle_ = nullptr;
+  bool is_in_data_ = false;
 };
 
 /// The value at p, which is centre + steps: NaN for a hole; beyond the data that of the nearest

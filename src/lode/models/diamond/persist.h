@@ -25,7 +25,8 @@ struct Metadata {
 [[nodiscard]] std::vector<std::byte> encode_metadata(const Metadata& metadata);
 
 /// Reads the metadata of a diamond2d or diamond3d, and no block. Fails, naming the file, on sizes,
-/// ranges, counts and errors that no model has, and on bytes too few or too many. Whether the
+/// ranges, counts and errors that no model has, on bytes too few or too many, and where the blocks
+/// cannot hold the samples, so that memory may be taken for what it says. Whether the
 /// summary is true, only load() finds out.
 [[nodiscard]] Result<Metadata> read_metadata(const store::Reader& reader);
 

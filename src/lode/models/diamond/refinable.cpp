@@ -10,6 +10,25 @@ namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
+/// The samples that a node of level 0 needs, from several bricks or pages.
+template <int D, typename T>
+class GatheredSamples {
+ public:
+  template <typename Field>
+  GatheredSamples(const Field& field, const Index<D>& centre, const FinestNodes<D>& nodes) {
+    for (const Index<D>& steps : nodes.samples)
+      samples_[index_of(steps)] = static_cast<T>(field.value(centre + steps));
+  }
+  [[nodiscard]] T at(const Index<D>& steps) const { return samples_[index_of(steps)]; }
+
+ private:
+  static constexpr std::int32_t kEdge = 2 * FinestNodes<D>::kReach + 1;
+  static std::size_t index_of(const Index<D>& steps) {
+    return linear_index<D>(all_equal<D>(kEdge), steps + all_equal<D>(FinestNodes<D>::kReach));
+  }
+  std::array<T, power(kEdge, D)> samples_{};
+};
+
 /// A node's of level 0 and of those below it, all of whose samples are near; none is a hole.
 template <int D, typename Near>
 void join_near(const FinestNodes<D>& nodes, const Near& near, double& error, Range& range) {
@@ -146,8 +165,13 @@ void Refinable<D, Field>::add_finest(const Diamond<D>& node, StoredFacts& facts)
   Finest finest{0, {kEndless, -kEndless}};
   visit_storage_type(model_.storage, [&]<typename T>() {
     const NearSamples<D, T> near(model_, node.centre, FinestNodes<D>::kReach);
-    if (!near.is_in_one() || model_.has_holes()) return join_finest(node, finest);
-    join_near<D>(finest_nodes<D>(node.centre), near, finest.error, finest.range);
+    if (model_.has_holes() || !near.is_in_data()) return join_finest(node, finest);
+    const FinestNodes<D>& nodes = finest_nodes<D>(node.centre);
+    if (near.is_in_one())
+      join_near<D>(nodes, near, finest.error, finest.range);
+    else
+      join_near<D>(nodes, GatheredSamples<D, T>(model_, node.centre, nodes), finest.error,
+                   finest.range);
     finest.error += rounding_slack<D>(model_);
   });
   facts.error = decode_error(encode_error(float_up(finest.error)));
