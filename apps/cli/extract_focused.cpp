@@ -38,7 +38,7 @@ Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& r
   json["triangles_dropped"] = report.triangles_dropped;
   json["seconds"]["total"] = report.seconds;
   json["seconds"]["world_errors"] = report.world_error_seconds;
-  json["seconds"]["open"] = input.open_seconds;
+  json["seconds"]["open"] = input.open_seconds + report.open_seconds;
   return json;
 }
 
@@ -64,7 +64,8 @@ std::string focused_text(const MeshJob& job, const Input& input, const FocusedRe
   table.add({"simplices", format_count(report.standing.n_cells)});
   table.add({"extract", format_seconds(report.seconds)});
   if (report.max_error_px) table.add({"world errors", format_seconds(report.world_error_seconds)});
-  table.add({input.was_built ? "read and build" : "open", format_seconds(input.open_seconds)});
+  table.add({input.was_built ? "read and build" : "open",
+             format_seconds(input.open_seconds + report.open_seconds)});
   table.add({"output", job.output});
   return table.to_string();
 }

@@ -12,14 +12,15 @@
 namespace lode::test {
 namespace {
 
-/// A model whose nodes each need one of some pages; which have come the test decides.
+/// A model whose nodes each need one of `n_pages`; which have come the test decides.
 template <typename M>
 class Slow : public M {
  public:
-  explicit Slow(M model) : M(std::move(model)) {}
+  Slow(M model, std::uint_fast32_t n_pages) : M(std::move(model)), n_pages_(n_pages) {}
 
   [[nodiscard]] std::optional<std::uint32_t> missing(NodeId id) const {
-    const auto page = static_cast<std::uint32_t>(static_cast<std::uint64_t>(id) * 0x9E3779B1U % 37);
+    const auto page =
+        static_cast<std::uint32_t>(static_cast<std::uint64_t>(id) * 0x9E3779B1U % n_pages_);
     if (page < 3 || here_.contains(page)) return {};
     return page;
   }
@@ -47,6 +48,7 @@ class Slow : public M {
   }
 
  private:
+  std::uint_fast32_t n_pages_;
   std::set<std::uint32_t> here_, requested_;
   std::vector<std::uint32_t> arrived_;
 };
@@ -65,14 +67,15 @@ class paged_engine : public ::testing::Test {
     Slow<Opened> model;
     Engine<Slow<Opened>> engine;
 
-    explicit Run(const M& fixture) : model(fixture.refinable()), engine(model) {}
+    Run(const M& fixture, std::uint_fast32_t n_pages)
+        : model(fixture.refinable(), n_pages), engine(model) {}
     Run(const Run&) = delete;
 
-    /// Steps, and pages that come between them, until the answer is there.
-    void finish(std::mt19937& random) {
+    /// Steps, and pages that come between them, one in `rarity`, until the answer is there.
+    void finish(std::mt19937& random, std::uint_fast32_t rarity) {
       while (!engine.standing().is_settled) {
         if (engine.step()) {
-          if (random() % 40 == 0) model.deliver(random);
+          if (random() % rarity == 0) model.deliver(random);
           continue;
         }
         EXPECT_TRUE(engine.standing().awaits_data || engine.standing().is_settled);
@@ -99,35 +102,39 @@ TYPED_TEST_SUITE(paged_engine, AllModels);
 
 TYPED_TEST(paged_engine, finds_the_same_answer_whatever_comes_when) {
   std::mt19937 random(11);
-  for (int trial = 0; trial < 40; ++trial) {
-    typename TestFixture::Run run(this->fixture_);
+  for (int trial = 0; trial < 400; ++trial) {
+    SCOPED_TRACE(trial);
+    typename TestFixture::Run run(this->fixture_, 4 + random() % 80);
     const Demand demand = some_isovalue(random);
     Budget budget;
-    if (trial % 2 == 1) budget.max_cells = 10 + random() % 900;
+    if (trial % 4 != 0) budget.max_cells = 10 + random() % 900;
     run.engine.set_query(demand, budget);
-    run.finish(random);
-    EXPECT_EQ(run.engine.cut().applied(), this->expected(demand, budget));
+    run.finish(random, 1 + random() % 60);
+    ASSERT_EQ(run.engine.cut().applied(), this->expected(demand, budget));
   }
 }
 
 TYPED_TEST(paged_engine, answers_new_queries_while_it_waits) {
   std::mt19937 random(12);
-  typename TestFixture::Run run(this->fixture_);
-  for (int trial = 0; trial < 60; ++trial) {
-    const Demand demand = some_isovalue(random);
-    Budget budget;
-    if (trial % 3 == 1) budget.max_cells = 10 + random() % 900;
-    run.engine.set_query(demand, budget);
-    for (std::size_t n = random() % 200; n > 0 && run.engine.step(); --n) {
+  for (int start = 0; start < 8; ++start) {
+    typename TestFixture::Run run(this->fixture_, 20 + random() % 400);
+    for (int trial = 0; trial < 30; ++trial) {
+      SCOPED_TRACE(trial);
+      const Demand demand = some_isovalue(random);
+      Budget budget;
+      if (trial % 3 != 0) budget.max_cells = 10 + random() % 900;
+      run.engine.set_query(demand, budget);
+      for (std::size_t n = random() % 200; n > 0 && run.engine.step(); --n) {
+      }
+      if (trial % 2 == 1) continue;
+      run.finish(random, 1 + random() % 60);
+      ASSERT_EQ(run.engine.cut().applied(), this->expected(demand, budget));
     }
-    if (trial % 2 == 1) continue;
-    run.finish(random);
-    EXPECT_EQ(run.engine.cut().applied(), this->expected(demand, budget));
   }
 }
 
 TYPED_TEST(paged_engine, refines_what_it_can_while_it_waits) {
-  typename TestFixture::Run run(this->fixture_);
+  typename TestFixture::Run run(this->fixture_, 37);
   run.engine.set_query(isovalue_demand(60, 1));
   double bound = run.engine.standing().error_bound;
   while (run.engine.step()) {

@@ -123,7 +123,9 @@ TEST_F(paged_model, serves_several_sessions_at_once) {
     sessions.push_back(Session::open(opened, query, {.with_views = false}, progress_).value());
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     SurfaceMirror mirror;
+    const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
     for (bool is_settled = false; !is_settled;) {
+      ASSERT_LT(std::chrono::steady_clock::now(), until);
       const auto batch = sessions[i].take();
       if (!batch) {
         std::this_thread::yield();
@@ -183,9 +185,26 @@ TEST_F(paged_model, names_the_block_that_cannot_be_read) {
   auto session =
       Session::open(opened, isosurface(150, 0), {.with_views = false}, progress_).value();
   std::optional<Error> fault;
-  while (!fault)
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (!fault && std::chrono::steady_clock::now() < until)
     if (const auto batch = session.take()) fault = batch->fault;
+  ASSERT_TRUE(fault);
   EXPECT_EQ(fault->message, failed.error().message);
+
+  // What does not need it is answered all the same.
+  Query elsewhere = isosurface(150, 0);
+  elsewhere.boxes = {{{{0, 0, 0}}, {{20, 20, 50}}}};
+  EXPECT_FALSE(extract(opened, elsewhere).is_empty());
+}
+
+TEST_F(paged_model, stops_when_cancelled) {
+  const Dataset opened =
+      Dataset::open(save(build(blobs<std::uint8_t>({{129, 129, 65}}, 250, 2))), {2}).value();
+  Progress cancelled;
+  cancelled.cancel();
+  Surface surface;
+  EXPECT_FALSE(extract_focused(opened, {.query = isosurface(150, 0)}, surface, cancelled));
+  EXPECT_FALSE(extract(opened, isosurface(150, 20)).is_empty());
 }
 
 TEST_F(paged_model, loads_volumes_with_holes) {

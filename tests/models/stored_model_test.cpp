@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "lode/models/diamond/block_layout.h"
+#include "lode/models/diamond/paged_model.h"
 #include "lode/store/checksum.h"
 #include "tests/models/stored_fixtures.h"
 #include "tests/store/python_reader.h"
@@ -243,6 +244,56 @@ TEST_F(lying_file, with_metadata_cut_anywhere_is_refused) {
   store::save_file(path_.str(), original);
   test::rewrite(path_.str(), [](Bytes& bytes) { bytes.push_back({}); });
   expect_refused("metadata: expected the end");
+}
+
+/// The first fault of a file read page by page.
+std::string fault_of_pages(const std::string& path) {
+  const auto reader = store::Reader::open(path).value();
+  const auto metadata = read_metadata(reader);
+  if (!metadata) return metadata.error().message;
+  Progress progress;
+  const auto model = PagedModel<3>::open(reader, *metadata, progress);
+  if (!model) return model.error().message;
+  store::Fetcher::Client client((*model)->fetcher());
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t page = 0; page < (*model)->n_pages(); ++page) all.push_back(page);
+  for (const std::uint32_t page : all) client.want(page, 1);
+  std::vector<std::uint32_t> fetched;
+  while (fetched.size() < all.size()) {
+    client.wait(store::Fetcher::Clock::now() + std::chrono::seconds(60));
+    client.add_fetched(fetched);
+  }
+  const auto fault = (*model)->fault_of(all);
+  return fault ? fault->message : "";
+}
+
+TEST(paged_file, that_lies_of_its_range_is_refused) {
+  const TestPath path("paged.lode");
+  for (const ScalarType type :
+       {ScalarType::uint8, ScalarType::uint16, ScalarType::float32, ScalarType::float64}) {
+    SCOPED_TRACE(name_of(type));
+    test::save<3>(test::built<3>(test::random_samples({{70, 9, 8}}, type, Holes::none)),
+                  path.str());
+    const Bytes original = store::load_file(path.str());
+    EXPECT_EQ(fault_of_pages(path.str()), "");
+    const auto expect_refused = [&](const auto& change) {
+      store::save_file(path.str(), original);
+      test::rewrite_decoded(path.str(), change);
+      const std::string fault = fault_of_pages(path.str());
+      EXPECT_TRUE(fault.starts_with(path.str() + ": ")) << fault;
+    };
+    expect_refused([](Metadata& m) {
+      m.summary.stats.min += 1e-3 * (m.summary.stats.max - m.summary.stats.min);
+    });
+    expect_refused([](Metadata& m) {
+      m.summary.stats.max -= 1e-3 * (m.summary.stats.max - m.summary.stats.min);
+    });
+    if (size_of(type) > 2)  // others keep ranges as they are
+      expect_refused(
+          [](Metadata& m) { m.summary.stats.min -= m.summary.stats.max - m.summary.stats.min; });
+    expect_refused([](Metadata& m) { m.info.grid.dims[0] = 30000; });
+    expect_refused([](Metadata& m) { m.info.grid.dims = {{524289, 524289, 524289}}; });
+  }
 }
 
 TEST(diamond2d_file, without_a_flat_axis_is_refused) {

@@ -187,8 +187,6 @@ DatasetInfo Dataset::describe() const {
                    .base_error = summary.base_error,
                    .levels = is_2d ? describe_levels<2>(impl_->info(), summary)
                                    : describe_levels<3>(impl_->info(), summary)};
-  info.levels =
-      is_2d ? describe_levels<2>(info.volume, summary) : describe_levels<3>(info.volume, summary);
   if (const auto& stored = impl_->stored()) {
     info.data_bytes = stored->samples;
     info.attribute_bytes = stored->attributes;
@@ -251,6 +249,13 @@ Result<VerifyReport> verify_file(const std::string& path, Threads threads, Progr
                            .count = reader.file_size(),
                            .passed = true,
                            .detail = fmt::format("{} blocks", reader.blocks().size())});
+  // Loading compares what blocks hold with what the metadata say of them.
+  LODE_TRY(const auto dataset, Dataset::open(path, threads));
+  LODE_CHECK(dataset.load(progress));
+  report.checks.push_back({.name = "blocks and metadata agree",
+                           .count = reader.blocks().size(),
+                           .passed = true,
+                           .detail = "range, holes, errors, samples beyond the data"});
   return report;
 }
 

@@ -160,7 +160,8 @@ class Dataset {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Reads every byte of a .lode file and checks it.
+/// Reads every byte of a .lode file and checks it, then loads it, which checks what blocks and
+/// metadata say of each other.
 [[nodiscard]] Result<VerifyReport> verify_file(const std::string& path, Threads threads,
                                                Progress& progress);
 

@@ -9,7 +9,8 @@ Dataset::Impl::Impl(AnyModel built)
             return diamond::Metadata{model.info, diamond::summarize<D>(model)};
           },
           built)),
-      model_(std::move(built)) {}
+      model_(std::move(built)),
+      is_in_memory_(true) {}
 
 Dataset::Impl::Impl(store::Reader reader, diamond::Metadata metadata, Threads threads)
     : is_flat_(reader.model() == diamond::model_name<2>()),
@@ -28,19 +29,20 @@ Result<const Dataset::Impl::AnyModel*> Dataset::Impl::model(Progress& progress) 
       LODE_TRY(auto loaded, diamond::load<3>(*reader_, threads_, progress));
       model_ = std::move(loaded);
     }
+    is_in_memory_ = true;
   }
   return &*model_;
 }
 
-Result<const Dataset::Impl::AnyPages*> Dataset::Impl::pages() const {
-  const std::lock_guard lock(mutex_);
+Result<const Dataset::Impl::AnyPages*> Dataset::Impl::pages(Progress& progress) const {
+  if (is_in_memory_ || summary().stats.n_holes > 0) return nullptr;
+  const std::lock_guard lock(pages_mutex_);
   if (!pages_) {
-    if (model_ || summary().stats.n_holes > 0) return nullptr;
     if (is_flat_) {
-      LODE_TRY(auto opened, diamond::PagedModel<2>::open(*reader_, metadata_));
+      LODE_TRY(auto opened, diamond::PagedModel<2>::open(*reader_, metadata_, progress));
       pages_ = std::move(opened);
     } else {
-      LODE_TRY(auto opened, diamond::PagedModel<3>::open(*reader_, metadata_));
+      LODE_TRY(auto opened, diamond::PagedModel<3>::open(*reader_, metadata_, progress));
       pages_ = std::move(opened);
     }
   }

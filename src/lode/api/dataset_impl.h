@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -33,8 +34,8 @@ class Dataset::Impl {
   /// All of it in memory; a file is loaded when this is first asked.
   [[nodiscard]] Result<const AnyModel*> model(Progress& progress) const;
   /// Pages of the file that come when they are wanted; null if the model is in memory, or has
-  /// holes.
-  [[nodiscard]] Result<const AnyPages*> pages() const;
+  /// holes. The coarsest are read when this is first asked.
+  [[nodiscard]] Result<const AnyPages*> pages(Progress& progress) const;
   /// Found when first asked for, on all cores; they are not in files.
   [[nodiscard]] Result<std::shared_ptr<const diamond::WorldErrors>> world_errors(
       Progress& progress) const;
@@ -47,6 +48,8 @@ class Dataset::Impl {
   std::optional<store::Reader> reader_;
   mutable std::mutex mutex_;
   mutable std::optional<AnyModel> model_;
+  mutable std::atomic<bool> is_in_memory_{false};
+  mutable std::mutex pages_mutex_;
   mutable std::optional<AnyPages> pages_;
   mutable std::mutex world_errors_mutex_;
   mutable std::shared_ptr<const diamond::WorldErrors> world_errors_;

@@ -82,10 +82,11 @@ Result<void> refine(LiveQuery& live, const std::optional<double>& deadline, cons
     const bool has_moved = i == 0 || live.step();
     if (has_moved && i % kStepsPerLook != 0) continue;
     if (progress.is_cancelled()) return cancelled_error();
+    if (!has_moved)
+      if (auto fault = live.fault()) return *fault;
     if (deadline && clock() + finishing_seconds(live.n_cells()) >= *deadline) return {};
     if (has_moved) continue;
     if (!live.standing().awaits_data) return {};
-    if (auto fault = live.fault()) return *fault;
     live.wait(std::chrono::steady_clock::now() + kLongestWait);
   }
 }
@@ -106,11 +107,15 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
     report.standing.is_settled = true;  // it has no cells
     return report;
   }
+  const bool has_views = query.max_error_px.has_value();
   const double opening = clock();
-  LODE_TRY(const auto live,
-           open_live_query(dataset, options.normals, query.max_error_px.has_value(), progress));
+  LODE_TRY(const auto* const pages, dataset.impl().pages(progress));
+  if (has_views || pages == nullptr) LODE_CHECK(dataset.load(progress));
+  const double opened = clock();
+  LODE_TRY(const auto live, open_live_query(dataset, options.normals, has_views, progress));
   const double start = clock();
-  report.world_error_seconds = start - opening;
+  report.open_seconds = opened - opening;
+  report.world_error_seconds = start - opened;
   live->set_query(query);
   std::optional<double> deadline;
   if (options.deadline_s) deadline = start + *options.deadline_s;

@@ -14,8 +14,9 @@ struct FocusedOptions {
   /// One isovalue. Without a tolerance it is 0.5 % of the value range, or with a budget or a
   /// deadline 0: as good as they allow.
   Query query;
-  /// Seconds from the call on, but for world errors that are not known yet; the best surface that
-  /// is complete by then is the answer.
+  /// Seconds from when refinement begins: not counted is what must be there before, a file's coarse
+  /// levels, or for a view all of it and its world errors. The best surface that is complete by
+  /// then is the answer.
   std::optional<double> deadline_s{};
   std::optional<Box3d> clip{};      ///< As in ExtractOptions; the deadline knows nothing of it.
   std::uint64_t min_component = 0;  ///< Likewise.
@@ -29,10 +30,11 @@ struct FocusedOptions {
 struct FocusedReport {
   std::optional<double> max_error;     ///< Field units: asked for, or chosen.
   std::optional<double> max_error_px;  ///< As asked for.
-  Standing standing;                   ///< n_steps repeats an answer that a deadline cut short.
-  double achieved_px = 0;  ///< With a view: of what is left unrefined in sight, an estimate.
-  double seconds = 0;      ///< Without world errors, which are found once for a dataset.
-  double world_error_seconds = 0;
+  Standing standing;  ///< n_steps repeats an answer of a model in memory that a deadline cut short.
+  double achieved_px = 0;   ///< With a view: of what is left unrefined in sight, an estimate.
+  double seconds = 0;       ///< Without the next two,
+  double open_seconds = 0;  ///< for what is read before refinement begins, and
+  double world_error_seconds = 0;  ///< what is found once for a dataset.
   std::uint64_t components_dropped = 0;
   std::uint64_t triangles_dropped = 0;
   bool was_clipped = false;  ///< Nodes at the border were left unrefined, so the surface was cut.

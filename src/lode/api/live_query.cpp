@@ -45,7 +45,8 @@ class DiamondLiveQuery final : public LiveQuery {
     if constexpr (kIsPaged) nodes_.client().on_fetched(std::move(wake));
   }
   [[nodiscard]] std::optional<Error> fault() const override {
-    if constexpr (kIsPaged) return nodes_.model().fault();
+    if constexpr (kIsPaged)
+      if (engine_->standing().awaits_data) return nodes_.fault();
     return {};
   }
 
@@ -117,7 +118,7 @@ Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset, Norma
   if (with_views) {
     LODE_TRY(world_errors, dataset.impl().world_errors(progress));
   } else {
-    LODE_TRY(const auto* const pages, dataset.impl().pages());
+    LODE_TRY(const auto* const pages, dataset.impl().pages(progress));
     if (pages != nullptr)
       return std::visit(
           [&]<int D>(const std::unique_ptr<const diamond::PagedModel<D>>& model)

@@ -1,6 +1,8 @@
 #include "lode/mappers/surface_order.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <numeric>
 #include <vector>
 
@@ -35,9 +37,14 @@ void put_in_order(Surface& surface) {
   LODE_EXPECTS(surface.values.empty() && surface.origins.empty() && surface.errors.empty());
   std::vector<std::uint32_t> old_at(surface.positions.size());
   std::iota(old_at.begin(), old_at.end(), 0U);
+  // As integers in the same order, which also puts what is no number somewhere.
+  const auto rank = [](float x) {
+    const auto bits = std::bit_cast<std::uint32_t>(x);
+    return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
+  };
   const auto place = [&](std::uint32_t v) {
     const Vec3f& p = surface.positions[v];
-    return std::array<float, 3>{p[2], p[1], p[0]};
+    return std::array{rank(p[2]), rank(p[1]), rank(p[0])};
   };
   std::sort(old_at.begin(), old_at.end(),
             [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });

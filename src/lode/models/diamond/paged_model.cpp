@@ -38,17 +38,17 @@ PagedModel<D>::PagedModel(const store::Reader& reader, const Metadata& metadata)
 
 template <int D>
 Result<std::unique_ptr<PagedModel<D>>> PagedModel<D>::open(const store::Reader& reader,
-                                                           const Metadata& metadata) {
+                                                           const Metadata& metadata,
+                                                           Progress& progress) {
   if (metadata.summary.stats.n_holes > 0)
     return fail("{}: expected a volume without holes, got {}", reader.path(),
                 metadata.summary.stats.n_holes);
   std::unique_ptr<PagedModel> model(new PagedModel(reader, metadata));
   for (int k = model->shape.n_levels; k-- > 0;) {
     const Level& level = model->levels_[as_size(k)];
-    if (n_points<D>(level.n_blocks) > 1 && k != model->shape.n_levels - 1) break;
-    for (Page page = 0; page < n_points<D>(level.n_blocks); ++page)
-      model->fetch(level.first + page);
-    if (auto fault = model->fault()) return *fault;
+    if (n_points<D>(level.n_blocks) > 1) break;
+    if (progress.is_cancelled()) return cancelled_error();
+    LODE_CHECK(model->load_page(level.first));
   }
   return model;
 }
@@ -70,9 +70,14 @@ double PagedModel<D>::value(Index<D> p) const {
   for (std::size_t i = 0; i < as_size(D); ++i) p[i] >>= level;
   const LevelPage<D>* page = page_at(level, p);
   LODE_EXPECTS(page != nullptr);
-  const std::size_t at = page->index_of(p);
+  return sample_in(*page, p);
+}
+
+template <int D>
+double PagedModel<D>::sample_in(const LevelPage<D>& page, const Index<D>& q) const {
+  const std::size_t at = page.index_of(q);
   return visit_storage_type(this->storage, [&]<typename T>() {
-    return static_cast<double>(reinterpret_cast<const T*>(page->samples.data())[at]);
+    return static_cast<double>(reinterpret_cast<const T*>(page.samples.data())[at]);
   });
 }
 
@@ -82,9 +87,14 @@ StoredAttributes PagedModel<D>::attributes(const Diamond<D>& node) const {
   for (std::size_t i = 0; i < as_size(D); ++i) q[i] >>= node.level;
   const LevelPage<D>* page = page_at(node.level, q);
   LODE_EXPECTS(page != nullptr);
+  return attributes_in(*page, q);
+}
+
+template <int D>
+StoredAttributes PagedModel<D>::attributes_in(const LevelPage<D>& page, const Index<D>& q) const {
   return visit_range_type(this->storage, [&]<typename R>() {
     constexpr std::size_t kSize = sizeof(ErrorCode) + 2 * sizeof(R);
-    const std::byte* at = page->attributes.data() + page->index_of(q) * kSize;
+    const std::byte* at = page.attributes.data() + page.index_of(q) * kSize;
     ErrorCode error;
     R low;
     R high;
@@ -145,9 +155,12 @@ std::optional<store::Fetcher::Page> PagedModel<D>::missing(const Diamond<D>& nod
 }
 
 template <int D>
-std::optional<Error> PagedModel<D>::fault() const {
+std::optional<Error> PagedModel<D>::fault_of(std::span<const Page> pages) const {
+  if (!has_fault_.load(std::memory_order_acquire)) return {};
   const std::lock_guard lock(fault_mutex_);
-  return fault_;
+  for (const Page page : pages)
+    if (const auto fault = faults_.find(page); fault != faults_.end()) return fault->second;
+  return {};
 }
 
 template <int D>
@@ -159,27 +172,37 @@ Region<D> PagedModel<D>::region_of(Page page) const {
                       k == this->shape.n_levels - 1);
 }
 
+/// What goes wrong is known of the page, and of those that need it; others can still be fetched.
 template <int D>
 void PagedModel<D>::fetch(Page number) {
-  if (owned_[number] || fault()) return;
-  const auto note = [&](Error error) {
-    const std::lock_guard lock(fault_mutex_);
-    fault_ = std::move(error);
-  };
+  const auto done = [&]() -> Result<void> {
+    try {
+      return load_page(number);
+    } catch (const std::bad_alloc&) {
+      return fail("{}: no memory for a page", reader_.path());
+    }
+  }();
+  if (done) return;
+  const std::lock_guard lock(fault_mutex_);
+  faults_.try_emplace(number, done.error());
+  has_fault_.store(true, std::memory_order_release);
+}
+
+/// The coarser page that its samples are completed from comes first.
+template <int D>
+Result<void> PagedModel<D>::load_page(Page number) {
+  if (owned_[number]) return {};
   const Region<D> region = region_of(number);
   if (!region.has_coarser_points) {
     Index<D> q = region.lower;
     for (std::size_t i = 0; i < as_size(D); ++i) q[i] /= 2;
-    fetch(number_of(region.level + 1, block_of(region.level + 1, q)));
+    LODE_CHECK(load_page(number_of(region.level + 1, block_of(region.level + 1, q))));
   }
-  try {
-    auto page = std::make_unique<LevelPage<D>>();
-    if (auto loaded = load(region, *page); !loaded) return note(loaded.error());
-    owned_[number] = std::move(page);
-    pages_[number].store(owned_[number].get(), std::memory_order_release);
-  } catch (const std::bad_alloc&) {
-    note(fail("{}: no memory for a page of level {}", reader_.path(), region.level));
-  }
+  auto page = std::make_unique<LevelPage<D>>();
+  LODE_CHECK(load(region, *page));
+  owned_[number] = std::move(page);
+  pages_[number].store(owned_[number].get(), std::memory_order_release);
+  return {};
 }
 
 template <int D>
@@ -193,11 +216,7 @@ Result<void> PagedModel<D>::load(const Region<D>& region, LevelPage<D>& page) co
   }
   page.samples.resize(n * this->sample_size());
   LODE_CHECK(load_samples(region, page));
-  if (!region.has_coarser_points) {
-    // Not there if it could not be read.
-    if (auto error = fault()) return *error;
-    add_coarser(region, page);
-  }
+  if (!region.has_coarser_points) add_coarser(region, page);
   if (region.level == 0) return {};
   page.attributes.assign(n * (sizeof(ErrorCode) + 2 * range_size()), std::byte{0});
   Region<D> nodes = region;
@@ -226,18 +245,22 @@ Result<void> PagedModel<D>::load_samples(const Region<D>& region, LevelPage<D>& 
     LODE_TRY(const auto bytes, this->template read<T>(region, Kind::samples));
     const std::byte* from = bytes.data();
     T* to = reinterpret_cast<T*>(page.samples.data());
-    const bool may_be_hole = is_floating(this->storage) || this->info.nodata;
-    bool has_hole = false;
+    const double hole = this->info.nodata.value_or(std::nan(""));
+    bool is_as_promised = true;
     for_each_row<D>(region, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
       T* row = to + page.index_of(q);
       for (std::size_t i = 0; i < as_size(n); ++i, from += sizeof(T), row += stride) {
         std::memcpy(row, from, sizeof(T));
-        if (may_be_hole) has_hole = has_hole || this->is_hole(static_cast<double>(*row));
+        const auto sample = static_cast<double>(*row);
+        is_as_promised = is_as_promised && sample >= this->stats.min && sample <= this->stats.max &&
+                         sample != hole;
       }
     });
-    if (has_hole)
-      return fail("{}: {}: expected no holes, as the metadata say, got one", reader_.path(),
-                  describe(key_of(Kind::samples, region)));
+    if (!is_as_promised)
+      return fail(
+          "{}: {}: expected samples from {} to {} and no holes, as the metadata say, got others",
+          reader_.path(), describe(key_of(Kind::samples, region)), this->stats.min,
+          this->stats.max);
     return {};
   });
 }
@@ -276,28 +299,35 @@ Result<void> PagedModel<D>::load_attributes(const Region<D>& region, LevelPage<D
     constexpr std::size_t kSize = sizeof(ErrorCode) + 2 * sizeof(R);
     std::size_t i = 0;
     bool is_good = true;
-    for_each_row<D>(region, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
-      std::byte* to = page.attributes.data() + page.index_of(q) * kSize;
-      for (std::int32_t x = 0; x < n; ++x, ++i, to += as_size(stride) * kSize) {
-        ErrorCode error;
-        std::memcpy(&error, errors.data() + i * sizeof(error), sizeof(error));
-        is_good = is_good && error <= kInfiniteError;
-        if constexpr (std::is_floating_point_v<R>) {
-          R range[2];
-          std::memcpy(&range[0], lows.data() + i * sizeof(R), sizeof(R));
-          std::memcpy(&range[1], highs.data() + i * sizeof(R), sizeof(R));
-          is_good = is_good && !std::isnan(range[0]) && !std::isnan(range[1]);
-        }
-        std::memcpy(to, &error, sizeof(error));
-        std::memcpy(to + sizeof(error), lows.data() + i * sizeof(R), sizeof(R));
-        std::memcpy(to + sizeof(error) + sizeof(R), highs.data() + i * sizeof(R), sizeof(R));
+    for_each_row<D>(region, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
+      for (std::int32_t x = 0; x < n; ++x, ++i, q[0] += stride) {
+        std::byte* to = page.attributes.data() + page.index_of(q) * kSize;
+        std::memcpy(to, errors.data() + i * sizeof(ErrorCode), sizeof(ErrorCode));
+        std::memcpy(to + sizeof(ErrorCode), lows.data() + i * sizeof(R), sizeof(R));
+        std::memcpy(to + sizeof(ErrorCode) + sizeof(R), highs.data() + i * sizeof(R), sizeof(R));
+        is_good = is_good && is_plausible(page, region.level, q);
       }
     });
     if (!is_good)
-      return fail("{}: {}: expected errors and ranges, got a code above {} or no number",
-                  reader_.path(), describe(key_of(Kind::errors, region)), kInfiniteError);
+      return fail(
+          "{}: {}: expected errors, and ranges that contain the samples in their middle, "
+          "got others",
+          reader_.path(), describe(key_of(Kind::errors, region)));
     return {};
   });
+}
+
+/// What a damaged or made-up node would hardly be: the range of one in the data has its centre's
+/// sample in it.
+template <int D>
+bool PagedModel<D>::is_plausible(const LevelPage<D>& page, int level, const Index<D>& q) const {
+  const StoredAttributes node = attributes_in(page, q);
+  if (node.error > kInfiniteError || std::isnan(node.low) || std::isnan(node.high)) return false;
+  Index<D> p;
+  for (std::size_t i = 0; i < as_size(D); ++i) p[i] = q[i] << level;
+  if (!this->shape.is_sample(p)) return true;
+  const double above = sample_in(page, q) - this->range_reference();
+  return above >= static_cast<double>(node.low) && above <= static_cast<double>(node.high);
 }
 
 template class PagedModel<2>;

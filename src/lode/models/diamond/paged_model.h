@@ -4,6 +4,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "lode/core/uninitialized_array.h"
@@ -51,7 +53,8 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
 
   /// Reads the levels that are one page each. `reader` must outlive it.
   [[nodiscard]] static Result<std::unique_ptr<PagedModel>> open(const store::Reader& reader,
-                                                                const Metadata& metadata);
+                                                                const Metadata& metadata,
+                                                                Progress& progress);
 
   /// As Model's, where pages have been fetched (see missing()); beyond a level's grid that of its
   /// nearest point.
@@ -76,9 +79,10 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   /// The first page that is not there of those that refining a node takes: samples round it, and
   /// what is known of its children.
   [[nodiscard]] std::optional<Page> missing(const Diamond<D>& node) const;
+  [[nodiscard]] std::size_t n_pages() const { return pages_.size(); }
   [[nodiscard]] store::Fetcher& fetcher() const { return fetcher_; }
-  /// The first page that could not be read; what depends on it is never there.
-  [[nodiscard]] std::optional<Error> fault() const;
+  /// Why one of these pages could not be read, and never is.
+  [[nodiscard]] std::optional<Error> fault_of(std::span<const Page> pages) const;
 
   /// The page that holds a point of a level's grid, null if it has not been fetched.
   [[nodiscard]] const LevelPage<D>* page_at(int level, const Index<D>& q) const {
@@ -105,6 +109,7 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   [[nodiscard]] std::optional<Page> missing(int level, const LatticeBox<D>& box) const;
   [[nodiscard]] Region<D> region_of(Page page) const;
   void fetch(Page page);
+  [[nodiscard]] Result<void> load_page(Page number);
   [[nodiscard]] Result<void> load(const Region<D>& region, LevelPage<D>& page) const;
   [[nodiscard]] Result<void> load_samples(const Region<D>& region, LevelPage<D>& page) const;
   [[nodiscard]] Result<void> load_attributes(const Region<D>& region, LevelPage<D>& page) const;
@@ -112,13 +117,17 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   template <typename T>
   [[nodiscard]] Result<std::vector<std::byte>> read(const Region<D>& region, Kind kind) const;
   [[nodiscard]] std::size_t range_size() const;
+  [[nodiscard]] double sample_in(const LevelPage<D>& page, const Index<D>& q) const;
+  [[nodiscard]] StoredAttributes attributes_in(const LevelPage<D>& page, const Index<D>& q) const;
+  [[nodiscard]] bool is_plausible(const LevelPage<D>& page, int level, const Index<D>& q) const;
 
   const store::Reader& reader_;
   std::vector<Level> levels_;
   std::vector<std::unique_ptr<const LevelPage<D>>> owned_;  ///< By number; the fetching thread's.
   std::vector<std::atomic<const LevelPage<D>*>> pages_;     ///< The same, for all.
   mutable std::mutex fault_mutex_;
-  std::optional<Error> fault_;
+  std::unordered_map<Page, Error> faults_;
+  std::atomic<bool> has_fault_{false};
   mutable store::Fetcher fetcher_;  ///< Last: its thread uses the others.
 };
 

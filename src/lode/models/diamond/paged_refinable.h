@@ -20,8 +20,16 @@ class PagedRefinable : public LiveRefinable<D, PagedModel<D>> {
   [[nodiscard]] std::optional<std::uint32_t> missing(NodeId id) const {
     return this->model().missing(diamond_of<D>(id));
   }
-  void request(std::uint32_t page, float demand) { client_.want(page, demand); }
-  void forget_requests() { client_.forget(); }
+  void request(std::uint32_t page, float demand) {
+    requested_.push_back(page);
+    client_.want(page, demand);
+  }
+  void forget_requests() {
+    requested_.clear();
+    client_.forget();
+  }
+  /// Why a page that was asked for will not come.
+  [[nodiscard]] std::optional<Error> fault() const { return this->model().fault_of(requested_); }
   [[nodiscard]] bool has_arrivals() const { return client_.has_fetched(); }
   void take_arrivals(std::vector<std::uint32_t>& out) { client_.add_fetched(out); }
 
@@ -29,6 +37,7 @@ class PagedRefinable : public LiveRefinable<D, PagedModel<D>> {
 
  private:
   store::Fetcher::Client client_;
+  std::vector<std::uint32_t> requested_;
 };
 
 static_assert(PagedRefinableModel<PagedRefinable<2>> && PagedRefinableModel<PagedRefinable<3>>);
