@@ -107,6 +107,7 @@ std::vector<LevelInfo> describe_levels(const VolumeInfo& info, const diamond::Su
   const auto lattice = diamond::AxisMap<D>::of(info.grid.dims).lattice_dims(info.grid.dims);
   const auto shape = diamond::Shape<D>::of(lattice);
   std::vector<LevelInfo> levels;
+  levels.reserve(summary.max_errors.size());
   for (int level = 0; level < shape.n_levels; ++level)
     levels.push_back(
         describe_level<D>(shape, level, summary.max_errors[static_cast<std::size_t>(level)]));
