@@ -221,6 +221,7 @@ TEST_F(lying_file, with_impossible_metadata_is_refused_without_reading_blocks) {
     expect_impossible("range", [&](Metadata& m) { m.summary.stats.min = bad; });
     expect_impossible("range", [&](Metadata& m) { m.summary.stats.max = bad; });
   }
+  expect_impossible("finite", [](Metadata& m) { m.info.grid.spacing[0] = 1e308; });
   expect_impossible("magnitude", [](Metadata& m) { m.summary.stats.max = 1e305; });
   expect_impossible("up to 72 holes", [](Metadata& m) { m.summary.stats.n_holes = 73; });
   expect_impossible("removed", [](Metadata& m) { m.summary.stats.n_removed_cells = UINT64_MAX; });

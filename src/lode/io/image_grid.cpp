@@ -65,6 +65,9 @@ Result<RegularGrid> finish_grid(const std::string& path, RegularGrid grid,
   if (!(std::abs(volume) >= kMinVolume))
     return fail("{}: expected three independent axis directions, got a determinant of {}", path,
                 volume);
+  const Box3d bounds = grid.world_bounds();
+  if (!is_finite(bounds.lower) || !is_finite(bounds.upper))
+    return fail("{}: expected samples at finite places, got steps that lead beyond them", path);
   return grid;
 }
 

@@ -28,6 +28,10 @@ Result<void> read_grid(store::ByteReader& in, const std::string& path, RegularGr
   // The readers of foreign files ask the same.
   if (!(std::abs(determinant(grid.direction)) >= 1e-6))
     return fail("{}: metadata: expected independent directions of the axes", path);
+  const Box3d bounds = grid.world_bounds();
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!std::isfinite(bounds.lower[i]) || !std::isfinite(bounds.upper[i]))
+      return fail("{}: metadata: expected a grid whose places are finite", path);
   return {};
 }
 
