@@ -19,7 +19,7 @@ double steady_seconds() {
 }
 
 /// What writing a surface of so many cells takes at most, so that a deadline is kept.
-double finishing_seconds(std::size_t n_cells) { return 2e-4 + 2e-7 * static_cast<double>(n_cells); }
+double finishing_seconds(std::size_t n_cells) { return 2e-4 + 3e-7 * static_cast<double>(n_cells); }
 
 Result<Query> complete_focused(const diamond::FieldStats& stats, const FocusedOptions& options) {
   Query query = options.query;
