@@ -105,8 +105,7 @@ class Session::Impl {
   /// False if there is nothing to do.
   bool advance() {
     const bool has_moved = live_->step();
-    has_failed_ = has_failed_ || (!has_moved && live_->fault());
-    if (!has_moved && !must_publish_ && live_->n_changed() == 0 && has_failed_ == has_told_)
+    if (!has_moved && !must_publish_ && live_->n_changed() == 0 && (has_told_ || !live_->fault()))
       return false;
     if (has_moved && ++n_steps_ % kStepsPerLook != 0) return true;
     const bool is_due = Clock::now() - last_batch_ >= between_;
@@ -146,8 +145,7 @@ class Session::Impl {
   std::uint64_t generation_ = 0;
   bool starts_over_ = false;   ///< No batch has said so yet that was taken, or can be.
   bool must_publish_ = false;  ///< The newest query has not been answered by a batch yet.
-  bool has_failed_ = false;    ///< Data will not come,
-  bool has_told_ = false;      ///< as a batch has said.
+  bool has_told_ = false;      ///< A batch has said that data will not come.
   std::uint64_t n_steps_ = 0;
   Clock::time_point last_batch_;
   Clock::time_point gathering_;
