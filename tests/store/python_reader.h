@@ -11,13 +11,9 @@ namespace lode::store {
 
 /// What a reader in Python, written from docs/format.md alone, makes of a file.
 struct PythonOutcome {
-  int exit_code = -1;  ///< 0, 1 for a bad file.
+  int exit_code = -1;  ///< 0, 1 for a bad file; 2 without libzstd, 127 without python3: no reason
+                       ///< to skip, as ./dev installs both.
   std::string output;
-
-  /// Where there is no python3 or no libzstd for it.
-  [[nodiscard]] bool is_missing() const {
-    return exit_code == 127 || (exit_code == 2 && output.find("libzstd1") != std::string::npos);
-  }
 };
 
 inline PythonOutcome run_python(const std::string& script, const std::string& path) {
