@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <random>
@@ -79,16 +78,5 @@ Result<void> run_case(const VolumeCase& volume_case) {
 }  // namespace lode::bench
 
 int main(int argc, char** argv) {
-  using namespace lode::bench;
-  CLI::App app("Answers by a deadline");
-  std::string only;
-  app.add_option("--only", only, "Cases whose name contains this");
-  CLI11_PARSE(app, argc, argv);
-  for (const VolumeCase& volume_case : volume_cases()) {
-    if (volume_case.name.find(only) == std::string::npos) continue;
-    if (const auto done = run_case(volume_case); !done)
-      fmt::print("{:<18} {}\n", volume_case.name, done.error().message);
-    std::fflush(stdout);
-  }
-  return 0;
+  return lode::bench::run_cases(argc, argv, "Answers by a deadline", lode::bench::run_case);
 }

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -143,18 +142,10 @@ Result<void> run_case(const VolumeCase& volume_case, const std::string& path) {
 
 int main(int argc, char** argv) {
   using namespace lode::bench;
-  CLI::App app("From a closed file to a surface");
-  std::string only;
-  app.add_option("--only", only, "Cases whose name contains this");
-  CLI11_PARSE(app, argc, argv);
   const auto path =
       std::filesystem::temp_directory_path() / fmt::format("lode_open_bench_{}.lode", ::getpid());
-  for (const VolumeCase& volume_case : volume_cases()) {
-    if (volume_case.name.find(only) == std::string::npos) continue;
-    if (const auto done = run_case(volume_case, path.string()); !done)
-      fmt::print("{}: {}\n", volume_case.name, done.error().message);
-    std::fflush(stdout);
-  }
+  const int status = run_cases(argc, argv, "From a closed file to a surface",
+                               [&](const VolumeCase& c) { return run_case(c, path.string()); });
   std::filesystem::remove(path);
-  return 0;
+  return status;
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
@@ -72,6 +74,21 @@ std::vector<VolumeCase> volume_cases() {
   std::vector<VolumeCase> cases = file_cases();
   for (VolumeCase& analytic : analytic_cases()) cases.push_back(std::move(analytic));
   return cases;
+}
+
+int run_cases(int argc, char** argv, const char* about,
+              const std::function<Result<void>(const VolumeCase&)>& run) {
+  CLI::App app(about);
+  std::string only;
+  app.add_option("--only", only, "Cases whose name contains this");
+  CLI11_PARSE(app, argc, argv);
+  for (const VolumeCase& volume_case : volume_cases()) {
+    if (volume_case.name.find(only) == std::string::npos) continue;
+    if (const auto done = run(volume_case); !done)
+      fmt::print("{:<18} {}\n", volume_case.name, done.error().message);
+    std::fflush(stdout);
+  }
+  return 0;
 }
 
 Result<Volume> load(const VolumeCase& volume_case) {

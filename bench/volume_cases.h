@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,10 @@ struct VolumeCase {
 };
 
 [[nodiscard]] std::vector<VolumeCase> volume_cases();
+
+/// Runs a benchmark on the cases that its option --only allows, and says why where it cannot.
+int run_cases(int argc, char** argv, const char* about,
+              const std::function<Result<void>(const VolumeCase&)>& run);
 
 /// The samples; an Error where the file is absent or unreadable.
 [[nodiscard]] Result<Volume> load(const VolumeCase& volume_case);

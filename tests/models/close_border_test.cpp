@@ -8,6 +8,7 @@
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_topology.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/typed_samples.h"
 
 namespace lode {
 namespace {
@@ -18,12 +19,7 @@ struct Case {
 };
 
 Case case_of(const RegularGrid& grid, const std::function<float(const Index3&)>& field) {
-  std::vector<float> samples;
-  Index3 p;
-  for (p[2] = 0; p[2] < grid.dims[2]; ++p[2])
-    for (p[1] = 0; p[1] < grid.dims[1]; ++p[1])
-      for (p[0] = 0; p[0] < grid.dims[0]; ++p[0]) samples.push_back(field(p));
-  Volume volume = make_volume<float>(grid, samples);
+  Volume volume = oracles::volume_of<float>(grid, field);
   Progress progress;
   auto dataset = Dataset::build(*make_memory_source(volume), {.threads = {2}}, progress);
   EXPECT_TRUE(dataset);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_topology.h"
@@ -15,24 +14,17 @@
 #include "tests/models/finest_level_set.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/typed_samples.h"
 
 namespace lode {
 namespace {
+
+using oracles::volume_of;
 
 RegularGrid grid_with(const Index3& dims) {
   RegularGrid grid;
   grid.dims = dims;
   return grid;
-}
-
-template <typename T>
-Volume volume_of(const RegularGrid& grid, const std::function<double(const Index3&)>& field) {
-  std::vector<T> samples;
-  Index3 p;
-  for (p[2] = 0; p[2] < grid.dims[2]; ++p[2])
-    for (p[1] = 0; p[1] < grid.dims[1]; ++p[1])
-      for (p[0] = 0; p[0] < grid.dims[0]; ++p[0]) samples.push_back(static_cast<T>(field(p)));
-  return make_volume<T>(grid, samples);
 }
 
 Result<Dataset> built(const Volume& volume) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lode/api/dataset.h"
+#include "tests/oracles/typed_samples.h"
 
 namespace lode {
 namespace {
@@ -11,19 +12,14 @@ namespace {
 Volume noisy_ramp() {
   RegularGrid grid;
   grid.dims = {{33, 33, 33}};
-  std::vector<float> samples;
-  Index3 p;
-  for (p[2] = 0; p[2] < 33; ++p[2])
-    for (p[1] = 0; p[1] < 33; ++p[1])
-      for (p[0] = 0; p[0] < 33; ++p[0]) {
-        const bool is_finest = ((p[0] | p[1] | p[2]) & 1) != 0;
-        const float noise = (p[0] + p[1] / 2 + p[2] / 2) % 2 == 0 ? 0.4F : -0.4F;
-        samples.push_back(static_cast<float>(p[2]) + (is_finest ? noise : 0));
-      }
-  return make_volume<float>(grid, samples);
+  return oracles::volume_of<float>(grid, [](const Index3& p) {
+    const bool is_finest = ((p[0] | p[1] | p[2]) & 1) != 0;
+    const double noise = (p[0] + p[1] / 2 + p[2] / 2) % 2 == 0 ? 0.4 : -0.4;
+    return p[2] + (is_finest ? noise : 0);
+  });
 }
 
-TEST(Normals, OfCoarseSurfacesAreTheCoarseFields) {
+TEST(normals, of_coarse_surfaces_are_the_coarse_fields) {
   const Volume volume = noisy_ramp();
   Progress progress;
   const auto dataset = Dataset::build(*make_memory_source(volume), {.threads = {2}}, progress);

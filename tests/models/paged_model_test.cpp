@@ -14,6 +14,7 @@
 #include "tests/models/surface_cells.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/typed_samples.h"
 
 namespace lode {
 namespace {
@@ -42,16 +43,10 @@ class paged_model : public ::testing::Test {
     grid.dims = dims;
     grid.spacing = {{1, 0.7, 1.9}};
     oracles::Random random(seed);
-    std::vector<T> samples;
-    Index3 p;
-    for (p[2] = 0; p[2] < dims[2]; ++p[2])
-      for (p[1] = 0; p[1] < dims[1]; ++p[1])
-        for (p[0] = 0; p[0] < dims[0]; ++p[0]) {
-          const double wave = std::sin(0.13 * p[0]) * std::cos(0.17 * p[1] + 0.05 * p[2]);
-          samples.push_back(static_cast<T>(
-              scale * (0.5 + 0.33 * wave + (seed % 2 == 0 ? random.uniform(0, 0.02) : 0))));
-        }
-    return make_volume<T>(grid, samples);
+    return oracles::volume_of<T>(grid, [&](const Index3& p) {
+      const double wave = std::sin(0.13 * p[0]) * std::cos(0.17 * p[1] + 0.05 * p[2]);
+      return scale * (0.5 + 0.33 * wave + (seed % 2 == 0 ? random.uniform(0, 0.02) : 0));
+    });
   }
   static Query isosurface(double isovalue, double max_error) {
     Query query;

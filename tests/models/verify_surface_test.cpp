@@ -7,6 +7,7 @@
 
 #include "lode/api/dataset.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/typed_samples.h"
 
 namespace lode {
 namespace {
@@ -14,14 +15,9 @@ namespace {
 Dataset ball() {
   RegularGrid grid;
   grid.dims = {{21, 20, 19}};
-  std::vector<float> samples;
-  Index3 p;
-  for (p[2] = 0; p[2] < 19; ++p[2])
-    for (p[1] = 0; p[1] < 20; ++p[1])
-      for (p[0] = 0; p[0] < 21; ++p[0])
-        samples.push_back(static_cast<float>(std::hypot(p[0] - 10.2, p[1] - 9.3, p[2] - 9.1)));
+  const Volume volume = oracles::volume_of<float>(
+      grid, [](const Index3& p) { return std::hypot(p[0] - 10.2, p[1] - 9.3, p[2] - 9.1); });
   Progress progress;
-  const Volume volume = make_volume<float>(grid, samples);
   return Dataset::build(*make_memory_source(volume), {.threads = {2}}, progress).value();
 }
 

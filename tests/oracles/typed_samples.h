@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 #include <type_traits>
+#include <vector>
 
 #include "lode/core/volume.h"
 
@@ -14,6 +15,18 @@ namespace lode::oracles {
   Volume volume{{.grid = grid, .type = type, .field_name = {}, .nodata = {}}, {}};
   volume.samples.resize(static_cast<std::size_t>(grid.n_samples()) * size_of(type));
   return volume;
+}
+
+/// field(p) at each sample p, x fastest, as T.
+template <typename T, typename Field>
+[[nodiscard]] Volume volume_of(const RegularGrid& grid, const Field& field) {
+  std::vector<T> samples;
+  samples.reserve(static_cast<std::size_t>(grid.n_samples()));
+  Index3 p;
+  for (p[2] = 0; p[2] < grid.dims[2]; ++p[2])
+    for (p[1] = 0; p[1] < grid.dims[1]; ++p[1])
+      for (p[0] = 0; p[0] < grid.dims[0]; ++p[0]) samples.push_back(static_cast<T>(field(p)));
+  return make_volume<T>(grid, samples);
 }
 
 /// The samples of a volume of type T, for writing.

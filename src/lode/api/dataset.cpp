@@ -104,8 +104,7 @@ LevelInfo describe_level(const diamond::Shape<D>& shape, int level, double max_e
 
 template <int D>
 std::vector<LevelInfo> describe_levels(const VolumeInfo& info, const diamond::Summary& summary) {
-  const auto lattice = diamond::AxisMap<D>::of(info.grid.dims).lattice_dims(info.grid.dims);
-  const auto shape = diamond::Shape<D>::of(lattice);
+  const auto shape = diamond::shape_of<D>(info.grid.dims);
   std::vector<LevelInfo> levels;
   levels.reserve(summary.max_errors.size());
   for (int level = 0; level < shape.n_levels; ++level)

@@ -109,8 +109,12 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
   }
   const bool has_views = query.max_error_px.has_value();
   const double opening = clock();
-  LODE_TRY(const auto* const pages, dataset.impl().pages(progress));
-  if (has_views || pages == nullptr) LODE_CHECK(dataset.load(progress));
+  if (has_views) {
+    LODE_CHECK(dataset.load(progress));
+  } else {
+    LODE_TRY(const auto* const pages, dataset.impl().pages(progress));
+    if (pages == nullptr) LODE_CHECK(dataset.load(progress));
+  }
   const double opened = clock();
   LODE_TRY(const auto live, open_live_query(dataset, options.normals, has_views, progress));
   const double start = clock();

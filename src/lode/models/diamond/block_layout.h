@@ -3,6 +3,7 @@
 // How a model is cut into the blocks of a .lode file; docs/format.md, section 7.
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -108,15 +109,15 @@ std::size_t count_points(const Region<D>& r) {
   return r.has_coarser_points ? all : all - even;
 }
 
-/// Ranges are stored in the sample type where that is exact, else as float32.
+/// Ranges are stored in the sample type where that is an integer type, else as float32.
+template <typename T>
+using RangeOf = std::conditional_t<std::is_integral_v<T>, T, float>;
+
+/// Calls f.template operator()<R>() with it.
 template <typename F>
 decltype(auto) visit_range_type(ScalarType storage, F&& f) {
-  switch (storage) {
-    case ScalarType::uint8: return f.template operator()<std::uint8_t>();
-    case ScalarType::uint16: return f.template operator()<std::uint16_t>();
-    case ScalarType::int16: return f.template operator()<std::int16_t>();
-    default: return f.template operator()<float>();
-  }
+  return visit_storage_type(storage,
+                            [&]<typename T>() { return f.template operator()<RangeOf<T>>(); });
 }
 
 template <int D>

@@ -53,6 +53,12 @@ struct AxisMap {
   }
 };
 
+/// Of the hierarchy of a grid with so many samples.
+template <int D>
+[[nodiscard]] Shape<D> shape_of(const Index3& dims) {
+  return Shape<D>::of(AxisMap<D>::of(dims).lattice_dims(dims));
+}
+
 /// A node's nested attributes as they are stored.
 struct StoredAttributes {
   ErrorCode error = 0;  ///< Rounded up.
@@ -71,6 +77,13 @@ struct LatticeField {
   Shape<D> shape;
   FieldStats stats;
 
+  /// All but the stats.
+  void set_info(const VolumeInfo& volume) {
+    info = volume;
+    storage = storage_type(volume.type);
+    axes = AxisMap<D>::of(volume.grid.dims);
+    shape = shape_of<D>(volume.grid.dims);
+  }
   [[nodiscard]] std::size_t sample_size() const { return size_of(storage); }
   [[nodiscard]] bool has_holes() const { return stats.n_holes > 0; }
   /// As value(), but NaN for a hole.

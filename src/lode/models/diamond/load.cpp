@@ -2,9 +2,9 @@
 
 #include <atomic>
 
-#include "lode/models/diamond/block_layout.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/persist.h"
+#include "lode/models/diamond/read_region.h"
 
 namespace lode::diamond {
 namespace {
@@ -18,20 +18,7 @@ Result<void> load_blocks(const store::Reader& reader, std::span<const Region<D>>
   std::atomic<std::size_t> n_done{0};
   parallel_for(regions.size(), threads, 1, [&](std::size_t i, int) {
     if (progress.is_cancelled()) return;
-    const std::size_t n = count_points(regions[i]);
-    if (n == 0) return;
-    const store::BlockKey key = key_of(kind, regions[i]);
-    const auto at = reader.find(key);
-    if (!at) {
-      errors[i] = fail("{}: expected {}, but the file has none", reader.path(), describe(key));
-      return;
-    }
-    if (reader.blocks()[*at].raw_size != n * element_size) {
-      errors[i] = fail("{}: {}: expected {} bytes, got {}", reader.path(), describe(key),
-                       n * element_size, reader.blocks()[*at].raw_size);
-      return;
-    }
-    auto bytes = reader.read_block(*at);
+    const auto bytes = read_region<D>(reader, regions[i], kind, element_size);
     if (!bytes) {
       errors[i] = bytes.error();
       return;

@@ -79,8 +79,8 @@ Result<double> read_error(store::ByteReader& in, const std::string& path) {
 /// Refuses metadata that promises other samples than the directory holds, before memory is asked.
 template <int D>
 Result<void> check_size(const store::Reader& reader, const VolumeInfo& info) {
-  const Shape<D> shape = Shape<D>::of(AxisMap<D>::of(info.grid.dims).lattice_dims(info.grid.dims));
-  const std::uint64_t expected = count_stored_samples<D>(shape) * size_of(storage_type(info.type));
+  const std::uint64_t expected =
+      count_stored_samples<D>(shape_of<D>(info.grid.dims)) * size_of(storage_type(info.type));
   std::uint64_t present = 0;
   for (const store::BlockEntry& block : reader.blocks())
     if (block.key.kind == static_cast<std::uint32_t>(Kind::samples)) present += block.raw_size;

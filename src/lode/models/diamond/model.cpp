@@ -151,10 +151,7 @@ void replicate_border(Model<D>& model, std::size_t brick) {
 template <int D>
 Model<D> Model<D>::make(const VolumeInfo& info) {
   Model model;
-  model.info = info;
-  model.storage = storage_type(info.type);
-  model.axes = AxisMap<D>::of(info.grid.dims);
-  model.shape = Shape<D>::of(model.axes.lattice_dims(info.grid.dims));
+  model.set_info(info);
   for (int level = 0; level < model.shape.n_levels; ++level) {
     const Index<D> dims = model.shape.attribute_dims(level);
     auto& strides = model.strides.emplace_back();

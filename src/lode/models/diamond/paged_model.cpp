@@ -17,10 +17,7 @@ PagedModel<D>::PagedModel(const store::Reader& reader, const Metadata& metadata)
     : reader_(reader),
       fetcher_(
           [&] {
-            this->info = metadata.info;
-            this->storage = storage_type(metadata.info.type);
-            this->axes = AxisMap<D>::of(metadata.info.grid.dims);
-            this->shape = Shape<D>::of(this->axes.lattice_dims(metadata.info.grid.dims));
+            this->set_info(metadata.info);
             this->stats = metadata.summary.stats;
             std::size_t n = 0;
             for (int k = 0; k < this->shape.n_levels; ++k) {
@@ -67,34 +64,23 @@ double PagedModel<D>::value(Index<D> p) const {
       is_inside = false;
     }
   }
-  for (std::size_t i = 0; i < as_size(D); ++i) p[i] >>= level;
-  const LevelPage<D>* page = page_at(level, p);
+  const Index<D> q = on_grid(p, level);
+  const LevelPage<D>* page = page_at(level, q);
   LODE_EXPECTS(page != nullptr);
-  return sample_in(*page, p);
-}
-
-template <int D>
-double PagedModel<D>::sample_in(const LevelPage<D>& page, const Index<D>& q) const {
-  const std::size_t at = page.index_of(q);
+  const std::size_t at = page->index_of(q);
   return visit_storage_type(this->storage, [&]<typename T>() {
-    return static_cast<double>(reinterpret_cast<const T*>(page.samples.data())[at]);
+    return static_cast<double>(reinterpret_cast<const T*>(page->samples.data())[at]);
   });
 }
 
 template <int D>
 StoredAttributes PagedModel<D>::attributes(const Diamond<D>& node) const {
-  Index<D> q = node.centre;
-  for (std::size_t i = 0; i < as_size(D); ++i) q[i] >>= node.level;
+  const Index<D> q = on_grid(node.centre, node.level);
   const LevelPage<D>* page = page_at(node.level, q);
   LODE_EXPECTS(page != nullptr);
-  return attributes_in(*page, q);
-}
-
-template <int D>
-StoredAttributes PagedModel<D>::attributes_in(const LevelPage<D>& page, const Index<D>& q) const {
   return visit_range_type(this->storage, [&]<typename R>() {
     constexpr std::size_t kSize = sizeof(ErrorCode) + 2 * sizeof(R);
-    const std::byte* at = page.attributes.data() + page.index_of(q) * kSize;
+    const std::byte* at = page->attributes.data() + page->index_of(q) * kSize;
     ErrorCode error;
     R low;
     R high;
@@ -114,8 +100,7 @@ std::size_t PagedModel<D>::range_size() const {
 
 template <int D>
 void PagedModel<D>::prefetch(const Diamond<D>& node) const {
-  Index<D> q = node.centre;
-  for (std::size_t i = 0; i < as_size(D); ++i) q[i] >>= node.level;
+  const Index<D> q = on_grid(node.centre, node.level);
   const LevelPage<D>* page = page_at(node.level, q);
   if (page == nullptr) return;
   const std::size_t size = sizeof(ErrorCode) + 2 * range_size();
@@ -224,25 +209,10 @@ Result<void> PagedModel<D>::load(const Region<D>& region, LevelPage<D>& page) co
   return load_attributes(nodes, page);
 }
 
-/// The bytes of a block of Ts.
-template <int D>
-template <typename T>
-Result<std::vector<std::byte>> PagedModel<D>::read(const Region<D>& region, Kind kind) const {
-  const std::size_t n = count_points(region);
-  if (n == 0) return std::vector<std::byte>();
-  const store::BlockKey key = key_of(kind, region);
-  const auto at = reader_.find(key);
-  if (!at) return fail("{}: expected {}, but the file has none", reader_.path(), describe(key));
-  if (reader_.blocks()[*at].raw_size != n * sizeof(T))
-    return fail("{}: {}: expected {} bytes, got {}", reader_.path(), describe(key), n * sizeof(T),
-                reader_.blocks()[*at].raw_size);
-  return reader_.read_block(*at);
-}
-
 template <int D>
 Result<void> PagedModel<D>::load_samples(const Region<D>& region, LevelPage<D>& page) const {
   return visit_storage_type(this->storage, [&]<typename T>() -> Result<void> {
-    LODE_TRY(const auto bytes, this->template read<T>(region, Kind::samples));
+    LODE_TRY(const auto bytes, read_region<D>(reader_, region, Kind::samples, sizeof(T)));
     const std::byte* from = bytes.data();
     T* to = reinterpret_cast<T*>(page.samples.data());
     const double hole = this->info.nodata.value_or(std::nan(""));
@@ -258,7 +228,7 @@ Result<void> PagedModel<D>::load_samples(const Region<D>& region, LevelPage<D>& 
     });
     if (!is_as_promised)
       return fail(
-          "{}: {}: expected samples from {} to {} and no holes, as the metadata say, got others",
+          "{}: {}: expected samples from {} to {} and no holes, as the metadata says, got others",
           reader_.path(), describe(key_of(Kind::samples, region)), this->stats.min,
           this->stats.max);
     return {};
@@ -290,44 +260,45 @@ void PagedModel<D>::add_coarser(const Region<D>& region, LevelPage<D>& page) con
   });
 }
 
+/// A node in the data has the sample at its centre in its range: what is damaged or made up would
+/// hardly.
 template <int D>
 Result<void> PagedModel<D>::load_attributes(const Region<D>& region, LevelPage<D>& page) const {
-  return visit_range_type(this->storage, [&]<typename R>() -> Result<void> {
-    LODE_TRY(const auto errors, this->template read<ErrorCode>(region, Kind::errors));
-    LODE_TRY(const auto lows, this->template read<R>(region, Kind::lows));
-    LODE_TRY(const auto highs, this->template read<R>(region, Kind::highs));
+  return visit_storage_type(this->storage, [&]<typename T>() -> Result<void> {
+    using R = RangeOf<T>;
+    LODE_TRY(const auto errors, read_region<D>(reader_, region, Kind::errors, sizeof(ErrorCode)));
+    LODE_TRY(const auto lows, read_region<D>(reader_, region, Kind::lows, sizeof(R)));
+    LODE_TRY(const auto highs, read_region<D>(reader_, region, Kind::highs, sizeof(R)));
     constexpr std::size_t kSize = sizeof(ErrorCode) + 2 * sizeof(R);
     std::size_t i = 0;
     bool is_good = true;
-    for_each_row<D>(region, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
-      for (std::int32_t x = 0; x < n; ++x, ++i, q[0] += stride) {
-        std::byte* to = page.attributes.data() + page.index_of(q) * kSize;
-        std::memcpy(to, errors.data() + i * sizeof(ErrorCode), sizeof(ErrorCode));
-        std::memcpy(to + sizeof(ErrorCode), lows.data() + i * sizeof(R), sizeof(R));
-        std::memcpy(to + sizeof(ErrorCode) + sizeof(R), highs.data() + i * sizeof(R), sizeof(R));
-        is_good = is_good && is_plausible(page, region.level, q);
+    for_each_row<D>(region, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
+      const std::int32_t n_inside = count_inside(this->shape, region.level, q, n, stride);
+      std::size_t at = page.index_of(q);
+      for (std::int32_t x = 0; x < n; ++x, ++i, at += as_size(stride)) {
+        ErrorCode error;
+        R low;
+        R high;
+        std::memcpy(&error, errors.data() + i * sizeof(error), sizeof(error));
+        std::memcpy(&low, lows.data() + i * sizeof(R), sizeof(R));
+        std::memcpy(&high, highs.data() + i * sizeof(R), sizeof(R));
+        std::byte* to = page.attributes.data() + at * kSize;
+        std::memcpy(to, &error, sizeof(error));
+        std::memcpy(to + sizeof(error), &low, sizeof(R));
+        std::memcpy(to + sizeof(error) + sizeof(R), &high, sizeof(R));
+        const auto sample =
+            static_cast<double>(reinterpret_cast<const T*>(page.samples.data())[at]);
+        const double above = sample - this->range_reference();
+        const bool holds = above >= static_cast<double>(low) && above <= static_cast<double>(high);
+        const bool is_range = low <= high || low > high;  // numbers
+        is_good = is_good && error <= kInfiniteError && (x < n_inside ? holds : is_range);
       }
     });
-    if (!is_good)
-      return fail(
-          "{}: {}: expected errors, and ranges that contain the samples in their middle, "
-          "got others",
-          reader_.path(), describe(key_of(Kind::errors, region)));
-    return {};
+    if (is_good) return {};
+    return fail(
+        "{}: {}: expected errors, and ranges that contain the samples in their middle, got others",
+        reader_.path(), describe(key_of(Kind::errors, region)));
   });
-}
-
-/// What a damaged or made-up node would hardly be: the range of one in the data has its centre's
-/// sample in it.
-template <int D>
-bool PagedModel<D>::is_plausible(const LevelPage<D>& page, int level, const Index<D>& q) const {
-  const StoredAttributes node = attributes_in(page, q);
-  if (node.error > kInfiniteError || std::isnan(node.low) || std::isnan(node.high)) return false;
-  Index<D> p;
-  for (std::size_t i = 0; i < as_size(D); ++i) p[i] = q[i] << level;
-  if (!this->shape.is_sample(p)) return true;
-  const double above = sample_in(page, q) - this->range_reference();
-  return above >= static_cast<double>(node.low) && above <= static_cast<double>(node.high);
 }
 
 template class PagedModel<2>;

@@ -9,11 +9,10 @@
 #include <vector>
 
 #include "lode/core/uninitialized_array.h"
-#include "lode/models/diamond/block_layout.h"
 #include "lode/models/diamond/lattice_field.h"
 #include "lode/models/diamond/persist.h"
+#include "lode/models/diamond/read_region.h"
 #include "lode/store/fetcher.h"
-#include "lode/store/reader.h"
 
 namespace lode::diamond {
 
@@ -65,8 +64,7 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   /// See NearSamples.
   template <typename Near>
   void find_near(Near& near, const Index<D>& centre, std::int32_t reach, int level) const {
-    Index<D> q;
-    for (std::size_t i = 0; i < as_size(D); ++i) q[i] = centre[i] >> level;
+    const Index<D> q = on_grid(centre, level);
     const LevelPage<D>* page = page_at(level, q);
     if (page == nullptr || !page->holds_round(q, reach)) return;
     std::array<std::ptrdiff_t, as_size(D)> steps{};
@@ -97,6 +95,10 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   };
 
   PagedModel(const store::Reader& reader, const Metadata& metadata);
+  [[nodiscard]] static Index<D> on_grid(Index<D> p, int level) {
+    for (std::int32_t& x : p.v) x >>= level;
+    return p;
+  }
   [[nodiscard]] Index<D> block_of(int level, Index<D> q) const {
     for (std::size_t i = 0; i < as_size(D); ++i)
       q[i] = std::min(q[i] / kBlockEdge<D>, levels_[as_size(level)].n_blocks[i] - 1);
@@ -114,12 +116,7 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   [[nodiscard]] Result<void> load_samples(const Region<D>& region, LevelPage<D>& page) const;
   [[nodiscard]] Result<void> load_attributes(const Region<D>& region, LevelPage<D>& page) const;
   void add_coarser(const Region<D>& region, LevelPage<D>& page) const;
-  template <typename T>
-  [[nodiscard]] Result<std::vector<std::byte>> read(const Region<D>& region, Kind kind) const;
   [[nodiscard]] std::size_t range_size() const;
-  [[nodiscard]] double sample_in(const LevelPage<D>& page, const Index<D>& q) const;
-  [[nodiscard]] StoredAttributes attributes_in(const LevelPage<D>& page, const Index<D>& q) const;
-  [[nodiscard]] bool is_plausible(const LevelPage<D>& page, int level, const Index<D>& q) const;
 
   const store::Reader& reader_;
   std::vector<Level> levels_;

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "lode/models/diamond/block_layout.h"
+#include "lode/store/reader.h"
+
+namespace lode::diamond {
+
+/// The bytes of a region's block, as many as its points take; none where it has no points. Fails
+/// where the file has no such block, or one of another size.
+template <int D>
+[[nodiscard]] Result<std::vector<std::byte>> read_region(const store::Reader& reader,
+                                                         const Region<D>& region, Kind kind,
+                                                         std::size_t element_size) {
+  const std::size_t n_bytes = count_points(region) * element_size;
+  if (n_bytes == 0) return std::vector<std::byte>();
+  const store::BlockKey key = key_of(kind, region);
+  const auto at = reader.find(key);
+  if (!at) return fail("{}: expected {}, but the file has none", reader.path(), describe(key));
+  const std::uint64_t n_found = reader.blocks()[*at].raw_size;
+  if (n_found != n_bytes)
+    return fail("{}: {}: expected {} bytes, got {}", reader.path(), describe(key), n_bytes,
+                n_found);
+  return reader.read_block(*at);
+}
+
+}  // namespace lode::diamond
