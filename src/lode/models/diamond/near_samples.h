@@ -31,6 +31,11 @@ class NearSamples {
     return middle_[offset];
   }
 
+  /// The neighbours along an axis, the lower one first.
+  [[nodiscard]] std::array<T, 2> beside(std::size_t axis) const {
+    return {middle_[-strides_[axis]], middle_[strides_[axis]]};
+  }
+
   /// For fields: `middle` is the centre's, and so far apart are those of the level.
   void found(const T* middle, const std::array<std::ptrdiff_t, as_size(D)>& strides) {
     middle_ = middle;

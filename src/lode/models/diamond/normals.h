@@ -58,12 +58,9 @@ class NormalSampler {
     const NearSamples<D, T> near(model_, p, 1, level);
     if (!near.is_in_one()) return false;
     for (std::size_t i = 0; i < as_size(D); ++i) {
-      Index<D> side;
-      side[i] = 1;
-      const auto high = static_cast<double>(near.at(side));
-      side[i] = -1;
-      const auto low = static_cast<double>(near.at(side));
-      gradient[as_size(model_.axes.axis[i])] = (high - low) / (2 * step);
+      const auto [low, high] = near.beside(i);
+      gradient[as_size(model_.axes.axis[i])] =
+          (static_cast<double>(high) - static_cast<double>(low)) / (2 * step);
     }
     return true;
   }
