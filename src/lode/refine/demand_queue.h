@@ -22,9 +22,15 @@ struct Ranked {
   }
 };
 
+enum class QueueOrder : std::uint8_t {
+  strict,
+  near,  ///< Demands may be out of order by 1/128: what was pushed last, and lies near, comes
+         ///< first.
+};
+
 /// A priority queue of nodes of a cut whose entries may have become stale: the reader asks the cut.
-/// From the first in the order of refinement, or (IsReversed) from the last. A heap for each value
-/// of a demand's upper 16 bits: most are small and stay in the cache.
+/// From the first in the order of refinement, or (IsReversed) from the last. A bucket for each
+/// value of a demand's upper 16 bits: in strict order a heap, else a stack.
 template <bool IsReversed>
 class DemandQueue {
  public:
@@ -38,10 +44,16 @@ class DemandQueue {
     return is_stack(bucket) ? heap.back() : heap.front();
   }
 
-  void clear() {
+  void clear(QueueOrder order) {
     for (auto& heap : heaps_) heap.clear();
     occupied_.clear();
     size_ = 0;
+    order_ = order;
+  }
+  /// Gives the memory of an empty queue back.
+  void release() {
+    heaps_ = {};
+    std::fill(heap_of_.begin(), heap_of_.end(), kNone);
   }
   void push(const Ranked& entry) {
     const std::size_t bucket = bucket_of(entry.demand);
@@ -73,7 +85,7 @@ class DemandQueue {
               [](const Ranked& a, const Ranked& b) { return a.comes_before(b); });
     const auto same = [](const Ranked& a, const Ranked& b) { return a.id == b.id; };
     kept.erase(std::unique(kept.begin(), kept.end(), same), kept.end());
-    clear();
+    clear(order_);
     for (const Ranked& entry : kept) push(entry);
   }
   [[nodiscard]] std::size_t n_bytes() const {
@@ -86,8 +98,10 @@ class DemandQueue {
  private:
   static constexpr std::uint16_t kNone = 0xFFFFU;
 
-  /// Nodes that nobody wants all go, in whatever order: the last first, which lies near.
-  static bool is_stack(std::size_t bucket) { return IsReversed && bucket == 0; }
+  /// Nodes that nobody wants all go, in whatever order.
+  [[nodiscard]] bool is_stack(std::size_t bucket) const {
+    return order_ == QueueOrder::near || (IsReversed && bucket == 0);
+  }
   [[nodiscard]] std::size_t first() const {
     return IsReversed ? occupied_.lowest() : occupied_.highest();
   }
@@ -100,6 +114,7 @@ class DemandQueue {
   std::vector<std::vector<Ranked>> heaps_;
   BucketBits occupied_;
   std::size_t size_ = 0;
+  QueueOrder order_ = QueueOrder::strict;
 };
 
 }  // namespace lode

@@ -23,9 +23,9 @@ namespace lode {
 /// step the cut is consistent, and the query can be changed.
 ///
 /// Without a budget the answer is the ancestors' closure of {demand > 0}, the same from any earlier
-/// cut. With one it is the longest prefix of one order whose every member fits: again and again
-/// the candidate of the largest demand, ties by id, with whatever must come before it. So larger
-/// budgets contain smaller ones.
+/// cut; on the way there demands fall, but for 1/128 of them. With one it is the longest prefix of
+/// one order whose every member fits: again and again the candidate of the largest demand, ties by
+/// id, with whatever must come before it. So larger budgets contain smaller ones.
 template <RefinableModel M>
 class Engine {
  public:
@@ -95,6 +95,7 @@ class Engine {
     room_.reset();
     is_idle_ = !waiting_.is_empty();
     phase_ = is_idle_ ? Phase::adjust : Phase::settled;
+    if (wanted_.is_empty() && wanted_.n_bytes() > cut_.n_bytes() / 8) wanted_.release();
   }
   /// While candidates of a new focus are looked for, nothing is known of those not found yet.
   [[nodiscard]] double error_bound() const {
@@ -168,8 +169,9 @@ void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus) {
   phase_ = Phase::evaluate;
   n_unevaluated_ = n_round_ = cut_.n_places();
   n_steps_ = 0;
-  wanted_.clear();
-  spare_.clear();
+  const QueueOrder order = budget.is_limited() ? QueueOrder::strict : QueueOrder::near;
+  wanted_.clear(order);
+  spare_.clear(order);
   chain_.clear();
   done_.clear();
   room_.reset();
