@@ -8,7 +8,7 @@
 #include "command.h"
 #include "describe.h"
 #include "input.h"
-#include "stopwatch.h"
+#include "parse.h"
 #include "text.h"
 
 namespace lode::cli {
@@ -17,6 +17,7 @@ namespace {
 struct BuildArguments {
   std::string input;
   std::string output;
+  std::string memory_limit;
   ReadingArguments reading;
 };
 
@@ -34,40 +35,52 @@ Result<void> check_build(const BuildArguments& arguments) {
   if (!is_lode_path(arguments.output))
     return fail("{}: expected an output that ends in .lode", arguments.output);
   LODE_CHECK(check_paths_differ({arguments.input}, {arguments.output}));
+  if (!arguments.memory_limit.empty())
+    if (auto limit = parse_bytes("--memory-limit", arguments.memory_limit); !limit)
+      return limit.error();
   if (auto options = to_read_options(arguments.reading); !options) return options.error();
   return {};
 }
 
-struct BuildSeconds {
-  double build = 0;
-  double save = 0;
-};
-
-Outcome report_build(const BuildArguments& arguments, const DatasetInfo& info,
-                     const BuildSeconds& seconds, std::uintmax_t file_bytes) {
+Outcome report_build(const BuildArguments& arguments, const FileBuildReport& report) {
+  const DatasetInfo& info = report.info;
+  const FileBuildSeconds& seconds = report.seconds;
   const auto n_samples = static_cast<std::uint64_t>(info.volume.grid.n_samples());
   const auto n = static_cast<double>(n_samples);
-  const double rate = seconds.build > 0 ? n / seconds.build / 1e6 : 0;
+  const double rate = seconds.total > 0 ? n / seconds.total / 1e6 : 0;
   Outcome outcome;
   outcome.json["command"] = "build";
   outcome.json["input"] = arguments.input;
   outcome.json["output"] = arguments.output;
   outcome.json.update(to_json(info));
-  outcome.json["file_bytes"] = file_bytes;
+  outcome.json["file_bytes"] = report.file_bytes;
+  outcome.json["memory_limit"] = report.memory_limit;
+  outcome.json["parts"] = report.n_parts;
+  outcome.json["sample_bytes_read"] = report.samples_bytes_read;
   Json& json_seconds = outcome.json["seconds"];
-  json_seconds["total"] = seconds.build + seconds.save;
+  json_seconds["total"] = seconds.total;
+  json_seconds["scan"] = seconds.scan;
+  json_seconds["read"] = seconds.read;
   json_seconds["build"] = seconds.build;
-  json_seconds["save"] = seconds.save;
+  json_seconds["write"] = seconds.write;
   Table table;
   table.add({"model", info.model});
   table.add({"samples", format_count(n_samples)});
   table.add({"value range", describe_range(info)});
   table.add({"base error", format_number(info.base_error)});
-  table.add({"read and build", fmt::format("{} ({:.1f} million samples a second)",
-                                           format_seconds(seconds.build), rate)});
-  table.add({"save", format_seconds(seconds.save)});
-  table.add({"file size", fmt::format("{} ({:.3f} bytes per sample)", format_bytes(file_bytes),
-                                      static_cast<double>(file_bytes) / n)});
+  table.add({"time", fmt::format("{} ({:.1f} million samples a second)",
+                                 format_seconds(seconds.total), rate)});
+  table.add(
+      {"of which", fmt::format("{} to scan, {} to read again, {} for errors and ranges, {} to "
+                               "compress and write",
+                               format_seconds(seconds.scan), format_seconds(seconds.read),
+                               format_seconds(seconds.build), format_seconds(seconds.write))});
+  table.add({"samples read",
+             fmt::format("{} in {} {}", format_bytes(report.samples_bytes_read),
+                         format_count(report.n_parts), report.n_parts == 1 ? "part" : "parts")});
+  table.add(
+      {"file size", fmt::format("{} ({:.3f} bytes per sample)", format_bytes(report.file_bytes),
+                                static_cast<double>(report.file_bytes) / n)});
   table.add({"output", arguments.output});
   outcome.text = table.to_string();
   return outcome;
@@ -76,17 +89,14 @@ Outcome report_build(const BuildArguments& arguments, const DatasetInfo& info,
 Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
   LODE_TRY(const ReadOptions options, to_read_options(arguments.reading));
   LODE_CHECK(check_writable(arguments.output));
+  FileBuildOptions build{.threads = session.threads(), .memory_limit = 0};
+  if (!arguments.memory_limit.empty()) {
+    LODE_TRY(build.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
+  }
   LODE_TRY(auto source, open_volume(arguments.input, options));
-  const Stopwatch build_watch;
-  LODE_TRY(Dataset dataset, build_opened(arguments.input, *source, {.threads = session.threads()},
-                                         session.progress()));
-  BuildSeconds seconds{.build = build_watch.seconds()};
-  const Stopwatch save_watch;
-  LODE_CHECK(dataset.save(arguments.output, session.threads(), session.progress()));
-  seconds.save = save_watch.seconds();
-  std::error_code status;
-  const std::uintmax_t bytes = std::filesystem::file_size(arguments.output, status);
-  return report_build(arguments, dataset.describe(), seconds, status ? 0 : bytes);
+  LODE_TRY(const FileBuildReport report,
+           build_file_from(arguments.input, *source, arguments.output, build, session.progress()));
+  return report_build(arguments, report);
 }
 
 }  // namespace
@@ -97,6 +107,9 @@ Command add_build_command(CLI::App& program) {
   app->footer("Example:\n  lode build scan.nrrd scan.lode");
   app->add_option("input", arguments->input, "Volume to read")->type_name("IN")->required();
   app->add_option("output", arguments->output, "File to write")->type_name("OUT.lode")->required();
+  app->add_option("--memory-limit", arguments->memory_limit,
+                  "Memory to use, such as 512M or 4G (default: a quarter of the machine's)")
+      ->type_name("BYTES");
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_build(*arguments); },
           [arguments](Session& session) { return run_build(*arguments, session); }};

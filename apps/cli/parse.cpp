@@ -55,6 +55,24 @@ Result<std::int64_t> parse_integer(std::string_view option, const std::string& t
   return value;
 }
 
+Result<std::uint64_t> parse_bytes(std::string_view option, const std::string& text) {
+  constexpr std::string_view kSuffixes = "KMGT";
+  std::uint64_t value = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, status] = std::from_chars(text.data(), end, value);
+  int shift = 0;
+  bool is_valid = status == std::errc() && value > 0;
+  if (is_valid && at != end) {
+    const char suffix = *at >= 'a' && *at <= 'z' ? static_cast<char>(*at - 'a' + 'A') : *at;
+    const std::size_t found = kSuffixes.find(suffix);
+    is_valid = found != std::string_view::npos && at + 1 == end;
+    shift = is_valid ? 10 * (static_cast<int>(found) + 1) : 0;
+  }
+  if (!is_valid || value > (std::uint64_t{1} << 62) >> shift)
+    return fail("{}: expected a number of bytes such as 512M or 4G, got '{}'", option, text);
+  return value << shift;
+}
+
 Result<std::vector<std::int64_t>> parse_dims(std::string_view option, const std::string& text,
                                              std::int64_t upper) {
   std::vector<std::int64_t> dims;

@@ -21,6 +21,8 @@ namespace lode::cli {
 /// A whole number in [lower, upper].
 [[nodiscard]] Result<std::int64_t> parse_integer(std::string_view option, const std::string& text,
                                                  std::int64_t lower, std::int64_t upper);
+/// A number of bytes > 0, with an optional suffix K, M, G or T for powers of 1024: 512M.
+[[nodiscard]] Result<std::uint64_t> parse_bytes(std::string_view option, const std::string& text);
 /// Whole numbers in [1, upper] separated by 'x' or commas: 256x256x128.
 [[nodiscard]] Result<std::vector<std::int64_t>> parse_dims(std::string_view option,
                                                            const std::string& text,

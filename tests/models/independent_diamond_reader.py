@@ -77,22 +77,34 @@ def box(ranges):
         yield p[::-1]
 
 
+def level_blocks(dims, n_levels, level, chunk):
+    """Those of one level that lie in a chunk; in all of them where it is None."""
+    grid = [2 * ceil_div(n - 1, 2 ** (level + 1)) + 1 for n in dims] if level else dims
+    axes = split(grid)
+    positions = sorted(box([(0, len(a)) for a in axes]), key=morton)
+    if chunk is not None:
+        positions = [p for p in positions if tuple(x >> (2 - level) for x in p) == chunk]
+    of_level = [(SAMPLES, p) for p in positions]
+    if level > 0:
+        of_level += [(k, p) for p in positions for k in (ERRORS, MINIMA, MAXIMA)]
+    for kind, position in of_level:
+        points = box([a[i] for a, i in zip(axes, position)])
+        if kind != SAMPLES or level < n_levels - 1:
+            points = (q for q in points if any(x % 2 for x in q))
+        points = list(points)
+        if points:
+            yield kind, level, position + (0,) * (3 - len(dims)), points
+
+
 def expected_blocks(dims, n_levels):
     """(kind, level, position, points) of each block, in the order of the file."""
-    for level in reversed(range(n_levels)):
-        grid = [2 * ceil_div(n - 1, 2 ** (level + 1)) + 1 for n in dims] if level else dims
-        axes = split(grid)
-        positions = sorted(box([(0, len(a)) for a in axes]), key=morton)
-        of_level = [(SAMPLES, p) for p in positions]
-        if level > 0:
-            of_level += [(k, p) for p in positions for k in (ERRORS, MINIMA, MAXIMA)]
-        for kind, position in of_level:
-            points = box([a[i] for a, i in zip(axes, position)])
-            if kind != SAMPLES or level < n_levels - 1:
-                points = (q for q in points if any(x % 2 for x in q))
-            points = list(points)
-            if points:
-                yield kind, level, position + (0,) * (3 - len(dims)), points
+    edge = 256 if len(dims) == 3 else 2048
+    chunks = [max(1, ceil_div(n - 1, edge)) for n in dims]
+    for chunk in box([(0, n) for n in chunks]):
+        for level in reversed(range(min(3, n_levels))):
+            yield from level_blocks(dims, n_levels, level, chunk)
+    for level in range(3, n_levels):
+        yield from level_blocks(dims, n_levels, level, None)
 
 
 def read_arrays(blocks, dims, metadata):

@@ -77,6 +77,17 @@ Result<Dataset> build_opened(const std::string& path, VolumeSource& source,
   return fail("{}: {}", path, dataset.error().message);
 }
 
+Result<FileBuildReport> build_file_from(const std::string& path, VolumeSource& source,
+                                        const std::string& output, const FileBuildOptions& options,
+                                        Progress& progress) {
+  WatchedSource watched(source);
+  auto report = build_file(watched, output, options, progress);
+  if (report || watched.has_failed() || progress.is_cancelled()) return report;
+  const std::string& message = report.error().message;
+  if (message.starts_with(output)) return report;  // the output has been named
+  return fail("{}: {}", path, message);
+}
+
 Result<void> write_text(const std::string& path, std::string_view text, const Progress& progress) {
   LODE_TRY(AtomicFile file, AtomicFile::create(path));
   LODE_CHECK(file.write(text));

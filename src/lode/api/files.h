@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "lode/api/dataset.h"
+#include "lode/api/file_build.h"
 #include "lode/io/mesh_vtu.h"
 #include "lode/io/surface_file.h"
 #include "lode/io/volume_reader.h"
@@ -48,6 +49,12 @@ using io::write_vtu;
 /// `path`, unless the reader has named one already.
 [[nodiscard]] Result<Dataset> build_opened(const std::string& path, VolumeSource& source,
                                            const BuildOptions& options, Progress& progress);
+
+/// build_file() of the opened file `path`, with failures named in the same way.
+[[nodiscard]] Result<FileBuildReport> build_file_from(const std::string& path, VolumeSource& source,
+                                                      const std::string& output,
+                                                      const FileBuildOptions& options,
+                                                      Progress& progress);
 
 /// Writes a text file, whole or not at all; none once cancelled.
 [[nodiscard]] Result<void> write_text(const std::string& path, std::string_view text,

@@ -46,4 +46,11 @@ struct UninitializedAllocator {
 template <typename T>
 using UninitializedArray = std::vector<T, UninitializedAllocator<T>>;
 
+/// resize() for contents that are not needed any more: does not copy them where it must grow.
+template <typename T>
+void resize_anew(UninitializedArray<T>& array, std::size_t n) {
+  if (n > array.capacity()) array = UninitializedArray<T>();
+  array.resize(n);
+}
+
 }  // namespace lode

@@ -157,7 +157,7 @@ std::int32_t count_inside(const Shape<D>& shape, int level, const Index<D>& q, s
   return std::min(n, (shape.dims[0] - 1 - p[0]) / (stride << level) + 1);
 }
 
-/// The regions of all blocks of a kind, in the order of the file.
+/// The regions of all blocks of a kind.
 template <int D>
 std::vector<Region<D>> all_regions(const Shape<D>& shape, Kind kind) {
   std::vector<Region<D>> regions;

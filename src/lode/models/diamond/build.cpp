@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/nesting_pass.h"
 
@@ -16,23 +17,6 @@ NodeLevel make_level(std::size_t n) {
   return level;
 }
 
-/// But for level 0, whose ranges are found again when a file is opened.
-template <int D>
-void round_ranges(Model<D>& model, Threads threads) {
-  constexpr std::size_t kChunk = 4096;
-  const double reference = model.range_reference();
-  const std::array<float, 2> whole{range_down(model.stats.min, reference),
-                                   range_up(model.stats.max, reference)};
-  for (std::size_t level = 1; level < model.levels.size(); ++level) {
-    NodeLevel& nodes = model.levels[level];
-    const std::size_t n = nodes.error.size();
-    parallel_for((n + kChunk - 1) / kChunk, threads, 1, [&](std::size_t chunk, int) {
-      for (std::size_t at = chunk * kChunk; at < std::min(n, (chunk + 1) * kChunk); ++at)
-        round_range(whole, nodes.low[at], nodes.high[at]);
-    });
-  }
-}
-
 template <int D, typename C>
 Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progress) {
   model.levels.clear();
@@ -41,8 +25,8 @@ Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progre
   OwnErrors own(model.levels.size());
   for (std::size_t level = 1; level < own.size(); ++level) own[level] = model.levels[level].error;
   LODE_CHECK((find_own_errors<D, C>(model, own, &model.levels[0], threads, progress)));
-  NestingPass<D>(model, threads).run();
-  if (!has_exact_ranges(model.storage)) round_ranges(model, threads);
+  NestingPass<D, Model<D>>(model, 1, model.shape.n_levels, threads).run();
+  round_ranges<D, Model<D>>(model, model.levels, 1, threads);  // level 0's are not stored
   return {};
 }
 
@@ -99,13 +83,18 @@ Result<void> read_samples(Model<D>& model, VolumeSource& source, const BuildSett
 
 }  // namespace
 
-template <int D>
-Result<Model<D>> build(VolumeSource& source, const BuildSettings& settings, Progress& progress) {
-  const VolumeInfo& info = source.info();
+Result<void> check_axes(const VolumeInfo& info) {
   for (std::size_t i = 0; i < 3; ++i)
     if (info.grid.dims[i] < 1 || info.grid.dims[i] > kMaxSamplesPerAxis)
       return fail("expected 1 to {} samples along each axis, got {} along axis {}",
                   kMaxSamplesPerAxis, info.grid.dims[i], i);
+  return {};
+}
+
+template <int D>
+Result<Model<D>> build(VolumeSource& source, const BuildSettings& settings, Progress& progress) {
+  const VolumeInfo& info = source.info();
+  LODE_CHECK(check_axes(info));
   Model<D> model = Model<D>::make(info);
   LODE_CHECK(read_samples<D>(model, source, settings, progress));
   if (is_exact_in_float<D>(model))

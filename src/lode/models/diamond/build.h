@@ -10,6 +10,9 @@ struct BuildSettings {
   std::int32_t slices_per_read = 0;  ///< Most slices asked of the source at once; 0: chosen.
 };
 
+/// Fails where an axis has no samples or too many.
+[[nodiscard]] Result<void> check_axes(const VolumeInfo& info);
+
 /// Builds the hierarchy of a volume: reads each sample once, then finds exact nested errors and
 /// ranges of all nodes. Fails when the source does, when an axis is too long, or on cancel.
 template <int D>

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lode/models/diamond/cube_plan.h"
 #include "lode/models/diamond/interpolant_kernel.h"
 #include "lode/models/diamond/own_errors.h"
 
@@ -12,17 +13,20 @@ namespace lode::diamond {
 
 /// The nodes coarser than a plan's cube, one level at a time. F' of such a level is linear on each
 /// Kuhn simplex of the cube, so the values at the cube's corners say all; they follow from the 3^D
-/// values at the corners, edge middles and centres of the level's cube round it.
-template <int D, typename C>
+/// values at the corners, edge middles and centres of the level's cube round it. `Field` is a
+/// LatticeField that gives the samples at least of these levels.
+template <int D, typename C, typename Field>
 class CoarsePass {
  public:
-  CoarsePass(const Model<D>& model, double slack, const OwnErrors& own)
-      : model_(model), slack_(slack), own_(own) {
+  CoarsePass(const Field& field, double slack, const OwnErrors& own)
+      : field_(field), slack_(slack), own_(own) {
     for (auto& corners : corners_) corners.resize(power(2, D) * kLanes);
     for (auto& errors : errors_) errors.resize(CubePlan<D>::instance().kuhn.size() * kLanes);
   }
 
-  /// `cubes`: one per lane; those not used are ignored.
+  [[nodiscard]] int n_levels() const { return field_.shape.n_levels; }
+
+  /// `cubes`: one per lane, on the field's lattice; those not used are ignored.
   void run(int level, const std::array<CanonicalCube<D>, kLanes>& cubes,
            const std::array<bool, kLanes>& is_used, const C* samples, Gaps gaps) {
     const auto& kuhn = CubePlan<D>::instance().kuhn;
@@ -74,7 +78,7 @@ class CoarsePass {
     vertices_of_ = coarse;
     const Index<D> three = all_equal<D>(3);
     for (std::size_t i = 0; i < vertices_.size(); ++i)
-      vertices_[i] = model_.value_or_nan(coarse.global(point_of<D>(three, i) * (coarse.side / 2)));
+      vertices_[i] = field_.value_or_nan(coarse.global(point_of<D>(three, i) * (coarse.side / 2)));
   }
 
   /// Finds the errors of simplices with a hole at a corner: it counts for points that lean on it.
@@ -118,7 +122,7 @@ class CoarsePass {
   /// A Kuhn simplex lies in one coarser node of each tier: the one round its centroid.
   void put_errors(int level, const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
                   const Simplex<D>& simplex, std::size_t at) {
-    const Index<D> dims = model_.shape.grid_dims(level);
+    const Index<D> dims = field_.shape.grid_dims(level);
     Index<D> sum;  // (D+1) · centroid
     for (const Index<D>& v : simplex.v) sum = sum + coarse.local(cube.global(v));
     for (int tier = 0; tier < D; ++tier) {
@@ -137,7 +141,7 @@ class CoarsePass {
     }
   }
 
-  const Model<D>& model_;
+  const Field& field_;
   double slack_;
   const OwnErrors& own_;
   CanonicalCube<D> vertices_of_;

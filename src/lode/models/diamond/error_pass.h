@@ -15,27 +15,43 @@
 
 namespace lode::diamond {
 
-/// Finds the own errors of all nodes of levels >= 1, and level 0's nested attributes where `leaf`
-/// is given, brick by brick. Each brick sees its samples and one layer round them, and the corners
-/// of coarser cubes; the largest over bricks is the answer, whatever the order.
-template <int D, typename C>
+/// What own errors of a model are found from, and where they go.
+template <int D, typename Field>
+struct ErrorTask {
+  const Model<D>& model;  ///< A part of the field, or all of it.
+  Part<D> part;
+  OwnErrors own;              ///< Of the model's nodes, up to level kPlanLevel.
+  NodeLevel* leaf = nullptr;  ///< Where level 0's nested attributes go; null: they do not.
+  const Field& field;  ///< The whole one; of it only samples of levels above kPlanLevel are asked,
+  OwnErrors coarse;    ///< whose errors go here: of the whole field's nodes.
+};
+
+/// Finds the own errors of all nodes of levels >= 1, and level 0's nested attributes, brick by
+/// brick. Each brick sees its samples and one layer round them, and the corners of coarser cubes;
+/// the largest over bricks is the answer, whatever the order, and however the field is parted.
+template <int D, typename C, typename Field>
 class ErrorPass {
  public:
-  ErrorPass(const Model<D>& model, const OwnErrors& own, NodeLevel* leaf)
-      : model_(model), own_(own), slack_(rounding_slack<D>(model)), coarse_(model, slack_, own) {
-    if (leaf != nullptr) leaf_.emplace(model, slack_, *leaf);
+  explicit ErrorPass(const ErrorTask<D, Field>& task)
+      : model_(task.model),
+        part_(task.part),
+        own_(task.own),
+        slack_(rounding_slack<D>(model_)),
+        coarse_(task.field, slack_, task.coarse) {
+    if (task.leaf != nullptr) leaf_.emplace(model_, slack_, *task.leaf);
     values_.resize(kLeafValues<D>);
   }
 
   void run_brick(const Index<D>& brick) {
     gather_values<D>(model_, brick, 1, values_.data());
     if (leaf_) leaf_->run_brick(brick, values_.data());
-    if (model_.shape.n_levels == 1) return;
+    if (own_.size() == 1) return;
     brick_errors_.clear();
     for (std::size_t batch = 0; batch < as_size(kPlansPerBrick<D>) / kLanes; ++batch) {
       if (!gather_lanes(brick, batch)) continue;
       node_errors(batch);
-      for (int level = kPlanLevel<D> + 1; level < model_.shape.n_levels; ++level)
+      if (!keep_core()) continue;
+      for (int level = kPlanLevel<D> + 1; level < coarse_.n_levels(); ++level)
         coarse_.run(level, cubes_, is_used_, samples_, gaps_);
     }
     brick_errors_.merge(model_.shape, brick, slack_, own_);
@@ -75,7 +91,8 @@ class ErrorPass {
       const Index<D> lower = cubes_[l].lowest_corner();
       is_used_[l] = true;
       for (std::size_t i = 0; i < as_size(D); ++i) {
-        is_used_[l] = is_used_[l] && lower[i] < model_.shape.dims[i] - 1;
+        is_used_[l] = is_used_[l] && lower[i] >= part_.samples.lower[i] &&
+                      lower[i] < std::min(part_.samples.upper[i], model_.shape.dims[i] - 1);
         is_whole = is_whole && lower[i] + kPlanEdge<D> < model_.shape.dims[i];
       }
       is_any = is_any || is_used_[l];
@@ -88,6 +105,21 @@ class ErrorPass {
     if (!is_whole) mask_beyond_data();
     gaps_ = model_.has_holes() ? Gaps::holes : is_whole ? Gaps::none : Gaps::beyond_data;
     return true;
+  }
+
+  /// Leaves only cubes that no other part has, and takes them to the whole field's lattice; false
+  /// when there is none.
+  bool keep_core() {
+    bool is_any = false;
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const Index<D> lower = cubes_[l].lowest_corner();
+      for (std::size_t i = 0; i < as_size(D); ++i)
+        is_used_[l] =
+            is_used_[l] && lower[i] >= part_.core.lower[i] && lower[i] < part_.core.upper[i];
+      cubes_[l] = CanonicalCube<D>(lower + part_.origin, kPlanEdge<D>);
+      is_any = is_any || is_used_[l];
+    }
+    return is_any;
   }
 
   /// The points of all lanes side by side. Rows of mirrored cubes run backwards.
@@ -159,7 +191,7 @@ class ErrorPass {
     const std::uint16_t* place = places()[batch].data();
     for (const auto& node_pass : CubePlan<D>::instance().node_passes) {
       const std::size_t n_regions = node_pass.pass.regions.size();
-      if (node_pass.level < model_.shape.n_levels) {
+      if (as_size(node_pass.level) < own_.size()) {
         errors_.resize(n_regions * kLanes);
         run_interpolant(node_pass.pass, {samples_, vertices_.data(), scratch_.data()}, gaps_,
                         errors_.data());
@@ -172,10 +204,11 @@ class ErrorPass {
   }
 
   const Model<D>& model_;
+  const Part<D>& part_;
   const OwnErrors& own_;
   double slack_;
   std::optional<LeafPass<D, C>> leaf_;
-  CoarsePass<D, C> coarse_;
+  CoarsePass<D, C, Field> coarse_;
   BrickErrors<D, C> brick_errors_;
   std::array<CanonicalCube<D>, kLanes> cubes_;
   std::array<bool, kLanes> is_used_{};
@@ -187,12 +220,28 @@ class ErrorPass {
 
 /// Whether float32 holds every interpolant exactly: multiples of 1/root side below the largest
 /// value's magnitude.
-template <int D>
-[[nodiscard]] bool is_exact_in_float(const Model<D>& model) {
-  if (is_floating(model.storage)) return false;
-  const double largest = std::max(std::abs(model.stats.min), std::abs(model.stats.max));
+template <int D, typename Field>
+[[nodiscard]] bool is_exact_in_float(const LatticeField<D, Field>& field) {
+  if (is_floating(field.storage)) return false;
+  const double largest = std::max(std::abs(field.stats.min), std::abs(field.stats.max));
   const int bits = static_cast<int>(std::ceil(std::log2(largest + 1))) + 1;
-  return bits + model.shape.n_levels <= 24;
+  return bits + field.shape.n_levels <= 24;
+}
+
+/// Runs the pass over all bricks of the model; brick_done() is called after each, by any thread.
+template <typename C, int D, typename Field, typename BrickDone>
+[[nodiscard]] Result<void> find_own_errors(const ErrorTask<D, Field>& task, Threads threads,
+                                           const Progress& progress, const BrickDone& brick_done) {
+  std::vector<std::unique_ptr<ErrorPass<D, C, Field>>> passes(as_size(n_workers(threads)));
+  parallel_for(task.model.n_bricks(), threads, 1, [&](std::size_t i, int worker) {
+    if (progress.is_cancelled()) return;
+    auto& pass = passes[as_size(worker)];
+    if (!pass) pass = std::make_unique<ErrorPass<D, C, Field>>(task);
+    pass->run_brick(point_of<D>(task.model.brick_dims, i));
+    brick_done();
+  });
+  if (progress.is_cancelled()) return cancelled_error();
+  return {};
 }
 
 /// Finds the own errors of all nodes of levels >= 1. Where `leaf` is given, level 0's nested
@@ -200,18 +249,12 @@ template <int D>
 template <int D, typename C>
 [[nodiscard]] Result<void> find_own_errors(const Model<D>& model, const OwnErrors& own,
                                            NodeLevel* leaf, Threads threads, Progress& progress) {
-  std::vector<std::unique_ptr<ErrorPass<D, C>>> passes(as_size(n_workers(threads)));
+  const ErrorTask<D, Model<D>> task{model, Part<D>::whole(model.shape), own, leaf, model, own};
   std::atomic<std::size_t> n_done{0};
-  parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int worker) {
-    if (progress.is_cancelled()) return;
-    auto& pass = passes[as_size(worker)];
-    if (!pass) pass = std::make_unique<ErrorPass<D, C>>(model, own, leaf);
-    pass->run_brick(point_of<D>(model.brick_dims, i));
+  return find_own_errors<C>(task, threads, progress, [&] {
     progress.report("errors",
                     static_cast<double>(++n_done) / static_cast<double>(model.n_bricks()));
   });
-  if (progress.is_cancelled()) return cancelled_error();
-  return {};
 }
 
 }  // namespace lode::diamond

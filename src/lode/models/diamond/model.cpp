@@ -116,8 +116,8 @@ void find_stats(Model<D>& model, Threads threads) {
     total.n_removed_cells += s.n_removed_cells;
   }
   const bool is_empty = total.min > total.max;
-  model.stats = {.min = is_empty ? 0.0 : total.min,
-                 .max = is_empty ? 0.0 : total.max,
+  model.stats = {.min = is_empty ? 0.0 : total.min + 0.0,  // not -0: which came first says nothing
+                 .max = is_empty ? 0.0 : total.max + 0.0,
                  .n_holes = total.n_holes,
                  .n_removed_cells = total.n_removed_cells};
 }
@@ -151,21 +151,27 @@ void replicate_border(Model<D>& model, std::size_t brick) {
 template <int D>
 Model<D> Model<D>::make(const VolumeInfo& info) {
   Model model;
-  model.set_info(info);
-  for (int level = 0; level < model.shape.n_levels; ++level) {
-    const Index<D> dims = model.shape.attribute_dims(level);
-    auto& strides = model.strides.emplace_back();
+  model.reset(info);
+  return model;
+}
+
+template <int D>
+void Model<D>::reset(const VolumeInfo& volume) {
+  this->set_info(volume);
+  strides.clear();
+  for (int level = 0; level < shape.n_levels; ++level) {
+    const Index<D> dims = shape.attribute_dims(level);
+    auto& of_level = strides.emplace_back();
     std::size_t stride = 1;
     for (std::size_t i = 0; i < as_size(D); ++i) {
-      strides[i] = stride;
+      of_level[i] = stride;
       stride *= as_size(dims[i]);
     }
   }
   for (std::size_t i = 0; i < as_size(D); ++i)
-    model.brick_dims[i] = std::max(1, (model.shape.dims[i] + kBrickEdge<D> - 2) / kBrickEdge<D>);
-  model.samples.resize(model.n_bricks() * kBrickSize<D> * model.sample_size());
-  model.brick_holes.assign(model.n_bricks(), 0);
-  return model;
+    brick_dims[i] = std::max(1, (shape.dims[i] + kBrickEdge<D> - 2) / kBrickEdge<D>);
+  resize_anew(samples, n_bricks() * kBrickSize<D> * sample_size());
+  brick_holes.assign(n_bricks(), 0);
 }
 
 template <int D>
@@ -239,9 +245,14 @@ void put_samples(Model<D>& model, const LatticeBox<D>& box, const std::byte* val
 }
 
 template <int D>
-void finish_samples(Model<D>& model, Threads threads) {
+void fill_beyond_data(Model<D>& model, Threads threads) {
   parallel_for(model.n_bricks(), threads, 4,
                [&](std::size_t i, int) { replicate_border<D>(model, i); });
+}
+
+template <int D>
+void finish_samples(Model<D>& model, Threads threads) {
+  fill_beyond_data<D>(model, threads);
   find_stats<D>(model, threads);
 }
 
@@ -299,6 +310,8 @@ template struct Model<2>;
 template struct Model<3>;
 template void put_samples<2>(Model<2>&, const LatticeBox<2>&, const std::byte*, Threads);
 template void put_samples<3>(Model<3>&, const LatticeBox<3>&, const std::byte*, Threads);
+template void fill_beyond_data<2>(Model<2>&, Threads);
+template void fill_beyond_data<3>(Model<3>&, Threads);
 template void finish_samples<2>(Model<2>&, Threads);
 template void finish_samples<3>(Model<3>&, Threads);
 template void gather_values<2, float>(const Model<2>&, const Index<2>&, std::int32_t, float*);

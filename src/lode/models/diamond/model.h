@@ -54,6 +54,8 @@ struct Model : LatticeField<D, Model<D>> {
 
   /// An empty model of the right sizes. Axes longer than kMaxSamplesPerAxis must be refused first.
   [[nodiscard]] static Model make(const VolumeInfo& info);
+  /// Makes it the empty model of another volume, in the memory it has where that is enough.
+  void reset(const VolumeInfo& volume);
 
   [[nodiscard]] std::size_t n_bricks() const { return n_points<D>(brick_dims); }
   [[nodiscard]] const std::byte* brick(std::size_t i) const {
@@ -141,8 +143,12 @@ template <int D>
 void put_samples(Model<D>& model, const LatticeBox<D>& box, const std::byte* values,
                  Threads threads);
 
-/// Completes a model whose samples have all been put: fills the parts of border bricks that lie
-/// beyond the data with the nearest samples, and finds range, holes and removed cells.
+/// Fills the parts of border bricks that lie beyond the data with the nearest samples.
+template <int D>
+void fill_beyond_data(Model<D>& model, Threads threads);
+
+/// Completes a model whose samples have all been put: fills what is beyond the data, and finds
+/// range, holes and removed cells.
 template <int D>
 void finish_samples(Model<D>& model, Threads threads);
 

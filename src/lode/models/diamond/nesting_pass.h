@@ -13,21 +13,25 @@ namespace lode::diamond {
 
 /// Joins every node's attributes with its children's, which are already joined: level by level,
 /// tier by tier, row by row. All values are as stored; encoding keeps order, so the join of codes
-/// is the code of the join.
-template <int D>
+/// is the code of the join. `Field` is a LatticeField with levels, and samples at least of those
+/// that are nested.
+template <int D, typename Field>
 class NestingPass {
  public:
-  /// Completes model.levels from level 1 on, where errors are own ones so far, and ranges missing;
-  /// level 0 must be complete.
-  NestingPass(Model<D>& model, Threads threads)
-      : model_(model),
+  /// Completes field.levels from `first` on to before `end`. Errors are own ones so far. Ranges are
+  /// missing, and the level below is complete; but where `first` is not 1, nodes of the lowest
+  /// tier have been joined with that level already.
+  NestingPass(Field& field, int first, int end, Threads threads)
+      : field_(field),
+        first_(first),
+        end_(end),
         threads_(threads),
         scratch_(as_size(n_workers(threads))),
-        reference_(model.range_reference()),
-        mark_holes_(model.has_holes()) {}
+        reference_(field.range_reference()),
+        mark_holes_(field.has_holes()) {}
 
   void run() {
-    for (int level = 1; level < model_.shape.n_levels; ++level) {
+    for (int level = first_; level < end_; ++level) {
       clear_points(level);
       for (int tier = D - 1; tier >= 0; --tier)
         for (const std::int32_t parity : {1, 0}) run_rows(level, tier, parity);
@@ -38,7 +42,7 @@ class NestingPass {
   /// The nodes of a tier whose x is even (parity 0) or odd (1). Rows are read whole, also where
   /// their points are no children: those are complete too, as odd x go first.
   void run_rows(int level, int tier, std::int32_t parity) {
-    const Index<D> dims = model_.shape.grid_dims(level);
+    const Index<D> dims = field_.shape.grid_dims(level);
     parallel_for(n_rows(dims), threads_, 16, [&](std::size_t number, int worker) {
       const Index<D> row = point_of<D>(dims, number * as_size(dims[0]));
       if (n_odd(row) + parity == D - tier) run_row(level, row, parity, scratch_[as_size(worker)]);
@@ -55,8 +59,8 @@ class NestingPass {
 
   /// Points that are samples of coarser levels are no nodes of this one.
   void clear_points(int level) {
-    const Index<D> dims = model_.shape.grid_dims(level);
-    NodeLevel& nodes = model_.levels[as_size(level)];
+    const Index<D> dims = field_.shape.grid_dims(level);
+    NodeLevel& nodes = field_.levels[as_size(level)];
     parallel_for(n_rows(dims), threads_, 16, [&](std::size_t number, int) {
       const std::size_t first = number * as_size(dims[0]);
       if (n_odd(point_of<D>(dims, first)) > 0) return;
@@ -77,14 +81,16 @@ class NestingPass {
   void run_row(int level, const Index<D>& row, std::int32_t parity, Scratch& scratch) {
     Index<D> q = row;
     q[0] = parity;
-    const Index<D> dims = model_.shape.grid_dims(level);
+    const Index<D> dims = field_.shape.grid_dims(level);
     scratch.row.clear(as_size(dims[0]));
-    if (n_odd(q) == 1)
-      join_cubes(level, q, dims[0], scratch);
-    else
-      join_level(level, q, dims, scratch.row);
     const std::size_t first = linear_index<D>(dims, row);
-    NodeLevel& nodes = model_.levels[as_size(level)];
+    NodeLevel& nodes = field_.levels[as_size(level)];
+    if (n_odd(q) > 1)
+      join_level(level, q, dims, scratch.row);
+    else if (level > 1 && level == first_)
+      scratch.row.join(row_at(nodes, first), 0, as_size(dims[0]));
+    else
+      join_cubes(level, q, dims[0], scratch);
     for (std::int32_t x = parity; x < dims[0]; x += 2) {
       const std::size_t at = as_size(x);
       nodes.error[first + at] = std::max(nodes.error[first + at], scratch.row.error[at]);
@@ -104,7 +110,7 @@ class NestingPass {
 
   /// Children in the same level: one step along each odd axis.
   void join_level(int level, const Index<D>& q, const Index<D>& dims, AttributeScratch& out) const {
-    const NodeLevel& nodes = model_.levels[as_size(level)];
+    const NodeLevel& nodes = field_.levels[as_size(level)];
     Index<D> row = q;
     row[0] = 0;
     for (std::size_t i = 1; i < as_size(D); ++i) {
@@ -128,7 +134,7 @@ class NestingPass {
 
   /// Children that are cubes of the next finer level: half a step along all axes.
   void join_cubes(int level, const Index<D>& q, std::int32_t n, Scratch& scratch) const {
-    const Index<D> dims = model_.shape.attribute_dims(level - 1);
+    const Index<D> dims = field_.shape.attribute_dims(level - 1);
     const bool is_finest = level == 1;  // one entry per cube instead of a grid
     const std::int32_t scale = is_finest ? 1 : 2;
     const std::int32_t below = -1;
@@ -143,7 +149,7 @@ class NestingPass {
         exists = exists && row[i] >= 0 && row[i] < dims[i];
       }
       if (exists)
-        fine.join(row_at(model_.levels[as_size(level - 1)], linear_index<D>(dims, row)), 1,
+        fine.join(row_at(field_.levels[as_size(level - 1)], linear_index<D>(dims, row)), 1,
                   as_size(dims[0]));
     }
     for (std::int32_t x = q[0]; x < n; x += 2)
@@ -159,8 +165,8 @@ class NestingPass {
   /// The first x of a row from which domains reach beyond the data.
   [[nodiscard]] std::int32_t first_beyond_data(int level, const Index<D>& row) const {
     for (std::size_t i = 1; i < as_size(D); ++i)
-      if (((row[i] + 1) << level) > model_.shape.dims[i] - 1) return 0;
-    return (model_.shape.dims[0] - 1) >> level;
+      if (((row[i] + 1) << level) > field_.shape.dims[i] - 1) return 0;
+    return (field_.shape.dims[0] - 1) >> level;
   }
 
   /// Values beyond the data are no samples of any child, but the surface meets them.
@@ -170,8 +176,8 @@ class NestingPass {
   }
 
   void join_value(const Index<D>& p, float& low, float& high) const {
-    const double v = model_.value(p);
-    if (mark_holes_ && model_.is_hole(v)) return;
+    const double v = field_.value(p);
+    if (mark_holes_ && field_.is_hole(v)) return;
     const double relative = v - reference_;  // exact above a reference of 0
     const bool is_inside =
         relative > static_cast<double>(low) && relative < static_cast<double>(high);
@@ -180,7 +186,9 @@ class NestingPass {
     high = std::max(high, range_up(v, reference_));
   }
 
-  Model<D>& model_;
+  Field& field_;
+  int first_;
+  int end_;
   Threads threads_;
   std::vector<Scratch> scratch_;
   double reference_;

@@ -19,6 +19,19 @@ using OwnErrors = std::vector<std::span<ErrorCode>>;
 template <int D>
 inline constexpr int kPlanLevel = D == 3 ? 3 : 4;
 
+/// Where a model's lattice lies in a larger one that it is a part of; the boxes are of its own
+/// cells, lower <= cell < upper.
+template <int D>
+struct Part {
+  Index<D> origin;        ///< In the larger one: multiples of kBrickEdge.
+  LatticeBox<D> samples;  ///< What is known, from multiples of kPlanEdge on.
+  LatticeBox<D> core;     ///< What no other part has; the rest are border layers.
+
+  [[nodiscard]] static Part whole(const Shape<D>& shape) {
+    return {{}, {{}, shape.dims}, {{}, shape.dims}};
+  }
+};
+
 /// The errors of the nodes of levels 1 .. kPlanLevel in one brick and on its border, while they
 /// are found: each is raised several times, in memory that stays near.
 template <int D, typename C>
@@ -46,7 +59,7 @@ class BrickErrors {
   /// other bricks and so with other threads.
   void merge(const Shape<D>& shape, const Index<D>& brick, double slack,
              const OwnErrors& own) const {
-    for (int level = 1; level <= kPlanLevel<D> && level < shape.n_levels; ++level)
+    for (int level = 1; level <= kPlanLevel<D> && as_size(level) < own.size(); ++level)
       merge_level(level, shape.grid_dims(level), brick, slack, own[as_size(level)]);
   }
 

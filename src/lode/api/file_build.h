@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "lode/api/dataset.h"
+
+namespace lode {
+
+struct FileBuildOptions {
+  Threads threads{};
+  /// Bytes that the build may take of memory, the program's code aside; 0: a quarter of what the
+  /// machine has.
+  std::uint64_t memory_limit = 0;
+};
+
+struct FileBuildSeconds {
+  double total = 0;
+  double scan = 0;   ///< First time through the input: range, holes, coarse samples.
+  double read = 0;   ///< Second time.
+  double build = 0;  ///< Errors and ranges.
+  double write = 0;  ///< Compressing and writing.
+};
+
+struct FileBuildReport {
+  DatasetInfo info;  ///< Of the file.
+  std::uint64_t file_bytes = 0;
+  std::uint64_t memory_limit = 0;        ///< As it was given or chosen.
+  std::uint64_t samples_bytes_read = 0;  ///< Of the input's samples, as they are in memory.
+  std::uint64_t n_parts = 0;             ///< How many the field was built in.
+  FileBuildSeconds seconds;
+};
+
+/// Builds the hierarchy of a volume straight into a .lode file, whatever its size: the source is
+/// read twice, the second time part by part. The file is that of Dataset::build() and save(), byte
+/// for byte, and appears whole or not at all.
+[[nodiscard]] Result<FileBuildReport> build_file(VolumeSource& source, const std::string& path,
+                                                 const FileBuildOptions& options,
+                                                 Progress& progress);
+
+/// Bytes of memory of this machine; 0 where it does not say.
+[[nodiscard]] std::uint64_t physical_memory();
+
+}  // namespace lode

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "lode/models/diamond/block_order.h"
+
+namespace lode::diamond {
+
+/// The finest level of which a build that goes through a field part by part keeps everything.
+inline constexpr int kKeptLevel = kChunkLevel + 1;
+
+/// Of a field the samples and nodes of level kKeptLevel and coarser ones: of n samples n / 8^3.
+template <int D>
+struct CoarseField : LatticeField<D, CoarseField<D>> {
+  Index<D> dims;                          ///< Of level kKeptLevel's grid.
+  UninitializedArray<std::byte> samples;  ///< On it, x fastest; beyond the data the nearest ones.
+  std::vector<NodeLevel> levels;          ///< Finest first; those below kKeptLevel are empty.
+
+  using LatticeField<D, CoarseField<D>>::shape;
+
+  /// Without samples; errors are 0, and ranges empty.
+  [[nodiscard]] static CoarseField make(const VolumeInfo& info);
+  [[nodiscard]] bool is_needed() const { return shape.n_levels > kKeptLevel; }
+
+  /// Takes those of a box of the field's samples (storage type, x fastest) that it keeps.
+  void put_samples(const LatticeBox<D>& box, const std::byte* values);
+
+  /// Nested error of the root; 0 when there are no cells.
+  [[nodiscard]] double base_error() const;
+
+  /// The sample at p, a point of the level's grid or one beyond the data.
+  [[nodiscard]] double value(const Index<D>& p) const {
+    Index<D> q;
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      q[i] = std::clamp(p[i] >> kKeptLevel, 0, last_distinct(i));
+    const std::size_t at = linear_index<D>(dims, q);
+    return visit_storage_type(this->storage, [&]<typename T>() {
+      T sample;
+      std::memcpy(&sample, samples.data() + at * sizeof(T), sizeof(T));
+      return static_cast<double>(sample);
+    });
+  }
+
+ private:
+  /// The first grid point at the last sample of an axis or beyond it.
+  [[nodiscard]] std::int32_t last_distinct(std::size_t axis) const {
+    return (shape.dims[axis] - 1 + (1 << kKeptLevel) - 1) >> kKeptLevel;
+  }
+};
+
+extern template struct CoarseField<2>;
+extern template struct CoarseField<3>;
+
+}  // namespace lode::diamond

@@ -1,0 +1,178 @@
+#include "lode/models/diamond/encode_blocks.h"
+
+#include "lode/core/parallel.h"
+#include "lode/models/diamond/range_code.h"
+
+namespace lode::diamond {
+namespace {
+
+struct PendingBlock {
+  store::BlockKey key;
+  store::EncodedBlock block;
+};
+
+template <typename R>
+R to_range(float v) {
+  if constexpr (std::is_integral_v<R>) {
+    if (std::isinf(v))
+      return v > 0 ? std::numeric_limits<R>::max() : std::numeric_limits<R>::lowest();
+  }
+  return static_cast<R>(v);
+}
+
+/// Appends n samples, the first at lattice point p and `step` apart along x; where they lie beyond
+/// the data, the nearest ones.
+template <typename T, int D>
+T* copy_samples(const Model<D>& model, const Index<D>& p, std::int32_t n, std::int32_t step,
+                T* to) {
+  Index<D> local = model.clamped(p);
+  Index<D> brick;
+  for (std::size_t a = 0; a < as_size(D); ++a) {
+    brick[a] = std::min(local[a] / kBrickEdge<D>, model.brick_dims[a] - 1);
+    local[a] -= brick[a] * kBrickEdge<D>;
+  }
+  local[0] = 0;
+  const T* from = nullptr;
+  std::int32_t begin = 0;  // the brick's first x
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t x = std::min(p[0] + i * step, model.shape.dims[0] - 1);
+    if (from == nullptr || x > begin + kBrickEdge<D>) {
+      brick[0] = std::min(x / kBrickEdge<D>, model.brick_dims[0] - 1);
+      begin = brick[0] * kBrickEdge<D>;
+      from = reinterpret_cast<const T*>(model.brick(linear_index<D>(model.brick_dims, brick))) +
+             model.brick_offset(local);
+    }
+    *to++ = from[x - begin];
+  }
+  return to;
+}
+
+template <typename T, int D>
+T* copy_samples(const CoarseField<D>& field, const Index<D>& p, std::int32_t n, std::int32_t step,
+                T* to) {
+  Index<D> at = p;
+  for (std::int32_t i = 0; i < n; ++i, at[0] += step) *to++ = static_cast<T>(field.value(at));
+  return to;
+}
+
+template <int D, typename Field>
+void encode_samples(const Field& field, const store::BlockKey& key, const Region<D>& r,
+                    std::vector<PendingBlock>& out) {
+  visit_storage_type(field.storage, [&]<typename T>() {
+    std::vector<T> values(count_points(r));
+    T* to = values.data();
+    for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
+      for (std::int32_t& x : q.v) x <<= r.level;
+      to = copy_samples<T, D>(field, q, n, stride << r.level, to);
+    });
+    out.push_back({key, store::encode_block(std::as_bytes(std::span<const T>(values)), sizeof(T))});
+  });
+}
+
+/// One attribute of the region's nodes, each as encode(its place in the level's arrays) gives it.
+template <typename T, int D, typename Encode>
+void encode_attribute(const Index<D>& dims, const store::BlockKey& key, const Region<D>& r,
+                      const Encode& encode, std::vector<PendingBlock>& out) {
+  std::vector<T> values(count_points(r));
+  T* to = values.data();
+  for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
+    const std::size_t first = linear_index<D>(dims, q);
+    for (std::size_t i = 0; i < as_size(n); ++i) *to++ = encode(first + i * as_size(stride));
+  });
+  out.push_back({key, store::encode_block(std::as_bytes(std::span<const T>(values)), sizeof(T))});
+}
+
+template <int D, typename Field>
+void encode_attributes(const Field& field, const Region<D>& place, const Region<D>& r,
+                       std::vector<PendingBlock>& out) {
+  const NodeLevel& nodes = field.levels[as_size(r.level)];
+  const Index<D> dims = field.shape.grid_dims(r.level);
+  encode_attribute<ErrorCode>(
+      dims, key_of(Kind::errors, place), r, [&](std::size_t at) { return nodes.error[at]; }, out);
+  visit_range_type(field.storage, [&]<typename R>() {
+    const auto is_empty = [&](std::size_t at) { return nodes.low[at] > nodes.high[at]; };
+    const auto low = [&](std::size_t at) {
+      return is_empty(at) ? std::numeric_limits<R>::max() : to_range<R>(nodes.low[at]);
+    };
+    const auto high = [&](std::size_t at) {
+      return is_empty(at) ? std::numeric_limits<R>::lowest() : to_range<R>(nodes.high[at]);
+    };
+    encode_attribute<R>(dims, key_of(Kind::lows, place), r, low, out);
+    encode_attribute<R>(dims, key_of(Kind::highs, place), r, high, out);
+  });
+}
+
+template <int D, typename Field>
+void encode_group(const Field& field, const Index<D>& origin, const BlockGroup<D>& group,
+                  std::vector<PendingBlock>& out) {
+  Region<D> r = group.region;
+  if (count_points(r) == 0) return;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    r.lower[i] -= origin[i] >> r.level;
+    r.upper[i] -= origin[i] >> r.level;
+  }
+  if (group.is_samples)
+    encode_samples<D>(field, key_of(Kind::samples, group.region), r, out);
+  else
+    encode_attributes<D>(field, group.region, r, out);
+}
+
+}  // namespace
+
+template <int D, typename Field>
+Result<void> append_groups(const Field& field, const Index<D>& origin,
+                           std::span<const BlockGroup<D>> groups, store::Writer& writer,
+                           Threads threads, const Progress& progress) {
+  std::vector<std::vector<PendingBlock>> pending(groups.size());
+  parallel_for(pending.size(), threads, 1, [&](std::size_t i, int) {
+    if (!progress.is_cancelled()) encode_group<D>(field, origin, groups[i], pending[i]);
+  });
+  for (const auto& blocks : pending)
+    for (const PendingBlock& block : blocks) {
+      if (progress.is_cancelled()) return cancelled_error();
+      LODE_CHECK(writer.append(block.key, block.block));
+    }
+  if (progress.is_cancelled()) return cancelled_error();
+  return {};
+}
+
+template <int D, typename Field>
+void round_ranges(const LatticeField<D, Field>& field, std::vector<NodeLevel>& levels, int first,
+                  Threads threads) {
+  if (has_exact_ranges(field.storage)) return;
+  constexpr std::size_t kChunk = 4096;
+  const double reference = field.range_reference();
+  const std::array<float, 2> whole{range_down(field.stats.min, reference),
+                                   range_up(field.stats.max, reference)};
+  for (std::size_t level = as_size(first); level < levels.size(); ++level) {
+    NodeLevel& nodes = levels[level];
+    const std::size_t n = nodes.error.size();
+    parallel_for((n + kChunk - 1) / kChunk, threads, 1, [&](std::size_t chunk, int) {
+      for (std::size_t at = chunk * kChunk; at < std::min(n, (chunk + 1) * kChunk); ++at)
+        round_range(whole, nodes.low[at], nodes.high[at]);
+    });
+  }
+}
+
+template Result<void> append_groups<2>(const Model<2>&, const Index<2>&,
+                                       std::span<const BlockGroup<2>>, store::Writer&, Threads,
+                                       const Progress&);
+template Result<void> append_groups<3>(const Model<3>&, const Index<3>&,
+                                       std::span<const BlockGroup<3>>, store::Writer&, Threads,
+                                       const Progress&);
+template Result<void> append_groups<2>(const CoarseField<2>&, const Index<2>&,
+                                       std::span<const BlockGroup<2>>, store::Writer&, Threads,
+                                       const Progress&);
+template Result<void> append_groups<3>(const CoarseField<3>&, const Index<3>&,
+                                       std::span<const BlockGroup<3>>, store::Writer&, Threads,
+                                       const Progress&);
+template void round_ranges<2>(const LatticeField<2, Model<2>>&, std::vector<NodeLevel>&, int,
+                              Threads);
+template void round_ranges<3>(const LatticeField<3, Model<3>>&, std::vector<NodeLevel>&, int,
+                              Threads);
+template void round_ranges<2>(const LatticeField<2, CoarseField<2>>&, std::vector<NodeLevel>&, int,
+                              Threads);
+template void round_ranges<3>(const LatticeField<3, CoarseField<3>>&, std::vector<NodeLevel>&, int,
+                              Threads);
+
+}  // namespace lode::diamond

@@ -1,0 +1,207 @@
+#include "lode/models/diamond/part_builder.h"
+
+#include "lode/models/diamond/encode_blocks.h"
+#include "lode/models/diamond/error_pass.h"
+#include "lode/models/diamond/nesting_pass.h"
+
+namespace lode::diamond {
+
+template <int D>
+PartPlan<D> PartPlan<D>::of(const Shape<D>& shape, const LatticeBox<D>& chunks) {
+  PartPlan plan;
+  plan.chunks = chunks;
+  const LatticeBox<D> core = samples_of_chunks<D>(shape, chunks);
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    const bool is_first = core.lower[i] == 0;
+    const bool is_last = core.upper[i] == shape.dims[i];
+    // Cubes of the plan lie in the part as in the field.
+    plan.part.origin[i] = is_first ? 0 : core.lower[i] - kBrickEdge<D>;
+    plan.samples.lower[i] = is_first ? 0 : core.lower[i] - kPlanEdge<D>;
+    plan.samples.upper[i] =
+        is_last ? shape.dims[i] : std::min(shape.dims[i], core.upper[i] + kPlanEdge<D> + 1);
+    plan.dims[i] = plan.samples.upper[i] - plan.part.origin[i];
+  }
+  plan.part.core = {core.lower - plan.part.origin, core.upper - plan.part.origin};
+  plan.part.samples = {plan.samples.lower - plan.part.origin, plan.dims};
+  return plan;
+}
+
+template <int D>
+std::uint64_t PartPlan<D>::n_bytes(std::size_t sample_size) const {
+  const Shape<D> shape = Shape<D>::of(dims);
+  std::uint64_t n_bricks = 1;
+  for (const std::int32_t n : dims.v)
+    n_bricks *= static_cast<std::uint64_t>((n + kBrickEdge<D> - 1) / kBrickEdge<D>);
+  std::uint64_t bytes = n_bricks * kBrickSize<D> * sample_size;
+  constexpr std::uint64_t kNodeBytes = sizeof(ErrorCode) + 2 * sizeof(float);
+  for (int level = 0; level <= kPlanLevel<D>; ++level)
+    bytes += n_points<D>(shape.attribute_dims(level)) *
+             (level <= kChunkLevel ? kNodeBytes : sizeof(ErrorCode));
+  return bytes;
+}
+
+template <int D>
+void PartBuilder<D>::begin(const PartPlan<D>& plan) {
+  plan_ = plan;
+  VolumeInfo info = field_.info;
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    info.grid.dims[as_size(field_.axes.axis[i])] = plan.dims[i];
+  const std::size_t capacity = model_.samples.capacity();
+  model_.reset(info);
+  // Samples before those of the part are read, but what they give is not used.
+  if (model_.samples.capacity() > capacity)
+    std::fill(model_.samples.begin(), model_.samples.end(), std::byte{});
+  model_.stats = field_.stats;
+  model_.levels.resize(as_size(std::min(field_.shape.n_levels, kChunkLevel + 1)));
+  for (std::size_t level = 0; level < model_.levels.size(); ++level) {
+    const std::size_t n = n_points<D>(model_.shape.attribute_dims(static_cast<int>(level)));
+    NodeLevel& nodes = model_.levels[level];
+    nodes.error.assign(n, 0);
+    resize_anew(nodes.low, n);
+    resize_anew(nodes.high, n);
+  }
+  coarse_.resize(as_size(std::max(0, n_own_levels() - kKeptLevel)));
+  for (std::size_t i = 0; i < coarse_.size(); ++i)
+    coarse_[i].assign(n_points<D>(model_.shape.grid_dims(kKeptLevel + static_cast<int>(i))), 0);
+  largest_.resize(model_.levels.size());
+}
+
+/// Levels, from 0, whose own errors bricks find by themselves.
+template <int D>
+int PartBuilder<D>::n_own_levels() const {
+  return std::min(field_.shape.n_levels, kPlanLevel<D> + 1);
+}
+
+template <int D>
+void PartBuilder<D>::put_samples(const LatticeBox<D>& box, const std::byte* values) {
+  const LatticeBox<D> local{box.lower - plan_.part.origin, box.upper - plan_.part.origin};
+  diamond::put_samples<D>(model_, local, values, threads_);
+}
+
+template <int D>
+Result<void> PartBuilder<D>::find_attributes(const Progress& progress,
+                                             const std::function<void()>& brick_done) {
+  fill_beyond_data<D>(model_, threads_);
+  if (is_exact_in_float<D>(field_))
+    LODE_CHECK(find_own_errors<float>(progress, brick_done));
+  else
+    LODE_CHECK(find_own_errors<double>(progress, brick_done));
+  give_own_errors();
+  const int n_levels = static_cast<int>(model_.levels.size());
+  NestingPass<D, Model<D>>(model_, 1, n_levels, threads_).run();
+  give_cubes();
+  round_ranges<D, Model<D>>(model_, model_.levels, 1, threads_);
+  find_largest();
+  return {};
+}
+
+template <int D>
+template <typename C>
+Result<void> PartBuilder<D>::find_own_errors(const Progress& progress,
+                                             const std::function<void()>& brick_done) {
+  ErrorTask<D, CoarseField<D>> task{
+      model_, plan_.part, OwnErrors(as_size(n_own_levels())), &model_.levels[0], field_, {}};
+  for (std::size_t level = 1; level < task.own.size(); ++level)
+    task.own[level] = level < as_size(kKeptLevel) ? std::span(model_.levels[level].error)
+                                                  : std::span(coarse_[level - kKeptLevel]);
+  for (NodeLevel& nodes : field_.levels) task.coarse.emplace_back(nodes.error);
+  return diamond::find_own_errors<C>(task, threads_, progress, brick_done);
+}
+
+/// Of nodes that the field has kept: other parts may have larger ones.
+template <int D>
+void PartBuilder<D>::give_own_errors() {
+  for (std::size_t i = 0; i < coarse_.size(); ++i) {
+    const int level = kKeptLevel + static_cast<int>(i);
+    const Index<D> from = model_.shape.grid_dims(level);
+    const Index<D> to = field_.shape.grid_dims(level);
+    UninitializedArray<ErrorCode>& errors = field_.levels[as_size(level)].error;
+    for (std::size_t at = 0; at < coarse_[i].size(); ++at) {
+      if (coarse_[i][at] == 0) continue;
+      Index<D> q = point_of<D>(from, at);
+      bool exists = true;
+      for (std::size_t a = 0; a < as_size(D); ++a) {
+        q[a] += plan_.part.origin[a] >> level;
+        exists = exists && q[a] < to[a];
+      }
+      if (exists) raise_to(errors[linear_index<D>(to, q)], coarse_[i][at]);
+    }
+  }
+}
+
+template <int D>
+bool PartBuilder<D>::is_in_core(const Index<D>& p) const {
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    if (p[i] < plan_.part.core.lower[i] || p[i] >= plan_.part.core.upper[i]) return false;
+  return true;
+}
+
+/// Cubes of the coarsest level of the part are joined with the nodes that the field has kept.
+template <int D>
+void PartBuilder<D>::give_cubes() {
+  if (!field_.is_needed()) return;
+  const Index<D> dims = model_.shape.grid_dims(kChunkLevel);
+  Index<D> cubes;
+  for (std::size_t i = 0; i < as_size(D); ++i) cubes[i] = dims[i] / 2;
+  for (std::size_t i = 0; i < n_points<D>(cubes); ++i) {
+    const Index<D> q = point_of<D>(cubes, i) * 2 + all_equal<D>(1);
+    Index<D> lowest = q;  // lattice points of the cube, at its lowest corner
+    for (std::int32_t& x : lowest.v) x = (x - 1) << kChunkLevel;
+    if (is_in_core(lowest)) give_cube(q, linear_index<D>(dims, q));
+  }
+}
+
+/// To those nodes round it that have one odd coordinate: they are its parents.
+template <int D>
+void PartBuilder<D>::give_cube(const Index<D>& q, std::size_t at) {
+  const NodeLevel& from = model_.levels[as_size(kChunkLevel)];
+  const Index<D> dims = field_.shape.grid_dims(kKeptLevel);
+  NodeLevel& to = field_.levels[as_size(kKeptLevel)];
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    Index<D> parent;
+    int n_odd = 0;
+    bool exists = true;
+    for (int i = 0; i < D; ++i) {
+      const std::size_t a = as_size(i);
+      parent[a] = (q[a] - 1) / 2 + ((corner >> i) & 1) + (plan_.part.origin[a] >> kKeptLevel);
+      n_odd += parent[a] & 1;
+      exists = exists && parent[a] < dims[a];
+    }
+    if (n_odd != 1 || !exists) continue;
+    const std::size_t place = linear_index<D>(dims, parent);
+    to.error[place] = std::max(to.error[place], from.error[at]);
+    to.low[place] = std::min(to.low[place], from.low[at]);
+    to.high[place] = std::max(to.high[place], from.high[at]);
+  }
+}
+
+template <int D>
+void PartBuilder<D>::find_largest() {
+  for (int level = 0; level < static_cast<int>(model_.levels.size()); ++level) {
+    const Index<D> dims = model_.shape.attribute_dims(level);
+    const int step = std::max(level, 1);
+    const UninitializedArray<ErrorCode>& errors = model_.levels[as_size(level)].error;
+    for (std::size_t at = 0; at < errors.size(); ++at) {
+      if (errors[at] <= largest_[as_size(level)]) continue;
+      Index<D> p = point_of<D>(dims, at);
+      for (std::size_t i = 0; i < as_size(D); ++i)  // nodes beyond the data are the last chunk's
+        p[i] = std::min(p[i] << step, std::max(plan_.dims[i] - 1, 0));
+      if (is_in_core(p)) largest_[as_size(level)] = errors[at];
+    }
+  }
+}
+
+template <int D>
+Result<void> PartBuilder<D>::append_chunk(const Index<D>& chunk, store::Writer& writer,
+                                          const Progress& progress) const {
+  const std::vector<BlockGroup<D>> groups = chunk_blocks<D>(field_.shape, chunk);
+  return append_groups<D>(model_, plan_.part.origin, std::span<const BlockGroup<D>>(groups), writer,
+                          threads_, progress);
+}
+
+template struct PartPlan<2>;
+template struct PartPlan<3>;
+template class PartBuilder<2>;
+template class PartBuilder<3>;
+
+}  // namespace lode::diamond

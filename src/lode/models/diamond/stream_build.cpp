@@ -1,0 +1,252 @@
+#include "lode/models/diamond/stream_build.h"
+
+#include <atomic>
+#include <chrono>
+
+#include "lode/models/diamond/build.h"
+#include "lode/models/diamond/encode_blocks.h"
+#include "lode/models/diamond/field_scan.h"
+#include "lode/models/diamond/nesting_pass.h"
+#include "lode/models/diamond/part_builder.h"
+
+namespace lode::diamond {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Hands out boxes of a source's samples in their storage type, a few slices at a time.
+template <int D>
+class BoxReader {
+ public:
+  explicit BoxReader(VolumeSource& source)
+      : source_(source), axes_(AxisMap<D>::of(source.info().grid.dims)) {}
+
+  /// Calls put(box, values) for slabs of the box along its last axis, in ascending order.
+  template <typename Put>
+  Result<void> read(const LatticeBox<D>& box, const Progress& progress, const Put& put) {
+    const VolumeInfo& info = source_.info();
+    const std::size_t size = size_of(info.type);
+    const std::size_t wide_size = size_of(storage_type(info.type));
+    LatticeBox<D> slab = box;
+    std::int32_t& begin = slab.lower[as_size(D - 1)];
+    std::int32_t& end = slab.upper[as_size(D - 1)];
+    end = begin + 1;
+    const std::size_t slice = n_points<D>(slab.upper - slab.lower);
+    const auto n_slices =
+        static_cast<std::int32_t>(std::max<std::size_t>(1, kBytesPerRead / (slice * size)));
+    for (; begin < box.upper[as_size(D - 1)]; begin = end) {
+      if (progress.is_cancelled()) return cancelled_error();
+      end = std::min(begin + n_slices, box.upper[as_size(D - 1)]);
+      const std::size_t n = slice * as_size(end - begin);
+      bytes_.resize(n * size);
+      LODE_CHECK(source_.read(grid_box(slab), bytes_));
+      n_bytes_ += bytes_.size();
+      if (size == wide_size && storage_type(info.type) == info.type) {
+        put(slab, bytes_.data());
+        continue;
+      }
+      wide_.resize(n * wide_size);
+      widen_samples(info.type, bytes_.data(), n, wide_.data());
+      put(slab, wide_.data());
+    }
+    return {};
+  }
+  [[nodiscard]] std::uint64_t n_bytes() const { return n_bytes_; }
+
+ private:
+  static constexpr std::size_t kBytesPerRead = std::size_t{4} << 20;  // stays in a cache
+
+  [[nodiscard]] IndexBox grid_box(const LatticeBox<D>& box) const {
+    IndexBox result{{}, {{1, 1, 1}}};
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      result.lower[as_size(axes_.axis[i])] = box.lower[i];
+      result.upper[as_size(axes_.axis[i])] = box.upper[i];
+    }
+    return result;
+  }
+
+  VolumeSource& source_;
+  AxisMap<D> axes_;
+  std::vector<std::byte> bytes_;
+  std::vector<std::byte> wide_;
+  std::uint64_t n_bytes_ = 0;
+};
+
+/// Buffers of reading and compressing.
+constexpr std::uint64_t kBufferBytes = std::uint64_t{32} << 20;
+
+template <int D>
+std::uint64_t n_bytes_of(const CoarseField<D>& field) {
+  std::uint64_t n = field.samples.size();
+  for (const NodeLevel& nodes : field.levels)
+    n += nodes.error.size() * (sizeof(ErrorCode) + 2 * sizeof(float));
+  return n;
+}
+
+template <int D>
+class StreamBuild {
+ public:
+  StreamBuild(VolumeSource& source, const StreamSettings& settings, Progress& progress)
+      : settings_(settings),
+        progress_(progress),
+        reader_(source),
+        field_(CoarseField<D>::make(source.info())),
+        builder_(field_, settings.threads) {}
+
+  Result<StreamReport> run(const std::string& path) {
+    LODE_TRY(const std::int32_t chunks_per_part, plan());
+    LODE_TRY(auto writer, store::Writer::create(path, model_name<D>(), {}));
+    LODE_CHECK(scan());
+    LODE_CHECK(build_parts(chunks_per_part, writer));
+    LODE_CHECK(finish_coarse(writer));
+    report_.metadata = {field_.info, summarize()};
+    report_.bytes_read = reader_.n_bytes();
+    writer.set_metadata(encode_metadata(report_.metadata));
+    LODE_TRY(report_.file_bytes, writer.finish(progress_));
+    return std::move(report_);
+  }
+
+ private:
+  [[nodiscard]] Index<D> chunk_dims() const { return chunk_counts<D>(field_.shape); }
+
+  /// As many chunks, side by side in x, as the memory holds.
+  Result<std::int32_t> plan() const {
+    const Index<D> n = chunk_dims();
+    const auto bytes_for = [&](std::int32_t n_chunks) {
+      std::uint64_t largest = 0;
+      // The second part has border layers on all sides; where there is none, the first is larger.
+      for (std::int32_t first = 0; first < n[0] && first <= n_chunks; first += n_chunks) {
+        LatticeBox<D> chunks;
+        chunks.lower[0] = first;
+        chunks.upper[0] = std::min(first + n_chunks, n[0]);
+        for (std::size_t i = 1; i < as_size(D); ++i) {
+          chunks.lower[i] = n[i] > 1 ? 1 : 0;
+          chunks.upper[i] = chunks.lower[i] + 1;
+        }
+        largest =
+            std::max(largest, PartPlan<D>::of(field_.shape, chunks).n_bytes(field_.sample_size()));
+      }
+      return largest + n_bytes_of(field_) + kBufferBytes;
+    };
+    if (settings_.chunks_per_part > 0) return std::min(settings_.chunks_per_part, n[0]);
+    if (settings_.memory_limit == 0) return n[0];
+    for (std::int32_t n_chunks = n[0]; n_chunks > 0; --n_chunks)
+      if (bytes_for(n_chunks) <= settings_.memory_limit) return n_chunks;
+    return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
+                bytes_for(1) / 1'000'000 + 1, field_.info.grid.n_samples(),
+                size_of(field_.info.type), settings_.memory_limit / 1'000'000);
+  }
+
+  Result<void> scan() {
+    const auto start = Clock::now();
+    FieldScan<D> scan(field_.info);
+    const std::int32_t n = field_.shape.dims[as_size(D - 1)];
+    LODE_CHECK(reader_.read({{}, field_.shape.dims}, progress_,
+                            [&](const LatticeBox<D>& box, const std::byte* values) {
+                              const std::int32_t begin = box.lower[as_size(D - 1)];
+                              const std::int32_t end = box.upper[as_size(D - 1)];
+                              scan.put(begin, end, values, settings_.threads);
+                              field_.put_samples(box, values);
+                              progress_.report("reading", static_cast<double>(end) / n);
+                            }));
+    field_.stats = scan.stats();
+    report_.scan_seconds = seconds_since(start);
+    return check_magnitude(field_.stats);
+  }
+
+  Result<void> build_parts(std::int32_t chunks_per_part, store::Writer& writer) {
+    const Index<D> n = chunk_dims();
+    Index<D> rows = n;
+    rows[0] = 1;
+    const double n_samples = static_cast<double>(field_.info.grid.n_samples());
+    for (std::size_t row = 0; row < n_points<D>(rows); ++row)
+      for (std::int32_t x = 0; x < n[0]; x += chunks_per_part) {
+        LatticeBox<D> chunks{point_of<D>(rows, row), {}};
+        chunks.upper = chunks.lower + all_equal<D>(1);
+        chunks.lower[0] = x;
+        chunks.upper[0] = std::min(x + chunks_per_part, n[0]);
+        const LatticeBox<D> core = samples_of_chunks<D>(field_.shape, chunks);
+        LODE_CHECK(build_part(chunks, writer));
+        n_done_ += static_cast<double>(n_points<D>(core.upper - core.lower));
+        progress_.report("building", n_done_ / n_samples);
+      }
+    return {};
+  }
+
+  Result<void> build_part(const LatticeBox<D>& chunks, store::Writer& writer) {
+    const PartPlan<D> plan = PartPlan<D>::of(field_.shape, chunks);
+    auto start = Clock::now();
+    builder_.begin(plan);
+    LODE_CHECK(reader_.read(plan.samples, progress_,
+                            [&](const LatticeBox<D>& box, const std::byte* values) {
+                              builder_.put_samples(box, values);
+                            }));
+    report_.read_seconds += seconds_since(start);
+    start = Clock::now();
+    LODE_CHECK(builder_.find_attributes(progress_, [] {}));
+    report_.build_seconds += seconds_since(start);
+    start = Clock::now();
+    Index<D> chunk = chunks.lower;
+    for (; chunk[0] < chunks.upper[0]; ++chunk[0])
+      LODE_CHECK(builder_.append_chunk(chunk, writer, progress_));
+    report_.write_seconds += seconds_since(start);
+    ++report_.n_parts;
+    return {};
+  }
+
+  Result<void> finish_coarse(store::Writer& writer) {
+    if (!field_.is_needed()) return {};
+    const auto start = Clock::now();
+    NestingPass<D, CoarseField<D>>(field_, kKeptLevel, field_.shape.n_levels, settings_.threads)
+        .run();
+    round_ranges<D, CoarseField<D>>(field_, field_.levels, kKeptLevel, settings_.threads);
+    const std::vector<BlockGroup<D>> groups = coarse_blocks<D>(field_.shape);
+    LODE_CHECK(append_groups<D>(field_, Index<D>{}, std::span<const BlockGroup<D>>(groups), writer,
+                                settings_.threads, progress_));
+    report_.write_seconds += seconds_since(start);
+    return {};
+  }
+
+  [[nodiscard]] Summary summarize() const {
+    Summary summary{.stats = field_.stats, .base_error = 0, .max_errors = {}};
+    for (int level = 0; level < field_.shape.n_levels; ++level) {
+      ErrorCode largest = 0;
+      if (level <= kChunkLevel)
+        largest = builder_.largest_errors()[as_size(level)];
+      else
+        for (const ErrorCode error : field_.levels[as_size(level)].error)
+          largest = std::max(largest, error);
+      summary.max_errors.push_back(static_cast<double>(decode_error(largest)));
+    }
+    summary.base_error = field_.is_needed() ? field_.base_error() : builder_.base_error();
+    return summary;
+  }
+
+  StreamSettings settings_;
+  Progress& progress_;
+  BoxReader<D> reader_;
+  CoarseField<D> field_;
+  PartBuilder<D> builder_;
+  StreamReport report_;
+  double n_done_ = 0;
+};
+
+}  // namespace
+
+template <int D>
+Result<StreamReport> build_file(VolumeSource& source, const std::string& path,
+                                const StreamSettings& settings, Progress& progress) {
+  LODE_CHECK(check_axes(source.info()));
+  return StreamBuild<D>(source, settings, progress).run(path);
+}
+
+template Result<StreamReport> build_file<2>(VolumeSource&, const std::string&,
+                                            const StreamSettings&, Progress&);
+template Result<StreamReport> build_file<3>(VolumeSource&, const std::string&,
+                                            const StreamSettings&, Progress&);
+
+}  // namespace lode::diamond

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+#include "lode/core/progress.h"
+#include "lode/models/diamond/coarse_field.h"
+#include "lode/models/diamond/persist.h"
+
+namespace lode::diamond {
+
+struct StreamSettings {
+  Threads threads;
+  /// Bytes that the build may take; 0: as it likes. The least is about a chunk and n / 40 for n
+  /// samples.
+  std::uint64_t memory_limit = 0;
+  std::int32_t chunks_per_part = 0;  ///< Side by side in x; 0: as many as the limit allows.
+};
+
+/// What a build from a source to a file did.
+struct StreamReport {
+  Metadata metadata;
+  std::uint64_t file_bytes = 0;
+  std::uint64_t bytes_read = 0;  ///< Samples asked of the source, in its type.
+  std::uint64_t n_parts = 0;
+  double scan_seconds = 0;   ///< First time through the source: range, holes, coarse samples.
+  double read_seconds = 0;   ///< Second time,
+  double build_seconds = 0;  ///< errors and ranges,
+  double write_seconds = 0;  ///< compressing and writing.
+};
+
+/// Builds the hierarchy of a volume straight into a .lode file, in bounded memory: the source is
+/// read once for the coarse samples, and once again part by part, with border layers. The file has
+/// the same bytes as build() and save() would give it, whatever the limit and the threads. Fails
+/// as build() does, and where the limit is too small, saying what is needed.
+template <int D>
+[[nodiscard]] Result<StreamReport> build_file(VolumeSource& source, const std::string& path,
+                                              const StreamSettings& settings, Progress& progress);
+
+}  // namespace lode::diamond
