@@ -34,6 +34,9 @@ class Session {
   void note(const std::string& message);
   /// As note, but shown even with --quiet, and kept for the "warnings" of the JSON output.
   void warn(const std::string& message);
+  /// What main says after "stopped; " when a signal ends the command.
+  void set_leftover(std::string leftover) { leftover_ = std::move(leftover); }
+  [[nodiscard]] const std::string& leftover() const { return leftover_; }
   /// The reason why the command will not exit with 0.
   void fail(const std::string& message);
 
@@ -42,6 +45,7 @@ class Session {
   Progress& progress_;
   ProgressBar& bar_;
   std::vector<std::string> warnings_;
+  std::string leftover_ = "no output was written";
 };
 
 /// What a command has to say on stdout, in both forms; main prints one of them.

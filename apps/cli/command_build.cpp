@@ -18,6 +18,8 @@ struct BuildArguments {
   std::string input;
   std::string output;
   std::string memory_limit;
+  bool resumes = false;
+  bool leaves_nothing = false;
   ReadingArguments reading;
 };
 
@@ -56,6 +58,7 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
   outcome.json["file_bytes"] = report.file_bytes;
   outcome.json["memory_limit"] = report.memory_limit;
   outcome.json["parts"] = report.n_parts;
+  outcome.json["chunks_resumed"] = report.n_chunks_resumed;
   outcome.json["sample_bytes_read"] = report.samples_bytes_read;
   Json& json_seconds = outcome.json["seconds"];
   json_seconds["total"] = seconds.total;
@@ -75,6 +78,8 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
                                "compress and write",
                                format_seconds(seconds.scan), format_seconds(seconds.read),
                                format_seconds(seconds.build), format_seconds(seconds.write))});
+  if (report.n_chunks_resumed > 0)
+    table.add({"resumed after", format_count(report.n_chunks_resumed) + " chunks"});
   table.add({"samples read",
              fmt::format("{} in {} {}", format_bytes(report.samples_bytes_read),
                          format_count(report.n_parts), report.n_parts == 1 ? "part" : "parts")});
@@ -89,14 +94,28 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
 Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
   LODE_TRY(const ReadOptions options, to_read_options(arguments.reading));
   LODE_CHECK(check_writable(arguments.output));
-  FileBuildOptions build{.threads = session.threads(), .memory_limit = 0};
+  FileBuildOptions build{
+      .threads = session.threads(), .unfinished = Unfinished::part, .memory_limit = 0};
+  if (arguments.resumes) build.unfinished = Unfinished::resume;
+  if (arguments.leaves_nothing) build.unfinished = Unfinished::nothing;
   if (!arguments.memory_limit.empty()) {
     LODE_TRY(build.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
   LODE_TRY(auto source, open_volume(arguments.input, options));
-  LODE_TRY(const FileBuildReport report,
-           build_file_from(arguments.input, *source, arguments.output, build, session.progress()));
-  return report_build(arguments, report);
+  auto report =
+      build_file_from(arguments.input, *source, arguments.output, build, session.progress());
+  if (report) return report_build(arguments, *report);
+  std::error_code status;
+  if (build.unfinished == Unfinished::nothing ||
+      !std::filesystem::exists(part_path(arguments.output), status) ||
+      report.error().message.starts_with(part_path(arguments.output)))
+    return report.error();
+  const std::string leftover = fmt::format(
+      "{} holds what was done: the same command with --resume "
+      "goes on from there",
+      part_path(arguments.output));
+  session.set_leftover(leftover);
+  return fail("{}; {}", report.error().message, leftover);
 }
 
 }  // namespace
@@ -110,6 +129,11 @@ Command add_build_command(CLI::App& program) {
   app->add_option("--memory-limit", arguments->memory_limit,
                   "Memory to use, such as 512M or 4G (default: a quarter of the machine's)")
       ->type_name("BYTES");
+  CLI::Option* resume =
+      app->add_flag("--resume", arguments->resumes,
+                    "Go on from OUT.lode.part, which a build that was stopped has left");
+  app->add_flag("--no-resume", arguments->leaves_nothing, "Leave nothing if the build is stopped")
+      ->excludes(resume);
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_build(*arguments); },
           [arguments](Session& session) { return run_build(*arguments, session); }};

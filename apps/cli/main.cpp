@@ -98,7 +98,7 @@ int run_command(const Command& command, const CommonOptions& options) {
   bar.clear();
   if (outcome) return print_outcome(*outcome, options.json);
   if (SignalGuard::received() != 0)
-    return report_error("stopped; no output was written", kSignalBase + SignalGuard::received(),
+    return report_error("stopped; " + session.leftover(), kSignalBase + SignalGuard::received(),
                         options.json);
   return report_error(outcome.error().message, kFailure, options.json);
 }

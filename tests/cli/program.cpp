@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -75,6 +76,20 @@ Running::~Running() {
 }
 
 void Running::send(int signal) const { ::kill(process_, signal); }
+
+std::uintmax_t Running::unnamed_bytes(const std::string& directory) const {
+  std::uintmax_t largest = 0;
+  std::error_code status;
+  const std::string open_files = "/proc/" + std::to_string(process_) + "/fd";
+  for (const auto& entry : std::filesystem::directory_iterator(open_files, status)) {
+    const std::string target = std::filesystem::read_symlink(entry.path(), status).string();
+    if (status || !target.starts_with(directory) || !target.ends_with("(deleted)")) continue;
+    struct stat facts {};
+    if (::stat(entry.path().c_str(), &facts) == 0)
+      largest = std::max(largest, static_cast<std::uintmax_t>(facts.st_size));
+  }
+  return largest;
+}
 
 Finished Running::finish() {
   Finished run;

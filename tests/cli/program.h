@@ -35,6 +35,8 @@ class Running {
   ~Running();
 
   void send(int signal) const;
+  /// Bytes of the largest file in `directory` that it has open and that has no name (yet).
+  [[nodiscard]] std::uintmax_t unnamed_bytes(const std::string& directory) const;
   /// Waits for the end, and kills the program after a minute.
   [[nodiscard]] Finished finish();
 
@@ -59,6 +61,7 @@ class Scratch {
   }
   /// The sorted names of the files in it.
   [[nodiscard]] std::vector<std::string> files() const;
+  [[nodiscard]] std::string path() const { return directory_.string(); }
 
  private:
   std::filesystem::path directory_;

@@ -65,10 +65,12 @@ TEST(cli_signals, leave_no_partial_surface) {
 }
 
 /// Waits until the file that becomes `output` has got its first bytes; false when it is there whole
-/// before that was seen.
-bool is_being_written(const Scratch& scratch, const std::string& output) {
+/// before that was seen. Until then it has no name, or, where the file system knows no such
+/// files, that of a temporary.
+bool is_being_written(const Running& running, const Scratch& scratch, const std::string& output) {
   const Clock::time_point deadline = Clock::now() + std::chrono::seconds(60);
-  while (Clock::now() < deadline && !std::filesystem::exists(output))
+  while (Clock::now() < deadline && !std::filesystem::exists(output)) {
+    if (running.unnamed_bytes(scratch.path()) > 0) return true;
     for (const std::string& name : scratch.files()) {
       const std::string path = scratch / name;
       std::error_code status;
@@ -76,6 +78,7 @@ bool is_being_written(const Scratch& scratch, const std::string& output) {
       const std::uintmax_t n_bytes = is_temporary ? std::filesystem::file_size(path, status) : 0;
       if (n_bytes > 0 && !status) return true;
     }
+  }
   return false;
 }
 
@@ -86,7 +89,7 @@ bool is_stopped_while_writing(const std::vector<std::string>& arguments, const s
   const std::vector<std::string> before = scratch.files();
   for (int i = 0; i < 40; ++i) {
     Running running(arguments);
-    if (is_being_written(scratch, output)) running.send(SIGINT);
+    if (is_being_written(running, scratch, output)) running.send(SIGINT);
     const Finished run = running.finish();
     if (run.exit_code != 0) {
       EXPECT_EQ(run.exit_code, 128 + SIGINT) << run.err;

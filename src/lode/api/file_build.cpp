@@ -16,13 +16,17 @@ std::uint64_t physical_memory() {
   return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes);
 }
 
+std::string part_path(const std::string& output) { return AtomicFile::part_path(output); }
+
 Result<FileBuildReport> build_file(VolumeSource& source, const std::string& path,
                                    const FileBuildOptions& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   FileBuildReport report;
   report.memory_limit = options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
-  const diamond::StreamSettings settings{
-      .threads = options.threads, .memory_limit = report.memory_limit, .chunks_per_part = 0};
+  const diamond::StreamSettings settings{.threads = options.threads,
+                                         .memory_limit = report.memory_limit,
+                                         .unfinished = options.unfinished,
+                                         .chunks_per_part = 0};
   const Index3 dims = source.info().grid.dims;
   const bool is_flat = std::min({dims[0], dims[1], dims[2]}) == 1;
   LODE_TRY(const auto done, is_flat ? diamond::build_file<2>(source, path, settings, progress)
@@ -32,6 +36,7 @@ Result<FileBuildReport> build_file(VolumeSource& source, const std::string& path
   report.file_bytes = done.file_bytes;
   report.samples_bytes_read = done.bytes_read;
   report.n_parts = done.n_parts;
+  report.n_chunks_resumed = done.n_chunks_resumed;
   report.seconds = {.total = 0,
                     .scan = done.scan_seconds,
                     .read = done.read_seconds,

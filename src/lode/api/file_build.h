@@ -4,11 +4,13 @@
 #include <string>
 
 #include "lode/api/dataset.h"
+#include "lode/core/atomic_file.h"
 
 namespace lode {
 
 struct FileBuildOptions {
   Threads threads{};
+  Unfinished unfinished = Unfinished::nothing;
   /// Bytes that the build may take of memory, the program's code aside; 0: a quarter of what the
   /// machine has.
   std::uint64_t memory_limit = 0;
@@ -27,7 +29,8 @@ struct FileBuildReport {
   std::uint64_t file_bytes = 0;
   std::uint64_t memory_limit = 0;        ///< As it was given or chosen.
   std::uint64_t samples_bytes_read = 0;  ///< Of the input's samples, as they are in memory.
-  std::uint64_t n_parts = 0;             ///< How many the field was built in.
+  std::uint64_t n_parts = 0;             ///< How many were built,
+  std::uint64_t n_chunks_resumed = 0;    ///< after so many chunks that an earlier build had done.
   FileBuildSeconds seconds;
 };
 
@@ -37,6 +40,9 @@ struct FileBuildReport {
 [[nodiscard]] Result<FileBuildReport> build_file(VolumeSource& source, const std::string& path,
                                                  const FileBuildOptions& options,
                                                  Progress& progress);
+
+/// Where an unfinished build of `output` is kept.
+[[nodiscard]] std::string part_path(const std::string& output);
 
 /// Bytes of memory of this machine; 0 where it does not say.
 [[nodiscard]] std::uint64_t physical_memory();

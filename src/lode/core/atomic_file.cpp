@@ -1,6 +1,7 @@
 #include "lode/core/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@ namespace lode {
 namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+constexpr int kAttempts = 100;  // to find a free name
 
 std::string directory_of(const std::string& path) {
   const std::size_t slash = path.rfind('/');
@@ -30,10 +32,17 @@ bool write_fully(int descriptor, std::span<const std::byte> bytes) {
   return true;
 }
 
+std::string temporary_name(const std::string& path, int attempt) {
+  return fmt::format("{}.tmp-{}-{}", path, ::getpid(), attempt);
+}
+
 }  // namespace
 
-AtomicFile::AtomicFile(std::string path, std::string temporary, int descriptor)
-    : path_(std::move(path)), temporary_(std::move(temporary)), descriptor_(descriptor) {
+AtomicFile::AtomicFile(std::string path, std::string temporary, int descriptor, Leftover leftover)
+    : path_(std::move(path)),
+      temporary_(std::move(temporary)),
+      descriptor_(descriptor),
+      leftover_(leftover) {
   buffer_.reserve(kBufferBytes);
 }
 
@@ -41,13 +50,18 @@ AtomicFile::AtomicFile(AtomicFile&& other) noexcept
     : path_(std::move(other.path_)),
       temporary_(std::move(other.temporary_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
+      leftover_(other.leftover_),
       size_(other.size_),
       buffer_(std::move(other.buffer_)) {}
 
 AtomicFile::~AtomicFile() {
   if (descriptor_ < 0) return;
+  if (leftover_ == Leftover::kept) {
+    const auto flushed = flush();  // what could not be written is not needed to go on
+    static_cast<void>(flushed);
+  }
   ::close(descriptor_);
-  ::unlink(temporary_.c_str());
+  if (leftover_ == Leftover::removed) ::unlink(temporary_.c_str());
 }
 
 Error AtomicFile::system_error(const char* action) const {
@@ -58,14 +72,50 @@ Result<AtomicFile> AtomicFile::create(std::string path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode))
     return fail("{}: expected a file name for the output, got a directory", path);
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    std::string temporary = fmt::format("{}.tmp-{}-{}", path, ::getpid(), attempt);
+  const int nameless = ::open(directory_of(path).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+  if (nameless >= 0) return AtomicFile(std::move(path), "", nameless, Leftover::nameless);
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    std::string temporary = temporary_name(path, attempt);
     const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor >= 0) return AtomicFile(std::move(path), std::move(temporary), descriptor);
+    if (descriptor >= 0)
+      return AtomicFile(std::move(path), std::move(temporary), descriptor, Leftover::removed);
     if (errno != EEXIST)
       return fail("{}: cannot create the output file: {}", path, std::strerror(errno));
   }
   return fail("{}: cannot find a free name for a temporary file beside it", path);
+}
+
+Result<AtomicFile> AtomicFile::open_part(std::string path, std::uint64_t n_kept) {
+  std::string part = part_path(path);
+  const int descriptor = ::open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0)
+    return fail("{}: cannot create the output file: {}", part, std::strerror(errno));
+  AtomicFile file(std::move(path), std::move(part), descriptor, Leftover::kept);
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
+    return fail("{}: another process is writing it", file.temporary_);
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) return file.system_error("read the size");
+  if (static_cast<std::uint64_t>(status.st_size) < n_kept)
+    return fail("{}: expected at least {} bytes to go on from, got {}", file.temporary_, n_kept,
+                status.st_size);
+  if (::ftruncate(descriptor, static_cast<off_t>(n_kept)) != 0) return file.system_error("write");
+  if (::lseek(descriptor, 0, SEEK_END) < 0) return file.system_error("write");
+  file.size_ = n_kept;
+  return file;
+}
+
+/// A nameless file is given the name that it is renamed from.
+Result<void> AtomicFile::name_temporary() {
+  const std::string self = fmt::format("/proc/self/fd/{}", descriptor_);
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    temporary_ = temporary_name(path_, attempt);
+    if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+      leftover_ = Leftover::removed;
+      return {};
+    }
+    if (errno != EEXIST) return system_error("name the output file");
+  }
+  return fail("{}: cannot find a free name for a temporary file beside it", path_);
 }
 
 Result<void> AtomicFile::flush() {
@@ -99,11 +149,19 @@ Result<void> AtomicFile::write_at(std::uint64_t offset, std::span<const std::byt
   return {};
 }
 
+Result<void> AtomicFile::sync() {
+  LODE_EXPECTS(descriptor_ >= 0);
+  LODE_CHECK(flush());
+  if (::fdatasync(descriptor_) != 0) return system_error("flush to disk");
+  return {};
+}
+
 Result<void> AtomicFile::commit(const Progress& progress) {
   LODE_EXPECTS(descriptor_ >= 0);
   LODE_CHECK(flush());
   if (::fsync(descriptor_) != 0) return system_error("flush to disk");
   if (progress.is_cancelled()) return cancelled_error();
+  if (leftover_ == Leftover::nameless) LODE_CHECK(name_temporary());
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return system_error("rename into place");
   ::close(std::exchange(descriptor_, -1));
   // The rename is durable once its directory is; a file system without that call is no failure.

@@ -21,6 +21,17 @@ Result<Writer> Writer::create(std::string path, std::string_view model,
   return writer;
 }
 
+Result<Writer> Writer::open_part(std::string path, std::string_view model,
+                                 std::vector<BlockEntry> blocks) {
+  const std::uint64_t n_kept =
+      blocks.empty() ? 0 : blocks.back().offset + blocks.back().stored_size;
+  LODE_TRY(AtomicFile file, AtomicFile::open_part(path, n_kept));
+  if (blocks.empty()) LODE_CHECK(file.write(std::array<std::byte, kHeaderBytes>{}));
+  Writer writer(std::move(path), std::move(file),
+                Directory{std::string(model), {}, std::move(blocks)});
+  return writer;
+}
+
 Result<void> Writer::append(const BlockKey& key, const EncodedBlock& block) {
   LODE_EXPECTS(!is_finished_ && block.raw_size <= kMaxBlockBytes);
   directory_.blocks.push_back({.key = key,

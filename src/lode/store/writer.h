@@ -23,7 +23,15 @@ class Writer {
   [[nodiscard]] static Result<Writer> create(std::string path, std::string_view model,
                                              std::span<const std::byte> metadata);
 
+  /// Writes to AtomicFile::part_path(path), which stays until finish(): after the blocks that are
+  /// there, as blocks() of an earlier writer said when it had synced them. Metadata is empty.
+  [[nodiscard]] static Result<Writer> open_part(std::string path, std::string_view model,
+                                                std::vector<BlockEntry> blocks);
+
   [[nodiscard]] Result<void> append(const BlockKey& key, const EncodedBlock& block);
+  /// Returns when all blocks so far outlast a loss of power.
+  [[nodiscard]] Result<void> sync() { return file_.sync(); }
+  [[nodiscard]] std::span<const BlockEntry> blocks() const { return directory_.blocks; }
   /// Replaces the metadata, for what is known only after the blocks.
   void set_metadata(std::span<const std::byte> metadata);
   /// Writes the directory and the header and renames the file into place; the size of the file.

@@ -46,7 +46,9 @@ class PartBuilder {
                                           const Progress& progress) const;
 
   /// Per level up to kChunkLevel: the largest nested error of any part's nodes so far.
-  [[nodiscard]] std::span<const ErrorCode> largest_errors() const { return largest_; }
+  [[nodiscard]] const std::vector<ErrorCode>& largest_errors() const { return largest_; }
+  /// Those of parts that another builder has built.
+  void set_largest_errors(std::vector<ErrorCode> largest) { largest_ = std::move(largest); }
   /// Nested error of the root, where the only part is the whole field.
   [[nodiscard]] double base_error() const { return model_.base_error(); }
 

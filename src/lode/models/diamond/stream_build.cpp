@@ -2,12 +2,15 @@
 
 #include <atomic>
 #include <chrono>
+#include <optional>
 
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/field_scan.h"
 #include "lode/models/diamond/nesting_pass.h"
-#include "lode/models/diamond/part_builder.h"
+#include "lode/models/diamond/part_log.h"
+#include "lode/store/bytes.h"
+#include "lode/store/checksum.h"
 
 namespace lode::diamond {
 namespace {
@@ -46,12 +49,12 @@ class BoxReader {
       LODE_CHECK(source_.read(grid_box(slab), bytes_));
       n_bytes_ += bytes_.size();
       if (size == wide_size && storage_type(info.type) == info.type) {
-        put(slab, bytes_.data());
+        put(slab, std::span<const std::byte>(bytes_));
         continue;
       }
       wide_.resize(n * wide_size);
       widen_samples(info.type, bytes_.data(), n, wide_.data());
-      put(slab, wide_.data());
+      put(slab, std::span<const std::byte>(wide_));
     }
     return {};
   }
@@ -98,15 +101,17 @@ class StreamBuild {
         builder_(field_, settings.threads) {}
 
   Result<StreamReport> run(const std::string& path) {
-    LODE_TRY(const std::int32_t chunks_per_part, plan());
-    LODE_TRY(auto writer, store::Writer::create(path, model_name<D>(), {}));
+    LODE_TRY(chunks_per_part_, plan());
     LODE_CHECK(scan());
-    LODE_CHECK(build_parts(chunks_per_part, writer));
+    LODE_TRY(auto writer, open(path));
+    report_.n_chunks_resumed = done_.n_chunks;
+    while (done_.n_chunks < n_points<D>(chunk_dims())) LODE_CHECK(build_next_part(writer));
     LODE_CHECK(finish_coarse(writer));
     report_.metadata = {field_.info, summarize()};
     report_.bytes_read = reader_.n_bytes();
     writer.set_metadata(encode_metadata(report_.metadata));
     LODE_TRY(report_.file_bytes, writer.finish(progress_));
+    if (log_) log_->remove();
     return std::move(report_);
   }
 
@@ -141,16 +146,23 @@ class StreamBuild {
                 size_of(field_.info.type), settings_.memory_limit / 1'000'000);
   }
 
+  void add_to_checksum(std::span<const std::byte> values) {
+    if (settings_.unfinished == Unfinished::nothing) return;
+    const std::array<std::uint64_t, 2> sums{samples_checksum_, store::checksum(values)};
+    samples_checksum_ = store::checksum(std::as_bytes(std::span(sums)));
+  }
+
   Result<void> scan() {
     const auto start = Clock::now();
     FieldScan<D> scan(field_.info);
     const std::int32_t n = field_.shape.dims[as_size(D - 1)];
     LODE_CHECK(reader_.read({{}, field_.shape.dims}, progress_,
-                            [&](const LatticeBox<D>& box, const std::byte* values) {
+                            [&](const LatticeBox<D>& box, std::span<const std::byte> values) {
                               const std::int32_t begin = box.lower[as_size(D - 1)];
                               const std::int32_t end = box.upper[as_size(D - 1)];
-                              scan.put(begin, end, values, settings_.threads);
-                              field_.put_samples(box, values);
+                              scan.put(begin, end, values.data(), settings_.threads);
+                              field_.put_samples(box, values.data());
+                              add_to_checksum(values);
                               progress_.report("reading", static_cast<double>(end) / n);
                             }));
     field_.stats = scan.stats();
@@ -158,40 +170,60 @@ class StreamBuild {
     return check_magnitude(field_.stats);
   }
 
-  Result<void> build_parts(std::int32_t chunks_per_part, store::Writer& writer) {
+  /// The file, with what an earlier build has done.
+  Result<store::Writer> open(const std::string& path) {
+    const bool is_one_part = n_points<D>(chunk_dims()) <= as_size(chunks_per_part_);
+    if (settings_.unfinished == Unfinished::nothing || is_one_part)
+      return store::Writer::create(path, model_name<D>(), {});
+    store::ByteWriter head;
+    head.write_string(model_name<D>());
+    head.write_bytes(encode_metadata({field_.info, {field_.stats, 0, {}}}));
+    head.write(samples_checksum_);
+    if (settings_.unfinished == Unfinished::resume) {
+      LODE_TRY(auto log, PartLog<D>::resume(path, head.bytes(), field_, done_));
+      log_.emplace(std::move(log));
+      if (done_.n_chunks > 0) builder_.set_largest_errors(done_.largest_errors);
+    } else {
+      LODE_TRY(auto log, PartLog<D>::create(path, head.bytes()));
+      log_.emplace(std::move(log));
+    }
+    return store::Writer::open_part(path, model_name<D>(), done_.blocks);
+  }
+
+  /// The chunks from the next one on, in its row.
+  Result<void> build_next_part(store::Writer& writer) {
     const Index<D> n = chunk_dims();
-    Index<D> rows = n;
-    rows[0] = 1;
-    const double n_samples = static_cast<double>(field_.info.grid.n_samples());
-    for (std::size_t row = 0; row < n_points<D>(rows); ++row)
-      for (std::int32_t x = 0; x < n[0]; x += chunks_per_part) {
-        LatticeBox<D> chunks{point_of<D>(rows, row), {}};
-        chunks.upper = chunks.lower + all_equal<D>(1);
-        chunks.lower[0] = x;
-        chunks.upper[0] = std::min(x + chunks_per_part, n[0]);
-        const LatticeBox<D> core = samples_of_chunks<D>(field_.shape, chunks);
-        LODE_CHECK(build_part(chunks, writer));
-        n_done_ += static_cast<double>(n_points<D>(core.upper - core.lower));
-        progress_.report("building", n_done_ / n_samples);
-      }
+    LatticeBox<D> chunks{point_of<D>(n, done_.n_chunks), {}};
+    chunks.upper = chunks.lower + all_equal<D>(1);
+    chunks.upper[0] = std::min(chunks.lower[0] + chunks_per_part_, n[0]);
+    const PartPlan<D> plan = PartPlan<D>::of(field_.shape, chunks);
+    LODE_CHECK(build_part(plan, writer));
+    done_.n_chunks += as_size(chunks.upper[0] - chunks.lower[0]);
+    if (log_) {
+      LODE_CHECK(writer.sync());
+      done_.blocks.assign(writer.blocks().begin(), writer.blocks().end());
+      done_.largest_errors = builder_.largest_errors();
+      LODE_CHECK(log_->add(plan, field_, done_));
+    }
+    progress_.report("building",
+                     static_cast<double>(done_.n_chunks) / static_cast<double>(n_points<D>(n)));
     return {};
   }
 
-  Result<void> build_part(const LatticeBox<D>& chunks, store::Writer& writer) {
-    const PartPlan<D> plan = PartPlan<D>::of(field_.shape, chunks);
+  Result<void> build_part(const PartPlan<D>& plan, store::Writer& writer) {
     auto start = Clock::now();
     builder_.begin(plan);
     LODE_CHECK(reader_.read(plan.samples, progress_,
-                            [&](const LatticeBox<D>& box, const std::byte* values) {
-                              builder_.put_samples(box, values);
+                            [&](const LatticeBox<D>& box, std::span<const std::byte> values) {
+                              builder_.put_samples(box, values.data());
                             }));
     report_.read_seconds += seconds_since(start);
     start = Clock::now();
     LODE_CHECK(builder_.find_attributes(progress_, [] {}));
     report_.build_seconds += seconds_since(start);
     start = Clock::now();
-    Index<D> chunk = chunks.lower;
-    for (; chunk[0] < chunks.upper[0]; ++chunk[0])
+    Index<D> chunk = plan.chunks.lower;
+    for (; chunk[0] < plan.chunks.upper[0]; ++chunk[0])
       LODE_CHECK(builder_.append_chunk(chunk, writer, progress_));
     report_.write_seconds += seconds_since(start);
     ++report_.n_parts;
@@ -231,8 +263,11 @@ class StreamBuild {
   BoxReader<D> reader_;
   CoarseField<D> field_;
   PartBuilder<D> builder_;
+  std::optional<PartLog<D>> log_;
+  std::int32_t chunks_per_part_ = 1;
+  std::uint64_t samples_checksum_ = 0;  ///< Of slabs, chained.
+  PartsDone done_;
   StreamReport report_;
-  double n_done_ = 0;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "lode/core/atomic_file.h"
 #include "lode/core/progress.h"
 #include "lode/models/diamond/coarse_field.h"
 #include "lode/models/diamond/persist.h"
@@ -13,6 +14,7 @@ struct StreamSettings {
   /// Bytes that the build may take; 0: as it likes. The least is about a chunk and n / 40 for n
   /// samples.
   std::uint64_t memory_limit = 0;
+  Unfinished unfinished = Unfinished::nothing;
   std::int32_t chunks_per_part = 0;  ///< Side by side in x; 0: as many as the limit allows.
 };
 
@@ -20,8 +22,9 @@ struct StreamSettings {
 struct StreamReport {
   Metadata metadata;
   std::uint64_t file_bytes = 0;
-  std::uint64_t bytes_read = 0;  ///< Samples asked of the source, in its type.
-  std::uint64_t n_parts = 0;
+  std::uint64_t bytes_read = 0;        ///< Samples asked of the source, in its type.
+  std::uint64_t n_parts = 0;           ///< That were built,
+  std::uint64_t n_chunks_resumed = 0;  ///< after so many chunks that were there.
   double scan_seconds = 0;   ///< First time through the source: range, holes, coarse samples.
   double read_seconds = 0;   ///< Second time,
   double build_seconds = 0;  ///< errors and ranges,
