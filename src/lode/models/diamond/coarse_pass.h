@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "lode/models/diamond/cube_plan.h"
 #include "lode/models/diamond/interpolant_kernel.h"
@@ -25,6 +27,31 @@ class CoarsePass {
   }
 
   [[nodiscard]] int n_levels() const { return field_.shape.n_levels; }
+
+  /// Whether samples from `low` to `high` in a cube of the hierarchy, no larger than the level's,
+  /// may raise an error of the level above what is known by now. Without holes.
+  [[nodiscard]] bool can_raise(int level, const CanonicalCube<D>& cube, C low, C high) {
+    const CanonicalCube<D> coarse = coarse_cube(cube, level);
+    find_vertices(coarse);
+    for (int tier = 0; tier < D; ++tier) {
+      std::array<C, power(2, D)> corners;
+      for (std::size_t corner = 0; corner < corners.size(); ++corner)
+        corners[corner] = corner_value(coarse, cube, corner, tier);
+      for (const KuhnSimplex<D>& simplex : CubePlan<D>::instance().kuhn) {
+        C bound = 0;
+        for (const std::uint16_t corner : simplex.corner)
+          bound = std::max({bound, high - corners[corner], corners[corner] - low});
+        const auto place = place_of(level, coarse, cube, simplex.simplex, tier);
+        if (!place) continue;
+        // Twice the slack: values between the corners are rounded too.
+        const ErrorCode error =
+            encode_error(float_up(static_cast<double>(bound) + slack_ + slack_));
+        std::atomic_ref<ErrorCode> known(own_[as_size(level)][*place]);
+        if (error > known.load(std::memory_order_relaxed)) return true;
+      }
+    }
+    return false;
+  }
 
   /// `cubes`: one per lane, on the field's lattice; those not used are ignored.
   void run(int level, const std::array<CanonicalCube<D>, kLanes>& cubes,
@@ -56,20 +83,23 @@ class CoarsePass {
   void find_corners(const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
                     std::size_t lane) {
     find_vertices(coarse);
-    const std::int32_t half = coarse.side / 2;
-    for (std::size_t corner = 0; corner < power(2, D); ++corner) {
-      Index<D> u;
-      for (std::size_t i = 0; i < as_size(D); ++i)
-        u[i] = (corner >> i & 1U) != 0 ? kPlanEdge<D> : 0;
-      u = coarse.local(cube.global(u));
+    for (std::size_t corner = 0; corner < power(2, D); ++corner)
       for (int tier = 0; tier < D; ++tier)
-        corners_[as_size(tier)][corner * kLanes + lane] =
-            static_cast<C>(interpolant_at<D>(u, coarse.side, tier, [&](const Index<D>& v) {
-              std::size_t at = 0;
-              for (std::size_t i = as_size(D); i-- > 0;) at = at * 3 + as_size(v[i] / half);
-              return vertices_[at];
-            }));
-    }
+        corners_[as_size(tier)][corner * kLanes + lane] = corner_value(coarse, cube, corner, tier);
+  }
+
+  /// F' of a tier at a cube's corner (bit i: at the far end of axis i); vertices_ are of `coarse`.
+  [[nodiscard]] C corner_value(const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
+                               std::size_t corner, int tier) const {
+    Index<D> u;
+    for (std::size_t i = 0; i < as_size(D); ++i) u[i] = (corner >> i & 1U) != 0 ? cube.side : 0;
+    u = coarse.local(cube.global(u));
+    const std::int32_t half = coarse.side / 2;
+    return static_cast<C>(interpolant_at<D>(u, coarse.side, tier, [&](const Index<D>& v) {
+      std::size_t at = 0;
+      for (std::size_t i = as_size(D); i-- > 0;) at = at * 3 + as_size(v[i] / half);
+      return vertices_[at];
+    }));
   }
 
   /// The samples at the coarse cube's vertices; kept from call to call, as neighbours share it.
@@ -119,24 +149,32 @@ class CoarsePass {
     return largest;
   }
 
-  /// A Kuhn simplex lies in one coarser node of each tier: the one round its centroid.
+  /// A Kuhn simplex of a cube, given as that of a plan's, lies in one node of a coarser level and
+  /// tier: the one round its centroid. Where that is among the level's; none where it is beyond the
+  /// data.
+  [[nodiscard]] std::optional<std::size_t> place_of(int level, const CanonicalCube<D>& coarse,
+                                                    const CanonicalCube<D>& cube,
+                                                    const Simplex<D>& simplex, int tier) const {
+    const Index<D> dims = field_.shape.grid_dims(level);
+    const std::int32_t scale = cube.side / kPlanEdge<D>;
+    Index<D> sum;  // (D+1) · centroid
+    for (const Index<D>& v : simplex.v) sum = sum + coarse.local(cube.global(v * scale));
+    Index<D> node = node_round<D>(sum, coarse.side * (D + 1), tier);
+    for (std::size_t i = 0; i < as_size(D); ++i) node[i] /= D + 1;
+    Index<D> q = coarse.global(node);
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      q[i] >>= level;
+      if (q[i] >= dims[i]) return {};
+    }
+    return linear_index<D>(dims, q);
+  }
+
   void put_errors(int level, const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
                   const Simplex<D>& simplex, std::size_t at) {
-    const Index<D> dims = field_.shape.grid_dims(level);
-    Index<D> sum;  // (D+1) · centroid
-    for (const Index<D>& v : simplex.v) sum = sum + coarse.local(cube.global(v));
     for (int tier = 0; tier < D; ++tier) {
       const C error = errors_[as_size(tier)][at];
-      Index<D> node = node_round<D>(sum, coarse.side * (D + 1), tier);
-      for (std::size_t i = 0; i < as_size(D); ++i) node[i] /= D + 1;
-      Index<D> q = coarse.global(node);
-      bool exists = true;
-      for (std::size_t i = 0; i < as_size(D); ++i) {
-        q[i] >>= level;
-        exists = exists && q[i] < dims[i];
-      }
-      if (exists)
-        raise_to(own_[as_size(level)][linear_index<D>(dims, q)],
+      if (const auto place = place_of(level, coarse, cube, simplex, tier))
+        raise_to(own_[as_size(level)][*place],
                  encode_error(float_up(static_cast<double>(error) + slack_)));
     }
   }

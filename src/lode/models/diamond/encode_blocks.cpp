@@ -32,17 +32,26 @@ T* copy_samples(const Model<D>& model, const Index<D>& p, std::int32_t n, std::i
     local[a] -= brick[a] * kBrickEdge<D>;
   }
   local[0] = 0;
-  const T* from = nullptr;
-  std::int32_t begin = 0;  // the brick's first x
-  for (std::int32_t i = 0; i < n; ++i) {
-    const std::int32_t x = std::min(p[0] + i * step, model.shape.dims[0] - 1);
-    if (from == nullptr || x > begin + kBrickEdge<D>) {
-      brick[0] = std::min(x / kBrickEdge<D>, model.brick_dims[0] - 1);
-      begin = brick[0] * kBrickEdge<D>;
-      from = reinterpret_cast<const T*>(model.brick(linear_index<D>(model.brick_dims, brick))) +
-             model.brick_offset(local);
-    }
-    *to++ = from[x - begin];
+  const std::int32_t last = model.shape.dims[0] - 1;
+  std::int32_t x = p[0];
+  while (n > 0) {
+    // What lies in one brick; beyond the data its last sample again and again.
+    brick[0] = std::min(std::min(x, last) / kBrickEdge<D>, model.brick_dims[0] - 1);
+    const std::int32_t begin = brick[0] * kBrickEdge<D>;
+    const T* from =
+        reinterpret_cast<const T*>(model.brick(linear_index<D>(model.brick_dims, brick))) +
+        model.brick_offset(local);
+    const std::int32_t end = std::min(begin + kBrickEdge<D>, last);
+    const std::int32_t n_here = x <= end ? std::min(n, (end - x) / step + 1) : n;
+    if (x > end)
+      std::fill_n(to, n_here, from[last - begin]);
+    else if (step == 1)
+      std::copy_n(from + (x - begin), n_here, to);
+    else
+      for (std::int32_t i = 0; i < n_here; ++i) to[i] = from[x - begin + i * step];
+    x += n_here * step;
+    n -= n_here;
+    to += n_here;
   }
   return to;
 }

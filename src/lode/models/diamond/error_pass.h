@@ -44,20 +44,52 @@ class ErrorPass {
 
   void run_brick(const Index<D>& brick) {
     gather_values<D>(model_, brick, 1, values_.data());
-    if (leaf_) leaf_->run_brick(brick, values_.data());
+    range_of(values_.data(), power(as_size(kLeafEdge<D>), D), low_, high_);
+    const bool is_constant = low_ == high_ && !model_.has_holes() && is_whole(brick);
+    if (leaf_ && is_constant)
+      leaf_->run_constant_brick(brick, low_);
+    else if (leaf_)
+      leaf_->run_brick(brick, values_.data());
     if (own_.size() == 1) return;
+    find_levels(brick);
+    if (is_constant) {
+      brick_errors_.clear_to_zero();
+      brick_errors_.merge(model_.shape, brick, slack_, own_);
+      if (levels_.empty()) return;
+    }
     brick_errors_.clear();
     for (std::size_t batch = 0; batch < as_size(kPlansPerBrick<D>) / kLanes; ++batch) {
       if (!gather_lanes(brick, batch)) continue;
-      node_errors(batch);
+      if (!is_constant) node_errors(batch);
       if (!keep_core()) continue;
-      for (int level = kPlanLevel<D> + 1; level < coarse_.n_levels(); ++level)
-        coarse_.run(level, cubes_, is_used_, samples_, gaps_);
+      for (const int level : levels_) coarse_.run(level, cubes_, is_used_, samples_, gaps_);
     }
+    if (is_constant) return;
     brick_errors_.merge(model_.shape, brick, slack_, own_);
   }
 
  private:
+  /// Whether all of the brick is samples of the part.
+  [[nodiscard]] bool is_whole(const Index<D>& brick) const {
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      const std::int32_t lower = brick[i] * kBrickEdge<D>;
+      if (lower < part_.samples.lower[i] || lower + kBrickEdge<D> >= model_.shape.dims[i])
+        return false;
+    }
+    return true;
+  }
+
+  /// The coarse levels whose errors the brick's samples may raise.
+  void find_levels(const Index<D>& brick) {
+    levels_.clear();
+    const CanonicalCube<D> cube(brick * kBrickEdge<D> + part_.origin, kBrickEdge<D>);
+    for (int level = kPlanLevel<D> + 1; level < coarse_.n_levels(); ++level) {
+      const bool is_inside = std::int32_t{2} << level >= kBrickEdge<D>;
+      if (model_.has_holes() || !is_inside || coarse_.can_raise(level, cube, low_, high_))
+        levels_.push_back(level);
+    }
+  }
+
   static CanonicalCube<D> cube_of(const Index<D>& brick, std::size_t number) {
     const Index<D> per_edge = all_equal<D>(kBrickEdge<D> / kPlanEdge<D>);
     return CanonicalCube<D>(brick * kBrickEdge<D> + point_of<D>(per_edge, number) * kPlanEdge<D>,
@@ -212,7 +244,10 @@ class ErrorPass {
   BrickErrors<D, C> brick_errors_;
   std::array<CanonicalCube<D>, kLanes> cubes_;
   std::array<bool, kLanes> is_used_{};
-  std::vector<C> values_;  ///< The brick's samples with one layer round them.
+  C low_ = 0;  ///< Of values_, where it has no holes,
+  C high_ = 0;
+  std::vector<int> levels_;  ///< of coarse nodes that these can raise.
+  std::vector<C> values_;    ///< The brick's samples with one layer round them.
   AlignedVector<C> vertices_, masked_, scratch_, errors_;
   const C* samples_ = nullptr;  ///< vertices_, or masked_ where points lie beyond the data.
   Gaps gaps_ = Gaps::none;

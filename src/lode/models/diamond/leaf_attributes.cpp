@@ -221,6 +221,26 @@ void LeafPass<D, C>::run_brick(const Index<D>& brick, const C* values) {
   });
 }
 
+template <int D, typename C>
+void LeafPass<D, C>::run_constant_brick(const Index<D>& brick, C value) {
+  const RowEncoder<C> encoder{slack_, model_.range_reference()};
+  const ErrorCode error = encoder.error(C(0));
+  const float low = encoder.low(value);
+  const float high = encoder.high(value);
+  const Index<D> dims = model_.shape.attribute_dims(0);
+  const std::int32_t first = brick[0] * kLeafCubes<D>;
+  const auto n = static_cast<std::size_t>(std::clamp(dims[0] - first, 0, kLeafCubes<D>));
+  for_each_row<D>(kLeafCubes<D>, [&](const Index<D>& cube) {
+    const Index<D> global = brick * kLeafCubes<D> + cube;
+    for (std::size_t i = 1; i < as_size(D); ++i)
+      if (global[i] >= dims[i]) return;
+    const std::size_t at = linear_index<D>(dims, global);
+    std::fill_n(out_.error.begin() + static_cast<std::ptrdiff_t>(at), n, error);
+    std::fill_n(out_.low.begin() + static_cast<std::ptrdiff_t>(at), n, low);
+    std::fill_n(out_.high.begin() + static_cast<std::ptrdiff_t>(at), n, high);
+  });
+}
+
 template class LeafPass<2, float>;
 template class LeafPass<3, float>;
 template class LeafPass<2, double>;

@@ -30,6 +30,8 @@ class LeafPass {
   /// `values`: kLeafValues; the brick's samples with a margin of one layer (see gather_values;
   /// holes are NaN).
   void run_brick(const Index<D>& brick, const C* values);
+  /// The same where all of them are equal, and none is a hole.
+  void run_constant_brick(const Index<D>& brick, C value);
 
  private:
   const Model<D>& model_;

@@ -110,7 +110,33 @@ void extremes_round(const C* row, const RowStencil& stencil, std::size_t n, bool
     extremes_round_as<false>(row, stencil, n, low, high);
 }
 
+template <typename C>
+void range_of(const C* values, std::size_t n, C& low, C& high) {
+  const hn::ScalableTag<C> d;
+  const std::size_t step = hn::Lanes(d);
+  auto lows = hn::Set(d, values[0]);
+  auto highs = lows;
+  std::size_t i = 0;
+  for (; i + step <= n; i += step) {
+    const auto v = hn::LoadU(d, values + i);
+    lows = hn::Min(lows, v);
+    highs = hn::Max(highs, v);
+  }
+  low = hn::GetLane(hn::MinOfLanes(d, lows));
+  high = hn::GetLane(hn::MaxOfLanes(d, highs));
+  for (; i < n; ++i) {
+    low = values[i] < low ? values[i] : low;
+    high = values[i] > high ? values[i] : high;
+  }
+}
+
 // Highway exports functions, not templates.
+void range_of_float(const float* values, std::size_t n, float& low, float& high) {
+  range_of(values, n, low, high);
+}
+void range_of_double(const double* values, std::size_t n, double& low, double& high) {
+  range_of(values, n, low, high);
+}
 void midpoint_errors_float(const float* v, std::ptrdiff_t across, std::size_t n, float* error) {
   midpoint_errors(v, across, n, error);
 }
@@ -138,6 +164,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace lode::diamond {
 
+HWY_EXPORT(range_of_float);
+HWY_EXPORT(range_of_double);
 HWY_EXPORT(midpoint_errors_float);
 HWY_EXPORT(midpoint_errors_double);
 HWY_EXPORT(largest_of_float);
@@ -153,6 +181,12 @@ void midpoint_errors(const double* v, std::ptrdiff_t across, std::size_t n, doub
 }
 void largest_of(std::span<const float* const> rows, std::size_t n, float* largest) {
   HWY_DYNAMIC_DISPATCH(largest_of_float)(rows, n, largest);
+}
+void range_of(const float* values, std::size_t n, float& low, float& high) {
+  HWY_DYNAMIC_DISPATCH(range_of_float)(values, n, low, high);
+}
+void range_of(const double* values, std::size_t n, double& low, double& high) {
+  HWY_DYNAMIC_DISPATCH(range_of_double)(values, n, low, high);
 }
 void largest_of(std::span<const double* const> rows, std::size_t n, double* largest) {
   HWY_DYNAMIC_DISPATCH(largest_of_double)(rows, n, largest);

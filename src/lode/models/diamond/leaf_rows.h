@@ -23,6 +23,10 @@ void midpoint_errors(const double* v, std::ptrdiff_t across, std::size_t n, doub
 void largest_of(std::span<const float* const> rows, std::size_t n, float* largest);
 void largest_of(std::span<const double* const> rows, std::size_t n, double* largest);
 
+/// Smallest and largest of n > 0 numbers; NaN counts or not.
+void range_of(const float* values, std::size_t n, float& low, float& high);
+void range_of(const double* values, std::size_t n, double& low, double& high);
+
 /// Rows round a point's own: where they start, listed by how far they reach to both sides in x.
 using RowStencil = std::array<std::vector<std::ptrdiff_t>, 3>;
 

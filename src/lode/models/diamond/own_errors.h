@@ -50,6 +50,12 @@ class BrickErrors {
 
   void clear() { errors_.assign(first_of(kPlanLevel<D> + 1), kUnseen); }
 
+  /// As after errors of 0 of all nodes.
+  void clear_to_zero() {
+    static const std::vector<C> kZeros = zeros();
+    errors_ = kZeros;
+  }
+
   void raise(std::uint16_t place, C error) {
     C& own = errors_[place];
     own = error > own ? error : own;
@@ -71,6 +77,19 @@ class BrickErrors {
     std::size_t first = 0;
     for (int l = 1; l < level; ++l) first += power(as_size(edge(l)), D);
     return first;
+  }
+
+  static std::vector<C> zeros() {
+    std::vector<C> result(first_of(kPlanLevel<D> + 1), kUnseen);
+    for (int level = 1; level <= kPlanLevel<D>; ++level) {
+      const Index<D> dims = all_equal<D>(edge(level));
+      for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
+        std::int32_t odd = 0;
+        for (const std::int32_t x : point_of<D>(dims, i).v) odd |= x & 1;
+        if (odd != 0) result[first_of(level) + i] = 0;
+      }
+    }
+    return result;
   }
 
   void merge_level(int level, const Index<D>& dims, const Index<D>& brick, double slack,
