@@ -40,18 +40,18 @@ void expect_same_file(const Volume& volume, const StreamSettings& settings) {
   expect_same_blocks(path.str(), expected.str());
 }
 
-struct Case {
+struct BuildCase {
   Index3 dims;
   ScalarType type = ScalarType::uint8;
   Holes holes = Holes::none;
 
-  friend void PrintTo(const Case& c, std::ostream* out) {
+  friend void PrintTo(const BuildCase& c, std::ostream* out) {
     *out << fmt::format("{} x {} x {} {}{}", c.dims[0], c.dims[1], c.dims[2], name_of(c.type),
                         c.holes == Holes::some ? " with holes" : "");
   }
 };
 
-class stream_build : public ::testing::TestWithParam<Case> {};
+class stream_build : public ::testing::TestWithParam<BuildCase> {};
 
 TEST_P(stream_build, gives_the_bytes_of_a_build_in_memory) {
   const Volume volume = test::random_samples(GetParam().dims, GetParam().type, GetParam().holes);
@@ -65,15 +65,18 @@ TEST_P(stream_build, gives_the_bytes_of_a_build_in_memory) {
 
 INSTANTIATE_TEST_SUITE_P(
     cases, stream_build,
-    ::testing::Values(Case{{{1, 1, 1}}}, Case{{{2, 2, 2}}}, Case{{{3, 2, 5}}}, Case{{{9, 9, 9}}},
-                      Case{{{10, 9, 9}}}, Case{{{17, 33, 20}}, ScalarType::float32},
-                      Case{{{65, 30, 41}}, ScalarType::int16, Holes::some},
-                      Case{{{5, 4, 3}}, ScalarType::float64, Holes::some}, Case{{{257, 20, 18}}},
-                      Case{{{258, 20, 18}}}, Case{{{20, 259, 18}}, ScalarType::uint16, Holes::some},
-                      Case{{{20, 18, 530}}, ScalarType::float32, Holes::some},
-                      Case{{{300, 280, 270}}}, Case{{{40, 300, 270}}, ScalarType::float32},
-                      Case{{{2060, 70, 1}}, ScalarType::float32, Holes::some},
-                      Case{{{70, 1, 2100}}, ScalarType::uint8}));
+    ::testing::Values(BuildCase{{{1, 1, 1}}}, BuildCase{{{2, 2, 2}}}, BuildCase{{{3, 2, 5}}},
+                      BuildCase{{{9, 9, 9}}}, BuildCase{{{10, 9, 9}}},
+                      BuildCase{{{17, 33, 20}}, ScalarType::float32},
+                      BuildCase{{{65, 30, 41}}, ScalarType::int16, Holes::some},
+                      BuildCase{{{5, 4, 3}}, ScalarType::float64, Holes::some},
+                      BuildCase{{{257, 20, 18}}}, BuildCase{{{258, 20, 18}}},
+                      BuildCase{{{20, 259, 18}}, ScalarType::uint16, Holes::some},
+                      BuildCase{{{20, 18, 530}}, ScalarType::float32, Holes::some},
+                      BuildCase{{{300, 280, 270}}},
+                      BuildCase{{{40, 300, 270}}, ScalarType::float32},
+                      BuildCase{{{2060, 70, 1}}, ScalarType::float32, Holes::some},
+                      BuildCase{{{70, 1, 2100}}, ScalarType::uint8}));
 
 }  // namespace
 }  // namespace lode::diamond

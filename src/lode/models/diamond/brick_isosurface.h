@@ -20,12 +20,15 @@ class BrickIsosurface {
         is_mirrored_(frame.is_mirrored),
         vertices_(power(kEdge, D), kNone) {}
 
-  /// What follows lies in the traversal's open brick and goes to `part`.
-  void open(const BrickTraversal<D>& traversal, const AxisMap<D>& axes, IsoPart<D>& part) {
+  /// What follows lies in the traversal's open brick and goes to `part`; `origin` is where the
+  /// traversal's lattice begins in the part's.
+  void open(const BrickTraversal<D>& traversal, const AxisMap<D>& axes, const Index<D>& origin,
+            IsoPart<D>& part) {
     for (const std::uint32_t at : used_) vertices_[at] = kNone;
     used_.clear();
     traversal_ = &traversal;
     axes_ = axes;
+    origin_ = origin;
     part_ = &part;
   }
 
@@ -55,7 +58,7 @@ class BrickIsosurface {
   }
 
   [[nodiscard]] LatticeKey key_of(const BrickPoint& p) const {
-    return to_key(axes_.to_grid(traversal_->global(p.packed)));
+    return to_key(axes_.to_grid(traversal_->global(p.packed) + origin_));
   }
 
   double isovalue_;
@@ -65,6 +68,7 @@ class BrickIsosurface {
   std::vector<std::uint32_t> used_;      ///< Their entries that are not kNone.
   const BrickTraversal<D>* traversal_ = nullptr;
   AxisMap<D> axes_;
+  Index<D> origin_;
   IsoPart<D>* part_ = nullptr;
 };
 

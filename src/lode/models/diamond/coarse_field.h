@@ -23,6 +23,11 @@ struct CoarseField : LatticeField<D, CoarseField<D>> {
   /// Takes those of a box of the field's samples (storage type, x fastest) that it keeps.
   void put_samples(const LatticeBox<D>& box, const std::byte* values);
 
+  /// See NearSamples: there is no short way to any.
+  template <typename Near>
+  void find_near(Near& /*near*/, const Index<D>& /*centre*/, std::int32_t /*reach*/,
+                 int /*level*/) const {}
+
   /// Nested error of the root; 0 when there are no cells.
   [[nodiscard]] double base_error() const;
 

@@ -168,8 +168,7 @@ void Model<D>::reset(const VolumeInfo& volume) {
       stride *= as_size(dims[i]);
     }
   }
-  for (std::size_t i = 0; i < as_size(D); ++i)
-    brick_dims[i] = std::max(1, (shape.dims[i] + kBrickEdge<D> - 2) / kBrickEdge<D>);
+  brick_dims = brick_counts<D>(shape);
   resize_anew(samples, n_bricks() * kBrickSize<D> * sample_size());
   brick_holes.assign(n_bricks(), 0);
 }
@@ -281,11 +280,13 @@ void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin
   visit_storage_type(model.storage, [&]<typename T>() {
     const T* samples = reinterpret_cast<const T*>(model.samples.data());
     for_each_row<D>(lower, upper, [&](const Index<D>& p) {
-      // The row lies in this brick or in one beside it in x; beyond those, its end repeats.
+      // The row lies in this brick, or, with a margin, in one beside it; beyond those in x, its end
+      // repeats. Who asks without a margin may have no other brick.
       Index<D> at = model.clamped(base + p);
       Index<D> brick = b;
       for (std::size_t i = 1; i < as_size(D); ++i) {
-        brick[i] = std::min(at[i] / kBrickEdge<D>, model.brick_dims[i] - 1);
+        if (at[i] < base[i] || at[i] > base[i] + kBrickEdge<D>)
+          brick[i] = std::min(at[i] / kBrickEdge<D>, model.brick_dims[i] - 1);
         at[i] -= brick[i] * kBrickEdge<D>;
       }
       at[0] = 0;

@@ -29,6 +29,15 @@ inline constexpr std::size_t kBrickSize =
 /// Longest axis, in samples: doubled lattice coordinates must fit in 21 bits.
 inline constexpr std::int32_t kMaxSamplesPerAxis = (1 << 19) + 1;
 
+/// Bricks per axis of a field's samples, >= 1.
+template <int D>
+[[nodiscard]] Index<D> brick_counts(const Shape<D>& shape) {
+  Index<D> n;
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    n[i] = std::max(1, (shape.dims[i] + kBrickEdge<D> - 2) / kBrickEdge<D>);
+  return n;
+}
+
 /// The nested attributes of one level's nodes, on the level's grid (Shape::grid_dims); for level
 /// 0 only of its tier-0 nodes, one per cube of side 2. Entries that are no node of the level are
 /// unused.

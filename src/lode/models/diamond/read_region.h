@@ -7,14 +7,12 @@
 
 namespace lode::diamond {
 
-/// The bytes of a region's block, as many as its points take; none where it has no points. Fails
-/// where the file has no such block, or one of another size.
+/// Where in the file a region's block is. Fails where the file has none, or one of another size
+/// than its points take, of which there are some.
 template <int D>
-[[nodiscard]] Result<std::vector<std::byte>> read_region(const store::Reader& reader,
-                                                         const Region<D>& region, Kind kind,
-                                                         std::size_t element_size) {
+[[nodiscard]] Result<std::size_t> find_region(const store::Reader& reader, const Region<D>& region,
+                                              Kind kind, std::size_t element_size) {
   const std::size_t n_bytes = count_points(region) * element_size;
-  if (n_bytes == 0) return std::vector<std::byte>();
   const store::BlockKey key = key_of(kind, region);
   const auto at = reader.find(key);
   if (!at) return fail("{}: expected {}, but the file has none", reader.path(), describe(key));
@@ -22,7 +20,18 @@ template <int D>
   if (n_found != n_bytes)
     return fail("{}: {}: expected {} bytes, got {}", reader.path(), describe(key), n_bytes,
                 n_found);
-  return reader.read_block(*at);
+  return *at;
+}
+
+/// The bytes of a region's block, as many as its points take; none where it has no points. Fails
+/// where the file has no such block, or one of another size.
+template <int D>
+[[nodiscard]] Result<std::vector<std::byte>> read_region(const store::Reader& reader,
+                                                         const Region<D>& region, Kind kind,
+                                                         std::size_t element_size) {
+  if (count_points(region) == 0) return std::vector<std::byte>();
+  LODE_TRY(const std::size_t at, find_region<D>(reader, region, kind, element_size));
+  return reader.read_block(at);
 }
 
 }  // namespace lode::diamond

@@ -2,8 +2,8 @@
 
 namespace lode::diamond {
 
-template <int D>
-Selection<D>::Selection(const Model<D>& model, double isovalue, double tolerance)
+template <int D, typename Field>
+Selection<D, Field>::Selection(const Field& model, double isovalue, double tolerance)
     : model_(model),
       isovalue_(isovalue),
       is_full_(tolerance == 0),
@@ -17,8 +17,8 @@ Selection<D>::Selection(const Model<D>& model, double isovalue, double tolerance
   }
 }
 
-template <int D>
-std::size_t Selection<D>::index_of(const Diamond<D>& d) const {
+template <int D, typename Field>
+std::size_t Selection<D, Field>::index_of(const Diamond<D>& d) const {
   const Shape<D>& shape = model_.shape;
   Index<D> q;
   if (d.level > 0) {
@@ -36,5 +36,7 @@ std::size_t Selection<D>::index_of(const Diamond<D>& d) const {
 
 template class Selection<2>;
 template class Selection<3>;
+template class Selection<2, CoarseField<2>>;
+template class Selection<3, CoarseField<3>>;
 
 }  // namespace lode::diamond

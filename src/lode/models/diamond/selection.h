@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lode/models/diamond/model.h"
+#include "lode/models/diamond/coarse_field.h"
 
 namespace lode::diamond {
 
@@ -8,11 +8,11 @@ namespace lode::diamond {
 /// exceeds the tolerance (tolerance 0: always), or it reaches across the border
 /// (Shape::reaches_across), and its nested range meets the isovalue. All of these are nested, so a
 /// refined node's parents are refined, and every simplex of a diamond gets the same answer: the
-/// mesh is conforming without looking at neighbours.
-template <int D>
+/// mesh is conforming without looking at neighbours. `Field` is a LatticeField with levels.
+template <int D, typename Field = Model<D>>
 class Selection {
  public:
-  Selection(const Model<D>& model, double isovalue, double tolerance);
+  Selection(const Field& model, double isovalue, double tolerance);
 
   [[nodiscard]] double isovalue() const { return isovalue_; }
 
@@ -37,10 +37,10 @@ class Selection {
   /// Where a stored node's attributes are.
   [[nodiscard]] std::size_t index_of(const Diamond<D>& d) const;
 
-  [[nodiscard]] const Model<D>& model() const { return model_; }
+  [[nodiscard]] const Field& model() const { return model_; }
 
  private:
-  const Model<D>& model_;
+  const Field& model_;
   double isovalue_;
   double relative_below_;  ///< isovalue above the range reference, rounded down,
   double relative_above_;  ///< and up.
@@ -50,5 +50,7 @@ class Selection {
 
 extern template class Selection<2>;
 extern template class Selection<3>;
+extern template class Selection<2, CoarseField<2>>;
+extern template class Selection<3, CoarseField<3>>;
 
 }  // namespace lode::diamond

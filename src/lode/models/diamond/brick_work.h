@@ -1,0 +1,204 @@
+#pragma once
+
+// What both ways of extracting an isosurface, from memory and from a file, begin with.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "lode/mappers/simplex_isosurface.h"
+#include "lode/mappers/stitch.h"
+#include "lode/models/diamond/brick_traversal.h"
+#include "lode/models/diamond/extract.h"
+#include "lode/models/diamond/selection.h"
+
+namespace lode::diamond {
+
+/// The number of the chunk that a brick lies in.
+template <int D>
+std::size_t chunk_of_brick(const Shape<D>& shape, const Index<D>& brick) {
+  const Index<D> n = chunk_counts<D>(shape);
+  Index<D> chunk;
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    chunk[i] = std::min(brick[i] / (kChunkEdge<D> / kBrickEdge<D>), n[i] - 1);
+  return linear_index<D>(n, chunk);
+}
+
+/// The part of the cut above brick size, and which brick-size simplices it was refined down to.
+template <int D>
+struct CoarseCut {
+  std::vector<ActiveSimplex<D>> leaves;
+  std::vector<std::pair<std::size_t, Simplex<D>>> brick_simplices;  ///< By chunk, then brick.
+  TraversalStats stats;
+};
+
+template <int D, typename Field>
+class CoarseTraversal {
+ public:
+  CoarseTraversal(const Selection<D, Field>& selection, CoarseCut<D>& out)
+      : selection_(selection), out_(out), brick_dims_(brick_counts<D>(selection.model().shape)) {}
+
+  void run() {
+    const std::int32_t root = selection_.model().shape.root_side();
+    for (const Simplex<D>& s : kuhn_simplices<D>({}, root)) visit(s);
+    const auto place = [this](std::size_t brick) {
+      return std::pair(chunk_of_brick<D>(selection_.model().shape, point_of<D>(brick_dims_, brick)),
+                       brick);
+    };
+    std::stable_sort(out_.brick_simplices.begin(), out_.brick_simplices.end(),
+                     [&](const auto& a, const auto& b) { return place(a.first) < place(b.first); });
+  }
+
+ private:
+  void visit(const Simplex<D>& s) {
+    const Field& model = selection_.model();
+    const LatticeBox<D> box = bounds_of(s);
+    if (!model.shape.overlaps_data(box)) return;
+    if (s.tag == D && box.edge(0) <= kBrickEdge<D>) {
+      Index<D> brick;
+      for (std::size_t i = 0; i < as_size(D); ++i) brick[i] = box.lower[i] / kBrickEdge<D>;
+      out_.brick_simplices.emplace_back(linear_index<D>(brick_dims_, brick), s);
+      return;
+    }
+    ++out_.stats.nodes_visited;
+    const Diamond<D> d = diamond_at<D>(s.bisection_point());
+    const std::size_t at = selection_.index_of(d);
+    if (!selection_.is_active(d.level, at)) return;
+    if (selection_.exceeds_tolerance(selection_.error(d.level, at)) ||
+        model.shape.reaches_across(d.centre, d.level)) {
+      for (const Simplex<D>& half : bisect(s)) visit(half);
+      return;
+    }
+    add_leaf(s, selection_.error(d.level, at));
+  }
+
+  void add_leaf(const Simplex<D>& s, ErrorCode error) {
+    const Field& model = selection_.model();
+    ActiveSimplex<D> leaf;
+    leaf.vertex = s.v;
+    int n_inside = 0;
+    for (std::size_t i = 0; i <= as_size(D); ++i) {
+      leaf.value[i] = model.value_or_nan(s.v[i]);
+      if (std::isnan(leaf.value[i])) return;
+      n_inside += leaf.value[i] >= selection_.isovalue() ? 1 : 0;
+    }
+    if (n_inside == 0 || n_inside == D + 1) return;
+    if (model.has_holes() && model.is_removed(s)) return;
+    out_.leaves.push_back(leaf);
+    out_.stats.achieved = std::max(out_.stats.achieved, error);
+  }
+
+  const Selection<D, Field>& selection_;
+  CoarseCut<D>& out_;
+  Index<D> brick_dims_;
+};
+
+template <int D>
+LatticeSimplex<D> to_lattice(const AxisMap<D>& axes,
+                             const std::array<Index<D>, as_size(D) + 1>& vertex,
+                             const std::array<double, as_size(D) + 1>& value) {
+  LatticeSimplex<D> s;
+  for (std::size_t i = 0; i <= as_size(D); ++i) s.vertex[i] = to_key(axes.to_grid(vertex[i]));
+  s.value = value;
+  return s;
+}
+
+/// Brick simplices as ranges, one per brick that has any.
+template <int D>
+struct BrickWork {
+  std::size_t brick, begin, end;
+};
+
+template <int D>
+std::vector<BrickWork<D>> work_of(const CoarseCut<D>& cut) {
+  std::vector<BrickWork<D>> work;
+  for (std::size_t i = 0; i < cut.brick_simplices.size(); ++i) {
+    if (work.empty() || work.back().brick != cut.brick_simplices[i].first)
+      work.push_back({cut.brick_simplices[i].first, i, i});
+    work.back().end = i + 1;
+  }
+  return work;
+}
+
+/// Whether a vertex on this edge may belong to a part other than the brick with lower corner
+/// `base`: its midpoint is on the brick's border, or the edge joins two of its corners.
+template <int D>
+bool is_on_brick_border(const AxisMap<D>& axes, const EdgePoint& point) {
+  const Index3 a = to_point(point.first);
+  const Index3 b = to_point(point.second);
+  bool joins_corners = true;
+  for (const int axis : axes.axis) {
+    const auto i = as_size(axis);
+    if ((a[i] + b[i]) % (2 * kBrickEdge<D>) == 0) return true;
+    joins_corners = joins_corners && a[i] % kBrickEdge<D> == 0 && b[i] % kBrickEdge<D> == 0;
+  }
+  return joins_corners;
+}
+
+/// Which part each brick has become: part i + 1 is that of work i, part 0 everything coarser.
+template <int D>
+class PartsOfBricks {
+ public:
+  PartsOfBricks() = default;
+  PartsOfBricks(const AxisMap<D>& axes, const Index<D>& brick_dims,
+                const std::vector<BrickWork<D>>& work)
+      : axes_(axes), brick_dims_(brick_dims), part_of_(n_points<D>(brick_dims), 0) {
+    for (std::size_t i = 0; i < work.size(); ++i)
+      part_of_[work[i].brick] = static_cast<std::uint32_t>(i + 1);
+  }
+
+  /// The parts whose closed region contains a doubled midpoint: the coarse one, and up to 2^D
+  /// bricks.
+  void candidates(LatticeKey key, std::vector<std::uint32_t>& out) const {
+    const Index3 doubled = to_point(key);
+    out.push_back(0);
+    for (int corner = 0; corner < (1 << D); ++corner) {
+      Index<D> brick;
+      bool exists = true;
+      for (int i = 0; i < D; ++i) {
+        const std::int32_t x = doubled[as_size(axes_.axis[as_size(i)])];
+        const bool lower = ((corner >> i) & 1) == 0;
+        brick[as_size(i)] = x / (2 * kBrickEdge<D>)-(lower ? 1 : 0);
+        exists = exists && (!lower || x % (2 * kBrickEdge<D>) == 0) && brick[as_size(i)] >= 0 &&
+                 brick[as_size(i)] < brick_dims_[as_size(i)];
+      }
+      if (!exists) continue;
+      const std::uint32_t part = part_of_[linear_index<D>(brick_dims_, brick)];
+      if (part != 0) out.push_back(part);
+    }
+    std::sort(out.begin(), out.end());
+  }
+
+ private:
+  AxisMap<D> axes_;
+  Index<D> brick_dims_;
+  std::vector<std::uint32_t> part_of_;  ///< 0: none.
+};
+
+/// What margin and rounding may add to |F - isovalue|. Margin: along its edge. Rounding: up to
+/// half a unit along each axis, where the field changes by at most twice the simplex's range a
+/// step.
+[[nodiscard]] inline double slack_of(const LatticeFrame& frame, double largest_step,
+                                     double largest_snap) {
+  return frame.margin * largest_snap + 4 * frame.rounding * largest_step;
+}
+
+/// All but the seconds.
+template <int D>
+IsosurfaceReport report_of(const std::vector<StitchPart<D>>& parts, const TraversalStats& stats,
+                           const LatticeFrame& frame) {
+  IsosurfaceReport report;
+  report.achieved_error = static_cast<double>(decode_error(stats.achieved));
+  report.nodes_visited = stats.nodes_visited;
+  double largest_step = 0;
+  double largest_snap = 0;
+  for (const StitchPart<D>& part : parts) {
+    largest_step = std::max(largest_step, part.part.largest_step);
+    largest_snap = std::max(largest_snap, part.part.largest_snap);
+  }
+  report.coordinate_slack = slack_of(frame, largest_step, largest_snap);
+  return report;
+}
+
+}  // namespace lode::diamond

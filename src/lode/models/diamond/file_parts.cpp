@@ -1,0 +1,362 @@
+#include "lode/models/diamond/file_parts.h"
+
+#include "lode/models/diamond/error_pass.h"
+#include "lode/models/diamond/read_region.h"
+
+namespace lode::diamond {
+namespace {
+
+/// Runs body(i) for all i, in parallel; the first of what fails.
+template <typename Body>
+Result<void> check_all(std::size_t n, Threads threads, const Body& body) {
+  std::vector<Error> errors(n);
+  parallel_for(n, threads, 1, [&](std::size_t i, int) {
+    if (auto done = body(i); !done) errors[i] = done.error();
+  });
+  for (const Error& error : errors)
+    if (!error.message.empty()) return error;
+  return {};
+}
+
+/// Calls put(place in a level's arrays, value) for a block's points.
+template <typename T, int D, typename Put>
+void for_each_value(const Region<D>& r, const Index<D>& dims, const std::byte* from,
+                    const Put& put) {
+  for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
+    const std::size_t first = linear_index<D>(dims, q);
+    for (std::size_t i = 0; i < as_size(n); ++i, from += sizeof(T)) {
+      T value;
+      std::memcpy(&value, from, sizeof(T));
+      put(first + i * as_size(stride), value);
+    }
+  });
+}
+
+/// Fails unless a level's nodes have errors and ranges; empty ranges become what memory has.
+Result<void> check_nodes(NodeLevel& nodes, const std::string& path) {
+  for (std::size_t i = 0; i < nodes.low.size(); ++i) {
+    if (nodes.error[i] > kInfiniteError || std::isnan(nodes.low[i]) || std::isnan(nodes.high[i]))
+      return fail("{}: attributes: expected an error and a range, got a code {} and {} to {}", path,
+                  nodes.error[i], nodes.low[i], nodes.high[i]);
+    if (nodes.low[i] > nodes.high[i]) {
+      nodes.low[i] = std::numeric_limits<float>::infinity();
+      nodes.high[i] = -std::numeric_limits<float>::infinity();
+    }
+  }
+  return {};
+}
+
+/// Samples of a level on the grid of level kKeptLevel.
+template <int D>
+Result<void> load_coarse_samples(const store::Reader& reader, const Region<D>& r,
+                                 CoarseField<D>& field) {
+  const std::size_t size = field.sample_size();
+  LODE_TRY(const auto bytes, read_region<D>(reader, r, Kind::samples, size));
+  const std::byte* from = bytes.data();
+  const int shift = r.level - kKeptLevel;
+  for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
+    for (std::int32_t i = 0; i < n; ++i, q[0] += stride, from += size) {
+      const Index<D> at = q * (1 << shift);
+      bool exists = true;  // coarser grids reach farther beyond the data
+      for (std::size_t a = 0; a < as_size(D); ++a) exists = exists && at[a] < field.dims[a];
+      if (exists)
+        std::memcpy(field.samples.data() + linear_index<D>(field.dims, at) * size, from, size);
+    }
+  });
+  return {};
+}
+
+template <int D>
+Result<void> load_coarse_nodes(const store::Reader& reader, const Region<D>& r,
+                               CoarseField<D>& field) {
+  NodeLevel& nodes = field.levels[as_size(r.level)];
+  const Index<D> dims = field.shape.grid_dims(r.level);
+  LODE_TRY(const auto errors, read_region<D>(reader, r, Kind::errors, sizeof(ErrorCode)));
+  for_each_value<ErrorCode>(r, dims, errors.data(),
+                            [&](std::size_t at, ErrorCode e) { nodes.error[at] = e; });
+  return visit_range_type(field.storage, [&]<typename R>() -> Result<void> {
+    LODE_TRY(const auto lows, read_region<D>(reader, r, Kind::lows, sizeof(R)));
+    LODE_TRY(const auto highs, read_region<D>(reader, r, Kind::highs, sizeof(R)));
+    for_each_value<R>(r, dims, lows.data(),
+                      [&](std::size_t at, R v) { nodes.low[at] = static_cast<float>(v); });
+    for_each_value<R>(r, dims, highs.data(),
+                      [&](std::size_t at, R v) { nodes.high[at] = static_cast<float>(v); });
+    return {};
+  });
+}
+
+}  // namespace
+
+template <int D>
+Result<CoarseField<D>> load_coarse(const store::Reader& reader, const Metadata& metadata,
+                                   Threads threads) {
+  auto field = CoarseField<D>::make(metadata.info);
+  field.stats = metadata.summary.stats;
+  if (!field.is_needed()) return field;
+  const std::vector<BlockGroup<D>> groups = coarse_blocks<D>(field.shape);
+  LODE_CHECK(check_all(groups.size(), threads, [&](std::size_t i) {
+    return groups[i].is_samples ? load_coarse_samples<D>(reader, groups[i].region, field)
+                                : load_coarse_nodes<D>(reader, groups[i].region, field);
+  }));
+  for (NodeLevel& nodes : field.levels) LODE_CHECK(check_nodes(nodes, reader.path()));
+  return field;
+}
+
+template <int D>
+void FilePart<D>::begin(const Index<D>& chunk) {
+  plan_ = PartPlan<D>::of(field_.shape, {chunk, chunk + all_equal<D>(1)});
+  // Bricks, also the last ones, know the end of the data from that of the part by levels that are
+  // no multiple of it: at a brick's distance none is left.
+  const LatticeBox<D> core = samples_of_chunks<D>(field_.shape, plan_.chunks);
+  VolumeInfo info = field_.info;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    plan_.samples.upper[i] = std::min(field_.shape.dims[i], core.upper[i] + kBrickEdge<D> + 1);
+    plan_.dims[i] = plan_.samples.upper[i] - plan_.part.origin[i];
+    info.grid.dims[as_size(field_.axes.axis[i])] = plan_.dims[i];
+  }
+  flat_.set_info(info);
+  flat_.stats = field_.stats;
+  flat_.samples.resize(n_points<D>(plan_.dims) * field_.sample_size());
+  model_.reset(info);
+  model_.stats = field_.stats;
+  model_.levels.resize(as_size(std::min(field_.shape.n_levels, kBrickLevel<D> + 1)));
+  for (std::size_t level = 0; level < model_.levels.size(); ++level) {
+    const std::size_t n = n_points<D>(model_.shape.attribute_dims(static_cast<int>(level)));
+    NodeLevel& nodes = model_.levels[level];
+    nodes.error.assign(n, 0);
+    nodes.low.assign(n, std::numeric_limits<float>::infinity());
+    nodes.high.assign(n, -std::numeric_limits<float>::infinity());
+  }
+}
+
+template <int D>
+void FilePart<D>::take_coarse() {
+  if (!field_.is_needed()) return;
+  const std::size_t size = field_.sample_size();
+  const Index<D> origin = plan_.part.origin;
+  Index<D> points;
+  for (std::size_t i = 0; i < as_size(D); ++i) points[i] = ((plan_.dims[i] - 1) >> kKeptLevel) + 1;
+  for (std::size_t n = 0; n < n_points<D>(points); ++n) {
+    const Index<D> q = point_of<D>(points, n);
+    Index<D> from = q;
+    for (std::size_t i = 0; i < as_size(D); ++i) from[i] += origin[i] >> kKeptLevel;
+    std::memcpy(flat_.samples.data() + linear_index<D>(plan_.dims, q * (1 << kKeptLevel)) * size,
+                field_.samples.data() + linear_index<D>(field_.dims, from) * size, size);
+  }
+  for (std::size_t level = as_size(kKeptLevel); level < model_.levels.size(); ++level) {
+    NodeLevel& to = model_.levels[level];
+    const NodeLevel& from = field_.levels[level];
+    const Index<D> here = model_.shape.grid_dims(static_cast<int>(level));
+    const Index<D> there = field_.shape.grid_dims(static_cast<int>(level));
+    for (std::size_t at = 0; at < to.error.size(); ++at) {
+      Index<D> q = point_of<D>(here, at);
+      bool exists = true;
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        q[i] += origin[i] >> level;
+        exists = exists && q[i] < there[i];
+      }
+      if (!exists) continue;
+      const std::size_t place = linear_index<D>(there, q);
+      to.error[at] = from.error[place];
+      to.low[at] = from.low[place];
+      to.high[at] = from.high[place];
+    }
+  }
+}
+
+/// The blocks of a level that have points in one of the bricks, or `margin` samples round it.
+template <int D>
+std::vector<Region<D>> FilePart<D>::regions_near(Kind kind, int level,
+                                                 std::span<const Index<D>> bricks,
+                                                 std::int32_t margin) const {
+  const bool is_samples = kind == Kind::samples;
+  const Index<D> dims =
+      is_samples ? sample_dims<D>(field_.shape, level) : field_.shape.grid_dims(level);
+  const Index<D> n = block_counts<D>(dims);
+  LatticeBox<D> all;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    const std::int32_t edge = kBlockEdge<D> << level;
+    all.lower[i] = std::min(plan_.samples.lower[i] / edge, n[i] - 1);
+    all.upper[i] = std::min(plan_.samples.upper[i] / edge, n[i] - 1) + 1;
+  }
+  std::vector<Region<D>> regions;
+  const Index<D> edges = all.upper - all.lower;
+  for (std::size_t i = 0; i < n_points<D>(edges); ++i) {
+    const Region<D> r = region_at<D>(dims, level, all.lower + point_of<D>(edges, i),
+                                     is_samples && level == field_.shape.n_levels - 1);
+    const auto is_near = [&](const Index<D>& brick) {
+      for (std::size_t a = 0; a < as_size(D); ++a) {
+        const std::int32_t lower = brick[a] * kBrickEdge<D> - margin;
+        if (((r.upper[a] - 1) << level) < lower ||
+            (r.lower[a] << level) > lower + kBrickEdge<D> + 2 * margin)
+          return false;
+      }
+      return true;
+    };
+    if (count_points(r) > 0 && std::any_of(bricks.begin(), bricks.end(), is_near))
+      regions.push_back(r);
+  }
+  return regions;
+}
+
+/// Calls put(place on the part's own level's grid, value) for the points of blocks that are near.
+template <int D>
+template <typename T, typename Put>
+Result<void> FilePart<D>::read_kind(Kind kind, int level, std::span<const Index<D>> bricks,
+                                    std::int32_t margin, const Put& put) {
+  const std::vector<Region<D>> regions = regions_near(kind, level, bricks, margin);
+  Index<D> origin = plan_.part.origin;
+  for (std::int32_t& x : origin.v) x >>= level;
+  return check_all(regions.size(), threads_, [&](std::size_t i) -> Result<void> {
+    const Region<D>& r = regions[i];
+    LODE_TRY(const std::size_t at, find_region<D>(blocks_.reader(), r, kind, sizeof(T)));
+    LODE_TRY(const auto bytes, blocks_.block(at));
+    const std::byte* from = bytes->data();
+    for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
+      q = q - origin;
+      put(q, n, stride, from);
+      from += as_size(n) * sizeof(T);
+    });
+    return {};
+  });
+}
+
+template <int D>
+Result<void> FilePart<D>::read_attributes(int level, std::span<const Index<D>> bricks) {
+  NodeLevel& nodes = model_.levels[as_size(level)];
+  const Index<D> dims = model_.shape.grid_dims(level);
+  const auto reads = [&]<typename T>(Kind kind, auto& array) {
+    return read_kind<T>(
+        kind, level, bricks, 0,
+        [&](const Index<D>& q, std::int32_t n, std::int32_t stride, const std::byte* from) {
+          for (std::size_t i = 1; i < as_size(D); ++i)
+            if (q[i] < 0 || q[i] >= dims[i]) return;
+          for (std::int32_t i = 0, x = q[0]; i < n; ++i, x += stride) {
+            if (x < 0 || x >= dims[0]) continue;
+            Index<D> at = q;
+            at[0] = x;
+            T value;
+            std::memcpy(&value, from + as_size(i) * sizeof(T), sizeof(T));
+            array[linear_index<D>(dims, at)] =
+                static_cast<typename std::remove_cvref_t<decltype(array)>::value_type>(value);
+          }
+        });
+  };
+  LODE_CHECK(reads.template operator()<ErrorCode>(Kind::errors, nodes.error));
+  const auto ranges = visit_range_type(field_.storage, [&]<typename R>() -> Result<void> {
+    LODE_CHECK(reads.template operator()<R>(Kind::lows, nodes.low));
+    return reads.template operator()<R>(Kind::highs, nodes.high);
+  });
+  if (!ranges) return ranges.error();
+  return check_nodes(nodes, blocks_.reader().path());
+}
+
+template <int D>
+Result<void> FilePart<D>::read_blocks(std::span<const Index<D>> bricks) {
+  const int coarsest = std::min(kChunkLevel, field_.shape.n_levels - 1);
+  for (int level = coarsest; level >= 0; --level) {
+    if (level > 0) LODE_CHECK(read_attributes(level, bricks));
+    LODE_CHECK(visit_storage_type(field_.storage, [&]<typename T>() {
+      return read_kind<T>(
+          Kind::samples, level, bricks, kMargin,
+          [&](const Index<D>& q, std::int32_t n, std::int32_t stride, const std::byte* from) {
+            Index<D> p = q;
+            for (std::int32_t& x : p.v) x *= 1 << level;
+            for (std::size_t i = 1; i < as_size(D); ++i)
+              if (p[i] < 0 || p[i] >= plan_.dims[i]) return;
+            std::byte* row = flat_.samples.data();
+            const std::int32_t step = stride << level;
+            for (std::int32_t i = 0; i < n; ++i, p[0] += step)
+              if (p[0] >= 0 && p[0] < plan_.dims[0])
+                std::memcpy(row + linear_index<D>(plan_.dims, p) * sizeof(T),
+                            from + as_size(i) * sizeof(T), sizeof(T));
+          });
+    }));
+  }
+  return {};
+}
+
+/// Copies a brick's samples out of the flat ones; beyond the data the nearest ones.
+template <int D>
+void FilePart<D>::fill_brick(const Index<D>& local) {
+  const std::size_t size = field_.sample_size();
+  const Index<D> base = local * kBrickEdge<D>;
+  Index<D> rows = all_equal<D>(kBrickSamples<D>);
+  rows[0] = 1;
+  std::byte* brick = model_.brick(linear_index<D>(model_.brick_dims, local));
+  const std::int32_t n = std::min(kBrickSamples<D>, plan_.dims[0] - base[0]);
+  for (std::size_t r = 0; r < n_points<D>(rows); ++r) {
+    const Index<D> row = point_of<D>(rows, r);
+    const Index<D> p = flat_.clamped(base + row);
+    std::byte* to = brick + model_.brick_offset(row) * size;
+    const std::byte* from = flat_.samples.data() + linear_index<D>(plan_.dims, p) * size;
+    std::memcpy(to, from, as_size(n) * size);
+    for (std::int32_t x = n; x < kBrickSamples<D>; ++x)
+      std::memcpy(to + as_size(x) * size, from + as_size(n - 1) * size, size);
+  }
+}
+
+/// A brick's samples with one layer round them, as gather_values() gives them.
+template <int D>
+template <typename C>
+void FilePart<D>::gather(const Index<D>& local, C* out) const {
+  const Index<D> base = local * kBrickEdge<D> - all_equal<D>(1);
+  Index<D> rows = all_equal<D>(kLeafEdge<D>);
+  rows[0] = 1;
+  visit_storage_type(field_.storage, [&]<typename T>() {
+    const T* samples = reinterpret_cast<const T*>(flat_.samples.data());
+    for (std::size_t r = 0; r < n_points<D>(rows); ++r) {
+      Index<D> p = flat_.clamped(base + point_of<D>(rows, r));
+      p[0] = 0;
+      const T* row = samples + linear_index<D>(plan_.dims, p);
+      for (std::int32_t x = 0; x < kLeafEdge<D>; ++x)
+        *out++ = static_cast<C>(row[std::clamp(base[0] + x, 0, plan_.dims[0] - 1)]);
+    }
+  });
+}
+
+template <int D>
+template <typename C>
+void FilePart<D>::find_leaf_attributes(std::span<const Index<D>> bricks) {
+  struct Worker {
+    LeafPass<D, C> pass;
+    std::vector<C> values;
+  };
+  std::vector<std::optional<Worker>> workers(as_size(n_workers(threads_)));
+  parallel_for(bricks.size(), threads_, 1, [&](std::size_t i, int number) {
+    std::optional<Worker>& worker = workers[as_size(number)];
+    if (!worker)
+      worker.emplace(Worker{{model_, rounding_slack<D>(model_), model_.levels[0]},
+                            std::vector<C>(kLeafValues<D>)});
+    Index<D> local = bricks[i];
+    for (std::size_t a = 0; a < as_size(D); ++a) local[a] -= plan_.part.origin[a] / kBrickEdge<D>;
+    gather(local, worker->values.data());
+    worker->pass.run_brick(local, worker->values.data());
+  });
+}
+
+template <int D>
+Result<void> FilePart<D>::load(const Index<D>& chunk, std::span<const Index<D>> fine,
+                               std::span<const Index<D>> coarse) {
+  begin(chunk);
+  take_coarse();
+  if (!fine.empty()) LODE_CHECK(read_blocks(fine));
+  for (const auto& bricks : {fine, coarse})
+    parallel_for(bricks.size(), threads_, 1, [&](std::size_t i, int) {
+      Index<D> local = bricks[i];
+      for (std::size_t a = 0; a < as_size(D); ++a) local[a] -= plan_.part.origin[a] / kBrickEdge<D>;
+      fill_brick(local);
+    });
+  if (is_exact_in_float<D>(field_))
+    find_leaf_attributes<float>(fine);
+  else
+    find_leaf_attributes<double>(fine);
+  return {};
+}
+
+template Result<CoarseField<2>> load_coarse<2>(const store::Reader&, const Metadata&, Threads);
+template Result<CoarseField<3>> load_coarse<3>(const store::Reader&, const Metadata&, Threads);
+template class FilePart<2>;
+template class FilePart<3>;
+
+}  // namespace lode::diamond

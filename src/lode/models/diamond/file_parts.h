@@ -1,0 +1,96 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lode/models/diamond/leaf_attributes.h"
+#include "lode/models/diamond/part_builder.h"
+#include "lode/models/diamond/persist.h"
+#include "lode/store/block_cache.h"
+
+namespace lode::diamond {
+
+/// Reads levels kKeptLevel and coarser of a file: n / 512 of its n samples, and their nodes. Fails
+/// as load() does on blocks that are missing or damaged, or hold what no node has.
+template <int D>
+[[nodiscard]] Result<CoarseField<D>> load_coarse(const store::Reader& reader,
+                                                 const Metadata& metadata, Threads threads);
+
+/// Samples of a box of a field, on a lattice of their own.
+template <int D>
+struct FlatField : LatticeField<D, FlatField<D>> {
+  std::vector<std::byte> samples;  ///< x fastest.
+
+  [[nodiscard]] double value(const Index<D>& p) const {
+    const std::size_t at = linear_index<D>(this->shape.dims, this->clamped(p));
+    return visit_storage_type(this->storage, [&]<typename T>() {
+      T sample;
+      std::memcpy(&sample, samples.data() + at * sizeof(T), sizeof(T));
+      return static_cast<double>(sample);
+    });
+  }
+  /// See NearSamples.
+  template <typename Near>
+  void find_near(Near& near, const Index<D>& centre, std::int32_t /*reach*/, int level) const {
+    std::array<std::ptrdiff_t, as_size(D)> steps{};
+    std::ptrdiff_t step = std::ptrdiff_t{1} << level;
+    for (std::size_t i = 0; i < as_size(D); ++i, step *= this->shape.dims[i - 1]) steps[i] = step;
+    using T = std::remove_cvref_t<decltype(near.at(centre))>;
+    near.found(
+        reinterpret_cast<const T*>(samples.data()) + linear_index<D>(this->shape.dims, centre),
+        steps);
+  }
+};
+
+/// A chunk of a file's field, without holes, with what extracting from some of its bricks takes.
+template <int D>
+class FilePart {
+ public:
+  /// Samples that normals at a brick's vertices need beyond it, from blocks of levels up to
+  /// kChunkLevel.
+  static constexpr std::int32_t kMargin = 1 << kChunkLevel;
+
+  FilePart(const CoarseField<D>& field, store::BlockCache& blocks, Threads threads)
+      : field_(field), blocks_(blocks), threads_(threads) {}
+
+  /// `fine`: bricks, numbered as those of the whole field, whose samples and nodes of all levels
+  /// are wanted; `coarse`: those of which levels from kKeptLevel on are enough.
+  [[nodiscard]] Result<void> load(const Index<D>& chunk, std::span<const Index<D>> fine,
+                                  std::span<const Index<D>> coarse);
+
+  /// Of its bricks those that were wanted are there.
+  [[nodiscard]] const Model<D>& model() const { return model_; }
+  /// Samples of the bricks that were wanted fine, and kMargin round them; on model()'s lattice.
+  [[nodiscard]] const FlatField<D>& samples() const { return flat_; }
+  /// Of the lattice in that of the field.
+  [[nodiscard]] const Index<D>& origin() const { return plan_.part.origin; }
+
+ private:
+  void begin(const Index<D>& chunk);
+  void take_coarse();
+  [[nodiscard]] Result<void> read_blocks(std::span<const Index<D>> bricks);
+  template <typename T, typename Put>
+  [[nodiscard]] Result<void> read_kind(Kind kind, int level, std::span<const Index<D>> bricks,
+                                       std::int32_t margin, const Put& put);
+  [[nodiscard]] std::vector<Region<D>> regions_near(Kind kind, int level,
+                                                    std::span<const Index<D>> bricks,
+                                                    std::int32_t margin) const;
+  [[nodiscard]] Result<void> read_attributes(int level, std::span<const Index<D>> bricks);
+  void fill_brick(const Index<D>& local);
+  template <typename C>
+  void find_leaf_attributes(std::span<const Index<D>> bricks);
+  template <typename C>
+  void gather(const Index<D>& local, C* out) const;
+
+  const CoarseField<D>& field_;
+  store::BlockCache& blocks_;
+  Threads threads_;
+  PartPlan<D> plan_;
+  FlatField<D> flat_;
+  Model<D> model_;
+};
+
+extern template class FilePart<2>;
+extern template class FilePart<3>;
+
+}  // namespace lode::diamond

@@ -1,0 +1,122 @@
+// Surfaces from a file, chunk by chunk, are those from memory.
+#include "lode/models/diamond/file_extract.h"
+
+#include "tests/models/stored_fixtures.h"
+
+namespace lode::diamond {
+namespace {
+
+using store::TestPath;
+
+/// Smooth with some noise: cuts have simplices of all sizes.
+Volume hilly(const Index3& dims, ScalarType type) {
+  RegularGrid grid;
+  grid.dims = dims;
+  grid.spacing = {{1, 0.5, 2}};
+  Volume volume = oracles::empty_volume(grid, type);
+  oracles::Random random(5);
+  visit_scalar_type(type, [&]<typename T>() {
+    auto samples = oracles::typed_samples<T>(volume);
+    std::size_t at = 0;
+    for (int z = 0; z < dims[2]; ++z)
+      for (int y = 0; y < dims[1]; ++y)
+        for (int x = 0; x < dims[0]; ++x)
+          samples[at++] = static_cast<T>(110 + 60 * std::sin(x * 0.04) * std::cos(y * 0.05) +
+                                         40 * std::sin(z * 0.03 + x * 0.01) +
+                                         (x > dims[0] / 2 ? double(random.below(8)) : 0.0));
+  });
+  return volume;
+}
+
+template <int D>
+void expect_same_surface(const Volume& volume, double tolerance, std::uint64_t cache_bytes) {
+  const TestPath path("volume.lode");
+  const Model<D> model = test::built<D>(volume);
+  test::save<D>(model, path.str());
+  const auto reader = store::Reader::open(path.str());
+  ASSERT_TRUE(reader);
+  const auto metadata = read_metadata(*reader);
+  ASSERT_TRUE(metadata);
+  const auto field = load_coarse<D>(*reader, *metadata, {2});
+  ASSERT_TRUE(field) << field.error().message;
+  store::BlockCache blocks(*reader, cache_bytes);
+  const IsosurfaceQuery query{
+      .isovalue = 120.3, .tolerance = tolerance, .threads = {2}, .with_normals = D == 3};
+  Surface expected;
+  Surface got;
+  Progress progress;
+  const auto wanted = extract_isosurface<D>(model, query, expected, progress);
+  const auto report = extract_from_file<D>(*field, blocks, query, got, progress);
+  ASSERT_TRUE(wanted && report) << (report ? "" : report.error().message);
+  ASSERT_FALSE(got.is_empty());
+  EXPECT_EQ(report->achieved_error, wanted->achieved_error);
+  EXPECT_EQ(report->nodes_visited, wanted->nodes_visited);
+  EXPECT_EQ(report->coordinate_slack, wanted->coordinate_slack);
+  EXPECT_TRUE(got.positions == expected.positions);
+  EXPECT_TRUE(got.triangles == expected.triangles);
+  EXPECT_TRUE(got.lines == expected.lines);
+  ASSERT_EQ(got.normals.size(), expected.normals.size());
+  std::size_t n_different = 0;
+  for (std::size_t i = 0; i < got.normals.size(); ++i)
+    n_different += got.normals[i] == expected.normals[i] ? 0 : 1;
+  EXPECT_EQ(n_different, 0U);
+}
+
+struct ExtractCase {
+  Index3 dims;
+  ScalarType type = ScalarType::uint8;
+  double tolerance = 0;
+
+  friend void PrintTo(const ExtractCase& c, std::ostream* out) {
+    *out << fmt::format("{} x {} x {} {} within {}", c.dims[0], c.dims[1], c.dims[2],
+                        name_of(c.type), c.tolerance);
+  }
+};
+
+class file_extract : public ::testing::TestWithParam<ExtractCase> {};
+
+TEST_P(file_extract, gives_the_surface_of_the_model_in_memory) {
+  const ExtractCase& c = GetParam();
+  const Volume volume = hilly(c.dims, c.type);
+  for (const std::uint64_t cache_bytes : {std::uint64_t{0}, std::uint64_t{64} << 20}) {
+    if (std::min({c.dims[0], c.dims[1], c.dims[2]}) == 1)
+      expect_same_surface<2>(volume, c.tolerance, cache_bytes);
+    else
+      expect_same_surface<3>(volume, c.tolerance, cache_bytes);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(cases, file_extract,
+                         ::testing::Values(ExtractCase{{{40, 45, 50}}, ScalarType::uint8, 2.5},
+                                           ExtractCase{{{257, 65, 129}}, ScalarType::uint8, 5},
+                                           ExtractCase{{{300, 280, 40}}, ScalarType::uint8, 1.5},
+                                           ExtractCase{{{290, 50, 270}}, ScalarType::float32, 12},
+                                           ExtractCase{{{60, 530, 40}}, ScalarType::int16, 0.25},
+                                           ExtractCase{{{7, 9, 260}}, ScalarType::float64, 1},
+                                           ExtractCase{{{2100, 500, 1}}, ScalarType::uint8, 3}));
+
+TEST(file_extract_blocks, that_the_surface_does_not_need_are_not_read) {
+  // A ball in a corner: most chunks have no surface.
+  const TestPath path("ball.lode");
+  RegularGrid grid;
+  grid.dims = {{300, 300, 300}};
+  const Volume volume = oracles::volume_of<std::uint8_t>(grid, [](const Index3& p) {
+    return 250.0 / (1.0 + 0.002 * (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]));
+  });
+  test::save<3>(test::built<3>(volume), path.str());
+  const auto reader = store::Reader::open(path.str());
+  ASSERT_TRUE(reader);
+  const auto metadata = read_metadata(*reader);
+  const auto field = load_coarse<3>(*reader, *metadata, {2});
+  ASSERT_TRUE(field);
+  store::BlockCache blocks(*reader, 0);
+  Surface surface;
+  Progress progress;
+  ASSERT_TRUE(extract_from_file<3>(
+      *field, blocks, {.isovalue = 100, .tolerance = 1, .threads = {2}}, surface, progress));
+  EXPECT_FALSE(surface.is_empty());
+  EXPECT_LT(blocks.n_blocks_read(), reader->blocks().size() / 4);
+}
+
+}  // namespace
+}  // namespace lode::diamond
