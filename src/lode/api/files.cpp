@@ -43,6 +43,7 @@ class WatchedSource final : public VolumeSource {
     has_failed_ = has_failed_ || !status;
     return status;
   }
+  [[nodiscard]] IoCounts io() const override { return source_.io(); }
   [[nodiscard]] bool has_failed() const { return has_failed_; }
 
  private:

@@ -24,6 +24,16 @@ struct VolumeInfo {
   friend bool operator==(const VolumeInfo&, const VolumeInfo&) = default;
 };
 
+/// Bytes that a source has moved so far. Spools are files without a name, in which a source keeps
+/// what it cannot decode twice.
+struct IoCounts {
+  std::uint64_t n_file_bytes_read = 0;  ///< Of foreign files: headers, samples, compressed bytes.
+  std::uint64_t n_spool_bytes_written = 0;
+  std::uint64_t n_spool_bytes_read = 0;
+
+  friend bool operator==(const IoCounts&, const IoCounts&) = default;
+};
+
 /// A scalar volume that hands out boxes of samples: the only way the build sees its input.
 /// read() may be called from one thread at a time, in any order; ascending z is fastest.
 class VolumeSource {
@@ -34,6 +44,9 @@ class VolumeSource {
   /// Fills `out` with the samples of `box` (inside the grid), native byte order, x fastest.
   /// `out` has box.n_samples() · size_of(type) bytes.
   [[nodiscard]] virtual Result<void> read(const IndexBox& box, std::span<std::byte> out) = 0;
+  /// What was moved since the source was opened, with the opening; nothing for samples in memory.
+  /// May be asked from any thread, also during a read.
+  [[nodiscard]] virtual IoCounts io() const { return {}; }
 };
 
 /// A volume whose samples are all in memory, x fastest, native byte order.

@@ -59,6 +59,7 @@ struct Image {
   std::string frame_note;
   RegularGrid grid;
   std::vector<ImageField> fields;
+  IoTallyPtr tally;  ///< Of its files.
 };
 
 /// x fastest after the components of a sample, then y, z, time. Fails when a count is below 1 or

@@ -23,13 +23,14 @@ ScalarType computed_type(ScalarType stored) {
 class ImageSource final : public VolumeSource {
  public:
   ImageSource(VolumeInfo info, const ImageField& field, Selection selection,
-              std::unique_ptr<SampleStore> store)
+              std::unique_ptr<SampleStore> store, IoTallyPtr tally)
       : info_(std::move(info)),
         layout_(field.layout),
         slope_(field.slope),
         intercept_(field.intercept),
         selection_(selection),
-        store_(std::move(store)) {}
+        store_(std::move(store)),
+        tally_(std::move(tally)) {}
 
   const VolumeInfo& info() const override { return info_; }
 
@@ -38,6 +39,12 @@ class ImageSource final : public VolumeSource {
     LODE_EXPECTS(out.size() == static_cast<std::size_t>(box.n_samples()) * size_of(info_.type));
     if (box.is_empty()) return {};
     return is_plain() ? read_plain(box, out) : read_rows(box, out);
+  }
+
+  IoCounts io() const override {
+    return {.n_file_bytes_read = tally_->n_file_bytes_read,
+            .n_spool_bytes_written = tally_->n_spool_bytes_written,
+            .n_spool_bytes_read = tally_->n_spool_bytes_read};
   }
 
  private:
@@ -136,6 +143,7 @@ class ImageSource final : public VolumeSource {
   double intercept_;
   Selection selection_;
   std::unique_ptr<SampleStore> store_;
+  IoTallyPtr tally_;
   std::vector<std::byte> scratch_;
   std::vector<std::byte> gathered_;
   std::vector<double> values_;
@@ -207,6 +215,7 @@ Result<std::unique_ptr<VolumeSource>> make_image_source(const Image& image,
     return fail(
         "{}: expected a finite --nodata value (non-finite samples are always holes), got {}",
         image.path, *options.nodata);
+  LODE_EXPECTS(image.tally != nullptr);
   LODE_TRY(const ImageField* field, choose_field(image, options));
   const SampleLayout& layout = field->layout;
   Selection selection;
@@ -219,8 +228,8 @@ Result<std::unique_ptr<VolumeSource>> make_image_source(const Image& image,
                   .field_name = field->name,
                   .nodata = options.nodata};
   LODE_TRY(std::unique_ptr<SampleStore> store, field->load());
-  return std::unique_ptr<VolumeSource>(
-      std::make_unique<ImageSource>(std::move(info), *field, selection, std::move(store)));
+  return std::unique_ptr<VolumeSource>(std::make_unique<ImageSource>(
+      std::move(info), *field, selection, std::move(store), image.tally));
 }
 
 }  // namespace lode::io

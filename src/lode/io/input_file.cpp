@@ -16,7 +16,7 @@ std::string system_message() { return std::generic_category().message(errno); }
 
 }  // namespace
 
-Result<InputFilePtr> InputFile::open(const std::string& path) {
+Result<InputFilePtr> InputFile::open(const std::string& path, IoTallyPtr tally) {
   // O_NONBLOCK: opening a FIFO that nobody writes to must not wait.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return fail("{}: cannot be opened: {}", path, system_message());
@@ -26,7 +26,8 @@ Result<InputFilePtr> InputFile::open(const std::string& path) {
     ::close(descriptor);
     return error;
   }
-  InputFilePtr file(new InputFile(path, descriptor, static_cast<std::uint64_t>(status.st_size)));
+  InputFilePtr file(new InputFile(path, descriptor, static_cast<std::uint64_t>(status.st_size),
+                                  std::move(tally)));
   if (S_ISDIR(status.st_mode)) return fail("{}: expected a file, got a directory", path);
   if (!S_ISREG(status.st_mode)) return fail("{}: expected a regular file", path);
   if (file->size() == 0) return fail("{}: the file is empty (0 bytes)", path);
@@ -48,6 +49,7 @@ Result<void> InputFile::read(std::uint64_t offset, std::span<std::byte> out) con
     if (n < 0) return fail("{}: cannot be read: {}", path_, system_message());
     if (n == 0) return fail("{}: the file became shorter while it was read", path_);
     done += static_cast<std::size_t>(n);
+    tally_->n_file_bytes_read += static_cast<std::uint64_t>(n);
   }
   return {};
 }

@@ -194,7 +194,7 @@ Result<MetaData> find_meta_data(const InputFilePtr& file, const MetaHeader& head
   if (!equals_ignoring_case(name, "local")) {
     if (name.empty() || name.starts_with("LIST") || name.find('%') != std::string::npos)
       return fail("{}: expected one ElementDataFile, got {}", header.path, in_quotes(name));
-    LODE_TRY(data.file, InputFile::open(path_beside(header.path, name)));
+    LODE_TRY(data.file, InputFile::open(path_beside(header.path, name), file->tally()));
     data.offset = 0;
   }
   const std::string* skip_text = header.find({"headersize"});
@@ -231,7 +231,12 @@ Result<Image> read_metaimage(const std::string& path) {
   LODE_TRY(const MetaHeader header, read_meta_header(file));
   LODE_TRY(const ScalarType type, parse_meta_type(header));
   LODE_TRY(const MetaShape shape, parse_shape(header));
-  Image image{.path = path, .format = {}, .frame_note = {}, .grid = {}, .fields = {}};
+  Image image{.path = path,
+              .format = {},
+              .frame_note = {},
+              .grid = {},
+              .fields = {},
+              .tally = file->tally()};
   LODE_TRY(image.grid, parse_meta_grid(header, shape, image.frame_note));
   ImageField field;
   LODE_TRY(field.layout,

@@ -271,7 +271,8 @@ Result<Image> read_nifti(const std::string& path) {
               .format = fmt::format("NIfTI-{}{}", header.version, is_compressed ? ", gzip" : ""),
               .frame_note = {},
               .grid = {},
-              .fields = {}};
+              .fields = {},
+              .tally = file->tally()};
   LODE_TRY(image.grid, parse_nifti_grid(path, header, dims, image.frame_note));
   ImageField field;
   LODE_TRY(field.layout, make_layout(path, header, dims, counts, type));
@@ -283,7 +284,7 @@ Result<Image> read_nifti(const std::string& path) {
   LODE_TRY(const std::uint64_t offset, parse_offset(path, header));
   InputFilePtr data = file;
   if (!header.is_single_file) {
-    LODE_TRY(data, InputFile::open(image_beside(file->path())));
+    LODE_TRY(data, InputFile::open(image_beside(file->path()), file->tally()));
   }
   const std::uint64_t n_bytes = field.layout.n_bytes;
   field.load = [data, offset, n_bytes, is_compressed] {

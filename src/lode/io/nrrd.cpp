@@ -19,6 +19,7 @@ enum class NrrdEncoding { raw, gzip, text, hex };
 struct NrrdData {
   InputFilePtr file;               ///< With or without a header; none where there are several.
   std::vector<std::string> paths;  ///< Of several data files, in the order of their samples.
+  IoTallyPtr tally;                ///< Of all files.
   std::uint64_t offset = 0;        ///< Of the first byte after the header.
   std::int64_t line_skip = 0;
   std::int64_t byte_skip = 0;  ///< -1: the samples are the last bytes of the file (raw only).
@@ -158,7 +159,8 @@ Result<std::uint64_t> skip_lines(const InputFilePtr& file, std::uint64_t offset,
 
 Result<NrrdData> find_nrrd_data(const InputFilePtr& header_file, const NrrdHeader& header) {
   const std::string& path = header_file->path();
-  NrrdData data{.file = header_file, .paths = {}, .offset = header.end};
+  NrrdData data{
+      .file = header_file, .paths = {}, .tally = header_file->tally(), .offset = header.end};
   LODE_TRY(data.encoding, parse_encoding(path, header.fields));
   if (const auto it = header.fields.find("data file"); it != header.fields.end()) {
     const std::string& value = it->second;
@@ -169,7 +171,7 @@ Result<NrrdData> find_nrrd_data(const InputFilePtr& header_file, const NrrdHeade
       LODE_TRY(data.paths, parse_file_list(path, value, header.data_files, *sizes));
       for (std::string& name : data.paths) name = path_beside(path, name);
     } else {
-      LODE_TRY(data.file, InputFile::open(path_beside(path, value)));
+      LODE_TRY(data.file, InputFile::open(path_beside(path, value), header_file->tally()));
     }
   }
   LODE_TRY(data.line_skip, parse_skip(path, header.fields, "line skip", 0));
@@ -236,7 +238,7 @@ Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, Scalar
   const std::uint64_t n_each = n_bytes / data.paths.size();
   std::vector<std::byte> bytes;
   for (const std::string& path : data.paths) {
-    LODE_TRY(const InputFilePtr file, InputFile::open(path));
+    LODE_TRY(const InputFilePtr file, InputFile::open(path, data.tally));
     LODE_TRY(const auto store, load_nrrd_file(file, data, type, n_each));
     bytes.resize(bytes.size() + static_cast<std::size_t>(n_each));
     LODE_CHECK(store->read(0, std::span(bytes).last(static_cast<std::size_t>(n_each))));
@@ -263,7 +265,8 @@ Result<Image> read_nrrd(const std::string& path) {
               .format = fmt::format("NRRD, {}", name_of(data.encoding)),
               .frame_note = std::move(axes.frame_note),
               .grid = axes.grid,
-              .fields = {}};
+              .fields = {},
+              .tally = file->tally()};
   ImageField field{.name = {}, .layout = axes.layout, .load = [data, type, n_bytes] {
                      return load_nrrd_data(data, type, n_bytes);
                    }};

@@ -14,7 +14,8 @@ Result<Image> read_raw(const std::string& path, const RawLayout& layout) {
               .format = is_compressed ? "raw, gzip" : "raw",
               .frame_note = "raw files name no frame",
               .grid = {},
-              .fields = {}};
+              .fields = {},
+              .tally = file->tally()};
   LODE_TRY(
       image.grid,
       make_grid(path, GridFrame{.dims = dims, .spacing = layout.spacing, .origin = layout.origin}));

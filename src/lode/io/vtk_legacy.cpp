@@ -243,7 +243,8 @@ Result<Image> read_vtk_legacy(const std::string& path) {
               .format = fmt::format("legacy VTK, {}", is_binary ? "binary" : "ascii"),
               .frame_note = "VTK files name no frame",
               .grid = {},
-              .fields = {}};
+              .fields = {},
+              .tally = file->tally()};
   LODE_TRY(image.grid, make_legacy_grid(file, legacy.encoding, data));
   LODE_TRY(image.fields, make_legacy_fields(file, legacy.encoding, data, image.grid.dims));
   return image;

@@ -146,7 +146,8 @@ Result<Image> read_vtk_xml_image(const std::string& path) {
               .format = describe_format(*xml, is_image),
               .frame_note = "VTK files name no frame",
               .grid = {},
-              .fields = {}};
+              .fields = {},
+              .tally = xml->file->tally()};
   LODE_TRY(image.grid,
            is_image ? image_grid(path, data, extent) : rectilinear_grid(*xml, piece, extent));
   LODE_TRY(image.fields, make_xml_fields(xml, piece, extent.dims));
