@@ -1,5 +1,6 @@
 #include "lode/io/image_source.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -77,37 +78,43 @@ class ImageSource final : public VolumeSource {
   }
 
   Result<void> read_rows(const IndexBox& box, std::span<std::byte> out) {
-    const std::size_t row_bytes = static_cast<std::size_t>(box.dims()[0]) * size_of(info_.type);
+    // Enough to make a read worth its call, few enough to stay in the processor's cache.
+    constexpr std::int64_t kMaxRun = 1 << 16;
+    const Index3 dims = box.dims();
+    const std::int64_t row = dims[0] * layout_.strides[0];
+    const bool joins_rows = layout_.strides[1] == row;
+    const auto n_joined = static_cast<std::int32_t>(
+        joins_rows ? std::clamp<std::int64_t>(kMaxRun / row, 1, dims[1]) : 1);
     for (std::int32_t z = box.lower[2]; z < box.upper[2]; ++z)
-      for (std::int32_t y = box.lower[1]; y < box.upper[1]; ++y) {
-        const std::int64_t first = position(box.lower[0], y, z);
-        const auto n = static_cast<std::size_t>(box.dims()[0]);
-        if (selection_.is_computed)
-          LODE_CHECK(compute_row(first, n, out.first(row_bytes)));
-        else
-          LODE_CHECK(gather(first, n, out.first(row_bytes)));
-        out = out.subspan(row_bytes);
+      for (std::int32_t y = box.lower[1]; y < box.upper[1]; y += n_joined) {
+        const std::int32_t n_rows = std::min(n_joined, box.upper[1] - y);
+        const std::size_t n = static_cast<std::size_t>(n_rows) * static_cast<std::size_t>(dims[0]);
+        const std::span<std::byte> run = out.first(n * size_of(info_.type));
+        LODE_CHECK(read_run(position(box.lower[0], y, z), run));
+        out = out.subspan(run.size());
       }
     return {};
   }
 
-  /// n numbers, one x stride apart, in native byte order.
-  Result<void> gather(std::int64_t first, std::size_t n, std::span<std::byte> out) {
-    const std::size_t size = size_of(layout_.type);
-    const auto stride = static_cast<std::size_t>(layout_.strides[0]);
-    scratch_.resize(((n - 1) * stride + 1) * size);
-    LODE_CHECK(store_->read(static_cast<std::uint64_t>(first) * size, scratch_));
-    for (std::size_t i = 0; i < n; ++i)
-      std::memcpy(out.data() + i * size, scratch_.data() + i * stride * size, size);
-    to_native(out, layout_.type, layout_.byte_order);
-    return {};
-  }
-
-  Result<void> compute_row(std::int64_t first, std::size_t n, std::span<std::byte> out) {
+  /// Samples from number `first` on, one x stride apart.
+  Result<void> read_run(std::int64_t first, std::span<std::byte> out) {
+    const std::size_t n = out.size() / size_of(info_.type);
+    const std::int64_t reach = (static_cast<std::int64_t>(n) - 1) * layout_.strides[0] + 1;
+    if (!selection_.is_computed) {
+      LODE_CHECK(fetch(first, reach));
+      pick(0, out);
+      return {};
+    }
     values_.assign(n, 0.0);
     gathered_.resize(n * size_of(layout_.type));
+    const std::int64_t components_reach = (selection_.n_components - 1) * layout_.component_stride;
+    // Components side by side come in one read, those that lie apart in one each.
+    const bool is_interleaved = components_reach < layout_.strides[0];
+    if (is_interleaved) LODE_CHECK(fetch(first, reach + components_reach));
     for (std::int64_t c = 0; c < selection_.n_components; ++c) {
-      LODE_CHECK(gather(first + c * layout_.component_stride, n, gathered_));
+      const std::int64_t offset = c * layout_.component_stride;
+      if (!is_interleaved) LODE_CHECK(fetch(first + offset, reach));
+      pick(is_interleaved ? offset : 0, gathered_);
       visit_scalar_type(layout_.type, [&]<typename T>() { accumulate<T>(); });
     }
     if (info_.type == ScalarType::float32)
@@ -115,6 +122,24 @@ class ImageSource final : public VolumeSource {
     else
       write_values<double>(out);
     return {};
+  }
+
+  /// n numbers as they are stored.
+  Result<void> fetch(std::int64_t first, std::int64_t n) {
+    const std::size_t size = size_of(layout_.type);
+    scratch_.resize(static_cast<std::size_t>(n) * size);
+    return store_->read(static_cast<std::uint64_t>(first) * size, scratch_);
+  }
+
+  /// Fills `out` with what was fetched, from number `first` on, one x stride apart, in native byte
+  /// order.
+  void pick(std::int64_t first, std::span<std::byte> out) const {
+    const std::size_t size = size_of(layout_.type);
+    const std::size_t stride = static_cast<std::size_t>(layout_.strides[0]) * size;
+    const std::byte* from = scratch_.data() + static_cast<std::size_t>(first) * size;
+    for (std::size_t i = 0; i < out.size() / size; ++i)
+      std::memcpy(out.data() + i * size, from + i * stride, size);
+    to_native(out, layout_.type, layout_.byte_order);
   }
 
   template <typename T>
