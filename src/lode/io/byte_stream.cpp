@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <vector>
 
 namespace lode::io {
 namespace {
@@ -100,16 +101,6 @@ class Base64Stream final : public ByteStream {
     return {};
   }
 
-  Result<void> skip(std::uint64_t n) override {
-    std::array<std::byte, 4096> sink;
-    while (n > 0) {
-      const auto piece = static_cast<std::size_t>(std::min<std::uint64_t>(n, sink.size()));
-      LODE_CHECK(read(std::span(sink).first(piece)));
-      n -= piece;
-    }
-    return {};
-  }
-
   std::uint64_t n_left() const override {
     return (text_.size() - used_) / 4 * 3 + (n_ready_ - next_);
   }
@@ -148,6 +139,17 @@ class Base64Stream final : public ByteStream {
 };
 
 }  // namespace
+
+Result<void> ByteStream::skip(std::uint64_t n) {
+  constexpr std::uint64_t kPieceBytes = 1 << 16;
+  std::vector<std::byte> sink(static_cast<std::size_t>(std::min(n, kPieceBytes)));
+  while (n > 0) {
+    const auto piece = static_cast<std::size_t>(std::min<std::uint64_t>(n, sink.size()));
+    LODE_CHECK(read(std::span(sink).first(piece)));
+    n -= piece;
+  }
+  return {};
+}
 
 std::unique_ptr<ByteStream> make_file_stream(InputFilePtr file, std::uint64_t offset,
                                              std::uint64_t n_bytes) {

@@ -19,7 +19,8 @@ class ByteStream {
 
   /// Fills `out`, or fails.
   [[nodiscard]] virtual Result<void> read(std::span<std::byte> out) = 0;
-  [[nodiscard]] virtual Result<void> skip(std::uint64_t n) = 0;
+  /// Passes over `n` bytes, or fails; unless overridden it reads them.
+  [[nodiscard]] virtual Result<void> skip(std::uint64_t n);
   /// An upper bound of the bytes to come; exact for files.
   [[nodiscard]] virtual std::uint64_t n_left() const = 0;
 };

@@ -5,8 +5,6 @@
 #include <cstring>
 #include <limits>
 
-#include "lode/io/inflate.h"
-
 namespace lode::io {
 namespace {
 
@@ -121,13 +119,6 @@ Result<std::vector<double>> read_doubles(SampleStore& store, ScalarType type, By
     }
   });
   return numbers;
-}
-
-Result<std::unique_ptr<SampleStore>> load_inflated(const InputFilePtr& file, std::uint64_t offset,
-                                                   std::uint64_t n_skipped, std::uint64_t n_bytes) {
-  LODE_TRY(std::vector<std::byte> bytes,
-           inflate_exactly(make_file_stream(file, offset), file->path(), n_skipped, n_bytes));
-  return make_memory_store(std::move(bytes));
 }
 
 }  // namespace lode::io

@@ -84,10 +84,4 @@ void to_native(std::span<std::byte> bytes, ScalarType type, ByteOrder order);
 [[nodiscard]] Result<std::vector<double>> read_doubles(SampleStore& store, ScalarType type,
                                                        ByteOrder order, std::size_t n);
 
-/// The store of bytes in `file` from `offset`, gzip or zlib compressed, decoded into memory.
-[[nodiscard]] Result<std::unique_ptr<SampleStore>> load_inflated(const InputFilePtr& file,
-                                                                 std::uint64_t offset,
-                                                                 std::uint64_t n_skipped,
-                                                                 std::uint64_t n_bytes);
-
 }  // namespace lode::io

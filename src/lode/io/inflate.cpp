@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 namespace lode::io {
 namespace {
@@ -16,6 +17,44 @@ constexpr int kAnyWrapper = 15 + 32;
 std::string zlib_message(const z_stream& stream) {
   return stream.msg != nullptr ? stream.msg : "not zlib or gzip data";
 }
+
+/// Hides what comes before and notices what comes behind.
+class ExactInflateStream final : public ByteStream {
+ public:
+  ExactInflateStream(std::unique_ptr<ByteStream> compressed, std::string path,
+                     std::uint64_t n_skipped, std::uint64_t n_bytes)
+      : stream_(std::move(compressed), path),
+        path_(std::move(path)),
+        n_skipped_(n_skipped),
+        n_bytes_(n_bytes) {}
+
+  Result<void> read(std::span<std::byte> out) override {
+    LODE_EXPECTS(out.size() <= n_left());
+    LODE_CHECK(stream_.skip(std::exchange(n_skipped_, 0)));
+    LODE_TRY(const std::size_t n, stream_.read_some(out));
+    n_done_ += n;
+    if (n < out.size())
+      return fail("{}: expected {} bytes of samples, the compressed data hold {}", path_, n_bytes_,
+                  n_done_);
+    return n_done_ == n_bytes_ ? check_end() : Result<void>();
+  }
+
+  std::uint64_t n_left() const override { return n_bytes_ - n_done_; }
+
+ private:
+  Result<void> check_end() {
+    std::array<std::byte, 1> extra;
+    LODE_TRY(const std::size_t n_extra, stream_.read_some(extra));
+    if (n_extra == 0) return {};
+    return fail("{}: expected {} bytes of samples, the compressed data hold more", path_, n_bytes_);
+  }
+
+  InflateStream stream_;
+  std::string path_;
+  std::uint64_t n_skipped_;
+  std::uint64_t n_bytes_;
+  std::uint64_t n_done_ = 0;
+};
 
 }  // namespace
 
@@ -101,23 +140,14 @@ Result<void> InflateStream::read(std::span<std::byte> out) {
               out.size());
 }
 
-Result<void> InflateStream::skip(std::uint64_t n) {
-  std::vector<std::byte> sink(static_cast<std::size_t>(std::min<std::uint64_t>(n, 1 << 16)));
-  while (n > 0) {
-    const auto piece = static_cast<std::size_t>(std::min<std::uint64_t>(n, sink.size()));
-    LODE_CHECK(read(std::span(sink).first(piece)));
-    n -= piece;
-  }
-  return {};
+std::unique_ptr<ByteStream> make_exact_inflate_stream(std::unique_ptr<ByteStream> compressed,
+                                                      std::string path, std::uint64_t n_skipped,
+                                                      std::uint64_t n_bytes) {
+  return std::make_unique<ExactInflateStream>(std::move(compressed), std::move(path), n_skipped,
+                                              n_bytes);
 }
 
-Result<std::vector<std::byte>> inflate_exactly(std::unique_ptr<ByteStream> compressed,
-                                               const std::string& path, std::uint64_t n_skipped,
-                                               std::uint64_t n_bytes) {
-  LODE_CHECK(check_inflated_size(path, n_bytes, compressed->n_left()));
-  InflateStream stream(std::move(compressed), path);
-  LODE_CHECK(stream.skip(n_skipped));
-  // The header's promise is not trusted with memory: what is there at most doubles.
+Result<std::vector<std::byte>> read_promised(ByteStream& stream, std::uint64_t n_bytes) {
   constexpr std::uint64_t kFirstPiece = std::uint64_t{16} << 20;
   std::vector<std::byte> bytes;
   while (bytes.size() < n_bytes) {
@@ -126,15 +156,8 @@ Result<std::vector<std::byte>> inflate_exactly(std::unique_ptr<ByteStream> compr
         static_cast<std::size_t>(std::min(n_bytes, std::max<std::uint64_t>(kFirstPiece, 2 * done)));
     bytes.reserve(target);  // resize alone may take twice as much
     bytes.resize(target);
-    LODE_TRY(const std::size_t n, stream.read_some(std::span(bytes).subspan(done)));
-    if (done + n < bytes.size())
-      return fail("{}: expected {} bytes of samples, the compressed data hold {}", path, n_bytes,
-                  done + n);
+    LODE_CHECK(stream.read(std::span(bytes).subspan(done)));
   }
-  std::array<std::byte, 1> extra;
-  LODE_TRY(const std::size_t n_extra, stream.read_some(extra));
-  if (n_extra > 0)
-    return fail("{}: expected {} bytes of samples, the compressed data hold more", path, n_bytes);
   return bytes;
 }
 

@@ -25,7 +25,6 @@ class InflateStream final : public ByteStream {
   ~InflateStream() override;
 
   [[nodiscard]] Result<void> read(std::span<std::byte> out) override;
-  [[nodiscard]] Result<void> skip(std::uint64_t n) override;
   [[nodiscard]] std::uint64_t n_left() const override;
   /// Reads up to out.size() bytes; fewer only at the end of the data.
   [[nodiscard]] Result<std::size_t> read_some(std::span<std::byte> out);
@@ -40,11 +39,16 @@ class InflateStream final : public ByteStream {
   std::unique_ptr<State> state_;
 };
 
-/// Inflates a whole stream to exactly `n_bytes` after `n_skipped` others: both less and more fail.
-[[nodiscard]] Result<std::vector<std::byte>> inflate_exactly(std::unique_ptr<ByteStream> compressed,
-                                                             const std::string& path,
-                                                             std::uint64_t n_skipped,
-                                                             std::uint64_t n_bytes);
+/// The `n_bytes` that follow `n_skipped` others in what `compressed` expands to, and end it: the
+/// read of the last one fails when there are more, or when the checksum says so.
+[[nodiscard]] std::unique_ptr<ByteStream> make_exact_inflate_stream(
+    std::unique_ptr<ByteStream> compressed, std::string path, std::uint64_t n_skipped,
+    std::uint64_t n_bytes);
+
+/// Reads `n_bytes` that a header promised, taking memory as they come: what is there at most
+/// doubles.
+[[nodiscard]] Result<std::vector<std::byte>> read_promised(ByteStream& stream,
+                                                           std::uint64_t n_bytes);
 
 /// Inflates one zlib block in memory to exactly out.size() bytes.
 [[nodiscard]] Result<void> inflate_block(std::span<const std::byte> compressed,

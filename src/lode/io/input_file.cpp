@@ -10,11 +10,8 @@
 #include <system_error>
 
 namespace lode::io {
-namespace {
 
 std::string system_message() { return std::generic_category().message(errno); }
-
-}  // namespace
 
 Result<InputFilePtr> InputFile::open(const std::string& path, IoTallyPtr tally) {
   // O_NONBLOCK: opening a FIFO that nobody writes to must not wait.

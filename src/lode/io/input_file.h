@@ -54,6 +54,9 @@ class InputFile {
 
 using InputFilePtr = std::shared_ptr<const InputFile>;
 
+/// What errno stands for.
+[[nodiscard]] std::string system_message();
+
 /// `name`, taken relative to the directory of the file `beside` unless it is absolute.
 [[nodiscard]] std::string path_beside(const std::string& beside, const std::string& name);
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "lode/io/deflated_samples.h"
 #include "lode/io/image_grid.h"
 #include "lode/io/text.h"
 #include "lode/io/text_cursor.h"
@@ -215,10 +216,14 @@ Result<MetaData> find_meta_data(const InputFilePtr& file, const MetaHeader& head
 }
 
 Result<std::unique_ptr<SampleStore>> load_meta_data(const MetaData& data, ScalarType type,
-                                                    std::uint64_t n_bytes) {
+                                                    std::uint64_t n_bytes,
+                                                    const SampleStorage& storage) {
   switch (data.encoding) {
-    case MetaEncoding::zlib: return load_inflated(data.file, data.offset, 0, n_bytes);
-    case MetaEncoding::text: return load_text(data.file, data.offset, type, n_bytes);
+    case MetaEncoding::zlib:
+      return load_inflated({.file = data.file, .offset = data.offset, .n_bytes = n_bytes}, storage);
+    case MetaEncoding::text:
+      return load_text({.file = data.file, .offset = data.offset, .type = type, .n_bytes = n_bytes},
+                       storage);
     case MetaEncoding::raw: break;
   }
   return make_file_store(data.file, data.offset, n_bytes);
@@ -226,7 +231,7 @@ Result<std::unique_ptr<SampleStore>> load_meta_data(const MetaData& data, Scalar
 
 }  // namespace
 
-Result<Image> read_metaimage(const std::string& path) {
+Result<Image> read_metaimage(const std::string& path, const SampleStorage& storage) {
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
   LODE_TRY(const MetaHeader header, read_meta_header(file));
   LODE_TRY(const ScalarType type, parse_meta_type(header));
@@ -249,7 +254,9 @@ Result<Image> read_metaimage(const std::string& path) {
   if (data.encoding == MetaEncoding::text) field.layout.byte_order = native_byte_order();
   constexpr std::array<std::string_view, 3> kEncodings = {"raw", "zlib", "text"};
   image.format = fmt::format("MetaImage, {}", kEncodings[static_cast<std::size_t>(data.encoding)]);
-  field.load = [data, type, n_bytes] { return load_meta_data(data, type, n_bytes); };
+  field.load = [data, type, n_bytes, storage] {
+    return load_meta_data(data, type, n_bytes, storage);
+  };
   image.fields.push_back(std::move(field));
   return image;
 }

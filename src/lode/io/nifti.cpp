@@ -6,6 +6,7 @@
 #include <cstring>
 #include <optional>
 
+#include "lode/io/deflated_samples.h"
 #include "lode/io/image_grid.h"
 #include "lode/io/inflate.h"
 #include "lode/io/text.h"
@@ -260,7 +261,7 @@ Result<std::uint64_t> parse_offset(const std::string& path, const NiftiHeader& h
 
 }  // namespace
 
-Result<Image> read_nifti(const std::string& path) {
+Result<Image> read_nifti(const std::string& path, const SampleStorage& storage) {
   LODE_TRY(const InputFilePtr file, InputFile::open(header_beside(path)));
   LODE_TRY(const NiftiHeader header, read_nifti_header(file));
   LODE_TRY(const auto counts, parse_counts(path, header));
@@ -287,9 +288,10 @@ Result<Image> read_nifti(const std::string& path) {
     LODE_TRY(data, InputFile::open(image_beside(file->path()), file->tally()));
   }
   const std::uint64_t n_bytes = field.layout.n_bytes;
-  field.load = [data, offset, n_bytes, is_compressed] {
-    return is_compressed ? load_inflated(data, 0, offset, n_bytes)
-                         : make_file_store(data, offset, n_bytes);
+  field.load = [data, offset, n_bytes, is_compressed, storage] {
+    return is_compressed
+               ? load_inflated({.file = data, .n_skipped = offset, .n_bytes = n_bytes}, storage)
+               : make_file_store(data, offset, n_bytes);
   };
   image.fields.push_back(std::move(field));
   return image;

@@ -4,6 +4,7 @@
 
 #include "lode/core/result.h"
 #include "lode/io/image.h"
+#include "lode/io/sample_storage.h"
 
 namespace lode::io {
 
@@ -11,6 +12,6 @@ namespace lode::io {
 /// The frame is RAS by the standard when sform or (else) qform says where the grid lies; with
 /// neither it is unknown. Slope and intercept are passed on, RGB excepted.
 /// https://nifti.nimh.nih.gov/nifti-1/documentation
-[[nodiscard]] Result<Image> read_nifti(const std::string& path);
+[[nodiscard]] Result<Image> read_nifti(const std::string& path, const SampleStorage& storage);
 
 }  // namespace lode::io

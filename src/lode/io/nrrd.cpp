@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "lode/io/inflate.h"
+#include "lode/io/deflated_samples.h"
 #include "lode/io/nrrd_axes.h"
 #include "lode/io/nrrd_files.h"
 #include "lode/io/text.h"
@@ -24,6 +24,7 @@ struct NrrdData {
   std::int64_t line_skip = 0;
   std::int64_t byte_skip = 0;  ///< -1: the samples are the last bytes of the file (raw only).
   NrrdEncoding encoding = NrrdEncoding::raw;
+  ScalarType type = ScalarType::uint8;
 };
 
 struct NrrdHeader {
@@ -181,7 +182,8 @@ Result<NrrdData> find_nrrd_data(const InputFilePtr& header_file, const NrrdHeade
 
 /// Pairs of hexadecimal digits, blanks ignored.
 Result<std::unique_ptr<SampleStore>> load_hex(const InputFilePtr& file, std::uint64_t offset,
-                                              std::uint64_t n_bytes) {
+                                              std::uint64_t n_bytes, const SampleStorage& storage) {
+  LODE_CHECK(check_held(file->path(), "hexadecimal", n_bytes, storage));
   const std::uint64_t n_left = file->size_from(offset);
   if (n_bytes > n_left / 2)
     return fail("{}: expected {} bytes as hexadecimal text, the file has {} characters",
@@ -208,7 +210,8 @@ Result<std::unique_ptr<SampleStore>> load_hex(const InputFilePtr& file, std::uin
 
 /// The samples of one file.
 Result<std::unique_ptr<SampleStore>> load_nrrd_file(const InputFilePtr& file, const NrrdData& data,
-                                                    ScalarType type, std::uint64_t n_bytes) {
+                                                    std::uint64_t n_bytes,
+                                                    const SampleStorage& storage) {
   const std::string& path = file->path();
   LODE_TRY(const std::uint64_t start, skip_lines(file, data.offset, data.line_skip));
   if (data.byte_skip < 0) {
@@ -221,25 +224,29 @@ Result<std::unique_ptr<SampleStore>> load_nrrd_file(const InputFilePtr& file, co
   }
   const auto skip = static_cast<std::uint64_t>(data.byte_skip);
   // In compressed data the bytes to skip are counted after decompression.
-  if (data.encoding == NrrdEncoding::gzip) return load_inflated(file, start, skip, n_bytes);
+  if (data.encoding == NrrdEncoding::gzip)
+    return load_inflated({.file = file, .offset = start, .n_skipped = skip, .n_bytes = n_bytes},
+                         storage);
   if (skip > file->size_from(start))
     return fail("{}: expected to skip {} bytes, the file has {}", path, skip, file->size());
   const std::uint64_t offset = start + skip;
-  if (data.encoding == NrrdEncoding::text) return load_text(file, offset, type, n_bytes);
-  if (data.encoding == NrrdEncoding::hex) return load_hex(file, offset, n_bytes);
+  if (data.encoding == NrrdEncoding::text)
+    return load_text({.file = file, .offset = offset, .type = data.type, .n_bytes = n_bytes},
+                     storage);
+  if (data.encoding == NrrdEncoding::hex) return load_hex(file, offset, n_bytes, storage);
   return make_file_store(file, offset, n_bytes);
 }
 
 /// Several files are read into memory one after the other: slices may be more than a process may
 /// hold open.
-Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, ScalarType type,
-                                                    std::uint64_t n_bytes) {
-  if (data.file) return load_nrrd_file(data.file, data, type, n_bytes);
+Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, std::uint64_t n_bytes,
+                                                    const SampleStorage& storage) {
+  if (data.file) return load_nrrd_file(data.file, data, n_bytes, storage);
   const std::uint64_t n_each = n_bytes / data.paths.size();
   std::vector<std::byte> bytes;
   for (const std::string& path : data.paths) {
     LODE_TRY(const InputFilePtr file, InputFile::open(path, data.tally));
-    LODE_TRY(const auto store, load_nrrd_file(file, data, type, n_each));
+    LODE_TRY(const auto store, load_nrrd_file(file, data, n_each, storage));
     bytes.resize(bytes.size() + static_cast<std::size_t>(n_each));
     LODE_CHECK(store->read(0, std::span(bytes).last(static_cast<std::size_t>(n_each))));
   }
@@ -253,12 +260,13 @@ std::string_view name_of(NrrdEncoding encoding) {
 
 }  // namespace
 
-Result<Image> read_nrrd(const std::string& path) {
+Result<Image> read_nrrd(const std::string& path, const SampleStorage& storage) {
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
   LODE_TRY(const NrrdHeader header, read_nrrd_header(file));
   LODE_TRY(const ScalarType type, parse_nrrd_type(path, header.fields));
   LODE_TRY(NrrdAxes axes, parse_nrrd_axes(path, header.fields, type));
-  LODE_TRY(const NrrdData data, find_nrrd_data(file, header));
+  LODE_TRY(NrrdData data, find_nrrd_data(file, header));
+  data.type = type;
   LODE_TRY(axes.layout.byte_order, parse_byte_order(path, header.fields, type, data.encoding));
   const std::uint64_t n_bytes = axes.layout.n_bytes;
   Image image{.path = path,
@@ -267,8 +275,8 @@ Result<Image> read_nrrd(const std::string& path) {
               .grid = axes.grid,
               .fields = {},
               .tally = file->tally()};
-  ImageField field{.name = {}, .layout = axes.layout, .load = [data, type, n_bytes] {
-                     return load_nrrd_data(data, type, n_bytes);
+  ImageField field{.name = {}, .layout = axes.layout, .load = [data, n_bytes, storage] {
+                     return load_nrrd_data(data, n_bytes, storage);
                    }};
   image.fields.push_back(std::move(field));
   return image;

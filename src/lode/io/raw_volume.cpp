@@ -1,11 +1,13 @@
 #include "lode/io/raw_volume.h"
 
+#include "lode/io/deflated_samples.h"
 #include "lode/io/image_grid.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
 
-Result<Image> read_raw(const std::string& path, const RawLayout& layout) {
+Result<Image> read_raw(const std::string& path, const RawLayout& layout,
+                       const SampleStorage& storage) {
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
   const std::array<std::int64_t, 3> counts = {layout.dims[0], layout.dims[1], layout.dims[2]};
   LODE_TRY(const Index3 dims, checked_dims(path, counts));
@@ -26,8 +28,9 @@ Result<Image> read_raw(const std::string& path, const RawLayout& layout) {
   if (!is_compressed && n_bytes != file->size())
     return fail("{}: expected {} bytes ({} x {} x {} samples of {}), the file has {}", path,
                 n_bytes, dims[0], dims[1], dims[2], name_of(layout.type), file->size());
-  field.load = [file, n_bytes, is_compressed] {
-    return is_compressed ? load_inflated(file, 0, 0, n_bytes) : make_file_store(file, 0, n_bytes);
+  field.load = [file, n_bytes, is_compressed, storage] {
+    return is_compressed ? load_inflated({.file = file, .n_bytes = n_bytes}, storage)
+                         : make_file_store(file, 0, n_bytes);
   };
   image.fields.push_back(std::move(field));
   return image;

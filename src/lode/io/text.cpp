@@ -78,6 +78,16 @@ std::optional<std::vector<std::int64_t>> to_int64s(std::string_view text) {
   return to_numbers<std::int64_t>(text);
 }
 
+std::string format_bytes(std::uint64_t n) {
+  constexpr std::array<std::string_view, 6> kUnits = {"kB", "MB", "GB", "TB", "PB", "EB"};
+  if (n < 1000) return fmt::format("{} bytes", n);
+  double value = static_cast<double>(n) / 1000;
+  std::size_t unit = 0;
+  // 999.5 would be written as 1e+03.
+  for (; value >= 999.5 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
+  return fmt::format("{:.3g} {}", value, kUnits[unit]);
+}
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kMaxShown = 60;
   std::string result = "'";

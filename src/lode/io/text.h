@@ -23,6 +23,9 @@ namespace lode::io {
 [[nodiscard]] std::optional<std::vector<double>> to_doubles(std::string_view text);
 [[nodiscard]] std::optional<std::vector<std::int64_t>> to_int64s(std::string_view text);
 
+/// "48 bytes", "512 MB", "12.4 GB": three digits, units of 1000.
+[[nodiscard]] std::string format_bytes(std::uint64_t n);
+
 /// `text` in quotes, fit for a message: unprintable bytes replaced, cut after 60.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 /// The same under a shorter name. One overload for each kind of string, because argument-dependent

@@ -71,12 +71,14 @@ Result<std::vector<std::byte>> read_text_samples(TextCursor& cursor, std::uint64
   return bytes;
 }
 
-Result<std::unique_ptr<SampleStore>> load_text(const InputFilePtr& file, std::uint64_t offset,
-                                               ScalarType type, std::uint64_t n_bytes) {
-  auto stream = make_file_stream(file, offset);
+Result<std::unique_ptr<SampleStore>> load_text(const TextSamples& samples,
+                                               const SampleStorage& storage) {
+  const InputFilePtr& file = samples.file;
+  LODE_CHECK(check_held(file->path(), "text", samples.n_bytes, storage));
+  auto stream = make_file_stream(file, samples.offset);
   TextCursor cursor(*stream, file->path());
-  LODE_TRY(std::vector<std::byte> bytes,
-           read_text_samples(cursor, file->size_from(offset), type, n_bytes));
+  LODE_TRY(std::vector<std::byte> bytes, read_text_samples(cursor, file->size_from(samples.offset),
+                                                           samples.type, samples.n_bytes));
   return make_memory_store(std::move(bytes));
 }
 

@@ -8,6 +8,7 @@
 #include "lode/core/scalar_type.h"
 #include "lode/io/byte_stream.h"
 #include "lode/io/image.h"
+#include "lode/io/sample_storage.h"
 #include "lode/io/text_cursor.h"
 
 namespace lode::io {
@@ -23,9 +24,16 @@ namespace lode::io {
 /// The byte order of this machine, which decoded text has.
 [[nodiscard]] ByteOrder native_byte_order();
 
-/// Text samples in `file` from `offset` to its end, decoded into memory.
-[[nodiscard]] Result<std::unique_ptr<SampleStore>> load_text(const InputFilePtr& file,
-                                                             std::uint64_t offset, ScalarType type,
-                                                             std::uint64_t n_bytes);
+/// Where text samples start, which reach to the file's end at most, and what they are to become.
+struct TextSamples {
+  InputFilePtr file;
+  std::uint64_t offset = 0;
+  ScalarType type = ScalarType::uint8;
+  std::uint64_t n_bytes = 0;
+};
+
+/// Text samples decoded into memory; fails when they exceed the storage's limit.
+[[nodiscard]] Result<std::unique_ptr<SampleStore>> load_text(const TextSamples& samples,
+                                                             const SampleStorage& storage);
 
 }  // namespace lode::io

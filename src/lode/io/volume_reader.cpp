@@ -10,6 +10,7 @@
 #include "lode/io/nifti.h"
 #include "lode/io/nrrd.h"
 #include "lode/io/raw_volume.h"
+#include "lode/io/sample_storage.h"
 #include "lode/io/text.h"
 #include "lode/io/vtk_legacy.h"
 #include "lode/io/vtk_xml_image.h"
@@ -21,7 +22,7 @@ constexpr std::string_view kKnownExtensions =
     ".nrrd .nhdr .mha .mhd .nii .nii.gz .hdr .img .vti .vtr .vtk, and .raw .raw.gz with --dims "
     "and --type";
 
-using Reader = Result<Image> (*)(const std::string& path);
+using Reader = Result<Image> (*)(const std::string& path, const SampleStorage& storage);
 
 /// The reader of a self-describing format, by extension; none for bare samples.
 Reader reader_of(const std::string& path) {
@@ -52,13 +53,14 @@ Reader reader_of(const std::string& path) {
 
 Result<Image> read_image(const std::string& path, const ReadOptions& options) {
   const Reader reader = reader_of(path);
-  if (reader != nullptr && !options.raw) return reader(path);
+  const SampleStorage storage = storage_of(options);
+  if (reader != nullptr && !options.raw) return reader(path, storage);
   // A missing file is the more useful complaint than a wrong extension.
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
   if (reader != nullptr)
     return fail(
         "{}: this format describes itself; --dims, --type and the like are for bare samples", path);
-  if (options.raw) return read_raw(path, *options.raw);
+  if (options.raw) return read_raw(path, *options.raw, storage);
   const std::string lower = to_lower(path);
   if (lower.ends_with(".raw") || lower.ends_with(".raw.gz"))
     return fail("{}: a raw file does not describe itself; give --dims X,Y,Z and --type", path);

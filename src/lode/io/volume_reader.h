@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,6 +38,11 @@ struct ReadOptions {
   std::optional<int> time;                   ///< Step, from 0; needed where there are several.
   std::optional<double> nodata;              ///< Finite: this value marks holes.
   std::optional<RawLayout> raw;              ///< Needed by, and only for, files of bare samples.
+  /// Samples that the file holds encoded are decoded into memory while opening when all of them,
+  /// decoded, take at most so many bytes; beyond that, while reading, into a spool file.
+  std::size_t memory_limit = std::numeric_limits<std::size_t>::max();
+  /// Of spool files, which have no name there and vanish with the source. Empty: TMPDIR, else /tmp.
+  std::string spool_directory;
 };
 
 /// What a foreign file says beside VolumeInfo.
@@ -52,12 +59,14 @@ struct FileDescription {
 /// Opens a volume for reading; the format follows from the extension: .nrrd .nhdr .mha .mhd .nii
 /// .nii.gz .hdr .img .vti .vtr .vtk, and .raw .raw.gz or any other one with options.raw.
 /// Uncompressed samples stay in the file and are read box by box; compressed and text ones, and
-/// those of several data files, are decoded into memory here. Fails, naming the file, on anything
-/// missing, truncated, malformed or ambiguous (several fields, components or times and no choice).
+/// those of several data files, are decoded into memory here, while they fit options.memory_limit.
+/// Compressed ones beyond it are decoded as far as reads reach, and damage appears at the read that
+/// reaches it; text ones beyond it are refused. Fails, naming the file, on anything missing,
+/// truncated, malformed or ambiguous (several fields, components or times and no choice).
 [[nodiscard]] Result<std::unique_ptr<VolumeSource>> open_volume(const std::string& path,
                                                                 const ReadOptions& options);
 
-/// Reads a file's header only; options.field and options.raw are used, the rest ignored.
+/// Reads a file's header only; options.field, .raw and .memory_limit are used, the rest ignored.
 [[nodiscard]] Result<FileDescription> describe_volume(const std::string& path,
                                                       const ReadOptions& options);
 

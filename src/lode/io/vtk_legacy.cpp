@@ -156,11 +156,15 @@ ByteOrder byte_order_of(LegacyEncoding encoding) {
 }
 
 /// Colours written as fractions of 255, as bytes.
-Result<std::unique_ptr<SampleStore>> load_colors(const InputFilePtr& file,
-                                                 const LegacyArray& array) {
+Result<std::unique_ptr<SampleStore>> load_colors(const InputFilePtr& file, const LegacyArray& array,
+                                                 const SampleStorage& storage) {
   constexpr ScalarType kText = ScalarType::float32;
   const auto n = static_cast<std::size_t>(array.n_bytes);
-  LODE_TRY(const auto store, load_text(file, array.offset, kText, array.n_bytes * size_of(kText)));
+  LODE_TRY(const auto store, load_text({.file = file,
+                                        .offset = array.offset,
+                                        .type = kText,
+                                        .n_bytes = array.n_bytes * size_of(kText)},
+                                       storage));
   LODE_TRY(const auto fractions, read_doubles(*store, kText, native_byte_order(), n));
   std::vector<std::byte> bytes(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -173,10 +177,13 @@ Result<std::unique_ptr<SampleStore>> load_colors(const InputFilePtr& file,
 }
 
 Result<std::unique_ptr<SampleStore>> load_array(const InputFilePtr& file, LegacyEncoding encoding,
-                                                const LegacyArray& array) {
+                                                const LegacyArray& array,
+                                                const SampleStorage& storage) {
   if (encoding == LegacyEncoding::binary) return make_file_store(file, array.offset, array.n_bytes);
-  if (array.text == LegacyArray::Text::fractions) return load_colors(file, array);
-  return load_text(file, array.offset, array.type, array.n_bytes);
+  if (array.text == LegacyArray::Text::fractions) return load_colors(file, array, storage);
+  return load_text(
+      {.file = file, .offset = array.offset, .type = array.type, .n_bytes = array.n_bytes},
+      storage);
 }
 
 Result<RegularGrid> make_rectilinear(const InputFilePtr& file, LegacyEncoding encoding,
@@ -187,7 +194,7 @@ Result<RegularGrid> make_rectilinear(const InputFilePtr& file, LegacyEncoding en
     if (!array || array->n_tuples != dims[i])
       return fail("{}: expected {} positions along axis {}, got {}", file->path(), dims[i],
                   "xyz"[i], array ? array->n_tuples : 0);
-    LODE_TRY(const auto store, load_array(file, encoding, *array));
+    LODE_TRY(const auto store, load_array(file, encoding, *array, {}));
     LODE_TRY(axes.positions[i], read_doubles(*store, array->type, byte_order_of(encoding),
                                              static_cast<std::size_t>(dims[i])));
     axes.precisions[i] =
@@ -211,7 +218,8 @@ Result<RegularGrid> make_legacy_grid(const InputFilePtr& file, LegacyEncoding en
 
 Result<std::vector<ImageField>> make_legacy_fields(const InputFilePtr& file,
                                                    LegacyEncoding encoding, const LegacyData& data,
-                                                   const Index3& dims) {
+                                                   const Index3& dims,
+                                                   const SampleStorage& storage) {
   const std::string& path = file->path();
   if (data.arrays.empty() && data.has_cell_arrays)
     return fail("{}: expected values at points, got only cell data; convert them first", path);
@@ -224,7 +232,9 @@ Result<std::vector<ImageField>> make_legacy_fields(const InputFilePtr& file,
       return fail("{}: expected {} samples in {}, got {}", path,
                   std::int64_t{dims[0]} * dims[1] * dims[2], in_quotes(array.name), array.n_tuples);
     field.layout.byte_order = byte_order_of(encoding);
-    field.load = [file, encoding, array] { return load_array(file, encoding, array); };
+    field.load = [file, encoding, array, storage] {
+      return load_array(file, encoding, array, storage);
+    };
     fields.push_back(std::move(field));
   }
   return fields;
@@ -232,7 +242,7 @@ Result<std::vector<ImageField>> make_legacy_fields(const InputFilePtr& file,
 
 }  // namespace
 
-Result<Image> read_vtk_legacy(const std::string& path) {
+Result<Image> read_vtk_legacy(const std::string& path, const SampleStorage& storage) {
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
   const auto stream = make_file_stream(file, 0);
   LegacyFile legacy{.cursor = TextCursor(*stream, path)};
@@ -246,7 +256,7 @@ Result<Image> read_vtk_legacy(const std::string& path) {
               .fields = {},
               .tally = file->tally()};
   LODE_TRY(image.grid, make_legacy_grid(file, legacy.encoding, data));
-  LODE_TRY(image.fields, make_legacy_fields(file, legacy.encoding, data, image.grid.dims));
+  LODE_TRY(image.fields, make_legacy_fields(file, legacy.encoding, data, image.grid.dims, storage));
   return image;
 }
 

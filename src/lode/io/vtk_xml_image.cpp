@@ -126,7 +126,7 @@ std::string describe_format(const VtkXmlFile& xml, bool is_image) {
 
 }  // namespace
 
-Result<Image> read_vtk_xml_image(const std::string& path) {
+Result<Image> read_vtk_xml_image(const std::string& path, const SampleStorage& /*storage*/) {
   LODE_TRY(const VtkXmlFilePtr xml, open_vtk_xml(path));
   const std::string kind = xml->root().attribute("type").as_string();
   if (kind != "ImageData" && kind != "RectilinearGrid")

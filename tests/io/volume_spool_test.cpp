@@ -1,0 +1,274 @@
+#include <random>
+
+#include "lode/io/spooled_store.h"
+#include "lode/io/text.h"
+#include "tests/io/volume_spool_files.h"
+
+namespace lode::io {
+namespace {
+
+using test::kSpoolDims;
+using test::noise;
+using test::spooling;
+using test::SpoolSeed;
+using test::TempDir;
+
+std::vector<std::byte> read_box(VolumeSource& source, const IndexBox& box) {
+  std::vector<std::byte> out(static_cast<std::size_t>(box.n_samples()) *
+                             size_of(source.info().type));
+  const auto status = source.read(box, out);
+  EXPECT_TRUE(status) << status.error().message;
+  return out;
+}
+
+/// The two passes of an out-of-core build: slices upwards, then overlapping boxes of whole rows.
+std::vector<IndexBox> passes(const Index3& dims) {
+  std::vector<IndexBox> boxes;
+  for (std::int32_t z = 0; z < dims[2]; ++z)
+    boxes.push_back({{{0, 0, z}}, {{dims[0], dims[1], z + 1}}});
+  constexpr std::int32_t kStep = 16;
+  constexpr std::int32_t kOverlap = 3;
+  for (std::int32_t z = 0; z < dims[2]; z += kStep)
+    for (std::int32_t y = 0; y < dims[1]; y += kStep)
+      boxes.push_back({{{0, y, z}},
+                       {{dims[0], std::min(y + kStep + kOverlap, dims[1]),
+                         std::min(z + kStep + kOverlap, dims[2])}}});
+  return boxes;
+}
+
+class volume_spool : public testing::TestWithParam<SpoolSeed> {
+ protected:
+  volume_spool() {
+    for (const auto& [name, bytes] : GetParam().files) path_ = files_.write(name, bytes);
+    std::filesystem::create_directory(files_.path("spool"));
+    options_ = GetParam().options;
+  }
+
+  [[nodiscard]] std::unique_ptr<VolumeSource> open_spooling() const {
+    auto source = open_volume(path_, spooling(options_, files_.path("spool")));
+    EXPECT_TRUE(source) << source.error().message;
+    return source ? std::move(*source) : nullptr;
+  }
+
+  void expect_same_boxes(const std::vector<IndexBox>& boxes) const {
+    const auto whole = test::read_volume(path_, options_);
+    ASSERT_TRUE(whole) << whole.error().message;
+    const auto expected = make_memory_source(*whole);
+    const auto source = open_spooling();
+    ASSERT_NE(source, nullptr);
+    for (const IndexBox& box : boxes) ASSERT_EQ(read_box(*source, box), read_box(*expected, box));
+    EXPECT_TRUE(std::filesystem::is_empty(files_.path("spool")));
+  }
+
+  TempDir files_;
+  std::string path_;
+  ReadOptions options_;
+};
+
+TEST_P(volume_spool, gives_both_passes_the_samples_that_memory_holds) {
+  expect_same_boxes(passes(kSpoolDims));
+}
+
+TEST_P(volume_spool, gives_boxes_in_any_order) {
+  constexpr std::uint64_t kSeed = 20261122;
+  SCOPED_TRACE(fmt::format("seed {}", kSeed));
+  std::mt19937_64 random(kSeed);
+  std::vector<IndexBox> boxes;
+  for (int i = 0; i < 60; ++i) {
+    IndexBox box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto n = static_cast<std::uint64_t>(kSpoolDims[axis]);
+      const auto a = static_cast<std::int32_t>(random() % n);
+      const auto b = static_cast<std::int32_t>(random() % n);
+      box.lower[axis] = std::min(a, b);
+      box.upper[axis] = std::max(a, b) + 1;
+    }
+    boxes.push_back(box);
+  }
+  expect_same_boxes(boxes);
+}
+
+TEST_P(volume_spool, moves_each_byte_once_and_reads_back_what_is_read_again) {
+  const auto source = open_spooling();
+  ASSERT_NE(source, nullptr);
+  const auto boxes = passes(kSpoolDims);
+  const auto n_slices = static_cast<std::size_t>(kSpoolDims[2]);
+  for (std::size_t i = 0; i < n_slices; ++i) (void)read_box(*source, boxes[i]);
+  const IoCounts first = source->io();
+  EXPECT_LE(first.n_file_bytes_read, GetParam().most_file_bytes());
+  EXPECT_EQ(first.n_spool_bytes_read, 0U);
+  std::uint64_t n_again = 0;
+  const std::uint64_t sample_bytes =
+      GetParam().n_bytes / static_cast<std::uint64_t>(source->info().grid.index_box().n_samples());
+  for (std::size_t i = n_slices; i < boxes.size(); ++i) {
+    (void)read_box(*source, boxes[i]);
+    n_again += static_cast<std::uint64_t>(boxes[i].n_samples()) * sample_bytes;
+  }
+  const IoCounts second = source->io();
+  if (GetParam().is_spooled) {
+    // The tail stays in the spool's buffer of 64 kB.
+    EXPECT_LE(first.n_spool_bytes_written, GetParam().n_bytes);
+    EXPECT_GE(first.n_spool_bytes_written + 65536, GetParam().n_bytes);
+    EXPECT_LE(second.n_spool_bytes_read, n_again);
+    EXPECT_GT(second.n_spool_bytes_read, n_again / 2);
+    EXPECT_EQ(second.n_file_bytes_read, first.n_file_bytes_read);
+    EXPECT_EQ(second.n_spool_bytes_written, first.n_spool_bytes_written);
+  } else {
+    EXPECT_EQ(second.n_spool_bytes_written, 0U);
+    EXPECT_EQ(second.n_spool_bytes_read, 0U);
+  }
+}
+
+TEST_P(volume_spool, needs_a_directory_that_takes_files) {
+  for (const std::string& directory : {files_.path("gone"), std::string("/proc")}) {
+    const auto source = open_volume(path_, spooling(options_, directory));
+    ASSERT_EQ(source.has_value(), !GetParam().is_spooled);
+    if (source) continue;
+    EXPECT_NE(source.error().message.find(directory + ": no spool file"), std::string::npos)
+        << source.error().message;
+    EXPECT_NE(source.error().message.find("memory limit of 20 bytes"), std::string::npos);
+  }
+}
+
+TEST_P(volume_spool, decodes_while_opening_what_fits) {
+  ReadOptions options = spooling(options_, files_.path("gone"));
+  options.memory_limit = GetParam().n_bytes;
+  const auto source = open_volume(path_, options);
+  ASSERT_TRUE(source) << source.error().message;
+  const std::uint64_t n_opened = (*source)->io().n_file_bytes_read;
+  (void)read_box(**source, (*source)->info().grid.index_box());
+  EXPECT_EQ((*source)->io().n_file_bytes_read, n_opened);
+}
+
+TEST_P(volume_spool, finds_damage_at_the_read_that_reaches_it) {
+  const Index3 dims = kSpoolDims;
+  // Two thirds of the way: the data are noise, so the place in the file is the place in the volume.
+  const SpoolSeed& seed = GetParam();
+  const auto& [name, bytes] = *std::ranges::max_element(
+      seed.files, {}, [](const auto& file) { return file.second.size(); });
+  files_.write(name, bytes.substr(0, bytes.size() / 3 * 2));
+  const auto source = open_spooling();
+  ASSERT_NE(source, nullptr);
+  std::vector<std::byte> slice(static_cast<std::size_t>(dims[0]) *
+                               static_cast<std::size_t>(dims[1]) * size_of(source->info().type));
+  std::int32_t z = 0;
+  Result<void> status;
+  for (; z < dims[2] && status; ++z)
+    status = source->read({{{0, 0, z}}, {{dims[0], dims[1], z + 1}}}, slice);
+  ASSERT_FALSE(status);
+  EXPECT_GT(z, dims[2] / 2);
+  EXPECT_LT(z, dims[2] * 3 / 4);
+  EXPECT_NE(status.error().message.find(name), std::string::npos) << status.error().message;
+  EXPECT_NE(status.error().message.find("too early"), std::string::npos) << status.error().message;
+  // What was decoded stays readable, what was not stays lost.
+  EXPECT_TRUE(source->read({{{0, 0, 0}}, {{dims[0], dims[1], 1}}}, slice));
+  const auto again = source->read({{{0, 0, dims[2] - 1}}, {{dims[0], dims[1], dims[2]}}}, slice);
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().message, status.error().message);
+  EXPECT_TRUE(std::filesystem::is_empty(files_.path("spool")));
+}
+
+std::string name_of_spool_seed(const testing::TestParamInfo<SpoolSeed>& info) {
+  return info.param.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(formats, volume_spool, testing::ValuesIn(test::spool_seeds()),
+                         name_of_spool_seed);
+
+/// A gzipped raw volume whose stream is `bytes` though the layout promises `n` of them.
+struct Promise {
+  TempDir dir;
+  ReadOptions options;
+  std::string path;
+
+  Promise(const std::string& compressed, std::int32_t n) : path(dir.write("a.raw.gz", compressed)) {
+    std::filesystem::create_directory(dir.path("spool"));
+    options = spooling({}, dir.path("spool"));
+    options.raw = RawLayout{.dims = {{n, 1, 1}}};
+  }
+
+  /// Expects all but the last byte to be there, and the read of that one to fail with `words`.
+  void expect_failure_at_the_last_byte(const std::string& words) const {
+    const auto source = open_volume(path, options);
+    ASSERT_TRUE(source) << source.error().message;
+    const std::int32_t n = options.raw->dims[0];
+    (void)read_box(**source, {{{0, 0, 0}}, {{n - 1, 1, 1}}});
+    std::vector<std::byte> last(1);
+    for (int i = 0; i < 2; ++i) {
+      const auto status = (*source)->read({{{n - 1, 0, 0}}, {{n, 1, 1}}}, last);
+      ASSERT_FALSE(status);
+      EXPECT_NE(status.error().message.find(path), std::string::npos) << status.error().message;
+      EXPECT_NE(status.error().message.find(words), std::string::npos) << status.error().message;
+    }
+    (void)read_box(**source, {{{0, 0, 0}}, {{n - 1, 1, 1}}});
+    EXPECT_TRUE(std::filesystem::is_empty(dir.path("spool")));
+  }
+};
+
+TEST(volume_spool_end, says_what_opening_said_when_the_last_byte_is_read) {
+  const std::string bytes = noise(300'000);
+  std::string damaged = test::gzipped(bytes);
+  damaged[damaged.size() - 6] = static_cast<char>(damaged[damaged.size() - 6] ^ 1);
+  Promise(test::gzipped(bytes), 300'001).expect_failure_at_the_last_byte("hold 300000");
+  Promise(test::gzipped(bytes), 299'999).expect_failure_at_the_last_byte("hold more");
+  Promise(damaged, 300'000).expect_failure_at_the_last_byte("damaged");
+}
+
+TEST(volume_spool_end, refuses_while_opening_what_deflate_cannot_hold) {
+  const Promise promise(test::gzipped("x"), 2'000'000'000);
+  test::expect_failure(promise.path, {"promises"}, promise.options);
+}
+
+TEST(volume_spool_end, names_the_directory_that_is_full) {
+  const Promise promise(test::gzipped(noise(600'000)), 600'000);
+  const auto source = open_volume(promise.path, promise.options);
+  ASSERT_TRUE(source) << source.error().message;
+  std::vector<std::byte> out(600'000);
+  const test::FileSizeLimit limit(300'000);
+  const auto status = (*source)->read({{{0, 0, 0}}, {{600'000, 1, 1}}}, out);
+  ASSERT_FALSE(status);
+  for (const std::string& part : {promise.path, promise.dir.path("spool"),
+                                  std::string("cannot be "
+                                              "written")})
+    EXPECT_NE(status.error().message.find(part), std::string::npos) << status.error().message;
+}
+
+TEST(volume_spool_text, is_refused_beyond_the_limit_with_a_way_out) {
+  const TempDir dir;
+  std::string numbers;
+  for (int i = 0; i < 24; ++i) numbers += fmt::format("{} ", i);
+  const std::string nrrd =
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nendian: little\nencoding: ";
+  const std::string paths[] = {
+      dir.write("a.nrrd", nrrd + "ascii\n\n" + numbers),
+      dir.write("b.nrrd", nrrd + "hex\n\n" + std::string(96, 'a')),
+      dir.write("a.mha",
+                "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nBinaryData = False\n"
+                "ElementDataFile = LOCAL\n" +
+                    numbers),
+      dir.write("a.vtk",
+                "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\n"
+                "DIMENSIONS 4 3 2\nPOINT_DATA 24\nSCALARS v short 1\nLOOKUP_TABLE t\n" +
+                    numbers)};
+  for (const std::string& path : paths) {
+    ReadOptions options;
+    options.memory_limit = 48;
+    EXPECT_EQ(test::samples_of<std::int16_t>(path, options).size(), 24U);
+    options.memory_limit = 47;
+    test::expect_failure(path,
+                         {" samples of 48 bytes cannot be streamed within a memory limit of 47 "
+                          "bytes; convert to raw NRRD"},
+                         options);
+  }
+}
+
+TEST(volume_spool_text, sizes_have_three_digits) {
+  EXPECT_EQ(format_bytes(999), "999 bytes");
+  EXPECT_EQ(format_bytes(512'000'000), "512 MB");
+  EXPECT_EQ(format_bytes(12'400'000'000), "12.4 GB");
+  EXPECT_EQ(format_bytes(999'999), "1 MB");
+  EXPECT_EQ(format_bytes(std::numeric_limits<std::uint64_t>::max()), "18.4 EB");
+}
+
+}  // namespace
+}  // namespace lode::io
