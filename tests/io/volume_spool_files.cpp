@@ -41,10 +41,13 @@ std::vector<SpoolSeed> nifti_seeds() {
   scaled.set<float>(112, 2).set<float>(116, -1);
   NiftiBytes pair = plain;
   pair.set_text(344, "ni1").set<float>(108, 8);
-  return {seed_of("nifti", {{"a.nii.gz", gzipped(plain.bytes() + shorts())}}),
-          seed_of("nifti_scaled", {{"b.nii.gz", gzipped(scaled.bytes() + shorts())}}),
-          seed_of("nifti_pair", {{"c.hdr.gz", gzipped(pair.bytes())},
-                                 {"c.img.gz", gzipped("8 bytes." + shorts())}})};
+  std::vector<SpoolSeed> seeds = {
+      seed_of("nifti", {{"a.nii.gz", gzipped(plain.bytes() + shorts())}}),
+      seed_of("nifti_scaled", {{"b.nii.gz", gzipped(scaled.bytes() + shorts())}}),
+      seed_of("nifti_pair",
+              {{"c.hdr.gz", gzipped(pair.bytes())}, {"c.img.gz", gzipped("8 bytes." + shorts())}})};
+  for (SpoolSeed& seed : seeds) seed.header_piece = std::uint64_t{1} << 18;
+  return seeds;
 }
 
 std::vector<SpoolSeed> other_seeds() {
@@ -70,9 +73,7 @@ std::string noise(std::size_t n) {
 std::uint64_t SpoolSeed::most_file_bytes() const {
   std::uint64_t n = 0;
   for (const auto& [file, bytes] : files) n += bytes.size();
-  // Headers, compressed or not, are looked at on their own before.
-  constexpr std::uint64_t kHeaders = std::uint64_t{1} << 18;
-  return n + kHeaders;
+  return n + std::min<std::uint64_t>(header_piece, n);
 }
 
 std::vector<SpoolSeed> spool_seeds() {
@@ -86,6 +87,60 @@ ReadOptions spooling(ReadOptions options, const std::string& directory) {
   options.memory_limit = 20;
   options.spool_directory = directory;
   return options;
+}
+
+std::string vtk_image(const VtkText& text) {
+  const std::string extent = "Extent=\"0 63 0 49 0 47\">";
+  return "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\" header_type=\"UInt32\"" +
+         text.root + "><ImageData Whole" + extent + "<Piece " + extent +
+         "<PointData><DataArray type=\"Int16\" Name=\"v\" " + text.array + ">" + text.content +
+         "</DataArray></PointData></Piece></ImageData>" + text.appended + "</VTKFile>";
+}
+
+VtkBlocked vtk_blocked(const std::string& bytes, std::size_t block) {
+  std::vector<std::uint32_t> header = {
+      static_cast<std::uint32_t>((bytes.size() + block - 1) / block),
+      static_cast<std::uint32_t>(block), static_cast<std::uint32_t>(bytes.size() % block)};
+  std::string blocks;
+  for (std::size_t i = 0; i < bytes.size(); i += block) {
+    const std::string piece = zlibbed(bytes.substr(i, block));
+    header.push_back(static_cast<std::uint32_t>(piece.size()));
+    blocks += piece;
+  }
+  return {.header = bytes_of(header), .blocks = std::move(blocks)};
+}
+
+std::vector<SpoolSeed> vtk_spool_seeds() {
+  const std::string counted =
+      bytes_of<std::uint32_t>({static_cast<std::uint32_t>(shorts().size())}) + shorts();
+  const auto [header, blocks] = vtk_blocked(shorts(), 32768);
+  const auto [one_header, one_block] = vtk_blocked(shorts(), shorts().size());
+  const std::string raw = "<AppendedData encoding=\"raw\">_";
+  const std::string base64_tag = "<AppendedData encoding=\"base64\">_";
+  const std::string end = "</AppendedData>";
+  const auto seed = [](const char* name, const VtkText& text) {
+    SpoolSeed result = seed_of(name, {{std::string(name) + ".vti", vtk_image(text)}});
+    result.header_piece = std::uint64_t{1} << 20;
+    return result;
+  };
+  SpoolSeed small =
+      seed("vtk_small_blocks",
+           {.root = kVtkZlib, .array = kVtkAppended, .appended = raw + header + blocks + end});
+  small.is_spooled = false;
+  return {
+      std::move(small),
+      seed("vtk_one_block", {.root = kVtkZlib,
+                             .array = kVtkAppended,
+                             .appended = raw + one_header + one_block + end}),
+      seed("vtk_appended_base64",
+           {.array = kVtkAppended, .appended = base64_tag + base64(counted) + end}),
+      seed("vtk_appended_base64_blocks",
+           {.root = kVtkZlib,
+            .array = kVtkAppended,
+            .appended = base64_tag + base64(header) + base64(blocks) + end}),
+      seed("vtk_inline", {.array = kVtkBinary, .content = base64(counted)}),
+      seed("vtk_inline_blocks",
+           {.root = kVtkZlib, .array = kVtkBinary, .content = base64(header) + base64(blocks)})};
 }
 
 FileSizeLimit::FileSizeLimit(std::uint64_t n_bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

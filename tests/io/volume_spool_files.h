@@ -24,11 +24,37 @@ struct SpoolSeed {
   std::uint64_t n_bytes = 0;  ///< Of the decoded samples: all components and times.
   bool is_spooled = true;     ///< Else decoded again for every read, beyond the memory limit.
 
-  /// Of one pass upwards through the volume.
+  /// Read first to find the header, and once more with the samples, as far as the file reaches.
+  std::uint64_t header_piece = std::uint64_t{1} << 16;
+
+  /// Read by opening and one pass upwards through the volume.
   [[nodiscard]] std::uint64_t most_file_bytes() const;
 };
 
 std::vector<SpoolSeed> spool_seeds();
+/// Those in VTK XML files, whose counts tell at opening that a file is too short.
+std::vector<SpoolSeed> vtk_spool_seeds();
+
+/// Header and zlib blocks of `block` bytes each, as VTK writes them with UInt32 counts.
+struct VtkBlocked {
+  std::string header;
+  std::string blocks;
+};
+VtkBlocked vtk_blocked(const std::string& bytes, std::size_t block);
+
+/// An ImageData file of kSpoolDims samples of 16 bits.
+struct VtkText {
+  std::string root;      ///< More attributes of the root.
+  std::string array;     ///< More attributes of the array.
+  std::string content;   ///< Of the array.
+  std::string appended;  ///< The whole element.
+};
+std::string vtk_image(const VtkText& text);
+
+/// Attributes.
+constexpr const char* kVtkZlib = " compressor=\"vtkZLibDataCompressor\"";
+constexpr const char* kVtkAppended = "format=\"appended\" offset=\"0\"";
+constexpr const char* kVtkBinary = "format=\"binary\"";
 
 /// The options with a memory limit that no volume keeps to.
 ReadOptions spooling(ReadOptions options, const std::string& directory);

@@ -47,7 +47,8 @@ class FileStream final : public ByteStream {
 
 class MemoryStream final : public ByteStream {
  public:
-  MemoryStream(std::string_view text, std::string path) : text_(text), path_(std::move(path)) {}
+  MemoryStream(std::string_view text, std::string path, std::shared_ptr<const void> owner)
+      : text_(text), path_(std::move(path)), owner_(std::move(owner)) {}
 
   Result<void> read(std::span<std::byte> out) override {
     LODE_CHECK(check(out.size()));
@@ -72,6 +73,7 @@ class MemoryStream final : public ByteStream {
 
   std::string_view text_;
   std::string path_;
+  std::shared_ptr<const void> owner_;
 };
 
 constexpr int kPadding = 64;
@@ -90,7 +92,8 @@ int base64_digit(char c) {
 
 class Base64Stream final : public ByteStream {
  public:
-  Base64Stream(std::string_view text, std::string path) : text_(text), path_(std::move(path)) {}
+  Base64Stream(std::unique_ptr<ByteStream> text, std::string path)
+      : text_(std::move(text)), path_(std::move(path)) {}
 
   Result<void> read(std::span<std::byte> out) override {
     std::size_t done = 0;
@@ -102,20 +105,28 @@ class Base64Stream final : public ByteStream {
   }
 
   std::uint64_t n_left() const override {
-    return (text_.size() - used_) / 4 * 3 + (n_ready_ - next_);
+    return (chunk_.size() - used_ + text_->n_left()) / 4 * 3 + (n_ready_ - next_);
   }
 
  private:
+  Result<void> refill() {
+    constexpr std::uint64_t kChunk = 1 << 16;
+    chunk_.resize(static_cast<std::size_t>(std::min(kChunk, text_->n_left())));
+    used_ = 0;
+    if (chunk_.empty()) return fail("{}: the base64 data end too early", path_);
+    return text_->read(std::as_writable_bytes(std::span(chunk_)));
+  }
+
   Result<void> decode_group() {
     std::array<unsigned, 4> digits{};
     int n_digits = 0;
     int n_padding = 0;
     while (n_digits + n_padding < 4) {
-      if (used_ == text_.size()) return fail("{}: the base64 data end too early", path_);
-      const int digit = base64_digit(text_[used_]);
+      if (used_ == chunk_.size()) LODE_CHECK(refill());
+      const int digit = base64_digit(chunk_[used_]);
       if (digit == kBad || (digit < kPadding && n_padding > 0))
         return fail("{}: expected base64 data, got byte {}", path_,
-                    static_cast<int>(static_cast<unsigned char>(text_[used_])));
+                    static_cast<int>(static_cast<unsigned char>(chunk_[used_])));
       ++used_;
       if (digit == kPadding) ++n_padding;
       if (digit < kPadding)
@@ -130,9 +141,10 @@ class Base64Stream final : public ByteStream {
     return {};
   }
 
-  std::string_view text_;
+  std::unique_ptr<ByteStream> text_;
   std::string path_;
-  std::size_t used_ = 0;
+  std::string chunk_;
+  std::size_t used_ = 0;  ///< Of chunk_.
   std::array<std::byte, 3> ready_{};
   std::size_t n_ready_ = 0;
   std::size_t next_ = 0;
@@ -161,12 +173,13 @@ std::unique_ptr<ByteStream> make_file_stream(InputFilePtr file, std::uint64_t of
   return make_file_stream(std::move(file), offset, n_bytes);
 }
 
-std::unique_ptr<ByteStream> make_base64_stream(std::string_view text, std::string path) {
-  return std::make_unique<Base64Stream>(text, std::move(path));
+std::unique_ptr<ByteStream> make_base64_stream(std::unique_ptr<ByteStream> text, std::string path) {
+  return std::make_unique<Base64Stream>(std::move(text), std::move(path));
 }
 
-std::unique_ptr<ByteStream> make_memory_stream(std::string_view text, std::string path) {
-  return std::make_unique<MemoryStream>(text, std::move(path));
+std::unique_ptr<ByteStream> make_memory_stream(std::string_view text, std::string path,
+                                               std::shared_ptr<const void> owner) {
+  return std::make_unique<MemoryStream>(text, std::move(path), std::move(owner));
 }
 
 }  // namespace lode::io

@@ -31,14 +31,14 @@ class ByteStream {
 /// A file from `offset` to its end.
 [[nodiscard]] std::unique_ptr<ByteStream> make_file_stream(InputFilePtr file, std::uint64_t offset);
 
-/// The bytes that base64 text stands for; the text lies in memory and outlives the stream.
-/// Whitespace is skipped, and padding may occur between groups, as where several encodings were
-/// joined. `path` is what messages name.
-[[nodiscard]] std::unique_ptr<ByteStream> make_base64_stream(std::string_view text,
+/// The bytes that base64 text stands for. Whitespace is skipped, and padding may occur between
+/// groups, as where several encodings were joined. What follows the bytes that are read need not be
+/// base64. `path` is what messages name.
+[[nodiscard]] std::unique_ptr<ByteStream> make_base64_stream(std::unique_ptr<ByteStream> text,
                                                              std::string path);
 
-/// Text in memory as it is; it outlives the stream.
-[[nodiscard]] std::unique_ptr<ByteStream> make_memory_stream(std::string_view text,
-                                                             std::string path);
+/// Text in memory as it is; it outlives the stream, or is part of `owner`.
+[[nodiscard]] std::unique_ptr<ByteStream> make_memory_stream(
+    std::string_view text, std::string path, std::shared_ptr<const void> owner = nullptr);
 
 }  // namespace lode::io

@@ -28,7 +28,7 @@ Result<std::vector<double>> read_array(const VtkXmlFile& xml, pugi::xml_node arr
   if (!type) return fail("{}: expected a DataArray of numbers, got {}", path, quoted(type_name));
   if (n == 0) return std::vector<double>{};
   LODE_TRY(const std::unique_ptr<SampleStore> store,
-           load_vtk_xml_array(xml, array, *type, n * size_of(*type)));
+           load_vtk_xml_array(xml, {.node = array, .type = *type, .n_bytes = n * size_of(*type)}));
   return read_doubles(*store, *type, byte_order_of(xml, array), static_cast<std::size_t>(n));
 }
 

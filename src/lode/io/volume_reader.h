@@ -39,7 +39,8 @@ struct ReadOptions {
   std::optional<double> nodata;              ///< Finite: this value marks holes.
   std::optional<RawLayout> raw;              ///< Needed by, and only for, files of bare samples.
   /// Samples that the file holds encoded are decoded into memory while opening when all of them,
-  /// decoded, take at most so many bytes; beyond that, while reading, into a spool file.
+  /// decoded, take at most so many bytes; beyond that while reading, and into a spool file unless
+  /// the file lets small pieces be decoded on their own, as VTK XML does.
   std::size_t memory_limit = std::numeric_limits<std::size_t>::max();
   /// Of spool files, which have no name there and vanish with the source. Empty: TMPDIR, else /tmp.
   std::string spool_directory;

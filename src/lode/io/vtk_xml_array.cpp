@@ -4,7 +4,7 @@
 #include <array>
 
 #include "lode/io/byte_stream.h"
-#include "lode/io/inflate.h"
+#include "lode/io/spooled_store.h"
 #include "lode/io/text.h"
 #include "lode/io/text_cursor.h"
 #include "lode/io/text_samples.h"
@@ -20,12 +20,17 @@ struct XmlPart {
   std::optional<std::uint64_t> appended_tag;
 };
 
-Result<XmlPart> read_xml_part(const InputFile& file) {
+Result<XmlPart> read_xml_part(const InputFile& file, const SampleStorage& storage) {
   constexpr std::uint64_t kChunk = 1 << 20;
   constexpr std::uint64_t kMaxStart = 1024;
   XmlPart part;
   while (part.text.size() < file.size()) {
     const std::size_t start = part.text.size();
+    if (!storage.holds(start))
+      return fail(
+          "{}: XML text of more than {} cannot be held within a memory limit of {}; write the "
+          "arrays as raw appended data",
+          file.path(), format_bytes(start), format_bytes(storage.memory_limit));
     const auto n = static_cast<std::size_t>(std::min(kChunk, file.size_from(start)));
     part.text.resize(start + n);
     LODE_CHECK(file.read(start, std::as_writable_bytes(std::span(part.text.data() + start, n))));
@@ -73,11 +78,11 @@ Result<void> read_attributes(VtkXmlFile& xml) {
   if (order != "LittleEndian" && order != "BigEndian")
     return fail("{}: expected byte_order LittleEndian or BigEndian, got {}", path,
                 in_quotes(order));
-  xml.byte_order = order == "BigEndian" ? ByteOrder::big : ByteOrder::little;
+  xml.counts.byte_order = order == "BigEndian" ? ByteOrder::big : ByteOrder::little;
   const std::string header = root.attribute("header_type").as_string("UInt32");
   if (header != "UInt32" && header != "UInt64")
     return fail("{}: expected header_type UInt32 or UInt64, got {}", path, in_quotes(header));
-  xml.header_bytes = header == "UInt64" ? 8 : 4;
+  xml.counts.n_bytes = header == "UInt64" ? 8 : 4;
   const std::string compressor = root.attribute("compressor").as_string();
   if (!compressor.empty() && compressor != "vtkZLibDataCompressor")
     return fail("{}: expected no compressor or vtkZLibDataCompressor, got {}", path,
@@ -86,13 +91,13 @@ Result<void> read_attributes(VtkXmlFile& xml) {
   return {};
 }
 
-/// An array's bytes as they are in the file, before any decompression. `text` keeps what the
-/// stream reads from.
+/// An array's bytes as they are in the file, before any decompression.
 Result<std::unique_ptr<ByteStream>> encoded_stream(const VtkXmlFile& xml,
-                                                   const pugi::xml_node& array, std::string& text) {
+                                                   const pugi::xml_node& array) {
   const std::string& path = xml.file->path();
   const std::string format = array.attribute("format").as_string("ascii");
-  if (format == "binary") return make_base64_stream(array.child_value(), path);
+  if (format == "binary")
+    return make_base64_stream(make_memory_stream(array.child_value(), path, xml.document), path);
   if (format != "appended")
     return fail("{}: expected format ascii, binary or appended, got {}", path, in_quotes(format));
   if (xml.appended == VtkXmlFile::Appended::none)
@@ -102,96 +107,54 @@ Result<std::unique_ptr<ByteStream>> encoded_stream(const VtkXmlFile& xml,
   if (!offset || *offset >= n_left)
     return fail("{}: expected an offset into the {} bytes of appended data, got {}", path, n_left,
                 in_quotes(array.attribute("offset").as_string()));
-  const std::uint64_t start = xml.appended_start + *offset;
-  if (xml.appended == VtkXmlFile::Appended::raw) return make_file_stream(xml.file, start);
-  text.resize(static_cast<std::size_t>(xml.file->size_from(start)));
-  LODE_CHECK(xml.file->read(start, std::as_writable_bytes(std::span(text.data(), text.size()))));
-  return make_base64_stream(text, path);
+  auto stream = make_file_stream(xml.file, xml.appended_start + *offset);
+  if (xml.appended == VtkXmlFile::Appended::raw) return stream;
+  return make_base64_stream(std::move(stream), path);
 }
 
-Result<std::uint64_t> read_count(const VtkXmlFile& xml, ByteStream& stream) {
-  std::array<std::byte, 8> bytes{};
-  const auto used = std::span(bytes).first(xml.header_bytes);
-  LODE_CHECK(stream.read(used));
-  std::uint64_t count = 0;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    const std::size_t at = xml.byte_order == ByteOrder::big ? i : used.size() - 1 - i;
-    count = count << 8 | static_cast<std::uint64_t>(used[at]);
-  }
-  return count;
-}
-
-struct BlockSizes {
-  std::vector<std::uint64_t> compressed;
-  std::uint64_t block = 0;
-  std::uint64_t last = 0;  ///< Of the last block.
-};
-
-Result<BlockSizes> read_block_sizes(const VtkXmlFile& xml, ByteStream& stream,
-                                    std::uint64_t n_bytes) {
-  const std::string& path = xml.file->path();
-  LODE_TRY(const std::uint64_t n_blocks, read_count(xml, stream));
-  LODE_TRY(const std::uint64_t block, read_count(xml, stream));
-  LODE_TRY(const std::uint64_t partial, read_count(xml, stream));
-  const std::uint64_t n_full = n_blocks - (partial > 0 && n_blocks > 0 ? 1 : 0);
-  const bool fits =
-      n_blocks > 0 && partial <= n_bytes && (n_full == 0 || block <= n_bytes / n_full);
-  if (!fits || n_full * block + partial != n_bytes)
-    return fail("{}: expected compressed blocks of {} bytes in all, got {} of {} and {} more", path,
-                n_bytes, n_full, block, partial);
-  if (n_blocks > stream.n_left() / xml.header_bytes)
-    return fail("{}: expected {} compressed blocks, but only {} bytes follow", path, n_blocks,
-                stream.n_left());
-  BlockSizes sizes{.compressed = {}, .block = block, .last = partial > 0 ? partial : block};
-  sizes.compressed.resize(static_cast<std::size_t>(n_blocks));
-  for (std::uint64_t& size : sizes.compressed) {
-    LODE_TRY(size, read_count(xml, stream));
-  }
-  return sizes;
-}
-
-Result<std::vector<std::byte>> inflate_blocks(const VtkXmlFile& xml, ByteStream& stream,
-                                              std::uint64_t n_bytes) {
-  const std::string& path = xml.file->path();
-  LODE_TRY(const BlockSizes sizes, read_block_sizes(xml, stream, n_bytes));
-  LODE_CHECK(check_inflated_size(path, n_bytes, stream.n_left()));
-  std::vector<std::byte> bytes(static_cast<std::size_t>(n_bytes));
-  std::vector<std::byte> compressed;
-  std::span<std::byte> out = bytes;
-  for (std::size_t i = 0; i < sizes.compressed.size(); ++i) {
-    const std::uint64_t n = sizes.compressed[i];
-    if (n > stream.n_left())
-      return fail("{}: expected a compressed block of {} bytes, but only {} follow", path, n,
-                  stream.n_left());
-    compressed.resize(static_cast<std::size_t>(n));
-    LODE_CHECK(stream.read(compressed));
-    const bool is_last = i + 1 == sizes.compressed.size();
-    const auto n_out = static_cast<std::size_t>(is_last ? sizes.last : sizes.block);
-    LODE_CHECK(inflate_block(compressed, path, out.first(n_out)));
-    out = out.subspan(n_out);
-  }
-  return bytes;
-}
-
-Result<std::vector<std::byte>> decode_text(const VtkXmlFile& xml, const pugi::xml_node& array,
-                                           ScalarType type, std::uint64_t n_bytes) {
-  const std::string_view text = array.child_value();
-  auto stream = make_memory_stream(text, xml.file->path());
-  TextCursor cursor(*stream, xml.file->path());
-  return read_text_samples(cursor, text.size(), type, n_bytes);
+/// Whether the array's bytes, compressed or not, lie in the file as they are.
+bool is_raw_appended(const VtkXmlFile& xml, const pugi::xml_node& array) {
+  return xml.appended == VtkXmlFile::Appended::raw &&
+         std::string_view(array.attribute("format").as_string()) == "appended";
 }
 
 bool is_text(const pugi::xml_node& array) {
   return std::string_view(array.attribute("format").as_string("ascii")) == "ascii";
 }
 
+Result<std::unique_ptr<SampleStore>> load_text_array(const VtkXmlFile& xml,
+                                                     const VtkXmlDataArray& array) {
+  const std::string& path = xml.file->path();
+  LODE_CHECK(check_held(path, "text", array.n_bytes, array.storage));
+  const std::string_view text = array.node.child_value();
+  auto stream = make_memory_stream(text, path);
+  TextCursor cursor(*stream, path);
+  LODE_TRY(std::vector<std::byte> bytes,
+           read_text_samples(cursor, text.size(), array.type, array.n_bytes));
+  return make_memory_store(std::move(bytes));
+}
+
+/// Decodes a stream, known to be long enough, now or while it is read.
+Result<std::unique_ptr<SampleStore>> keep(const VtkXmlFile& xml, std::unique_ptr<ByteStream> stream,
+                                          const VtkXmlDataArray& array) {
+  if (!array.storage.holds(array.n_bytes))
+    return make_spooled_store({.path = xml.file->path(),
+                               .stream = std::move(stream),
+                               .n_bytes = array.n_bytes,
+                               .tally = xml.file->tally()},
+                              array.storage);
+  std::vector<std::byte> bytes(static_cast<std::size_t>(array.n_bytes));
+  LODE_CHECK(stream->read(bytes));
+  return make_memory_store(std::move(bytes));
+}
+
 }  // namespace
 
-Result<VtkXmlFilePtr> open_vtk_xml(const std::string& path) {
+Result<VtkXmlFilePtr> open_vtk_xml(const std::string& path, const SampleStorage& storage) {
   auto xml = std::make_shared<VtkXmlFile>();
   LODE_TRY(xml->file, InputFile::open(path));
-  LODE_TRY(const XmlPart part, read_xml_part(*xml->file));
-  const pugi::xml_parse_result parsed = xml->document.load_buffer(
+  LODE_TRY(const XmlPart part, read_xml_part(*xml->file, storage));
+  const pugi::xml_parse_result parsed = xml->document->load_buffer(
       part.text.data(), part.text.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!parsed)
     return fail("{}: expected well-formed XML: {} at byte {}", path, parsed.description(),
@@ -203,33 +166,28 @@ Result<VtkXmlFilePtr> open_vtk_xml(const std::string& path) {
 }
 
 ByteOrder byte_order_of(const VtkXmlFile& xml, const pugi::xml_node& array) {
-  return is_text(array) ? native_byte_order() : xml.byte_order;
+  return is_text(array) ? native_byte_order() : xml.counts.byte_order;
 }
 
 Result<std::unique_ptr<SampleStore>> load_vtk_xml_array(const VtkXmlFile& xml,
-                                                        const pugi::xml_node& array,
-                                                        ScalarType type, std::uint64_t n_bytes) {
+                                                        const VtkXmlDataArray& array) {
   const std::string& path = xml.file->path();
-  if (is_text(array)) {
-    LODE_TRY(std::vector<std::byte> bytes, decode_text(xml, array, type, n_bytes));
-    return make_memory_store(std::move(bytes));
-  }
-  std::string text;
-  LODE_TRY(const std::unique_ptr<ByteStream> stream, encoded_stream(xml, array, text));
+  const std::uint64_t n_bytes = array.n_bytes;
+  if (is_text(array.node)) return load_text_array(xml, array);
+  LODE_TRY(std::unique_ptr<ByteStream> stream, encoded_stream(xml, array.node));
+  const bool is_in_file = is_raw_appended(xml, array.node);
   if (xml.is_compressed) {
-    LODE_TRY(std::vector<std::byte> bytes, inflate_blocks(xml, *stream, n_bytes));
-    return make_memory_store(std::move(bytes));
+    LODE_TRY(VtkBlocks blocks, read_vtk_blocks(path, *stream, xml.counts, n_bytes));
+    if (is_in_file && !array.storage.holds(n_bytes) && blocks.are_small())
+      return make_vtk_block_store(xml.file, xml.file->size() - stream->n_left(), std::move(blocks));
+    return keep(xml, make_vtk_block_stream(std::move(stream), std::move(blocks)), array);
   }
-  LODE_TRY(const std::uint64_t n_given, read_count(xml, *stream));
+  LODE_TRY(const std::uint64_t n_given, read_vtk_count(*stream, xml.counts));
   if (n_given != n_bytes || n_bytes > stream->n_left())
     return fail("{}: expected an array of {} bytes, got one of {} ({} follow)", path, n_bytes,
                 n_given, stream->n_left());
-  const bool is_appended = std::string_view(array.attribute("format").as_string()) == "appended";
-  if (is_appended && xml.appended == VtkXmlFile::Appended::raw)
-    return make_file_store(xml.file, xml.file->size() - stream->n_left(), n_bytes);
-  std::vector<std::byte> bytes(static_cast<std::size_t>(n_bytes));
-  LODE_CHECK(stream->read(bytes));
-  return make_memory_store(std::move(bytes));
+  if (is_in_file) return make_file_store(xml.file, xml.file->size() - stream->n_left(), n_bytes);
+  return keep(xml, std::move(stream), array);
 }
 
 }  // namespace lode::io

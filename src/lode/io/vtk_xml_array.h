@@ -8,6 +8,8 @@
 #include "lode/core/result.h"
 #include "lode/io/image.h"
 #include "lode/io/input_file.h"
+#include "lode/io/sample_storage.h"
+#include "lode/io/vtk_xml_blocks.h"
 
 namespace lode::io {
 
@@ -17,28 +19,38 @@ struct VtkXmlFile {
   enum class Appended { none, raw, base64 };
 
   InputFilePtr file;
-  pugi::xml_document document;
-  ByteOrder byte_order = ByteOrder::little;
-  std::size_t header_bytes = 4;  ///< Size of the counts before the data: UInt32 or UInt64.
-  bool is_compressed = false;    ///< By zlib, in blocks.
+  /// Shared by the stores that read text from it.
+  std::shared_ptr<pugi::xml_document> document = std::make_shared<pugi::xml_document>();
+  VtkCounts counts;            ///< Their byte order is also that of the numbers.
+  bool is_compressed = false;  ///< By zlib, in blocks.
   Appended appended = Appended::none;
   std::uint64_t appended_start = 0;  ///< Right behind the underscore.
 
-  [[nodiscard]] pugi::xml_node root() const { return document.child("VTKFile"); }
+  [[nodiscard]] pugi::xml_node root() const { return document->child("VTKFile"); }
 };
 
 using VtkXmlFilePtr = std::shared_ptr<const VtkXmlFile>;
 
-/// Reads and checks everything but the arrays' data.
-[[nodiscard]] Result<VtkXmlFilePtr> open_vtk_xml(const std::string& path);
+/// Reads and checks everything but the arrays' data. Fails when the XML part, which holds all but
+/// appended arrays, exceeds the storage's limit and a megabyte.
+[[nodiscard]] Result<VtkXmlFilePtr> open_vtk_xml(const std::string& path,
+                                                 const SampleStorage& storage = {});
 
 /// The byte order that a loaded array has: text is decoded to this machine's.
 [[nodiscard]] ByteOrder byte_order_of(const VtkXmlFile& xml, const pugi::xml_node& array);
 
-/// Finds or decodes the `n_bytes` of a DataArray: ascii, binary (base64) or appended.
+/// A DataArray, what it has to be, and where it goes.
+struct VtkXmlDataArray {
+  pugi::xml_node node;
+  ScalarType type = ScalarType::uint8;
+  std::uint64_t n_bytes = 0;
+  SampleStorage storage = {};
+};
+
+/// Finds or decodes a DataArray: ascii, binary (base64) or appended. Beyond the storage's limit
+/// small blocks in raw appended data are decoded whenever they are read, other encoded arrays once
+/// into a spool, and text is refused.
 [[nodiscard]] Result<std::unique_ptr<SampleStore>> load_vtk_xml_array(const VtkXmlFile& xml,
-                                                                      const pugi::xml_node& array,
-                                                                      ScalarType type,
-                                                                      std::uint64_t n_bytes);
+                                                                      const VtkXmlDataArray& array);
 
 }  // namespace lode::io

@@ -76,7 +76,8 @@ Result<RegularGrid> rectilinear_grid(const VtkXmlFile& xml, const pugi::xml_node
     if (!array) return fail("{}: expected three coordinate arrays, got {}", path, i);
     LODE_TRY(const ScalarType type, type_of(path, array));
     const auto n = static_cast<std::size_t>(extent.dims[i]);
-    LODE_TRY(const auto store, load_vtk_xml_array(xml, array, type, n * size_of(type)));
+    LODE_TRY(const auto store,
+             load_vtk_xml_array(xml, {.node = array, .type = type, .n_bytes = n * size_of(type)}));
     LODE_TRY(axes.positions[i], read_doubles(*store, type, byte_order_of(xml, array), n));
     axes.precisions[i] =
         type == ScalarType::float32 ? AxisPrecision::float32 : AxisPrecision::float64;
@@ -85,7 +86,7 @@ Result<RegularGrid> rectilinear_grid(const VtkXmlFile& xml, const pugi::xml_node
 }
 
 Result<ImageField> make_field(const VtkXmlFilePtr& xml, const pugi::xml_node& array,
-                              const Index3& dims) {
+                              const Index3& dims, const SampleStorage& storage) {
   const std::string& path = xml->file->path();
   ImageField field;
   field.name = array.attribute("Name").as_string();
@@ -97,20 +98,22 @@ Result<ImageField> make_field(const VtkXmlFilePtr& xml, const pugi::xml_node& ar
   LODE_TRY(field.layout, interleaved_layout(path, dims, type, *n_components, 1));
   field.layout.byte_order = byte_order_of(*xml, array);
   const std::uint64_t n_bytes = field.layout.n_bytes;
-  field.load = [xml, array, type, n_bytes] {
-    return load_vtk_xml_array(*xml, array, type, n_bytes);
+  field.load = [xml, array, type, n_bytes, storage] {
+    return load_vtk_xml_array(
+        *xml, {.node = array, .type = type, .n_bytes = n_bytes, .storage = storage});
   };
   return field;
 }
 
 Result<std::vector<ImageField>> make_xml_fields(const VtkXmlFilePtr& xml,
-                                                const pugi::xml_node& piece, const Index3& dims) {
+                                                const pugi::xml_node& piece, const Index3& dims,
+                                                const SampleStorage& storage) {
   const std::string& path = xml->file->path();
   std::vector<ImageField> fields;
   for (const pugi::xml_node array : piece.child("PointData").children("DataArray")) {
     // Strings and bits ride along in some files; they are no scalars.
     if (!scalar_type_from_name(array.attribute("type").as_string())) continue;
-    LODE_TRY(ImageField field, make_field(xml, array, dims));
+    LODE_TRY(ImageField field, make_field(xml, array, dims, storage));
     fields.push_back(std::move(field));
   }
   if (!fields.empty()) return fields;
@@ -126,8 +129,8 @@ std::string describe_format(const VtkXmlFile& xml, bool is_image) {
 
 }  // namespace
 
-Result<Image> read_vtk_xml_image(const std::string& path, const SampleStorage& /*storage*/) {
-  LODE_TRY(const VtkXmlFilePtr xml, open_vtk_xml(path));
+Result<Image> read_vtk_xml_image(const std::string& path, const SampleStorage& storage) {
+  LODE_TRY(const VtkXmlFilePtr xml, open_vtk_xml(path, storage));
   const std::string kind = xml->root().attribute("type").as_string();
   if (kind != "ImageData" && kind != "RectilinearGrid")
     return fail("{}: expected ImageData or RectilinearGrid, got {}", path, in_quotes(kind));
@@ -150,7 +153,7 @@ Result<Image> read_vtk_xml_image(const std::string& path, const SampleStorage& /
               .tally = xml->file->tally()};
   LODE_TRY(image.grid,
            is_image ? image_grid(path, data, extent) : rectilinear_grid(*xml, piece, extent));
-  LODE_TRY(image.fields, make_xml_fields(xml, piece, extent.dims));
+  LODE_TRY(image.fields, make_xml_fields(xml, piece, extent.dims, storage));
   return image;
 }
 
