@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "lode/io/deflated_samples.h"
 #include "lode/io/nrrd_axes.h"
+#include "lode/io/nrrd_data.h"
 #include "lode/io/nrrd_files.h"
 #include "lode/io/text.h"
 #include "lode/io/text_cursor.h"
@@ -12,20 +12,6 @@
 
 namespace lode::io {
 namespace {
-
-enum class NrrdEncoding { raw, gzip, text, hex };
-
-/// Where the samples are and how they are written.
-struct NrrdData {
-  InputFilePtr file;               ///< With or without a header; none where there are several.
-  std::vector<std::string> paths;  ///< Of several data files, in the order of their samples.
-  IoTallyPtr tally;                ///< Of all files.
-  std::uint64_t offset = 0;        ///< Of the first byte after the header.
-  std::int64_t line_skip = 0;
-  std::int64_t byte_skip = 0;  ///< -1: the samples are the last bytes of the file (raw only).
-  NrrdEncoding encoding = NrrdEncoding::raw;
-  ScalarType type = ScalarType::uint8;
-};
 
 struct NrrdHeader {
   NrrdFields fields;
@@ -148,16 +134,6 @@ Result<std::int64_t> parse_skip(const std::string& path, const NrrdFields& field
   return *skip;
 }
 
-Result<std::uint64_t> skip_lines(const InputFilePtr& file, std::uint64_t offset, std::int64_t n) {
-  auto stream = make_file_stream(file, offset);
-  TextCursor cursor(*stream, file->path());
-  for (std::int64_t i = 0; i < n; ++i) {
-    LODE_TRY(const auto line, cursor.line());
-    if (!line) return fail("{}: expected {} lines before the samples, got {}", file->path(), n, i);
-  }
-  return offset + cursor.position();
-}
-
 Result<NrrdData> find_nrrd_data(const InputFilePtr& header_file, const NrrdHeader& header) {
   const std::string& path = header_file->path();
   NrrdData data{
@@ -178,79 +154,6 @@ Result<NrrdData> find_nrrd_data(const InputFilePtr& header_file, const NrrdHeade
   LODE_TRY(data.line_skip, parse_skip(path, header.fields, "line skip", 0));
   LODE_TRY(data.byte_skip, parse_skip(path, header.fields, "byte skip", -1));
   return data;
-}
-
-/// Pairs of hexadecimal digits, blanks ignored.
-Result<std::unique_ptr<SampleStore>> load_hex(const InputFilePtr& file, std::uint64_t offset,
-                                              std::uint64_t n_bytes, const SampleStorage& storage) {
-  LODE_CHECK(check_held(file->path(), "hexadecimal", n_bytes, storage));
-  const std::uint64_t n_left = file->size_from(offset);
-  if (n_bytes > n_left / 2)
-    return fail("{}: expected {} bytes as hexadecimal text, the file has {} characters",
-                file->path(), n_bytes, n_left);
-  std::string text(static_cast<std::size_t>(n_left), '\0');
-  LODE_CHECK(file->read(offset, std::as_writable_bytes(std::span(text.data(), text.size()))));
-  std::vector<std::byte> bytes(static_cast<std::size_t>(n_bytes));
-  std::size_t n_digits = 0;
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  for (const char c : to_lower(text)) {
-    if (n_digits == 2 * bytes.size()) break;
-    if (trimmed({&c, 1}).empty()) continue;
-    const std::size_t digit = kDigits.find(c);
-    if (digit == std::string_view::npos)
-      return fail("{}: expected hexadecimal digits, got {}", file->path(), in_quotes({&c, 1}));
-    std::byte& byte = bytes[n_digits++ / 2];
-    byte = byte << 4 | static_cast<std::byte>(digit);
-  }
-  if (n_digits != 2 * bytes.size())
-    return fail("{}: expected {} hexadecimal digits, got {}", file->path(), 2 * bytes.size(),
-                n_digits);
-  return make_memory_store(std::move(bytes));
-}
-
-/// The samples of one file.
-Result<std::unique_ptr<SampleStore>> load_nrrd_file(const InputFilePtr& file, const NrrdData& data,
-                                                    std::uint64_t n_bytes,
-                                                    const SampleStorage& storage) {
-  const std::string& path = file->path();
-  LODE_TRY(const std::uint64_t start, skip_lines(file, data.offset, data.line_skip));
-  if (data.byte_skip < 0) {
-    if (data.encoding != NrrdEncoding::raw)
-      return fail("{}: 'byte skip: -1' is defined for raw encoding only", path);
-    if (file->size_from(start) < n_bytes)
-      return fail("{}: expected {} bytes of samples, got {}", path, n_bytes,
-                  file->size_from(start));
-    return make_file_store(file, file->size() - n_bytes, n_bytes);
-  }
-  const auto skip = static_cast<std::uint64_t>(data.byte_skip);
-  // In compressed data the bytes to skip are counted after decompression.
-  if (data.encoding == NrrdEncoding::gzip)
-    return load_inflated({.file = file, .offset = start, .n_skipped = skip, .n_bytes = n_bytes},
-                         storage);
-  if (skip > file->size_from(start))
-    return fail("{}: expected to skip {} bytes, the file has {}", path, skip, file->size());
-  const std::uint64_t offset = start + skip;
-  if (data.encoding == NrrdEncoding::text)
-    return load_text({.file = file, .offset = offset, .type = data.type, .n_bytes = n_bytes},
-                     storage);
-  if (data.encoding == NrrdEncoding::hex) return load_hex(file, offset, n_bytes, storage);
-  return make_file_store(file, offset, n_bytes);
-}
-
-/// Several files are read into memory one after the other: slices may be more than a process may
-/// hold open.
-Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, std::uint64_t n_bytes,
-                                                    const SampleStorage& storage) {
-  if (data.file) return load_nrrd_file(data.file, data, n_bytes, storage);
-  const std::uint64_t n_each = n_bytes / data.paths.size();
-  std::vector<std::byte> bytes;
-  for (const std::string& path : data.paths) {
-    LODE_TRY(const InputFilePtr file, InputFile::open(path, data.tally));
-    LODE_TRY(const auto store, load_nrrd_file(file, data, n_each, storage));
-    bytes.resize(bytes.size() + static_cast<std::size_t>(n_each));
-    LODE_CHECK(store->read(0, std::span(bytes).last(static_cast<std::size_t>(n_each))));
-  }
-  return make_memory_store(std::move(bytes));
 }
 
 std::string_view name_of(NrrdEncoding encoding) {
