@@ -89,6 +89,23 @@ ReadOptions spooling(ReadOptions options, const std::string& directory) {
   return options;
 }
 
+std::vector<SpoolSeed> part_spool_seeds() {
+  const std::size_t n_slice = shorts().size() / 48;
+  SpoolSeed raw = seed_of("nrrd_raw_slices", {});
+  SpoolSeed gzip = seed_of("nrrd_gzip_slices", {});
+  raw.is_spooled = false;
+  for (std::size_t z = 0; z < 48; ++z) {
+    const std::string slice = shorts().substr(z * n_slice, n_slice);
+    raw.files.emplace_back(fmt::format("s{:02}.raw", z), "skipped" + slice);
+    gzip.files.emplace_back(fmt::format("s{:02}.gz", z), gzipped("skipped" + slice));
+  }
+  const std::string start = "NRRD0004\ntype: short\ndimension: 3\nsizes: " + kSizes +
+                            "\nendian: little\nbyte skip: 7\nencoding: ";
+  raw.files.emplace_back("r.nhdr", start + "raw\ndata file: s%02d.raw 0 47 1\n");
+  gzip.files.emplace_back("g.nhdr", start + "gzip\ndata file: s%02d.gz 0 47 1\n");
+  return {std::move(raw), std::move(gzip)};
+}
+
 std::string vtk_image(const VtkText& text) {
   const std::string extent = "Extent=\"0 63 0 49 0 47\">";
   return "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\" header_type=\"UInt32\"" +
@@ -141,6 +158,14 @@ std::vector<SpoolSeed> vtk_spool_seeds() {
       seed("vtk_inline", {.array = kVtkBinary, .content = base64(counted)}),
       seed("vtk_inline_blocks",
            {.root = kVtkZlib, .array = kVtkBinary, .content = base64(header) + base64(blocks)})};
+}
+
+std::vector<std::byte> read_box(VolumeSource& source, const IndexBox& box) {
+  std::vector<std::byte> out(static_cast<std::size_t>(box.n_samples()) *
+                             size_of(source.info().type));
+  const auto status = source.read(box, out);
+  EXPECT_TRUE(status) << status.error().message;
+  return out;
 }
 
 FileSizeLimit::FileSizeLimit(std::uint64_t n_bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

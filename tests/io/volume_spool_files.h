@@ -32,6 +32,8 @@ struct SpoolSeed {
 };
 
 std::vector<SpoolSeed> spool_seeds();
+/// Those whose samples lie in several files.
+std::vector<SpoolSeed> part_spool_seeds();
 /// Those in VTK XML files, whose counts tell at opening that a file is too short.
 std::vector<SpoolSeed> vtk_spool_seeds();
 
@@ -58,6 +60,9 @@ constexpr const char* kVtkBinary = "format=\"binary\"";
 
 /// The options with a memory limit that no volume keeps to.
 ReadOptions spooling(ReadOptions options, const std::string& directory);
+
+/// The samples of a box, whose read must succeed.
+std::vector<std::byte> read_box(VolumeSource& source, const IndexBox& box);
 
 /// A limit of file sizes while it lives: the one full disk that every machine has.
 class FileSizeLimit {

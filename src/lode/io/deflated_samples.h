@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "lode/core/result.h"
+#include "lode/io/byte_stream.h"
 #include "lode/io/image.h"
 #include "lode/io/input_file.h"
 #include "lode/io/sample_storage.h"
@@ -17,6 +18,10 @@ struct DeflatedSamples {
   std::uint64_t n_skipped = 0;  ///< Bytes before the samples, counted after decompression.
   std::uint64_t n_bytes = 0;    ///< Of the samples, decompressed; the stream holds no more.
 };
+
+/// The samples as a stream, whose last read fails when more follow. Fails when the file is too
+/// small to hold them.
+[[nodiscard]] Result<std::unique_ptr<ByteStream>> inflated_stream(const DeflatedSamples& samples);
 
 /// Decodes the samples into memory where the storage holds them, and fails if they are damaged or
 /// not as many as promised; else makes a spooled store, whose reads find that out.

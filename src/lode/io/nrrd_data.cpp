@@ -4,6 +4,8 @@
 #include <string_view>
 
 #include "lode/io/deflated_samples.h"
+#include "lode/io/sample_parts.h"
+#include "lode/io/spooled_store.h"
 #include "lode/io/text.h"
 #include "lode/io/text_cursor.h"
 #include "lode/io/text_samples.h"
@@ -49,25 +51,33 @@ Result<std::unique_ptr<SampleStore>> load_hex(const InputFilePtr& file, std::uin
   return make_memory_store(std::move(bytes));
 }
 
+/// What a gzip file expands to; the bytes to skip are counted after decompression.
+Result<DeflatedSamples> find_deflated(const InputFilePtr& file, const NrrdData& data,
+                                      std::uint64_t n_bytes) {
+  LODE_TRY(const std::uint64_t start, skip_lines(file, data.offset, data.line_skip));
+  return DeflatedSamples{.file = file,
+                         .offset = start,
+                         .n_skipped = static_cast<std::uint64_t>(data.byte_skip),
+                         .n_bytes = n_bytes};
+}
+
 /// The samples of one file.
 Result<std::unique_ptr<SampleStore>> load_nrrd_file(const InputFilePtr& file, const NrrdData& data,
                                                     std::uint64_t n_bytes,
                                                     const SampleStorage& storage) {
   const std::string& path = file->path();
+  if (data.encoding == NrrdEncoding::gzip) {
+    LODE_TRY(const DeflatedSamples samples, find_deflated(file, data, n_bytes));
+    return load_inflated(samples, storage);
+  }
   LODE_TRY(const std::uint64_t start, skip_lines(file, data.offset, data.line_skip));
   if (data.byte_skip < 0) {
-    if (data.encoding != NrrdEncoding::raw)
-      return fail("{}: 'byte skip: -1' is defined for raw encoding only", path);
     if (file->size_from(start) < n_bytes)
       return fail("{}: expected {} bytes of samples, got {}", path, n_bytes,
                   file->size_from(start));
     return make_file_store(file, file->size() - n_bytes, n_bytes);
   }
   const auto skip = static_cast<std::uint64_t>(data.byte_skip);
-  // In compressed data the bytes to skip are counted after decompression.
-  if (data.encoding == NrrdEncoding::gzip)
-    return load_inflated({.file = file, .offset = start, .n_skipped = skip, .n_bytes = n_bytes},
-                         storage);
   if (skip > file->size_from(start))
     return fail("{}: expected to skip {} bytes, the file has {}", path, skip, file->size());
   const std::uint64_t offset = start + skip;
@@ -78,20 +88,68 @@ Result<std::unique_ptr<SampleStore>> load_nrrd_file(const InputFilePtr& file, co
   return make_file_store(file, offset, n_bytes);
 }
 
-}  // namespace
-
-Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, std::uint64_t n_bytes,
-                                                    const SampleStorage& storage) {
-  if (data.file) return load_nrrd_file(data.file, data, n_bytes, storage);
-  const std::uint64_t n_each = n_bytes / data.paths.size();
+/// Several files, read one after the other.
+Result<std::unique_ptr<SampleStore>> load_into_memory(const NrrdData& data, std::uint64_t n_each) {
   std::vector<std::byte> bytes;
   for (const std::string& path : data.paths) {
     LODE_TRY(const InputFilePtr file, InputFile::open(path, data.tally));
-    LODE_TRY(const auto store, load_nrrd_file(file, data, n_each, storage));
+    LODE_TRY(const auto store, load_nrrd_file(file, data, n_each, {}));
     bytes.resize(bytes.size() + static_cast<std::size_t>(n_each));
     LODE_CHECK(store->read(0, std::span(bytes).last(static_cast<std::size_t>(n_each))));
   }
   return make_memory_store(std::move(bytes));
+}
+
+/// Opens each part once: what a file lacks is better known before hours of reading.
+template <typename Part>
+Result<void> check_parts(const SampleParts<Part>& parts) {
+  for (std::size_t i = 0; i < parts.n_parts; ++i)
+    if (const auto part = parts.open(i); !part) return part.error();
+  return {};
+}
+
+/// Several files of raw samples, each read where it is.
+Result<std::unique_ptr<SampleStore>> load_raw_parts(const NrrdData& data, std::uint64_t n_each) {
+  SampleParts<SampleStore> parts{.n_bytes_each = n_each, .n_parts = data.paths.size(), .open = {}};
+  parts.open = [data, n_each](std::size_t i) -> Result<std::unique_ptr<SampleStore>> {
+    LODE_TRY(const InputFilePtr file, InputFile::open(data.paths[i], data.tally));
+    return load_nrrd_file(file, data, n_each, {});
+  };
+  LODE_CHECK(check_parts(parts));
+  return make_parts_store(std::move(parts));
+}
+
+/// Several gzip files, decoded one after the other while they are read.
+Result<std::unique_ptr<SampleStore>> load_gzip_parts(const NrrdData& data, std::uint64_t n_each,
+                                                     const SampleStorage& storage) {
+  SampleParts<ByteStream> parts{.n_bytes_each = n_each, .n_parts = data.paths.size(), .open = {}};
+  parts.open = [data, n_each](std::size_t i) -> Result<std::unique_ptr<ByteStream>> {
+    LODE_TRY(const InputFilePtr file, InputFile::open(data.paths[i], data.tally));
+    LODE_TRY(const DeflatedSamples samples, find_deflated(file, data, n_each));
+    return inflated_stream(samples);
+  };
+  LODE_CHECK(check_parts(parts));
+  return make_spooled_store({.path = data.paths.front(),
+                             .stream = make_parts_stream(std::move(parts)),
+                             .n_bytes = n_each * data.paths.size(),
+                             .tally = data.tally},
+                            storage);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data, std::uint64_t n_bytes,
+                                                    const SampleStorage& storage) {
+  const std::string& path = data.file ? data.file->path() : data.paths.front();
+  if (data.byte_skip < 0 && data.encoding != NrrdEncoding::raw)
+    return fail("{}: 'byte skip: -1' is defined for raw encoding only", path);
+  if (data.file) return load_nrrd_file(data.file, data, n_bytes, storage);
+  const std::uint64_t n_each = n_bytes / data.paths.size();
+  if (data.encoding == NrrdEncoding::text || data.encoding == NrrdEncoding::hex)
+    LODE_CHECK(check_held(path, "text", n_bytes, storage));
+  if (storage.holds(n_bytes)) return load_into_memory(data, n_each);
+  return data.encoding == NrrdEncoding::gzip ? load_gzip_parts(data, n_each, storage)
+                                             : load_raw_parts(data, n_each);
 }
 
 }  // namespace lode::io

@@ -27,7 +27,8 @@ struct NrrdData {
 };
 
 /// Finds or decodes the `n_bytes` of all samples. Several files are read into memory one after the
-/// other: slices may be more than a process may hold open.
+/// other; beyond the storage's limit, raw ones are opened as reads come to them, and gzip ones
+/// decoded into one spool.
 [[nodiscard]] Result<std::unique_ptr<SampleStore>> load_nrrd_data(const NrrdData& data,
                                                                   std::uint64_t n_bytes,
                                                                   const SampleStorage& storage);

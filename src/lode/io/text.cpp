@@ -1,6 +1,9 @@
 #include "lode/io/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 namespace lode::io {

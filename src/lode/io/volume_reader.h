@@ -60,7 +60,7 @@ struct FileDescription {
 /// Opens a volume for reading; the format follows from the extension: .nrrd .nhdr .mha .mhd .nii
 /// .nii.gz .hdr .img .vti .vtr .vtk, and .raw .raw.gz or any other one with options.raw.
 /// Uncompressed samples stay in the file and are read box by box; compressed and text ones, and
-/// those of several data files, are decoded into memory here, while they fit options.memory_limit.
+/// those of several data files, are read into memory here, while they fit options.memory_limit.
 /// Compressed ones beyond it are decoded as far as reads reach, and damage appears at the read that
 /// reaches it; text ones beyond it are refused. Fails, naming the file, on anything missing,
 /// truncated, malformed or ambiguous (several fields, components or times and no choice).
