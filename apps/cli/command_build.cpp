@@ -44,6 +44,12 @@ Result<void> check_build(const BuildArguments& arguments) {
   return {};
 }
 
+std::string describe_spool(const FileBuildReport& report) {
+  if (report.io.n_spool_bytes_written == 0) return "";
+  return fmt::format("; {} spooled, {} read back", format_bytes(report.io.n_spool_bytes_written),
+                     format_bytes(report.io.n_spool_bytes_read));
+}
+
 Outcome report_build(const BuildArguments& arguments, const FileBuildReport& report) {
   const DatasetInfo& info = report.info;
   const FileBuildSeconds& seconds = report.seconds;
@@ -60,6 +66,11 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
   outcome.json["parts"] = report.n_parts;
   outcome.json["chunks_resumed"] = report.n_chunks_resumed;
   outcome.json["sample_bytes_read"] = report.samples_bytes_read;
+  Json& io = outcome.json["io"];
+  io["file_bytes_read"] = report.io.n_file_bytes_read;
+  io["spool_bytes_written"] = report.io.n_spool_bytes_written;
+  io["spool_bytes_read"] = report.io.n_spool_bytes_read;
+  io["bytes_written"] = report.file_bytes;
   Json& json_seconds = outcome.json["seconds"];
   json_seconds["total"] = seconds.total;
   json_seconds["scan"] = seconds.scan;
@@ -80,9 +91,10 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
                                format_seconds(seconds.build), format_seconds(seconds.write))});
   if (report.n_chunks_resumed > 0)
     table.add({"resumed after", format_count(report.n_chunks_resumed) + " chunks"});
-  table.add({"samples read",
-             fmt::format("{} in {} {}", format_bytes(report.samples_bytes_read),
-                         format_count(report.n_parts), report.n_parts == 1 ? "part" : "parts")});
+  table.add(
+      {"read", fmt::format("{} of the input in {} {}{}", format_bytes(report.io.n_file_bytes_read),
+                           format_count(report.n_parts), report.n_parts == 1 ? "part" : "parts",
+                           describe_spool(report))});
   table.add(
       {"file size", fmt::format("{} ({:.3f} bytes per sample)", format_bytes(report.file_bytes),
                                 static_cast<double>(report.file_bytes) / n)});
@@ -92,7 +104,7 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
 }
 
 Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
-  LODE_TRY(const ReadOptions options, to_read_options(arguments.reading));
+  LODE_TRY(ReadOptions options, to_read_options(arguments.reading));
   LODE_CHECK(check_writable(arguments.output));
   FileBuildOptions build{
       .threads = session.threads(), .unfinished = Unfinished::part, .memory_limit = 0};
@@ -101,6 +113,12 @@ Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
   if (!arguments.memory_limit.empty()) {
     LODE_TRY(build.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
+  if (build.memory_limit == 0) build.memory_limit = physical_memory() / 4;
+  // Decoded samples take an eighth of the memory, or go to a nameless file beside the output.
+  const std::uint64_t for_source = build.memory_limit / 8;
+  build.memory_limit -= for_source;
+  options.memory_limit = static_cast<std::size_t>(for_source);
+  options.spool_directory = std::filesystem::absolute(arguments.output).parent_path().string();
   LODE_TRY(auto source, open_volume(arguments.input, options));
   auto report =
       build_file_from(arguments.input, *source, arguments.output, build, session.progress());

@@ -9,6 +9,7 @@
 #include "extraction_options.h"
 #include "input.h"
 #include "outputs.h"
+#include "parse.h"
 #include "stopwatch.h"
 #include "text.h"
 
@@ -18,6 +19,7 @@ namespace {
 struct ExtractArguments {
   std::string input;
   std::string output;
+  std::string memory_limit;
   ExtractionArguments extraction;
   QueryArguments query;
   ProgressiveArguments progressive;
@@ -51,6 +53,15 @@ std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
 
 Result<void> check_extract(const ExtractArguments& arguments) {
   LODE_CHECK(check_unused(arguments.query));
+  if (!arguments.memory_limit.empty()) {
+    if (auto limit = parse_bytes("--memory-limit", arguments.memory_limit); !limit)
+      return limit.error();
+    if (arguments.query.is_wanted() || arguments.query.is_focused() ||
+        arguments.progressive.is_wanted())
+      return fail(
+          "--memory-limit: expected a plain extraction, without --mesh, --section, --progressive, "
+          "focus, budget or deadline");
+  }
   if (arguments.progressive.is_wanted() &&
       (arguments.query.is_wanted() || arguments.query.is_focused()))
     return fail("--progressive: expected no --mesh, --section, focus, budget or deadline with it");
@@ -78,6 +89,7 @@ struct Totals {
     report.lines += job.lines;
     report.vertices += job.vertices;
     report.nodes_visited += job.nodes_visited;
+    report.bytes_read += job.bytes_read;
     report.cap_cells += job.cap_cells;
     report.components_dropped += job.components_dropped;
     report.triangles_dropped += job.triangles_dropped;
@@ -106,6 +118,7 @@ Json extraction_json(const Extraction& extraction, const std::vector<std::string
   add_extraction(json, extraction.options, report);
   json["coordinate_slack"] = report.coordinate_slack;
   json["nodes_visited"] = report.nodes_visited;
+  json["bytes_read"] = report.bytes_read;
   json["components_dropped"] = report.components_dropped;
   json["triangles_dropped"] = report.triangles_dropped;
   if (extraction.steps.contains("steps")) json["steps"] = extraction.steps["steps"];
@@ -137,6 +150,8 @@ std::string extraction_text(const Extraction& extraction) {
   if (extraction.options.border == Border::closed)
     table.add({"caps at the border", format_count(report.cap_cells)});
   table.add({"nodes visited", format_count(report.nodes_visited)});
+  if (report.bytes_read > 0)
+    table.add({"read", fmt::format("{} of blocks", format_bytes(report.bytes_read))});
   if (extraction.options.min_component > 0)
     table.add(
         {"pieces dropped",
@@ -182,6 +197,9 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
   if (arguments.query.is_focused()) return run_focused_job(arguments.mesh_job(), session);
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
   options.threads = session.threads();
+  if (!arguments.memory_limit.empty()) {
+    LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
+  }
   const std::vector<Job> jobs = plan_jobs(arguments.output, options.isovalues);
   std::vector<std::string> paths;
   for (const Job& job : jobs) {
@@ -192,7 +210,7 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
   const auto accept = [&](const VolumeInfo& volume) {
     return check_holds(arguments.output, volume);
   };
-  LODE_TRY(const Input input, load_input(session, arguments.input, arguments.reading, accept));
+  LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading, accept));
   Totals totals;
   OutputSet outputs(paths);
   Json steps;
@@ -228,6 +246,9 @@ Command add_extract_command(CLI::App& program) {
       ->type_name("FILE")
       ->required();
   app->add_option("output", arguments->output, "Surface to write")->type_name("OUT")->required();
+  app->add_option("--memory-limit", arguments->memory_limit,
+                  "Memory for the hierarchy, such as 512M (default: a quarter of the machine's)")
+      ->type_name("BYTES");
   add_extraction_options(*app, arguments->extraction);
   add_query_options(*app, arguments->query);
   add_progressive_option(*app, arguments->progressive,

@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "lode/api/dataset_impl.h"
+#include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
 #include "lode/api/verification.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/close_border.h"
-#include "lode/models/diamond/extract.h"
+#include "lode/models/diamond/file_extract.h"
 #include "lode/models/diamond/summary.h"
 
 namespace lode {
@@ -22,24 +23,21 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-template <int D>
-double tolerance_of(const diamond::Model<D>& model, const ExtractOptions& options) {
-  return options.max_error.value_or(default_tolerance(model.stats));
+double tolerance_of(const diamond::FieldStats& stats, const ExtractOptions& options) {
+  return options.max_error.value_or(default_tolerance(stats));
 }
 
-/// Appends one isovalue's surface, with isovalue and normals per vertex.
-template <int D>
-Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& options,
-                         double isovalue, Surface& surface, ExtractReport& report,
-                         Progress& progress) {
-  LODE_TRY(const auto part,
-           diamond::extract_isosurface<D>(model,
-                                          {.isovalue = isovalue,
-                                           .tolerance = report.max_error,
-                                           .threads = options.threads,
-                                           .with_normals = D == 3 && options.normals == Normals::on,
-                                           .replaces = options.isovalues.size() == 1},
-                                          surface, progress));
+/// What the edits after an extraction ask of a field.
+struct FieldFacts {
+  const RegularGrid& grid;
+  bool has_holes = false;
+  bool has_removed_border_cell = false;
+  double first_sample = 0;
+};
+
+/// Adds up what extraction says of one isovalue.
+void add_part(const diamond::IsosurfaceReport& part, double isovalue, const ExtractOptions& options,
+              Surface& surface, ExtractReport& report) {
   report.achieved_error = std::max(report.achieved_error, part.achieved_error);
   report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
   report.nodes_visited += part.nodes_visited;
@@ -47,30 +45,42 @@ Result<void> extract_one(const diamond::Model<D>& model, const ExtractOptions& o
   report.seconds.geometry += part.geometry_seconds;
   if (options.isovalues.size() == 1) surface.isovalues.clear();
   surface.isovalues.resize(surface.positions.size(), static_cast<float>(isovalue));
+}
+
+/// Appends the isovalues' surfaces, with isovalue and normals per vertex: extract_part(query) for
+/// each.
+template <int D, typename ExtractPart>
+Result<void> extract_all(const ExtractOptions& options, Surface& surface, ExtractReport& report,
+                         const ExtractPart& extract_part) {
+  for (const double isovalue : options.isovalues) {
+    LODE_TRY(const auto part,
+             extract_part({.isovalue = isovalue,
+                           .tolerance = report.max_error,
+                           .threads = options.threads,
+                           .with_normals = D == 3 && options.normals == Normals::on,
+                           .replaces = options.isovalues.size() == 1}));
+    add_part(part, isovalue, options, surface, report);
+  }
   return {};
 }
 
-template <int D>
-Result<void> close_surface(const diamond::Model<D>& model, const ExtractOptions& options,
-                           Surface& surface, ExtractReport& report) {
+Result<void> close_surface(const FieldFacts& field, const ExtractOptions& options, Surface& surface,
+                           ExtractReport& report) {
   if (surface.is_empty()) return {};
-  if (model.has_holes() && model.has_removed_border_cell())
+  if (field.has_removed_border_cell)
     return fail("closing at the border: expected no holes there, but the field has some");
-  const bool is_inside = model.value({}) >= options.isovalues.front();
-  LODE_TRY(const auto caps,
-           diamond::close_border(model.info.grid, is_inside, options.threads, surface));
+  const bool is_inside = field.first_sample >= options.isovalues.front();
+  LODE_TRY(const auto caps, diamond::close_border(field.grid, is_inside, options.threads, surface));
   report.cap_cells = caps.n_cells;
   report.open_edges = caps.n_open;
   return {};
 }
 
-template <int D>
-Result<void> finish_surface(const diamond::Model<D>& model, const ExtractOptions& options,
+Result<void> finish_surface(const FieldFacts& field, const ExtractOptions& options,
                             Surface& surface, ExtractReport& report) {
   const auto start = std::chrono::steady_clock::now();
-  if (model.has_holes()) split_pinched_vertices(surface);
-  if (options.border == Border::closed)
-    LODE_CHECK(close_surface<D>(model, options, surface, report));
+  if (field.has_holes) split_pinched_vertices(surface);
+  if (options.border == Border::closed) LODE_CHECK(close_surface(field, options, surface, report));
   const Dropped dropped = finish_edits(options, surface);
   report.components_dropped = dropped.components;
   report.triangles_dropped = dropped.cells;
@@ -79,6 +89,40 @@ Result<void> finish_surface(const diamond::Model<D>& model, const ExtractOptions
   report.vertices = surface.positions.size();
   report.seconds.finish += seconds_since(start);
   return {};
+}
+
+Result<void> extract_in_memory(const Dataset::Impl::AnyModel& held, const ExtractOptions& options,
+                               Surface& surface, ExtractReport& report, Progress& progress) {
+  return std::visit(
+      [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
+        LODE_CHECK(
+            extract_all<D>(options, surface, report, [&](const diamond::IsosurfaceQuery& query) {
+              return diamond::extract_isosurface<D>(model, query, surface, progress);
+            }));
+        const bool closes = options.border == Border::closed;
+        return finish_surface(
+            {model.info.grid, model.has_holes(),
+             closes && model.has_holes() && model.has_removed_border_cell(), model.value({})},
+            options, surface, report);
+      },
+      held);
+}
+
+Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
+                            Surface& surface, ExtractReport& report, Progress& progress) {
+  const std::uint64_t n_before = chunks.blocks.n_bytes_read();
+  const auto done = std::visit(
+      [&]<int D>(const diamond::CoarseField<D>& field) -> Result<void> {
+        LODE_CHECK(
+            extract_all<D>(options, surface, report, [&](const diamond::IsosurfaceQuery& query) {
+              return diamond::extract_from_file<D>(field, chunks.blocks, query, surface, progress);
+            }));
+        return finish_surface({field.info.grid, false, false, field.value({})}, options, surface,
+                              report);
+      },
+      chunks.field);
+  report.bytes_read = chunks.blocks.n_bytes_read() - n_before;
+  return done;
 }
 
 template <int D>
@@ -201,17 +245,22 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   LODE_CHECK(check_extract_options(options));
   if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
   ExtractReport report;
-  LODE_TRY(const auto* const held, impl_->model(progress));
+  report.max_error = tolerance_of(impl_->summary().stats, options);
   const auto start = std::chrono::steady_clock::now();
-  const auto done = std::visit(
-      [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
-        report.max_error = tolerance_of<D>(model, options);
-        for (const double isovalue : options.isovalues)
-          LODE_CHECK(extract_one<D>(model, options, isovalue, surface, report, progress));
-        return finish_surface<D>(model, options, surface, report);
-      },
-      *held);
-  if (!done) return done.error();
+  const std::uint64_t limit =
+      options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
+  const bool is_too_large = impl_->model_bytes() > limit;
+  LODE_TRY(auto* const chunks, impl_->chunks(limit));
+  // At full resolution all in memory is faster, and numbers vertices in another order.
+  if (chunks != nullptr && (report.max_error > 0 || is_too_large)) {
+    LODE_CHECK(extract_chunks(*chunks, options, surface, report, progress));
+  } else {
+    if (options.memory_limit > 0 && is_too_large)
+      return fail("expected a memory limit of at least {} MB for a field with holes, got {} MB",
+                  impl_->model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+    LODE_TRY(const auto* const held, impl_->model(progress));
+    LODE_CHECK(extract_in_memory(*held, options, surface, report, progress));
+  }
   report.seconds.total = seconds_since(start);
   return report;
 }
@@ -236,7 +285,7 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) {
         return verify_model_surface<D>(model, surface, expected, options,
-                                       tolerance_of<D>(model, options), progress);
+                                       tolerance_of(model.stats, options), progress);
       },
       *held);
 }

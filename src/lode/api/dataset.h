@@ -58,6 +58,9 @@ struct ExtractOptions {
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.
   Normals normals = Normals::on;
   Threads threads{};
+  /// Bytes that the hierarchy may take, the surface aside; 0: a quarter of the machine's memory. Of
+  /// an opened file more than that is not loaded, where the query can do without.
+  std::uint64_t memory_limit = 0;
 };
 
 /// Seconds per phase of an extraction.
@@ -80,6 +83,7 @@ struct ExtractReport {
   std::uint64_t open_edges = 0;          ///< With a closed border: edges at holes, still open.
   std::uint64_t components_dropped = 0;  ///< By min_component.
   std::uint64_t triangles_dropped = 0;   ///< Their triangles (lines).
+  std::uint64_t bytes_read = 0;          ///< Of the file, for this query; 0 from memory.
   ExtractSeconds seconds;
 };
 
@@ -120,8 +124,9 @@ class Dataset {
   [[nodiscard]] static Result<Dataset> build(VolumeSource& source, const BuildOptions& options,
                                              Progress& progress);
   /// Opens a .lode file without reading its blocks. Live queries and sessions read what they need,
-  /// when they need it; everything else loads the whole file first, once. Each block that is read
-  /// is checked. `threads`: for loading.
+  /// when they need it, and so does extract() with a tolerance, of a field without holes;
+  /// everything else loads the whole file first, once. Each block that is read is checked.
+  /// `threads`: for loading.
   [[nodiscard]] static Result<Dataset> open(const std::string& path, Threads threads);
   /// Loads what is still in the file.
   [[nodiscard]] Result<void> load(Progress& progress) const;

@@ -49,6 +49,32 @@ Result<const Dataset::Impl::AnyPages*> Dataset::Impl::pages(Progress& progress) 
   return &*pages_;
 }
 
+std::uint64_t Dataset::Impl::model_bytes() const {
+  const double sample = static_cast<double>(size_of(diamond::storage_type(info().type)));
+  constexpr double kBricks = 1.1;  // they share their borders
+  constexpr double kNodes = 2.9;   // an error and a range each, for 1.14 times 2/8 of the samples
+  return static_cast<std::uint64_t>(static_cast<double>(info().grid.n_samples()) *
+                                    (kBricks * sample + kNodes));
+}
+
+Result<Dataset::Impl::Chunks*> Dataset::Impl::chunks(std::uint64_t memory_limit) const {
+  const auto n_levels = static_cast<int>(summary().max_errors.size());
+  if (is_in_memory_ || summary().stats.n_holes > 0 || n_levels <= diamond::kKeptLevel)
+    return nullptr;
+  const std::lock_guard lock(chunks_mutex_);
+  if (!chunks_) {
+    const std::uint64_t cache_bytes = memory_limit / 4;
+    if (is_flat_) {
+      LODE_TRY(auto field, diamond::load_coarse<2>(*reader_, metadata_, threads_));
+      chunks_.reset(new Chunks{std::move(field), {*reader_, cache_bytes}});
+    } else {
+      LODE_TRY(auto field, diamond::load_coarse<3>(*reader_, metadata_, threads_));
+      chunks_.reset(new Chunks{std::move(field), {*reader_, cache_bytes}});
+    }
+  }
+  return chunks_.get();
+}
+
 Result<std::shared_ptr<const diamond::WorldErrors>> Dataset::Impl::world_errors(
     Progress& progress) const {
   LODE_TRY(const AnyModel* const in_memory, model(progress));

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "lode/api/dataset.h"
+#include "lode/models/diamond/file_parts.h"
 #include "lode/models/diamond/paged_model.h"
 #include "lode/models/diamond/persist.h"
 #include "lode/models/diamond/world_error.h"
@@ -36,6 +37,16 @@ class Dataset::Impl {
   /// Pages of the file that come when they are wanted; null if the model is in memory, or has
   /// holes. The coarsest are read when this is first asked.
   [[nodiscard]] Result<const AnyPages*> pages(Progress& progress) const;
+  /// The coarse levels of a file that extraction goes through chunk by chunk, and blocks of it that
+  /// were used last; null where it takes the model in memory: that is there already, small, or has
+  /// holes.
+  struct Chunks {
+    std::variant<diamond::CoarseField<2>, diamond::CoarseField<3>> field;
+    store::BlockCache blocks;
+  };
+  [[nodiscard]] Result<Chunks*> chunks(std::uint64_t memory_limit) const;
+  /// About what model() takes.
+  [[nodiscard]] std::uint64_t model_bytes() const;
   /// Found when first asked for, on all cores; they are not in files.
   [[nodiscard]] Result<std::shared_ptr<const diamond::WorldErrors>> world_errors(
       Progress& progress) const;
@@ -51,6 +62,8 @@ class Dataset::Impl {
   mutable std::atomic<bool> is_in_memory_{false};
   mutable std::mutex pages_mutex_;
   mutable std::optional<AnyPages> pages_;
+  mutable std::mutex chunks_mutex_;
+  mutable std::unique_ptr<Chunks> chunks_;
   mutable std::mutex world_errors_mutex_;
   mutable std::shared_ptr<const diamond::WorldErrors> world_errors_;
 };

@@ -35,6 +35,7 @@ Result<FileBuildReport> build_file(VolumeSource& source, const std::string& path
   report.info = dataset.describe();
   report.file_bytes = done.file_bytes;
   report.samples_bytes_read = done.bytes_read;
+  report.io = source.io();
   report.n_parts = done.n_parts;
   report.n_chunks_resumed = done.n_chunks_resumed;
   report.seconds = {.total = 0,

@@ -29,8 +29,9 @@ struct FileBuildReport {
   std::uint64_t file_bytes = 0;
   std::uint64_t memory_limit = 0;        ///< As it was given or chosen.
   std::uint64_t samples_bytes_read = 0;  ///< Of the input's samples, as they are in memory.
-  std::uint64_t n_parts = 0;             ///< How many were built,
-  std::uint64_t n_chunks_resumed = 0;    ///< after so many chunks that an earlier build had done.
+  IoCounts io;                         ///< Of the source: bytes of its files, and what it spooled.
+  std::uint64_t n_parts = 0;           ///< How many were built,
+  std::uint64_t n_chunks_resumed = 0;  ///< after so many chunks that an earlier build had done.
   FileBuildSeconds seconds;
 };
 
