@@ -63,7 +63,7 @@ Result<Dataset::Impl::Chunks*> Dataset::Impl::chunks(std::uint64_t memory_limit)
     return nullptr;
   const std::lock_guard lock(chunks_mutex_);
   if (!chunks_) {
-    const std::uint64_t cache_bytes = memory_limit / 4;
+    const std::uint64_t cache_bytes = memory_limit / 8;
     if (is_flat_) {
       LODE_TRY(auto field, diamond::load_coarse<2>(*reader_, metadata_, threads_));
       chunks_.reset(new Chunks{std::move(field), {*reader_, cache_bytes}});

@@ -170,6 +170,7 @@ class FileExtraction {
     if (!query_.with_normals) return;
     visit_storage_type(field_.storage, [&]<typename T>() {
       const PartNormals<D, T> normals(field_, samples, origin);
+      normals_[part].reserve(parts_[part].part.points.size());
       for (const EdgePoint& point : parts_[part].part.points)
         normals_[part].push_back(normals.at(point));
     });
