@@ -114,10 +114,9 @@ Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
     LODE_TRY(build.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
   if (build.memory_limit == 0) build.memory_limit = physical_memory() / 4;
-  // Decoded samples take an eighth of the memory, or go to a nameless file beside the output.
-  const std::uint64_t for_source = build.memory_limit / 8;
-  build.memory_limit -= for_source;
-  options.memory_limit = static_cast<std::size_t>(for_source);
+  // Samples that fit an eighth of the memory are decoded there, as their build takes less than the
+  // rest; others go to a nameless file beside the output.
+  options.memory_limit = static_cast<std::size_t>(build.memory_limit / 8);
   options.spool_directory = std::filesystem::absolute(arguments.output).parent_path().string();
   LODE_TRY(auto source, open_volume(arguments.input, options));
   auto report =

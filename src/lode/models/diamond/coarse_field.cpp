@@ -21,6 +21,17 @@ CoarseField<D> CoarseField<D>::make(const VolumeInfo& info) {
 }
 
 template <int D>
+std::uint64_t CoarseField<D>::n_bytes(const VolumeInfo& info) {
+  constexpr std::uint64_t kNodeBytes = sizeof(ErrorCode) + 2 * sizeof(float);
+  const Shape<D> shape = shape_of<D>(info.grid.dims);
+  if (shape.n_levels <= kKeptLevel) return 0;
+  std::uint64_t n = n_points<D>(shape.grid_dims(kKeptLevel)) * size_of(storage_type(info.type));
+  for (int level = kKeptLevel; level < shape.n_levels; ++level)
+    n += n_points<D>(shape.grid_dims(level)) * kNodeBytes;
+  return n;
+}
+
+template <int D>
 void CoarseField<D>::put_samples(const LatticeBox<D>& box, const std::byte* values) {
   if (!is_needed()) return;
   const std::size_t size = this->sample_size();

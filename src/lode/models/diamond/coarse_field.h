@@ -18,6 +18,8 @@ struct CoarseField : LatticeField<D, CoarseField<D>> {
 
   /// Without samples; errors are 0, and ranges empty.
   [[nodiscard]] static CoarseField make(const VolumeInfo& info);
+  /// What it takes of memory.
+  [[nodiscard]] static std::uint64_t n_bytes(const VolumeInfo& info);
   [[nodiscard]] bool is_needed() const { return shape.n_levels > kKeptLevel; }
 
   /// Takes those of a box of the field's samples (storage type, x fastest) that it keeps.

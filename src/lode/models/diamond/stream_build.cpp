@@ -25,6 +25,8 @@ double seconds_since(Clock::time_point start) {
 template <int D>
 class BoxReader {
  public:
+  static constexpr std::size_t kBytesPerRead = std::size_t{4} << 20;  // stays in a cache
+
   explicit BoxReader(VolumeSource& source)
       : source_(source), axes_(AxisMap<D>::of(source.info().grid.dims)) {}
 
@@ -61,8 +63,6 @@ class BoxReader {
   [[nodiscard]] std::uint64_t n_bytes() const { return n_bytes_; }
 
  private:
-  static constexpr std::size_t kBytesPerRead = std::size_t{4} << 20;  // stays in a cache
-
   [[nodiscard]] IndexBox grid_box(const LatticeBox<D>& box) const {
     IndexBox result{{}, {{1, 1, 1}}};
     for (std::size_t i = 0; i < as_size(D); ++i) {
@@ -79,29 +79,59 @@ class BoxReader {
   std::uint64_t n_bytes_ = 0;
 };
 
-/// Buffers of reading and compressing.
-constexpr std::uint64_t kBufferBytes = std::uint64_t{32} << 20;
-
+/// Bytes that a build with so many chunks, side by side in x, in a part takes at most.
 template <int D>
-std::uint64_t n_bytes_of(const CoarseField<D>& field) {
-  std::uint64_t n = field.samples.size();
-  for (const NodeLevel& nodes : field.levels)
-    n += nodes.error.size() * (sizeof(ErrorCode) + 2 * sizeof(float));
-  return n;
+std::uint64_t build_bytes(const VolumeInfo& info, std::int32_t chunks_per_part) {
+  constexpr std::uint64_t kCompressing = std::uint64_t{24} << 20;
+  const Shape<D> shape = shape_of<D>(info.grid.dims);
+  const std::size_t size = size_of(info.type);
+  const std::size_t wide_size = size_of(storage_type(info.type));
+  const Index<D> n = chunk_counts<D>(shape);
+  std::uint64_t largest = 0;
+  // The second part has border layers on all sides; where there is none, the first is larger.
+  for (std::int32_t first = 0; first < n[0] && first <= chunks_per_part; first += chunks_per_part) {
+    LatticeBox<D> chunks;
+    chunks.lower[0] = first;
+    chunks.upper[0] = std::min(first + chunks_per_part, n[0]);
+    for (std::size_t i = 1; i < as_size(D); ++i) {
+      chunks.lower[i] = n[i] > 1 ? 1 : 0;
+      chunks.upper[i] = chunks.lower[i] + 1;
+    }
+    largest = std::max(largest, PartPlan<D>::of(shape, chunks).n_bytes(wide_size));
+  }
+  std::uint64_t slice = size + (wide_size == size ? 0 : wide_size) + 1;  // and where holes are
+  for (std::size_t i = 0; i + 1 < as_size(D); ++i)
+    slice *= static_cast<std::uint64_t>(shape.dims[i]);
+  const std::uint64_t reading = std::max<std::uint64_t>(slice, 3 * BoxReader<D>::kBytesPerRead);
+  return largest + CoarseField<D>::n_bytes(info) + reading + kCompressing;
+}
+
+/// As many chunks a part as the memory holds.
+template <int D>
+Result<std::int32_t> choose_chunks(const VolumeInfo& info, const StreamSettings& settings) {
+  const std::int32_t n = chunk_counts<D>(shape_of<D>(info.grid.dims))[0];
+  if (settings.chunks_per_part > 0) return std::min(settings.chunks_per_part, n);
+  if (settings.memory_limit == 0) return n;
+  for (std::int32_t chunks = n; chunks > 0; --chunks)
+    if (build_bytes<D>(info, chunks) <= settings.memory_limit) return chunks;
+  return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
+              build_bytes<D>(info, 1) / 1'000'000 + 1, info.grid.n_samples(), size_of(info.type),
+              settings.memory_limit / 1'000'000);
 }
 
 template <int D>
 class StreamBuild {
  public:
-  StreamBuild(VolumeSource& source, const StreamSettings& settings, Progress& progress)
+  StreamBuild(VolumeSource& source, const StreamSettings& settings, std::int32_t chunks_per_part,
+              Progress& progress)
       : settings_(settings),
+        chunks_per_part_(chunks_per_part),
         progress_(progress),
         reader_(source),
         field_(CoarseField<D>::make(source.info())),
         builder_(field_, settings.threads) {}
 
   Result<StreamReport> run(const std::string& path) {
-    LODE_TRY(chunks_per_part_, plan());
     LODE_CHECK(scan());
     LODE_TRY(auto writer, open(path));
     report_.n_chunks_resumed = done_.n_chunks;
@@ -117,34 +147,6 @@ class StreamBuild {
 
  private:
   [[nodiscard]] Index<D> chunk_dims() const { return chunk_counts<D>(field_.shape); }
-
-  /// As many chunks, side by side in x, as the memory holds.
-  Result<std::int32_t> plan() const {
-    const Index<D> n = chunk_dims();
-    const auto bytes_for = [&](std::int32_t n_chunks) {
-      std::uint64_t largest = 0;
-      // The second part has border layers on all sides; where there is none, the first is larger.
-      for (std::int32_t first = 0; first < n[0] && first <= n_chunks; first += n_chunks) {
-        LatticeBox<D> chunks;
-        chunks.lower[0] = first;
-        chunks.upper[0] = std::min(first + n_chunks, n[0]);
-        for (std::size_t i = 1; i < as_size(D); ++i) {
-          chunks.lower[i] = n[i] > 1 ? 1 : 0;
-          chunks.upper[i] = chunks.lower[i] + 1;
-        }
-        largest =
-            std::max(largest, PartPlan<D>::of(field_.shape, chunks).n_bytes(field_.sample_size()));
-      }
-      return largest + n_bytes_of(field_) + kBufferBytes;
-    };
-    if (settings_.chunks_per_part > 0) return std::min(settings_.chunks_per_part, n[0]);
-    if (settings_.memory_limit == 0) return n[0];
-    for (std::int32_t n_chunks = n[0]; n_chunks > 0; --n_chunks)
-      if (bytes_for(n_chunks) <= settings_.memory_limit) return n_chunks;
-    return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
-                bytes_for(1) / 1'000'000 + 1, field_.info.grid.n_samples(),
-                size_of(field_.info.type), settings_.memory_limit / 1'000'000);
-  }
 
   void add_to_checksum(std::span<const std::byte> values) {
     if (settings_.unfinished == Unfinished::nothing) return;
@@ -259,12 +261,12 @@ class StreamBuild {
   }
 
   StreamSettings settings_;
+  std::int32_t chunks_per_part_;
   Progress& progress_;
   BoxReader<D> reader_;
   CoarseField<D> field_;
   PartBuilder<D> builder_;
   std::optional<PartLog<D>> log_;
-  std::int32_t chunks_per_part_ = 1;
   std::uint64_t samples_checksum_ = 0;  ///< Of slabs, chained.
   PartsDone done_;
   StreamReport report_;
@@ -276,7 +278,8 @@ template <int D>
 Result<StreamReport> build_file(VolumeSource& source, const std::string& path,
                                 const StreamSettings& settings, Progress& progress) {
   LODE_CHECK(check_axes(source.info()));
-  return StreamBuild<D>(source, settings, progress).run(path);
+  LODE_TRY(const std::int32_t chunks_per_part, choose_chunks<D>(source.info(), settings));
+  return StreamBuild<D>(source, settings, chunks_per_part, progress).run(path);
 }
 
 template Result<StreamReport> build_file<2>(VolumeSource&, const std::string&,
