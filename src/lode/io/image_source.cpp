@@ -174,26 +174,13 @@ class ImageSource final : public VolumeSource {
   std::vector<double> values_;
 };
 
-std::string field_list(const Image& image) {
+std::string field_list(std::span<const std::string> names) {
   std::string list;
-  for (const ImageField& field : image.fields) {
+  for (const std::string& name : names) {
     if (!list.empty()) list += ", ";
-    list += field.name.empty() ? "(unnamed)" : field.name;
+    list += name.empty() ? "(unnamed)" : name;
   }
   return list;
-}
-
-Result<void> select_time(const Image& image, const SampleLayout& layout, const ReadOptions& options,
-                         Selection& selection) {
-  if (!options.time && layout.n_times > 1)
-    return fail("{}: holds {} times; choose one with --time N, 0 to {}", image.path, layout.n_times,
-                layout.n_times - 1);
-  const std::int64_t time = options.time.value_or(0);
-  if (time < 0 || time >= layout.n_times)
-    return fail("{}: expected --time between 0 and {}, got {}", image.path, layout.n_times - 1,
-                time);
-  selection.first += time * layout.time_stride;
-  return {};
 }
 
 Result<void> select_component(const Image& image, const SampleLayout& layout,
@@ -221,30 +208,55 @@ Result<void> select_component(const Image& image, const SampleLayout& layout,
 
 }  // namespace
 
-Result<const ImageField*> choose_field(const Image& image, const ReadOptions& options) {
-  LODE_EXPECTS(!image.fields.empty());
+Result<std::size_t> choose_field(const std::string& path, std::span<const std::string> names,
+                                 const ReadOptions& options) {
+  LODE_EXPECTS(!names.empty());
   if (options.field) {
-    for (const ImageField& field : image.fields)
-      if (field.name == *options.field) return &field;
-    return fail("{}: has no field {}; it has {}", image.path, in_quotes(*options.field),
-                field_list(image));
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (names[i] == *options.field) return i;
+    return fail("{}: has no field {}; it has {}", path, in_quotes(*options.field),
+                field_list(names));
   }
-  if (image.fields.size() == 1) return &image.fields.front();
-  return fail("{}: holds {} fields; choose one with --field: {}", image.path, image.fields.size(),
-              field_list(image));
+  if (names.size() == 1) return std::size_t{0};
+  return fail("{}: holds {} fields; choose one with --field: {}", path, names.size(),
+              field_list(names));
+}
+
+Result<std::int64_t> choose_time(const std::string& path, std::int64_t n_times,
+                                 const ReadOptions& options) {
+  if (!options.time && n_times > 1)
+    return fail("{}: holds {} times; choose one with --time N, 0 to {}", path, n_times,
+                n_times - 1);
+  const std::int64_t time = options.time.value_or(0);
+  if (time < 0 || time >= n_times)
+    return fail("{}: expected --time between 0 and {}, got {}", path, n_times - 1, time);
+  return time;
+}
+
+Result<void> check_nodata(const std::string& path, const ReadOptions& options) {
+  if (options.nodata && !std::isfinite(*options.nodata))
+    return fail(
+        "{}: expected a finite --nodata value (non-finite samples are always holes), got {}", path,
+        *options.nodata);
+  return {};
+}
+
+Result<const ImageField*> choose_field(const Image& image, const ReadOptions& options) {
+  std::vector<std::string> names;
+  for (const ImageField& field : image.fields) names.push_back(field.name);
+  LODE_TRY(const std::size_t i, choose_field(image.path, names, options));
+  return &image.fields[i];
 }
 
 Result<std::unique_ptr<VolumeSource>> make_image_source(const Image& image,
                                                         const ReadOptions& options) {
-  if (options.nodata && !std::isfinite(*options.nodata))
-    return fail(
-        "{}: expected a finite --nodata value (non-finite samples are always holes), got {}",
-        image.path, *options.nodata);
   LODE_EXPECTS(image.tally != nullptr);
+  LODE_CHECK(check_nodata(image.path, options));
   LODE_TRY(const ImageField* field, choose_field(image, options));
   const SampleLayout& layout = field->layout;
   Selection selection;
-  LODE_CHECK(select_time(image, layout, options, selection));
+  LODE_TRY(const std::int64_t time, choose_time(image.path, layout.n_times, options));
+  selection.first += time * layout.time_stride;
   LODE_CHECK(select_component(image, layout, options, selection));
   const bool has_scale = field->slope != 1 || field->intercept != 0;
   selection.is_computed = has_scale || selection.n_components > 1;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <string>
 
 #include "lode/core/result.h"
 #include "lode/core/volume.h"
@@ -8,6 +10,17 @@
 #include "lode/io/volume_reader.h"
 
 namespace lode::io {
+
+/// The place in `names` of the field that the options pick; fails, listing them, when there are
+/// several and no choice, or none of that name.
+[[nodiscard]] Result<std::size_t> choose_field(const std::string& path,
+                                               std::span<const std::string> names,
+                                               const ReadOptions& options);
+/// The time that the options pick; fails when there are several and no choice, or it is none.
+[[nodiscard]] Result<std::int64_t> choose_time(const std::string& path, std::int64_t n_times,
+                                               const ReadOptions& options);
+/// Fails unless options.nodata is finite or missing.
+[[nodiscard]] Result<void> check_nodata(const std::string& path, const ReadOptions& options);
 
 /// The field that the options pick; fails, listing them, when there are several and no choice, or
 /// none of that name.
