@@ -40,7 +40,7 @@ Result<void> check_build(const BuildArguments& arguments) {
   if (!arguments.memory_limit.empty())
     if (auto limit = parse_bytes("--memory-limit", arguments.memory_limit); !limit)
       return limit.error();
-  if (auto options = to_read_options(arguments.reading); !options) return options.error();
+  if (auto options = to_read_options(arguments.reading, {}); !options) return options.error();
   return {};
 }
 
@@ -104,7 +104,7 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
 }
 
 Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
-  LODE_TRY(ReadOptions options, to_read_options(arguments.reading));
+  LODE_TRY(ReadOptions options, to_read_options(arguments.reading, session.threads()));
   LODE_CHECK(check_writable(arguments.output));
   FileBuildOptions build{
       .threads = session.threads(), .unfinished = Unfinished::part, .memory_limit = 0};

@@ -33,7 +33,7 @@ Result<void> check_verify(const VerifyArguments& arguments) {
     if (is_lode_path(arguments.original))
       return fail("--against: expected the original data, got the .lode file '{}'",
                   arguments.original);
-    if (auto reading = to_read_options(arguments.reading); !reading) return reading.error();
+    if (auto reading = to_read_options(arguments.reading, {}); !reading) return reading.error();
     return {};
   }
   if (!is_lode_path(arguments.input) && arguments.surface.empty())
@@ -51,7 +51,7 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
                           VerifyReport& report) {
   LODE_TRY(const Input input, load_input(session, arguments.input, arguments.reading));
   if (!arguments.original.empty()) {
-    LODE_TRY(const ReadOptions options, to_read_options(arguments.reading));
+    LODE_TRY(const ReadOptions options, to_read_options(arguments.reading, session.threads()));
     LODE_TRY(const auto original, open_volume(arguments.original, options));
     LODE_TRY(VerifyReport more,
              input.dataset.verify_against(*original, session.threads(), session.progress()));

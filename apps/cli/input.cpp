@@ -85,8 +85,9 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
   add("--byte-order", arguments.byte_order, "ORDER", "little (default) or big, of a raw file");
 }
 
-Result<ReadOptions> to_read_options(const ReadingArguments& arguments) {
+Result<ReadOptions> to_read_options(const ReadingArguments& arguments, Threads threads) {
   ReadOptions options;
+  options.threads = threads;
   if (!arguments.field.empty()) options.field = arguments.field;
   if (arguments.component == "magnitude") {
     options.component = Magnitude{};
@@ -113,14 +114,14 @@ Result<ReadOptions> to_read_options(const ReadingArguments& arguments) {
 Result<void> check_reading_options(const ReadingArguments& arguments, const std::string& path) {
   if (is_lode_path(path) && !arguments.is_empty())
     return fail("{}: expected no reading options (--field, --dims, ...) for a .lode file", path);
-  if (auto options = to_read_options(arguments); !options) return options.error();
+  if (auto options = to_read_options(arguments, {}); !options) return options.error();
   return {};
 }
 
 Result<Input> open_input(Session& session, const std::string& path,
                          const ReadingArguments& arguments, const AcceptVolume& accept) {
   const Stopwatch watch;
-  LODE_TRY(const ReadOptions options, to_read_options(arguments));
+  LODE_TRY(const ReadOptions options, to_read_options(arguments, session.threads()));
   const bool is_foreign = !is_lode_path(path);
   auto dataset = is_foreign ? build_in_memory(session, path, options, accept)
                             : Dataset::open(path, session.threads());

@@ -28,7 +28,8 @@ struct ReadingArguments {
 
 void add_reading_options(CLI::App& app, ReadingArguments& arguments);
 
-[[nodiscard]] Result<ReadOptions> to_read_options(const ReadingArguments& arguments);
+[[nodiscard]] Result<ReadOptions> to_read_options(const ReadingArguments& arguments,
+                                                  Threads threads);
 
 /// Refuses reading options for a .lode file: they would silently do nothing.
 [[nodiscard]] Result<void> check_reading_options(const ReadingArguments& arguments,

@@ -66,7 +66,9 @@ Result<Surface> read_surface(const std::string& path) {
 Result<Dataset> open_any(const std::string& path, const ReadOptions& options, Threads threads,
                          Progress& progress) {
   if (is_lode_path(path)) return Dataset::open(path, threads);
-  LODE_TRY(const auto source, open_volume(path, options));
+  ReadOptions reading = options;
+  reading.threads = threads;
+  LODE_TRY(const auto source, open_volume(path, reading));
   return build_opened(path, *source, {.threads = threads}, progress);
 }
 

@@ -14,13 +14,14 @@
 #include "lode/io/text.h"
 #include "lode/io/vtk_legacy.h"
 #include "lode/io/vtk_xml_image.h"
+#include "lode/io/zarr_volume.h"
 
 namespace lode::io {
 namespace {
 
 constexpr std::string_view kKnownExtensions =
-    ".nrrd .nhdr .mha .mhd .nii .nii.gz .hdr .img .vti .vtr .vtk, and .raw .raw.gz with --dims "
-    "and --type";
+    ".nrrd .nhdr .mha .mhd .nii .nii.gz .hdr .img .vti .vtr .vtk, a Zarr directory, and .raw "
+    ".raw.gz with --dims and --type";
 
 using Reader = Result<Image> (*)(const std::string& path, const SampleStorage& storage);
 
@@ -84,6 +85,7 @@ Result<std::unique_ptr<VolumeSource>> open_volume(const std::string& path,
                                                   const ReadOptions& options) {
   using Source = std::unique_ptr<VolumeSource>;
   return guarded<Source>(path, [&]() -> Result<Source> {
+    if (std::filesystem::is_directory(path)) return open_zarr(path, options);
     LODE_TRY(const Image image, read_image(path, options));
     return make_image_source(image, options);
   });
@@ -91,6 +93,7 @@ Result<std::unique_ptr<VolumeSource>> open_volume(const std::string& path,
 
 Result<FileDescription> describe_volume(const std::string& path, const ReadOptions& options) {
   return guarded<FileDescription>(path, [&]() -> Result<FileDescription> {
+    if (std::filesystem::is_directory(path)) return describe_zarr(path, options);
     LODE_TRY(const Image image, read_image(path, options));
     const ImageField* field = &image.fields.front();
     if (options.field) {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "lode/core/result.h"
+#include "lode/io/zarr_array.h"
+#include "lode/io/zarr_codecs.h"
+
+namespace lode::io {
+
+/// Reads and decodes the chunks of an array, each on its own. Safe on any number of threads.
+class ZarrChunkReader {
+ public:
+  using Bytes = std::shared_ptr<const std::vector<std::byte>>;
+
+  explicit ZarrChunkReader(ZarrArray array);
+
+  [[nodiscard]] const ZarrArray& array() const { return array_; }
+  /// Samples along the axes of a chunk.
+  [[nodiscard]] const ZarrShape& chunk_shape() const { return units_.shape; }
+  /// The samples of a whole chunk, also where it sticks out of the array: last axis fastest, native
+  /// byte order. Null where the chunk is missing: then all are array().fill. Fails, naming the
+  /// file, on anything damaged.
+  [[nodiscard]] Result<Bytes> read(std::span<const std::int64_t> chunk);
+
+ private:
+  [[nodiscard]] Result<Bytes> read_file(const std::string& path);
+
+  ZarrArray array_;
+  ZarrUnits units_;
+  ZarrChunkForm form_;
+};
+
+}  // namespace lode::io

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+
+#include "lode/core/parallel.h"
+#include "lode/core/volume.h"
+#include "lode/io/zarr_array.h"
+
+namespace lode::io {
+
+/// A volume inside an array: all of its last two or three axes (y, x or z, y, x), at one place of
+/// each axis before them.
+struct ZarrView {
+  ZarrArray array;
+  ZarrShape place;  ///< Along the leading axes.
+};
+
+/// Serves boxes of the view; info.grid and info.type fit it. Each read decodes the chunks that meet
+/// its box in parallel. Those that reach beyond it are kept for the next read: at most one layer of
+/// chunks along x and y, and at most 1 GiB.
+[[nodiscard]] std::unique_ptr<VolumeSource> make_zarr_source(ZarrView view, VolumeInfo info,
+                                                             Threads threads);
+
+}  // namespace lode::io
