@@ -7,19 +7,18 @@ namespace lode::io {
 namespace {
 
 using test::expect_failure;
+using test::kLargeZarr;
+using test::kSmallZarr;
 using test::samples_of;
-using test::zarr_sample;
+using test::with_missing_chunk;
 using test::zarr_samples;
 using test::ZarrFixture;
-
-constexpr Index3 kSmall{{10, 7, 3}};
-constexpr Index3 kLarge{{30, 24, 8}};
 
 template <typename T>
 void expect_type(const std::string& name, const std::vector<std::string>& orders) {
   for (const std::string& order : orders) {
     const ZarrFixture fixture("v2/type_" + name + '_' + order);
-    EXPECT_EQ(samples_of<T>(fixture.path()), zarr_samples<T>(kSmall)) << name << ' ' << order;
+    EXPECT_EQ(samples_of<T>(fixture.path()), zarr_samples<T>(kSmallZarr)) << name << ' ' << order;
   }
 }
 
@@ -41,7 +40,7 @@ class zarr_v2_compressor : public testing::TestWithParam<const char*> {};
 
 TEST_P(zarr_v2_compressor, gives_the_samples_back) {
   const ZarrFixture fixture(std::string("v2/codec_") + GetParam());
-  EXPECT_EQ(samples_of<std::int16_t>(fixture.path()), zarr_samples<std::int16_t>(kLarge));
+  EXPECT_EQ(samples_of<std::int16_t>(fixture.path()), zarr_samples<std::int16_t>(kLargeZarr));
 }
 
 INSTANTIATE_TEST_SUITE_P(all, zarr_v2_compressor,
@@ -60,7 +59,7 @@ TEST(zarr_v2_reader, reads_both_memory_orders_of_two_to_five_axes) {
     const ZarrFixture two(std::string("v2/rank2_") + order);
     EXPECT_EQ(samples_of<std::int16_t>(two.path()), zarr_samples<std::int16_t>({{10, 7, 1}}));
     const ZarrFixture three(std::string("v2/rank3_") + order);
-    EXPECT_EQ(samples_of<std::int16_t>(three.path()), zarr_samples<std::int16_t>(kSmall));
+    EXPECT_EQ(samples_of<std::int16_t>(three.path()), zarr_samples<std::int16_t>(kSmallZarr));
     const ZarrFixture four(std::string("v2/rank4_") + order);
     for (int c = 0; c < 3; ++c)
       EXPECT_EQ(samples_of<std::int16_t>(four.path(), {.component = c}),
@@ -76,13 +75,14 @@ TEST(zarr_v2_reader, reads_both_memory_orders_of_two_to_five_axes) {
 TEST(zarr_v2_reader, reads_chunks_in_folders_and_chunks_larger_than_the_array) {
   for (const char* name : {"v2/slashes", "v2/one_chunk"}) {
     const ZarrFixture fixture(name);
-    EXPECT_EQ(samples_of<std::int16_t>(fixture.path()), zarr_samples<std::int16_t>(kSmall)) << name;
+    EXPECT_EQ(samples_of<std::int16_t>(fixture.path()), zarr_samples<std::int16_t>(kSmallZarr))
+        << name;
   }
 }
 
 TEST(zarr_v2_reader, drops_leading_axes_of_length_one) {
   const ZarrFixture fixture("v2/thin");
-  EXPECT_EQ(samples_of<std::int16_t>(fixture.path()), zarr_samples<std::int16_t>(kSmall));
+  EXPECT_EQ(samples_of<std::int16_t>(fixture.path()), zarr_samples<std::int16_t>(kSmallZarr));
   expect_failure(fixture.path(), {"--time between 0 and 0"}, {.time = 1});
   expect_failure(fixture.path(), {"--component between 0 and 0"}, {.component = 1});
 }
@@ -98,16 +98,6 @@ TEST(zarr_v2_reader, wants_a_choice_of_time_and_component) {
   EXPECT_EQ(description->n_components, 3);
   EXPECT_EQ(description->grid.dims, (Index3{{10, 7, 2}}));
   EXPECT_EQ(description->format, "Zarr v2, zlib");
-}
-
-/// Samples of kSmall where chunk z y x = 0 0 1 holds `fill`: x from 5, y to 3, z to 1.
-template <typename T>
-std::vector<T> with_missing_chunk(T fill) {
-  std::vector<T> samples = zarr_samples<T>(kSmall);
-  for (std::size_t z = 0; z < 2; ++z)
-    for (std::size_t y = 0; y < 4; ++y)
-      for (std::size_t x = 5; x < 10; ++x) samples[(z * 7 + y) * 10 + x] = fill;
-  return samples;
 }
 
 TEST(zarr_v2_reader, fills_missing_chunks) {
@@ -134,14 +124,14 @@ TEST(zarr_v2_reader, fills_missing_chunks) {
 
 TEST(zarr_v2_reader, opens_the_arrays_of_a_group) {
   const ZarrFixture one("v2/group_one");
-  EXPECT_EQ(samples_of<std::uint16_t>(one.path()), zarr_samples<std::uint16_t>(kSmall));
+  EXPECT_EQ(samples_of<std::uint16_t>(one.path()), zarr_samples<std::uint16_t>(kSmallZarr));
   EXPECT_EQ(test::info_of(one.path()).field_name, "density");
   EXPECT_EQ(test::info_of(one.path("density")).field_name, "");
   const ZarrFixture two("v2/group_two");
   expect_failure(two.path(), {"holds 2 fields", "--field: heat, speed"});
   expect_failure(two.path(), {"no field 'mass'", "heat, speed"}, {.field = "mass"});
-  EXPECT_EQ(samples_of<float>(two.path(), {.field = "heat"}), zarr_samples<float>(kSmall));
-  EXPECT_EQ(samples_of<std::uint8_t>(two.path("speed")), zarr_samples<std::uint8_t>(kSmall));
+  EXPECT_EQ(samples_of<float>(two.path(), {.field = "heat"}), zarr_samples<float>(kSmallZarr));
+  EXPECT_EQ(samples_of<std::uint8_t>(two.path("speed")), zarr_samples<std::uint8_t>(kSmallZarr));
   const auto description = describe_volume(two.path(), {.field = "speed"});
   ASSERT_TRUE(description) << description.error().message;
   EXPECT_EQ(description->fields, (std::vector<std::string>{"heat", "speed"}));

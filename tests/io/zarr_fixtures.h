@@ -40,6 +40,10 @@ T zarr_sample(std::int64_t k) {
   }
 }
 
+/// What the generators call SMALL and LARGE.
+inline constexpr Index3 kSmallZarr{{10, 7, 3}};
+inline constexpr Index3 kLargeZarr{{30, 24, 8}};
+
 /// Where a three-dimensional part of an array with more axes lies.
 struct ZarrPlace {
   std::int64_t time = 0;
@@ -55,6 +59,16 @@ std::vector<T> zarr_samples(const Index3& dims, ZarrPlace place = {}) {
       for (std::int64_t x = 0; x < dims[0]; ++x)
         samples.push_back(
             zarr_sample<T>(5003 * place.time + 1009 * place.channel + 101 * z + 13 * y + x));
+  return samples;
+}
+
+/// Samples of kSmallZarr where chunk z y x = 0 0 1 holds `fill`: x from 5, y to 3, z to 1.
+template <typename T>
+[[nodiscard]] std::vector<T> with_missing_chunk(T fill) {
+  std::vector<T> samples = zarr_samples<T>(kSmallZarr);
+  for (std::size_t z = 0; z < 2; ++z)
+    for (std::size_t y = 0; y < 4; ++y)
+      for (std::size_t x = 5; x < 10; ++x) samples[(z * 7 + y) * 10 + x] = fill;
   return samples;
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lode/io/image.h"
+#include "lode/io/text.h"
 #include "lode/io/zarr_json.h"
 #include "lode/io/zarr_metadata.h"
 
@@ -12,7 +13,7 @@ namespace lode::io {
 namespace {
 
 /// Its index of 16 bytes each is held in memory.
-constexpr std::int64_t kMaxChunksInShard = std::int64_t{1} << 24;
+constexpr std::uint64_t kMaxChunksInShard = std::uint64_t{1} << 22;
 
 bool exists(const std::string& path) {
   std::error_code ignored;
@@ -50,7 +51,7 @@ Result<void> check_codecs(const std::string& path, const ZarrCodecs& codecs, con
     counts.push_back(shape[axis] / inner[stored]);
   }
   LODE_TRY(const std::uint64_t n_chunks, checked_n_bytes(path, counts, 1));
-  if (n_chunks > static_cast<std::uint64_t>(kMaxChunksInShard))
+  if (n_chunks > kMaxChunksInShard)
     return fail("{}: expected at most {} chunks in a shard, got {}", path, kMaxChunksInShard,
                 n_chunks);
   return check_codecs(path, codecs.shard->codecs, inner, type, false);
@@ -98,15 +99,24 @@ ZarrUnits units_of(const ZarrArray& array) {
 }
 
 Result<ZarrNode> zarr_node_at(const std::string& directory) {
+  const std::string path = directory + "/zarr.json";
+  if (exists(path)) {
+    LODE_TRY(const nlohmann::json metadata, read_json_object(path));
+    LODE_TRY(const std::string type, json_text(path, metadata, "node_type"));
+    if (type == "array") return ZarrNode::array;
+    if (type == "group") return ZarrNode::group;
+    return fail("{}: expected a node_type array or group, got {}", path, in_quotes(type));
+  }
   if (exists(directory + "/.zarray")) return ZarrNode::array;
   if (exists(directory + "/.zgroup")) return ZarrNode::group;
   return ZarrNode::none;
 }
 
 Result<ZarrArray> read_zarr_array(const std::string& directory) {
-  const std::string path = directory + "/.zarray";
+  const bool is_v3 = exists(directory + "/zarr.json");
+  const std::string path = directory + (is_v3 ? "/zarr.json" : "/.zarray");
   LODE_TRY(const nlohmann::json metadata, read_json_object(path));
-  LODE_TRY(ZarrArray array, parse_zarr_v2(path, metadata));
+  LODE_TRY(ZarrArray array, is_v3 ? parse_zarr_v3(path, metadata) : parse_zarr_v2(path, metadata));
   LODE_CHECK(check_array(path, array));
   array.path = directory;
   return array;

@@ -79,7 +79,7 @@ enum class ZarrNode { none, array, group };
 /// What the metadata in `directory` say it is; none where there are none. Fails, naming the file,
 /// when they cannot be read.
 [[nodiscard]] Result<ZarrNode> zarr_node_at(const std::string& directory);
-/// Reads .zarray. Fails, naming the file, on anything missing, unknown or out of
+/// Reads zarr.json or else .zarray. Fails, naming the file, on anything missing, unknown or out of
 /// bounds.
 [[nodiscard]] Result<ZarrArray> read_zarr_array(const std::string& directory);
 

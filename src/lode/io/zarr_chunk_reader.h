@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "lode/core/result.h"
+#include "lode/io/chunk_cache.h"
+#include "lode/io/input_file.h"
 #include "lode/io/zarr_array.h"
 #include "lode/io/zarr_codecs.h"
 
@@ -15,7 +17,7 @@ namespace lode::io {
 /// Reads and decodes the chunks of an array, each on its own. Safe on any number of threads.
 class ZarrChunkReader {
  public:
-  using Bytes = std::shared_ptr<const std::vector<std::byte>>;
+  using Bytes = ChunkCache::Bytes;
 
   explicit ZarrChunkReader(ZarrArray array);
 
@@ -28,11 +30,17 @@ class ZarrChunkReader {
   [[nodiscard]] Result<Bytes> read(std::span<const std::int64_t> chunk);
 
  private:
-  [[nodiscard]] Result<Bytes> read_file(const std::string& path);
+  [[nodiscard]] Result<Bytes> read_part(const InputFile& file, const std::string& name,
+                                        std::uint64_t offset, std::uint64_t n_bytes) const;
+  [[nodiscard]] Result<Bytes> read_from_shard(const InputFile& file,
+                                              std::span<const std::int64_t> shard,
+                                              std::span<const std::int64_t> chunk);
+  [[nodiscard]] Result<Bytes> index_of(const InputFile& file, std::int64_t shard_number);
 
   ZarrArray array_;
   ZarrUnits units_;
   ZarrChunkForm form_;
+  ChunkCache indexes_;  ///< Of shards.
 };
 
 }  // namespace lode::io
