@@ -45,7 +45,7 @@ struct ReadOptions {
   std::size_t memory_limit = std::numeric_limits<std::size_t>::max();
   /// Of spool files, which have no name there and vanish with the source. Empty: TMPDIR, else /tmp.
   std::string spool_directory;
-  Threads threads;                           ///< For decoding, where a format is made of chunks.
+  Threads threads;  ///< For decoding, where a format is made of chunks.
 };
 
 /// What a foreign file says beside VolumeInfo.
@@ -61,12 +61,12 @@ struct FileDescription {
 
 /// Opens a volume for reading; the format follows from the extension: .nrrd .nhdr .mha .mhd .nii
 /// .nii.gz .hdr .img .vti .vtr .vtk, and .raw .raw.gz or any other one with options.raw. A
-/// directory is a Zarr array or a group of them. Uncompressed samples stay in the file and are read
-/// box by box, and so are the chunks of Zarr; compressed and text ones, and those of several data
-/// files, are read into memory here, while they fit options.memory_limit. Compressed ones beyond it
-/// are decoded as far as reads reach, and damage appears at the read that reaches it; text ones
-/// beyond it are refused. Fails, naming the file, on anything missing, truncated, malformed or
-/// ambiguous (several fields, components or times and no choice).
+/// directory is a Zarr array, a group of them or an OME-Zarr image. Uncompressed samples stay in
+/// the file and are read box by box, and so are the chunks of Zarr; compressed and text ones, and
+/// those of several data files, are read into memory here, while they fit options.memory_limit.
+/// Compressed ones beyond it are decoded as far as reads reach, and damage appears at the read that
+/// reaches it; text ones beyond it are refused. Fails, naming the file, on anything missing,
+/// truncated, malformed or ambiguous (several fields, components or times and no choice).
 [[nodiscard]] Result<std::unique_ptr<VolumeSource>> open_volume(const std::string& path,
                                                                 const ReadOptions& options);
 

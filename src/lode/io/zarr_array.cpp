@@ -115,6 +115,8 @@ Result<ZarrNode> zarr_node_at(const std::string& directory) {
 Result<ZarrArray> read_zarr_array(const std::string& directory) {
   const bool is_v3 = exists(directory + "/zarr.json");
   const std::string path = directory + (is_v3 ? "/zarr.json" : "/.zarray");
+  if (!exists(path))
+    return fail("{}: expected a Zarr array with .zarray or zarr.json, got neither", directory);
   LODE_TRY(const nlohmann::json metadata, read_json_object(path));
   LODE_TRY(ZarrArray array, is_v3 ? parse_zarr_v3(path, metadata) : parse_zarr_v2(path, metadata));
   LODE_CHECK(check_array(path, array));

@@ -6,6 +6,8 @@
 #include "lode/io/image.h"
 #include "lode/io/image_grid.h"
 #include "lode/io/image_source.h"
+#include "lode/io/ome_zarr.h"
+#include "lode/io/text.h"
 #include "lode/io/zarr_array.h"
 #include "lode/io/zarr_source.h"
 
@@ -16,11 +18,13 @@ namespace {
 struct ZarrEntry {
   std::string array_path;  ///< Below the directory; empty for the directory itself.
   std::string field_name;
+  std::optional<OmeImage> ome;
 };
 
 struct ZarrImage {
   ZarrArray array;
   std::string field_name;
+  std::size_t n_leading = 0;  ///< Axes before those of space.
   std::optional<std::size_t> time_axis;
   std::optional<std::size_t> component_axis;
   RegularGrid grid;
@@ -52,6 +56,16 @@ Result<ZarrChildren> list_children(const std::string& path) {
   return children;
 }
 
+/// The path of an array says nothing about the image, unless there are several to tell apart.
+Result<std::vector<ZarrEntry>> list_ome_images(const std::string& path) {
+  LODE_TRY(const std::vector<OmeImage> images, read_ome_images(path));
+  std::vector<ZarrEntry> entries;
+  entries.reserve(images.size());
+  for (const OmeImage& image : images)
+    entries.push_back({image.array_path, images.size() > 1 ? image.array_path : "", image});
+  return entries;
+}
+
 Result<std::vector<ZarrEntry>> list_images(const std::string& path) {
   LODE_TRY(const ZarrNode node, zarr_node_at(path));
   if (node == ZarrNode::none)
@@ -60,10 +74,10 @@ Result<std::vector<ZarrEntry>> list_images(const std::string& path) {
         "got another directory",
         path);
   if (node == ZarrNode::array) return std::vector<ZarrEntry>(1);
+  LODE_TRY(std::vector<ZarrEntry> entries, list_ome_images(path));
+  if (!entries.empty()) return entries;
   LODE_TRY(const ZarrChildren children, list_children(path));
-  std::vector<ZarrEntry> entries;
-  entries.reserve(children.arrays.size());
-  for (const std::string& name : children.arrays) entries.push_back({name, name});
+  for (const std::string& name : children.arrays) entries.push_back({name, name, {}});
   if (!entries.empty()) return entries;
   if (children.groups.empty())
     return fail("{}: expected a Zarr group with an array in it, got an empty one", path);
@@ -86,17 +100,33 @@ Result<ZarrEntry> choose_entry(const std::string& path, const std::vector<ZarrEn
 /// In front of y, x and a z: the axis right before is the component, the one before that time,
 /// unless they have names that say otherwise.
 void name_leading_axes(ZarrImage& image) {
-  const ZarrArray& array = image.array;
-  if (array.shape.size() < 4) return;
-  for (std::size_t axis = 0; axis < array.shape.size() - 3; ++axis) {
-    const bool is_named = axis < array.dimension_names.size();
-    const std::string name = is_named ? array.dimension_names[axis] : "";
-    if (name == "t" || name == "time") image.time_axis = axis;
+  for (std::size_t axis = 0; axis < image.n_leading; ++axis) {
+    const auto& names = image.array.dimension_names;
+    if (axis < names.size() && (names[axis] == "t" || names[axis] == "time"))
+      image.time_axis = axis;
   }
-  for (std::size_t axis = array.shape.size() - 3; axis > 0; --axis) {
+  for (std::size_t axis = image.n_leading; axis > 0; --axis) {
     if (image.time_axis == axis - 1) continue;
     (image.component_axis ? image.time_axis : image.component_axis) = axis - 1;
   }
+}
+
+Result<void> take_ome_axes(const std::string& path, const OmeImage& ome, ZarrImage& image) {
+  if (ome.axes.size() != image.array.shape.size())
+    return fail("{}: expected an array of {} axes in {}, as its image has, got {}", path,
+                ome.axes.size(), in_quotes(ome.array_path), image.array.shape.size());
+  image.n_leading = ome.n_leading();
+  for (std::size_t axis = 0; axis < image.n_leading; ++axis)
+    (ome.axes[axis].kind == OmeAxisKind::time ? image.time_axis : image.component_axis) = axis;
+  return {};
+}
+
+Result<Index3> dims_of(const std::string& path, const ZarrImage& image) {
+  std::array<std::int64_t, 3> counts = {1, 1, 1};
+  const std::size_t rank = image.array.shape.size();
+  for (std::size_t i = 0; i < rank - image.n_leading; ++i)
+    counts[i] = image.array.shape[rank - 1 - i];
+  return checked_dims(path, counts);
 }
 
 Result<ZarrImage> read_image(const std::string& path, const ZarrEntry& entry) {
@@ -104,17 +134,24 @@ Result<ZarrImage> read_image(const std::string& path, const ZarrEntry& entry) {
   image.field_name = entry.field_name;
   LODE_TRY(image.array,
            read_zarr_array(entry.array_path.empty() ? path : path + '/' + entry.array_path));
-  name_leading_axes(image);
   image.format =
       fmt::format("Zarr v{}, {}", image.array.version, describe_codecs(image.array.codecs));
-  image.frame_note = "Zarr arrays name no frame and no spacing";
-  std::array<std::int64_t, 3> counts = {1, 1, 1};
-  const std::size_t rank = image.array.shape.size();
-  for (std::size_t i = 0; i < std::min<std::size_t>(rank, 3); ++i)
-    counts[i] = image.array.shape[rank - 1 - i];
+  if (entry.ome) {
+    LODE_CHECK(take_ome_axes(path, *entry.ome, image));
+    LODE_TRY(const Index3 dims, dims_of(path, image));
+    LODE_TRY(image.grid, make_grid(path, grid_steps(*entry.ome, dims)));
+    const std::string& version = entry.ome->version;
+    image.format =
+        fmt::format("OME-Zarr{}{}, {}", version.empty() ? "" : " ", version, image.format);
+    image.frame_note = describe_axes(*entry.ome);
+    return image;
+  }
+  image.n_leading = std::max<std::size_t>(image.array.shape.size(), 3) - 3;
+  name_leading_axes(image);
   GridFrame frame;
-  LODE_TRY(frame.dims, checked_dims(path, counts));
+  LODE_TRY(frame.dims, dims_of(path, image));
   LODE_TRY(image.grid, make_grid(path, frame));
+  image.frame_note = "Zarr arrays name no frame and no spacing";
   return image;
 }
 
@@ -150,8 +187,7 @@ Result<std::unique_ptr<VolumeSource>> open_zarr(const std::string& path,
   LODE_TRY(const std::vector<ZarrEntry> entries, list_images(path));
   LODE_TRY(const ZarrEntry entry, choose_entry(path, entries, options));
   LODE_TRY(ZarrImage image, read_image(path, entry));
-  const std::size_t n_leading = std::max<std::size_t>(image.array.shape.size(), 3) - 3;
-  ZarrShape place(n_leading, 0);
+  ZarrShape place(image.n_leading, 0);
   LODE_TRY(const std::int64_t time, choose_time(path, image.count_along(image.time_axis), options));
   LODE_TRY(const std::int64_t component,
            choose_channel(path, image.count_along(image.component_axis), options));

@@ -90,6 +90,26 @@ def write_groups(root):
     zarr.open_group(f"{root}/group_empty", mode="w")
 
 
+def multiscale(name, path, scale, translation):
+    axes = [{"name": name, "type": "space", "unit": "nanometer"} for name in "zyx"]
+    transformations = [{"type": "scale", "scale": scale},
+                       {"type": "translation", "translation": translation}]
+    datasets = [{"path": path, "coordinateTransformations": transformations},
+                {"path": "1", "coordinateTransformations": transformations[:1]}]
+    return {"version": "0.4", "name": name, "axes": axes, "datasets": datasets}
+
+
+def write_images(root):
+    fine = multiscale("fine", "0", [4, 0.5, 0.25], [1, -2, 3])
+    rough = multiscale("rough", "other/0", [8, 8, 8], [0, 0, 0])
+    for name, multiscales in ("image", [fine]), ("images", [fine, rough]):
+        group = zarr.open_group(f"{root}/{name}", mode="w")
+        group.attrs.put({"multiscales": multiscales})
+        write(root, f"{name}/0", dimension_separator="/")
+        write(root, f"{name}/1", shape=(3, 3, 5), dimension_separator="/")
+    write(root, "images/other/0", "<f4", dimension_separator="/")
+
+
 def main():
     root = sys.argv[1]
     write_types(root)
@@ -97,6 +117,7 @@ def main():
     write_shapes(root)
     write_fills(root)
     write_groups(root)
+    write_images(root)
 
 
 main()
