@@ -8,6 +8,7 @@ namespace {
 using test::base64;
 using test::bytes_of;
 using test::gzipped;
+using test::mutated;
 using test::ramp;
 using test::TempDir;
 using test::zlibbed;
@@ -77,28 +78,6 @@ std::vector<Seed> binary_seeds() {
                         "<AppendedData encoding=\"base64\">_" + base64(header) + base64(block))},
           {"a.raw", raw, true},
           {"a.raw.gz", gzipped(raw), true}};
-}
-
-std::string mutated(std::string bytes, std::mt19937_64& random) {
-  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
-  const std::size_t n_changes = 1 + below(4);
-  for (std::size_t i = 0; i < n_changes && !bytes.empty(); ++i) {
-    const std::size_t at = below(bytes.size());
-    switch (below(6)) {
-      case 0: bytes[at] = static_cast<char>(random()); break;
-      case 1: bytes[at] = static_cast<char>(bytes[at] ^ (1 << below(8))); break;
-      case 2: bytes.resize(at); break;
-      case 3: bytes.erase(at, 1 + below(8)); break;
-      case 4: bytes.insert(at, bytes.substr(at, 1 + below(16))); break;
-      default: {
-        // Counts are what hurts most: put a hostile one over a digit.
-        constexpr const char* kNumbers[] = {"-1", "0", "4294967295", "9223372036854775807", "nan"};
-        const std::size_t digit = bytes.find_first_of("0123456789", at);
-        if (digit != std::string::npos) bytes.replace(digit, 1, kNumbers[below(5)]);
-      }
-    }
-  }
-  return bytes;
 }
 
 /// Decoding while reading comes to what decoding while opening came to.

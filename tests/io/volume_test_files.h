@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -105,6 +106,9 @@ class NiftiBytes {
   std::string bytes_;
   ByteOrder order_;
 };
+
+/// A few random changes: bits, bytes, cuts, repeats, and hostile numbers in place of digits.
+std::string mutated(std::string bytes, std::mt19937_64& random);
 
 /// The directory of the shared real data: LODE_DATA, else ../shared/data beside the sources.
 std::filesystem::path data_directory();

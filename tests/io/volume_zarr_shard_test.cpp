@@ -18,7 +18,8 @@ TEST_P(zarr_shard, gives_the_samples_back) {
 
 INSTANTIATE_TEST_SUITE_P(all, zarr_shard,
                          testing::Values("raw", "zstd", "plain_index", "transposed",
-                                         "index_at_start", "nested"),
+                                         "index_at_start", "nested", "inside_transpose",
+                                         "inside_crc32c"),
                          [](const auto& each) { return std::string(each.param); });
 
 TEST(zarr_shards, read_at_a_time_and_channel) {

@@ -21,12 +21,16 @@ bool exists(const std::string& path) {
   return type != std::filesystem::file_type::not_found && type != std::filesystem::file_type::none;
 }
 
-Result<void> check_whole_chunk(const std::string& path, const ZarrShape& shape, ScalarType type) {
+/// Of a shard that is decoded as a whole: a few bytes can stand for any number of missing chunks.
+constexpr std::uint64_t kMaxWholeShardBytes = std::uint64_t{256} << 20;
+
+Result<void> check_whole_chunk(const std::string& path, const ZarrShape& shape, ScalarType type,
+                               bool is_shard) {
   LODE_TRY(const std::uint64_t n_bytes, checked_n_bytes(path, shape, size_of(type)));
-  if (n_bytes > kMaxZarrChunkBytes)
-    return fail("{}: expected chunks of at most {} bytes, got {}", path, kMaxZarrChunkBytes,
-                n_bytes);
-  return {};
+  const std::uint64_t n_most = is_shard ? kMaxWholeShardBytes : kMaxZarrChunkBytes;
+  if (n_bytes <= n_most) return {};
+  return fail("{}: expected {} of at most {} bytes, got {}", path,
+              is_shard ? "shards that are decoded as a whole" : "chunks", n_most, n_bytes);
 }
 
 /// Whether single chunks of a shard can be read without decoding the rest of its file.
@@ -36,7 +40,8 @@ bool is_open_shard(const ZarrCodecs& codecs) {
 
 Result<void> check_codecs(const std::string& path, const ZarrCodecs& codecs, const ZarrShape& shape,
                           ScalarType type, bool is_file) {
-  if (!is_file || !is_open_shard(codecs)) LODE_CHECK(check_whole_chunk(path, shape, type));
+  if (!is_file || !is_open_shard(codecs))
+    LODE_CHECK(check_whole_chunk(path, shape, type, codecs.shard != nullptr));
   if (codecs.shard == nullptr) return {};
   const ZarrShape& inner = codecs.shard->chunk_shape;
   if (inner.size() != shape.size())

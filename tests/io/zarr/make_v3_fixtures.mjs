@@ -34,8 +34,9 @@ function sample(k, type) {
   return size === 8 ? value : Number(value);
 }
 
-function samples(shape, type) {
-  const weights = [5003, 1009, 101, 13, 1].slice(5 - shape.length);
+function samples(shape, type, order) {
+  const inOrder = [5003, 1009, 101, 13, 1].slice(5 - shape.length);
+  const weights = order ? order.map((axis) => inOrder[axis]) : inOrder;
   const data = new typedArrays[type](shape.reduce((a, b) => a * b));
   for (let i = 0; i < data.length; ++i) {
     let k = 0;
@@ -64,15 +65,16 @@ async function write(name, options = {}) {
   // Not given to create, which cannot write one of 64 bits.
   editMetadata(name, (metadata) => { metadata.fill_value = 0; });
   const array = await zarr.open(opened(name), { kind: "array" });
-  await zarr.set(array, null, { data: samples(shape, type), shape, stride: stridesOf(shape) });
+  await zarr.set(array, null, { data: samples(shape, type, options.order), shape, stride: stridesOf(shape) });
 }
 
 // Reads all of an array with zarrita and compares; `holes` are chunks (as "0/0/1" of `grid`) that
-// hold `fill` instead.
-async function check(name, { shape = SMALL.shape, type = "int16", holes = [], grid, fill } = {}) {
+// hold `fill` instead. `order` says which axis of the formula each axis is.
+async function check(name, { shape = SMALL.shape, type = "int16", holes = [], grid, fill,
+                             order } = {}) {
   const array = await zarr.open(opened(name), { kind: "array" });
   const { data, stride } = await zarr.get(array);
-  const expected = samples(shape, type);
+  const expected = samples(shape, type, order);
   const strides = stridesOf(shape);
   for (let i = 0; i < expected.length; ++i) {
     const place = strides.map((step, axis) => Math.floor(i / step) % shape[axis]);
@@ -267,6 +269,30 @@ async function writeShards() {
   // Shards in shards: the inner ones as zarrita has just read them.
   await makeSharded("shard_nested", [1, 2, 1], { codecs: [bytesCodec, zstdCodec] });
   shard("shard_nested", [2, 1, 2]);
+  // Something round a shard: what zarrita has read is given axes in another order, or checksums.
+  const order = [2, 0, 1];
+  await makeSharded("shard_inside_transpose", [1, 2, 1], { order, shape: [10, 3, 7],
+                                                           chunks: [5, 2, 4] });
+  editMetadata("shard_inside_transpose", (metadata) => {
+    const restored = (counts) => order.map((_, axis) => counts[order.indexOf(axis)]);
+    const grid = metadata.chunk_grid.configuration;
+    metadata.shape = restored(metadata.shape);
+    grid.chunk_shape = restored(grid.chunk_shape);
+    metadata.codecs.unshift({ name: "transpose", configuration: { order } });
+  });
+  const folder = path.join(root, "shard_inside_transpose", "c");
+  const shards = chunksOf("shard_inside_transpose");
+  fs.rmSync(folder, { recursive: true });
+  for (const [place, bytes] of Object.entries(shards)) {
+    const file = path.join(folder, order.map(
+      (_, axis) => splitPlace(place)[order.indexOf(axis)]).join("/"));
+    fs.mkdirSync(path.dirname(file), { recursive: true });
+    fs.writeFileSync(file, bytes);
+  }
+  await makeSharded("shard_inside_crc32c", [1, 2, 1], { codecs: [bytesCodec, zstdCodec] });
+  for (const [place, bytes] of Object.entries(chunksOf("shard_inside_crc32c")))
+    fs.writeFileSync(path.join(root, "shard_inside_crc32c/c", place), withChecksum(bytes));
+  editMetadata("shard_inside_crc32c", (metadata) => metadata.codecs.push("crc32c"));
 }
 
 async function writeImages() {
