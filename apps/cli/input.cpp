@@ -75,7 +75,8 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
     app.add_option(name, value, help)->type_name(type)->group("Reading other formats");
   };
   add("--field", arguments.field, "NAME", "Array to read, where a file holds several");
-  add("--component", arguments.component, "N|magnitude", "Which scalar of a vector, from 0");
+  add("--component", arguments.component, "N|magnitude",
+      "Which scalar of a vector, or channel, from 0");
   add("--time", arguments.time, "N", "Time step, from 0");
   add("--nodata", arguments.nodata, "V", "Samples with this value are holes");
   add("--dims", arguments.dims, "XxYxZ", "Samples per axis of a raw file");

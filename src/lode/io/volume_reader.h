@@ -35,7 +35,7 @@ using ComponentChoice = std::variant<int, Magnitude>;
 
 struct ReadOptions {
   std::optional<std::string> field;          ///< Needed where the file holds several arrays.
-  std::optional<ComponentChoice> component;  ///< Needed for vectors.
+  std::optional<ComponentChoice> component;  ///< Needed for vectors and for channels.
   std::optional<int> time;                   ///< Step, from 0; needed where there are several.
   std::optional<double> nodata;              ///< Finite: this value marks holes.
   std::optional<RawLayout> raw;              ///< Needed by, and only for, files of bare samples.

@@ -13,6 +13,8 @@
 namespace lode::io {
 namespace {
 
+/// `lode info` of 512 x 512 x 384 uint16 samples in gzip chunks of 64 x 64 x 64, which reads slabs
+/// of 16 slices, takes 1.4 s with room for a layer of chunks and 4.8 s without any.
 constexpr std::size_t kMinCacheBytes = std::size_t{64} << 20;
 constexpr std::size_t kMaxCacheBytes = std::size_t{1} << 30;
 

@@ -16,8 +16,8 @@ struct ZarrView {
 };
 
 /// Serves boxes of the view; info.grid and info.type fit it. Each read decodes the chunks that meet
-/// its box in parallel. Those that reach beyond it are kept for the next read: at most one layer of
-/// chunks along x and y, and at most 1 GiB.
+/// its box in parallel. Those that reach beyond it are kept for the next read: up to 64 MiB of
+/// them, or one layer of chunks along x and y where that takes more, but never above 1 GiB.
 [[nodiscard]] std::unique_ptr<VolumeSource> make_zarr_source(ZarrView view, VolumeInfo info,
                                                              Threads threads);
 

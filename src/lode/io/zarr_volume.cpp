@@ -163,8 +163,8 @@ Result<std::int64_t> choose_channel(const std::string& path, std::int64_t n,
   }
   if (!std::holds_alternative<int>(*options.component))
     return fail(
-        "{}: a magnitude needs vectors, but those of Zarr are not known from channels; "
-        "choose one with --component N, 0 to {}",
+        "{}: expected --component N, 0 to {}, got magnitude: the components of Zarr arrays are "
+        "channels, not vectors",
         path, n - 1);
   const std::int64_t component = std::get<int>(*options.component);
   if (component < 0 || component >= n)
