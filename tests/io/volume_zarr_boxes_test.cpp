@@ -48,6 +48,10 @@ TEST(zarr_source, reads_any_box_on_any_number_of_threads) {
     expect_random_boxes(ZarrFixture("v2/rank2_F").path(), {.threads = threads}, 0);
     expect_random_boxes(ZarrFixture("v2/rank5_F").path(),
                         {.component = 2, .time = 1, .threads = threads}, 5003 + 2 * 1009);
+    expect_random_boxes(ZarrFixture("v3/shard_transposed").path(), {.threads = threads}, 0);
+    expect_random_boxes(ZarrFixture("v3/shard_nested").path(), {.threads = threads}, 0);
+    expect_random_boxes(ZarrFixture("v3/shard_rank5").path(),
+                        {.component = 2, .time = 1, .threads = threads}, 5003 + 2 * 1009);
   }
 }
 
@@ -61,6 +65,19 @@ TEST(zarr_source, decodes_only_the_chunks_that_a_box_meets) {
   const auto status = (*source)->read({{{19, 0, 0}}, {{21, 1, 1}}}, out);
   ASSERT_FALSE(status);
   EXPECT_NE(status.error().message.find("0.0.1"), std::string::npos) << status.error().message;
+}
+
+TEST(zarr_source, reads_only_the_parts_of_a_shard_that_a_box_meets) {
+  const ZarrFixture fixture("v3/shard_raw");
+  // Chunks lie backwards behind one another: the last bytes before the index are chunk 0 0 0.
+  std::string shard = fixture.read("c/0/0/0");
+  constexpr std::size_t kIndexBytes = 4 * 16 + 4;
+  const std::size_t first_chunk_at = shard.size() - kIndexBytes - 80;
+  for (std::size_t i = 0; i < first_chunk_at; ++i) shard[i] = 'x';
+  fixture.write("c/0/0/0", shard);
+  const auto source = open_volume(fixture.path(), {});
+  ASSERT_TRUE(source) << source.error().message;
+  expect_box(**source, {{{1, 0, 0}}, {{5, 4, 2}}});
 }
 
 TEST(zarr_source, decodes_a_chunk_once_when_slab_follows_slab) {

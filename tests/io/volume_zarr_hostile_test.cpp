@@ -70,6 +70,10 @@ TEST(zarr_v2_reader, refuses_hostile_metadata) {
       {"/dimension_separator", "\"_\"", "dimension_separator"},
   };
   expect_refused("v2/fill_42", ".zarray", changes);
+  const MetadataChange floating[] = {{"/fill_value", "1e39", "fill_value of type float32"},
+                                     {"/fill_value", "\"nan\"", "fill_value of type float32"},
+                                     {"/fill_value", "true", "fill_value of type float32"}};
+  expect_refused("v2/fill_nan", ".zarray", floating);
 }
 
 TEST(zarr_v3_reader, refuses_hostile_metadata) {

@@ -49,7 +49,11 @@ std::optional<T> fill_of_bits(std::string_view text) {
 
 template <typename T>
 std::optional<T> floating_fill(const json& value) {
-  if (value.is_number()) return static_cast<T>(value.get<double>());
+  if (value.is_number()) {
+    const auto number = static_cast<T>(value.get<double>());
+    // JSON has no infinities: this was a number beyond the type.
+    return std::isfinite(number) ? std::optional(number) : std::nullopt;
+  }
   if (!value.is_string()) return std::nullopt;
   const auto& text = value.get_ref<const std::string&>();
   if (text == "NaN") return std::numeric_limits<T>::quiet_NaN();
