@@ -82,7 +82,7 @@ Result<ZarrChunkReader::Bytes> ZarrChunkReader::read(std::span<const std::int64_
   }
   const std::string path = chunk_path(array_, in_grid);
   if (is_missing(path)) return Bytes{};
-  LODE_TRY(const InputFilePtr file, InputFile::open(path));
+  LODE_TRY(const InputFilePtr file, InputFile::open(path, tally_));
   const bool is_shard = units_.codecs != &array_.codecs;
   return is_shard ? read_from_shard(*file, in_grid, in_file)
                   : read_part(*file, path, 0, file->size());

@@ -22,6 +22,8 @@ class ZarrChunkReader {
   explicit ZarrChunkReader(ZarrArray array);
 
   [[nodiscard]] const ZarrArray& array() const { return array_; }
+  /// Counts what is read of chunks.
+  [[nodiscard]] const IoTally& tally() const { return *tally_; }
   /// Samples along the axes of a chunk.
   [[nodiscard]] const ZarrShape& chunk_shape() const { return units_.shape; }
   /// The samples of a whole chunk, also where it sticks out of the array: last axis fastest, native
@@ -41,6 +43,7 @@ class ZarrChunkReader {
   ZarrUnits units_;
   ZarrChunkForm form_;
   ChunkCache indexes_;  ///< Of shards.
+  IoTallyPtr tally_ = std::make_shared<IoTally>();
 };
 
 }  // namespace lode::io

@@ -84,14 +84,19 @@ Placement placement_in(const Region& whole, const Region& part) {
 
 class ZarrSource final : public VolumeSource {
  public:
-  ZarrSource(ZarrView view, VolumeInfo info, Threads threads)
+  ZarrSource(ZarrView view, VolumeInfo info, Threads threads, std::size_t max_cache_bytes)
       : info_(std::move(info)),
         place_(std::move(view.place)),
         reader_(std::move(view.array)),
         threads_(threads),
-        cache_(layer_bytes()) {}
+        cache_(std::min(layer_bytes(), max_cache_bytes)) {}
 
   const VolumeInfo& info() const override { return info_; }
+  IoCounts io() const override {
+    return {.n_file_bytes_read = reader_.tally().n_file_bytes_read,
+            .n_spool_bytes_written = 0,
+            .n_spool_bytes_read = 0};
+  }
 
   Result<void> read(const IndexBox& box, std::span<std::byte> out) override {
     LODE_EXPECTS(info_.grid.index_box().contains(box));
@@ -227,8 +232,9 @@ class ZarrSource final : public VolumeSource {
 
 }  // namespace
 
-std::unique_ptr<VolumeSource> make_zarr_source(ZarrView view, VolumeInfo info, Threads threads) {
-  return std::make_unique<ZarrSource>(std::move(view), std::move(info), threads);
+std::unique_ptr<VolumeSource> make_zarr_source(ZarrView view, VolumeInfo info, Threads threads,
+                                               std::size_t max_cache_bytes) {
+  return std::make_unique<ZarrSource>(std::move(view), std::move(info), threads, max_cache_bytes);
 }
 
 }  // namespace lode::io
