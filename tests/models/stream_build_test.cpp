@@ -1,6 +1,8 @@
 // Building a file part by part gives the bytes that building in memory gives, however it is parted.
 #include "lode/models/diamond/stream_build.h"
 
+#include "lode/models/diamond/nesting_pass.h"
+#include "lode/models/diamond/part_builder.h"
 #include "tests/models/stored_fixtures.h"
 
 namespace lode::diamond {
@@ -77,6 +79,49 @@ INSTANTIATE_TEST_SUITE_P(
                       BuildCase{{{40, 300, 270}}, ScalarType::float32},
                       BuildCase{{{2060, 70, 1}}, ScalarType::float32, Holes::some},
                       BuildCase{{{70, 1, 2100}}, ScalarType::uint8}));
+
+/// The part's samples, x fastest.
+std::vector<std::byte> samples_of(const Volume& volume, const LatticeBox<3>& box) {
+  const auto source = make_memory_source(volume);
+  const IndexBox part{box.lower, box.upper};
+  std::vector<std::byte> bytes(static_cast<std::size_t>(part.n_samples()) *
+                               size_of(volume.info.type));
+  EXPECT_TRUE(source->read(part, bytes));
+  return bytes;
+}
+
+TEST(stream_build_parts, of_two_workers_in_any_order_join_to_the_nodes_of_the_whole) {
+  const Volume volume = test::random_samples({{300, 270, 530}}, ScalarType::uint8, Holes::none);
+  const Model<3> model = test::built<3>(volume);
+  // Each worker has the coarse samples and the stats, and its own shares of the nodes.
+  std::array<CoarseField<3>, 2> fields{CoarseField<3>::make(volume.info),
+                                       CoarseField<3>::make(volume.info)};
+  std::vector<PartBuilder<3>> workers;
+  for (CoarseField<3>& field : fields) {
+    field.put_samples({{}, field.shape.dims}, volume.samples.data());
+    field.stats = model.stats;
+    workers.emplace_back(field, Threads{1});
+  }
+  const Index<3> n = chunk_counts<3>(model.shape);
+  std::vector<std::size_t> order(n_points<3>(n));
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = (i * 5 + 3) % order.size();
+  ASSERT_EQ(order.size(), 12U);
+  for (const std::size_t i : order) {
+    const Index<3> chunk = point_of<3>(n, i);
+    const auto plan = PartPlan<3>::of(model.shape, {chunk, chunk + all_equal<3>(1)});
+    PartBuilder<3>& worker = workers[i % 3 == 0 ? 0 : 1];
+    worker.begin(plan);
+    worker.put_samples(plan.samples, samples_of(volume, plan.samples).data());
+    ASSERT_TRUE(worker.find_attributes(Progress(), [] {}));
+  }
+  fields[0].join(fields[1]);
+  NestingPass<3, CoarseField<3>>(fields[0], kKeptLevel, model.shape.n_levels, {1}).run();
+  for (std::size_t level = kKeptLevel; level < model.levels.size(); ++level) {
+    EXPECT_TRUE(fields[0].levels[level].error == model.levels[level].error) << level;
+    EXPECT_TRUE(fields[0].levels[level].low == model.levels[level].low) << level;
+    EXPECT_TRUE(fields[0].levels[level].high == model.levels[level].high) << level;
+  }
+}
 
 }  // namespace
 }  // namespace lode::diamond

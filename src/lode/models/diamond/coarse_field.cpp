@@ -62,6 +62,19 @@ void CoarseField<D>::put_samples(const LatticeBox<D>& box, const std::byte* valu
 }
 
 template <int D>
+void CoarseField<D>::join(const CoarseField& other) {
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    NodeLevel& to = levels[level];
+    const NodeLevel& from = other.levels[level];
+    for (std::size_t i = 0; i < to.error.size(); ++i) {
+      to.error[i] = std::max(to.error[i], from.error[i]);
+      to.low[i] = std::min(to.low[i], from.low[i]);
+      to.high[i] = std::max(to.high[i], from.high[i]);
+    }
+  }
+}
+
+template <int D>
 double CoarseField<D>::base_error() const {
   if (!shape.has_cells()) return 0;
   const int level = shape.n_levels - 1;

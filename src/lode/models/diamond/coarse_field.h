@@ -33,6 +33,9 @@ struct CoarseField : LatticeField<D, CoarseField<D>> {
   /// Nested error of the root; 0 when there are no cells.
   [[nodiscard]] double base_error() const;
 
+  /// Takes the shares of nodes that another worker's parts have given to its own copy of the field.
+  void join(const CoarseField& other);
+
   /// The sample at p, a point of the level's grid or one beyond the data.
   [[nodiscard]] double value(const Index<D>& p) const {
     Index<D> q;
