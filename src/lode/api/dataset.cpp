@@ -111,7 +111,7 @@ Result<void> extract_in_memory(const Dataset::Impl::AnyModel& held, const Extrac
 Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
                             Surface& surface, ExtractReport& report, Progress& progress) {
   const std::uint64_t n_before = chunks.blocks.n_bytes_read();
-  const auto done = std::visit(
+  auto done = std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) -> Result<void> {
         LODE_CHECK(
             extract_all<D>(options, surface, report, [&](const diamond::IsosurfaceQuery& query) {
