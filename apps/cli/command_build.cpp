@@ -119,13 +119,12 @@ Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
   options.memory_limit = static_cast<std::size_t>(build.memory_limit / 8);
   options.spool_directory = std::filesystem::absolute(arguments.output).parent_path().string();
   LODE_TRY(auto source, open_volume(arguments.input, options));
+  bool has_part = false;
+  build.has_part = &has_part;
   auto report =
       build_file_from(arguments.input, *source, arguments.output, build, session.progress());
   if (report) return report_build(arguments, *report);
-  std::error_code status;
-  if (build.unfinished == Unfinished::nothing ||
-      !std::filesystem::exists(part_path(arguments.output), status) ||
-      report.error().message.starts_with(part_path(arguments.output)))
+  if (!has_part || report.error().message.starts_with(part_path(arguments.output)))
     return report.error();
   const std::string leftover = fmt::format(
       "{} holds what was done: the same command with --resume "

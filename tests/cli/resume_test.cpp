@@ -87,6 +87,20 @@ TEST_F(cli_part, whose_journal_is_damaged_is_begun_again_from_the_damage) {
   }
 }
 
+TEST_F(cli_part, of_earlier_builds_goes_when_the_output_is_finished) {
+  write_ball(scratch_ / "ball.nrrd");
+  EXPECT_EQ(run_lode({"build", scratch_ / "ball.nrrd", output_}).exit_code, 0);
+  EXPECT_EQ(scratch_.files(), (std::vector<std::string>{"ball.nrrd", "in.nrrd", "out.lode"}));
+}
+
+TEST_F(cli_part, that_is_a_link_is_refused) {
+  write_bytes(scratch_ / "victim", "precious");
+  std::filesystem::remove(part_);
+  std::filesystem::create_symlink(scratch_ / "victim", part_);
+  expect_refusal(run_lode({"build", input_, output_}), 1, {part_});
+  EXPECT_EQ(read_bytes(scratch_ / "victim"), "precious");
+}
+
 TEST(cli_resume, without_a_part_just_builds) {
   const Scratch scratch;
   write_ball(scratch / "ball.nrrd");
@@ -106,6 +120,15 @@ TEST(cli_build, names_the_memory_that_it_needs) {
   expect_refusal(
       run_lode({"build", scratch / "ball.nrrd", scratch / "ball.lode", "--memory-limit", "5x"}), 2,
       {"--memory-limit", "512M", "5x"});
+  // What the message asks for is enough.
+  const Finished refused =
+      run_lode({"build", scratch / "ball.nrrd", scratch / "ball.lode", "--memory-limit", "1M"});
+  const std::size_t at = refused.err.find("at least ") + 9;
+  const std::string megabytes = refused.err.substr(at, refused.err.find(' ', at) - at);
+  EXPECT_EQ(run_lode({"build", scratch / "ball.nrrd", scratch / "ball.lode", "--memory-limit",
+                      megabytes + "000000"})
+                .exit_code,
+            0);
 }
 
 }  // namespace

@@ -118,5 +118,42 @@ TEST(file_extract_blocks, that_the_surface_does_not_need_are_not_read) {
   EXPECT_LT(blocks.n_blocks_read(), reader->blocks().size() / 4);
 }
 
+TEST(file_extract_blocks, with_holes_that_the_metadata_deny_are_refused) {
+  Volume volume = hilly({{60, 60, 60}}, ScalarType::float32);
+  oracles::typed_samples<float>(volume)[100003] = std::numeric_limits<float>::quiet_NaN();
+  const TestPath path("lie.lode");
+  Model<3> model = test::built<3>(volume);
+  model.stats.n_holes = model.stats.n_removed_cells = 0;
+  test::save<3>(model, path.str());
+  const auto reader = store::Reader::open(path.str());
+  ASSERT_TRUE(reader);
+  const auto metadata = read_metadata(*reader);
+  const auto field = load_coarse<3>(*reader, *metadata, {2});
+  ASSERT_TRUE(field);
+  store::BlockCache blocks(*reader, 0);
+  Surface surface;
+  Progress progress;
+  const auto done = extract_from_file<3>(
+      *field, blocks, {.isovalue = 120.3, .tolerance = 0.01, .threads = {2}}, surface, progress);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("expected no holes"), std::string::npos)
+      << done.error().message;
+}
+
+TEST(file_extract_blocks, whose_errors_are_not_those_of_the_metadata_are_refused) {
+  const TestPath path("lie.lode");
+  Model<3> model = test::built<3>(hilly({{60, 60, 60}}, ScalarType::uint8));
+  test::save<3>(model, path.str());
+  const auto reader = store::Reader::open(path.str());
+  ASSERT_TRUE(reader);
+  auto metadata = read_metadata(*reader);
+  ASSERT_TRUE(metadata);
+  metadata->summary.base_error += 1;
+  EXPECT_FALSE(load_coarse<3>(*reader, *metadata, {2}));
+  metadata->summary.base_error -= 1;
+  metadata->summary.max_errors[kKeptLevel] += 1;
+  EXPECT_FALSE(load_coarse<3>(*reader, *metadata, {2}));
+}
+
 }  // namespace
 }  // namespace lode::diamond

@@ -255,7 +255,8 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   if (chunks != nullptr && (report.max_error > 0 || is_too_large)) {
     LODE_CHECK(extract_chunks(*chunks, options, surface, report, progress));
   } else {
-    if (options.memory_limit > 0 && is_too_large)
+    if (options.memory_limit > 0 && is_too_large && impl_->is_in_file() &&
+        impl_->summary().stats.n_holes > 0)
       return fail("expected a memory limit of at least {} MB for a field with holes, got {} MB",
                   impl_->model_bytes() / 1'000'000 + 1, limit / 1'000'000);
     LODE_TRY(const auto* const held, impl_->model(progress));

@@ -59,7 +59,8 @@ struct ExtractOptions {
   Normals normals = Normals::on;
   Threads threads{};
   /// Bytes that the hierarchy may take, the surface aside; 0: a quarter of the machine's memory. Of
-  /// an opened file more than that is not loaded, where the query can do without.
+  /// an opened file more than that is not loaded, where the query can do without; vertices and
+  /// triangles of tolerance 0, and only those, then come in another order.
   std::uint64_t memory_limit = 0;
 };
 

@@ -45,6 +45,8 @@ class Dataset::Impl {
     store::BlockCache blocks;
   };
   [[nodiscard]] Result<Chunks*> chunks(std::uint64_t memory_limit) const;
+  /// Whether model() would have to load it.
+  [[nodiscard]] bool is_in_file() const { return !is_in_memory_; }
   /// About what model() takes.
   [[nodiscard]] std::uint64_t model_bytes() const;
   /// Found when first asked for, on all cores; they are not in files.

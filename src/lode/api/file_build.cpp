@@ -26,6 +26,7 @@ Result<FileBuildReport> build_file(VolumeSource& source, const std::string& path
   const diamond::StreamSettings settings{.threads = options.threads,
                                          .memory_limit = report.memory_limit,
                                          .unfinished = options.unfinished,
+                                         .has_part = options.has_part,
                                          .chunks_per_part = 0};
   const Index3 dims = source.info().grid.dims;
   const bool is_flat = std::min({dims[0], dims[1], dims[2]}) == 1;

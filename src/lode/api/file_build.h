@@ -11,6 +11,7 @@ namespace lode {
 struct FileBuildOptions {
   Threads threads{};
   Unfinished unfinished = Unfinished::nothing;
+  bool* has_part = nullptr;  ///< Set when part_path(output) is begun or gone on with.
   /// Bytes that the build may take of memory, the program's code aside; 0: a quarter of what the
   /// machine has.
   std::uint64_t memory_limit = 0;

@@ -73,7 +73,12 @@ Result<AtomicFile> AtomicFile::create(std::string path) {
   if (::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode))
     return fail("{}: expected a file name for the output, got a directory", path);
   const int nameless = ::open(directory_of(path).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
-  if (nameless >= 0) return AtomicFile(std::move(path), "", nameless, Leftover::nameless);
+  if (nameless >= 0) {
+    // Without /proc it could not be named at the end.
+    if (::access(fmt::format("/proc/self/fd/{}", nameless).c_str(), F_OK) == 0)
+      return AtomicFile(std::move(path), "", nameless, Leftover::nameless);
+    ::close(nameless);
+  }
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     std::string temporary = temporary_name(path, attempt);
     const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -87,14 +92,17 @@ Result<AtomicFile> AtomicFile::create(std::string path) {
 
 Result<AtomicFile> AtomicFile::open_part(std::string path, std::uint64_t n_kept) {
   std::string part = part_path(path);
-  const int descriptor = ::open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  const int descriptor = ::open(part.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (descriptor < 0)
     return fail("{}: cannot create the output file: {}", part, std::strerror(errno));
   AtomicFile file(std::move(path), std::move(part), descriptor, Leftover::kept);
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return file.system_error("lock the file");
     return fail("{}: another process is writing it", file.temporary_);
+  }
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return file.system_error("read the size");
+  if (!S_ISREG(status.st_mode)) return fail("{}: expected a regular file", file.temporary_);
   if (static_cast<std::uint64_t>(status.st_size) < n_kept)
     return fail("{}: expected at least {} bytes to go on from, got {}", file.temporary_, n_kept,
                 status.st_size);
@@ -102,6 +110,14 @@ Result<AtomicFile> AtomicFile::open_part(std::string path, std::uint64_t n_kept)
   if (::lseek(descriptor, 0, SEEK_END) < 0) return file.system_error("write");
   file.size_ = n_kept;
   return file;
+}
+
+void AtomicFile::remove_part(const std::string& path) {
+  const std::string part = part_path(path);
+  const int descriptor = ::open(part.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+  if (descriptor < 0) return;
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(part.c_str());
+  ::close(descriptor);
 }
 
 /// A nameless file is given the name that it is renamed from.

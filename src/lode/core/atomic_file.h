@@ -30,6 +30,8 @@ class AtomicFile {
   /// the first `n_kept` bytes of an earlier one are kept. Fails when it has fewer, or when another
   /// process is writing it.
   [[nodiscard]] static Result<AtomicFile> open_part(std::string path, std::uint64_t n_kept);
+  /// Removes what open_part() has left of `path`, unless another process is writing it.
+  static void remove_part(const std::string& path);
   [[nodiscard]] static std::string part_path(const std::string& path) { return path + ".part"; }
 
   AtomicFile(AtomicFile&& other) noexcept;

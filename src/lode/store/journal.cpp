@@ -49,11 +49,13 @@ Error Journal::system_error(const char* action) const {
 }
 
 Result<Journal> Journal::open(std::string path) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (descriptor < 0) return fail("{}: cannot open the file: {}", path, std::strerror(errno));
   Journal journal(std::move(path), descriptor);
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return journal.system_error("lock the file");
     return fail("{}: another process is writing it", journal.path_);
+  }
   return journal;
 }
 

@@ -16,7 +16,7 @@
 namespace lode::store {
 
 /// Writes a .lode file that appears whole or not at all. Blocks lie in the file in the order of
-/// append(): coarse to fine is the caller's business. One thread at a time.
+/// append(), which is the caller's business. One thread at a time.
 class Writer {
  public:
   /// Fails when the output cannot be created. model: whose blocks these are, "diamond3d".

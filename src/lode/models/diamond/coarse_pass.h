@@ -28,8 +28,8 @@ class CoarsePass {
 
   [[nodiscard]] int n_levels() const { return field_.shape.n_levels; }
 
-  /// Whether samples from `low` to `high` in a cube of the hierarchy, no larger than the level's,
-  /// may raise an error of the level above what is known by now. Without holes.
+  /// Whether samples from `low` to `high` in a cube of the hierarchy, smaller than the level's, may
+  /// raise an error of the level above what is known by now. Without holes.
   [[nodiscard]] bool can_raise(int level, const CanonicalCube<D>& cube, C low, C high) {
     const CanonicalCube<D> coarse = coarse_cube(cube, level);
     find_vertices(coarse);

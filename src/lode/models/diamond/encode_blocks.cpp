@@ -132,15 +132,21 @@ template <int D, typename Field>
 Result<void> append_groups(const Field& field, const Index<D>& origin,
                            std::span<const BlockGroup<D>> groups, store::Writer& writer,
                            Threads threads, const Progress& progress) {
-  std::vector<std::vector<PendingBlock>> pending(groups.size());
-  parallel_for(pending.size(), threads, 1, [&](std::size_t i, int) {
-    if (!progress.is_cancelled()) encode_group<D>(field, origin, groups[i], pending[i]);
-  });
-  for (const auto& blocks : pending)
-    for (const PendingBlock& block : blocks) {
-      if (progress.is_cancelled()) return cancelled_error();
-      LODE_CHECK(writer.append(block.key, block.block));
-    }
+  // A few at a time: what is compressed waits in memory.
+  const std::size_t batch = 8 * as_size(n_workers(threads));
+  std::vector<std::vector<PendingBlock>> pending(batch);
+  for (std::size_t first = 0; first < groups.size(); first += batch) {
+    const std::size_t n = std::min(batch, groups.size() - first);
+    parallel_for(n, threads, 1, [&](std::size_t i, int) {
+      pending[i].clear();
+      if (!progress.is_cancelled()) encode_group<D>(field, origin, groups[first + i], pending[i]);
+    });
+    for (std::size_t i = 0; i < n; ++i)
+      for (const PendingBlock& block : pending[i]) {
+        if (progress.is_cancelled()) return cancelled_error();
+        LODE_CHECK(writer.append(block.key, block.block));
+      }
+  }
   if (progress.is_cancelled()) return cancelled_error();
   return {};
 }

@@ -84,7 +84,8 @@ class ErrorPass {
     levels_.clear();
     const CanonicalCube<D> cube(brick * kBrickEdge<D> + part_.origin, kBrickEdge<D>);
     for (int level = kPlanLevel<D> + 1; level < coarse_.n_levels(); ++level) {
-      const bool is_inside = std::int32_t{2} << level >= kBrickEdge<D>;
+      // In a cube as large as the brick F' is not linear on the brick's simplices.
+      const bool is_inside = std::int32_t{2} << level > kBrickEdge<D>;
       if (model_.has_holes() || !is_inside || coarse_.can_raise(level, cube, low_, high_))
         levels_.push_back(level);
     }

@@ -46,12 +46,31 @@ Result<void> check_nodes(NodeLevel& nodes, const std::string& path) {
   return {};
 }
 
+/// Fails where a block has a hole though the metadata say there is none.
+template <int D, typename Field>
+Result<void> check_no_holes(const LatticeField<D, Field>& field, const store::Reader& reader,
+                            const store::BlockKey& key, std::span<const std::byte> samples) {
+  if (!is_floating(field.storage) && !field.info.nodata) return {};
+  if (field.has_holes()) return {};
+  return visit_storage_type(field.storage, [&]<typename T>() -> Result<void> {
+    for (std::size_t i = 0; i + sizeof(T) <= samples.size(); i += sizeof(T)) {
+      T sample;
+      std::memcpy(&sample, samples.data() + i, sizeof(T));
+      if (field.is_hole(static_cast<double>(sample)))
+        return fail("{}: {}: expected no holes, as the metadata say, got a sample {}",
+                    reader.path(), describe(key), sample);
+    }
+    return {};
+  });
+}
+
 /// Samples of a level on the grid of level kKeptLevel.
 template <int D>
 Result<void> load_coarse_samples(const store::Reader& reader, const Region<D>& r,
                                  CoarseField<D>& field) {
   const std::size_t size = field.sample_size();
   LODE_TRY(const auto bytes, read_region<D>(reader, r, Kind::samples, size));
+  LODE_CHECK(check_no_holes<D>(field, reader, key_of(Kind::samples, r), bytes));
   const std::byte* from = bytes.data();
   const int shift = r.level - kKeptLevel;
   for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
@@ -85,6 +104,26 @@ Result<void> load_coarse_nodes(const store::Reader& reader, const Region<D>& r,
   });
 }
 
+/// Compares the errors that the metadata promise with those of the levels that are there.
+template <int D>
+Result<void> check_errors(const store::Reader& reader, const Summary& said,
+                          const CoarseField<D>& field) {
+  if (said.base_error != field.base_error())
+    return fail("{}: base error: expected {}, as the metadata says, its blocks give {}",
+                reader.path(), said.base_error, field.base_error());
+  for (std::size_t level = as_size(kKeptLevel); level < field.levels.size(); ++level) {
+    ErrorCode largest = 0;
+    for (const ErrorCode error : field.levels[level].error) largest = std::max(largest, error);
+    const auto found = static_cast<double>(decode_error(largest));
+    if (said.max_errors[level] != found)
+      return fail(
+          "{}: largest error of level {}: expected {}, as the metadata says, its blocks "
+          "give {}",
+          reader.path(), level, said.max_errors[level], found);
+  }
+  return {};
+}
+
 }  // namespace
 
 template <int D>
@@ -99,6 +138,7 @@ Result<CoarseField<D>> load_coarse(const store::Reader& reader, const Metadata& 
                                 : load_coarse_nodes<D>(reader, groups[i].region, field);
   }));
   for (NodeLevel& nodes : field.levels) LODE_CHECK(check_nodes(nodes, reader.path()));
+  LODE_CHECK(check_errors<D>(reader, metadata.summary, field));
   return field;
 }
 
@@ -211,6 +251,8 @@ Result<void> FilePart<D>::read_kind(Kind kind, int level, std::span<const Index<
     const Region<D>& r = regions[i];
     LODE_TRY(const std::size_t at, find_region<D>(blocks_.reader(), r, kind, sizeof(T)));
     LODE_TRY(const auto bytes, blocks_.block(at));
+    if (kind == Kind::samples)
+      LODE_CHECK(check_no_holes<D>(field_, blocks_.reader(), key_of(kind, r), *bytes));
     const std::byte* from = bytes->data();
     for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
       q = q - origin;

@@ -11,7 +11,8 @@
 namespace lode::diamond {
 
 /// Reads levels kKeptLevel and coarser of a file: n / 512 of its n samples, and their nodes. Fails
-/// as load() does on blocks that are missing or damaged, or hold what no node has.
+/// on blocks that are missing or damaged, hold what no node has, or holes where the metadata know
+/// of none, and where the errors are not those of the metadata.
 template <int D>
 [[nodiscard]] Result<CoarseField<D>> load_coarse(const store::Reader& reader,
                                                  const Metadata& metadata, Threads threads);

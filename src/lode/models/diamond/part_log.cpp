@@ -170,6 +170,14 @@ Result<void> PartLog<D>::add(const PartPlan<D>& plan, const CoarseField<D>& fiel
   return journal_.append(out.bytes());
 }
 
+template <int D>
+void PartLog<D>::remove_leftovers(const std::string& output) {
+  AtomicFile::remove_part(output);
+  std::error_code status;
+  if (!std::filesystem::exists(path_of(output), status)) return;
+  if (auto journal = store::Journal::create(path_of(output))) journal->remove();
+}
+
 template class PartLog<2>;
 template class PartLog<3>;
 

@@ -37,6 +37,9 @@ class PartLog {
   [[nodiscard]] Result<void> add(const PartPlan<D>& plan, const CoarseField<D>& field,
                                  const PartsDone& done);
   void remove() { journal_.remove(); }
+  /// Removes what earlier builds of an output that is finished now have left, unless another
+  /// process is at it.
+  static void remove_leftovers(const std::string& output);
 
  private:
   PartLog(store::Journal journal, std::size_t n_blocks)

@@ -17,6 +17,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Counts up with every change of what a build writes, so that none goes on from another's part.
+constexpr std::uint32_t kPartFormat = 1;
+
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -142,6 +145,8 @@ class StreamBuild {
     writer.set_metadata(encode_metadata(report_.metadata));
     LODE_TRY(report_.file_bytes, writer.finish(progress_));
     if (log_) log_->remove();
+    log_.reset();
+    PartLog<D>::remove_leftovers(path);
     return std::move(report_);
   }
 
@@ -177,7 +182,9 @@ class StreamBuild {
     const bool is_one_part = n_points<D>(chunk_dims()) <= as_size(chunks_per_part_);
     if (settings_.unfinished == Unfinished::nothing || is_one_part)
       return store::Writer::create(path, model_name<D>(), {});
+    if (settings_.has_part != nullptr) *settings_.has_part = true;
     store::ByteWriter head;
+    head.write(kPartFormat);
     head.write_string(model_name<D>());
     head.write_bytes(encode_metadata({field_.info, {field_.stats, 0, {}}}));
     head.write(samples_checksum_);
@@ -203,7 +210,8 @@ class StreamBuild {
     done_.n_chunks += as_size(chunks.upper[0] - chunks.lower[0]);
     if (log_) {
       LODE_CHECK(writer.sync());
-      done_.blocks.assign(writer.blocks().begin(), writer.blocks().end());
+      const auto blocks = writer.blocks().subspan(done_.blocks.size());
+      done_.blocks.insert(done_.blocks.end(), blocks.begin(), blocks.end());
       done_.largest_errors = builder_.largest_errors();
       LODE_CHECK(log_->add(plan, field_, done_));
     }

@@ -15,6 +15,7 @@ struct StreamSettings {
   /// samples.
   std::uint64_t memory_limit = 0;
   Unfinished unfinished = Unfinished::nothing;
+  bool* has_part = nullptr;          ///< Set when a part file is begun or gone on with.
   std::int32_t chunks_per_part = 0;  ///< Side by side in x; 0: as many as the limit allows.
 };
 
