@@ -117,6 +117,7 @@ Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
   // Samples that fit an eighth of the memory are decoded there, as their build takes less than the
   // rest; others go to a nameless file beside the output.
   options.memory_limit = static_cast<std::size_t>(build.memory_limit / 8);
+  options.cache_limit = static_cast<std::size_t>(build.memory_limit / 4);
   options.spool_directory = std::filesystem::absolute(arguments.output).parent_path().string();
   LODE_TRY(auto source, open_volume(arguments.input, options));
   bool has_part = false;

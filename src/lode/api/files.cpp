@@ -44,6 +44,7 @@ class WatchedSource final : public VolumeSource {
     return status;
   }
   [[nodiscard]] IoCounts io() const override { return source_.io(); }
+  [[nodiscard]] std::uint64_t memory_bytes() const override { return source_.memory_bytes(); }
   [[nodiscard]] bool has_failed() const { return has_failed_; }
 
  private:

@@ -47,6 +47,8 @@ class VolumeSource {
   /// What was moved since the source was opened, with the opening; nothing for samples in memory.
   /// May be asked from any thread, also during a read.
   [[nodiscard]] virtual IoCounts io() const { return {}; }
+  /// Bytes of memory that it takes at most, its caller's buffers aside: what is decoded and kept.
+  [[nodiscard]] virtual std::uint64_t memory_bytes() const { return 0; }
 };
 
 /// A volume whose samples are all in memory, x fastest, native byte order.

@@ -45,6 +45,8 @@ struct ReadOptions {
   std::size_t memory_limit = std::numeric_limits<std::size_t>::max();
   /// Of spool files, which have no name there and vanish with the source. Empty: TMPDIR, else /tmp.
   std::string spool_directory;
+  /// Most bytes of decoded chunks that a source made of chunks keeps for the next read.
+  std::size_t cache_limit = std::numeric_limits<std::size_t>::max();
   Threads threads;  ///< For decoding, where a format is made of chunks.
 };
 

@@ -89,7 +89,8 @@ class ZarrSource final : public VolumeSource {
         place_(std::move(view.place)),
         reader_(std::move(view.array)),
         threads_(threads),
-        cache_(std::min(layer_bytes(), max_cache_bytes)) {}
+        cache_bytes_(std::min(layer_bytes(), max_cache_bytes)),
+        cache_(cache_bytes_) {}
 
   const VolumeInfo& info() const override { return info_; }
   IoCounts io() const override {
@@ -97,6 +98,8 @@ class ZarrSource final : public VolumeSource {
             .n_spool_bytes_written = 0,
             .n_spool_bytes_read = 0};
   }
+
+  std::uint64_t memory_bytes() const override { return cache_bytes_; }
 
   Result<void> read(const IndexBox& box, std::span<std::byte> out) override {
     LODE_EXPECTS(info_.grid.index_box().contains(box));
@@ -227,6 +230,7 @@ class ZarrSource final : public VolumeSource {
   ZarrShape place_;
   ZarrChunkReader reader_;
   Threads threads_;
+  std::size_t cache_bytes_;
   ChunkCache cache_;
 };
 

@@ -198,7 +198,7 @@ Result<std::unique_ptr<VolumeSource>> open_zarr(const std::string& path,
                   .field_name = image.field_name,
                   .nodata = options.nodata};
   return make_zarr_source({std::move(image.array), std::move(place)}, std::move(info),
-                          options.threads, options.memory_limit);
+                          options.threads, options.cache_limit);
 }
 
 Result<FileDescription> describe_zarr(const std::string& path, const ReadOptions& options) {

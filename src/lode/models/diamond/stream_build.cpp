@@ -111,15 +111,17 @@ std::uint64_t build_bytes(const VolumeInfo& info, std::int32_t chunks_per_part) 
 
 /// As many chunks a part as the memory holds.
 template <int D>
-Result<std::int32_t> choose_chunks(const VolumeInfo& info, const StreamSettings& settings) {
+Result<std::int32_t> choose_chunks(const VolumeSource& source, const StreamSettings& settings) {
+  const VolumeInfo& info = source.info();
   const std::int32_t n = chunk_counts<D>(shape_of<D>(info.grid.dims))[0];
   if (settings.chunks_per_part > 0) return std::min(settings.chunks_per_part, n);
   if (settings.memory_limit == 0) return n;
   for (std::int32_t chunks = n; chunks > 0; --chunks)
-    if (build_bytes<D>(info, chunks) <= settings.memory_limit) return chunks;
+    if (source.memory_bytes() + build_bytes<D>(info, chunks) <= settings.memory_limit)
+      return chunks;
   return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
-              build_bytes<D>(info, 1) / 1'000'000 + 1, info.grid.n_samples(), size_of(info.type),
-              settings.memory_limit / 1'000'000);
+              (source.memory_bytes() + build_bytes<D>(info, 1)) / 1'000'000 + 1,
+              info.grid.n_samples(), size_of(info.type), settings.memory_limit / 1'000'000);
 }
 
 template <int D>
@@ -286,7 +288,7 @@ template <int D>
 Result<StreamReport> build_file(VolumeSource& source, const std::string& path,
                                 const StreamSettings& settings, Progress& progress) {
   LODE_CHECK(check_axes(source.info()));
-  LODE_TRY(const std::int32_t chunks_per_part, choose_chunks<D>(source.info(), settings));
+  LODE_TRY(const std::int32_t chunks_per_part, choose_chunks<D>(source, settings));
   return StreamBuild<D>(source, settings, chunks_per_part, progress).run(path);
 }
 
