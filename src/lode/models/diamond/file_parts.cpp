@@ -1,5 +1,6 @@
 #include "lode/models/diamond/file_parts.h"
 
+#include "lode/models/diamond/block_checks.h"
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/read_region.h"
 
@@ -30,20 +31,6 @@ void for_each_value(const Region<D>& r, const Index<D>& dims, const std::byte* f
       put(first + i * as_size(stride), value);
     }
   });
-}
-
-/// Fails unless a level's nodes have errors and ranges; empty ranges become what memory has.
-Result<void> check_nodes(NodeLevel& nodes, const std::string& path) {
-  for (std::size_t i = 0; i < nodes.low.size(); ++i) {
-    if (nodes.error[i] > kInfiniteError || std::isnan(nodes.low[i]) || std::isnan(nodes.high[i]))
-      return fail("{}: attributes: expected an error and a range, got a code {} and {} to {}", path,
-                  nodes.error[i], nodes.low[i], nodes.high[i]);
-    if (nodes.low[i] > nodes.high[i]) {
-      nodes.low[i] = std::numeric_limits<float>::infinity();
-      nodes.high[i] = -std::numeric_limits<float>::infinity();
-    }
-  }
-  return {};
 }
 
 /// Fails where a block has a hole though the metadata say there is none.
@@ -108,19 +95,10 @@ Result<void> load_coarse_nodes(const store::Reader& reader, const Region<D>& r,
 template <int D>
 Result<void> check_errors(const store::Reader& reader, const Summary& said,
                           const CoarseField<D>& field) {
-  if (said.base_error != field.base_error())
-    return fail("{}: base error: expected {}, as the metadata says, its blocks give {}",
-                reader.path(), said.base_error, field.base_error());
-  for (std::size_t level = as_size(kKeptLevel); level < field.levels.size(); ++level) {
-    ErrorCode largest = 0;
-    for (const ErrorCode error : field.levels[level].error) largest = std::max(largest, error);
-    const auto found = static_cast<double>(decode_error(largest));
-    if (said.max_errors[level] != found)
-      return fail(
-          "{}: largest error of level {}: expected {}, as the metadata says, its blocks "
-          "give {}",
-          reader.path(), level, said.max_errors[level], found);
-  }
+  LODE_CHECK(check_said(reader, "base error", said.base_error, field.base_error()));
+  for (std::size_t level = as_size(kKeptLevel); level < field.levels.size(); ++level)
+    LODE_CHECK(check_said(reader, fmt::format("largest error of level {}", level),
+                          said.max_errors[level], largest_error(field.levels[level])));
   return {};
 }
 
@@ -137,7 +115,7 @@ Result<CoarseField<D>> load_coarse(const store::Reader& reader, const Metadata& 
     return groups[i].is_samples ? load_coarse_samples<D>(reader, groups[i].region, field)
                                 : load_coarse_nodes<D>(reader, groups[i].region, field);
   }));
-  for (NodeLevel& nodes : field.levels) LODE_CHECK(check_nodes(nodes, reader.path()));
+  for (NodeLevel& nodes : field.levels) LODE_CHECK(check_nodes(nodes, reader));
   LODE_CHECK(check_errors<D>(reader, metadata.summary, field));
   return field;
 }
@@ -145,8 +123,8 @@ Result<CoarseField<D>> load_coarse(const store::Reader& reader, const Metadata& 
 template <int D>
 void FilePart<D>::begin(const Index<D>& chunk) {
   plan_ = PartPlan<D>::of(field_.shape, {chunk, chunk + all_equal<D>(1)});
-  // Bricks, also the last ones, know the end of the data from that of the part by levels that are
-  // no multiple of it: at a brick's distance none is left.
+  // Beyond the chunk a whole brick: where the part ends inside the data, its last sample is then a
+  // multiple of a brick's edge, so that no node of its bricks seems to reach across it.
   const LatticeBox<D> core = samples_of_chunks<D>(field_.shape, plan_.chunks);
   VolumeInfo info = field_.info;
   for (std::size_t i = 0; i < as_size(D); ++i) {
@@ -290,7 +268,7 @@ Result<void> FilePart<D>::read_attributes(int level, std::span<const Index<D>> b
     return reads.template operator()<R>(Kind::highs, nodes.high);
   });
   if (!ranges) return ranges.error();
-  return check_nodes(nodes, blocks_.reader().path());
+  return check_nodes(nodes, blocks_.reader());
 }
 
 template <int D>

@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "lode/models/diamond/block_checks.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/persist.h"
 #include "lode/models/diamond/read_region.h"
@@ -143,27 +144,9 @@ Result<void> load_attributes(Model<D>& model, const store::Reader& reader, Threa
   return visit_range_type(model.storage, [&]<typename R>() -> Result<void> {
     LODE_CHECK(load_kind.template operator()<R>(Kind::lows, &NodeLevel::low));
     LODE_CHECK(load_kind.template operator()<R>(Kind::highs, &NodeLevel::high));
-    for (NodeLevel& nodes : model.levels)
-      for (std::size_t i = 0; i < nodes.low.size(); ++i) {
-        if (nodes.error[i] > kInfiniteError || std::isnan(nodes.low[i]) ||
-            std::isnan(nodes.high[i]))
-          return fail("{}: attributes: expected an error and a range, got a code {} and {} to {}",
-                      reader.path(), nodes.error[i], nodes.low[i], nodes.high[i]);
-        if (nodes.low[i] > nodes.high[i]) {
-          nodes.low[i] = std::numeric_limits<float>::infinity();
-          nodes.high[i] = -std::numeric_limits<float>::infinity();
-        }
-      }
+    for (NodeLevel& nodes : model.levels) LODE_CHECK(check_nodes(nodes, reader));
     return {};
   });
-}
-
-/// Compares a number of the metadata with the same one found from the blocks.
-template <typename T>
-Result<void> check_said(const store::Reader& reader, const std::string& name, T said, T found) {
-  if (said == found) return {};
-  return fail("{}: {}: expected {}, as the metadata says, its blocks give {}", reader.path(), name,
-              said, found);
 }
 
 Result<void> check_stats(const store::Reader& reader, const FieldStats& said,

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 
+#include "lode/models/diamond/block_checks.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/field_scan.h"
@@ -217,8 +218,6 @@ class StreamBuild {
       done_.largest_errors = builder_.largest_errors();
       LODE_CHECK(log_->add(plan, field_, done_));
     }
-    progress_.report("building",
-                     static_cast<double>(done_.n_chunks) / static_cast<double>(n_points<D>(n)));
     return {};
   }
 
@@ -231,7 +230,15 @@ class StreamBuild {
                             }));
     report_.read_seconds += seconds_since(start);
     start = Clock::now();
-    LODE_CHECK(builder_.find_attributes(progress_, [] {}));
+    // A small field is one part: how far that is shows what is left.
+    const auto n_bricks = static_cast<double>(builder_.n_bricks());
+    const auto n_chunks = static_cast<double>(n_points<D>(chunk_dims()));
+    const double share = static_cast<double>(n_points<D>(plan.chunks.upper - plan.chunks.lower));
+    std::atomic<std::size_t> n_bricks_done{0};
+    LODE_CHECK(builder_.find_attributes(progress_, [&] {
+      const double part = static_cast<double>(++n_bricks_done) / n_bricks;
+      progress_.report("building", (static_cast<double>(done_.n_chunks) + share * part) / n_chunks);
+    }));
     report_.build_seconds += seconds_since(start);
     start = Clock::now();
     Index<D> chunk = plan.chunks.lower;
@@ -257,15 +264,10 @@ class StreamBuild {
 
   [[nodiscard]] Summary summarize() const {
     Summary summary{.stats = field_.stats, .base_error = 0, .max_errors = {}};
-    for (int level = 0; level < field_.shape.n_levels; ++level) {
-      ErrorCode largest = 0;
-      if (level <= kChunkLevel)
-        largest = builder_.largest_errors()[as_size(level)];
-      else
-        for (const ErrorCode error : field_.levels[as_size(level)].error)
-          largest = std::max(largest, error);
+    for (const ErrorCode largest : builder_.largest_errors())
       summary.max_errors.push_back(static_cast<double>(decode_error(largest)));
-    }
+    for (int level = kKeptLevel; level < field_.shape.n_levels; ++level)
+      summary.max_errors.push_back(largest_error(field_.levels[as_size(level)]));
     summary.base_error = field_.is_needed() ? field_.base_error() : builder_.base_error();
     return summary;
   }

@@ -1,15 +1,13 @@
 #include "lode/models/diamond/summary.h"
 
+#include "lode/models/diamond/block_checks.h"
+
 namespace lode::diamond {
 
 template <int D>
 Summary summarize(const Model<D>& model) {
   Summary summary{.stats = model.stats, .base_error = model.base_error(), .max_errors = {}};
-  for (const NodeLevel& nodes : model.levels) {
-    ErrorCode largest = 0;  // codes are ordered as the errors are
-    for (const ErrorCode error : nodes.error) largest = std::max(largest, error);
-    summary.max_errors.push_back(static_cast<double>(decode_error(largest)));
-  }
+  for (const NodeLevel& nodes : model.levels) summary.max_errors.push_back(largest_error(nodes));
   return summary;
 }
 
