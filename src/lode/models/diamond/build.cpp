@@ -33,20 +33,10 @@ Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progre
 template <int D, typename C>
 void compute_level_0_as(Model<D>& model, Threads threads) {
   model.levels[0] = make_level(n_points<D>(model.shape.attribute_dims(0)));
-  struct Worker {
-    LeafPass<D, C> pass;
-    std::vector<C> values;
-  };
-  std::vector<std::optional<Worker>> workers(as_size(n_workers(threads)));
-  parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int number) {
-    std::optional<Worker>& worker = workers[as_size(number)];
-    if (!worker)
-      worker.emplace(Worker{{model, rounding_slack<D>(model), model.levels[0]},
-                            std::vector<C>(kLeafValues<D>)});
-    const Index<D> brick = point_of<D>(model.brick_dims, i);
-    gather_values<D>(model, brick, 1, worker->values.data());
-    worker->pass.run_brick(brick, worker->values.data());
-  });
+  find_leaf_attributes<C>(
+      model, model.n_bricks(), threads,
+      [&](std::size_t i) { return point_of<D>(model.brick_dims, i); },
+      [&](const Index<D>& brick, C* values) { gather_values<D>(model, brick, 1, values); });
 }
 
 template <int D>

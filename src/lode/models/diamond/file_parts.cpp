@@ -121,7 +121,7 @@ Result<CoarseField<D>> load_coarse(const store::Reader& reader, const Metadata& 
 }
 
 template <int D>
-void FilePart<D>::begin(const Index<D>& chunk) {
+void FilePart<D>::begin(const Index<D>& chunk, int first_level) {
   plan_ = PartPlan<D>::of(field_.shape, {chunk, chunk + all_equal<D>(1)});
   // Beyond the chunk a whole brick: where the part ends inside the data, its last sample is then a
   // multiple of a brick's edge, so that no node of its bricks seems to reach across it.
@@ -138,7 +138,7 @@ void FilePart<D>::begin(const Index<D>& chunk) {
   model_.reset(info);
   model_.stats = field_.stats;
   model_.levels.resize(as_size(std::min(field_.shape.n_levels, kBrickLevel<D> + 1)));
-  for (std::size_t level = 0; level < model_.levels.size(); ++level) {
+  for (std::size_t level = as_size(first_level); level < model_.levels.size(); ++level) {
     const std::size_t n = n_points<D>(model_.shape.attribute_dims(static_cast<int>(level)));
     NodeLevel& nodes = model_.levels[level];
     nodes.error.assign(n, 0);
@@ -338,35 +338,28 @@ void FilePart<D>::gather(const Index<D>& local, C* out) const {
 template <int D>
 template <typename C>
 void FilePart<D>::find_leaf_attributes(std::span<const Index<D>> bricks) {
-  struct Worker {
-    LeafPass<D, C> pass;
-    std::vector<C> values;
-  };
-  std::vector<std::optional<Worker>> workers(as_size(n_workers(threads_)));
-  parallel_for(bricks.size(), threads_, 1, [&](std::size_t i, int number) {
-    std::optional<Worker>& worker = workers[as_size(number)];
-    if (!worker)
-      worker.emplace(Worker{{model_, rounding_slack<D>(model_), model_.levels[0]},
-                            std::vector<C>(kLeafValues<D>)});
-    Index<D> local = bricks[i];
-    for (std::size_t a = 0; a < as_size(D); ++a) local[a] -= plan_.part.origin[a] / kBrickEdge<D>;
-    gather(local, worker->values.data());
-    worker->pass.run_brick(local, worker->values.data());
-  });
+  diamond::find_leaf_attributes<C>(
+      model_, bricks.size(), threads_, [&](std::size_t i) { return to_local(bricks[i]); },
+      [&](const Index<D>& brick, C* values) { gather(brick, values); });
+}
+
+/// A brick of the field, numbered as one of the part's.
+template <int D>
+Index<D> FilePart<D>::to_local(const Index<D>& brick) const {
+  Index<D> local = brick;
+  for (std::size_t a = 0; a < as_size(D); ++a) local[a] -= plan_.part.origin[a] / kBrickEdge<D>;
+  return local;
 }
 
 template <int D>
 Result<void> FilePart<D>::load(const Index<D>& chunk, std::span<const Index<D>> fine,
                                std::span<const Index<D>> coarse) {
-  begin(chunk);
+  begin(chunk, fine.empty() && field_.is_needed() ? kKeptLevel : 0);
   take_coarse();
   if (!fine.empty()) LODE_CHECK(read_blocks(fine));
   for (const auto& bricks : {fine, coarse})
-    parallel_for(bricks.size(), threads_, 1, [&](std::size_t i, int) {
-      Index<D> local = bricks[i];
-      for (std::size_t a = 0; a < as_size(D); ++a) local[a] -= plan_.part.origin[a] / kBrickEdge<D>;
-      fill_brick(local);
-    });
+    parallel_for(bricks.size(), threads_, 1,
+                 [&](std::size_t i, int) { fill_brick(to_local(bricks[i])); });
   if (is_exact_in_float<D>(field_))
     find_leaf_attributes<float>(fine);
   else

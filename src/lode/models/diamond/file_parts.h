@@ -67,7 +67,8 @@ class FilePart {
   [[nodiscard]] const Index<D>& origin() const { return plan_.part.origin; }
 
  private:
-  void begin(const Index<D>& chunk);
+  /// Levels below `first_level` are not asked for.
+  void begin(const Index<D>& chunk, int first_level);
   void take_coarse();
   [[nodiscard]] Result<void> read_blocks(std::span<const Index<D>> bricks);
   template <typename T, typename Put>
@@ -77,6 +78,7 @@ class FilePart {
                                                     std::span<const Index<D>> bricks,
                                                     std::int32_t margin) const;
   [[nodiscard]] Result<void> read_attributes(int level, std::span<const Index<D>> bricks);
+  [[nodiscard]] Index<D> to_local(const Index<D>& brick) const;
   void fill_brick(const Index<D>& local);
   template <typename C>
   void find_leaf_attributes(std::span<const Index<D>> bricks);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "lode/core/parallel.h"
 #include "lode/models/diamond/leaf_rows.h"
 #include "lode/models/diamond/model.h"
 
@@ -39,6 +41,27 @@ class LeafPass {
   NodeLevel& out_;
   std::vector<C> midpoint_;  ///< Scratch: one error a sample.
 };
+
+/// Runs the pass over n bricks into the model's level 0: brick_at(i) names them, and
+/// gather(brick, values) gives each one's values.
+template <typename C, int D, typename BrickAt, typename Gather>
+void find_leaf_attributes(Model<D>& model, std::size_t n, Threads threads, const BrickAt& brick_at,
+                          const Gather& gather) {
+  struct Worker {
+    LeafPass<D, C> pass;
+    std::vector<C> values;
+  };
+  std::vector<std::optional<Worker>> workers(as_size(n_workers(threads)));
+  parallel_for(n, threads, 1, [&](std::size_t i, int number) {
+    std::optional<Worker>& worker = workers[as_size(number)];
+    if (!worker)
+      worker.emplace(Worker{{model, rounding_slack<D>(model), model.levels[0]},
+                            std::vector<C>(kLeafValues<D>)});
+    const Index<D> brick = brick_at(i);
+    gather(brick, worker->values.data());
+    worker->pass.run_brick(brick, worker->values.data());
+  });
+}
 
 extern template class LeafPass<2, float>;
 extern template class LeafPass<3, float>;
