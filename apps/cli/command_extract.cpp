@@ -10,7 +10,6 @@
 #include "input.h"
 #include "outputs.h"
 #include "parse.h"
-#include "stopwatch.h"
 #include "text.h"
 
 namespace lode::cli {
@@ -79,7 +78,6 @@ Result<void> check_extract(const ExtractArguments& arguments) {
 /// Sums of the jobs' reports; errors are the largest of them.
 struct Totals {
   ExtractReport report;
-  double write_seconds = 0;
 
   void add(const ExtractReport& job) {
     report.max_error = job.max_error;
@@ -97,6 +95,7 @@ struct Totals {
     report.seconds.select += job.seconds.select;
     report.seconds.geometry += job.seconds.geometry;
     report.seconds.finish += job.seconds.finish;
+    report.seconds.write += job.seconds.write;
   }
 };
 
@@ -128,7 +127,7 @@ Json extraction_json(const Extraction& extraction, const std::vector<std::string
   seconds["geometry"] = report.seconds.geometry;
   seconds["finish"] = report.seconds.finish;
   seconds["open"] = extraction.input.open_seconds;
-  seconds["write"] = extraction.totals.write_seconds;
+  seconds["write"] = report.seconds.write;
   json["warnings"] = warnings;
   return json;
 }
@@ -162,7 +161,7 @@ std::string extraction_text(const Extraction& extraction) {
                                     report.seconds.geometry, report.seconds.finish)});
   table.add({extraction.input.was_built ? "read and build" : "open",
              format_seconds(extraction.input.open_seconds)});
-  table.add({"write", format_seconds(extraction.totals.write_seconds)});
+  table.add({"write", format_seconds(report.seconds.write)});
   if (extraction.steps.contains("steps"))
     table.add({"steps", format_count(extraction.steps["steps"].size())});
   for (const std::string& path : extraction.outputs) table.add({"output", path});
@@ -173,22 +172,18 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
                      Session& session, Totals& totals) {
   ExtractOptions job_options = options;
   job_options.isovalues = job.isovalues;
-  Surface surface;
+  const auto note = [&](const ExtractReport& report) -> SurfaceWriteOptions {
+    return {.comment =
+                fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}", LODE_VERSION,
+                            job.isovalues.size() == 1 ? "isovalue" : "isovalues",
+                            fmt::join(job.isovalues, " "), report.max_error, report.achieved_error),
+            .frame = input.info.volume.grid.frame};
+  };
   LODE_TRY(const ExtractReport report,
-           input.dataset.extract(job_options, surface, session.progress()));
+           extract_to_file(input.dataset, job_options, job.path, note, session.progress()));
   totals.add(report);
   warn_of_open(session, report);
-  warn_of_unmet(session, unmet_isovalues(surface, job.isovalues), options, input.info);
-  const Stopwatch watch;
-  LODE_CHECK(write_surface(
-      job.path, surface,
-      {.comment =
-           fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}", LODE_VERSION,
-                       job.isovalues.size() == 1 ? "isovalue" : "isovalues",
-                       fmt::join(job.isovalues, " "), report.max_error, report.achieved_error),
-       .frame = input.info.volume.grid.frame},
-      session.progress()));
-  totals.write_seconds += watch.seconds();
+  warn_of_unmet(session, report.unmet, options, input.info);
   return {};
 }
 
@@ -236,6 +231,9 @@ Command add_extract_command(CLI::App& program) {
   app->footer(
       "OUT may end in .ply, .stl, .obj, .vtp or .glb. Several isovalues share one file; STL and\n"
       "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl.\n\n"
+      "Of a .lode file larger than --memory-limit no more is loaded than the surface needs, and\n"
+      ".ply, .stl and .vtp are written piece by piece: the surface need not fit in memory, unless\n"
+      "--clip, --close-border or --min-component are to see all of it.\n\n"
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"

@@ -110,11 +110,10 @@ Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
 }
 
 void warn_of_section(Session& session, const MeshJob& job, const SectionOptions& options,
-                     const Surface& section) {
+                     const Surface& section, const SectionReport& report) {
   if (options.isovalues.empty() && section.is_empty())
     session.warn("the section is empty: its plane meets no cell of the data");
-  const std::vector<double> unmet = unmet_isovalues(section, options.isovalues);
-  for (const double isovalue : unmet)
+  for (const double isovalue : report.unmet)
     session.warn(fmt::format("no line at isovalue {}: it meets nothing on the section", isovalue));
   if (!can_hold_values(job.output))
     session.warn(fmt::format("{}: values and errors are left out, which only .vtp and .ply hold",
@@ -137,7 +136,7 @@ Result<Outcome> run_section(const MeshJob& job, Session& session) {
            input.dataset.extract_section(options, section, session.progress()));
   Made made = to_made(report, !options.max_error);
   warn_of_shortcomings(session, made);
-  warn_of_section(session, job, options, section);
+  warn_of_section(session, job, options, section, report);
   const Stopwatch watch;
   LODE_CHECK(write_surface(job.output, section,
                            {.comment = comment_of("section", made),

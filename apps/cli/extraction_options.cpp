@@ -108,18 +108,6 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
   json["vertices"] = report.vertices;
 }
 
-std::vector<double> unmet_isovalues(const Surface& surface, const std::vector<double>& isovalues) {
-  if (surface.is_empty()) return isovalues;
-  std::vector<double> unmet;
-  // Without the attribute the vertices cannot be told apart; then only one isovalue was asked for.
-  if (surface.isovalues.empty()) return unmet;
-  for (const double isovalue : isovalues)
-    if (std::ranges::find(surface.isovalues, static_cast<float>(isovalue)) ==
-        surface.isovalues.end())
-      unmet.push_back(isovalue);
-  return unmet;
-}
-
 void warn_of_open(Session& session, const ExtractReport& report) {
   if (report.open_edges > 0)
     session.warn(fmt::format("the surface stays open at holes: along {} edges", report.open_edges));

@@ -30,10 +30,6 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments);
 /// The keys of isovalues, tolerance, achieved error and counts.
 void add_extraction(Json& json, const ExtractOptions& options, const ExtractReport& report);
 
-/// The isovalues that `surface`, extracted for `isovalues`, has no vertex on.
-[[nodiscard]] std::vector<double> unmet_isovalues(const Surface& surface,
-                                                  const std::vector<double>& isovalues);
-
 /// Warns where holes keep a surface open that was to be closed.
 void warn_of_open(Session& session, const ExtractReport& report);
 /// Warns of each such isovalue, naming the value range or the options that may have removed it.

@@ -7,6 +7,7 @@ lode_test(io_surface_test
     surface_origins_test.cpp
     surface_ply_test.cpp
     surface_stl_test.cpp
+    surface_stream_test.cpp
     surface_vtk_test.cpp
     surface_vtp_test.cpp
   DEPENDS lode_io)

@@ -46,7 +46,8 @@ void expect_same_surface(const Volume& volume, double tolerance, std::uint64_t c
   Surface got;
   Progress progress;
   const auto wanted = extract_isosurface<D>(model, query, expected, progress);
-  const auto report = extract_from_file<D>(*field, blocks, query, got, progress);
+  SurfaceCollector collector(got);
+  const auto report = extract_from_file<D>(*field, blocks, query, collector, progress);
   ASSERT_TRUE(wanted && report) << (report ? "" : report.error().message);
   ASSERT_FALSE(got.is_empty());
   EXPECT_EQ(report->achieved_error, wanted->achieved_error);
@@ -111,9 +112,10 @@ TEST(file_extract_blocks, that_the_surface_does_not_need_are_not_read) {
   ASSERT_TRUE(field);
   store::BlockCache blocks(*reader, 0);
   Surface surface;
+  SurfaceCollector collector(surface);
   Progress progress;
   ASSERT_TRUE(extract_from_file<3>(
-      *field, blocks, {.isovalue = 100, .tolerance = 1, .threads = {2}}, surface, progress));
+      *field, blocks, {.isovalue = 100, .tolerance = 1, .threads = {2}}, collector, progress));
   EXPECT_FALSE(surface.is_empty());
   EXPECT_LT(blocks.n_blocks_read(), reader->blocks().size() / 4);
 }
@@ -132,9 +134,10 @@ TEST(file_extract_blocks, with_holes_that_the_metadata_deny_are_refused) {
   ASSERT_TRUE(field);
   store::BlockCache blocks(*reader, 0);
   Surface surface;
+  SurfaceCollector collector(surface);
   Progress progress;
   const auto done = extract_from_file<3>(
-      *field, blocks, {.isovalue = 120.3, .tolerance = 0.01, .threads = {2}}, surface, progress);
+      *field, blocks, {.isovalue = 120.3, .tolerance = 0.01, .threads = {2}}, collector, progress);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("expected no holes"), std::string::npos)
       << done.error().message;

@@ -6,6 +6,7 @@
 #include "lode/api/dataset_impl.h"
 #include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
+#include "lode/api/piece_finisher.h"
 #include "lode/api/verification.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/close_border.h"
@@ -36,22 +37,24 @@ struct FieldFacts {
 };
 
 /// Adds up what extraction says of one isovalue.
-void add_part(const diamond::IsosurfaceReport& part, double isovalue, const ExtractOptions& options,
-              Surface& surface, ExtractReport& report) {
+void add_part(const diamond::IsosurfaceReport& part, ExtractReport& report) {
   report.achieved_error = std::max(report.achieved_error, part.achieved_error);
   report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
   report.nodes_visited += part.nodes_visited;
   report.seconds.select += part.select_seconds;
   report.seconds.geometry += part.geometry_seconds;
+}
+
+/// Gives the vertices that have come last their isovalue.
+void add_isovalue(double isovalue, const ExtractOptions& options, Surface& surface) {
   if (options.isovalues.size() == 1) surface.isovalues.clear();
   surface.isovalues.resize(surface.positions.size(), static_cast<float>(isovalue));
 }
 
-/// Appends the isovalues' surfaces, with isovalue and normals per vertex: extract_part(query) for
-/// each.
-template <int D, typename ExtractPart>
-Result<void> extract_all(const ExtractOptions& options, Surface& surface, ExtractReport& report,
-                         const ExtractPart& extract_part) {
+/// extract_part(query) for each isovalue, and after_part(isovalue).
+template <int D, typename ExtractPart, typename AfterPart>
+Result<void> extract_all(const ExtractOptions& options, ExtractReport& report,
+                         const ExtractPart& extract_part, const AfterPart& after_part) {
   for (const double isovalue : options.isovalues) {
     LODE_TRY(const auto part,
              extract_part({.isovalue = isovalue,
@@ -59,7 +62,8 @@ Result<void> extract_all(const ExtractOptions& options, Surface& surface, Extrac
                            .threads = options.threads,
                            .with_normals = D == 3 && options.normals == Normals::on,
                            .replaces = options.isovalues.size() == 1}));
-    add_part(part, isovalue, options, surface, report);
+    add_part(part, report);
+    after_part(isovalue);
   }
   return {};
 }
@@ -87,6 +91,7 @@ Result<void> finish_surface(const FieldFacts& field, const ExtractOptions& optio
   report.triangles = surface.triangles.size();
   report.lines = surface.lines.size();
   report.vertices = surface.positions.size();
+  report.unmet = unmet_isovalues(surface, options.isovalues);
   report.seconds.finish += seconds_since(start);
   return {};
 }
@@ -95,10 +100,12 @@ Result<void> extract_in_memory(const Dataset::Impl::AnyModel& held, const Extrac
                                Surface& surface, ExtractReport& report, Progress& progress) {
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
-        LODE_CHECK(
-            extract_all<D>(options, surface, report, [&](const diamond::IsosurfaceQuery& query) {
+        LODE_CHECK(extract_all<D>(
+            options, report,
+            [&](const diamond::IsosurfaceQuery& query) {
               return diamond::extract_isosurface<D>(model, query, surface, progress);
-            }));
+            },
+            [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
         const bool closes = options.border == Border::closed;
         return finish_surface(
             {model.info.grid, model.has_holes(),
@@ -110,19 +117,45 @@ Result<void> extract_in_memory(const Dataset::Impl::AnyModel& held, const Extrac
 
 Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
                             Surface& surface, ExtractReport& report, Progress& progress) {
-  const std::uint64_t n_before = chunks.blocks.n_bytes_read();
-  auto done = std::visit(
+  surface.clear();
+  SurfaceCollector collector(surface);
+  return std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) -> Result<void> {
-        LODE_CHECK(
-            extract_all<D>(options, surface, report, [&](const diamond::IsosurfaceQuery& query) {
-              return diamond::extract_from_file<D>(field, chunks.blocks, query, surface, progress);
-            }));
+        LODE_CHECK(extract_all<D>(
+            options, report,
+            [&](const diamond::IsosurfaceQuery& query) {
+              return diamond::extract_from_file<D>(field, chunks.blocks, query, collector,
+                                                   progress);
+            },
+            [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
         return finish_surface({field.info.grid, false, false, field.value({})}, options, surface,
                               report);
       },
       chunks.field);
-  report.bytes_read = chunks.blocks.n_bytes_read() - n_before;
-  return done;
+}
+
+/// The same without ever having all of the surface.
+Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
+                           SurfaceSink& surface, ExtractReport& report, Progress& progress) {
+  PieceFinisher finisher(options, surface);
+  LODE_CHECK(std::visit(
+      [&]<int D>(const diamond::CoarseField<D>& field) {
+        return extract_all<D>(
+            options, report,
+            [&](const diamond::IsosurfaceQuery& query) {
+              finisher.begin(query.isovalue);
+              return diamond::extract_from_file<D>(field, chunks.blocks, query, finisher, progress);
+            },
+            [](double) {});
+      },
+      chunks.field));
+  finisher.finish(report);
+  return {};
+}
+
+/// Whether no edit needs to see all of the surface.
+bool is_edited_by_piece(const ExtractOptions& options) {
+  return !options.clip && options.border == Border::open && options.min_component <= 1;
 }
 
 template <int D>
@@ -240,27 +273,69 @@ DatasetInfo Dataset::describe() const {
   return info;
 }
 
-Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& surface,
-                                       Progress& progress) const {
-  LODE_CHECK(check_extract_options(options));
-  if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
+namespace {
+
+/// What extract() goes by.
+struct ExtractPlan {
   ExtractReport report;
-  report.max_error = tolerance_of(impl_->summary().stats, options);
-  const auto start = std::chrono::steady_clock::now();
+  Dataset::Impl::Chunks* chunks = nullptr;  ///< Null: the model in memory.
+};
+
+Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOptions& options) {
+  LODE_CHECK(check_extract_options(options));
+  ExtractPlan plan;
+  plan.report.max_error = tolerance_of(impl.summary().stats, options);
   const std::uint64_t limit =
       options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
-  const bool is_too_large = impl_->model_bytes() > limit;
-  LODE_TRY(auto* const chunks, impl_->chunks(limit));
+  const bool is_too_large = impl.model_bytes() > limit;
+  LODE_TRY(plan.chunks, impl.chunks(limit));
   // At full resolution all in memory is faster, and numbers vertices in another order.
-  if (chunks != nullptr && (report.max_error > 0 || is_too_large)) {
-    LODE_CHECK(extract_chunks(*chunks, options, surface, report, progress));
+  if (plan.report.max_error == 0 && !is_too_large) plan.chunks = nullptr;
+  if (plan.chunks == nullptr && options.memory_limit > 0 && is_too_large && impl.is_in_file() &&
+      impl.summary().stats.n_holes > 0)
+    return fail("expected a memory limit of at least {} MB for a field with holes, got {} MB",
+                impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+  return plan;
+}
+
+}  // namespace
+
+Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& surface,
+                                       Progress& progress) const {
+  const auto start = std::chrono::steady_clock::now();
+  LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
+  ExtractReport& report = plan.report;
+  if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
+  if (plan.chunks != nullptr) {
+    const std::uint64_t n_before = plan.chunks->blocks.n_bytes_read();
+    LODE_CHECK(extract_chunks(*plan.chunks, options, surface, report, progress));
+    report.bytes_read = plan.chunks->blocks.n_bytes_read() - n_before;
   } else {
-    if (options.memory_limit > 0 && is_too_large && impl_->is_in_file() &&
-        impl_->summary().stats.n_holes > 0)
-      return fail("expected a memory limit of at least {} MB for a field with holes, got {} MB",
-                  impl_->model_bytes() / 1'000'000 + 1, limit / 1'000'000);
     LODE_TRY(const auto* const held, impl_->model(progress));
     LODE_CHECK(extract_in_memory(*held, options, surface, report, progress));
+  }
+  report.seconds.total = seconds_since(start);
+  return report;
+}
+
+Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options) const {
+  LODE_TRY(const ExtractPlan plan, plan_extraction(*impl_, options));
+  return plan.chunks != nullptr && is_edited_by_piece(options);
+}
+
+Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSink& surface,
+                                       Progress& progress) const {
+  const auto start = std::chrono::steady_clock::now();
+  LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
+  ExtractReport& report = plan.report;
+  if (plan.chunks != nullptr && is_edited_by_piece(options)) {
+    const std::uint64_t n_before = plan.chunks->blocks.n_bytes_read();
+    LODE_CHECK(stream_chunks(*plan.chunks, options, surface, report, progress));
+    report.bytes_read = plan.chunks->blocks.n_bytes_read() - n_before;
+  } else {
+    SurfacePiece whole;
+    LODE_TRY(report, extract(options, whole.surface, progress));
+    LODE_CHECK(surface.add(std::move(whole)));
   }
   report.seconds.total = seconds_since(start);
   return report;

@@ -11,7 +11,7 @@
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
-#include "lode/core/surface.h"
+#include "lode/core/surface_sink.h"
 #include "lode/core/volume.h"
 
 namespace lode {
@@ -70,6 +70,7 @@ struct ExtractSeconds {
   double select = 0;    ///< Finding the active simplices.
   double geometry = 0;  ///< Vertices, triangles, stitching.
   double finish = 0;    ///< Normals, clipping, caps, small pieces.
+  double write = 0;     ///< Of a file; not part of the total.
 };
 
 struct ExtractReport {
@@ -85,6 +86,7 @@ struct ExtractReport {
   std::uint64_t components_dropped = 0;  ///< By min_component.
   std::uint64_t triangles_dropped = 0;   ///< Their triangles (lines).
   std::uint64_t bytes_read = 0;          ///< Of the file, for this query; 0 from memory.
+  std::vector<double> unmet;             ///< Isovalues without any surface.
   ExtractSeconds seconds;
 };
 
@@ -140,6 +142,14 @@ class Dataset {
   /// Extracts isosurfaces (or contour lines of 2D data) into `surface`, whose memory is reused.
   [[nodiscard]] Result<ExtractReport> extract(const ExtractOptions& options, Surface& surface,
                                               Progress& progress) const;
+  /// The same into a sink. Where comes_in_pieces(), no more of the surface is in memory than a
+  /// chunk's piece and vertices that pieces share, else the sink gets it whole. The pieces are the
+  /// surface that the other extract() gives, vertex by vertex.
+  [[nodiscard]] Result<ExtractReport> extract(const ExtractOptions& options, SurfaceSink& surface,
+                                              Progress& progress) const;
+  /// Whether the model stays in its file and no edit (clip, closed border, dropped components)
+  /// needs the whole surface.
+  [[nodiscard]] Result<bool> comes_in_pieces(const ExtractOptions& options) const;
 
   /// The mesh of a query; see mesh_extraction.h.
   [[nodiscard]] Result<MeshReport> extract_mesh(const MeshOptions& options, SimplexMesh& mesh,

@@ -1,6 +1,7 @@
 #include "lode/api/files.h"
 
 #include <array>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <system_error>
 
 #include "lode/core/atomic_file.h"
+#include "lode/io/surface_stream.h"
 #include "lode/mappers/surface_edits.h"
 #include "lode/store/format.h"
 
@@ -62,6 +64,31 @@ Result<Surface> read_surface(const std::string& path) {
   LODE_TRY(Surface surface, io::read_surface(path));
   if (has_extension(path, ".stl")) split_pinched_vertices(surface);
   return surface;
+}
+
+Result<ExtractReport> extract_to_file(
+    const Dataset& dataset, const ExtractOptions& options, const std::string& path,
+    const std::function<SurfaceWriteOptions(const ExtractReport&)>& note, Progress& progress) {
+  const auto seconds_since = [](std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  LODE_TRY(const bool comes_in_pieces, dataset.comes_in_pieces(options));
+  if (comes_in_pieces && io::can_stream(path)) {
+    const std::uint64_t limit =
+        options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
+    LODE_TRY(const auto stream, io::stream_surface(path, limit / 8, progress));
+    LODE_TRY(ExtractReport report, dataset.extract(options, *stream, progress));
+    const auto start = std::chrono::steady_clock::now();
+    LODE_CHECK(stream->finish(note(report)));
+    report.seconds.write = seconds_since(start);
+    return report;
+  }
+  Surface surface;
+  LODE_TRY(ExtractReport report, dataset.extract(options, surface, progress));
+  const auto start = std::chrono::steady_clock::now();
+  LODE_CHECK(write_surface(path, surface, note(report), progress));
+  report.seconds.write = seconds_since(start);
+  return report;
 }
 
 Result<Dataset> open_any(const std::string& path, const ReadOptions& options, Threads threads,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -39,6 +40,14 @@ using io::write_vtu;
 /// As io::read_surface; where a format without indices (STL) made one vertex of two with equal
 /// coordinates, each fan of triangles has its own again.
 [[nodiscard]] Result<Surface> read_surface(const std::string& path);
+
+/// Extracts isosurfaces into a file, whole or not at all: piece by piece where comes_in_pieces()
+/// and the format (.ply, .stl, .vtp) allow it, so that the surface may be larger than memory; the
+/// same bytes come of both ways. `note(report)` is what the file says of itself. seconds.write:
+/// what writing took in the end.
+[[nodiscard]] Result<ExtractReport> extract_to_file(
+    const Dataset& dataset, const ExtractOptions& options, const std::string& path,
+    const std::function<SurfaceWriteOptions(const ExtractReport&)>& note, Progress& progress);
 
 /// Opens a .lode file, or reads a foreign one and builds its hierarchy in memory, which costs the
 /// time of a build; `options` is used by foreign files only.

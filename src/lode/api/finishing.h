@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <vector>
+
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_edits.h"
 
@@ -18,6 +21,20 @@ Dropped finish_edits(const Options& options, Surface& surface) {
   if (options.min_component > 1) dropped = drop_small_components(surface, options.min_component);
   if (options.orientation == Orientation::from_higher_values) flip_orientation(surface);
   return dropped;
+}
+
+/// Isovalues that the surface has nothing of.
+inline std::vector<double> unmet_isovalues(const Surface& surface,
+                                           const std::vector<double>& isovalues) {
+  if (surface.is_empty()) return isovalues;
+  std::vector<double> unmet;
+  // Without the attribute the vertices cannot be told apart; then only one isovalue was asked for.
+  if (surface.isovalues.empty()) return unmet;
+  for (const double isovalue : isovalues)
+    if (std::ranges::find(surface.isovalues, static_cast<float>(isovalue)) ==
+        surface.isovalues.end())
+      unmet.push_back(isovalue);
+  return unmet;
 }
 
 }  // namespace lode

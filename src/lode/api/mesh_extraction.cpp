@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
+#include "lode/api/finishing.h"
 #include "lode/mappers/surface_edits.h"
 #include "lode/models/diamond/cut_mesh.h"
 #include "lode/models/diamond/query_cut.h"
@@ -200,6 +201,7 @@ Result<SectionReport> Dataset::extract_section(const SectionOptions& options, Su
   const Clock clock;
   LODE_TRY(SectionReport report,
            extract_model_section(std::get<diamond::Model<3>>(*held), options, section, progress));
+  report.unmet = unmet_isovalues(section, options.isovalues);
   report.seconds = clock.seconds();
   return report;
 }

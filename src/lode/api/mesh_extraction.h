@@ -49,6 +49,7 @@ struct SectionReport {
   std::uint64_t n_vertices = 0;
   std::uint64_t n_cut_cells = 0;
   std::uint64_t n_left_out = 0;  ///< Near the plane.
+  std::vector<double> unmet{};   ///< Isovalues that the section has no line of.
   bool budget_met = true;
   double seconds = 0;
 };

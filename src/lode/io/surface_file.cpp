@@ -9,6 +9,7 @@
 #include "lode/io/surface_ply.h"
 #include "lode/io/surface_ply_reader.h"
 #include "lode/io/surface_stl.h"
+#include "lode/io/surface_stream_parts.h"
 #include "lode/io/surface_vtp.h"
 #include "lode/io/surface_vtp_reader.h"
 
@@ -22,14 +23,15 @@ struct SurfaceFormat {
   bool holds_lines;
   Result<void> (*write)(const std::string&, const Surface&, const SurfaceWriteOptions&, Progress&);
   Result<Surface> (*read)(const std::string&);
+  Result<std::unique_ptr<SurfaceStream>> (*stream)(const std::string&, std::uint64_t, Progress&);
 };
 
 constexpr std::array kFormats{
-    SurfaceFormat{".ply", true, true, true, write_ply, read_ply},
-    SurfaceFormat{".stl", false, false, false, write_stl, read_stl},
-    SurfaceFormat{".obj", false, false, true, write_obj, read_obj},
-    SurfaceFormat{".vtp", true, true, true, write_vtp, read_vtp},
-    SurfaceFormat{".glb", true, false, true, write_glb, read_glb},
+    SurfaceFormat{".ply", true, true, true, write_ply, read_ply, stream_ply},
+    SurfaceFormat{".stl", false, false, false, write_stl, read_stl, stream_stl},
+    SurfaceFormat{".obj", false, false, true, write_obj, read_obj, nullptr},
+    SurfaceFormat{".vtp", true, true, true, write_vtp, read_vtp, stream_vtp},
+    SurfaceFormat{".glb", true, false, true, write_glb, read_glb, nullptr},
 };
 
 std::string extension_of(const std::string& path) {
@@ -85,6 +87,19 @@ Result<void> write_surface(const std::string& path, const Surface& surface,
                surface.errors.size() == surface.triangles.size() + surface.lines.size());
   LODE_CHECK(check_surface_path(path));
   return find_format(path)->write(path, surface, options, progress);
+}
+
+bool can_stream(const std::string& path) {
+  const SurfaceFormat* format = find_format(path);
+  return format != nullptr && format->stream != nullptr;
+}
+
+Result<std::unique_ptr<SurfaceStream>> stream_surface(const std::string& path,
+                                                      std::uint64_t memory_bytes,
+                                                      Progress& progress) {
+  LODE_CHECK(check_surface_path(path));
+  LODE_EXPECTS(can_stream(path));
+  return find_format(path)->stream(path, memory_bytes, progress);
 }
 
 Result<Surface> read_surface(const std::string& path) {

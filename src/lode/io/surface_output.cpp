@@ -16,7 +16,8 @@ Result<void> SurfaceOutput::write(std::span<const std::byte> bytes) {
     LODE_CHECK(file_.write(piece));
     bytes = bytes.subspan(piece.size());
     const auto done = static_cast<double>(file_.size());
-    progress_.report("writing", std::min(1.0, done / static_cast<double>(n_bytes_)));
+    if (n_bytes_ > 0)
+      progress_.report("writing", std::min(1.0, done / static_cast<double>(n_bytes_)));
   }
   return {};
 }

@@ -52,7 +52,8 @@ inline void put(std::byte*& out, const T& value) {
 /// fails once it is cancelled.
 class SurfaceOutput {
  public:
-  /// n_bytes: the size the file will have, as far as it is known; only the progress hangs on it.
+  /// n_bytes: the size the file will have, as far as it is known; only the progress hangs on it,
+  /// which with 0 is not reported.
   [[nodiscard]] static Result<SurfaceOutput> create(const std::string& path, std::uint64_t n_bytes,
                                                     Progress& progress);
 
@@ -60,6 +61,10 @@ class SurfaceOutput {
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
   [[nodiscard]] Result<void> write(std::string_view text) {
     return write(std::as_bytes(std::span(text.data(), text.size())));
+  }
+  /// Overwrites bytes already written.
+  [[nodiscard]] Result<void> write_at(std::uint64_t offset, std::string_view text) {
+    return file_.write_at(offset, std::as_bytes(std::span(text.data(), text.size())));
   }
   [[nodiscard]] Result<void> commit() { return file_.commit(progress_); }
 
@@ -72,17 +77,19 @@ class SurfaceOutput {
   Progress& progress_;
 };
 
+// An Output takes bytes by write(): a SurfaceOutput, or a SpoolBuffer.
+
 /// Appends a whole array as it lies in memory.
-template <typename T>
-[[nodiscard]] Result<void> write_array(SurfaceOutput& file, std::span<const T> values) {
+template <typename T, typename Output>
+[[nodiscard]] Result<void> write_array(Output& file, std::span<const T> values) {
   return file.write(std::as_bytes(values));
 }
 
 /// Appends n records of record_bytes each, filled in by fill(i, out), in pieces large enough to
 /// bypass the file's own buffer.
-template <typename Fill>
-[[nodiscard]] Result<void> write_records(SurfaceOutput& file, std::size_t n,
-                                         std::size_t record_bytes, const Fill& fill) {
+template <typename Output, typename Fill>
+[[nodiscard]] Result<void> write_records(Output& file, std::size_t n, std::size_t record_bytes,
+                                         const Fill& fill) {
   constexpr std::size_t kPieceBytes = std::size_t{2} << 20;
   const std::size_t n_per_piece = kPieceBytes / record_bytes;
   std::vector<std::byte> piece(std::min(n, n_per_piece) * record_bytes);

@@ -2,22 +2,22 @@
 
 #include <limits>
 
-#include "lode/io/surface_output.h"
+#include "lode/io/surface_stream_parts.h"
 
 namespace lode::io {
 namespace {
 
-std::size_t face_bytes(const Surface& surface) {
-  return 1 + 3 * sizeof(std::uint32_t) + (surface.errors.empty() ? 0 : sizeof(float));
+std::size_t face_bytes(const SurfaceLayout& layout) {
+  return 1 + 3 * sizeof(std::uint32_t) + (layout.has_errors ? sizeof(float) : 0);
 }
 
-std::size_t line_bytes(const Surface& surface) {
-  return 2 * sizeof(std::uint32_t) + (surface.errors.empty() ? 0 : sizeof(float));
+std::size_t line_bytes(const SurfaceLayout& layout) {
+  return 2 * sizeof(std::uint32_t) + (layout.has_errors ? sizeof(float) : 0);
 }
 
-std::string ply_header(const Surface& surface, const SurfaceWriteOptions& options) {
-  const char* coordinate = has_origin(surface) ? "double" : "float";
-  const std::size_t n = surface.positions.size();
+std::string ply_header(const SurfaceLayout& layout, const SurfaceWriteOptions& options) {
+  const char* coordinate = layout.has_origin() ? "double" : "float";
+  const std::uint64_t n = layout.n_vertices;
   const char* index = n > std::numeric_limits<std::int32_t>::max() ? "uint" : "int";
   std::string header = "ply\nformat binary_little_endian 1.0\n";
   const auto add = [&]<typename... Args>(fmt::format_string<Args...> format, Args&&... args) {
@@ -25,92 +25,132 @@ std::string ply_header(const Surface& surface, const SurfaceWriteOptions& option
   };
   if (!options.comment.empty()) add("comment {}\n", to_one_line(options.comment));
   add("comment frame {}\n", name_of(options.frame));
-  if (has_origin(surface))
-    add("comment {} {} {} {}\n", kOriginNote, surface.origin[0], surface.origin[1],
-        surface.origin[2]);
+  if (layout.has_origin())
+    add("comment {} {} {} {}\n", kOriginNote, layout.origin[0], layout.origin[1], layout.origin[2]);
   add("element vertex {}\n", n);
   for (const char* name : {"x", "y", "z"}) add("property {} {}\n", coordinate, name);
-  if (!surface.normals.empty())
+  if (layout.has_normals)
     for (const char* name : {"nx", "ny", "nz"}) add("property float {}\n", name);
-  if (!surface.isovalues.empty()) add("property float isovalue\n");
-  if (!surface.values.empty()) add("property double value\n");
-  if (!surface.origins.empty())
+  if (layout.has_isovalues) add("property float isovalue\n");
+  if (layout.has_values) add("property double value\n");
+  if (layout.has_origins)
     for (const char* name : {"x", "y", "z"}) add("property {} origin_{}\n", coordinate, name);
-  if (surface.lines.empty())
-    add("element face {}\nproperty list uchar {} vertex_indices\n", surface.triangles.size(),
-        index);
+  if (layout.n_lines == 0)
+    add("element face {}\nproperty list uchar {} vertex_indices\n", layout.n_triangles, index);
   else
-    add("element edge {}\nproperty {} vertex1\nproperty {} vertex2\n", surface.lines.size(), index,
+    add("element edge {}\nproperty {} vertex1\nproperty {} vertex2\n", layout.n_lines, index,
         index);
-  if (!surface.errors.empty()) add("property float error\n");
+  if (layout.has_errors) add("property float error\n");
   return header + "end_header\n";
 }
 
-std::size_t vertex_bytes(const Surface& surface) {
-  const std::size_t place_bytes = has_origin(surface) ? sizeof(Vec3d) : sizeof(Vec3f);
-  return place_bytes + (surface.origins.empty() ? 0 : place_bytes) +
-         (surface.normals.empty() ? 0 : sizeof(Vec3f)) +
-         (surface.isovalues.empty() ? 0 : sizeof(float)) +
-         (surface.values.empty() ? 0 : sizeof(double));
+std::size_t place_bytes(const SurfaceLayout& layout) {
+  return layout.has_origin() ? sizeof(Vec3d) : sizeof(Vec3f);
+}
+
+std::size_t vertex_bytes(const SurfaceLayout& layout) {
+  const std::size_t place = place_bytes(layout);
+  return place + (layout.has_origins ? place : 0) + (layout.has_normals ? sizeof(Vec3f) : 0) +
+         (layout.has_isovalues ? sizeof(float) : 0) + (layout.has_values ? sizeof(double) : 0);
 }
 
 /// Of all but the header.
-std::uint64_t ply_bytes(const Surface& surface) {
-  return surface.positions.size() * vertex_bytes(surface) +
-         surface.triangles.size() * face_bytes(surface) +
-         surface.lines.size() * line_bytes(surface);
+std::uint64_t ply_bytes(const SurfaceLayout& layout) {
+  return layout.n_vertices * vertex_bytes(layout) + layout.n_triangles * face_bytes(layout) +
+         layout.n_lines * line_bytes(layout);
 }
 
-Result<void> write_vertex_records(SurfaceOutput& file, const Surface& surface) {
-  const bool has_normals = !surface.normals.empty();
-  const bool has_isovalues = !surface.isovalues.empty();
-  const bool has_values = !surface.values.empty();
-  const bool has_origins = !surface.origins.empty();
-  const auto put_place = [&, is_double = has_origin(surface)](std::byte*& out, const Vec3f& place) {
-    if (is_double)
+/// The first n vertices.
+template <typename Output>
+Result<void> write_vertex_records(Output& file, const Surface& surface, std::size_t n) {
+  const SurfaceLayout layout = SurfaceLayout::of(surface);
+  const auto put_place = [&](std::byte*& out, const Vec3f& place) {
+    if (layout.has_origin())
       put(out, world_place(surface, place));
     else
       put(out, place);
   };
   const auto fill = [&](std::size_t i, std::byte* out) {
     put_place(out, surface.positions[i]);
-    if (has_normals) put(out, surface.normals[i]);
-    if (has_isovalues) put(out, surface.isovalues[i]);
-    if (has_values) put(out, surface.values[i]);
-    if (has_origins) put_place(out, surface.origins[i]);
+    if (layout.has_normals) put(out, surface.normals[i]);
+    if (layout.has_isovalues) put(out, surface.isovalues[i]);
+    if (layout.has_values) put(out, surface.values[i]);
+    if (layout.has_origins) put_place(out, surface.origins[i]);
   };
-  return write_records(file, surface.positions.size(), vertex_bytes(surface), fill);
+  return write_records(file, n, vertex_bytes(layout), fill);
 }
 
-Result<void> write_face_records(SurfaceOutput& file, const Surface& surface) {
-  const bool has_errors = !surface.errors.empty();
-  const auto fill = [&](std::size_t i, std::byte* out) {
+/// Triangles and lines; number(cell) gives them their corners' numbers in the file.
+template <typename Output, typename Number>
+Result<void> write_cell_records(Output& file, const Surface& surface, const Number& number) {
+  const SurfaceLayout layout = SurfaceLayout::of(surface);
+  const auto fill_face = [&](std::size_t i, std::byte* out) {
     put(out, std::uint8_t{3});
-    put(out, surface.triangles[i]);
-    if (has_errors) put(out, surface.errors[i]);
+    put(out, number(surface.triangles[i]));
+    if (layout.has_errors) put(out, surface.errors[i]);
   };
-  return write_records(file, surface.triangles.size(), face_bytes(surface), fill);
+  const auto fill_line = [&](std::size_t i, std::byte* out) {
+    put(out, number(surface.lines[i]));
+    if (layout.has_errors) put(out, surface.errors[i]);
+  };
+  LODE_CHECK(write_records(file, surface.triangles.size(), face_bytes(layout), fill_face));
+  return write_records(file, surface.lines.size(), line_bytes(layout), fill_line);
 }
 
-Result<void> write_line_records(SurfaceOutput& file, const Surface& surface) {
-  if (surface.errors.empty()) return write_array(file, std::span(surface.lines));
-  const auto fill = [&](std::size_t i, std::byte* out) {
-    put(out, surface.lines[i]);
-    put(out, surface.errors[i]);
-  };
-  return write_records(file, surface.lines.size(), line_bytes(surface), fill);
-}
+/// Vertices come before all cells: both wait.
+class PlyStream : public SurfaceStream {
+ public:
+  PlyStream(const std::string& path, std::uint64_t memory_bytes, Progress& progress)
+      : path_(path),
+        progress_(progress),
+        vertices_(directory_of(path), memory_bytes / 2),
+        cells_(directory_of(path), memory_bytes / 2) {}
+
+  Result<void> add(SurfacePiece piece) override {
+    note(piece, layout_);
+    LODE_CHECK(write_vertex_records(vertices_, piece.surface, piece.n_new()));
+    return write_cell_records(cells_, piece.surface,
+                              [&](const auto& cell) { return numbered(piece, cell); });
+  }
+  void set_normals(std::span<const VertexNormal> normals) override {
+    for (const VertexNormal& n : normals)
+      vertices_.replace(n.vertex * std::uint64_t{vertex_bytes(layout_)} + place_bytes(layout_),
+                        std::as_bytes(std::span(&n.normal, 1)));
+  }
+  [[nodiscard]] std::uint32_t n_vertices() const override {
+    return static_cast<std::uint32_t>(layout_.n_vertices);
+  }
+  Result<void> finish(const SurfaceWriteOptions& options) override {
+    LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path_, ply_bytes(layout_), progress_));
+    LODE_CHECK(file.write(ply_header(layout_, options)));
+    LODE_CHECK(copy(vertices_, file));
+    LODE_CHECK(copy(cells_, file));
+    return file.commit();
+  }
+
+ private:
+  std::string path_;
+  Progress& progress_;
+  SurfaceLayout layout_;
+  SpoolBuffer vertices_;
+  SpoolBuffer cells_;
+};
 
 }  // namespace
 
 Result<void> write_ply(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
-  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, ply_bytes(surface), progress));
-  LODE_CHECK(file.write(ply_header(surface, options)));
-  LODE_CHECK(write_vertex_records(file, surface));
-  LODE_CHECK(write_face_records(file, surface));
-  LODE_CHECK(write_line_records(file, surface));
+  const SurfaceLayout layout = SurfaceLayout::of(surface);
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, ply_bytes(layout), progress));
+  LODE_CHECK(file.write(ply_header(layout, options)));
+  LODE_CHECK(write_vertex_records(file, surface, surface.positions.size()));
+  LODE_CHECK(write_cell_records(file, surface, [](const auto& cell) { return cell; }));
   return file.commit();
+}
+
+Result<std::unique_ptr<SurfaceStream>> stream_ply(const std::string& path,
+                                                  std::uint64_t memory_bytes, Progress& progress) {
+  return std::unique_ptr<SurfaceStream>(std::make_unique<PlyStream>(path, memory_bytes, progress));
 }
 
 }  // namespace lode::io

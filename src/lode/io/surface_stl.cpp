@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "lode/io/surface_input.h"
-#include "lode/io/surface_output.h"
+#include "lode/io/surface_stream_parts.h"
 
 namespace lode::io {
 namespace {
@@ -23,6 +23,18 @@ Vec3f facet_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   return {{static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])}};
 }
 
+Error too_coarse(const std::string& path, const Vec3d& origin) {
+  return fail(
+      "{}: STL holds float32 coordinates only, too coarse for this surface near ({}, {}, {}); "
+      "expected .ply, .obj, .vtp or .glb",
+      path, origin[0], origin[1], origin[2]);
+}
+
+Error too_many(const std::string& path, std::uint64_t n_triangles) {
+  return fail("{}: STL holds fewer than 2^32 triangles, and this surface has {}", path,
+              n_triangles);
+}
+
 Result<void> check_can_hold(const std::string& path, const Surface& surface) {
   if (!surface.lines.empty())
     return fail(
@@ -30,14 +42,9 @@ Result<void> check_can_hold(const std::string& path, const Surface& surface) {
         ".obj, .vtp or .glb",
         path, surface.lines.size());
   // An empty surface has no coordinates that could be too coarse.
-  if (has_origin(surface) && !surface.is_empty())
-    return fail(
-        "{}: STL holds float32 coordinates only, too coarse for this surface near ({}, {}, "
-        "{}); expected .ply, .obj, .vtp or .glb",
-        path, surface.origin[0], surface.origin[1], surface.origin[2]);
+  if (has_origin(surface) && !surface.is_empty()) return too_coarse(path, surface.origin);
   if (surface.triangles.size() > std::numeric_limits<std::uint32_t>::max())
-    return fail("{}: STL holds fewer than 2^32 triangles, and this surface has {}", path,
-                surface.triangles.size());
+    return too_many(path, surface.triangles.size());
   return {};
 }
 
@@ -48,6 +55,54 @@ std::string stl_header(const SurfaceWriteOptions& options) {
   header.resize(kStlHeaderBytes, ' ');
   return header;
 }
+
+std::string count_bytes(std::uint32_t n) {
+  std::string bytes(sizeof(n), '\0');
+  std::memcpy(bytes.data(), &n, sizeof(n));
+  return bytes;
+}
+
+/// The triangles as facets.
+Result<void> write_facets(SurfaceOutput& file, const Surface& surface) {
+  const auto fill = [&](std::size_t i, std::byte* out) {
+    const auto [a, b, c] = surface.triangles[i];
+    const std::array<Vec3f, 3> corners = {surface.positions[a], surface.positions[b],
+                                          surface.positions[c]};
+    put(out, facet_normal(corners[0], corners[1], corners[2]));
+    put(out, corners);
+    put(out, std::uint16_t{0});
+  };
+  return write_records(file, surface.triangles.size(), kFacetBytes, fill);
+}
+
+/// Facets go to the file as they come; how many, and what made them, is noted at its start last.
+class StlStream : public SurfaceStream {
+ public:
+  StlStream(std::string path, SurfaceOutput file)
+      : path_(std::move(path)), file_(std::move(file)) {}
+
+  Result<void> add(SurfacePiece piece) override {
+    LODE_CHECK(check_can_hold(path_, piece.surface));
+    note(piece, layout_);
+    if (layout_.n_triangles > std::numeric_limits<std::uint32_t>::max())
+      return too_many(path_, layout_.n_triangles);
+    return write_facets(file_, piece.surface);
+  }
+  void set_normals(std::span<const VertexNormal>) override {}
+  [[nodiscard]] std::uint32_t n_vertices() const override {
+    return static_cast<std::uint32_t>(layout_.n_vertices);
+  }
+  Result<void> finish(const SurfaceWriteOptions& options) override {
+    LODE_CHECK(file_.write_at(
+        0, stl_header(options) + count_bytes(static_cast<std::uint32_t>(layout_.n_triangles))));
+    return file_.commit();
+  }
+
+ private:
+  std::string path_;
+  SurfaceOutput file_;
+  SurfaceLayout layout_;
+};
 
 /// Numbers points in the order of first appearance; equal coordinates get equal numbers.
 class PointNumbering {
@@ -151,19 +206,18 @@ Result<void> write_stl(const std::string& path, const Surface& surface,
   LODE_TRY(
       SurfaceOutput file,
       SurfaceOutput::create(path, kCountEnd + kFacetBytes * surface.triangles.size(), progress));
-  LODE_CHECK(file.write(stl_header(options)));
-  const auto n = static_cast<std::uint32_t>(surface.triangles.size());
-  LODE_CHECK(file.write(std::as_bytes(std::span(&n, 1))));
-  const auto fill = [&](std::size_t i, std::byte* out) {
-    const auto [a, b, c] = surface.triangles[i];
-    const std::array<Vec3f, 3> corners = {surface.positions[a], surface.positions[b],
-                                          surface.positions[c]};
-    put(out, facet_normal(corners[0], corners[1], corners[2]));
-    put(out, corners);
-    put(out, std::uint16_t{0});
-  };
-  LODE_CHECK(write_records(file, n, kFacetBytes, fill));
+  LODE_CHECK(file.write(stl_header(options) +
+                        count_bytes(static_cast<std::uint32_t>(surface.triangles.size()))));
+  LODE_CHECK(write_facets(file, surface));
   return file.commit();
+}
+
+Result<std::unique_ptr<SurfaceStream>> stream_stl(const std::string& path,
+                                                  std::uint64_t /*memory_bytes*/,
+                                                  Progress& progress) {
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, 0, progress));
+  LODE_CHECK(file.write(std::string(kCountEnd, ' ')));
+  return std::unique_ptr<SurfaceStream>(std::make_unique<StlStream>(path, std::move(file)));
 }
 
 Result<Surface> read_stl(const std::string& path) {

@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 
+#include "lode/io/surface_stream_parts.h"
 #include "lode/io/vtk_xml_output.h"
 
 namespace lode::io {
@@ -20,43 +21,39 @@ struct VtpLayout {
   VtkXmlArray offsets;
 };
 
-std::size_t n_cells(const Surface& surface) {
-  return surface.triangles.size() + surface.lines.size();
-}
+std::size_t corners_per_cell(const SurfaceLayout& surface) { return surface.n_lines == 0 ? 3 : 2; }
 
-std::size_t corners_per_cell(const Surface& surface) { return surface.lines.empty() ? 3 : 2; }
-
-bool needs_wide_indices(const Surface& surface) {
+bool needs_wide_indices(const SurfaceLayout& surface) {
   constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max();
-  return surface.positions.size() > kMax || n_cells(surface) * corners_per_cell(surface) > kMax;
+  return surface.n_vertices > kMax || surface.n_corners() > kMax;
 }
 
-VtpLayout make_vtp_layout(const Surface& surface, const SurfaceWriteOptions& options) {
-  const bool is_double = has_origin(surface);
+VtpLayout make_vtp_layout(const SurfaceLayout& surface, const SurfaceWriteOptions& options) {
+  const bool is_double = surface.has_origin();
   const char* coordinate = is_double ? "Float64" : "Float32";
-  const std::uint64_t n = surface.positions.size();
+  const std::uint64_t n = surface.n_vertices;
   const std::uint64_t point_bytes = n * (is_double ? sizeof(Vec3d) : sizeof(Vec3f));
   const std::uint64_t index_bytes = needs_wide_indices(surface) ? 8 : 4;
   const char* index = index_bytes == 8 ? "Int64" : "Int32";
   VtpLayout layout;
-  if (!surface.values.empty())
+  if (surface.has_values)
     layout.values = {fmt::format(R"(type="Float64" Name="{}")", vtk_array_name(options.value_name)),
                      n * sizeof(double)};
-  if (!surface.isovalues.empty())
+  if (surface.has_isovalues)
     layout.isovalues = {R"(type="Float32" Name="isovalue")", n * sizeof(float)};
-  if (!surface.normals.empty())
+  if (surface.has_normals)
     layout.normals = {R"(type="Float32" Name="Normals" NumberOfComponents="3")", n * sizeof(Vec3f)};
-  if (!surface.origins.empty())
+  if (surface.has_origins)
     layout.origins = {fmt::format(R"(type="{}" Name="origin" NumberOfComponents="3")", coordinate),
                       point_bytes};
-  if (!surface.errors.empty())
-    layout.errors = {R"(type="Float32" Name="error")", n_cells(surface) * sizeof(float)};
+  if (surface.has_errors)
+    layout.errors = {R"(type="Float32" Name="error")", surface.n_cells() * sizeof(float)};
   layout.points = {fmt::format(R"(type="{}" Name="Points" NumberOfComponents="3")", coordinate),
                    point_bytes};
   layout.connectivity = {fmt::format(R"(type="{}" Name="connectivity")", index),
-                         n_cells(surface) * corners_per_cell(surface) * index_bytes};
+                         surface.n_corners() * index_bytes};
   layout.offsets = {fmt::format(R"(type="{}" Name="offsets")", index),
-                    n_cells(surface) * index_bytes};
+                    surface.n_cells() * index_bytes};
   return layout;
 }
 
@@ -71,9 +68,9 @@ std::uint64_t vtp_bytes(const VtpLayout& layout) {
          layout.connectivity.n_bytes + layout.offsets.n_bytes;
 }
 
-std::string vtp_head(const Surface& surface, const SurfaceWriteOptions& options) {
+std::string vtp_head(const SurfaceLayout& surface, const SurfaceWriteOptions& options) {
   std::string xml = vtk_xml_head("PolyData", options.comment, options.frame);
-  if (has_origin(surface))
+  if (surface.has_origin())
     xml += fmt::format(
         "<FieldData>\n<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"3\" "
         "NumberOfTuples=\"1\" format=\"ascii\">{} {} {}</DataArray>\n</FieldData>\n",
@@ -81,13 +78,13 @@ std::string vtp_head(const Surface& surface, const SurfaceWriteOptions& options)
   xml += fmt::format(
       "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" "
       "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
-      surface.positions.size(), surface.lines.size(), surface.triangles.size());
+      surface.n_vertices, surface.n_lines, surface.n_triangles);
   return xml;
 }
 
-std::string vtp_piece(const Surface& surface, const SurfaceWriteOptions& options,
+std::string vtp_piece(const SurfaceLayout& surface, const SurfaceWriteOptions& options,
                       const VtpLayout& layout) {
-  const char* cells = surface.lines.empty() ? "Polys" : "Lines";
+  const char* cells = surface.n_lines == 0 ? "Polys" : "Lines";
   std::uint64_t offset = 0;
   std::string xml = "<PointData";
   if (layout.values)
@@ -118,9 +115,9 @@ Result<void> write_optional(SurfaceOutput& file, const std::optional<VtkXmlArray
 }
 
 /// As positions are: in world units where the surface has an origin.
-Result<void> write_places(SurfaceOutput& file, const Surface& surface,
-                          const std::vector<Vec3f>& places) {
-  if (!has_origin(surface)) return write_array(file, std::span(places));
+template <typename Output>
+Result<void> write_places(Output& file, const Surface& surface, std::span<const Vec3f> places) {
+  if (!has_origin(surface)) return write_array(file, places);
   const auto fill = [&](std::size_t i, std::byte* out) {
     put(out, world_place(surface, places[i]));
   };
@@ -142,43 +139,143 @@ Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
   return write_places(file, surface, surface.positions);
 }
 
-/// Connectivity and offsets, as T where the indices are not already so in memory.
+/// Corners of the cells as T, which they may be already.
 template <typename T>
-Result<void> write_cell_arrays(SurfaceOutput& file, const Surface& surface,
-                               const VtpLayout& layout) {
+Result<void> write_corners(SurfaceOutput& file, std::span<const std::uint32_t> corners) {
+  if constexpr (sizeof(T) == sizeof(std::uint32_t))
+    return write_array(file, corners);
+  else
+    return write_records(file, corners.size(), sizeof(T),
+                         [&](std::size_t i, std::byte* out) { put(out, T{corners[i]}); });
+}
+
+template <typename Cell>
+std::span<const std::uint32_t> corners_of(const std::vector<Cell>& cells) {
+  if (cells.empty()) return {};
+  return {cells.front().data(), cells.size() * cells.front().size()};
+}
+
+template <typename T>
+Result<void> write_offsets(SurfaceOutput& file, const SurfaceLayout& surface,
+                           const VtpLayout& layout) {
   const std::size_t n_corners = corners_per_cell(surface);
-  LODE_CHECK(write_array_size(file, layout.connectivity));
-  const auto write_corners = [&](const auto& cells) -> Result<void> {
-    if constexpr (sizeof(T) == sizeof(std::uint32_t)) {
-      return write_array(file, std::span(cells));
-    } else {
-      const auto fill = [&](std::size_t i, std::byte* out) {
-        for (const std::uint32_t vertex : cells[i]) put(out, T{vertex});
-      };
-      return write_records(file, cells.size(), n_corners * sizeof(T), fill);
-    }
-  };
-  LODE_CHECK(write_corners(surface.triangles));
-  LODE_CHECK(write_corners(surface.lines));
   LODE_CHECK(write_array_size(file, layout.offsets));
-  return write_records(file, n_cells(surface), sizeof(T), [&](std::size_t i, std::byte* out) {
+  return write_records(file, surface.n_cells(), sizeof(T), [&](std::size_t i, std::byte* out) {
     put(out, static_cast<T>((i + 1) * n_corners));
   });
 }
+
+/// Connectivity and offsets.
+template <typename T>
+Result<void> write_cell_arrays(SurfaceOutput& file, const Surface& surface,
+                               const VtpLayout& layout) {
+  LODE_CHECK(write_array_size(file, layout.connectivity));
+  LODE_CHECK(write_corners<T>(file, corners_of(surface.triangles)));
+  LODE_CHECK(write_corners<T>(file, corners_of(surface.lines)));
+  return write_offsets<T>(file, SurfaceLayout::of(surface), layout);
+}
+
+constexpr std::string_view kVtpEnd = "\n</AppendedData>\n</VTKFile>\n";
+
+/// Each array is in one place of the file: all wait.
+class VtpStream : public SurfaceStream {
+ public:
+  VtpStream(const std::string& path, std::uint64_t memory_bytes, Progress& progress)
+      : path_(path),
+        progress_(progress),
+        normals_(directory_of(path), memory_bytes / 3),
+        points_(directory_of(path), memory_bytes / 3),
+        corners_(directory_of(path), memory_bytes / 3) {}
+
+  Result<void> add(SurfacePiece piece) override {
+    note(piece, layout_);
+    const Surface& surface = piece.surface;
+    const std::size_t n = piece.n_new();
+    if (layout_.has_isovalues && n > 0) isovalues_.emplace_back(surface.isovalues.front(), n);
+    if (layout_.has_normals) LODE_CHECK(write_array(normals_, std::span(surface.normals).first(n)));
+    LODE_CHECK(write_places(points_, surface, std::span(surface.positions).first(n)));
+    LODE_CHECK(write_numbered(piece, surface.triangles));
+    return write_numbered(piece, surface.lines);
+  }
+  void set_normals(std::span<const VertexNormal> normals) override {
+    for (const VertexNormal& n : normals)
+      normals_.replace(n.vertex * std::uint64_t{sizeof(Vec3f)},
+                       std::as_bytes(std::span(&n.normal, 1)));
+  }
+  [[nodiscard]] std::uint32_t n_vertices() const override {
+    return static_cast<std::uint32_t>(layout_.n_vertices);
+  }
+  Result<void> finish(const SurfaceWriteOptions& options) override {
+    const VtpLayout arrays = make_vtp_layout(layout_, options);
+    LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path_, vtp_bytes(arrays), progress_));
+    LODE_CHECK(file.write(vtp_head(layout_, options)));
+    LODE_CHECK(file.write(vtp_piece(layout_, options, arrays)));
+    LODE_CHECK(write_points(file, arrays));
+    LODE_CHECK(needs_wide_indices(layout_) ? write_cells<std::int64_t>(file, arrays)
+                                           : write_cells<std::int32_t>(file, arrays));
+    LODE_CHECK(file.write(kVtpEnd));
+    return file.commit();
+  }
+
+ private:
+  template <typename Cell>
+  Result<void> write_numbered(const SurfacePiece& piece, const std::vector<Cell>& cells) {
+    return write_records(corners_, cells.size(), sizeof(Cell), [&](std::size_t i, std::byte* out) {
+      put(out, numbered(piece, cells[i]));
+    });
+  }
+  Result<void> write_points(SurfaceOutput& file, const VtpLayout& arrays) {
+    if (arrays.isovalues) LODE_CHECK(write_array_size(file, *arrays.isovalues));
+    for (const auto& [isovalue, n] : isovalues_)
+      LODE_CHECK(
+          write_records(file, n, sizeof(float),
+                        [value = isovalue](std::size_t, std::byte* out) { put(out, value); }));
+    if (arrays.normals) {
+      LODE_CHECK(write_array_size(file, *arrays.normals));
+      LODE_CHECK(copy(normals_, file));
+    }
+    LODE_CHECK(write_array_size(file, arrays.points));
+    return copy(points_, file);
+  }
+  template <typename T>
+  Result<void> write_cells(SurfaceOutput& file, const VtpLayout& arrays) {
+    LODE_CHECK(write_array_size(file, arrays.connectivity));
+    LODE_CHECK(corners_.read(sizeof(std::uint32_t), [&](std::span<const std::byte> bytes) {
+      std::vector<std::uint32_t> corners(bytes.size() / sizeof(std::uint32_t));
+      std::memcpy(corners.data(), bytes.data(), bytes.size());
+      return write_corners<T>(file, corners);
+    }));
+    return write_offsets<T>(file, layout_, arrays);
+  }
+
+  std::string path_;
+  Progress& progress_;
+  SurfaceLayout layout_;
+  std::vector<std::pair<float, std::size_t>> isovalues_;  ///< Of so many vertices each.
+  SpoolBuffer normals_;
+  SpoolBuffer points_;
+  SpoolBuffer corners_;
+};
 
 }  // namespace
 
 Result<void> write_vtp(const std::string& path, const Surface& surface,
                        const SurfaceWriteOptions& options, Progress& progress) {
-  const VtpLayout layout = make_vtp_layout(surface, options);
+  const SurfaceLayout counts = SurfaceLayout::of(surface);
+  const VtpLayout layout = make_vtp_layout(counts, options);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, vtp_bytes(layout), progress));
-  LODE_CHECK(file.write(vtp_head(surface, options)));
-  LODE_CHECK(file.write(vtp_piece(surface, options, layout)));
+  LODE_CHECK(file.write(vtp_head(counts, options)));
+  LODE_CHECK(file.write(vtp_piece(counts, options, layout)));
   LODE_CHECK(write_point_arrays(file, surface, layout));
-  LODE_CHECK(needs_wide_indices(surface) ? write_cell_arrays<std::int64_t>(file, surface, layout)
-                                         : write_cell_arrays<std::int32_t>(file, surface, layout));
-  LODE_CHECK(file.write(std::string_view("\n</AppendedData>\n</VTKFile>\n")));
+  LODE_CHECK(needs_wide_indices(counts) ? write_cell_arrays<std::int64_t>(file, surface, layout)
+                                        : write_cell_arrays<std::int32_t>(file, surface, layout));
+  LODE_CHECK(file.write(kVtpEnd));
   return file.commit();
+}
+
+Result<std::unique_ptr<SurfaceStream>> stream_vtp(const std::string& path,
+                                                  std::uint64_t memory_bytes, Progress& progress) {
+  return std::unique_ptr<SurfaceStream>(std::make_unique<VtpStream>(path, memory_bytes, progress));
 }
 
 }  // namespace lode::io

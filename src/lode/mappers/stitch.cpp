@@ -2,17 +2,21 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 namespace lode {
 namespace {
 
 constexpr std::uint32_t kOwned = 0xFFFFFFFFU;
+constexpr std::uint32_t kEarlier = 0xFFFFFFFEU;
 
 /// Per part: which vertices it owns, their rank among those, and who owns the others.
 struct Ownership {
-  std::vector<std::uint32_t> owner;  ///< Part, or kOwned.
-  std::vector<std::uint32_t> id;     ///< Rank here when owned, local id in the owner otherwise.
+  std::vector<std::uint32_t> owner;  ///< Part, or kOwned, or kEarlier.
+  /// Rank here when owned, number in the whole when earlier, local id in the owner otherwise.
+  std::vector<std::uint32_t> id;
   std::uint32_t n_owned = 0;
+  std::uint32_t n_earlier = 0;
 };
 
 template <int D>
@@ -22,14 +26,21 @@ const std::uint32_t* find_shared_vertex(const StitchPart<D>& part, LatticeKey ke
   return at != part.shared.end() && at->first == key ? &at->second : nullptr;
 }
 
-template <int D, typename Candidates>
+/// earlier(key): the number of a vertex that belongs to none of the parts but came before them.
+template <int D, typename Earlier>
 void find_owners(const std::vector<StitchPart<D>>& parts, std::uint32_t self,
-                 const Candidates& candidates, Ownership& out) {
+                 const StitchCandidates& candidates, const Earlier& earlier, Ownership& out) {
   const StitchPart<D>& part = parts[self];
   out.owner.assign(part.part.points.size(), kOwned);
   out.id.assign(part.part.points.size(), 0);
   std::vector<std::uint32_t> others;
   for (const auto& [key, vertex] : part.shared) {
+    if (const std::optional<std::uint32_t> number = earlier(key)) {
+      out.owner[vertex] = kEarlier;
+      out.id[vertex] = *number;
+      ++out.n_earlier;
+      continue;
+    }
     others.clear();
     candidates(key, others);
     for (const std::uint32_t other : others) {
@@ -45,6 +56,76 @@ void find_owners(const std::vector<StitchPart<D>>& parts, std::uint32_t self,
     if (out.owner[v] == kOwned) out.id[v] = out.n_owned++;
 }
 
+Error too_many_vertices(std::uint64_t n) {
+  return Error{fmt::format("the surface has {} vertices, more than {}: give it a larger tolerance",
+                           n, std::numeric_limits<std::uint32_t>::max())};
+}
+
+template <int D>
+auto& cells_of(Surface& surface) {
+  if constexpr (D == 3)
+    return surface.triangles;
+  else
+    return surface.lines;
+}
+
+Vec3f position_of(const LatticeFrame& frame, const EdgePoint& point) {
+  const Vec3d p = frame.position(point.lattice_position());
+  return {{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}};
+}
+
+/// Where each part's vertices and cells lie in the piece that they are joined to.
+struct PieceLayout {
+  explicit PieceLayout(std::size_t n_parts)
+      : ownership(n_parts),
+        first_new(n_parts + 1),
+        first_earlier(n_parts + 1),
+        first_cell(n_parts + 1) {}
+
+  template <int D>
+  void add_up(const std::vector<StitchPart<D>>& parts) {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      first_new[i + 1] = first_new[i] + ownership[i].n_owned;
+      first_earlier[i + 1] = first_earlier[i] + ownership[i].n_earlier;
+      first_cell[i + 1] = first_cell[i] + parts[i].part.cells.size();
+    }
+  }
+
+  std::vector<Ownership> ownership;
+  std::vector<std::uint32_t> first_new;
+  std::vector<std::uint32_t> first_earlier;
+  std::vector<std::size_t> first_cell;
+};
+
+/// Writes one part's vertices and cells where the layout says.
+template <int D>
+void write_part(const StitchPart<D>& part, std::size_t i, const PieceLayout& layout,
+                const LatticeFrame& frame, SurfacePiece& piece) {
+  const Ownership& own = layout.ownership[i];
+  std::vector<std::uint32_t> place(part.part.points.size());
+  std::uint32_t n_earlier = layout.first_earlier[i];
+  for (std::uint32_t v = 0; v < place.size(); ++v) {
+    const std::uint32_t owner = own.owner[v];
+    if (owner < kEarlier) {
+      place[v] = layout.first_new[owner] + layout.ownership[owner].id[own.id[v]];
+      continue;
+    }
+    if (owner == kEarlier) {
+      place[v] = layout.first_new.back() + n_earlier;
+      piece.earlier[n_earlier++] = own.id[v];
+    } else {
+      place[v] = layout.first_new[i] + own.id[v];
+    }
+    piece.surface.positions[place[v]] = position_of(frame, part.part.points[v]);
+    if (!part.normals.empty()) piece.surface.normals[place[v]] = part.normals[v];
+  }
+  auto* cell = cells_of<D>(piece.surface).data() + layout.first_cell[i];
+  for (const auto& from : part.part.cells) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k) (*cell)[k] = place[from[k]];
+    ++cell;
+  }
+}
+
 }  // namespace
 
 template <int D>
@@ -57,29 +138,22 @@ void find_shared(StitchPart<D>& part, const std::function<bool(const EdgePoint&)
 }
 
 template <int D>
-Result<void> stitch(const std::vector<StitchPart<D>>& parts,
-                    const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>& candidates,
+Result<void> stitch(const std::vector<StitchPart<D>>& parts, const StitchCandidates& candidates,
                     const LatticeFrame& frame, Threads threads, Surface& surface,
                     std::vector<VertexOrigin>* origins) {
   std::vector<Ownership> ownership(parts.size());
   parallel_for(parts.size(), threads, 8, [&](std::size_t i, int) {
-    find_owners<D>(parts, static_cast<std::uint32_t>(i), candidates, ownership[i]);
+    find_owners<D>(
+        parts, static_cast<std::uint32_t>(i), candidates,
+        [](LatticeKey) { return std::optional<std::uint32_t>(); }, ownership[i]);
   });
   std::uint64_t n_vertices = surface.positions.size();
   for (const Ownership& own : ownership) n_vertices += own.n_owned;
-  if (n_vertices > std::numeric_limits<std::uint32_t>::max())
-    return fail("the surface has {} vertices, more than {}: give it a larger tolerance", n_vertices,
-                std::numeric_limits<std::uint32_t>::max());
+  if (n_vertices > std::numeric_limits<std::uint32_t>::max()) return too_many_vertices(n_vertices);
   std::vector<std::uint32_t> first_vertex(parts.size() + 1);
   std::vector<std::size_t> first_cell(parts.size() + 1);
   first_vertex[0] = static_cast<std::uint32_t>(surface.positions.size());
-  auto& cells = [&]() -> auto& {
-    if constexpr (D == 3)
-      return surface.triangles;
-    else
-      return surface.lines;
-  }
-  ();
+  auto& cells = cells_of<D>(surface);
   first_cell[0] = cells.size();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     first_vertex[i + 1] = first_vertex[i] + ownership[i].n_owned;
@@ -98,9 +172,7 @@ Result<void> stitch(const std::vector<StitchPart<D>>& parts,
         continue;
       }
       final_id[v] = first_vertex[i] + own.id[v];
-      const Vec3d p = frame.position(part.points[v].lattice_position());
-      surface.positions[final_id[v]] = {
-          {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}};
+      surface.positions[final_id[v]] = position_of(frame, part.points[v]);
       if (origins != nullptr) (*origins)[final_id[v]] = {static_cast<std::uint32_t>(i), v};
     }
     for (std::size_t c = 0; c < part.cells.size(); ++c)
@@ -110,13 +182,65 @@ Result<void> stitch(const std::vector<StitchPart<D>>& parts,
   return {};
 }
 
+template <int D>
+Result<SurfacePiece> PieceStitcher<D>::join(const std::vector<StitchPart<D>>& parts,
+                                            const StitchCandidates& candidates,
+                                            const std::function<bool(LatticeKey)>& is_kept) {
+  const auto earlier = [this](LatticeKey key) {
+    std::optional<std::uint32_t> number = kept_.find(key);
+    if (number) number = numbers_[*number];
+    return number;
+  };
+  PieceLayout layout(parts.size());
+  parallel_for(parts.size(), threads_, 8, [&](std::size_t i, int) {
+    find_owners<D>(parts, static_cast<std::uint32_t>(i), candidates, earlier, layout.ownership[i]);
+  });
+  layout.add_up<D>(parts);
+  const std::uint64_t n_vertices = std::uint64_t{n_vertices_} + layout.first_new.back();
+  if (n_vertices > std::numeric_limits<std::uint32_t>::max()) return too_many_vertices(n_vertices);
+
+  SurfacePiece piece;
+  piece.first_new = n_vertices_;
+  piece.surface.origin = frame_.surface_origin;
+  piece.earlier.resize(layout.first_earlier.back());
+  piece.surface.positions.resize(layout.first_new.back() + piece.earlier.size());
+  const auto has_normals = [](const StitchPart<D>& part) { return !part.normals.empty(); };
+  if (std::any_of(parts.begin(), parts.end(), has_normals))
+    piece.surface.normals.resize(piece.surface.positions.size());
+  cells_of<D>(piece.surface).resize(layout.first_cell.back());
+  parallel_for(parts.size(), threads_, 8,
+               [&](std::size_t i, int) { write_part<D>(parts[i], i, layout, frame_, piece); });
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (const auto& [key, vertex] : parts[i].shared) {
+      const Ownership& own = layout.ownership[i];
+      if (own.owner[vertex] != kOwned || !is_kept(key)) continue;
+      kept_.find_or_add(key);
+      numbers_.push_back(n_vertices_ + layout.first_new[i] + own.id[vertex]);
+    }
+  n_vertices_ = static_cast<std::uint32_t>(n_vertices);
+  return piece;
+}
+
+template <int D>
+void PieceStitcher<D>::forget_all_but(const std::function<bool(LatticeKey)>& is_kept) {
+  VertexIds kept;
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t i = 0; i < kept_.size(); ++i) {
+    if (!is_kept(kept_.key(i))) continue;
+    kept.find_or_add(kept_.key(i));
+    numbers.push_back(numbers_[i]);
+  }
+  kept_ = std::move(kept);
+  numbers_ = std::move(numbers);
+}
+
+template class PieceStitcher<2>;
+template class PieceStitcher<3>;
 template void find_shared<2>(StitchPart<2>&, const std::function<bool(const EdgePoint&)>&);
 template void find_shared<3>(StitchPart<3>&, const std::function<bool(const EdgePoint&)>&);
-template Result<void> stitch<2>(const std::vector<StitchPart<2>>&,
-                                const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>&,
+template Result<void> stitch<2>(const std::vector<StitchPart<2>>&, const StitchCandidates&,
                                 const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
-template Result<void> stitch<3>(const std::vector<StitchPart<3>>&,
-                                const std::function<void(LatticeKey, std::vector<std::uint32_t>&)>&,
+template Result<void> stitch<3>(const std::vector<StitchPart<3>>&, const StitchCandidates&,
                                 const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
 
 }  // namespace lode

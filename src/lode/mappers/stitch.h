@@ -6,8 +6,9 @@
 
 #include "lode/core/parallel.h"
 #include "lode/core/result.h"
-#include "lode/core/surface.h"
+#include "lode/core/surface_sink.h"
 #include "lode/mappers/iso_part.h"
+#include "lode/mappers/vertex_ids.h"
 
 namespace lode {
 
@@ -18,7 +19,12 @@ struct StitchPart {
   /// Vertices that other parts may have as well: their edges' doubled midpoints and local ids,
   /// sorted.
   std::vector<std::pair<LatticeKey, std::uint32_t>> shared;
+  std::vector<Vec3f> normals;  ///< Of the part's points; PieceStitcher takes them along.
 };
+
+/// Lists the parts that may have a shared vertex, ascending.
+using StitchCandidates =
+    std::function<void(LatticeKey doubled_midpoint, std::vector<std::uint32_t>& out)>;
 
 /// Fills part.shared: vertices whose edge satisfies `is_shared`.
 template <int D>
@@ -34,11 +40,34 @@ struct VertexOrigin {
 /// that has it, in order; `candidates(key, out)` lists the parts that may, ascending. The result
 /// depends on nothing but the parts. Fails where 32 bits cannot number the vertices.
 template <int D>
-[[nodiscard]] Result<void> stitch(
-    const std::vector<StitchPart<D>>& parts,
-    const std::function<void(LatticeKey doubled_midpoint, std::vector<std::uint32_t>& out)>&
-        candidates,
-    const LatticeFrame& frame, Threads threads, Surface& surface,
-    std::vector<VertexOrigin>* origins);
+[[nodiscard]] Result<void> stitch(const std::vector<StitchPart<D>>& parts,
+                                  const StitchCandidates& candidates, const LatticeFrame& frame,
+                                  Threads threads, Surface& surface,
+                                  std::vector<VertexOrigin>* origins);
+
+/// stitch() for parts that come group by group, of which none need stay: all groups' pieces are the
+/// surface that stitch() makes of all parts.
+template <int D>
+class PieceStitcher {
+ public:
+  /// first_vertex: the number of the first piece's first vertex.
+  PieceStitcher(const LatticeFrame& frame, std::uint32_t first_vertex, Threads threads)
+      : frame_(frame), threads_(threads), n_vertices_(first_vertex) {}
+
+  /// The next parts' piece. `candidates` numbers them from 0; is_kept(key) says which vertices
+  /// parts to come may have as well. Fails where 32 bits cannot number the vertices.
+  [[nodiscard]] Result<SurfacePiece> join(const std::vector<StitchPart<D>>& parts,
+                                          const StitchCandidates& candidates,
+                                          const std::function<bool(LatticeKey)>& is_kept);
+  /// Keeps no more than those vertices for parts to come.
+  void forget_all_but(const std::function<bool(LatticeKey)>& is_kept);
+
+ private:
+  LatticeFrame frame_;
+  Threads threads_;
+  std::uint32_t n_vertices_;
+  VertexIds kept_;                      ///< By doubled midpoint.
+  std::vector<std::uint32_t> numbers_;  ///< Of kept_, in the whole surface.
+};
 
 }  // namespace lode

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,14 @@ class VertexIds {
   [[nodiscard]] std::size_t size() const { return keys_.size(); }
   [[nodiscard]] std::uint64_t key(std::uint32_t id) const { return keys_[id]; }
 
+  /// A key's number; none if it has not been asked for.
+  [[nodiscard]] std::optional<std::uint32_t> find(std::uint64_t key) const {
+    if (slots_.empty()) return std::nullopt;
+    for (std::size_t slot = first_slot(key); slots_[slot] != 0;
+         slot = (slot + 1) & (slots_.size() - 1))
+      if (keys_[slots_[slot] - 1] == key) return slots_[slot] - 1;
+    return std::nullopt;
+  }
   Found find_or_add(std::uint64_t key) {
     if (2 * (keys_.size() + 1) > slots_.size()) grow();
     std::size_t slot = first_slot(key);

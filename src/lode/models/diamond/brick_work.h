@@ -184,20 +184,27 @@ class PartsOfBricks {
   return frame.margin * largest_snap + 4 * frame.rounding * largest_step;
 }
 
+/// The largest of the parts' steps and snaps.
+struct LargestSteps {
+  double step = 0;
+  double snap = 0;
+
+  template <int D>
+  void add(const std::vector<StitchPart<D>>& parts) {
+    for (const StitchPart<D>& part : parts) {
+      step = std::max(step, part.part.largest_step);
+      snap = std::max(snap, part.part.largest_snap);
+    }
+  }
+};
+
 /// All but the seconds.
-template <int D>
-IsosurfaceReport report_of(const std::vector<StitchPart<D>>& parts, const TraversalStats& stats,
-                           const LatticeFrame& frame) {
+inline IsosurfaceReport report_of(const LargestSteps& largest, const TraversalStats& stats,
+                                  const LatticeFrame& frame) {
   IsosurfaceReport report;
   report.achieved_error = static_cast<double>(decode_error(stats.achieved));
   report.nodes_visited = stats.nodes_visited;
-  double largest_step = 0;
-  double largest_snap = 0;
-  for (const StitchPart<D>& part : parts) {
-    largest_step = std::max(largest_step, part.part.largest_step);
-    largest_snap = std::max(largest_snap, part.part.largest_snap);
-  }
-  report.coordinate_slack = slack_of(frame, largest_step, largest_snap);
+  report.coordinate_slack = slack_of(frame, largest.step, largest.snap);
   return report;
 }
 

@@ -51,7 +51,9 @@ class Extraction {
       compute_normals<D>(model_, points, query_.threads,
                          std::span(surface.normals).subspan(first_new));
     }
-    report = report_of<D>(parts_, stats_, frame_);
+    LargestSteps largest;
+    largest.add(parts_);
+    report = report_of(largest, stats_, frame_);
     const auto done = std::chrono::steady_clock::now();
     report.select_seconds = std::chrono::duration<double>(marched - start).count();
     report.geometry_seconds = std::chrono::duration<double>(done - marched).count();

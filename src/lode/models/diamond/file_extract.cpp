@@ -1,5 +1,6 @@
 #include "lode/models/diamond/file_extract.h"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -43,39 +44,35 @@ template <int D>
 class FileExtraction {
  public:
   FileExtraction(const CoarseField<D>& field, store::BlockCache& blocks,
-                 const IsosurfaceQuery& query)
+                 const IsosurfaceQuery& query, SurfaceSink& surface)
       : field_(field),
         query_(query),
         frame_(LatticeFrame::of(field.info.grid)),
         selection_(field, query.isovalue, query.tolerance),
         brick_dims_(brick_counts<D>(field.shape)),
-        part_(field, blocks, query.threads) {}
+        part_(field, blocks, query.threads),
+        stitcher_(frame_, surface.n_vertices(), query.threads),
+        surface_(surface) {}
 
-  Result<IsosurfaceReport> run(Surface& surface, Progress& progress) {
+  Result<IsosurfaceReport> run(Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
-    if (query_.replaces) surface.clear();
-    surface.origin = frame_.surface_origin;
-    if (!field_.shape.has_cells()) return IsosurfaceReport();
-    CoarseTraversal<D, CoarseField<D>>(selection_, cut_).run();
+    if (field_.shape.has_cells()) CoarseTraversal<D, CoarseField<D>>(selection_, cut_).run();
     work_ = work_of(cut_);
-    parts_.resize(work_.size() + 1);
-    normals_.resize(parts_.size());
+    parts_of_bricks_ = PartsOfBricks<D>(field_.axes, brick_dims_, work_);
     stats_ = cut_.stats;
-    march_coarse();
+    LODE_CHECK(join(march_coarse(), 0));
     for (std::size_t i = 0; i < work_.size();) {
       if (progress.is_cancelled()) return cancelled_error();
-      std::size_t end = i;
-      while (end < work_.size() && chunk_of(end) == chunk_of(i)) ++end;
-      LODE_CHECK(march_chunk(i, end));
+      const std::size_t end = end_of_chunk(i);
+      LODE_TRY(const auto parts, march_chunk(i, end));
+      LODE_CHECK(join(parts, i + 1));
+      forget_below(end);
       i = end;
       progress.report("extracting", static_cast<double>(i) / static_cast<double>(work_.size()));
     }
-    const double select_seconds = seconds_since(start);
-    const auto marched = std::chrono::steady_clock::now();
-    LODE_CHECK(join(surface));
-    IsosurfaceReport report = report_of<D>(parts_, stats_, frame_);
-    report.select_seconds = select_seconds;
-    report.geometry_seconds = seconds_since(marched);
+    IsosurfaceReport report = report_of(largest_, stats_, frame_);
+    report.geometry_seconds = joining_seconds_;
+    report.select_seconds = seconds_since(start) - joining_seconds_;
     return report;
   }
 
@@ -94,13 +91,21 @@ class FileExtraction {
   [[nodiscard]] std::size_t chunk_of(std::size_t work) const {
     return chunk_of_brick<D>(field_.shape, brick_of(work));
   }
+  /// Behind the last work of the chunk that `begin` is in.
+  [[nodiscard]] std::size_t end_of_chunk(std::size_t begin) const {
+    std::size_t end = begin;
+    while (end < work_.size() && chunk_of(end) == chunk_of(begin)) ++end;
+    return end;
+  }
 
-  void march_coarse() {
-    SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts_[0].part);
+  std::vector<StitchPart<D>> march_coarse() {
+    std::vector<StitchPart<D>> parts(1);
+    SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts[0].part);
     for (const ActiveSimplex<D>& s : cut_.leaves)
       mapper.add(to_lattice<D>(field_.axes, s.vertex, s.value));
-    find_shared<D>(parts_[0], [](const EdgePoint&) { return true; });
-    find_normals(0, nullptr, {});
+    find_shared<D>(parts[0], [](const EdgePoint&) { return true; });
+    find_normals(parts[0], nullptr, {});
+    return parts;
   }
 
   /// Whether a brick has nodes of level kKeptLevel that are refined: only then finer ones matter.
@@ -127,8 +132,8 @@ class FileExtraction {
     return false;
   }
 
-  /// Of work begin .. end - 1, all in one chunk.
-  Result<void> march_chunk(std::size_t begin, std::size_t end) {
+  /// The parts of work begin .. end - 1, all in one chunk.
+  Result<std::vector<StitchPart<D>>> march_chunk(std::size_t begin, std::size_t end) {
     std::vector<Index<D>> fine;
     std::vector<Index<D>> coarse;
     for (std::size_t i = begin; i < end; ++i) {
@@ -138,59 +143,80 @@ class FileExtraction {
     LODE_CHECK(
         part_.load(point_of<D>(chunk_counts<D>(field_.shape), chunk_of(begin)), fine, coarse));
     const Selection<D> selection(part_.model(), query_.isovalue, query_.tolerance);
+    std::vector<StitchPart<D>> parts(end - begin);
     std::vector<TraversalStats> stats(end - begin);
     std::vector<std::unique_ptr<Worker>> workers(as_size(n_workers(query_.threads)));
     parallel_for(end - begin, query_.threads, 1, [&](std::size_t i, int number) {
       auto& worker = workers[as_size(number)];
       if (!worker) worker = std::make_unique<Worker>(selection, *this);
-      march_brick(*worker, begin + i, stats[i]);
-      find_normals(begin + i + 1, &part_.samples(), part_.origin());
+      march_brick(*worker, begin + i, parts[i], stats[i]);
+      find_normals(parts[i], &part_.samples(), part_.origin());
     });
     for (const TraversalStats& s : stats) stats_.join(s);
-    return {};
+    return parts;
   }
 
-  void march_brick(Worker& worker, std::size_t i, TraversalStats& stats) {
+  void march_brick(Worker& worker, std::size_t i, StitchPart<D>& part, TraversalStats& stats) {
     const Index<D> origin = part_.origin();
     Index<D> local = brick_of(i);
     for (std::size_t a = 0; a < as_size(D); ++a) local[a] -= origin[a] / kBrickEdge<D>;
     worker.traversal.open(local);
-    worker.mapper.open(worker.traversal, field_.axes, origin, parts_[i + 1].part);
+    worker.mapper.open(worker.traversal, field_.axes, origin, part.part);
     for (std::size_t s = work_[i].begin; s < work_[i].end; ++s) {
       Simplex<D> simplex = cut_.brick_simplices[s].second;
       for (Index<D>& v : simplex.v) v = v - origin;
       worker.traversal.visit(simplex, stats,
                              [&](const BrickSimplex<D>& leaf) { worker.mapper.add(leaf); });
     }
-    find_shared<D>(parts_[i + 1],
-                   [&](const EdgePoint& p) { return is_on_brick_border<D>(field_.axes, p); });
+    find_shared<D>(part, [&](const EdgePoint& p) { return is_on_brick_border<D>(field_.axes, p); });
   }
 
-  void find_normals(std::size_t part, const FlatField<D>* samples, const Index<D>& origin) {
+  void find_normals(StitchPart<D>& part, const FlatField<D>* samples, const Index<D>& origin) {
     if (!query_.with_normals) return;
     visit_storage_type(field_.storage, [&]<typename T>() {
       const PartNormals<D, T> normals(field_, samples, origin);
-      normals_[part].reserve(parts_[part].part.points.size());
-      for (const EdgePoint& point : parts_[part].part.points)
-        normals_[part].push_back(normals.at(point));
+      part.normals.reserve(part.part.points.size());
+      for (const EdgePoint& point : part.part.points) part.normals.push_back(normals.at(point));
     });
   }
 
-  Result<void> join(Surface& surface) {
-    const PartsOfBricks<D> parts_of_bricks(field_.axes, brick_dims_, work_);
-    std::vector<VertexOrigin> origins;
-    const std::size_t first_new = surface.positions.size();
-    LODE_CHECK(stitch<D>(
-        parts_,
-        [&](LatticeKey key, std::vector<std::uint32_t>& out) {
-          parts_of_bricks.candidates(key, out);
-        },
-        frame_, query_.threads, surface, query_.with_normals ? &origins : nullptr));
-    if (!query_.with_normals) return {};
-    surface.normals.resize(surface.positions.size());
-    for (std::size_t v = first_new; v < origins.size(); ++v)
-      surface.normals[v] = normals_[origins[v].part][origins[v].vertex];
+  /// Passes on the surface of parts `first` and following: everything coarser than bricks, or those
+  /// of a chunk's bricks.
+  Result<void> join(const std::vector<StitchPart<D>>& parts, std::size_t first) {
+    const auto start = std::chrono::steady_clock::now();
+    largest_.add(parts);
+    const auto candidates = [&](LatticeKey key, std::vector<std::uint32_t>& out) {
+      parts_of_bricks_.candidates(key, out);
+      std::erase_if(out, [&](std::uint32_t part) { return part < first; });
+      for (std::uint32_t& part : out) part -= static_cast<std::uint32_t>(first);
+      std::erase_if(out, [&](std::uint32_t part) { return part >= parts.size(); });
+    };
+    const bool is_coarse = first == 0;
+    LODE_TRY(SurfacePiece piece, stitcher_.join(parts, candidates, [&](LatticeKey key) {
+      return is_coarse || is_on_chunk_border(key);
+    }));
+    LODE_CHECK(surface_.add(std::move(piece)));
+    joining_seconds_ += seconds_since(start);
     return {};
+  }
+
+  [[nodiscard]] bool is_on_chunk_border(LatticeKey doubled_midpoint) const {
+    const Index3 doubled = to_point(doubled_midpoint);
+    return std::any_of(field_.axes.axis.begin(), field_.axes.axis.end(),
+                       [&](int axis) { return doubled[as_size(axis)] % (2 * kChunkEdge<D>) == 0; });
+  }
+
+  /// Vertices below all chunks from work `next` on, which they are ordered by, are not shared any
+  /// more.
+  void forget_below(std::size_t next) {
+    if (next == work_.size()) return;
+    const std::size_t last = as_size(D) - 1;
+    const std::int32_t layer = point_of<D>(chunk_counts<D>(field_.shape), chunk_of(next))[last];
+    if (layer == layer_) return;
+    layer_ = layer;
+    const auto axis = as_size(field_.axes.axis[last]);
+    stitcher_.forget_all_but(
+        [&](LatticeKey key) { return to_point(key)[axis] >= 2 * layer * kChunkEdge<D>; });
   }
 
   const CoarseField<D>& field_;
@@ -201,24 +227,30 @@ class FileExtraction {
   FilePart<D> part_;
   CoarseCut<D> cut_;
   std::vector<BrickWork<D>> work_;
-  std::vector<StitchPart<D>> parts_;  ///< Everything coarser, then one per brick of work_.
-  std::vector<std::vector<Vec3f>> normals_;
+  PartsOfBricks<D> parts_of_bricks_;
+  PieceStitcher<D> stitcher_;
+  SurfaceSink& surface_;
+  std::int32_t layer_ = 0;  ///< Of chunks, that vertices are kept for.
   TraversalStats stats_;
+  LargestSteps largest_;
+  double joining_seconds_ = 0;
 };
 
 }  // namespace
 
 template <int D>
 Result<IsosurfaceReport> extract_from_file(const CoarseField<D>& field, store::BlockCache& blocks,
-                                           const IsosurfaceQuery& query, Surface& surface,
+                                           const IsosurfaceQuery& query, SurfaceSink& surface,
                                            Progress& progress) {
   LODE_EXPECTS(!field.has_holes());
-  return FileExtraction<D>(field, blocks, query).run(surface, progress);
+  return FileExtraction<D>(field, blocks, query, surface).run(progress);
 }
 
 template Result<IsosurfaceReport> extract_from_file<2>(const CoarseField<2>&, store::BlockCache&,
-                                                       const IsosurfaceQuery&, Surface&, Progress&);
+                                                       const IsosurfaceQuery&, SurfaceSink&,
+                                                       Progress&);
 template Result<IsosurfaceReport> extract_from_file<3>(const CoarseField<3>&, store::BlockCache&,
-                                                       const IsosurfaceQuery&, Surface&, Progress&);
+                                                       const IsosurfaceQuery&, SurfaceSink&,
+                                                       Progress&);
 
 }  // namespace lode::diamond

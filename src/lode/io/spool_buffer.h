@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lode/io/spool_file.h"
+
+namespace lode::io {
+
+/// Bytes that are appended, and read once: in memory as long as they are few, in a nameless file
+/// beyond that.
+class SpoolBuffer {
+ public:
+  /// The file would be in `directory`.
+  SpoolBuffer(std::string directory, std::size_t memory_bytes)
+      : directory_(std::move(directory)), memory_bytes_(memory_bytes) {}
+
+  [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
+  /// Reading will find these bytes at `offset`. Not a second time the same ones.
+  void replace(std::uint64_t offset, std::span<const std::byte> bytes);
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  [[nodiscard]] bool is_on_disk() const { return file_.has_value(); }
+
+  /// Calls use(bytes) for one piece after the other, of whole records.
+  [[nodiscard]] Result<void> read(
+      std::size_t record_bytes,
+      const std::function<Result<void>(std::span<const std::byte>)>& use) const;
+
+ private:
+  struct Patch {
+    std::uint64_t offset = 0;
+    std::vector<std::byte> bytes;
+  };
+
+  [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> out) const;
+
+  std::string directory_;
+  std::size_t memory_bytes_;
+  std::uint64_t size_ = 0;
+  std::vector<std::vector<std::byte>> chunks_;  ///< Full but for the last one.
+  std::optional<SpoolFile> file_;               ///< Then all is there.
+  std::vector<Patch> patches_;
+};
+
+}  // namespace lode::io
