@@ -90,8 +90,9 @@ int run_command(const Command& command, const CommonOptions& options) {
   if (const auto status = command.check(); !status)
     return report_error(status.error().message, kUsage, options.json);
   ProgressBar bar(options.quiet ? ProgressDisplay::off : ProgressDisplay::terminal);
-  Progress progress(
-      [&bar](std::string_view phase, double fraction) { bar.update(phase, fraction); });
+  Progress progress([&bar](std::string_view phase, double fraction, std::uint64_t n_bytes) {
+    bar.update(phase, fraction, n_bytes);
+  });
   const SignalGuard guard(progress);
   Session session(options, progress, bar);
   const auto outcome = command.run(session);

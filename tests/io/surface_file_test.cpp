@@ -163,7 +163,7 @@ TEST_P(surface_formats, leave_no_file_where_writing_fails) {
 TEST_P(surface_formats, report_how_far_they_are) {
   const std::string path = temporary_path("reported") + extension();
   std::vector<double> fractions;
-  Progress progress([&](std::string_view phase, double fraction) {
+  Progress progress([&](std::string_view phase, double fraction, std::uint64_t) {
     EXPECT_EQ(phase, "writing");
     fractions.push_back(fraction);
   });
@@ -184,7 +184,7 @@ TEST_P(surface_formats, leave_no_file_where_they_are_cancelled) {
   int n_stopped = 0;
   while (!std::filesystem::exists(path)) {
     int n_pieces = 0;
-    Progress progress([&](std::string_view, double) {
+    Progress progress([&](std::string_view, double, std::uint64_t) {
       if (n_pieces++ == n_stopped) progress.cancel();
     });
     const Result<void> written = write_surface(path, make_torus(20), {}, progress);

@@ -295,7 +295,7 @@ TEST(surface_renderer, stops_when_cancelled) {
 
   Progress* running = nullptr;
   double furthest = 0;
-  Progress progress([&](std::string_view phase, double fraction) {
+  Progress progress([&](std::string_view phase, double fraction, std::uint64_t) {
     if (phase != "rendering") return;
     furthest = std::max(furthest, fraction);
     running->cancel();
@@ -309,7 +309,7 @@ TEST(surface_renderer, stops_when_cancelled) {
 
 TEST(surface_renderer, reports_progress_that_rises_to_the_end) {
   std::vector<double> fractions;
-  Progress progress([&](std::string_view phase, double fraction) {
+  Progress progress([&](std::string_view phase, double fraction, std::uint64_t) {
     if (phase == "rendering") fractions.push_back(fraction);
   });
   ASSERT_TRUE(render_surface({}, kCube, small_options(), progress));

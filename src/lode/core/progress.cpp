@@ -2,9 +2,9 @@
 
 namespace lode {
 
-void Progress::report(std::string_view phase, double fraction) {
+void Progress::report(std::string_view phase, double fraction, std::uint64_t n_bytes) {
   if (!callback_ || reporting_.test_and_set(std::memory_order_acquire)) return;
-  callback_(phase, fraction);
+  callback_(phase, fraction, n_bytes);
   reporting_.clear(std::memory_order_release);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <string_view>
 
@@ -13,8 +14,10 @@ namespace lode {
 /// any thread; the callback is called from one thread at a time.
 class Progress {
  public:
-  /// phase: a few words; fraction: 0..1 of that phase.
-  using Callback = std::function<void(std::string_view phase, double fraction)>;
+  /// phase: a few words; fraction: 0..1 of that phase; n_bytes: of the data that all of it goes
+  /// through, 0 where that is not known or means nothing.
+  using Callback =
+      std::function<void(std::string_view phase, double fraction, std::uint64_t n_bytes)>;
 
   Progress() = default;
   explicit Progress(Callback callback) : callback_(std::move(callback)) {}
@@ -24,7 +27,7 @@ class Progress {
   [[nodiscard]] bool is_cancelled() const noexcept {
     return cancelled_.load(std::memory_order_relaxed);
   }
-  void report(std::string_view phase, double fraction);
+  void report(std::string_view phase, double fraction, std::uint64_t n_bytes = 0);
 
  private:
   Callback callback_;

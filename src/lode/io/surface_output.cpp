@@ -17,7 +17,7 @@ Result<void> SurfaceOutput::write(std::span<const std::byte> bytes) {
     bytes = bytes.subspan(piece.size());
     const auto done = static_cast<double>(file_.size());
     if (n_bytes_ > 0)
-      progress_.report("writing", std::min(1.0, done / static_cast<double>(n_bytes_)));
+      progress_.report("writing", std::min(1.0, done / static_cast<double>(n_bytes_)), n_bytes_);
   }
   return {};
 }

@@ -194,7 +194,8 @@ Result<void> Reader::check_all(Threads threads, Progress& progress) const {
     if (progress.is_cancelled() || fault.is_before(i)) return;
     if (const auto raw = read_block(i); !raw) fault.note(i, raw.error());
     const std::size_t done = n_done.fetch_add(1, std::memory_order_relaxed) + 1;
-    progress.report("checking blocks", static_cast<double>(done) / static_cast<double>(n));
+    progress.report("checking blocks", static_cast<double>(done) / static_cast<double>(n),
+                    file_size());
   });
   if (progress.is_cancelled()) return cancelled_error();
   if (fault.error()) return *fault.error();

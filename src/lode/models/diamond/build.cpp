@@ -55,7 +55,8 @@ Result<void> read_samples(Model<D>& model, VolumeSource& source, const BuildSett
   std::vector<std::byte> widened(model.storage == model.info.type ? 0 : n * model.sample_size());
   for (std::int32_t z = 0; z < dims[2]; z += slices) {
     if (progress.is_cancelled()) return cancelled_error();
-    progress.report("reading", static_cast<double>(z) / dims[2]);
+    progress.report("reading", static_cast<double>(z) / dims[2],
+                    static_cast<std::uint64_t>(slice_samples * dims[2]) * size);
     const IndexBox box{{{0, 0, z}}, {{dims[0], dims[1], std::min(z + slices, dims[2])}}};
     const auto n_read = static_cast<std::size_t>(box.n_samples());
     LODE_CHECK(source.read(box, std::span(bytes).first(n_read * size)));

@@ -162,6 +162,10 @@ class StreamBuild {
     samples_checksum_ = store::checksum(std::as_bytes(std::span(sums)));
   }
 
+  [[nodiscard]] std::uint64_t n_sample_bytes() const {
+    return n_points<D>(field_.shape.dims) * field_.sample_size();
+  }
+
   Result<void> scan() {
     const auto start = Clock::now();
     FieldScan<D> scan(field_.info);
@@ -173,7 +177,8 @@ class StreamBuild {
                               scan.put(begin, end, values.data(), settings_.threads);
                               field_.put_samples(box, values.data());
                               add_to_checksum(values);
-                              progress_.report("reading", static_cast<double>(end) / n);
+                              progress_.report("reading", static_cast<double>(end) / n,
+                                               n_sample_bytes());
                             }));
     field_.stats = scan.stats();
     report_.scan_seconds = seconds_since(start);
@@ -237,7 +242,8 @@ class StreamBuild {
     std::atomic<std::size_t> n_bricks_done{0};
     LODE_CHECK(builder_.find_attributes(progress_, [&] {
       const double part = static_cast<double>(++n_bricks_done) / n_bricks;
-      progress_.report("building", (static_cast<double>(done_.n_chunks) + share * part) / n_chunks);
+      progress_.report("building", (static_cast<double>(done_.n_chunks) + share * part) / n_chunks,
+                       n_sample_bytes());
     }));
     report_.build_seconds += seconds_since(start);
     start = Clock::now();
