@@ -93,7 +93,7 @@ Result<void> run_case(const VolumeCase& volume_case, const Settings& settings) {
   Progress progress;
   LODE_TRY(const auto dataset, Dataset::build(*source, {.threads = {2}}, progress));
   const auto start = Clock::now();
-  LODE_TRY(const auto live, open_live_query(dataset, Normals::on, true, progress));
+  LODE_TRY(const auto live, open_live_query(dataset, {}, progress));
   fmt::print("{}: world errors in {:.0f} ms, {} px at 1920 x 1080\n", volume_case.name,
              milliseconds_since(start), settings.max_error_px);
   fmt::print("{:<8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8} {:>9} {:>9} {:>8} {:>7}\n", "path",

@@ -24,7 +24,9 @@ struct ExtractArguments {
   ProgressiveArguments progressive;
   ReadingArguments reading;
 
-  [[nodiscard]] MeshJob mesh_job() const { return {input, output, extraction, query, reading}; }
+  [[nodiscard]] MeshJob mesh_job() const {
+    return {input, output, memory_limit, extraction, query, reading};
+  }
 };
 
 /// One file to write, and the isovalues that go into it.
@@ -55,11 +57,8 @@ Result<void> check_extract(const ExtractArguments& arguments) {
   if (!arguments.memory_limit.empty()) {
     if (auto limit = parse_bytes("--memory-limit", arguments.memory_limit); !limit)
       return limit.error();
-    if (arguments.query.is_wanted() || arguments.query.is_focused() ||
-        arguments.progressive.is_wanted())
-      return fail(
-          "--memory-limit: expected a plain extraction, without --mesh, --section, --progressive, "
-          "focus, budget or deadline");
+    if (arguments.query.is_wanted() || arguments.progressive.is_wanted())
+      return fail("--memory-limit: expected no --mesh, --section or --progressive with it");
   }
   if (arguments.progressive.is_wanted() &&
       (arguments.query.is_wanted() || arguments.query.is_focused()))

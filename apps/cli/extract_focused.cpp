@@ -27,6 +27,7 @@ Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& r
   json["achieved_px"] = report.max_error_px ? Json(report.achieved_px) : Json();
   json["is_settled"] = report.standing.is_settled;
   json["budget_met"] = report.standing.budget_met;
+  json["memory_met"] = report.standing.memory_met;
   json["steps"] = report.standing.n_steps;
   json["nodes"] = report.standing.n_applied;
   json["cells"] = report.standing.n_cells;
@@ -76,6 +77,9 @@ void warn_of_focused(Session& session, const FocusedReport& report, const Surfac
   if (!report.standing.budget_met)
     session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
                              report.standing.n_cells));
+  if (!report.standing.memory_met)
+    session.warn(fmt::format("the memory limit ends refinement at an error of {}",
+                             format_number(report.standing.error_bound)));
   if (!surface.is_empty()) return;
   const bool is_limited = !report.standing.is_settled || has_budget;
   if (!is_limited || report.standing.error_bound == 0)
@@ -105,6 +109,9 @@ Result<void> check_focused_job(const MeshJob& job) {
 Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
   LODE_TRY(FocusedOptions options, to_focused_options(job.query, job.extraction));
   options.threads = session.threads();
+  if (!job.memory_limit.empty()) {
+    LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", job.memory_limit));
+  }
   if (!job.query.view.empty()) {
     LODE_TRY(options.query.view, read_view(job.query));
   }

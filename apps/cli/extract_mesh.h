@@ -11,6 +11,7 @@ namespace lode::cli {
 struct MeshJob {
   const std::string& input;
   const std::string& output;
+  const std::string& memory_limit;
   const ExtractionArguments& extraction;
   const QueryArguments& query;
   const ReadingArguments& reading;

@@ -72,7 +72,8 @@ Result<Json> draw_path(const PathJob& job, Session& session, OutputSet& outputs)
   query.isovalues = job.extraction.isovalues;
   query.max_error = job.extraction.max_error;
   LODE_TRY(query.max_error_px, parse_pixels(job.arguments.max_error_px));
-  const auto opened = open_live_query(job.input.dataset, job.extraction.normals, true, progress);
+  const auto opened =
+      open_live_query(job.input.dataset, {.normals = job.extraction.normals}, progress);
   if (!opened) return opened.error();
   RenderOptions picture = job.picture;
   Surface surface;

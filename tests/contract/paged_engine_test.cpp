@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <random>
 #include <set>
 
@@ -12,31 +14,67 @@
 namespace lode::test {
 namespace {
 
-/// A model whose nodes each need one of `n_pages`; which have come the test decides.
+/// A model whose nodes each need one of `n_pages`; which have come the test decides. At most
+/// `room` of them are held or promised at once.
 template <typename M>
 class Slow : public M {
  public:
-  Slow(M model, std::uint_fast32_t n_pages) : M(std::move(model)), n_pages_(n_pages) {}
+  Slow(M model, std::uint_fast32_t n_pages, std::size_t room = 1U << 30)
+      : M(std::move(model)), n_pages_(n_pages), room_(room) {}
 
-  [[nodiscard]] std::optional<std::uint32_t> missing(NodeId id) const {
+  Held hold(NodeId id) {
     const auto page =
         static_cast<std::uint32_t>(static_cast<std::uint64_t>(id) * 0x9E3779B1U % n_pages_);
-    if (page < 3 || here_.contains(page)) return {};
-    return page;
+    if (page < 3) return {};  // the first are always there
+    if (const auto use = uses_.find(page); use != uses_.end()) {
+      ++use->second;
+      return {};
+    }
+    if (!promised_.contains(page) && n_free() == 0) return {Held::State::full, page};
+    if (!here_.contains(page)) {
+      promised_[page] = false;
+      return {Held::State::absent, page};
+    }
+    promised_.erase(page);
+    uses_[page] = 1;
+
+    return {};
+  }
+  void let_go(NodeId id) {
+    const auto page =
+        static_cast<std::uint32_t>(static_cast<std::uint64_t>(id) * 0x9E3779B1U % n_pages_);
+    if (page < 3) return;
+    const auto use = uses_.find(page);
+    ASSERT_NE(use, uses_.end());
+    if (--use->second == 0) uses_.erase(use);
   }
   void request(std::uint32_t page, float demand) {
     EXPECT_FALSE(here_.contains(page));
     EXPECT_GT(demand, 0);
     requested_.insert(page);
   }
-  void forget_requests() { requested_.clear(); }
+  void forget_requests() {
+    requested_.clear();
+    promised_.clear();
+  }
   [[nodiscard]] bool has_arrivals() const { return !arrived_.empty(); }
   void take_arrivals(std::vector<std::uint32_t>& out) {
     out.insert(out.end(), arrived_.begin(), arrived_.end());
+    for (const std::uint32_t page : arrived_)
+      if (promised_.contains(page)) promised_[page] = true;
     arrived_.clear();
   }
+  bool drop_unclaimed() {
+    return std::erase_if(promised_, [](const auto& promise) { return promise.second; }) > 0;
+  }
+  [[nodiscard]] std::size_t n_room() const { return room_; }
+  [[nodiscard]] bool may_be_full() const { return room_ < n_pages_; }
+  [[nodiscard]] bool is_over() const { return uses_.size() + promised_.size() > room_; }
+  [[nodiscard]] std::size_t n_free() const {
+    return room_ - std::min(room_, uses_.size() + promised_.size());
+  }
 
-  /// One of the pages that were asked for comes.
+  /// One of the pages that were asked for comes; one that nobody holds may go.
   bool deliver(std::mt19937& random) {
     if (requested_.empty()) return false;
     const auto page =
@@ -44,12 +82,23 @@ class Slow : public M {
     here_.insert(*page);
     arrived_.push_back(*page);
     requested_.erase(page);
+    if (here_.size() <= room_) return true;
+    const auto is_idle = [&](std::uint32_t other) {
+      return !uses_.contains(other) && other != arrived_.back();
+    };
+    if (const auto idle = std::ranges::find_if(here_, is_idle); idle != here_.end())
+      here_.erase(idle);
     return true;
   }
+  void set_room(std::size_t room) { room_ = room; }
+  [[nodiscard]] std::size_t n_held() const { return uses_.size(); }
 
  private:
   std::uint_fast32_t n_pages_;
+  std::size_t room_;
   std::set<std::uint32_t> here_, requested_;
+  std::map<std::uint32_t, bool> promised_;  ///< And whether they have come.
+  std::map<std::uint32_t, int> uses_;
   std::vector<std::uint32_t> arrived_;
 };
 
@@ -67,8 +116,8 @@ class paged_engine : public ::testing::Test {
     Slow<Opened> model;
     Engine<Slow<Opened>> engine;
 
-    Run(const M& fixture, std::uint_fast32_t n_pages)
-        : model(fixture.refinable(), n_pages), engine(model) {}
+    Run(const M& fixture, std::uint_fast32_t n_pages, std::size_t room = 1U << 30)
+        : model(fixture.refinable(), n_pages, room), engine(model) {}
     Run(const Run&) = delete;
 
     /// Steps, and pages that come between them, one in `rarity`, until the answer is there.
@@ -147,6 +196,63 @@ TYPED_TEST(paged_engine, refines_what_it_can_while_it_waits) {
     std::vector<NodeId> parents;
     run.model.add_parents(id, parents);
     for (const NodeId parent : parents) EXPECT_TRUE(run.engine.cut().contains(parent));
+  }
+}
+
+TYPED_TEST(paged_engine, holds_no_more_than_there_is_room_for_and_gives_that_to_what_matters_most) {
+  std::mt19937 random(13);
+  for (int trial = 0; trial < 100; ++trial) {
+    SCOPED_TRACE(trial);
+    const std::uint_fast32_t n_pages = 20 + random() % 60;
+    const std::size_t room = 4 + random() % 30;
+    typename TestFixture::Run run(this->fixture_, n_pages, room);
+    // Tolerances fall and isovalues change, so that there is something to give up.
+    for (int query = 0; query < 3; ++query) {
+      const Demand demand = some_isovalue(random);
+      run.engine.set_query(demand, {});
+      for (std::uint64_t n = 0; !run.engine.standing().is_settled; ++n) {
+        ASSERT_LT(n, 2'000'000U) << "never settles";
+        if (run.engine.step()) {
+          if (random() % 10 == 0) run.model.deliver(random);
+        } else if (run.engine.standing().awaits_data) {
+          ASSERT_TRUE(run.model.deliver(random)) << "waits for what it did not ask for";
+        }
+        ASSERT_LE(run.model.n_held(), room);
+      }
+      const std::vector<NodeId> wanted = this->expected(demand, {});
+      if (run.engine.standing().memory_met) {
+        ASSERT_EQ(run.engine.cut().applied(), wanted);
+      } else {
+        ASSERT_LT(run.engine.cut().n_applied(), wanted.size());
+        EXPECT_GT(run.engine.standing().error_bound, 0);
+      }
+      for (const NodeId id : run.engine.cut().applied())
+        ASSERT_TRUE(std::ranges::binary_search(wanted, id)) << "applied, but nobody wants it";
+    }
+  }
+}
+
+TYPED_TEST(paged_engine, gives_up_what_matters_least_when_others_come_and_gets_it_back) {
+  std::mt19937 random(14);
+  for (int trial = 0; trial < 30; ++trial) {
+    SCOPED_TRACE(trial);
+    typename TestFixture::Run run(this->fixture_, 60, 60);
+    const Demand demand = isovalue_demand(60, 1);
+    run.engine.set_query(demand, {});
+    run.finish(random, 3);
+    ASSERT_TRUE(run.engine.standing().memory_met);
+    const double bound = run.engine.standing().error_bound;
+    run.model.set_room(5 + random() % 20);
+    while (run.engine.step()) {
+    }
+    EXPECT_FALSE(run.model.is_over());
+    EXPECT_FALSE(run.engine.standing().memory_met);
+    EXPECT_GE(run.engine.standing().error_bound, bound);
+    run.model.set_room(60);
+    do run.finish(random, 3);
+    while (run.engine.step());
+    EXPECT_TRUE(run.engine.standing().memory_met);
+    ASSERT_EQ(run.engine.cut().applied(), this->expected(demand, {}));
   }
 }
 

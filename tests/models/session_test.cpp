@@ -225,7 +225,7 @@ TEST(session, keeps_showing_while_an_isovalue_is_dragged) {
 TEST(live_query, starts_over_with_another_isovalue) {
   const Dataset dataset = gaussians(65);
   Progress progress;
-  auto live = open_live_query(dataset, Normals::off, false, progress);
+  auto live = open_live_query(dataset, {Normals::off, false}, progress);
   ASSERT_TRUE(live);
   SurfaceMirror mirror;
   for (const double isovalue : {1.0, 1.1, 2.0, 0.3, 500.0, 1.5}) {

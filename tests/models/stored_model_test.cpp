@@ -255,7 +255,7 @@ std::string fault_of_pages(const std::string& path) {
   if (!model) return model.error().message;
   store::Fetcher::Client client((*model)->fetcher());
   std::vector<std::uint32_t> all;
-  for (std::uint32_t page = 0; page < (*model)->n_pages(); ++page) all.push_back(page);
+  for (std::uint32_t page = 0; page < (*model)->pages().size(); ++page) all.push_back(page);
   for (const std::uint32_t page : all) client.want(page, 1);
   std::vector<std::uint32_t> fetched;
   while (fetched.size() < all.size()) {

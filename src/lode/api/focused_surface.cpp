@@ -107,16 +107,19 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
     report.standing.is_settled = true;  // it has no cells
     return report;
   }
-  const bool has_views = query.max_error_px.has_value();
+  const LiveQueryOptions live_options{.normals = options.normals,
+                                      .with_views = query.max_error_px.has_value(),
+                                      .memory_limit = options.memory_limit};
+  LODE_CHECK(check_memory(dataset, live_options));
   const double opening = clock();
-  if (has_views) {
+  if (live_options.with_views) {
     LODE_CHECK(dataset.load(progress));
   } else {
     LODE_TRY(const auto* const pages, dataset.impl().pages(progress));
     if (pages == nullptr) LODE_CHECK(dataset.load(progress));
   }
   const double opened = clock();
-  LODE_TRY(const auto live, open_live_query(dataset, options.normals, has_views, progress));
+  LODE_TRY(const auto live, open_live_query(dataset, live_options, progress));
   const double start = clock();
   report.open_seconds = opened - opening;
   report.world_error_seconds = start - opened;

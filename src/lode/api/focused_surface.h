@@ -23,6 +23,7 @@ struct FocusedOptions {
   Orientation orientation = Orientation::from_lower_values;
   Normals normals = Normals::on;
   Threads threads{};
+  std::uint64_t memory_limit = 0;  ///< Bytes for the hierarchy, as in LiveQueryOptions.
   /// Seconds since some moment; a steady clock, unless a test brings its own.
   std::function<double()> clock{};
 };

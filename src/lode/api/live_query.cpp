@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
+#include "lode/api/file_build.h"
 #include "lode/models/diamond/paged_refinable.h"
 #include "lode/refine/engine.h"
 
@@ -82,6 +83,7 @@ class DiamondLiveQuery final : public LiveQuery {
  private:
   void start_over(double isovalue) {
     engine_.emplace(nodes_);
+    if constexpr (kIsPaged) nodes_.let_all_go();
     surface_.emplace(nodes_, isovalue, with_normals_);
     nodes_.follow(&*surface_);
   }
@@ -110,29 +112,51 @@ bool has_normals(Normals normals) {
   return D == 3 && normals == Normals::on;
 }
 
+std::unique_ptr<LiveQuery> open_paged(const Dataset::Impl::AnyPages& pages,
+                                      const LiveQueryOptions& options) {
+  return std::visit(
+      [&]<int D>(const std::unique_ptr<const diamond::PagedModel<D>>& model)
+          -> std::unique_ptr<LiveQuery> {
+        using Live = DiamondLiveQuery<D, diamond::PagedModel<D>, diamond::PagedRefinable<D>>;
+        model->set_memory_limit(options.memory_limit > 0 ? options.memory_limit
+                                                         : physical_memory() / 4);
+        return std::make_unique<Live>(has_normals<D>(options.normals), *model);
+      },
+      pages);
+}
+
 }  // namespace
 
-Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset, Normals normals,
-                                                   bool with_views, Progress& progress) {
-  std::shared_ptr<const diamond::WorldErrors> world_errors;
-  if (with_views) {
-    LODE_TRY(world_errors, dataset.impl().world_errors(progress));
-  } else {
-    LODE_TRY(const auto* const pages, dataset.impl().pages(progress));
-    if (pages != nullptr)
-      return std::visit(
-          [&]<int D>(const std::unique_ptr<const diamond::PagedModel<D>>& model)
-              -> std::unique_ptr<LiveQuery> {
-            using Live = DiamondLiveQuery<D, diamond::PagedModel<D>, diamond::PagedRefinable<D>>;
-            return std::make_unique<Live>(has_normals<D>(normals), *model);
-          },
-          *pages);
+Result<void> check_memory(const Dataset& dataset, const LiveQueryOptions& options) {
+  const Dataset::Impl& impl = dataset.impl();
+  const bool has_pages = !options.with_views && impl.summary().stats.n_holes == 0;
+  if (options.memory_limit == 0 || !impl.is_in_file() || has_pages) return {};
+  if (impl.model_bytes() <= options.memory_limit) return {};
+  return fail(
+      "expected a memory limit of at least {} MB for {}, got {} MB",
+      impl.model_bytes() / 1'000'000 + 1,
+      options.with_views ? "pixel errors, which take the whole model" : "a field with holes",
+      options.memory_limit / 1'000'000);
+}
+
+Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
+                                                   const LiveQueryOptions& options,
+                                                   Progress& progress) {
+  const Dataset::Impl& impl = dataset.impl();
+  if (!options.with_views) {
+    LODE_TRY(const auto* const pages, impl.pages(progress));
+    if (pages != nullptr) return open_paged(*pages, options);
   }
-  LODE_TRY(const auto* const in_memory, dataset.impl().model(progress));
+  LODE_CHECK(check_memory(dataset, options));
+  std::shared_ptr<const diamond::WorldErrors> world_errors;
+  if (options.with_views) {
+    LODE_TRY(world_errors, impl.world_errors(progress));
+  }
+  LODE_TRY(const auto* const in_memory, impl.model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> std::unique_ptr<LiveQuery> {
         using Live = DiamondLiveQuery<D, diamond::Model<D>, NodesInMemory<D>>;
-        return std::make_unique<Live>(has_normals<D>(normals), model, world_errors);
+        return std::make_unique<Live>(has_normals<D>(options.normals), model, world_errors);
       },
       *in_memory);
 }

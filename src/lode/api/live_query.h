@@ -43,13 +43,25 @@ class LiveQuery {
   [[nodiscard]] virtual double finest_share() const = 0;
 };
 
+struct LiveQueryOptions {
+  Normals normals = Normals::on;
+  bool with_views = true;
+  /// Bytes that pages of a file may take, those of all of a dataset's live queries together; the
+  /// newest counts. 0: a quarter of the machine's memory. Each query may hold an equal share, and
+  /// gives up what it wants least when others come (Standing::memory_met).
+  std::uint64_t memory_limit = 0;
+};
+
 /// A live query at the base, whatever the dataset's model; set_query() comes first. A file that is
 /// not loaded is read as the query goes, unless it has holes. World errors are found if
 /// `with_views`, for which it is loaded; without them tolerances in pixels must not be asked for.
 /// `dataset` must outlive it.
 [[nodiscard]] Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
-                                                                 Normals normals, bool with_views,
+                                                                 const LiveQueryOptions& options,
                                                                  Progress& progress);
+
+/// Refuses a limit that is less than a model which has to be loaded takes.
+[[nodiscard]] Result<void> check_memory(const Dataset& dataset, const LiveQueryOptions& options);
 
 /// Refuses queries that a live one cannot answer.
 [[nodiscard]] Result<void> check_live_query(const Query& query, bool has_views);

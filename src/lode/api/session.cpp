@@ -167,7 +167,11 @@ Session::~Session() = default;
 Result<Session> Session::open(const Dataset& dataset, const Query& query,
                               const SessionOptions& options, Progress& progress) {
   LODE_CHECK(check_live_query(query, options.with_views));
-  LODE_TRY(auto live, open_live_query(dataset, options.normals, options.with_views, progress));
+  LODE_TRY(auto live, open_live_query(dataset,
+                                      {.normals = options.normals,
+                                       .with_views = options.with_views,
+                                       .memory_limit = options.memory_limit},
+                                      progress));
   return Session(std::make_unique<Impl>(std::move(live), options.with_views, query));
 }
 

@@ -16,6 +16,7 @@ struct SessionOptions {
   /// World errors are found when the session opens, which loads a file and costs another build;
   /// without them tolerances in pixels are refused.
   bool with_views = true;
+  std::uint64_t memory_limit = 0;  ///< As in LiveQueryOptions.
 };
 
 /// What has changed since the batch that was taken before, and what the surface then answers.

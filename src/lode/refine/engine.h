@@ -14,6 +14,7 @@
 #include "lode/refine/demand.h"
 #include "lode/refine/demand_queue.h"
 #include "lode/refine/error_counts.h"
+#include "lode/refine/shortage.h"
 #include "lode/refine/standing.h"
 #include "lode/refine/waiting.h"
 
@@ -57,6 +58,7 @@ class Engine {
             phase_ == Phase::settled,
             is_idle_,
             n_cells_ <= budget_.max_cells,
+            memory_.hopeless.empty() && !(memory_.blocked_demand > 0),
             is_nested_};
   }
   [[nodiscard]] const Cut& cut() const { return cut_; }
@@ -66,7 +68,7 @@ class Engine {
   /// Of all the engine holds; the model's own not included.
   [[nodiscard]] std::size_t n_bytes() const {
     return cut_.n_bytes() + wanted_.n_bytes() + spare_.n_bytes() + errors_.n_bytes() +
-           waiting_.n_bytes() + sizeof(*this);
+           waiting_.n_bytes() + memory_.n_bytes() + sizeof(*this);
   }
 
  private:
@@ -112,6 +114,10 @@ class Engine {
 
   void adjust();
   void make_room();
+  void watch_memory();
+  void give_way();
+  void unblock();
+  void wish_again(std::vector<Ranked>& entries);
   bool is_valid_candidate(const Ranked& entry) const;
   bool is_valid_spare(const Ranked& entry) const;
   const Ranked* most_wanted();
@@ -132,9 +138,12 @@ class Engine {
   Budget budget_;
   Cut cut_;
   DemandQueue<false> wanted_;  ///< Candidates with a demand.
-  DemandQueue<true> spare_;    ///< Applied nodes nothing depends on; unlimited: only unwanted ones.
+  DemandQueue<true> spare_;    ///< Applied nodes nothing depends on; all of them if keeps_spares_,
+                               ///< else unwanted ones.
   ErrorCounts errors_;         ///< Of all candidates.
   Waiting waiting_;            ///< Candidates that cannot be applied yet.
+  Shortage memory_;            ///< Of models whose pages do not all fit.
+  bool keeps_spares_ = false;
   Phase phase_ = Phase::settled;
   std::size_t next_place_ = 0;     ///< To evaluate,
   std::size_t n_unevaluated_ = 0;  ///< how many from there on,
@@ -176,6 +185,9 @@ void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus) {
   done_.clear();
   room_.reset();
   waiting_.clear();
+  memory_.start(cut_.size());
+  keeps_spares_ = budget.is_limited();
+  if constexpr (PagedRefinableModel<M>) keeps_spares_ = keeps_spares_ || model_.may_be_full();
   is_idle_ = false;
   if constexpr (PagedRefinableModel<M>) model_.forget_requests();
   is_in_order_ = cut_.n_applied() == 0;
@@ -190,6 +202,7 @@ void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus) {
 
 template <RefinableModel M>
 bool Engine<M>::step() {
+  if constexpr (PagedRefinableModel<M>) watch_memory();
   if (phase_ == Phase::settled) return false;
   if constexpr (PagedRefinableModel<M>) {
     accept_pages();
@@ -212,12 +225,14 @@ void Engine<M>::evaluate_or_adjust() {
   constexpr std::uint64_t kAdjustments = 32;  // for each evaluation of a thousand
   if (!chain_.empty()) return continue_chain();
   if (!budget_.is_limited() && n_steps_ % (kAdjustments + 1) != 0) {
-    if (const Ranked* most = most_wanted()) {
+    const Ranked* most = most_wanted();
+    if (most != nullptr && most->demand >= memory_.blocked_demand) {
       begin_chain(*most);
       wanted_.pop();
       return continue_chain();
     }
-    if (const Ranked* least = least_wanted()) return undo(least->id);
+    const Ranked* least = least_wanted();
+    if (least != nullptr && !(least->demand > 0)) return undo(least->id);
   }
   evaluate_some();
 }
@@ -281,7 +296,7 @@ void Engine<M>::queue_candidate(Place at) {
 template <RefinableModel M>
 void Engine<M>::queue_spare(Place at) {
   const Cut::Entry& entry = cut_[at];
-  if (entry.n_dependents > 0 || (entry.demand > 0 && !budget_.is_limited())) return;
+  if (entry.n_dependents > 0 || (entry.demand > 0 && !keeps_spares_)) return;
   if (spare_.size() > 2 * cut_.size() + 1024)
     spare_.keep_if([&](const Ranked& other) { return is_valid_spare(other); });
   spare_.push({entry.id, entry.demand, at});
@@ -324,11 +339,13 @@ void Engine<M>::adjust() {
     return least != nullptr ? undo(least->id) : settle();
   }
   if (room_) return make_room();
-  if (const Ranked* most = most_wanted()) {
+  const Ranked* most = most_wanted();
+  if (most != nullptr && most->demand >= memory_.blocked_demand) {
     begin_chain(*most);
     wanted_.pop();
     return continue_chain();
   }
+  if (memory_.blocked_demand > 0) return give_way();
   const Ranked* least = least_wanted();
   if (least == nullptr || least->demand > 0) return settle();
   undo(least->id);

@@ -57,7 +57,10 @@ void Engine<M>::continue_chain() {
     }
     if (park(id)) return;
     find_children(id);
-    if (find_missing_parents(id)) continue;
+    if (find_missing_parents(id)) {
+      if constexpr (PagedRefinableModel<M>) model_.let_go(id);
+      continue;
+    }
     chain_.pop_back();
     apply(id, at);
     if (budget_.is_limited() || PagedRefinableModel<M>) done_.push_back(id);
@@ -69,20 +72,97 @@ void Engine<M>::continue_chain() {
 }
 
 /// True if pages are missing to apply the next node of the chain: then the wanted one waits for
-/// them, and the others are wanted by nobody.
+/// them, or for memory, and the others are wanted by nobody. Else its pages are held.
 template <RefinableModel M>
 bool Engine<M>::park(NodeId id) {
   if constexpr (PagedRefinableModel<M>) {
-    const std::optional<std::uint32_t> page = model_.missing(id);
-    if (!page) return false;
-    if (waiting_.park(*page, {chain_.front(), chain_demand_, chain_place_}))
-      model_.request(*page, chain_demand_);
+    const Held held = model_.hold(id);
+    if (held.state == Held::State::held) return false;
+    const Ranked wanted{chain_.front(), chain_demand_, chain_place_};
+    if (held.state == Held::State::full) {
+      memory_.blocked.push_back(wanted);
+      memory_.blocked_demand = std::max(memory_.blocked_demand, wanted.demand);
+    } else if (waiting_.is_awaited(held.page) || !model_.may_be_full() ||
+               memory_.may_ask(held.page)) {
+      if (waiting_.park(held.page, wanted)) model_.request(held.page, chain_demand_);
+    } else {
+      memory_.hopeless.push_back(wanted);
+      memory_.room_then = model_.n_room();
+    }
     chain_.clear();
     roll_back();
     is_in_order_ = false;
+    memory_.free_then = model_.n_free();
     return true;
   }
   return false;
+}
+
+/// Memory that has become free goes to what is wanted most; where others have taken a share, what
+/// is wanted least goes.
+template <RefinableModel M>
+void Engine<M>::watch_memory() {
+  if (!keeps_spares_ && model_.may_be_full()) {
+    keeps_spares_ = true;
+    if (phase_ != Phase::evaluate) focus_ = FocusChange::same;
+    phase_ = Phase::evaluate;
+    is_idle_ = false;
+    n_unevaluated_ = n_round_ = cut_.n_places();
+  }
+  if (!memory_.hopeless.empty() && model_.n_room() > memory_.room_then) {
+    memory_.forget_asked();
+    wish_again(memory_.hopeless);
+  }
+  if (memory_.blocked_demand > 0 && model_.n_free() > memory_.free_then) unblock();
+  if (!model_.is_over()) return;
+  if (!chain_.empty()) roll_back();
+  const Ranked* least = least_wanted();
+  if (least == nullptr) return;
+  // Else it would be applied again where others hold its page.
+  memory_.blocked_demand = std::max(
+      memory_.blocked_demand, std::nextafter(least->demand, std::numeric_limits<float>::max()));
+  memory_.free_then = 0;
+  undo(least->id);
+  if (phase_ == Phase::settled) phase_ = Phase::adjust;
+  is_idle_ = false;
+}
+
+/// There is no memory for what is wanted most: what is wanted less goes first. Where nothing is
+/// left that could, there is none.
+template <RefinableModel M>
+void Engine<M>::give_way() {
+  const Ranked* least = least_wanted();
+  const float demand = memory_.blocked_demand;
+  if (least != nullptr && least->demand < demand && memory_.may_exchange()) return undo(least->id);
+  if (!waiting_.is_empty()) {
+    is_idle_ = true;
+    return;
+  }
+  if constexpr (PagedRefinableModel<M>) {
+    if (model_.drop_unclaimed()) return unblock();
+    memory_.room_then = model_.n_room();
+  }
+  std::erase_if(memory_.blocked, [&](const Ranked& entry) {
+    if (entry.demand == demand) memory_.hopeless.push_back(entry);
+    return entry.demand == demand;
+  });
+  unblock();
+}
+
+template <RefinableModel M>
+void Engine<M>::unblock() {
+  memory_.blocked_demand = 0;
+  wish_again(memory_.blocked);
+}
+
+/// Candidates are wanted once more.
+template <RefinableModel M>
+void Engine<M>::wish_again(std::vector<Ranked>& entries) {
+  for (const Ranked& entry : entries)
+    if (is_valid_candidate(entry)) queue_candidate(entry.place);
+  entries.clear();
+  if (phase_ == Phase::settled) phase_ = Phase::adjust;
+  is_idle_ = false;
 }
 
 /// What waited for pages that have arrived is wanted again.
@@ -143,6 +223,7 @@ template <RefinableModel M>
 void Engine<M>::undo(NodeId id) {
   is_in_order_ = false;
   n_cells_ -= model_.undo(id);
+  if constexpr (PagedRefinableModel<M>) model_.let_go(id);
   parents_.clear();
   model_.add_parents(id, parents_);
   for (const NodeId parent : parents_) {

@@ -101,19 +101,42 @@ concept RefinableModel = requires(M& model, const M& fixed, NodeId node, std::ve
   { model.undo(node) } -> std::convertible_to<std::uint64_t>;
 };
 
-/// A model whose data come in pages, when they are asked for. A node can be applied when nothing is
-/// missing; what is known of applied nodes and their children stays known.
-/// - missing: a page that applying the node lacks.
+/// What holding the pages of a node has come to.
+struct Held {
+  enum class State : std::uint8_t {
+    held,    ///< They are there.
+    absent,  ///< `page` is not, but there is room for it.
+    full,    ///< There is no room unless others are let go.
+  };
+  State state = State::held;
+  std::uint32_t page = 0;
+};
+
+/// A model whose data come in pages, when they are asked for, and of which no more are kept than
+/// fit its memory. A node can be applied when its pages are held; what is known of applied nodes
+/// and their children stays known until they are undone.
+/// - hold: the pages that applying a node takes; let_go: undoes one that came to `held`.
 /// - request, forget_requests: pages by demand; has_arrivals, take_arrivals: those that have come.
+/// - n_room: how much may be held; may_be_full: whether all is more than that; is_over: what is
+/// held
+///   is, since others came. n_free: what is left of it, beside pages that are held, or promised: a
+///   page is when hold() finds it absent, until it is held.
+/// - drop_unclaimed: ends promises of pages that have come; false if there are none.
 template <typename M>
 concept PagedRefinableModel = RefinableModel<M> &&
     requires(M& model, const M& fixed, NodeId node, std::uint32_t page, float demand,
              std::vector<std::uint32_t>& out) {
-  { fixed.missing(node) } -> std::same_as<std::optional<std::uint32_t>>;
+  { model.hold(node) } -> std::same_as<Held>;
+  model.let_go(node);
   model.request(page, demand);
   model.forget_requests();
   { fixed.has_arrivals() } -> std::same_as<bool>;
   model.take_arrivals(out);
+  { fixed.may_be_full() } -> std::same_as<bool>;
+  { fixed.is_over() } -> std::same_as<bool>;
+  { fixed.n_free() } -> std::convertible_to<std::uint64_t>;
+  { fixed.n_room() } -> std::convertible_to<std::uint64_t>;
+  { model.drop_unclaimed() } -> std::same_as<bool>;
 };
 
 template <RefinableModel M>

@@ -16,6 +16,7 @@ class Waiting {
   [[nodiscard]] bool is_empty() const { return by_page_.empty() && arrived_.empty(); }
   [[nodiscard]] bool has_arrived() const { return !arrived_.empty(); }
 
+  [[nodiscard]] bool is_awaited(std::uint32_t page) const { return by_page_.contains(page); }
   /// True for the first that waits for it, or the most wanted so far.
   bool park(std::uint32_t page, const Ranked& entry) {
     Lot& lot = by_page_[page];

@@ -9,11 +9,13 @@ Fetcher::Client::Client(Fetcher& fetcher) : fetcher_(fetcher) {
   const std::lock_guard lock(fetcher_.mutex_);
   fetcher_.clients_.push_back(this);
   n_seen_ = fetcher_.fetched_.size();
+  fetcher_.count_clients();
 }
 
 Fetcher::Client::~Client() {
   const std::lock_guard lock(fetcher_.mutex_);
   std::erase(fetcher_.clients_, this);
+  fetcher_.count_clients();
 }
 
 void Fetcher::Client::want(Page page, float demand) {
@@ -76,6 +78,22 @@ bool Fetcher::next(Page& page) {
     return true;
   }
   return false;
+}
+
+void Fetcher::count_clients() {
+  n_clients_ = clients_.size();
+  for (const Client* client : clients_)
+    if (client->wake_) client->wake_();
+}
+
+void Fetcher::leaves(Page page) {
+  const std::lock_guard lock(mutex_);
+  is_fetched_[page] = false;
+}
+
+void Fetcher::stays(Page page) {
+  const std::lock_guard lock(mutex_);
+  note(page);
 }
 
 void Fetcher::note(Page page) {

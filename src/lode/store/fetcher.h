@@ -13,7 +13,7 @@
 namespace lode::store {
 
 /// Fetches numbered pages on a thread of its own, for several clients: each in turn gets what it
-/// wants most. A page is fetched once, whoever asks.
+/// wants most. A page is fetched once, whoever asks, unless it goes again.
 class Fetcher {
  public:
   using Page = std::uint32_t;
@@ -38,7 +38,8 @@ class Fetcher {
     }
     /// Until has_fetched(), or a moment.
     void wait(Clock::time_point until);
-    /// Calls `wake` on the fetching thread after every page; null: no more, also if it runs now.
+    /// Calls `wake` on the fetching thread after every page, and when another client comes or goes;
+    /// null: no more, also if it runs now.
     void on_fetched(std::function<void()> wake);
 
    private:
@@ -57,19 +58,26 @@ class Fetcher {
   /// Waits for the page being fetched; the clients must have gone.
   ~Fetcher();
 
+  /// For `fetch`: a page that was fetched is going, before it has gone; or has stayed after all.
+  void leaves(Page page);
+  void stays(Page page);
+  [[nodiscard]] std::size_t n_clients() const { return n_clients_; }
+
  private:
   void run();
   [[nodiscard]] bool next(Page& page);
   void note(Page page);
+  void count_clients();
 
   const std::function<void(Page)> fetch_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Client*> clients_;
+  std::atomic<std::size_t> n_clients_{0};
   std::size_t turn_ = 0;                   ///< Of the clients.
   std::vector<bool> is_fetched_;           ///< By page.
   std::vector<Page> fetched_;              ///< In that order;
-  std::atomic<std::size_t> n_fetched_{0};  ///< how many.
+  std::atomic<std::size_t> n_fetched_{0};  ///< how many, some again.
   bool must_stop_ = false;
   std::thread thread_;  ///< Begins with the first request.
 };

@@ -4,14 +4,6 @@
 #include <new>
 
 namespace lode::diamond {
-namespace {
-
-/// Grid steps round a node's centre that refining it may look at: the simplices of its star, their
-/// neighbours for gradients, and finest nodes below it with theirs.
-constexpr std::int32_t kPageReach = 4;
-
-}  // namespace
-
 template <int D>
 PagedModel<D>::PagedModel(const store::Reader& reader, const Metadata& metadata)
     : reader_(reader),
@@ -27,8 +19,8 @@ PagedModel<D>::PagedModel(const store::Reader& reader, const Metadata& metadata)
               level.first = static_cast<Page>(n);
               n += n_points<D>(level.n_blocks);
             }
-            owned_.resize(n);
-            pages_ = std::vector<std::atomic<const LevelPage<D>*>>(n);
+            pages_.resize(n);
+            for (Page page = 0; page < n; ++page) n_bytes_of_all_ += n_bytes(page);
             return n;
           }(),
           [this](Page page) { fetch(page); }) {}
@@ -46,6 +38,7 @@ Result<std::unique_ptr<PagedModel<D>>> PagedModel<D>::open(const store::Reader& 
     if (n_points<D>(level.n_blocks) > 1) break;
     if (progress.is_cancelled()) return cancelled_error();
     LODE_CHECK(model->load_page(level.first));
+    static_cast<void>(model->pages_.hold(level.first));  // for good
   }
   return model;
 }
@@ -108,35 +101,18 @@ void PagedModel<D>::prefetch(const Diamond<D>& node) const {
 }
 
 template <int D>
-std::optional<store::Fetcher::Page> PagedModel<D>::missing(int level,
-                                                           const LatticeBox<D>& box) const {
-  Index<D> first;
-  Index<D> last;
-  const Index<D>& dims = levels_[as_size(level)].dims;
-  for (std::size_t i = 0; i < as_size(D); ++i) {
-    first[i] = std::clamp(box.lower[i] >> level, 0, dims[i] - 1);
-    last[i] = std::clamp(box.upper[i] >> level, 0, dims[i] - 1);
-  }
-  first = block_of(level, first);
-  last = block_of(level, last);
-  const Index<D> n = last - first + all_equal<D>(1);
-  for (std::size_t i = 0; i < n_points<D>(n); ++i) {
-    const Page page = number_of(level, first + point_of<D>(n, i));
-    if (pages_[page].load(std::memory_order_acquire) == nullptr) return page;
-  }
-  return {};
+std::uint64_t PagedModel<D>::n_bytes(Page page) const {
+  const Region<D> region = region_of(page);
+  const std::size_t attributes = region.level > 0 ? sizeof(ErrorCode) + 2 * range_size() : 0;
+  return n_points<D>(region.upper - region.lower) * (this->sample_size() + attributes);
 }
 
 template <int D>
-std::optional<store::Fetcher::Page> PagedModel<D>::missing(const Diamond<D>& node) const {
-  LatticeBox<D> box{node.centre, node.centre};
-  for (std::size_t i = 0; i < as_size(D); ++i) {
-    box.lower[i] -= kPageReach * node.h();
-    box.upper[i] += kPageReach * node.h();
-  }
-  if (const auto page = missing(node.level, box)) return page;
-  if (node.tier < D - 1 || node.level == 0) return {};
-  return missing(node.level - 1, box);
+void PagedModel<D>::set_memory_limit(std::uint64_t n_bytes) const {
+  constexpr std::uint64_t kPagesAtLeast = 4;
+  const std::uint64_t largest = n_points<D>(all_equal<D>(kBlockEdge<D>)) *
+                                (this->sample_size() + sizeof(ErrorCode) + 2 * range_size());
+  memory_limit_ = std::max(n_bytes, kPagesAtLeast * largest);
 }
 
 template <int D>
@@ -176,7 +152,7 @@ void PagedModel<D>::fetch(Page number) {
 /// The coarser page that its samples are completed from comes first.
 template <int D>
 Result<void> PagedModel<D>::load_page(Page number) {
-  if (owned_[number]) return {};
+  if (pages_.has(number)) return {};
   const Region<D> region = region_of(number);
   if (!region.has_coarser_points) {
     Index<D> q = region.lower;
@@ -185,8 +161,12 @@ Result<void> PagedModel<D>::load_page(Page number) {
   }
   auto page = std::make_unique<LevelPage<D>>();
   LODE_CHECK(load(region, *page));
-  owned_[number] = std::move(page);
-  pages_[number].store(owned_[number].get(), std::memory_order_release);
+  const std::uint64_t size = n_bytes(number);
+  const std::uint64_t limit = memory_limit_;
+  pages_.shrink(
+      limit - std::min(limit, size), [this](Page other) { fetcher_.leaves(other); },
+      [this](Page other) { fetcher_.stays(other); });
+  pages_.put(number, std::move(page), size);
   return {};
 }
 

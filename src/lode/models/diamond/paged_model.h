@@ -13,6 +13,7 @@
 #include "lode/models/diamond/persist.h"
 #include "lode/models/diamond/read_region.h"
 #include "lode/store/fetcher.h"
+#include "lode/store/page_table.h"
 
 namespace lode::diamond {
 
@@ -41,10 +42,10 @@ struct LevelPage {
 };
 
 /// A volume in a .lode file whose samples and attributes are read when they are wanted, page by
-/// page, coarse before fine. Volumes with holes are refused: whether a coarse simplex exists there
-/// depends on samples of the finest level.
+/// page, coarse before fine, and go again beyond a limit unless somebody holds them. Volumes with
+/// holes are refused: whether a coarse simplex exists there depends on samples of the finest level.
 ///
-/// Const members are safe from many threads, and see every page that has been fetched.
+/// Const members are safe from many threads, and see every page that they hold.
 template <int D>
 class PagedModel : public LatticeField<D, PagedModel<D>> {
  public:
@@ -74,17 +75,37 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
     near.found(reinterpret_cast<const T*>(page->samples.data()) + page->index_of(q), steps);
   }
 
-  /// The first page that is not there of those that refining a node takes: samples round it, and
-  /// what is known of its children.
-  [[nodiscard]] std::optional<Page> missing(const Diamond<D>& node) const;
-  [[nodiscard]] std::size_t n_pages() const { return pages_.size(); }
+  /// Calls body(page) for the pages that refining a node takes: samples round it, and what is known
+  /// of its children.
+  template <typename Body>
+  void for_each_page(const Diamond<D>& node, const Body& body) const {
+    LatticeBox<D> box{node.centre, node.centre};
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      box.lower[i] -= kPageReach * node.h();
+      box.upper[i] += kPageReach * node.h();
+    }
+    for_each_page(node.level, box, body);
+    if (node.tier == D - 1 && node.level > 0) for_each_page(node.level - 1, box, body);
+  }
+  [[nodiscard]] const store::PageTable<LevelPage<D>>& pages() const { return pages_; }
+  /// What a page takes in memory.
+  [[nodiscard]] std::uint64_t n_bytes(Page page) const;
+  /// What all pages would take.
+  [[nodiscard]] std::uint64_t n_bytes_of_all() const { return n_bytes_of_all_; }
+  /// How much of the limit a client of the fetcher may hold.
+  [[nodiscard]] std::uint64_t quota() const {
+    return memory_limit_ / std::max<std::size_t>(1, fetcher_.n_clients());
+  }
+  /// Of all pages together; unlimited at first. But for what the clients hold it is kept, and they
+  /// see to their quotas. A few pages are always allowed.
+  void set_memory_limit(std::uint64_t n_bytes) const;
   [[nodiscard]] store::Fetcher& fetcher() const { return fetcher_; }
   /// Why one of these pages could not be read, and never is.
   [[nodiscard]] std::optional<Error> fault_of(std::span<const Page> pages) const;
 
   /// The page that holds a point of a level's grid, null if it has not been fetched.
   [[nodiscard]] const LevelPage<D>* page_at(int level, const Index<D>& q) const {
-    return pages_[number_of(level, block_of(level, q))].load(std::memory_order_acquire);
+    return pages_.at(number_of(level, block_of(level, q)));
   }
 
  private:
@@ -108,7 +129,23 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
     const Level& l = levels_[as_size(level)];
     return l.first + static_cast<Page>(linear_index<D>(l.n_blocks, block));
   }
-  [[nodiscard]] std::optional<Page> missing(int level, const LatticeBox<D>& box) const;
+  /// Those of a level that have points in a box.
+  template <typename Body>
+  void for_each_page(int level, const LatticeBox<D>& box, const Body& body) const {
+    Index<D> first;
+    Index<D> last;
+    const Index<D>& dims = levels_[as_size(level)].dims;
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      first[i] = std::clamp(box.lower[i] >> level, 0, dims[i] - 1);
+      last[i] = std::clamp(box.upper[i] >> level, 0, dims[i] - 1);
+    }
+    first = block_of(level, first);
+    last = block_of(level, last);
+    if (first == last) return body(number_of(level, first));
+    const Index<D> n = last - first + all_equal<D>(1);
+    for (std::size_t i = 0; i < n_points<D>(n); ++i)
+      body(number_of(level, first + point_of<D>(n, i)));
+  }
   [[nodiscard]] Region<D> region_of(Page page) const;
   void fetch(Page page);
   [[nodiscard]] Result<void> load_page(Page number);
@@ -118,10 +155,15 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   void add_coarser(const Region<D>& region, LevelPage<D>& page) const;
   [[nodiscard]] std::size_t range_size() const;
 
+  /// Grid steps round a node's centre that refining it may look at: the simplices of its star,
+  /// their neighbours for gradients, and finest nodes below it with theirs.
+  static constexpr std::int32_t kPageReach = 4;
+
   const store::Reader& reader_;
   std::vector<Level> levels_;
-  std::vector<std::unique_ptr<const LevelPage<D>>> owned_;  ///< By number; the fetching thread's.
-  std::vector<std::atomic<const LevelPage<D>*>> pages_;     ///< The same, for all.
+  std::uint64_t n_bytes_of_all_ = 0;
+  mutable std::atomic<std::uint64_t> memory_limit_{std::numeric_limits<std::uint64_t>::max()};
+  store::PageTable<LevelPage<D>> pages_;
   mutable std::mutex fault_mutex_;
   std::unordered_map<Page, Error> faults_;
   std::atomic<bool> has_fault_{false};

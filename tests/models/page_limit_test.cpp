@@ -1,0 +1,169 @@
+// Live queries of files under a memory limit: pages go, and with them what matters least.
+
+#include <chrono>
+#include <map>
+#include <thread>
+
+#include "lode/api/focused_surface.h"
+#include "lode/api/session.h"
+#include "lode/models/diamond/paged_refinable.h"
+#include "lode/refine/engine.h"
+#include "lode/refine/focus.h"
+#include "tests/models/stored_fixtures.h"
+
+namespace lode::diamond {
+namespace {
+
+using store::TestPath;
+
+Volume bumpy(const Index3& dims) {
+  RegularGrid grid;
+  grid.dims = dims;
+  return oracles::volume_of<std::uint8_t>(grid, [](const Index3& p) {
+    return 125 + 60 * std::sin(0.09 * p[0]) * std::cos(0.08 * p[1]) + 50 * std::sin(0.07 * p[2]);
+  });
+}
+
+/// A stored volume, opened page by page.
+struct Paged {
+  explicit Paged(const Volume& volume) : path("paged.lode") {
+    test::save<3>(test::built<3>(volume), path.str());
+    reader.emplace(store::Reader::open(path.str()).value());
+    Progress progress;
+    model = PagedModel<3>::open(*reader, read_metadata(*reader).value(), progress).value();
+  }
+
+  TestPath path;
+  std::optional<store::Reader> reader;
+  std::unique_ptr<PagedModel<3>> model;
+};
+
+/// Steps to the end; of what is held in between never more than the quota.
+template <typename Nodes>
+void finish(Engine<Nodes>& engine, Nodes& nodes) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (!engine.standing().is_settled) {
+    ASSERT_LT(std::chrono::steady_clock::now(), until);
+    ASSERT_LE(nodes.n_bytes(), nodes.n_room());
+    if (!engine.step() && engine.standing().awaits_data)
+      nodes.client().wait(std::chrono::steady_clock::now() + std::chrono::milliseconds(10));
+  }
+}
+
+TEST(page_limit, is_kept_and_the_answer_is_as_good_as_it_allows) {
+  const Paged paged(bumpy({{257, 257, 129}}));
+  const std::uint64_t all = paged.model->n_bytes_of_all();
+  double bound = std::numeric_limits<double>::infinity();
+  std::size_t n_applied = 0;
+  for (const std::uint64_t limit : {all / 3, all / 2, all}) {
+    SCOPED_TRACE(limit);
+    PagedRefinable<3> nodes(*paged.model);
+    paged.model->set_memory_limit(limit);
+    Engine<PagedRefinable<3>> engine(nodes);
+    LiveIsosurface<3, PagedModel<3>> surface(nodes, 130, true);
+    nodes.follow(&surface);
+    engine.set_query(isovalue_demand(130, 0.8));
+    finish(engine, nodes);
+    const Standing standing = engine.standing();
+    EXPECT_EQ(standing.memory_met, limit == all);
+    EXPECT_LE(standing.error_bound, bound);
+    EXPECT_GE(standing.n_applied, n_applied);
+    EXPECT_GT(surface.n_cells(), 0U);
+    bound = standing.error_bound;
+    n_applied = standing.n_applied;
+  }
+  EXPECT_LE(bound, 0.8);
+}
+
+TEST(page_limit, moves_with_the_focus) {
+  const Paged paged(bumpy({{257, 257, 129}}));
+  const std::uint64_t all = paged.model->n_bytes_of_all();
+  paged.model->set_memory_limit(all / 2);
+  PagedRefinable<3> nodes(*paged.model);
+  Engine<PagedRefinable<3>> engine(nodes);
+  LiveIsosurface<3, PagedModel<3>> surface(nodes, 130, true);
+  nodes.follow(&surface);
+  for (const double x : {10.0, 200.0, 60.0, 240.0, 10.0}) {
+    SCOPED_TRACE(x);
+    Query query;
+    query.isovalues = {130};
+    query.max_error = 0.5;
+    query.max_error_outside = 30;
+    query.balls = {{{{x, 100, 70}}, 18}};
+    ASSERT_TRUE(check_query(query));
+    engine.set_query(to_demand(query));
+    finish(engine, nodes);
+    EXPECT_TRUE(engine.standing().memory_met) << "there is room for one region at a time";
+    EXPECT_LE(engine.standing().error_bound, 30);
+  }
+}
+
+/// Edges of one triangle lie at the data's border, or beyond it. Spacing is 1.
+void expect_no_cracks(const Surface& surface, const Index3& dims) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> n_uses;
+  for (const auto& t : surface.triangles)
+    for (std::size_t i = 0; i < 3; ++i) ++n_uses[std::minmax(t[i], t[(i + 1) % 3])];
+  const auto is_at_border = [&](std::uint32_t v) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float x = surface.positions[v][i];
+      if (x <= 0.01F || x >= static_cast<float>(dims[i] - 1) - 0.01F) return true;
+    }
+    return false;
+  };
+  std::size_t n_cracks = 0;
+  for (const auto& [edge, n] : n_uses)
+    n_cracks += n != 2 && !(is_at_border(edge.first) && is_at_border(edge.second)) ? 1 : 0;
+  EXPECT_EQ(n_cracks, 0U);
+}
+
+TEST(page_limit, is_shared_by_sessions_and_leaves_a_consistent_surface) {
+  Progress progress;
+  const TestPath path("shared.lode");
+  test::save<3>(test::built<3>(bumpy({{193, 193, 129}})), path.str());
+  const Dataset opened = Dataset::open(path.str(), {2}).value();
+  std::vector<Session> sessions;
+  for (const double isovalue : {110.0, 130.0, 150.0}) {
+    Query query;
+    query.isovalues = {isovalue};
+    query.max_error = 2;
+    sessions.push_back(
+        Session::open(opened, query, {.with_views = false, .memory_limit = 12'000'000}, progress)
+            .value());
+  }
+  for (Session& session : sessions) {
+    SurfaceMirror mirror;
+    const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+    for (bool is_settled = false; !is_settled;) {
+      ASSERT_LT(std::chrono::steady_clock::now(), until);
+      const auto batch = session.take();
+      if (!batch) {
+        std::this_thread::yield();
+        continue;
+      }
+      ASSERT_FALSE(batch->fault);
+      mirror.apply(batch->change);
+      is_settled = batch->standing.is_settled;
+    }
+    EXPECT_GT(mirror.n_cells(), 0U);
+    expect_no_cracks(mirror.to_surface(), opened.describe().volume.grid.dims);
+  }
+}
+
+TEST(page_limit, too_small_for_a_model_that_must_be_loaded_is_refused) {
+  const TestPath path("holes.lode");
+  test::save<3>(
+      test::built<3>(test::random_samples({{40, 40, 40}}, ScalarType::float32, test::Holes::some)),
+      path.str());
+  const Dataset opened = Dataset::open(path.str(), {2}).value();
+  FocusedOptions options{.memory_limit = 1000};
+  options.query.isovalues = {50};
+  options.query.budget.max_cells = 100;
+  Surface surface;
+  Progress progress;
+  const auto done = extract_focused(opened, options, surface, progress);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("memory limit of at least"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lode::diamond
