@@ -1,5 +1,8 @@
 #include "lode/models/diamond/part_builder.h"
 
+#include <atomic>
+#include <cstring>
+
 #include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/nesting_pass.h"
@@ -40,29 +43,68 @@ std::uint64_t PartPlan<D>::n_bytes(std::size_t sample_size) const {
   return bytes;
 }
 
+namespace {
+
+constexpr std::size_t kPiece = 1 << 16;
+
+/// body(first, end) for pieces of an array.
+template <typename Body>
+void for_each_piece(std::size_t n, Threads threads, const Body& body) {
+  parallel_for((n + kPiece - 1) / kPiece, threads, 1, [&](std::size_t piece, int) {
+    body(piece * kPiece, std::min(n, (piece + 1) * kPiece));
+  });
+}
+
+void clear_errors(UninitializedArray<ErrorCode>& errors, std::size_t n, Threads threads) {
+  resize_anew(errors, n);
+  for_each_piece(n, threads, [&](std::size_t first, std::size_t end) {
+    std::fill(errors.begin() + static_cast<std::ptrdiff_t>(first),
+              errors.begin() + static_cast<std::ptrdiff_t>(end), ErrorCode{0});
+  });
+}
+
+}  // namespace
+
+template <int D>
+void PartBuilder<D>::reserve(const Index<D>& dims) {
+  const Shape<D> shape = Shape<D>::of(dims);
+  std::size_t n_bricks = 1;
+  for (const std::int32_t n : brick_counts<D>(shape).v) n_bricks *= as_size(n);
+  // Samples before those of a part are read, but what they give is not used.
+  model_.samples.resize(n_bricks * kBrickSize<D> * field_.sample_size());
+  for_each_piece(model_.samples.size(), threads_, [&](std::size_t first, std::size_t end) {
+    std::memset(model_.samples.data() + first, 0, end - first);
+  });
+  model_.levels.resize(as_size(std::min(field_.shape.n_levels, kChunkLevel + 1)));
+  for (std::size_t level = 0; level < model_.levels.size(); ++level) {
+    const std::size_t n = n_points<D>(shape.attribute_dims(static_cast<int>(level)));
+    NodeLevel& nodes = model_.levels[level];
+    nodes.error.reserve(n);
+    nodes.low.reserve(n);
+    nodes.high.reserve(n);
+  }
+}
+
 template <int D>
 void PartBuilder<D>::begin(const PartPlan<D>& plan) {
   plan_ = plan;
   VolumeInfo info = field_.info;
   for (std::size_t i = 0; i < as_size(D); ++i)
     info.grid.dims[as_size(field_.axes.axis[i])] = plan.dims[i];
-  const std::size_t capacity = model_.samples.capacity();
   model_.reset(info);
-  // Samples before those of the part are read, but what they give is not used.
-  if (model_.samples.capacity() > capacity)
-    std::fill(model_.samples.begin(), model_.samples.end(), std::byte{});
   model_.stats = field_.stats;
   model_.levels.resize(as_size(std::min(field_.shape.n_levels, kChunkLevel + 1)));
   for (std::size_t level = 0; level < model_.levels.size(); ++level) {
     const std::size_t n = n_points<D>(model_.shape.attribute_dims(static_cast<int>(level)));
     NodeLevel& nodes = model_.levels[level];
-    nodes.error.assign(n, 0);
+    clear_errors(nodes.error, n, threads_);
     resize_anew(nodes.low, n);
     resize_anew(nodes.high, n);
   }
   coarse_.resize(as_size(std::max(0, n_own_levels() - kKeptLevel)));
   for (std::size_t i = 0; i < coarse_.size(); ++i)
-    coarse_[i].assign(n_points<D>(model_.shape.grid_dims(kKeptLevel + static_cast<int>(i))), 0);
+    clear_errors(coarse_[i], n_points<D>(model_.shape.grid_dims(kKeptLevel + static_cast<int>(i))),
+                 threads_);
   largest_.resize(model_.levels.size());
 }
 
@@ -178,17 +220,32 @@ void PartBuilder<D>::give_cube(const Index<D>& q, std::size_t at) {
 template <int D>
 void PartBuilder<D>::find_largest() {
   for (int level = 0; level < static_cast<int>(model_.levels.size()); ++level) {
-    const Index<D> dims = model_.shape.attribute_dims(level);
-    const int step = std::max(level, 1);
     const UninitializedArray<ErrorCode>& errors = model_.levels[as_size(level)].error;
-    for (std::size_t at = 0; at < errors.size(); ++at) {
-      if (errors[at] <= largest_[as_size(level)]) continue;
-      Index<D> p = point_of<D>(dims, at);
-      for (std::size_t i = 0; i < as_size(D); ++i)  // nodes beyond the data are the last chunk's
-        p[i] = std::min(p[i] << step, std::max(plan_.dims[i] - 1, 0));
-      if (is_in_core(p)) largest_[as_size(level)] = errors[at];
-    }
+    ErrorCode& largest = largest_[as_size(level)];
+    for_each_piece(errors.size(), threads_, [&](std::size_t first, std::size_t end) {
+      ErrorCode here = 0;
+      for (std::size_t at = first; at < end; ++at) here = std::max(here, errors[at]);
+      if (here > std::atomic_ref(largest).load(std::memory_order_relaxed))
+        raise_to(largest, largest_in_core(level, first, end));
+    });
   }
+}
+
+/// Of the nodes at first .. end - 1 of a level's array.
+template <int D>
+ErrorCode PartBuilder<D>::largest_in_core(int level, std::size_t first, std::size_t end) const {
+  const Index<D> dims = model_.shape.attribute_dims(level);
+  const int step = std::max(level, 1);
+  const UninitializedArray<ErrorCode>& errors = model_.levels[as_size(level)].error;
+  ErrorCode largest = 0;
+  for (std::size_t at = first; at < end; ++at) {
+    if (errors[at] <= largest) continue;
+    Index<D> p = point_of<D>(dims, at);
+    for (std::size_t i = 0; i < as_size(D); ++i)  // nodes beyond the data are the last chunk's
+      p[i] = std::min(p[i] << step, std::max(plan_.dims[i] - 1, 0));
+    if (is_in_core(p)) largest = errors[at];
+  }
+  return largest;
 }
 
 template <int D>

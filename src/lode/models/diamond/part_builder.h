@@ -34,6 +34,8 @@ class PartBuilder {
   /// `field` has its samples and stats. Parts raise the errors and widen the ranges of its nodes.
   PartBuilder(CoarseField<D>& field, Threads threads) : field_(field), threads_(threads) {}
 
+  /// Takes the memory for parts of up to so many samples an axis, once.
+  void reserve(const Index<D>& dims);
   void begin(const PartPlan<D>& plan);
   /// Samples of a box inside plan.samples (storage type, x fastest).
   void put_samples(const LatticeBox<D>& box, const std::byte* values);
@@ -62,6 +64,7 @@ class PartBuilder {
   void give_cubes();
   void give_cube(const Index<D>& q, std::size_t at);
   void find_largest();
+  [[nodiscard]] ErrorCode largest_in_core(int level, std::size_t first, std::size_t end) const;
 
   CoarseField<D>& field_;
   Threads threads_;

@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <future>
 #include <optional>
+#include <utility>
 
 #include "lode/models/diamond/block_checks.h"
 #include "lode/models/diamond/build.h"
@@ -31,15 +33,17 @@ class BoxReader {
  public:
   static constexpr std::size_t kBytesPerRead = std::size_t{4} << 20;  // stays in a cache
 
-  explicit BoxReader(VolumeSource& source)
-      : source_(source), axes_(AxisMap<D>::of(source.info().grid.dims)) {}
+  BoxReader(VolumeSource& source, Threads threads)
+      : source_(source),
+        axes_(AxisMap<D>::of(source.info().grid.dims)),
+        reading_(n_workers(threads) > 1 ? std::launch::async : std::launch::deferred) {}
 
-  /// Calls put(box, values) for slabs of the box along its last axis, in ascending order.
+  /// Calls put(box, values) for slabs of the box along its last axis, in ascending order. While it
+  /// runs the next slab is read.
   template <typename Put>
   Result<void> read(const LatticeBox<D>& box, const Progress& progress, const Put& put) {
     const VolumeInfo& info = source_.info();
     const std::size_t size = size_of(info.type);
-    const std::size_t wide_size = size_of(storage_type(info.type));
     LatticeBox<D> slab = box;
     std::int32_t& begin = slab.lower[as_size(D - 1)];
     std::int32_t& end = slab.upper[as_size(D - 1)];
@@ -47,26 +51,36 @@ class BoxReader {
     const std::size_t slice = n_points<D>(slab.upper - slab.lower);
     const auto n_slices =
         static_cast<std::int32_t>(std::max<std::size_t>(1, kBytesPerRead / (slice * size)));
-    for (; begin < box.upper[as_size(D - 1)]; begin = end) {
-      if (progress.is_cancelled()) return cancelled_error();
+    const auto start_reading = [&](std::vector<std::byte>& into) {
       end = std::min(begin + n_slices, box.upper[as_size(D - 1)]);
-      const std::size_t n = slice * as_size(end - begin);
-      bytes_.resize(n * size);
-      LODE_CHECK(source_.read(grid_box(slab), bytes_));
+      into.resize(slice * as_size(end - begin) * size);
+      return std::async(reading_,
+                        [this, &into, grid = grid_box(slab)] { return source_.read(grid, into); });
+    };
+    auto next = start_reading(next_);
+    while (begin < box.upper[as_size(D - 1)]) {
+      LODE_CHECK(next.get());
+      if (progress.is_cancelled()) return cancelled_error();
+      std::swap(bytes_, next_);
       n_bytes_ += bytes_.size();
-      if (size == wide_size && storage_type(info.type) == info.type) {
-        put(slab, std::span<const std::byte>(bytes_));
-        continue;
-      }
-      wide_.resize(n * wide_size);
-      widen_samples(info.type, bytes_.data(), n, wide_.data());
-      put(slab, std::span<const std::byte>(wide_));
+      const LatticeBox<D> here = slab;
+      begin = end;
+      if (begin < box.upper[as_size(D - 1)]) next = start_reading(next_);
+      put(here, widened(info.type));
     }
     return {};
   }
   [[nodiscard]] std::uint64_t n_bytes() const { return n_bytes_; }
 
  private:
+  /// The slab in its storage type.
+  std::span<const std::byte> widened(ScalarType type) {
+    if (storage_type(type) == type) return bytes_;
+    const std::size_t n = bytes_.size() / size_of(type);
+    wide_.resize(n * size_of(storage_type(type)));
+    widen_samples(type, bytes_.data(), n, wide_.data());
+    return wide_;
+  }
   [[nodiscard]] IndexBox grid_box(const LatticeBox<D>& box) const {
     IndexBox result{{}, {{1, 1, 1}}};
     for (std::size_t i = 0; i < as_size(D); ++i) {
@@ -78,35 +92,44 @@ class BoxReader {
 
   VolumeSource& source_;
   AxisMap<D> axes_;
-  std::vector<std::byte> bytes_;
-  std::vector<std::byte> wide_;
+  std::launch reading_;
+  std::vector<std::byte> bytes_;  ///< A slab,
+  std::vector<std::byte> next_;   ///< the next,
+  std::vector<std::byte> wide_;   ///< and the slab in its storage type.
   std::uint64_t n_bytes_ = 0;
 };
 
-/// Bytes that a build with so many chunks, side by side in x, in a part takes at most.
+/// A plan as large along each axis as any with so many chunks side by side in x: the first, one
+/// between others, and the last differ in their border layers.
+template <int D>
+PartPlan<D> largest_part(const Shape<D>& shape, std::int32_t chunks_per_part) {
+  const Index<D> n = chunk_counts<D>(shape);
+  PartPlan<D> largest;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    const std::int32_t step = i == 0 ? chunks_per_part : 1;
+    for (const std::int32_t first : {0, step, (n[i] - 1) / step * step}) {
+      if (first >= n[i]) continue;
+      LatticeBox<D> chunks{{}, all_equal<D>(1)};
+      chunks.lower[i] = first;
+      chunks.upper[i] = std::min(first + step, n[i]);
+      largest.dims[i] = std::max(largest.dims[i], PartPlan<D>::of(shape, chunks).dims[i]);
+    }
+  }
+  return largest;
+}
+
+/// Bytes that a build with so many chunks a part takes at most.
 template <int D>
 std::uint64_t build_bytes(const VolumeInfo& info, std::int32_t chunks_per_part) {
   constexpr std::uint64_t kCompressing = std::uint64_t{24} << 20;
   const Shape<D> shape = shape_of<D>(info.grid.dims);
   const std::size_t size = size_of(info.type);
   const std::size_t wide_size = size_of(storage_type(info.type));
-  const Index<D> n = chunk_counts<D>(shape);
-  std::uint64_t largest = 0;
-  // The second part has border layers on all sides; where there is none, the first is larger.
-  for (std::int32_t first = 0; first < n[0] && first <= chunks_per_part; first += chunks_per_part) {
-    LatticeBox<D> chunks;
-    chunks.lower[0] = first;
-    chunks.upper[0] = std::min(first + chunks_per_part, n[0]);
-    for (std::size_t i = 1; i < as_size(D); ++i) {
-      chunks.lower[i] = n[i] > 1 ? 1 : 0;
-      chunks.upper[i] = chunks.lower[i] + 1;
-    }
-    largest = std::max(largest, PartPlan<D>::of(shape, chunks).n_bytes(wide_size));
-  }
-  std::uint64_t slice = size + (wide_size == size ? 0 : wide_size) + 1;  // and where holes are
+  const std::uint64_t largest = largest_part<D>(shape, chunks_per_part).n_bytes(wide_size);
+  std::uint64_t slice = 2 * size + (wide_size == size ? 0 : wide_size) + 1;  // and where holes are
   for (std::size_t i = 0; i + 1 < as_size(D); ++i)
     slice *= static_cast<std::uint64_t>(shape.dims[i]);
-  const std::uint64_t reading = std::max<std::uint64_t>(slice, 3 * BoxReader<D>::kBytesPerRead);
+  const std::uint64_t reading = std::max<std::uint64_t>(slice, 4 * BoxReader<D>::kBytesPerRead);
   return largest + CoarseField<D>::n_bytes(info) + reading + kCompressing;
 }
 
@@ -133,7 +156,7 @@ class StreamBuild {
       : settings_(settings),
         chunks_per_part_(chunks_per_part),
         progress_(progress),
-        reader_(source),
+        reader_(source, settings.threads),
         field_(CoarseField<D>::make(source.info())),
         builder_(field_, settings.threads) {}
 
@@ -141,6 +164,7 @@ class StreamBuild {
     LODE_CHECK(scan());
     LODE_TRY(auto writer, open(path));
     report_.n_chunks_resumed = done_.n_chunks;
+    builder_.reserve(largest_part<D>(field_.shape, chunks_per_part_).dims);
     while (done_.n_chunks < n_points<D>(chunk_dims())) LODE_CHECK(build_next_part(writer));
     LODE_CHECK(finish_coarse(writer));
     report_.metadata = {field_.info, summarize()};
