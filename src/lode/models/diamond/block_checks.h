@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "lode/models/diamond/model.h"
+#include "lode/models/diamond/summary.h"
 #include "lode/store/reader.h"
 
 namespace lode::diamond {
@@ -18,6 +18,25 @@ template <typename T>
   if (said == found) return {};
   return fail("{}: {}: expected {}, as the metadata says, its blocks give {}", reader.path(), name,
               said, found);
+}
+
+/// Compares what the metadata say of the samples with what they are.
+[[nodiscard]] inline Result<void> check_stats(const store::Reader& reader, const FieldStats& said,
+                                              const FieldStats& found) {
+  LODE_CHECK(check_said(reader, "smallest sample", said.min, found.min));
+  LODE_CHECK(check_said(reader, "largest sample", said.max, found.max));
+  LODE_CHECK(check_said(reader, "number of holes", said.n_holes, found.n_holes));
+  return check_said(reader, "number of removed cells", said.n_removed_cells, found.n_removed_cells);
+}
+
+/// Compares the largest errors; both have one a level.
+[[nodiscard]] inline Result<void> check_errors(const store::Reader& reader, const Summary& said,
+                                               const Summary& found) {
+  LODE_CHECK(check_said(reader, "base error", said.base_error, found.base_error));
+  for (std::size_t level = 0; level < found.max_errors.size(); ++level)
+    LODE_CHECK(check_said(reader, fmt::format("largest error of level {}", level),
+                          said.max_errors[level], found.max_errors[level]));
+  return {};
 }
 
 /// Fails unless a level's nodes have errors and ranges; empty ranges become what memory has.

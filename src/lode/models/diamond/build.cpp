@@ -18,7 +18,7 @@ NodeLevel make_level(std::size_t n) {
 }
 
 template <int D, typename C>
-Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progress) {
+Result<void> build_attributes_as(Model<D>& model, Threads threads, Progress& progress) {
   model.levels.clear();
   for (int level = 0; level < model.shape.n_levels; ++level)
     model.levels.push_back(make_level(n_points<D>(model.shape.attribute_dims(level))));
@@ -88,11 +88,14 @@ Result<Model<D>> build(VolumeSource& source, const BuildSettings& settings, Prog
   LODE_CHECK(check_axes(info));
   Model<D> model = Model<D>::make(info);
   LODE_CHECK(read_samples<D>(model, source, settings, progress));
-  if (is_exact_in_float<D>(model))
-    LODE_CHECK((build_attributes<D, float>(model, settings.threads, progress)));
-  else
-    LODE_CHECK((build_attributes<D, double>(model, settings.threads, progress)));
+  LODE_CHECK(build_attributes<D>(model, settings.threads, progress));
   return model;
+}
+
+template <int D>
+Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progress) {
+  return is_exact_in_float<D>(model) ? build_attributes_as<D, float>(model, threads, progress)
+                                     : build_attributes_as<D, double>(model, threads, progress);
 }
 
 template <int D>
@@ -105,6 +108,8 @@ void compute_level_0(Model<D>& model, Threads threads) {
 
 template Result<Model<2>> build<2>(VolumeSource&, const BuildSettings&, Progress&);
 template Result<Model<3>> build<3>(VolumeSource&, const BuildSettings&, Progress&);
+template Result<void> build_attributes<2>(Model<2>&, Threads, Progress&);
+template Result<void> build_attributes<3>(Model<3>&, Threads, Progress&);
 template void compute_level_0<2>(Model<2>&, Threads);
 template void compute_level_0<3>(Model<3>&, Threads);
 

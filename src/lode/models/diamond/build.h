@@ -19,6 +19,11 @@ template <int D>
 [[nodiscard]] Result<Model<D>> build(VolumeSource& source, const BuildSettings& settings,
                                      Progress& progress);
 
+/// The second half of that: finds the attributes of all nodes of a model whose samples are complete
+/// (see finish_samples()). Fails on cancel.
+template <int D>
+[[nodiscard]] Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progress);
+
 /// Recomputes the attributes of level 0 (which are not stored) from the samples.
 template <int D>
 void compute_level_0(Model<D>& model, Threads threads);

@@ -19,20 +19,6 @@ Result<void> check_all(std::size_t n, Threads threads, const Body& body) {
   return {};
 }
 
-/// Calls put(place in a level's arrays, value) for a block's points.
-template <typename T, int D, typename Put>
-void for_each_value(const Region<D>& r, const Index<D>& dims, const std::byte* from,
-                    const Put& put) {
-  for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
-    const std::size_t first = linear_index<D>(dims, q);
-    for (std::size_t i = 0; i < as_size(n); ++i, from += sizeof(T)) {
-      T value;
-      std::memcpy(&value, from, sizeof(T));
-      put(first + i * as_size(stride), value);
-    }
-  });
-}
-
 /// Fails where a block has a hole though the metadata say there is none.
 template <int D, typename Field>
 Result<void> check_no_holes(const LatticeField<D, Field>& field, const store::Reader& reader,

@@ -1,11 +1,10 @@
-#include <fmt/ranges.h>
-
 #include <atomic>
 
 #include "lode/models/diamond/block_checks.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/persist.h"
 #include "lode/models/diamond/read_region.h"
+#include "lode/models/diamond/sample_blocks.h"
 
 namespace lode::diamond {
 namespace {
@@ -33,37 +32,6 @@ Result<void> load_blocks(const store::Reader& reader, std::span<const Region<D>>
   return {};
 }
 
-/// Compares the samples beyond the data that one block holds, as for_each_row comes to them, with
-/// the nearest ones in `all`, the samples of the data: bit by bit, as a hole may be NaN.
-template <typename T, int D>
-Result<void> check_beyond(const store::Reader& reader, const Shape<D>& shape, const Region<D>& r,
-                          const std::byte* all, std::span<const std::byte> beyond) {
-  if (beyond.empty()) return {};
-  const std::byte* from = beyond.data();
-  Error error;
-  for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
-    for (std::int32_t i = count_inside(shape, r.level, q, n, stride); i < n; ++i) {
-      Index<D> at = q;
-      at[0] += i * stride;
-      Index<D> nearest;
-      for (std::size_t a = 0; a < as_size(D); ++a)
-        nearest[a] = std::min(at[a] << r.level, shape.dims[a] - 1);
-      const std::byte* inside = all + linear_index<D>(shape.dims, nearest) * sizeof(T);
-      const std::byte* here = std::exchange(from, from + sizeof(T));
-      if (std::equal(here, here + sizeof(T), inside) || !error.message.empty()) continue;
-      T expected;
-      T got;
-      std::memcpy(&expected, inside, sizeof(T));
-      std::memcpy(&got, here, sizeof(T));
-      error = fail(
-          "{}: {}: beyond the data at grid point {}: expected the nearest sample, {}, got {}",
-          reader.path(), describe(key_of(Kind::samples, r)), fmt::join(at.v, " "), expected, got);
-    }
-  });
-  if (!error.message.empty()) return error;
-  return {};
-}
-
 /// Loads the samples of the data, x fastest, into `all`; those beyond it are only checked.
 template <typename T, int D>
 Result<void> load_samples_as(const Shape<D>& shape, const store::Reader& reader, Threads threads,
@@ -71,18 +39,7 @@ Result<void> load_samples_as(const Shape<D>& shape, const store::Reader& reader,
   const std::vector<Region<D>> regions = all_regions<D>(shape, Kind::samples);
   std::vector<std::vector<std::byte>> beyond(regions.size());
   const auto put_block = [&](std::size_t block, const std::byte* from) {
-    const Region<D>& r = regions[block];
-    for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
-      const std::int32_t n_inside = count_inside(shape, r.level, q, n, stride);
-      for (std::int32_t& x : q.v) x <<= r.level;
-      std::byte* to = n_inside > 0 ? all + linear_index<D>(shape.dims, q) * sizeof(T) : nullptr;
-      const std::size_t step = sizeof(T) * as_size(stride << r.level);
-      for (std::size_t i = 0; i < as_size(n_inside); ++i, from += sizeof(T))
-        std::memcpy(to + i * step, from, sizeof(T));
-      const std::byte* end = from + as_size(n - n_inside) * sizeof(T);
-      beyond[block].insert(beyond[block].end(), from, end);
-      from = end;
-    });
+    beyond[block] = put_samples_of<T, D>(shape, regions[block], from, all);
   };
   LODE_CHECK(
       load_blocks<D>(reader, regions, Kind::samples, sizeof(T), threads, progress, put_block));
@@ -112,15 +69,8 @@ Result<void> load_attribute(const Shape<D>& shape, const store::Reader& reader, 
   const auto put_block = [&](std::size_t block, const std::byte* from) {
     const Region<D>& r = regions[block];
     auto& to = array_of(r.level);
-    const Index<D> dims = shape.grid_dims(r.level);
-    for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
-      const std::size_t first = linear_index<D>(dims, q);
-      for (std::size_t i = 0; i < as_size(n); ++i, from += sizeof(T)) {
-        T value;
-        std::memcpy(&value, from, sizeof(T));
-        to[first + i * as_size(stride)] = value;
-      }
-    });
+    for_each_value<T, D>(r, shape.grid_dims(r.level), from,
+                         [&](std::size_t at, T value) { to[at] = value; });
   };
   return load_blocks<D>(reader, regions, kind, sizeof(T), threads, progress, put_block);
 }
@@ -147,23 +97,6 @@ Result<void> load_attributes(Model<D>& model, const store::Reader& reader, Threa
     for (NodeLevel& nodes : model.levels) LODE_CHECK(check_nodes(nodes, reader));
     return {};
   });
-}
-
-Result<void> check_stats(const store::Reader& reader, const FieldStats& said,
-                         const FieldStats& found) {
-  LODE_CHECK(check_said(reader, "smallest sample", said.min, found.min));
-  LODE_CHECK(check_said(reader, "largest sample", said.max, found.max));
-  LODE_CHECK(check_said(reader, "number of holes", said.n_holes, found.n_holes));
-  return check_said(reader, "number of removed cells", said.n_removed_cells, found.n_removed_cells);
-}
-
-/// Both have one maximum a level.
-Result<void> check_errors(const store::Reader& reader, const Summary& said, const Summary& found) {
-  LODE_CHECK(check_said(reader, "base error", said.base_error, found.base_error));
-  for (std::size_t level = 0; level < found.max_errors.size(); ++level)
-    LODE_CHECK(check_said(reader, fmt::format("largest error of level {}", level),
-                          said.max_errors[level], found.max_errors[level]));
-  return {};
 }
 
 }  // namespace

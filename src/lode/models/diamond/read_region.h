@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstring>
 #include <vector>
 
 #include "lode/models/diamond/block_layout.h"
@@ -32,6 +33,21 @@ template <int D>
   if (count_points(region) == 0) return std::vector<std::byte>();
   LODE_TRY(const std::size_t at, find_region<D>(reader, region, kind, element_size));
   return reader.read_block(at);
+}
+
+/// Calls put(place in arrays on the level's grid, of so many points, value) for the points of a
+/// region's block.
+template <typename T, int D, typename Put>
+void for_each_value(const Region<D>& r, const Index<D>& dims, const std::byte* from,
+                    const Put& put) {
+  for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
+    const std::size_t first = linear_index<D>(dims, q);
+    for (std::size_t i = 0; i < as_size(n); ++i, from += sizeof(T)) {
+      T value;
+      std::memcpy(&value, from, sizeof(T));
+      put(first + i * as_size(stride), value);
+    }
+  });
 }
 
 }  // namespace lode::diamond
