@@ -1,0 +1,275 @@
+// Damaged files: what is whole comes back as it was, and what is filled is within its bounds.
+#include "lode/models/diamond/salvage.h"
+
+#include "lode/models/diamond/attribute_check.h"
+#include "tests/models/salvage_fixtures.h"
+
+namespace lode::diamond {
+namespace {
+
+using store::TestPath;
+using test::Bytes;
+using test::Holes;
+using test::StoredFile;
+
+enum class Pattern { noise, waves };
+struct SalvageCase {
+  Index3 dims;
+  ScalarType type = ScalarType::uint8;
+  Pattern pattern = Pattern::noise;
+  Holes holes = Holes::none;
+
+  friend void PrintTo(const SalvageCase& c, std::ostream* out) {
+    *out << fmt::format("{} x {} x {} {} {}{}", c.dims[0], c.dims[1], c.dims[2], name_of(c.type),
+                        c.pattern == Pattern::noise ? "noise" : "waves",
+                        c.holes == Holes::some ? " with holes" : "");
+  }
+};
+
+class salvaged_file : public ::testing::TestWithParam<SalvageCase> {
+ protected:
+  void SetUp() override {
+    const SalvageCase& c = GetParam();
+    volume_ = c.pattern == Pattern::noise ? test::random_samples(c.dims, c.type, c.holes)
+                                          : test::wavy_samples(c.dims, c.type);
+  }
+  [[nodiscard]] bool is_flat() const {
+    return std::min({volume_.info.grid.dims[0], volume_.info.grid.dims[1],
+                     volume_.info.grid.dims[2]}) == 1;
+  }
+
+  Volume volume_;
+};
+
+/// What a salvaged model must be, given the original samples and the blocks that were damaged.
+template <int D>
+void expect_within_bounds(const Volume& original, const StoredFile& file,
+                          const std::set<std::size_t>& damaged, const Salvaged<D>& salvaged) {
+  const SalvageReport& report = salvaged.report;
+  const Model<D>& model = salvaged.model;
+  ASSERT_EQ(report.lost.size(), damaged.size());
+  std::uint64_t n_lost = 0;
+  std::uint64_t n_lost_holes = 0;
+  std::uint64_t n_other_holes = 0;
+  std::uint64_t n_wrong = 0;
+  const Index3& dims = original.info.grid.dims;
+  std::size_t at = 0;
+  Index3 p;
+  for (p[2] = 0; p[2] < dims[2]; ++p[2])
+    for (p[1] = 0; p[1] < dims[1]; ++p[1])
+      for (p[0] = 0; p[0] < dims[0]; ++p[0], ++at) {
+        const double before = test::sample_or_nan(original, at);
+        Index<D> q;
+        for (std::size_t i = 0; i < as_size(D); ++i) q[i] = p[as_size(model.axes.axis[i])];
+        const double sample = model.value(q);
+        const double after = model.is_hole(sample) ? std::nan("") : sample;
+        const auto key = test::block_of_sample(dims, p, D == 2);
+        const auto block = file.reader.find(key);
+        ASSERT_TRUE(block);
+        const bool is_lost = damaged.contains(*block);
+        n_lost += is_lost ? 1 : 0;
+        n_lost_holes += is_lost && std::isnan(before) ? 1 : 0;
+        if (std::isnan(before) || std::isnan(after)) {
+          n_other_holes += std::isnan(before) != std::isnan(after) ? 1 : 0;
+          n_wrong += std::isnan(before) != std::isnan(after) && !is_lost ? 1 : 0;
+          continue;
+        }
+        if (!is_floating(original.info.type)) n_wrong += after != std::round(after) ? 1 : 0;
+        const auto lost = std::ranges::find(report.lost, key, &LostBlock::key);
+        EXPECT_EQ(lost != report.lost.end(), is_lost);
+        const double bound = is_lost ? lost->max_error : 0;
+        n_wrong += std::abs(before - after) <= bound ? 0 : 1;
+        if (before != after) {
+          EXPECT_TRUE(lost->box.contains(p));
+        }
+      }
+  EXPECT_EQ(n_wrong, 0U);
+  // Copies beyond the data may have replaced some.
+  EXPECT_LE(report.n_samples, n_lost);
+  EXPECT_LE(report.n_lost_holes, n_lost_holes);
+  EXPECT_LE(report.n_holes, report.n_samples);
+  if (report.n_lost_holes == 0) EXPECT_EQ(n_other_holes, 0U);
+  if (report.n_lost_holes == report.n_samples) EXPECT_EQ(n_other_holes, 0U);
+}
+
+/// What the attributes of a model promise, found again from its samples.
+template <int D>
+void expect_true_attributes(const Model<D>& model) {
+  Progress progress;
+  const auto report = check_attributes<D>(model, {2}, progress);
+  ASSERT_TRUE(report);
+  for (const AttributeFinding* finding :
+       {&report->own_errors, &report->own_ranges, &report->nesting, &report->tightness})
+    EXPECT_EQ(finding->n_wrong, 0U) << finding->worst;
+}
+
+template <int D>
+void expect_salvaged(const Volume& volume, const StoredFile& file, const std::string& path,
+                     const std::set<std::size_t>& damaged) {
+  SCOPED_TRACE(fmt::format("{} of {} blocks damaged, the first {}", damaged.size(), file.n_blocks(),
+                           damaged.empty() ? 0 : *damaged.begin()));
+  file.write_damaged(path, damaged);
+  const auto salvaged = test::salvage<D>(path);
+  ASSERT_TRUE(salvaged) << salvaged.error().message;
+  EXPECT_EQ(salvaged->report.n_blocks, file.n_blocks());
+  expect_within_bounds<D>(volume, file, damaged, *salvaged);
+}
+
+template <int D>
+void expect_each_block_salvaged(const Volume& volume) {
+  const TestPath path("salvage.lode");
+  test::save<D>(test::built<D>(volume), path.str());
+  const StoredFile file(path.str());
+  for (std::size_t i = 0; i < file.n_blocks(); ++i)
+    expect_salvaged<D>(volume, file, path.str(), {i});
+}
+
+TEST_P(salvaged_file, is_within_its_bounds_whichever_block_is_damaged) {
+  if (is_flat())
+    expect_each_block_salvaged<2>(volume_);
+  else
+    expect_each_block_salvaged<3>(volume_);
+}
+
+template <int D>
+void expect_sets_salvaged(const Volume& volume) {
+  const TestPath path("salvage.lode");
+  const Model<D> model = test::built<D>(volume);
+  test::save<D>(model, path.str());
+  const StoredFile file(path.str());
+  std::vector<std::set<std::size_t>> sets(2);  // [1]: all
+  for (std::uint32_t level = 0; level < static_cast<std::uint32_t>(model.shape.n_levels); ++level)
+    for (const bool with_nodes : {false, true}) {
+      sets.emplace_back();
+      for (std::size_t i = 0; i < file.n_blocks(); ++i)
+        if (file.reader.blocks()[i].key.level == level && (with_nodes || file.is_samples(i)))
+          sets.back().insert(i);
+    }
+  for (std::size_t i = 0; i < file.n_blocks(); ++i) sets[1].insert(i);
+  oracles::Random random(3);
+  for (int n = 0; n < 3; ++n) {
+    sets.emplace_back();
+    for (std::size_t i = 0; i < file.n_blocks(); ++i)
+      if (random.below(4) == 0) sets.back().insert(i);
+  }
+  for (const auto& damaged : sets) expect_salvaged<D>(volume, file, path.str(), damaged);
+}
+
+TEST_P(salvaged_file, is_within_its_bounds_whatever_is_damaged_together) {
+  if (is_flat())
+    expect_sets_salvaged<2>(volume_);
+  else
+    expect_sets_salvaged<3>(volume_);
+}
+
+template <int D>
+void expect_all_but_samples_restored(const Volume& volume) {
+  const TestPath path("salvage.lode");
+  const TestPath again("again.lode");
+  test::save<D>(test::built<D>(volume), path.str());
+  const StoredFile file(path.str());
+  std::set<std::size_t> damaged;
+  for (std::size_t i = 0; i < file.n_blocks(); ++i)
+    if (!file.is_samples(i)) damaged.insert(i);
+  file.write_damaged(path.str(), damaged);
+  const auto salvaged = test::salvage<D>(path.str());
+  ASSERT_TRUE(salvaged) << salvaged.error().message;
+  EXPECT_EQ(salvaged->report.lost.size(), damaged.size());
+  EXPECT_EQ(salvaged->report.n_samples, 0U);
+  EXPECT_EQ(salvaged->report.max_error, 0);
+  test::save<D>(salvaged->model, again.str());
+  EXPECT_TRUE(store::load_file(again.str()) == file.bytes);
+}
+
+TEST_P(salvaged_file, comes_back_to_the_byte_where_no_sample_is_lost) {
+  if (is_flat())
+    expect_all_but_samples_restored<2>(volume_);
+  else
+    expect_all_but_samples_restored<3>(volume_);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    cases, salvaged_file,
+    ::testing::Values(SalvageCase{{{1, 1, 1}}}, SalvageCase{{{5, 1, 1}}, ScalarType::float32},
+                      SalvageCase{{{2, 2, 2}}}, SalvageCase{{{6, 4, 3}}, ScalarType::int8},
+                      SalvageCase{{{17, 9, 12}}, ScalarType::float32, Pattern::noise, Holes::some},
+                      SalvageCase{{{35, 20, 18}}, ScalarType::uint8, Pattern::noise, Holes::some},
+                      SalvageCase{{{34, 24, 33}}, ScalarType::int16, Pattern::waves},
+                      SalvageCase{{{33, 18, 19}}, ScalarType::float32, Pattern::waves},
+                      SalvageCase{{{66, 3, 65}}, ScalarType::uint16, Pattern::noise, Holes::some},
+                      SalvageCase{{{67, 7, 2}}, ScalarType::float64},
+                      SalvageCase{{{2, 2, 67}}, ScalarType::int32, Pattern::noise, Holes::some},
+                      SalvageCase{{{40, 10, 9}}, ScalarType::uint64, Pattern::waves},
+                      SalvageCase{{{1, 40, 33}}, ScalarType::uint16},
+                      SalvageCase{{{514, 1, 9}}, ScalarType::float32, Pattern::noise, Holes::some},
+                      SalvageCase{{{516, 12, 1}}, ScalarType::uint8, Pattern::waves}));
+
+TEST(salvage, of_a_scan_is_within_its_bounds_whichever_block_is_damaged) {
+  expect_each_block_salvaged<3>(test::part_of_scan());
+}
+
+/// Blocks of few samples: the bound of each is close to what it bounds.
+TEST(salvage, is_within_its_bounds_for_small_volumes_of_all_shapes) {
+  const TestPath path("salvage.lode");
+  oracles::Random random(29);
+  for (int n = 0; n < 150; ++n) {
+    Index3 dims;
+    for (std::int32_t& d : dims.v) d = 1 + static_cast<std::int32_t>(random.below(9));
+    dims[random.below(3)] = 1 + static_cast<std::int32_t>(random.below(2));
+    const auto type = static_cast<ScalarType>(1 + random.below(10));
+    Volume volume =
+        test::random_samples(dims, type, random.below(3) == 0 ? Holes::some : Holes::none);
+    if (random.below(2) == 0) test::poke_holes(volume, random.below(2) == 0 ? 20 : 70);
+    SCOPED_TRACE(fmt::format("{}: {} x {} x {} {}", n, dims[0], dims[1], dims[2], name_of(type)));
+    const auto run = [&]<int D>() {
+      test::save<D>(test::built<D>(volume), path.str());
+      const StoredFile file(path.str());
+      for (const std::uint32_t share : {2U, 3U, 8U}) {
+        std::set<std::size_t> damaged;
+        for (std::size_t i = 0; i < file.n_blocks(); ++i)
+          if (random.below(share) == 0) damaged.insert(i);
+        expect_salvaged<D>(volume, file, path.str(), damaged);
+      }
+    };
+    if (std::min({dims[0], dims[1], dims[2]}) == 1)
+      run.template operator()<2>();
+    else
+      run.template operator()<3>();
+  }
+}
+
+TEST(salvage, refuses_metadata_with_which_it_could_not_fill) {
+  const TestPath path("salvage.lode");
+  const Volume volume = test::random_samples({{9, 8, 7}}, ScalarType::uint8, Holes::none);
+  test::save<3>(test::built<3>(volume), path.str());
+  const Bytes original = store::load_file(path.str());
+  const auto expect_refused = [&](const std::string& part, const auto& change) {
+    store::save_file(path.str(), original);
+    test::rewrite_decoded(path.str(), [&](Metadata& m) { change(m.summary.stats); });
+    const StoredFile file(path.str());
+    file.write_damaged(path.str(), {0});
+    const auto salvaged = test::salvage<3>(path.str());
+    ASSERT_FALSE(salvaged);
+    EXPECT_TRUE(salvaged.error().message.starts_with(path.str() + ": "));
+    EXPECT_NE(salvaged.error().message.find(part), std::string::npos) << salvaged.error().message;
+  };
+  expect_refused("a range of uint8", [](FieldStats& s) { s.min = -5; });
+  expect_refused("a range of uint8", [](FieldStats& s) { s.max = 256; });
+  expect_refused("expected 3 holes", [](FieldStats& s) { s.n_holes = 3; });
+}
+
+TEST(salvage, gives_a_model_whose_attributes_are_true) {
+  const TestPath path("salvage.lode");
+  const Volume volume = test::random_samples({{35, 20, 18}}, ScalarType::uint16, Holes::some);
+  test::save<3>(test::built<3>(volume), path.str());
+  const StoredFile file(path.str());
+  for (std::size_t i = 0; i < file.n_blocks(); i += 3) {
+    file.write_damaged(path.str(), {i, i / 2});
+    const auto salvaged = test::salvage<3>(path.str());
+    ASSERT_TRUE(salvaged);
+    expect_true_attributes<3>(salvaged->model);
+  }
+}
+
+}  // namespace
+}  // namespace lode::diamond
