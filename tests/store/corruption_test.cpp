@@ -80,6 +80,46 @@ TEST_F(damaged_file, says_how_long_it_should_be) {
   expect_error({bytes_.begin(), bytes_.end() - 1}, "the file is truncated");
 }
 
+TEST_F(damaged_file, of_any_length_is_read_as_far_as_it_is_there_if_that_is_asked_for) {
+  const auto n_read = [&](const std::vector<std::byte>& bytes) -> std::ptrdiff_t {
+    save_file(path_.str(), bytes);
+    const auto reader = Reader::open(path_.str(), {.length = Length::any});
+    if (!reader) return -1;
+    std::ptrdiff_t n = 0;
+    for (std::size_t i = 0; i < reader->blocks().size(); ++i) n += reader->read_block(i) ? 1 : 0;
+    return n;
+  };
+  const auto all = Reader::open(path_.str());
+  ASSERT_TRUE(all);
+  const auto n = static_cast<std::ptrdiff_t>(all->blocks().size());
+  EXPECT_EQ(n_read(bytes_), n);
+  auto longer = bytes_;
+  longer.resize(longer.size() + 1000);
+  EXPECT_EQ(n_read(longer), n);
+  for (const BlockEntry& block : all->blocks()) {
+    if (block.stored_size < 2) continue;
+    const auto inside = static_cast<std::ptrdiff_t>(block.offset) + 1;
+    auto shorter = bytes_;
+    shorter.erase(shorter.begin() + inside);
+    EXPECT_EQ(n_read(shorter), n - 1) << block.offset;
+    auto wider = bytes_;
+    wider.insert(wider.begin() + inside, 5, std::byte{7});
+    EXPECT_EQ(n_read(wider), n - 1) << block.offset;
+  }
+  for (std::size_t size = 0; size < bytes_.size(); ++size)
+    EXPECT_EQ(n_read({bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(size)}), -1);
+}
+
+TEST_F(damaged_file, whose_length_is_a_lie_takes_no_memory) {
+  patch_header(bytes_, 24, std::uint64_t{1} << 60);
+  patch_header(bytes_, 32, (std::uint64_t{1} << 60) - 100);
+  patch_header(bytes_, 40, std::uint64_t{100});
+  save_file(path_.str(), bytes_);
+  const auto reader = Reader::open(path_.str(), {.length = Length::any});
+  ASSERT_FALSE(reader);
+  EXPECT_NE(reader.error().message.find("truncated"), std::string::npos);
+}
+
 TEST_F(damaged_file, names_the_block_the_offset_and_the_checksums) {
   bytes_[kHeaderBytes] ^= std::byte{1};
   expect_error(bytes_,

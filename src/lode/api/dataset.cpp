@@ -7,6 +7,7 @@
 #include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
 #include "lode/api/piece_finisher.h"
+#include "lode/api/salvage_report.h"
 #include "lode/api/verification.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/close_border.h"
@@ -19,6 +20,12 @@ namespace {
 
 /// A volume one sample thick (or a 2D image) is a diamond2d.
 bool is_flat(const Index3& dims) { return dims[0] == 1 || dims[1] == 1 || dims[2] == 1; }
+
+Result<void> check_model(const store::Reader& reader) {
+  const std::string& model = reader.model();
+  if (model == diamond::model_name<2>() || model == diamond::model_name<3>()) return {};
+  return fail("{}: expected a model diamond2d or diamond3d, got \"{}\"", reader.path(), model);
+}
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -231,10 +238,25 @@ Result<Dataset> Dataset::build(VolumeSource& source, const BuildOptions& options
 
 Result<Dataset> Dataset::open(const std::string& path, Threads threads) {
   LODE_TRY(auto reader, store::Reader::open(path));
-  if (reader.model() != diamond::model_name<2>() && reader.model() != diamond::model_name<3>())
-    return fail("{}: expected a model diamond2d or diamond3d, got \"{}\"", path, reader.model());
+  LODE_CHECK(check_model(reader));
   LODE_TRY(auto metadata, diamond::read_metadata(reader));
   return Dataset(std::make_unique<Impl>(std::move(reader), std::move(metadata), threads));
+}
+
+Result<Dataset> Dataset::salvage(const std::string& path, Threads threads, Progress& progress) {
+  LODE_TRY(const auto reader, open_damaged(path));
+  LODE_CHECK(check_model(reader));
+  const auto salvaged_as = [&]<int D>() -> Result<Dataset> {
+    LODE_TRY(auto found, diamond::salvage<D>(reader, threads, progress));
+    SalvageReport report = to_report(found.report, found.model.info.grid);
+    return Dataset(std::make_unique<Impl>(std::move(found.model), std::move(report)));
+  };
+  return reader.model() == diamond::model_name<2>() ? salvaged_as.template operator()<2>()
+                                                    : salvaged_as.template operator()<3>();
+}
+
+const SalvageReport* Dataset::salvaged() const {
+  return impl_->salvaged() ? &*impl_->salvaged() : nullptr;
 }
 
 Result<void> Dataset::load(Progress& progress) const {

@@ -90,6 +90,7 @@ struct ExtractReport {
   ExtractSeconds seconds;
 };
 
+struct SalvageReport;
 struct MeshOptions;
 struct MeshReport;
 struct SectionOptions;
@@ -131,6 +132,13 @@ class Dataset {
   /// everything else loads the whole file first, once. Each block that is read is checked.
   /// `threads`: for loading.
   [[nodiscard]] static Result<Dataset> open(const std::string& path, Threads threads);
+  /// Opens a .lode file some of whose blocks are damaged, and loads it: what is lost is filled from
+  /// coarser samples, within proven bounds. Header and directory must be whole; bytes may be
+  /// missing between them. See salvage.h.
+  [[nodiscard]] static Result<Dataset> salvage(const std::string& path, Threads threads,
+                                               Progress& progress);
+  /// What was lost of it; null unless salvage() opened it.
+  [[nodiscard]] const SalvageReport* salvaged() const;
   /// Loads what is still in the file.
   [[nodiscard]] Result<void> load(Progress& progress) const;
   /// Writes the .lode file, whole or not at all.

@@ -2,13 +2,14 @@
 
 namespace lode {
 
-Dataset::Impl::Impl(AnyModel built)
+Dataset::Impl::Impl(AnyModel built, std::optional<SalvageReport> salvaged)
     : is_flat_(std::holds_alternative<diamond::Model<2>>(built)),
       metadata_(std::visit(
           []<int D>(const diamond::Model<D>& model) {
             return diamond::Metadata{model.info, diamond::summarize<D>(model)};
           },
           built)),
+      salvaged_(std::move(salvaged)),
       model_(std::move(built)),
       is_in_memory_(true) {}
 

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "lode/api/dataset.h"
+#include "lode/api/salvage.h"
 #include "lode/models/diamond/file_parts.h"
 #include "lode/models/diamond/paged_model.h"
 #include "lode/models/diamond/persist.h"
@@ -23,7 +24,7 @@ class Dataset::Impl {
   using AnyPages = std::variant<std::unique_ptr<const diamond::PagedModel<2>>,
                                 std::unique_ptr<const diamond::PagedModel<3>>>;
 
-  explicit Impl(AnyModel built);
+  explicit Impl(AnyModel built, std::optional<SalvageReport> salvaged = {});
   Impl(store::Reader reader, diamond::Metadata metadata, Threads threads);
 
   [[nodiscard]] bool is_flat() const { return is_flat_; }
@@ -31,6 +32,9 @@ class Dataset::Impl {
   [[nodiscard]] const diamond::Summary& summary() const { return metadata_.summary; }
   /// Of the file; none for a model that was built.
   [[nodiscard]] const std::optional<diamond::StoredBytes>& stored() const { return stored_; }
+
+  /// Of a file that is not whole.
+  [[nodiscard]] const std::optional<SalvageReport>& salvaged() const { return salvaged_; }
 
   /// All of it in memory; a file is loaded when this is first asked.
   [[nodiscard]] Result<const AnyModel*> model(Progress& progress) const;
@@ -57,6 +61,7 @@ class Dataset::Impl {
   bool is_flat_;
   diamond::Metadata metadata_;
   std::optional<diamond::StoredBytes> stored_;
+  std::optional<SalvageReport> salvaged_;
   Threads threads_{};
   std::optional<store::Reader> reader_;
   mutable std::mutex mutex_;

@@ -1,10 +1,8 @@
 #include "lode/api/files.h"
 
-#include <array>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <span>
 #include <string_view>
 #include <system_error>
@@ -12,7 +10,7 @@
 #include "lode/core/atomic_file.h"
 #include "lode/io/surface_stream.h"
 #include "lode/mappers/surface_edits.h"
-#include "lode/store/format.h"
+#include "lode/store/header.h"
 
 namespace lode {
 namespace {
@@ -22,16 +20,6 @@ bool has_extension(const std::string& path, std::string_view wanted) {
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return extension == wanted;
-}
-
-bool starts_like_lode(const std::string& path) {
-  std::error_code status;
-  // Only regular files: opening a pipe would wait for its other end.
-  if (!std::filesystem::is_regular_file(path, status)) return false;
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, store::kMagicBytes> start{};
-  return file.read(start.data(), start.size()) &&
-         std::memcmp(start.data(), store::kMagic.data(), start.size()) == 0;
 }
 
 /// Hands reads on and remembers whether one failed: the reader's messages name the file.
@@ -57,7 +45,7 @@ class WatchedSource final : public VolumeSource {
 }  // namespace
 
 bool is_lode_path(const std::string& path) {
-  return has_extension(path, ".lode") || starts_like_lode(path);
+  return has_extension(path, ".lode") || store::starts_as_lode(path);
 }
 
 Result<Surface> read_surface(const std::string& path) {

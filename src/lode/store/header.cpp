@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
 
 #include "lode/store/bytes.h"
 #include "lode/store/checksum.h"
@@ -9,6 +12,7 @@
 namespace lode::store {
 namespace {
 
+constexpr std::size_t kSizeOffset = 24;
 constexpr std::size_t kChecksumOffset = kHeaderBytes - sizeof(std::uint64_t);
 
 template <typename T>
@@ -74,6 +78,20 @@ std::array<std::byte, kHeaderBytes> encode_header(const Header& header) {
   return bytes;
 }
 
+bool starts_as_lode(const std::string& path) {
+  std::error_code status;
+  // Only regular files: opening a pipe would wait for its other end.
+  if (!std::filesystem::is_regular_file(path, status)) return false;
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, kMagicBytes> start{};
+  return file.read(start.data(), start.size()) &&
+         std::memcmp(start.data(), kMagic.data(), start.size()) == 0;
+}
+
+std::uint64_t said_size(std::span<const std::byte> start) {
+  return start.size() < kHeaderBytes ? UINT64_MAX : load<std::uint64_t>(start, kSizeOffset);
+}
+
 Result<Header> decode_header(std::span<const std::byte> start, std::uint64_t file_size,
                              const std::string& path) {
   LODE_CHECK(check_magic(start, path));
@@ -96,7 +114,7 @@ Result<Header> decode_header(std::span<const std::byte> start, std::uint64_t fil
     return fail("{}: expected a header of {} bytes, got one of {}", path, kHeaderBytes,
                 header_bytes);
   const Header header{.features = load<std::uint64_t>(start, 16),
-                      .file_size = load<std::uint64_t>(start, 24),
+                      .file_size = load<std::uint64_t>(start, kSizeOffset),
                       .directory_offset = load<std::uint64_t>(start, 32),
                       .directory_stored_size = load<std::uint64_t>(start, 40),
                       .directory_raw_size = load<std::uint64_t>(start, 48),

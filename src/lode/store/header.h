@@ -25,6 +25,13 @@ struct Header {
 
 [[nodiscard]] std::array<std::byte, kHeaderBytes> encode_header(const Header& header);
 
+/// Whether `path` is a regular file that starts as .lode files do.
+[[nodiscard]] bool starts_as_lode(const std::string& path);
+
+/// The file's size as the first kHeaderBytes of it say, unchecked; the largest there is where they
+/// are not all there.
+[[nodiscard]] std::uint64_t said_size(std::span<const std::byte> start);
+
 /// `start`: the first kHeaderBytes of the file, or all of it where it is shorter; file_size: its
 /// real size. Fails, naming `path`, on anything this program cannot read; the extents in the
 /// header that comes back lie inside the file and cover it to its end.

@@ -56,6 +56,8 @@ Reader::Reader(Reader&& other) noexcept
     : path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       memory_limit_(other.memory_limit_),
+      length_(other.length_),
+      shift_(other.shift_),
       header_(other.header_),
       directory_(std::move(other.directory_)),
       order_(std::move(other.order_)) {}
@@ -64,6 +66,8 @@ Reader& Reader::operator=(Reader&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(descriptor_, other.descriptor_);
   std::swap(memory_limit_, other.memory_limit_);
+  std::swap(length_, other.length_);
+  std::swap(shift_, other.shift_);
   std::swap(header_, other.header_);
   std::swap(directory_, other.directory_);
   std::swap(order_, other.order_);
@@ -108,7 +112,10 @@ Result<Header> Reader::load_header() const {
   const auto start =
       std::span(bytes).first(static_cast<std::size_t>(std::min<std::uint64_t>(size, kHeaderBytes)));
   LODE_CHECK(read_at(0, start));
-  return decode_header(start, size, path_);
+  // Where most of a file is missing, what is said of it is no measure of the memory it may take.
+  const std::uint64_t said = said_size(start);
+  const bool is_any = length_ == Length::any && said / 2 <= size;
+  return decode_header(start, is_any ? said : size, path_);
 }
 
 Result<std::vector<std::byte>> Reader::load_directory(const Header& header) const {
@@ -132,16 +139,30 @@ Result<std::vector<std::byte>> Reader::load_directory(const Header& header) cons
   return raw;
 }
 
+Result<std::vector<std::byte>> Reader::find_directory() {
+  auto raw = load_directory(header_);
+  if (raw || length_ == Length::as_said) return raw;
+  LODE_TRY(const std::uint64_t size, size_on_disk());
+  if (size == header_.file_size || size < header_.directory_stored_size) return raw;
+  Header moved = header_;
+  moved.directory_offset = size - header_.directory_stored_size;
+  auto found = load_directory(moved);
+  if (!found) return raw;
+  shift_ = size - header_.file_size;
+  return found;
+}
+
 Result<Reader> Reader::open(std::string path, const ReaderOptions& options) {
   // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return system_error(path, "open");
   Reader reader(std::move(path), descriptor);
+  reader.length_ = options.length;
   LODE_TRY(reader.header_, reader.load_header());
   reader.memory_limit_ = options.memory_limit != 0
                              ? options.memory_limit
                              : kDefaultMemoryPerByte * reader.file_size() + kDefaultMemory;
-  LODE_TRY(const auto raw, reader.load_directory(reader.header_));
+  LODE_TRY(const auto raw, reader.find_directory());
   LODE_TRY(reader.directory_, decode_directory(raw, {.path = reader.path_,
                                                      .blocks_end = reader.header_.directory_offset,
                                                      .memory_limit = reader.memory_limit_}));
@@ -168,16 +189,23 @@ Result<std::vector<std::byte>> Reader::read_block(std::size_t i) const {
   return raw;
 }
 
+Result<void> Reader::read_stored(const BlockEntry& block, std::uint64_t offset,
+                                 std::span<std::byte> out) const {
+  LODE_CHECK(read_at(offset, out));
+  const std::uint64_t sum = checksum(out);
+  if (sum == block.checksum) return {};
+  return block_error(
+      block, fmt::format("damaged: expected checksum {:016x}, got {:016x}", block.checksum, sum));
+}
+
 Result<void> Reader::read_block(std::size_t i, std::span<std::byte> out) const {
   LODE_EXPECTS(i < directory_.blocks.size());
   const BlockEntry& block = directory_.blocks[i];
   LODE_EXPECTS(out.size() == block.raw_size);
   std::vector<std::byte> stored(static_cast<std::size_t>(block.stored_size));
-  LODE_CHECK(read_at(block.offset, stored));
-  const std::uint64_t sum = checksum(stored);
-  if (sum != block.checksum)
-    return block_error(
-        block, fmt::format("damaged: expected checksum {:016x}, got {:016x}", block.checksum, sum));
+  auto found = read_stored(block, block.offset, stored);
+  if (!found && shift_ != 0 && read_stored(block, block.offset + shift_, stored)) found = {};
+  if (!found) return found;
   if (const auto decoded = decode_block(block.codec, block.element_size, stored, out); !decoded)
     return block_error(block, decoded.error().message);
   return {};

@@ -15,10 +15,17 @@
 
 namespace lode::store {
 
+/// Whether a file must be as long as its header says. `any`: bytes may follow its end, as tools
+/// that recover files leave them, or some be missing or too many between its blocks. Its directory
+/// is then also looked for at the end, and each block as far off as that is, if it is not in its
+/// place.
+enum class Length : std::uint8_t { as_said, any };
+
 struct ReaderOptions {
   /// Bytes that the directory, or a block, may take when decoded; 0: four times the file and
   /// 64 MiB, which every valid file that Lode writes is far below.
   std::uint64_t memory_limit = 0;
+  Length length = Length::as_said;
 };
 
 /// An open .lode file. Const members are safe from many threads.
@@ -58,11 +65,16 @@ class Reader {
   [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> out) const;
   [[nodiscard]] Result<Header> load_header() const;
   [[nodiscard]] Result<std::vector<std::byte>> load_directory(const Header& header) const;
+  [[nodiscard]] Result<std::vector<std::byte>> find_directory();
+  [[nodiscard]] Result<void> read_stored(const BlockEntry& block, std::uint64_t offset,
+                                         std::span<std::byte> out) const;
   [[nodiscard]] Error block_error(const BlockEntry& block, const std::string& what) const;
 
   std::string path_;
   int descriptor_ = -1;
   std::uint64_t memory_limit_ = 0;
+  Length length_ = Length::as_said;
+  std::uint64_t shift_ = 0;  ///< How far off the directory was, modulo 2^64.
   Header header_;
   Directory directory_;
   std::vector<std::size_t> order_;  ///< Of blocks, by key.
