@@ -10,6 +10,7 @@
 #include "input.h"
 #include "outputs.h"
 #include "parse.h"
+#include "salvage.h"
 #include "text.h"
 
 namespace lode::cli {
@@ -54,6 +55,8 @@ std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
 
 Result<void> check_extract(const ExtractArguments& arguments) {
   LODE_CHECK(check_unused(arguments.query));
+  if (arguments.reading.salvage && !arguments.memory_limit.empty())
+    return fail("--salvage: expected no --memory-limit with it: all of the file is loaded");
   if (!arguments.memory_limit.empty()) {
     if (auto limit = parse_bytes("--memory-limit", arguments.memory_limit); !limit)
       return limit.error();
@@ -127,6 +130,7 @@ Json extraction_json(const Extraction& extraction, const std::vector<std::string
   seconds["finish"] = report.seconds.finish;
   seconds["open"] = extraction.input.open_seconds;
   seconds["write"] = report.seconds.write;
+  add_salvage(json, extraction.input.dataset.salvaged(), report.achieved_error);
   json["warnings"] = warnings;
   return json;
 }
@@ -142,6 +146,7 @@ std::string extraction_text(const Extraction& extraction) {
   table.add({"max error", describe_tolerance(extraction.options, report.max_error)});
   table.add({"achieved error", format_number(report.achieved_error)});
   table.add({"coordinate slack", format_number(report.coordinate_slack)});
+  add_salvage(table, extraction.input.dataset.salvaged(), report.achieved_error);
   table.add(
       {is_lines ? "lines" : "triangles", format_count(is_lines ? report.lines : report.triangles)});
   table.add({"vertices", format_count(report.vertices)});
@@ -172,10 +177,10 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
   ExtractOptions job_options = options;
   job_options.isovalues = job.isovalues;
   const auto note = [&](const ExtractReport& report) -> SurfaceWriteOptions {
-    return {.comment =
-                fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}", LODE_VERSION,
-                            job.isovalues.size() == 1 ? "isovalue" : "isovalues",
-                            fmt::join(job.isovalues, " "), report.max_error, report.achieved_error),
+    return {.comment = fmt::format(
+                "Lode {}: {} {}, max_error {}, achieved_error {}{}", LODE_VERSION,
+                job.isovalues.size() == 1 ? "isovalue" : "isovalues", fmt::join(job.isovalues, " "),
+                report.max_error, report.achieved_error, salvage_comment(input.dataset.salvaged())),
             .frame = input.info.volume.grid.frame};
   };
   LODE_TRY(const ExtractReport report,
@@ -186,9 +191,7 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
   return {};
 }
 
-Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session) {
-  if (arguments.query.is_wanted()) return run_mesh_job(arguments.mesh_job(), session);
-  if (arguments.query.is_focused()) return run_focused_job(arguments.mesh_job(), session);
+Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
   options.threads = session.threads();
   if (!arguments.memory_limit.empty()) {
@@ -221,6 +224,14 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
   return Outcome{extraction_json(extraction, session.warnings()), extraction_text(extraction)};
 }
 
+Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session) {
+  auto outcome = arguments.query.is_wanted()    ? run_mesh_job(arguments.mesh_job(), session)
+                 : arguments.query.is_focused() ? run_focused_job(arguments.mesh_job(), session)
+                                                : run_plain(arguments, session);
+  if (outcome || arguments.reading.salvage) return outcome;
+  return suggest_salvage(outcome.error(), arguments.input);
+}
+
 }  // namespace
 
 Command add_extract_command(CLI::App& program) {
@@ -238,7 +249,8 @@ Command add_extract_command(CLI::App& program) {
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
       "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
       "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1\n"
-      "  lode extract scan.lode bone.vtp --isovalue 1200 --progressive bone-steps");
+      "  lode extract scan.lode bone.vtp --isovalue 1200 --progressive bone-steps\n"
+      "  lode extract damaged.lode bone.ply --isovalue 1200 --max-error 10 --salvage");
   app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
       ->type_name("FILE")
       ->required();
@@ -246,6 +258,9 @@ Command add_extract_command(CLI::App& program) {
   app->add_option("--memory-limit", arguments->memory_limit,
                   "Memory for the hierarchy, such as 512M (default: a quarter of the machine's)")
       ->type_name("BYTES");
+  app->add_flag("--salvage", arguments->reading.salvage,
+                "Use what is whole of a damaged .lode file: what is lost is filled from coarser "
+                "levels, within a bound that is reported");
   add_extraction_options(*app, arguments->extraction);
   add_query_options(*app, arguments->query);
   add_progressive_option(*app, arguments->progressive,

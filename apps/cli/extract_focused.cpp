@@ -2,6 +2,7 @@
 
 #include "outputs.h"
 #include "parse.h"
+#include "salvage.h"
 #include "stopwatch.h"
 #include "text.h"
 
@@ -40,6 +41,7 @@ Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& r
   json["seconds"]["total"] = report.seconds;
   json["seconds"]["world_errors"] = report.world_error_seconds;
   json["seconds"]["open"] = input.open_seconds + report.open_seconds;
+  add_salvage(json, input.dataset.salvaged(), report.standing.error_bound);
   return json;
 }
 
@@ -51,6 +53,7 @@ std::string focused_text(const MeshJob& job, const Input& input, const FocusedRe
                                 ? "as small as the limit allows"
                                 : format_number(*report.max_error)});
   table.add({"error bound", format_number(report.standing.error_bound)});
+  add_salvage(table, input.dataset.salvaged(), report.standing.error_bound);
   if (report.max_error_px) {
     table.add({"max error in view", format_number(*report.max_error_px) + " pixels"});
     table.add({"achieved", format_number(report.achieved_px) + " pixels (estimate)"});
@@ -125,8 +128,9 @@ Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
   warn_of_focused(session, report, surface, plain, input.info, options.query.budget.is_limited());
   LODE_CHECK(write_surface(
       job.output, surface,
-      {.comment = fmt::format("Lode {}: isovalue {}, error_bound {}", LODE_VERSION,
-                              options.query.isovalues.front(), report.standing.error_bound),
+      {.comment = fmt::format("Lode {}: isovalue {}, error_bound {}{}", LODE_VERSION,
+                              options.query.isovalues.front(), report.standing.error_bound,
+                              salvage_comment(input.dataset.salvaged())),
        .frame = input.info.volume.grid.frame},
       session.progress()));
   Outcome outcome;

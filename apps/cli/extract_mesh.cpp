@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "outputs.h"
+#include "salvage.h"
 #include "stopwatch.h"
 #include "text.h"
 
@@ -40,9 +41,10 @@ void warn_of_shortcomings(Session& session, const Made& made) {
                              made.n_cut_cells));
 }
 
-std::string comment_of(const char* kind, const Made& made) {
-  return fmt::format("Lode {}: {}, max_error {}, achieved_error {}", LODE_VERSION, kind,
-                     made.max_error, made.achieved_error);
+std::string comment_of(const char* kind, const Input& input, const Made& made) {
+  return fmt::format("Lode {}: {}, max_error {}, achieved_error {}{}", LODE_VERSION, kind,
+                     made.max_error, made.achieved_error,
+                     salvage_comment(input.dataset.salvaged()));
 }
 
 /// Keys of the answer, between those that all commands have.
@@ -67,6 +69,7 @@ Outcome report_outcome(const MeshJob& job, const Input& input, const Made& made,
                        const Session& session) {
   Outcome outcome;
   outcome.json = outcome_json(job, input, made, counts);
+  add_salvage(outcome.json, input.dataset.salvaged(), made.achieved_error);
   outcome.json["warnings"] = session.warnings();
   Table table;
   table.add(
@@ -74,6 +77,7 @@ Outcome report_outcome(const MeshJob& job, const Input& input, const Made& made,
        format_number(made.max_error) +
            (made.is_default && made.max_error > 0 ? " (default: 0.5 % of the value range)" : "")});
   table.add({"achieved error", format_number(made.achieved_error)});
+  add_salvage(table, input.dataset.salvaged(), made.achieved_error);
   for (const auto& [name, value] : counts.items())
     table.add({name == "largest_error" ? "error anywhere" : name,
                value.is_number_float() ? format_number(value.get<double>())
@@ -98,7 +102,7 @@ Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
   if (mesh.is_empty()) session.warn("the mesh is empty: the data has no cell without a hole");
   const Stopwatch watch;
   LODE_CHECK(write_vtu(job.output, mesh,
-                       {.comment = comment_of("mesh", made),
+                       {.comment = comment_of("mesh", input, made),
                         .frame = input.info.volume.grid.frame,
                         .value_name = input.info.volume.field_name},
                        session.progress()));
@@ -139,7 +143,7 @@ Result<Outcome> run_section(const MeshJob& job, Session& session) {
   warn_of_section(session, job, options, section, report);
   const Stopwatch watch;
   LODE_CHECK(write_surface(job.output, section,
-                           {.comment = comment_of("section", made),
+                           {.comment = comment_of("section", input, made),
                             .frame = input.info.volume.grid.frame,
                             .value_name = input.info.volume.field_name},
                            session.progress()));

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "parse.h"
+#include "salvage.h"
 #include "stopwatch.h"
 
 namespace lode::cli {
@@ -113,6 +114,8 @@ Result<ReadOptions> to_read_options(const ReadingArguments& arguments, Threads t
 }
 
 Result<void> check_reading_options(const ReadingArguments& arguments, const std::string& path) {
+  if (arguments.salvage && !is_lode_path(path))
+    return fail("--salvage: expected a .lode file, got {}", path);
   if (is_lode_path(path) && !arguments.is_empty())
     return fail("{}: expected no reading options (--field, --dims, ...) for a .lode file", path);
   if (auto options = to_read_options(arguments, {}); !options) return options.error();
@@ -124,9 +127,11 @@ Result<Input> open_input(Session& session, const std::string& path,
   const Stopwatch watch;
   LODE_TRY(const ReadOptions options, to_read_options(arguments, session.threads()));
   const bool is_foreign = !is_lode_path(path);
-  auto dataset = is_foreign ? build_in_memory(session, path, options, accept)
-                            : Dataset::open(path, session.threads());
+  auto dataset = is_foreign          ? build_in_memory(session, path, options, accept)
+                 : arguments.salvage ? Dataset::salvage(path, session.threads(), session.progress())
+                                     : Dataset::open(path, session.threads());
   if (!dataset) return dataset.error();
+  if (const auto* const salvaged = dataset->salvaged()) warn_of_damage(session, path, *salvaged);
   DatasetInfo info = dataset->describe();
   if (accept) LODE_CHECK(accept(info.volume));
   return Input{std::move(dataset).value(), std::move(info), watch.seconds(), is_foreign};

@@ -11,7 +11,7 @@
 
 namespace lode::cli {
 
-/// The options that say how a foreign file is to be read, as typed.
+/// The options that say how a file is to be read, as typed: all but the last are of foreign files.
 struct ReadingArguments {
   std::string field;
   std::string component;
@@ -22,7 +22,9 @@ struct ReadingArguments {
   std::string spacing;
   std::string origin;
   std::string byte_order;
+  bool salvage = false;
 
+  /// Of those.
   [[nodiscard]] bool is_empty() const;
 };
 
@@ -31,7 +33,7 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments);
 [[nodiscard]] Result<ReadOptions> to_read_options(const ReadingArguments& arguments,
                                                   Threads threads);
 
-/// Refuses reading options for a .lode file: they would silently do nothing.
+/// Refuses options for files of the other kind: they would silently do nothing.
 [[nodiscard]] Result<void> check_reading_options(const ReadingArguments& arguments,
                                                  const std::string& path);
 
@@ -46,8 +48,8 @@ struct Input {
 /// Looks at what a file holds before the work starts, and may refuse it.
 using AcceptVolume = std::function<Result<void>(const VolumeInfo&)>;
 
-/// Opens a .lode file, of which nothing is read yet, or builds a foreign one in memory and says so
-/// on stderr.
+/// Opens a .lode file, of which nothing is read yet unless it is salvaged, or builds a foreign one
+/// in memory and says so on stderr.
 [[nodiscard]] Result<Input> open_input(Session& session, const std::string& path,
                                        const ReadingArguments& arguments,
                                        const AcceptVolume& accept = {});
