@@ -79,7 +79,7 @@ inline void rewrite(const std::string& path, const std::function<void(Bytes&)>& 
     auto raw = reader->read_block(i);
     ASSERT_TRUE(raw);
     if (edit_block) edit_block(entry.key, *raw);
-    ASSERT_TRUE(writer->append(entry.key, store::encode_block(*raw, entry.element_size)));
+    ASSERT_TRUE(writer->append(entry.key, store::encode_block({*raw, entry.element_size})));
   }
   ASSERT_TRUE(writer->finish());
 }

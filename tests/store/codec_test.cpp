@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::array kPatterns = {Pattern::constant, Pattern::ramp, Pattern::random, Pattern::wave,
                                   Pattern::noise};
+constexpr std::array kGridless = {Codec::none, Codec::zstd, Codec::shuffle_zstd, Codec::delta_zstd};
 constexpr std::array<std::size_t, 4> kElementSizes = {1, 2, 4, 8};
 /// Not all multiples of an element, below and above the size from which codecs are sampled.
 constexpr std::array<std::size_t, 9> kSizes = {0, 1, 3, 7, 8, 9, 1003, 32768, 100001};
@@ -27,6 +28,18 @@ void expect_decodes_to(const EncodedBlock& block, std::span<const std::byte> raw
   EXPECT_TRUE(std::ranges::equal(out, raw));
 }
 
+/// One point, lines, planes, and boxes below and above the size from which codecs are sampled, of
+/// fewer and more rows than are restored side by side.
+constexpr std::array<std::array<std::uint16_t, 3>, 9> kGrids = {{{1, 1, 1},
+                                                                 {300, 1, 1},
+                                                                 {1, 40, 3},
+                                                                 {2, 2, 2},
+                                                                 {17, 33, 1},
+                                                                 {257, 130, 1},
+                                                                 {3, 16, 5},
+                                                                 {31, 17, 18},
+                                                                 {33, 34, 40}}};
+
 TEST(codec, gives_back_any_bytes_with_every_codec_element_size_and_length) {
   for (const Pattern pattern : kPatterns)
     for (const std::size_t element_size : kElementSizes)
@@ -34,15 +47,71 @@ TEST(codec, gives_back_any_bytes_with_every_codec_element_size_and_length) {
         SCOPED_TRACE(fmt::format("pattern {}, element size {}, {} bytes", static_cast<int>(pattern),
                                  element_size, size));
         const auto raw = pattern_bytes(pattern, size, element_size);
-        expect_decodes_to(encode_block(raw, element_size), raw);
-        for (int codec = 0; codec <= kLastCodec; ++codec)
-          expect_decodes_to(encode_block_as(static_cast<Codec>(codec), raw, element_size), raw);
+        expect_decodes_to(encode_block({raw, element_size}), raw);
+        for (const Codec codec : kGridless)
+          expect_decodes_to(encode_block_as(codec, {raw, element_size}), raw);
       }
+}
+
+TEST(codec, gives_back_grids_of_any_shape_with_and_without_even_points) {
+  for (const auto& n : kGrids)
+    for (const bool lacks_even_points : {false, true})
+      for (const std::size_t element_size : kElementSizes) {
+        const ElementGrid grid{n, lacks_even_points};
+        SCOPED_TRACE(fmt::format("{} x {} x {}, {}, element size {}", n[0], n[1], n[2],
+                                 lacks_even_points, element_size));
+        for (const auto& raw :
+             {grid_bytes(grid, element_size),
+              pattern_bytes(Pattern::random, grid.n_elements() * element_size, element_size)}) {
+          const BlockElements block{raw, element_size, grid};
+          expect_decodes_to(encode_block(block), raw);
+          expect_decodes_to(encode_block_as(Codec::predicted_zstd, block), raw);
+        }
+      }
+}
+
+TEST(codec, predicts_fields_that_do_not_bend_exactly_but_where_they_start) {
+  const ElementGrid grid{{40, 30, 20}, true};
+  std::vector<std::byte> raw;
+  for (int z = 0; z < 20; ++z)
+    for (int y = 0; y < 30; ++y)
+      for (int x = 0; x < 40; ++x)
+        if (((x | y | z) & 1) != 0) raw.push_back(static_cast<std::byte>(x * x % 7 + 5 * y % 11));
+  // Of the first plane all is news, of the others nothing.
+  const EncodedBlock block = encode_block({raw, 1, grid});
+  EXPECT_EQ(block.codec, Codec::predicted_zstd);
+  EXPECT_LT(block.stored.size(), raw.size() / 30);
+  expect_decodes_to(block, raw);
+}
+
+TEST(codec, chooses_prediction_for_smooth_fields_with_noise) {
+  const ElementGrid grid{{64, 64, 64}, true};
+  for (const std::size_t element_size : kElementSizes) {
+    const auto raw = grid_bytes(grid, element_size);
+    const EncodedBlock block = encode_block({raw, element_size, grid});
+    EXPECT_EQ(block.codec, Codec::predicted_zstd);
+    EXPECT_LT(block.stored.size(), encode_block({raw, element_size}).stored.size());
+  }
+}
+
+TEST(codec, refuses_grids_that_do_not_have_the_block_s_points) {
+  const ElementGrid grid{{20, 10, 8}, true};
+  const auto raw = grid_bytes(grid, 2);
+  const EncodedBlock block = encode_block_as(Codec::predicted_zstd, {raw, 2, grid});
+  ASSERT_EQ(block.codec, Codec::predicted_zstd);
+  std::vector<std::byte> out(raw.size());
+  for (const std::size_t at : {0, 1, 2, 3, 5}) {
+    auto stored = block.stored;
+    stored[at] ^= std::byte{2};
+    EXPECT_FALSE(decode_block(block.codec, 2, stored, out)) << at;
+  }
+  for (const std::size_t size : {0, 6, 8, 9})
+    EXPECT_FALSE(decode_block(block.codec, 2, std::span(block.stored).first(size), out)) << size;
 }
 
 TEST(codec, stores_random_bytes_as_they_are) {
   const auto raw = pattern_bytes(Pattern::random, 100001, 4);
-  const EncodedBlock block = encode_block(raw, 4);
+  const EncodedBlock block = encode_block({raw, 4});
   EXPECT_EQ(block.codec, Codec::none);
   EXPECT_EQ(block.stored, raw);
 }
@@ -50,7 +119,7 @@ TEST(codec, stores_random_bytes_as_they_are) {
 TEST(codec, chooses_differences_for_ramps_and_shrinks_them_a_hundredfold) {
   for (const std::size_t element_size : kElementSizes) {
     const auto raw = pattern_bytes(Pattern::ramp, 65536, element_size);
-    const EncodedBlock block = encode_block(raw, element_size);
+    const EncodedBlock block = encode_block({raw, element_size});
     EXPECT_EQ(block.codec, Codec::delta_zstd) << element_size;
     EXPECT_LT(block.stored.size(), raw.size() / 100) << element_size;
   }
@@ -64,7 +133,7 @@ TEST(codec, gives_identical_bytes_from_any_number_of_threads) {
   const auto encode_all = [&](int threads) {
     std::vector<EncodedBlock> blocks(kBlocks);
     parallel_for(kBlocks, {.count = threads}, 1, [&](std::size_t i, int) {
-      blocks[i] = encode_block(raw_of(i), kElementSizes[i / 4 % 4]);
+      blocks[i] = encode_block({raw_of(i), kElementSizes[i / 4 % 4]});
     });
     return blocks;
   };
@@ -81,7 +150,8 @@ TEST(codec, gives_identical_bytes_from_any_number_of_threads) {
 TEST(codec, refuses_stored_bytes_of_another_size) {
   const auto raw = pattern_bytes(Pattern::wave, 4000, 4);
   for (int codec = 0; codec <= kLastCodec; ++codec) {
-    const EncodedBlock block = encode_block_as(static_cast<Codec>(codec), raw, 4);
+    const ElementGrid grid{{10, 10, 10}};
+    const EncodedBlock block = encode_block_as(static_cast<Codec>(codec), {raw, 4, grid});
     for (const std::size_t size : {std::size_t{0}, raw.size() - 1, raw.size() + 1}) {
       std::vector<std::byte> out(size);
       EXPECT_FALSE(decode_block(block.codec, 4, block.stored, out)) << codec << ' ' << size;
@@ -102,7 +172,8 @@ TEST(codec, survives_hostile_stored_bytes) {
   std::vector<std::byte> out(raw.size());
   std::mt19937 random(7);
   for (int codec = 1; codec <= kLastCodec; ++codec) {
-    const EncodedBlock block = encode_block_as(static_cast<Codec>(codec), raw, 2);
+    const ElementGrid grid{{15, 10, 10}};
+    const EncodedBlock block = encode_block_as(static_cast<Codec>(codec), {raw, 2, grid});
     ASSERT_EQ(block.codec, static_cast<Codec>(codec));
     for (int repeat = 0; repeat < 2000; ++repeat) {
       auto stored = block.stored;

@@ -116,9 +116,49 @@ def undelta(codes, size):
     return bytes(out)
 
 
+def in_plane(a, b, ab):
+    return a + b - min(max(ab, min(a, b)), max(a, b))
+
+
+def unpredict(codes, shape, lacks_even, origin, size):
+    """Adds up what is predicted and the differences; points before the grid are 0."""
+    modulus = 1 << (8 * size)
+    values, out, at = {}, bytearray(), 0
+    for z in range(shape[2]):
+        for y in range(shape[1]):
+            for x in range(shape[0]):
+                a, b, c, ab, ac, bc = (
+                    values.get((x - i, y - j, z - k), 0)
+                    for i, j, k in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1))
+                )
+                planes = (in_plane(a, b, ab), in_plane(a, c, ac), in_plane(b, c, bc))
+                value = sorted(planes)[1]
+                if not lacks_even or (x | y | z) % 2:
+                    expect(at < len(codes), "more points than differences")
+                    code = int.from_bytes(codes[at : at + size], "little")
+                    at += size
+                    value += code >> 1 if code % 2 == 0 else -((code + 1) >> 1)
+                    value %= modulus
+                    out += ((value + origin) % modulus).to_bytes(size, "little")
+                values[x, y, z] = value
+    expect(at == len(codes), "fewer points than differences")
+    return bytes(out)
+
+
+def decode_predicted(library, block, stored):
+    size = block["element_size"]
+    flags, *shape = struct.unpack_from("<B3H", stored, 0)
+    expect(flags <= 1, "unknown flags of a grid")
+    origin = int.from_bytes(stored[7 : 7 + size], "little")
+    codes = unshuffle(unzstd(library, stored[7 + size :], block["raw_size"]), size)
+    return unpredict(codes, shape, flags == 1, origin, size)
+
+
 def decode(library, block, stored):
     if block["codec"] == 0:
         return stored
+    if block["codec"] == 4:
+        return decode_predicted(library, block, stored)
     raw = unzstd(library, stored, block["raw_size"])
     if block["codec"] >= 2:
         raw = unshuffle(raw, block["element_size"])
@@ -136,7 +176,7 @@ def read_header(data):
     names += ("directory_stored_size", "directory_raw_size", "directory_checksum")
     header = dict(zip(names, struct.unpack_from("<II6Q", data, 8)))
     expect(header["version"] == 2, "unknown version")
-    expect(header["features"] == 0, "unknown features")
+    expect(header["features"] in (0, 1), "unknown features")
     expect(header["file_size"] == len(data), "wrong file size")
     return header
 
@@ -174,6 +214,7 @@ def read_blocks(library, data, header, blocks):
         raw = decode(library, block, stored)
         expect(len(raw) == block["raw_size"], f"wrong raw size at offset {offset}")
         yield offset, block, raw
+        expect(block["codec"] < 4 or header["features"] == 1, "a codec without its feature bit")
         offset += block["stored_size"]
     expect(offset == header["directory_offset"], "a gap before the directory")
 

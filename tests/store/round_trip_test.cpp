@@ -44,7 +44,8 @@ TEST(store, gives_back_every_block_in_the_order_of_writing) {
 TEST(store, test_file_uses_every_codec) {
   std::array<bool, kLastCodec + 1> is_used{};
   for (const TestBlock& block : small_blocks())
-    is_used[static_cast<std::size_t>(encode_block(block.raw, block.element_size).codec)] = true;
+    is_used[static_cast<std::size_t>(
+        encode_block({block.raw, block.element_size, block.grid}).codec)] = true;
   EXPECT_TRUE(std::ranges::all_of(is_used, [](bool used) { return used; }));
 }
 
@@ -85,7 +86,7 @@ TEST(writer, leaves_nothing_without_finish) {
   {
     auto writer = Writer::create(directory.str() + "/a.lode", "m", {});
     ASSERT_TRUE(writer);
-    ASSERT_TRUE(writer->append({}, encode_block(to_bytes("abc"), 1)));
+    ASSERT_TRUE(writer->append({}, encode_block({to_bytes("abc")})));
   }
   EXPECT_TRUE(std::filesystem::is_empty(directory.str()));
 }
@@ -96,7 +97,7 @@ TEST(writer, refuses_two_blocks_with_one_key_and_leaves_nothing) {
     auto writer = Writer::create(path.str(), "m", {});
     ASSERT_TRUE(writer);
     for (int i = 0; i < 2; ++i)
-      ASSERT_TRUE(writer->append({1, 2, {{3, 4, 5}}}, encode_block(to_bytes("abc"), 1)));
+      ASSERT_TRUE(writer->append({1, 2, {{3, 4, 5}}}, encode_block({to_bytes("abc")})));
     const auto size = writer->finish();
     ASSERT_FALSE(size);
     EXPECT_EQ(size.error().message,

@@ -50,7 +50,25 @@ std::vector<std::byte> pattern_bytes(Pattern pattern, std::size_t n_bytes,
   return bytes;
 }
 
+std::vector<std::byte> grid_bytes(const ElementGrid& grid, std::size_t element_size) {
+  std::vector<std::byte> bytes;
+  std::mt19937_64 random(grid.n_elements());
+  for (int z = 0; z < grid.n[2]; ++z)
+    for (int y = 0; y < grid.n[1]; ++y)
+      for (int x = 0; x < grid.n[0]; ++x) {
+        if (grid.lacks_even_points && ((x | y | z) & 1) == 0) continue;
+        const double wave =
+            60 * std::sin(0.1 * x) + 40 * std::cos(0.2 * y) + 20 * std::sin(0.3 * z);
+        const auto value = static_cast<std::uint64_t>(std::llround(wave)) + random() % 2;
+        for (std::size_t b = 0; b < element_size; ++b)
+          bytes.push_back(static_cast<std::byte>(value >> (8 * b) & 0xFF));
+      }
+  return bytes;
+}
+
 std::vector<TestBlock> small_blocks() {
+  constexpr ElementGrid kWhole{{21, 9, 5}};
+  constexpr ElementGrid kLacking{{20, 19, 6}, true};
   return {
       {{1, 3, {{0, 0, 0}}}, 1, pattern_bytes(Pattern::constant, 300, 1)},
       {{1, 2, {{-5, 70000, 2}}}, 2, pattern_bytes(Pattern::ramp, 401, 2)},
@@ -59,6 +77,10 @@ std::vector<TestBlock> small_blocks() {
       {{2, 0, {{0, 0, 0}}}, 1, {}},
       {{2, 0, {{0, 0, 1}}}, 8, pattern_bytes(Pattern::noise, 323, 8)},
       {{7, 0, {{0, 1, 0}}}, 4, pattern_bytes(Pattern::constant, 513, 4)},
+      {{8, 0, {{0, 0, 0}}}, 1, grid_bytes(kWhole, 1), kWhole},
+      {{8, 1, {{0, 0, 0}}}, 2, grid_bytes(kLacking, 2), kLacking},
+      {{8, 2, {{0, 0, 0}}}, 4, grid_bytes(kLacking, 4), kLacking},
+      {{8, 3, {{0, 0, 0}}}, 8, grid_bytes(kWhole, 8), kWhole},
   };
 }
 
@@ -72,7 +94,8 @@ void write_file(const std::string& path, std::span<const TestBlock> blocks) {
   auto writer = Writer::create(path, "test model", to_bytes("some metadata"));
   ASSERT_TRUE(writer.has_value()) << writer.error().message;
   for (const TestBlock& block : blocks)
-    ASSERT_TRUE(writer->append(block.key, encode_block(block.raw, block.element_size)));
+    ASSERT_TRUE(
+        writer->append(block.key, encode_block({block.raw, block.element_size, block.grid})));
   const auto size = writer->finish();
   ASSERT_TRUE(size.has_value()) << size.error().message;
   ASSERT_EQ(*size, std::filesystem::file_size(path));

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "lode/store/format.h"
+#include "lode/store/grid_filter.h"
 #include "lode/store/reader.h"
 
 namespace lode::store {
@@ -29,6 +31,7 @@ struct TestBlock {
   BlockKey key;
   std::size_t element_size = 1;
   std::vector<std::byte> raw;
+  std::optional<ElementGrid> grid{};
 };
 
 /// Blocks of all element sizes that between them use every codec, and an empty one.
@@ -42,6 +45,9 @@ enum class Pattern {
   wave,   ///< Smooth, with noise of 2 bits.
   noise,  ///< Random in the lowest byte alone.
 };
+/// A smooth field on a grid, with noise of one bit; negative where it is below 0.
+[[nodiscard]] std::vector<std::byte> grid_bytes(const ElementGrid& grid, std::size_t element_size);
+
 /// n_bytes of elements; the last may be cut short.
 [[nodiscard]] std::vector<std::byte> pattern_bytes(Pattern pattern, std::size_t n_bytes,
                                                    std::size_t element_size);

@@ -2,13 +2,22 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "lode/core/result.h"
 #include "lode/store/format.h"
+#include "lode/store/grid_filter.h"
 
 namespace lode::store {
+
+/// The raw bytes of a block: little-endian numbers of `size` (1, 2, 4 or 8) bytes.
+struct BlockElements {
+  std::span<const std::byte> raw;
+  std::size_t size = 1;
+  std::optional<ElementGrid> grid{};  ///< Where it is known, of as many points as raw has.
+};
 
 /// A block ready to be written.
 struct EncodedBlock {
@@ -18,14 +27,14 @@ struct EncodedBlock {
   std::vector<std::byte> stored;
 };
 
-/// Compresses raw bytes that are little-endian numbers of element_size (1, 2, 4 or 8) bytes, with
-/// whichever codec does best on a sample. At most kMaxBlockBytes in, never more bytes out than
-/// in. Safe from many threads; the result depends on the arguments alone.
-[[nodiscard]] EncodedBlock encode_block(std::span<const std::byte> raw, std::size_t element_size);
+/// Compresses raw bytes with whichever codec does best on a part of them. At most kMaxBlockBytes
+/// in, never more bytes out than in. Safe from many threads; the result depends on the arguments
+/// alone.
+[[nodiscard]] EncodedBlock encode_block(const BlockElements& block);
 
 /// The same with a codec of the caller's choice; Codec::none where that would be no longer.
-[[nodiscard]] EncodedBlock encode_block_as(Codec codec, std::span<const std::byte> raw,
-                                           std::size_t element_size);
+/// Codec::predicted_zstd needs the grid.
+[[nodiscard]] EncodedBlock encode_block_as(Codec codec, const BlockElements& block);
 
 /// Fills exactly `out`; fails, without saying where, when the stored bytes do not decode to that
 /// many. Safe from many threads.

@@ -18,8 +18,9 @@ inline constexpr std::size_t kMagicBytes = 8;
 inline constexpr std::array<unsigned char, kMagicBytes> kMagic = {0x8B, 'L',  'O',  'D',
                                                                   0x0D, 0x0A, 0x1A, 0x0A};
 inline constexpr std::uint32_t kFormatVersion = 2;
-/// Must-understand features this program knows.
-inline constexpr std::uint64_t kKnownFeatures = 0;
+/// Must-understand features: that blocks may have Codec::predicted_zstd.
+inline constexpr std::uint64_t kFeaturePredicted = 1;
+inline constexpr std::uint64_t kKnownFeatures = kFeaturePredicted;
 inline constexpr std::size_t kHeaderBytes = 128;
 
 /// No block is larger than this when decoded; 64 KiB to 1 MiB is usual. A constant, because
@@ -31,12 +32,13 @@ inline constexpr std::uint64_t kMaxZstdRatio = 32768;
 
 /// How the stored bytes of a block become its raw bytes.
 enum class Codec : std::uint8_t {
-  none = 0,          ///< As they are.
-  zstd = 1,          ///< One zstd frame.
-  shuffle_zstd = 2,  ///< Byte planes of the elements, then zstd.
-  delta_zstd = 3,    ///< Differences of consecutive elements, zigzag, byte planes, then zstd.
+  none = 0,            ///< As they are.
+  zstd = 1,            ///< One zstd frame.
+  shuffle_zstd = 2,    ///< Byte planes of the elements, then zstd.
+  delta_zstd = 3,      ///< Differences of consecutive elements, zigzag, byte planes, then zstd.
+  predicted_zstd = 4,  ///< Differences from neighbours on a grid, then likewise; grid_filter.h.
 };
-inline constexpr std::uint8_t kLastCodec = 3;
+inline constexpr std::uint8_t kLastCodec = 4;
 
 /// Whether blocks may be made of elements of that many bytes.
 [[nodiscard]] constexpr bool is_element_size(std::uint64_t size) {

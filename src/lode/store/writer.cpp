@@ -1,5 +1,6 @@
 #include "lode/store/writer.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -55,7 +56,9 @@ Result<std::uint64_t> Writer::finish(const Progress& progress) {
   LODE_CHECK(check_keys_differ(directory_.blocks, order_by_key(directory_.blocks), path_));
   const auto raw = encode_directory(directory_);
   const auto stored = zstd_compress(raw);
-  const Header header{.features = 0,
+  const bool has_predicted = std::ranges::any_of(
+      directory_.blocks, [](const BlockEntry& b) { return b.codec == Codec::predicted_zstd; });
+  const Header header{.features = has_predicted ? kFeaturePredicted : 0,
                       .file_size = file_.size() + stored.size(),
                       .directory_offset = file_.size(),
                       .directory_stored_size = stored.size(),

@@ -64,6 +64,15 @@ T* copy_samples(const CoarseField<D>& field, const Index<D>& p, std::int32_t n, 
   return to;
 }
 
+/// A number for each of the region's points, in their order.
+template <int D, typename T>
+store::EncodedBlock encode_values(const Region<D>& r, const std::vector<T>& values) {
+  store::ElementGrid grid{{1, 1, 1}, !r.has_coarser_points};
+  for (std::size_t a = 0; a < as_size(D); ++a)
+    grid.n[a] = static_cast<std::uint16_t>(r.upper[a] - r.lower[a]);
+  return store::encode_block({std::as_bytes(std::span<const T>(values)), sizeof(T), grid});
+}
+
 template <int D, typename Field>
 void encode_samples(const Field& field, const store::BlockKey& key, const Region<D>& r,
                     std::vector<PendingBlock>& out) {
@@ -74,7 +83,7 @@ void encode_samples(const Field& field, const store::BlockKey& key, const Region
       for (std::int32_t& x : q.v) x <<= r.level;
       to = copy_samples<T, D>(field, q, n, stride << r.level, to);
     });
-    out.push_back({key, store::encode_block(std::as_bytes(std::span<const T>(values)), sizeof(T))});
+    out.push_back({key, encode_values<D, T>(r, values)});
   });
 }
 
@@ -88,7 +97,7 @@ void encode_attribute(const Index<D>& dims, const store::BlockKey& key, const Re
     const std::size_t first = linear_index<D>(dims, q);
     for (std::size_t i = 0; i < as_size(n); ++i) *to++ = encode(first + i * as_size(stride));
   });
-  out.push_back({key, store::encode_block(std::as_bytes(std::span<const T>(values)), sizeof(T))});
+  out.push_back({key, encode_values<D, T>(r, values)});
 }
 
 template <int D, typename Field>
