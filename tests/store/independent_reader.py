@@ -120,6 +120,13 @@ def in_plane(a, b, ab):
     return a + b - min(max(ab, min(a, b)), max(a, b))
 
 
+def zigzag(difference, size):
+    """Of a difference modulo 2^(8 size), as a signed number."""
+    half = 1 << (8 * size - 1)
+    signed = (difference + half) % (2 * half) - half
+    return 2 * signed if signed >= 0 else -2 * signed - 1
+
+
 def unpredict(codes, shape, lacks_even, origin, size):
     """Adds up what is predicted and the differences; points before the grid are 0."""
     modulus = 1 << (8 * size)
@@ -137,28 +144,44 @@ def unpredict(codes, shape, lacks_even, origin, size):
                     expect(at < len(codes), "more points than differences")
                     code = int.from_bytes(codes[at : at + size], "little")
                     at += size
-                    value += code >> 1 if code % 2 == 0 else -((code + 1) >> 1)
-                    value %= modulus
+                    zero = zigzag(-value, size)
+                    if code == 0:
+                        value = 0
+                    else:
+                        code -= code <= zero
+                        value += code >> 1 if code % 2 == 0 else -((code + 1) >> 1)
+                        value %= modulus
                     out += ((value + origin) % modulus).to_bytes(size, "little")
                 values[x, y, z] = value
     expect(at == len(codes), "fewer points than differences")
     return bytes(out)
 
 
-def decode_predicted(library, block, stored):
-    size = block["element_size"]
+def decode_predicted(library, stored, size, raw_size):
     flags, *shape = struct.unpack_from("<B3H", stored, 0)
     expect(flags <= 1, "unknown flags of a grid")
     origin = int.from_bytes(stored[7 : 7 + size], "little")
-    codes = unshuffle(unzstd(library, stored[7 + size :], block["raw_size"]), size)
+    codes = unshuffle(unzstd(library, stored[7 + size :], raw_size), size)
     return unpredict(codes, shape, flags == 1, origin, size)
+
+
+def decode_ranked(library, stored, size, raw_size):
+    n_values, n_stored = struct.unpack_from("<2I", stored, 0)
+    planes = unzstd(library, stored[8 : 8 + n_stored], n_values * size)
+    values = undelta(unshuffle(planes, size), size)
+    n = raw_size // size
+    ranks = decode_predicted(library, stored[8 + n_stored :], 2, 2 * n)
+    ranks = struct.unpack(f"<{n}H", ranks)
+    expect(all(r < n_values for r in ranks), "a rank without a value")
+    return b"".join(values[r * size : (r + 1) * size] for r in ranks)
 
 
 def decode(library, block, stored):
     if block["codec"] == 0:
         return stored
-    if block["codec"] == 4:
-        return decode_predicted(library, block, stored)
+    if block["codec"] >= 4:
+        decode_grid = decode_predicted if block["codec"] == 4 else decode_ranked
+        return decode_grid(library, stored, block["element_size"], block["raw_size"])
     raw = unzstd(library, stored, block["raw_size"])
     if block["codec"] >= 2:
         raw = unshuffle(raw, block["element_size"])

@@ -66,9 +66,23 @@ std::vector<std::byte> grid_bytes(const ElementGrid& grid, std::size_t element_s
   return bytes;
 }
 
+std::vector<std::byte> few_values(const ElementGrid& grid, std::size_t element_size) {
+  const auto levels = grid_bytes(grid, 1);
+  std::vector<std::byte> bytes(levels.size() * element_size);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const double value = 0.1 * (static_cast<int>(levels[i]) / 16);
+    const auto narrow = static_cast<float>(value);
+    if (element_size == sizeof(double))
+      std::memcpy(bytes.data() + i * sizeof(double), &value, sizeof(double));
+    else
+      std::memcpy(bytes.data() + i * element_size, &narrow, element_size);
+  }
+  return bytes;
+}
+
 std::vector<TestBlock> small_blocks() {
-  constexpr ElementGrid kWhole{{21, 9, 5}};
-  constexpr ElementGrid kLacking{{20, 19, 6}, true};
+  constexpr ElementGrid kWhole{{9, 6, 3}};
+  constexpr ElementGrid kLacking{{6, 17, 2}, true};
   return {
       {{1, 3, {{0, 0, 0}}}, 1, pattern_bytes(Pattern::constant, 300, 1)},
       {{1, 2, {{-5, 70000, 2}}}, 2, pattern_bytes(Pattern::ramp, 401, 2)},
@@ -81,6 +95,8 @@ std::vector<TestBlock> small_blocks() {
       {{8, 1, {{0, 0, 0}}}, 2, grid_bytes(kLacking, 2), kLacking},
       {{8, 2, {{0, 0, 0}}}, 4, grid_bytes(kLacking, 4), kLacking},
       {{8, 3, {{0, 0, 0}}}, 8, grid_bytes(kWhole, 8), kWhole},
+      {{9, 0, {{0, 0, 0}}}, 4, few_values(kLacking, 4), kLacking},
+      {{9, 1, {{0, 0, 0}}}, 8, few_values(kWhole, 8), kWhole},
   };
 }
 

@@ -48,6 +48,9 @@ enum class Pattern {
 /// A smooth field on a grid, with noise of one bit; negative where it is below 0.
 [[nodiscard]] std::vector<std::byte> grid_bytes(const ElementGrid& grid, std::size_t element_size);
 
+/// Likewise of floats or doubles, of which at most 16 differ.
+[[nodiscard]] std::vector<std::byte> few_values(const ElementGrid& grid, std::size_t element_size);
+
 /// n_bytes of elements; the last may be cut short.
 [[nodiscard]] std::vector<std::byte> pattern_bytes(Pattern pattern, std::size_t n_bytes,
                                                    std::size_t element_size);

@@ -295,7 +295,19 @@ DatasetInfo Dataset::describe() const {
   return info;
 }
 
+FileReads Dataset::reads() const {
+  const store::ReadCounts counts = impl_->reads();
+  return {counts.n_blocks, counts.n_bytes};
+}
+
 namespace {
+
+/// What has been read of the file since then.
+void add_reads(const store::ReadCounts& before, const Dataset::Impl& impl, ExtractReport& report) {
+  const store::ReadCounts now = impl.reads();
+  report.bytes_read = now.n_bytes - before.n_bytes;
+  report.blocks_read = now.n_blocks - before.n_blocks;
+}
 
 /// What extract() goes by.
 struct ExtractPlan {
@@ -329,9 +341,9 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   ExtractReport& report = plan.report;
   if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
   if (plan.chunks != nullptr) {
-    const std::uint64_t n_before = plan.chunks->blocks.n_bytes_read();
+    const store::ReadCounts before = impl_->reads();
     LODE_CHECK(extract_chunks(*plan.chunks, options, surface, report, progress));
-    report.bytes_read = plan.chunks->blocks.n_bytes_read() - n_before;
+    add_reads(before, *impl_, report);
   } else {
     LODE_TRY(const auto* const held, impl_->model(progress));
     LODE_CHECK(extract_in_memory(*held, options, surface, report, progress));
@@ -351,9 +363,9 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSin
   LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
   ExtractReport& report = plan.report;
   if (plan.chunks != nullptr && is_edited_by_piece(options)) {
-    const std::uint64_t n_before = plan.chunks->blocks.n_bytes_read();
+    const store::ReadCounts before = impl_->reads();
     LODE_CHECK(stream_chunks(*plan.chunks, options, surface, report, progress));
-    report.bytes_read = plan.chunks->blocks.n_bytes_read() - n_before;
+    add_reads(before, *impl_, report);
   } else {
     SurfacePiece whole;
     LODE_TRY(report, extract(options, whole.surface, progress));

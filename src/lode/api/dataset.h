@@ -43,6 +43,12 @@ struct DatasetInfo {
   std::vector<LevelInfo> levels;
 };
 
+/// Blocks of a file, and all bytes, header and directory included; what is read twice counts twice.
+struct FileReads {
+  std::uint64_t blocks = 0;
+  std::uint64_t bytes = 0;
+};
+
 enum class Normals : std::uint8_t { off, on };
 enum class Orientation : std::uint8_t { from_lower_values, from_higher_values };
 /// closed: caps in the border planes make the surface the whole boundary of the region at or above
@@ -86,6 +92,7 @@ struct ExtractReport {
   std::uint64_t components_dropped = 0;  ///< By min_component.
   std::uint64_t triangles_dropped = 0;   ///< Their triangles (lines).
   std::uint64_t bytes_read = 0;          ///< Of the file, for this query; 0 from memory.
+  std::uint64_t blocks_read = 0;         ///< Likewise.
   std::vector<double> unmet;             ///< Isovalues without any surface.
   ExtractSeconds seconds;
 };
@@ -146,6 +153,8 @@ class Dataset {
                                   Progress& progress) const;
 
   [[nodiscard]] DatasetInfo describe() const;
+  /// What has been read of the file since it was opened, by whatever asked; 0 of a built model.
+  [[nodiscard]] FileReads reads() const;
 
   /// Extracts isosurfaces (or contour lines of 2D data) into `surface`, whose memory is reused.
   [[nodiscard]] Result<ExtractReport> extract(const ExtractOptions& options, Surface& surface,

@@ -33,6 +33,10 @@ class Dataset::Impl {
   /// Of the file; none for a model that was built.
   [[nodiscard]] const std::optional<diamond::StoredBytes>& stored() const { return stored_; }
 
+  /// Of the file so far.
+  [[nodiscard]] store::ReadCounts reads() const {
+    return reader_ ? reader_->reads() : store::ReadCounts();
+  }
   /// Of a file that is not whole.
   [[nodiscard]] const std::optional<SalvageReport>& salvaged() const { return salvaged_; }
 

@@ -9,6 +9,7 @@
 #include <new>
 
 #include "lode/store/elements.h"
+#include "lode/store/rank_filter.h"
 
 namespace lode::store {
 namespace {
@@ -169,6 +170,48 @@ Result<void> decompress_predicted(std::size_t element_size, std::span<const std:
   return {};
 }
 
+/// How many values there are and how long their frame is, that, and the ranks; what predicting
+/// alone makes where there are too many values.
+EncodedBlock encode_ranked(const BlockElements& block) {
+  const auto ranked =
+      block.size >= sizeof(std::uint32_t) ? rank_elements(block.raw, block.size) : std::nullopt;
+  if (!ranked) return encode_block_as(Codec::predicted_zstd, block);
+  const auto values = zstd_compress(filter(Codec::delta_zstd, ranked->values, block.size));
+  const std::array<std::uint32_t, 2> sizes{
+      static_cast<std::uint32_t>(ranked->values.size() / block.size),
+      static_cast<std::uint32_t>(values.size())};
+  EncodedBlock encoded{
+      Codec::ranked_zstd, static_cast<std::uint8_t>(block.size), block.raw.size(), {}};
+  encoded.stored.resize(sizeof(sizes));
+  std::memcpy(encoded.stored.data(), sizes.data(), sizeof(sizes));
+  encoded.stored.insert(encoded.stored.end(), values.begin(), values.end());
+  const auto ranks = compress_predicted({ranked->ranks, sizeof(std::uint16_t), block.grid});
+  encoded.stored.insert(encoded.stored.end(), ranks.begin(), ranks.end());
+  // Readers take no block to be smaller than zstd alone could make it.
+  if (block.raw.size() / kMaxZstdRatio <= encoded.stored.size() &&
+      encoded.stored.size() < block.raw.size())
+    return encoded;
+  return encode_block_as(Codec::zstd, block);
+}
+
+Result<void> decompress_ranked(std::size_t element_size, std::span<const std::byte> stored,
+                               std::span<std::byte> out) {
+  std::array<std::uint32_t, 2> sizes{};
+  if (stored.size() < sizeof(sizes)) return fail("expected values, got {} bytes", stored.size());
+  std::memcpy(sizes.data(), stored.data(), sizeof(sizes));
+  stored = stored.subspan(sizeof(sizes));
+  if (sizes[0] > out.size() / element_size || sizes[1] > stored.size())
+    return fail("expected at most {} values in {} bytes, got {} in {}", out.size() / element_size,
+                stored.size(), sizes[0], sizes[1]);
+  RankedElements ranked{std::vector<std::byte>(sizes[0] * element_size),
+                        std::vector<std::byte>(out.size() / element_size * sizeof(std::uint16_t))};
+  LODE_CHECK(decode_block(Codec::delta_zstd, element_size, stored.first(sizes[1]), ranked.values));
+  LODE_CHECK(decompress_predicted(sizeof(std::uint16_t), stored.subspan(sizes[1]), ranked.ranks));
+  if (out.size() % element_size != 0 || !restore_ranked(ranked, element_size, out))
+    return fail("expected ranks below {}, got others", sizes[0]);
+  return {};
+}
+
 std::vector<std::byte> compress_as(Codec codec, const BlockElements& block) {
   if (codec == Codec::zstd) return zstd_compress(block.raw);
   if (codec == Codec::predicted_zstd) return compress_predicted(block);
@@ -198,6 +241,7 @@ BlockElements trial_part(const BlockElements& block) {
 std::vector<Codec> candidates(const BlockElements& block) {
   std::vector<Codec> codecs{Codec::zstd, block.grid ? Codec::predicted_zstd : Codec::delta_zstd};
   if (block.size > 1) codecs.push_back(Codec::shuffle_zstd);
+  if (block.grid && block.size >= sizeof(std::uint32_t)) codecs.push_back(Codec::ranked_zstd);
   return codecs;
 }
 
@@ -226,6 +270,7 @@ Result<void> zstd_decompress(std::span<const std::byte> stored, std::span<std::b
 
 EncodedBlock encode_block_as(Codec codec, const BlockElements& block) {
   LODE_EXPECTS(is_element_size(block.size) && block.raw.size() <= kMaxBlockBytes);
+  if (codec == Codec::ranked_zstd) return encode_ranked(block);
   EncodedBlock encoded{codec, static_cast<std::uint8_t>(block.size), block.raw.size(), {}};
   if (codec != Codec::none) encoded.stored = compress_as(codec, block);
   if (codec == Codec::none || encoded.stored.size() >= block.raw.size()) {
@@ -264,6 +309,7 @@ Result<void> decode_block(Codec codec, std::size_t element_size, std::span<const
       return {};
     case Codec::zstd: return zstd_decompress(stored, out);
     case Codec::predicted_zstd: return decompress_predicted(element_size, stored, out);
+    case Codec::ranked_zstd: return decompress_ranked(element_size, stored, out);
     case Codec::shuffle_zstd:
     case Codec::delta_zstd: break;
     default: return fail("expected codec 0 to {}, got {}", kLastCodec, static_cast<int>(codec));

@@ -33,7 +33,8 @@ struct EncodedBlock {
 [[nodiscard]] EncodedBlock encode_block(const BlockElements& block);
 
 /// The same with a codec of the caller's choice; Codec::none where that would be no longer.
-/// Codec::predicted_zstd needs the grid.
+/// Codec::predicted_zstd and ranked_zstd need the grid; instead of the latter it is the former
+/// where too many values differ.
 [[nodiscard]] EncodedBlock encode_block_as(Codec codec, const BlockElements& block);
 
 /// Fills exactly `out`; fails, without saying where, when the stored bytes do not decode to that

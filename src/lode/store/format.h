@@ -18,7 +18,7 @@ inline constexpr std::size_t kMagicBytes = 8;
 inline constexpr std::array<unsigned char, kMagicBytes> kMagic = {0x8B, 'L',  'O',  'D',
                                                                   0x0D, 0x0A, 0x1A, 0x0A};
 inline constexpr std::uint32_t kFormatVersion = 2;
-/// Must-understand features: that blocks may have Codec::predicted_zstd.
+/// Must-understand features: that blocks may have Codec::predicted_zstd or ranked_zstd.
 inline constexpr std::uint64_t kFeaturePredicted = 1;
 inline constexpr std::uint64_t kKnownFeatures = kFeaturePredicted;
 inline constexpr std::size_t kHeaderBytes = 128;
@@ -37,8 +37,9 @@ enum class Codec : std::uint8_t {
   shuffle_zstd = 2,    ///< Byte planes of the elements, then zstd.
   delta_zstd = 3,      ///< Differences of consecutive elements, zigzag, byte planes, then zstd.
   predicted_zstd = 4,  ///< Differences from neighbours on a grid, then likewise; grid_filter.h.
+  ranked_zstd = 5,     ///< Few values, then which of them by predicted_zstd; rank_filter.h.
 };
-inline constexpr std::uint8_t kLastCodec = 4;
+inline constexpr std::uint8_t kLastCodec = 5;
 
 /// Whether blocks may be made of elements of that many bytes.
 [[nodiscard]] constexpr bool is_element_size(std::uint64_t size) {

@@ -11,8 +11,9 @@ namespace lode::store {
 namespace {
 
 /// Rows that are restored side by side, each one point behind the one before it: so all that a
-/// point is predicted from is there. As many as bytes in a vector.
-constexpr std::size_t kLanes = 16;
+/// point is predicted from is there. Several vectors of them: one would wait for its last point.
+template <typename T>
+constexpr std::size_t kLanes = 64 / sizeof(T);
 
 // By value and inlined, so that rows become minima and maxima of vectors.
 template <typename T>
@@ -41,6 +42,28 @@ template <typename T>
   const T b = in_plane(x, z, xz);
   const T c = in_plane(y, z, yz);
   return greater(lesser(a, b), lesser(greater(a, b), c));
+}
+
+/// A value by its distance from what is predicted, in zigzag; but 0 is code 0 wherever it occurs,
+/// and the codes below its own move up. Many volumes are 0 outside an object, with edges at once,
+/// and zeros would else be as many codes as there are values beside them.
+template <typename T>
+[[gnu::always_inline]] inline T encode_value(T value, T predicted) {
+  const T code = zigzag(static_cast<T>(value - predicted));
+  const T zero = zigzag(static_cast<T>(0 - predicted));
+  const T moved = code < zero ? static_cast<T>(code + 1) : code;
+  return value == 0 ? T{0} : moved;
+}
+template <typename T>
+[[gnu::always_inline]] inline T decode_value(T code, T predicted) {
+  const T zero = zigzag(static_cast<T>(0 - predicted));
+  // Selected by arithmetic: GCC 12 makes no vectors of nested conditions.
+  const T one = 1;
+  const T none = 0;
+  const T shift = code > zero ? none : one;
+  const T value = static_cast<T>(predicted + unzigzag(static_cast<T>(code - shift)));
+  const T is_any = static_cast<T>(0 - lesser(code, one));
+  return static_cast<T>(value & is_any);
 }
 
 /// The first point of row (y, z) that has an element, and how far apart they are.
@@ -116,8 +139,7 @@ void predict_elements(std::span<const std::byte> raw, const ElementGrid& grid, T
         for (std::size_t x = 0; x < nx; x += 2) row[x + 1] = predicted[x];
         predict_row(rows, nx, predicted.data());
       }
-      for (std::size_t x = 0; x < nx; ++x)
-        predicted[x] = zigzag(static_cast<T>(row[x + 1] - predicted[x]));
+      for (std::size_t x = 0; x < nx; ++x) predicted[x] = encode_value(row[x + 1], predicted[x]);
       for (std::size_t b = 0; b < sizeof(T); ++b)
         for_each_element(at, n, [&, to = planes + b * n_all](std::size_t i, std::size_t x) {
           to[i] = static_cast<std::byte>(predicted[x] >> (8 * b) & 0xFF);
@@ -126,30 +148,30 @@ void predict_elements(std::span<const std::byte> raw, const ElementGrid& grid, T
     }
 }
 
-/// A plane of a grid, 16 rows a strip. Step t of a strip holds point t - l of row l in lane l + 1,
-/// and in lane 0 the point of the row before the strip that lane 1 needs next. Two steps come
+/// A plane of a grid, kLanes rows a strip. Step t of a strip holds point t - l of row l in lane l +
+/// 1, and in lane 0 the point of the row before the strip that lane 1 needs next. Two steps come
 /// before the first; what lies before a row is 0.
 template <typename T>
 class Strips {
  public:
-  static constexpr std::size_t kPitch = kLanes + 1;
+  static constexpr std::size_t kPitch = kLanes<T> + 1;
 
   Strips(std::size_t nx, std::size_t ny)
-      : nx_(nx), values_(n_steps() * kPitch * ((ny + kLanes - 1) / kLanes)) {}
+      : nx_(nx), values_(n_steps() * kPitch * ((ny + kLanes<T> - 1) / kLanes<T>)) {}
 
   /// Steps of one strip, with the two in front.
-  [[nodiscard]] std::size_t n_steps() const { return nx_ + kLanes + 1; }
+  [[nodiscard]] std::size_t n_steps() const { return nx_ + kLanes<T> + 1; }
   [[nodiscard]] T* strip(std::size_t s) { return values_.data() + s * kPitch * n_steps(); }
   /// The first point of row y; the next ones are kPitch apart.
   [[nodiscard]] T* row(std::size_t y) {
-    const std::size_t lane = y % kLanes;
-    return strip(y / kLanes) + (lane + 2) * kPitch + lane + 1;
+    const std::size_t lane = y % kLanes<T>;
+    return strip(y / kLanes<T>) + (lane + 2) * kPitch + lane + 1;
   }
   /// Before a strip is restored: nothing in it, but the row before it in lane 0.
   void begin(std::size_t s) {
     std::fill_n(strip(s), n_steps() * kPitch, T{0});
     if (s == 0) return;
-    const T* from = row(s * kLanes - 1);
+    const T* from = row(s * kLanes<T> - 1);
     for (std::size_t x = 0; x < nx_; ++x) strip(s)[(x + 1) * kPitch] = from[x * kPitch];
   }
 
@@ -158,19 +180,23 @@ class Strips {
   std::vector<T> values_;
 };
 
-/// Turns the codes of differences in a strip into points.
+/// Turns the codes in a strip into values. Where even points are left out, those of even rows, in
+/// every other step, are what is predicted.
 template <typename T>
-void restore_strip(T* strip, const T* before, std::size_t n_steps) {
+void restore_strip(T* strip, const T* before, std::size_t n_steps, bool lacks_even_points) {
   constexpr std::size_t kPitch = Strips<T>::kPitch;
   for (std::size_t t = 2; t < n_steps; ++t) {
     T* at = strip + t * kPitch;
     const T* last = at - kPitch;
     const T* below = before + t * kPitch;
-    std::array<T, kLanes> values;
-    for (std::size_t l = 0; l < kLanes; ++l)
-      values[l] = static_cast<T>(unzigzag(at[l + 1]) +
-                                 predict(last[l + 1], last[l], below[l + 1], (last - kPitch)[l],
-                                         (below - kPitch)[l + 1], (below - kPitch)[l]));
+    std::array<T, kLanes<T>> predicted;
+    for (std::size_t l = 0; l < kLanes<T>; ++l)
+      predicted[l] = predict(last[l + 1], last[l], below[l + 1], (last - kPitch)[l],
+                             (below - kPitch)[l + 1], (below - kPitch)[l]);
+    std::array<T, kLanes<T>> values;
+    for (std::size_t l = 0; l < kLanes<T>; ++l) values[l] = decode_value(at[l + 1], predicted[l]);
+    if (lacks_even_points && t % 2 == 0)
+      for (std::size_t l = 0; l < kLanes<T>; l += 2) values[l] = predicted[l];
     std::copy(values.begin(), values.end(), at + 1);
   }
 }
@@ -188,13 +214,15 @@ class Restoration {
   /// All but for the origin.
   void run() {
     for (std::size_t z = 0; z < grid_.n[2]; ++z)
-      for (std::size_t s = 0; s * kLanes < grid_.n[1]; ++s) {
+      for (std::size_t s = 0; s * kLanes<T> < grid_.n[1]; ++s) {
         Strips<T>& here = strips_[z % 2];
         here.begin(s);
-        const std::size_t end = std::min<std::size_t>(grid_.n[1], (s + 1) * kLanes);
-        for (std::size_t y = s * kLanes; y < end; ++y) take_row(here.row(y), row_of(grid_, y, z));
-        restore_strip(here.strip(s), strips_[1 - z % 2].strip(s), here.n_steps());
-        for (std::size_t y = s * kLanes; y < end; ++y) put_row(here.row(y), row_of(grid_, y, z));
+        const std::size_t end = std::min<std::size_t>(grid_.n[1], (s + 1) * kLanes<T>);
+        for (std::size_t y = s * kLanes<T>; y < end; ++y)
+          take_row(here.row(y), row_of(grid_, y, z));
+        restore_strip(here.strip(s), strips_[1 - z % 2].strip(s), here.n_steps(),
+                      grid_.lacks_even_points && z % 2 == 0);
+        for (std::size_t y = s * kLanes<T>; y < end; ++y) put_row(here.row(y), row_of(grid_, y, z));
       }
   }
 

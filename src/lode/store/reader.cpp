@@ -60,7 +60,9 @@ Reader::Reader(Reader&& other) noexcept
       shift_(other.shift_),
       header_(other.header_),
       directory_(std::move(other.directory_)),
-      order_(std::move(other.order_)) {}
+      order_(std::move(other.order_)),
+      n_blocks_read_(other.n_blocks_read_.load()),
+      n_bytes_read_(other.n_bytes_read_.load()) {}
 
 Reader& Reader::operator=(Reader&& other) noexcept {
   std::swap(path_, other.path_);
@@ -71,6 +73,8 @@ Reader& Reader::operator=(Reader&& other) noexcept {
   std::swap(header_, other.header_);
   std::swap(directory_, other.directory_);
   std::swap(order_, other.order_);
+  n_blocks_read_ = other.n_blocks_read_.exchange(n_blocks_read_);
+  n_bytes_read_ = other.n_bytes_read_.exchange(n_bytes_read_);
   return *this;
 }
 
@@ -103,6 +107,7 @@ Result<void> Reader::read_at(std::uint64_t offset, std::span<std::byte> out) con
                   out.size(), offset, done);
     done += static_cast<std::size_t>(n);
   }
+  n_bytes_read_.fetch_add(out.size(), std::memory_order_relaxed);
   return {};
 }
 
@@ -206,6 +211,7 @@ Result<void> Reader::read_block(std::size_t i, std::span<std::byte> out) const {
   auto found = read_stored(block, block.offset, stored);
   if (!found && shift_ != 0 && read_stored(block, block.offset + shift_, stored)) found = {};
   if (!found) return found;
+  n_blocks_read_.fetch_add(1, std::memory_order_relaxed);
   if (const auto decoded = decode_block(block.codec, block.element_size, stored, out); !decoded)
     return block_error(block, decoded.error().message);
   return {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -28,6 +29,12 @@ struct ReaderOptions {
   Length length = Length::as_said;
 };
 
+/// What has been read of a file, all readings counted: bytes with header and directory.
+struct ReadCounts {
+  std::uint64_t n_blocks = 0;
+  std::uint64_t n_bytes = 0;
+};
+
 /// An open .lode file. Const members are safe from many threads.
 class Reader {
  public:
@@ -54,6 +61,9 @@ class Reader {
   /// The same into `out`, of blocks()[i].raw_size bytes.
   [[nodiscard]] Result<void> read_block(std::size_t i, std::span<std::byte> out) const;
 
+  /// Since it was opened, by all threads.
+  [[nodiscard]] ReadCounts reads() const { return {n_blocks_read_, n_bytes_read_}; }
+
   /// Reads and checks every byte of the file anew: header, directory and, decoding them, all
   /// blocks, which together cover it without gap or overlap. Reports the first fault in the
   /// order of the file.
@@ -78,6 +88,8 @@ class Reader {
   Header header_;
   Directory directory_;
   std::vector<std::size_t> order_;  ///< Of blocks, by key.
+  mutable std::atomic<std::uint64_t> n_blocks_read_{0};
+  mutable std::atomic<std::uint64_t> n_bytes_read_{0};
 };
 
 }  // namespace lode::store

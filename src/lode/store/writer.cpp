@@ -57,7 +57,7 @@ Result<std::uint64_t> Writer::finish(const Progress& progress) {
   const auto raw = encode_directory(directory_);
   const auto stored = zstd_compress(raw);
   const bool has_predicted = std::ranges::any_of(
-      directory_.blocks, [](const BlockEntry& b) { return b.codec == Codec::predicted_zstd; });
+      directory_.blocks, [](const BlockEntry& b) { return b.codec >= Codec::predicted_zstd; });
   const Header header{.features = has_predicted ? kFeaturePredicted : 0,
                       .file_size = file_.size() + stored.size(),
                       .directory_offset = file_.size(),
