@@ -141,6 +141,10 @@ TEST(codec, refuses_grids_that_do_not_have_the_block_s_points) {
     stored[at] ^= std::byte{2};
     EXPECT_FALSE(decode_block(block.codec, 2, stored, out)) << at;
   }
+  auto endless = block.stored;
+  std::fill_n(endless.begin() + 1, 2, std::byte{0});
+  std::fill_n(endless.begin() + 3, 4, std::byte{0xFF});
+  EXPECT_FALSE(decode_block(block.codec, 2, endless, {}));
   for (const std::size_t size : {0, 6, 8, 9})
     EXPECT_FALSE(decode_block(block.codec, 2, std::span(block.stored).first(size), out)) << size;
 }

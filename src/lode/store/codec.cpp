@@ -159,7 +159,9 @@ Result<void> decompress_predicted(std::size_t element_size, std::span<const std:
   if (stored.size() < n_prefix) return fail("expected a grid, got {} bytes", stored.size());
   ElementGrid grid{.lacks_even_points = stored[0] == std::byte{1}};
   std::memcpy(grid.n.data(), stored.data() + 1, kGridBytes - 1);
-  if (stored[0] > std::byte{1} || grid.n_elements() * element_size != out.size())
+  // Without points along one axis the others would be gone through for nothing.
+  if (stored[0] > std::byte{1} || std::ranges::find(grid.n, 0) != grid.n.end() ||
+      grid.n_elements() * element_size != out.size())
     return fail("expected a grid of {} bytes, got one of {} x {} x {} points", out.size(),
                 grid.n[0], grid.n[1], grid.n[2]);
   std::uint64_t origin = 0;
