@@ -17,7 +17,7 @@ namespace {
 constexpr int kLevel = 3;
 /// What is left after prediction is noise and runs of zeros: short matches that zstd finds in it
 /// cost more than they save. With these instead of level 3 bonsai's blocks take 10 % less, in less
-/// than half the time; docs/decisions/0012-layout.md.
+/// than half the time; docs/decisions/0015-layout.md.
 constexpr int kResidualLevel = 1;
 constexpr int kResidualMatch = 7;
 constexpr int kResidualHashLog = 10;
