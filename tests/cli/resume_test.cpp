@@ -71,6 +71,16 @@ TEST_F(cli_part, that_was_cut_is_refused) {
   expect_refusal(run_lode({"build", input_, output_, "--resume"}), 1, {part_, "got 1"});
 }
 
+TEST_F(cli_part, whose_blocks_have_changed_is_refused) {
+  finish_a_part();
+  std::string blocks = read_bytes(part_);
+  ASSERT_GT(blocks.size(), 400U);
+  blocks[300] = static_cast<char>(blocks[300] ^ 4);
+  write_bytes(part_, blocks);
+  expect_refusal(run_lode({"build", input_, output_, "--resume"}), 1,
+                 {part_, "not as it was written", "without --resume"});
+}
+
 TEST_F(cli_part, whose_journal_is_damaged_is_begun_again_from_the_damage) {
   const std::string journal = part_ + ".journal";
   finish_a_part();

@@ -16,6 +16,14 @@ Result<BlockCache::Bytes> BlockCache::block(std::size_t i) {
   return bytes;
 }
 
+void BlockCache::will_need(std::size_t i) const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (places_.contains(i)) return;
+  }
+  reader_.will_read(i);
+}
+
 void BlockCache::put(std::size_t i, const Bytes& bytes) {
   const std::lock_guard lock(mutex_);
   n_bytes_read_ += reader_.blocks()[i].stored_size;

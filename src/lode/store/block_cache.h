@@ -26,6 +26,9 @@ class BlockCache {
   /// Block i of the file, which is read, checked and decoded unless it is there.
   [[nodiscard]] Result<Bytes> block(std::size_t i);
 
+  /// Block i will be asked for soon; returns at once.
+  void will_need(std::size_t i) const;
+
   /// Stored bytes read so far, and how many blocks they were.
   [[nodiscard]] std::uint64_t n_bytes_read() const;
   [[nodiscard]] std::uint64_t n_blocks_read() const;

@@ -217,6 +217,15 @@ Result<void> Reader::read_block(std::size_t i, std::span<std::byte> out) const {
   return {};
 }
 
+void Reader::will_read([[maybe_unused]] std::size_t i) const {
+#ifdef POSIX_FADV_WILLNEED
+  const BlockEntry& block = directory_.blocks[i];
+  // Where the system does not take the hint, reading merely waits.
+  static_cast<void>(::posix_fadvise(descriptor_, static_cast<off_t>(block.offset),
+                                    static_cast<off_t>(block.stored_size), POSIX_FADV_WILLNEED));
+#endif
+}
+
 Result<void> Reader::check_all(Threads threads, Progress& progress) const {
   LODE_TRY(const Header header, load_header());
   if (header != header_) return fail("{}: the header changed since the file was opened", path_);

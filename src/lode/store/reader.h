@@ -64,6 +64,9 @@ class Reader {
   /// Since it was opened, by all threads.
   [[nodiscard]] ReadCounts reads() const { return {n_blocks_read_, n_bytes_read_}; }
 
+  /// Tells the system that a block will be read soon; returns at once.
+  void will_read(std::size_t i) const;
+
   /// Reads and checks every byte of the file anew: header, directory and, decoding them, all
   /// blocks, which together cover it without gap or overlap. Reports the first fault in the
   /// order of the file.

@@ -24,7 +24,8 @@ class Writer {
                                              std::span<const std::byte> metadata);
 
   /// Writes to AtomicFile::part_path(path), which stays until finish(): after the blocks that are
-  /// there, as blocks() of an earlier writer said when it had synced them. Metadata is empty.
+  /// there, as blocks() of an earlier writer said when it had synced them. Fails where they are not
+  /// as they were written. Metadata is empty.
   [[nodiscard]] static Result<Writer> open_part(std::string path, std::string_view model,
                                                 std::vector<BlockEntry> blocks);
 

@@ -88,6 +88,21 @@ class FileExtraction {
   [[nodiscard]] Index<D> brick_of(std::size_t work) const {
     return point_of<D>(brick_dims_, work_[work].brick);
   }
+  struct Bricks {
+    std::vector<Index<D>> fine;
+    std::vector<Index<D>> coarse;
+  };
+  [[nodiscard]] Bricks bricks_of(std::size_t begin, std::size_t end) const {
+    Bricks bricks;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Index<D> brick = brick_of(i);
+      (is_fine(brick) ? bricks.fine : bricks.coarse).push_back(brick);
+    }
+    return bricks;
+  }
+  [[nodiscard]] Index<D> chunk_at(std::size_t work) const {
+    return point_of<D>(chunk_counts<D>(field_.shape), chunk_of(work));
+  }
   [[nodiscard]] std::size_t chunk_of(std::size_t work) const {
     return chunk_of_brick<D>(field_.shape, brick_of(work));
   }
@@ -134,14 +149,10 @@ class FileExtraction {
 
   /// The parts of work begin .. end - 1, all in one chunk.
   Result<std::vector<StitchPart<D>>> march_chunk(std::size_t begin, std::size_t end) {
-    std::vector<Index<D>> fine;
-    std::vector<Index<D>> coarse;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Index<D> brick = brick_of(i);
-      (is_fine(brick) ? fine : coarse).push_back(brick);
-    }
-    LODE_CHECK(
-        part_.load(point_of<D>(chunk_counts<D>(field_.shape), chunk_of(begin)), fine, coarse));
+    const Bricks bricks = bricks_of(begin, end);
+    LODE_CHECK(part_.load(chunk_at(begin), bricks.fine, bricks.coarse));
+    // The system reads the next chunk's blocks while this one is marched.
+    if (end < work_.size()) part_.will_load(chunk_at(end), bricks_of(end, end_of_chunk(end)).fine);
     const Selection<D> selection(part_.model(), query_.isovalue, query_.tolerance);
     std::vector<StitchPart<D>> parts(end - begin);
     std::vector<TraversalStats> stats(end - begin);

@@ -106,15 +106,23 @@ Result<CoarseField<D>> load_coarse(const store::Reader& reader, const Metadata& 
   return field;
 }
 
+/// Beyond the chunk a whole brick: where the part ends inside the data, its last sample is then a
+/// multiple of a brick's edge, so that no node of its bricks seems to reach across it.
+template <int D>
+LatticeBox<D> FilePart<D>::samples_of(const PartPlan<D>& plan) const {
+  const LatticeBox<D> core = samples_of_chunks<D>(field_.shape, plan.chunks);
+  LatticeBox<D> samples = plan.samples;
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    samples.upper[i] = std::min(field_.shape.dims[i], core.upper[i] + kBrickEdge<D> + 1);
+  return samples;
+}
+
 template <int D>
 void FilePart<D>::begin(const Index<D>& chunk, int first_level) {
   plan_ = PartPlan<D>::of(field_.shape, {chunk, chunk + all_equal<D>(1)});
-  // Beyond the chunk a whole brick: where the part ends inside the data, its last sample is then a
-  // multiple of a brick's edge, so that no node of its bricks seems to reach across it.
-  const LatticeBox<D> core = samples_of_chunks<D>(field_.shape, plan_.chunks);
+  plan_.samples = samples_of(plan_);
   VolumeInfo info = field_.info;
   for (std::size_t i = 0; i < as_size(D); ++i) {
-    plan_.samples.upper[i] = std::min(field_.shape.dims[i], core.upper[i] + kBrickEdge<D> + 1);
     plan_.dims[i] = plan_.samples.upper[i] - plan_.part.origin[i];
     info.grid.dims[as_size(field_.axes.axis[i])] = plan_.dims[i];
   }
@@ -168,9 +176,8 @@ void FilePart<D>::take_coarse() {
   }
 }
 
-/// The blocks of a level that have points in one of the bricks, or `margin` samples round it.
 template <int D>
-std::vector<Region<D>> FilePart<D>::regions_near(Kind kind, int level,
+std::vector<Region<D>> FilePart<D>::regions_near(Kind kind, int level, const LatticeBox<D>& samples,
                                                  std::span<const Index<D>> bricks,
                                                  std::int32_t margin) const {
   const bool is_samples = kind == Kind::samples;
@@ -180,8 +187,8 @@ std::vector<Region<D>> FilePart<D>::regions_near(Kind kind, int level,
   LatticeBox<D> all;
   for (std::size_t i = 0; i < as_size(D); ++i) {
     const std::int32_t edge = kBlockEdge<D> << level;
-    all.lower[i] = std::min(plan_.samples.lower[i] / edge, n[i] - 1);
-    all.upper[i] = std::min(plan_.samples.upper[i] / edge, n[i] - 1) + 1;
+    all.lower[i] = std::min(samples.lower[i] / edge, n[i] - 1);
+    all.upper[i] = std::min(samples.upper[i] / edge, n[i] - 1) + 1;
   }
   std::vector<Region<D>> regions;
   const Index<D> edges = all.upper - all.lower;
@@ -208,7 +215,7 @@ template <int D>
 template <typename T, typename Put>
 Result<void> FilePart<D>::read_kind(Kind kind, int level, std::span<const Index<D>> bricks,
                                     std::int32_t margin, const Put& put) {
-  const std::vector<Region<D>> regions = regions_near(kind, level, bricks, margin);
+  const std::vector<Region<D>> regions = regions_near(kind, level, plan_.samples, bricks, margin);
   Index<D> origin = plan_.part.origin;
   for (std::int32_t& x : origin.v) x >>= level;
   return check_all(regions.size(), threads_, [&](std::size_t i) -> Result<void> {
@@ -280,6 +287,22 @@ Result<void> FilePart<D>::read_blocks(std::span<const Index<D>> bricks) {
     }));
   }
   return {};
+}
+
+template <int D>
+void FilePart<D>::will_load(const Index<D>& chunk, std::span<const Index<D>> fine) const {
+  if (fine.empty()) return;
+  const LatticeBox<D> samples =
+      samples_of(PartPlan<D>::of(field_.shape, {chunk, chunk + all_equal<D>(1)}));
+  const auto ask = [&](Kind kind, int level, std::int32_t margin) {
+    for (const Region<D>& r : regions_near(kind, level, samples, fine, margin))
+      if (const auto at = blocks_.reader().find(key_of(kind, r))) blocks_.will_need(*at);
+  };
+  for (int level = std::min(kChunkLevel, field_.shape.n_levels - 1); level >= 0; --level) {
+    if (level > 0)
+      for (const Kind kind : {Kind::errors, Kind::lows, Kind::highs}) ask(kind, level, 0);
+    ask(Kind::samples, level, kMargin);
+  }
 }
 
 /// Copies a brick's samples out of the flat ones; beyond the data the nearest ones.

@@ -59,6 +59,10 @@ class FilePart {
   [[nodiscard]] Result<void> load(const Index<D>& chunk, std::span<const Index<D>> fine,
                                   std::span<const Index<D>> coarse);
 
+  /// What load() with these fine bricks will read is asked for; returns at once. What is loaded
+  /// stays.
+  void will_load(const Index<D>& chunk, std::span<const Index<D>> fine) const;
+
   /// Of its bricks those that were wanted are there.
   [[nodiscard]] const Model<D>& model() const { return model_; }
   /// Samples of the bricks that were wanted fine, and kMargin round them; on model()'s lattice.
@@ -74,9 +78,13 @@ class FilePart {
   template <typename T, typename Put>
   [[nodiscard]] Result<void> read_kind(Kind kind, int level, std::span<const Index<D>> bricks,
                                        std::int32_t margin, const Put& put);
+  /// The blocks that have points in one of the bricks, which lie in a box of samples, or `margin`
+  /// samples round it.
   [[nodiscard]] std::vector<Region<D>> regions_near(Kind kind, int level,
+                                                    const LatticeBox<D>& samples,
                                                     std::span<const Index<D>> bricks,
                                                     std::int32_t margin) const;
+  [[nodiscard]] LatticeBox<D> samples_of(const PartPlan<D>& plan) const;
   [[nodiscard]] Result<void> read_attributes(int level, std::span<const Index<D>> bricks);
   [[nodiscard]] Index<D> to_local(const Index<D>& brick) const;
   void fill_brick(const Index<D>& local);

@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Counts up with every change of what a build writes, so that none goes on from another's part.
-constexpr std::uint32_t kPartFormat = 1;
+constexpr std::uint32_t kPartFormat = 2;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
