@@ -60,8 +60,8 @@ Result<void> check_extract(const ExtractArguments& arguments) {
   if (!arguments.memory_limit.empty()) {
     if (auto limit = parse_bytes("--memory-limit", arguments.memory_limit); !limit)
       return limit.error();
-    if (arguments.query.is_wanted() || arguments.progressive.is_wanted())
-      return fail("--memory-limit: expected no --mesh, --section or --progressive with it");
+    if (arguments.progressive.is_wanted())
+      return fail("--memory-limit: expected no --progressive with it, which loads the whole file");
   }
   if (arguments.progressive.is_wanted() &&
       (arguments.query.is_wanted() || arguments.query.is_focused()))

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "outputs.h"
+#include "parse.h"
 #include "salvage.h"
 #include "stopwatch.h"
 #include "text.h"
@@ -19,18 +20,30 @@ struct Made {
   std::uint64_t n_cut_cells = 0;
   std::uint64_t n_left_out = 0;
   bool budget_met = true;
+  bool memory_met = true;
   double seconds = 0;
   double write_seconds = 0;
 };
 
 template <typename Report>
 Made to_made(const Report& report, bool is_default) {
-  return {report.max_error,  is_default,         report.achieved_error,
-          report.n_vertices, report.n_cut_cells, report.n_left_out,
-          report.budget_met, report.seconds,     0};
+  return {report.max_error,      is_default,
+          report.achieved_error, report.n_vertices,
+          report.n_cut_cells,    report.n_left_out,
+          report.budget_met,     report.memory_met,
+          report.seconds,        0};
+}
+
+/// Bytes; 0 where none is given.
+Result<std::uint64_t> memory_limit_of(const MeshJob& job) {
+  if (job.memory_limit.empty()) return std::uint64_t{0};
+  return parse_bytes("--memory-limit", job.memory_limit);
 }
 
 void warn_of_shortcomings(Session& session, const Made& made) {
+  if (!made.memory_met)
+    session.warn(fmt::format("the memory limit ends refinement at an error of {}",
+                             format_number(made.achieved_error)));
   if (made.n_left_out > 0)
     session.warn(
         fmt::format("{} simplices are left out: holes remove a part of each, and nothing refined "
@@ -58,6 +71,7 @@ Json outcome_json(const MeshJob& job, const Input& input, const Made& made, cons
   json["cut_cells"] = made.n_cut_cells;
   json["left_out"] = made.n_left_out;
   json["budget_met"] = made.budget_met;
+  json["memory_met"] = made.memory_met;
   Json& seconds = json["seconds"];
   seconds["total"] = made.seconds;
   seconds["open"] = input.open_seconds;
@@ -93,8 +107,9 @@ Outcome report_outcome(const MeshJob& job, const Input& input, const Made& made,
 }
 
 Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
-  LODE_TRY(const MeshOptions options, to_mesh_options(job.query, job.extraction));
-  LODE_TRY(const Input input, load_input(session, job.input, job.reading));
+  LODE_TRY(MeshOptions options, to_mesh_options(job.query, job.extraction));
+  LODE_TRY(options.memory_limit, memory_limit_of(job));
+  LODE_TRY(const Input input, open_input(session, job.input, job.reading));
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
   Made made = to_made(report, !options.query.max_error);
@@ -132,8 +147,9 @@ Result<void> check_is_volume(const VolumeInfo& volume) {
 }
 
 Result<Outcome> run_section(const MeshJob& job, Session& session) {
-  LODE_TRY(const SectionOptions options, to_section_options(job.query, job.extraction));
-  LODE_TRY(const Input input, load_input(session, job.input, job.reading, check_is_volume));
+  LODE_TRY(SectionOptions options, to_section_options(job.query, job.extraction));
+  LODE_TRY(options.memory_limit, memory_limit_of(job));
+  LODE_TRY(const Input input, open_input(session, job.input, job.reading, check_is_volume));
   LODE_CHECK(check_is_volume(input.info.volume));
   Surface section;
   LODE_TRY(const SectionReport report,

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "lode/api/focused_surface.h"
+#include "lode/api/mesh_extraction.h"
 #include "lode/api/session.h"
 #include "lode/store/reader.h"
 #include "tests/models/surface_cells.h"
@@ -107,6 +108,64 @@ TEST_F(paged_model, keeps_budgets_whatever_page_comes_first) {
     EXPECT_EQ(surface.positions, expected.positions);
     EXPECT_EQ(surface.triangles, expected.triangles);
   }
+}
+
+TEST_F(paged_model, gives_the_meshes_of_the_model_in_memory) {
+  const Dataset built = build(blobs<std::uint8_t>({{130, 140, 70}}, 250, 2));
+  const std::string path = save(built);
+  MeshOptions box{.query = isosurface(150, 2)};
+  box.query.boxes = {{{{20, 10, 30}}, {{60, 50, 70}}}};
+  MeshOptions range{.query = isosurface(150, 3)};
+  range.query.isovalues.clear();
+  range.query.field_ranges = {{140, 150}};
+  MeshOptions budget{.query = isosurface(150, 0)};
+  budget.query.budget.max_cells = 5000;
+  for (const MeshOptions& options : {box, range, budget}) {
+    const Dataset opened = Dataset::open(path, {2}).value();
+    SimplexMesh expected;
+    SimplexMesh mesh;
+    const auto wanted = built.extract_mesh(options, expected, progress_);
+    const auto report = opened.extract_mesh(options, mesh, progress_);
+    ASSERT_TRUE(wanted && report) << (report ? "" : report.error().message);
+    EXPECT_FALSE(mesh.is_empty());
+    EXPECT_TRUE(mesh.positions == expected.positions && mesh.values == expected.values);
+    EXPECT_TRUE(mesh.tetrahedra == expected.tetrahedra && mesh.errors == expected.errors);
+    EXPECT_EQ(report->achieved_error, wanted->achieved_error);
+    EXPECT_TRUE(report->memory_met);
+    EXPECT_LE(opened.reads().bytes, std::filesystem::file_size(path));
+  }
+}
+
+TEST_F(paged_model, gives_the_sections_of_the_model_in_memory) {
+  const Dataset built = build(blobs<float>({{130, 70, 80}}, 1e3, 2));
+  const Dataset opened = Dataset::open(save(built), {2}).value();
+  SectionOptions plane{
+      .plane = {{{50, 20, 60}}, {{0.2, 0.3, 1}}}, .isovalues = {}, .field_ranges = {}};
+  SectionOptions lines = plane;
+  lines.isovalues = {600, 650};
+  for (const SectionOptions& options : {plane, lines}) {
+    Surface expected;
+    Surface section;
+    const auto wanted = built.extract_section(options, expected, progress_);
+    const auto report = opened.extract_section(options, section, progress_);
+    ASSERT_TRUE(wanted && report) << (report ? "" : report.error().message);
+    EXPECT_FALSE(section.is_empty());
+    EXPECT_TRUE(section.positions == expected.positions && section.values == expected.values);
+    EXPECT_TRUE(section.triangles == expected.triangles && section.lines == expected.lines);
+    EXPECT_TRUE(section.errors == expected.errors);
+  }
+}
+
+TEST_F(paged_model, says_that_memory_ended_a_mesh) {
+  const Dataset built = build(blobs<std::uint8_t>({{200, 180, 130}}, 250, 2));
+  const Dataset opened = Dataset::open(save(built), {2}).value();
+  MeshOptions options{.query = isosurface(150, 4), .memory_limit = 1'000'000};
+  SimplexMesh mesh;
+  const auto report = opened.extract_mesh(options, mesh, progress_);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_FALSE(report->memory_met);
+  EXPECT_GT(report->achieved_error, 4);
+  EXPECT_FALSE(mesh.is_empty());
 }
 
 TEST_F(paged_model, serves_several_sessions_at_once) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <type_traits>
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
+#include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
 #include "lode/mappers/surface_edits.h"
 #include "lode/models/diamond/cut_mesh.h"
@@ -44,8 +46,8 @@ class Clock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-template <int D>
-Result<Query> complete_query(const diamond::Model<D>& model, Query query) {
+template <typename Field>
+Result<Query> complete_query(const Field& model, Query query) {
   if (query.view || query.max_error_px)
     return fail("meshes: expected a tolerance in field units and no view, got a view or pixels");
   if (!query.max_error)
@@ -61,8 +63,8 @@ bool has_focus(const Query& query) {
 }
 
 /// What is known without looking: the whole mesh at full resolution.
-template <int D>
-Result<void> check_full_size(const diamond::Model<D>& model, const Query& query) {
+template <int D, typename Field>
+Result<void> check_full_size(const Field& model, const Query& query) {
   const bool wants_all = *query.max_error == 0 && !has_focus(query);
   const bool wants_all_outside = query.max_error_outside && *query.max_error_outside == 0;
   if (query.budget.is_limited() || !(wants_all || wants_all_outside)) return {};
@@ -88,12 +90,11 @@ Demand mesh_focus(Query query) {
   return MeshDemand{to_demand(query)};
 }
 
-template <int D>
-Result<MeshReport> extract_model_mesh(const diamond::Model<D>& model, const MeshOptions& options,
-                                      SimplexMesh& mesh, Progress& progress) {
-  LODE_TRY(const Query query, complete_query<D>(model, options.query));
-  LODE_CHECK(check_full_size<D>(model, query));
-  const diamond::Refinable<D> opened(model);
+template <int D, typename Nodes>
+Result<MeshReport> extract_model_mesh(Nodes& opened, const MeshOptions& options, SimplexMesh& mesh,
+                                      Progress& progress) {
+  LODE_TRY(const Query query, complete_query(opened.model(), options.query));
+  LODE_CHECK(check_full_size<D>(opened.model(), query));
   MeshReport report{.max_error = *query.max_error};
   LODE_CHECK(diamond::with_cut<D>(
       opened, {mesh_demand(query), query.budget, kMaxMeshCells}, progress,
@@ -107,6 +108,7 @@ Result<MeshReport> extract_model_mesh(const diamond::Model<D>& model, const Mesh
         report.n_left_out = made.n_left_out;
         report.n_cut_cells = found.n_cells;
         report.budget_met = found.budget_met;
+        report.memory_met = found.memory_met;
         return {};
       }));
   report.n_cells = mesh.n_cells();
@@ -145,10 +147,11 @@ void fill_section(const SimplexMesh& mesh, const SectionOptions& options, const 
 
 /// As isosurfaces, isolines are refined where the data ends, and come from cells in focus only: F'
 /// may take a value in others that F has not, at corners beyond the data.
-Result<SectionReport> extract_model_section(const diamond::Model<3>& model,
-                                            const SectionOptions& options, Surface& section,
-                                            Progress& progress) {
-  LODE_TRY(const Query query, complete_query<3>(model, section_query(options)));
+template <typename Nodes>
+Result<SectionReport> extract_model_section(Nodes& opened, const SectionOptions& options,
+                                            Surface& section, Progress& progress) {
+  const auto& model = opened.model();
+  LODE_TRY(const Query query, complete_query(model, section_query(options)));
   const bool is_lines = !options.isovalues.empty();
   const LatticeFrame frame = LatticeFrame::of(model.info.grid);
   const double snap = snap_distance(frame, options.plane.normal);
@@ -156,7 +159,6 @@ Result<SectionReport> extract_model_section(const diamond::Model<3>& model,
       MeshDemand{to_demand(query), is_lines ? AtBorder::refined : AtBorder::clipped, snap};
   const diamond::NearPlane near{options.plane.point, normalized(options.plane.normal), snap};
   const diamond::CutMeshOptions mesh_options{.focus = demand, .only_focus = is_lines, .near = near};
-  const diamond::Refinable<3> opened(model);
   SectionReport report{.max_error = *query.max_error};
   SimplexMesh mesh;
   LODE_CHECK(diamond::with_cut<3>(
@@ -168,6 +170,7 @@ Result<SectionReport> extract_model_section(const diamond::Model<3>& model,
         report.n_left_out = made.n_left_out;
         report.n_cut_cells = found.n_cells;
         report.budget_met = found.budget_met;
+        report.memory_met = found.memory_met;
         return {};
       }));
   fill_section(mesh, options, frame, section, report);
@@ -176,17 +179,53 @@ Result<SectionReport> extract_model_section(const diamond::Model<3>& model,
   return report;
 }
 
+/// run(nodes) with the hierarchy's pages where the file is not loaded, and they serve the query
+/// better; else with the model.
+template <typename Run>
+auto with_nodes(const Dataset::Impl& impl, std::uint64_t memory_limit, bool reads_little,
+                Progress& progress, const Run& run)
+    -> std::invoke_result_t<Run, const diamond::Refinable<3>&> {
+  const std::uint64_t limit = memory_limit > 0 ? memory_limit : physical_memory() / 4;
+  const bool is_too_large = impl.is_in_file() && impl.model_bytes() > limit;
+  if (reads_little || is_too_large) {
+    LODE_TRY(const auto* const pages, impl.pages(progress));
+    if (pages != nullptr)
+      return std::visit(
+          [&]<int D>(const std::unique_ptr<const diamond::PagedModel<D>>& model) {
+            model->set_memory_limit(limit);
+            diamond::PagedRefinable<D> nodes(*model);
+            return run(nodes);
+          },
+          *pages);
+  }
+  if (memory_limit > 0 && is_too_large)
+    return fail("expected a memory limit of at least {} MB for a field with holes, got {} MB",
+                impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+  LODE_TRY(const auto* const held, impl.model(progress));
+  return std::visit(
+      [&]<int D>(const diamond::Model<D>& model) {
+        const diamond::Refinable<D> nodes(model);
+        return run(nodes);
+      },
+      *held);
+}
+
+/// Of the nodes that with_nodes() passes on.
+template <int D, typename Field>
+std::integral_constant<int, D> dimension_of(const diamond::Refinable<D, Field>& nodes);
+
 }  // namespace
 
 Result<MeshReport> Dataset::extract_mesh(const MeshOptions& options, SimplexMesh& mesh,
                                          Progress& progress) const {
-  LODE_TRY(const auto* const held, impl_->model(progress));
   const Clock clock;
-  LODE_TRY(MeshReport report, std::visit(
-                                  [&]<int D>(const diamond::Model<D>& model) {
-                                    return extract_model_mesh<D>(model, options, mesh, progress);
-                                  },
-                                  *held));
+  const bool reads_little = has_focus(options.query) || options.query.budget.is_limited();
+  LODE_TRY(MeshReport report, with_nodes(*impl_, options.memory_limit, reads_little, progress,
+                                         [&](auto& nodes) -> Result<MeshReport> {
+                                           constexpr int kD = decltype(dimension_of(nodes))::value;
+                                           return extract_model_mesh<kD>(nodes, options, mesh,
+                                                                         progress);
+                                         }));
   report.seconds = clock.seconds();
   return report;
 }
@@ -197,10 +236,15 @@ Result<SectionReport> Dataset::extract_section(const SectionOptions& options, Su
     return fail(
         "a section: expected a volume (diamond3d), got 2D data: its contour lines come "
         "from its isovalues alone");
-  LODE_TRY(const auto* const held, impl_->model(progress));
   const Clock clock;
   LODE_TRY(SectionReport report,
-           extract_model_section(std::get<diamond::Model<3>>(*held), options, section, progress));
+           with_nodes(*impl_, options.memory_limit, true, progress,
+                      [&](auto& nodes) -> Result<SectionReport> {
+                        if constexpr (decltype(dimension_of(nodes))::value == 3)
+                          return extract_model_section(nodes, options, section, progress);
+                        else
+                          return fail("a section: expected a volume");
+                      }));
   report.unmet = unmet_isovalues(section, options.isovalues);
   report.seconds = clock.seconds();
   return report;

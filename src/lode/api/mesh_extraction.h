@@ -19,6 +19,9 @@ struct MeshOptions {
   /// 0.5 % of the value range. max_error_outside holds everywhere outside the focus, be it one of
   /// values or of regions. Nothing is refined for the border's sake.
   Query query;
+  /// Bytes that the hierarchy may take, the mesh aside; 0: a quarter of the machine's memory. Of an
+  /// opened file without holes no more is read than a focus or a budget needs.
+  std::uint64_t memory_limit = 0;
 };
 
 struct MeshReport {
@@ -30,6 +33,7 @@ struct MeshReport {
   std::uint64_t n_vertices = 0;
   std::uint64_t n_left_out = 0;  ///< Simplices that holes remove in part, and nothing refined.
   bool budget_met = true;        ///< False: even the unrefined base has more cells.
+  bool memory_met = true;        ///< False: memory ended refinement first; see achieved_error.
   double seconds = 0;
 };
 
@@ -39,6 +43,7 @@ struct SectionOptions {
   std::vector<Range> field_ranges;    ///< Accuracy matters where the field may be in one of them.
   std::optional<double> max_error{};  ///< As in MeshOptions.
   Budget budget{};
+  std::uint64_t memory_limit = 0;  ///< As in MeshOptions.
 };
 
 struct SectionReport {
@@ -51,6 +56,7 @@ struct SectionReport {
   std::uint64_t n_left_out = 0;  ///< Near the plane.
   std::vector<double> unmet{};   ///< Isovalues that the section has no line of.
   bool budget_met = true;
+  bool memory_met = true;
   double seconds = 0;
 };
 

@@ -8,6 +8,7 @@
 #include "lode/mappers/vertex_ids.h"
 #include "lode/models/diamond/barycentric.h"
 #include "lode/models/diamond/border_clip.h"
+#include "lode/models/diamond/paged_refinable.h"
 
 namespace lode::diamond {
 namespace {
@@ -20,8 +21,8 @@ struct Presence {
   [[nodiscard]] bool is_mixed() const { return has_present && has_removed; }
 };
 
-template <int D>
-void find_presence(const Model<D>& model, const Simplex<D>& s, Presence& presence) {
+template <int D, typename Field>
+void find_presence(const Field& model, const Simplex<D>& s, Presence& presence) {
   const LatticeBox<D> box = bounds_of(s);
   if (presence.is_mixed() || !model.shape.overlaps_data(box)) return;
   if (is_finest(s)) {
@@ -31,10 +32,10 @@ void find_presence(const Model<D>& model, const Simplex<D>& s, Presence& presenc
   for (const Simplex<D>& half : bisect(s)) find_presence<D>(model, half, presence);
 }
 
-template <int D>
+template <int D, typename Field>
 class MeshBuilder {
  public:
-  MeshBuilder(const Refinable<D>& opened, const CutMeshOptions& options, SimplexMesh& mesh)
+  MeshBuilder(const Refinable<D, Field>& opened, const CutMeshOptions& options, SimplexMesh& mesh)
       : opened_(opened),
         model_(opened.model()),
         options_(options),
@@ -81,8 +82,8 @@ class MeshBuilder {
   [[nodiscard]] double interpolated(const Simplex<D>& s, const Index<D>& p) const;
   std::uint32_t vertex_at(const Simplex<D>& s, const Index<D>& p);
 
-  const Refinable<D>& opened_;
-  const Model<D>& model_;
+  const Refinable<D, Field>& opened_;
+  const Field& model_;
   const CutMeshOptions& options_;
   SimplexMesh& mesh_;
   BorderClip<D> clip_;
@@ -94,8 +95,8 @@ class MeshBuilder {
   bool is_full_ = false;
 };
 
-template <int D>
-bool MeshBuilder<D>::is_near(const Simplex<D>& s) const {
+template <int D, typename Field>
+bool MeshBuilder<D, Field>::is_near(const Simplex<D>& s) const {
   if (!options_.near) return true;
   const NearPlane& plane = *options_.near;
   double lowest = std::numeric_limits<double>::infinity();
@@ -108,16 +109,16 @@ bool MeshBuilder<D>::is_near(const Simplex<D>& s) const {
   return lowest <= plane.distance && highest >= -plane.distance;
 }
 
-template <int D>
-auto MeshBuilder<D>::bound_of(const Simplex<D>& s) const -> Bound {
+template <int D, typename Field>
+auto MeshBuilder<D, Field>::bound_of(const Simplex<D>& s) const -> Bound {
   if (is_finest(s)) return {};
   const NodeFacts facts = facts_of(opened_, id_of<D>(s.bisection_point()));
   return {facts.error, options_.focus.touches(facts)};
 }
 
 /// Only where holes are near can a stored error be infinite.
-template <int D>
-bool MeshBuilder<D>::exists(const Simplex<D>& s, double error) {
+template <int D, typename Field>
+bool MeshBuilder<D, Field>::exists(const Simplex<D>& s, double error) {
   if (!model_.has_holes()) return true;
   if (std::isinf(error)) {
     Presence presence;
@@ -137,8 +138,8 @@ bool MeshBuilder<D>::exists(const Simplex<D>& s, double error) {
 
 /// F' at a lattice point: the weights are exact, and added in an order that is the same in all
 /// simplices that share the point.
-template <int D>
-double MeshBuilder<D>::interpolated(const Simplex<D>& s, const Index<D>& p) const {
+template <int D, typename Field>
+double MeshBuilder<D, Field>::interpolated(const Simplex<D>& s, const Index<D>& p) const {
   const Barycentric<D> coordinates(s);
   std::array<std::int64_t, as_size(D) + 1> weights{};
   const bool is_inside = coordinates.weights(p, weights);
@@ -155,8 +156,8 @@ double MeshBuilder<D>::interpolated(const Simplex<D>& s, const Index<D>& p) cons
   return value;
 }
 
-template <int D>
-std::uint32_t MeshBuilder<D>::vertex_at(const Simplex<D>& s, const Index<D>& p) {
+template <int D, typename Field>
+std::uint32_t MeshBuilder<D, Field>::vertex_at(const Simplex<D>& s, const Index<D>& p) {
   const auto [id, is_new] = ids_.find_or_add(to_key(model_.axes.to_grid(p)));
   if (!is_new) return id;
   is_full_ = is_full_ || id == 0xFFFFFFFEU;
@@ -169,8 +170,8 @@ std::uint32_t MeshBuilder<D>::vertex_at(const Simplex<D>& s, const Index<D>& p) 
   return id;
 }
 
-template <int D>
-void MeshBuilder<D>::add(const Simplex<D>& s) {
+template <int D, typename Field>
+void MeshBuilder<D, Field>::add(const Simplex<D>& s) {
   const std::span<const Piece> pieces = clip_.clip(s);
   if (pieces.empty() || is_full_) return;
   for (std::size_t i = 0; i < corner_.size(); ++i) corner_[i] = model_.value_or_nan(s.v[i]);
@@ -191,12 +192,12 @@ void MeshBuilder<D>::add(const Simplex<D>& s) {
 
 }  // namespace
 
-template <int D>
-Result<CutMeshReport> mesh_of_cut(const Refinable<D>& opened, const Cut& cut,
+template <int D, typename Field>
+Result<CutMeshReport> mesh_of_cut(const Refinable<D, Field>& opened, const Cut& cut,
                                   const CutMeshOptions& options, SimplexMesh& mesh,
                                   Progress& progress) {
   constexpr std::uint64_t kLeavesPerReport = 1 << 16;
-  MeshBuilder<D> builder(opened, options, mesh);
+  MeshBuilder<D, Field> builder(opened, options, mesh);
   std::uint64_t n_done = 0;
   bool is_stopped = false;
   opened.for_each_leaf(
@@ -217,6 +218,10 @@ Result<CutMeshReport> mesh_of_cut(const Refinable<D>& opened, const Cut& cut,
 template Result<CutMeshReport> mesh_of_cut<2>(const Refinable<2>&, const Cut&,
                                               const CutMeshOptions&, SimplexMesh&, Progress&);
 template Result<CutMeshReport> mesh_of_cut<3>(const Refinable<3>&, const Cut&,
+                                              const CutMeshOptions&, SimplexMesh&, Progress&);
+template Result<CutMeshReport> mesh_of_cut<2>(const Refinable<2, PagedModel<2>>&, const Cut&,
+                                              const CutMeshOptions&, SimplexMesh&, Progress&);
+template Result<CutMeshReport> mesh_of_cut<3>(const Refinable<3, PagedModel<3>>&, const Cut&,
                                               const CutMeshOptions&, SimplexMesh&, Progress&);
 
 }  // namespace lode::diamond

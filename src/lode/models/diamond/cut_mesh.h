@@ -34,17 +34,10 @@ struct CutMeshReport {
 /// Vertices are samples' places, also where simplices are cut; they are numbered in the order of
 /// the leaves. Simplices that holes remove do not exist; those that holes remove in part are left
 /// out. A cell's error is the stored nested one of the node that would bisect its simplex, at most
-/// the field's whole range. Replaces `mesh`.
-template <int D>
-[[nodiscard]] Result<CutMeshReport> mesh_of_cut(const Refinable<D>& opened, const Cut& cut,
+/// the field's whole range. Replaces `mesh`. Of pages those must be held that the cut's nodes take.
+template <int D, typename Field>
+[[nodiscard]] Result<CutMeshReport> mesh_of_cut(const Refinable<D, Field>& opened, const Cut& cut,
                                                 const CutMeshOptions& options, SimplexMesh& mesh,
                                                 Progress& progress);
-
-extern template Result<CutMeshReport> mesh_of_cut<2>(const Refinable<2>&, const Cut&,
-                                                     const CutMeshOptions&, SimplexMesh&,
-                                                     Progress&);
-extern template Result<CutMeshReport> mesh_of_cut<3>(const Refinable<3>&, const Cut&,
-                                                     const CutMeshOptions&, SimplexMesh&,
-                                                     Progress&);
 
 }  // namespace lode::diamond

@@ -1,5 +1,7 @@
 #include "lode/models/diamond/query_cut.h"
 
+#include <chrono>
+
 #include "lode/refine/engine.h"
 
 namespace lode::diamond {
@@ -51,7 +53,7 @@ Result<void> use_one_shot(const Refinable<D>& model, const CutQuery& query, Prog
 
 template <int D>
 Result<void> with_cut(const Refinable<D>& model, const CutQuery& query, Progress& progress,
-                      const std::function<Result<void>(const Cut&, const QueryCutReport&)>& use) {
+                      const UseCut& use) {
   progress.report("refining", 0);
   if (!query.budget.is_limited()) return use_one_shot<D>(model, query, progress, use);
   Refinable<D> refined(model);
@@ -64,11 +66,35 @@ Result<void> with_cut(const Refinable<D>& model, const CutQuery& query, Progress
   return use(engine.cut(), {.n_cells = standing.n_cells, .budget_met = standing.budget_met});
 }
 
-template Result<void> with_cut<2>(
-    const Refinable<2>&, const CutQuery&, Progress&,
-    const std::function<Result<void>(const Cut&, const QueryCutReport&)>&);
-template Result<void> with_cut<3>(
-    const Refinable<3>&, const CutQuery&, Progress&,
-    const std::function<Result<void>(const Cut&, const QueryCutReport&)>&);
+template <int D>
+Result<void> with_cut(PagedRefinable<D>& nodes, const CutQuery& query, Progress& progress,
+                      const UseCut& use) {
+  constexpr int kStepsPerLook = 64;
+  constexpr std::chrono::milliseconds kLongestWait{5};
+  progress.report("refining", 0);
+  Engine<PagedRefinable<D>> engine(nodes);
+  engine.set_query(query.demand, query.budget);
+  for (int i = 1; !engine.standing().is_settled; ++i) {
+    const bool has_moved = engine.step();
+    if (has_moved && i % kStepsPerLook != 0) continue;
+    if (progress.is_cancelled()) return cancelled_error();
+    LODE_CHECK(check_count<D>(engine.standing().n_cells, query));
+    if (has_moved || !engine.standing().awaits_data) continue;
+    if (const auto fault = nodes.fault()) return *fault;
+    nodes.client().wait(store::Fetcher::Clock::now() + kLongestWait);
+  }
+  const Standing standing = engine.standing();
+  LODE_CHECK(check_count<D>(standing.n_cells, query));
+  auto used = use(engine.cut(), {.n_cells = standing.n_cells,
+                                 .budget_met = standing.budget_met,
+                                 .memory_met = standing.memory_met});
+  nodes.let_all_go();
+  return used;
+}
+
+template Result<void> with_cut<2>(const Refinable<2>&, const CutQuery&, Progress&, const UseCut&);
+template Result<void> with_cut<3>(const Refinable<3>&, const CutQuery&, Progress&, const UseCut&);
+template Result<void> with_cut<2>(PagedRefinable<2>&, const CutQuery&, Progress&, const UseCut&);
+template Result<void> with_cut<3>(PagedRefinable<3>&, const CutQuery&, Progress&, const UseCut&);
 
 }  // namespace lode::diamond

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
+
 #include "lode/core/progress.h"
-#include "lode/models/diamond/refinable.h"
+#include "lode/models/diamond/paged_refinable.h"
 #include "lode/refine/budget.h"
 
 namespace lode::diamond {
@@ -15,20 +17,18 @@ struct CutQuery {
 struct QueryCutReport {
   std::uint64_t n_cells = 0;  ///< Simplices that may meet the data, before clipping.
   bool budget_met = true;     ///< False: even the base has more cells.
+  bool memory_met = true;     ///< False: memory ended it before the demand was met.
 };
 
-/// Finds the cut of a query and calls use(cut, report), which returns a Result<void>; the cut lives
-/// no longer than that.
-template <int D>
-[[nodiscard]] Result<void> with_cut(
-    const Refinable<D>& model, const CutQuery& query, Progress& progress,
-    const std::function<Result<void>(const Cut&, const QueryCutReport&)>& use);
+using UseCut = std::function<Result<void>(const Cut&, const QueryCutReport&)>;
 
-extern template Result<void> with_cut<2>(
-    const Refinable<2>&, const CutQuery&, Progress&,
-    const std::function<Result<void>(const Cut&, const QueryCutReport&)>&);
-extern template Result<void> with_cut<3>(
-    const Refinable<3>&, const CutQuery&, Progress&,
-    const std::function<Result<void>(const Cut&, const QueryCutReport&)>&);
+/// Finds the cut of a query and calls use(cut, report); the cut lives no longer than that.
+template <int D>
+[[nodiscard]] Result<void> with_cut(const Refinable<D>& model, const CutQuery& query,
+                                    Progress& progress, const UseCut& use);
+/// The same cut from pages of a file, which come as it grows and are held while it lives.
+template <int D>
+[[nodiscard]] Result<void> with_cut(PagedRefinable<D>& nodes, const CutQuery& query,
+                                    Progress& progress, const UseCut& use);
 
 }  // namespace lode::diamond
