@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <new>
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/file_build.h"
@@ -9,6 +10,7 @@
 #include "lode/api/piece_finisher.h"
 #include "lode/api/salvage_report.h"
 #include "lode/api/verification.h"
+#include "lode/core/out_of_memory.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/close_border.h"
 #include "lode/models/diamond/file_extract.h"
@@ -226,7 +228,7 @@ Dataset& Dataset::operator=(Dataset&&) noexcept = default;
 Dataset::~Dataset() = default;
 
 Result<Dataset> Dataset::build(VolumeSource& source, const BuildOptions& options,
-                               Progress& progress) {
+                               Progress& progress) try {
   const diamond::BuildSettings settings{.threads = options.threads};
   if (is_flat(source.info().grid.dims)) {
     LODE_TRY(auto model, diamond::build<2>(source, settings, progress));
@@ -234,16 +236,20 @@ Result<Dataset> Dataset::build(VolumeSource& source, const BuildOptions& options
   }
   LODE_TRY(auto model, diamond::build<3>(source, settings, progress));
   return Dataset(std::make_unique<Impl>(std::move(model)));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("build the hierarchy");
 }
 
-Result<Dataset> Dataset::open(const std::string& path, Threads threads) {
+Result<Dataset> Dataset::open(const std::string& path, Threads threads) try {
   LODE_TRY(auto reader, store::Reader::open(path));
   LODE_CHECK(check_model(reader));
   LODE_TRY(auto metadata, diamond::read_metadata(reader));
   return Dataset(std::make_unique<Impl>(std::move(reader), std::move(metadata), threads));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("open the file", path);
 }
 
-Result<Dataset> Dataset::salvage(const std::string& path, Threads threads, Progress& progress) {
+Result<Dataset> Dataset::salvage(const std::string& path, Threads threads, Progress& progress) try {
   LODE_TRY(const auto reader, open_damaged(path));
   LODE_CHECK(check_model(reader));
   const auto salvaged_as = [&]<int D>() -> Result<Dataset> {
@@ -253,25 +259,31 @@ Result<Dataset> Dataset::salvage(const std::string& path, Threads threads, Progr
   };
   return reader.model() == diamond::model_name<2>() ? salvaged_as.template operator()<2>()
                                                     : salvaged_as.template operator()<3>();
+} catch (const std::bad_alloc&) {
+  return out_of_memory("salvage the file", path);
 }
 
 const SalvageReport* Dataset::salvaged() const {
   return impl_->salvaged() ? &*impl_->salvaged() : nullptr;
 }
 
-Result<void> Dataset::load(Progress& progress) const {
+Result<void> Dataset::load(Progress& progress) const try {
   const auto held = impl_->model(progress);
   if (!held) return held.error();
   return {};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("load the file");
 }
 
-Result<void> Dataset::save(const std::string& path, Threads threads, Progress& progress) const {
+Result<void> Dataset::save(const std::string& path, Threads threads, Progress& progress) const try {
   LODE_TRY(const auto* const held, impl_->model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
         return diamond::save<D>(model, path, threads, progress);
       },
       *held);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the file", path);
 }
 
 DatasetInfo Dataset::describe() const {
@@ -335,7 +347,7 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
 }  // namespace
 
 Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& surface,
-                                       Progress& progress) const {
+                                       Progress& progress) const try {
   const auto start = std::chrono::steady_clock::now();
   LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
   ExtractReport& report = plan.report;
@@ -350,15 +362,19 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   }
   report.seconds.total = seconds_since(start);
   return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the surface");
 }
 
-Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options) const {
+Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options) const try {
   LODE_TRY(const ExtractPlan plan, plan_extraction(*impl_, options));
   return plan.chunks != nullptr && is_edited_by_piece(options);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the surface");
 }
 
 Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSink& surface,
-                                       Progress& progress) const {
+                                       Progress& progress) const try {
   const auto start = std::chrono::steady_clock::now();
   LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
   ExtractReport& report = plan.report;
@@ -373,20 +389,24 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSin
   }
   report.seconds.total = seconds_since(start);
   return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the surface");
 }
 
 Result<VerifyReport> Dataset::verify_against(VolumeSource& original, Threads threads,
-                                             Progress& progress) const {
+                                             Progress& progress) const try {
   LODE_TRY(const auto* const held, impl_->model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) {
         return verify_model_against<D>(model, original, threads, progress);
       },
       *held);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("compare the errors with the data");
 }
 
 Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const ExtractOptions& options,
-                                             Progress& progress) const {
+                                             Progress& progress) const try {
   ExtractOptions again = options;
   again.normals = Normals::off;
   Surface expected;
@@ -398,9 +418,11 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
                                        tolerance_of(model.stats, options), progress);
       },
       *held);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("check the surface");
 }
 
-Result<VerifyReport> verify_file(const std::string& path, Threads threads, Progress& progress) {
+Result<VerifyReport> verify_file(const std::string& path, Threads threads, Progress& progress) try {
   LODE_TRY(const auto reader, store::Reader::open(path));
   LODE_CHECK(reader.check_all(threads, progress));
   VerifyReport report;
@@ -416,6 +438,8 @@ Result<VerifyReport> verify_file(const std::string& path, Threads threads, Progr
                            .passed = true,
                            .detail = "range, holes, errors, samples beyond the data"});
   return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("check the file", path);
 }
 
 }  // namespace lode

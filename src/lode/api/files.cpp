@@ -3,11 +3,13 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <new>
 #include <span>
 #include <string_view>
 #include <system_error>
 
 #include "lode/core/atomic_file.h"
+#include "lode/core/out_of_memory.h"
 #include "lode/io/surface_stream.h"
 #include "lode/mappers/surface_edits.h"
 #include "lode/store/header.h"
@@ -48,15 +50,17 @@ bool is_lode_path(const std::string& path) {
   return has_extension(path, ".lode") || store::starts_as_lode(path);
 }
 
-Result<Surface> read_surface(const std::string& path) {
+Result<Surface> read_surface(const std::string& path) try {
   LODE_TRY(Surface surface, io::read_surface(path));
   if (has_extension(path, ".stl")) split_pinched_vertices(surface);
   return surface;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("read the surface", path);
 }
 
 Result<ExtractReport> extract_to_file(
     const Dataset& dataset, const ExtractOptions& options, const std::string& path,
-    const std::function<SurfaceWriteOptions(const ExtractReport&)>& note, Progress& progress) {
+    const std::function<SurfaceWriteOptions(const ExtractReport&)>& note, Progress& progress) try {
   const auto seconds_since = [](std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
@@ -77,43 +81,54 @@ Result<ExtractReport> extract_to_file(
   LODE_CHECK(write_surface(path, surface, note(report), progress));
   report.seconds.write = seconds_since(start);
   return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the surface", path);
 }
 
 Result<Dataset> open_any(const std::string& path, const ReadOptions& options, Threads threads,
-                         Progress& progress) {
+                         Progress& progress) try {
   if (is_lode_path(path)) return Dataset::open(path, threads);
   ReadOptions reading = options;
   reading.threads = threads;
   LODE_TRY(const auto source, open_volume(path, reading));
   return build_opened(path, *source, {.threads = threads}, progress);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("open the file", path);
 }
 
 Result<Dataset> build_opened(const std::string& path, VolumeSource& source,
-                             const BuildOptions& options, Progress& progress) {
+                             const BuildOptions& options, Progress& progress) try {
   WatchedSource watched(source);
   auto dataset = Dataset::build(watched, options, progress);
   if (dataset || watched.has_failed() || progress.is_cancelled()) return dataset;
   return fail("{}: {}", path, dataset.error().message);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("build the hierarchy", path);
 }
 
 Result<FileBuildReport> build_file_from(const std::string& path, VolumeSource& source,
                                         const std::string& output, const FileBuildOptions& options,
-                                        Progress& progress) {
+                                        Progress& progress) try {
   WatchedSource watched(source);
   auto report = build_file(watched, output, options, progress);
   if (report || watched.has_failed() || progress.is_cancelled()) return report;
   const std::string& message = report.error().message;
   if (message.starts_with(output)) return report;  // the output has been named
   return fail("{}: {}", path, message);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("build from the file", path);
 }
 
-Result<void> write_text(const std::string& path, std::string_view text, const Progress& progress) {
+Result<void> write_text(const std::string& path, std::string_view text,
+                        const Progress& progress) try {
   LODE_TRY(AtomicFile file, AtomicFile::create(path));
   LODE_CHECK(file.write(text));
   return file.commit(progress);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the file", path);
 }
 
-Result<void> check_writable(const std::string& path) {
+Result<void> check_writable(const std::string& path) try {
   std::error_code status;
   const auto type = std::filesystem::status(path, status).type();
   // Replacing a device or a pipe by a file is never what was meant.
@@ -124,6 +139,8 @@ Result<void> check_writable(const std::string& path) {
   // Making the temporary is the one test that says what the real write will say.
   if (auto file = AtomicFile::create(path); !file) return file.error();
   return {};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("find out whether it can be written", path);
 }
 
 }  // namespace lode

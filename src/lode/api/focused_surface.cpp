@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <new>
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/finishing.h"
 #include "lode/api/live_query.h"
+#include "lode/core/out_of_memory.h"
 #include "lode/mappers/lattice_frame.h"
 #include "lode/mappers/surface_order.h"
 
@@ -94,7 +96,7 @@ Result<void> refine(LiveQuery& live, const std::optional<double>& deadline, cons
 }  // namespace
 
 Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptions& options,
-                                      Surface& surface, Progress& progress) {
+                                      Surface& surface, Progress& progress) try {
   const std::function<double()> clock = options.clock ? options.clock : steady_seconds;
   const VolumeInfo& info = dataset.impl().info();
   const diamond::FieldStats& stats = dataset.impl().summary().stats;
@@ -139,6 +141,8 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
   report.seconds = clock() - start;
   if (query.view && query.max_error_px) report.achieved_px = live->achieved_px();
   return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the surface");
 }
 
 }  // namespace lode

@@ -1,10 +1,12 @@
 #include "lode/api/live_query.h"
 
+#include <new>
 #include <optional>
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/file_build.h"
+#include "lode/core/out_of_memory.h"
 #include "lode/models/diamond/paged_refinable.h"
 #include "lode/refine/engine.h"
 
@@ -141,7 +143,7 @@ Result<void> check_memory(const Dataset& dataset, const LiveQueryOptions& option
 
 Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
                                                    const LiveQueryOptions& options,
-                                                   Progress& progress) {
+                                                   Progress& progress) try {
   const Dataset::Impl& impl = dataset.impl();
   if (!options.with_views) {
     LODE_TRY(const auto* const pages, impl.pages(progress));
@@ -159,6 +161,8 @@ Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
         return std::make_unique<Live>(has_normals<D>(options.normals), model, world_errors);
       },
       *in_memory);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("open the surface of a query");
 }
 
 Result<void> check_live_query(const Query& query, bool has_views) {

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <type_traits>
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
+#include "lode/core/out_of_memory.h"
 #include "lode/mappers/surface_edits.h"
 #include "lode/models/diamond/cut_mesh.h"
 #include "lode/models/diamond/query_cut.h"
@@ -217,7 +219,7 @@ std::integral_constant<int, D> dimension_of(const diamond::Refinable<D, Field>& 
 }  // namespace
 
 Result<MeshReport> Dataset::extract_mesh(const MeshOptions& options, SimplexMesh& mesh,
-                                         Progress& progress) const {
+                                         Progress& progress) const try {
   const Clock clock;
   const bool reads_little = has_focus(options.query) || options.query.budget.is_limited();
   LODE_TRY(MeshReport report, with_nodes(*impl_, options.memory_limit, reads_little, progress,
@@ -228,10 +230,12 @@ Result<MeshReport> Dataset::extract_mesh(const MeshOptions& options, SimplexMesh
                                          }));
   report.seconds = clock.seconds();
   return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the mesh");
 }
 
 Result<SectionReport> Dataset::extract_section(const SectionOptions& options, Surface& section,
-                                               Progress& progress) const {
+                                               Progress& progress) const try {
   if (impl_->is_flat())
     return fail(
         "a section: expected a volume (diamond3d), got 2D data: its contour lines come "
@@ -248,6 +252,8 @@ Result<SectionReport> Dataset::extract_section(const SectionOptions& options, Su
   report.unmet = unmet_isovalues(section, options.isovalues);
   report.seconds = clock.seconds();
   return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the section");
 }
 
 }  // namespace lode

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <optional>
 #include <utility>
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/finishing.h"
+#include "lode/core/out_of_memory.h"
 #include "lode/models/diamond/morph.h"
 #include "lode/refine/engine.h"
 
@@ -120,7 +122,7 @@ ProgressiveSurface::~ProgressiveSurface() = default;
 
 Result<ProgressiveSurface> ProgressiveSurface::begin(const Dataset& dataset,
                                                      const ExtractOptions& options,
-                                                     Progress& progress) {
+                                                     Progress& progress) try {
   LODE_CHECK(check_extract_options(options));
   if (options.isovalues.size() != 1)
     return fail("a progressive surface: expected one isovalue, got {}", options.isovalues.size());
@@ -130,9 +132,16 @@ Result<ProgressiveSurface> ProgressiveSurface::begin(const Dataset& dataset,
         return std::make_unique<Steps<D>>(model, options);
       },
       *held));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("begin the surface");
 }
 
-Result<bool> ProgressiveSurface::advance(Progress& progress) { return impl_->advance(progress); }
+Result<bool> ProgressiveSurface::advance(Progress& progress) try {
+  return impl_->advance(progress);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("refine the surface");
+}
+
 const ProgressiveStep& ProgressiveSurface::step() const { return impl_->step; }
 int ProgressiveSurface::most_steps() const { return impl_->most_steps(); }
 Surface ProgressiveSurface::surface(double moment) const { return impl_->surface(moment); }

@@ -2,10 +2,13 @@
 
 #include <atomic>
 #include <chrono>
+#include <new>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "lode/api/live_query.h"
+#include "lode/core/out_of_memory.h"
 
 namespace lode {
 namespace {
@@ -41,9 +44,15 @@ class Session::Impl {
  public:
   Impl(std::unique_ptr<LiveQuery> live, bool has_views, const Query& query)
       : has_views_(has_views), live_(std::move(live)) {
+    farewell_->fault = out_of_memory("refine the surface any further");
     send(query);
     live_->on_data([this] { wake(); });
-    thread_ = std::thread([this] { run(); });
+    try {
+      thread_ = std::thread([this] { run(); });
+    } catch (...) {
+      live_->on_data({});
+      throw;
+    }
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -56,6 +65,8 @@ class Session::Impl {
 
   Result<std::uint64_t> set_query(const Query& query) {
     LODE_CHECK(check_live_query(query, has_views_));
+    if (has_ended_.load(std::memory_order_acquire))
+      return fail("the session has ended: there was not enough memory");
     return send(query);
   }
   std::unique_ptr<SessionBatch> take() { return batches_.take(); }
@@ -78,7 +89,22 @@ class Session::Impl {
     n_wakes_.notify_one();
   }
 
-  void run() {
+  /// A step that found no memory leaves engine and surface somewhere in between: it is the last.
+  void run() noexcept {
+    try {
+      refine();
+    } catch (const std::bad_alloc&) {
+      has_ended_.store(true, std::memory_order_release);
+      // Nothing new here takes memory. A batch that was not taken is the last to change anything.
+      auto last = batches_.take();
+      auto fault = std::move(farewell_->fault);
+      if (!last) last = std::move(farewell_);
+      last->fault = std::move(fault);
+      batches_.put(std::move(last));
+    }
+  }
+
+  void refine() {
     while (!must_stop_.load(std::memory_order_acquire)) {
       const std::uint32_t n_wakes = n_wakes_.load(std::memory_order_acquire);
       if (queries_.has_mail()) accept();
@@ -141,6 +167,7 @@ class Session::Impl {
   const bool has_views_;
   const std::unique_ptr<LiveQuery> live_;  // the thread's alone from here on
   std::unique_ptr<SessionBatch> batch_;    ///< Being gathered.
+  std::unique_ptr<SessionBatch> farewell_ = std::make_unique<SessionBatch>();  ///< See run().
   std::uint64_t number_ = 0;
   std::uint64_t generation_ = 0;
   bool starts_over_ = false;   ///< No batch has said so yet that was taken, or can be.
@@ -156,6 +183,7 @@ class Session::Impl {
   Mailbox<SessionBatch> batches_;
   std::atomic<std::uint32_t> n_wakes_{0};
   std::atomic<bool> must_stop_{false};
+  std::atomic<bool> has_ended_{false};
   std::thread thread_;
 };
 
@@ -165,7 +193,7 @@ Session& Session::operator=(Session&&) noexcept = default;
 Session::~Session() = default;
 
 Result<Session> Session::open(const Dataset& dataset, const Query& query,
-                              const SessionOptions& options, Progress& progress) {
+                              const SessionOptions& options, Progress& progress) try {
   LODE_CHECK(check_live_query(query, options.with_views));
   LODE_TRY(auto live, open_live_query(dataset,
                                       {.normals = options.normals,
@@ -173,9 +201,17 @@ Result<Session> Session::open(const Dataset& dataset, const Query& query,
                                        .memory_limit = options.memory_limit},
                                       progress));
   return Session(std::make_unique<Impl>(std::move(live), options.with_views, query));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("open a session");
+} catch (const std::system_error& error) {
+  return fail("a session's thread cannot be started: {}", error.what());
 }
 
-Result<std::uint64_t> Session::set_query(const Query& query) { return impl_->set_query(query); }
+Result<std::uint64_t> Session::set_query(const Query& query) try {
+  return impl_->set_query(query);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("set the query");
+}
 std::unique_ptr<SessionBatch> Session::take() { return impl_->take(); }
 
 }  // namespace lode

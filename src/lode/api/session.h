@@ -25,7 +25,8 @@ struct SessionBatch {
   Standing standing;        ///< Of the engine when the batch was complete.
   SurfaceBatch change;
   std::uint64_t generation = 0;  ///< Of the slots, see SurfaceBatch::starts_over.
-  /// Why data that the query waits for (Standing::awaits_data) will not come: of a file.
+  /// Why data that the query waits for (Standing::awaits_data) will not come: of a file. Or that
+  /// there was no memory to go on: then it is the session's last batch.
   std::optional<Error> fault;
 };
 
@@ -37,8 +38,8 @@ struct SessionBatch {
 /// one atomic exchange each and never wait. Changes of the query take effect at the next step; all
 /// but a few steps are far shorter than a millisecond (docs/engine.md). Another isovalue starts
 /// from the base, everything else from wherever the surface is. A file that is not loaded is read
-/// as the query goes (see open_live_query()): no step waits for it. The session ends the program
-/// where memory does.
+/// as the query goes (see open_live_query()): no step waits for it. Where there is not enough
+/// memory the session ends with a batch that says so; queries are refused from then on.
 class Session {
  public:
   /// Starts refining. `dataset` must outlive the session; several may share it. Queries must have

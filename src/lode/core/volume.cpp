@@ -1,6 +1,9 @@
 #include "lode/core/volume.h"
 
 #include <cstring>
+#include <new>
+
+#include "lode/core/out_of_memory.h"
 
 namespace lode {
 namespace {
@@ -38,12 +41,14 @@ std::unique_ptr<VolumeSource> make_memory_source(const Volume& volume) {
   return std::make_unique<MemorySource>(volume);
 }
 
-Result<Volume> read_all(VolumeSource& source) {
+Result<Volume> read_all(VolumeSource& source) try {
   Volume volume{source.info(), {}};
   const IndexBox box = volume.info.grid.index_box();
   volume.samples.resize(static_cast<std::size_t>(box.n_samples()) * size_of(volume.info.type));
   LODE_CHECK(source.read(box, volume.samples));
   return volume;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("read the samples");
 }
 
 }  // namespace lode

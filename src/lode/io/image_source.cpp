@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <new>
 
+#include "lode/core/out_of_memory.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
@@ -23,23 +25,26 @@ ScalarType computed_type(ScalarType stored) {
 
 class ImageSource final : public VolumeSource {
  public:
-  ImageSource(VolumeInfo info, const ImageField& field, Selection selection,
-              std::unique_ptr<SampleStore> store, IoTallyPtr tally)
-      : info_(std::move(info)),
+  ImageSource(const Image& image, VolumeInfo info, const ImageField& field, Selection selection,
+              std::unique_ptr<SampleStore> store)
+      : path_(image.path),
+        info_(std::move(info)),
         layout_(field.layout),
         slope_(field.slope),
         intercept_(field.intercept),
         selection_(selection),
         store_(std::move(store)),
-        tally_(std::move(tally)) {}
+        tally_(image.tally) {}
 
   const VolumeInfo& info() const override { return info_; }
 
-  Result<void> read(const IndexBox& box, std::span<std::byte> out) override {
+  Result<void> read(const IndexBox& box, std::span<std::byte> out) override try {
     LODE_EXPECTS(info_.grid.index_box().contains(box));
     LODE_EXPECTS(out.size() == static_cast<std::size_t>(box.n_samples()) * size_of(info_.type));
     if (box.is_empty()) return {};
     return is_plain() ? read_plain(box, out) : read_rows(box, out);
+  } catch (const std::bad_alloc&) {
+    return out_of_memory("read samples", path_);
   }
 
   IoCounts io() const override {
@@ -162,6 +167,7 @@ class ImageSource final : public VolumeSource {
     }
   }
 
+  std::string path_;
   VolumeInfo info_;
   SampleLayout layout_;
   double slope_;
@@ -265,8 +271,8 @@ Result<std::unique_ptr<VolumeSource>> make_image_source(const Image& image,
                   .field_name = field->name,
                   .nodata = options.nodata};
   LODE_TRY(std::unique_ptr<SampleStore> store, field->load());
-  return std::unique_ptr<VolumeSource>(std::make_unique<ImageSource>(
-      std::move(info), *field, selection, std::move(store), image.tally));
+  return std::unique_ptr<VolumeSource>(
+      std::make_unique<ImageSource>(image, std::move(info), *field, selection, std::move(store)));
 }
 
 }  // namespace lode::io

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <new>
 
+#include "lode/core/out_of_memory.h"
 #include "lode/io/vtk_xml_output.h"
 
 namespace lode::io {
@@ -115,7 +117,7 @@ Result<void> check_mesh_path(const std::string& path) {
 }
 
 Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
-                       const MeshWriteOptions& options, Progress& progress) {
+                       const MeshWriteOptions& options, Progress& progress) try {
   LODE_EXPECTS(mesh.triangles.empty() || mesh.tetrahedra.empty());
   LODE_EXPECTS(mesh.values.size() == mesh.positions.size());
   LODE_EXPECTS(mesh.errors.size() == mesh.n_cells());
@@ -133,6 +135,8 @@ Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
                                       : write_cells<std::int32_t>(file, mesh, layout));
   LODE_CHECK(file.write(std::string_view("\n</AppendedData>\n</VTKFile>\n")));
   return file.commit();
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the mesh", path);
 }
 
 }  // namespace lode::io

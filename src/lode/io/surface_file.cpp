@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
 #include <string_view>
 
+#include "lode/core/out_of_memory.h"
 #include "lode/io/surface_glb.h"
 #include "lode/io/surface_obj.h"
 #include "lode/io/surface_ply.h"
@@ -77,7 +79,7 @@ bool can_hold_lines(const std::string& path) {
 }
 
 Result<void> write_surface(const std::string& path, const Surface& surface,
-                           const SurfaceWriteOptions& options, Progress& progress) {
+                           const SurfaceWriteOptions& options, Progress& progress) try {
   LODE_EXPECTS(surface.triangles.empty() || surface.lines.empty());
   LODE_EXPECTS(surface.normals.empty() || surface.normals.size() == surface.positions.size());
   LODE_EXPECTS(surface.isovalues.empty() || surface.isovalues.size() == surface.positions.size());
@@ -87,6 +89,8 @@ Result<void> write_surface(const std::string& path, const Surface& surface,
                surface.errors.size() == surface.triangles.size() + surface.lines.size());
   LODE_CHECK(check_surface_path(path));
   return find_format(path)->write(path, surface, options, progress);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the surface", path);
 }
 
 bool can_stream(const std::string& path) {
@@ -102,9 +106,11 @@ Result<std::unique_ptr<SurfaceStream>> stream_surface(const std::string& path,
   return find_format(path)->stream(path, memory_bytes, progress);
 }
 
-Result<Surface> read_surface(const std::string& path) {
+Result<Surface> read_surface(const std::string& path) try {
   LODE_CHECK(check_surface_path(path));
   return find_format(path)->read(path);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("read the surface", path);
 }
 
 }  // namespace lode::io

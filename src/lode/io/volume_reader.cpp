@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <new>
 
+#include "lode/core/out_of_memory.h"
 #include "lode/io/image.h"
 #include "lode/io/image_source.h"
 #include "lode/io/metaimage.h"
@@ -74,6 +76,8 @@ template <typename T, typename F>
 Result<T> guarded(const std::string& path, F&& work) {
   try {
     return work();
+  } catch (const std::bad_alloc&) {
+    return out_of_memory("read the file", path);
   } catch (const std::exception& exception) {
     return fail("{}: cannot be read: {}", path, exception.what());
   }

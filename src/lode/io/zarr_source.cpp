@@ -5,8 +5,10 @@
 #include <cstring>
 #include <limits>
 #include <mutex>
+#include <new>
 #include <optional>
 
+#include "lode/core/out_of_memory.h"
 #include "lode/io/chunk_cache.h"
 #include "lode/io/zarr_chunk_reader.h"
 
@@ -101,7 +103,7 @@ class ZarrSource final : public VolumeSource {
 
   std::uint64_t memory_bytes() const override { return cache_bytes_; }
 
-  Result<void> read(const IndexBox& box, std::span<std::byte> out) override {
+  Result<void> read(const IndexBox& box, std::span<std::byte> out) override try {
     LODE_EXPECTS(info_.grid.index_box().contains(box));
     LODE_EXPECTS(out.size() == static_cast<std::size_t>(box.n_samples()) * size_of(info_.type));
     if (box.is_empty()) return {};
@@ -122,6 +124,8 @@ class ZarrSource final : public VolumeSource {
         error.set(i, status.error());
     });
     return error.result();
+  } catch (const std::bad_alloc&) {
+    return out_of_memory("read samples", reader_.array().path);
   }
 
  private:

@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "lode/core/atomic_file.h"
+#include "lode/core/out_of_memory.h"
 
 namespace lode {
 namespace {
@@ -108,18 +110,22 @@ Result<void> write_json(const Json& json, const std::string& path) {
 
 }  // namespace
 
-Result<Camera> read_camera(const std::string& path) {
+Result<Camera> read_camera(const std::string& path) try {
   LODE_TRY(const std::string text, read_text(path, kMaxBytes));
   LODE_TRY(const Json json, parse(text, path));
   return camera_of(json, path);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("read the camera", path);
 }
 
-Result<void> write_camera(const Camera& camera, const std::string& path) {
+Result<void> write_camera(const Camera& camera, const std::string& path) try {
   LODE_CHECK(check_camera(camera));
   return write_json(json_of(camera), path);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the camera", path);
 }
 
-Result<std::vector<Camera>> read_cameras(const std::string& path) {
+Result<std::vector<Camera>> read_cameras(const std::string& path) try {
   LODE_TRY(const std::string text, read_text(path, kMaxPathBytes));
   LODE_TRY(const Json json, parse(text, path));
   if (!json.is_array() || json.empty())
@@ -131,15 +137,19 @@ Result<std::vector<Camera>> read_cameras(const std::string& path) {
     cameras.push_back(camera);
   }
   return cameras;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("read the cameras", path);
 }
 
-Result<void> write_cameras(const std::vector<Camera>& cameras, const std::string& path) {
+Result<void> write_cameras(const std::vector<Camera>& cameras, const std::string& path) try {
   Json json = Json::array();
   for (const Camera& camera : cameras) {
     LODE_CHECK(check_camera(camera));
     json.push_back(json_of(camera));
   }
   return write_json(json, path);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the cameras", path);
 }
 
 }  // namespace lode

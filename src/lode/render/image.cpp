@@ -3,9 +3,11 @@
 #include <png.h>
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include "lode/core/atomic_file.h"
+#include "lode/core/out_of_memory.h"
 
 namespace lode {
 namespace {
@@ -21,7 +23,7 @@ std::vector<std::uint8_t> rgb_bytes(const Image& image) {
 
 }  // namespace
 
-Result<std::vector<std::byte>> encode_png(const Image& image) {
+Result<std::vector<std::byte>> encode_png(const Image& image) try {
   LODE_EXPECTS(image.width > 0 && image.height > 0 &&
                image.pixels.size() ==
                    static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
@@ -45,13 +47,17 @@ Result<std::vector<std::byte>> encode_png(const Image& image) {
   }
   bytes.resize(size);
   return bytes;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("encode the picture");
 }
 
-Result<void> write_png(const Image& image, const std::string& path) {
+Result<void> write_png(const Image& image, const std::string& path) try {
   LODE_TRY(const std::vector<std::byte> bytes, encode_png(image));
   LODE_TRY(AtomicFile file, AtomicFile::create(path));
   LODE_CHECK(file.write(bytes));
   return file.commit();
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the picture", path);
 }
 
 }  // namespace lode

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
+#include "lode/core/out_of_memory.h"
 #include "lode/render/lens.h"
 #include "lode/render/painter.h"
 #include "lode/render/pixel_filter.h"
@@ -137,7 +139,7 @@ Camera framing_camera(const Surface& surface, const Box3d& bounds, const RenderO
 }
 
 Result<Image> render_surface(const Surface& surface, const Box3d& bounds,
-                             const RenderOptions& options, Progress& progress) {
+                             const RenderOptions& options, Progress& progress) try {
   LODE_CHECK(check_options(options));
   LODE_CHECK(check_bounds(bounds));
   const Camera camera = options.camera ? *options.camera : framing_camera(surface, bounds, options);
@@ -151,6 +153,8 @@ Result<Image> render_surface(const Surface& surface, const Box3d& bounds,
   LODE_TRY(const RayScene scene, RayScene::build(surface, colors, scene_options, progress));
   const Painter painter(scene, lens, 1.001 + line_radius, options);
   return paint(painter, options, progress);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("draw the picture");
 }
 
 }  // namespace lode
