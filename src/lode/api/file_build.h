@@ -38,7 +38,7 @@ struct FileBuildReport {
 
 /// Builds the hierarchy of a volume straight into a .lode file, whatever its size: the source is
 /// read twice, the second time part by part. The file is that of Dataset::build() and save(), byte
-/// for byte, and appears whole or not at all.
+/// for byte, and appears whole or not at all. An error that comes after that says "is written".
 [[nodiscard]] Result<FileBuildReport> build_file(VolumeSource& source, const std::string& path,
                                                  const FileBuildOptions& options,
                                                  Progress& progress);

@@ -32,6 +32,9 @@ bool write_fully(int descriptor, std::span<const std::byte> bytes) {
   return true;
 }
 
+/// What a file without a name is given one by.
+std::string self_path(int descriptor) { return fmt::format("/proc/self/fd/{}", descriptor); }
+
 std::string temporary_name(const std::string& path, int attempt) {
   return fmt::format("{}.tmp-{}-{}", path, ::getpid(), attempt);
 }
@@ -42,9 +45,7 @@ AtomicFile::AtomicFile(std::string path, std::string temporary, int descriptor, 
     : path_(std::move(path)),
       temporary_(std::move(temporary)),
       descriptor_(descriptor),
-      leftover_(leftover) {
-  buffer_.reserve(kBufferBytes);
-}
+      leftover_(leftover) {}
 
 AtomicFile::AtomicFile(AtomicFile&& other) noexcept
     : path_(std::move(other.path_)),
@@ -56,10 +57,8 @@ AtomicFile::AtomicFile(AtomicFile&& other) noexcept
 
 AtomicFile::~AtomicFile() {
   if (descriptor_ < 0) return;
-  if (leftover_ == Leftover::kept) {
-    const auto flushed = flush();  // what could not be written is not needed to go on
-    static_cast<void>(flushed);
-  }
+  // What cannot be written is not needed to go on.
+  if (leftover_ == Leftover::kept) static_cast<void>(write_fully(descriptor_, buffer_));
   ::close(descriptor_);
   if (leftover_ == Leftover::removed) ::unlink(temporary_.c_str());
 }
@@ -72,22 +71,22 @@ Result<AtomicFile> AtomicFile::create(std::string path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode))
     return fail("{}: expected a file name for the output, got a directory", path);
-  const int nameless = ::open(directory_of(path).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
-  if (nameless >= 0) {
+  // Made first, so that no descriptor is lost where memory is.
+  AtomicFile file(std::move(path), "", -1, Leftover::nameless);
+  file.descriptor_ = ::open(directory_of(file.path_).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+  if (file.descriptor_ >= 0) {
     // Without /proc it could not be named at the end.
-    if (::access(fmt::format("/proc/self/fd/{}", nameless).c_str(), F_OK) == 0)
-      return AtomicFile(std::move(path), "", nameless, Leftover::nameless);
-    ::close(nameless);
+    if (::access(self_path(file.descriptor_).c_str(), F_OK) == 0) return file;
+    ::close(std::exchange(file.descriptor_, -1));
   }
+  file.leftover_ = Leftover::removed;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    std::string temporary = temporary_name(path, attempt);
-    const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor >= 0)
-      return AtomicFile(std::move(path), std::move(temporary), descriptor, Leftover::removed);
-    if (errno != EEXIST)
-      return fail("{}: cannot create the output file: {}", path, std::strerror(errno));
+    file.temporary_ = temporary_name(file.path_, attempt);
+    file.descriptor_ = ::open(file.temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file.descriptor_ >= 0) return file;
+    if (errno != EEXIST) return file.system_error("create the output file");
   }
-  return fail("{}: cannot find a free name for a temporary file beside it", path);
+  return fail("{}: cannot find a free name for a temporary file beside it", file.path_);
 }
 
 Result<AtomicFile> AtomicFile::open_part(std::string path, std::uint64_t n_kept) {
@@ -122,7 +121,7 @@ void AtomicFile::remove_part(const std::string& path) {
 
 /// A nameless file is given the name that it is renamed from.
 Result<void> AtomicFile::name_temporary() {
-  const std::string self = fmt::format("/proc/self/fd/{}", descriptor_);
+  const std::string self = self_path(descriptor_);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     temporary_ = temporary_name(path_, attempt);
     if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) == 0) {
@@ -148,6 +147,7 @@ Result<void> AtomicFile::write(std::span<const std::byte> bytes) {
     if (!write_fully(descriptor_, bytes)) return system_error("write");
     return {};
   }
+  buffer_.reserve(kBufferBytes);
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
   return {};
 }
@@ -177,11 +177,12 @@ Result<void> AtomicFile::commit(const Progress& progress) {
   LODE_CHECK(flush());
   if (::fsync(descriptor_) != 0) return system_error("flush to disk");
   if (progress.is_cancelled()) return cancelled_error();
+  const std::string parent = directory_of(path_);  // once it has its name, nothing may fail
   if (leftover_ == Leftover::nameless) LODE_CHECK(name_temporary());
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return system_error("rename into place");
   ::close(std::exchange(descriptor_, -1));
   // The rename is durable once its directory is; a file system without that call is no failure.
-  const int directory = ::open(directory_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int directory = ::open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (directory >= 0) {
     ::fsync(directory);
     ::close(directory);

@@ -16,27 +16,43 @@
 namespace lode {
 namespace {
 
+/// What the first body to throw has thrown. oneTBB would carry it too, but ends the program where
+/// it has no memory to do so, as is likely after std::bad_alloc.
+class FirstException {
+ public:
+  /// Inside a handler.
+  void note() noexcept {
+    const std::lock_guard lock(mutex_);
+    if (!exception_) exception_ = std::current_exception();
+  }
+  void rethrow() const {
+    if (exception_) std::rethrow_exception(exception_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::exception_ptr exception_;
+};
+
 #ifdef __SANITIZE_THREAD__
 /// The same for the thread sanitizer, which would take oneTBB for racing: that is not instrumented.
 void run_on_plain_threads(std::size_t n, int workers, std::size_t grain,
                           const std::function<void(std::size_t i, int worker)>& body) {
   std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failure_mutex;
+  FirstException failure;
   const auto work = [&](int worker) {
     try {
       for (std::size_t begin; (begin = next.fetch_add(grain)) < n;)
         for (std::size_t i = begin; i < std::min(n, begin + grain); ++i) body(i, worker);
     } catch (...) {
-      const std::lock_guard lock(failure_mutex);
-      failure = std::current_exception();
+      failure.note();
     }
   };
   std::vector<std::thread> threads;
   for (int worker = 1; worker < workers; ++worker) threads.emplace_back(work, worker);
   work(0);
   for (std::thread& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
+  failure.rethrow();
 }
 #endif
 
@@ -61,16 +77,23 @@ void parallel_for(std::size_t n, Threads threads, std::size_t grain,
   std::optional<tbb::global_control> limit;
   if (workers > n_workers({}))
     limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(workers));
+  FirstException failure;
+  tbb::task_group_context context;
+  const auto run_range = [&](const tbb::blocked_range<std::size_t>& range) {
+    const int worker = tbb::this_task_arena::current_thread_index();
+    try {
+      for (std::size_t i = range.begin(); i != range.end(); ++i) body(i, worker);
+    } catch (...) {
+      failure.note();
+      context.cancel_group_execution();
+    }
+  };
   tbb::task_arena arena(workers);
   arena.execute([&] {
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-          const int worker = tbb::this_task_arena::current_thread_index();
-          for (std::size_t i = range.begin(); i != range.end(); ++i) body(i, worker);
-        },
-        tbb::simple_partitioner());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
+                      run_range, tbb::simple_partitioner(), context);
   });
+  failure.rethrow();
 #endif
 }
 

@@ -19,9 +19,10 @@ ChunkCache::Bytes ChunkCache::find(std::int64_t chunk) {
 void ChunkCache::add(std::int64_t chunk, Bytes bytes) {
   const std::lock_guard lock(mutex_);
   if (places_.contains(chunk) || !make_room(bytes->size())) return;
-  n_bytes_ += bytes->size();
-  entries_.push_front({chunk, std::move(bytes), read_});
-  places_[chunk] = entries_.begin();
+  decltype(entries_) entry{{chunk, std::move(bytes), read_}};
+  places_.try_emplace(chunk, entry.begin());
+  entries_.splice(entries_.begin(), entry);  // nothing can fail any more
+  n_bytes_ += entries_.front().bytes->size();
 }
 
 bool ChunkCache::make_room(std::size_t n_bytes) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <new>
 #include <utility>
 
 namespace lode::io {
@@ -76,7 +77,9 @@ InflateStream::InflateStream(std::unique_ptr<ByteStream> compressed, std::string
     : compressed_(std::move(compressed)),
       path_(std::move(path)),
       state_(std::make_unique<State>()) {
-  state_->is_ready = inflateInit2(&state_->stream, kAnyWrapper) == Z_OK;
+  const int status = inflateInit2(&state_->stream, kAnyWrapper);
+  if (status == Z_MEM_ERROR) throw std::bad_alloc();
+  state_->is_ready = status == Z_OK;
 }
 
 InflateStream::~InflateStream() {
@@ -116,6 +119,7 @@ Result<void> InflateStream::step() {
     return {};
   }
   if (status == Z_OK || status == Z_BUF_ERROR) return {};
+  if (status == Z_MEM_ERROR) throw std::bad_alloc();
   return fail("{}: the compressed data are damaged: {}", path_, zlib_message(stream));
 }
 

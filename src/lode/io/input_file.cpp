@@ -15,23 +15,22 @@ std::string system_message() { return std::generic_category().message(errno); }
 
 Result<InputFilePtr> InputFile::open(const std::string& path, IoTallyPtr tally) {
   // O_NONBLOCK: opening a FIFO that nobody writes to must not wait.
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) return fail("{}: cannot be opened: {}", path, system_message());
+  const std::shared_ptr<InputFile> file(new InputFile(path, std::move(tally)));
+  file->descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file->descriptor_ < 0) return fail("{}: cannot be opened: {}", path, system_message());
   struct stat status {};
-  if (::fstat(descriptor, &status) != 0) {
-    const Error error = fail("{}: cannot be examined: {}", path, system_message());
-    ::close(descriptor);
-    return error;
-  }
-  InputFilePtr file(new InputFile(path, descriptor, static_cast<std::uint64_t>(status.st_size),
-                                  std::move(tally)));
+  if (::fstat(file->descriptor_, &status) != 0)
+    return fail("{}: cannot be examined: {}", path, system_message());
+  file->size_ = static_cast<std::uint64_t>(status.st_size);
   if (S_ISDIR(status.st_mode)) return fail("{}: expected a file, got a directory", path);
   if (!S_ISREG(status.st_mode)) return fail("{}: expected a regular file", path);
   if (file->size() == 0) return fail("{}: the file is empty (0 bytes)", path);
-  return file;
+  return InputFilePtr(file);
 }
 
-InputFile::~InputFile() { ::close(descriptor_); }
+InputFile::~InputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
 
 Result<void> InputFile::read(std::uint64_t offset, std::span<std::byte> out) const {
   if (size_from(offset) < out.size())

@@ -43,12 +43,12 @@ class InputFile {
   [[nodiscard]] Result<void> read(std::uint64_t offset, std::span<std::byte> out) const;
 
  private:
-  InputFile(std::string path, int descriptor, std::uint64_t size, IoTallyPtr tally)
-      : path_(std::move(path)), descriptor_(descriptor), size_(size), tally_(std::move(tally)) {}
+  InputFile(std::string path, IoTallyPtr tally)
+      : path_(std::move(path)), tally_(std::move(tally)) {}
 
   std::string path_;
-  int descriptor_;
-  std::uint64_t size_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
   IoTallyPtr tally_;
 };
 

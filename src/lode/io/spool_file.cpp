@@ -36,8 +36,8 @@ int open_unlinked(const std::string& directory) {
 
 }  // namespace
 
-SpoolFile::SpoolFile(std::string directory, IoTallyPtr tally, int descriptor)
-    : directory_(std::move(directory)), tally_(std::move(tally)), descriptor_(descriptor) {
+SpoolFile::SpoolFile(std::string directory, IoTallyPtr tally)
+    : directory_(std::move(directory)), tally_(std::move(tally)) {
   buffer_.reserve(kBufferBytes);
 }
 
@@ -53,12 +53,13 @@ SpoolFile::~SpoolFile() {
 }
 
 Result<SpoolFile> SpoolFile::create(const std::string& directory, IoTallyPtr tally, Birth birth) {
-  int descriptor = birth == Birth::nameless_if_possible ? open_nameless(directory) : -1;
+  SpoolFile file(directory, std::move(tally));
+  if (birth == Birth::nameless_if_possible) file.descriptor_ = open_nameless(directory);
   // What a missing or read-only directory did to the first attempt, it does to the second.
-  if (descriptor < 0) descriptor = open_unlinked(directory);
-  if (descriptor < 0)
+  if (file.descriptor_ < 0) file.descriptor_ = open_unlinked(directory);
+  if (file.descriptor_ < 0)
     return fail("{}: no spool file can be made in this directory: {}", directory, system_message());
-  return SpoolFile(directory, std::move(tally), descriptor);
+  return file;
 }
 
 Result<void> SpoolFile::append(std::span<const std::byte> bytes) {

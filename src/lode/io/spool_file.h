@@ -37,13 +37,13 @@ class SpoolFile {
   [[nodiscard]] std::uint64_t size() const { return n_written_ + buffer_.size(); }
 
  private:
-  SpoolFile(std::string directory, IoTallyPtr tally, int descriptor);
+  SpoolFile(std::string directory, IoTallyPtr tally);
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
   [[nodiscard]] Result<void> read_written(std::uint64_t offset, std::span<std::byte> out) const;
 
   std::string directory_;
   IoTallyPtr tally_;
-  int descriptor_;
+  int descriptor_ = -1;
   std::uint64_t n_written_ = 0;
   std::vector<std::byte> buffer_;  ///< What comes behind the written bytes.
 };

@@ -1,9 +1,11 @@
 #include "lode/io/spooled_store.h"
 
 #include <algorithm>
+#include <new>
 #include <optional>
 #include <utility>
 
+#include "lode/core/out_of_memory.h"
 #include "lode/io/spool_file.h"
 #include "lode/io/text.h"
 
@@ -46,14 +48,20 @@ class SpooledStore final : public SampleStore {
   /// The next bytes. Once this failed the stream is somewhere in between and is left alone.
   Result<void> decode(std::span<std::byte> out) {
     if (failure_) return *failure_;
-    auto status = samples_.stream->read(out);
-    if (status) {
-      status = spool_.append(out);
-      if (!status) status = fail("{}: {}", samples_.path, status.error().message);
-    }
+    auto status = decode_next(out);
     if (!status) failure_ = status.error();
     if (spool_.size() == samples_.n_bytes) samples_.stream.reset();
     return status;
+  }
+
+  Result<void> decode_next(std::span<std::byte> out) try {
+    LODE_CHECK(samples_.stream->read(out));
+    if (auto kept = spool_.append(out); !kept)
+      return fail("{}: {}", samples_.path, kept.error().message);
+    return {};
+  } catch (const std::bad_alloc&) {
+    failure_ = out_of_memory("decode the samples", samples_.path);
+    throw;
   }
 
   ForwardSamples samples_;

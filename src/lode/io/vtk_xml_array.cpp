@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
 
 #include "lode/io/byte_stream.h"
 #include "lode/io/spooled_store.h"
@@ -61,7 +62,9 @@ Result<void> find_appended(VtkXmlFile& xml, std::uint64_t tag) {
     return fail("{}: expected an underscore before the appended data", file.path());
   pugi::xml_document element;
   const std::string closed = text.substr(0, close) + "/>";
-  element.load_buffer(closed.data(), closed.size(), pugi::parse_default, pugi::encoding_utf8);
+  const pugi::xml_parse_result parsed =
+      element.load_buffer(closed.data(), closed.size(), pugi::parse_default, pugi::encoding_utf8);
+  if (parsed.status == pugi::status_out_of_memory) throw std::bad_alloc();
   const std::string encoding = element.first_child().attribute("encoding").as_string("base64");
   if (encoding != "raw" && encoding != "base64")
     return fail("{}: expected appended data as raw or base64, got {}", file.path(),
@@ -156,6 +159,7 @@ Result<VtkXmlFilePtr> open_vtk_xml(const std::string& path, const SampleStorage&
   LODE_TRY(const XmlPart part, read_xml_part(*xml->file, storage));
   const pugi::xml_parse_result parsed = xml->document->load_buffer(
       part.text.data(), part.text.size(), pugi::parse_default, pugi::encoding_utf8);
+  if (parsed.status == pugi::status_out_of_memory) throw std::bad_alloc();
   if (!parsed)
     return fail("{}: expected well-formed XML: {} at byte {}", path, parsed.description(),
                 parsed.offset);

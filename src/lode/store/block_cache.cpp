@@ -28,9 +28,10 @@ void BlockCache::put(std::size_t i, const Bytes& bytes) {
   const std::lock_guard lock(mutex_);
   n_bytes_read_ += reader_.blocks()[i].stored_size;
   ++n_blocks_read_;
-  if (places_.contains(i)) return;  // another thread was first
-  blocks_.emplace_front(i, bytes);
-  places_[i] = blocks_.begin();
+  if (places_.contains(i)) return;      // another thread was first
+  decltype(blocks_) block{{i, bytes}};  // joins the others once nothing can fail
+  places_.try_emplace(i, block.begin());
+  blocks_.splice(blocks_.begin(), block);
   n_bytes_ += bytes->size();
   while (n_bytes_ > max_bytes_ && !blocks_.empty()) {
     n_bytes_ -= blocks_.back().second->size();

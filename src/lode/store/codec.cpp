@@ -34,13 +34,15 @@ struct ContextDeleter {
 
 // Contexts are scratch memory: a frame depends on its input alone, whatever they did before.
 ZSTD_CCtx* thread_compressor() {
-  thread_local std::unique_ptr<ZSTD_CCtx, ContextDeleter> context(ZSTD_createCCtx());
+  thread_local std::unique_ptr<ZSTD_CCtx, ContextDeleter> context;
+  if (!context) context.reset(ZSTD_createCCtx());
   if (!context) throw std::bad_alloc();
   return context.get();
 }
 
 ZSTD_DCtx* thread_decompressor() {
-  thread_local std::unique_ptr<ZSTD_DCtx, ContextDeleter> context(ZSTD_createDCtx());
+  thread_local std::unique_ptr<ZSTD_DCtx, ContextDeleter> context;
+  if (!context) context.reset(ZSTD_createDCtx());
   if (!context) throw std::bad_alloc();
   return context.get();
 }

@@ -1,6 +1,8 @@
 #include "lode/store/fetcher.h"
 
 #include <algorithm>
+#include <new>
+#include <system_error>
 #include <utility>
 
 namespace lode::store {
@@ -24,7 +26,7 @@ void Fetcher::Client::want(Page page, float demand) {
     if (fetcher_.is_fetched_[page]) return;
     float& known = wanted_.try_emplace(page, demand).first->second;
     known = std::max(known, demand);
-    if (!fetcher_.thread_.joinable()) fetcher_.thread_ = std::thread([f = &fetcher_] { f->run(); });
+    fetcher_.start();
   }
   fetcher_.changed_.notify_all();
 }
@@ -52,7 +54,9 @@ void Fetcher::Client::on_fetched(std::function<void()> wake) {
 }
 
 Fetcher::Fetcher(std::size_t n_pages, std::function<void(Page)> fetch)
-    : fetch_(std::move(fetch)), is_fetched_(n_pages) {}
+    : fetch_(std::move(fetch)), is_fetched_(n_pages) {
+  fetched_.reserve(n_pages);  // its thread takes no memory
+}
 
 Fetcher::~Fetcher() {
   {
@@ -61,6 +65,16 @@ Fetcher::~Fetcher() {
   }
   changed_.notify_all();
   if (thread_.joinable()) thread_.join();
+}
+
+/// Where the machine has no thread left, it has nothing left to work with.
+void Fetcher::start() {
+  if (thread_.joinable()) return;
+  try {
+    thread_ = std::thread([this] { run(); });
+  } catch (const std::system_error&) {
+    throw std::bad_alloc();
+  }
 }
 
 /// What the next client that wants anything wants most. Some thousand pages at most are wanted at

@@ -28,7 +28,7 @@ class Fetcher {
     ~Client();
 
     /// The larger `demand`, the sooner; of several for one page the largest counts. Nothing happens
-    /// if it has been fetched.
+    /// if it has been fetched. Throws std::bad_alloc, also where no thread can be started.
     void want(Page page, float demand);
     void forget();
     /// The pages that were fetched since the last call, in that order, whoever asked for them.
@@ -64,6 +64,7 @@ class Fetcher {
   [[nodiscard]] std::size_t n_clients() const { return n_clients_; }
 
  private:
+  void start();
   void run();
   [[nodiscard]] bool next(Page& page);
   void note(Page page);

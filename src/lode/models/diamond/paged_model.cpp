@@ -3,6 +3,8 @@
 #include <cstring>
 #include <new>
 
+#include "lode/core/out_of_memory.h"
+
 namespace lode::diamond {
 template <int D>
 PagedModel<D>::PagedModel(const store::Reader& reader, const Metadata& metadata)
@@ -21,6 +23,7 @@ PagedModel<D>::PagedModel(const store::Reader& reader, const Metadata& metadata)
             }
             pages_.resize(n);
             for (Page page = 0; page < n; ++page) n_bytes_of_all_ += n_bytes(page);
+            lacks_memory_.resize(n);
             return n;
           }(),
           [this](Page page) { fetch(page); }) {}
@@ -119,8 +122,10 @@ template <int D>
 std::optional<Error> PagedModel<D>::fault_of(std::span<const Page> pages) const {
   if (!has_fault_.load(std::memory_order_acquire)) return {};
   const std::lock_guard lock(fault_mutex_);
-  for (const Page page : pages)
+  for (const Page page : pages) {
     if (const auto fault = faults_.find(page); fault != faults_.end()) return fault->second;
+    if (lacks_memory_[page]) return out_of_memory("read a page", reader_.path());
+  }
   return {};
 }
 
@@ -136,16 +141,15 @@ Region<D> PagedModel<D>::region_of(Page page) const {
 /// What goes wrong is known of the page, and of those that need it; others can still be fetched.
 template <int D>
 void PagedModel<D>::fetch(Page number) {
-  const auto done = [&]() -> Result<void> {
-    try {
-      return load_page(number);
-    } catch (const std::bad_alloc&) {
-      return fail("{}: no memory for a page", reader_.path());
-    }
-  }();
-  if (done) return;
-  const std::lock_guard lock(fault_mutex_);
-  faults_.try_emplace(number, done.error());
+  try {
+    const auto done = load_page(number);
+    if (done) return;
+    const std::lock_guard lock(fault_mutex_);
+    faults_.try_emplace(number, done.error());
+  } catch (const std::bad_alloc&) {
+    const std::lock_guard lock(fault_mutex_);
+    lacks_memory_[number] = true;
+  }
   has_fault_.store(true, std::memory_order_release);
 }
 

@@ -166,6 +166,7 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   store::PageTable<LevelPage<D>> pages_;
   mutable std::mutex fault_mutex_;
   std::unordered_map<Page, Error> faults_;
+  std::vector<bool> lacks_memory_;  ///< By page: said without taking any.
   std::atomic<bool> has_fault_{false};
   mutable store::Fetcher fetcher_;  ///< Last: its thread uses the others.
 };

@@ -1,6 +1,7 @@
 #include "lode/models/diamond/part_log.h"
 
 #include <filesystem>
+#include <new>
 
 #include "lode/store/bytes.h"
 
@@ -171,11 +172,13 @@ Result<void> PartLog<D>::add(const PartPlan<D>& plan, const CoarseField<D>& fiel
 }
 
 template <int D>
-void PartLog<D>::remove_leftovers(const std::string& output) {
+void PartLog<D>::remove_leftovers(const std::string& output) try {
   AtomicFile::remove_part(output);
   std::error_code status;
   if (!std::filesystem::exists(path_of(output), status)) return;
   if (auto journal = store::Journal::create(path_of(output))) journal->remove();
+} catch (const std::bad_alloc&) {
+  // The output is in its place: what earlier builds have left is in nobody's way.
 }
 
 template class PartLog<2>;
