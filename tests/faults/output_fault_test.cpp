@@ -1,0 +1,107 @@
+// Writing, and reading back, each kind of output while calls fail.
+#include "lode/api/files.h"
+#include "tests/faults/fault_scratch.h"
+#include "tests/faults/fault_storm.h"
+
+namespace lode::test {
+namespace {
+
+class fault_output : public FaultTest {
+ protected:
+  fault_output() {
+    surface_.positions = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
+    surface_.normals.assign(4, {{0, 0, 1}});
+    surface_.isovalues.assign(4, 1.5F);
+    surface_.triangles = {{0, 1, 2}, {0, 1, 3}};
+  }
+
+  /// write(path) makes the file of that name, the same each time.
+  static void expect_writes(const std::string& name,
+                            const std::function<Result<void>(const std::string&)>& write) {
+    SCOPED_TRACE(name);
+    const FaultScratch scratch(name);
+    const auto written = write(scratch.output());
+    ASSERT_TRUE(written) << written.error().message;
+    const std::string expected = read_bytes(scratch.output());
+    Operation operation;
+    operation.files = {scratch.output()};
+    operation.prepare = [&] { scratch.prepare(); };
+    operation.run = [&] { return write(scratch.output()); };
+    operation.expect_done = [&] { scratch.expect_output(expected); };
+    operation.expect_undone = [&](const std::string&) { scratch.expect_untouched(); };
+    expect_survives_all(operation);
+  }
+
+  Surface surface_;
+};
+
+TEST_F(fault_output, of_surfaces_is_whole_or_the_old_one) {
+  const SurfaceWriteOptions options{.comment = "made by a test of what happens when calls fail"};
+  for (const char* name : {"a.ply", "a.stl", "a.obj", "a.vtp", "a.glb"})
+    expect_writes(name, [&](const std::string& path) {
+      Progress progress;
+      return write_surface(path, surface_, options, progress);
+    });
+}
+
+TEST_F(fault_output, of_surfaces_can_be_read_back_or_says_why_not) {
+  for (const char* name : {"a.ply", "a.stl", "a.obj", "a.vtp", "a.glb"}) {
+    SCOPED_TRACE(name);
+    const FaultScratch scratch(name);
+    Progress progress;
+    ASSERT_TRUE(write_surface(scratch.output(), surface_, {}, progress));
+    Result<Surface> surface = Surface();
+    Operation operation;
+    operation.files = {scratch.output()};
+    operation.run = [&]() -> Result<void> {
+      surface = read_surface(scratch.output());
+      if (!surface) return std::move(surface).error();
+      return {};
+    };
+    operation.expect_done = [&] { EXPECT_EQ(surface->triangles.size(), 2U); };
+    expect_survives_all(operation);
+  }
+}
+
+TEST_F(fault_output, of_meshes_is_whole_or_the_old_one) {
+  SimplexMesh mesh;
+  mesh.positions = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
+  mesh.values = {1, 2, 3, 4};
+  mesh.tetrahedra = {{0, 1, 2, 3}};
+  mesh.errors = {0.5F};
+  expect_writes("a.vtu", [&](const std::string& path) {
+    Progress progress;
+    return write_vtu(path, mesh, {}, progress);
+  });
+}
+
+TEST_F(fault_output, of_pictures_texts_and_cameras_is_whole_or_the_old_one) {
+  const Image image{.width = 2, .height = 2, .pixels = std::vector<Color>(4, Color{1, 2, 3, 255})};
+  expect_writes("a.png", [&](const std::string& path) { return write_png(image, path); });
+  expect_writes("a.txt", [](const std::string& path) {
+    return write_text(path, "some text that is long enough to need memory", Progress());
+  });
+  Camera camera;
+  camera.eye = {{1, 2, 3}};
+  expect_writes("a.json", [&](const std::string& path) { return write_camera(camera, path); });
+}
+
+TEST_F(fault_output, of_cameras_can_be_read_back_or_says_why_not) {
+  const FaultScratch scratch("camera.json");
+  Camera camera;
+  camera.eye = {{1, 2, 3}};
+  ASSERT_TRUE(write_camera(camera, scratch.output()));
+  Result<Camera> read = Camera();
+  Operation operation;
+  operation.files = {scratch.output()};
+  operation.run = [&]() -> Result<void> {
+    read = read_camera(scratch.output());
+    if (!read) return std::move(read).error();
+    return {};
+  };
+  operation.expect_done = [&] { EXPECT_EQ(read->eye, camera.eye); };
+  expect_survives_all(operation);
+}
+
+}  // namespace
+}  // namespace lode::test

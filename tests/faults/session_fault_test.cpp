@@ -1,0 +1,93 @@
+// A session over a file whose pages are read as it goes, while calls fail: it answers, or says why
+// not, and never ends the program.
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "lode/api/session.h"
+#include "tests/faults/fault_scratch.h"
+#include "tests/faults/fault_storm.h"
+#include "tests/oracles/analytic_fields.h"
+
+namespace lode::test {
+namespace {
+
+using fault_session = FaultTest;
+
+Query query_of(double isovalue) {
+  Query query;
+  query.isovalues = {isovalue};
+  query.max_error = 0.6;
+  return query;
+}
+
+/// Takes batches until the answer to the newest query is there, or the reason why it never will be.
+Result<void> take_answer(Session& session, std::uint64_t number, std::uint64_t& n_cells) {
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < patience) {
+    const auto batch = session.take();
+    if (!batch) {
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+      continue;
+    }
+    if (batch->fault) return std::move(*batch->fault);
+    if (batch->query != number || !batch->standing.is_settled) continue;
+    n_cells = batch->standing.n_cells;
+    return {};
+  }
+  return fail("no answer came");
+}
+
+TEST_F(fault_session, over_a_file_answers_or_says_why_not) {
+  const FaultScratch scratch("field.lode");
+  Progress progress;
+  {
+    const Volume volume = oracles::sample(oracles::Field::gaussians40, {{150, 5, 5}});
+    const auto source = make_memory_source(volume);
+    ASSERT_TRUE(Dataset::build(*source, {}, progress)->save(scratch.output(), {}, progress));
+  }
+  std::uint64_t n_cells = 0;
+  std::optional<std::uint64_t> expected;
+  Operation operation;
+  operation.files = {scratch.output()};
+  const Query first = query_of(0.3);
+  const Query second = query_of(0.4);
+  operation.run = [&]() -> Result<void> {
+    LODE_TRY(const auto dataset, Dataset::open(scratch.output(), {1}));
+    LODE_TRY(auto session, Session::open(dataset, first, {.with_views = false}, progress));
+    auto answer = take_answer(session, 1, n_cells);
+    if (!answer) return answer;  // to copy the error would take memory
+    LODE_TRY(const std::uint64_t number, session.set_query(second));
+    return take_answer(session, number, n_cells);
+  };
+  operation.expect_done = [&] {
+    if (!expected) expected = n_cells;
+    EXPECT_EQ(n_cells, *expected);
+  };
+  expect_survives_all(operation);
+}
+
+TEST_F(fault_session, that_has_ended_refuses_queries) {
+  const Volume volume = oracles::sample(oracles::Field::gaussians40, 33);
+  const auto source = make_memory_source(volume);
+  Progress progress;
+  const auto dataset = Dataset::build(*source, {}, progress);
+  ASSERT_TRUE(dataset);
+  auto session = Session::open(*dataset, query_of(0.3), {.with_views = false}, progress);
+  ASSERT_TRUE(session) << session.error().message;
+  std::uint64_t n_cells = 0;
+  ASSERT_TRUE(take_answer(*session, 1, n_cells));
+  const Query next = query_of(0.4);
+  ASSERT_TRUE(session->set_query(next));
+  begin_faults({Fault::memory, 0, true});
+  const auto answer = take_answer(*session, 2, n_cells);
+  end_faults();
+  if (answer) GTEST_SKIP() << "the answer was there first";
+  EXPECT_NE(answer.error().message.find("memory"), std::string::npos) << answer.error().message;
+  const auto refused = session->set_query(next);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("the session has ended"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lode::test
