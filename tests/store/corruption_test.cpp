@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <cstring>
@@ -60,6 +61,71 @@ TEST_F(damaged_file, is_detected_wherever_it_is_truncated) {
     ASSERT_FALSE(reader) << size;
     EXPECT_TRUE(reader.error().message.starts_with(path_.str() + ": ")) << size;
   }
+}
+
+/// Blocks of 100 kB and more, of every codec, and where each ends.
+class LargeDamagedFile : public DamagedFile {
+ protected:
+  void SetUp() override {
+    std::vector<TestBlock> blocks;
+    for (const Pattern pattern : {Pattern::constant, Pattern::ramp, Pattern::random, Pattern::wave})
+      for (const std::size_t element_size : {1, 4})
+        blocks.push_back({{1, 0, {{static_cast<std::int32_t>(blocks.size()), 0, 0}}},
+                          element_size,
+                          pattern_bytes(pattern, 100'000 + blocks.size(), element_size)});
+    write_file(path_.str(), blocks);
+    bytes_ = load_file(path_.str());
+    const auto reader = Reader::open(path_.str());
+    ASSERT_TRUE(reader);
+    for (const BlockEntry& block : reader->blocks())
+      ends_.push_back(block.offset + block.stored_size);
+    ASSERT_EQ(open_and_check(path_.str()), "");
+    before_ = peak_kilobytes();
+  }
+  void TearDown() override {
+    // Of a megabyte decoded, whatever the damage says.
+    EXPECT_LT(peak_kilobytes() - before_, 16 << 10);
+  }
+  void expect_named_error(std::span<const std::byte> damaged, const std::string& damage) {
+    const std::string message = check({damaged.begin(), damaged.end()});
+    EXPECT_TRUE(message.starts_with(path_.str() + ": ")) << damage << ": " << message;
+  }
+  void expect_flip_is_noticed(std::size_t at) {
+    bytes_[at] ^= std::byte{0x10};
+    expect_named_error(bytes_, fmt::format("byte {}", at));
+    bytes_[at] ^= std::byte{0x10};
+  }
+  /// The most memory this process ever held.
+  static std::int64_t peak_kilobytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  }
+
+  std::vector<std::uint64_t> ends_;
+  std::int64_t before_ = 0;
+};
+
+using large_damaged_file = LargeDamagedFile;
+
+TEST_F(large_damaged_file, is_detected_whichever_byte_of_header_and_directory_is_flipped) {
+  for (std::size_t i = 0; i < kHeaderBytes; ++i) expect_flip_is_noticed(i);
+  for (std::size_t i = ends_.back(); i < bytes_.size(); ++i) expect_flip_is_noticed(i);
+}
+
+TEST_F(large_damaged_file, is_detected_by_its_blocks_wherever_one_is_flipped) {
+  std::size_t begin = kHeaderBytes;
+  for (const std::uint64_t end : ends_) {
+    for (std::size_t i = begin; i < end; i += 1 + (end - begin) / 16) expect_flip_is_noticed(i);
+    expect_flip_is_noticed(end - 1);
+    begin = end;
+  }
+}
+
+TEST_F(large_damaged_file, is_detected_where_it_is_cut_at_the_end_of_any_block) {
+  for (const std::uint64_t end : ends_)
+    for (const std::size_t n : {end - 1, end, end + 1})
+      expect_named_error(std::span(bytes_).first(n), fmt::format("{} bytes", n));
 }
 
 TEST_F(damaged_file, says_what_is_wrong_with_its_start) {

@@ -27,8 +27,12 @@ struct CloseFile {
 Result<std::string> read_text(const std::string& path, std::size_t max_bytes) {
   const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
   if (!file) return fail("{}: cannot open: {}", path, std::strerror(errno));
-  std::string text(max_bytes + 1, '\0');
-  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  std::string text;
+  std::array<char, 4096> piece{};
+  for (std::size_t n = 1; n > 0 && text.size() <= max_bytes;) {
+    n = std::fread(piece.data(), 1, piece.size(), file.get());
+    text.append(piece.data(), n);
+  }
   if (std::ferror(file.get()) != 0) return fail("{}: cannot read: {}", path, std::strerror(errno));
   if (text.size() > max_bytes) {
     return fail("{}: expected a camera file of at most {} bytes, got a larger one", path,
