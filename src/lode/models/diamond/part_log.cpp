@@ -103,12 +103,23 @@ Result<store::BlockEntry> read_block(store::ByteReader& in, std::uint64_t offset
   return block;
 }
 
+/// Whether a writer may have made it.
+bool is_block(const store::BlockEntry& block) {
+  return block.raw_size <= store::kMaxBlockBytes && block.stored_size <= block.raw_size &&
+         static_cast<std::uint8_t>(block.codec) <= store::kLastCodec &&
+         store::is_element_size(block.element_size);
+}
+
 template <int D>
 Result<void> read_part(std::span<const std::byte> record, const std::string& path,
                        CoarseField<D>& field, PartsDone& done) {
   store::ByteReader in(record, path);
+  const std::size_t n_all = n_points<D>(chunk_counts<D>(field.shape));
   LODE_TRY(const auto n_chunks, in.read<std::uint64_t>());
   LODE_TRY(const auto n_largest, in.read<std::uint64_t>());
+  if (n_chunks <= done.n_chunks || n_chunks > n_all || n_largest > as_size(kChunkLevel + 1))
+    return fail("{}: expected more than {} of {} chunks to be done, got {} with {} levels", path,
+                done.n_chunks, n_all, n_chunks, n_largest);
   LODE_TRY(auto largest, in.read_all<ErrorCode>(n_largest));
   LODE_TRY(const auto n_blocks, in.read<std::uint64_t>());
   for (std::uint64_t i = 0; i < n_blocks; ++i) {
@@ -116,6 +127,8 @@ Result<void> read_part(std::span<const std::byte> record, const std::string& pat
                                      ? store::kHeaderBytes
                                      : done.blocks.back().offset + done.blocks.back().stored_size;
     LODE_TRY(auto block, read_block(in, offset));
+    if (!is_block(block))
+      return fail("{}: expected {} as it is written, got another", path, describe(block.key));
     done.blocks.push_back(block);
   }
   LODE_CHECK(read_shares<D>(in, path, field));
