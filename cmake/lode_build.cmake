@@ -35,6 +35,10 @@ if(LODE_SANITIZE)
   target_link_options(lode_settings INTERFACE -fsanitize=${LODE_SANITIZE})
 endif()
 
+if(LODE_BUILD_FUZZERS)
+  target_compile_options(lode_settings INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
 # lode_room(NAME SOURCES ... [DEPENDS targets...]): one static library, lode_NAME.
 function(lode_room name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})

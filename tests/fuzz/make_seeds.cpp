@@ -1,0 +1,262 @@
+// Writes small valid inputs of every harness, the fuzzers' first ones: fuzz_seeds
+// tests/fuzz/corpus.
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "lode/io/surface_file.h"
+#include "lode/models/diamond/stream_build.h"
+#include "lode/render/camera_file.h"
+#include "lode/store/codec.h"
+#include "lode/store/directory.h"
+#include "lode/store/header.h"
+#include "lode/store/journal.h"
+#include "tests/io/zarr_fixtures.h"
+#include "tests/models/stored_fixtures.h"
+
+namespace lode::fuzz {
+namespace {
+
+using io::test::base64;
+using io::test::bytes_of;
+using io::test::gzipped;
+using io::test::ramp;
+using io::test::zlibbed;
+
+std::filesystem::path corpus;
+
+void keep(const std::string& harness, const std::string& name, const std::string& bytes) {
+  std::filesystem::create_directories(corpus / harness);
+  std::ofstream(corpus / harness / name, std::ios::binary) << bytes;
+}
+
+std::string text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::string load(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Two parts, as split() takes them apart.
+std::string joined(const std::string& first, const std::string& second) {
+  return bytes_of<std::uint16_t>({static_cast<std::uint16_t>(first.size())}) + first + second;
+}
+
+void keep_lode_file(const std::string& name, const Volume& volume) {
+  const io::test::TempDir dir;
+  const std::string path = dir.path("a.lode");
+  const Index3& dims = volume.info.grid.dims;
+  if (std::min({dims[0], dims[1], dims[2]}) == 1)
+    test::save<2>(test::built<2>(volume), path);
+  else
+    test::save<3>(test::built<3>(volume), path);
+  keep("lode_file", name, load(path));
+  if (name != "small") return;
+  const std::string bytes = load(path);
+  keep("directory", "header", bytes.substr(0, store::kHeaderBytes));
+  const auto reader = store::Reader::open(path);
+  const store::Directory directory{reader->model(),
+                                   {reader->metadata().begin(), reader->metadata().end()},
+                                   {reader->blocks().begin(), reader->blocks().end()}};
+  const store::BlockEntry& last = directory.blocks.back();
+  const auto end = static_cast<std::uint32_t>(last.offset + last.stored_size);
+  keep("directory", "directory",
+       bytes_of<std::uint32_t>({end}) + text_of(store::encode_directory(directory)));
+}
+
+void keep_lode_files() {
+  using test::Holes;
+  keep_lode_file("small", test::random_samples({{5, 4, 3}}, ScalarType::uint8, Holes::none));
+  keep_lode_file("holes", test::random_samples({{9, 6, 5}}, ScalarType::float32, Holes::some));
+  keep_lode_file("flat", test::random_samples({{20, 9, 1}}, ScalarType::int16, Holes::none));
+  keep_lode_file("levels", test::random_samples({{17, 17, 17}}, ScalarType::uint8, Holes::none));
+  keep_lode_file("wide", test::random_samples({{3, 2, 4}}, ScalarType::float64, Holes::none));
+}
+
+void keep_codecs() {
+  const auto raw = bytes_of(ramp<std::int32_t>(50));
+  for (unsigned codec = 0; codec <= store::kLastCodec; ++codec) {
+    const auto block =
+        store::encode_block_as(static_cast<store::Codec>(codec), std::as_bytes(std::span(raw)), 4);
+    const auto n = static_cast<std::uint8_t>(raw.size());
+    keep("codec", "codec_" + std::to_string(codec),
+         bytes_of<std::uint8_t>({static_cast<std::uint8_t>(block.codec), 4, n, 0, 0}) +
+             text_of(block.stored));
+  }
+}
+
+/// Stops a build in parts after its first one.
+class StoppingSource final : public VolumeSource {
+ public:
+  explicit StoppingSource(const Volume& volume) : source_(make_memory_source(volume)) {}
+  const VolumeInfo& info() const override { return source_->info(); }
+  Result<void> read(const IndexBox& box, std::span<std::byte> out) override {
+    constexpr int kReadsOfScanAndOnePart = 2;
+    if (++n_reads_ > kReadsOfScanAndOnePart) return fail("that is enough");
+    return source_->read(box, out);
+  }
+
+ private:
+  std::unique_ptr<VolumeSource> source_;
+  int n_reads_ = 0;
+};
+
+void keep_journals() {
+  const Volume volume = test::random_samples({{600, 4, 4}}, ScalarType::uint8, test::Holes::none);
+  StoppingSource source(volume);
+  const io::test::TempDir dir;
+  const std::string output = dir.path("out.lode");
+  Progress progress;
+  const diamond::StreamSettings settings{
+      .threads = {1}, .unfinished = Unfinished::part, .chunks_per_part = 1};
+  static_cast<void>(diamond::build_file<3>(source, output, settings, progress).has_value());
+  const std::string path = output + ".part.journal";
+  keep("journal", "build", load(path));
+  std::string records;
+  bool is_head = true;
+  static_cast<void>(store::Journal::reopen(path, [&](std::span<const std::byte> r) -> Result<bool> {
+                      if (!std::exchange(is_head, false)) records += joined(text_of(r), "");
+                      return true;
+                    }).has_value());
+  keep("part_log", "build", records);
+}
+
+constexpr const char* kNrrd =
+    "NRRD0004\ntype: short\ndimension: 4\nsizes: 1 4 3 2\nendian: little\n"
+    "kinds: vector domain domain domain\nspace: RAS\nspace directions: none "
+    "(1,0,0) (0,1,0) (0,0,1)\nspace origin: (1,2,3)\nencoding: ";
+
+std::string numbers() {
+  std::string text;
+  for (int i = 0; i < 24; ++i) text += fmt::format("{} ", i);
+  return text;
+}
+
+void keep_text_headers() {
+  const std::string raw = bytes_of(ramp<std::int16_t>(24));
+  keep("nrrd", "raw", kNrrd + ("raw\n\n" + raw));
+  keep("nrrd", "gzip", kNrrd + ("gzip\n\n" + gzipped(raw)));
+  keep("nrrd", "ascii", kNrrd + ("ascii\n\n" + numbers()));
+  keep("nrrd", "hex", kNrrd + ("hex\n\n" + std::string(96, 'a')));
+  keep("nrrd", "list", kNrrd + ("raw\nbyte skip: -1\ndata file: LIST 3\na.nhdr\na.nhdr\n\n" + raw));
+  keep("nrrd", "spacings",
+       "NRRD0001\ntype: double\ndimension: 3\nsizes: 2 1 2\nspacings: 1 2 .5\naxis mins: 0 1 2\n"
+       "endian: big\nline skip: 0\nencoding: raw\n\n" +
+           bytes_of(ramp<double>(4)));
+  const std::string meta =
+      "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nOffset = 1 2 3\n"
+      "TransformMatrix = 1 0 0 0 1 0 0 0 1\nElementSpacing = 1 1 1\n";
+  keep("metaimage", "raw", meta + "ElementDataFile = LOCAL\n" + raw);
+  keep("metaimage", "zlib",
+       meta + "CompressedData = True\nElementDataFile = LOCAL\n" + zlibbed(raw));
+  keep("metaimage", "text", meta + "BinaryData = False\nElementDataFile = LOCAL\n" + numbers());
+  const std::string legacy = "# vtk DataFile Version 3.0\ntitle\n";
+  const std::string points =
+      "DATASET STRUCTURED_POINTS\nDIMENSIONS 4 3 2\nSPACING 1 1 1\n"
+      "ORIGIN 0 0 0\nPOINT_DATA 24\nSCALARS v short 1\nLOOKUP_TABLE t\n";
+  keep("vtk_legacy", "binary", legacy + "BINARY\n" + points + raw);
+  keep("vtk_legacy", "ascii", legacy + "ASCII\n" + points + numbers());
+  keep("vtk_legacy", "rectilinear",
+       legacy +
+           "ASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 2 2 1\nX_COORDINATES 2 float\n0 1\n"
+           "Y_COORDINATES 2 float\n0 1\nZ_COORDINATES 1 float\n0\nPOINT_DATA 4\nFIELD f 1\n"
+           "v 1 4 int\n1 2 3 4\n");
+}
+
+std::string vti(const std::string& root, const std::string& array, const std::string& appended) {
+  return "<VTKFile type=\"ImageData\" " + root +
+         "><ImageData WholeExtent=\"0 3 0 2 0 1\" Spacing=\"1 2 3\"><Piece Extent=\"0 3 0 2 0 "
+         "1\"><PointData><DataArray type=\"Int16\" Name=\"v\" " +
+         array + "</DataArray></PointData></Piece></ImageData>" + appended + "</VTKFile>";
+}
+
+void keep_binaries() {
+  const std::string raw = bytes_of(ramp<std::int16_t>(24));
+  io::test::NiftiBytes nifti({4, 3, 2}, 4);
+  nifti.set_sform({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}).set<float>(112, 2);
+  keep("nifti", "plain", nifti.bytes() + raw);
+  keep("nifti", "gzip", gzipped(nifti.bytes() + raw));
+  const std::string counted = bytes_of<std::uint32_t>({48}) + raw;
+  const std::string block = zlibbed(raw);
+  const std::string header =
+      bytes_of<std::uint64_t>({1, 48, 0, static_cast<std::uint64_t>(block.size())});
+  const std::string zlib = "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"";
+  const std::string appended = "format=\"appended\" offset=\"0\">";
+  keep("vtk_xml", "ascii", vti("", "format=\"ascii\">" + numbers(), ""));
+  keep("vtk_xml", "base64", vti("", "format=\"binary\">" + base64(counted), ""));
+  keep("vtk_xml", "base64_zlib",
+       vti(zlib, "format=\"binary\">" + base64(header) + base64(block), ""));
+  keep("vtk_xml", "raw", vti("", appended, "<AppendedData encoding=\"raw\">_" + counted));
+  keep("vtk_xml", "raw_zlib",
+       vti(zlib, appended, "<AppendedData encoding=\"raw\">_" + header + block));
+}
+
+void keep_zarr() {
+  for (const char* name : {"fill_42", "codec_zstd", "codec_blosc_lz4_bits", "codec_gzip"}) {
+    const io::test::ZarrFixture fixture(std::string("v2/") + name);
+    keep("zarr_v2", name, joined(load(fixture.path(".zarray")), load(fixture.path("0.0.0"))));
+  }
+  for (const char* name : {"shard_zstd", "shard_nested", "shard_transposed"}) {
+    const io::test::ZarrFixture fixture(std::string("v3/") + name);
+    keep("zarr_v3", name, joined(load(fixture.path("zarr.json")), load(fixture.path("c/0/0/0"))));
+  }
+}
+
+void keep_surfaces() {
+  const io::test::TempDir dir;
+  Surface surface;
+  surface.positions = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
+  surface.normals.assign(4, {{0, 0, 1}});
+  surface.isovalues.assign(4, 1.5F);
+  surface.triangles = {{0, 1, 2}, {0, 1, 3}};
+  Surface lines;
+  lines.origin = {{1e6, 0, 0}};
+  lines.positions = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}};
+  lines.lines = {{0, 1}, {1, 2}};
+  lines.values = {1, 2, 3};
+  Progress progress;
+  for (const std::string extension : {"ply", "stl", "obj", "vtp", "glb"}) {
+    const std::string path = dir.path("a." + extension);
+    if (io::write_surface(path, surface, {}, progress)) keep(extension, "triangles", load(path));
+    if (io::write_surface(path, lines, {}, progress)) keep(extension, "lines", load(path));
+  }
+  keep("ply", "ascii",
+       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+       "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+       "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  keep("ply", "big_endian",
+       "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty double x\n"
+       "property double y\nproperty double z\nend_header\n" +
+           bytes_of<double>({1, 2, 3}, io::ByteOrder::big));
+  keep("stl", "ascii",
+       "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+       "endloop\nendfacet\nendsolid a\n");
+  Camera camera;
+  camera.eye = {{1, 2, 3}};
+  if (write_camera(camera, dir.path("c.json"))) keep("camera", "one", load(dir.path("c.json")));
+  if (write_cameras({camera, camera}, dir.path("c.json")))
+    keep("camera", "path", load(dir.path("c.json")));
+}
+
+}  // namespace
+}  // namespace lode::fuzz
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "expected one argument, the directory of the corpus\n");
+    return 2;
+  }
+  lode::fuzz::corpus = argv[1];
+  lode::fuzz::keep_lode_files();
+  lode::fuzz::keep_codecs();
+  lode::fuzz::keep_journals();
+  lode::fuzz::keep_text_headers();
+  lode::fuzz::keep_binaries();
+  lode::fuzz::keep_zarr();
+  lode::fuzz::keep_surfaces();
+  return 0;
+}
