@@ -86,6 +86,24 @@ TEST_F(fault_output, of_pictures_texts_and_cameras_is_whole_or_the_old_one) {
   expect_writes("a.json", [&](const std::string& path) { return write_camera(camera, path); });
 }
 
+TEST_F(fault_output, drawing_ends_in_an_error_or_the_picture) {
+  const RenderOptions options{.width = 8, .height = 8, .samples_per_pixel = 1, .threads = {2}};
+  const Box3d bounds{{{0, 0, 0}}, {{1, 1, 1}}};
+  Progress unhindered;
+  const auto expected = render_surface(surface_, bounds, options, unhindered);
+  ASSERT_TRUE(expected) << expected.error().message;
+  Result<Image> image = Image();
+  Operation operation;
+  operation.run = [&]() -> Result<void> {
+    Progress progress;
+    image = render_surface(surface_, bounds, options, progress);
+    if (!image) return std::move(image).error();
+    return {};
+  };
+  operation.expect_done = [&] { EXPECT_TRUE(*image == *expected) << "the picture differs"; };
+  expect_survives(operation, Fault::memory);
+}
+
 TEST_F(fault_output, of_cameras_can_be_read_back_or_says_why_not) {
   const FaultScratch scratch("camera.json");
   Camera camera;

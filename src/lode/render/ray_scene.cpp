@@ -91,7 +91,8 @@ Error embree_error(RTCDevice device, const char* action) {
     case RTC_ERROR_CANCELLED: return cancelled_error();
     case RTC_ERROR_OUT_OF_MEMORY: return fail("render: not enough memory for {}", action);
     case RTC_ERROR_UNSUPPORTED_CPU: return fail("render: Embree needs a CPU with SSE2");
-    default: return fail("render: Embree failed at {}", action);
+    // Where there is no memory it does not always say so.
+    default: return fail("render: Embree failed at {}, perhaps for want of memory", action);
   }
 }
 
@@ -216,6 +217,7 @@ Result<void> RayScene::Impl::prepare(Progress& progress) {
   device_.reset(rtcNewDevice(nullptr));
   if (!device_) return embree_error(nullptr, "starting");
   scene_.reset(rtcNewScene(device_.get()));
+  if (!scene_) return embree_error(device_.get(), "making a scene");
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneProgressMonitorFunction(scene_.get(), continue_building, &progress);
   LODE_CHECK(attach_triangles());
@@ -227,7 +229,8 @@ Result<void> RayScene::Impl::prepare(Progress& progress) {
   const RTCError error = rtcGetDeviceError(device_.get());
   if (progress.is_cancelled()) return cancelled_error();
   if (error == RTC_ERROR_OUT_OF_MEMORY) return fail("render: not enough memory for the surface");
-  if (error != RTC_ERROR_NONE) return fail("render: Embree could not prepare the surface");
+  if (error != RTC_ERROR_NONE)
+    return fail("render: Embree could not prepare the surface, perhaps for want of memory");
   return {};
 }
 
