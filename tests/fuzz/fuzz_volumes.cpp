@@ -64,12 +64,12 @@ void read_file(const std::string& name, Input input) {
   read_volume(fuzz_directory().write(name, input));
 }
 
-/// A directory with this metadata, and one chunk of it.
-void read_zarr(const std::string& metadata, const std::string& chunk, Input input) {
+/// A directory with two files in it.
+void read_directory(const std::string& first, const std::string& second, Input input) {
   const auto parts = split(input);
   const FuzzDirectory& directory = fuzz_directory();
-  directory.write("zarr/" + metadata, parts.first);
-  directory.write("zarr/" + chunk, parts.second);
+  directory.write("zarr/" + first, parts.first);
+  directory.write("zarr/" + second, parts.second);
   read_volume(directory.path("zarr"));
 }
 
@@ -87,7 +87,10 @@ void run_nifti(Input input) {
 
 void run_vtk_xml(Input input) { read_file("a.vti", input); }
 
-void run_zarr_v2(Input input) { read_zarr(".zarray", "0.0.0", input); }
-void run_zarr_v3(Input input) { read_zarr("zarr.json", "c/0/0/0", input); }
+/// The metadata, and one chunk.
+void run_zarr_v2(Input input) { read_directory(".zarray", "0.0.0", input); }
+void run_zarr_v3(Input input) { read_directory("zarr.json", "c/0/0/0", input); }
+/// The metadata of an image, and of its finest array, whose chunks are missing.
+void run_ome_zarr(Input input) { read_directory("zarr.json", "s0/zarr.json", input); }
 
 }  // namespace lode::fuzz

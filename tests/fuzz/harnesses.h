@@ -23,6 +23,7 @@ void run_vtk_legacy(Input input);
 void run_vtk_xml(Input input);
 void run_zarr_v2(Input input);
 void run_zarr_v3(Input input);
+void run_ome_zarr(Input input);
 void run_ply(Input input);
 void run_vtp(Input input);
 void run_stl(Input input);
@@ -48,6 +49,7 @@ inline constexpr Harness kHarnesses[] = {
     {"vtk_xml", run_vtk_xml},
     {"zarr_v2", run_zarr_v2},
     {"zarr_v3", run_zarr_v3},
+    {"ome_zarr", run_ome_zarr},
     {"ply", run_ply},
     {"vtp", run_vtp},
     {"stl", run_stl},

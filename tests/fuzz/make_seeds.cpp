@@ -206,6 +206,12 @@ void keep_zarr() {
   }
 }
 
+void keep_ome_zarr() {
+  const io::test::ZarrFixture fixture("v3/image");
+  keep("ome_zarr", "image",
+       joined(load(fixture.path("zarr.json")), load(fixture.path("s0/zarr.json"))));
+}
+
 void keep_surfaces() {
   const io::test::TempDir dir;
   Surface surface;
@@ -257,6 +263,7 @@ int main(int argc, char** argv) {
   lode::fuzz::keep_text_headers();
   lode::fuzz::keep_binaries();
   lode::fuzz::keep_zarr();
+  lode::fuzz::keep_ome_zarr();
   lode::fuzz::keep_surfaces();
   return 0;
 }
