@@ -44,8 +44,8 @@ Result<OmeAxis> parse_axis(const std::string& path, const json& value) {
   const bool is_named_space = axis.name == "x" || axis.name == "y" || axis.name == "z";
   const bool is_named_time = axis.name == "t";
   axis.kind = OmeAxisKind::channel;
-  if (type == nullptr ? is_named_space : *type == "space") axis.kind = OmeAxisKind::space;
-  if (type == nullptr ? is_named_time : *type == "time") axis.kind = OmeAxisKind::time;
+  if (type == nullptr ? is_named_space : json_is(*type, "space")) axis.kind = OmeAxisKind::space;
+  if (type == nullptr ? is_named_time : json_is(*type, "time")) axis.kind = OmeAxisKind::time;
   if (unit != nullptr && unit->is_string()) axis.unit = shown(*unit);
   return axis;
 }

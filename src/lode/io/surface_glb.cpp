@@ -67,7 +67,7 @@ void add_bounds(const std::vector<Vec3f>& positions, json& accessor) {
 
 json describe_primitive(const Surface& surface, GlbArrays& arrays) {
   const std::size_t n = surface.positions.size();
-  json attributes;
+  json attributes = json::object();  // of a null that cannot become one, destruction would crash
   attributes["POSITION"] = arrays.add("VEC3", kGlFloat, n, n * sizeof(Vec3f), kGlVertexBuffer);
   add_bounds(surface.positions, arrays.accessors[0]);
   if (!surface.normals.empty())
@@ -199,7 +199,9 @@ Result<std::vector<T>> copy_array(const std::string& path, const json& document,
   const json* view = referred(document, "bufferViews", *accessor, "bufferView");
   if (view == nullptr || number(*view, "buffer") != 0U) return error;
   const json* type = member(*accessor, "type");
-  if (type == nullptr || *type != (sizeof(T) == sizeof(Vec3f) ? "VEC3" : "SCALAR")) return error;
+  // Comparing JSON itself with a text would end the program where there is no memory for it.
+  const auto* const name = type == nullptr ? nullptr : type->get_ptr<const json::string_t*>();
+  if (name == nullptr || *name != (sizeof(T) == sizeof(Vec3f) ? "VEC3" : "SCALAR")) return error;
   if (number(*accessor, "componentType") != std::uint64_t{is_index ? kGlUint32 : kGlFloat})
     return error;
   if (number(*view, "byteStride", sizeof(T)) != sizeof(T)) return error;

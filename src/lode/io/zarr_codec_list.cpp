@@ -116,10 +116,10 @@ class CodecListParser {
 
   Result<void> parse_index(const json& configuration, ZarrShard& shard) const {
     if (const json* place = find_member(configuration, "index_location")) {
-      if (*place != "start" && *place != "end")
+      if (!json_is(*place, "start") && !json_is(*place, "end"))
         return fail("{}: expected an index_location start or end, got {}", path_,
                     quoted_json(*place));
-      shard.index_place = *place == "start" ? ZarrIndexPlace::start : ZarrIndexPlace::end;
+      shard.index_place = json_is(*place, "start") ? ZarrIndexPlace::start : ZarrIndexPlace::end;
     }
     const ZarrCodedArray index{array_.rank + 1, ScalarType::uint64};
     LODE_TRY(const ZarrCodecs codecs, CodecListParser(path_, index, kMaxShardDepth)

@@ -64,6 +64,11 @@ const json* find_member(const json& object, std::string_view key) {
   return found == object.end() ? nullptr : &*found;
 }
 
+bool json_is(const json& value, std::string_view text) {
+  const auto* const held = value.get_ptr<const std::string*>();
+  return held != nullptr && *held == text;
+}
+
 Result<std::string> json_text(const std::string& path, const json& object, std::string_view key) {
   const json* value = find_member(object, key);
   if (value == nullptr || !value->is_string())

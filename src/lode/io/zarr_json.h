@@ -17,6 +17,10 @@ namespace lode::io {
 /// The member `key` of an object; null where there is none or `object` is something else.
 [[nodiscard]] const nlohmann::json* find_member(const nlohmann::json& object, std::string_view key);
 
+/// Whether a value is this text. (Its == would make JSON of the text, and end the program where
+/// there is no memory for that.)
+[[nodiscard]] bool json_is(const nlohmann::json& value, std::string_view text);
+
 /// The text under `key`; fails, naming `path` and the key, when it is missing or no text.
 [[nodiscard]] Result<std::string> json_text(const std::string& path, const nlohmann::json& object,
                                             std::string_view key);

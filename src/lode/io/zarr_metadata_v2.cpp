@@ -69,8 +69,8 @@ Result<std::vector<std::size_t>> parse_memory_order(const std::string& path, con
 
 Result<char> parse_dimension_separator(const std::string& path, const json& metadata) {
   const json* separator = find_member(metadata, "dimension_separator");
-  if (separator == nullptr || *separator == ".") return '.';
-  if (*separator == "/") return '/';
+  if (separator == nullptr || json_is(*separator, ".")) return '.';
+  if (json_is(*separator, "/")) return '/';
   return fail("{}: expected a dimension_separator \".\" or \"/\", got {}", path,
               quoted_json(*separator));
 }
