@@ -56,6 +56,17 @@ std::vector<Input> records_of(Input input) {
   return records;
 }
 
+/// A grid of at most n points.
+store::ElementGrid grid_of(unsigned choice, std::size_t n) {
+  constexpr std::size_t kMost = 65535;
+  const std::size_t nx = std::min<std::size_t>(n, 1 + choice % 37);
+  const std::size_t ny = nx == 0 ? 0 : std::min({n / nx, std::size_t{1 + choice % 5}, kMost});
+  const std::size_t nz = ny == 0 ? 0 : std::min(n / (nx * ny), kMost);
+  return {{static_cast<std::uint16_t>(nx), static_cast<std::uint16_t>(ny),
+           static_cast<std::uint16_t>(nz)},
+          choice % 2 == 1};
+}
+
 }  // namespace
 
 /// First the header, then where the blocks end, then the directory as it is once decompressed.
@@ -77,7 +88,8 @@ void run_directory(Input input) {
 void run_codec(Input input) {
   constexpr std::size_t kHeadBytes = 5;
   if (input.size() < kHeadBytes) return;
-  const auto codec = static_cast<store::Codec>(std::to_integer<unsigned>(input[0]) % 5);
+  const unsigned choice = std::to_integer<unsigned>(input[0]);
+  const auto codec = static_cast<store::Codec>(choice % (store::kLastCodec + 2U));
   const std::size_t element_size = std::to_integer<std::size_t>(input[1]) % 10;
   std::size_t raw_size = 0;
   for (std::size_t i = 0; i < 3; ++i)
@@ -86,10 +98,13 @@ void run_codec(Input input) {
   Bytes raw(raw_size % (std::size_t{1} << 18));  // larger ones only take longer to clear
   static_cast<void>(store::decode_block(codec, element_size, stored, raw).has_value());
   if (!store::is_element_size(element_size) || static_cast<int>(codec) > store::kLastCodec) return;
-  const store::EncodedBlock block = store::encode_block_as(codec, stored, element_size);
-  Bytes decoded(stored.size());
+  const store::ElementGrid grid = grid_of(choice, stored.size() / element_size);
+  if (grid.n_elements() == 0) return;
+  const Input elements = stored.first(grid.n_elements() * element_size);
+  const store::EncodedBlock block = store::encode_block_as(codec, {elements, element_size, grid});
+  Bytes decoded(elements.size());
   expect(store::decode_block(block.codec, element_size, block.stored, decoded).has_value() &&
-             std::ranges::equal(decoded, stored),
+             std::ranges::equal(decoded, elements),
          "what is encoded decodes to itself");
 }
 

@@ -10,7 +10,7 @@ namespace lode::store {
 Fetcher::Client::Client(Fetcher& fetcher) : fetcher_(fetcher) {
   const std::lock_guard lock(fetcher_.mutex_);
   fetcher_.clients_.push_back(this);
-  n_seen_ = fetcher_.fetched_.size();
+  n_seen_ = fetcher_.n_fetched_;
   fetcher_.count_clients();
 }
 
@@ -38,9 +38,9 @@ void Fetcher::Client::forget() {
 
 void Fetcher::Client::add_fetched(std::vector<Page>& out) {
   const std::lock_guard lock(fetcher_.mutex_);
-  out.insert(out.end(), fetcher_.fetched_.begin() + static_cast<std::ptrdiff_t>(n_seen_),
-             fetcher_.fetched_.end());
-  n_seen_ = fetcher_.fetched_.size();
+  const auto first = static_cast<std::ptrdiff_t>(n_seen_ - fetcher_.n_dropped_);
+  out.insert(out.end(), fetcher_.fetched_.begin() + first, fetcher_.fetched_.end());
+  n_seen_ = fetcher_.n_fetched_;
 }
 
 void Fetcher::Client::wait(Clock::time_point until) {
@@ -110,11 +110,21 @@ void Fetcher::stays(Page page) {
   note(page);
 }
 
+/// What all clients have seen, so that pages that come again and again take no more memory.
+void Fetcher::drop_seen() {
+  std::size_t n_seen = n_fetched_;
+  for (const Client* client : clients_) n_seen = std::min(n_seen, client->n_seen_);
+  fetched_.erase(fetched_.begin(),
+                 fetched_.begin() + static_cast<std::ptrdiff_t>(n_seen - n_dropped_));
+  n_dropped_ = n_seen;
+}
+
 void Fetcher::note(Page page) {
   is_fetched_[page] = true;
+  if (fetched_.size() == fetched_.capacity()) drop_seen();
   fetched_.push_back(page);
   for (Client* client : clients_) client->wanted_.erase(page);
-  n_fetched_.store(fetched_.size(), std::memory_order_release);
+  n_fetched_.store(n_dropped_ + fetched_.size(), std::memory_order_release);
   for (const Client* client : clients_)
     if (client->wake_) client->wake_();
 }

@@ -68,6 +68,7 @@ class Fetcher {
   void run();
   [[nodiscard]] bool next(Page& page);
   void note(Page page);
+  void drop_seen();
   void count_clients();
 
   const std::function<void(Page)> fetch_;
@@ -77,8 +78,9 @@ class Fetcher {
   std::atomic<std::size_t> n_clients_{0};
   std::size_t turn_ = 0;                   ///< Of the clients.
   std::vector<bool> is_fetched_;           ///< By page.
-  std::vector<Page> fetched_;              ///< In that order;
-  std::atomic<std::size_t> n_fetched_{0};  ///< how many, some again.
+  std::vector<Page> fetched_;              ///< In that order, behind
+  std::size_t n_dropped_ = 0;              ///< so many that all clients have seen;
+  std::atomic<std::size_t> n_fetched_{0};  ///< how many with them, some of them again.
   bool must_stop_ = false;
   std::thread thread_;  ///< Begins with the first request.
 };

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -23,6 +22,7 @@ class PageTable {
     pages_ = std::vector<std::atomic<const T*>>(n_pages);
     n_holders_ = std::vector<std::atomic<std::uint32_t>>(n_pages);
     is_idle_.resize(n_pages);
+    idle_.resize(n_pages);
   }
   [[nodiscard]] std::size_t size() const { return pages_.size(); }
 
@@ -61,9 +61,10 @@ class PageTable {
       Page page = 0;
       {
         const std::lock_guard lock(mutex_);
-        if (idle_.empty()) return;
-        page = idle_.front();
-        idle_.pop_front();
+        if (n_idle_ == 0) return;
+        page = idle_[first_idle_];
+        first_idle_ = (first_idle_ + 1) % idle_.size();
+        --n_idle_;
         is_idle_[page] = false;
       }
       // Held ones come again when they are let go.
@@ -91,7 +92,7 @@ class PageTable {
     const std::lock_guard lock(mutex_);
     if (is_idle_[page]) return;
     is_idle_[page] = true;
-    idle_.push_back(page);
+    idle_[(first_idle_ + n_idle_++) % idle_.size()] = page;
   }
 
   std::vector<Owned> owned_;                  ///< By number.
@@ -99,8 +100,11 @@ class PageTable {
   mutable std::vector<std::atomic<std::uint32_t>> n_holders_;
   std::size_t n_bytes_ = 0;
   mutable std::mutex mutex_;
-  mutable std::deque<Page> idle_;  ///< Let go in this order; some are held again.
-  mutable std::vector<bool> is_idle_;
+  // A ring: letting go takes no memory.
+  mutable std::vector<Page> idle_;  ///< Let go in this order; some are held again.
+  mutable std::size_t first_idle_ = 0;
+  mutable std::size_t n_idle_ = 0;
+  mutable std::vector<bool> is_idle_;  ///< Whether a page is in the ring.
 };
 
 }  // namespace lode::store

@@ -99,14 +99,16 @@ class PagedRefinable : public LiveRefinable<D, PagedModel<D>> {
     const std::uint64_t size = this->model().n_bytes(page);
     const bool was_promised = promised_.contains(page);
     if (!was_promised && n_free() < size) return {Held::State::full, page};
-    if (!was_promised) n_bytes_ += size;
-    if (!this->model().pages().hold(page)) {
-      promised_.emplace(page, false);
-      return {Held::State::absent, page};
+    // Memory is taken before the page is: where there is none, nothing is held that nobody knows
+    // of.
+    const auto use = n_uses_.emplace(page, 1).first;
+    if (this->model().pages().hold(page)) {
+      if (promised_.erase(page) == 0) n_bytes_ += size;
+      return {};
     }
-    promised_.erase(page);
-    n_uses_.emplace(page, 1);
-    return {};
+    n_uses_.erase(use);
+    if (promised_.emplace(page, false).second) n_bytes_ += size;
+    return {Held::State::absent, page};
   }
   void let_page_go(std::uint32_t page) {
     const auto use = n_uses_.find(page);
