@@ -165,6 +165,20 @@ Result<void> AtomicFile::write_at(std::uint64_t offset, std::span<const std::byt
   return {};
 }
 
+Result<void> AtomicFile::read_at(std::uint64_t offset, std::span<std::byte> out) {
+  LODE_EXPECTS(descriptor_ >= 0 && offset + out.size() <= size_);
+  LODE_CHECK(flush());
+  while (!out.empty()) {
+    const ssize_t n = ::pread(descriptor_, out.data(), out.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return system_error("read");
+    if (n == 0) return fail("{}: ends at {} bytes while it is written", temporary_, offset);
+    out = out.subspan(static_cast<std::size_t>(n));
+    offset += static_cast<std::uint64_t>(n);
+  }
+  return {};
+}
+
 Result<void> AtomicFile::sync() {
   LODE_EXPECTS(descriptor_ >= 0);
   LODE_CHECK(flush());

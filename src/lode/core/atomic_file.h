@@ -45,6 +45,8 @@ class AtomicFile {
   }
   /// Overwrites bytes already written, at `offset` from the start.
   [[nodiscard]] Result<void> write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+  /// Fills `out` from bytes already written, or kept by open_part().
+  [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> out);
   /// Returns when all that was written so far outlasts a loss of power.
   [[nodiscard]] Result<void> sync();
   /// Bytes appended so far.

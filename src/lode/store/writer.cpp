@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <utility>
 
 #include "lode/store/checksum.h"
@@ -27,17 +26,16 @@ namespace {
 
 /// Whether the blocks of an earlier writer are as it wrote them: what is on a disk may change, and
 /// nobody would look at it before the file is whole.
-Result<void> check_kept(const std::string& part, std::span<const BlockEntry> blocks) {
-  std::ifstream file(part, std::ios::binary);
+Result<void> check_kept(AtomicFile& file, const std::string& path,
+                        std::span<const BlockEntry> blocks) {
   std::vector<std::byte> bytes;
   for (const BlockEntry& block : blocks) {
     bytes.resize(static_cast<std::size_t>(block.stored_size));
-    file.seekg(static_cast<std::streamoff>(block.offset));
-    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    if (!file || checksum(bytes) != block.checksum)
+    LODE_CHECK(file.read_at(block.offset, bytes));
+    if (checksum(bytes) != block.checksum)
       return fail(
           "{}: {} at offset {} is not as it was written; build without --resume to begin again",
-          part, describe(block.key), block.offset);
+          AtomicFile::part_path(path), describe(block.key), block.offset);
   }
   return {};
 }
@@ -49,7 +47,7 @@ Result<Writer> Writer::open_part(std::string path, std::string_view model,
   const std::uint64_t n_kept =
       blocks.empty() ? 0 : blocks.back().offset + blocks.back().stored_size;
   LODE_TRY(AtomicFile file, AtomicFile::open_part(path, n_kept));
-  LODE_CHECK(check_kept(AtomicFile::part_path(path), blocks));
+  LODE_CHECK(check_kept(file, path, blocks));
   if (blocks.empty()) LODE_CHECK(file.write(std::array<std::byte, kHeaderBytes>{}));
   Writer writer(std::move(path), std::move(file),
                 Directory{std::string(model), {}, std::move(blocks)});

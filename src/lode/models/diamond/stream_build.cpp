@@ -4,6 +4,7 @@
 #include <chrono>
 #include <future>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "lode/models/diamond/block_checks.h"
@@ -54,8 +55,12 @@ class BoxReader {
     const auto start_reading = [&](std::vector<std::byte>& into) {
       end = std::min(begin + n_slices, box.upper[as_size(D - 1)]);
       into.resize(slice * as_size(end - begin) * size);
-      return std::async(reading_,
-                        [this, &into, grid = grid_box(slab)] { return source_.read(grid, into); });
+      const auto read = [this, &into, grid = grid_box(slab)] { return source_.read(grid, into); };
+      try {
+        return std::async(reading_, read);
+      } catch (const std::system_error&) {  // no thread is left: then when it is waited for
+        return std::async(std::launch::deferred, read);
+      }
     };
     auto next = start_reading(next_);
     while (begin < box.upper[as_size(D - 1)]) {
