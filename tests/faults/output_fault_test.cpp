@@ -2,6 +2,7 @@
 #include "lode/api/files.h"
 #include "tests/faults/fault_scratch.h"
 #include "tests/faults/fault_storm.h"
+#include "tests/oracles/analytic_fields.h"
 
 namespace lode::test {
 namespace {
@@ -17,14 +18,16 @@ class fault_output : public FaultTest {
 
   /// write(path) makes the file of that name, the same each time.
   static void expect_writes(const std::string& name,
-                            const std::function<Result<void>(const std::string&)>& write) {
+                            const std::function<Result<void>(const std::string&)>& write,
+                            const std::string& input = "") {
     SCOPED_TRACE(name);
     const FaultScratch scratch(name);
     const auto written = write(scratch.output());
     ASSERT_TRUE(written) << written.error().message;
     const std::string expected = read_bytes(scratch.output());
     Operation operation;
-    operation.files = {scratch.output()};
+    operation.files = {scratch.output(), scratch.path("")};  // spools are known by the directory
+    if (!input.empty()) operation.files.push_back(input);
     operation.prepare = [&] { scratch.prepare(); };
     operation.run = [&] { return write(scratch.output()); };
     operation.expect_done = [&] { scratch.expect_output(expected); };
@@ -42,6 +45,31 @@ TEST_F(fault_output, of_surfaces_is_whole_or_the_old_one) {
       Progress progress;
       return write_surface(path, surface_, options, progress);
     });
+}
+
+TEST_F(fault_output, of_surfaces_in_pieces_is_whole_or_the_old_one) {
+  const FaultScratch stored("field.lode");
+  {
+    const auto source = make_memory_source(oracles::sample(oracles::Field::gaussians40, 17));
+    Progress progress;
+    const auto dataset = Dataset::build(*source, {}, progress);
+    ASSERT_TRUE(dataset && dataset->save(stored.output(), {}, progress));
+  }
+  // So little memory that vertices and cells wait on the disk.
+  const ExtractOptions options{
+      .isovalues = {0.3, 0.5}, .max_error = 0.05, .threads = {1}, .memory_limit = 20'000};
+  for (const char* name : {"a.ply", "a.stl", "a.vtp"})
+    expect_writes(
+        name,
+        [&](const std::string& path) -> Result<void> {
+          Progress progress;
+          LODE_TRY(const auto dataset, Dataset::open(stored.output(), {1}));
+          LODE_CHECK(extract_to_file(
+              dataset, options, path, [](const ExtractReport&) { return SurfaceWriteOptions(); },
+              progress));
+          return {};
+        },
+        stored.output());
 }
 
 TEST_F(fault_output, of_surfaces_can_be_read_back_or_says_why_not) {
