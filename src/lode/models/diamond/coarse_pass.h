@@ -32,22 +32,26 @@ class CoarsePass {
   /// raise an error of the level above what is known by now. Without holes.
   [[nodiscard]] bool can_raise(int level, const CanonicalCube<D>& cube, C low, C high) {
     const CanonicalCube<D> coarse = coarse_cube(cube, level);
+    const bool has_one_node = is_in_one_node(coarse, cube);
     find_vertices(coarse);
     for (int tier = 0; tier < D; ++tier) {
-      std::array<C, power(2, D)> corners;
-      for (std::size_t corner = 0; corner < corners.size(); ++corner)
-        corners[corner] = corner_value(coarse, cube, corner, tier);
-      for (const KuhnSimplex<D>& simplex : CubePlan<D>::instance().kuhn) {
+      std::array<C, power(2, D)> bounds;
+      for (std::size_t corner = 0; corner < bounds.size(); ++corner) {
+        const C value = corner_value(coarse, cube, corner, tier);
+        bounds[corner] = std::max({C{0}, high - value, value - low});
+      }
+      const auto& kuhn = CubePlan<D>::instance().kuhn;
+      if (has_one_node) {
+        const C bound = *std::max_element(bounds.begin(), bounds.end());
+        if (exceeds_known(bound, level, place_of(level, coarse, cube, kuhn[0].simplex, tier)))
+          return true;
+        continue;
+      }
+      for (const KuhnSimplex<D>& simplex : kuhn) {
         C bound = 0;
-        for (const std::uint16_t corner : simplex.corner)
-          bound = std::max({bound, high - corners[corner], corners[corner] - low});
-        const auto place = place_of(level, coarse, cube, simplex.simplex, tier);
-        if (!place) continue;
-        // Twice the slack: values between the corners are rounded too.
-        const ErrorCode error =
-            encode_error(float_up(static_cast<double>(bound) + slack_ + slack_));
-        std::atomic_ref<ErrorCode> known(own_[as_size(level)][*place]);
-        if (error > known.load(std::memory_order_relaxed)) return true;
+        for (const std::uint16_t corner : simplex.corner) bound = std::max(bound, bounds[corner]);
+        if (exceeds_known(bound, level, place_of(level, coarse, cube, simplex.simplex, tier)))
+          return true;
       }
     }
     return false;
@@ -69,8 +73,14 @@ class CoarsePass {
     for (std::size_t l = 0; l < kLanes; ++l) {
       if (!is_used[l]) continue;
       const CanonicalCube<D> coarse = coarse_cube(cubes[l], level);
+      if (is_in_one_node(coarse, cubes[l])) {
+        put_largest_errors(level, coarse, cubes[l], l);
+        continue;
+      }
       for (std::size_t s = 0; s < kuhn.size(); ++s)
-        put_errors(level, coarse, cubes[l], kuhn[s].simplex, s * kLanes + l);
+        for (int tier = 0; tier < D; ++tier)
+          put_error(errors_[as_size(tier)][s * kLanes + l], level,
+                    place_of(level, coarse, cubes[l], kuhn[s].simplex, tier));
     }
   }
 
@@ -78,6 +88,32 @@ class CoarsePass {
   /// The cube of the level that a lane's cube lies in.
   static CanonicalCube<D> coarse_cube(const CanonicalCube<D>& cube, int level) {
     return CanonicalCube<D>(cube.lowest_corner(), std::int32_t{2} << level);
+  }
+
+  /// Whether all of a cube lies in one node of each tier of the coarse cube: which one depends on
+  /// the order of the coordinates' distances to its border (see nodes_containing()), and those of
+  /// two axes go through the same steps of the cube's side or through none in common.
+  [[nodiscard]] static bool is_in_one_node(const CanonicalCube<D>& coarse,
+                                           const CanonicalCube<D>& cube) {
+    const Index<D> a = coarse.local(cube.global({}));
+    const Index<D> b = coarse.local(cube.global(all_equal<D>(cube.side)));
+    Index<D> distance;  // of the side that is next to the border
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      const std::int32_t lower = std::min(a[i], b[i]);
+      distance[i] = std::min(lower, coarse.side - lower - cube.side);
+      for (std::size_t j = 0; j < i; ++j)
+        if (distance[j] == distance[i]) return false;
+    }
+    return true;
+  }
+
+  /// Whether a bound is more than what is known of a node by now. Twice the slack: values between
+  /// the corners are rounded too.
+  [[nodiscard]] bool exceeds_known(C bound, int level, std::optional<std::size_t> place) const {
+    if (!place) return false;
+    const ErrorCode error = encode_error(float_up(static_cast<double>(bound) + slack_ + slack_));
+    std::atomic_ref<ErrorCode> known(own_[as_size(level)][*place]);
+    return error > known.load(std::memory_order_relaxed);
   }
 
   void find_corners(const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
@@ -169,13 +205,21 @@ class CoarsePass {
     return linear_index<D>(dims, q);
   }
 
-  void put_errors(int level, const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
-                  const Simplex<D>& simplex, std::size_t at) {
+  void put_error(C error, int level, std::optional<std::size_t> place) {
+    if (place)
+      raise_to(own_[as_size(level)][*place],
+               encode_error(float_up(static_cast<double>(error) + slack_)));
+  }
+
+  /// Of a lane's cube that lies in one node of each tier.
+  void put_largest_errors(int level, const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
+                          std::size_t lane) {
+    const auto& kuhn = CubePlan<D>::instance().kuhn;
     for (int tier = 0; tier < D; ++tier) {
-      const C error = errors_[as_size(tier)][at];
-      if (const auto place = place_of(level, coarse, cube, simplex, tier))
-        raise_to(own_[as_size(level)][*place],
-                 encode_error(float_up(static_cast<double>(error) + slack_)));
+      C largest = 0;
+      for (std::size_t s = 0; s < kuhn.size(); ++s)
+        largest = std::max(largest, errors_[as_size(tier)][s * kLanes + lane]);
+      put_error(largest, level, place_of(level, coarse, cube, kuhn[0].simplex, tier));
     }
   }
 
