@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "lode/core/parallel_fill.h"
 #include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/nesting_pass.h"
@@ -9,9 +10,9 @@
 namespace lode::diamond {
 namespace {
 
-NodeLevel make_level(std::size_t n) {
+NodeLevel make_level(std::size_t n, Threads threads) {
   NodeLevel level;
-  level.error.assign(n, 0);
+  fill_anew(level.error, n, ErrorCode{0}, threads);
   level.low.resize(n);
   level.high.resize(n);
   return level;
@@ -21,7 +22,7 @@ template <int D, typename C>
 Result<void> build_attributes_as(Model<D>& model, Threads threads, Progress& progress) {
   model.levels.clear();
   for (int level = 0; level < model.shape.n_levels; ++level)
-    model.levels.push_back(make_level(n_points<D>(model.shape.attribute_dims(level))));
+    model.levels.push_back(make_level(n_points<D>(model.shape.attribute_dims(level)), threads));
   OwnErrors own(model.levels.size());
   for (std::size_t level = 1; level < own.size(); ++level) own[level] = model.levels[level].error;
   LODE_CHECK((find_own_errors<D, C>(model, own, &model.levels[0], threads, progress)));
@@ -32,7 +33,7 @@ Result<void> build_attributes_as(Model<D>& model, Threads threads, Progress& pro
 
 template <int D, typename C>
 void compute_level_0_as(Model<D>& model, Threads threads) {
-  model.levels[0] = make_level(n_points<D>(model.shape.attribute_dims(0)));
+  model.levels[0] = make_level(n_points<D>(model.shape.attribute_dims(0)), threads);
   find_leaf_attributes<C>(
       model, model.n_bricks(), threads,
       [&](std::size_t i) { return point_of<D>(model.brick_dims, i); },

@@ -1,8 +1,8 @@
 #include "lode/models/diamond/part_builder.h"
 
 #include <atomic>
-#include <cstring>
 
+#include "lode/core/parallel_fill.h"
 #include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/nesting_pass.h"
@@ -43,38 +43,13 @@ std::uint64_t PartPlan<D>::n_bytes(std::size_t sample_size) const {
   return bytes;
 }
 
-namespace {
-
-constexpr std::size_t kPiece = 1 << 16;
-
-/// body(first, end) for pieces of an array.
-template <typename Body>
-void for_each_piece(std::size_t n, Threads threads, const Body& body) {
-  parallel_for((n + kPiece - 1) / kPiece, threads, 1, [&](std::size_t piece, int) {
-    body(piece * kPiece, std::min(n, (piece + 1) * kPiece));
-  });
-}
-
-void clear_errors(UninitializedArray<ErrorCode>& errors, std::size_t n, Threads threads) {
-  resize_anew(errors, n);
-  for_each_piece(n, threads, [&](std::size_t first, std::size_t end) {
-    std::fill(errors.begin() + static_cast<std::ptrdiff_t>(first),
-              errors.begin() + static_cast<std::ptrdiff_t>(end), ErrorCode{0});
-  });
-}
-
-}  // namespace
-
 template <int D>
 void PartBuilder<D>::reserve(const Index<D>& dims) {
   const Shape<D> shape = Shape<D>::of(dims);
   std::size_t n_bricks = 1;
   for (const std::int32_t n : brick_counts<D>(shape).v) n_bricks *= as_size(n);
   // Samples before those of a part are read, but what they give is not used.
-  model_.samples.resize(n_bricks * kBrickSize<D> * field_.sample_size());
-  for_each_piece(model_.samples.size(), threads_, [&](std::size_t first, std::size_t end) {
-    std::memset(model_.samples.data() + first, 0, end - first);
-  });
+  fill_anew(model_.samples, n_bricks * kBrickSize<D> * field_.sample_size(), std::byte{}, threads_);
   model_.levels.resize(as_size(std::min(field_.shape.n_levels, kChunkLevel + 1)));
   for (std::size_t level = 0; level < model_.levels.size(); ++level) {
     const std::size_t n = n_points<D>(shape.attribute_dims(static_cast<int>(level)));
@@ -97,14 +72,14 @@ void PartBuilder<D>::begin(const PartPlan<D>& plan) {
   for (std::size_t level = 0; level < model_.levels.size(); ++level) {
     const std::size_t n = n_points<D>(model_.shape.attribute_dims(static_cast<int>(level)));
     NodeLevel& nodes = model_.levels[level];
-    clear_errors(nodes.error, n, threads_);
+    fill_anew(nodes.error, n, ErrorCode{0}, threads_);
     resize_anew(nodes.low, n);
     resize_anew(nodes.high, n);
   }
   coarse_.resize(as_size(std::max(0, n_own_levels() - kKeptLevel)));
   for (std::size_t i = 0; i < coarse_.size(); ++i)
-    clear_errors(coarse_[i], n_points<D>(model_.shape.grid_dims(kKeptLevel + static_cast<int>(i))),
-                 threads_);
+    fill_anew(coarse_[i], n_points<D>(model_.shape.grid_dims(kKeptLevel + static_cast<int>(i))),
+              ErrorCode{0}, threads_);
   largest_.resize(model_.levels.size());
 }
 

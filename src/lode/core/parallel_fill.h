@@ -1,0 +1,29 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "lode/core/parallel.h"
+#include "lode/core/uninitialized_array.h"
+
+namespace lode {
+
+/// body(first, end) for pieces of 0 .. n, in parallel.
+template <typename Body>
+void for_each_piece(std::size_t n, Threads threads, const Body& body) {
+  constexpr std::size_t kPiece = 1 << 16;
+  parallel_for((n + kPiece - 1) / kPiece, threads, 1, [&](std::size_t piece, int) {
+    body(piece * kPiece, std::min(n, (piece + 1) * kPiece));
+  });
+}
+
+/// Makes an array n times `value`; large memory that is new is slow to touch.
+template <typename T>
+void fill_anew(UninitializedArray<T>& array, std::size_t n, T value, Threads threads) {
+  resize_anew(array, n);
+  for_each_piece(n, threads, [&](std::size_t first, std::size_t end) {
+    std::fill(array.data() + first, array.data() + end, value);
+  });
+}
+
+}  // namespace lode
