@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "lode/core/expects.h"
+
 namespace lode::io {
 namespace {
 
@@ -39,7 +41,11 @@ Result<void> SpoolBuffer::write(std::span<const std::byte> bytes) {
 }
 
 void SpoolBuffer::replace(std::uint64_t offset, std::span<const std::byte> bytes) {
-  patches_.push_back({offset, {bytes.begin(), bytes.end()}});
+  LODE_EXPECTS(bytes.size() <= kMostReplaced);
+  Patch& patch = patches_.emplace_back();
+  patch.offset = offset;
+  patch.n_bytes = static_cast<std::uint32_t>(bytes.size());
+  std::ranges::copy(bytes, patch.bytes.begin());
 }
 
 Result<void> SpoolBuffer::read_at(std::uint64_t offset, std::span<std::byte> out) const {
@@ -69,8 +75,8 @@ Result<void> SpoolBuffer::read(
     piece.resize(std::min<std::uint64_t>(piece.size(), size_ - offset));
     LODE_CHECK(read_at(offset, piece));
     for (; patch != patches.end() && (*patch)->offset < offset + piece.size(); ++patch) {
-      apply((*patch)->bytes, (*patch)->offset, offset, piece);
-      if ((*patch)->offset + (*patch)->bytes.size() > offset + piece.size()) break;  // the rest
+      apply(std::span((*patch)->bytes).first((*patch)->n_bytes), (*patch)->offset, offset, piece);
+      if ((*patch)->offset + (*patch)->n_bytes > offset + piece.size()) break;  // the rest
     }
     LODE_CHECK(use(piece));
   }

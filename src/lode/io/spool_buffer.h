@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -21,7 +22,8 @@ class SpoolBuffer {
       : directory_(std::move(directory)), memory_bytes_(memory_bytes) {}
 
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
-  /// Reading will find these bytes at `offset`. Not a second time the same ones.
+  static constexpr std::size_t kMostReplaced = 12;
+  /// Reading will find these bytes at `offset`, so many at most. Not a second time the same ones.
   void replace(std::uint64_t offset, std::span<const std::byte> bytes);
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] bool is_on_disk() const { return file_.has_value(); }
@@ -34,7 +36,8 @@ class SpoolBuffer {
  private:
   struct Patch {
     std::uint64_t offset = 0;
-    std::vector<std::byte> bytes;
+    std::array<std::byte, kMostReplaced> bytes{};
+    std::uint32_t n_bytes = 0;
   };
 
   [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> out) const;

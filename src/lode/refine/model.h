@@ -117,10 +117,10 @@ struct Held {
 /// and their children stays known until they are undone.
 /// - hold: the pages that applying a node takes; let_go: undoes one that came to `held`.
 /// - request, forget_requests: pages by demand; has_arrivals, take_arrivals: those that have come.
-/// - n_room: how much may be held; may_be_full: whether all is more than that; is_over: what is
-/// held
-///   is, since others came. n_free: what is left of it, beside pages that are held, or promised: a
-///   page is when hold() finds it absent, until it is held.
+/// - n_room: how much may be held. n_free: what is left of it beside pages that are held or
+///   promised; a page is promised from when hold() finds it absent until it is held.
+/// - may_be_full: whether all pages are more than n_room. is_over: whether those held are, since
+///   others have come.
 /// - drop_unclaimed: ends promises of pages that have come; false if there are none.
 template <typename M>
 concept PagedRefinableModel = RefinableModel<M> &&

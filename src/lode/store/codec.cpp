@@ -204,9 +204,11 @@ Result<void> decompress_ranked(std::size_t element_size, std::span<const std::by
   if (stored.size() < sizeof(sizes)) return fail("expected values, got {} bytes", stored.size());
   std::memcpy(sizes.data(), stored.data(), sizeof(sizes));
   stored = stored.subspan(sizeof(sizes));
-  if (sizes[0] > out.size() / element_size || sizes[1] > stored.size())
-    return fail("expected at most {} values in {} bytes, got {} in {}", out.size() / element_size,
-                stored.size(), sizes[0], sizes[1]);
+  constexpr std::size_t kMostValues = 65536;
+  const std::size_t n_most = std::min(out.size() / element_size, kMostValues);
+  if (sizes[0] > n_most || sizes[1] > stored.size())
+    return fail("expected at most {} values in {} bytes, got {} in {}", n_most, stored.size(),
+                sizes[0], sizes[1]);
   RankedElements ranked{std::vector<std::byte>(sizes[0] * element_size),
                         std::vector<std::byte>(out.size() / element_size * sizeof(std::uint16_t))};
   LODE_CHECK(decode_block(Codec::delta_zstd, element_size, stored.first(sizes[1]), ranked.values));

@@ -21,8 +21,9 @@ class PageTable {
     owned_.resize(n_pages);
     pages_ = std::vector<std::atomic<const T*>>(n_pages);
     n_holders_ = std::vector<std::atomic<std::uint32_t>>(n_pages);
-    is_idle_.resize(n_pages);
-    idle_.resize(n_pages);
+    idle_.resize(n_pages + 1);
+    for (std::size_t i = 0; i < idle_.size(); ++i)
+      idle_[i] = {static_cast<Page>(i), static_cast<Page>(i)};
   }
   [[nodiscard]] std::size_t size() const { return pages_.size(); }
 
@@ -35,7 +36,10 @@ class PageTable {
     // Sequential order: either remove() sees the holder, or the holder sees that it has gone.
     n_holders_[page].fetch_add(1, std::memory_order_seq_cst);
     if (pages_[page].load(std::memory_order_seq_cst) != nullptr) return true;
-    n_holders_[page].fetch_sub(1, std::memory_order_seq_cst);
+    // Put in the meantime, it may have been passed over as held.
+    if (n_holders_[page].fetch_sub(1, std::memory_order_seq_cst) == 1 &&
+        pages_[page].load(std::memory_order_seq_cst) != nullptr)
+      list_idle(page);
     return false;
   }
   void let_go(Page page) const {
@@ -61,11 +65,9 @@ class PageTable {
       Page page = 0;
       {
         const std::lock_guard lock(mutex_);
-        if (n_idle_ == 0) return;
-        page = idle_[first_idle_];
-        first_idle_ = (first_idle_ + 1) % idle_.size();
-        --n_idle_;
-        is_idle_[page] = false;
+        page = idle_.back().next;
+        if (page == size()) return;
+        unlink(page);
       }
       // Held ones come again when they are let go.
       if (!has(page) || n_holders_[page].load(std::memory_order_seq_cst) > 0) continue;
@@ -88,11 +90,26 @@ class PageTable {
     std::size_t n_bytes = 0;
   };
 
+  struct Link {
+    Page previous = 0;
+    Page next = 0;
+  };
+
+  /// Behind all others, wherever it was.
   void list_idle(Page page) const {
     const std::lock_guard lock(mutex_);
-    if (is_idle_[page]) return;
-    is_idle_[page] = true;
-    idle_[(first_idle_ + n_idle_++) % idle_.size()] = page;
+    unlink(page);
+    const auto end = static_cast<Page>(size());
+    const Page last = idle_[end].previous;
+    idle_[page] = {last, end};
+    idle_[last].next = page;
+    idle_[end].previous = page;
+  }
+  void unlink(Page page) const {
+    const Link link = idle_[page];
+    idle_[link.previous].next = link.next;
+    idle_[link.next].previous = link.previous;
+    idle_[page] = {page, page};
   }
 
   std::vector<Owned> owned_;                  ///< By number.
@@ -100,11 +117,9 @@ class PageTable {
   mutable std::vector<std::atomic<std::uint32_t>> n_holders_;
   std::size_t n_bytes_ = 0;
   mutable std::mutex mutex_;
-  // A ring: letting go takes no memory.
-  mutable std::vector<Page> idle_;  ///< Let go in this order; some are held again.
-  mutable std::size_t first_idle_ = 0;
-  mutable std::size_t n_idle_ = 0;
-  mutable std::vector<bool> is_idle_;  ///< Whether a page is in the ring.
+  /// A list of pages in the order in which they were let go; some are held again. The last link is
+  /// its two ends; a page that is not listed has itself beside it. Letting go takes no memory.
+  mutable std::vector<Link> idle_;
 };
 
 }  // namespace lode::store

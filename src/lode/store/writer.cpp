@@ -27,9 +27,14 @@ namespace {
 /// Whether the blocks of an earlier writer are as it wrote them: what is on a disk may change, and
 /// nobody would look at it before the file is whole.
 Result<void> check_kept(AtomicFile& file, const std::string& path,
-                        std::span<const BlockEntry> blocks) {
+                        std::span<const BlockEntry> blocks, Progress& progress) {
+  if (blocks.empty()) return {};
+  const std::uint64_t n_bytes = blocks.back().offset + blocks.back().stored_size;
   std::vector<std::byte> bytes;
   for (const BlockEntry& block : blocks) {
+    if (progress.is_cancelled()) return cancelled_error();
+    progress.report("checking", static_cast<double>(block.offset) / static_cast<double>(n_bytes),
+                    n_bytes);
     bytes.resize(static_cast<std::size_t>(block.stored_size));
     LODE_CHECK(file.read_at(block.offset, bytes));
     if (checksum(bytes) != block.checksum)
@@ -43,11 +48,11 @@ Result<void> check_kept(AtomicFile& file, const std::string& path,
 }  // namespace
 
 Result<Writer> Writer::open_part(std::string path, std::string_view model,
-                                 std::vector<BlockEntry> blocks) {
+                                 std::vector<BlockEntry> blocks, Progress& progress) {
   const std::uint64_t n_kept =
       blocks.empty() ? 0 : blocks.back().offset + blocks.back().stored_size;
   LODE_TRY(AtomicFile file, AtomicFile::open_part(path, n_kept));
-  LODE_CHECK(check_kept(file, path, blocks));
+  LODE_CHECK(check_kept(file, path, blocks, progress));
   if (blocks.empty()) LODE_CHECK(file.write(std::array<std::byte, kHeaderBytes>{}));
   Writer writer(std::move(path), std::move(file),
                 Directory{std::string(model), {}, std::move(blocks)});

@@ -27,7 +27,7 @@ class Writer {
   /// there, as blocks() of an earlier writer said when it had synced them. Fails where they are not
   /// as they were written. Metadata is empty.
   [[nodiscard]] static Result<Writer> open_part(std::string path, std::string_view model,
-                                                std::vector<BlockEntry> blocks);
+                                                std::vector<BlockEntry> blocks, Progress& progress);
 
   [[nodiscard]] Result<void> append(const BlockKey& key, const EncodedBlock& block);
   /// Returns when all blocks so far outlast a loss of power.

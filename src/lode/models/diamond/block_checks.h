@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "lode/core/atomic_extremes.h"
+#include "lode/core/parallel_fill.h"
 #include "lode/models/diamond/summary.h"
 #include "lode/store/reader.h"
 
@@ -40,17 +42,22 @@ template <typename T>
 }
 
 /// Fails unless a level's nodes have errors and ranges; empty ranges become what memory has.
-[[nodiscard]] inline Result<void> check_nodes(NodeLevel& nodes, const store::Reader& reader) {
-  for (std::size_t i = 0; i < nodes.low.size(); ++i) {
-    if (nodes.error[i] > kInfiniteError || std::isnan(nodes.low[i]) || std::isnan(nodes.high[i]))
-      return fail("{}: attributes: expected an error and a range, got a code {} and {} to {}",
-                  reader.path(), nodes.error[i], nodes.low[i], nodes.high[i]);
-    if (nodes.low[i] > nodes.high[i]) {
+[[nodiscard]] inline Result<void> check_nodes(NodeLevel& nodes, const store::Reader& reader,
+                                              Threads threads) {
+  const std::size_t n = nodes.low.size();
+  std::size_t first_bad = n;
+  for_each_piece(n, threads, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      if (nodes.error[i] > kInfiniteError || std::isnan(nodes.low[i]) || std::isnan(nodes.high[i]))
+        lower_to(first_bad, i);
+      if (!(nodes.low[i] > nodes.high[i])) continue;
       nodes.low[i] = std::numeric_limits<float>::infinity();
       nodes.high[i] = -std::numeric_limits<float>::infinity();
     }
-  }
-  return {};
+  });
+  if (first_bad == n) return {};
+  return fail("{}: attributes: expected an error and a range, got a code {} and {} to {}",
+              reader.path(), nodes.error[first_bad], nodes.low[first_bad], nodes.high[first_bad]);
 }
 
 /// A level's largest nested error.

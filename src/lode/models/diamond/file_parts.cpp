@@ -1,5 +1,6 @@
 #include "lode/models/diamond/file_parts.h"
 
+#include "lode/core/parallel_fill.h"
 #include "lode/models/diamond/block_checks.h"
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/read_region.h"
@@ -101,7 +102,7 @@ Result<CoarseField<D>> load_coarse(const store::Reader& reader, const Metadata& 
     return groups[i].is_samples ? load_coarse_samples<D>(reader, groups[i].region, field)
                                 : load_coarse_nodes<D>(reader, groups[i].region, field);
   }));
-  for (NodeLevel& nodes : field.levels) LODE_CHECK(check_nodes(nodes, reader));
+  for (NodeLevel& nodes : field.levels) LODE_CHECK(check_nodes(nodes, reader, threads));
   LODE_CHECK(check_errors<D>(reader, metadata.summary, field));
   return field;
 }
@@ -135,9 +136,9 @@ void FilePart<D>::begin(const Index<D>& chunk, int first_level) {
   for (std::size_t level = as_size(first_level); level < model_.levels.size(); ++level) {
     const std::size_t n = n_points<D>(model_.shape.attribute_dims(static_cast<int>(level)));
     NodeLevel& nodes = model_.levels[level];
-    nodes.error.assign(n, 0);
-    nodes.low.assign(n, std::numeric_limits<float>::infinity());
-    nodes.high.assign(n, -std::numeric_limits<float>::infinity());
+    fill_anew(nodes.error, n, ErrorCode{0}, threads_);
+    fill_anew(nodes.low, n, std::numeric_limits<float>::infinity(), threads_);
+    fill_anew(nodes.high, n, -std::numeric_limits<float>::infinity(), threads_);
   }
 }
 
@@ -261,7 +262,7 @@ Result<void> FilePart<D>::read_attributes(int level, std::span<const Index<D>> b
     return reads.template operator()<R>(Kind::highs, nodes.high);
   });
   if (!ranges) return ranges.error();
-  return check_nodes(nodes, blocks_.reader());
+  return check_nodes(nodes, blocks_.reader(), threads_);
 }
 
 template <int D>

@@ -94,7 +94,7 @@ Result<void> load_attributes(Model<D>& model, const store::Reader& reader, Threa
   return visit_range_type(model.storage, [&]<typename R>() -> Result<void> {
     LODE_CHECK(load_kind.template operator()<R>(Kind::lows, &NodeLevel::low));
     LODE_CHECK(load_kind.template operator()<R>(Kind::highs, &NodeLevel::high));
-    for (NodeLevel& nodes : model.levels) LODE_CHECK(check_nodes(nodes, reader));
+    for (NodeLevel& nodes : model.levels) LODE_CHECK(check_nodes(nodes, reader, threads));
     return {};
   });
 }

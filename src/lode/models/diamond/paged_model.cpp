@@ -119,17 +119,6 @@ void PagedModel<D>::set_memory_limit(std::uint64_t n_bytes) const {
 }
 
 template <int D>
-std::optional<Error> PagedModel<D>::fault_of(std::span<const Page> pages) const {
-  if (!has_fault_.load(std::memory_order_acquire)) return {};
-  const std::lock_guard lock(fault_mutex_);
-  for (const Page page : pages) {
-    if (const auto fault = faults_.find(page); fault != faults_.end()) return fault->second;
-    if (lacks_memory_[page]) return out_of_memory("read a page", reader_.path());
-  }
-  return {};
-}
-
-template <int D>
 Region<D> PagedModel<D>::region_of(Page page) const {
   int k = 0;
   while (k + 1 < this->shape.n_levels && levels_[as_size(k + 1)].first <= page) ++k;

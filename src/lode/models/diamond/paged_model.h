@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "lode/core/out_of_memory.h"
 #include "lode/core/uninitialized_array.h"
 #include "lode/models/diamond/lattice_field.h"
 #include "lode/models/diamond/persist.h"
@@ -101,7 +102,16 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   void set_memory_limit(std::uint64_t n_bytes) const;
   [[nodiscard]] store::Fetcher& fetcher() const { return fetcher_; }
   /// Why one of these pages could not be read, and never is.
-  [[nodiscard]] std::optional<Error> fault_of(std::span<const Page> pages) const;
+  template <typename Pages>
+  [[nodiscard]] std::optional<Error> fault_of(const Pages& pages) const {
+    if (!has_fault_.load(std::memory_order_acquire)) return {};
+    const std::lock_guard lock(fault_mutex_);
+    for (const Page page : pages) {
+      if (const auto fault = faults_.find(page); fault != faults_.end()) return fault->second;
+      if (lacks_memory_[page]) return out_of_memory("read a page", reader_.path());
+    }
+    return {};
+  }
 
   /// The page that holds a point of a level's grid, null if it has not been fetched.
   [[nodiscard]] const LevelPage<D>* page_at(int level, const Index<D>& q) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "lode/core/inline_list.h"
 #include "lode/models/diamond/live_isosurface.h"
@@ -46,7 +47,7 @@ class PagedRefinable : public LiveRefinable<D, PagedModel<D>> {
   }
 
   void request(std::uint32_t page, float demand) {
-    requested_.push_back(page);
+    requested_.insert(page);
     client_.want(page, demand);
   }
   void forget_requests() {
@@ -119,7 +120,7 @@ class PagedRefinable : public LiveRefinable<D, PagedModel<D>> {
   }
 
   store::Fetcher::Client client_;
-  std::vector<std::uint32_t> requested_;
+  std::unordered_set<std::uint32_t> requested_;
   std::unordered_map<std::uint32_t, std::uint32_t> n_uses_;  ///< Of pages that are held, by nodes.
   std::unordered_map<std::uint32_t, bool> promised_;         ///< And whether they have come.
   std::uint64_t n_bytes_ = 0;                                ///< Of pages held or promised.

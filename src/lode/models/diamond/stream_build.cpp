@@ -233,7 +233,7 @@ class StreamBuild {
       LODE_TRY(auto log, PartLog<D>::create(path, head.bytes()));
       log_.emplace(std::move(log));
     }
-    return store::Writer::open_part(path, model_name<D>(), done_.blocks);
+    return store::Writer::open_part(path, model_name<D>(), done_.blocks, progress_);
   }
 
   /// The chunks from the next one on, in its row.
