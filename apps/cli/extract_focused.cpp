@@ -81,8 +81,10 @@ void warn_of_focused(Session& session, const FocusedReport& report, const Surfac
     session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
                              report.standing.n_cells));
   if (!report.standing.memory_met)
-    session.warn(fmt::format("the memory limit ends refinement at an error of {}",
-                             format_number(report.standing.error_bound)));
+    session.warn(
+        fmt::format("the memory limit is too small for the tolerance everywhere: raise it, or "
+                    "narrow the focus (error bound {})",
+                    format_number(report.standing.error_bound)));
   if (!surface.is_empty()) return;
   const bool is_limited = !report.standing.is_settled || has_budget;
   if (!is_limited || report.standing.error_bound == 0)

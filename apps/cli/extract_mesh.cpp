@@ -42,8 +42,10 @@ Result<std::uint64_t> memory_limit_of(const MeshJob& job) {
 
 void warn_of_shortcomings(Session& session, const Made& made) {
   if (!made.memory_met)
-    session.warn(fmt::format("the memory limit ends refinement at an error of {}",
-                             format_number(made.achieved_error)));
+    session.warn(
+        fmt::format("the memory limit is too small for the tolerance everywhere: raise it, or "
+                    "narrow the focus (achieved error {})",
+                    format_number(made.achieved_error)));
   if (made.n_left_out > 0)
     session.warn(
         fmt::format("{} simplices are left out: holes remove a part of each, and nothing refined "

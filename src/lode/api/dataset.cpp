@@ -1,6 +1,5 @@
 #include "lode/api/dataset.h"
 
-#include <chrono>
 #include <cmath>
 #include <new>
 
@@ -11,6 +10,7 @@
 #include "lode/api/salvage_report.h"
 #include "lode/api/verification.h"
 #include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/close_border.h"
 #include "lode/models/diamond/file_extract.h"
@@ -27,10 +27,6 @@ Result<void> check_model(const store::Reader& reader) {
   const std::string& model = reader.model();
   if (model == diamond::model_name<2>() || model == diamond::model_name<3>()) return {};
   return fail("{}: expected a model diamond2d or diamond3d, got \"{}\"", reader.path(), model);
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 double tolerance_of(const diamond::FieldStats& stats, const ExtractOptions& options) {
@@ -91,7 +87,7 @@ Result<void> close_surface(const FieldFacts& field, const ExtractOptions& option
 
 Result<void> finish_surface(const FieldFacts& field, const ExtractOptions& options,
                             Surface& surface, ExtractReport& report) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   if (field.has_holes) split_pinched_vertices(surface);
   if (options.border == Border::closed) LODE_CHECK(close_surface(field, options, surface, report));
   const Dropped dropped = finish_edits(options, surface);
@@ -101,7 +97,7 @@ Result<void> finish_surface(const FieldFacts& field, const ExtractOptions& optio
   report.lines = surface.lines.size();
   report.vertices = surface.positions.size();
   report.unmet = unmet_isovalues(surface, options.isovalues);
-  report.seconds.finish += seconds_since(start);
+  report.seconds.finish += watch.seconds();
   return {};
 }
 
@@ -348,7 +344,7 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
 
 Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& surface,
                                        Progress& progress) const try {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
   ExtractReport& report = plan.report;
   if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
@@ -360,7 +356,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
     LODE_TRY(const auto* const held, impl_->model(progress));
     LODE_CHECK(extract_in_memory(*held, options, surface, report, progress));
   }
-  report.seconds.total = seconds_since(start);
+  report.seconds.total = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the surface");
@@ -375,7 +371,7 @@ Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options) const try {
 
 Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSink& surface,
                                        Progress& progress) const try {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
   ExtractReport& report = plan.report;
   if (plan.chunks != nullptr && is_edited_by_piece(options)) {
@@ -387,7 +383,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSin
     LODE_TRY(report, extract(options, whole.surface, progress));
     LODE_CHECK(surface.add(std::move(whole)));
   }
-  report.seconds.total = seconds_since(start);
+  report.seconds.total = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the surface");

@@ -1,6 +1,5 @@
 #include "lode/api/files.h"
 
-#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <new>
@@ -10,6 +9,7 @@
 
 #include "lode/core/atomic_file.h"
 #include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
 #include "lode/io/surface_stream.h"
 #include "lode/mappers/surface_edits.h"
 #include "lode/store/header.h"
@@ -61,25 +61,25 @@ Result<Surface> read_surface(const std::string& path) try {
 Result<ExtractReport> extract_to_file(
     const Dataset& dataset, const ExtractOptions& options, const std::string& path,
     const std::function<SurfaceWriteOptions(const ExtractReport&)>& note, Progress& progress) try {
-  const auto seconds_since = [](std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
+  const Stopwatch all;
   LODE_TRY(const bool comes_in_pieces, dataset.comes_in_pieces(options));
   if (comes_in_pieces && io::can_stream(path)) {
     const std::uint64_t limit =
         options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
     LODE_TRY(const auto stream, io::stream_surface(path, limit / 8, progress));
     LODE_TRY(ExtractReport report, dataset.extract(options, *stream, progress));
-    const auto start = std::chrono::steady_clock::now();
+    report.seconds.total = all.seconds();  // with what was read to find how it comes
+    const Stopwatch writing;
     LODE_CHECK(stream->finish(note(report)));
-    report.seconds.write = seconds_since(start);
+    report.seconds.write = writing.seconds();
     return report;
   }
   Surface surface;
   LODE_TRY(ExtractReport report, dataset.extract(options, surface, progress));
-  const auto start = std::chrono::steady_clock::now();
+  report.seconds.total = all.seconds();
+  const Stopwatch writing;
   LODE_CHECK(write_surface(path, surface, note(report), progress));
-  report.seconds.write = seconds_since(start);
+  report.seconds.write = writing.seconds();
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the surface", path);

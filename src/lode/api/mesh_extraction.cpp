@@ -1,7 +1,6 @@
 #include "lode/api/mesh_extraction.h"
 
 #include <algorithm>
-#include <chrono>
 #include <new>
 #include <type_traits>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
 #include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
 #include "lode/mappers/surface_edits.h"
 #include "lode/models/diamond/cut_mesh.h"
 #include "lode/models/diamond/query_cut.h"
@@ -36,16 +36,6 @@ struct MeshDemand {
     node.bounds.radius += widening;
     return node;
   }
-};
-
-class Clock {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 template <typename Field>
@@ -220,7 +210,7 @@ std::integral_constant<int, D> dimension_of(const diamond::Refinable<D, Field>& 
 
 Result<MeshReport> Dataset::extract_mesh(const MeshOptions& options, SimplexMesh& mesh,
                                          Progress& progress) const try {
-  const Clock clock;
+  const Stopwatch watch;
   const bool reads_little = has_focus(options.query) || options.query.budget.is_limited();
   LODE_TRY(MeshReport report, with_nodes(*impl_, options.memory_limit, reads_little, progress,
                                          [&](auto& nodes) -> Result<MeshReport> {
@@ -228,7 +218,7 @@ Result<MeshReport> Dataset::extract_mesh(const MeshOptions& options, SimplexMesh
                                            return extract_model_mesh<kD>(nodes, options, mesh,
                                                                          progress);
                                          }));
-  report.seconds = clock.seconds();
+  report.seconds = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the mesh");
@@ -240,7 +230,7 @@ Result<SectionReport> Dataset::extract_section(const SectionOptions& options, Su
     return fail(
         "a section: expected a volume (diamond3d), got 2D data: its contour lines come "
         "from its isovalues alone");
-  const Clock clock;
+  const Stopwatch watch;
   LODE_TRY(SectionReport report,
            with_nodes(*impl_, options.memory_limit, true, progress,
                       [&](auto& nodes) -> Result<SectionReport> {
@@ -250,7 +240,7 @@ Result<SectionReport> Dataset::extract_section(const SectionOptions& options, Su
                           return fail("a section: expected a volume");
                       }));
   report.unmet = unmet_isovalues(section, options.isovalues);
-  report.seconds = clock.seconds();
+  report.seconds = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the section");

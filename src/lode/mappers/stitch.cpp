@@ -91,11 +91,28 @@ struct PieceLayout {
     }
   }
 
+  /// Where vertex v of part i goes, unless it is an earlier one.
+  [[nodiscard]] std::uint32_t place(std::size_t i, std::uint32_t v) const {
+    const Ownership& own = ownership[i];
+    const std::uint32_t owner = own.owner[v];
+    if (owner == kOwned) return first_new[i] + own.id[v];
+    return first_new[owner] + ownership[owner].id[own.id[v]];
+  }
+
   std::vector<Ownership> ownership;
   std::vector<std::uint32_t> first_new;
   std::vector<std::uint32_t> first_earlier;
   std::vector<std::size_t> first_cell;
 };
+
+/// A part's cells, by the places of its vertices.
+template <int D, typename Cell>
+void write_cells(const IsoPart<D>& part, const std::vector<std::uint32_t>& place, Cell* out) {
+  for (const auto& cell : part.cells) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k) (*out)[k] = place[cell[k]];
+    ++out;
+  }
+}
 
 /// Writes one part's vertices and cells where the layout says.
 template <int D>
@@ -106,24 +123,17 @@ void write_part(const StitchPart<D>& part, std::size_t i, const PieceLayout& lay
   std::uint32_t n_earlier = layout.first_earlier[i];
   for (std::uint32_t v = 0; v < place.size(); ++v) {
     const std::uint32_t owner = own.owner[v];
-    if (owner < kEarlier) {
-      place[v] = layout.first_new[owner] + layout.ownership[owner].id[own.id[v]];
-      continue;
-    }
     if (owner == kEarlier) {
       place[v] = layout.first_new.back() + n_earlier;
       piece.earlier[n_earlier++] = own.id[v];
     } else {
-      place[v] = layout.first_new[i] + own.id[v];
+      place[v] = layout.place(i, v);
+      if (owner != kOwned) continue;
     }
     piece.surface.positions[place[v]] = position_of(frame, part.part.points[v]);
     if (!part.normals.empty()) piece.surface.normals[place[v]] = part.normals[v];
   }
-  auto* cell = cells_of<D>(piece.surface).data() + layout.first_cell[i];
-  for (const auto& from : part.part.cells) {
-    for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k) (*cell)[k] = place[from[k]];
-    ++cell;
-  }
+  write_cells<D>(part.part, place, cells_of<D>(piece.surface).data() + layout.first_cell[i]);
 }
 
 }  // namespace
@@ -141,43 +151,33 @@ template <int D>
 Result<void> stitch(const std::vector<StitchPart<D>>& parts, const StitchCandidates& candidates,
                     const LatticeFrame& frame, Threads threads, Surface& surface,
                     std::vector<VertexOrigin>* origins) {
-  std::vector<Ownership> ownership(parts.size());
+  PieceLayout layout(parts.size());
   parallel_for(parts.size(), threads, 8, [&](std::size_t i, int) {
     find_owners<D>(
         parts, static_cast<std::uint32_t>(i), candidates,
-        [](LatticeKey) { return std::optional<std::uint32_t>(); }, ownership[i]);
+        [](LatticeKey) { return std::optional<std::uint32_t>(); }, layout.ownership[i]);
   });
   std::uint64_t n_vertices = surface.positions.size();
-  for (const Ownership& own : ownership) n_vertices += own.n_owned;
+  for (const Ownership& own : layout.ownership) n_vertices += own.n_owned;
   if (n_vertices > std::numeric_limits<std::uint32_t>::max()) return too_many_vertices(n_vertices);
-  std::vector<std::uint32_t> first_vertex(parts.size() + 1);
-  std::vector<std::size_t> first_cell(parts.size() + 1);
-  first_vertex[0] = static_cast<std::uint32_t>(surface.positions.size());
   auto& cells = cells_of<D>(surface);
-  first_cell[0] = cells.size();
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    first_vertex[i + 1] = first_vertex[i] + ownership[i].n_owned;
-    first_cell[i + 1] = first_cell[i] + parts[i].part.cells.size();
-  }
-  surface.positions.resize(first_vertex.back());
-  cells.resize(first_cell.back());
-  if (origins != nullptr) origins->resize(first_vertex.back());
+  layout.first_new[0] = static_cast<std::uint32_t>(surface.positions.size());
+  layout.first_cell[0] = cells.size();
+  layout.add_up<D>(parts);
+  surface.positions.resize(layout.first_new.back());
+  cells.resize(layout.first_cell.back());
+  if (origins != nullptr) origins->resize(layout.first_new.back());
   parallel_for(parts.size(), threads, 8, [&](std::size_t i, int) {
     const IsoPart<D>& part = parts[i].part;
-    const Ownership& own = ownership[i];
-    std::vector<std::uint32_t> final_id(part.points.size());
+    const Ownership& own = layout.ownership[i];
+    std::vector<std::uint32_t> place(part.points.size());
     for (std::uint32_t v = 0; v < part.points.size(); ++v) {
-      if (own.owner[v] != kOwned) {
-        final_id[v] = first_vertex[own.owner[v]] + ownership[own.owner[v]].id[own.id[v]];
-        continue;
-      }
-      final_id[v] = first_vertex[i] + own.id[v];
-      surface.positions[final_id[v]] = position_of(frame, part.points[v]);
-      if (origins != nullptr) (*origins)[final_id[v]] = {static_cast<std::uint32_t>(i), v};
+      place[v] = layout.place(i, v);
+      if (own.owner[v] != kOwned) continue;
+      surface.positions[place[v]] = position_of(frame, part.points[v]);
+      if (origins != nullptr) (*origins)[place[v]] = {static_cast<std::uint32_t>(i), v};
     }
-    for (std::size_t c = 0; c < part.cells.size(); ++c)
-      for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k)
-        cells[first_cell[i] + c][k] = final_id[part.cells[c][k]];
+    write_cells<D>(part, place, cells.data() + layout.first_cell[i]);
   });
   return {};
 }

@@ -1,19 +1,15 @@
 #include "lode/models/diamond/file_extract.h"
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 
+#include "lode/core/stopwatch.h"
 #include "lode/models/diamond/brick_isosurface.h"
 #include "lode/models/diamond/brick_work.h"
 #include "lode/models/diamond/normals.h"
 
 namespace lode::diamond {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// Normals at a part's points: along edges that coarse samples are at the ends of from these, else
 /// from `samples`, whose lattice begins at `origin`.
@@ -55,16 +51,21 @@ class FileExtraction {
         surface_(surface) {}
 
   Result<IsosurfaceReport> run(Progress& progress) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     if (field_.shape.has_cells()) CoarseTraversal<D, CoarseField<D>>(selection_, cut_).run();
     work_ = work_of(cut_);
     parts_of_bricks_ = PartsOfBricks<D>(field_.axes, brick_dims_, work_);
     stats_ = cut_.stats;
     LODE_CHECK(join(march_coarse(), 0));
+    Bricks bricks = bricks_of(0);
     for (std::size_t i = 0; i < work_.size();) {
       if (progress.is_cancelled()) return cancelled_error();
       const std::size_t end = end_of_chunk(i);
-      LODE_TRY(const auto parts, march_chunk(i, end));
+      LODE_CHECK(part_.load(chunk_at(i), bricks.fine, bricks.coarse));
+      // The system reads the next chunk's blocks while this one is marched.
+      bricks = bricks_of(end);
+      if (end < work_.size()) part_.will_load(chunk_at(end), bricks.fine);
+      const auto parts = march_chunk(i, end);
       LODE_CHECK(join(parts, i + 1));
       forget_below(end);
       i = end;
@@ -72,7 +73,7 @@ class FileExtraction {
     }
     IsosurfaceReport report = report_of(largest_, stats_, frame_);
     report.geometry_seconds = joining_seconds_;
-    report.select_seconds = seconds_since(start) - joining_seconds_;
+    report.select_seconds = watch.seconds() - joining_seconds_;
     return report;
   }
 
@@ -92,9 +93,10 @@ class FileExtraction {
     std::vector<Index<D>> fine;
     std::vector<Index<D>> coarse;
   };
-  [[nodiscard]] Bricks bricks_of(std::size_t begin, std::size_t end) const {
+  /// Of the chunk that `begin` is in, from there on.
+  [[nodiscard]] Bricks bricks_of(std::size_t begin) const {
     Bricks bricks;
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = begin, end = end_of_chunk(begin); i < end; ++i) {
       const Index<D> brick = brick_of(i);
       (is_fine(brick) ? bricks.fine : bricks.coarse).push_back(brick);
     }
@@ -147,12 +149,8 @@ class FileExtraction {
     return false;
   }
 
-  /// The parts of work begin .. end - 1, all in one chunk.
-  Result<std::vector<StitchPart<D>>> march_chunk(std::size_t begin, std::size_t end) {
-    const Bricks bricks = bricks_of(begin, end);
-    LODE_CHECK(part_.load(chunk_at(begin), bricks.fine, bricks.coarse));
-    // The system reads the next chunk's blocks while this one is marched.
-    if (end < work_.size()) part_.will_load(chunk_at(end), bricks_of(end, end_of_chunk(end)).fine);
+  /// The parts of work begin .. end - 1, all in the chunk that is loaded.
+  std::vector<StitchPart<D>> march_chunk(std::size_t begin, std::size_t end) {
     const Selection<D> selection(part_.model(), query_.isovalue, query_.tolerance);
     std::vector<StitchPart<D>> parts(end - begin);
     std::vector<TraversalStats> stats(end - begin);
@@ -194,7 +192,7 @@ class FileExtraction {
   /// Passes on the surface of parts `first` and following: everything coarser than bricks, or those
   /// of a chunk's bricks.
   Result<void> join(const std::vector<StitchPart<D>>& parts, std::size_t first) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     largest_.add(parts);
     const auto candidates = [&](LatticeKey key, std::vector<std::uint32_t>& out) {
       parts_of_bricks_.candidates(key, out);
@@ -207,7 +205,7 @@ class FileExtraction {
       return is_coarse || is_on_chunk_border(key);
     }));
     LODE_CHECK(surface_.add(std::move(piece)));
-    joining_seconds_ += seconds_since(start);
+    joining_seconds_ += watch.seconds();
     return {};
   }
 

@@ -1,12 +1,12 @@
 #include "lode/models/diamond/stream_build.h"
 
 #include <atomic>
-#include <chrono>
 #include <future>
 #include <optional>
 #include <system_error>
 #include <utility>
 
+#include "lode/core/stopwatch.h"
 #include "lode/models/diamond/block_checks.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/encode_blocks.h"
@@ -19,14 +19,8 @@
 namespace lode::diamond {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// Counts up with every change of what a build writes, so that none goes on from another's part.
 constexpr std::uint32_t kPartFormat = 2;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Hands out boxes of a source's samples in their storage type, a few slices at a time.
 template <int D>
@@ -196,7 +190,7 @@ class StreamBuild {
   }
 
   Result<void> scan() {
-    const auto start = Clock::now();
+    const Stopwatch watch;
     FieldScan<D> scan(field_.info);
     const std::int32_t n = field_.shape.dims[as_size(D - 1)];
     LODE_CHECK(reader_.read({{}, field_.shape.dims}, progress_,
@@ -210,7 +204,7 @@ class StreamBuild {
                                                n_sample_bytes());
                             }));
     field_.stats = scan.stats();
-    report_.scan_seconds = seconds_since(start);
+    report_.scan_seconds = watch.seconds();
     return check_magnitude(field_.stats);
   }
 
@@ -256,14 +250,14 @@ class StreamBuild {
   }
 
   Result<void> build_part(const PartPlan<D>& plan, store::Writer& writer) {
-    auto start = Clock::now();
+    Stopwatch watch;
     builder_.begin(plan);
     LODE_CHECK(reader_.read(plan.samples, progress_,
                             [&](const LatticeBox<D>& box, std::span<const std::byte> values) {
                               builder_.put_samples(box, values.data());
                             }));
-    report_.read_seconds += seconds_since(start);
-    start = Clock::now();
+    report_.read_seconds += watch.seconds();
+    watch = Stopwatch();
     // A small field is one part: how far that is shows what is left.
     const auto n_bricks = static_cast<double>(builder_.n_bricks());
     const auto n_chunks = static_cast<double>(n_points<D>(chunk_dims()));
@@ -274,26 +268,26 @@ class StreamBuild {
       progress_.report("building", (static_cast<double>(done_.n_chunks) + share * part) / n_chunks,
                        n_sample_bytes());
     }));
-    report_.build_seconds += seconds_since(start);
-    start = Clock::now();
+    report_.build_seconds += watch.seconds();
+    watch = Stopwatch();
     Index<D> chunk = plan.chunks.lower;
     for (; chunk[0] < plan.chunks.upper[0]; ++chunk[0])
       LODE_CHECK(builder_.append_chunk(chunk, writer, progress_));
-    report_.write_seconds += seconds_since(start);
+    report_.write_seconds += watch.seconds();
     ++report_.n_parts;
     return {};
   }
 
   Result<void> finish_coarse(store::Writer& writer) {
     if (!field_.is_needed()) return {};
-    const auto start = Clock::now();
+    const Stopwatch watch;
     NestingPass<D, CoarseField<D>>(field_, kKeptLevel, field_.shape.n_levels, settings_.threads)
         .run();
     round_ranges<D, CoarseField<D>>(field_, field_.levels, kKeptLevel, settings_.threads);
     const std::vector<BlockGroup<D>> groups = coarse_blocks<D>(field_.shape);
     LODE_CHECK(append_groups<D>(field_, Index<D>{}, std::span<const BlockGroup<D>>(groups), writer,
                                 settings_.threads, progress_));
-    report_.write_seconds += seconds_since(start);
+    report_.write_seconds += watch.seconds();
     return {};
   }
 
