@@ -9,6 +9,7 @@
 #include "lode/models/diamond/paged_refinable.h"
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
+#include "tests/models/session_answers.h"
 #include "tests/models/stored_fixtures.h"
 
 namespace lode::diamond {
@@ -131,19 +132,7 @@ TEST(page_limit, is_shared_by_sessions_and_leaves_a_consistent_surface) {
             .value());
   }
   for (Session& session : sessions) {
-    SurfaceMirror mirror;
-    const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-    for (bool is_settled = false; !is_settled;) {
-      ASSERT_LT(std::chrono::steady_clock::now(), until);
-      const auto batch = session.take();
-      if (!batch) {
-        std::this_thread::yield();
-        continue;
-      }
-      ASSERT_FALSE(batch->fault);
-      mirror.apply(batch->change);
-      is_settled = batch->standing.is_settled;
-    }
+    const SurfaceMirror mirror = take_settled(session);
     EXPECT_GT(mirror.n_cells(), 0U);
     expect_no_cracks(mirror.to_surface(), opened.describe().volume.grid.dims);
   }

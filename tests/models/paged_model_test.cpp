@@ -12,6 +12,7 @@
 #include "lode/api/mesh_extraction.h"
 #include "lode/api/session.h"
 #include "lode/store/reader.h"
+#include "tests/models/session_answers.h"
 #include "tests/models/surface_cells.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/random.h"
@@ -176,19 +177,7 @@ TEST_F(paged_model, serves_several_sessions_at_once) {
   for (const Query& query : queries)
     sessions.push_back(Session::open(opened, query, {.with_views = false}, progress_).value());
   for (std::size_t i = 0; i < sessions.size(); ++i) {
-    SurfaceMirror mirror;
-    const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-    for (bool is_settled = false; !is_settled;) {
-      ASSERT_LT(std::chrono::steady_clock::now(), until);
-      const auto batch = sessions[i].take();
-      if (!batch) {
-        std::this_thread::yield();
-        continue;
-      }
-      ASSERT_FALSE(batch->fault);
-      mirror.apply(batch->change);
-      is_settled = batch->standing.is_settled;
-    }
+    const SurfaceMirror mirror = take_settled(sessions[i]);
     Surface expected;
     ASSERT_TRUE(
         built.extract({.isovalues = queries[i].isovalues, .max_error = queries[i].max_error},
