@@ -77,6 +77,7 @@ INSTANTIATE_TEST_SUITE_P(
                       BuildCase{{{20, 18, 530}}, ScalarType::float32, Holes::some},
                       BuildCase{{{300, 280, 270}}},
                       BuildCase{{{40, 300, 270}}, ScalarType::float32},
+                      BuildCase{{{20, 30, 1040}}, ScalarType::int8}, BuildCase{{{260, 30, 1031}}},
                       BuildCase{{{2060, 70, 1}}, ScalarType::float32, Holes::some},
                       BuildCase{{{70, 1, 2100}}, ScalarType::uint8}));
 

@@ -17,13 +17,20 @@ void for_each_piece(std::size_t n, Threads threads, const Body& body) {
   });
 }
 
-/// Makes an array n times `value`; large memory that is new is slow to touch.
+/// Makes an array n elements long, all but the first n_kept of them `value`; large memory that is
+/// new is slow to touch.
+template <typename T>
+void fill_anew(UninitializedArray<T>& array, std::size_t n_kept, std::size_t n, T value,
+               Threads threads) {
+  resize_anew(array, n);
+  for_each_piece(n - n_kept, threads, [&](std::size_t first, std::size_t end) {
+    std::fill(array.data() + n_kept + first, array.data() + n_kept + end, value);
+  });
+}
+
 template <typename T>
 void fill_anew(UninitializedArray<T>& array, std::size_t n, T value, Threads threads) {
-  resize_anew(array, n);
-  for_each_piece(n, threads, [&](std::size_t first, std::size_t end) {
-    std::fill(array.data() + first, array.data() + end, value);
-  });
+  fill_anew(array, 0, n, value, threads);
 }
 
 }  // namespace lode

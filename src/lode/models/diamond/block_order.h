@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "lode/models/diamond/block_layout.h"
@@ -23,6 +24,18 @@ Index<D> chunk_counts(const Shape<D>& shape) {
   for (std::size_t i = 0; i < as_size(D); ++i)
     n[i] = std::max(1, (shape.dims[i] - 1 + kChunkEdge<D> - 1) / kChunkEdge<D>);
   return n;
+}
+
+/// The position of a chunk in the order of the file: x fastest, then the last axis, along which
+/// successive parts have most in common.
+template <int D>
+Index<D> chunk_at(const Shape<D>& shape, std::size_t number) {
+  const Index<D> n = chunk_counts<D>(shape);
+  Index<D> order = n;
+  std::swap(order[1], order[as_size(D - 1)]);
+  Index<D> chunk = point_of<D>(order, number);
+  std::swap(chunk[1], chunk[as_size(D - 1)]);
+  return chunk;
 }
 
 /// The samples of the chunks lower <= position < upper: the last one of an axis goes on to its end.

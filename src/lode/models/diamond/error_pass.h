@@ -24,6 +24,9 @@ struct ErrorTask {
   NodeLevel* leaf = nullptr;  ///< Where level 0's nested attributes go; null: they do not.
   const Field& field;  ///< The whole one; of it only samples of levels above kPlanLevel are asked,
   OwnErrors coarse;    ///< whose errors go here: of the whole field's nodes.
+  /// So many layers of bricks along the last axis have their errors already; all but the last of
+  /// them have level 0's attributes too.
+  std::int32_t n_known_layers = 0;
 };
 
 /// Finds the own errors of all nodes of levels >= 1, and level 0's nested attributes, brick by
@@ -36,6 +39,7 @@ class ErrorPass {
       : model_(task.model),
         part_(task.part),
         own_(task.own),
+        n_known_layers_(task.n_known_layers),
         slack_(rounding_slack<D>(model_)),
         coarse_(task.field, slack_, task.coarse) {
     if (task.leaf != nullptr) leaf_.emplace(model_, slack_, *task.leaf);
@@ -43,6 +47,8 @@ class ErrorPass {
   }
 
   void run_brick(const Index<D>& brick) {
+    const std::int32_t layer = brick[as_size(D - 1)];
+    if (layer + 1 < n_known_layers_) return;
     gather_values<D>(model_, brick, 1, values_.data());
     range_of(values_.data(), power(as_size(kLeafEdge<D>), D), low_, high_);
     const bool is_constant = low_ == high_ && !model_.has_holes() && is_whole(brick);
@@ -50,7 +56,7 @@ class ErrorPass {
       leaf_->run_constant_brick(brick, low_);
     else if (leaf_)
       leaf_->run_brick(brick, values_.data());
-    if (own_.size() == 1) return;
+    if (own_.size() == 1 || layer < n_known_layers_) return;
     find_levels(brick);
     if (is_constant) {
       brick_errors_.clear_to_zero();
@@ -61,7 +67,7 @@ class ErrorPass {
     for (std::size_t batch = 0; batch < as_size(kPlansPerBrick<D>) / kLanes; ++batch) {
       if (!gather_lanes(brick, batch)) continue;
       if (!is_constant) node_errors(batch);
-      if (!keep_core()) continue;
+      if (!keep_shares()) continue;
       for (const int level : levels_) coarse_.run(level, cubes_, is_used_, samples_, gaps_);
     }
     if (is_constant) return;
@@ -140,15 +146,15 @@ class ErrorPass {
     return true;
   }
 
-  /// Leaves only cubes that no other part has, and takes them to the whole field's lattice; false
-  /// when there is none.
-  bool keep_core() {
+  /// Leaves only cubes that no other part looks at, and takes them to the whole field's lattice;
+  /// false when there is none.
+  bool keep_shares() {
     bool is_any = false;
     for (std::size_t l = 0; l < kLanes; ++l) {
       const Index<D> lower = cubes_[l].lowest_corner();
       for (std::size_t i = 0; i < as_size(D); ++i)
         is_used_[l] =
-            is_used_[l] && lower[i] >= part_.core.lower[i] && lower[i] < part_.core.upper[i];
+            is_used_[l] && lower[i] >= part_.shares.lower[i] && lower[i] < part_.shares.upper[i];
       cubes_[l] = CanonicalCube<D>(lower + part_.origin, kPlanEdge<D>);
       is_any = is_any || is_used_[l];
     }
@@ -239,6 +245,7 @@ class ErrorPass {
   const Model<D>& model_;
   const Part<D>& part_;
   const OwnErrors& own_;
+  std::int32_t n_known_layers_;
   double slack_;
   std::optional<LeafPass<D, C>> leaf_;
   CoarsePass<D, C, Field> coarse_;

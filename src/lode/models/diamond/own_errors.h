@@ -26,9 +26,10 @@ struct Part {
   Index<D> origin;        ///< In the larger one: multiples of kBrickEdge.
   LatticeBox<D> samples;  ///< What is known, from multiples of kPlanEdge on.
   LatticeBox<D> core;     ///< What no other part has; the rest are border layers.
+  LatticeBox<D> shares;   ///< Cells whose errors of coarse nodes it finds: at least the core.
 
   [[nodiscard]] static Part whole(const Shape<D>& shape) {
-    return {{}, {{}, shape.dims}, {{}, shape.dims}};
+    return {{}, {{}, shape.dims}, {{}, shape.dims}, {{}, shape.dims}};
   }
 };
 

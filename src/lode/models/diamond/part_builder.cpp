@@ -6,6 +6,7 @@
 #include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/nesting_pass.h"
+#include "lode/models/diamond/part_overlap.h"
 
 namespace lode::diamond {
 
@@ -20,12 +21,15 @@ PartPlan<D> PartPlan<D>::of(const Shape<D>& shape, const LatticeBox<D>& chunks) 
     // Cubes of the plan lie in the part as in the field.
     plan.part.origin[i] = is_first ? 0 : core.lower[i] - kBrickEdge<D>;
     plan.samples.lower[i] = is_first ? 0 : core.lower[i] - kPlanEdge<D>;
+    const std::int32_t layer = i == kLastAxis<D> ? kBrickEdge<D> : kPlanEdge<D>;
     plan.samples.upper[i] =
-        is_last ? shape.dims[i] : std::min(shape.dims[i], core.upper[i] + kPlanEdge<D> + 1);
+        is_last ? shape.dims[i] : std::min(shape.dims[i], core.upper[i] + layer + 1);
     plan.dims[i] = plan.samples.upper[i] - plan.part.origin[i];
   }
   plan.part.core = {core.lower - plan.part.origin, core.upper - plan.part.origin};
   plan.part.samples = {plan.samples.lower - plan.part.origin, plan.dims};
+  plan.part.shares = plan.part.core;
+  plan.part.shares.upper[kLastAxis<D>] = plan.dims[kLastAxis<D>];
   return plan;
 }
 
@@ -60,8 +64,41 @@ void PartBuilder<D>::reserve(const Index<D>& dims) {
   }
 }
 
+/// Whether a part's chunks begin where those of another end, along the last axis.
+template <int D>
+bool is_next(const LatticeBox<D>& chunks, const LatticeBox<D>& before) {
+  LatticeBox<D> moved = before;
+  moved.lower[kLastAxis<D>] = before.upper[kLastAxis<D>];
+  moved.upper[kLastAxis<D>] = chunks.upper[kLastAxis<D>];
+  return chunks.lower == moved.lower && chunks.upper == moved.upper;
+}
+
+/// What the model holds of the part before, where that ends where this one begins.
+template <int D>
+void PartBuilder<D>::take_over(const PartPlan<D>& plan) {
+  n_taken_over_ = 0;
+  if (is_found_ && is_next<D>(plan.chunks, plan_.chunks)) {
+    const std::int32_t first = plan.part.origin[kLastAxis<D>] - plan_.part.origin[kLastAxis<D>];
+    move_overlap<D>(model_, first / kBrickEdge<D>, plan.dims);
+    n_taken_over_ = kOverlapBricks;
+  }
+  is_found_ = false;
+}
+
+template <int D>
+LatticeBox<D> PartBuilder<D>::missing_samples() const {
+  LatticeBox<D> box = plan_.samples;
+  if (n_taken_over_ == 0) return box;
+  const std::size_t last = kLastAxis<D>;
+  const std::int32_t first = plan_.part.origin[last] + n_taken_over_ * kBrickEdge<D>;
+  // Bricks share that layer of samples.
+  box.lower[last] = first + 1 < box.upper[last] ? first : box.upper[last];
+  return box;
+}
+
 template <int D>
 void PartBuilder<D>::begin(const PartPlan<D>& plan) {
+  take_over(plan);
   plan_ = plan;
   VolumeInfo info = field_.info;
   for (std::size_t i = 0; i < as_size(D); ++i)
@@ -72,7 +109,9 @@ void PartBuilder<D>::begin(const PartPlan<D>& plan) {
   for (std::size_t level = 0; level < model_.levels.size(); ++level) {
     const std::size_t n = n_points<D>(model_.shape.attribute_dims(static_cast<int>(level)));
     NodeLevel& nodes = model_.levels[level];
-    fill_anew(nodes.error, n, ErrorCode{0}, threads_);
+    const std::size_t n_known =
+        n_taken_over_ > 0 ? n_overlap_nodes<D>(model_.shape, static_cast<int>(level), n) : 0;
+    fill_anew(nodes.error, n_known, n, ErrorCode{0}, threads_);
     resize_anew(nodes.low, n);
     resize_anew(nodes.high, n);
   }
@@ -109,6 +148,7 @@ Result<void> PartBuilder<D>::find_attributes(const Progress& progress,
   give_cubes();
   round_ranges<D, Model<D>>(model_, model_.levels, 1, threads_);
   find_largest();
+  is_found_ = true;
   return {};
 }
 
@@ -117,7 +157,8 @@ template <typename C>
 Result<void> PartBuilder<D>::find_own_errors(const Progress& progress,
                                              const std::function<void()>& brick_done) {
   ErrorTask<D, CoarseField<D>> task{
-      model_, plan_.part, OwnErrors(as_size(n_own_levels())), &model_.levels[0], field_, {}};
+      model_, plan_.part,   OwnErrors(as_size(n_own_levels())), &model_.levels[0], field_,
+      {},     n_taken_over_};
   for (std::size_t level = 1; level < task.own.size(); ++level)
     task.own[level] = level < as_size(kKeptLevel) ? std::span(model_.levels[level].error)
                                                   : std::span(coarse_[level - kKeptLevel]);

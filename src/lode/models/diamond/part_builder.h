@@ -12,7 +12,8 @@
 namespace lode::diamond {
 
 /// Some chunks of a field that are built by themselves, and what that takes of the field: border
-/// layers of kPlanEdge samples, more than nested errors of level kChunkLevel reach (7, D = 3 or 2).
+/// layers of kPlanEdge samples, more than nested errors of level kChunkLevel reach (7, D = 3 or 2),
+/// and of a whole brick where the next part along the last axis begins.
 template <int D>
 struct PartPlan {
   LatticeBox<D> chunks;   ///< Positions.
@@ -27,7 +28,8 @@ struct PartPlan {
 
 /// Builds a field part by part: what a part needs of others are samples of its border layers and
 /// the coarse samples, what it gives to others are its shares of the coarse nodes (Borgo,
-/// Scopigno, Cignoni, Pascucci (2003), section 4.1.1). The order of parts does not matter.
+/// Scopigno, Cignoni, Pascucci (2003), section 4.1.1). The order of parts does not matter, but one
+/// that follows the part before it along the last axis takes over what both need.
 template <int D>
 class PartBuilder {
  public:
@@ -37,6 +39,8 @@ class PartBuilder {
   /// Takes the memory for parts of up to so many samples an axis, once.
   void reserve(const Index<D>& dims);
   void begin(const PartPlan<D>& plan);
+  /// Of plan.samples those that are to be put: not those of the part before.
+  [[nodiscard]] LatticeBox<D> missing_samples() const;
   /// Samples of a box inside plan.samples (storage type, x fastest).
   void put_samples(const LatticeBox<D>& box, const std::byte* values);
   /// After all samples. brick_done() is called n_bricks() times, by any thread.
@@ -58,6 +62,7 @@ class PartBuilder {
   template <typename C>
   [[nodiscard]] Result<void> find_own_errors(const Progress& progress,
                                              const std::function<void()>& brick_done);
+  void take_over(const PartPlan<D>& plan);
   [[nodiscard]] bool is_in_core(const Index<D>& p) const;
   [[nodiscard]] int n_own_levels() const;
   void give_own_errors();
@@ -69,7 +74,9 @@ class PartBuilder {
   CoarseField<D>& field_;
   Threads threads_;
   PartPlan<D> plan_;
-  Model<D> model_;                                     ///< Levels up to kChunkLevel.
+  bool is_found_ = false;          ///< What is to be found of it.
+  std::int32_t n_taken_over_ = 0;  ///< Layers of bricks along the last axis, of the part before.
+  Model<D> model_;                 ///< Levels up to kChunkLevel.
   std::vector<UninitializedArray<ErrorCode>> coarse_;  ///< Own errors of the next, to kPlanLevel.
   std::vector<ErrorCode> largest_;
 };

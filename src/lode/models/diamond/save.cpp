@@ -14,11 +14,10 @@ Result<void> save(const Model<D>& model, const std::string& path, Threads thread
                   Progress& progress) {
   const Metadata metadata{.info = model.info, .summary = summarize<D>(model)};
   LODE_TRY(auto writer, store::Writer::create(path, model_name<D>(), encode_metadata(metadata)));
-  const Index<D> chunks = chunk_counts<D>(model.shape);
-  const std::size_t n_chunks = n_points<D>(chunks);
+  const std::size_t n_chunks = n_points<D>(chunk_counts<D>(model.shape));
   for (std::size_t i = 0; i <= n_chunks; ++i) {
     const std::vector<BlockGroup<D>> groups =
-        i < n_chunks ? chunk_blocks<D>(model.shape, point_of<D>(chunks, i))
+        i < n_chunks ? chunk_blocks<D>(model.shape, chunk_at<D>(model.shape, i))
                      : coarse_blocks<D>(model.shape);
     LODE_CHECK(append_groups<D>(model, {}, groups, writer, threads, progress));
     progress.report("writing", static_cast<double>(i + 1) / static_cast<double>(n_chunks + 1));

@@ -20,7 +20,7 @@ namespace lode::diamond {
 namespace {
 
 /// Counts up with every change of what a build writes, so that none goes on from another's part.
-constexpr std::uint32_t kPartFormat = 2;
+constexpr std::uint32_t kPartFormat = 3;
 
 /// Hands out boxes of a source's samples in their storage type, a few slices at a time.
 template <int D>
@@ -37,6 +37,7 @@ class BoxReader {
   /// runs the next slab is read.
   template <typename Put>
   Result<void> read(const LatticeBox<D>& box, const Progress& progress, const Put& put) {
+    if (box.lower[as_size(D - 1)] == box.upper[as_size(D - 1)]) return {};
     const VolumeInfo& info = source_.info();
     const std::size_t size = size_of(info.type);
     LatticeBox<D> slab = box;
@@ -233,7 +234,7 @@ class StreamBuild {
   /// The chunks from the next one on, in its row.
   Result<void> build_next_part(store::Writer& writer) {
     const Index<D> n = chunk_dims();
-    LatticeBox<D> chunks{point_of<D>(n, done_.n_chunks), {}};
+    LatticeBox<D> chunks{chunk_at<D>(field_.shape, done_.n_chunks), {}};
     chunks.upper = chunks.lower + all_equal<D>(1);
     chunks.upper[0] = std::min(chunks.lower[0] + chunks_per_part_, n[0]);
     const PartPlan<D> plan = PartPlan<D>::of(field_.shape, chunks);
@@ -252,7 +253,7 @@ class StreamBuild {
   Result<void> build_part(const PartPlan<D>& plan, store::Writer& writer) {
     Stopwatch watch;
     builder_.begin(plan);
-    LODE_CHECK(reader_.read(plan.samples, progress_,
+    LODE_CHECK(reader_.read(builder_.missing_samples(), progress_,
                             [&](const LatticeBox<D>& box, std::span<const std::byte> values) {
                               builder_.put_samples(box, values.data());
                             }));
