@@ -5,6 +5,7 @@
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "bench/report.h"
 #include "bench/volume_cases.h"
 #include "lode/api/dataset.h"
+#include "lode/core/stopwatch.h"
 
 namespace lode::bench {
 namespace {
@@ -90,27 +92,42 @@ Row versus(std::string name, const Timed& ours, std::string peer, const Timed& t
           .note = note};
 }
 
+Row build_row(std::string name, double n_samples, const Seconds& seconds) {
+  return {.name = std::move(name),
+          .ours_s = seconds.median,
+          .peer = {},
+          .peer_s = {},
+          .ours_fastest_s = seconds.fastest,
+          .peer_fastest_s = {},
+          .counts = {{"samples", n_samples}, {"samples_per_s", n_samples / seconds.median}},
+          .note = fmt::format("{:.1f} M samples/s, fastest {:.1f}",
+                              n_samples / seconds.median / 1e6, n_samples / seconds.fastest / 1e6)};
+}
+
+/// The whole build, and the part of it that finds errors and ranges: what comes after the last time
+/// that it said it was reading.
 Result<Dataset> run_build(const VolumeCase& volume_case, const Volume& volume, Table& table) {
-  Progress progress;
+  std::optional<Stopwatch> since_reading;
+  Progress progress([&](std::string_view phase, double, std::uint64_t) {
+    if (phase == "reading") since_reading.emplace();
+  });
+  std::vector<double> attributes;
   const auto source = make_memory_source(volume);
   std::optional<Dataset> dataset;
   const Work work = [&]() -> Result<void> {
     dataset.reset();
     LODE_TRY(dataset, Dataset::build(*source, {.threads = kThreads}, progress));
+    if (since_reading) attributes.push_back(since_reading->seconds());
     return {};
   };
   LODE_TRY(const Seconds seconds, time_runs(volume_case.name, work));
   const auto n_samples = static_cast<double>(volume.info.grid.n_samples());
-  table.add(
-      {.name = "build/" + volume_case.name,
-       .ours_s = seconds.median,
-       .peer = {},
-       .peer_s = {},
-       .ours_fastest_s = seconds.fastest,
-       .peer_fastest_s = {},
-       .counts = {{"samples", n_samples}, {"samples_per_s", n_samples / seconds.median}},
-       .note = fmt::format("{:.1f} M samples/s, fastest {:.1f}", n_samples / seconds.median / 1e6,
-                           n_samples / seconds.fastest / 1e6)});
+  table.add(build_row("build/" + volume_case.name, n_samples, seconds));
+  if (!attributes.empty()) {
+    std::sort(attributes.begin(), attributes.end());
+    table.add(build_row("errors_ranges/" + volume_case.name, n_samples,
+                        {attributes[attributes.size() / 2], attributes.front()}));
+  }
   return std::move(*dataset);
 }
 

@@ -16,6 +16,7 @@ namespace {
 Result<Touched> read_for(const std::string& path, const Query& query) {
   LODE_TRY(const Dataset dataset, Dataset::open(path, {2}));
   Surface surface;
+  SurfaceCollector sink(surface);
   Progress progress;
   LODE_CHECK(extract_focused(dataset, {.query = query, .normals = Normals::off, .threads = {2}},
                              surface, progress));
@@ -38,10 +39,11 @@ Result<Touched> read_for_surface(const std::string& path, double isovalue, doubl
   LODE_TRY(const auto coarse, diamond::load_coarse<3>(reader, metadata, {2}));
   store::BlockCache blocks(reader, std::numeric_limits<std::uint64_t>::max());
   Surface surface;
+  SurfaceCollector sink(surface);
   Progress progress;
   const diamond::IsosurfaceQuery query{
       .isovalue = isovalue, .tolerance = tolerance, .threads = {2}};
-  LODE_CHECK(diamond::extract_from_file<3>(coarse, blocks, query, surface, progress));
+  LODE_CHECK(diamond::extract_from_file<3>(coarse, blocks, query, sink, progress));
   return Touched{reader.reads().n_blocks, reader.reads().n_bytes};
 }
 

@@ -18,26 +18,26 @@ NodeLevel make_level(std::size_t n, Threads threads) {
   return level;
 }
 
-template <int D, typename C>
+template <int D, typename V>
 Result<void> build_attributes_as(Model<D>& model, Threads threads, Progress& progress) {
   model.levels.clear();
   for (int level = 0; level < model.shape.n_levels; ++level)
     model.levels.push_back(make_level(n_points<D>(model.shape.attribute_dims(level)), threads));
   OwnErrors own(model.levels.size());
   for (std::size_t level = 1; level < own.size(); ++level) own[level] = model.levels[level].error;
-  LODE_CHECK((find_own_errors<D, C>(model, own, &model.levels[0], threads, progress)));
+  LODE_CHECK((find_own_errors<D, V>(model, own, &model.levels[0], threads, progress)));
   NestingPass<D, Model<D>>(model, 1, model.shape.n_levels, threads).run();
   round_ranges<D, Model<D>>(model, model.levels, 1, threads);  // level 0's are not stored
   return {};
 }
 
-template <int D, typename C>
+template <int D, typename V>
 void compute_level_0_as(Model<D>& model, Threads threads) {
   model.levels[0] = make_level(n_points<D>(model.shape.attribute_dims(0)), threads);
-  find_leaf_attributes<C>(
+  find_leaf_attributes<V>(
       model, model.n_bricks(), threads,
       [&](std::size_t i) { return point_of<D>(model.brick_dims, i); },
-      [&](const Index<D>& brick, C* values) { gather_values<D>(model, brick, 1, values); });
+      [&](const Index<D>& brick, V* values) { gather_values<D>(model, brick, 1, values); });
 }
 
 template <int D>
@@ -95,16 +95,13 @@ Result<Model<D>> build(VolumeSource& source, const BuildSettings& settings, Prog
 
 template <int D>
 Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progress) {
-  return is_exact_in_float<D>(model) ? build_attributes_as<D, float>(model, threads, progress)
-                                     : build_attributes_as<D, double>(model, threads, progress);
+  return visit_held_type<D>(
+      model, [&]<typename V>() { return build_attributes_as<D, V>(model, threads, progress); });
 }
 
 template <int D>
 void compute_level_0(Model<D>& model, Threads threads) {
-  if (is_exact_in_float<D>(model))
-    compute_level_0_as<D, float>(model, threads);
-  else
-    compute_level_0_as<D, double>(model, threads);
+  visit_held_type<D>(model, [&]<typename V>() { compute_level_0_as<D, V>(model, threads); });
 }
 
 template Result<Model<2>> build<2>(VolumeSource&, const BuildSettings&, Progress&);

@@ -13,19 +13,46 @@ namespace lode::diamond::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 template <typename C>
+using LaneTag = hn::CappedTag<C, kLanesOf<C>>;
+
+/// Where a plan's point is; its places are those in arrays of kLanes values a point.
+template <typename C>
+constexpr std::size_t place_of(std::uint16_t point) {
+  return std::size_t{point} * (kLanesOf<C> / kLanes);
+}
+
+template <typename V>
+V mean_of(LaneTag<Step> /*d*/, V a, V b) {
+  return hn::AverageRound(a, b);  // the sum is even
+}
+template <typename Tag, typename V>
+V mean_of(Tag d, V a, V b) {
+  return hn::Mul(hn::Add(a, b), hn::Set(d, hn::TFromD<Tag>(0.5)));
+}
+
+template <typename C>
 void interpolate(const InterpolantPass& pass, const InterpolantArrays<C>& arrays) {
-  const hn::CappedTag<C, kLanes> d;
+  const LaneTag<C> d;
   const std::size_t step = hn::Lanes(d);
-  const auto half = hn::Set(d, C(0.5));
   for (const std::uint16_t v : pass.vertices)
-    for (std::size_t l = 0; l < kLanes; l += step)
-      hn::Store(hn::Load(d, arrays.vertices + v + l), d, arrays.values + v + l);
-  for (const InterpolantPass::Mean& mean : pass.means)
-    for (std::size_t l = 0; l < kLanes; l += step) {
-      const auto a = hn::Load(d, arrays.values + mean.first + l);
-      const auto b = hn::Load(d, arrays.values + mean.second + l);
-      hn::Store(hn::Mul(hn::Add(a, b), half), d, arrays.values + mean.to + l);
+    for (std::size_t l = 0; l < kLanesOf<C>; l += step) {
+      const std::size_t at = place_of<C>(v) + l;
+      hn::Store(hn::Load(d, arrays.vertices + at), d, arrays.values + at);
     }
+  for (const InterpolantPass::Mean& mean : pass.means)
+    for (std::size_t l = 0; l < kLanesOf<C>; l += step) {
+      const auto a = hn::Load(d, arrays.values + place_of<C>(mean.first) + l);
+      const auto b = hn::Load(d, arrays.values + place_of<C>(mean.second) + l);
+      hn::Store(mean_of(d, a, b), d, arrays.values + place_of<C>(mean.to) + l);
+    }
+}
+
+template <Gaps kGaps, typename V>
+V larger_error(LaneTag<Step> d, V sample, V value, V largest) {
+  auto error = hn::Sub(hn::Max(sample, value), hn::Min(sample, value));
+  if constexpr (kGaps != Gaps::none)
+    error = hn::IfThenZeroElse(hn::Eq(sample, hn::Set(d, kNoSample<Step>)), error);
+  return hn::Max(error, largest);
 }
 
 template <Gaps kGaps, typename Tag, typename V>
@@ -44,16 +71,17 @@ V larger_error(Tag d, V sample, V value, V largest) {
 
 template <Gaps kGaps, typename C>
 void largest_errors(const InterpolantPass& pass, const InterpolantArrays<C>& arrays, C* out) {
-  const hn::CappedTag<C, kLanes> d;
+  const LaneTag<C> d;
   const std::size_t step = hn::Lanes(d);
   const auto raised = [&](std::uint16_t point, std::size_t l, auto largest) {
-    return larger_error<kGaps>(d, hn::Load(d, arrays.samples + point + l),
-                               hn::Load(d, arrays.values + point + l), largest);
+    const std::size_t at = place_of<C>(point) + l;
+    return larger_error<kGaps>(d, hn::Load(d, arrays.samples + at), hn::Load(d, arrays.values + at),
+                               largest);
   };
   for (std::size_t r = 0; r < pass.regions.size(); ++r) {
     const std::uint16_t* point = pass.points.data() + pass.regions[r].begin;
     const std::size_t n = pass.regions[r].end - pass.regions[r].begin;
-    for (std::size_t l = 0; l < kLanes; l += step) {
+    for (std::size_t l = 0; l < kLanesOf<C>; l += step) {
       auto first = hn::Zero(d);  // two chains of maxima: each alone would wait for itself
       auto second = hn::Zero(d);
       std::size_t i = 0;
@@ -62,9 +90,25 @@ void largest_errors(const InterpolantPass& pass, const InterpolantArrays<C>& arr
         second = raised(point[i + 1], l, second);
       }
       if (i < n) first = raised(point[i], l, first);
-      hn::Store(hn::Max(first, second), d, out + r * kLanes + l);
+      hn::Store(hn::Max(first, second), d, out + r * kLanesOf<C> + l);
     }
   }
+}
+
+void widen(const Step* from, std::size_t n_points, float smallest, float size, float* to) {
+  const hn::CappedTag<float, kLanes> d;
+  const hn::RebindToSigned<decltype(d)> wide;
+  const hn::Rebind<Step, decltype(d)> narrow;
+  const auto none = hn::Set(wide, kNoSample<Step>);
+  const auto nan = hn::Set(d, kNoSample<float>);
+  for (std::size_t p = 0; p < n_points; ++p, from += kLanesOf<Step>, to += kLanes)
+    for (std::size_t l = 0; l < kLanes; l += hn::Lanes(d)) {
+      const auto steps = hn::PromoteTo(wide, hn::LoadU(narrow, from + l));
+      // Both are exact.
+      const auto value =
+          hn::Add(hn::Set(d, smallest), hn::Mul(hn::Set(d, size), hn::ConvertTo(d, steps)));
+      hn::Store(hn::IfThenElse(hn::RebindMask(d, hn::Eq(steps, none)), nan, value), d, to + l);
+    }
 }
 
 /// One interpolant of run_linear on one simplex and the lanes from l on: value at the origin and
@@ -147,6 +191,15 @@ void run(const InterpolantPass& pass, const InterpolantArrays<C>& arrays, Gaps g
   }
 }
 
+void run_step(const InterpolantPass& pass, const InterpolantArrays<Step>& arrays, Gaps gaps,
+              Step* out) {
+  interpolate(pass, arrays);
+  if (gaps == Gaps::none)
+    largest_errors<Gaps::none>(pass, arrays, out);
+  else
+    largest_errors<Gaps::beyond_data>(pass, arrays, out);
+}
+
 void run_float(const InterpolantPass& pass, const InterpolantArrays<float>& arrays, Gaps gaps,
                float* out) {
   run(pass, arrays, gaps, out);
@@ -193,12 +246,23 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace lode::diamond {
 
+HWY_EXPORT(widen);
+HWY_EXPORT(run_step);
 HWY_EXPORT(run_float);
 HWY_EXPORT(run_double);
 HWY_EXPORT(run_linear_2_float);
 HWY_EXPORT(run_linear_3_float);
 HWY_EXPORT(run_linear_2_double);
 HWY_EXPORT(run_linear_3_double);
+
+void widen_lanes(const Step* from, std::size_t n_points, float smallest, float size, float* to) {
+  HWY_DYNAMIC_DISPATCH(widen)(from, n_points, smallest, size, to);
+}
+
+void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<Step>& arrays, Gaps gaps,
+                     Step* out) {
+  HWY_DYNAMIC_DISPATCH(run_step)(pass, arrays, gaps, out);
+}
 
 void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<float>& arrays, Gaps gaps,
                      float* out) {

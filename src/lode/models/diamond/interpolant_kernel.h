@@ -6,7 +6,7 @@
 #include <new>
 #include <vector>
 
-#include "lode/models/diamond/cube_plan.h"
+#include "lode/models/diamond/sample_scale.h"
 
 namespace lode::diamond {
 
@@ -36,23 +36,29 @@ enum class Gaps : std::uint8_t {
   holes         ///< Those and holes, where vertices are NaN too.
 };
 
-/// The arrays of one run: for each point of the plan's cube kLanes values, one per cube; 64-byte
-/// aligned.
+/// The arrays of one run: for each point of the plan's cube kLanesOf<C> values, one per cube;
+/// 64-byte aligned.
 template <typename C>
 struct InterpolantArrays {
-  const C* samples;   ///< NaN where a point must not count.
+  const C* samples;   ///< kNoSample where a point must not count.
   const C* vertices;  ///< Values at vertices: samples, extended outside the data.
   C* values;          ///< Scratch: the interpolant.
 };
 
-/// Evaluates one interpolant on kLanes cubes and finds, per region and lane, the largest
-/// |sample - value| (out[region * kLanes + lane], >= 0). With holes, a finite sample whose
-/// interpolant touches a hole makes that infinite. Bound by cache bandwidth: about six
-/// vector accesses a point.
+/// Evaluates one interpolant on kLanesOf<C> cubes and finds, per region and lane, the largest
+/// |sample - value| (out[region * kLanesOf<C> + lane], >= 0). With holes, which steps have not, a
+/// finite sample whose interpolant touches a hole makes that infinite. Bound by cache bandwidth:
+/// about six vector accesses a point.
 void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<float>& arrays, Gaps gaps,
                      float* out);
 void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<double>& arrays,
                      Gaps gaps, double* out);
+void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<Step>& arrays, Gaps gaps,
+                     Step* out);
+
+/// Of n_points points with kLanesOf<Step> values each the first kLanes as floats, kLanes a point:
+/// smallest + size * step, NaN for kNoSample.
+void widen_lanes(const Step* from, std::size_t n_points, float smallest, float size, float* to);
 
 /// Interpolants that are linear on the Kuhn simplices of kLanes cubes, run_linear's input and
 /// output. Always three of them, which share each sample they are compared with.

@@ -39,16 +39,16 @@ std::size_t offset_of(const Index<D>& p, const std::array<std::ptrdiff_t, as_siz
 
 /// Midpoint errors of every sample of the brick; 0 at all-even points, beyond the data, and where
 /// a hole is involved. At step 1 the parity of a point decides its axis.
-template <int D, typename C>
-void find_midpoint_errors(const Model<D>& model, const Index<D>& base, const C* values,
-                          std::vector<C>& out) {
+template <int D, typename V>
+void find_midpoint_errors(const Model<D>& model, const Index<D>& base, const V* values,
+                          std::vector<V>& out) {
   out.resize(kBrickSize<D> + kRowPadding);
   const auto stride = strides<D>(kLeafEdge<D>);
   const Index<D> ones = all_equal<D>(1);
   const std::int32_t n = std::min(kBrickSamples<D>, model.shape.dims[0] - base[0]);
   // Rows in ascending order: what one writes beyond its end, the next one puts right.
   for_each_row<D>(kBrickSamples<D>, [&](const Index<D>& row) {
-    C* const error = out.data() + model.brick_offset(row);
+    V* const error = out.data() + model.brick_offset(row);
     bool is_beyond = false;
     std::ptrdiff_t across = 0;  // from a point to the first axis end, without the x part
     for (std::size_t i = 1; i < as_size(D); ++i) {
@@ -58,15 +58,15 @@ void find_midpoint_errors(const Model<D>& model, const Index<D>& base, const C* 
     const std::int32_t n_real = is_beyond ? 0 : n;
     if (n_real > 0)
       midpoint_errors(values + offset_of<D>(row + ones, stride), across, as_size(n_real), error);
-    std::fill(error + n_real, error + kBrickSamples<D>, C(0));
+    std::fill(error + n_real, error + kBrickSamples<D>, V(0));
   });
 }
 
 /// Makes the error infinite at each finest node (one odd coordinate) round which some cells are
 /// removed and some are not: its simplices are mixed.
-template <int D, typename C>
-void mark_mixed_nodes(const Model<D>& model, const Index<D>& base, const C* values,
-                      std::vector<C>& errors) {
+template <int D, typename V>
+void mark_mixed_nodes(const Model<D>& model, const Index<D>& base, const V* values,
+                      std::vector<V>& errors) {
   enum : std::uint8_t { absent, present, removed };
   const std::int32_t edge = kBrickEdge<D> + 2;  // cells -1 .. kBrickEdge
   const auto stride = strides<D>(kLeafEdge<D>);
@@ -101,20 +101,20 @@ void mark_mixed_nodes(const Model<D>& model, const Index<D>& base, const C* valu
         has[cells[offset_of<D>(q, cell_stride)]] = true;
       }
       if (has[present] && has[removed])
-        errors[model.brick_offset(p)] = std::numeric_limits<C>::infinity();
+        errors[model.brick_offset(p)] = std::numeric_limits<V>::infinity();
     }
   });
 }
 
 /// Errors of one row of cubes of side 2: the largest over their points.
-template <int D, typename C>
-void row_errors(const std::vector<C>& midpoint, const Index<D>& cube, C* out) {
-  std::array<const C*, power(3, D - 1)> rows;
+template <int D, typename V>
+void row_errors(const std::vector<V>& midpoint, const Index<D>& cube, V* out) {
+  std::array<const V*, power(3, D - 1)> rows;
   std::size_t n = 0;
   for_each_row<D>(3, [&](const Index<D>& o) {
     rows[n++] = midpoint.data() + Model<D>::brick_offset(cube * 2 + o);
   });
-  std::array<C, as_size(kBrickSamples<D>) + kRowPadding> largest;
+  std::array<V, as_size(kBrickSamples<D>) + kRowPadding> largest;
   largest_of(rows, as_size(kBrickSamples<D>), largest.data());
   for (std::size_t x = 0; x < as_size(kLeafCubes<D>); ++x)
     out[x] = std::max({largest[2 * x], largest[2 * x + 1], largest[2 * x + 2]});
@@ -159,41 +159,47 @@ RowStencil nested_domain_rows() {
 
 /// Stores a row's attributes, rounded as NodeLevel says. What is computed in float32 is exact
 /// there, and so are its ranges above a reference of 0.
-template <typename C>
+template <int D, typename V>
 struct RowEncoder {
+  SampleScale<D, V> scale;
   double slack;
   double reference;
 
-  [[nodiscard]] ErrorCode error(C e) const {
-    if constexpr (std::is_same_v<C, float>) return encode_error(e);
+  [[nodiscard]] ErrorCode error(V e) const {
+    if constexpr (kIsExact) return encode_error(scale.error(e));
     return encode_error(float_up(static_cast<double>(e) + slack));
   }
-  [[nodiscard]] float low(C v) const {
-    if constexpr (std::is_same_v<C, float>) return v;
+  [[nodiscard]] float low(V v) const {
+    if constexpr (kIsExact) return scale.value(v);
     return range_down(static_cast<double>(v), reference);
   }
-  [[nodiscard]] float high(C v) const {
-    if constexpr (std::is_same_v<C, float>) return v;
+  [[nodiscard]] float high(V v) const {
+    if constexpr (kIsExact) return scale.value(v);
     return range_up(static_cast<double>(v), reference);
   }
+
+ private:
+  static constexpr bool kIsExact = !std::is_same_v<V, double>;
 };
 
 }  // namespace
 
-template <int D, typename C>
-LeafPass<D, C>::LeafPass(const Model<D>& model, double slack, NodeLevel& out)
+template <int D, typename V>
+LeafPass<D, V>::LeafPass(const Model<D>& model, double slack, NodeLevel& out)
     : model_(model), slack_(slack), out_(out) {
   static_assert(as_size(kLeafEdge<D>) <= kMaxRow);
-  if constexpr (std::is_same_v<C, float>) LODE_EXPECTS(slack == 0 && model.range_reference() == 0);
+  if constexpr (!std::is_same_v<V, double>)
+    LODE_EXPECTS(slack == 0 && model.range_reference() == 0);
 }
 
-template <int D, typename C>
-void LeafPass<D, C>::run_brick(const Index<D>& brick, const C* values) {
+template <int D, typename V>
+void LeafPass<D, V>::run_brick(const Index<D>& brick, const V* values) {
   static const RowStencil kStencil = nested_domain_rows<D>();
   const Index<D> base = brick * kBrickEdge<D>;
   find_midpoint_errors<D>(model_, base, values, midpoint_);
-  if (model_.has_holes()) mark_mixed_nodes<D>(model_, base, values, midpoint_);
-  const RowEncoder<C> encoder{slack_, model_.range_reference()};
+  if constexpr (std::is_floating_point_v<V>)
+    if (model_.has_holes()) mark_mixed_nodes<D>(model_, base, values, midpoint_);
+  const RowEncoder<D, V> encoder{SampleScale<D, V>(model_), slack_, model_.range_reference()};
   const auto stride = strides<D>(kLeafEdge<D>);
   const Index<D> dims = model_.shape.attribute_dims(0);
   const std::int32_t first = brick[0] * kLeafCubes<D>;
@@ -205,9 +211,9 @@ void LeafPass<D, C>::run_brick(const Index<D>& brick, const C* values) {
       if (global[i] >= dims[i]) return;
       row += (2 * cube[i] + 2) * stride[i];
     }
-    std::array<C, as_size(kLeafCubes<D>)> error;
-    std::array<C, as_size(kLeafEdge<D>) + kRowPadding> low;
-    std::array<C, as_size(kLeafEdge<D>) + kRowPadding> high;
+    std::array<V, as_size(kLeafCubes<D>)> error;
+    std::array<V, as_size(kLeafEdge<D>) + kRowPadding> low;
+    std::array<V, as_size(kLeafEdge<D>) + kRowPadding> high;
     row_errors<D>(midpoint_, cube, error.data());
     extremes_round(values + row, kStencil, as_size(kLeafEdge<D>), model_.has_holes(), low.data(),
                    high.data());
@@ -221,10 +227,10 @@ void LeafPass<D, C>::run_brick(const Index<D>& brick, const C* values) {
   });
 }
 
-template <int D, typename C>
-void LeafPass<D, C>::run_constant_brick(const Index<D>& brick, C value) {
-  const RowEncoder<C> encoder{slack_, model_.range_reference()};
-  const ErrorCode error = encoder.error(C(0));
+template <int D, typename V>
+void LeafPass<D, V>::run_constant_brick(const Index<D>& brick, V value) {
+  const RowEncoder<D, V> encoder{SampleScale<D, V>(model_), slack_, model_.range_reference()};
+  const ErrorCode error = encoder.error(V(0));
   const float low = encoder.low(value);
   const float high = encoder.high(value);
   const Index<D> dims = model_.shape.attribute_dims(0);
@@ -241,6 +247,8 @@ void LeafPass<D, C>::run_constant_brick(const Index<D>& brick, C value) {
   });
 }
 
+template class LeafPass<2, Step>;
+template class LeafPass<3, Step>;
 template class LeafPass<2, float>;
 template class LeafPass<3, float>;
 template class LeafPass<2, double>;

@@ -6,6 +6,7 @@
 #include "lode/core/parallel.h"
 #include "lode/models/diamond/leaf_rows.h"
 #include "lode/models/diamond/model.h"
+#include "lode/models/diamond/sample_scale.h"
 
 namespace lode::diamond {
 
@@ -22,47 +23,49 @@ inline constexpr std::size_t kLeafValues = power(as_size(kLeafEdge<D>), D) + kRo
 
 /// Finds the nested attributes of the tier-0 nodes of level 0, brick by brick, and stores them in
 /// `out` (the model's level 0). Errors are largest at midpoints of edges, because at this level
-/// every sample is one; `slack` is added to each (0 where C is float, which must hold all values
-/// and range ends exactly). They are infinite where holes meet present cells. One thread.
-template <int D, typename C>
+/// every sample is one; `slack` is added to each (0 where V is not double, which must hold all
+/// values and range ends exactly). They are infinite where holes meet present cells. One thread.
+template <int D, typename V>
 class LeafPass {
  public:
   LeafPass(const Model<D>& model, double slack, NodeLevel& out);
 
   /// `values`: kLeafValues; the brick's samples with a margin of one layer (see gather_values;
   /// holes are NaN).
-  void run_brick(const Index<D>& brick, const C* values);
+  void run_brick(const Index<D>& brick, const V* values);
   /// The same where all of them are equal, and none is a hole.
-  void run_constant_brick(const Index<D>& brick, C value);
+  void run_constant_brick(const Index<D>& brick, V value);
 
  private:
   const Model<D>& model_;
   double slack_;
   NodeLevel& out_;
-  std::vector<C> midpoint_;  ///< Scratch: one error a sample.
+  std::vector<V> midpoint_;  ///< Scratch: one error a sample.
 };
 
 /// Runs the pass over n bricks into the model's level 0: brick_at(i) names them, and
 /// gather(brick, values) gives each one's values.
-template <typename C, int D, typename BrickAt, typename Gather>
+template <typename V, int D, typename BrickAt, typename Gather>
 void find_leaf_attributes(Model<D>& model, std::size_t n, Threads threads, const BrickAt& brick_at,
                           const Gather& gather) {
   struct Worker {
-    LeafPass<D, C> pass;
-    std::vector<C> values;
+    LeafPass<D, V> pass;
+    std::vector<V> values;
   };
   std::vector<std::optional<Worker>> workers(as_size(n_workers(threads)));
   parallel_for(n, threads, 1, [&](std::size_t i, int number) {
     std::optional<Worker>& worker = workers[as_size(number)];
     if (!worker)
       worker.emplace(Worker{{model, rounding_slack<D>(model), model.levels[0]},
-                            std::vector<C>(kLeafValues<D>)});
+                            std::vector<V>(kLeafValues<D>)});
     const Index<D> brick = brick_at(i);
     gather(brick, worker->values.data());
     worker->pass.run_brick(brick, worker->values.data());
   });
 }
 
+extern template class LeafPass<2, Step>;
+extern template class LeafPass<3, Step>;
 extern template class LeafPass<2, float>;
 extern template class LeafPass<3, float>;
 extern template class LeafPass<2, double>;

@@ -8,6 +8,7 @@
 #include <hwy/highway.h>
 
 #include <limits>
+#include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
 namespace lode::diamond::HWY_NAMESPACE {
@@ -18,27 +19,44 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <typename C>
 using RowTag = hn::CappedTag<C, kRowPadding>;
 
+template <typename Tag, typename V>
+V mean_of(Tag d, V a, V b) {
+  if constexpr (std::is_floating_point_v<hn::TFromD<Tag>>)
+    return hn::Mul(hn::Add(a, b), hn::Set(d, hn::TFromD<Tag>(0.5)));
+  else
+    return hn::AverageRound(a, b);
+}
+
+/// |a - b|; 0 where one is NaN.
+template <typename Tag, typename V>
+V difference(Tag d, V a, V b) {
+  if constexpr (std::is_floating_point_v<hn::TFromD<Tag>>) {
+    const auto e = hn::Abs(hn::Sub(a, b));
+    return hn::IfThenElseZero(hn::Ge(e, hn::Zero(d)), e);
+  } else {
+    return hn::Sub(hn::Max(a, b), hn::Min(a, b));
+  }
+}
+
 template <typename C>
 void midpoint_errors(const C* v, std::ptrdiff_t across, std::size_t n, C* error) {
   const RowTag<C> d;
   const hn::RebindToUnsigned<RowTag<C>> du;
   using U = hn::TFromD<decltype(du)>;
-  const auto half = hn::Set(d, C(0.5));
   const C* to_first = v + across;
   const C* to_second = v - across;
   for (std::size_t x = 0; x < n; x += hn::Lanes(d)) {
     const auto number = hn::And(hn::Iota(du, static_cast<U>(x)), hn::Set(du, U{3}));
     const auto is_first = hn::RebindMask(d, hn::Eq(number, hn::Set(du, U{1})));
     const auto is_second = hn::RebindMask(d, hn::Eq(number, hn::Set(du, U{3})));
-    const auto sum_at = [&](std::ptrdiff_t along) {
+    const auto mean_at = [&](std::ptrdiff_t along) {
       const C* a = to_first + static_cast<std::ptrdiff_t>(x) + along;
       const C* b = to_second + static_cast<std::ptrdiff_t>(x) - along;
-      return hn::Add(hn::LoadU(d, a), hn::LoadU(d, b));
+      return mean_of(d, hn::LoadU(d, a), hn::LoadU(d, b));
     };
-    auto sum = hn::IfThenElse(is_first, sum_at(-1), sum_at(0));
-    sum = hn::IfThenElse(is_second, sum_at(1), sum);
-    const auto e = hn::Abs(hn::Sub(hn::LoadU(d, v + x), hn::Mul(sum, half)));
-    hn::StoreU(hn::IfThenElseZero(hn::Ge(e, hn::Zero(d)), e), d, error + x);
+    auto mean = hn::IfThenElse(is_first, mean_at(-1), mean_at(0));
+    mean = hn::IfThenElse(is_second, mean_at(1), mean);
+    hn::StoreU(difference(d, hn::LoadU(d, v + x), mean), d, error + x);
   }
 }
 
@@ -61,8 +79,11 @@ struct Extremes {
 
   /// An initializer in place would be compiled for no target.
   static Extremes none() {
-    const auto infinity = hn::Set(Tag(), std::numeric_limits<C>::infinity());
-    return {infinity, hn::Neg(infinity)};
+    using Limits = std::numeric_limits<C>;
+    if constexpr (Limits::has_infinity)
+      return {hn::Set(Tag(), Limits::infinity()), hn::Set(Tag(), -Limits::infinity())};
+    else
+      return {hn::Set(Tag(), Limits::max()), hn::Set(Tag(), Limits::lowest())};
   }
 
   void join(const C* from_low, const C* from_high) {
@@ -104,10 +125,9 @@ void extremes_round_as(const C* row, const RowStencil& stencil, std::size_t n, C
 template <typename C>
 void extremes_round(const C* row, const RowStencil& stencil, std::size_t n, bool has_nan, C* low,
                     C* high) {
-  if (has_nan)
-    extremes_round_as<true>(row, stencil, n, low, high);
-  else
-    extremes_round_as<false>(row, stencil, n, low, high);
+  if constexpr (std::numeric_limits<C>::has_quiet_NaN)
+    if (has_nan) return extremes_round_as<true>(row, stencil, n, low, high);
+  extremes_round_as<false>(row, stencil, n, low, high);
 }
 
 template <typename C>
@@ -137,6 +157,22 @@ void range_of_float(const float* values, std::size_t n, float& low, float& high)
 void range_of_double(const double* values, std::size_t n, double& low, double& high) {
   range_of(values, n, low, high);
 }
+void range_of_step(const std::uint16_t* values, std::size_t n, std::uint16_t& low,
+                   std::uint16_t& high) {
+  range_of(values, n, low, high);
+}
+void midpoint_errors_step(const std::uint16_t* v, std::ptrdiff_t across, std::size_t n,
+                          std::uint16_t* error) {
+  midpoint_errors(v, across, n, error);
+}
+void largest_of_step(std::span<const std::uint16_t* const> rows, std::size_t n,
+                     std::uint16_t* largest) {
+  largest_of(rows, n, largest);
+}
+void extremes_round_step(const std::uint16_t* row, const RowStencil& stencil, std::size_t n,
+                         bool has_nan, std::uint16_t* low, std::uint16_t* high) {
+  extremes_round(row, stencil, n, has_nan, low, high);
+}
 void midpoint_errors_float(const float* v, std::ptrdiff_t across, std::size_t n, float* error) {
   midpoint_errors(v, across, n, error);
 }
@@ -164,6 +200,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace lode::diamond {
 
+HWY_EXPORT(range_of_step);
+HWY_EXPORT(midpoint_errors_step);
+HWY_EXPORT(largest_of_step);
+HWY_EXPORT(extremes_round_step);
 HWY_EXPORT(range_of_float);
 HWY_EXPORT(range_of_double);
 HWY_EXPORT(midpoint_errors_float);
@@ -173,6 +213,20 @@ HWY_EXPORT(largest_of_double);
 HWY_EXPORT(extremes_round_float);
 HWY_EXPORT(extremes_round_double);
 
+void midpoint_errors(const std::uint16_t* v, std::ptrdiff_t across, std::size_t n,
+                     std::uint16_t* error) {
+  HWY_DYNAMIC_DISPATCH(midpoint_errors_step)(v, across, n, error);
+}
+void largest_of(std::span<const std::uint16_t* const> rows, std::size_t n, std::uint16_t* largest) {
+  HWY_DYNAMIC_DISPATCH(largest_of_step)(rows, n, largest);
+}
+void range_of(const std::uint16_t* values, std::size_t n, std::uint16_t& low, std::uint16_t& high) {
+  HWY_DYNAMIC_DISPATCH(range_of_step)(values, n, low, high);
+}
+void extremes_round(const std::uint16_t* row, const RowStencil& stencil, std::size_t n,
+                    bool has_nan, std::uint16_t* low, std::uint16_t* high) {
+  HWY_DYNAMIC_DISPATCH(extremes_round_step)(row, stencil, n, has_nan, low, high);
+}
 void midpoint_errors(const float* v, std::ptrdiff_t across, std::size_t n, float* error) {
   HWY_DYNAMIC_DISPATCH(midpoint_errors_float)(v, across, n, error);
 }

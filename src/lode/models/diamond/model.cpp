@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "lode/models/diamond/sample_scale.h"
+
 namespace lode::diamond {
 namespace {
 
@@ -263,13 +265,13 @@ Result<void> check_magnitude(const FieldStats& stats) {
   return {};
 }
 
-template <int D, typename C>
-void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin, C* out) {
+template <int D, typename V>
+void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin, V* out) {
   const Index<D> base = b * kBrickEdge<D>;
   const bool mark_holes = model.has_holes();
+  const SampleScale<D, V> scale(model);
   const auto converted = [&](auto v) {
-    return mark_holes && model.is_hole(static_cast<double>(v)) ? std::numeric_limits<C>::quiet_NaN()
-                                                               : static_cast<C>(v);
+    return mark_holes && model.is_hole(static_cast<double>(v)) ? kNoSample<V> : scale.held(v);
   };
   Index<D> lower;
   Index<D> upper;
@@ -299,7 +301,7 @@ void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin
       if (mark_holes)
         for (std::int32_t x = 0; x < kBrickSamples<D>; ++x) out[x] = converted(row[x]);
       else
-        for (std::int32_t x = 0; x < kBrickSamples<D>; ++x) out[x] = static_cast<C>(row[x]);
+        for (std::int32_t x = 0; x < kBrickSamples<D>; ++x) out[x] = scale.held(row[x]);
       out += kBrickSamples<D>;
       for (std::int32_t x = 1; x <= margin; ++x)
         *out++ = converted(row[b[0] + 1 < model.brick_dims[0] ? kToNext + x : kBrickEdge<D>]);
@@ -315,6 +317,8 @@ template void fill_beyond_data<2>(Model<2>&, Threads);
 template void fill_beyond_data<3>(Model<3>&, Threads);
 template void finish_samples<2>(Model<2>&, Threads);
 template void finish_samples<3>(Model<3>&, Threads);
+template void gather_values<2, Step>(const Model<2>&, const Index<2>&, std::int32_t, Step*);
+template void gather_values<3, Step>(const Model<3>&, const Index<3>&, std::int32_t, Step*);
 template void gather_values<2, float>(const Model<2>&, const Index<2>&, std::int32_t, float*);
 template void gather_values<3, float>(const Model<3>&, const Index<3>&, std::int32_t, float*);
 template void gather_values<2, double>(const Model<2>&, const Index<2>&, std::int32_t, double*);

@@ -166,9 +166,10 @@ void finish_samples(Model<D>& model, Threads threads);
 [[nodiscard]] Result<void> check_magnitude(const FieldStats& stats);
 
 /// Copies the samples of brick `b` with `margin` layers round them, clamped to the data, into
-/// `out` ((kBrickSamples + 2·margin)^D values, x fastest), holes as NaN. margin <= kBrickEdge.
-template <int D, typename C>
-void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin, C* out);
+/// `out` ((kBrickSamples + 2·margin)^D values, x fastest), holes as NaN; V is float, double, or
+/// Step (see SampleScale) where there are none. margin <= kBrickEdge.
+template <int D, typename V>
+void gather_values(const Model<D>& model, const Index<D>& b, std::int32_t margin, V* out);
 
 /// What rounding may have hidden from a computed error: F' is a chain of at most 64 means or sums,
 /// each rounded once. Nothing where all values are integers with room for the weights.

@@ -138,10 +138,9 @@ template <int D>
 Result<void> PartBuilder<D>::find_attributes(const Progress& progress,
                                              const std::function<void()>& brick_done) {
   fill_beyond_data<D>(model_, threads_);
-  if (is_exact_in_float<D>(field_))
-    LODE_CHECK(find_own_errors<float>(progress, brick_done));
-  else
-    LODE_CHECK(find_own_errors<double>(progress, brick_done));
+  const auto found = visit_held_type<D>(
+      field_, [&]<typename V>() { return find_own_errors<V>(progress, brick_done); });
+  if (!found) return found.error();
   give_own_errors();
   const int n_levels = static_cast<int>(model_.levels.size());
   NestingPass<D, Model<D>>(model_, 1, n_levels, threads_).run();
@@ -153,7 +152,7 @@ Result<void> PartBuilder<D>::find_attributes(const Progress& progress,
 }
 
 template <int D>
-template <typename C>
+template <typename V>
 Result<void> PartBuilder<D>::find_own_errors(const Progress& progress,
                                              const std::function<void()>& brick_done) {
   ErrorTask<D, CoarseField<D>> task{
@@ -163,7 +162,7 @@ Result<void> PartBuilder<D>::find_own_errors(const Progress& progress,
     task.own[level] = level < as_size(kKeptLevel) ? std::span(model_.levels[level].error)
                                                   : std::span(coarse_[level - kKeptLevel]);
   for (NodeLevel& nodes : field_.levels) task.coarse.emplace_back(nodes.error);
-  return diamond::find_own_errors<C>(task, threads_, progress, brick_done);
+  return diamond::find_own_errors<V>(task, threads_, progress, brick_done);
 }
 
 /// Of nodes that the field has kept: other parts may have larger ones.

@@ -59,7 +59,7 @@ class PartBuilder {
   [[nodiscard]] double base_error() const { return model_.base_error(); }
 
  private:
-  template <typename C>
+  template <typename V>
   [[nodiscard]] Result<void> find_own_errors(const Progress& progress,
                                              const std::function<void()>& brick_done);
   void take_over(const PartPlan<D>& plan);
