@@ -1,6 +1,8 @@
 // Surfaces from a file, chunk by chunk, are those from memory.
 #include "lode/models/diamond/file_extract.h"
 
+#include <functional>
+
 #include "tests/models/stored_fixtures.h"
 
 namespace lode::diamond {
@@ -95,6 +97,78 @@ INSTANTIATE_TEST_SUITE_P(cases, file_extract,
                                            ExtractCase{{{60, 530, 40}}, ScalarType::int16, 0.25},
                                            ExtractCase{{{7, 9, 260}}, ScalarType::float64, 1},
                                            ExtractCase{{{2100, 500, 1}}, ScalarType::uint8, 3}));
+
+/// Which samples are holes.
+using IsHole = std::function<bool(const Index3&)>;
+
+Volume with_holes(Volume volume, const IsHole& is_hole) {
+  const Index3& dims = volume.info.grid.dims;
+  const bool is_integer = !is_floating(volume.info.type);
+  if (is_integer) volume.info.nodata = 3;
+  visit_scalar_type(volume.info.type, [&]<typename T>() {
+    auto samples = oracles::typed_samples<T>(volume);
+    std::size_t at = 0;
+    for (int z = 0; z < dims[2]; ++z)
+      for (int y = 0; y < dims[1]; ++y)
+        for (int x = 0; x < dims[0]; ++x, ++at)
+          if (is_hole(Index3{{x, y, z}}))
+            samples[at] = is_integer ? T(3) : std::numeric_limits<T>::quiet_NaN();
+  });
+  return volume;
+}
+
+struct HolesCase {
+  std::string name;
+  Index3 dims;
+  ScalarType type = ScalarType::uint8;
+  double tolerance = 0;
+  IsHole is_hole;
+
+  friend void PrintTo(const HolesCase& c, std::ostream* out) { *out << c.name; }
+};
+
+class file_extract_holes : public ::testing::TestWithParam<HolesCase> {};
+
+TEST_P(file_extract_holes, give_the_surface_of_the_model_in_memory) {
+  const HolesCase& c = GetParam();
+  const Volume volume = with_holes(hilly(c.dims, c.type), c.is_hole);
+  if (std::min({c.dims[0], c.dims[1], c.dims[2]}) == 1)
+    expect_same_surface<2>(volume, c.tolerance, 0);
+  else
+    expect_same_surface<3>(volume, c.tolerance, std::uint64_t{64} << 20);
+}
+
+/// Few, at random.
+bool is_random(const Index3& p) {
+  std::uint32_t h = static_cast<std::uint32_t>(p[0] * 73856093 ^ p[1] * 19349663 ^ p[2] * 83492791);
+  h ^= h >> 13;
+  h *= 0x5bd1e995U;
+  return (h >> 15) % 3000 == 0;
+}
+/// All that no coarser level has, in half of the field: coarse samples look as if nothing were
+/// removed.
+bool is_fine_grid(const Index3& p) {
+  return p[0] < 150 && (p[0] & 1) != 0 && (p[1] & 1) != 0 && (p[2] & 1) != 0;
+}
+bool is_outside(const Index3& p) {
+  const int x = p[0] - 140;
+  const int y = p[1] - 130;
+  return x * x + y * y > 120 * 120;
+}
+bool is_in_slab(const Index3& p) { return p[2] >= 255 && p[2] <= 257 && p[0] != 20; }
+
+INSTANTIATE_TEST_SUITE_P(
+    cases, file_extract_holes,
+    ::testing::Values(
+        HolesCase{"random", {{290, 70, 60}}, ScalarType::float32, 4, is_random},
+        HolesCase{"random_uint8", {{60, 270, 65}}, ScalarType::uint8, 2, is_random},
+        HolesCase{"random_full", {{40, 45, 50}}, ScalarType::float32, 0.01, is_random},
+        HolesCase{"fine_grid", {{300, 129, 70}}, ScalarType::uint8, 30, is_fine_grid},
+        HolesCase{"fine_grid_coarse", {{300, 280, 129}}, ScalarType::float32, 60, is_fine_grid},
+        HolesCase{"outside", {{290, 270, 50}}, ScalarType::int16, 8, is_outside},
+        HolesCase{"slab_at_a_chunk", {{60, 70, 300}}, ScalarType::uint8, 3, is_in_slab},
+        HolesCase{"flat", {{2100, 400, 1}}, ScalarType::float32, 3, is_random}),
+    [](const auto& test) { return test.param.name; });
 
 TEST(file_extract_blocks, that_the_surface_does_not_need_are_not_read) {
   // A ball in a corner: most chunks have no surface.

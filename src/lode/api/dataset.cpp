@@ -133,8 +133,8 @@ Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions&
                                                    progress);
             },
             [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
-        return finish_surface({field.info.grid, false, false, field.value({})}, options, surface,
-                              report);
+        return finish_surface({field.info.grid, field.has_holes(), false, field.value({})}, options,
+                              surface, report);
       },
       chunks.field);
 }
@@ -158,9 +158,11 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   return {};
 }
 
-/// Whether no edit needs to see all of the surface.
-bool is_edited_by_piece(const ExtractOptions& options) {
-  return !options.clip && options.border == Border::open && options.min_component <= 1;
+/// Whether no edit needs to see all of the surface. Beside holes vertices may be pinched, which
+/// only all triangles round them tell.
+bool is_edited_by_piece(const Dataset::Impl& impl, const ExtractOptions& options) {
+  return !options.clip && options.border == Border::open && options.min_component <= 1 &&
+         impl.summary().stats.n_holes == 0;
 }
 
 template <int D>
@@ -333,10 +335,14 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   LODE_TRY(plan.chunks, impl.chunks(limit));
   // At full resolution all in memory is faster, and numbers vertices in another order.
   if (plan.report.max_error == 0 && !is_too_large) plan.chunks = nullptr;
-  if (plan.chunks == nullptr && options.memory_limit > 0 && is_too_large && impl.is_in_file() &&
-      impl.summary().stats.n_holes > 0)
-    return fail("expected a memory limit of at least {} MB for a field with holes, got {} MB",
-                impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+  // Whether holes open the border is asked of all its samples.
+  const bool asks_all = options.border == Border::closed && impl.summary().stats.n_holes > 0;
+  if (asks_all) plan.chunks = nullptr;
+  if (asks_all && options.memory_limit > 0 && is_too_large && impl.is_in_file())
+    return fail(
+        "expected a memory limit of at least {} MB to close the surface of a field with holes, got "
+        "{} MB",
+        impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
   return plan;
 }
 
@@ -364,7 +370,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
 
 Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options) const try {
   LODE_TRY(const ExtractPlan plan, plan_extraction(*impl_, options));
-  return plan.chunks != nullptr && is_edited_by_piece(options);
+  return plan.chunks != nullptr && is_edited_by_piece(*impl_, options);
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the surface");
 }
@@ -374,7 +380,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSin
   const Stopwatch watch;
   LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
   ExtractReport& report = plan.report;
-  if (plan.chunks != nullptr && is_edited_by_piece(options)) {
+  if (plan.chunks != nullptr && is_edited_by_piece(*impl_, options)) {
     const store::ReadCounts before = impl_->reads();
     LODE_CHECK(stream_chunks(*plan.chunks, options, surface, report, progress));
     add_reads(before, *impl_, report);

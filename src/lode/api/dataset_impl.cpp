@@ -60,8 +60,7 @@ std::uint64_t Dataset::Impl::model_bytes() const {
 
 Result<Dataset::Impl::Chunks*> Dataset::Impl::chunks(std::uint64_t memory_limit) const {
   const auto n_levels = static_cast<int>(summary().max_errors.size());
-  if (is_in_memory_ || summary().stats.n_holes > 0 || n_levels <= diamond::kKeptLevel)
-    return nullptr;
+  if (is_in_memory_ || n_levels <= diamond::kKeptLevel) return nullptr;
   const std::lock_guard lock(chunks_mutex_);
   if (!chunks_) {
     const std::uint64_t cache_bytes = memory_limit / 8;

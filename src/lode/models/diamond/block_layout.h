@@ -147,6 +147,32 @@ void for_each_row(const Region<D>& r, const F& body) {
   }
 }
 
+/// How many points of the region for_each_row goes through before q, one of them.
+template <int D>
+std::size_t place_in(const Region<D>& r, const Index<D>& q) {
+  const auto n_even = [](std::int32_t lower, std::int32_t upper) {
+    return as_size((upper + 1) / 2 - (lower + 1) / 2);
+  };
+  const std::size_t width = as_size(r.upper[0] - r.lower[0]);
+  std::size_t n_rows = 0;                   // before q's
+  std::size_t n_thinned = 0;                // of them, with points of a coarser level
+  std::size_t all = 1;                      // rows of the axes before
+  std::size_t even = 1;                     // of them, those with even coordinates
+  bool is_thinned = !r.has_coarser_points;  // q's own row
+  for (std::size_t a = 1; a < as_size(D); ++a) {
+    n_rows += as_size(q[a] - r.lower[a]) * all;
+    n_thinned = n_even(r.lower[a], q[a]) * even + ((q[a] & 1) == 0 ? n_thinned : 0);
+    all *= as_size(r.upper[a] - r.lower[a]);
+    even *= n_even(r.lower[a], r.upper[a]);
+    is_thinned = is_thinned && (q[a] & 1) == 0;
+  }
+  if (r.has_coarser_points) n_thinned = 0;
+  const std::size_t left_out = n_thinned * n_even(r.lower[0], r.upper[0]);
+  const std::size_t in_row =
+      as_size(q[0] - r.lower[0]) - (is_thinned ? n_even(r.lower[0], q[0]) : 0);
+  return n_rows * width - left_out + in_row;
+}
+
 /// How many of a row's n points (see for_each_row) lie in the data: the first ones, or none.
 template <int D>
 std::int32_t count_inside(const Shape<D>& shape, int level, const Index<D>& q, std::int32_t n,

@@ -7,6 +7,7 @@
 #include "lode/models/diamond/brick_isosurface.h"
 #include "lode/models/diamond/brick_work.h"
 #include "lode/models/diamond/normals.h"
+#include "lode/models/diamond/stored_samples.h"
 
 namespace lode::diamond {
 namespace {
@@ -46,13 +47,14 @@ class FileExtraction {
         frame_(LatticeFrame::of(field.info.grid)),
         selection_(field, query.isovalue, query.tolerance),
         brick_dims_(brick_counts<D>(field.shape)),
+        stored_(field, blocks),
         part_(field, blocks, query.threads),
         stitcher_(frame_, surface.n_vertices(), query.threads),
         surface_(surface) {}
 
   Result<IsosurfaceReport> run(Progress& progress) {
     const Stopwatch watch;
-    if (field_.shape.has_cells()) CoarseTraversal<D, CoarseField<D>>(selection_, cut_).run();
+    if (field_.shape.has_cells()) LODE_CHECK(find_coarse_cut());
     work_ = work_of(cut_);
     parts_of_bricks_ = PartsOfBricks<D>(field_.axes, brick_dims_, work_);
     stats_ = cut_.stats;
@@ -85,6 +87,17 @@ class FileExtraction {
     BrickTraversal<D> traversal;
     BrickIsosurface<D> mapper;
   };
+
+  Result<void> find_coarse_cut() {
+    Error failed;
+    CoarseTraversal<D, CoarseField<D>>(selection_, cut_, [&](const Simplex<D>& s) {
+      const Result<bool> is_removed = stored_.is_removed(s);
+      if (!is_removed && failed.message.empty()) failed = is_removed.error();
+      return is_removed && *is_removed;
+    }).run();
+    if (!failed.message.empty()) return failed;
+    return {};
+  }
 
   [[nodiscard]] Index<D> brick_of(std::size_t work) const {
     return point_of<D>(brick_dims_, work_[work].brick);
@@ -125,11 +138,20 @@ class FileExtraction {
     return parts;
   }
 
-  /// Whether a brick has nodes of level kKeptLevel that are refined: only then finer ones matter.
+  /// Whether finer nodes of a brick matter: nodes of level kKeptLevel are refined. Where there are
+  /// holes, fine samples tell what is removed of any that the surface may cross.
   [[nodiscard]] bool is_fine(const Index<D>& brick) const {
     if (!field_.is_needed()) return true;
-    const Index<D> dims = field_.shape.grid_dims(kKeptLevel);
-    const std::int32_t n = kBrickEdge<D> >> kKeptLevel;
+    const int n_levels = std::min(field_.shape.n_levels, kBrickLevel<D> + 1);
+    const int end = field_.has_holes() ? n_levels : kKeptLevel + 1;
+    for (int level = kKeptLevel; level < end; ++level)
+      if (has_fine_node(brick, level)) return true;
+    return false;
+  }
+
+  [[nodiscard]] bool has_fine_node(const Index<D>& brick, int level) const {
+    const Index<D> dims = field_.shape.grid_dims(level);
+    const std::int32_t n = kBrickEdge<D> >> level;
     const Index<D> edges = all_equal<D>(n + 1);
     for (std::size_t i = 0; i < n_points<D>(edges); ++i) {
       const Index<D> q = brick * n + point_of<D>(edges, i);
@@ -141,9 +163,9 @@ class FileExtraction {
       }
       if (odd == 0 || !exists) continue;
       const std::size_t at = linear_index<D>(dims, q);
-      if (!selection_.is_active(kKeptLevel, at)) continue;
-      if (selection_.exceeds_tolerance(selection_.error(kKeptLevel, at)) ||
-          field_.shape.reaches_across(q * (1 << kKeptLevel), kKeptLevel))
+      if (!selection_.is_active(level, at)) continue;
+      if (field_.has_holes() || selection_.exceeds_tolerance(selection_.error(level, at)) ||
+          field_.shape.reaches_across(q * (std::int32_t{1} << level), level))
         return true;
     }
     return false;
@@ -233,6 +255,7 @@ class FileExtraction {
   LatticeFrame frame_;
   Selection<D, CoarseField<D>> selection_;
   Index<D> brick_dims_;
+  StoredSamples<D> stored_;
   FilePart<D> part_;
   CoarseCut<D> cut_;
   std::vector<BrickWork<D>> work_;
@@ -251,7 +274,6 @@ template <int D>
 Result<IsosurfaceReport> extract_from_file(const CoarseField<D>& field, store::BlockCache& blocks,
                                            const IsosurfaceQuery& query, SurfaceSink& surface,
                                            Progress& progress) {
-  LODE_EXPECTS(!field.has_holes());
   return FileExtraction<D>(field, blocks, query, surface).run(progress);
 }
 

@@ -326,6 +326,33 @@ void FilePart<D>::fill_brick(const Index<D>& local) {
   }
 }
 
+/// Fills the bricks beside those that are wanted too, which have samples of them as far as kMargin
+/// goes, and marks those that have holes: what cells are removed at a brick's border depends on
+/// both sides.
+template <int D>
+void FilePart<D>::find_holes(std::span<const Index<D>> bricks) {
+  std::vector<std::uint8_t> is_near(model_.n_bricks(), 0);
+  for (const Index<D>& brick : bricks)
+    for (std::size_t code = 0; code < power(3, D); ++code) {
+      const Index<D> b = to_local(brick) + point_of<D>(all_equal<D>(3), code) - all_equal<D>(1);
+      bool exists = true;
+      for (std::size_t i = 0; i < as_size(D); ++i)
+        exists = exists && b[i] >= 0 && b[i] < model_.brick_dims[i];
+      if (exists) is_near[linear_index<D>(model_.brick_dims, b)] = 1;
+    }
+  parallel_for(is_near.size(), threads_, 1, [&](std::size_t i, int) {
+    if (is_near[i] == 0) return;
+    fill_brick(point_of<D>(model_.brick_dims, i));
+    model_.brick_holes[i] = visit_storage_type(field_.storage, [&]<typename T>() {
+      const T* samples = reinterpret_cast<const T*>(model_.brick(i));
+      const bool has_hole = std::any_of(samples, samples + kBrickSize<D>, [&](T sample) {
+        return field_.is_hole(static_cast<double>(sample));
+      });
+      return static_cast<std::uint8_t>(has_hole ? 1 : 0);
+    });
+  });
+}
+
 /// A brick's samples with one layer round them, as gather_values() gives them.
 template <int D>
 template <typename C>
@@ -333,14 +360,18 @@ void FilePart<D>::gather(const Index<D>& local, C* out) const {
   const Index<D> base = local * kBrickEdge<D> - all_equal<D>(1);
   Index<D> rows = all_equal<D>(kLeafEdge<D>);
   rows[0] = 1;
+  const bool has_holes = field_.has_holes();
   visit_storage_type(field_.storage, [&]<typename T>() {
     const T* samples = reinterpret_cast<const T*>(flat_.samples.data());
     for (std::size_t r = 0; r < n_points<D>(rows); ++r) {
       Index<D> p = flat_.clamped(base + point_of<D>(rows, r));
       p[0] = 0;
       const T* row = samples + linear_index<D>(plan_.dims, p);
-      for (std::int32_t x = 0; x < kLeafEdge<D>; ++x)
-        *out++ = static_cast<C>(row[std::clamp(base[0] + x, 0, plan_.dims[0] - 1)]);
+      for (std::int32_t x = 0; x < kLeafEdge<D>; ++x) {
+        const T sample = row[std::clamp(base[0] + x, 0, plan_.dims[0] - 1)];
+        const bool is_hole = has_holes && field_.is_hole(static_cast<double>(sample));
+        *out++ = is_hole ? kNoSample<C> : static_cast<C>(sample);
+      }
     }
   });
 }
@@ -370,6 +401,7 @@ Result<void> FilePart<D>::load(const Index<D>& chunk, std::span<const Index<D>> 
   for (const auto& bricks : {fine, coarse})
     parallel_for(bricks.size(), threads_, 1,
                  [&](std::size_t i, int) { fill_brick(to_local(bricks[i])); });
+  if (field_.has_holes()) find_holes(fine);
   if (is_exact_in_float<D>(field_))
     find_leaf_attributes<float>(fine);
   else

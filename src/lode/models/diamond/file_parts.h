@@ -43,7 +43,7 @@ struct FlatField : LatticeField<D, FlatField<D>> {
   }
 };
 
-/// A chunk of a file's field, without holes, with what extracting from some of its bricks takes.
+/// A chunk of a file's field, with what extracting from some of its bricks takes.
 template <int D>
 class FilePart {
  public:
@@ -88,6 +88,7 @@ class FilePart {
   [[nodiscard]] Result<void> read_attributes(int level, std::span<const Index<D>> bricks);
   [[nodiscard]] Index<D> to_local(const Index<D>& brick) const;
   void fill_brick(const Index<D>& local);
+  void find_holes(std::span<const Index<D>> bricks);
   template <typename C>
   void find_leaf_attributes(std::span<const Index<D>> bricks);
   template <typename C>
