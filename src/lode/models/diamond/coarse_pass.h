@@ -29,7 +29,7 @@ class CoarsePass {
   [[nodiscard]] int n_levels() const { return field_.shape.n_levels; }
 
   /// Whether samples from `low` to `high` in a cube of the hierarchy, smaller than the level's, may
-  /// raise an error of the level above what is known by now. Without holes.
+  /// raise an error of the level above what is known by now.
   [[nodiscard]] bool can_raise(int level, const CanonicalCube<D>& cube, C low, C high) {
     const CanonicalCube<D> coarse = coarse_cube(cube, level);
     const bool has_one_node = is_in_one_node(coarse, cube);
@@ -38,7 +38,8 @@ class CoarsePass {
       std::array<C, power(2, D)> bounds;
       for (std::size_t corner = 0; corner < bounds.size(); ++corner) {
         const C value = corner_value(coarse, cube, corner, tier);
-        bounds[corner] = std::max({C{0}, high - value, value - low});
+        bounds[corner] = std::isnan(value) ? std::numeric_limits<C>::infinity()
+                                           : std::max({C{0}, high - value, value - low});
       }
       const auto& kuhn = CubePlan<D>::instance().kuhn;
       if (has_one_node) {

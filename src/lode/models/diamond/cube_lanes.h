@@ -29,8 +29,7 @@ class CubeLanes {
   /// Of bricks first, first + 1, .. in x, each with its kLeafValues (null: there is none).
   using Values = std::array<const V*, kBricksOf<D, V>>;
 
-  CubeLanes(const Shape<D>& shape, const Part<D>& part, bool has_holes)
-      : shape_(shape), part_(part), has_holes_(has_holes) {}
+  CubeLanes(const Shape<D>& shape, const Part<D>& part) : shape_(shape), part_(part) {}
 
   /// Which of the bricks a lane's cube lies in, and which of the brick's cubes it is.
   static std::size_t brick_of(std::size_t batch, std::size_t lane) {
@@ -44,7 +43,7 @@ class CubeLanes {
   }
 
   /// Fills the lanes with a batch of cubes; false when none of them meets the data.
-  bool gather(const Index<D>& first, const Values& values, std::size_t batch) {
+  bool gather(const Index<D>& first, const Values& values, std::size_t batch, bool has_holes) {
     bool is_any = false;
     bool is_whole = true;
     for (std::size_t l = 0; l < kWidth; ++l) {
@@ -69,7 +68,7 @@ class CubeLanes {
     copy_rows(values, batch);
     samples_ = vertices_.data();
     if (!is_whole) mask_beyond_data();
-    gaps_ = has_holes_ ? Gaps::holes : is_whole ? Gaps::none : Gaps::beyond_data;
+    gaps_ = has_holes ? Gaps::holes : is_whole ? Gaps::none : Gaps::beyond_data;
     return true;
   }
 
@@ -163,7 +162,6 @@ class CubeLanes {
 
   const Shape<D>& shape_;
   const Part<D>& part_;
-  bool has_holes_;
   std::array<Cubes, kGroups> cubes_;
   std::array<Used, kGroups> is_used_{};
   AlignedVector<V> vertices_, masked_;

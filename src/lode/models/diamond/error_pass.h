@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -44,7 +45,7 @@ class ErrorPass {
         scale_(model_),
         slack_(rounding_slack<D>(model_)),
         coarse_(task.field, slack_, task.coarse),
-        lanes_(model_.shape, part_, model_.has_holes()) {
+        lanes_(model_.shape, part_) {
     if (task.leaf != nullptr) leaf_.emplace(model_, slack_, *task.leaf);
     for (BrickState& brick : bricks_) brick.values.resize(kLeafValues<D>);
   }
@@ -62,7 +63,7 @@ class ErrorPass {
       open(brick);
       if (own_.size() == 1 || layer < n_known_layers_) continue;
       begin_errors(brick);
-      is_needed = is_needed || !brick.is_constant || !brick.levels.empty();
+      is_needed = is_needed || !brick.is_uniform || !brick.levels.empty();
     }
     if (is_needed) find_errors(first);
   }
@@ -70,9 +71,10 @@ class ErrorPass {
  private:
   struct BrickState {
     Index<D> position;
-    std::vector<V> values;     ///< Its samples with one layer round them.
-    bool is_constant = false;  ///< All of them are equal.
-    C low = 0;                 ///< Of them, where there are no holes,
+    std::vector<V> values;  ///< Its samples with one layer round them.
+    bool has_holes = false;
+    bool is_uniform = false;  ///< All of them are equal, or holes.
+    C low = 0;                ///< Of them, where there are no holes,
     C high = 0;
     std::vector<int> levels;  ///< of coarse nodes that these can raise.
     BrickErrors<D, C> errors;
@@ -81,21 +83,24 @@ class ErrorPass {
   /// Gathers a brick's samples and finds level 0's attributes.
   void open(BrickState& brick) {
     gather_values<D>(model_, brick.position, 1, brick.values.data());
-    V low;
-    V high;
-    range_of(brick.values.data(), power(as_size(kLeafEdge<D>), D), low, high);
-    brick.is_constant = low == high && !model_.has_holes() && is_whole(brick.position);
+    const std::size_t n_values = power(as_size(kLeafEdge<D>), D);
+    const std::size_t n_holes = model_.has_holes() ? count_holes<D>(brick.values.data()) : 0;
+    V low = std::numeric_limits<V>::infinity();  // steps are never holes
+    V high = static_cast<V>(-low);
+    if (n_holes == 0) range_of(brick.values.data(), n_values, low, high);
+    brick.has_holes = n_holes > 0;
+    brick.is_uniform = (low == high || n_holes == n_values) && is_whole(brick.position);
     brick.low = scale_.value(low);
     brick.high = scale_.value(high);
-    if (leaf_ && brick.is_constant)
-      leaf_->run_constant_brick(brick.position, low);
+    if (leaf_ && brick.is_uniform)
+      leaf_->run_uniform_brick(brick.position, low, high);
     else if (leaf_)
-      leaf_->run_brick(brick.position, brick.values.data());
+      leaf_->run_brick(brick.position, brick.values.data(), brick.has_holes);
   }
 
   void begin_errors(BrickState& brick) {
     find_levels(brick);
-    if (!brick.is_constant) return brick.errors.clear();
+    if (!brick.is_uniform) return brick.errors.clear();
     brick.errors.clear_to_zero();
     brick.errors.merge(model_.shape, brick.position, slack_, own_);
   }
@@ -103,15 +108,17 @@ class ErrorPass {
   void find_errors(const Index<D>& first) {
     typename CubeLanes<D, V>::Values values{};
     for (std::size_t i = 0; i < n_bricks_; ++i) values[i] = bricks_[i].values.data();
+    bool has_holes = false;
+    for (std::size_t i = 0; i < n_bricks_; ++i) has_holes = has_holes || bricks_[i].has_holes;
     for (std::size_t batch = 0; batch < CubeLanes<D, V>::kBatches; ++batch) {
-      if (!lanes_.gather(first, values, batch)) continue;
+      if (!lanes_.gather(first, values, batch, has_holes)) continue;
       node_errors(batch);
       lanes_.keep_shares();
       for (std::size_t group = 0; group < CubeLanes<D, V>::kGroups; ++group)
         coarse_errors(batch, group);
     }
     for (std::size_t i = 0; i < n_bricks_; ++i)
-      if (!bricks_[i].is_constant)
+      if (!bricks_[i].is_uniform)
         bricks_[i].errors.merge(model_.shape, bricks_[i].position, slack_, own_);
   }
 
@@ -128,12 +135,15 @@ class ErrorPass {
   /// The coarse levels whose errors the brick's samples may raise.
   void find_levels(BrickState& brick) {
     brick.levels.clear();
+    if (brick.is_uniform && brick.has_holes) return;
+    constexpr C kInfinity = std::numeric_limits<C>::infinity();
+    const C low = brick.has_holes ? -kInfinity : brick.low;
+    const C high = brick.has_holes ? kInfinity : brick.high;
     const CanonicalCube<D> cube(brick.position * kBrickEdge<D> + part_.origin, kBrickEdge<D>);
     for (int level = kPlanLevel<D> + 1; level < coarse_.n_levels(); ++level) {
       // In a cube as large as the brick F' is not linear on the brick's simplices.
       const bool is_inside = std::int32_t{2} << level > kBrickEdge<D>;
-      if (model_.has_holes() || !is_inside || coarse_.can_raise(level, cube, brick.low, brick.high))
-        brick.levels.push_back(level);
+      if (!is_inside || coarse_.can_raise(level, cube, low, high)) brick.levels.push_back(level);
     }
   }
 
@@ -161,8 +171,8 @@ class ErrorPass {
     for (std::size_t l = 0; l < kLanesOf<V>; ++l) {
       if (!lanes_.is_used(l)) continue;
       BrickState& brick = bricks_[CubeLanes<D, V>::brick_of(batch, l)];
-      if (!brick.is_constant) to[l] = &brick.errors;
-      is_any = is_any || !brick.is_constant;
+      if (!brick.is_uniform) to[l] = &brick.errors;
+      is_any = is_any || !brick.is_uniform;
     }
     if (!is_any) return;
     scratch_.resize(kPlanPoints<D> * kLanesOf<V>);
@@ -188,8 +198,10 @@ class ErrorPass {
     if (brick.levels.empty() || std::find(is_used.begin(), is_used.end(), true) == is_used.end())
       return;
     const C* samples = lane_values(group);
+    // Vertices of coarse cubes may be holes where the brick has none.
+    const Gaps gaps = model_.has_holes() ? Gaps::holes : lanes_.gaps();
     for (const int level : brick.levels)
-      coarse_.run(level, lanes_.cubes(group), is_used, samples, lanes_.gaps());
+      coarse_.run(level, lanes_.cubes(group), is_used, samples, gaps);
   }
 
   /// Their samples, kLanes a point.

@@ -1,6 +1,8 @@
 #include "lode/models/diamond/field_scan.h"
 
+#include <limits>
 #include <numeric>
+#include <optional>
 
 namespace lode::diamond {
 namespace {
@@ -31,20 +33,43 @@ bool all_finite(const T* values, std::size_t n) {
   return n_finite == n;
 }
 
-/// Marks the holes with 1, all other samples with 0.
-template <typename T, typename IsHole>
-SliceStats stats_of(const T* values, std::size_t n, const IsHole& is_hole, std::uint8_t* holes) {
-  SliceStats stats;
+/// The value that means a hole, as a sample; none where no sample is that.
+template <typename T>
+std::optional<T> nodata_as(const std::optional<double>& nodata) {
+  if (!nodata) return {};
+  if (!(*nodata >= static_cast<double>(std::numeric_limits<T>::lowest()) &&
+        *nodata <= static_cast<double>(std::numeric_limits<T>::max())))
+    return {};
+  const T value = static_cast<T>(*nodata);
+  if (static_cast<double>(value) != *nodata) return {};
+  return value;
+}
+
+/// Marks the holes with 1, all other samples with 0. Without branches, so that the loops are
+/// vectorised.
+template <typename T>
+SliceStats stats_of(const T* values, std::size_t n, const std::optional<T>& nodata,
+                    std::uint8_t* holes) {
+  const bool has_nodata = nodata.has_value();
+  const T hole = nodata.value_or(T(0));
+  std::size_t n_holes = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const auto value = static_cast<double>(values[i]);
-    holes[i] = is_hole(value) ? 1 : 0;
-    if (holes[i] != 0) {
-      ++stats.n_holes;
-      continue;
-    }
-    stats.min = value < stats.min ? value : stats.min;
-    stats.max = value > stats.max ? value : stats.max;
+    bool is_hole = has_nodata & (values[i] == hole);
+    if constexpr (!std::is_integral_v<T>) is_hole |= !(values[i] - values[i] == T(0));
+    holes[i] = is_hole ? 1 : 0;
+    n_holes += is_hole ? 1 : 0;
   }
+  SliceStats stats;
+  stats.n_holes = n_holes;
+  if (n_holes == n) return stats;
+  T low = std::numeric_limits<T>::max();
+  T high = std::numeric_limits<T>::lowest();
+  for (std::size_t i = 0; i < n; ++i) {
+    low = holes[i] == 0 && values[i] < low ? values[i] : low;
+    high = holes[i] == 0 && values[i] > high ? values[i] : high;
+  }
+  stats.min = static_cast<double>(low);
+  stats.max = static_cast<double>(high);
   return stats;
 }
 
@@ -75,8 +100,7 @@ void FieldScan<D>::put(std::int32_t begin, std::int32_t end, const std::byte* va
         if (holes != nullptr) std::fill_n(holes, slice_size_, std::uint8_t{0});
         return;
       }
-      const auto is_hole = [&](double value) { return field_.is_hole(value); };
-      stats[slice] = stats_of(first, slice_size_, is_hole, holes);
+      stats[slice] = stats_of(first, slice_size_, nodata_as<T>(field_.info.nodata), holes);
     });
   });
   for (const SliceStats& s : stats) {
@@ -104,19 +128,19 @@ void FieldScan<D>::put(std::int32_t begin, std::int32_t end, const std::byte* va
 template <int D>
 std::uint64_t FieldScan<D>::count_removed(const std::uint8_t* slice,
                                           const std::uint8_t* next) const {
-  Index<D> cells = slice_dims_;
-  for (std::size_t i = 0; i < as_size(D - 1); ++i) cells[i] -= 1;
+  const auto width = as_size(slice_dims_[0]);
+  const std::size_t n_rows = slice_size_ / width;  // of cells, one less where there are several
+  const std::size_t above = D == 3 ? width : 0;
+  std::vector<std::uint8_t> touched(width);
   std::uint64_t n = 0;
-  for (std::size_t i = 0; i < n_points<D>(cells); ++i) {
-    const Index<D> cell = point_of<D>(cells, i);
-    bool is_removed = false;
-    for (int corner = 0; corner < (1 << (D - 1)); ++corner) {
-      Index<D> p = cell;
-      for (int axis = 0; axis < D - 1; ++axis) p[as_size(axis)] += (corner >> axis) & 1;
-      const std::size_t at = linear_index<D>(slice_dims_, p);
-      is_removed = is_removed || slice[at] != 0 || next[at] != 0;
-    }
-    n += is_removed ? 1 : 0;
+  for (std::size_t row = 0; row + (D == 3 ? 1 : 0) < n_rows; ++row) {
+    const std::size_t first = row * width;
+    for (std::size_t x = 0; x < width; ++x)
+      touched[x] =
+          slice[first + x] | slice[first + above + x] | next[first + x] | next[first + above + x];
+    std::size_t n_here = 0;
+    for (std::size_t x = 0; x + 1 < width; ++x) n_here += touched[x] | touched[x + 1];
+    n += n_here;
   }
   return n;
 }

@@ -62,47 +62,66 @@ void find_midpoint_errors(const Model<D>& model, const Index<D>& base, const V* 
   });
 }
 
+/// out[x] = the bits of all 2^D points from p + (x, 0, ..) on, each of which has its bits in a cube
+/// of edge `edge`; n of them, and one more is written.
+template <int D>
+void join_bits(const std::vector<std::uint8_t>& bits, std::int32_t edge, const Index<D>& p,
+               std::size_t n, std::uint8_t* out) {
+  const auto stride = strides<D>(edge);
+  const std::uint8_t* const first = bits.data() + offset_of<D>(p, stride);
+  std::copy_n(first, n + 1, out);
+  for (std::size_t corner = 1; corner < power(2, D - 1); ++corner) {
+    const std::uint8_t* row = first;
+    for (std::size_t i = 1; i < as_size(D); ++i)
+      if ((corner >> (i - 1) & 1U) != 0) row += stride[i];
+    for (std::size_t x = 0; x <= n; ++x) out[x] |= row[x];
+  }
+  for (std::size_t x = 0; x < n; ++x) out[x] |= out[x + 1];
+}
+
+/// Bits of unit cells; none: beyond the data.
+constexpr std::uint8_t kPresent = 1;
+constexpr std::uint8_t kRemoved = 2;
+
+/// What holes do to the cells of a brick and one layer round it.
+template <int D, typename V>
+std::vector<std::uint8_t> find_cells(const Model<D>& model, const Index<D>& base, const V* values) {
+  constexpr std::int32_t kCells = kLeafEdge<D> - 1;
+  std::vector<std::uint8_t> holes(n_points<D>(all_equal<D>(kLeafEdge<D>)));
+  for (std::size_t i = 0; i < holes.size(); ++i) holes[i] = std::isnan(values[i]) ? 1 : 0;
+  std::vector<std::uint8_t> cells(n_points<D>(all_equal<D>(kCells)));
+  std::array<std::uint8_t, as_size(kLeafEdge<D>)> is_removed;
+  // Cell x lies at base - 1 + x.
+  const std::int32_t begin = std::max(0, 1 - base[0]);
+  const std::int32_t end = std::min(kCells, model.shape.dims[0] - base[0]);
+  for_each_row<D>(kCells, [&](const Index<D>& p) {
+    for (std::size_t i = 1; i < as_size(D); ++i) {
+      const std::int32_t lower = base[i] + p[i] - 1;
+      if (lower < 0 || lower >= model.shape.dims[i] - 1) return;
+    }
+    join_bits<D>(holes, kLeafEdge<D>, p, as_size(kCells), is_removed.data());
+    std::uint8_t* row = cells.data() + offset_of<D>(p, strides<D>(kCells));
+    for (std::int32_t x = begin; x < end; ++x)
+      row[x] = is_removed[as_size(x)] != 0 ? kRemoved : kPresent;
+  });
+  return cells;
+}
+
 /// Makes the error infinite at each finest node (one odd coordinate) round which some cells are
 /// removed and some are not: its simplices are mixed.
 template <int D, typename V>
 void mark_mixed_nodes(const Model<D>& model, const Index<D>& base, const V* values,
                       std::vector<V>& errors) {
-  enum : std::uint8_t { absent, present, removed };
-  const std::int32_t edge = kBrickEdge<D> + 2;  // cells -1 .. kBrickEdge
-  const auto stride = strides<D>(kLeafEdge<D>);
-  const auto cell_stride = strides<D>(edge);
-  std::vector<std::uint8_t> cells(n_points<D>(all_equal<D>(edge)), absent);
-  for_each_row<D>(edge, [&](Index<D> p) {
-    for (; p[0] < edge; ++p[0]) {
-      bool is_real = true;
-      for (std::size_t i = 0; i < as_size(D); ++i) {
-        const std::int32_t lower = base[i] + p[i] - 1;
-        is_real = is_real && lower >= 0 && lower < model.shape.dims[i] - 1;
-      }
-      if (!is_real) continue;
-      bool is_removed = false;
-      for (int corner = 0; corner < (1 << D); ++corner) {
-        Index<D> q = p;
-        for (int i = 0; i < D; ++i) q[as_size(i)] += (corner >> i) & 1;
-        is_removed = is_removed || std::isnan(values[offset_of<D>(q, stride)]);
-      }
-      cells[offset_of<D>(p, cell_stride)] = is_removed ? removed : present;
-    }
-  });
-  for_each_row<D>(kBrickSamples<D>, [&](Index<D> p) {
-    for (; p[0] < kBrickSamples<D>; ++p[0]) {
-      int n_odd = 0;
-      for (std::size_t i = 0; i < as_size(D); ++i) n_odd += p[i] & 1;
-      if (n_odd != 1) continue;
-      bool has[3] = {false, false, false};
-      for (int corner = 0; corner < (1 << D); ++corner) {
-        Index<D> q = p;  // cell lowest corner p - 1 + bit, stored at + 1
-        for (int i = 0; i < D; ++i) q[as_size(i)] += (corner >> i) & 1;
-        has[cells[offset_of<D>(q, cell_stride)]] = true;
-      }
-      if (has[present] && has[removed])
-        errors[model.brick_offset(p)] = std::numeric_limits<V>::infinity();
-    }
+  const std::vector<std::uint8_t> cells = find_cells<D>(model, base, values);
+  std::array<std::uint8_t, as_size(kBrickSamples<D>) + 1> round;
+  for_each_row<D>(kBrickSamples<D>, [&](const Index<D>& p) {
+    std::int32_t n_odd = 0;
+    for (std::size_t i = 1; i < as_size(D); ++i) n_odd += p[i] & 1;
+    if (n_odd > 1) return;
+    join_bits<D>(cells, kLeafEdge<D> - 1, p, as_size(kBrickSamples<D>), round.data());
+    V* const error = errors.data() + model.brick_offset(p);
+    for (std::size_t x = n_odd == 0 ? 1 : 0; x < as_size(kBrickSamples<D>); x += 2)
+      if (round[x] == (kPresent | kRemoved)) error[x] = std::numeric_limits<V>::infinity();
   });
 }
 
@@ -193,12 +212,12 @@ LeafPass<D, V>::LeafPass(const Model<D>& model, double slack, NodeLevel& out)
 }
 
 template <int D, typename V>
-void LeafPass<D, V>::run_brick(const Index<D>& brick, const V* values) {
+void LeafPass<D, V>::run_brick(const Index<D>& brick, const V* values, bool has_holes) {
   static const RowStencil kStencil = nested_domain_rows<D>();
   const Index<D> base = brick * kBrickEdge<D>;
   find_midpoint_errors<D>(model_, base, values, midpoint_);
   if constexpr (std::is_floating_point_v<V>)
-    if (model_.has_holes()) mark_mixed_nodes<D>(model_, base, values, midpoint_);
+    if (has_holes) mark_mixed_nodes<D>(model_, base, values, midpoint_);
   const RowEncoder<D, V> encoder{SampleScale<D, V>(model_), slack_, model_.range_reference()};
   const auto stride = strides<D>(kLeafEdge<D>);
   const Index<D> dims = model_.shape.attribute_dims(0);
@@ -215,7 +234,7 @@ void LeafPass<D, V>::run_brick(const Index<D>& brick, const V* values) {
     std::array<V, as_size(kLeafEdge<D>) + kRowPadding> low;
     std::array<V, as_size(kLeafEdge<D>) + kRowPadding> high;
     row_errors<D>(midpoint_, cube, error.data());
-    extremes_round(values + row, kStencil, as_size(kLeafEdge<D>), model_.has_holes(), low.data(),
+    extremes_round(values + row, kStencil, as_size(kLeafEdge<D>), has_holes, low.data(),
                    high.data());
     const std::size_t at = linear_index<D>(dims, global);
     for (std::size_t x = 0; x < n; ++x) {
@@ -228,11 +247,11 @@ void LeafPass<D, V>::run_brick(const Index<D>& brick, const V* values) {
 }
 
 template <int D, typename V>
-void LeafPass<D, V>::run_constant_brick(const Index<D>& brick, V value) {
+void LeafPass<D, V>::run_uniform_brick(const Index<D>& brick, V lowest, V highest) {
   const RowEncoder<D, V> encoder{SampleScale<D, V>(model_), slack_, model_.range_reference()};
   const ErrorCode error = encoder.error(V(0));
-  const float low = encoder.low(value);
-  const float high = encoder.high(value);
+  const float low = encoder.low(lowest);
+  const float high = encoder.high(highest);
   const Index<D> dims = model_.shape.attribute_dims(0);
   const std::int32_t first = brick[0] * kLeafCubes<D>;
   const auto n = static_cast<std::size_t>(std::clamp(dims[0] - first, 0, kLeafCubes<D>));

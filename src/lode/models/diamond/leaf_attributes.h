@@ -32,9 +32,9 @@ class LeafPass {
 
   /// `values`: kLeafValues; the brick's samples with a margin of one layer (see gather_values;
   /// holes are NaN).
-  void run_brick(const Index<D>& brick, const V* values);
-  /// The same where all of them are equal, and none is a hole.
-  void run_constant_brick(const Index<D>& brick, V value);
+  void run_brick(const Index<D>& brick, const V* values, bool has_holes);
+  /// The same where all samples are equal, or all holes (lowest > highest), also in the margin.
+  void run_uniform_brick(const Index<D>& brick, V lowest, V highest);
 
  private:
   const Model<D>& model_;
@@ -42,6 +42,15 @@ class LeafPass {
   NodeLevel& out_;
   std::vector<V> midpoint_;  ///< Scratch: one error a sample.
 };
+
+/// How many of a brick's values and those round it are holes.
+template <int D, typename V>
+[[nodiscard]] std::size_t count_holes(const V* values) {
+  if constexpr (!std::is_floating_point_v<V>) return 0;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < power(as_size(kLeafEdge<D>), D); ++i) n += values[i] != values[i];
+  return n;
+}
 
 /// Runs the pass over n bricks into the model's level 0: brick_at(i) names them, and
 /// gather(brick, values) gives each one's values.
@@ -60,7 +69,9 @@ void find_leaf_attributes(Model<D>& model, std::size_t n, Threads threads, const
                             std::vector<V>(kLeafValues<D>)});
     const Index<D> brick = brick_at(i);
     gather(brick, worker->values.data());
-    worker->pass.run_brick(brick, worker->values.data());
+    const V* values = worker->values.data();
+    const bool has_holes = model.has_holes() && count_holes<D>(values) > 0;
+    worker->pass.run_brick(brick, values, has_holes);
   });
 }
 
