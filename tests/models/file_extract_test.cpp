@@ -2,7 +2,10 @@
 #include "lode/models/diamond/file_extract.h"
 
 #include <functional>
+#include <map>
+#include <set>
 
+#include "lode/mappers/surface_edits.h"
 #include "tests/models/stored_fixtures.h"
 
 namespace lode::diamond {
@@ -138,13 +141,15 @@ TEST_P(file_extract_holes, give_the_surface_of_the_model_in_memory) {
     expect_same_surface<3>(volume, c.tolerance, std::uint64_t{64} << 20);
 }
 
-/// Few, at random.
-bool is_random(const Index3& p) {
+/// One in n, at random.
+bool is_random(const Index3& p, std::uint32_t n) {
   std::uint32_t h = static_cast<std::uint32_t>(p[0] * 73856093 ^ p[1] * 19349663 ^ p[2] * 83492791);
   h ^= h >> 13;
   h *= 0x5bd1e995U;
-  return (h >> 15) % 3000 == 0;
+  return (h >> 8) % n == 0;
 }
+bool is_rare(const Index3& p) { return is_random(p, 3000); }
+bool is_frequent(const Index3& p) { return is_random(p, 30); }
 /// All that no coarser level has, in half of the field: coarse samples look as if nothing were
 /// removed.
 bool is_fine_grid(const Index3& p) {
@@ -157,17 +162,51 @@ bool is_outside(const Index3& p) {
 }
 bool is_in_slab(const Index3& p) { return p[2] >= 255 && p[2] <= 257 && p[0] != 20; }
 
+TEST(file_extract_twins, are_where_holes_would_pinch_the_surface) {
+  // Slabs of two chunks: edges on their common border have twins too.
+  const Volume volume = with_holes(hilly({{280, 60, 50}}, ScalarType::float32), is_frequent);
+  const Model<3> model = test::built<3>(volume);
+  for (const double tolerance : {0.0, 0.5, 20.0}) {
+    Surface surface;
+    Progress progress;
+    ASSERT_TRUE(extract_isosurface<3>(model, {.isovalue = 120.3, .tolerance = tolerance}, surface,
+                                      progress));
+    std::set<std::array<float, 3>> places;
+    for (const Vec3f& p : surface.positions) places.insert(p.v);
+    const std::size_t n_vertices = surface.positions.size();
+    EXPECT_GT(n_vertices, places.size() + 100) << tolerance;
+    split_pinched_vertices(surface);
+    EXPECT_EQ(surface.positions.size(), n_vertices) << tolerance;
+    // Nor are there more than that takes: welded again, as many must be split.
+    std::map<std::array<float, 3>, std::uint32_t> first;
+    std::vector<std::uint32_t> welded(n_vertices);
+    Surface again;
+    for (std::uint32_t v = 0; v < n_vertices; ++v) {
+      const auto [at, is_new] = first.emplace(surface.positions[v].v, again.positions.size());
+      if (is_new) again.positions.push_back(surface.positions[v]);
+      welded[v] = at->second;
+    }
+    for (auto triangle : surface.triangles) {
+      for (std::uint32_t& v : triangle) v = welded[v];
+      again.triangles.push_back(triangle);
+    }
+    split_pinched_vertices(again);
+    EXPECT_EQ(again.positions.size(), n_vertices) << tolerance;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     cases, file_extract_holes,
     ::testing::Values(
-        HolesCase{"random", {{290, 70, 60}}, ScalarType::float32, 4, is_random},
-        HolesCase{"random_uint8", {{60, 270, 65}}, ScalarType::uint8, 2, is_random},
-        HolesCase{"random_full", {{40, 45, 50}}, ScalarType::float32, 0.01, is_random},
+        HolesCase{"random", {{290, 70, 60}}, ScalarType::float32, 4, is_rare},
+        HolesCase{"random_uint8", {{60, 270, 65}}, ScalarType::uint8, 2, is_rare},
+        HolesCase{"random_full", {{40, 45, 50}}, ScalarType::float32, 0.01, is_rare},
         HolesCase{"fine_grid", {{300, 129, 70}}, ScalarType::uint8, 30, is_fine_grid},
         HolesCase{"fine_grid_coarse", {{300, 280, 129}}, ScalarType::float32, 60, is_fine_grid},
+        HolesCase{"frequent", {{280, 60, 50}}, ScalarType::float32, 3, is_frequent},
         HolesCase{"outside", {{290, 270, 50}}, ScalarType::int16, 8, is_outside},
         HolesCase{"slab_at_a_chunk", {{60, 70, 300}}, ScalarType::uint8, 3, is_in_slab},
-        HolesCase{"flat", {{2100, 400, 1}}, ScalarType::float32, 3, is_random}),
+        HolesCase{"flat", {{2100, 400, 1}}, ScalarType::float32, 3, is_rare}),
     [](const auto& test) { return test.param.name; });
 
 TEST(file_extract_blocks, that_the_surface_does_not_need_are_not_read) {

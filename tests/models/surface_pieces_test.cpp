@@ -96,6 +96,19 @@ TEST(surface_pieces, make_the_contour_lines_of_an_image) {
   expect_same_bytes(lode, {".ply", {120.5}}, 2);
 }
 
+TEST(surface_pieces, make_the_file_of_a_surface_between_holes) {
+  const TestPath path("holes.lode");
+  Volume volume = wavy({{270, 40, 36}});
+  volume.info.nodata = 7;
+  oracles::Random random(11);
+  for (std::uint8_t& sample : oracles::typed_samples<std::uint8_t>(volume))
+    if (random.below(40) == 0) sample = 7;
+  const std::string lode = stored(path, volume);
+  expect_same_bytes(lode, {".ply", {120.5}}, 3);
+  expect_same_bytes(lode, {".vtp", {120.5, 90.25}, Orientation::from_higher_values}, 3);
+  expect_same_bytes(lode, {".stl", {120.5}}, 30);
+}
+
 TEST(surface_pieces, have_normals_everywhere) {
   const TestPath path("checkered.lode");
   const std::string lode = stored(path, wavy({{40, 24, 262}}));

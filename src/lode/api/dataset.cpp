@@ -36,7 +36,6 @@ double tolerance_of(const diamond::FieldStats& stats, const ExtractOptions& opti
 /// What the edits after an extraction ask of a field.
 struct FieldFacts {
   const RegularGrid& grid;
-  bool has_holes = false;
   bool has_removed_border_cell = false;
   double first_sample = 0;
 };
@@ -88,7 +87,6 @@ Result<void> close_surface(const FieldFacts& field, const ExtractOptions& option
 Result<void> finish_surface(const FieldFacts& field, const ExtractOptions& options,
                             Surface& surface, ExtractReport& report) {
   const Stopwatch watch;
-  if (field.has_holes) split_pinched_vertices(surface);
   if (options.border == Border::closed) LODE_CHECK(close_surface(field, options, surface, report));
   const Dropped dropped = finish_edits(options, surface);
   report.components_dropped = dropped.components;
@@ -113,8 +111,8 @@ Result<void> extract_in_memory(const Dataset::Impl::AnyModel& held, const Extrac
             [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
         const bool closes = options.border == Border::closed;
         return finish_surface(
-            {model.info.grid, model.has_holes(),
-             closes && model.has_holes() && model.has_removed_border_cell(), model.value({})},
+            {model.info.grid, closes && model.has_holes() && model.has_removed_border_cell(),
+             model.value({})},
             options, surface, report);
       },
       held);
@@ -133,8 +131,7 @@ Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions&
                                                    progress);
             },
             [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
-        return finish_surface({field.info.grid, field.has_holes(), false, field.value({})}, options,
-                              surface, report);
+        return finish_surface({field.info.grid, false, field.value({})}, options, surface, report);
       },
       chunks.field);
 }
@@ -158,11 +155,9 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   return {};
 }
 
-/// Whether no edit needs to see all of the surface. Beside holes vertices may be pinched, which
-/// only all triangles round them tell.
-bool is_edited_by_piece(const Dataset::Impl& impl, const ExtractOptions& options) {
-  return !options.clip && options.border == Border::open && options.min_component <= 1 &&
-         impl.summary().stats.n_holes == 0;
+/// Whether no edit needs to see all of the surface.
+bool is_edited_by_piece(const ExtractOptions& options) {
+  return !options.clip && options.border == Border::open && options.min_component <= 1;
 }
 
 template <int D>
@@ -370,7 +365,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
 
 Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options) const try {
   LODE_TRY(const ExtractPlan plan, plan_extraction(*impl_, options));
-  return plan.chunks != nullptr && is_edited_by_piece(*impl_, options);
+  return plan.chunks != nullptr && is_edited_by_piece(options);
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the surface");
 }
@@ -380,7 +375,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSin
   const Stopwatch watch;
   LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
   ExtractReport& report = plan.report;
-  if (plan.chunks != nullptr && is_edited_by_piece(*impl_, options)) {
+  if (plan.chunks != nullptr && is_edited_by_piece(options)) {
     const store::ReadCounts before = impl_->reads();
     LODE_CHECK(stream_chunks(*plan.chunks, options, surface, report, progress));
     add_reads(before, *impl_, report);

@@ -14,7 +14,7 @@ namespace lode {
 
 /// Where a vertex of an isosurface comes from: the point at parameter t of a lattice edge.
 struct EdgePoint {
-  LatticeKey first = 0;  ///< The end with the smaller key.
+  LatticeKey first = 0;  ///< The end with the smaller key; marked kTwin where it is one.
   LatticeKey second = 0;
   double t = 0;
 
@@ -49,15 +49,16 @@ struct IsoPart {
   double largest_snap = 0;  ///< The same over vertices that the margin moved.
 
   /// Adds the vertex where the field, linear along the edge p – q from a to b, is the isovalue; its
-  /// parameter is kept within [margin, 1 - margin].
+  /// parameter is kept within [margin, 1 - margin]. twin: kTwin or 0.
   std::uint32_t add_point(LatticeKey p, double a, LatticeKey q, double b, double isovalue,
-                          double margin) {
+                          double margin, LatticeKey twin = 0) {
     EdgePoint point = crossing(p, a, q, b, isovalue);
     const double step = std::abs(b - a);
     const double kept = std::clamp(point.t, margin, 1 - margin);
     largest_step = std::max(largest_step, step);
     if (kept != point.t) largest_snap = std::max(largest_snap, step);
     point.t = kept;
+    point.first |= twin;
     points.push_back(point);
     return static_cast<std::uint32_t>(points.size() - 1);
   }

@@ -8,6 +8,7 @@
 
 #include "lode/models/diamond/error_code.h"
 #include "lode/models/diamond/model.h"
+#include "lode/models/diamond/pinch.h"
 
 namespace lode::diamond {
 
@@ -132,6 +133,16 @@ class BrickSamples {
     simplex.tag = tag;
     for (std::size_t i = 0; i <= as_size(D); ++i) simplex.v[i] = global(s.corner[i].packed);
     return model_.is_removed(simplex);
+  }
+
+  /// Whether holes leave two arcs of simplices round the edge between two corners of one.
+  [[nodiscard]] bool is_pinched(const BrickPoint& a, const BrickPoint& b) const {
+    if constexpr (D == 3)
+      return is_near_hole_ && diamond::is_pinched(model_.shape, global(a.packed), global(b.packed),
+                                                  [this](const Index<3>& cell) {
+                                                    return model_.is_removed_cell(cell);
+                                                  });
+    return false;
   }
 
   /// Whether all samples of a simplex that is bisected at a node of level 0 and tier >= 1 (its

@@ -68,6 +68,10 @@ class BrickTraversal {
 
   /// A corner's lattice coordinates.
   [[nodiscard]] Index<D> global(std::uint32_t packed) const { return samples_.global(packed); }
+  /// See BrickSamples.
+  [[nodiscard]] bool is_pinched(const BrickPoint& a, const BrickPoint& b) const {
+    return samples_.is_pinched(a, b);
+  }
 
  private:
   static constexpr int kManyFineNodes = 2000;
