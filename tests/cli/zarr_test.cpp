@@ -82,6 +82,62 @@ TEST_F(cli_zarr, builds_the_same_bytes_as_from_the_same_samples_in_nrrd) {
   EXPECT_EQ(verified.exit_code, 0) << verified.err;
 }
 
+constexpr int kLargeSize = 640;
+constexpr int kLargeWidth = 8;
+
+/// Samples of few bytes once they are compressed.
+std::string large_chunk(int chunk, int cy, int cz) {
+  std::string bytes;
+  for (int z = cz * chunk; z < (cz + 1) * chunk; ++z)
+    for (int y = cy * chunk; y < (cy + 1) * chunk; ++y)
+      for (int x = 0; x < kLargeWidth; ++x)
+        bytes += static_cast<char>((x + y * y / 64 + z * z / 64) / 16);
+  return bytes;
+}
+
+/// An array of nine parts, three each along y and z, in chunks of the array's width.
+void write_large_array(const std::string& path, int chunk) {
+  std::filesystem::create_directory(path);
+  write_bytes(
+      path + "/.zarray",
+      fmt::format(R"({{"zarr_format": 2, "shape": [{0}, {0}, {1}], "chunks": [{2}, {2}, {1}],
+                  "dtype": "|u1", "compressor": null, "filters": null, "fill_value": 0,
+                  "order": "C"}})",
+                  kLargeSize, kLargeWidth, chunk));
+  for (int z = 0; z * chunk < kLargeSize; ++z)
+    for (int y = 0; y * chunk < kLargeSize; ++y)
+      write_bytes(fmt::format("{}/{}.{}.0", path, z, y), large_chunk(chunk, y, z));
+}
+
+std::uint64_t bytes_in(const std::string& directory) {
+  std::uint64_t n = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) n += entry.file_size();
+  return n;
+}
+
+TEST_F(cli_zarr, moves_few_bytes_in_several_parts_whatever_the_chunks) {
+  std::string expected;
+  for (const int chunk : {64, 100, 128, 256}) {
+    const std::string path = scratch_ / fmt::format("{}.zarr", chunk);
+    write_large_array(path, chunk);
+    const Finished built = run_lode({"build", path, scratch_ / "large.lode", "--json", "--quiet"});
+    ASSERT_EQ(built.exit_code, 0) << built.err;
+    const nlohmann::json report = built.json();
+    EXPECT_EQ(report.at("parts"), 9);
+    const auto n_output = report.at("file_bytes").get<std::uint64_t>();
+    const std::uint64_t n_journal = n_output / 50;
+    const nlohmann::json& io = report.at("io");
+    const auto n_moved = io.at("file_bytes_read").get<std::uint64_t>() +
+                         io.at("spool_bytes_written").get<std::uint64_t>() +
+                         io.at("spool_bytes_read").get<std::uint64_t>() + n_output + n_journal;
+    const auto n_least = static_cast<double>(bytes_in(path) + n_output);
+    EXPECT_LE(static_cast<double>(n_moved), 2.3 * n_least) << chunk;
+    const std::string bytes = read_bytes(scratch_ / "large.lode");
+    if (expected.empty()) expected = bytes;
+    EXPECT_TRUE(bytes == expected) << chunk;
+  }
+}
+
 TEST_F(cli_zarr, describes_an_image_and_an_array_inside_it) {
   const nlohmann::json info = run_lode({"info", image(), "--json"}).json();
   EXPECT_EQ(info.at("format"), "OME-Zarr 0.4, Zarr v2, raw");

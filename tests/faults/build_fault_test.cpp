@@ -1,9 +1,11 @@
 // Building and saving while calls fail: a whole file or the old one, and parts that go on.
+#include <filesystem>
 #include <fstream>
 
 #include "lode/api/files.h"
 #include "tests/faults/fault_scratch.h"
 #include "tests/faults/fault_storm.h"
+#include "tests/io/unit_source.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/synthetic_volumes.h"
 
@@ -117,6 +119,30 @@ TEST_F(fault_build, in_parts_goes_on_from_where_it_stopped) {
   FileBuildOptions resuming = options;
   resuming.unfinished = Unfinished::resume;
   operation.run_again = file_build(*source, scratch, resuming, expected).run;
+  expect_survives_all(operation);
+}
+
+/// Two chunks along y, so that border layers of the units between them are spooled.
+TEST_F(fault_build, with_spooled_border_layers_ends_in_an_error_or_the_file) {
+  const Volume volume = oracles::noise({{16, 280, 16}}, {.type = ScalarType::float64});
+  io::test::UnitSource source(volume, {{16, 128, 16}});
+  const std::string expected = built_bytes(volume);
+  const FaultScratch scratch("out.lode");
+  {
+    Progress progress;
+    const auto built = build_file(source, scratch.output(), {}, progress);
+    ASSERT_TRUE(built);
+    EXPECT_GT(built->io.n_spool_bytes_written, 0U);  // more than fits its buffer
+    EXPECT_GT(built->io.n_spool_bytes_read, 0U);
+  }
+  const std::string directory = std::filesystem::path(scratch.output()).parent_path().string();
+  const FileBuildOptions options{.threads = {1}, .unfinished = Unfinished::part};
+  Operation operation = file_build(source, scratch, options, expected);
+  operation.files.push_back(directory);  // the spool has no name
+  allow_leftovers(operation, scratch);
+  FileBuildOptions resuming = options;
+  resuming.unfinished = Unfinished::resume;
+  operation.run_again = file_build(source, scratch, resuming, expected).run;
   expect_survives_all(operation);
 }
 

@@ -3,6 +3,7 @@
 
 #include "lode/models/diamond/nesting_pass.h"
 #include "lode/models/diamond/part_builder.h"
+#include "tests/io/unit_source.h"
 #include "tests/models/stored_fixtures.h"
 
 namespace lode::diamond {
@@ -33,13 +34,16 @@ void expect_same_file(const Volume& volume, const StreamSettings& settings) {
   const TestPath path("stream.lode");
   const Model<D> model = test::built<D>(volume);
   test::save<D>(model, expected.str());
-  Progress progress;
-  const auto source = make_memory_source(volume);
-  const auto report = build_file<D>(*source, path.str(), settings, progress);
-  ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(report->metadata.info, volume.info);
-  EXPECT_EQ(report->metadata.summary, summarize<D>(model));
-  expect_same_blocks(path.str(), expected.str());
+  const auto plain = make_memory_source(volume);
+  io::test::UnitSource in_units(volume, {{100, 90, 110}});  // border layers of which are spooled
+  for (VolumeSource* source : {plain.get(), static_cast<VolumeSource*>(&in_units)}) {
+    Progress progress;
+    const auto report = build_file<D>(*source, path.str(), settings, progress);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report->metadata.info, volume.info);
+    EXPECT_EQ(report->metadata.summary, summarize<D>(model));
+    expect_same_blocks(path.str(), expected.str());
+  }
 }
 
 struct BuildCase {

@@ -51,7 +51,7 @@ Result<FileBuildReport> build_file(VolumeSource& source, const std::string& path
   LODE_TRY(report.info, describe_written(path, options));
   report.file_bytes = done.file_bytes;
   report.samples_bytes_read = done.bytes_read;
-  report.io = source.io();
+  report.io = done.io;
   report.n_parts = done.n_parts;
   report.n_chunks_resumed = done.n_chunks_resumed;
   report.seconds = {.total = 0,

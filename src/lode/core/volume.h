@@ -34,6 +34,12 @@ struct IoCounts {
   friend bool operator==(const IoCounts&, const IoCounts&) = default;
 };
 
+/// What a source reads and decodes as a whole, however little of it is asked for.
+struct ReadUnit {
+  Index3 dims{{1, 1, 1}};   ///< Samples; units begin at multiples of them.
+  double stored_share = 1;  ///< About how many bytes are read for a byte of its samples.
+};
+
 /// A scalar volume that hands out boxes of samples: the only way the build sees its input.
 /// read() may be called from one thread at a time, in any order; ascending z is fastest.
 class VolumeSource {
@@ -49,6 +55,7 @@ class VolumeSource {
   [[nodiscard]] virtual IoCounts io() const { return {}; }
   /// Bytes of memory that it takes at most, its caller's buffers aside: what is decoded and kept.
   [[nodiscard]] virtual std::uint64_t memory_bytes() const { return 0; }
+  [[nodiscard]] virtual ReadUnit read_unit() const { return {}; }
 };
 
 /// A volume whose samples are all in memory, x fastest, native byte order.

@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 
 #include "lode/io/input_file.h"
@@ -12,11 +13,18 @@ namespace {
 
 /// The largest one that a shard may have, or many of the usual ones.
 constexpr std::size_t kMaxIndexBytes = std::size_t{64} << 20;
+/// Enough to tell whether an array is compressed, and about how well.
+constexpr std::int64_t kMaxFilesLookedAt = 32;
 
 /// Nothing at all has that name. Whatever has and is no file is for InputFile to complain of.
 bool is_missing(const std::string& path) {
   struct stat status {};
   return ::lstat(path.c_str(), &status) != 0 && errno == ENOENT;
+}
+
+double size_or_none(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 ? static_cast<double>(status.st_size) : 0;
 }
 
 }  // namespace
@@ -71,6 +79,32 @@ Result<ZarrChunkReader::Bytes> ZarrChunkReader::read_from_shard(
                                           static_cast<std::uint64_t>(number), file.size()));
   if (!part) return Bytes{};
   return read_part(file, name_in_shard(file.path(), chunk), part->offset, part->n_bytes);
+}
+
+double ZarrChunkReader::stored_share() const {
+  double n_files = 1;
+  ZarrShape counts;
+  for (std::size_t axis = 0; axis < array_.shape.size(); ++axis) {
+    counts.push_back((array_.shape[axis] - 1) / array_.chunk_shape[axis] + 1);
+    n_files *= static_cast<double>(counts.back());
+  }
+  const auto n_looked_at =
+      static_cast<std::int64_t>(std::min(n_files, static_cast<double>(kMaxFilesLookedAt)));
+  double n_bytes = 0;
+  for (std::int64_t i = 0; i < n_looked_at; ++i) {
+    // In the middle of one of as many stretches.
+    auto rest = static_cast<std::int64_t>((static_cast<double>(i) + 0.5) * n_files /
+                                          static_cast<double>(n_looked_at));
+    ZarrShape chunk(counts.size(), 0);
+    for (std::size_t axis = counts.size(); axis > 0; --axis) {
+      chunk[axis - 1] = rest % counts[axis - 1];
+      rest /= counts[axis - 1];
+    }
+    n_bytes += size_or_none(chunk_path(array_, chunk));
+  }
+  return n_bytes /
+         (static_cast<double>(n_looked_at) * static_cast<double>(product_of(array_.chunk_shape)) *
+          static_cast<double>(size_of(array_.type)));
 }
 
 Result<ZarrChunkReader::Bytes> ZarrChunkReader::read(std::span<const std::int64_t> chunk) {

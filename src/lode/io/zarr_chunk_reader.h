@@ -30,6 +30,9 @@ class ZarrChunkReader {
   /// byte order. Null where the chunk is missing: then all are array().fill. Fails, naming the
   /// file, on anything damaged.
   [[nodiscard]] Result<Bytes> read(std::span<const std::int64_t> chunk);
+  /// Bytes in files for a byte of samples: the mean of some files here and there, missing ones
+  /// included.
+  [[nodiscard]] double stored_share() const;
 
  private:
   [[nodiscard]] Result<Bytes> read_part(const InputFile& file, const std::string& name,

@@ -103,6 +103,19 @@ class ZarrSource final : public VolumeSource {
 
   std::uint64_t memory_bytes() const override { return cache_bytes_; }
 
+  ReadUnit read_unit() const override {
+    ReadUnit unit{.dims = {{1, 1, 1}}, .stored_share = reader_.stored_share()};
+    const ZarrShape& shape = reader_.chunk_shape();
+    for (std::size_t axis = 0; axis < shape.size(); ++axis) {
+      if (axis < place_.size())  // of which one place is wanted
+        unit.stored_share *= static_cast<double>(shape[axis]);
+      else
+        unit.dims[shape.size() - 1 - axis] = static_cast<std::int32_t>(
+            std::min<std::int64_t>(shape[axis], std::numeric_limits<std::int32_t>::max()));
+    }
+    return unit;
+  }
+
   Result<void> read(const IndexBox& box, std::span<std::byte> out) override try {
     LODE_EXPECTS(info_.grid.index_box().contains(box));
     LODE_EXPECTS(out.size() == static_cast<std::size_t>(box.n_samples()) * size_of(info_.type));
@@ -180,7 +193,7 @@ class ZarrSource final : public VolumeSource {
       const std::int64_t end = std::min(covered.upper[axis], reader_.array().shape[axis]);
       if (end > region.upper[axis] || covered.lower[axis] < region.lower[axis]) return true;
     }
-    return covered.upper[slowest] >= region.upper[slowest];
+    return covered.upper[slowest] > region.upper[slowest];
   }
 
   Result<void> put_chunk(const ZarrShape& chunk, const Region& region, std::span<std::byte> out) {

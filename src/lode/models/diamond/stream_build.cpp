@@ -13,6 +13,7 @@
 #include "lode/models/diamond/field_scan.h"
 #include "lode/models/diamond/nesting_pass.h"
 #include "lode/models/diamond/part_log.h"
+#include "lode/models/diamond/part_reads.h"
 #include "lode/store/bytes.h"
 #include "lode/store/checksum.h"
 
@@ -31,6 +32,7 @@ class BoxReader {
   BoxReader(VolumeSource& source, Threads threads)
       : source_(source),
         axes_(AxisMap<D>::of(source.info().grid.dims)),
+        unit_(source.read_unit().dims[as_size(axes_.axis[as_size(D - 1)])]),
         reading_(n_workers(threads) > 1 ? std::launch::async : std::launch::deferred) {}
 
   /// Calls put(box, values) for slabs of the box along its last axis, in ascending order. While it
@@ -48,9 +50,11 @@ class BoxReader {
     const auto n_slices =
         static_cast<std::int32_t>(std::max<std::size_t>(1, kBytesPerRead / (slice * size)));
     const auto start_reading = [&](std::vector<std::byte>& into) {
-      end = std::min(begin + n_slices, box.upper[as_size(D - 1)]);
+      end = slab_end(begin, n_slices, box.upper[as_size(D - 1)]);
       into.resize(slice * as_size(end - begin) * size);
-      const auto read = [this, &into, grid = grid_box(slab)] { return source_.read(grid, into); };
+      const auto read = [this, &into, grid = grid_box<D>(axes_, slab)] {
+        return source_.read(grid, into);
+      };
       try {
         return std::async(reading_, read);
       } catch (const std::system_error&) {  // no thread is left: then when it is waited for
@@ -81,17 +85,17 @@ class BoxReader {
     widen_samples(type, bytes_.data(), n, wide_.data());
     return wide_;
   }
-  [[nodiscard]] IndexBox grid_box(const LatticeBox<D>& box) const {
-    IndexBox result{{}, {{1, 1, 1}}};
-    for (std::size_t i = 0; i < as_size(D); ++i) {
-      result.lower[as_size(axes_.axis[i])] = box.lower[i];
-      result.upper[as_size(axes_.axis[i])] = box.upper[i];
-    }
-    return result;
+  /// A slab that ends inside of units would need those before and behind at once.
+  [[nodiscard]] std::int32_t slab_end(std::int32_t begin, std::int32_t n_slices,
+                                      std::int32_t last) const {
+    const std::int32_t end = n_slices < last - begin ? begin + n_slices : last;
+    const std::int32_t whole_units = end - end % unit_;
+    return end < last && whole_units > begin ? whole_units : end;
   }
 
   VolumeSource& source_;
   AxisMap<D> axes_;
+  std::int32_t unit_;  ///< Of the source, along the last axis.
   std::launch reading_;
   std::vector<std::byte> bytes_;  ///< A slab,
   std::vector<std::byte> next_;   ///< the next,
@@ -120,16 +124,23 @@ PartPlan<D> largest_part(const Shape<D>& shape, std::int32_t chunks_per_part) {
 
 /// Bytes that a build with so many chunks a part takes at most.
 template <int D>
-std::uint64_t build_bytes(const VolumeInfo& info, std::int32_t chunks_per_part) {
+std::uint64_t build_bytes(const VolumeSource& source, std::int32_t chunks_per_part) {
   constexpr std::uint64_t kCompressing = std::uint64_t{24} << 20;
+  const VolumeInfo& info = source.info();
   const Shape<D> shape = shape_of<D>(info.grid.dims);
   const std::size_t size = size_of(info.type);
   const std::size_t wide_size = size_of(storage_type(info.type));
   const std::uint64_t largest = largest_part<D>(shape, chunks_per_part).n_bytes(wide_size);
   std::uint64_t slice = 2 * size + (wide_size == size ? 0 : wide_size) + 1;  // and where holes are
+  std::uint64_t n_reads = 4;
+  if (source.read_unit().dims != Index3{{1, 1, 1}}) {  // may come in pieces: io/border_spool.h
+    slice += size;
+    ++n_reads;
+  }
   for (std::size_t i = 0; i + 1 < as_size(D); ++i)
     slice *= static_cast<std::uint64_t>(shape.dims[i]);
-  const std::uint64_t reading = std::max<std::uint64_t>(slice, 4 * BoxReader<D>::kBytesPerRead);
+  const std::uint64_t reading =
+      std::max<std::uint64_t>(slice, n_reads * BoxReader<D>::kBytesPerRead);
   return largest + CoarseField<D>::n_bytes(info) + reading + kCompressing;
 }
 
@@ -141,19 +152,22 @@ Result<std::int32_t> choose_chunks(const VolumeSource& source, const StreamSetti
   if (settings.chunks_per_part > 0) return std::min(settings.chunks_per_part, n);
   if (settings.memory_limit == 0) return n;
   for (std::int32_t chunks = n; chunks > 0; --chunks)
-    if (source.memory_bytes() + build_bytes<D>(info, chunks) <= settings.memory_limit)
+    if (source.memory_bytes() + build_bytes<D>(source, chunks) <= settings.memory_limit)
       return chunks;
   return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
-              (source.memory_bytes() + build_bytes<D>(info, 1)) / 1'000'000 + 1,
+              (source.memory_bytes() + build_bytes<D>(source, 1)) / 1'000'000 + 1,
               info.grid.n_samples(), size_of(info.type), settings.memory_limit / 1'000'000);
 }
 
 template <int D>
 class StreamBuild {
  public:
-  StreamBuild(VolumeSource& source, const StreamSettings& settings, std::int32_t chunks_per_part,
-              Progress& progress)
-      : settings_(settings),
+  /// `spool`: the source, where that keeps border layers; else null.
+  StreamBuild(VolumeSource& source, io::BorderSpool* spool, const StreamSettings& settings,
+              std::int32_t chunks_per_part, Progress& progress)
+      : source_(source),
+        spool_(spool),
+        settings_(settings),
         chunks_per_part_(chunks_per_part),
         progress_(progress),
         reader_(source, settings.threads),
@@ -169,6 +183,7 @@ class StreamBuild {
     LODE_CHECK(finish_coarse(writer));
     report_.metadata = {field_.info, summarize()};
     report_.bytes_read = reader_.n_bytes();
+    report_.io = source_.io();
     writer.set_metadata(encode_metadata(report_.metadata));
     LODE_TRY(report_.file_bytes, writer.finish(progress_));
     if (log_) log_->remove();
@@ -253,6 +268,7 @@ class StreamBuild {
   Result<void> build_part(const PartPlan<D>& plan, store::Writer& writer) {
     Stopwatch watch;
     builder_.begin(plan);
+    if (spool_ != nullptr) spool_->begin_part(grid_box<D>(field_.axes, plan.samples));
     LODE_CHECK(reader_.read(builder_.missing_samples(), progress_,
                             [&](const LatticeBox<D>& box, std::span<const std::byte> values) {
                               builder_.put_samples(box, values.data());
@@ -302,6 +318,8 @@ class StreamBuild {
     return summary;
   }
 
+  VolumeSource& source_;
+  io::BorderSpool* spool_;
   StreamSettings settings_;
   std::int32_t chunks_per_part_;
   Progress& progress_;
@@ -321,7 +339,9 @@ Result<StreamReport> build_file(VolumeSource& source, const std::string& path,
                                 const StreamSettings& settings, Progress& progress) {
   LODE_CHECK(check_axes(source.info()));
   LODE_TRY(const std::int32_t chunks_per_part, choose_chunks<D>(source, settings));
-  return StreamBuild<D>(source, settings, chunks_per_part, progress).run(path);
+  LODE_TRY(const auto spool, spool_borders<D>(source, chunks_per_part, path));
+  VolumeSource& from = spool ? *spool : source;
+  return StreamBuild<D>(from, spool.get(), settings, chunks_per_part, progress).run(path);
 }
 
 template Result<StreamReport> build_file<2>(VolumeSource&, const std::string&,

@@ -24,6 +24,7 @@ struct StreamReport {
   Metadata metadata;
   std::uint64_t file_bytes = 0;
   std::uint64_t bytes_read = 0;        ///< Samples asked of the source, in its type.
+  IoCounts io;                         ///< Of the source, and of the spool of border layers.
   std::uint64_t n_parts = 0;           ///< That were built,
   std::uint64_t n_chunks_resumed = 0;  ///< after so many chunks that were there.
   double scan_seconds = 0;   ///< First time through the source: range, holes, coarse samples.
@@ -33,7 +34,9 @@ struct StreamReport {
 };
 
 /// Builds the hierarchy of a volume straight into a .lode file, in bounded memory: the source is
-/// read once for the coarse samples, and once again part by part, with border layers. The file has
+/// read once for the coarse samples, and once again part by part, with border layers; those come
+/// from a nameless file beside the output where decoding them again would move more bytes
+/// (io/border_spool.h). The file has
 /// the same bytes as build() and save() would give it, whatever the limit and the threads. Fails
 /// as build() does, and where the limit is too small, saying what is needed.
 template <int D>
