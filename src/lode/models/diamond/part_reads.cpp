@@ -1,8 +1,12 @@
 #include "lode/models/diamond/part_reads.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <system_error>
+#include <vector>
+
+#include "lode/models/diamond/part_overlap.h"
 
 namespace lode::diamond {
 namespace {
@@ -34,12 +38,11 @@ std::vector<IndexRange> ranges_along(std::size_t axis, const Shape<D>& shape,
 }
 
 double round_up(std::int32_t i, std::int32_t unit) {
-  return static_cast<double>((static_cast<std::int64_t>(i) + unit - 1) / unit * unit);
+  const std::int64_t n_units = (static_cast<std::int64_t>(i) + unit - 1) / unit;
+  return static_cast<double>(n_units * unit);
 }
 
-double round_down(std::int32_t i, std::int32_t unit) {
-  return static_cast<double>(i / unit * unit);
-}
+double round_down(std::int32_t i, std::int32_t unit) { return static_cast<double>(i - i % unit); }
 
 /// Samples of the units that the longest of the ranges meets.
 double longest(const std::vector<IndexRange>& ranges, std::int32_t unit) {
