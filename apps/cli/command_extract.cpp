@@ -258,9 +258,10 @@ Command add_extract_command(CLI::App& program) {
   app->add_option("--memory-limit", arguments->memory_limit,
                   "Memory for the hierarchy, such as 512M (default: a quarter of the machine's)")
       ->type_name("BYTES");
-  app->add_flag("--salvage", arguments->reading.salvage,
-                "Use what is whole of a damaged .lode file: what is lost is filled from coarser "
-                "levels, within a bound that is reported");
+  app->add_flag(
+      "--salvage", arguments->reading.salvage,
+      "Use what is whole of a damaged or cut-off .lode file: what is lost is filled from coarser "
+      "levels, within a bound that is reported");
   add_extraction_options(*app, arguments->extraction);
   add_query_options(*app, arguments->query);
   add_progressive_option(*app, arguments->progressive,

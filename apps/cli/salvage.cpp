@@ -56,7 +56,7 @@ std::string mask_text(const SalvageReport& report) {
 void warn_of_damage(Session& session, const std::string& path, const SalvageReport& report) {
   if (report.blocks.empty()) return;
   const std::string blocks =
-      fmt::format("{}: {} of {} blocks are damaged", path, format_count(report.blocks.size()),
+      fmt::format("{}: {} of {} blocks are lost", path, format_count(report.blocks.size()),
                   format_count(report.n_blocks));
   if (report.n_samples == 0) {
     session.warn(blocks + ", but no sample is lost: the answer is that of the whole file");
@@ -110,8 +110,8 @@ std::string salvage_comment(const SalvageReport* report) {
 }
 
 Error suggest_salvage(const Error& error, const std::string& path) {
-  // What names the file though it can be opened is said of its blocks.
-  if (!error.message.starts_with(path + ": ") || !Dataset::open(path, {})) return error;
+  // What names the file though its blocks can be found is said of them, or of its end.
+  if (!error.message.starts_with(path + ": ") || !can_salvage(path)) return error;
   return Error(error.message + "; --salvage extracts from what is whole");
 }
 

@@ -114,6 +114,7 @@ Result<FileFacts> write_file(const Dataset& dataset, const std::string& path) {
     facts.n_blocks = reader.blocks().size();
     facts.data_bytes = facts.attribute_bytes = 0;
     for (const store::BlockEntry& block : reader.blocks()) {
+      if (store::is_index(block.key)) continue;
       const bool is_data = block.key.kind == static_cast<std::uint32_t>(diamond::Kind::samples);
       (is_data ? facts.data_bytes : facts.attribute_bytes) += block.stored_size;
     }

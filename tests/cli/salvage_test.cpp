@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "tests/cli/ball_fixture.h"
 
 namespace lode::test {
 namespace {
 
-/// The ball's file with one byte changed: of its first block, samples of level 2, or later.
+/// The ball's file with one byte changed: of its first block, samples of level 2.
 class cli_salvage : public BallFixture {
  protected:
   void damage(std::size_t offset) const {
@@ -13,7 +15,12 @@ class cli_salvage : public BallFixture {
     bytes.at(offset) = static_cast<char>(bytes.at(offset) ^ 0x20);
     write_bytes(lode_file(), bytes);
   }
-  static constexpr std::size_t kFirstBlock = 128 + 9;
+  /// In the first block, behind its index.
+  [[nodiscard]] std::size_t first_block() const {
+    std::uint64_t frame = 0;
+    std::memcpy(&frame, read_bytes(lode_file()).data() + 128 + 24, sizeof frame);
+    return 128 + 56 + frame + 9;
+  }
   const Words query_{"--isovalue", "100", "--max-error", "4"};
 
   [[nodiscard]] Finished extract_with(const std::string& output, Words options) {
@@ -23,7 +30,7 @@ class cli_salvage : public BallFixture {
 };
 
 TEST_F(cli_salvage, is_suggested_where_a_block_is_damaged) {
-  damage(kFirstBlock);
+  damage(first_block());
   for (const Words& mode : {Words{}, Words{"--max-cells", "100000"}}) {
     const Finished run = extract_with("s.ply", mode);
     expect_refusal(run, 1, {"block (kind 1, level 2", "damaged", "--salvage"});
@@ -32,7 +39,7 @@ TEST_F(cli_salvage, is_suggested_where_a_block_is_damaged) {
 }
 
 TEST_F(cli_salvage, writes_a_surface_and_says_what_was_lost_and_what_is_true_of_it) {
-  damage(kFirstBlock);
+  damage(first_block());
   const Finished run = extract_with("s.ply", {"--salvage", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.err.find("lode: warning: "), std::string::npos) << run.err;
@@ -59,7 +66,7 @@ TEST_F(cli_salvage, writes_a_surface_and_says_what_was_lost_and_what_is_true_of_
 }
 
 TEST_F(cli_salvage, goes_with_all_that_extract_writes) {
-  damage(kFirstBlock);
+  damage(first_block());
   EXPECT_EQ(run_lode({"extract", lode_file(), file("m.vtu"), "--mesh", "--max-error", "4",
                       "--salvage", "--json"})
                 .json()
@@ -87,9 +94,25 @@ TEST_F(cli_salvage, of_a_whole_file_gives_the_same_surface_without_a_warning) {
   EXPECT_FALSE(extract_with("s.ply", {"--json"}).json().contains("salvage"));
 }
 
-TEST_F(cli_salvage, says_what_cannot_be_salvaged) {
+TEST_F(cli_salvage, takes_what_is_there_of_a_file_that_was_cut_off) {
   const std::string bytes = read_bytes(lode_file());
   write_bytes(lode_file(), bytes.substr(0, bytes.size() / 2));
+  expect_refusal(extract_with("s.ply", {}), 1, {"truncated", "--salvage"});
+  const Finished run = extract_with("s.ply", {"--salvage", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("lode: warning: "), std::string::npos) << run.err;
+  const nlohmann::json report = run.json();
+  EXPECT_GT(report.at("triangles"), 0);
+  const nlohmann::json& salvage = report.at("salvage");
+  EXPECT_GT(salvage.at("lost_blocks"), 0);
+  EXPECT_GT(salvage.at("lost_samples"), 0);
+  EXPECT_GT(salvage.at("blocks"), salvage.at("lost_blocks"));
+  EXPECT_GT(salvage.at("max_fill_error"), 0);
+}
+
+TEST_F(cli_salvage, says_what_cannot_be_salvaged) {
+  const std::string bytes = read_bytes(lode_file());
+  write_bytes(lode_file(), bytes.substr(0, 200));
   expect_refusal(extract_with("s.ply", {"--salvage"}), 1,
                  {"truncated", "nothing can be salvaged", "directory"});
   expect_refusal(run_lode({"extract", volume(), file("s.ply"), "--isovalue", "1", "--salvage"}), 2,

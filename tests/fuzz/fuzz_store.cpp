@@ -5,11 +5,13 @@
 #include <vector>
 
 #include "lode/models/diamond/part_log.h"
+#include "lode/store/block_index.h"
 #include "lode/store/checksum.h"
 #include "lode/store/codec.h"
 #include "lode/store/directory.h"
 #include "lode/store/header.h"
 #include "lode/store/journal.h"
+#include "lode/store/reader.h"
 #include "tests/fuzz/fuzz_files.h"
 #include "tests/fuzz/fuzz_parts.h"
 
@@ -81,6 +83,34 @@ void run_directory(Input input) {
   check_blocks(*directory, end);
   const Bytes again = store::encode_directory(*directory);
   expect(std::ranges::equal(again, input.subspan(sizeof(end))), "a directory has one encoding");
+}
+
+/// Records that were to follow indexes' heads, each as a frame under a head that is right but where
+/// its first byte says otherwise, and what it ends with as bytes between them.
+void run_index(Input input) {
+  Bytes file(store::kHeaderBytes);  // damaged, but for the magic
+  std::ranges::copy(std::as_bytes(std::span(store::kMagic)), file.begin());
+  for (const Input record : records_of(input)) {
+    if (record.empty()) continue;
+    const unsigned choice = std::to_integer<unsigned>(record[0]);
+    Bytes index = store::encode_index(record.subspan(1), file.size() + choice / 8);
+    if (choice % 2 == 1) index[16 + choice / 8] ^= std::byte{1};
+    file.insert(file.end(), index.begin(), index.end());
+    const Input between = record.last(record.size() / 4);
+    file.insert(file.end(), between.begin(), between.end());
+  }
+  const std::string path = fuzz_directory().write("indexes.lode", file);
+  const auto reader = store::Reader::open(path, {.length = store::Length::any});
+  if (!reader) return;
+  expect(reader->is_rebuilt(), "there is no directory");
+  std::uint64_t offset = 0;
+  for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
+    const store::BlockEntry& block = reader->blocks()[i];
+    expect(block.offset >= offset && block.raw_size <= store::kMaxBlockBytes, "blocks fit");
+    expect(reader->find(block.key) == i, "keys differ");
+    offset = block.offset + block.stored_size;
+    if (offset <= file.size()) static_cast<void>(reader->read_block(i).has_value());
+  }
 }
 
 /// A byte for the codec, one for the element size, three for the decoded size, and what is stored;

@@ -13,6 +13,7 @@ using Input = std::span<const std::byte>;
 /// which ends the program. What each makes of the bytes stands in its source.
 void run_lode_file(Input input);
 void run_directory(Input input);
+void run_index(Input input);
 void run_codec(Input input);
 void run_journal(Input input);
 void run_part_log(Input input);
@@ -39,6 +40,7 @@ struct Harness {
 inline constexpr Harness kHarnesses[] = {
     {"lode_file", run_lode_file},
     {"directory", run_directory},
+    {"index", run_index},
     {"codec", run_codec},
     {"journal", run_journal},
     {"part_log", run_part_log},

@@ -71,7 +71,7 @@ void mutate_block(BlockEntry& entry, Bytes& stored) {
   const std::size_t size = raw.size();
   mutate(raw);
   raw.resize(size);
-  const EncodedBlock encoded = encode_block_as(entry.codec, raw, entry.element_size);
+  const EncodedBlock encoded = encode_block({raw, entry.element_size});
   stored = encoded.stored;
   entry.codec = encoded.codec;
   entry.stored_size = stored.size();

@@ -68,6 +68,26 @@ void keep_lode_file(const std::string& name, const Volume& volume) {
        bytes_of<std::uint32_t>({end}) + text_of(store::encode_directory(directory)));
 }
 
+/// A file's indexes as run_index() takes them.
+void keep_indexes() {
+  const io::test::TempDir dir;
+  const std::string path = dir.path("a.lode");
+  test::save<3>(
+      test::built<3>(test::random_samples({{17, 5, 300}}, ScalarType::uint8, test::Holes::none)),
+      path);
+  const auto reader = store::Reader::open(path);
+  store::Directory run{reader->model(), {}, {}};
+  std::string records;
+  for (const store::BlockEntry& block : reader->blocks()) {
+    if (store::is_index(block.key) && !run.blocks.empty()) {
+      records += joined(std::string(1, '\0') + text_of(store::encode_directory(run)), "");
+      run.blocks.clear();
+    }
+    if (!store::is_index(block.key)) run.blocks.push_back(block);
+  }
+  keep("index", "build", records);
+}
+
 void keep_lode_files() {
   using test::Holes;
   keep_lode_file("small", test::random_samples({{5, 4, 3}}, ScalarType::uint8, Holes::none));
@@ -80,8 +100,9 @@ void keep_lode_files() {
 void keep_codecs() {
   const auto raw = bytes_of(ramp<std::int32_t>(50));
   for (unsigned codec = 0; codec <= store::kLastCodec; ++codec) {
-    const auto block =
-        store::encode_block_as(static_cast<store::Codec>(codec), std::as_bytes(std::span(raw)), 4);
+    const auto block = store::encode_block_as(
+        static_cast<store::Codec>(codec),
+        {std::as_bytes(std::span(raw)), 4, store::ElementGrid{{5, 5, 2}, false}});
     const auto n = static_cast<std::uint8_t>(raw.size());
     keep("codec", "codec_" + std::to_string(codec),
          bytes_of<std::uint8_t>({static_cast<std::uint8_t>(block.codec), 4, n, 0, 0}) +
@@ -258,6 +279,7 @@ int main(int argc, char** argv) {
   }
   lode::fuzz::corpus = argv[1];
   lode::fuzz::keep_lode_files();
+  lode::fuzz::keep_indexes();
   lode::fuzz::keep_codecs();
   lode::fuzz::keep_journals();
   lode::fuzz::keep_text_headers();

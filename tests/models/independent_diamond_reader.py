@@ -20,7 +20,7 @@ from independent_reader import expect  # noqa: E402
 
 # The struct letter of the storage type, by sample type from 1.
 STORAGE = " BhHhddddfd"
-SAMPLES, ERRORS, MINIMA, MAXIMA = 1, 2, 3, 4
+INDEX, SAMPLES, ERRORS, MINIMA, MAXIMA = 0, 1, 2, 3, 4
 
 
 def ceil_div(a, b):
@@ -175,6 +175,12 @@ def main():
     metadata = read_metadata(raw_metadata)
     dims = lattice_dims(model, metadata["dims"])
     blocks = container.read_blocks(library, data, header, entries)
+    blocks = (b for b in blocks if b[1]["kind"] != INDEX)
+    n_errors = 1 + len(metadata["max_errors"])
+    early = raw_metadata[: -8 * n_errors] + struct.pack("<d", math.inf) * n_errors
+    if any(e["kind"] == INDEX for e in entries):
+        for index in container.check_indexes(library, data, entries):
+            expect(index == (model, early), "an index of other metadata")
     samples, errors = read_arrays(blocks, dims, metadata)
     dense, n_beyond = check_samples(samples, dims, metadata)
     check_errors(errors, dims, metadata)

@@ -109,8 +109,7 @@ TEST_P(salvaged_surface, is_that_of_the_whole_file_outside_the_lost_boxes) {
   ASSERT_TRUE(intact->extract({.isovalues = {60.5}, .max_error = 0}, whole, progress));
   std::set<std::size_t> damaged;
   for (std::size_t i = 0; i < file.n_blocks(); ++i)
-    if (file.is_samples(i) && file.reader.blocks()[i].key.level == 0 && damaged.empty())
-      damaged.insert(i);
+    if (file.is_samples(i) && file.blocks[i].key.level == 0 && damaged.empty()) damaged.insert(i);
   file.write_damaged(path_.str(), damaged);
   const Dataset dataset = salvaged(path_.str());
   Surface surface;
@@ -160,17 +159,31 @@ TEST_F(damaged_model, that_is_whole_is_salvaged_without_loss) {
   EXPECT_EQ(intact->describe().base_error, dataset.describe().base_error);
 }
 
-TEST_F(damaged_model, that_was_cut_off_names_what_is_lost_wherever_it_was_cut) {
+TEST_F(damaged_model, that_was_cut_off_is_salvaged_as_far_as_it_is_there) {
   const StoredFile file(path_.str());
-  std::vector<std::uint64_t> ends{1, 100, store::kHeaderBytes};
-  for (const store::BlockEntry& block : file.reader.blocks())
-    ends.push_back(block.offset + block.stored_size);
-  ends.push_back(file.bytes.size() - 1);
+  for (const store::BlockEntry& block : file.blocks) {
+    write({file.bytes.begin(), file.bytes.begin() + static_cast<std::ptrdiff_t>(block.offset)});
+    EXPECT_FALSE(Dataset::open(path_.str(), {2}));
+    EXPECT_TRUE(can_salvage(path_.str()));
+    const Dataset dataset = salvaged(path_.str());
+    std::size_t n_lost = 0;
+    for (const store::BlockEntry& b : file.blocks) n_lost += b.offset >= block.offset ? 1 : 0;
+    EXPECT_EQ(dataset.salvaged()->blocks.size(), n_lost);
+    EXPECT_EQ(dataset.salvaged()->n_blocks, file.n_blocks());
+    expect_true_surface(volume_, dataset, 60.5, 4);
+  }
+}
+
+TEST_F(damaged_model, that_was_cut_off_before_its_blocks_says_so) {
+  const StoredFile file(path_.str());
+  const std::uint64_t first = file.indexes.at(0).offset + file.indexes.at(0).stored_size;
+  const std::vector<std::uint64_t> ends{1, 100, store::kHeaderBytes, first - 1};
   for (const std::uint64_t end : ends) {
     write({file.bytes.begin(), file.bytes.begin() + static_cast<std::ptrdiff_t>(end)});
     const std::string message = salvage_error(path_.str());
     EXPECT_TRUE(message.starts_with(path_.str() + ": ")) << message;
     if (end < store::kMagicBytes) continue;
+    EXPECT_FALSE(can_salvage(path_.str()));
     EXPECT_NE(message.find("truncated"), std::string::npos) << message;
     EXPECT_NE(message.find("nothing can be salvaged"), std::string::npos) << message;
   }
@@ -179,7 +192,7 @@ TEST_F(damaged_model, that_was_cut_off_names_what_is_lost_wherever_it_was_cut) {
 TEST_F(damaged_model, with_zeros_from_a_block_to_the_directory_is_salvaged) {
   // As files come out of transfers that made room first.
   const StoredFile file(path_.str());
-  const auto& blocks = file.reader.blocks();
+  const auto& blocks = file.blocks;
   const std::uint64_t end = blocks.back().offset + blocks.back().stored_size;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     Bytes bytes = file.bytes;
@@ -194,7 +207,7 @@ TEST_F(damaged_model, with_zeros_from_a_block_to_the_directory_is_salvaged) {
 
 TEST_F(damaged_model, that_misses_a_byte_between_its_blocks_loses_one_of_them) {
   const StoredFile file(path_.str());
-  for (const store::BlockEntry& block : file.reader.blocks()) {
+  for (const store::BlockEntry& block : file.blocks) {
     Bytes bytes = file.bytes;
     bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(block.offset + block.stored_size / 2));
     write(bytes);
@@ -206,7 +219,7 @@ TEST_F(damaged_model, that_misses_a_byte_between_its_blocks_loses_one_of_them) {
 
 TEST_F(damaged_model, of_which_the_rest_cannot_be_read_any_more_loses_that) {
   const StoredFile file(path_.str());
-  const auto& blocks = file.reader.blocks();
+  const auto& blocks = file.blocks;
   for (std::size_t i = 0; i < blocks.size(); i += 3) {
     write(file.bytes);
     const auto reader = store::Reader::open(path_.str());
@@ -229,12 +242,15 @@ TEST_F(damaged_model, with_bytes_after_its_end_is_whole) {
   EXPECT_TRUE(salvaged(path_.str()).salvaged()->blocks.empty());
 }
 
-TEST_F(damaged_model, without_header_or_directory_is_refused) {
-  const StoredFile file(path_.str());
-  for (const std::size_t at : {std::size_t{40}, file.bytes.size() - 5}) {
-    Bytes bytes = file.bytes;
+TEST_F(damaged_model, without_directory_and_indexes_is_refused) {
+  test::rewrite(path_.str(), {});  // as files were before they had indexes
+  const Bytes original = store::load_file(path_.str());
+  EXPECT_TRUE(salvaged(path_.str()).salvaged()->blocks.empty());
+  for (const std::size_t at : {std::size_t{40}, original.size() - 5}) {
+    Bytes bytes = original;
     bytes[at] ^= std::byte{1};
     write(bytes);
+    EXPECT_FALSE(can_salvage(path_.str()));
     EXPECT_NE(salvage_error(path_.str()).find("nothing can be salvaged"), std::string::npos);
   }
   write(store::to_bytes("NRRD0004 and so on"));
@@ -246,7 +262,7 @@ TEST_F(damaged_model, says_which_levels_and_blocks_are_lost_and_why) {
   const StoredFile file(path_.str());
   std::set<std::size_t> damaged;
   for (std::size_t i = 0; i < file.n_blocks(); ++i)
-    if (file.reader.blocks()[i].key.level == 1) damaged.insert(i);
+    if (file.blocks[i].key.level == 1) damaged.insert(i);
   file.write_damaged(path_.str(), damaged);
   const Dataset dataset = salvaged(path_.str());
   const SalvageReport& report = *dataset.salvaged();
@@ -327,7 +343,7 @@ TEST(salvaged_data, that_are_smooth_have_bounds_far_below_their_range) {
   test::save<3>(test::built<3>(volume), path.str());
   const StoredFile file(path.str());
   for (std::size_t i = 0; i < file.n_blocks(); ++i) {
-    if (!file.is_samples(i) || file.reader.blocks()[i].key.level > 1) continue;
+    if (!file.is_samples(i) || file.blocks[i].key.level > 1) continue;
     file.write_damaged(path.str(), {i});
     const Dataset dataset = salvaged(path.str());
     const double range = dataset.describe().range_max - dataset.describe().range_min;

@@ -57,25 +57,36 @@ inline void poke_holes(Volume& volume, std::uint64_t percent) {
   });
 }
 
-/// A .lode file in memory, to be damaged: blocks by their numbers in the directory.
+/// A .lode file in memory, to be damaged: blocks by their numbers in the directory, indexes left
+/// aside.
 struct StoredFile {
   explicit StoredFile(const std::string& path)
-      : bytes(store::load_file(path)), reader(store::Reader::open(path).value()) {}
+      : bytes(store::load_file(path)), reader(store::Reader::open(path).value()) {
+    for (const store::BlockEntry& block : reader.blocks())
+      (store::is_index(block.key) ? indexes : blocks).push_back(block);
+  }
 
   /// Writes it to `path` with one bit of each of these blocks changed.
-  void write_damaged(const std::string& path, const std::set<std::size_t>& blocks) const {
+  void write_damaged(const std::string& path, const std::set<std::size_t>& numbers) const {
     Bytes damaged = bytes;
-    for (const std::size_t i : blocks) {
-      const store::BlockEntry& block = reader.blocks()[i];
+    for (const std::size_t i : numbers) {
+      const store::BlockEntry& block = blocks[i];
       damaged[block.offset + block.stored_size / 2] ^= std::byte{0x10};
     }
     store::save_file(path, damaged);
   }
-  [[nodiscard]] std::size_t n_blocks() const { return reader.blocks().size(); }
-  [[nodiscard]] bool is_samples(std::size_t i) const { return reader.blocks()[i].key.kind == 1; }
+  [[nodiscard]] std::size_t n_blocks() const { return blocks.size(); }
+  [[nodiscard]] bool is_samples(std::size_t i) const { return blocks[i].key.kind == 1; }
+  [[nodiscard]] std::optional<std::size_t> find(const store::BlockKey& key) const {
+    const auto at = std::ranges::find(blocks, key, &store::BlockEntry::key);
+    if (at == blocks.end()) return std::nullopt;
+    return static_cast<std::size_t>(at - blocks.begin());
+  }
 
   Bytes bytes;
   store::Reader reader;
+  std::vector<store::BlockEntry> blocks;
+  std::vector<store::BlockEntry> indexes;
 };
 
 /// Where a sample is stored, as docs/format.md says it, sharing nothing with the library: the level
@@ -117,7 +128,7 @@ inline double sample_or_nan(const Volume& volume, std::size_t at) {
 
 template <int D>
 Result<diamond::Salvaged<D>> salvage(const std::string& path, int n_threads = 2) {
-  LODE_TRY(const auto reader, store::Reader::open(path));
+  LODE_TRY(const auto reader, store::Reader::open(path, {.length = store::Length::any}));
   Progress progress;
   return diamond::salvage<D>(reader, {n_threads}, progress);
 }

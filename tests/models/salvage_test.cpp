@@ -64,7 +64,7 @@ void expect_within_bounds(const Volume& original, const StoredFile& file,
         const double sample = model.value(q);
         const double after = model.is_hole(sample) ? std::nan("") : sample;
         const auto key = test::block_of_sample(dims, p, D == 2);
-        const auto block = file.reader.find(key);
+        const auto block = file.find(key);
         ASSERT_TRUE(block);
         const bool is_lost = damaged.contains(*block);
         n_lost += is_lost ? 1 : 0;
@@ -103,16 +103,23 @@ void expect_true_attributes(const Model<D>& model) {
     EXPECT_EQ(finding->n_wrong, 0U) << finding->worst;
 }
 
+/// Of the file at `path`.
 template <int D>
-void expect_salvaged(const Volume& volume, const StoredFile& file, const std::string& path,
-                     const std::set<std::size_t>& damaged) {
+void expect_salvaged_from(const std::string& path, const Volume& volume, const StoredFile& file,
+                          const std::set<std::size_t>& damaged) {
   SCOPED_TRACE(fmt::format("{} of {} blocks damaged, the first {}", damaged.size(), file.n_blocks(),
                            damaged.empty() ? 0 : *damaged.begin()));
-  file.write_damaged(path, damaged);
   const auto salvaged = test::salvage<D>(path);
   ASSERT_TRUE(salvaged) << salvaged.error().message;
   EXPECT_EQ(salvaged->report.n_blocks, file.n_blocks());
   expect_within_bounds<D>(volume, file, damaged, *salvaged);
+}
+
+template <int D>
+void expect_salvaged(const Volume& volume, const StoredFile& file, const std::string& path,
+                     const std::set<std::size_t>& damaged) {
+  file.write_damaged(path, damaged);
+  expect_salvaged_from<D>(path, volume, file, damaged);
 }
 
 template <int D>
@@ -142,7 +149,7 @@ void expect_sets_salvaged(const Volume& volume) {
     for (const bool with_nodes : {false, true}) {
       sets.emplace_back();
       for (std::size_t i = 0; i < file.n_blocks(); ++i)
-        if (file.reader.blocks()[i].key.level == level && (with_nodes || file.is_samples(i)))
+        if (file.blocks[i].key.level == level && (with_nodes || file.is_samples(i)))
           sets.back().insert(i);
     }
   for (std::size_t i = 0; i < file.n_blocks(); ++i) sets[1].insert(i);
@@ -203,6 +210,144 @@ INSTANTIATE_TEST_SUITE_P(
                       SalvageCase{{{1, 40, 33}}, ScalarType::uint16},
                       SalvageCase{{{514, 1, 9}}, ScalarType::float32, Pattern::noise, Holes::some},
                       SalvageCase{{{516, 12, 1}}, ScalarType::uint8, Pattern::waves}));
+
+class truncated_file : public salvaged_file {
+ protected:
+  /// Cut off there; bit flips before that are the caller's.
+  template <int D>
+  void expect_salvaged_as_far_as_it_is_there(const StoredFile& file, const Bytes& bytes) {
+    SCOPED_TRACE(fmt::format("{} of {} bytes", bytes.size(), file.bytes.size()));
+    store::save_file(path_.str(), bytes);
+    const auto refused = store::Reader::open(path_.str());
+    ASSERT_FALSE(refused);
+    EXPECT_TRUE(refused.error().message.starts_with(path_.str() + ": "));
+    const auto is_whole = [&](const store::BlockEntry& block) {
+      const std::uint64_t end = block.offset + block.stored_size;
+      return end <= bytes.size() &&
+             std::equal(bytes.begin() + static_cast<std::ptrdiff_t>(block.offset),
+                        bytes.begin() + static_cast<std::ptrdiff_t>(end),
+                        file.bytes.begin() + static_cast<std::ptrdiff_t>(block.offset));
+    };
+    std::set<std::size_t> lost;
+    bool is_index_whole = false;
+    std::size_t i = 0;
+    for (const store::BlockEntry& block : file.reader.blocks())
+      if (store::is_index(block.key))
+        is_index_whole = is_whole(block);
+      else if (const std::size_t number = i++; !is_index_whole || !is_whole(block))
+        lost.insert(number);
+    if (std::ranges::any_of(file.indexes, is_whole))
+      return expect_salvaged_from<D>(path_.str(), volume_, file, lost);
+    const auto salvaged = test::salvage<D>(path_.str());
+    ASSERT_FALSE(salvaged);
+    EXPECT_TRUE(salvaged.error().message.starts_with(path_.str() + ": "));
+  }
+  template <int D>
+  void expect_salvaged_wherever_it_is_cut() {
+    test::save<D>(test::built<D>(volume_), path_.str());
+    const StoredFile file(path_.str());
+    std::vector<std::uint64_t> ends{0, 7, store::kHeaderBytes - 1, file.bytes.size() - 1};
+    for (const store::BlockEntry& block : file.reader.blocks())
+      for (const std::uint64_t n : {std::uint64_t{0}, std::uint64_t{1}, block.stored_size / 2})
+        ends.push_back(block.offset + n);
+    ends.push_back(store::end_of(file.reader.blocks()));
+    for (const std::uint64_t end : ends)
+      expect_salvaged_as_far_as_it_is_there<D>(
+          file, {file.bytes.begin(), file.bytes.begin() + static_cast<std::ptrdiff_t>(end)});
+  }
+  template <int D>
+  void expect_runs_lost_with_their_indexes() {
+    test::save<D>(test::built<D>(volume_), path_.str());
+    const StoredFile file(path_.str());
+    const std::uint64_t end = store::end_of(file.reader.blocks());
+    for (const store::BlockEntry& index : file.indexes)
+      for (const std::uint64_t at : {std::uint64_t{3}, std::uint64_t{40}, index.stored_size - 1}) {
+        Bytes bytes{file.bytes.begin(), file.bytes.begin() + static_cast<std::ptrdiff_t>(end)};
+        bytes[index.offset + at] ^= std::byte{0x40};
+        expect_salvaged_as_far_as_it_is_there<D>(file, bytes);
+      }
+  }
+  /// With indexes alone, but every block whole; and with the directory, but no index.
+  template <int D>
+  void expect_restored() {
+    const TestPath again("again.lode");
+    test::save<D>(test::built<D>(volume_), path_.str());
+    const StoredFile file(path_.str());
+    const auto expect_same = [&](const Bytes& bytes) {
+      store::save_file(path_.str(), bytes);
+      const auto salvaged = test::salvage<D>(path_.str());
+      ASSERT_TRUE(salvaged) << salvaged.error().message;
+      EXPECT_TRUE(salvaged->report.lost.empty());
+      test::save<D>(salvaged->model, again.str());
+      EXPECT_TRUE(store::load_file(again.str()) == file.bytes);
+    };
+    Bytes bytes = file.bytes;
+    bytes.resize(store::end_of(file.reader.blocks()) + 5);
+    expect_same(bytes);
+    bytes = file.bytes;
+    bytes[50] ^= std::byte{1};  // of the header
+    expect_same(bytes);
+    bytes = file.bytes;
+    for (const store::BlockEntry& index : file.indexes) bytes[index.offset] ^= std::byte{1};
+    expect_same(bytes);
+    EXPECT_TRUE(test::load<D>(path_.str()));
+  }
+
+  TestPath path_{"truncated.lode"};
+};
+
+TEST_P(truncated_file, is_within_its_bounds_wherever_it_is_cut) {
+  if (is_flat())
+    expect_salvaged_wherever_it_is_cut<2>();
+  else
+    expect_salvaged_wherever_it_is_cut<3>();
+}
+
+TEST_P(truncated_file, loses_the_blocks_of_indexes_that_are_damaged) {
+  if (is_flat())
+    expect_runs_lost_with_their_indexes<2>();
+  else
+    expect_runs_lost_with_their_indexes<3>();
+}
+
+TEST_P(truncated_file, comes_back_to_the_byte_where_all_blocks_are_whole) {
+  if (is_flat())
+    expect_restored<2>();
+  else
+    expect_restored<3>();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    cases, truncated_file,
+    ::testing::Values(SalvageCase{{{1, 1, 1}}}, SalvageCase{{{9, 8, 7}}, ScalarType::int16},
+                      SalvageCase{{{35, 20, 18}}, ScalarType::uint8, Pattern::noise, Holes::some},
+                      SalvageCase{{{34, 24, 33}}, ScalarType::float32, Pattern::waves},
+                      SalvageCase{{{4, 3, 520}}, ScalarType::uint16, Pattern::waves},
+                      SalvageCase{{{260, 3, 4}}, ScalarType::float32, Pattern::noise, Holes::some},
+                      SalvageCase{{{40, 33, 1}}, ScalarType::uint8, Pattern::waves},
+                      SalvageCase{
+                          {{2060, 1, 4}}, ScalarType::float32, Pattern::noise, Holes::some}));
+
+TEST(salvage, of_a_file_that_says_more_samples_than_its_bytes_can_be_is_refused) {
+  const TestPath path("salvage.lode");
+  Volume volume = test::random_samples({{9, 8, 7}}, ScalarType::uint8, Holes::none);
+  const Model<3> model = test::built<3>(volume);
+  auto writer = store::Writer::create(path.str(), model_name<3>(), {});
+  ASSERT_TRUE(writer);
+  VolumeInfo info = volume.info;
+  info.grid.dims = {{500'000, 500'000, 500'000}};
+  writer->set_early_metadata(encode_early_metadata(info, model.stats));
+  const std::vector<store::KeyedBlock> blocks{{{1, 0, {}}, store::encode_block({Bytes(100), 1})}};
+  ASSERT_TRUE(writer->append_run(blocks));
+  ASSERT_TRUE(writer->finish());
+  Bytes bytes = store::load_file(path.str());
+  bytes.pop_back();
+  store::save_file(path.str(), bytes);
+  const auto salvaged = test::salvage<3>(path.str());
+  ASSERT_FALSE(salvaged);
+  EXPECT_NE(salvaged.error().message.find("500000 x 500000 x 500000, too many"), std::string::npos)
+      << salvaged.error().message;
+}
 
 TEST(salvage, of_a_scan_is_within_its_bounds_whichever_block_is_damaged) {
   expect_each_block_salvaged<3>(test::part_of_scan());

@@ -65,7 +65,7 @@ Result<diamond::Model<D>> load(const std::string& path) {
 
 using Bytes = std::vector<std::byte>;
 
-/// Writes a file again with other metadata and blocks, and right checksums.
+/// Writes a file again with other metadata and blocks, right checksums, and no indexes.
 inline void rewrite(const std::string& path, const std::function<void(Bytes&)>& edit_metadata,
                     const std::function<void(const store::BlockKey&, Bytes&)>& edit_block = {}) {
   const auto reader = store::Reader::open(path);
@@ -76,6 +76,7 @@ inline void rewrite(const std::string& path, const std::function<void(Bytes&)>& 
   ASSERT_TRUE(writer);
   for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
     const store::BlockEntry& entry = reader->blocks()[i];
+    if (store::is_index(entry.key)) continue;
     auto raw = reader->read_block(i);
     ASSERT_TRUE(raw);
     if (edit_block) edit_block(entry.key, *raw);

@@ -15,6 +15,7 @@ import sys
 
 MAGIC = b"\x8bLOD\r\n\x1a\n"
 HEADER_BYTES = 128
+INDEX_MARK = bytes.fromhex("8B 4C 4F 44 49 4E 44 45 58 D3 7E 51 A9 1C F6 08")
 MASK = (1 << 64) - 1
 PRIMES = (
     11400714785074694791,
@@ -209,7 +210,10 @@ def read_directory(library, data, header):
     stored = data[start : start + header["directory_stored_size"]]
     expect(start + len(stored) == len(data), "the directory is not at the end")
     expect(xxh64(stored) == header["directory_checksum"], "directory checksum differs")
-    raw = unzstd(library, stored, header["directory_raw_size"])
+    return parse_directory(unzstd(library, stored, header["directory_raw_size"]))
+
+
+def parse_directory(raw):
     (name_size,) = struct.unpack_from("<I", raw, 0)
     model = raw[4 : 4 + name_size].decode("utf-8")
     at = 4 + name_size
@@ -226,6 +230,37 @@ def read_directory(library, data, header):
     expect(at == len(raw), "wrong directory size")
     blocks = [{name: column[i] for name, column in columns.items()} for i in range(n)]
     return model, metadata, blocks
+
+
+def read_index(library, raw, at):
+    """What an index says: model, early metadata and the entries of blocks that follow it."""
+    expect(raw[:16] == INDEX_MARK, f"no mark at offset {at}")
+    offset, stored_size, raw_size, frame_sum, head_sum = struct.unpack_from("<5Q", raw, 16)
+    expect(head_sum == xxh64(raw[:48]), f"index checksum differs at offset {at}")
+    expect(offset == at, f"the index at offset {at} says that it lies at {offset}")
+    expect(56 + stored_size == len(raw), f"wrong size of the index at offset {at}")
+    expect(frame_sum == xxh64(raw[56:]), f"frame checksum differs at offset {at}")
+    return parse_directory(unzstd(library, raw[56:], raw_size))
+
+
+def check_indexes(library, data, blocks):
+    """Each index lists just the blocks from it to the next one; gives what else each says."""
+    offset, n_listed, found = HEADER_BYTES, 0, []
+    for at, block in enumerate(blocks):
+        if block["kind"] == 0:
+            expect(n_listed == 0, f"an index too early at offset {offset}")
+            raw = data[offset : offset + block["stored_size"]]
+            model, metadata, entries = read_index(library, raw, offset)
+            n_listed = len(entries)
+            expect(blocks[at + 1 : at + 1 + n_listed] == entries, f"wrong index at {offset}")
+            number = tuple(block[name] for name in ("level", "x", "y", "z"))
+            expect(number == (0, len(found), 0, 0), f"wrong number at {offset}")
+            found.append((model, metadata))
+        else:
+            expect(n_listed > 0, f"a block in no index at offset {offset}")
+            n_listed -= 1
+        offset += block["stored_size"]
+    return found
 
 
 def read_blocks(library, data, header, blocks):

@@ -140,8 +140,8 @@ class Dataset {
   /// `threads`: for loading.
   [[nodiscard]] static Result<Dataset> open(const std::string& path, Threads threads);
   /// Opens a .lode file some of whose blocks are damaged, and loads it: what is lost is filled from
-  /// coarser samples, within proven bounds. Header and directory must be whole; bytes may be
-  /// missing between them. See salvage.h.
+  /// coarser samples, within proven bounds. Bytes may be missing between header and directory; or
+  /// the end of the file, or these two, where the first index of blocks is whole. See salvage.h.
   [[nodiscard]] static Result<Dataset> salvage(const std::string& path, Threads threads,
                                                Progress& progress);
   /// What was lost of it; null unless salvage() opened it.

@@ -36,7 +36,7 @@ struct LostLevel {
 /// field is within E + max_error of F, and within E outside the boxes. That is a proof, from ranges
 /// and errors that whole blocks and the metadata say of F, wherever both fields have a value.
 struct SalvageReport {
-  std::uint64_t n_blocks = 0;     ///< Of the file.
+  std::uint64_t n_blocks = 0;     ///< Of the file when it was whole, without indexes.
   std::vector<LostBlock> blocks;  ///< That are lost.
   std::vector<LostLevel> levels;  ///< Those with lost blocks, finest first.
   std::uint64_t n_samples = 0;    ///< That are lost. 0: all is as it was.
@@ -47,5 +47,9 @@ struct SalvageReport {
   std::uint64_t n_lost_holes = 0;
   std::uint64_t n_filled_holes = 0;
 };
+
+/// Whether a file says enough of its blocks for Dataset::salvage() to try: its directory is whole,
+/// or an index of blocks.
+[[nodiscard]] bool can_salvage(const std::string& path);
 
 }  // namespace lode

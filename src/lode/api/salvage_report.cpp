@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 
 #include "lode/models/diamond/block_layout.h"
 #include "lode/store/header.h"
@@ -57,9 +58,15 @@ Result<store::Reader> open_damaged(const std::string& path) {
   auto reader = store::Reader::open(path, {.length = store::Length::any});
   if (reader || !store::starts_as_lode(path)) return reader;
   return fail(
-      "{}; nothing can be salvaged: only the header, at the start, and the directory, at the end, "
-      "say what the blocks between them are",
+      "{}; nothing can be salvaged: only the directory, at the end, and the indexes before blocks "
+      "say what these are",
       reader.error().message);
+}
+
+bool can_salvage(const std::string& path) try {
+  return open_damaged(path).has_value();
+} catch (const std::bad_alloc&) {
+  return false;
 }
 
 SalvageReport to_report(const diamond::SalvageReport& found, const RegularGrid& grid) {

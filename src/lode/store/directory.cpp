@@ -75,15 +75,12 @@ Result<void> check_entry(const BlockEntry& block, const DirectoryContext& contex
 
 /// Offsets follow from the sizes, so gaps and overlaps cannot be expressed.
 Result<void> place_blocks(std::span<BlockEntry> blocks, const DirectoryContext& context) {
-  std::uint64_t offset = kHeaderBytes;
+  std::uint64_t offset = context.blocks_begin;
   for (BlockEntry& block : blocks) {
     block.offset = offset;
     LODE_CHECK(check_entry(block, context));
     offset += block.stored_size;
   }
-  if (offset != context.blocks_end)
-    return fail("{}: expected the blocks to end at the directory, offset {}, got {}", context.path,
-                context.blocks_end, offset);
   return {};
 }
 
@@ -115,8 +112,7 @@ std::vector<std::byte> encode_directory(const Directory& directory) {
   return std::move(out).take();
 }
 
-Result<Directory> decode_directory(std::span<const std::byte> bytes,
-                                   const DirectoryContext& context) {
+Result<Directory> decode_run(std::span<const std::byte> bytes, const DirectoryContext& context) {
   ByteReader in(bytes, fmt::format("{}: directory", context.path));
   Directory directory;
   LODE_TRY(directory.model, in.read_string());
@@ -127,17 +123,31 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes,
   if (n_blocks != in.n_left() / kEntryBytes || in.n_left() % kEntryBytes != 0)
     return fail("{}: directory: expected {} bytes for each of {} blocks, got {} bytes for all",
                 context.path, kEntryBytes, n_blocks, in.n_left());
-  constexpr std::uint64_t kBlockMemory = sizeof(BlockEntry) + sizeof(std::size_t);
-  if (n_blocks > context.memory_limit / kBlockMemory)
+  if (n_blocks > context.memory_limit / kEntryMemory)
     return fail(
         "{}: directory: expected at most {} blocks within the memory limit of {} bytes, "
         "got {}",
-        context.path, context.memory_limit / kBlockMemory, context.memory_limit, n_blocks);
+        context.path, context.memory_limit / kEntryMemory, context.memory_limit, n_blocks);
   directory.blocks.resize(static_cast<std::size_t>(n_blocks));
   LODE_CHECK(read_columns(in, directory.blocks));
   LODE_CHECK(in.expect_end());
   LODE_CHECK(place_blocks(directory.blocks, context));
   return directory;
+}
+
+Result<Directory> decode_directory(std::span<const std::byte> bytes,
+                                   const DirectoryContext& context) {
+  LODE_TRY(auto directory, decode_run(bytes, context));
+  const std::uint64_t end =
+      directory.blocks.empty() ? context.blocks_begin : end_of(directory.blocks);
+  if (end != context.blocks_end)
+    return fail("{}: expected the blocks to end at the directory, offset {}, got {}", context.path,
+                context.blocks_end, end);
+  return directory;
+}
+
+std::uint64_t end_of(std::span<const BlockEntry> blocks) {
+  return blocks.empty() ? kHeaderBytes : blocks.back().offset + blocks.back().stored_size;
 }
 
 std::vector<std::size_t> order_by_key(std::span<const BlockEntry> blocks) {

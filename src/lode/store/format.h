@@ -56,6 +56,11 @@ struct BlockKey {
   friend constexpr auto operator<=>(const BlockKey&, const BlockKey&) = default;
 };
 
+/// Kind of the blocks that say which blocks follow them (block_index.h): positions count them from
+/// 0 along x. A model's own kinds begin with 1.
+inline constexpr std::uint32_t kIndexKind = 0;
+[[nodiscard]] constexpr bool is_index(const BlockKey& key) { return key.kind == kIndexKind; }
+
 /// Where a block lies and how to check and decode it.
 struct BlockEntry {
   BlockKey key;

@@ -12,6 +12,8 @@
 namespace lode::store {
 namespace {
 
+constexpr std::size_t kVersionOffset = 8;
+constexpr std::size_t kFeaturesOffset = 16;
 constexpr std::size_t kSizeOffset = 24;
 constexpr std::size_t kChecksumOffset = kHeaderBytes - sizeof(std::uint64_t);
 
@@ -92,6 +94,16 @@ std::uint64_t said_size(std::span<const std::byte> start) {
   return start.size() < kHeaderBytes ? UINT64_MAX : load<std::uint64_t>(start, kSizeOffset);
 }
 
+bool may_be_known(std::span<const std::byte> start) {
+  if (start.size() < kHeaderBytes ||
+      !std::ranges::equal(start.first(kMagicBytes), std::as_bytes(std::span(kMagic))))
+    return false;
+  const bool is_whole =
+      load<std::uint64_t>(start, kChecksumOffset) == checksum(start.first(kChecksumOffset));
+  return !is_whole || (load<std::uint32_t>(start, kVersionOffset) == kFormatVersion &&
+                       (load<std::uint64_t>(start, kFeaturesOffset) & ~kKnownFeatures) == 0);
+}
+
 Result<Header> decode_header(std::span<const std::byte> start, std::uint64_t file_size,
                              const std::string& path) {
   LODE_CHECK(check_magic(start, path));
@@ -104,7 +116,7 @@ Result<Header> decode_header(std::span<const std::byte> start, std::uint64_t fil
   if (sum != real_sum)
     return fail("{}: header is damaged: expected checksum {:016x}, got {:016x}", path, sum,
                 real_sum);
-  const auto version = load<std::uint32_t>(start, 8);
+  const auto version = load<std::uint32_t>(start, kVersionOffset);
   if (version != kFormatVersion)
     return fail("{}: the file has format version {}, this program reads version {}{}", path,
                 version, kFormatVersion,
@@ -113,7 +125,7 @@ Result<Header> decode_header(std::span<const std::byte> start, std::uint64_t fil
   if (header_bytes != kHeaderBytes)
     return fail("{}: expected a header of {} bytes, got one of {}", path, kHeaderBytes,
                 header_bytes);
-  const Header header{.features = load<std::uint64_t>(start, 16),
+  const Header header{.features = load<std::uint64_t>(start, kFeaturesOffset),
                       .file_size = load<std::uint64_t>(start, kSizeOffset),
                       .directory_offset = load<std::uint64_t>(start, 32),
                       .directory_stored_size = load<std::uint64_t>(start, 40),

@@ -28,6 +28,11 @@ struct Header {
 /// Whether `path` is a regular file that starts as .lode files do.
 [[nodiscard]] bool starts_as_lode(const std::string& path);
 
+/// Whether a file may be one that this program reads, though its header, all of which is in
+/// `start`, may be damaged: it starts as .lode files do, and no whole header says another version
+/// or unknown features.
+[[nodiscard]] bool may_be_known(std::span<const std::byte> start);
+
 /// The file's size as the first kHeaderBytes of it say, unchecked; the largest there is where they
 /// are not all there.
 [[nodiscard]] std::uint64_t said_size(std::span<const std::byte> start);

@@ -14,12 +14,17 @@
 
 #include "lode/store/checksum.h"
 #include "lode/store/codec.h"
+#include "lode/store/index_scan.h"
 
 namespace lode::store {
 namespace {
 
 constexpr std::uint64_t kDefaultMemory = std::uint64_t{64} << 20;
 constexpr std::uint64_t kDefaultMemoryPerByte = 4;
+
+std::uint64_t limit_of(std::uint64_t asked, std::uint64_t file_size) {
+  return asked != 0 ? asked : kDefaultMemoryPerByte * file_size + kDefaultMemory;
+}
 
 Error system_error(const std::string& path, const char* action) {
   return fail("{}: cannot {}: {}", path, action, std::strerror(errno));
@@ -58,6 +63,7 @@ Reader::Reader(Reader&& other) noexcept
       memory_limit_(other.memory_limit_),
       length_(other.length_),
       shift_(other.shift_),
+      is_rebuilt_(other.is_rebuilt_),
       header_(other.header_),
       directory_(std::move(other.directory_)),
       order_(std::move(other.order_)),
@@ -70,6 +76,7 @@ Reader& Reader::operator=(Reader&& other) noexcept {
   std::swap(memory_limit_, other.memory_limit_);
   std::swap(length_, other.length_);
   std::swap(shift_, other.shift_);
+  std::swap(is_rebuilt_, other.is_rebuilt_);
   std::swap(header_, other.header_);
   std::swap(directory_, other.directory_);
   std::swap(order_, other.order_);
@@ -157,20 +164,45 @@ Result<std::vector<std::byte>> Reader::find_directory() {
   return found;
 }
 
+Result<void> Reader::read_directory(std::uint64_t memory_limit) {
+  LODE_TRY(header_, load_header());
+  memory_limit_ = limit_of(memory_limit, file_size());
+  LODE_TRY(const auto raw, find_directory());
+  LODE_TRY(directory_, decode_directory(raw, {.path = path_,
+                                              .blocks_end = header_.directory_offset,
+                                              .memory_limit = memory_limit_}));
+  return {};
+}
+
+/// From the blocks' indexes; `why` says what is wrong with the one there should be.
+Result<void> Reader::rebuild_directory(std::uint64_t memory_limit, const Error& why) {
+  LODE_TRY(const std::uint64_t size, size_on_disk());
+  std::array<std::byte, kHeaderBytes> start{};
+  if (size < start.size() || !read_at(0, start) || !may_be_known(start)) return why;
+  memory_limit_ = limit_of(memory_limit, size);
+  directory_ = scan_indexes(
+      {.path = path_,
+       .size = size,
+       .memory_limit = memory_limit_,
+       .read_at = [this](std::uint64_t at, std::span<std::byte> to) { return read_at(at, to); }});
+  if (directory_.blocks.empty())
+    return fail("{}; and no index of its blocks is whole", why.message);
+  header_ = {.file_size = size};
+  shift_ = 0;
+  is_rebuilt_ = true;
+  return {};
+}
+
 Result<Reader> Reader::open(std::string path, const ReaderOptions& options) {
   // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return system_error(path, "open");
   Reader reader(std::move(path), descriptor);
   reader.length_ = options.length;
-  LODE_TRY(reader.header_, reader.load_header());
-  reader.memory_limit_ = options.memory_limit != 0
-                             ? options.memory_limit
-                             : kDefaultMemoryPerByte * reader.file_size() + kDefaultMemory;
-  LODE_TRY(const auto raw, reader.find_directory());
-  LODE_TRY(reader.directory_, decode_directory(raw, {.path = reader.path_,
-                                                     .blocks_end = reader.header_.directory_offset,
-                                                     .memory_limit = reader.memory_limit_}));
+  if (const auto read = reader.read_directory(options.memory_limit); !read) {
+    if (options.length == Length::as_said) return read.error();
+    LODE_CHECK(reader.rebuild_directory(options.memory_limit, read.error()));
+  }
   reader.order_ = order_by_key(reader.directory_.blocks);
   LODE_CHECK(check_keys_differ(reader.directory_.blocks, reader.order_, reader.path_));
   return reader;

@@ -19,7 +19,7 @@ namespace lode::store {
 /// Whether a file must be as long as its header says. `any`: bytes may follow its end, as tools
 /// that recover files leave them, or some be missing or too many between its blocks. Its directory
 /// is then also looked for at the end, and each block as far off as that is, if it is not in its
-/// place.
+/// place. Where there is none, what the blocks' indexes say takes its place.
 enum class Length : std::uint8_t { as_said, any };
 
 struct ReaderOptions {
@@ -40,7 +40,7 @@ class Reader {
  public:
   /// Reads and checks the header and the directory, no block. Fails, naming `path`, what was
   /// expected and what came, on anything but a whole file of a version and features that this
-  /// program knows.
+  /// program knows; with Length::any also on one without a directory, but with an index.
   [[nodiscard]] static Result<Reader> open(std::string path, const ReaderOptions& options = {});
 
   Reader(Reader&& other) noexcept;
@@ -53,6 +53,9 @@ class Reader {
   [[nodiscard]] std::span<const std::byte> metadata() const { return directory_.metadata; }
   /// In the order of the file.
   [[nodiscard]] std::span<const BlockEntry> blocks() const { return directory_.blocks; }
+  /// Whether there was no directory: of the blocks some may be missing, others cut off, and the
+  /// metadata are what was known before the blocks were. Indexes are not among blocks().
+  [[nodiscard]] bool is_rebuilt() const { return is_rebuilt_; }
   /// Index into blocks(), in O(log n).
   [[nodiscard]] std::optional<std::size_t> find(const BlockKey& key) const;
 
@@ -69,7 +72,7 @@ class Reader {
 
   /// Reads and checks every byte of the file anew: header, directory and, decoding them, all
   /// blocks, which together cover it without gap or overlap. Reports the first fault in the
-  /// order of the file.
+  /// order of the file. Not for a directory that was rebuilt.
   [[nodiscard]] Result<void> check_all(Threads threads, Progress& progress) const;
 
  private:
@@ -79,6 +82,8 @@ class Reader {
   [[nodiscard]] Result<Header> load_header() const;
   [[nodiscard]] Result<std::vector<std::byte>> load_directory(const Header& header) const;
   [[nodiscard]] Result<std::vector<std::byte>> find_directory();
+  [[nodiscard]] Result<void> read_directory(std::uint64_t memory_limit);
+  [[nodiscard]] Result<void> rebuild_directory(std::uint64_t memory_limit, const Error& why);
   [[nodiscard]] Result<void> read_stored(const BlockEntry& block, std::uint64_t offset,
                                          std::span<std::byte> out) const;
   [[nodiscard]] Error block_error(const BlockEntry& block, const std::string& what) const;
@@ -88,6 +93,7 @@ class Reader {
   std::uint64_t memory_limit_ = 0;
   Length length_ = Length::as_said;
   std::uint64_t shift_ = 0;  ///< How far off the directory was, modulo 2^64.
+  bool is_rebuilt_ = false;
   Header header_;
   Directory directory_;
   std::vector<std::size_t> order_;  ///< Of blocks, by key.

@@ -4,13 +4,18 @@
 #include <array>
 #include <utility>
 
+#include "lode/store/block_index.h"
 #include "lode/store/checksum.h"
 #include "lode/store/header.h"
 
 namespace lode::store {
 
 Writer::Writer(std::string path, AtomicFile file, Directory directory)
-    : path_(std::move(path)), file_(std::move(file)), directory_(std::move(directory)) {}
+    : path_(std::move(path)),
+      file_(std::move(file)),
+      directory_(std::move(directory)),
+      n_indexes_(static_cast<std::int32_t>(std::ranges::count_if(
+          directory_.blocks, [](const BlockEntry& b) { return is_index(b.key); }))) {}
 
 Result<Writer> Writer::create(std::string path, std::string_view model,
                               std::span<const std::byte> metadata) {
@@ -49,8 +54,7 @@ Result<void> check_kept(AtomicFile& file, const std::string& path,
 
 Result<Writer> Writer::open_part(std::string path, std::string_view model,
                                  std::vector<BlockEntry> blocks, Progress& progress) {
-  const std::uint64_t n_kept =
-      blocks.empty() ? 0 : blocks.back().offset + blocks.back().stored_size;
+  const std::uint64_t n_kept = blocks.empty() ? 0 : end_of(blocks);
   LODE_TRY(AtomicFile file, AtomicFile::open_part(path, n_kept));
   LODE_CHECK(check_kept(file, path, blocks, progress));
   if (blocks.empty()) LODE_CHECK(file.write(std::array<std::byte, kHeaderBytes>{}));
@@ -59,16 +63,48 @@ Result<Writer> Writer::open_part(std::string path, std::string_view model,
   return writer;
 }
 
+namespace {
+
+/// Where it lies is not known yet.
+BlockEntry entry_of(const BlockKey& key, const EncodedBlock& block) {
+  return {.key = key,
+          .stored_size = block.stored.size(),
+          .raw_size = block.raw_size,
+          .checksum = checksum(block.stored),
+          .codec = block.codec,
+          .element_size = block.element_size};
+}
+
+}  // namespace
+
+Result<void> Writer::append(BlockEntry entry, std::span<const std::byte> stored) {
+  LODE_EXPECTS(!is_finished_ && entry.raw_size <= kMaxBlockBytes);
+  entry.offset = file_.size();
+  directory_.blocks.push_back(entry);
+  return file_.write(stored);
+}
+
 Result<void> Writer::append(const BlockKey& key, const EncodedBlock& block) {
-  LODE_EXPECTS(!is_finished_ && block.raw_size <= kMaxBlockBytes);
-  directory_.blocks.push_back({.key = key,
-                               .offset = file_.size(),
-                               .stored_size = block.stored.size(),
-                               .raw_size = block.raw_size,
-                               .checksum = checksum(block.stored),
-                               .codec = block.codec,
-                               .element_size = block.element_size});
-  return file_.write(block.stored);
+  return append(entry_of(key, block), block.stored);
+}
+
+Result<void> Writer::append_run(std::span<const KeyedBlock> blocks) {
+  if (blocks.empty()) return {};
+  Directory run{directory_.model, early_metadata_, {}};
+  for (const auto& [key, block] : blocks) run.blocks.push_back(entry_of(key, block));
+  const std::vector<std::byte> index = encode_index(encode_directory(run), file_.size());
+  const BlockEntry entry{.key = {kIndexKind, 0, {{n_indexes_++, 0, 0}}},
+                         .stored_size = index.size(),
+                         .raw_size = index.size(),
+                         .checksum = checksum(index)};
+  LODE_CHECK(append(entry, index));
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    LODE_CHECK(append(run.blocks[i], blocks[i].block.stored));
+  return {};
+}
+
+void Writer::set_early_metadata(std::span<const std::byte> metadata) {
+  early_metadata_.assign(metadata.begin(), metadata.end());
 }
 
 void Writer::set_metadata(std::span<const std::byte> metadata) {

@@ -15,6 +15,11 @@
 
 namespace lode::store {
 
+struct KeyedBlock {
+  BlockKey key;
+  EncodedBlock block;
+};
+
 /// Writes a .lode file that appears whole or not at all. Blocks lie in the file in the order of
 /// append(), which is the caller's business. One thread at a time.
 class Writer {
@@ -30,9 +35,14 @@ class Writer {
                                                 std::vector<BlockEntry> blocks, Progress& progress);
 
   [[nodiscard]] Result<void> append(const BlockKey& key, const EncodedBlock& block);
+  /// Appends an index of these blocks, by which they are found where the directory is lost, then
+  /// the blocks. Nothing where there are none.
+  [[nodiscard]] Result<void> append_run(std::span<const KeyedBlock> blocks);
   /// Returns when all blocks so far outlast a loss of power.
   [[nodiscard]] Result<void> sync() { return file_.sync(); }
   [[nodiscard]] std::span<const BlockEntry> blocks() const { return directory_.blocks; }
+  /// What indexes from now on say of the model; it must not depend on what comes after them.
+  void set_early_metadata(std::span<const std::byte> metadata);
   /// Replaces the metadata, for what is known only after the blocks.
   void set_metadata(std::span<const std::byte> metadata);
   /// Writes the directory and the header and renames the file into place; the size of the file.
@@ -43,10 +53,13 @@ class Writer {
 
  private:
   Writer(std::string path, AtomicFile file, Directory directory);
+  [[nodiscard]] Result<void> append(BlockEntry entry, std::span<const std::byte> stored);
 
   std::string path_;
   AtomicFile file_;
   Directory directory_;
+  std::vector<std::byte> early_metadata_;
+  std::int32_t n_indexes_ = 0;
   bool is_finished_ = false;
 };
 

@@ -12,7 +12,7 @@
 
 namespace lode::diamond {
 
-/// What a block holds; part of the format.
+/// What a block holds, beside store::kIndexKind; part of the format.
 enum class Kind : std::uint32_t { samples = 1, errors = 2, lows = 3, highs = 4 };
 
 /// Grid points per edge of a block.

@@ -117,7 +117,7 @@ Result<Model<D>> load(const store::Reader& reader, Threads threads, Progress& pr
 StoredBytes stored_bytes(const store::Reader& reader) {
   StoredBytes bytes;
   for (const store::BlockEntry& block : reader.blocks()) {
-    if (block.key.level > 31) continue;
+    if (store::is_index(block.key) || block.key.level > 31) continue;
     if (bytes.by_level.size() <= block.key.level) bytes.by_level.resize(block.key.level + 1);
     bytes.by_level[block.key.level] += block.stored_size;
     if (block.key.kind == static_cast<std::uint32_t>(Kind::samples))

@@ -23,14 +23,19 @@ struct Metadata {
 };
 
 [[nodiscard]] std::vector<std::byte> encode_metadata(const Metadata& metadata);
+/// What is known before any error is: all of them as infinite. The bytes that indexes of blocks
+/// have.
+[[nodiscard]] std::vector<std::byte> encode_early_metadata(const VolumeInfo& info,
+                                                           const FieldStats& stats);
 
 /// Reads the metadata of a diamond2d or diamond3d, and no block. Fails, naming the file, on sizes,
 /// ranges, counts and errors that no model has, on bytes too few or too many, and where the blocks
-/// cannot hold the samples, so that memory may be taken for what it says. Whether the
-/// summary is true, only load() finds out.
+/// cannot hold the samples, so that memory may be taken for what it says; where the directory was
+/// rebuilt, where a file of that size could not. Whether the summary is true, only load() finds
+/// out.
 [[nodiscard]] Result<Metadata> read_metadata(const store::Reader& reader);
 
-/// Writes the model as blocks, coarse levels first, along a space-filling curve inside a level
+/// Writes the model as blocks, chunk by chunk, along a space-filling curve inside a level
 /// (docs/format.md). The bytes depend on the model only.
 template <int D>
 [[nodiscard]] Result<void> save(const Model<D>& model, const std::string& path, Threads threads,

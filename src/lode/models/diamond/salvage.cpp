@@ -38,11 +38,20 @@ void add_lost(const Model<D>& model, const LostRegion<D>& block,
   report.lost.push_back(std::move(lost));
 }
 
+/// Blocks that a whole file of the model has, without indexes.
+template <int D>
+std::uint64_t count_blocks(const Shape<D>& shape) {
+  std::uint64_t n = 0;
+  for (const Kind kind : {Kind::samples, Kind::errors, Kind::lows, Kind::highs})
+    for (const Region<D>& r : all_regions<D>(shape, kind)) n += count_points(r) > 0 ? 1 : 0;
+  return n;
+}
+
 /// Puts the samples that the file has, and fills the others.
 template <int D>
 Result<SalvageReport> put_salvaged(Model<D>& model, const store::Reader& reader,
                                    const Metadata& metadata, Threads threads, Progress& progress) {
-  SalvageReport report{.n_blocks = reader.blocks().size(), .lost = {}};
+  SalvageReport report{.n_blocks = count_blocks<D>(model.shape), .lost = {}};
   std::vector<LostRegion<D>> lost;
   LODE_TRY(auto samples, SalvagedSamples<D>::load(reader, metadata, threads, progress, lost));
   std::vector<LostRegion<D>> lost_nodes;
@@ -67,7 +76,9 @@ Result<Salvaged<D>> salvage(const store::Reader& reader, Threads threads, Progre
   const bool is_original = salvaged.report.n_samples == 0;
   if (is_original) LODE_CHECK(check_stats(reader, metadata.summary.stats, model.stats));
   LODE_CHECK(build_attributes<D>(model, threads, progress));
-  if (is_original) LODE_CHECK(check_errors(reader, metadata.summary, summarize<D>(model)));
+  // What was written before the blocks knows no errors.
+  if (is_original && !reader.is_rebuilt())
+    LODE_CHECK(check_errors(reader, metadata.summary, summarize<D>(model)));
   return salvaged;
 }
 

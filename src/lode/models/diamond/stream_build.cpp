@@ -21,7 +21,7 @@ namespace lode::diamond {
 namespace {
 
 /// Counts up with every change of what a build writes, so that none goes on from another's part.
-constexpr std::uint32_t kPartFormat = 3;
+constexpr std::uint32_t kPartFormat = 4;
 
 /// Hands out boxes of a source's samples in their storage type, a few slices at a time.
 template <int D>
@@ -125,7 +125,7 @@ PartPlan<D> largest_part(const Shape<D>& shape, std::int32_t chunks_per_part) {
 /// Bytes that a build with so many chunks a part takes at most.
 template <int D>
 std::uint64_t build_bytes(const VolumeSource& source, std::int32_t chunks_per_part) {
-  constexpr std::uint64_t kCompressing = std::uint64_t{24} << 20;
+  constexpr std::uint64_t kCompressing = std::uint64_t{32} << 20;
   const VolumeInfo& info = source.info();
   const Shape<D> shape = shape_of<D>(info.grid.dims);
   const std::size_t size = size_of(info.type);
@@ -226,6 +226,12 @@ class StreamBuild {
 
   /// The file, with what an earlier build has done.
   Result<store::Writer> open(const std::string& path) {
+    LODE_TRY(auto writer, open_writer(path));
+    writer.set_early_metadata(encode_early_metadata(field_.info, field_.stats));
+    return writer;
+  }
+
+  Result<store::Writer> open_writer(const std::string& path) {
     const bool is_one_part = n_points<D>(chunk_dims()) <= as_size(chunks_per_part_);
     if (settings_.unfinished == Unfinished::nothing || is_one_part)
       return store::Writer::create(path, model_name<D>(), {});
