@@ -2,9 +2,21 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <cstring>
+#include <string>
+
 #include "tests/cli/program.h"
 
 namespace lode::test {
+
+/// A place in the first block of a .lode file, behind its index.
+inline std::size_t first_block(const std::string& bytes) {
+  constexpr std::size_t kIndexAt = 128;
+  std::uint64_t frame = 0;
+  std::memcpy(&frame, bytes.data() + kIndexAt + 24, sizeof frame);
+  return kIndexAt + 56 + frame + 9;
+}
 
 /// A ball's volume, 17 samples wide, and its .lode file, ready to be extracted from.
 class BallFixture : public ::testing::Test {

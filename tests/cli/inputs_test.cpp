@@ -4,7 +4,7 @@
 #include <span>
 
 #include "lode/store/checksum.h"
-#include "tests/cli/program.h"
+#include "tests/cli/ball_fixture.h"
 
 namespace lode::test {
 namespace {
@@ -151,7 +151,7 @@ TEST(cli_inputs, refuses_a_flipped_byte_in_anything_it_reads) {
   const std::string bytes = read_bytes(scratch / "ball.lode");
   const std::string input = scratch / "flipped.lode";
   const std::size_t n = bytes.size();
-  for (const std::size_t at : {std::size_t{3}, std::size_t{24}, std::size_t{90}, std::size_t{130},
+  for (const std::size_t at : {std::size_t{3}, std::size_t{24}, std::size_t{90}, first_block(bytes),
                                n / 3, n / 2, n - 60, n - 1}) {
     SCOPED_TRACE(at);
     const bool is_in_blocks = at >= 128 && at < n - 60;

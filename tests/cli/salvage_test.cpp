@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "tests/cli/ball_fixture.h"
 
 namespace lode::test {
@@ -15,12 +13,6 @@ class cli_salvage : public BallFixture {
     bytes.at(offset) = static_cast<char>(bytes.at(offset) ^ 0x20);
     write_bytes(lode_file(), bytes);
   }
-  /// In the first block, behind its index.
-  [[nodiscard]] std::size_t first_block() const {
-    std::uint64_t frame = 0;
-    std::memcpy(&frame, read_bytes(lode_file()).data() + 128 + 24, sizeof frame);
-    return 128 + 56 + frame + 9;
-  }
   const Words query_{"--isovalue", "100", "--max-error", "4"};
 
   [[nodiscard]] Finished extract_with(const std::string& output, Words options) {
@@ -30,7 +22,7 @@ class cli_salvage : public BallFixture {
 };
 
 TEST_F(cli_salvage, is_suggested_where_a_block_is_damaged) {
-  damage(first_block());
+  damage(first_block(read_bytes(lode_file())));
   for (const Words& mode : {Words{}, Words{"--max-cells", "100000"}}) {
     const Finished run = extract_with("s.ply", mode);
     expect_refusal(run, 1, {"block (kind 1, level 2", "damaged", "--salvage"});
@@ -39,7 +31,7 @@ TEST_F(cli_salvage, is_suggested_where_a_block_is_damaged) {
 }
 
 TEST_F(cli_salvage, writes_a_surface_and_says_what_was_lost_and_what_is_true_of_it) {
-  damage(first_block());
+  damage(first_block(read_bytes(lode_file())));
   const Finished run = extract_with("s.ply", {"--salvage", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.err.find("lode: warning: "), std::string::npos) << run.err;
@@ -66,7 +58,7 @@ TEST_F(cli_salvage, writes_a_surface_and_says_what_was_lost_and_what_is_true_of_
 }
 
 TEST_F(cli_salvage, goes_with_all_that_extract_writes) {
-  damage(first_block());
+  damage(first_block(read_bytes(lode_file())));
   EXPECT_EQ(run_lode({"extract", lode_file(), file("m.vtu"), "--mesh", "--max-error", "4",
                       "--salvage", "--json"})
                 .json()

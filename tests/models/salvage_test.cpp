@@ -291,6 +291,7 @@ class truncated_file : public salvaged_file {
     for (const store::BlockEntry& index : file.indexes) bytes[index.offset] ^= std::byte{1};
     expect_same(bytes);
     EXPECT_TRUE(test::load<D>(path_.str()));
+    EXPECT_NE(store::open_and_check(path_.str()), "");
   }
 
   TestPath path_{"truncated.lode"};
