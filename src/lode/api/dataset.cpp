@@ -327,12 +327,13 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   const std::uint64_t limit =
       options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
   const bool is_too_large = impl.model_bytes() > limit;
-  LODE_TRY(plan.chunks, impl.chunks(limit));
+  // Whether holes open the border is asked of all samples.
+  const bool asks_all = options.border == Border::closed && impl.summary().stats.n_holes > 0;
+  if (!asks_all) {
+    LODE_TRY(plan.chunks, impl.chunks(limit));
+  }
   // At full resolution all in memory is faster, and numbers vertices in another order.
   if (plan.report.max_error == 0 && !is_too_large) plan.chunks = nullptr;
-  // Whether holes open the border is asked of all its samples.
-  const bool asks_all = options.border == Border::closed && impl.summary().stats.n_holes > 0;
-  if (asks_all) plan.chunks = nullptr;
   if (asks_all && options.memory_limit > 0 && is_too_large && impl.is_in_file())
     return fail(
         "expected a memory limit of at least {} MB to close the surface of a field with holes, got "

@@ -99,7 +99,8 @@ void BorderSpool::begin_part(const IndexBox& samples) {
 Result<void> BorderSpool::read(const IndexBox& box, std::span<std::byte> out) try {
   if (!is_parted_) {
     LODE_CHECK(source_.read(box, out));
-    return keep(box, out);
+    keep(box, out);
+    return {};
   }
   const Ranges whole = ranges_of(box);
   const auto n_kept = static_cast<std::int32_t>(slices_.size());
@@ -119,15 +120,15 @@ Result<void> BorderSpool::read(const IndexBox& box, std::span<std::byte> out) tr
 }
 
 /// Slices that are not the next ones are read again when they are wanted.
-Result<void> BorderSpool::keep(const IndexBox& box, std::span<const std::byte> slices) {
+void BorderSpool::keep(const IndexBox& box, std::span<const std::byte> slices) {
   const Ranges ranges = ranges_of(box);
   const auto next = static_cast<std::int32_t>(slices_.size());
-  if (ranges[0] != all_[0] || ranges[1] != all_[1] || ranges[2].lower != next) return {};
+  if (ranges[0] != all_[0] || ranges[1] != all_[1] || ranges[2].lower != next) return;
   slices_.reserve(n_of(all_[2]));
   const std::size_t n_bytes = n_of(all_[0]) * n_of(all_[1]) * sample_size();
-  for (std::size_t i = 0; i < n_of(ranges[2]); ++i)
-    LODE_CHECK(keep_slice(slices.subspan(i * n_bytes, n_bytes)));
-  return {};
+  // Where there is no room for the spool, the parts read the source again.
+  for (std::size_t i = 0; i < n_of(ranges[2]) && !is_full_; ++i)
+    is_full_ = !keep_slice(slices.subspan(i * n_bytes, n_bytes));
 }
 
 /// All of it, or rows and then columns; see place_in_slice().

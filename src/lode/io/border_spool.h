@@ -20,7 +20,8 @@ struct PartedReads {
 
 /// A source that decodes whole units (read_unit()) which several parts need: what the others read
 /// of a unit is kept in a spool file when the first pass has it, so that one part decodes it again,
-/// at most (BorderPlan). Any box may be read at any time and has the samples of the source; what is
+/// at most (BorderPlan). Where the disk has no room for it, the rest is decoded as often as it is
+/// asked for. Any box may be read at any time and has the samples of the source; what is
 /// not in the spool yet comes from there. Of a slice all that is kept along x and y lies together.
 class BorderSpool final : public VolumeSource {
  public:
@@ -48,7 +49,7 @@ class BorderSpool final : public VolumeSource {
 
   BorderSpool(VolumeSource& source, const PartedReads& reads, Plans plans, SpoolFile spool,
               IoTallyPtr tally);
-  [[nodiscard]] Result<void> keep(const IndexBox& box, std::span<const std::byte> slices);
+  void keep(const IndexBox& box, std::span<const std::byte> slices);
   [[nodiscard]] Result<void> keep_slice(std::span<const std::byte> slice);
   [[nodiscard]] Result<void> read_source(const Ranges& part, const Ranges& whole,
                                          std::span<std::byte> out);
@@ -71,6 +72,7 @@ class BorderSpool final : public VolumeSource {
   Ranges all_;
   SpoolFile spool_;
   IoTallyPtr tally_;
+  bool is_full_ = false;  ///< Nothing more is kept.
   bool is_parted_ = false;
   std::array<int, 3> part_{};          ///< Number along each axis.
   std::vector<std::uint64_t> slices_;  ///< Where what is kept of each slice begins.

@@ -42,12 +42,11 @@ std::size_t slot_of(LatticeKey key, std::size_t n_slots) {
 
 template <int D>
 SimplexIsosurface<D>::SimplexIsosurface(const LatticeFrame& frame, double isovalue,
-                                        IsoPart<D>& part, IsTwin is_twin)
+                                        IsoPart<D>& part)
     : isovalue_(isovalue),
       margin_(frame.margin),
       is_mirrored_(frame.is_mirrored),
       part_(part),
-      is_twin_(std::move(is_twin)),
       slots_(64, 0) {}
 
 template <int D>
@@ -65,14 +64,13 @@ void SimplexIsosurface<D>::grow() {
 template <int D>
 std::uint32_t SimplexIsosurface<D>::vertex_on(const LatticeSimplex<D>& s, std::size_t i,
                                               std::size_t j) {
-  const LatticeKey twin = is_twin_ && is_twin_(s, i, j) ? kTwin : 0;
-  const LatticeKey key = (s.vertex[i] + s.vertex[j]) | twin;
+  const LatticeKey key = s.vertex[i] + s.vertex[j];
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = slot_of(key, slots_.size());
   for (; slots_[slot] != 0; slot = (slot + 1) & mask)
     if (part_.points[slots_[slot] - 1].doubled_midpoint() == key) return slots_[slot] - 1;
   const std::uint32_t id =
-      part_.add_point(s.vertex[i], s.value[i], s.vertex[j], s.value[j], isovalue_, margin_, twin);
+      part_.add_point(s.vertex[i], s.value[i], s.vertex[j], s.value[j], isovalue_, margin_);
   slots_[slot] = id + 1;
   if (part_.points.size() * 2 > slots_.size()) grow();
   return id;

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -23,12 +22,7 @@ struct LatticeSimplex {
 template <int D>
 class SimplexIsosurface {
  public:
-  /// Whether on the edge between two of a simplex's vertices it has the second of two vertices.
-  using IsTwin = std::function<bool(const LatticeSimplex<D>&, std::size_t, std::size_t)>;
-
-  /// is_twin: null where no edge has two.
-  SimplexIsosurface(const LatticeFrame& frame, double isovalue, IsoPart<D>& part,
-                    IsTwin is_twin = nullptr);
+  SimplexIsosurface(const LatticeFrame& frame, double isovalue, IsoPart<D>& part);
 
   void add(const LatticeSimplex<D>& simplex);
 
@@ -40,7 +34,6 @@ class SimplexIsosurface {
   double margin_;
   bool is_mirrored_;
   IsoPart<D>& part_;
-  IsTwin is_twin_;
   std::vector<std::uint32_t> slots_;  ///< Open addressing by doubled midpoint; id + 1.
 };
 

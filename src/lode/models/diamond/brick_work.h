@@ -117,20 +117,6 @@ LatticeSimplex<D> to_lattice(const AxisMap<D>& axes,
   return s;
 }
 
-/// The rule by which coarse simplices of a field with holes get twins; null without holes.
-template <int D, typename Field, typename IsRemovedCell>
-typename SimplexIsosurface<D>::IsTwin twin_rule(const Field& field, IsRemovedCell is_removed_cell) {
-  if constexpr (D == 3)
-    if (field.has_holes())
-      return [&field, is_removed_cell](const LatticeSimplex<3>& s, std::size_t i, std::size_t j) {
-        std::array<Index<3>, 4> corners;
-        for (std::size_t c = 0; c < corners.size(); ++c) corners[c] = to_point(s.vertex[c]);
-        return is_pinched(field.shape, corners[i], corners[j], is_removed_cell) &&
-               is_in_second_arc(corners, corners[i], corners[j]);
-      };
-  return nullptr;
-}
-
 /// Brick simplices as ranges, one per brick that has any.
 template <int D>
 struct BrickWork {

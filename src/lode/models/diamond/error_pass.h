@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "lode/core/progress.h"
@@ -85,8 +86,12 @@ class ErrorPass {
     gather_values<D>(model_, brick.position, 1, brick.values.data());
     const std::size_t n_values = power(as_size(kLeafEdge<D>), D);
     const std::size_t n_holes = model_.has_holes() ? count_holes<D>(brick.values.data()) : 0;
-    V low = std::numeric_limits<V>::infinity();  // steps are never holes
-    V high = static_cast<V>(-low);
+    V low{};
+    V high{};
+    if constexpr (std::is_floating_point_v<V>) {  // of nothing but holes; steps are never holes
+      low = std::numeric_limits<V>::infinity();
+      high = -low;
+    }
     if (n_holes == 0) range_of(brick.values.data(), n_values, low, high);
     brick.has_holes = n_holes > 0;
     brick.is_uniform = (low == high || n_holes == n_values) && is_whole(brick.position);

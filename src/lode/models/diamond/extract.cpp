@@ -85,9 +85,7 @@ class Extraction {
     work_ = work_of(cut_);
     parts_.resize(work_.size() + 1);
     {
-      SimplexIsosurface<D> mapper(
-          frame_, query_.isovalue, parts_[0].part,
-          twin_rule<D>(model_, [this](const Index<D>& c) { return model_.is_removed_cell(c); }));
+      SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts_[0].part);
       for (const ActiveSimplex<D>& s : cut_.leaves)
         mapper.add(to_lattice<D>(model_.axes, s.vertex, s.value));
       find_shared<D>(parts_[0], [](const EdgePoint&) { return true; });

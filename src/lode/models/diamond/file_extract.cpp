@@ -58,9 +58,7 @@ class FileExtraction {
     work_ = work_of(cut_);
     parts_of_bricks_ = PartsOfBricks<D>(field_.axes, brick_dims_, work_);
     stats_ = cut_.stats;
-    const auto coarse = march_coarse();
-    if (!failed_.message.empty()) return failed_;
-    LODE_CHECK(join(coarse, 0));
+    LODE_CHECK(join(march_coarse(), 0));
     Bricks bricks = bricks_of(0);
     for (std::size_t i = 0; i < work_.size();) {
       if (progress.is_cancelled()) return cancelled_error();
@@ -90,17 +88,15 @@ class FileExtraction {
     BrickIsosurface<D> mapper;
   };
 
-  /// False, and the first error is kept, where samples cannot be read.
-  bool is_true(const Result<bool>& answer) {
-    if (!answer && failed_.message.empty()) failed_ = answer.error();
-    return answer && *answer;
-  }
-
   Result<void> find_coarse_cut() {
+    Error failed;
     CoarseTraversal<D, CoarseField<D>>(selection_, cut_, [&](const Simplex<D>& s) {
-      return is_true(stored_.is_removed(s));
+      if (!failed.message.empty()) return true;  // nothing more is asked of the file
+      const Result<bool> is_removed = stored_.is_removed(s);
+      if (!is_removed) failed = is_removed.error();
+      return !is_removed || *is_removed;
     }).run();
-    if (!failed_.message.empty()) return failed_;
+    if (!failed.message.empty()) return failed;
     return {};
   }
 
@@ -135,10 +131,7 @@ class FileExtraction {
 
   std::vector<StitchPart<D>> march_coarse() {
     std::vector<StitchPart<D>> parts(1);
-    SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts[0].part,
-                                twin_rule<D>(field_, [this](const Index<D>& c) {
-                                  return is_true(stored_.is_removed_cell(c));
-                                }));
+    SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts[0].part);
     for (const ActiveSimplex<D>& s : cut_.leaves)
       mapper.add(to_lattice<D>(field_.axes, s.vertex, s.value));
     find_shared<D>(parts[0], [](const EdgePoint&) { return true; });
@@ -264,7 +257,6 @@ class FileExtraction {
   Selection<D, CoarseField<D>> selection_;
   Index<D> brick_dims_;
   StoredSamples<D> stored_;
-  Error failed_;  ///< Of reading those.
   FilePart<D> part_;
   CoarseCut<D> cut_;
   std::vector<BrickWork<D>> work_;

@@ -1,29 +1,30 @@
 #pragma once
 
 #include <array>
+#include <cstdlib>
 
 #include "lode/models/diamond/lattice.h"
 
 namespace lode::diamond {
 
-/// Whether cells that holes have left lie round an edge p - q in two arcs, with removed ones
-/// between them: a surface that crosses the edge has a vertex for each arc, else two sheets would
-/// meet in one. Only along an axis do four cells meet round an edge, and each simplex there lies in
-/// one quadrant, or all four are alike. is_removed(cell): of unit cells in the data, by lowest
-/// corner.
+/// Whether cells that holes have left lie round an edge p - q of a cut in two arcs, with removed
+/// ones between them: a surface that crosses the edge has a vertex for each arc, else two sheets
+/// would meet in one. Only along an axis do four cells meet round an edge, and each simplex there
+/// lies in one quadrant, or all four are alike; of longer edges than a cell's the middle is mixed
+/// then (see is_mixed()), so that no cut has them. is_removed(cell): of unit cells in the data, by
+/// lowest corner.
 template <typename IsRemoved>
 [[nodiscard]] bool is_pinched(const Shape<3>& shape, const Index<3>& p, const Index<3>& q,
                               const IsRemoved& is_removed) {
-  int n_different = 0;
+  std::int32_t n_steps = 0;
   std::size_t along = 0;
   Index<3> first;
   for (std::size_t i = 0; i < 3; ++i) {
     first[i] = std::min(p[i], q[i]);
-    if (p[i] == q[i]) continue;
-    ++n_different;
-    along = i;
+    n_steps += std::abs(p[i] - q[i]);
+    if (p[i] != q[i]) along = i;
   }
-  if (n_different != 1) return false;
+  if (n_steps != 1) return false;
   std::array<bool, 4> is_present{};
   for (std::size_t quadrant = 0; quadrant < 4; ++quadrant) {
     Index<3> cell = first;

@@ -37,13 +37,8 @@ template <int D>
 Result<bool> StoredSamples<D>::is_removed(const Simplex<D>& s) const {
   const auto cell = field_.cell_inside(s);
   if (!cell) return false;
-  return is_removed_cell(*cell);
-}
-
-template <int D>
-Result<bool> StoredSamples<D>::is_removed_cell(const Index<D>& cell) const {
   for (int corner = 0; corner < (1 << D); ++corner) {
-    Index<D> p = cell;
+    Index<D> p = *cell;
     for (int i = 0; i < D; ++i) p[as_size(i)] += (corner >> i) & 1;
     LODE_TRY(const double sample, at(p));
     if (field_.is_hole(sample)) return true;

@@ -15,8 +15,6 @@ class StoredSamples {
 
   /// That at a point of the data, holes as they are.
   [[nodiscard]] Result<double> at(const Index<D>& p) const;
-  /// Whether the unit cell with this lowest corner, in the data, touches a hole.
-  [[nodiscard]] Result<bool> is_removed_cell(const Index<D>& cell) const;
   /// Whether holes remove an unrefined simplex, as LatticeField::is_removed() says.
   [[nodiscard]] Result<bool> is_removed(const Simplex<D>& s) const;
 

@@ -122,18 +122,18 @@ PartPlan<D> largest_part(const Shape<D>& shape, std::int32_t chunks_per_part) {
   return largest;
 }
 
-/// Bytes that a build with so many chunks a part takes at most.
+/// Bytes that a build with so many chunks a part takes at most. has_units: whether the source reads
+/// more than single samples as a whole.
 template <int D>
-std::uint64_t build_bytes(const VolumeSource& source, std::int32_t chunks_per_part) {
+std::uint64_t build_bytes(const VolumeInfo& info, bool has_units, std::int32_t chunks_per_part) {
   constexpr std::uint64_t kCompressing = std::uint64_t{32} << 20;
-  const VolumeInfo& info = source.info();
   const Shape<D> shape = shape_of<D>(info.grid.dims);
   const std::size_t size = size_of(info.type);
   const std::size_t wide_size = size_of(storage_type(info.type));
   const std::uint64_t largest = largest_part<D>(shape, chunks_per_part).n_bytes(wide_size);
   std::uint64_t slice = 2 * size + (wide_size == size ? 0 : wide_size) + 1;  // and where holes are
   std::uint64_t n_reads = 4;
-  if (source.read_unit().dims != Index3{{1, 1, 1}}) {  // may come in pieces: io/border_spool.h
+  if (has_units) {  // may come in pieces: io/border_spool.h
     slice += size;
     ++n_reads;
   }
@@ -151,12 +151,16 @@ Result<std::int32_t> choose_chunks(const VolumeSource& source, const StreamSetti
   const std::int32_t n = chunk_counts<D>(shape_of<D>(info.grid.dims))[0];
   if (settings.chunks_per_part > 0) return std::min(settings.chunks_per_part, n);
   if (settings.memory_limit == 0) return n;
+  const bool has_units = source.read_unit().dims != Index3{{1, 1, 1}};
+  const std::uint64_t held = source.memory_bytes();
   for (std::int32_t chunks = n; chunks > 0; --chunks)
-    if (source.memory_bytes() + build_bytes<D>(source, chunks) <= settings.memory_limit)
-      return chunks;
+    if (held + build_bytes<D>(info, has_units, chunks) <= settings.memory_limit) return chunks;
+  // What a source holds grows with the limit, to a quarter of it.
+  const std::uint64_t least = build_bytes<D>(info, has_units, 1);
+  const std::uint64_t needed = std::max(held + least, held > 0 ? least / 3 * 4 + 4 : 0);
   return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
-              (source.memory_bytes() + build_bytes<D>(source, 1)) / 1'000'000 + 1,
-              info.grid.n_samples(), size_of(info.type), settings.memory_limit / 1'000'000);
+              needed / 1'000'000 + 1, info.grid.n_samples(), size_of(info.type),
+              settings.memory_limit / 1'000'000);
 }
 
 template <int D>
@@ -257,7 +261,9 @@ class StreamBuild {
     const Index<D> n = chunk_dims();
     LatticeBox<D> chunks{chunk_at<D>(field_.shape, done_.n_chunks), {}};
     chunks.upper = chunks.lower + all_equal<D>(1);
-    chunks.upper[0] = std::min(chunks.lower[0] + chunks_per_part_, n[0]);
+    // One that was resumed ends where it would have without that.
+    const std::int32_t end = (chunks.lower[0] / chunks_per_part_ + 1) * chunks_per_part_;
+    chunks.upper[0] = std::min(end, n[0]);
     const PartPlan<D> plan = PartPlan<D>::of(field_.shape, chunks);
     LODE_CHECK(build_part(plan, writer));
     done_.n_chunks += as_size(chunks.upper[0] - chunks.lower[0]);
