@@ -57,7 +57,7 @@ TEST_F(fault_output, of_surfaces_in_pieces_is_whole_or_the_old_one) {
   }
   // So little memory that vertices and cells wait on the disk.
   const ExtractOptions options{
-      .isovalues = {0.3, 0.5}, .max_error = 0.05, .threads = {1}, .memory_limit = 20'000};
+      .isovalues = {0.3, 0.5}, .max_error = 0.05, .threads = {1}, .memory_limit = 40'000};
   for (const char* name : {"a.ply", "a.stl", "a.vtp"})
     expect_writes(
         name,

@@ -1,4 +1,5 @@
 // Surfaces that go from a model's file to a surface file piece by piece.
+#include <cstdio>
 #include <filesystem>
 
 #include "lode/api/file_build.h"
@@ -107,6 +108,27 @@ TEST(surface_pieces, make_the_file_of_a_surface_between_holes) {
   expect_same_bytes(lode, {".ply", {120.5}}, 3);
   expect_same_bytes(lode, {".vtp", {120.5, 90.25}, Orientation::from_higher_values}, 3);
   expect_same_bytes(lode, {".stl", {120.5}}, 30);
+}
+
+TEST(surface_pieces, need_memory_for_a_chunk_at_least) {
+  const TestPath path("limit.lode");
+  const std::string lode = stored(path, wavy({{560, 80, 70}}));
+  const auto dataset = Dataset::open(lode, {2});
+  ASSERT_TRUE(dataset);
+  ExtractOptions options{.isovalues = {120.5}, .max_error = 20, .memory_limit = 2'000'000};
+  Surface surface;
+  Progress progress;
+  const auto refused = dataset->extract(options, surface, progress);
+  ASSERT_FALSE(refused);
+  const std::string& message = refused.error().message;
+  int megabytes = 0;
+  ASSERT_EQ(std::sscanf(message.c_str(), "expected a memory limit of at least %d MB", &megabytes),
+            1)
+      << message;
+  EXPECT_GT(megabytes, 2);
+  options.memory_limit = static_cast<std::uint64_t>(megabytes) * 1'000'000;
+  EXPECT_TRUE(dataset->extract(options, surface, progress));
+  EXPECT_FALSE(surface.is_empty());
 }
 
 TEST(surface_pieces, have_normals_everywhere) {

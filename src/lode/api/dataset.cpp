@@ -330,6 +330,10 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   // Whether holes open the border is asked of all samples.
   const bool asks_all = options.border == Border::closed && impl.summary().stats.n_holes > 0;
   if (!asks_all) {
+    if (options.memory_limit > 0 && is_too_large && impl.is_in_file() && impl.chunk_bytes() > limit)
+      return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
+                  impl.chunk_bytes() / 1'000'000 + 1, impl.info().grid.n_samples(),
+                  size_of(impl.info().type), limit / 1'000'000);
     LODE_TRY(plan.chunks, impl.chunks(limit));
   }
   // At full resolution all in memory is faster, and numbers vertices in another order.

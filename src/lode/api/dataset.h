@@ -66,8 +66,9 @@ struct ExtractOptions {
   Threads threads{};
   /// Bytes that the hierarchy may take, the surface aside; 0: a quarter of the machine's memory. Of
   /// an opened file more than that is not loaded, where the query can do without; vertices and
-  /// triangles of tolerance 0, and only those, then come in another order. One chunk (256^3
-  /// samples: 150 MB for uint8) and the coarse levels are in memory whatever the limit.
+  /// triangles of tolerance 0, and only those, then come in another order. Where
+  /// the limit is less than one chunk of 256^3 samples and the coarse levels take, extract() fails
+  /// and says what is needed.
   std::uint64_t memory_limit = 0;
 };
 

@@ -58,6 +58,13 @@ std::uint64_t Dataset::Impl::model_bytes() const {
                                     (kBricks * sample + kNodes));
 }
 
+std::uint64_t Dataset::Impl::chunk_bytes() const {
+  const std::uint64_t fixed =
+      is_flat_ ? diamond::CoarseField<2>::n_bytes(info()) + diamond::FilePart<2>::n_bytes(info())
+               : diamond::CoarseField<3>::n_bytes(info()) + diamond::FilePart<3>::n_bytes(info());
+  return fixed / 7 * 8 + 8;  // an eighth of the limit keeps blocks
+}
+
 Result<Dataset::Impl::Chunks*> Dataset::Impl::chunks(std::uint64_t memory_limit) const {
   const auto n_levels = static_cast<int>(summary().max_errors.size());
   if (is_in_memory_ || n_levels <= diamond::kKeptLevel) return nullptr;

@@ -57,6 +57,8 @@ class Dataset::Impl {
   [[nodiscard]] bool is_in_file() const { return !is_in_memory_; }
   /// About what model() takes.
   [[nodiscard]] std::uint64_t model_bytes() const;
+  /// The least limit that extracting chunk by chunk keeps, the surface aside.
+  [[nodiscard]] std::uint64_t chunk_bytes() const;
   /// Found when first asked for, on all cores; they are not in files.
   [[nodiscard]] Result<std::shared_ptr<const diamond::WorldErrors>> world_errors(
       Progress& progress) const;

@@ -107,6 +107,21 @@ Result<CoarseField<D>> load_coarse(const store::Reader& reader, const Metadata& 
   return field;
 }
 
+template <int D>
+std::uint64_t FilePart<D>::n_bytes(const VolumeInfo& info) {
+  const Shape<D> whole = shape_of<D>(info.grid.dims);
+  Index<D> dims;  // a brick more below the chunk, and above it
+  for (std::size_t i = 0; i < as_size(D); ++i)
+    dims[i] = std::min(whole.dims[i], kChunkEdge<D> + 2 * kBrickEdge<D> + 1);
+  const Shape<D> shape = Shape<D>::of(dims);
+  constexpr std::uint64_t kNodeBytes = sizeof(ErrorCode) + 2 * sizeof(float);
+  std::uint64_t bytes = n_points<D>(brick_counts<D>(shape)) * kBrickSize<D> + n_points<D>(dims);
+  bytes *= size_of(storage_type(info.type));
+  for (int level = 0; level < std::min(whole.n_levels, kBrickLevel<D> + 1); ++level)
+    bytes += n_points<D>(shape.attribute_dims(level)) * kNodeBytes;
+  return bytes;
+}
+
 /// Beyond the chunk a whole brick: where the part ends inside the data, its last sample is then a
 /// multiple of a brick's edge, so that no node of its bricks seems to reach across it.
 template <int D>

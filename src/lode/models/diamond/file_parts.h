@@ -51,6 +51,9 @@ class FilePart {
   /// kChunkLevel.
   static constexpr std::int32_t kMargin = 1 << kChunkLevel;
 
+  /// What one takes of memory, at most.
+  [[nodiscard]] static std::uint64_t n_bytes(const VolumeInfo& info);
+
   FilePart(const CoarseField<D>& field, store::BlockCache& blocks, Threads threads)
       : field_(field), blocks_(blocks), threads_(threads) {}
 
