@@ -162,6 +162,25 @@ bool is_outside(const Index3& p) {
 }
 bool is_in_slab(const Index3& p) { return p[2] >= 255 && p[2] <= 257 && p[0] != 20; }
 
+template <int D>
+void expect_places(const Index<D>& lower, const Index<D>& upper, bool has_coarser_points) {
+  const Region<D> r{1, {}, lower, upper, has_coarser_points};
+  std::size_t place = 0;
+  for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
+    for (std::int32_t i = 0; i < n; ++i, q[0] += stride) EXPECT_EQ(place_in<D>(r, q), place++);
+  });
+  EXPECT_EQ(place, count_points<D>(r));
+}
+
+TEST(file_extract_places, of_points_are_those_in_the_order_of_a_block) {
+  for (const bool has_coarser_points : {false, true}) {
+    for (const std::int32_t x : {0, 3, 64})
+      expect_places<3>({{x, 64, 5}}, {{x + 6, 69, 12}}, has_coarser_points);
+    expect_places<3>({{0, 0, 0}}, {{1, 1, 2}}, has_coarser_points);
+    expect_places<2>({{512, 7}}, {{521, 12}}, has_coarser_points);
+  }
+}
+
 TEST(file_extract_twins, are_where_holes_would_pinch_the_surface) {
   // Slabs of two chunks: edges on their common border have twins too.
   const Volume volume = with_holes(hilly({{280, 60, 50}}, ScalarType::float32), is_frequent);
