@@ -45,7 +45,7 @@ Bytes close_file(const OpenedFile& opened, std::span<const std::byte> directory)
   std::uint64_t end = kHeaderBytes;
   for (const Bytes& block : opened.blocks) end += block.size();
   const Bytes stored = zstd_compress(directory);
-  const auto header = encode_header({.features = 0,
+  const auto header = encode_header({.features = kKnownFeatures,
                                      .file_size = end + stored.size(),
                                      .directory_offset = end,
                                      .directory_stored_size = stored.size(),

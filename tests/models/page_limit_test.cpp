@@ -138,20 +138,41 @@ TEST(page_limit, is_shared_by_sessions_and_leaves_a_consistent_surface) {
   }
 }
 
+TEST(page_limit, is_kept_between_holes) {
+  Volume volume = bumpy({{193, 193, 129}});
+  volume.info.nodata = 128;  // next to the surface
+  const Paged paged(volume);
+  const std::uint64_t all = paged.model->n_bytes_of_all();
+  double bound = std::numeric_limits<double>::infinity();
+  for (const std::uint64_t limit : {all / 3, all}) {
+    SCOPED_TRACE(limit);
+    PagedRefinable<3> nodes(*paged.model);
+    paged.model->set_memory_limit(limit);
+    Engine<PagedRefinable<3>> engine(nodes);
+    LiveIsosurface<3, PagedModel<3>> surface(nodes, 130, true);
+    nodes.follow(&surface);
+    engine.set_query(isovalue_demand(130, 0.8));
+    finish(engine, nodes);
+    EXPECT_LE(engine.standing().error_bound, bound);
+    bound = engine.standing().error_bound;
+    EXPECT_EQ(std::isinf(bound), limit < all);
+  }
+  EXPECT_LE(bound, 0.8);
+}
+
 TEST(page_limit, too_small_for_a_model_that_must_be_loaded_is_refused) {
-  const TestPath path("holes.lode");
-  test::save<3>(
-      test::built<3>(test::random_samples({{40, 40, 40}}, ScalarType::float32, test::Holes::some)),
-      path.str());
+  const TestPath path("views.lode");
+  test::save<3>(test::built<3>(bumpy({{40, 40, 40}})), path.str());
   const Dataset opened = Dataset::open(path.str(), {2}).value();
-  FocusedOptions options{.memory_limit = 1000};
-  options.query.isovalues = {50};
-  options.query.budget.max_cells = 100;
-  Surface surface;
+  Query query;
+  query.isovalues = {130};
+  query.max_error = 5;
   Progress progress;
-  const auto done = extract_focused(opened, options, surface, progress);
-  ASSERT_FALSE(done);
-  EXPECT_NE(done.error().message.find("memory limit of at least"), std::string::npos);
+  const auto session =
+      Session::open(opened, query, {.with_views = true, .memory_limit = 1000}, progress);
+  ASSERT_FALSE(session);
+  EXPECT_NE(session.error().message.find("memory limit of at least"), std::string::npos)
+      << session.error().message;
 }
 
 }  // namespace

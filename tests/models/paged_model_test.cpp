@@ -77,6 +77,10 @@ class paged_model : public ::testing::Test {
       EXPECT_EQ(surface.normals, expected.normals);
       EXPECT_EQ(surface.triangles, expected.triangles);
       EXPECT_EQ(surface.lines, expected.lines);
+      Surface at_once;
+      ASSERT_TRUE(built.extract({.isovalues = query.isovalues, .max_error = query.max_error},
+                                at_once, progress_));
+      EXPECT_TRUE(cells_of(surface) == cells_of(at_once));
     }
   }
 
@@ -265,14 +269,59 @@ TEST_F(paged_model, stops_when_cancelled) {
   EXPECT_FALSE(extract(opened, isosurface(150, 20)).is_empty());
 }
 
-TEST_F(paged_model, loads_volumes_with_holes) {
-  Volume volume = blobs<float>({{70, 66, 67}}, 100, 2);
-  const float hole = std::numeric_limits<float>::quiet_NaN();
-  std::memcpy(volume.samples.data() + 4 * 150000, &hole, sizeof(hole));
-  const Dataset built = build(volume);
-  const Dataset opened = Dataset::open(save(built), {2}).value();
-  const Query query = isosurface(60, 5);
-  EXPECT_EQ(extract(opened, query).positions, extract(built, query).positions);
+/// Which samples are holes. Of interlaced ones all are next to a hole, so that no cell is left in a
+/// half of the volume whose other samples are finite.
+struct Holes {
+  const char* name;
+  std::function<bool(const Index3&)> are_at;
+};
+
+const Holes kScattered{
+    "scattered", [](const Index3& p) { return (p[0] * 31 + p[1] * 57 + p[2] * 101) % 1999 == 0; }};
+const Holes kBall{"a ball", [](const Index3& p) {
+                    const Index3 d = p - Index3{{40, 20, 20}};
+                    return d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < 150;
+                  }};
+const Holes kInterlaced{"interlaced", [](const Index3& p) { return p[0] < 64 && p[1] % 2 == 1; }};
+const Holes kBorder{"at the border", [](const Index3& p) { return p[0] > 110 || p[1] == 0; }};
+
+Volume with_holes(Volume volume, const Holes& holes) {
+  const Index3 dims = volume.info.grid.dims;
+  std::size_t i = 0;
+  Index3 p;
+  for (p[2] = 0; p[2] < dims[2]; ++p[2])
+    for (p[1] = 0; p[1] < dims[1]; ++p[1])
+      for (p[0] = 0; p[0] < dims[0]; ++p[0], ++i) {
+        if (!holes.are_at(p)) continue;
+        if (volume.info.type == ScalarType::float32) {
+          constexpr float kHole = std::numeric_limits<float>::quiet_NaN();
+          std::memcpy(volume.samples.data() + i * sizeof(kHole), &kHole, sizeof(kHole));
+        } else {
+          volume.samples[i] = std::byte{0};
+          volume.info.nodata = 0;
+        }
+      }
+  return volume;
+}
+
+TEST_F(paged_model, gives_the_surface_between_holes) {
+  for (const Holes& holes : {kScattered, kBall, kInterlaced, kBorder}) {
+    SCOPED_TRACE(holes.name);
+    expect_same(with_holes(blobs<float>({{130, 40, 34}}, 100, 1), holes), 100);
+    expect_same(with_holes(blobs<std::uint8_t>({{70, 35, 66}}, 250, 2), holes), 250);
+    expect_same(with_holes(blobs<float>({{700, 130, 1}}, 100, 2), holes), 100);
+  }
+}
+
+TEST_F(paged_model, reads_little_of_a_file_with_holes) {
+  const Dataset built = build(with_holes(blobs<float>({{193, 193, 193}}, 100, 1), kBall));
+  const std::string path = save(built);
+  const Dataset opened = Dataset::open(path, {2}).value();
+  Query query = isosurface(60, 0);
+  query.max_error_outside = 1000;
+  query.balls = {{{{160, 120, 330}}, 5}};
+  EXPECT_FALSE(extract(opened, query).is_empty());
+  EXPECT_LT(opened.reads().bytes, std::filesystem::file_size(path) / 2);
 }
 
 }  // namespace

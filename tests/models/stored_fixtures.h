@@ -74,6 +74,7 @@ inline void rewrite(const std::string& path, const std::function<void(Bytes&)>& 
   if (edit_metadata) edit_metadata(metadata);
   auto writer = store::Writer::create(path, reader->model(), metadata);
   ASSERT_TRUE(writer);
+  writer->require(store::kFeatureRemovedCells);
   for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
     const store::BlockEntry& entry = reader->blocks()[i];
     if (store::is_index(entry.key)) continue;

@@ -200,7 +200,7 @@ def read_header(data):
     names += ("directory_stored_size", "directory_raw_size", "directory_checksum")
     header = dict(zip(names, struct.unpack_from("<II6Q", data, 8)))
     expect(header["version"] == 2, "unknown version")
-    expect(header["features"] in (0, 1), "unknown features")
+    expect(header["features"] in range(4), "unknown features")
     expect(header["file_size"] == len(data), "wrong file size")
     return header
 
@@ -272,7 +272,7 @@ def read_blocks(library, data, header, blocks):
         raw = decode(library, block, stored)
         expect(len(raw) == block["raw_size"], f"wrong raw size at offset {offset}")
         yield offset, block, raw
-        expect(block["codec"] < 4 or header["features"] == 1, "a codec without its feature bit")
+        expect(block["codec"] < 4 or header["features"] & 1, "a codec without its feature bit")
         offset += block["stored_size"]
     expect(offset == header["directory_offset"], "a gap before the directory")
 

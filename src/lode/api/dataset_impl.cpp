@@ -36,7 +36,7 @@ Result<const Dataset::Impl::AnyModel*> Dataset::Impl::model(Progress& progress) 
 }
 
 Result<const Dataset::Impl::AnyPages*> Dataset::Impl::pages(Progress& progress) const {
-  if (is_in_memory_ || summary().stats.n_holes > 0) return nullptr;
+  if (is_in_memory_) return nullptr;
   const std::lock_guard lock(pages_mutex_);
   if (!pages_) {
     if (is_flat_) {

@@ -42,12 +42,12 @@ class Dataset::Impl {
 
   /// All of it in memory; a file is loaded when this is first asked.
   [[nodiscard]] Result<const AnyModel*> model(Progress& progress) const;
-  /// Pages of the file that come when they are wanted; null if the model is in memory, or has
-  /// holes. The coarsest are read when this is first asked.
+  /// Pages of the file that come when they are wanted; null if the model is in memory.
+  /// The coarsest are read when this is first asked.
   [[nodiscard]] Result<const AnyPages*> pages(Progress& progress) const;
   /// The coarse levels of a file that extraction goes through chunk by chunk, and blocks of it that
-  /// were used last; null where it takes the model in memory: that is there already, small, or has
-  /// holes.
+  /// were used last; null where it takes the model in memory: that is there already, or
+  /// small.
   struct Chunks {
     std::variant<diamond::CoarseField<2>, diamond::CoarseField<3>> field;
     store::BlockCache blocks;

@@ -131,14 +131,12 @@ std::unique_ptr<LiveQuery> open_paged(const Dataset::Impl::AnyPages& pages,
 
 Result<void> check_memory(const Dataset& dataset, const LiveQueryOptions& options) {
   const Dataset::Impl& impl = dataset.impl();
-  const bool has_pages = !options.with_views && impl.summary().stats.n_holes == 0;
-  if (options.memory_limit == 0 || !impl.is_in_file() || has_pages) return {};
+  if (options.memory_limit == 0 || !impl.is_in_file() || !options.with_views) return {};
   if (impl.model_bytes() <= options.memory_limit) return {};
   return fail(
-      "expected a memory limit of at least {} MB for {}, got {} MB",
-      impl.model_bytes() / 1'000'000 + 1,
-      options.with_views ? "pixel errors, which take the whole model" : "a field with holes",
-      options.memory_limit / 1'000'000);
+      "expected a memory limit of at least {} MB for pixel errors, which take the whole model, got "
+      "{} MB",
+      impl.model_bytes() / 1'000'000 + 1, options.memory_limit / 1'000'000);
 }
 
 Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,

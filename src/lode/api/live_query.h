@@ -53,7 +53,7 @@ struct LiveQueryOptions {
 };
 
 /// A live query at the base, whatever the dataset's model; set_query() comes first. A file that is
-/// not loaded is read as the query goes, unless it has holes. World errors are found if
+/// not loaded is read as the query goes. World errors are found if
 /// `with_views`, for which it is loaded; without them tolerances in pixels must not be asked for.
 /// `dataset` must outlive it.
 [[nodiscard]] Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,

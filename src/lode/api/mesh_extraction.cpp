@@ -179,7 +179,8 @@ auto with_nodes(const Dataset::Impl& impl, std::uint64_t memory_limit, bool read
     -> std::invoke_result_t<Run, const diamond::Refinable<3>&> {
   const std::uint64_t limit = memory_limit > 0 ? memory_limit : physical_memory() / 4;
   const bool is_too_large = impl.is_in_file() && impl.model_bytes() > limit;
-  if (reads_little || is_too_large) {
+  // Which coarse tetrahedra holes remove is known from fine samples.
+  if ((reads_little || is_too_large) && impl.summary().stats.n_holes == 0) {
     LODE_TRY(const auto* const pages, impl.pages(progress));
     if (pages != nullptr)
       return std::visit(

@@ -56,6 +56,8 @@ class Reader {
   /// Whether there was no directory: of the blocks some may be missing, others cut off, and the
   /// metadata are what was known before the blocks were. Indexes are not among blocks().
   [[nodiscard]] bool is_rebuilt() const { return is_rebuilt_; }
+  /// The header's feature bits; none where the directory was rebuilt.
+  [[nodiscard]] std::uint64_t features() const { return header_.features; }
   /// Index into blocks(), in O(log n).
   [[nodiscard]] std::optional<std::size_t> find(const BlockKey& key) const;
 

@@ -118,9 +118,10 @@ Result<std::uint64_t> Writer::finish(const Progress& progress) {
   LODE_CHECK(check_keys_differ(directory_.blocks, order_by_key(directory_.blocks), path_));
   const auto raw = encode_directory(directory_);
   const auto stored = zstd_compress(raw);
-  const bool has_predicted = std::ranges::any_of(
-      directory_.blocks, [](const BlockEntry& b) { return b.codec >= Codec::predicted_zstd; });
-  const Header header{.features = has_predicted ? kFeaturePredicted : 0,
+  if (std::ranges::any_of(directory_.blocks,
+                          [](const BlockEntry& b) { return b.codec >= Codec::predicted_zstd; }))
+    require(kFeaturePredicted);
+  const Header header{.features = features_,
                       .file_size = file_.size() + stored.size(),
                       .directory_offset = file_.size(),
                       .directory_stored_size = stored.size(),

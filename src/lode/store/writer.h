@@ -45,6 +45,8 @@ class Writer {
   void set_early_metadata(std::span<const std::byte> metadata);
   /// Replaces the metadata, for what is known only after the blocks.
   void set_metadata(std::span<const std::byte> metadata);
+  /// Adds feature bits to what the header says that a reader must understand.
+  void require(std::uint64_t features) { features_ |= features; }
   /// Writes the directory and the header and renames the file into place; the size of the file.
   /// Fails when two blocks have one key, or `progress` is cancelled before the rename. Nothing may
   /// be called afterwards.
@@ -59,6 +61,7 @@ class Writer {
   AtomicFile file_;
   Directory directory_;
   std::vector<std::byte> early_metadata_;
+  std::uint64_t features_ = 0;
   std::int32_t n_indexes_ = 0;
   bool is_finished_ = false;
 };

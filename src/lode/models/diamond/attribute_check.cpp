@@ -79,7 +79,6 @@ class OwnAttributes {
     for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
       const Index<D> p = lower + point_of<D>(dims, i);
       const double f = model_.value_or_nan(p);
-      if (std::isnan(f)) continue;
       for (int tier = 0; tier < n_tiers; ++tier) add_sample(level, tier, cube, cube.local(p), f);
     }
   }
@@ -89,11 +88,22 @@ class OwnAttributes {
     const double g = interpolant_at<D>(
         u, cube.side, tier, [&](const Index<D>& v) { return model_.value_or_nan(cube.global(v)); });
     const double e = std::abs(f - g);
-    for (const Index<D>& node : nodes_containing<D>(u, cube.side, tier)) {
-      const std::ptrdiff_t at = place_of<D>(model_.shape, diamond_at<D>(cube.global(node)));
-      if (at >= 0)
-        levels_[as_size(level)].join(static_cast<std::size_t>(at), std::isnan(e) ? 0 : e, f, f);
+    for (const Index<D>& centre : nodes_containing<D>(u, cube.side, tier)) {
+      const Diamond<D> node = diamond_at<D>(cube.global(centre));
+      const std::ptrdiff_t at = place_of<D>(model_.shape, node);
+      if (at < 0) continue;
+      TrueLevel& level_of_node = levels_[as_size(level)];
+      // A sample of a simplex that has a hole: beyond the data there are none.
+      if (std::isnan(f) != std::isnan(g) && is_in_data(node))
+        level_of_node.join(static_cast<std::size_t>(at), kEndless, kEndless, -kEndless);
+      if (!std::isnan(f))
+        level_of_node.join(static_cast<std::size_t>(at), std::isnan(e) ? 0 : e, f, f);
     }
+  }
+
+  [[nodiscard]] bool is_in_data(const Diamond<D>& node) const {
+    const LatticeBox<D> box = bounds_of(node);
+    return model_.shape.is_sample(box.lower) && model_.shape.is_sample(box.upper);
   }
 
   const Model<D>& model_;

@@ -126,13 +126,14 @@ class BrickSamples {
     return is_near_end_ && model_.shape.reaches_across(global(centre.packed), level);
   }
 
-  /// Whether holes take a simplex away.
-  [[nodiscard]] bool is_removed(const BrickSimplex<D>& s, int tag) const {
+  /// Whether holes take a simplex away whose corners are finite: that has a finite error, or is one
+  /// of the finest.
+  [[nodiscard]] bool is_removed(const BrickSimplex<D>& s) const {
     if (!is_near_hole_) return false;
     Simplex<D> simplex;
-    simplex.tag = tag;
     for (std::size_t i = 0; i <= as_size(D); ++i) simplex.v[i] = global(s.corner[i].packed);
-    return model_.is_removed(simplex);
+    const LatticeBox<D> box = bounds_of(simplex);
+    return box.upper - box.lower == all_equal<D>(1) && model_.is_removed_cell(box.lower);
   }
 
   /// Whether holes leave two arcs of simplices round the edge between two corners of one.

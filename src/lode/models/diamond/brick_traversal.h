@@ -103,7 +103,7 @@ class BrickTraversal {
                const Emit& emit) {
     if (!samples_.overlaps_data(s)) return;
     if (level < 0) {
-      emit_leaf(s, tag, emit);
+      emit_leaf(s, emit);
       return;
     }
     ++stats.nodes_visited;
@@ -125,7 +125,7 @@ class BrickTraversal {
     }
     if (is_forced || selection_.exceeds_tolerance(error))
       bisect(s, m, tag, level, stats, emit);
-    else if (emit_leaf(s, tag, emit))
+    else if (emit_leaf(s, emit))
       stats.achieved = std::max(stats.achieved, error);
   }
 
@@ -158,13 +158,13 @@ class BrickTraversal {
   }
 
   template <typename Emit>
-  bool emit_leaf(const BrickSimplex<D>& s, int tag, const Emit& emit) const {
+  bool emit_leaf(const BrickSimplex<D>& s, const Emit& emit) const {
     int n_inside = 0;
     for (const BrickPoint& corner : s.corner) {
       if (std::isnan(corner.value)) return false;
       n_inside += corner.value >= selection_.isovalue() ? 1 : 0;
     }
-    if (n_inside == 0 || n_inside == D + 1 || samples_.is_removed(s, tag)) return false;
+    if (n_inside == 0 || n_inside == D + 1 || samples_.is_removed(s)) return false;
     emit(s);
     return true;
   }

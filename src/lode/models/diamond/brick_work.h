@@ -37,19 +37,8 @@ struct CoarseCut {
 template <int D, typename Field>
 class CoarseTraversal {
  public:
-  /// Whether holes remove an unrefined simplex. Not asked where there are none.
-  using IsRemoved = std::function<bool(const Simplex<D>&)>;
-
-  CoarseTraversal(const Selection<D, Field>& selection, CoarseCut<D>& out, IsRemoved is_removed)
-      : selection_(selection),
-        out_(out),
-        is_removed_(std::move(is_removed)),
-        brick_dims_(brick_counts<D>(selection.model().shape)) {}
-  /// Of a field that has all samples.
   CoarseTraversal(const Selection<D, Field>& selection, CoarseCut<D>& out)
-      : CoarseTraversal(selection, out, [&selection](const Simplex<D>& s) {
-          return selection.model().is_removed(s);
-        }) {}
+      : selection_(selection), out_(out), brick_dims_(brick_counts<D>(selection.model().shape)) {}
 
   void run() {
     const std::int32_t root = selection_.model().shape.root_side();
@@ -85,6 +74,7 @@ class CoarseTraversal {
     add_leaf(s, selection_.error(d.level, at));
   }
 
+  /// Its error is finite: holes remove it with all its corners or not at all.
   void add_leaf(const Simplex<D>& s, ErrorCode error) {
     const Field& model = selection_.model();
     ActiveSimplex<D> leaf;
@@ -96,14 +86,12 @@ class CoarseTraversal {
       n_inside += leaf.value[i] >= selection_.isovalue() ? 1 : 0;
     }
     if (n_inside == 0 || n_inside == D + 1) return;
-    if (model.has_holes() && is_removed_(s)) return;
     out_.leaves.push_back(leaf);
     out_.stats.achieved = std::max(out_.stats.achieved, error);
   }
 
   const Selection<D, Field>& selection_;
   CoarseCut<D>& out_;
-  IsRemoved is_removed_;
   Index<D> brick_dims_;
 };
 

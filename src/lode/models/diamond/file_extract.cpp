@@ -7,7 +7,6 @@
 #include "lode/models/diamond/brick_isosurface.h"
 #include "lode/models/diamond/brick_work.h"
 #include "lode/models/diamond/normals.h"
-#include "lode/models/diamond/stored_samples.h"
 
 namespace lode::diamond {
 namespace {
@@ -47,14 +46,13 @@ class FileExtraction {
         frame_(LatticeFrame::of(field.info.grid)),
         selection_(field, query.isovalue, query.tolerance),
         brick_dims_(brick_counts<D>(field.shape)),
-        stored_(field, blocks),
         part_(field, blocks, query.threads),
         stitcher_(frame_, surface.n_vertices(), query.threads),
         surface_(surface) {}
 
   Result<IsosurfaceReport> run(Progress& progress) {
     const Stopwatch watch;
-    if (field_.shape.has_cells()) LODE_CHECK(find_coarse_cut());
+    if (field_.shape.has_cells()) CoarseTraversal<D, CoarseField<D>>(selection_, cut_).run();
     work_ = work_of(cut_);
     parts_of_bricks_ = PartsOfBricks<D>(field_.axes, brick_dims_, work_);
     stats_ = cut_.stats;
@@ -87,18 +85,6 @@ class FileExtraction {
     BrickTraversal<D> traversal;
     BrickIsosurface<D> mapper;
   };
-
-  Result<void> find_coarse_cut() {
-    Error failed;
-    CoarseTraversal<D, CoarseField<D>>(selection_, cut_, [&](const Simplex<D>& s) {
-      if (!failed.message.empty()) return true;  // nothing more is asked of the file
-      const Result<bool> is_removed = stored_.is_removed(s);
-      if (!is_removed) failed = is_removed.error();
-      return !is_removed || *is_removed;
-    }).run();
-    if (!failed.message.empty()) return failed;
-    return {};
-  }
 
   [[nodiscard]] Index<D> brick_of(std::size_t work) const {
     return point_of<D>(brick_dims_, work_[work].brick);
@@ -256,7 +242,6 @@ class FileExtraction {
   LatticeFrame frame_;
   Selection<D, CoarseField<D>> selection_;
   Index<D> brick_dims_;
-  StoredSamples<D> stored_;
   FilePart<D> part_;
   CoarseCut<D> cut_;
   std::vector<BrickWork<D>> work_;

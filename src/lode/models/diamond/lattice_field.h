@@ -107,21 +107,19 @@ struct LatticeField {
     }
     return false;
   }
-  /// Whether some, but not all, of the unit cells round a point are removed by holes: simplices
-  /// that meet there must be refined.
+  /// Whether the unit cells round a sample have both holes and finite samples at their corners:
+  /// simplices that meet there must be refined. So what has a finite nested error has no removed
+  /// cell, or none but holes.
   [[nodiscard]] bool is_mixed(const Index<D>& p) const {
-    bool has_present = false;
-    bool has_removed = false;
-    for (int corner = 0; corner < (1 << D); ++corner) {
-      Index<D> cell = p;
-      bool is_real = true;
-      for (std::size_t i = 0; i < as_size(D); ++i) {
-        cell[i] -= (corner >> i) & 1;
-        is_real = is_real && cell[i] >= 0 && cell[i] < shape.dims[i] - 1;
-      }
-      if (is_real) (is_removed_cell(cell) ? has_removed : has_present) = true;
+    if (!shape.is_sample(p)) return false;
+    bool has_hole = false;
+    bool has_finite = false;
+    const Index<D> round = all_equal<D>(3);
+    for (std::size_t i = 0; i < n_points<D>(round); ++i) {
+      const Index<D> q = p + point_of<D>(round, i) - all_equal<D>(1);
+      if (shape.is_sample(q)) (is_hole(value(q)) ? has_hole : has_finite) = true;
     }
-    return has_present && has_removed;
+    return has_hole && has_finite;
   }
   /// The lowest corner of a unit cell in the data that one of the simplex's finest ones lies in.
   [[nodiscard]] std::optional<Index<D>> cell_inside(const Simplex<D>& s) const {
@@ -132,8 +130,8 @@ struct LatticeField {
       if (const auto cell = cell_inside(half)) return cell;
     return {};
   }
-  /// Whether an unrefined simplex is removed by holes: as a whole or not at all, so that the
-  /// first of its cells that is in the data tells.
+  /// Whether holes remove a simplex that is finest or has a finite error: as a whole or not at all,
+  /// so that the first of its cells that is in the data tells.
   [[nodiscard]] bool is_removed(const Simplex<D>& s) const {
     const auto cell = cell_inside(s);
     return cell && is_removed_cell(*cell);

@@ -79,18 +79,19 @@ void join_bits(const std::vector<std::uint8_t>& bits, std::int32_t edge, const I
   for (std::size_t x = 0; x < n; ++x) out[x] |= out[x + 1];
 }
 
-/// Bits of unit cells; none: beyond the data.
-constexpr std::uint8_t kPresent = 1;
-constexpr std::uint8_t kRemoved = 2;
+/// Bits of unit cells: what their corners are; none: beyond the data.
+constexpr std::uint8_t kFinite = 1;
+constexpr std::uint8_t kHole = 2;
 
-/// What holes do to the cells of a brick and one layer round it.
+/// The corners of the cells of a brick and one layer round it.
 template <int D, typename V>
 std::vector<std::uint8_t> find_cells(const Model<D>& model, const Index<D>& base, const V* values) {
   constexpr std::int32_t kCells = kLeafEdge<D> - 1;
-  std::vector<std::uint8_t> holes(n_points<D>(all_equal<D>(kLeafEdge<D>)));
-  for (std::size_t i = 0; i < holes.size(); ++i) holes[i] = std::isnan(values[i]) ? 1 : 0;
+  std::vector<std::uint8_t> corners(n_points<D>(all_equal<D>(kLeafEdge<D>)));
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    corners[i] = std::isnan(values[i]) ? kHole : kFinite;
   std::vector<std::uint8_t> cells(n_points<D>(all_equal<D>(kCells)));
-  std::array<std::uint8_t, as_size(kLeafEdge<D>)> is_removed;
+  std::array<std::uint8_t, as_size(kLeafEdge<D>)> joined;
   // Cell x lies at base - 1 + x.
   const std::int32_t begin = std::max(0, 1 - base[0]);
   const std::int32_t end = std::min(kCells, model.shape.dims[0] - base[0]);
@@ -99,16 +100,17 @@ std::vector<std::uint8_t> find_cells(const Model<D>& model, const Index<D>& base
       const std::int32_t lower = base[i] + p[i] - 1;
       if (lower < 0 || lower >= model.shape.dims[i] - 1) return;
     }
-    join_bits<D>(holes, kLeafEdge<D>, p, as_size(kCells), is_removed.data());
-    std::uint8_t* row = cells.data() + offset_of<D>(p, strides<D>(kCells));
-    for (std::int32_t x = begin; x < end; ++x)
-      row[x] = is_removed[as_size(x)] != 0 ? kRemoved : kPresent;
+    join_bits<D>(corners, kLeafEdge<D>, p, as_size(kCells), joined.data());
+    if (begin < end)
+      std::copy(joined.begin() + begin, joined.begin() + end,
+                cells.begin() + static_cast<std::ptrdiff_t>(offset_of<D>(p, strides<D>(kCells)) +
+                                                            as_size(begin)));
   });
   return cells;
 }
 
-/// Makes the error infinite at each finest node (one odd coordinate) round which some cells are
-/// removed and some are not: its simplices are mixed.
+/// Makes the error infinite at each finest node (one odd coordinate) round which cells have holes
+/// and finite samples: see LatticeField::is_mixed().
 template <int D, typename V>
 void mark_mixed_nodes(const Model<D>& model, const Index<D>& base, const V* values,
                       std::vector<V>& errors) {
@@ -121,7 +123,7 @@ void mark_mixed_nodes(const Model<D>& model, const Index<D>& base, const V* valu
     join_bits<D>(cells, kLeafEdge<D> - 1, p, as_size(kBrickSamples<D>), round.data());
     V* const error = errors.data() + model.brick_offset(p);
     for (std::size_t x = n_odd == 0 ? 1 : 0; x < as_size(kBrickSamples<D>); x += 2)
-      if (round[x] == (kPresent | kRemoved)) error[x] = std::numeric_limits<V>::infinity();
+      if (round[x] == (kFinite | kHole)) error[x] = std::numeric_limits<V>::infinity();
   });
 }
 

@@ -164,16 +164,14 @@ void LiveIsosurface<D, Field>::load_values(const Near& near, Star& star) const {
   star.is_crossed = has_hole || (n_inside > 0 && n_inside < n_used + 1);
 }
 
-/// Whether a simplex, at its place, has a piece of the domain and can be interpolated in.
+/// Whether a simplex with finite corners, at its place, has a piece of the domain and can be
+/// interpolated in.
 template <int D, typename Field>
 bool LiveIsosurface<D, Field>::is_present(const Simplex<D>& s) const {
   if (!model_.shape.overlaps_data(bounds_of(s))) return false;
   if (!model_.has_holes()) return true;
-  if (!is_finest(s)) {
-    const StoredFacts facts = nodes_.facts(id_of<D>(s.bisection_point()));
-    if (!std::isfinite(facts.error)) return false;
-  }
-  return !model_.is_removed(s);
+  if (is_finest(s)) return !model_.is_removed_cell(bounds_of(s).lower);
+  return std::isfinite(nodes_.facts(id_of<D>(s.bisection_point())).error);
 }
 
 template <int D, typename Field>

@@ -134,9 +134,8 @@ class MorphStep<D>::Finder {
   /// As LiveIsosurface's: what is part hole and part not has no surface until it is refined.
   [[nodiscard]] bool is_removed(const Simplex<D>& s) const {
     if (!model_.has_holes()) return false;
-    if (!is_finest(s) && !std::isfinite(nodes_.facts(id_of<D>(s.bisection_point())).error))
-      return true;
-    return model_.is_removed(s);
+    if (is_finest(s)) return model_.is_removed(s);
+    return !std::isfinite(nodes_.facts(id_of<D>(s.bisection_point())).error);
   }
 
   void add_leaf(const Piece& leaf) {

@@ -19,7 +19,8 @@ class SimplexWalk {
       join(s.v[i], linear[i]);
     }
     visit(s, linear);
-    if (has_present_ && has_removed_) found_.error = std::numeric_limits<double>::infinity();
+    if (has_removed_ && found_.low <= found_.high)
+      found_.error = std::numeric_limits<double>::infinity();
   }
   [[nodiscard]] const NodeAttributes& found() const { return found_; }
 
@@ -28,8 +29,7 @@ class SimplexWalk {
     const LatticeBox<D> box = bounds_of(s);
     if (!model_.shape.overlaps_data(box)) return;
     if (is_finest(s)) {
-      const bool is_removed = model_.has_holes() && model_.is_removed_cell(box.lower);
-      (is_removed ? has_removed_ : has_present_) = true;
+      has_removed_ = has_removed_ || (model_.has_holes() && model_.is_removed_cell(box.lower));
       return;
     }
     const auto tag = as_size(s.tag);
@@ -55,7 +55,6 @@ class SimplexWalk {
 
   const Model<D>& model_;
   NodeAttributes found_;
-  bool has_present_ = false;
   bool has_removed_ = false;
 };
 

@@ -32,9 +32,6 @@ template <int D>
 Result<std::unique_ptr<PagedModel<D>>> PagedModel<D>::open(const store::Reader& reader,
                                                            const Metadata& metadata,
                                                            Progress& progress) {
-  if (metadata.summary.stats.n_holes > 0)
-    return fail("{}: expected a volume without holes, got {}", reader.path(),
-                metadata.summary.stats.n_holes);
   std::unique_ptr<PagedModel> model(new PagedModel(reader, metadata));
   for (int k = model->shape.n_levels; k-- > 0;) {
     const Level& level = model->levels_[as_size(k)];
@@ -188,22 +185,21 @@ Result<void> PagedModel<D>::load_samples(const Region<D>& region, LevelPage<D>& 
     LODE_TRY(const auto bytes, read_region<D>(reader_, region, Kind::samples, sizeof(T)));
     const std::byte* from = bytes.data();
     T* to = reinterpret_cast<T*>(page.samples.data());
-    const double hole = this->info.nodata.value_or(std::nan(""));
     bool is_as_promised = true;
     for_each_row<D>(region, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
       T* row = to + page.index_of(q);
       for (std::size_t i = 0; i < as_size(n); ++i, from += sizeof(T), row += stride) {
         std::memcpy(row, from, sizeof(T));
         const auto sample = static_cast<double>(*row);
-        is_as_promised = is_as_promised && sample >= this->stats.min && sample <= this->stats.max &&
-                         sample != hole;
+        const bool is_in_range = sample >= this->stats.min && sample <= this->stats.max;
+        is_as_promised =
+            is_as_promised && (this->is_hole(sample) ? this->has_holes() : is_in_range);
       }
     });
     if (!is_as_promised)
-      return fail(
-          "{}: {}: expected samples from {} to {} and no holes, as the metadata says, got others",
-          reader_.path(), describe(key_of(Kind::samples, region)), this->stats.min,
-          this->stats.max);
+      return fail("{}: {}: expected samples from {} to {} and {}, as the metadata says, got others",
+                  reader_.path(), describe(key_of(Kind::samples, region)), this->stats.min,
+                  this->stats.max, this->has_holes() ? "holes" : "no holes");
     return {};
   });
 }
@@ -233,8 +229,8 @@ void PagedModel<D>::add_coarser(const Region<D>& region, LevelPage<D>& page) con
   });
 }
 
-/// A node in the data has the sample at its centre in its range: what is damaged or made up would
-/// hardly.
+/// A node in the data has the sample at its centre, unless that is a hole, in its range: what is
+/// damaged or made up would hardly.
 template <int D>
 Result<void> PagedModel<D>::load_attributes(const Region<D>& region, LevelPage<D>& page) const {
   return visit_storage_type(this->storage, [&]<typename T>() -> Result<void> {
@@ -262,9 +258,11 @@ Result<void> PagedModel<D>::load_attributes(const Region<D>& region, LevelPage<D
         const auto sample =
             static_cast<double>(reinterpret_cast<const T*>(page.samples.data())[at]);
         const double above = sample - this->range_reference();
-        const bool holds = above >= static_cast<double>(low) && above <= static_cast<double>(high);
+        const bool holds =
+            (above >= static_cast<double>(low) && above <= static_cast<double>(high)) ||
+            (this->has_holes() && this->is_hole(sample));
         const bool is_range = low <= high || low > high;  // numbers
-        is_good = is_good && error <= kInfiniteError && (x < n_inside ? holds : is_range);
+        is_good = is_good && error <= kInfiniteError && is_range && (x >= n_inside || holds);
       }
     });
     if (is_good) return {};

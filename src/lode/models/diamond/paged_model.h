@@ -43,8 +43,8 @@ struct LevelPage {
 };
 
 /// A volume in a .lode file whose samples and attributes are read when they are wanted, page by
-/// page, coarse before fine, and go again beyond a limit unless somebody holds them. Volumes with
-/// holes are refused: whether a coarse simplex exists there depends on samples of the finest level.
+/// page, coarse before fine, and go again beyond a limit unless somebody holds them. Which coarse
+/// simplices holes remove is only known of those that have a finite error.
 ///
 /// Const members are safe from many threads, and see every page that they hold.
 template <int D>

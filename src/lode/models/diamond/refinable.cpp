@@ -48,6 +48,61 @@ void join_near(const FinestNodes<D>& nodes, const Near& near, double& error, Ran
   }
 }
 
+/// All values round a node of level 0, no farther than its own samples are, and which of them are
+/// holes, or beyond the data.
+template <int D>
+class SamplesRound {
+ public:
+  template <typename Field, typename T>
+  SamplesRound(const Field& field, const Index<D>& centre, const NearSamples<D, T>& near) {
+    for (std::size_t i = 0; i < kSize; ++i) {
+      const Index<D> steps = point_of<D>(all_equal<D>(kEdge), i) - all_equal<D>(kReach);
+      const Index<D> p = centre + steps;
+      values_[i] = near_value(near, field, p, steps);
+      const bool is_hole = std::isnan(values_[i]);
+      kinds_[i] = !field.shape.is_sample(p) ? kBeyond : is_hole ? kHole : kFinite;
+      has_holes_ = has_holes_ || is_hole;
+    }
+  }
+  [[nodiscard]] bool has_holes() const { return has_holes_; }
+  [[nodiscard]] double at(const Index<D>& steps) const { return values_[index_of(steps)]; }
+  /// As LatticeField's.
+  [[nodiscard]] bool is_mixed(const Index<D>& steps) const {
+    static const std::array<std::ptrdiff_t, power(3, D)> kRound = [] {
+      std::array<std::ptrdiff_t, power(3, D)> offsets;
+      for (std::size_t i = 0; i < offsets.size(); ++i)
+        offsets[i] = offset_of(point_of<D>(all_equal<D>(3), i) - all_equal<D>(1));
+      return offsets;
+    }();
+    const std::uint8_t* middle = kinds_.data() + index_of(steps);
+    if (!has_holes_ || *middle == kBeyond) return false;
+    std::uint8_t kinds = 0;
+    for (const std::ptrdiff_t offset : kRound) kinds |= middle[offset];
+    return kinds == (kHole | kFinite);
+  }
+
+ private:
+  static constexpr std::uint8_t kBeyond = 0;
+  static constexpr std::uint8_t kFinite = 1;
+  static constexpr std::uint8_t kHole = 2;
+  static constexpr std::int32_t kReach = FinestNodes<D>::kReach;
+  static constexpr std::int32_t kEdge = 2 * kReach + 1;
+  static constexpr std::size_t kSize = power(as_size(kEdge), D);
+
+  static std::ptrdiff_t offset_of(const Index<D>& steps) {
+    std::ptrdiff_t offset = 0;
+    for (std::size_t i = as_size(D); i-- > 0;) offset = offset * kEdge + steps[i];
+    return offset;
+  }
+  static std::size_t index_of(const Index<D>& steps) {
+    return static_cast<std::size_t>(offset_of(steps + all_equal<D>(kReach)));
+  }
+
+  std::array<double, kSize> values_;
+  std::array<std::uint8_t, kSize> kinds_;
+  bool has_holes_ = false;
+};
+
 }  // namespace
 
 template <int D, typename Field>
@@ -136,10 +191,12 @@ void Refinable<D, Field>::prefetch(NodeId id) const {
   if (Field::has_attributes(node)) model_.prefetch(node);
 }
 
-/// Own error and range, and those of the nodes below.
+/// Own error and range, and those of the nodes below, of which those that miss the data are none.
 template <int D, typename Field>
-void Refinable<D, Field>::join_finest(const Diamond<D>& node, Finest& facts) const {
-  const auto value = [&](const Index<D>& p) { return model_.value_or_nan(p); };
+template <typename Samples>
+void Refinable<D, Field>::join_finest(const Diamond<D>& node, const Index<D>& centre,
+                                      const Samples& samples, Finest& facts) const {
+  const auto value = [&](const Index<D>& p) { return samples.at(p - centre); };
   const auto join = [&](double f) {
     if (std::isnan(f)) return;
     facts.range.low = std::min(facts.range.low, f);
@@ -148,7 +205,7 @@ void Refinable<D, Field>::join_finest(const Diamond<D>& node, Finest& facts) con
   for (const Index<D>& v : domain_vertices<D>(node)) join(value(v));
   const double middle = value(node.centre);
   join(middle);
-  if (model_.has_holes() && model_.is_mixed(node.centre)) facts.error = kEndless;
+  if (samples.is_mixed(node.centre - centre)) facts.error = kEndless;
   if (model_.shape.is_sample(node.centre)) {
     const auto ends = axis_ends<D>(node);
     const double e = std::abs(middle - 0.5 * (value(ends[0]) + value(ends[1])));
@@ -156,7 +213,7 @@ void Refinable<D, Field>::join_finest(const Diamond<D>& node, Finest& facts) con
   }
   if (node.tier == D - 1) return;
   for (const Index<D>& child : children<D>(node))
-    if (exists(child)) join_finest(diamond_at<D>(child), facts);
+    if (exists(child)) join_finest(diamond_at<D>(child), centre, samples, facts);
 }
 
 /// Rounded as stored ones are.
@@ -165,7 +222,11 @@ void Refinable<D, Field>::add_finest(const Diamond<D>& node, StoredFacts& facts)
   Finest finest{0, {kEndless, -kEndless}};
   visit_storage_type(model_.storage, [&]<typename T>() {
     const NearSamples<D, T> near(model_, node.centre, FinestNodes<D>::kReach);
-    if (model_.has_holes() || !near.is_in_data()) return join_finest(node, finest);
+    if (model_.has_holes() || !near.is_in_data()) {
+      const SamplesRound<D> samples(model_, node.centre, near);
+      if (samples.has_holes() || !near.is_in_data())
+        return join_finest(node, node.centre, samples, finest);
+    }
     const FinestNodes<D>& nodes = finest_nodes<D>(node.centre);
     if (near.is_in_one())
       join_near<D>(nodes, near, finest.error, finest.range);

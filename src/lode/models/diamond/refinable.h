@@ -141,7 +141,9 @@ class Refinable {
   /// Whether all nodes related to this one exist.
   [[nodiscard]] bool is_deep(const Diamond<D>& node) const;
   [[nodiscard]] std::uint64_t n_simplices(NodeId id) const;
-  void join_finest(const Diamond<D>& node, Finest& facts) const;
+  template <typename Samples>
+  void join_finest(const Diamond<D>& node, const Index<D>& centre, const Samples& samples,
+                   Finest& facts) const;
   void add_finest(const Diamond<D>& node, StoredFacts& facts) const;
   void find_radii();
 

@@ -14,6 +14,7 @@ Result<void> save(const Model<D>& model, const std::string& path, Threads thread
                   Progress& progress) {
   const Metadata metadata{.info = model.info, .summary = summarize<D>(model)};
   LODE_TRY(auto writer, store::Writer::create(path, model_name<D>(), encode_metadata(metadata)));
+  if (model.has_holes()) writer.require(store::kFeatureRemovedCells);
   writer.set_early_metadata(encode_early_metadata(model.info, model.stats));
   const std::size_t n_chunks = n_points<D>(chunk_counts<D>(model.shape));
   for (std::size_t i = 0; i <= n_chunks; ++i) {

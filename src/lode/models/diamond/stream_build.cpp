@@ -231,6 +231,7 @@ class StreamBuild {
   /// The file, with what an earlier build has done.
   Result<store::Writer> open(const std::string& path) {
     LODE_TRY(auto writer, open_writer(path));
+    if (field_.has_holes()) writer.require(store::kFeatureRemovedCells);
     writer.set_early_metadata(encode_early_metadata(field_.info, field_.stats));
     return writer;
   }
