@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <hwy/highway.h>
 #include <cmath>
 
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_topology.h"
 #include "tests/models/finest_level_set.h"
+#include "tests/oracles/random.h"
+#include "tests/oracles/typed_samples.h"
 
 namespace lode {
 namespace {
@@ -114,6 +117,75 @@ TEST(full_resolution, holds_every_sample_type_and_extreme_isovalue) {
       EXPECT_EQ(surface.positions, expected.positions);
       EXPECT_EQ(surface.triangles, expected.triangles);
     }
+  }
+}
+
+Surface surface_of(const Dataset& dataset, Normals normals) {
+  Surface surface;
+  Progress progress;
+  EXPECT_TRUE(dataset.extract(
+      {.isovalues = {90.5, 120}, .max_error = 0.0, .normals = normals, .threads = {2}}, surface,
+      progress));
+  return surface;
+}
+
+/// Noise along some rows, waves elsewhere: full words of crossed edges, and single ones.
+template <typename T>
+Volume mixed_volume(const Index3& dims) {
+  RegularGrid grid;
+  grid.dims = dims;
+  grid.spacing = {{0.5, 1.25, 0.75}};
+  grid.origin = {{1000, 2, -7}};
+  oracles::Random random(11);
+  return oracles::volume_of<T>(grid, [&](const Index3& p) {
+    if (p[1] % 5 == 0) return random.uniform(0, 200);
+    return 100 + 60 * std::sin(0.2 * p[0]) * std::cos(0.3 * p[1] + 0.1 * p[2]);
+  });
+}
+
+/// Back to the best that the processor has.
+struct AllTargets {
+  ~AllTargets() { use(0); }
+  static void use(std::int64_t targets) {
+    hwy::SetSupportedTargetsForTest(targets);
+    hwy::GetChosenTarget().DeInit();
+  }
+};
+
+template <typename T>
+void expect_the_same_bytes_with_all_targets(const Index3& dims) {
+  const AllTargets restored;
+  AllTargets::use(0);
+  Progress progress;
+  const Volume volume = mixed_volume<T>(dims);
+  const Dataset dataset =
+      Dataset::build(*make_memory_source(volume), {.threads = {1}}, progress).value();
+  const Surface expected = surface_of(dataset, Normals::on);
+  EXPECT_FALSE(expected.is_empty());
+  EXPECT_TRUE(check_topology(expected, {}).is_clean_manifold());
+  std::int64_t left = hwy::SupportedTargets();
+  for (; left != 0; left &= left - 1) {
+    SCOPED_TRACE(hwy::TargetName(left & -left));
+    AllTargets::use(left & -left);
+    for (const Normals normals : {Normals::on, Normals::off}) {
+      const Surface surface = surface_of(dataset, normals);
+      EXPECT_TRUE(surface.positions == expected.positions);
+      EXPECT_TRUE(surface.triangles == expected.triangles);
+      if (normals == Normals::on) EXPECT_TRUE(surface.normals == expected.normals);
+    }
+    AllTargets::use(0);
+  }
+}
+
+TEST(full_resolution, has_the_same_bytes_with_every_kind_of_vector) {
+  for (const Index3& dims :
+       {Index3{{33, 40, 20}}, Index3{{70, 41, 9}}, Index3{{257, 34, 5}}, Index3{{600, 7, 6}}}) {
+    SCOPED_TRACE(dims[0]);
+    expect_the_same_bytes_with_all_targets<std::uint8_t>(dims);
+    expect_the_same_bytes_with_all_targets<std::uint16_t>(dims);
+    expect_the_same_bytes_with_all_targets<std::int16_t>(dims);
+    expect_the_same_bytes_with_all_targets<float>(dims);
+    expect_the_same_bytes_with_all_targets<double>(dims);
   }
 }
 

@@ -27,6 +27,12 @@ std::optional<T> threshold_of(double isovalue) {
   }
 }
 
+/// Those of the first n of 32.
+std::uint32_t first_bits(std::int64_t n) {
+  if (n >= 32) return ~std::uint32_t{0};
+  return n <= 0 ? 0 : (std::uint32_t{1} << n) - 1;
+}
+
 class SignFinder {
  public:
   SignFinder(const Selection<3>& selection, SignField& field)
@@ -60,16 +66,12 @@ class SignFinder {
     return selection_.is_inside(level, at);
   }
 
-  static std::uint32_t valid_bits(std::int32_t n) {
-    return n >= 32 ? ~std::uint32_t{0} : (std::uint32_t{1} << n) - 1;
-  }
-
   void fill(const Index<3>& lower, const Index<3>& n, bool sign) {
     if (!sign) return;
     for (std::int32_t z = 0; z < n[2]; ++z)
       for (std::int32_t y = 0; y < n[1]; ++y) {
         std::uint32_t* row = words_at(lower + Index<3>{{0, y, z}});
-        row[0] = valid_bits(n[0]);
+        row[0] = first_bits(n[0]);
         if (n[0] > 32) row[1] = 1;
       }
   }
@@ -87,7 +89,7 @@ class SignFinder {
       for (std::int32_t z = 0; z < n[2]; ++z)
         for (std::int32_t y = 0; y < n[1]; ++y) {
           std::uint32_t* row = words_at(lower + Index<3>{{0, y, z}});
-          row[0] &= valid_bits(n[0]);
+          row[0] &= first_bits(n[0]);
           if (n[0] > 32) row[1] = first[Model<3>::brick_offset({{32, y, z}})] >= *threshold ? 1 : 0;
         }
     });
@@ -107,8 +109,13 @@ class SignFinder {
 
 SignField sign_field(const Selection<3>& selection, Threads threads, std::uint64_t& n_bricks_read) {
   const Model<3>& model = selection.model();
-  SignField field{model.shape.dims, (as_size(model.shape.dims[0]) + 31) / 32 + 1, {}};
-  field.words.assign(field.stride * as_size(field.dims[1]) * as_size(field.dims[2]), 0);
+  SignField field{model.shape.dims, (as_size(model.shape.dims[0]) + 31) / 32 + 1, {}, {}, {}};
+  field.words.assign(
+      field.stride * as_size(field.dims[1]) * as_size(field.dims[2]) + SignField::kPadding, 0);
+  for (std::size_t i = 0; i < field.stride + SignField::kPadding; ++i) {
+    field.sample_bits.push_back(first_bits(field.dims[0] - 32 * static_cast<std::int64_t>(i)));
+    field.cell_bits.push_back(first_bits(field.dims[0] - 1 - 32 * static_cast<std::int64_t>(i)));
+  }
   SignFinder finder(selection, field);
   const auto n_x = as_size(model.brick_dims[0]);
   parallel_for(model.n_bricks() / n_x, threads, 1, [&](std::size_t row, int) {

@@ -10,9 +10,14 @@ namespace lode::diamond {
 /// One bit per sample of a volume: whether it is at least the isovalue. Row (y, z) is `stride`
 /// words of 32 bits, x lowest; bits beyond the data, and the last word, are 0.
 struct SignField {
+  /// How many words more can be read behind the last one, and behind the masks.
+  static constexpr std::size_t kPadding = 16;
+
   Index<3> dims;
   std::size_t stride = 0;
   std::vector<std::uint32_t> words;
+  std::vector<std::uint32_t> sample_bits;  ///< Of each word of a row: the bits that are samples,
+  std::vector<std::uint32_t> cell_bits;    ///< and those where a cell begins.
 
   [[nodiscard]] std::size_t n_words() const { return stride - 1; }
   [[nodiscard]] std::size_t offset(std::int32_t y, std::int32_t z) const {

@@ -1,0 +1,193 @@
+#include "lode/models/diamond/cell_rows.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "lode/models/diamond/cell_rows.cpp"
+#define HWY_WANT_AVX3_DL
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <bit>
+
+HWY_BEFORE_NAMESPACE();
+namespace lode::diamond::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Words = hn::CappedTag<std::uint32_t, SignField::kPadding>;
+using WordsV = hn::Vec<Words>;
+
+HWY_INLINE WordsV word_mask(bool all) {
+  return hn::Set(Words(), all ? ~std::uint32_t{0} : std::uint32_t{0});
+}
+
+/// The corners of the cells in several words: of each row the signs at the cells' own x, and at the
+/// next one.
+struct CornerWords {
+  CornerWords(const CellRow& cells, std::size_t word) {
+    const Words d;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint32_t* from = cells.rows()[i] + word;
+      row[i] = hn::LoadU(d, from);
+      next[i] = hn::Or(hn::ShiftRight<1>(row[i]), hn::ShiftLeft<31>(hn::LoadU(d, from + 1)));
+    }
+    samples = hn::LoadU(d, cells.field().sample_bits.data() + word);
+    in_cells = hn::LoadU(d, cells.field().cell_bits.data() + word);
+  }
+
+  /// Whether no edge is crossed.
+  [[nodiscard]] HWY_INLINE bool is_uniform() const {
+    const auto across =
+        hn::Or(hn::Or(hn::Xor(row[0], row[1]), hn::Xor(row[0], row[2])), hn::Xor(row[0], row[3]));
+    const auto along = hn::Xor(row[0], next[0]);
+    const Words d;
+    return hn::AllTrue(
+        d, hn::Eq(hn::Or(hn::And(across, samples), hn::And(along, in_cells)), hn::Zero(d)));
+  }
+
+  WordsV row[4];
+  WordsV next[4];
+  WordsV samples, in_cells;  ///< Which bits are samples, and at which cells begin.
+};
+
+/// Calls put(series, crossed anchors) for the first kOwnSeries of them, or all.
+template <bool kAll, typename Put>
+HWY_INLINE void for_each_series(const CellRow& cells, const CornerWords& c, const Put& put) {
+  const Words d;
+  const auto even = hn::Set(d, 0x55555555U);
+  const auto along_x = [&](std::size_t i)
+                           HWY_ATTR { return hn::And(hn::Xor(c.row[i], c.next[i]), c.in_cells); };
+  const auto across = [&](std::size_t i, std::size_t j)
+                          HWY_ATTR { return hn::And(hn::Xor(c.row[i], c.row[j]), c.samples); };
+  // Edges along x and other axes join the even corner to the odd one.
+  const auto slanted = [&](std::size_t i, std::size_t j, bool i_is_even) HWY_ATTR {
+    const std::size_t e = i_is_even ? i : j;
+    const std::size_t o = i_is_even ? j : i;
+    const auto at_even = hn::And(hn::Xor(c.row[e], c.next[o]), even);
+    const auto at_odd = hn::AndNot(even, hn::Xor(c.next[e], c.row[o]));
+    return hn::And(hn::Or(at_even, at_odd), c.in_cells);
+  };
+  const auto has_y = word_mask(cells.has_row(1, 0));
+  const auto has_z = word_mask(cells.has_row(0, 1));
+  const auto has_both = hn::And(has_y, has_z);
+  const bool y_even = (cells.parity() & 1) == 0;
+  const bool z_even = (cells.parity() & 2) == 0;
+  const bool is_alike = y_even == z_even;
+  put(0, along_x(0));
+  put(1, hn::And(across(0, 1), has_y));
+  put(2, hn::And(slanted(0, 1, y_even), has_y));
+  put(3, hn::And(across(0, 2), has_z));
+  put(4, hn::And(slanted(0, 2, z_even), has_z));
+  put(5, hn::And(is_alike ? across(0, 3) : across(1, 2), has_both));
+  put(6, hn::And(is_alike ? slanted(0, 3, y_even) : slanted(1, 2, !y_even), has_both));
+  if constexpr (!kAll) return;
+  put(7, hn::And(along_x(1), has_y));
+  put(8, hn::And(across(1, 3), has_both));
+  put(9, hn::And(slanted(1, 3, z_even), has_both));
+  put(10, hn::And(along_x(2), has_z));
+  put(11, hn::And(across(2, 3), has_both));
+  put(12, hn::And(slanted(2, 3, y_even), has_both));
+  put(13, hn::And(along_x(3), has_both));
+}
+
+/// Triangles of the words' cells, added up word by word.
+HWY_INLINE WordsV n_triangles(const CellRow& cells, const CornerWords& c) {
+  const Words d;
+  const auto even = hn::Set(d, 0x55555555U);
+  WordsV corner[8];  // by coordinates modulo 2, as in Kuhn's chains
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto row = c.row[i ^ cells.parity()];
+    const auto next = c.next[i ^ cells.parity()];
+    corner[2 * i] = hn::Or(hn::And(row, even), hn::AndNot(even, next));
+    corner[2 * i + 1] = hn::Or(hn::And(next, even), hn::AndNot(even, row));
+  }
+  auto n = hn::Zero(d);
+  const auto across = hn::Xor(corner[0], corner[7]);
+  for (const std::size_t first : {1U, 2U, 4U})
+    for (const std::size_t second : {1U, 2U, 4U}) {
+      if (first == second) continue;
+      const auto a = hn::Xor(corner[0], corner[first]);
+      const auto b = hn::Xor(corner[0], corner[first | second]);
+      const auto crossed = hn::And(hn::Or(hn::Or(a, b), across), c.in_cells);
+      // Among four signs, one or three differ from the rest when the differences' sum is odd.
+      const auto quads = hn::AndNot(hn::Xor(hn::Xor(a, b), across), crossed);
+      n = hn::Add(n, hn::Add(hn::PopulationCount(crossed), hn::PopulationCount(quads)));
+    }
+  return n;
+}
+
+RowCounts run_count(const CellRow& cells) {
+  const Words d;
+  WordsV vertices[kOwnSeries];
+  for (auto& v : vertices) v = hn::Zero(d);
+  auto triangles = hn::Zero(d);
+  const bool has_cells = cells.has_row(1, 1);
+  bool is_empty = true;
+  for (std::size_t word = 0; word < cells.field().n_words(); word += hn::Lanes(d)) {
+    const CornerWords c(cells, word);
+    if (c.is_uniform()) continue;
+    is_empty = false;
+    for_each_series<false>(cells, c, [&](std::size_t s, WordsV crossed) HWY_ATTR {
+      vertices[s] = hn::Add(vertices[s], hn::PopulationCount(crossed));
+    });
+    if (has_cells) triangles = hn::Add(triangles, n_triangles(cells, c));
+  }
+  RowCounts counts;
+  if (is_empty) return counts;
+  for (std::size_t s = 0; s < kOwnSeries; ++s)
+    counts.vertices[s] = hn::GetLane(hn::SumOfLanes(d, vertices[s]));
+  counts.triangles = hn::GetLane(hn::SumOfLanes(d, triangles));
+  return counts;
+}
+
+std::size_t run_find(const CellRow& cells, WordCells* out) {
+  const Words d;
+  constexpr std::size_t kLanes = SignField::kPadding;
+  const bool has_cells = cells.has_row(1, 1);
+  std::size_t n = 0;
+  alignas(64) std::uint32_t crossings[kEdgeSeries][kLanes];
+  alignas(64) std::uint32_t crossed_cells[kLanes];
+  for (std::size_t word = 0; word < cells.field().n_words(); word += hn::Lanes(d)) {
+    const CornerWords c(cells, word);
+    if (c.is_uniform()) continue;
+    auto any_edge = hn::Zero(d);
+    for_each_series<true>(cells, c, [&](std::size_t s, WordsV crossed) HWY_ATTR {
+      hn::Store(crossed, d, crossings[s]);
+      any_edge = hn::Or(any_edge, crossed);
+    });
+    const auto any = hn::Or(hn::Or(hn::Or(c.row[0], c.row[1]), hn::Or(c.row[2], c.row[3])),
+                            hn::Or(hn::Or(c.next[0], c.next[1]), hn::Or(c.next[2], c.next[3])));
+    const auto all = hn::And(hn::And(hn::And(c.row[0], c.row[1]), hn::And(c.row[2], c.row[3])),
+                             hn::And(hn::And(c.next[0], c.next[1]), hn::And(c.next[2], c.next[3])));
+    hn::Store(hn::And(hn::AndNot(all, any), hn::And(c.in_cells, word_mask(has_cells))), d,
+              crossed_cells);
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, hn::Ne(any_edge, hn::Zero(d)), bytes);
+    std::uint32_t met = bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
+    for (; met != 0; met &= met - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(met));
+      WordCells& w = out[n++];
+      w.word = word + lane;
+      w.crossed = crossed_cells[lane];
+      for (std::size_t s = 0; s < kEdgeSeries; ++s) w.crossings[s] = crossings[s][lane];
+      for (std::size_t s = kEdgeSeries; s < w.crossings.size(); ++s) w.crossings[s] = 0;
+    }
+  }
+  return n;
+}
+
+}  // namespace lode::diamond::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace lode::diamond {
+
+HWY_EXPORT(run_count);
+HWY_EXPORT(run_find);
+
+RowCounts count_row(const CellRow& row) { return HWY_DYNAMIC_DISPATCH(run_count)(row); }
+std::size_t find_words(const CellRow& row, WordCells* out) {
+  return HWY_DYNAMIC_DISPATCH(run_find)(row, out);
+}
+
+}  // namespace lode::diamond
+#endif

@@ -1,0 +1,284 @@
+#include "lode/models/diamond/cell_triangles.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "lode/models/diamond/cell_triangles.cpp"
+#define HWY_WANT_AVX3_DL
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+
+#ifndef LODE_CELL_CASES
+#define LODE_CELL_CASES
+namespace lode::diamond {
+
+/// The triangles of a cell by its corners, where bit k is the one whose coordinates are odd along
+/// the axes of k, and edges as CellEdges numbers them.
+struct alignas(64) CellCase {
+  std::array<std::uint8_t, 63> edge;  ///< Three for each triangle, then anything.
+  std::uint8_t n_ends;                ///< How many of them there are: up to 36.
+};
+
+const CellCase* cell_cases();
+
+}  // namespace lode::diamond
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace lode::diamond::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+HWY_INLINE std::size_t corners_of(const CornerRows& corners, int x) {
+  return (corners[0] >> x & 3) | (corners[1] >> x & 3) << 2 | (corners[2] >> x & 3) << 4 |
+         (corners[3] >> x & 3) << 6;
+}
+
+/// One cell, edge by edge.
+HWY_INLINE std::uint32_t* write_cell(const PerSeries& crossings, const PerSeries& first_id, int x,
+                                     const KuhnCubeCase& c, std::uint32_t* out) {
+  std::array<std::uint32_t, CellEdges::kEdges> id;
+  for (std::size_t e = 0; e < c.n_edges; ++e) {
+    const std::size_t series = c.edges[e] & 15;
+    const std::uint64_t before = (std::uint64_t{1} << (x + (c.edges[e] >> 4))) - 1;
+    id[e] =
+        first_id[series] + static_cast<std::uint32_t>(std::popcount(crossings[series] & before));
+  }
+  for (std::size_t t = 0; t < c.n_triangles; ++t)
+    for (const std::uint8_t e : c.triangles[t]) *out++ = id[e];
+  return out;
+}
+
+/// Those of a word that are marked.
+HWY_INLINE std::uint32_t* write_one_by_one(const CellRun& run, const WordCells& w,
+                                           std::uint32_t cells, const PerSeries& first_id,
+                                           std::uint32_t* out) {
+  const CornerRows corners = run.row->corners(w.word);
+  for (; cells != 0; cells &= cells - 1) {
+    const int x = std::countr_zero(cells);
+    const KuhnCubeCases& cases = *((x & 1) != 0 ? run.odd : run.even)->by_corners;
+    out = write_cell(w.crossings, first_id, x, cases[corners_of(corners, x)], out);
+  }
+  return out;
+}
+
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+
+using D32 = hn::CappedTag<std::uint32_t, 16>;
+using V32 = hn::Vec<D32>;
+
+/// Each triangle's second and third edge as they are, or exchanged.
+alignas(16) constexpr std::uint8_t kTurns[2][16] = {
+    {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15},
+    {0, 2, 1, 3, 5, 4, 6, 8, 7, 9, 11, 10, 12, 14, 13, 15}};
+
+/// What cells of one parity have in common: by edge, 16 and the other 3.
+struct EdgesOfCells {
+  explicit EdgesOfCells(const CellEdges& table) {
+    const D32 d;
+    for (std::size_t half = 0; half < 2; ++half) {
+      series[half] = hn::Load(d, table.series.data() + 16 * half);
+      is_next[half] = static_cast<__mmask16>(table.is_next >> (16 * half));
+    }
+    turn = hn::Load(hn::CappedTag<std::uint8_t, 16>(), kTurns[table.is_flipped ? 1 : 0]);
+  }
+  HWY_INLINE void open_word(V32 ids, V32 bits) {
+    for (std::size_t half = 0; half < 2; ++half) {
+      first_id[half] = V32{_mm512_permutexvar_epi32(series[half].raw, ids.raw)};
+      crossings[half] = V32{_mm512_permutexvar_epi32(series[half].raw, bits.raw)};
+    }
+  }
+  /// The numbers of the vertices on the edges of the cell at x.
+  HWY_INLINE V32 ids(std::size_t half, std::uint32_t before, std::uint32_t before_next) const {
+    const D32 d;
+    const V32 mask{_mm512_mask_set1_epi32(hn::Set(d, before).raw, is_next[half],
+                                          static_cast<int>(before_next))};
+    return hn::Add(first_id[half], hn::PopulationCount(hn::And(crossings[half], mask)));
+  }
+
+  V32 series[2];
+  V32 first_id[2];
+  V32 crossings[2];
+  __mmask16 is_next[2];
+  hn::Vec<hn::CappedTag<std::uint8_t, 16>> turn;  ///< Of five triangles.
+};
+
+/// The corners of a word's cells, by bits: bit k of a cell's byte is the corner whose coordinates
+/// are odd along the axes of k.
+struct CornerCodes {
+  CornerCodes(const CellRow& row, std::size_t word) {
+    const CornerRows corners = row.corners(word);
+    constexpr std::uint32_t kEven = 0x55555555;
+    __m256i all = _mm256_setzero_si256();
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto own = static_cast<std::uint32_t>(corners[i ^ row.parity()]);
+      const auto next = static_cast<std::uint32_t>(corners[i ^ row.parity()] >> 1);
+      const __mmask32 at_even = (own & kEven) | (next & ~kEven);
+      const __mmask32 at_odd = (next & kEven) | (own & ~kEven);
+      const __m256i even_bit = _mm256_set1_epi8(static_cast<char>(1 << (2 * i)));
+      const __m256i odd_bit = _mm256_set1_epi8(static_cast<char>(2 << (2 * i)));
+      all = _mm256_or_si256(all, _mm256_maskz_mov_epi8(at_even, even_bit));
+      all = _mm256_or_si256(all, _mm256_maskz_mov_epi8(at_odd, odd_bit));
+    }
+    _mm256_store_si256(reinterpret_cast<__m256i*>(codes), all);
+  }
+  alignas(32) std::uint8_t codes[32];
+};
+
+void run_cells(const CellRun& run) {
+  constexpr std::ptrdiff_t kMost = 48;
+  const D32 d;
+  const hn::Rebind<std::uint8_t, D32> d8;
+  const CellCase* const cases = cell_cases();
+  EdgesOfCells edges[2]{EdgesOfCells(*run.even), EdgesOfCells(*run.odd)};
+  std::uint32_t* out = run.out;
+  auto first_id = hn::LoadU(d, run.first_id->data());
+  for (const WordCells& w : run.words) {
+    const auto bits = hn::LoadU(d, w.crossings.data());
+    std::uint32_t cells = w.crossed;
+    if (cells != 0) {
+      const CornerCodes corners(*run.row, w.word);
+      edges[0].open_word(first_id, bits);
+      edges[1].open_word(first_id, bits);
+      for (; cells != 0 && run.end - out >= kMost; cells &= cells - 1) {
+        const int x = std::countr_zero(cells);
+        const auto parity = static_cast<std::size_t>(x & 1);
+        const CellCase& c = cases[corners.codes[x]];
+        const std::uint32_t before = (std::uint32_t{1} << x) - 1;
+        const std::uint32_t before_next = (std::uint32_t{2} << x) - 1;
+        const auto low = edges[parity].ids(0, before, before_next);
+        const auto high = edges[parity].ids(1, before, before_next);
+        const auto turn = edges[parity].turn;
+        const auto put = [&](std::size_t i) HWY_ATTR {
+          const auto turned = hn::TableLookupBytes(hn::LoadU(d8, c.edge.data() + i), turn);
+          const auto edge = hn::PromoteTo(d, turned);
+          hn::StoreU(V32{_mm512_permutex2var_epi32(low.raw, edge.raw, high.raw)}, d, out + i);
+        };
+        put(0);
+        put(15);
+        if (c.n_ends > 30) put(30);
+        out += c.n_ends;
+      }
+      if (cells != 0) {
+        PerSeries ids;
+        hn::StoreU(first_id, d, ids.data());
+        out = write_one_by_one(run, w, cells, ids, out);
+      }
+    }
+    first_id = hn::Add(first_id, hn::PopulationCount(bits));
+  }
+}
+
+#else
+
+void run_cells(const CellRun& run) {
+  std::uint32_t* out = run.out;
+  PerSeries first_id = *run.first_id;
+  for (const WordCells& w : run.words) {
+    out = write_one_by_one(run, w, w.crossed, first_id, out);
+    for (std::size_t s = 0; s < kEdgeSeries; ++s)
+      first_id[s] += static_cast<std::uint32_t>(std::popcount(w.crossings[s]));
+  }
+}
+
+#endif
+
+}  // namespace lode::diamond::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace lode::diamond {
+namespace {
+
+/// A cell's corner as coordinates modulo 2, and the edge between two of those.
+using Ends = std::array<unsigned, 2>;
+
+/// An edge of a cell whose lowest corner has this parity, by its ends.
+Ends ends_of(CellEdge edge, unsigned parity) {
+  // edge_series() for each direction and row, the other way round.
+  for (unsigned a = 0; a < 8; ++a)
+    for (unsigned direction = 1; direction < 8; ++direction) {
+      if ((a & direction) != 0) continue;
+      const int series = edge_series(static_cast<int>(direction), static_cast<int>(a >> 1 & 1),
+                                     static_cast<int>(a >> 2 & 1));
+      if (series + 16 * static_cast<int>(a & 1) != edge) continue;
+      // The edge joins the corners with even, and with odd coordinates along its direction.
+      const unsigned even = (a ^ parity) & ~direction;
+      return {even, even | direction};
+    }
+  return {};
+}
+
+constexpr int kCanonical = 0;
+
+/// All edges of a cell, as ends.
+std::array<Ends, CellEdges::kEdges> all_edges() {
+  std::array<Ends, CellEdges::kEdges> edges{};
+  std::size_t n = 0;
+  for (const KuhnCubeCase& c : kuhn_cube_cases(kCanonical, false))
+    for (std::size_t e = 0; e < c.n_edges; ++e) {
+      const Ends ends = ends_of(c.edges[e], kCanonical);
+      const auto last = edges.begin() + static_cast<std::ptrdiff_t>(n);
+      if (std::find(edges.begin(), last, ends) == last) edges[n++] = ends;
+    }
+  return edges;
+}
+
+std::size_t number_of(const Ends& ends) {
+  static const std::array<Ends, CellEdges::kEdges> kAll = all_edges();
+  return static_cast<std::size_t>(std::find(kAll.begin(), kAll.end(), ends) - kAll.begin());
+}
+
+CellEdges make_edges(int parity, bool is_mirrored) {
+  CellEdges result;
+  result.by_corners = &kuhn_cube_cases(parity, is_mirrored);
+  result.is_flipped = ((std::popcount(static_cast<unsigned>(parity)) & 1) != 0) != is_mirrored;
+  for (const KuhnCubeCase& c : *result.by_corners)
+    for (std::size_t e = 0; e < c.n_edges; ++e) {
+      const std::size_t number = number_of(ends_of(c.edges[e], static_cast<unsigned>(parity)));
+      result.series[number] = c.edges[e] & 15U;
+      result.is_next |= static_cast<std::uint32_t>(c.edges[e] >> 4) << number;
+    }
+  return result;
+}
+
+std::array<CellEdges, 16> make_all_edges() {
+  std::array<CellEdges, 16> all;
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = make_edges(static_cast<int>(i % 8), i >= 8);
+  return all;
+}
+
+std::array<CellCase, 256> make_cases() {
+  std::array<CellCase, 256> cases{};
+  const KuhnCubeCases& all = kuhn_cube_cases(kCanonical, false);
+  for (std::size_t corners = 0; corners < cases.size(); ++corners) {
+    const KuhnCubeCase& from = all[corners];
+    std::size_t i = 0;
+    for (std::size_t t = 0; t < from.n_triangles; ++t)
+      for (const std::uint8_t e : from.triangles[t])
+        cases[corners].edge[i++] =
+            static_cast<std::uint8_t>(number_of(ends_of(from.edges[e], kCanonical)));
+    cases[corners].n_ends = static_cast<std::uint8_t>(i);
+  }
+  return cases;
+}
+
+}  // namespace
+
+HWY_EXPORT(run_cells);
+
+const CellCase* cell_cases() {
+  static const std::array<CellCase, 256> kCases = make_cases();
+  return kCases.data();
+}
+
+const CellEdges& cell_edges(int parity, bool is_mirrored) {
+  static const std::array<CellEdges, 16> kEdges = make_all_edges();
+  return kEdges[static_cast<std::size_t>(parity) + (is_mirrored ? 8U : 0U)];
+}
+
+void write_cells(const CellRun& run) { HWY_DYNAMIC_DISPATCH(run_cells)(run); }
+
+}  // namespace lode::diamond
+#endif

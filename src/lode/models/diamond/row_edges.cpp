@@ -1,0 +1,204 @@
+#include "lode/models/diamond/row_edges.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "lode/models/diamond/row_edges.cpp"
+#define HWY_WANT_AVX3_DL
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <bit>
+
+#include "lode/models/diamond/model.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace lode::diamond::HWY_NAMESPACE {
+
+template <typename T>
+HWY_INLINE std::size_t gather_one_by_one(const EdgeWord<T>& word, const EdgeLists<T>& out,
+                                         std::size_t n) {
+  for (std::uint32_t crossed = word.crossed; crossed != 0; crossed &= crossed - 1, ++n) {
+    const auto x = static_cast<std::uint32_t>(std::countr_zero(crossed));
+    const EdgeEnds& ends = (*word.ends)[x & 1];
+    out.first[n] = word.samples[x + ends.first_sample];
+    out.second[n] = word.samples[x + ends.second_sample];
+    out.place[n] = word.place + x + ends.place;
+  }
+  return n;
+}
+
+#if HWY_TARGET == HWY_AVX3_DL
+
+constexpr std::uint32_t kOdd = 0xAAAAAAAA;
+
+/// Of the samples at 32 anchors, `even` and `odd` apart from them by their parity, those that are
+/// marked.
+HWY_INLINE void compress(const std::uint8_t* even, const std::uint8_t* odd, std::uint32_t marked,
+                         std::uint8_t* to) {
+  const __m256i all = _mm256_mask_blend_epi8(kOdd, _mm256_loadu_si256((const __m256i*)even),
+                                             _mm256_loadu_si256((const __m256i*)odd));
+  _mm256_storeu_si256((__m256i*)to, _mm256_maskz_compress_epi8(marked, all));
+}
+HWY_INLINE void compress_16(const void* even, const void* odd, std::uint32_t marked, void* to) {
+  const __m512i all =
+      _mm512_mask_blend_epi16(kOdd, _mm512_loadu_si512(even), _mm512_loadu_si512(odd));
+  _mm512_storeu_si512(to, _mm512_maskz_compress_epi16(marked, all));
+}
+HWY_INLINE void compress(const std::uint16_t* even, const std::uint16_t* odd, std::uint32_t marked,
+                         std::uint16_t* to) {
+  compress_16(even, odd, marked, to);
+}
+HWY_INLINE void compress(const std::int16_t* even, const std::int16_t* odd, std::uint32_t marked,
+                         std::int16_t* to) {
+  compress_16(even, odd, marked, to);
+}
+HWY_INLINE void compress(const float* even, const float* odd, std::uint32_t marked, float* to) {
+  for (std::size_t i = 0; i < 32; i += 16) {
+    const auto mask = static_cast<__mmask16>(marked >> i);
+    const __m512 all = _mm512_mask_blend_ps(static_cast<__mmask16>(kOdd), _mm512_loadu_ps(even + i),
+                                            _mm512_loadu_ps(odd + i));
+    _mm512_storeu_ps(to, _mm512_maskz_compress_ps(mask, all));
+    to += std::popcount(static_cast<std::uint32_t>(mask));
+  }
+}
+HWY_INLINE void compress(const double* even, const double* odd, std::uint32_t marked, double* to) {
+  for (std::size_t i = 0; i < 32; i += 8) {
+    const auto mask = static_cast<__mmask8>(marked >> i);
+    const __m512d all = _mm512_mask_blend_pd(static_cast<__mmask8>(kOdd), _mm512_loadu_pd(even + i),
+                                             _mm512_loadu_pd(odd + i));
+    _mm512_storeu_pd(to, _mm512_maskz_compress_pd(mask, all));
+    to += std::popcount(static_cast<std::uint32_t>(mask));
+  }
+}
+
+/// The places of the marked anchors.
+HWY_INLINE void compress_places(const EdgeEndsByParity& ends, std::uint32_t first,
+                                std::uint32_t marked, std::uint32_t* to) {
+  alignas(32) static constexpr std::uint8_t kCount[32] = {
+      0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
+      16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+  const __m256i anchors =
+      _mm256_maskz_compress_epi8(marked, _mm256_load_si256((const __m256i*)kCount));
+  const __m512i even = _mm512_set1_epi32(static_cast<int>(first + ends[0].place));
+  const __m512i odd = _mm512_set1_epi32(static_cast<int>(first + ends[1].place));
+  const auto put = [&](__m128i sixteen, std::uint32_t* at) HWY_ATTR {
+    const __m512i anchor = _mm512_cvtepu8_epi32(sixteen);
+    const __mmask16 is_odd = _mm512_test_epi32_mask(anchor, _mm512_set1_epi32(1));
+    _mm512_storeu_si512(at, _mm512_add_epi32(anchor, _mm512_mask_blend_epi32(is_odd, even, odd)));
+  };
+  put(_mm256_castsi256_si128(anchors), to);
+  if (std::popcount(marked) > 16) put(_mm256_extracti128_si256(anchors, 1), to + 16);
+}
+
+template <typename T>
+HWY_INLINE std::size_t gather(const EdgeWord<T>& word, const EdgeLists<T>& out, std::size_t n) {
+  if (word.is_last) return gather_one_by_one(word, out, n);
+  const EdgeEndsByParity& ends = *word.ends;
+  compress(word.samples + ends[0].first_sample, word.samples + ends[1].first_sample, word.crossed,
+           out.first + n);
+  compress(word.samples + ends[0].second_sample, word.samples + ends[1].second_sample, word.crossed,
+           out.second + n);
+  compress_places(ends, word.place, word.crossed, out.place + n);
+  return n + static_cast<std::size_t>(std::popcount(word.crossed));
+}
+
+#else
+
+template <typename T>
+HWY_INLINE std::size_t gather(const EdgeWord<T>& word, const EdgeLists<T>& out, std::size_t n) {
+  return gather_one_by_one(word, out, n);
+}
+
+#endif
+
+template <typename T>
+std::size_t gather_all(std::span<const EdgeWord<T>> words, const EdgeLists<T>& out) {
+  std::size_t n = 0;
+  for (const EdgeWord<T>& word : words) n = gather(word, out, n);
+  return n;
+}
+
+std::size_t gather_u8(std::span<const EdgeWord<std::uint8_t>> words,
+                      const EdgeLists<std::uint8_t>& out) {
+  return gather_all(words, out);
+}
+std::size_t gather_u16(std::span<const EdgeWord<std::uint16_t>> words,
+                       const EdgeLists<std::uint16_t>& out) {
+  return gather_all(words, out);
+}
+std::size_t gather_i16(std::span<const EdgeWord<std::int16_t>> words,
+                       const EdgeLists<std::int16_t>& out) {
+  return gather_all(words, out);
+}
+std::size_t gather_f32(std::span<const EdgeWord<float>> words, const EdgeLists<float>& out) {
+  return gather_all(words, out);
+}
+std::size_t gather_f64(std::span<const EdgeWord<double>> words, const EdgeLists<double>& out) {
+  return gather_all(words, out);
+}
+
+}  // namespace lode::diamond::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace lode::diamond {
+namespace {
+
+/// An edge joins the corners of its box whose coordinates are even, and odd, along its axes.
+/// `parity`: of its anchor, bit i for axis i.
+EdgeEnds make_ends(unsigned direction, unsigned parity) {
+  const int last_axis = 31 - std::countl_zero(direction);
+  const unsigned same = ((parity >> last_axis) & 1) != 0 ? ~parity : parity;
+  Index<3> first;
+  Index<3> second;
+  for (std::size_t i = 0; i < 3; ++i) {
+    first[i] = static_cast<std::int32_t>((direction & same) >> i & 1);
+    second[i] = static_cast<std::int32_t>((direction & ~same) >> i & 1);
+  }
+  return {packed_edge(first[0], first, second - first),
+          static_cast<std::uint32_t>(Model<3>::brick_offset(first)),
+          static_cast<std::uint32_t>(Model<3>::brick_offset(second))};
+}
+
+std::array<EdgeEndsByDirection, 4> make_all_ends() {
+  std::array<EdgeEndsByDirection, 4> all;
+  for (unsigned parity = 0; parity < 4; ++parity)
+    for (unsigned direction = 1; direction < 8; ++direction)
+      all[parity][direction - 1] = {make_ends(direction, parity << 1),
+                                    make_ends(direction, parity << 1 | 1)};
+  return all;
+}
+
+}  // namespace
+
+const EdgeEndsByDirection& edge_ends(int parity) {
+  static const std::array<EdgeEndsByDirection, 4> kEnds = make_all_ends();
+  return kEnds[static_cast<std::size_t>(parity)];
+}
+
+HWY_EXPORT(gather_u8);
+HWY_EXPORT(gather_u16);
+HWY_EXPORT(gather_i16);
+HWY_EXPORT(gather_f32);
+HWY_EXPORT(gather_f64);
+
+std::size_t gather_edges(std::span<const EdgeWord<std::uint8_t>> words,
+                         const EdgeLists<std::uint8_t>& out) {
+  return HWY_DYNAMIC_DISPATCH(gather_u8)(words, out);
+}
+std::size_t gather_edges(std::span<const EdgeWord<std::uint16_t>> words,
+                         const EdgeLists<std::uint16_t>& out) {
+  return HWY_DYNAMIC_DISPATCH(gather_u16)(words, out);
+}
+std::size_t gather_edges(std::span<const EdgeWord<std::int16_t>> words,
+                         const EdgeLists<std::int16_t>& out) {
+  return HWY_DYNAMIC_DISPATCH(gather_i16)(words, out);
+}
+std::size_t gather_edges(std::span<const EdgeWord<float>> words, const EdgeLists<float>& out) {
+  return HWY_DYNAMIC_DISPATCH(gather_f32)(words, out);
+}
+std::size_t gather_edges(std::span<const EdgeWord<double>> words, const EdgeLists<double>& out) {
+  return HWY_DYNAMIC_DISPATCH(gather_f64)(words, out);
+}
+
+}  // namespace lode::diamond
+#endif
