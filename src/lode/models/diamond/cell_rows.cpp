@@ -6,7 +6,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include <bit>
+#include <algorithm>
 
 HWY_BEFORE_NAMESPACE();
 namespace lode::diamond::HWY_NAMESPACE {
@@ -117,9 +117,9 @@ HWY_INLINE WordsV n_triangles(const CellRow& cells, const CornerWords& c) {
 
 RowCounts run_count(const CellRow& cells) {
   const Words d;
-  WordsV vertices[kOwnSeries];
-  for (auto& v : vertices) v = hn::Zero(d);
-  auto triangles = hn::Zero(d);
+  const auto zero = hn::Zero(d);
+  WordsV vertices[kOwnSeries]{zero, zero, zero, zero, zero, zero, zero};
+  auto triangles = zero;
   const bool has_cells = cells.has_row(1, 1);
   bool is_empty = true;
   for (std::size_t word = 0; word < cells.field().n_words(); word += hn::Lanes(d)) {
@@ -139,38 +139,50 @@ RowCounts run_count(const CellRow& cells) {
   return counts;
 }
 
-std::size_t run_find(const CellRow& cells, WordCells* out) {
+HWY_INLINE std::uint32_t lanes_that(hn::Mask<Words> mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(Words(), mask, bytes);
+  const std::uint32_t bits = bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
+  return bits & ((std::uint32_t{1} << hn::Lanes(Words())) - 1);
+}
+
+/// Cells with corners of both signs.
+HWY_INLINE WordsV crossed_cells(const CornerWords& c) {
+  const auto any = hn::Or(hn::Or(hn::Or(c.row[0], c.row[1]), hn::Or(c.row[2], c.row[3])),
+                          hn::Or(hn::Or(c.next[0], c.next[1]), hn::Or(c.next[2], c.next[3])));
+  const auto all = hn::And(hn::And(hn::And(c.row[0], c.row[1]), hn::And(c.row[2], c.row[3])),
+                           hn::And(hn::And(c.next[0], c.next[1]), hn::And(c.next[2], c.next[3])));
+  return hn::And(hn::AndNot(all, any), c.in_cells);
+}
+
+/// Adds what some of a group's words have, from the `first` on.
+HWY_INLINE void find_some(const CellRow& cells, std::size_t first, WordGroup& out) {
   const Words d;
-  constexpr std::size_t kLanes = SignField::kPadding;
-  const bool has_cells = cells.has_row(1, 1);
+  const CornerWords c(cells, out.first + first);
+  if (c.is_uniform()) return;
+  auto any = hn::Zero(d);
+  for_each_series<true>(cells, c, [&](std::size_t s, WordsV crossed) HWY_ATTR {
+    hn::StoreU(crossed, d, out.crossings[s].data() + first);
+    any = hn::Or(any, crossed);
+    if (s < kOwnSeries) out.with_edges[s] |= lanes_that(hn::Ne(crossed, hn::Zero(d))) << first;
+  });
+  hn::StoreU(hn::And(crossed_cells(c), word_mask(cells.has_row(1, 1))), d,
+             out.cells.data() + first);
+  out.met |= lanes_that(hn::Ne(any, hn::Zero(d))) << first;
+}
+
+std::size_t run_find(const CellRow& cells, WordGroup* out) {
+  const std::size_t n_words = cells.field().n_words();
   std::size_t n = 0;
-  alignas(64) std::uint32_t crossings[kEdgeSeries][kLanes];
-  alignas(64) std::uint32_t crossed_cells[kLanes];
-  for (std::size_t word = 0; word < cells.field().n_words(); word += hn::Lanes(d)) {
-    const CornerWords c(cells, word);
-    if (c.is_uniform()) continue;
-    auto any_edge = hn::Zero(d);
-    for_each_series<true>(cells, c, [&](std::size_t s, WordsV crossed) HWY_ATTR {
-      hn::Store(crossed, d, crossings[s]);
-      any_edge = hn::Or(any_edge, crossed);
-    });
-    const auto any = hn::Or(hn::Or(hn::Or(c.row[0], c.row[1]), hn::Or(c.row[2], c.row[3])),
-                            hn::Or(hn::Or(c.next[0], c.next[1]), hn::Or(c.next[2], c.next[3])));
-    const auto all = hn::And(hn::And(hn::And(c.row[0], c.row[1]), hn::And(c.row[2], c.row[3])),
-                             hn::And(hn::And(c.next[0], c.next[1]), hn::And(c.next[2], c.next[3])));
-    hn::Store(hn::And(hn::AndNot(all, any), hn::And(c.in_cells, word_mask(has_cells))), d,
-              crossed_cells);
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, hn::Ne(any_edge, hn::Zero(d)), bytes);
-    std::uint32_t met = bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
-    for (; met != 0; met &= met - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(met));
-      WordCells& w = out[n++];
-      w.word = word + lane;
-      w.crossed = crossed_cells[lane];
-      for (std::size_t s = 0; s < kEdgeSeries; ++s) w.crossings[s] = crossings[s][lane];
-      for (std::size_t s = kEdgeSeries; s < w.crossings.size(); ++s) w.crossings[s] = 0;
-    }
+  for (std::size_t word = 0; word < n_words; word += WordGroup::kWords) {
+    WordGroup& group = out[n];
+    group.first = word;
+    group.met = 0;
+    group.with_edges = {};
+    const std::size_t end = std::min(WordGroup::kWords, n_words - word);
+    for (std::size_t first = 0; first < end; first += hn::Lanes(Words()))
+      find_some(cells, first, group);
+    n += group.met != 0 ? 1 : 0;
   }
   return n;
 }
@@ -185,7 +197,7 @@ HWY_EXPORT(run_count);
 HWY_EXPORT(run_find);
 
 RowCounts count_row(const CellRow& row) { return HWY_DYNAMIC_DISPATCH(run_count)(row); }
-std::size_t find_words(const CellRow& row, WordCells* out) {
+std::size_t find_words(const CellRow& row, WordGroup* out) {
   return HWY_DYNAMIC_DISPATCH(run_find)(row, out);
 }
 

@@ -61,16 +61,21 @@ struct RowCounts {
   std::uint32_t triangles = 0;
 };
 
-/// 32 cells of a row, or anchors, that the surface meets.
-struct WordCells {
-  std::size_t word;
-  std::uint32_t crossed;  ///< Cells, by bits.
-  PerSeries crossings;    ///< Crossed anchors, by bits; 0 in the padding.
+/// What the surface meets of 16 words of a row, each of 32 cells and anchors.
+struct WordGroup {
+  static constexpr std::size_t kWords = 16;
+  using PerWord = std::array<std::uint32_t, kWords>;
+
+  alignas(64) std::array<PerWord, 16> crossings{};     ///< Crossed anchors, by series; last two: 0.
+  alignas(64) PerWord cells{};                         ///< Crossed cells.
+  std::array<std::uint32_t, kOwnSeries> with_edges{};  ///< Bits of words with crossed anchors.
+  std::uint32_t met = 0;                               ///< Bits of words with any.
+  std::size_t first = 0;                               ///< The first word's number.
 };
 
 /// What there is to write of a row of cells.
 [[nodiscard]] RowCounts count_row(const CellRow& row);
-/// Lists the words that the surface meets, for which there is room, and returns their number.
-[[nodiscard]] std::size_t find_words(const CellRow& row, WordCells* out);
+/// Lists the groups that the surface meets, for which there is room, and returns their number.
+[[nodiscard]] std::size_t find_words(const CellRow& row, WordGroup* out);
 
 }  // namespace lode::diamond

@@ -35,6 +35,19 @@ HWY_INLINE std::size_t corners_of(const CornerRows& corners, int x) {
          (corners[3] >> x & 3) << 6;
 }
 
+/// Where the first vertex of each series is in the starts of four rows, y fastest.
+constexpr std::array<std::uint32_t, 16> kStartOfSeries = [] {
+  std::array<std::uint32_t, 16> places{};
+  for (unsigned row = 0; row < 4; ++row)
+    for (unsigned direction = 1; direction < 8; ++direction) {
+      if ((direction >> 1 & row) != 0) continue;
+      const int series = edge_series(static_cast<int>(direction), static_cast<int>(row & 1),
+                                     static_cast<int>(row >> 1));
+      places[static_cast<std::size_t>(series)] = 8 * row + direction - 1;
+    }
+  return places;
+}();
+
 /// One cell, edge by edge.
 HWY_INLINE std::uint32_t* write_cell(const PerSeries& crossings, const PerSeries& first_id, int x,
                                      const KuhnCubeCase& c, std::uint32_t* out) {
@@ -51,14 +64,14 @@ HWY_INLINE std::uint32_t* write_cell(const PerSeries& crossings, const PerSeries
 }
 
 /// Those of a word that are marked.
-HWY_INLINE std::uint32_t* write_one_by_one(const CellRun& run, const WordCells& w,
-                                           std::uint32_t cells, const PerSeries& first_id,
-                                           std::uint32_t* out) {
-  const CornerRows corners = run.row->corners(w.word);
+HWY_INLINE std::uint32_t* write_one_by_one(const CellRun& run, std::size_t word,
+                                           std::uint32_t cells, const PerSeries& crossings,
+                                           const PerSeries& first_id, std::uint32_t* out) {
+  const CornerRows corners = run.row->corners(word);
   for (; cells != 0; cells &= cells - 1) {
     const int x = std::countr_zero(cells);
     const KuhnCubeCases& cases = *((x & 1) != 0 ? run.odd : run.even)->by_corners;
-    out = write_cell(w.crossings, first_id, x, cases[corners_of(corners, x)], out);
+    out = write_cell(crossings, first_id, x, cases[corners_of(corners, x)], out);
   }
   return out;
 }
@@ -73,34 +86,41 @@ alignas(16) constexpr std::uint8_t kTurns[2][16] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15},
     {0, 2, 1, 3, 5, 4, 6, 8, 7, 9, 11, 10, 12, 14, 13, 15}};
 
+using D4 = hn::CappedTag<std::uint32_t, 4>;
+
 /// What cells of one parity have in common: by edge, 16 and the other 3.
 struct EdgesOfCells {
-  explicit EdgesOfCells(const CellEdges& table) {
-    const D32 d;
-    for (std::size_t half = 0; half < 2; ++half) {
-      series[half] = hn::Load(d, table.series.data() + 16 * half);
-      is_next[half] = static_cast<__mmask16>(table.is_next >> (16 * half));
-    }
-    turn = hn::Load(hn::CappedTag<std::uint8_t, 16>(), kTurns[table.is_flipped ? 1 : 0]);
+  explicit EdgesOfCells(const CellEdges& from) : edges(from) {
+    turn = hn::Load(hn::CappedTag<std::uint8_t, 16>(), kTurns[from.is_flipped ? 1 : 0]);
   }
   HWY_INLINE void open_word(V32 ids, V32 bits) {
-    for (std::size_t half = 0; half < 2; ++half) {
-      first_id[half] = V32{_mm512_permutexvar_epi32(series[half].raw, ids.raw)};
-      crossings[half] = V32{_mm512_permutexvar_epi32(series[half].raw, bits.raw)};
-    }
-  }
-  /// The numbers of the vertices on the edges of the cell at x.
-  HWY_INLINE V32 ids(std::size_t half, std::uint32_t before, std::uint32_t before_next) const {
     const D32 d;
-    const V32 mask{_mm512_mask_set1_epi32(hn::Set(d, before).raw, is_next[half],
-                                          static_cast<int>(before_next))};
-    return hn::Add(first_id[half], hn::PopulationCount(hn::And(crossings[half], mask)));
+    const auto low = hn::Load(d, edges.series.data());
+    const auto high = hn::Load(d, edges.series.data() + 16);
+    first_id = V32{_mm512_permutexvar_epi32(low.raw, ids.raw)};
+    crossings = V32{_mm512_permutexvar_epi32(low.raw, bits.raw)};
+    last_first_id =
+        hn::Vec<D4>{_mm512_castsi512_si128(_mm512_permutexvar_epi32(high.raw, ids.raw))};
+    last_crossings =
+        hn::Vec<D4>{_mm512_castsi512_si128(_mm512_permutexvar_epi32(high.raw, bits.raw))};
+  }
+  /// The numbers of the vertices on the edges of the cell at x: 16,
+  HWY_INLINE V32 ids(int x) const {
+    const auto before = hn::Load(D32(), edges.before[static_cast<std::size_t>(x)].data());
+    return hn::Add(first_id, hn::PopulationCount(hn::And(crossings, before)));
+  }
+  /// and the others.
+  HWY_INLINE V32 last_ids(int x) const {
+    const auto before = hn::Load(D4(), edges.before[static_cast<std::size_t>(x)].data() + 16);
+    const auto ids = hn::Add(last_first_id, hn::PopulationCount(hn::And(last_crossings, before)));
+    return V32{_mm512_castsi128_si512(ids.raw)};
   }
 
-  V32 series[2];
-  V32 first_id[2];
-  V32 crossings[2];
-  __mmask16 is_next[2];
+  const CellEdges& edges;
+  V32 first_id;
+  V32 crossings;
+  hn::Vec<D4> last_first_id;
+  hn::Vec<D4> last_crossings;
   hn::Vec<hn::CappedTag<std::uint8_t, 16>> turn;  ///< Of five triangles.
 };
 
@@ -126,60 +146,84 @@ struct CornerCodes {
   alignas(32) std::uint8_t codes[32];
 };
 
-void run_cells(const CellRun& run) {
+/// A word's cells, as long as there is room to write more than they have; which are left.
+HWY_INLINE std::uint32_t write_many(const CellCase* cases, const CornerCodes& corners,
+                                    const EdgesOfCells (&edges)[2], std::uint32_t cells,
+                                    std::uint32_t*& to, const std::uint32_t* end) {
   constexpr std::ptrdiff_t kMost = 48;
   const D32 d;
   const hn::Rebind<std::uint8_t, D32> d8;
+  std::uint32_t* out = to;
+  for (; cells != 0 && end - out >= kMost; cells &= cells - 1) {
+    const int x = std::countr_zero(cells);
+    const EdgesOfCells& own = edges[x & 1];
+    const CellCase& c = cases[corners.codes[x]];
+    const auto low = own.ids(x);
+    const auto high = own.last_ids(x);
+    const auto turn = own.turn;
+    const auto put = [&](std::size_t i) HWY_ATTR {
+      const auto turned = hn::TableLookupBytes(hn::LoadU(d8, c.edge.data() + i), turn);
+      const auto edge = hn::PromoteTo(d, turned);
+      hn::StoreU(V32{_mm512_permutex2var_epi32(low.raw, edge.raw, high.raw)}, d, out + i);
+    };
+    put(0);
+    put(15);
+    if (c.n_ends > 30) put(30);
+    out += c.n_ends;
+  }
+  to = out;
+  return cells;
+}
+
+void run_cells(const CellRun& run) {
+  const D32 d;
   const CellCase* const cases = cell_cases();
   EdgesOfCells edges[2]{EdgesOfCells(*run.even), EdgesOfCells(*run.odd)};
   std::uint32_t* out = run.out;
-  auto first_id = hn::LoadU(d, run.first_id->data());
-  for (const WordCells& w : run.words) {
-    const auto bits = hn::LoadU(d, w.crossings.data());
-    std::uint32_t cells = w.crossed;
-    if (cells != 0) {
-      const CornerCodes corners(*run.row, w.word);
-      edges[0].open_word(first_id, bits);
-      edges[1].open_word(first_id, bits);
-      for (; cells != 0 && run.end - out >= kMost; cells &= cells - 1) {
-        const int x = std::countr_zero(cells);
-        const auto parity = static_cast<std::size_t>(x & 1);
-        const CellCase& c = cases[corners.codes[x]];
-        const std::uint32_t before = (std::uint32_t{1} << x) - 1;
-        const std::uint32_t before_next = (std::uint32_t{2} << x) - 1;
-        const auto low = edges[parity].ids(0, before, before_next);
-        const auto high = edges[parity].ids(1, before, before_next);
-        const auto turn = edges[parity].turn;
-        const auto put = [&](std::size_t i) HWY_ATTR {
-          const auto turned = hn::TableLookupBytes(hn::LoadU(d8, c.edge.data() + i), turn);
-          const auto edge = hn::PromoteTo(d, turned);
-          hn::StoreU(V32{_mm512_permutex2var_epi32(low.raw, edge.raw, high.raw)}, d, out + i);
-        };
-        put(0);
-        put(15);
-        if (c.n_ends > 30) put(30);
-        out += c.n_ends;
+  V32 first_id{_mm512_permutex2var_epi32(hn::LoadU(d, run.start->vertex.data()).raw,
+                                         hn::LoadU(d, kStartOfSeries.data()).raw,
+                                         hn::LoadU(d, run.above->vertex.data()).raw)};
+  const hn::Rebind<std::int32_t, D32> di;
+  const auto rows = hn::Mul(hn::Iota(di, 0), hn::Set(di, WordGroup::kWords));
+  for (const WordGroup& group : run.groups)
+    for (std::uint32_t met = group.met; met != 0; met &= met - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(met));
+      const auto bits = hn::GatherIndex(d, group.crossings[0].data() + i, rows);
+      if (group.cells[i] != 0) {
+        edges[0].open_word(first_id, bits);
+        edges[1].open_word(first_id, bits);
+        const CornerCodes corners(*run.row, group.first + i);
+        const std::uint32_t left = write_many(cases, corners, edges, group.cells[i], out, run.end);
+        if (left != 0) {
+          PerSeries crossings;
+          PerSeries ids;
+          hn::StoreU(bits, d, crossings.data());
+          hn::StoreU(first_id, d, ids.data());
+          out = write_one_by_one(run, group.first + i, left, crossings, ids, out);
+        }
       }
-      if (cells != 0) {
-        PerSeries ids;
-        hn::StoreU(first_id, d, ids.data());
-        out = write_one_by_one(run, w, cells, ids, out);
-      }
+      first_id = hn::Add(first_id, hn::PopulationCount(bits));
     }
-    first_id = hn::Add(first_id, hn::PopulationCount(bits));
-  }
 }
 
 #else
 
 void run_cells(const CellRun& run) {
   std::uint32_t* out = run.out;
-  PerSeries first_id = *run.first_id;
-  for (const WordCells& w : run.words) {
-    out = write_one_by_one(run, w, w.crossed, first_id, out);
-    for (std::size_t s = 0; s < kEdgeSeries; ++s)
-      first_id[s] += static_cast<std::uint32_t>(std::popcount(w.crossings[s]));
+  PerSeries first_id{};
+  for (std::size_t s = 0; s < kEdgeSeries; ++s) {
+    const RowStart* rows = kStartOfSeries[s] < 16 ? run.start : run.above;
+    first_id[s] = rows[kStartOfSeries[s] % 16 / 8].vertex[kStartOfSeries[s] % 8];
   }
+  PerSeries crossings{};
+  for (const WordGroup& group : run.groups)
+    for (std::uint32_t met = group.met; met != 0; met &= met - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(met));
+      for (std::size_t s = 0; s < kEdgeSeries; ++s) crossings[s] = group.crossings[s][i];
+      out = write_one_by_one(run, group.first + i, group.cells[i], crossings, first_id, out);
+      for (std::size_t s = 0; s < kEdgeSeries; ++s)
+        first_id[s] += static_cast<std::uint32_t>(std::popcount(crossings[s]));
+    }
 }
 
 #endif
@@ -238,7 +282,9 @@ CellEdges make_edges(int parity, bool is_mirrored) {
     for (std::size_t e = 0; e < c.n_edges; ++e) {
       const std::size_t number = number_of(ends_of(c.edges[e], static_cast<unsigned>(parity)));
       result.series[number] = c.edges[e] & 15U;
-      result.is_next |= static_cast<std::uint32_t>(c.edges[e] >> 4) << number;
+      for (std::uint32_t x = 0; x < 32; ++x)
+        result.before[x][number] =
+            static_cast<std::uint32_t>((std::uint64_t{1} << (x + (c.edges[e] >> 4))) - 1);
     }
   return result;
 }

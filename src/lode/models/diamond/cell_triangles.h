@@ -15,21 +15,31 @@ struct CellEdges {
   static constexpr std::size_t kEdges = 19;
 
   alignas(64) std::array<std::uint32_t, 32> series{};  ///< By edge; see edge_series().
-  std::uint32_t is_next = 0;  ///< Bit by edge: whether its anchor is the cell's next along x.
-  bool is_flipped = false;    ///< Whether triangles are to be turned.
+  /// By a cell's x and edge, the anchors before the edge's in their word: the anchor is at x or,
+  /// for some edges, at the next x.
+  alignas(64) std::array<std::array<std::uint32_t, 32>, 32> before{};
+  bool is_flipped = false;  ///< Whether triangles are to be turned.
   const KuhnCubeCases* by_corners = nullptr;
 };
 
 /// By the parity and the frame, as kuhn_cube_cases().
 [[nodiscard]] const CellEdges& cell_edges(int parity, bool is_mirrored);
 
+/// The first vertex of each own series of a row, and its first triangle.
+struct RowStart {
+  std::array<std::uint32_t, kOwnSeries> vertex{};
+  std::uint32_t triangle = 0;
+};
+static_assert(sizeof(RowStart) == 32);
+
 /// The triangles of a row of cells, and where they go.
 struct CellRun {
   const CellRow* row;
-  std::span<const WordCells> words;
-  const PerSeries* first_id;  ///< Number of the vertex at each series' first crossed anchor.
-  const CellEdges* even;      ///< Of cells whose x is even,
-  const CellEdges* odd;       ///< and odd.
+  std::span<const WordGroup> groups;
+  const RowStart* start;  ///< The row's and, behind it, that of the next y's,
+  const RowStart* above;  ///< and of the next z's rows.
+  const CellEdges* even;  ///< Of cells whose x is even,
+  const CellEdges* odd;   ///< and odd.
   std::uint32_t* out;
   const std::uint32_t* end;  ///< Of what may be written, now or later.
 };

@@ -13,6 +13,15 @@
 HWY_BEFORE_NAMESPACE();
 namespace lode::diamond::HWY_NAMESPACE {
 
+/// Crossed edges of one direction among 32 anchors of a row.
+template <typename T>
+struct EdgeWord {
+  const T* samples;              ///< At the first anchor.
+  const EdgeEndsByParity* ends;  ///< Of the direction.
+  std::uint32_t place;           ///< The first anchor's, whose x is even.
+  std::uint32_t crossed;         ///< By bits.
+};
+
 template <typename T>
 HWY_INLINE std::size_t gather_one_by_one(const EdgeWord<T>& word, const EdgeLists<T>& out,
                                          std::size_t n) {
@@ -91,7 +100,6 @@ HWY_INLINE void compress_places(const EdgeEndsByParity& ends, std::uint32_t firs
 
 template <typename T>
 HWY_INLINE std::size_t gather(const EdgeWord<T>& word, const EdgeLists<T>& out, std::size_t n) {
-  if (word.is_last) return gather_one_by_one(word, out, n);
   const EdgeEndsByParity& ends = *word.ends;
   compress(word.samples + ends[0].first_sample, word.samples + ends[1].first_sample, word.crossed,
            out.first + n);
@@ -111,29 +119,49 @@ HWY_INLINE std::size_t gather(const EdgeWord<T>& word, const EdgeLists<T>& out, 
 #endif
 
 template <typename T>
-std::size_t gather_all(std::span<const EdgeWord<T>> words, const EdgeLists<T>& out) {
+std::size_t gather_row(const AnchorRow<T>& row, const EdgeLists<T>& out) {
+  constexpr auto kRow = as_size(kBrickSamples<3>);
+  constexpr std::size_t kSlice = kRow * kRow;
   std::size_t n = 0;
-  for (const EdgeWord<T>& word : words) n = gather(word, out, n);
+  // Rows to come, in this slice and the next, which caches have dropped.
+  for (const WordGroup& group : row.groups)
+    for (std::uint32_t words = group.met; words != 0; words &= words - 1) {
+      const std::size_t word = group.first + static_cast<std::size_t>(std::countr_zero(words));
+      const T* next = row.samples + word * row.brick_step + 4 * kRow;
+      __builtin_prefetch(next);
+      __builtin_prefetch(next + kSlice);
+    }
+  for (std::size_t s = 0; s < kOwnSeries; ++s)
+    for (const WordGroup& group : row.groups)
+      for (std::uint32_t words = group.with_edges[s]; words != 0; words &= words - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(words));
+        const std::size_t word = group.first + i;
+        EdgeWord<T> edges{row.samples + word * row.brick_step, &(*row.ends)[s],
+                          row.place + 32 * static_cast<std::uint32_t>(word), group.crossings[s][i]};
+        if (word == row.n_bricks) {
+          edges.samples = row.samples + (word - 1) * row.brick_step + 32;
+          n = gather_one_by_one(edges, out, n);
+        } else {
+          n = gather(edges, out, n);
+        }
+      }
   return n;
 }
 
-std::size_t gather_u8(std::span<const EdgeWord<std::uint8_t>> words,
-                      const EdgeLists<std::uint8_t>& out) {
-  return gather_all(words, out);
+std::size_t gather_u8(const AnchorRow<std::uint8_t>& row, const EdgeLists<std::uint8_t>& out) {
+  return gather_row(row, out);
 }
-std::size_t gather_u16(std::span<const EdgeWord<std::uint16_t>> words,
-                       const EdgeLists<std::uint16_t>& out) {
-  return gather_all(words, out);
+std::size_t gather_u16(const AnchorRow<std::uint16_t>& row, const EdgeLists<std::uint16_t>& out) {
+  return gather_row(row, out);
 }
-std::size_t gather_i16(std::span<const EdgeWord<std::int16_t>> words,
-                       const EdgeLists<std::int16_t>& out) {
-  return gather_all(words, out);
+std::size_t gather_i16(const AnchorRow<std::int16_t>& row, const EdgeLists<std::int16_t>& out) {
+  return gather_row(row, out);
 }
-std::size_t gather_f32(std::span<const EdgeWord<float>> words, const EdgeLists<float>& out) {
-  return gather_all(words, out);
+std::size_t gather_f32(const AnchorRow<float>& row, const EdgeLists<float>& out) {
+  return gather_row(row, out);
 }
-std::size_t gather_f64(std::span<const EdgeWord<double>> words, const EdgeLists<double>& out) {
-  return gather_all(words, out);
+std::size_t gather_f64(const AnchorRow<double>& row, const EdgeLists<double>& out) {
+  return gather_row(row, out);
 }
 
 }  // namespace lode::diamond::HWY_NAMESPACE
@@ -181,23 +209,20 @@ HWY_EXPORT(gather_i16);
 HWY_EXPORT(gather_f32);
 HWY_EXPORT(gather_f64);
 
-std::size_t gather_edges(std::span<const EdgeWord<std::uint8_t>> words,
-                         const EdgeLists<std::uint8_t>& out) {
-  return HWY_DYNAMIC_DISPATCH(gather_u8)(words, out);
+std::size_t gather_edges(const AnchorRow<std::uint8_t>& row, const EdgeLists<std::uint8_t>& out) {
+  return HWY_DYNAMIC_DISPATCH(gather_u8)(row, out);
 }
-std::size_t gather_edges(std::span<const EdgeWord<std::uint16_t>> words,
-                         const EdgeLists<std::uint16_t>& out) {
-  return HWY_DYNAMIC_DISPATCH(gather_u16)(words, out);
+std::size_t gather_edges(const AnchorRow<std::uint16_t>& row, const EdgeLists<std::uint16_t>& out) {
+  return HWY_DYNAMIC_DISPATCH(gather_u16)(row, out);
 }
-std::size_t gather_edges(std::span<const EdgeWord<std::int16_t>> words,
-                         const EdgeLists<std::int16_t>& out) {
-  return HWY_DYNAMIC_DISPATCH(gather_i16)(words, out);
+std::size_t gather_edges(const AnchorRow<std::int16_t>& row, const EdgeLists<std::int16_t>& out) {
+  return HWY_DYNAMIC_DISPATCH(gather_i16)(row, out);
 }
-std::size_t gather_edges(std::span<const EdgeWord<float>> words, const EdgeLists<float>& out) {
-  return HWY_DYNAMIC_DISPATCH(gather_f32)(words, out);
+std::size_t gather_edges(const AnchorRow<float>& row, const EdgeLists<float>& out) {
+  return HWY_DYNAMIC_DISPATCH(gather_f32)(row, out);
 }
-std::size_t gather_edges(std::span<const EdgeWord<double>> words, const EdgeLists<double>& out) {
-  return HWY_DYNAMIC_DISPATCH(gather_f64)(words, out);
+std::size_t gather_edges(const AnchorRow<double>& row, const EdgeLists<double>& out) {
+  return HWY_DYNAMIC_DISPATCH(gather_f64)(row, out);
 }
 
 }  // namespace lode::diamond

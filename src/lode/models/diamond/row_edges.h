@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "lode/models/diamond/cell_rows.h"
 #include "lode/models/diamond/edge_vertices.h"
 
 namespace lode::diamond {
@@ -24,14 +25,15 @@ using EdgeEndsByDirection = std::array<EdgeEndsByParity, 7>;
 /// Of a row of anchors, whose y is odd with bit 0 and z with bit 1.
 [[nodiscard]] const EdgeEndsByDirection& edge_ends(int parity);
 
-/// Crossed edges of one direction among 32 anchors of a row.
+/// A row of anchors, by groups of words of which the surface meets some.
 template <typename T>
-struct EdgeWord {
-  const T* samples;              ///< At the first anchor; that row's next 32 can be read.
-  const EdgeEndsByParity* ends;  ///< Of the direction.
-  std::uint32_t place;           ///< The first anchor's, whose x is even.
-  std::uint32_t crossed;         ///< By bits.
-  bool is_last;                  ///< One anchor alone, behind which nothing may be read.
+struct AnchorRow {
+  std::span<const WordGroup> groups;
+  const EdgeEndsByDirection* ends;
+  std::uint32_t place;     ///< Of the anchor with x = 0.
+  const T* samples;        ///< There.
+  std::size_t n_bricks;    ///< Along x: as many words have a brick's row of 33 samples each, so far
+  std::size_t brick_step;  ///< apart; the last one's 33rd is a word of its own.
 };
 
 /// The crossed edges of a row, one after the other.
@@ -42,16 +44,15 @@ struct EdgeLists {
   std::uint32_t* place;  ///< As packed_edge().
 };
 
-/// Lists the edges in order, and returns how many there are. There is room for kEdgePadding more.
-[[nodiscard]] std::size_t gather_edges(std::span<const EdgeWord<std::uint8_t>> words,
+/// Lists the edges, direction by direction, and returns how many there are. There is room for
+/// kEdgePadding more.
+[[nodiscard]] std::size_t gather_edges(const AnchorRow<std::uint8_t>& row,
                                        const EdgeLists<std::uint8_t>& out);
-[[nodiscard]] std::size_t gather_edges(std::span<const EdgeWord<std::uint16_t>> words,
+[[nodiscard]] std::size_t gather_edges(const AnchorRow<std::uint16_t>& row,
                                        const EdgeLists<std::uint16_t>& out);
-[[nodiscard]] std::size_t gather_edges(std::span<const EdgeWord<std::int16_t>> words,
+[[nodiscard]] std::size_t gather_edges(const AnchorRow<std::int16_t>& row,
                                        const EdgeLists<std::int16_t>& out);
-[[nodiscard]] std::size_t gather_edges(std::span<const EdgeWord<float>> words,
-                                       const EdgeLists<float>& out);
-[[nodiscard]] std::size_t gather_edges(std::span<const EdgeWord<double>> words,
-                                       const EdgeLists<double>& out);
+[[nodiscard]] std::size_t gather_edges(const AnchorRow<float>& row, const EdgeLists<float>& out);
+[[nodiscard]] std::size_t gather_edges(const AnchorRow<double>& row, const EdgeLists<double>& out);
 
 }  // namespace lode::diamond

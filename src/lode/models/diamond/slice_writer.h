@@ -13,12 +13,6 @@
 
 namespace lode::diamond {
 
-/// First vertex of each own series of a row, and its first triangle.
-struct RowStart {
-  std::array<std::uint32_t, kOwnSeries> vertex{};
-  std::uint32_t triangle = 0;
-};
-
 /// What the writers of all slices have in common.
 struct FullSurface {
   const Model<3>& model;
@@ -38,12 +32,11 @@ template <typename T>
 class SliceWriter {
  public:
   explicit SliceWriter(const FullSurface& all)
-      : all_(all), sampler_(all.model), words_(all.signs.n_words()) {
+      : all_(all), sampler_(all.model), groups_(all.signs.n_words() / WordGroup::kWords + 1) {
     const std::size_t n = n_most() + kEdgesPerRun + kEdgePadding;
     first_.resize(n);
     second_.resize(n);
     place_.resize(n);
-    edge_words_.resize(kOwnSeries * words_.size() + 1);
     if (!all.surface.normals.empty()) kept_.resize(n);
   }
 
@@ -71,23 +64,16 @@ class SliceWriter {
     const bool has_triangles = start[1].triangle != start[0].triangle;
     if (!has_vertices && !has_triangles) return;
     const CellRow row(all_.signs, y, z_);
-    const std::span<const WordCells> words =
-        std::span(words_).first(find_words(row, words_.data()));
-    if (has_vertices) add_edges(y, words);
-    if (has_triangles) write_triangles(y, row, words, start->triangle);
+    const std::span<const WordGroup> groups =
+        std::span(groups_).first(find_words(row, groups_.data()));
+    if (has_vertices) add_edges(y, groups);
+    if (has_triangles) write_triangles(y, row, groups, start);
   }
 
   /// Adds the crossed edges of a row of anchors, direction by direction.
-  void add_edges(std::int32_t y, std::span<const WordCells> words) {
+  void add_edges(std::int32_t y, std::span<const WordGroup> groups) {
     if (run_.n > kEdgesPerRun || (run_.n > 0 && y - y_ >= kRowsPerRun)) write_vertices();
     if (run_.n == 0) y_ = y;
-    const std::size_t n = find_edge_words(y, words);
-    run_.n += gather_edges(
-        std::span<const EdgeWord<T>>(edge_words_).first(n),
-        EdgeLists<T>{first_.data() + run_.n, second_.data() + run_.n, place_.data() + run_.n});
-  }
-
-  std::size_t find_edge_words(std::int32_t y, std::span<const WordCells> words) {
     const Model<3>& model = all_.model;
     Index<3> brick;
     Index<3> local{{0, y, z_}};
@@ -95,23 +81,13 @@ class SliceWriter {
       brick[i] = std::min(local[i] / kBrickEdge<3>, model.brick_dims[i] - 1);
       local[i] -= brick[i] * kBrickEdge<3>;
     }
-    const T* first =
-        reinterpret_cast<const T*>(model.brick(linear_index<3>(model.brick_dims, brick))) +
-        Model<3>::brick_offset(local);
-    const EdgeEndsByDirection& ends = edge_ends((y & 1) | (z_ & 1) << 1);
-    const auto n_bricks = as_size(model.brick_dims[0]);
-    const std::uint32_t row = static_cast<std::uint32_t>(y - y_) << kRowShift;
-    std::size_t n = 0;
-    for (std::size_t s = 0; s < kOwnSeries; ++s)
-      for (const WordCells& w : words) {
-        const bool is_last = w.word == n_bricks;  // the border of the last brick
-        const T* samples = is_last ? first + (w.word - 1) * kBrickSize<3> + kBrickEdge<3>
-                                   : first + w.word * kBrickSize<3>;
-        edge_words_[n] = {samples, &ends[s], row + static_cast<std::uint32_t>(w.word) * 32,
-                          w.crossings[s], is_last};
-        n += w.crossings[s] != 0 ? 1 : 0;
-      }
-    return n;
+    const std::byte* samples = model.brick(linear_index<3>(model.brick_dims, brick));
+    run_.n += gather_edges(
+        AnchorRow<T>{groups, &edge_ends((y & 1) | (z_ & 1) << 1),
+                     static_cast<std::uint32_t>(y - y_) << kRowShift,
+                     reinterpret_cast<const T*>(samples) + Model<3>::brick_offset(local),
+                     as_size(model.brick_dims[0]), kBrickSize<3>},
+        EdgeLists<T>{first_.data() + run_.n, second_.data() + run_.n, place_.data() + run_.n});
   }
 
   /// Those on the edges that were added since the last ones.
@@ -134,42 +110,13 @@ class SliceWriter {
     run_.n = 0;
   }
 
-  /// A series of a row of cells: whose row it is, by y + 2 z, and which of that one's own.
-  struct SeriesPlace {
-    std::uint8_t row = 0;
-    std::uint8_t own = 0;
-  };
-  static constexpr std::array<SeriesPlace, kEdgeSeries> kPlaces = [] {
-    std::array<SeriesPlace, kEdgeSeries> places{};
-    for (int row = 0; row < 4; ++row)
-      for (int direction = 1; direction < 8; ++direction) {
-        const int row_y = row & 1;
-        const int row_z = row >> 1;
-        if (((direction >> 1 & 1) & row_y) != 0 || ((direction >> 2 & 1) & row_z) != 0) continue;
-        places[static_cast<std::size_t>(edge_series(direction, row_y, row_z))] = {
-            static_cast<std::uint8_t>(row), static_cast<std::uint8_t>(direction - 1)};
-      }
-    return places;
-  }();
-
-  /// The numbers of the first vertex of all series that a row of cells touches.
-  [[nodiscard]] PerSeries first_ids(std::int32_t y) const {
-    const RowStart* start = &all_.starts[all_.row_of(y, z_)];
-    const RowStart* above = &all_.starts[all_.row_of(y, z_ + 1)];
-    const std::array<const RowStart*, 4> rows{start, start + 1, above, above + 1};
-    PerSeries ids{};
-    for (std::size_t s = 0; s < kPlaces.size(); ++s)
-      ids[s] = rows[kPlaces[s].row]->vertex[kPlaces[s].own];
-    return ids;
-  }
-
-  void write_triangles(std::int32_t y, const CellRow& row, std::span<const WordCells> words,
-                       std::size_t first) {
+  void write_triangles(std::int32_t y, const CellRow& row, std::span<const WordGroup> groups,
+                       const RowStart* start) {
     const int parity = (y & 1) << 1 | (z_ & 1) << 2;
-    const PerSeries first_id = first_ids(y);
-    write_cells({&row, words, &first_id, &cell_edges(parity, all_.frame.is_mirrored),
+    write_cells({&row, groups, start, &all_.starts[all_.row_of(y, z_ + 1)],
+                 &cell_edges(parity, all_.frame.is_mirrored),
                  &cell_edges(parity | 1, all_.frame.is_mirrored),
-                 all_.surface.triangles[first].data(), triangles_end_->data()});
+                 all_.surface.triangles[start->triangle].data(), triangles_end_->data()});
   }
 
   const FullSurface& all_;
@@ -178,8 +125,7 @@ class SliceWriter {
   std::int32_t y_ = 0;  ///< Of the first row that the run has edges of.
   const Vec3f* positions_end_ = nullptr;
   const std::array<std::uint32_t, 3>* triangles_end_ = nullptr;
-  std::vector<WordCells> words_;  ///< Those of a row that the surface meets.
-  std::vector<EdgeWord<T>> edge_words_;
+  std::vector<WordGroup> groups_;  ///< Those of a row that the surface meets.
   std::vector<T> first_, second_;
   std::vector<std::uint32_t> place_;
   std::vector<double> kept_;
