@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include <hwy/highway.h>
+
 #include "bench/peers/flying_edges.h"
 #include "bench/report.h"
 #include "bench/volume_cases.h"
@@ -47,16 +49,20 @@ struct Timed {
   double achieved_error = 0;
 };
 
+/// Whose memory the surface takes: that of the last run, as the interface offers, or new one.
+enum class Memory { reused, fresh };
+
 Result<Timed> time_ours(const Dataset& dataset, const VolumeCase& volume_case, double max_error,
-                        Normals normals) {
+                        Normals normals, Memory memory = Memory::reused) {
   Timed timed;
-  Surface surface;  // reused by all runs, as the interface offers
+  Surface surface;
   Progress progress;
   const ExtractOptions options{.isovalues = {volume_case.isovalue},
                                .max_error = max_error,
                                .normals = normals,
                                .threads = kThreads};
   const Work work = [&]() -> Result<void> {
+    if (memory == Memory::fresh) surface = Surface();
     LODE_TRY(const ExtractReport report, dataset.extract(options, surface, progress));
     timed.triangles = report.triangles;
     timed.achieved_error = report.achieved_error;
@@ -143,6 +149,25 @@ Result<Timed> run_full(const VolumeCase& volume_case, const Volume& volume, cons
   return theirs;
 }
 
+/// Full resolution with new memory each time, and without the longest vectors.
+Result<void> run_full_otherwise(const VolumeCase& volume_case, const Dataset& dataset,
+                                const Timed& peer, Table& table) {
+  LODE_TRY(const Timed fresh, time_ours(dataset, volume_case, 0, Normals::off, Memory::fresh));
+  table.add(versus("full_fresh/" + volume_case.name, fresh, "vtkFlyingEdges3D", peer,
+                   "memory of its own each time"));
+#if HWY_ARCH_X86
+  hwy::DisableTargets(HWY_AVX3 | HWY_AVX3_DL);
+  hwy::GetChosenTarget().DeInit();
+  auto narrow = time_ours(dataset, volume_case, 0, Normals::off);
+  hwy::DisableTargets(0);
+  hwy::GetChosenTarget().DeInit();
+  LODE_CHECK(narrow);
+  table.add(versus("full_avx2/" + volume_case.name, *narrow, "vtkFlyingEdges3D", peer,
+                   "without AVX-512"));
+#endif
+  return {};
+}
+
 Result<void> run_adaptive(const VolumeCase& volume_case, const Volume& volume,
                           const Dataset& dataset, const Timed& full_peer, Table& table) {
   const DatasetInfo info = dataset.describe();
@@ -164,6 +189,7 @@ Result<void> run_case(const VolumeCase& volume_case, Table& table) {
   LODE_TRY(const Volume volume, load(volume_case));
   LODE_TRY(const Dataset dataset, run_build(volume_case, volume, table));
   LODE_TRY(const Timed peer, run_full(volume_case, volume, dataset, Normals::off, table));
+  LODE_CHECK(run_full_otherwise(volume_case, dataset, peer, table));
   LODE_CHECK(run_full(volume_case, volume, dataset, Normals::on, table));
   return run_adaptive(volume_case, volume, dataset, peer, table);
 }

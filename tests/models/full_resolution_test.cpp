@@ -177,6 +177,27 @@ void expect_the_same_bytes_with_all_targets(const Index3& dims) {
   }
 }
 
+TEST(full_resolution, sees_single_samples_wherever_vectors_end) {
+  const AllTargets restored;
+  RegularGrid grid;
+  grid.dims = {{1100, 4, 4}};
+  for (const std::int32_t shift : {-1, 0, 1}) {
+    // One inside sample a row, at the end of a word or next to it.
+    const Volume volume = oracles::volume_of<float>(grid, [&](const Index3& p) {
+      const std::int32_t x = 32 * (1 + 9 * (p[1] * 4 + p[2]) % 33) + shift;
+      return (p[1] + p[2]) % 2 == 0 && p[0] == x ? 1.0 : 0.0;
+    });
+    AllTargets::use(0);
+    const Surface oracle = finest_level_set(volume, 0.25);
+    for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+      SCOPED_TRACE(hwy::TargetName(left & -left));
+      AllTargets::use(left & -left);
+      expect_same_surface(full_resolution(volume, 0.25), oracle, 1e-4 * 17600);
+      AllTargets::use(0);
+    }
+  }
+}
+
 TEST(full_resolution, has_the_same_bytes_with_every_kind_of_vector) {
   for (const Index3& dims :
        {Index3{{33, 40, 20}}, Index3{{70, 41, 9}}, Index3{{257, 34, 5}}, Index3{{600, 7, 6}}}) {

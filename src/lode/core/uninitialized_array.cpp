@@ -4,6 +4,7 @@
 
 #ifdef __linux__
 #include <sys/mman.h>
+#include <unistd.h>
 #endif
 
 namespace lode {
@@ -22,5 +23,19 @@ void* allocate_large(std::size_t n_bytes) {
 }
 
 void free_large(void* memory) noexcept { std::free(memory); }
+
+void prefer_huge_pages(void* memory, std::size_t n_bytes) {
+#ifdef __linux__
+  constexpr std::size_t kLeast = std::size_t{4} << 20;
+  if (n_bytes < kLeast) return;
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const auto begin = (reinterpret_cast<std::size_t>(memory) + page - 1) / page * page;
+  const auto end = (reinterpret_cast<std::size_t>(memory) + n_bytes) / page * page;
+  madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);  // no harm if refused
+#else
+  static_cast<void>(memory);
+  static_cast<void>(n_bytes);
+#endif
+}
 
 }  // namespace lode

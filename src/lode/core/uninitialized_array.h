@@ -12,6 +12,20 @@ namespace lode {
 [[nodiscard]] void* allocate_large(std::size_t n_bytes);
 void free_large(void* memory) noexcept;
 
+/// Asks for huge pages for memory that nobody has written to yet, where it is large.
+void prefer_huge_pages(void* memory, std::size_t n_bytes);
+
+/// vector.resize(n), which takes new memory in huge pages: there are far fewer of them to be given
+/// when it is first written to.
+template <typename T>
+void resize_large(std::vector<T>& vector, std::size_t n) {
+  if (n > vector.capacity()) {
+    vector.reserve(n);
+    prefer_huge_pages(vector.data() + vector.size(), (n - vector.size()) * sizeof(T));
+  }
+  vector.resize(n);
+}
+
 /// Leaves elements of trivial types indeterminate where a vector would set them to zero.
 template <typename T>
 struct UninitializedAllocator {

@@ -34,11 +34,12 @@ struct CornerWords {
     in_cells = hn::LoadU(d, cells.field().cell_bits.data() + word);
   }
 
-  /// Whether no edge is crossed.
+  /// Whether no edge is crossed: the corners at the next x may be another vector's.
   [[nodiscard]] HWY_INLINE bool is_uniform() const {
     const auto across =
         hn::Or(hn::Or(hn::Xor(row[0], row[1]), hn::Xor(row[0], row[2])), hn::Xor(row[0], row[3]));
-    const auto along = hn::Xor(row[0], next[0]);
+    const auto along = hn::Or(hn::Or(hn::Xor(row[0], next[0]), hn::Xor(row[0], next[1])),
+                              hn::Or(hn::Xor(row[0], next[2]), hn::Xor(row[0], next[3])));
     const Words d;
     return hn::AllTrue(
         d, hn::Eq(hn::Or(hn::And(across, samples), hn::And(along, in_cells)), hn::Zero(d)));

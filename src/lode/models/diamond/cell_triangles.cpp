@@ -183,27 +183,32 @@ void run_cells(const CellRun& run) {
   V32 first_id{_mm512_permutex2var_epi32(hn::LoadU(d, run.start->vertex.data()).raw,
                                          hn::LoadU(d, kStartOfSeries.data()).raw,
                                          hn::LoadU(d, run.above->vertex.data()).raw)};
-  const hn::Rebind<std::int32_t, D32> di;
-  const auto rows = hn::Mul(hn::Iota(di, 0), hn::Set(di, WordGroup::kWords));
-  for (const WordGroup& group : run.groups)
-    for (std::uint32_t met = group.met; met != 0; met &= met - 1) {
+  alignas(64) PerSeries crossings_of_word[WordGroup::kWords];
+  for (const WordGroup& group : run.groups) {
+    // All words first: what was just written in parts is slow to read as a whole.
+    std::size_t n = 0;
+    for (std::uint32_t met = group.met; met != 0; met &= met - 1, ++n)
+      for (std::size_t s = 0; s < group.crossings.size(); ++s)
+        crossings_of_word[n][s] =
+            group.crossings[s][static_cast<std::size_t>(std::countr_zero(met))];
+    n = 0;
+    for (std::uint32_t met = group.met; met != 0; met &= met - 1, ++n) {
       const auto i = static_cast<std::size_t>(std::countr_zero(met));
-      const auto bits = hn::GatherIndex(d, group.crossings[0].data() + i, rows);
+      const auto bits = hn::Load(d, crossings_of_word[n].data());
       if (group.cells[i] != 0) {
         edges[0].open_word(first_id, bits);
         edges[1].open_word(first_id, bits);
         const CornerCodes corners(*run.row, group.first + i);
         const std::uint32_t left = write_many(cases, corners, edges, group.cells[i], out, run.end);
         if (left != 0) {
-          PerSeries crossings;
           PerSeries ids;
-          hn::StoreU(bits, d, crossings.data());
           hn::StoreU(first_id, d, ids.data());
-          out = write_one_by_one(run, group.first + i, left, crossings, ids, out);
+          out = write_one_by_one(run, group.first + i, left, crossings_of_word[n], ids, out);
         }
       }
       first_id = hn::Add(first_id, hn::PopulationCount(bits));
     }
+  }
 }
 
 #else

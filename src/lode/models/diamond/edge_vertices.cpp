@@ -43,19 +43,28 @@ HWY_INLINE DoubleV along(hn::Vec<Int> p, hn::Vec<Int> place, DoubleV t) {
   return hn::Add(hn::PromoteTo(d, p), hn::Mul(t, hn::PromoteTo(d, step)));
 }
 
-/// As LatticeFrame::position(), operation by operation.
-HWY_INLINE DoubleV world_coordinate(const LatticeFrame& frame, std::size_t i,
-                                    const LatticePoint& p) {
+/// As LatticeFrame::position(), operation by operation; where the lattice's axes are the world's,
+/// without those that add 0.
+template <bool kHasOwnAxes, std::size_t i>
+HWY_INLINE DoubleV world_coordinate(const LatticeFrame& frame, const LatticePoint& p) {
   const Double d;
   const Vec3d& row = frame.to_world.rows[i];
-  auto sum = hn::Add(hn::Zero(d), hn::Mul(hn::Set(d, row[0]), p.x));
-  sum = hn::Add(sum, hn::Mul(hn::Set(d, row[1]), p.y));
-  sum = hn::Add(sum, hn::Mul(hn::Set(d, row[2]), p.z));
+  auto sum = hn::Zero(d);
+  if (kHasOwnAxes || i == 0) sum = hn::Add(sum, hn::Mul(hn::Set(d, row[0]), p.x));
+  if (kHasOwnAxes || i == 1) sum = hn::Add(sum, hn::Mul(hn::Set(d, row[1]), p.y));
+  if (kHasOwnAxes || i == 2) sum = hn::Add(sum, hn::Mul(hn::Set(d, row[2]), p.z));
   return hn::Add(hn::Set(d, frame.origin[i]), sum);
 }
 
-template <typename T>
-void run_vertices(const EdgeRun<T>& run, const VertexRun& to, EdgeExtremes& extremes) {
+bool has_own_axes(const LatticeFrame& frame) {
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      if (i != j && frame.to_world.rows[i][j] != 0) return true;
+  return false;
+}
+
+template <bool kHasOwnAxes, typename T>
+void run_in(const EdgeRun<T>& run, const VertexRun& to, EdgeExtremes& extremes) {
   const Double d;
   const Float df;
   const Int di;
@@ -86,9 +95,9 @@ void run_vertices(const EdgeRun<T>& run, const VertexRun& to, EdgeExtremes& extr
                   place, kept),
         along<26>(hn::Add(hn::Set(di, to.z), hn::And(hn::ShiftRight<21>(place), one)), place,
                   kept)};
-    const auto x = hn::DemoteTo(df, world_coordinate(frame, 0, p));
-    const auto y = hn::DemoteTo(df, world_coordinate(frame, 1, p));
-    const auto z = hn::DemoteTo(df, world_coordinate(frame, 2, p));
+    const auto x = hn::DemoteTo(df, world_coordinate<kHasOwnAxes, 0>(frame, p));
+    const auto y = hn::DemoteTo(df, world_coordinate<kHasOwnAxes, 1>(frame, p));
+    const auto z = hn::DemoteTo(df, world_coordinate<kHasOwnAxes, 2>(frame, p));
     if (to.positions + i + lanes <= to.end) {
       hn::StoreInterleaved3(x, y, z, df, out + 3 * i);
     } else {
@@ -101,6 +110,14 @@ void run_vertices(const EdgeRun<T>& run, const VertexRun& to, EdgeExtremes& extr
       std::max(extremes.largest_step, hn::GetLane(hn::MaxOfLanes(d, largest_step)));
   extremes.largest_snap =
       std::max(extremes.largest_snap, hn::GetLane(hn::MaxOfLanes(d, largest_snap)));
+}
+
+template <typename T>
+void run_vertices(const EdgeRun<T>& run, const VertexRun& to, EdgeExtremes& extremes) {
+  if (has_own_axes(*to.frame))
+    run_in<true>(run, to, extremes);
+  else
+    run_in<false>(run, to, extremes);
 }
 
 void vertices_u8(const EdgeRun<std::uint8_t>& run, const VertexRun& to, EdgeExtremes& extremes) {

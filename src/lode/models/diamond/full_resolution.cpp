@@ -70,9 +70,9 @@ class FullResolution {
       return fail("the surface has {} vertices and {} triangles, more than {}: give it a tolerance",
                   n_vertices, n_triangles, std::numeric_limits<std::uint32_t>::max());
     if (query_.replaces) surface_.lines.clear();
-    surface_.positions.resize(n_vertices);
-    surface_.triangles.resize(n_triangles);
-    surface_.normals.resize(query_.with_normals ? n_vertices : 0);
+    resize_large(surface_.positions, n_vertices);
+    resize_large(surface_.triangles, n_triangles);
+    resize_large(surface_.normals, query_.with_normals ? n_vertices : 0);
     return {};
   }
 
