@@ -1,6 +1,7 @@
 #include "lode/core/uninitialized_array.h"
 
 #include <cstdlib>
+#include <memory>
 
 #ifdef __linux__
 #include <sys/mman.h>
@@ -29,9 +30,9 @@ void prefer_huge_pages(void* memory, std::size_t n_bytes) {
   constexpr std::size_t kLeast = std::size_t{4} << 20;
   if (n_bytes < kLeast) return;
   const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  const auto begin = (reinterpret_cast<std::size_t>(memory) + page - 1) / page * page;
-  const auto end = (reinterpret_cast<std::size_t>(memory) + n_bytes) / page * page;
-  madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);  // no harm if refused
+  std::size_t left = n_bytes;
+  if (std::align(page, page, memory, left) == nullptr) return;
+  madvise(memory, left / page * page, MADV_HUGEPAGE);  // no harm where it is refused
 #else
   static_cast<void>(memory);
   static_cast<void>(n_bytes);
