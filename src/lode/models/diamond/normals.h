@@ -8,6 +8,7 @@
 #include <span>
 
 #include "lode/mappers/iso_part.h"
+#include "lode/models/diamond/edge_normals.h"
 #include "lode/models/diamond/model.h"
 #include "lode/models/diamond/near_samples.h"
 
@@ -34,6 +35,8 @@ class NormalSampler {
     for (std::size_t i = 0; i < 3; ++i) step = std::max(step, std::abs(first[i] - second[i]));
     return to_normal(gradient(first, step) * (1 - point.t) + gradient(second, step) * point.t);
   }
+  /// How to_normal() does it.
+  [[nodiscard]] NormalFrame frame() const { return {to_world_, sign_}; }
   /// What a gradient in grid axes becomes.
   [[nodiscard]] Vec3f to_normal(const Vec3d& gradient) const {
     const Vec3d n = normalized(to_world_ * gradient);

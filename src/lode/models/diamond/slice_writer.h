@@ -37,7 +37,10 @@ class SliceWriter {
     first_.resize(n);
     second_.resize(n);
     place_.resize(n);
-    if (!all.surface.normals.empty()) kept_.resize(n);
+    if (all.surface.normals.empty()) return;
+    kept_.resize(n);
+    for (auto* gradients : {&first_gradient_, &second_gradient_})
+      for (auto& along : *gradients) along.resize(n);
   }
 
   void write(std::int32_t z) {
@@ -103,11 +106,54 @@ class SliceWriter {
                    {&all_.frame, all_.isovalue, y_, z_, surface.positions.data() + first,
                     positions_end_, with_normals ? kept_.data() : nullptr},
                    extremes_);
-    for (std::size_t i = 0; with_normals && i < run_.n; ++i) {
-      const auto [p, q] = unpacked_edge(place_[i], y_, z_);
-      surface.normals[first + i] = sampler_.at({to_key(p), to_key(q), kept_[i]});
-    }
+    if (with_normals) write_normals(first);
     run_.n = 0;
+  }
+
+  /// Of the run's vertices, from the surface's `first` on.
+  void write_normals(std::size_t first) {
+    for (std::size_t i = 0; i < run_.n; ++i) {
+      const auto [p, q] = unpacked_edge(place_[i], y_, z_);
+      put_gradient(p, i, first_gradient_);
+      put_gradient(q, i, second_gradient_);
+    }
+    const auto pointers = [](const Gradients& g) {
+      return std::array<const double*, 3>{g[0].data(), g[1].data(), g[2].data()};
+    };
+    std::vector<Vec3f>& normals = all_.surface.normals;
+    const auto n_before = positions_end_ - all_.surface.positions.data();
+    place_normals({pointers(first_gradient_), pointers(second_gradient_), kept_.data(), run_.n},
+                  sampler_.frame(), normals.data() + first, normals.data() + n_before);
+  }
+
+  using Gradients = std::array<std::vector<double>, 3>;
+
+  /// The sampler's, straight from the bricks but at the data's border.
+  void put_gradient(const Index<3>& p, std::size_t i, Gradients& out) const {
+    const Model<3>& model = all_.model;
+    constexpr auto kRow = static_cast<std::ptrdiff_t>(kBrickSamples<3>);
+    constexpr std::array<std::ptrdiff_t, 3> kSteps{1, kRow, kRow * kRow};
+    std::array<std::ptrdiff_t, 3> below{};  // from the sample to the one before it along each axis
+    std::ptrdiff_t brick = 0;
+    std::ptrdiff_t offset = 0;
+    std::ptrdiff_t bricks = static_cast<std::ptrdiff_t>(kBrickSize<3>);  // samples to the next one
+    bool is_inner = true;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::int32_t local = p[a] % kBrickEdge<3>;
+      is_inner = is_inner && p[a] > 0 && p[a] + 1 < model.shape.dims[a];
+      brick += p[a] / kBrickEdge<3> * bricks;
+      offset += local * kSteps[a];
+      below[a] = local > 0 ? -kSteps[a] : (kBrickEdge<3> - 1) * kSteps[a] - bricks;
+      bricks *= model.brick_dims[a];
+    }
+    if (!is_inner) {
+      const Vec3d gradient = sampler_.gradient(p, 1);
+      for (std::size_t a = 0; a < 3; ++a) out[a][i] = gradient[a];
+      return;
+    }
+    const T* at = reinterpret_cast<const T*>(model.samples.data()) + brick + offset;
+    for (std::size_t a = 0; a < 3; ++a)
+      out[a][i] = (static_cast<double>(at[kSteps[a]]) - static_cast<double>(at[below[a]])) / 2;
   }
 
   void write_triangles(std::int32_t y, const CellRow& row, std::span<const WordGroup> groups,
@@ -129,6 +175,7 @@ class SliceWriter {
   std::vector<T> first_, second_;
   std::vector<std::uint32_t> place_;
   std::vector<double> kept_;
+  Gradients first_gradient_, second_gradient_;  ///< At the ends of the edges.
   EdgeRun<T> run_{};
   EdgeExtremes extremes_;
 };
