@@ -1,6 +1,7 @@
 // Damaged files: what is whole comes back as it was, and what is filled is within its bounds.
 #include "lode/models/diamond/salvage.h"
 
+#include "lode/api/dataset.h"
 #include "lode/models/diamond/attribute_check.h"
 #include "tests/models/salvage_fixtures.h"
 
@@ -402,6 +403,26 @@ TEST(salvage, refuses_metadata_with_which_it_could_not_fill) {
   expect_refused("a range of uint8", [](FieldStats& s) { s.min = -5; });
   expect_refused("a range of uint8", [](FieldStats& s) { s.max = 256; });
   expect_refused("expected 3 holes", [](FieldStats& s) { s.n_holes = 3; });
+}
+
+TEST(salvage, takes_older_files_with_holes_that_are_refused_otherwise) {
+  const TestPath path("older.lode");
+  const Volume volume = test::random_samples({{35, 20, 18}}, ScalarType::float32, Holes::some);
+  test::save<3>(test::built<3>(volume), path.str());
+  Bytes bytes = store::load_file(path.str());
+  std::uint64_t features;
+  std::memcpy(&features, bytes.data() + 16, sizeof(features));
+  EXPECT_NE(features & store::kFeatureRemovedCells, 0U);
+  store::patch_header(bytes, 16, features & ~store::kFeatureRemovedCells);
+  store::save_file(path.str(), bytes);
+  const auto loaded = test::load<3>(path.str());
+  ASSERT_FALSE(loaded);
+  EXPECT_NE(loaded.error().message.find("an older version of lode: build it again"),
+            std::string::npos);
+  EXPECT_FALSE(Dataset::open(path.str(), {2}));
+  const auto salvaged = test::salvage<3>(path.str());
+  ASSERT_TRUE(salvaged) << salvaged.error().message;
+  EXPECT_EQ(salvaged->report.n_samples, 0U);
 }
 
 TEST(salvage, gives_a_model_whose_attributes_are_true) {

@@ -237,6 +237,7 @@ Result<Dataset> Dataset::open(const std::string& path, Threads threads) try {
   LODE_TRY(auto reader, store::Reader::open(path));
   LODE_CHECK(check_model(reader));
   LODE_TRY(auto metadata, diamond::read_metadata(reader));
+  LODE_CHECK(diamond::check_current(reader, metadata));
   return Dataset(std::make_unique<Impl>(std::move(reader), std::move(metadata), threads));
 } catch (const std::bad_alloc&) {
   return out_of_memory("open the file", path);

@@ -137,9 +137,8 @@ class Dataset {
   [[nodiscard]] static Result<Dataset> build(VolumeSource& source, const BuildOptions& options,
                                              Progress& progress);
   /// Opens a .lode file without reading its blocks. Live queries and sessions read what they need,
-  /// when they need it, and so does extract() with a tolerance, of a field without holes;
-  /// everything else loads the whole file first, once. Each block that is read is checked.
-  /// `threads`: for loading.
+  /// when they need it, and so does extract(); everything else loads the whole file first, once.
+  /// Each block that is read is checked. `threads`: for loading.
   [[nodiscard]] static Result<Dataset> open(const std::string& path, Threads threads);
   /// Opens a .lode file some of whose blocks are damaged, and loads it: what is lost is filled from
   /// coarser samples, within proven bounds. Bytes may be missing between header and directory; or

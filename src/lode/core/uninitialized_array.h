@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <new>
 #include <utility>
@@ -20,7 +21,7 @@ void prefer_huge_pages(void* memory, std::size_t n_bytes);
 template <typename T>
 void resize_large(std::vector<T>& vector, std::size_t n) {
   if (n > vector.capacity()) {
-    vector.reserve(n);
+    vector.reserve(vector.empty() ? n : std::max(n, 2 * vector.capacity()));
     prefer_huge_pages(vector.data() + vector.size(), (n - vector.size()) * sizeof(T));
   }
   vector.resize(n);

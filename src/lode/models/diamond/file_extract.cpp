@@ -125,15 +125,9 @@ class FileExtraction {
     return parts;
   }
 
-  /// Whether finer nodes of a brick matter: nodes of level kKeptLevel are refined. Where there are
-  /// holes, fine samples tell what is removed of any that the surface may cross.
+  /// Whether finer nodes of a brick matter: nodes of level kKeptLevel are refined.
   [[nodiscard]] bool is_fine(const Index<D>& brick) const {
-    if (!field_.is_needed()) return true;
-    const int n_levels = std::min(field_.shape.n_levels, kBrickLevel<D> + 1);
-    const int end = field_.has_holes() ? n_levels : kKeptLevel + 1;
-    for (int level = kKeptLevel; level < end; ++level)
-      if (has_fine_node(brick, level)) return true;
-    return false;
+    return !field_.is_needed() || has_fine_node(brick, kKeptLevel);
   }
 
   [[nodiscard]] bool has_fine_node(const Index<D>& brick, int level) const {
@@ -151,7 +145,7 @@ class FileExtraction {
       if (odd == 0 || !exists) continue;
       const std::size_t at = linear_index<D>(dims, q);
       if (!selection_.is_active(level, at)) continue;
-      if (field_.has_holes() || selection_.exceeds_tolerance(selection_.error(level, at)) ||
+      if (selection_.exceeds_tolerance(selection_.error(level, at)) ||
           field_.shape.reaches_across(q * (std::int32_t{1} << level), level))
         return true;
     }

@@ -104,6 +104,7 @@ Result<void> load_attributes(Model<D>& model, const store::Reader& reader, Threa
 template <int D>
 Result<Model<D>> load(const store::Reader& reader, Threads threads, Progress& progress) {
   LODE_TRY(const Metadata metadata, read_metadata(reader));
+  LODE_CHECK(check_current(reader, metadata));
   Model<D> model = Model<D>::make(metadata.info);
   LODE_CHECK(load_samples<D>(model, reader, threads, progress));
   LODE_CHECK(check_stats(reader, metadata.summary.stats, model.stats));

@@ -148,14 +148,24 @@ Result<Metadata> read_metadata(const store::Reader& reader) {
     summary.max_errors.push_back(error);
   }
   LODE_CHECK(in.expect_end());
-  if (summary.stats.n_holes > 0 && !reader.is_rebuilt() &&
-      (reader.features() & store::kFeatureRemovedCells) == 0)
-    return fail("{}: a field with holes made by an older version of lode: build it again", path);
   if (reader.model() == model_name<2>())
     LODE_CHECK(check_size<2>(reader, metadata.info));
   else
     LODE_CHECK(check_size<3>(reader, metadata.info));
   return metadata;
+}
+
+bool has_current_errors(const store::Reader& reader, const Metadata& metadata) {
+  return metadata.summary.stats.n_holes == 0 ||
+         (reader.features() & store::kFeatureRemovedCells) != 0;
+}
+
+Result<void> check_current(const store::Reader& reader, const Metadata& metadata) {
+  if (has_current_errors(reader, metadata)) return {};
+  return fail(
+      "{}: a field with holes made by an older version of lode: build it again (or `lode extract "
+      "--salvage`)",
+      reader.path());
 }
 
 }  // namespace lode::diamond

@@ -35,6 +35,12 @@ struct Metadata {
 /// out.
 [[nodiscard]] Result<Metadata> read_metadata(const store::Reader& reader);
 
+/// Whether the file's errors are what they are today: of fields with holes they were finite where
+/// cells were removed, in files without kFeatureRemovedCells.
+[[nodiscard]] bool has_current_errors(const store::Reader& reader, const Metadata& metadata);
+/// Fails unless they are. Salvage finds errors anew and needs not ask.
+[[nodiscard]] Result<void> check_current(const store::Reader& reader, const Metadata& metadata);
+
 /// Writes the model as blocks, chunk by chunk, along a space-filling curve inside a level
 /// (docs/format.md). The bytes depend on the model only.
 template <int D>

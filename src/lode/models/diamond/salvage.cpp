@@ -76,8 +76,8 @@ Result<Salvaged<D>> salvage(const store::Reader& reader, Threads threads, Progre
   const bool is_original = salvaged.report.n_samples == 0;
   if (is_original) LODE_CHECK(check_stats(reader, metadata.summary.stats, model.stats));
   LODE_CHECK(build_attributes<D>(model, threads, progress));
-  // What was written before the blocks knows no errors.
-  if (is_original && !reader.is_rebuilt())
+  // What was written before the blocks knows no errors, and older files knew others.
+  if (is_original && !reader.is_rebuilt() && has_current_errors(reader, metadata))
     LODE_CHECK(check_errors(reader, metadata.summary, summarize<D>(model)));
   return salvaged;
 }

@@ -21,7 +21,7 @@ namespace lode::diamond {
 namespace {
 
 /// Counts up with every change of what a build writes, so that none goes on from another's part.
-constexpr std::uint32_t kPartFormat = 4;
+constexpr std::uint32_t kPartFormat = 5;
 
 /// Hands out boxes of a source's samples in their storage type, a few slices at a time.
 template <int D>
