@@ -30,7 +30,7 @@ HWY_INLINE DoubleV load_values(const T* from) {
     return hn::PromoteTo(d, hn::PromoteTo(Int(), values));
 }
 
-/// One coordinate of a lattice point, and of the world.
+/// Lattice points, coordinate by coordinate.
 struct LatticePoint {
   DoubleV x, y, z;
 };

@@ -127,12 +127,12 @@ class FileExtraction {
 
   /// Whether finer nodes of a brick matter: nodes of level kKeptLevel are refined.
   [[nodiscard]] bool is_fine(const Index<D>& brick) const {
-    return !field_.is_needed() || has_fine_node(brick, kKeptLevel);
+    return !field_.is_needed() || has_fine_node(brick);
   }
 
-  [[nodiscard]] bool has_fine_node(const Index<D>& brick, int level) const {
-    const Index<D> dims = field_.shape.grid_dims(level);
-    const std::int32_t n = kBrickEdge<D> >> level;
+  [[nodiscard]] bool has_fine_node(const Index<D>& brick) const {
+    const Index<D> dims = field_.shape.grid_dims(kKeptLevel);
+    const std::int32_t n = kBrickEdge<D> >> kKeptLevel;
     const Index<D> edges = all_equal<D>(n + 1);
     for (std::size_t i = 0; i < n_points<D>(edges); ++i) {
       const Index<D> q = brick * n + point_of<D>(edges, i);
@@ -144,9 +144,9 @@ class FileExtraction {
       }
       if (odd == 0 || !exists) continue;
       const std::size_t at = linear_index<D>(dims, q);
-      if (!selection_.is_active(level, at)) continue;
-      if (selection_.exceeds_tolerance(selection_.error(level, at)) ||
-          field_.shape.reaches_across(q * (std::int32_t{1} << level), level))
+      if (!selection_.is_active(kKeptLevel, at)) continue;
+      if (selection_.exceeds_tolerance(selection_.error(kKeptLevel, at)) ||
+          field_.shape.reaches_across(q * (std::int32_t{1} << kKeptLevel), kKeptLevel))
         return true;
     }
     return false;

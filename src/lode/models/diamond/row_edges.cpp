@@ -127,7 +127,7 @@ std::size_t gather_row(const AnchorRow<T>& row, const EdgeLists<T>& out) {
   for (const WordGroup& group : row.groups)
     for (std::uint32_t words = group.met; words != 0; words &= words - 1) {
       const std::size_t word = group.first + static_cast<std::size_t>(std::countr_zero(words));
-      const T* next = row.samples + word * row.brick_step + 4 * kRow;
+      const T* next = row.samples + word * kBrickSize<3> + 4 * kRow;
       __builtin_prefetch(next);
       __builtin_prefetch(next + kSlice);
     }
@@ -136,10 +136,10 @@ std::size_t gather_row(const AnchorRow<T>& row, const EdgeLists<T>& out) {
       for (std::uint32_t words = group.with_edges[s]; words != 0; words &= words - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(words));
         const std::size_t word = group.first + i;
-        EdgeWord<T> edges{row.samples + word * row.brick_step, &(*row.ends)[s],
+        EdgeWord<T> edges{row.samples + word * kBrickSize<3>, &(*row.ends)[s],
                           row.place + 32 * static_cast<std::uint32_t>(word), group.crossings[s][i]};
         if (word == row.n_bricks) {
-          edges.samples = row.samples + (word - 1) * row.brick_step + 32;
+          edges.samples = row.samples + (word - 1) * kBrickSize<3> + kBrickEdge<3>;
           n = gather_one_by_one(edges, out, n);
         } else {
           n = gather(edges, out, n);

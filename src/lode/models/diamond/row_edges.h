@@ -30,10 +30,10 @@ template <typename T>
 struct AnchorRow {
   std::span<const WordGroup> groups;
   const EdgeEndsByDirection* ends;
-  std::uint32_t place;     ///< Of the anchor with x = 0.
-  const T* samples;        ///< There.
-  std::size_t n_bricks;    ///< Along x: as many words have a brick's row of 33 samples each, so far
-  std::size_t brick_step;  ///< apart; the last one's 33rd is a word of its own.
+  std::uint32_t place;   ///< Of the anchor with x = 0.
+  const T* samples;      ///< There.
+  std::size_t n_bricks;  ///< Along x: as many words have a brick's row of 33 samples each, one
+                         ///< brick apart; the last one's 33rd is a word of its own.
 };
 
 /// The crossed edges of a row, one after the other.

@@ -89,7 +89,7 @@ class SliceWriter {
         AnchorRow<T>{groups, &edge_ends((y & 1) | (z_ & 1) << 1),
                      static_cast<std::uint32_t>(y - y_) << kRowShift,
                      reinterpret_cast<const T*>(samples) + Model<3>::brick_offset(local),
-                     as_size(model.brick_dims[0]), kBrickSize<3>},
+                     as_size(model.brick_dims[0])},
         EdgeLists<T>{first_.data() + run_.n, second_.data() + run_.n, place_.data() + run_.n});
   }
 
