@@ -23,7 +23,7 @@ Found found(const Model<D>& model) {
   f.leaf.low.resize(f.errors[0].size());
   f.leaf.high.resize(f.errors[0].size());
   Progress progress;
-  EXPECT_TRUE((find_own_errors<D, V>(model, own, &f.leaf, {2}, progress)));
+  EXPECT_TRUE((find_own_errors<D, V>(model, own, &f.leaf, nullptr, {2}, progress)));
   return f;
 }
 

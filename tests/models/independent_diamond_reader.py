@@ -20,7 +20,7 @@ from independent_reader import expect  # noqa: E402
 
 # The struct letter of the storage type, by sample type from 1.
 STORAGE = " BhHhddddfd"
-INDEX, SAMPLES, ERRORS, MINIMA, MAXIMA = 0, 1, 2, 3, 4
+INDEX, SAMPLES, ERRORS, MINIMA, MAXIMA, WORLD_ERRORS = 0, 1, 2, 3, 4, 5
 
 
 def ceil_div(a, b):
@@ -86,7 +86,7 @@ def level_blocks(dims, n_levels, level, chunk):
         positions = [p for p in positions if tuple(x >> (2 - level) for x in p) == chunk]
     of_level = [(SAMPLES, p) for p in positions]
     if level > 0:
-        of_level += [(k, p) for p in positions for k in (ERRORS, MINIMA, MAXIMA)]
+        of_level += [(k, p) for p in positions for k in (ERRORS, MINIMA, MAXIMA, WORLD_ERRORS)]
     for kind, position in of_level:
         points = box([a[i] for a, i in zip(axes, position)])
         if kind != SAMPLES or level < n_levels - 1:
@@ -111,7 +111,7 @@ def read_arrays(blocks, dims, metadata):
     """Raw samples by lattice point, and error codes by level and grid point."""
     samples, errors = {}, {}
     letter = STORAGE[metadata["type"]]
-    sizes = {SAMPLES: struct.calcsize(letter), ERRORS: 2}
+    sizes = {SAMPLES: struct.calcsize(letter), ERRORS: 2, WORLD_ERRORS: 1}
     sizes[MINIMA] = sizes[MAXIMA] = struct.calcsize(letter) if letter in "BhH" else 4
     expected = expected_blocks(dims, len(metadata["max_errors"]))
     for (_, block, raw), want in itertools.zip_longest(blocks, expected, fillvalue=(None,) * 4):

@@ -160,20 +160,5 @@ TEST(page_limit, is_kept_between_holes) {
   EXPECT_LE(bound, 0.8);
 }
 
-TEST(page_limit, too_small_for_a_model_that_must_be_loaded_is_refused) {
-  const TestPath path("views.lode");
-  test::save<3>(test::built<3>(bumpy({{40, 40, 40}})), path.str());
-  const Dataset opened = Dataset::open(path.str(), {2}).value();
-  Query query;
-  query.isovalues = {130};
-  query.max_error = 5;
-  Progress progress;
-  const auto session =
-      Session::open(opened, query, {.with_views = true, .memory_limit = 1000}, progress);
-  ASSERT_FALSE(session);
-  EXPECT_NE(session.error().message.find("memory limit of at least"), std::string::npos)
-      << session.error().message;
-}
-
 }  // namespace
 }  // namespace lode::diamond

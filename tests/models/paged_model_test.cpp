@@ -82,6 +82,30 @@ class paged_model : public ::testing::Test {
                                 at_once, progress_));
       EXPECT_TRUE(cells_of(surface) == cells_of(at_once));
     }
+    expect_same_view(built, opened, 0.6 * scale);
+  }
+  /// From beside the data, one corner of it near.
+  void expect_same_view(const Dataset& built, const Dataset& opened, double isovalue) {
+    const Box3d bounds = built.describe().volume.grid.world_bounds();
+    const Vec3d size = bounds.upper - bounds.lower;
+    Query query = isosurface(isovalue, 0);
+    query.max_error.reset();
+    query.view = View{
+        {.eye = bounds.lower - size * 0.1 - Vec3d{{5, 9, 7}}, .target = bounds.lower + size * 0.5},
+        640,
+        480};
+    std::size_t n_last = std::numeric_limits<std::size_t>::max();
+    for (const double pixels : {4.0, 30.0}) {
+      query.max_error_px = pixels;
+      const Surface expected = extract(built, query);
+      const Surface surface = extract(opened, query);
+      EXPECT_FALSE(expected.is_empty());
+      EXPECT_EQ(surface.positions, expected.positions);
+      EXPECT_EQ(surface.triangles, expected.triangles);
+      EXPECT_EQ(surface.lines, expected.lines);
+      EXPECT_LE(surface.positions.size(), n_last);
+      n_last = surface.positions.size();
+    }
   }
 
   std::filesystem::path directory_;
@@ -320,6 +344,17 @@ TEST_F(paged_model, reads_little_of_a_file_with_holes) {
   Query query = isosurface(60, 0);
   query.max_error_outside = 1000;
   query.balls = {{{{160, 120, 330}}, 5}};
+  EXPECT_FALSE(extract(opened, query).is_empty());
+  EXPECT_LT(opened.reads().bytes, std::filesystem::file_size(path) / 2);
+}
+
+TEST_F(paged_model, reads_little_of_a_file_for_a_view) {
+  const std::string path = save(build(blobs<std::uint8_t>({{193, 193, 193}}, 250, 1)));
+  const Dataset opened = Dataset::open(path, {2}).value();
+  Query query = isosurface(150, 0);
+  query.max_error.reset();
+  query.max_error_px = 20;
+  query.view = View{{.eye = {{-400, 50, 150}}, .target = {{90, 60, 180}}}, 640, 480};
   EXPECT_FALSE(extract(opened, query).is_empty());
   EXPECT_LT(opened.reads().bytes, std::filesystem::file_size(path) / 2);
 }

@@ -267,10 +267,10 @@ TEST_F(damaged_model, says_which_levels_and_blocks_are_lost_and_why) {
   const Dataset dataset = salvaged(path_.str());
   const SalvageReport& report = *dataset.salvaged();
   EXPECT_EQ(report.n_blocks, file.n_blocks());
-  ASSERT_EQ(report.blocks.size(), 4U);
+  ASSERT_EQ(report.blocks.size(), 5U);
   ASSERT_EQ(report.levels.size(), 1U);
   EXPECT_EQ(report.levels[0].level, 1);
-  EXPECT_EQ(report.levels[0].n_blocks, 4U);
+  EXPECT_EQ(report.levels[0].n_blocks, 5U);
   EXPECT_EQ(report.levels[0].n_samples, report.n_samples);
   EXPECT_EQ(report.levels[0].max_error, report.max_error);
   std::set<std::string> kinds;
@@ -279,7 +279,8 @@ TEST_F(damaged_model, says_which_levels_and_blocks_are_lost_and_why) {
     EXPECT_EQ(block.box.has_value(), block.kind == "samples");
     EXPECT_NE(block.reason.find("expected checksum"), std::string::npos) << block.reason;
   }
-  EXPECT_EQ(kinds, (std::set<std::string>{"errors", "maxima", "minima", "samples"}));
+  EXPECT_EQ(kinds,
+            (std::set<std::string>{"errors", "maxima", "minima", "samples", "world errors"}));
   // Nothing but the coarser levels and the metadata bound what is lost, yet far below the range.
   EXPECT_GT(report.max_error, 0);
   EXPECT_LT(report.max_error, 0.5 * (dataset.describe().range_max - dataset.describe().range_min));

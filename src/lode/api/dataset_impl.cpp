@@ -82,19 +82,16 @@ Result<Dataset::Impl::Chunks*> Dataset::Impl::chunks(std::uint64_t memory_limit)
   return chunks_.get();
 }
 
-Result<std::shared_ptr<const diamond::WorldErrors>> Dataset::Impl::world_errors(
-    Progress& progress) const {
-  LODE_TRY(const AnyModel* const in_memory, model(progress));
+Result<void> Dataset::Impl::find_world_errors(Progress& progress) const {
+  LODE_CHECK(model(progress));
   const std::lock_guard lock(world_errors_mutex_);
-  if (!world_errors_) {
-    LODE_TRY(auto found, std::visit(
-                             [&]<int D>(const diamond::Model<D>& held) {
-                               return diamond::compute_world_errors<D>(held, {}, progress);
-                             },
-                             *in_memory));
-    world_errors_ = std::make_shared<const diamond::WorldErrors>(std::move(found));
-  }
-  return world_errors_;
+  return std::visit(
+      [&]<int D>(diamond::Model<D>& held) -> Result<void> {
+        if (held.has_all_worlds() || !held.shape.has_cells()) return {};
+        LODE_TRY(held.worlds, diamond::compute_world_errors<D>(held, {}, progress));
+        return {};
+      },
+      *model_);
 }
 
 }  // namespace lode

@@ -112,14 +112,9 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
   const LiveQueryOptions live_options{.normals = options.normals,
                                       .with_views = query.max_error_px.has_value(),
                                       .memory_limit = options.memory_limit};
-  LODE_CHECK(check_memory(dataset, live_options));
   const double opening = clock();
-  if (live_options.with_views) {
-    LODE_CHECK(dataset.load(progress));
-  } else {
-    LODE_TRY(const auto* const pages, dataset.impl().pages(progress));
-    if (pages == nullptr) LODE_CHECK(dataset.load(progress));
-  }
+  LODE_TRY(const auto* const pages, dataset.impl().pages(progress));
+  if (pages == nullptr) LODE_CHECK(dataset.load(progress));
   const double opened = clock();
   LODE_TRY(const auto live, open_live_query(dataset, live_options, progress));
   const double start = clock();

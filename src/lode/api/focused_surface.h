@@ -35,7 +35,7 @@ struct FocusedReport {
   double achieved_px = 0;   ///< With a view: of what is left unrefined in sight, an estimate.
   double seconds = 0;       ///< Without the next two,
   double open_seconds = 0;  ///< for what is read before refinement begins, and
-  double world_error_seconds = 0;  ///< what is found once for a dataset.
+  double world_error_seconds = 0;  ///< what is found once for a model in memory.
   std::uint64_t components_dropped = 0;
   std::uint64_t triangles_dropped = 0;
   bool was_clipped = false;  ///< Nodes at the border were left unrefined, so the surface was cut.

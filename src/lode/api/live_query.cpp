@@ -97,18 +97,6 @@ class DiamondLiveQuery final : public LiveQuery {
   std::optional<Query> query_;
 };
 
-/// With world errors, which it keeps.
-template <int D>
-class NodesInMemory : public diamond::LiveRefinable<D> {
- public:
-  NodesInMemory(const diamond::Model<D>& model,
-                const std::shared_ptr<const diamond::WorldErrors>& world_errors)
-      : diamond::LiveRefinable<D>(model, world_errors.get()), world_errors_(world_errors) {}
-
- private:
-  std::shared_ptr<const diamond::WorldErrors> world_errors_;
-};
-
 template <int D>
 bool has_normals(Normals normals) {
   return D == 3 && normals == Normals::on;
@@ -122,41 +110,41 @@ std::unique_ptr<LiveQuery> open_paged(const Dataset::Impl::AnyPages& pages,
         using Live = DiamondLiveQuery<D, diamond::PagedModel<D>, diamond::PagedRefinable<D>>;
         model->set_memory_limit(options.memory_limit > 0 ? options.memory_limit
                                                          : physical_memory() / 4);
-        return std::make_unique<Live>(has_normals<D>(options.normals), *model);
+        return std::make_unique<Live>(has_normals<D>(options.normals), *model, options.with_views);
       },
       pages);
 }
 
 }  // namespace
 
-Result<void> check_memory(const Dataset& dataset, const LiveQueryOptions& options) {
-  const Dataset::Impl& impl = dataset.impl();
-  if (options.memory_limit == 0 || !impl.is_in_file() || !options.with_views) return {};
-  if (impl.model_bytes() <= options.memory_limit) return {};
-  return fail(
-      "expected a memory limit of at least {} MB for pixel errors, which take the whole model, got "
-      "{} MB",
-      impl.model_bytes() / 1'000'000 + 1, options.memory_limit / 1'000'000);
+/// Fails where views are asked for and the file has no world errors.
+Result<void> check_worlds(const Dataset::Impl::AnyPages& pages) {
+  return std::visit(
+      [](const auto& model) -> Result<void> {
+        if (model->has_worlds()) return {};
+        return fail(
+            "{}: expected world errors, which pixel errors are found from, in the file; it was "
+            "built before there were any: build it again",
+            model->path());
+      },
+      pages);
 }
 
 Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
                                                    const LiveQueryOptions& options,
                                                    Progress& progress) try {
   const Dataset::Impl& impl = dataset.impl();
-  if (!options.with_views) {
-    LODE_TRY(const auto* const pages, impl.pages(progress));
-    if (pages != nullptr) return open_paged(*pages, options);
-  }
-  LODE_CHECK(check_memory(dataset, options));
-  std::shared_ptr<const diamond::WorldErrors> world_errors;
-  if (options.with_views) {
-    LODE_TRY(world_errors, impl.world_errors(progress));
+  LODE_TRY(const auto* const pages, impl.pages(progress));
+  if (pages != nullptr) {
+    if (options.with_views) LODE_CHECK(check_worlds(*pages));
+    return open_paged(*pages, options);
   }
   LODE_TRY(const auto* const in_memory, impl.model(progress));
+  if (options.with_views) LODE_CHECK(impl.find_world_errors(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> std::unique_ptr<LiveQuery> {
-        using Live = DiamondLiveQuery<D, diamond::Model<D>, NodesInMemory<D>>;
-        return std::make_unique<Live>(has_normals<D>(options.normals), model, world_errors);
+        using Live = DiamondLiveQuery<D, diamond::Model<D>, diamond::LiveRefinable<D>>;
+        return std::make_unique<Live>(has_normals<D>(options.normals), model, options.with_views);
       },
       *in_memory);
 } catch (const std::bad_alloc&) {

@@ -53,15 +53,12 @@ struct LiveQueryOptions {
 };
 
 /// A live query at the base, whatever the dataset's model; set_query() comes first. A file that is
-/// not loaded is read as the query goes. World errors are found if
-/// `with_views`, for which it is loaded; without them tolerances in pixels must not be asked for.
-/// `dataset` must outlive it.
+/// not loaded is read as the query goes. Tolerances in pixels must be asked for only `with_views`:
+/// those take world errors, which files have; of a model in memory they are found first. `dataset`
+/// must outlive it.
 [[nodiscard]] Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
                                                                  const LiveQueryOptions& options,
                                                                  Progress& progress);
-
-/// Refuses a limit that is less than a model which has to be loaded takes.
-[[nodiscard]] Result<void> check_memory(const Dataset& dataset, const LiveQueryOptions& options);
 
 /// Refuses queries that a live one cannot answer.
 [[nodiscard]] Result<void> check_live_query(const Query& query, bool has_views);

@@ -15,6 +15,7 @@ std::string name_of_kind(std::uint32_t kind) {
     case diamond::Kind::samples: return "samples";
     case diamond::Kind::errors: return "errors";
     case diamond::Kind::lows: return "minima";
+    case diamond::Kind::worlds: return "world errors";
     default: return "maxima";
   }
 }

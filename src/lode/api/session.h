@@ -13,7 +13,7 @@ namespace lode {
 
 struct SessionOptions {
   Normals normals = Normals::on;
-  /// World errors are found when the session opens, which loads a file and costs another build;
+  /// Of a model in memory world errors are found when the session opens, which costs another build;
   /// without them tolerances in pixels are refused.
   bool with_views = true;
   std::uint64_t memory_limit = 0;  ///< As in LiveQueryOptions.

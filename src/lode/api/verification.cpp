@@ -101,6 +101,8 @@ Result<VerifyReport> verify_model_against(const Model<D>& model, VolumeSource& o
   add_finding(report, "own ranges inside stored ranges", attributes.own_ranges);
   add_finding(report, "stored values nested", attributes.nesting);
   add_finding(report, "stored values no wider than rounding makes them", attributes.tightness);
+  if (attributes.worlds.n_checked > 0)
+    add_finding(report, "stored world errors as defined", attributes.worlds);
   return report;
 }
 

@@ -7,6 +7,7 @@
 
 #include "lode/core/atomic_extremes.h"
 #include "lode/models/diamond/cube_plan.h"
+#include "lode/models/diamond/world_error.h"
 
 namespace lode::diamond {
 namespace {
@@ -16,8 +17,10 @@ constexpr double kEndless = std::numeric_limits<double>::infinity();
 /// Attributes of one level's nodes as recomputed, laid out as NodeLevel's.
 struct TrueLevel {
   std::vector<double> error, low, high;
+  std::vector<double> world;  ///< Shares of the level's longest edge.
 
-  explicit TrueLevel(std::size_t n) : error(n, 0.0), low(n, kEndless), high(n, -kEndless) {}
+  explicit TrueLevel(std::size_t n)
+      : error(n, 0.0), low(n, kEndless), high(n, -kEndless), world(n, 0.0) {}
 
   void join(std::size_t at, double e, double l, double h) {
     raise_to(error[at], e);
@@ -63,6 +66,19 @@ class OwnAttributes {
         const Index<D> lower = brick * kBrickEdge<D> + point_of<D>(n, i) * step;
         add_box(level, lower, step);
       }
+    }
+  }
+
+  /// Those of the brick's cubes of side 2.
+  void add_finest_worlds(const Index<D>& brick) const {
+    const Index<D> n = all_equal<D>(kBrickEdge<D> / 2);
+    for (std::size_t i = 0; i < n_points<D>(n); ++i) {
+      const Index<D> centre = brick * kBrickEdge<D> + point_of<D>(n, i) * 2 + all_equal<D>(1);
+      const Diamond<D> cube = diamond_at<D>(centre);
+      const std::ptrdiff_t place = place_of<D>(model_.shape, cube);
+      if (place < 0) continue;
+      const WorldCode code = finest_world_error<D>(model_, cube);
+      levels_[0].world[static_cast<std::size_t>(place)] = static_cast<double>(decode_world(code));
     }
   }
 
@@ -136,13 +152,14 @@ template <int D>
 class AttributeChecker {
  public:
   AttributeChecker(const Model<D>& model, std::vector<TrueLevel>& levels)
-      : model_(model), levels_(levels) {}
+      : model_(model), levels_(levels), scale_(model), rule_(scale_) {}
 
   /// Children before parents, so that `levels` turns from own into nested values on the way.
   AttributeReport run() {
     for (int level = 0; level < model_.shape.n_levels; ++level)
       for (int tier = level == 0 ? 0 : D - 1; tier >= 0; --tier) run_tier(level, tier);
-    return {errors_.finding(), ranges_.finding(), nesting_.finding(), tightness_.finding()};
+    return {errors_.finding(), ranges_.finding(), nesting_.finding(), tightness_.finding(),
+            worlds_.finding()};
   }
 
  private:
@@ -181,8 +198,37 @@ class AttributeChecker {
       ranges_.check(d, low - own.low[at] - rounding, "low end", low, own.low[at]);
       ranges_.check(d, own.high[at] - high - rounding, "high end", high, own.high[at]);
     }
+    if (d.level > 0 && !model_.worlds.empty()) check_world(d, at, own);
     join_children(d, at, error, low, high);
     check_tightness(d, at, error, low, high);
+  }
+
+  /// Errors are own ones still. Where holes are, more of them are infinite than simplices show.
+  void check_world(const Diamond<D>& d, std::size_t at, TrueLevel& own) {
+    const double slack = rounding_slack<D>(model_);
+    const Index<D> grid = model_.shape.grid_dims(d.level);
+    const auto value = [&](const Index<D>& p) {
+      for (std::size_t i = 0; i < as_size(D); ++i)
+        if (p[i] < 0 || p[i] >> d.level >= grid[i]) return std::numeric_limits<double>::quiet_NaN();
+      return model_.value_or_nan(p);
+    };
+    double least = 0;
+    double& most = own.world[at];
+    const double error = own.error[at];
+    if (error > slack / 16) least = rule_(d, error, value);  // less may count as rounding
+    if (error > 0) most = rule_(d, (error + slack) * kRoundedError, value);
+    for (const Index<D>& centre : children<D>(d)) {
+      const Diamond<D> child = diamond_at<D>(centre);
+      const std::ptrdiff_t place = place_of<D>(model_.shape, child);
+      if (place < 0) continue;
+      const double below = levels_[as_size(child.level)].world[static_cast<std::size_t>(place)];
+      most = std::max(most, std::ldexp(below, child.level - d.level));
+    }
+    const auto stored = static_cast<double>(decode_world(model_.worlds[as_size(d.level)][at]));
+    worlds_.check(d, least * kAlmost - stored, "world error", stored, least);
+    const double allowed = std::max(most * (1 + 1.0 / 16) / kAlmost, 0x1.2p-16);
+    if (!model_.has_holes())
+      worlds_.check(d, stored > 0 ? stored - allowed : 0, "world error above", stored, most);
   }
 
   void join_children(const Diamond<D>& d, std::size_t at, double error, double low, double high) {
@@ -263,9 +309,15 @@ class AttributeChecker {
                      nested.high[at]);
   }
 
+  /// Stored own errors are rounded up by so much, and shares are found in float32.
+  static constexpr double kRoundedError = 1 + 0x1p-7;
+  static constexpr double kAlmost = 1 - 0x1p-16;
+
   const Model<D>& model_;
   std::vector<TrueLevel>& levels_;
-  Finder<D> errors_, ranges_, nesting_, tightness_;
+  WorldScale<D, double> scale_;
+  WorldErrorRule<D, double> rule_;
+  Finder<D> errors_, ranges_, nesting_, tightness_, worlds_;
 };
 
 }  // namespace
@@ -281,6 +333,7 @@ Result<AttributeReport> check_attributes(const Model<D>& model, Threads threads,
   parallel_for(model.n_bricks(), threads, 1, [&](std::size_t i, int) {
     if (progress.is_cancelled()) return;
     own.add_brick(point_of<D>(model.brick_dims, i));
+    if (!model.worlds.empty()) own.add_finest_worlds(point_of<D>(model.brick_dims, i));
     progress.report("checking errors",
                     static_cast<double>(++n_done) / static_cast<double>(model.n_bricks()));
   });

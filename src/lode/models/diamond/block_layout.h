@@ -13,7 +13,7 @@
 namespace lode::diamond {
 
 /// What a block holds, beside store::kIndexKind; part of the format.
-enum class Kind : std::uint32_t { samples = 1, errors = 2, lows = 3, highs = 4 };
+enum class Kind : std::uint32_t { samples = 1, errors = 2, lows = 3, highs = 4, worlds = 5 };
 
 /// Grid points per edge of a block.
 template <int D>

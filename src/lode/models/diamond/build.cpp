@@ -6,6 +6,7 @@
 #include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/nesting_pass.h"
+#include "lode/models/diamond/world_pass.h"
 
 namespace lode::diamond {
 namespace {
@@ -19,13 +20,18 @@ NodeLevel make_level(std::size_t n, Threads threads) {
 }
 
 template <int D, typename V>
-Result<void> build_attributes_as(Model<D>& model, Threads threads, Progress& progress) {
+Result<void> build_attributes_as(Model<D>& model, bool with_worlds, Threads threads,
+                                 Progress& progress) {
   model.levels.clear();
+  model.worlds.clear();
   for (int level = 0; level < model.shape.n_levels; ++level)
     model.levels.push_back(make_level(n_points<D>(model.shape.attribute_dims(level)), threads));
   OwnErrors own(model.levels.size());
   for (std::size_t level = 1; level < own.size(); ++level) own[level] = model.levels[level].error;
-  LODE_CHECK((find_own_errors<D, V>(model, own, &model.levels[0], threads, progress)));
+  if (with_worlds) model.worlds = no_worlds<D>(model.shape, threads);
+  UninitializedArray<WorldCode>* const leaf_worlds = with_worlds ? model.worlds.data() : nullptr;
+  LODE_CHECK((find_own_errors<D, V>(model, own, &model.levels[0], leaf_worlds, threads, progress)));
+  if (with_worlds) find_worlds<D, typename SampleScale<D, V>::C>(model, own, threads, model.worlds);
   NestingPass<D, Model<D>>(model, 1, model.shape.n_levels, threads).run();
   round_ranges<D, Model<D>>(model, model.levels, 1, threads);  // level 0's are not stored
   return {};
@@ -89,14 +95,16 @@ Result<Model<D>> build(VolumeSource& source, const BuildSettings& settings, Prog
   LODE_CHECK(check_axes(info));
   Model<D> model = Model<D>::make(info);
   LODE_CHECK(read_samples<D>(model, source, settings, progress));
-  LODE_CHECK(build_attributes<D>(model, settings.threads, progress));
+  LODE_CHECK(build_attributes<D>(model, settings.with_worlds, settings.threads, progress));
   return model;
 }
 
 template <int D>
-Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progress) {
-  return visit_held_type<D>(
-      model, [&]<typename V>() { return build_attributes_as<D, V>(model, threads, progress); });
+Result<void> build_attributes(Model<D>& model, bool with_worlds, Threads threads,
+                              Progress& progress) {
+  return visit_held_type<D>(model, [&]<typename V>() {
+    return build_attributes_as<D, V>(model, with_worlds, threads, progress);
+  });
 }
 
 template <int D>
@@ -106,8 +114,8 @@ void compute_level_0(Model<D>& model, Threads threads) {
 
 template Result<Model<2>> build<2>(VolumeSource&, const BuildSettings&, Progress&);
 template Result<Model<3>> build<3>(VolumeSource&, const BuildSettings&, Progress&);
-template Result<void> build_attributes<2>(Model<2>&, Threads, Progress&);
-template Result<void> build_attributes<3>(Model<3>&, Threads, Progress&);
+template Result<void> build_attributes<2>(Model<2>&, bool, Threads, Progress&);
+template Result<void> build_attributes<3>(Model<3>&, bool, Threads, Progress&);
 template void compute_level_0<2>(Model<2>&, Threads);
 template void compute_level_0<3>(Model<3>&, Threads);
 

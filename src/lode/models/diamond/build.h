@@ -8,6 +8,7 @@ namespace lode::diamond {
 struct BuildSettings {
   Threads threads;
   std::int32_t slices_per_read = 0;  ///< Most slices asked of the source at once; 0: chosen.
+  bool with_worlds = false;          ///< World errors too.
 };
 
 /// Fails where an axis has no samples or too many.
@@ -20,9 +21,10 @@ template <int D>
                                      Progress& progress);
 
 /// The second half of that: finds the attributes of all nodes of a model whose samples are complete
-/// (see finish_samples()). Fails on cancel.
+/// (see finish_samples()), and world errors where asked for. Fails on cancel.
 template <int D>
-[[nodiscard]] Result<void> build_attributes(Model<D>& model, Threads threads, Progress& progress);
+[[nodiscard]] Result<void> build_attributes(Model<D>& model, bool with_worlds, Threads threads,
+                                            Progress& progress);
 
 /// Recomputes the attributes of level 0 (which are not stored) from the samples.
 template <int D>

@@ -7,6 +7,7 @@ CoarseField<D> CoarseField<D>::make(const VolumeInfo& info) {
   CoarseField field;
   field.set_info(info);
   field.levels.resize(as_size(field.shape.n_levels));
+  field.worlds.resize(field.levels.size());
   if (!field.is_needed()) return field;
   field.dims = field.shape.grid_dims(kKeptLevel);
   field.samples.resize(n_points<D>(field.dims) * field.sample_size());
@@ -16,16 +17,19 @@ CoarseField<D> CoarseField<D>::make(const VolumeInfo& info) {
     nodes.error.assign(n, 0);
     nodes.low.assign(n, std::numeric_limits<float>::infinity());
     nodes.high.assign(n, -std::numeric_limits<float>::infinity());
+    field.worlds[as_size(level)].assign(n, 0);
   }
+  field.finest_own.assign(field.levels[as_size(kKeptLevel)].error.size(), 0);
   return field;
 }
 
 template <int D>
 std::uint64_t CoarseField<D>::n_bytes(const VolumeInfo& info) {
-  constexpr std::uint64_t kNodeBytes = sizeof(ErrorCode) + 2 * sizeof(float);
+  constexpr std::uint64_t kNodeBytes = sizeof(ErrorCode) + 2 * sizeof(float) + sizeof(WorldCode);
   const Shape<D> shape = shape_of<D>(info.grid.dims);
   if (shape.n_levels <= kKeptLevel) return 0;
-  std::uint64_t n = n_points<D>(shape.grid_dims(kKeptLevel)) * size_of(storage_type(info.type));
+  std::uint64_t n = n_points<D>(shape.grid_dims(kKeptLevel)) *
+                    (size_of(storage_type(info.type)) + sizeof(ErrorCode));
   for (int level = kKeptLevel; level < shape.n_levels; ++level)
     n += n_points<D>(shape.grid_dims(level)) * kNodeBytes;
   return n;
@@ -70,8 +74,11 @@ void CoarseField<D>::join(const CoarseField& other) {
       to.error[i] = std::max(to.error[i], from.error[i]);
       to.low[i] = std::min(to.low[i], from.low[i]);
       to.high[i] = std::max(to.high[i], from.high[i]);
+      worlds[level][i] = std::max(worlds[level][i], other.worlds[level][i]);
     }
   }
+  for (std::size_t i = 0; i < finest_own.size(); ++i)
+    finest_own[i] = std::max(finest_own[i], other.finest_own[i]);
 }
 
 template <int D>

@@ -13,10 +13,13 @@ struct CoarseField : LatticeField<D, CoarseField<D>> {
   Index<D> dims;                          ///< Of level kKeptLevel's grid.
   UninitializedArray<std::byte> samples;  ///< On it, x fastest; beyond the data the nearest ones.
   std::vector<NodeLevel> levels;          ///< Finest first; those below kKeptLevel are empty.
+  WorldErrors worlds;                     ///< Of their nodes.
+  /// Own errors of level kKeptLevel: its nodes of the lowest tier are joined with finer ones first.
+  UninitializedArray<ErrorCode> finest_own;
 
   using LatticeField<D, CoarseField<D>>::shape;
 
-  /// Without samples; errors are 0, and ranges empty.
+  /// Without samples; errors are 0, and ranges empty. Those of files have no world errors.
   [[nodiscard]] static CoarseField make(const VolumeInfo& info);
   /// What it takes of memory.
   [[nodiscard]] static std::uint64_t n_bytes(const VolumeInfo& info);

@@ -5,6 +5,7 @@
 
 #include "lode/core/parallel.h"
 #include "lode/models/diamond/range_code.h"
+#include "lode/models/diamond/sample_rows.h"
 
 namespace lode::diamond {
 namespace {
@@ -53,50 +54,6 @@ R to_range(float v) {
   return static_cast<R>(v);
 }
 
-/// Appends n samples, the first at lattice point p and `step` apart along x; where they lie beyond
-/// the data, the nearest ones.
-template <typename T, int D>
-T* copy_samples(const Model<D>& model, const Index<D>& p, std::int32_t n, std::int32_t step,
-                T* to) {
-  Index<D> local = model.clamped(p);
-  Index<D> brick;
-  for (std::size_t a = 0; a < as_size(D); ++a) {
-    brick[a] = std::min(local[a] / kBrickEdge<D>, model.brick_dims[a] - 1);
-    local[a] -= brick[a] * kBrickEdge<D>;
-  }
-  local[0] = 0;
-  const std::int32_t last = model.shape.dims[0] - 1;
-  std::int32_t x = p[0];
-  while (n > 0) {
-    // What lies in one brick; beyond the data its last sample again and again.
-    brick[0] = std::min(std::min(x, last) / kBrickEdge<D>, model.brick_dims[0] - 1);
-    const std::int32_t begin = brick[0] * kBrickEdge<D>;
-    const T* from =
-        reinterpret_cast<const T*>(model.brick(linear_index<D>(model.brick_dims, brick))) +
-        model.brick_offset(local);
-    const std::int32_t end = std::min(begin + kBrickEdge<D>, last);
-    const std::int32_t n_here = x <= end ? std::min(n, (end - x) / step + 1) : n;
-    if (x > end)
-      std::fill_n(to, n_here, from[last - begin]);
-    else if (step == 1)
-      std::copy_n(from + (x - begin), n_here, to);
-    else
-      for (std::int32_t i = 0; i < n_here; ++i) to[i] = from[x - begin + i * step];
-    x += n_here * step;
-    n -= n_here;
-    to += n_here;
-  }
-  return to;
-}
-
-template <typename T, int D>
-T* copy_samples(const CoarseField<D>& field, const Index<D>& p, std::int32_t n, std::int32_t step,
-                T* to) {
-  Index<D> at = p;
-  for (std::int32_t i = 0; i < n; ++i, at[0] += step) *to++ = static_cast<T>(field.value(at));
-  return to;
-}
-
 /// A number for each of the region's points, in their order.
 template <int D, typename T>
 store::EncodedBlock encode_values(const Region<D>& r, const std::vector<T>& values) {
@@ -134,8 +91,8 @@ void encode_attribute(const Index<D>& dims, const store::BlockKey& key, const Re
 }
 
 template <int D, typename Field>
-void encode_attributes(const Field& field, const Region<D>& place, const Region<D>& r,
-                       PendingBlocks& out) {
+void encode_attributes(const Field& field, const WorldErrors& worlds, const Region<D>& place,
+                       const Region<D>& r, PendingBlocks& out) {
   const NodeLevel& nodes = field.levels[as_size(r.level)];
   const Index<D> dims = field.shape.grid_dims(r.level);
   encode_attribute<ErrorCode>(
@@ -151,11 +108,14 @@ void encode_attributes(const Field& field, const Region<D>& place, const Region<
     encode_attribute<R>(dims, key_of(Kind::lows, place), r, low, out);
     encode_attribute<R>(dims, key_of(Kind::highs, place), r, high, out);
   });
+  const UninitializedArray<WorldCode>& codes = worlds[as_size(r.level)];
+  encode_attribute<WorldCode>(
+      dims, key_of(Kind::worlds, place), r, [&](std::size_t at) { return codes[at]; }, out);
 }
 
 template <int D, typename Field>
-void encode_group(const Field& field, const Index<D>& origin, const BlockGroup<D>& group,
-                  PendingBlocks& out) {
+void encode_group(const Field& field, const WorldErrors& worlds, const Index<D>& origin,
+                  const BlockGroup<D>& group, PendingBlocks& out) {
   Region<D> r = group.region;
   if (count_points(r) == 0) return;
   for (std::size_t i = 0; i < as_size(D); ++i) {
@@ -165,13 +125,13 @@ void encode_group(const Field& field, const Index<D>& origin, const BlockGroup<D
   if (group.is_samples)
     encode_samples<D>(field, key_of(Kind::samples, group.region), r, out);
   else
-    encode_attributes<D>(field, group.region, r, out);
+    encode_attributes<D>(field, worlds, group.region, r, out);
 }
 
 }  // namespace
 
 template <int D, typename Field>
-Result<void> append_groups(const Field& field, const Index<D>& origin,
+Result<void> append_groups(const Field& field, const WorldErrors& worlds, const Index<D>& origin,
                            std::span<const BlockGroup<D>> groups, store::Writer& writer,
                            Threads threads, const Progress& progress) {
   // A few at a time: what is compressed waits in memory.
@@ -182,7 +142,8 @@ Result<void> append_groups(const Field& field, const Index<D>& origin,
     const std::size_t n = std::min(batch, groups.size() - first);
     parallel_for(n, threads, 1, [&](std::size_t i, int) {
       pending[i].clear();
-      if (!progress.is_cancelled()) encode_group<D>(field, origin, groups[first + i], pending[i]);
+      if (!progress.is_cancelled())
+        encode_group<D>(field, worlds, origin, groups[first + i], pending[i]);
     });
     for (std::size_t i = 0; i < n; ++i) {
       if (progress.is_cancelled()) return cancelled_error();
@@ -211,16 +172,16 @@ void round_ranges(const LatticeField<D, Field>& field, std::vector<NodeLevel>& l
   }
 }
 
-template Result<void> append_groups<2>(const Model<2>&, const Index<2>&,
+template Result<void> append_groups<2>(const Model<2>&, const WorldErrors&, const Index<2>&,
                                        std::span<const BlockGroup<2>>, store::Writer&, Threads,
                                        const Progress&);
-template Result<void> append_groups<3>(const Model<3>&, const Index<3>&,
+template Result<void> append_groups<3>(const Model<3>&, const WorldErrors&, const Index<3>&,
                                        std::span<const BlockGroup<3>>, store::Writer&, Threads,
                                        const Progress&);
-template Result<void> append_groups<2>(const CoarseField<2>&, const Index<2>&,
+template Result<void> append_groups<2>(const CoarseField<2>&, const WorldErrors&, const Index<2>&,
                                        std::span<const BlockGroup<2>>, store::Writer&, Threads,
                                        const Progress&);
-template Result<void> append_groups<3>(const CoarseField<3>&, const Index<3>&,
+template Result<void> append_groups<3>(const CoarseField<3>&, const WorldErrors&, const Index<3>&,
                                        std::span<const BlockGroup<3>>, store::Writer&, Threads,
                                        const Progress&);
 template void round_ranges<2>(const LatticeField<2, Model<2>>&, std::vector<NodeLevel>&, int,

@@ -9,11 +9,12 @@
 
 namespace lode::diamond {
 
-/// Appends the blocks of groups, in their order: samples, or the errors, lows and highs of nodes;
-/// none where a group has no points; before each run of them an index. `origin` is where the
-/// field's lattice begins in the one that the groups are regions of.
+/// Appends the blocks of groups, in their order: samples, or the errors, lows, highs and world
+/// errors of nodes; none where a group has no points; before each run of them an index. `origin` is
+/// where the field's lattice begins in the one that the groups are regions of.
 template <int D, typename Field>
-[[nodiscard]] Result<void> append_groups(const Field& field, const Index<D>& origin,
+[[nodiscard]] Result<void> append_groups(const Field& field, const WorldErrors& worlds,
+                                         const Index<D>& origin,
                                          std::span<const BlockGroup<D>> groups,
                                          store::Writer& writer, Threads threads,
                                          const Progress& progress);

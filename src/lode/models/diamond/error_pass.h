@@ -27,6 +27,8 @@ struct ErrorTask {
   /// So many layers of bricks along the last axis have their errors already; all but the last of
   /// them have level 0's attributes too.
   std::int32_t n_known_layers = 0;
+  /// Where level 0's nested world errors go, beside `leaf`.
+  UninitializedArray<WorldCode>* leaf_worlds = nullptr;
 };
 
 /// Finds the own errors of all nodes of levels >= 1, and level 0's nested attributes, brick by
@@ -47,7 +49,7 @@ class ErrorPass {
         slack_(rounding_slack<D>(model_)),
         coarse_(task.field, slack_, task.coarse),
         lanes_(model_.shape, part_) {
-    if (task.leaf != nullptr) leaf_.emplace(model_, slack_, *task.leaf);
+    if (task.leaf != nullptr) leaf_.emplace(model_, slack_, *task.leaf, task.leaf_worlds);
     for (BrickState& brick : bricks_) brick.values.resize(kLeafValues<D>);
   }
 
@@ -260,11 +262,14 @@ template <typename V, int D, typename Field, typename BrickDone>
 }
 
 /// Finds the own errors of all nodes of levels >= 1. Where `leaf` is given, level 0's nested
-/// attributes are put there.
+/// attributes are put there, and its world errors where those are asked for.
 template <int D, typename V>
 [[nodiscard]] Result<void> find_own_errors(const Model<D>& model, const OwnErrors& own,
-                                           NodeLevel* leaf, Threads threads, Progress& progress) {
-  const ErrorTask<D, Model<D>> task{model, Part<D>::whole(model.shape), own, leaf, model, own};
+                                           NodeLevel* leaf,
+                                           UninitializedArray<WorldCode>* leaf_worlds,
+                                           Threads threads, Progress& progress) {
+  const ErrorTask<D, Model<D>> task{
+      model, Part<D>::whole(model.shape), own, leaf, model, own, 0, leaf_worlds};
   std::atomic<std::size_t> n_done{0};
   return find_own_errors<V>(task, threads, progress, [&] {
     progress.report("errors",

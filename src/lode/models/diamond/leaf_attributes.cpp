@@ -206,8 +206,10 @@ struct RowEncoder {
 }  // namespace
 
 template <int D, typename V>
-LeafPass<D, V>::LeafPass(const Model<D>& model, double slack, NodeLevel& out)
-    : model_(model), slack_(slack), out_(out) {
+LeafPass<D, V>::LeafPass(const Model<D>& model, double slack, NodeLevel& out,
+                         UninitializedArray<WorldCode>* worlds)
+    : model_(model), slack_(slack), out_(out), worlds_(worlds) {
+  if (worlds != nullptr) world_block_.emplace(WorldScale<D, C>(model));
   static_assert(as_size(kLeafEdge<D>) <= kMaxRow);
   if constexpr (!std::is_same_v<V, double>)
     LODE_EXPECTS(slack == 0 && model.range_reference() == 0);
@@ -220,6 +222,7 @@ void LeafPass<D, V>::run_brick(const Index<D>& brick, const V* values, bool has_
   find_midpoint_errors<D>(model_, base, values, midpoint_);
   if constexpr (std::is_floating_point_v<V>)
     if (has_holes) mark_mixed_nodes<D>(model_, base, values, midpoint_);
+  if (worlds_ != nullptr) find_worlds(brick, values);
   const RowEncoder<D, V> encoder{SampleScale<D, V>(model_), slack_, model_.range_reference()};
   const auto stride = strides<D>(kLeafEdge<D>);
   const Index<D> dims = model_.shape.attribute_dims(0);
@@ -248,6 +251,29 @@ void LeafPass<D, V>::run_brick(const Index<D>& brick, const V* values, bool has_
   });
 }
 
+/// Held in V both values and errors are as many times what they are.
+template <int D, typename V>
+void LeafPass<D, V>::find_worlds(const Index<D>& brick, const V* values) {
+  const Index<D> base = brick * kBrickEdge<D>;
+  const Index<D> grid = model_.shape.grid_dims(0);
+  world_block_->put_values(values);
+  Index<D> lower;
+  for (std::size_t i = 0; i < as_size(D); ++i) lower[i] = base[i] > 0 ? -1 : 0;
+  world_block_->hide_outside(lower, grid - base - all_equal<D>(1));
+  world_block_->put_errors(midpoint_.data());
+  world_block_->find_nested();
+  for_each_row<D>(kLeafCubes<D>, [&](const Index<D>& cube) {
+    const Index<D> dims = model_.shape.attribute_dims(0);
+    Index<D> global = brick * kLeafCubes<D> + cube;
+    for (std::size_t i = 1; i < as_size(D); ++i)
+      if (global[i] >= dims[i]) return;
+    const auto n = static_cast<std::size_t>(std::clamp(dims[0] - global[0], 0, kLeafCubes<D>));
+    WorldCode* const out = worlds_->data() + linear_index<D>(dims, global);
+    std::fill_n(out, n, WorldCode{0});
+    raise_codes(world_block_->shares_from(cube * 2 + all_equal<D>(1)), n, 1, out);
+  });
+}
+
 template <int D, typename V>
 void LeafPass<D, V>::run_uniform_brick(const Index<D>& brick, V lowest, V highest) {
   const RowEncoder<D, V> encoder{SampleScale<D, V>(model_), slack_, model_.range_reference()};
@@ -265,6 +291,7 @@ void LeafPass<D, V>::run_uniform_brick(const Index<D>& brick, V lowest, V highes
     std::fill_n(out_.error.begin() + static_cast<std::ptrdiff_t>(at), n, error);
     std::fill_n(out_.low.begin() + static_cast<std::ptrdiff_t>(at), n, low);
     std::fill_n(out_.high.begin() + static_cast<std::ptrdiff_t>(at), n, high);
+    if (worlds_ != nullptr) std::fill_n(worlds_->data() + at, n, WorldCode{0});
   });
 }
 

@@ -7,6 +7,7 @@
 #include "lode/models/diamond/leaf_rows.h"
 #include "lode/models/diamond/model.h"
 #include "lode/models/diamond/sample_scale.h"
+#include "lode/models/diamond/world_block.h"
 
 namespace lode::diamond {
 
@@ -28,7 +29,9 @@ inline constexpr std::size_t kLeafValues = power(as_size(kLeafEdge<D>), D) + kRo
 template <int D, typename V>
 class LeafPass {
  public:
-  LeafPass(const Model<D>& model, double slack, NodeLevel& out);
+  /// `worlds`: where the nested world errors of the same nodes go; null: they are not found.
+  LeafPass(const Model<D>& model, double slack, NodeLevel& out,
+           UninitializedArray<WorldCode>* worlds = nullptr);
 
   /// `values`: kLeafValues; the brick's samples with a margin of one layer (see gather_values;
   /// holes are NaN).
@@ -37,9 +40,15 @@ class LeafPass {
   void run_uniform_brick(const Index<D>& brick, V lowest, V highest);
 
  private:
+  using C = typename SampleScale<D, V>::C;
+
+  void find_worlds(const Index<D>& brick, const V* values);
+
   const Model<D>& model_;
   double slack_;
   NodeLevel& out_;
+  UninitializedArray<WorldCode>* worlds_;
+  std::optional<WorldBlock<D, C>> world_block_;
   std::vector<V> midpoint_;  ///< Scratch: one error a sample.
 };
 

@@ -127,8 +127,8 @@ extern template class LiveIsosurface<3>;
 template <int D, typename Field = Model<D>>
 class LiveRefinable : public Refinable<D, Field> {
  public:
-  explicit LiveRefinable(const Field& model, const WorldErrors* world_errors = nullptr)
-      : Refinable<D, Field>(model, world_errors) {}
+  explicit LiveRefinable(const Field& model, bool has_worlds = false)
+      : Refinable<D, Field>(model, has_worlds) {}
 
   void follow(LiveIsosurface<D, Field>* surface) { surface_ = surface; }
   std::uint64_t apply(NodeId id) {

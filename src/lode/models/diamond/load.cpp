@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 
 #include "lode/models/diamond/block_checks.h"
@@ -75,6 +76,19 @@ Result<void> load_attribute(const Shape<D>& shape, const store::Reader& reader, 
   return load_blocks<D>(reader, regions, kind, sizeof(T), threads, progress, put_block);
 }
 
+/// Those of level 0 are not stored.
+template <int D>
+Result<void> load_worlds(Model<D>& model, const store::Reader& reader, Threads threads,
+                         Progress& progress) {
+  if (!has_worlds(reader)) return {};
+  model.worlds.resize(model.levels.size());
+  for (int level = 1; level < model.shape.n_levels; ++level)
+    model.worlds[as_size(level)].assign(n_points<D>(model.shape.grid_dims(level)), 0);
+  return load_attribute<WorldCode>(
+      model.shape, reader, Kind::worlds, threads,
+      progress, [&](int level) -> auto& { return model.worlds[as_size(level)]; });
+}
+
 template <int D>
 Result<void> load_attributes(Model<D>& model, const store::Reader& reader, Threads threads,
                              Progress& progress) {
@@ -85,6 +99,7 @@ Result<void> load_attributes(Model<D>& model, const store::Reader& reader, Threa
     nodes.low.assign(n, std::numeric_limits<float>::infinity());
     nodes.high.assign(n, -std::numeric_limits<float>::infinity());
   }
+  LODE_CHECK(load_worlds<D>(model, reader, threads, progress));
   const auto load_kind = [&]<typename T>(Kind kind, auto NodeLevel::*array) {
     return load_attribute<T>(
         model.shape, reader, kind, threads,
@@ -113,6 +128,12 @@ Result<Model<D>> load(const store::Reader& reader, Threads threads, Progress& pr
   compute_level_0<D>(model, threads);
   LODE_CHECK(check_errors(reader, metadata.summary, summarize<D>(model)));
   return model;
+}
+
+bool has_worlds(const store::Reader& reader) {
+  return std::ranges::any_of(reader.blocks(), [](const store::BlockEntry& block) {
+    return block.key.kind == static_cast<std::uint32_t>(Kind::worlds);
+  });
 }
 
 StoredBytes stored_bytes(const store::Reader& reader) {

@@ -6,9 +6,18 @@
 #include "lode/core/out_of_memory.h"
 
 namespace lode::diamond {
+namespace {
+
+/// Of a node, with ranges in R.
+template <typename R>
+constexpr std::size_t kAttributesSize = sizeof(ErrorCode) + 2 * sizeof(R) + sizeof(WorldCode);
+
+}  // namespace
+
 template <int D>
 PagedModel<D>::PagedModel(const store::Reader& reader, const Metadata& metadata)
     : reader_(reader),
+      has_worlds_(diamond::has_worlds(reader)),
       fetcher_(
           [&] {
             this->set_info(metadata.info);
@@ -72,8 +81,7 @@ StoredAttributes PagedModel<D>::attributes(const Diamond<D>& node) const {
   const LevelPage<D>* page = page_at(node.level, q);
   LODE_EXPECTS(page != nullptr);
   return visit_range_type(this->storage, [&]<typename R>() {
-    constexpr std::size_t kSize = sizeof(ErrorCode) + 2 * sizeof(R);
-    const std::byte* at = page->attributes.data() + page->index_of(q) * kSize;
+    const std::byte* at = page->attributes.data() + page->index_of(q) * kAttributesSize<R>;
     ErrorCode error;
     R low;
     R high;
@@ -87,8 +95,17 @@ StoredAttributes PagedModel<D>::attributes(const Diamond<D>& node) const {
 }
 
 template <int D>
-std::size_t PagedModel<D>::range_size() const {
-  return visit_range_type(this->storage, []<typename R>() { return sizeof(R); });
+WorldCode PagedModel<D>::world_error(const Diamond<D>& node) const {
+  const Index<D> q = on_grid(node.centre, node.level);
+  const LevelPage<D>* page = page_at(node.level, q);
+  LODE_EXPECTS(page != nullptr);
+  const std::size_t size = attributes_size();  // it is the last
+  return static_cast<WorldCode>(page->attributes[(page->index_of(q) + 1) * size - 1]);
+}
+
+template <int D>
+std::size_t PagedModel<D>::attributes_size() const {
+  return visit_range_type(this->storage, []<typename R>() { return kAttributesSize<R>; });
 }
 
 template <int D>
@@ -96,22 +113,21 @@ void PagedModel<D>::prefetch(const Diamond<D>& node) const {
   const Index<D> q = on_grid(node.centre, node.level);
   const LevelPage<D>* page = page_at(node.level, q);
   if (page == nullptr) return;
-  const std::size_t size = sizeof(ErrorCode) + 2 * range_size();
-  __builtin_prefetch(page->attributes.data() + page->index_of(q) * size);
+  __builtin_prefetch(page->attributes.data() + page->index_of(q) * attributes_size());
 }
 
 template <int D>
 std::uint64_t PagedModel<D>::n_bytes(Page page) const {
   const Region<D> region = region_of(page);
-  const std::size_t attributes = region.level > 0 ? sizeof(ErrorCode) + 2 * range_size() : 0;
+  const std::size_t attributes = region.level > 0 ? attributes_size() : 0;
   return n_points<D>(region.upper - region.lower) * (this->sample_size() + attributes);
 }
 
 template <int D>
 void PagedModel<D>::set_memory_limit(std::uint64_t n_bytes) const {
   constexpr std::uint64_t kPagesAtLeast = 4;
-  const std::uint64_t largest = n_points<D>(all_equal<D>(kBlockEdge<D>)) *
-                                (this->sample_size() + sizeof(ErrorCode) + 2 * range_size());
+  const std::uint64_t largest =
+      n_points<D>(all_equal<D>(kBlockEdge<D>)) * (this->sample_size() + attributes_size());
   memory_limit_ = std::max(n_bytes, kPagesAtLeast * largest);
 }
 
@@ -173,7 +189,7 @@ Result<void> PagedModel<D>::load(const Region<D>& region, LevelPage<D>& page) co
   LODE_CHECK(load_samples(region, page));
   if (!region.has_coarser_points) add_coarser(region, page);
   if (region.level == 0) return {};
-  page.attributes.assign(n * (sizeof(ErrorCode) + 2 * range_size()), std::byte{0});
+  page.attributes.assign(n * attributes_size(), std::byte{0});
   Region<D> nodes = region;
   nodes.has_coarser_points = false;
   return load_attributes(nodes, page);
@@ -238,7 +254,11 @@ Result<void> PagedModel<D>::load_attributes(const Region<D>& region, LevelPage<D
     LODE_TRY(const auto errors, read_region<D>(reader_, region, Kind::errors, sizeof(ErrorCode)));
     LODE_TRY(const auto lows, read_region<D>(reader_, region, Kind::lows, sizeof(R)));
     LODE_TRY(const auto highs, read_region<D>(reader_, region, Kind::highs, sizeof(R)));
-    constexpr std::size_t kSize = sizeof(ErrorCode) + 2 * sizeof(R);
+    std::vector<std::byte> worlds(errors.size() / sizeof(ErrorCode));
+    if (has_worlds_) {
+      LODE_TRY(worlds, read_region<D>(reader_, region, Kind::worlds, sizeof(WorldCode)));
+    }
+    constexpr std::size_t kSize = kAttributesSize<R>;
     std::size_t i = 0;
     bool is_good = true;
     for_each_row<D>(region, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
@@ -255,6 +275,7 @@ Result<void> PagedModel<D>::load_attributes(const Region<D>& region, LevelPage<D
         std::memcpy(to, &error, sizeof(error));
         std::memcpy(to + sizeof(error), &low, sizeof(R));
         std::memcpy(to + sizeof(error) + sizeof(R), &high, sizeof(R));
+        to[kSize - 1] = worlds[i];
         const auto sample =
             static_cast<double>(reinterpret_cast<const T*>(page.samples.data())[at]);
         const double above = sample - this->range_reference();

@@ -19,7 +19,7 @@
 namespace lode::diamond {
 
 /// One block of a level's grid: the samples at all its points, also those of coarser levels, and
-/// but for level 0 the attributes of its nodes, side by side: error, low, high.
+/// but for level 0 the attributes of its nodes, side by side: error, low, high, world error.
 template <int D>
 struct LevelPage {
   Index<D> lower;                                 ///< Grid point of the first sample,
@@ -62,6 +62,11 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   [[nodiscard]] double value(Index<D> p) const;
   [[nodiscard]] static bool has_attributes(const Diamond<D>& node) { return node.level > 0; }
   [[nodiscard]] StoredAttributes attributes(const Diamond<D>& node) const;
+  /// 0 where the file has none.
+  [[nodiscard]] WorldCode world_error(const Diamond<D>& node) const;
+  [[nodiscard]] const std::string& path() const { return reader_.path(); }
+  /// Files of before have none.
+  [[nodiscard]] bool has_worlds() const { return has_worlds_; }
   void prefetch(const Diamond<D>& node) const;
   /// See NearSamples.
   template <typename Near>
@@ -163,13 +168,15 @@ class PagedModel : public LatticeField<D, PagedModel<D>> {
   [[nodiscard]] Result<void> load_samples(const Region<D>& region, LevelPage<D>& page) const;
   [[nodiscard]] Result<void> load_attributes(const Region<D>& region, LevelPage<D>& page) const;
   void add_coarser(const Region<D>& region, LevelPage<D>& page) const;
-  [[nodiscard]] std::size_t range_size() const;
+  /// Of all of a node's attributes.
+  [[nodiscard]] std::size_t attributes_size() const;
 
   /// Grid steps round a node's centre that refining it may look at: the simplices of its star,
   /// their neighbours for gradients, and finest nodes below it with theirs.
   static constexpr std::int32_t kPageReach = 4;
 
   const store::Reader& reader_;
+  bool has_worlds_;
   std::vector<Level> levels_;
   std::uint64_t n_bytes_of_all_ = 0;
   mutable std::atomic<std::uint64_t> memory_limit_{std::numeric_limits<std::uint64_t>::max()};

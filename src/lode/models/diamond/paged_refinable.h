@@ -19,8 +19,8 @@ extern template class LiveIsosurface<3, PagedModel<3>>;
 template <int D>
 class PagedRefinable : public LiveRefinable<D, PagedModel<D>> {
  public:
-  explicit PagedRefinable(const PagedModel<D>& model)
-      : LiveRefinable<D, PagedModel<D>>(model), client_(model.fetcher()) {}
+  explicit PagedRefinable(const PagedModel<D>& model, bool has_worlds = false)
+      : LiveRefinable<D, PagedModel<D>>(model, has_worlds), client_(model.fetcher()) {}
   PagedRefinable(const PagedRefinable&) = delete;
   PagedRefinable& operator=(const PagedRefinable&) = delete;
   ~PagedRefinable() { let_all_go(); }

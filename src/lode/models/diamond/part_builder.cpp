@@ -6,7 +6,7 @@
 #include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/error_pass.h"
 #include "lode/models/diamond/nesting_pass.h"
-#include "lode/models/diamond/part_overlap.h"
+#include "lode/models/diamond/world_pass.h"
 
 namespace lode::diamond {
 
@@ -40,10 +40,10 @@ std::uint64_t PartPlan<D>::n_bytes(std::size_t sample_size) const {
   for (const std::int32_t n : dims.v)
     n_bricks *= static_cast<std::uint64_t>((n + kBrickEdge<D> - 1) / kBrickEdge<D>);
   std::uint64_t bytes = n_bricks * kBrickSize<D> * sample_size;
-  constexpr std::uint64_t kNodeBytes = sizeof(ErrorCode) + 2 * sizeof(float);
+  constexpr std::uint64_t kNodeBytes = sizeof(ErrorCode) + 2 * sizeof(float) + sizeof(WorldCode);
   for (int level = 0; level <= kPlanLevel<D>; ++level)
     bytes += n_points<D>(shape.attribute_dims(level)) *
-             (level <= kChunkLevel ? kNodeBytes : sizeof(ErrorCode));
+             ((level <= kChunkLevel ? kNodeBytes : 0) + (level > 0 ? sizeof(ErrorCode) : 0));
   return bytes;
 }
 
@@ -55,9 +55,13 @@ void PartBuilder<D>::reserve(const Index<D>& dims) {
   // Samples before those of a part are read, but what they give is not used.
   fill_anew(model_.samples, n_bricks * kBrickSize<D> * field_.sample_size(), std::byte{}, threads_);
   model_.levels.resize(as_size(std::min(field_.shape.n_levels, kChunkLevel + 1)));
+  model_.worlds.resize(model_.levels.size());
+  own_.resize(as_size(n_own_levels()));
   for (std::size_t level = 0; level < model_.levels.size(); ++level) {
     const std::size_t n = n_points<D>(shape.attribute_dims(static_cast<int>(level)));
     NodeLevel& nodes = model_.levels[level];
+    if (level > 0) own_[level].reserve(n);
+    model_.worlds[level].reserve(n);
     nodes.error.reserve(n);
     nodes.low.reserve(n);
     nodes.high.reserve(n);
@@ -79,7 +83,7 @@ void PartBuilder<D>::take_over(const PartPlan<D>& plan) {
   n_taken_over_ = 0;
   if (is_found_ && is_next<D>(plan.chunks, plan_.chunks)) {
     const std::int32_t first = plan.part.origin[kLastAxis<D>] - plan_.part.origin[kLastAxis<D>];
-    move_overlap<D>(model_, first / kBrickEdge<D>, plan.dims);
+    move_overlap<D>(model_, own_, first / kBrickEdge<D>, plan.dims);
     n_taken_over_ = kOverlapBricks;
   }
   is_found_ = false;
@@ -106,19 +110,24 @@ void PartBuilder<D>::begin(const PartPlan<D>& plan) {
   model_.reset(info);
   model_.stats = field_.stats;
   model_.levels.resize(as_size(std::min(field_.shape.n_levels, kChunkLevel + 1)));
-  for (std::size_t level = 0; level < model_.levels.size(); ++level) {
-    const std::size_t n = n_points<D>(model_.shape.attribute_dims(static_cast<int>(level)));
-    NodeLevel& nodes = model_.levels[level];
+  model_.worlds.resize(model_.levels.size());
+  own_.resize(as_size(n_own_levels()));
+  for (int level = 0; level < n_own_levels(); ++level) {
+    const std::size_t n = n_points<D>(model_.shape.attribute_dims(level));
+    const bool is_kept_elsewhere = level >= kKeptLevel;
     const std::size_t n_known =
-        n_taken_over_ > 0 ? n_overlap_nodes<D>(model_.shape, static_cast<int>(level), n) : 0;
-    fill_anew(nodes.error, n_known, n, ErrorCode{0}, threads_);
+        n_taken_over_ > 0 && !is_kept_elsewhere ? n_overlap_nodes<D>(model_.shape, level, n) : 0;
+    if (level > 0) fill_anew(own_[as_size(level)], n_known, n, ErrorCode{0}, threads_);
+    if (is_kept_elsewhere) continue;
+    NodeLevel& nodes = model_.levels[as_size(level)];
+    resize_anew(nodes.error, n);
     resize_anew(nodes.low, n);
     resize_anew(nodes.high, n);
+    if (level == 0)
+      resize_anew(model_.worlds[0], n);
+    else
+      fill_anew(model_.worlds[as_size(level)], n, WorldCode{0}, threads_);
   }
-  coarse_.resize(as_size(std::max(0, n_own_levels() - kKeptLevel)));
-  for (std::size_t i = 0; i < coarse_.size(); ++i)
-    fill_anew(coarse_[i], n_points<D>(model_.shape.grid_dims(kKeptLevel + static_cast<int>(i))),
-              ErrorCode{0}, threads_);
   largest_.resize(model_.levels.size());
 }
 
@@ -142,8 +151,7 @@ Result<void> PartBuilder<D>::find_attributes(const Progress& progress,
       field_, [&]<typename V>() { return find_own_errors<V>(progress, brick_done); });
   if (!found) return found.error();
   give_own_errors();
-  const int n_levels = static_cast<int>(model_.levels.size());
-  NestingPass<D, Model<D>>(model_, 1, n_levels, threads_).run();
+  nest();
   give_cubes();
   round_ranges<D, Model<D>>(model_, model_.levels, 1, threads_);
   find_largest();
@@ -155,12 +163,14 @@ template <int D>
 template <typename V>
 Result<void> PartBuilder<D>::find_own_errors(const Progress& progress,
                                              const std::function<void()>& brick_done) {
-  ErrorTask<D, CoarseField<D>> task{
-      model_, plan_.part,   OwnErrors(as_size(n_own_levels())), &model_.levels[0], field_,
-      {},     n_taken_over_};
-  for (std::size_t level = 1; level < task.own.size(); ++level)
-    task.own[level] = level < as_size(kKeptLevel) ? std::span(model_.levels[level].error)
-                                                  : std::span(coarse_[level - kKeptLevel]);
+  ErrorTask<D, CoarseField<D>> task{model_,
+                                    plan_.part,
+                                    OwnErrors(own_.begin(), own_.end()),
+                                    &model_.levels[0],
+                                    field_,
+                                    {},
+                                    n_taken_over_,
+                                    &model_.worlds[0]};
   for (NodeLevel& nodes : field_.levels) task.coarse.emplace_back(nodes.error);
   return diamond::find_own_errors<V>(task, threads_, progress, brick_done);
 }
@@ -168,22 +178,43 @@ Result<void> PartBuilder<D>::find_own_errors(const Progress& progress,
 /// Of nodes that the field has kept: other parts may have larger ones.
 template <int D>
 void PartBuilder<D>::give_own_errors() {
-  for (std::size_t i = 0; i < coarse_.size(); ++i) {
-    const int level = kKeptLevel + static_cast<int>(i);
+  for (int level = kKeptLevel; level < n_own_levels(); ++level) {
+    const UninitializedArray<ErrorCode>& own = own_[as_size(level)];
     const Index<D> from = model_.shape.grid_dims(level);
     const Index<D> to = field_.shape.grid_dims(level);
     UninitializedArray<ErrorCode>& errors = field_.levels[as_size(level)].error;
-    for (std::size_t at = 0; at < coarse_[i].size(); ++at) {
-      if (coarse_[i][at] == 0) continue;
+    for (std::size_t at = 0; at < own.size(); ++at) {
+      if (own[at] == 0) continue;
       Index<D> q = point_of<D>(from, at);
       bool exists = true;
       for (std::size_t a = 0; a < as_size(D); ++a) {
         q[a] += plan_.part.origin[a] >> level;
         exists = exists && q[a] < to[a];
       }
-      if (exists) raise_to(errors[linear_index<D>(to, q)], coarse_[i][at]);
+      if (!exists) continue;
+      const std::size_t place = linear_index<D>(to, q);
+      raise_to(errors[place], own[at]);
+      if (level == kKeptLevel) raise_to(field_.finest_own[place], own[at]);
     }
   }
+}
+
+template <int D>
+void PartBuilder<D>::nest() {
+  const int n_levels = static_cast<int>(model_.levels.size());
+  for (int level = 1; level < n_levels; ++level) {
+    const UninitializedArray<ErrorCode>& own = own_[as_size(level)];
+    NodeLevel& nodes = model_.levels[as_size(level)];
+    for_each_piece(own.size(), threads_, [&](std::size_t first, std::size_t end) {
+      std::copy(own.data() + first, own.data() + end, nodes.error.data() + first);
+    });
+    visit_held_type<D>(field_, [&]<typename V>() {
+      raise_to_own_worlds<D, typename SampleScale<D, V>::C>(
+          model_, level, own, rounding_slack<D>(field_), threads_, model_.worlds[as_size(level)]);
+    });
+  }
+  nest_worlds<D>(model_.shape, 1, n_levels, threads_, model_.worlds);
+  NestingPass<D, Model<D>>(model_, 1, n_levels, threads_).run();
 }
 
 template <int D>
@@ -229,6 +260,8 @@ void PartBuilder<D>::give_cube(const Index<D>& q, std::size_t at) {
     to.error[place] = std::max(to.error[place], from.error[at]);
     to.low[place] = std::min(to.low[place], from.low[at]);
     to.high[place] = std::max(to.high[place], from.high[at]);
+    WorldCode& world = field_.worlds[as_size(kKeptLevel)][place];
+    world = std::max(world, one_level_up(model_.worlds[as_size(kChunkLevel)][at]));
   }
 }
 
@@ -267,8 +300,8 @@ template <int D>
 Result<void> PartBuilder<D>::append_chunk(const Index<D>& chunk, store::Writer& writer,
                                           const Progress& progress) const {
   const std::vector<BlockGroup<D>> groups = chunk_blocks<D>(field_.shape, chunk);
-  return append_groups<D>(model_, plan_.part.origin, std::span<const BlockGroup<D>>(groups), writer,
-                          threads_, progress);
+  return append_groups<D>(model_, model_.worlds, plan_.part.origin,
+                          std::span<const BlockGroup<D>>(groups), writer, threads_, progress);
 }
 
 template struct PartPlan<2>;

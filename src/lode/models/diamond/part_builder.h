@@ -7,6 +7,7 @@
 #include "lode/core/progress.h"
 #include "lode/models/diamond/coarse_field.h"
 #include "lode/models/diamond/own_errors.h"
+#include "lode/models/diamond/part_overlap.h"
 #include "lode/store/writer.h"
 
 namespace lode::diamond {
@@ -66,6 +67,7 @@ class PartBuilder {
   [[nodiscard]] bool is_in_core(const Index<D>& p) const;
   [[nodiscard]] int n_own_levels() const;
   void give_own_errors();
+  void nest();
   void give_cubes();
   void give_cube(const Index<D>& q, std::size_t at);
   void find_largest();
@@ -77,7 +79,7 @@ class PartBuilder {
   bool is_found_ = false;          ///< What is to be found of it.
   std::int32_t n_taken_over_ = 0;  ///< Layers of bricks along the last axis, of the part before.
   Model<D> model_;                 ///< Levels up to kChunkLevel.
-  std::vector<UninitializedArray<ErrorCode>> coarse_;  ///< Own errors of the next, to kPlanLevel.
+  PartErrors own_;                 ///< Up to kPlanLevel.
   std::vector<ErrorCode> largest_;
 };
 

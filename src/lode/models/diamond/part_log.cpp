@@ -41,7 +41,27 @@ void write_shares(const CoarseField<D>& field, const LatticeBox<D>& samples,
     for_each_place<D>(dims, box, [&](std::size_t at) { out.write(nodes.error[at]); });
     for_each_place<D>(dims, box, [&](std::size_t at) { out.write(nodes.low[at]); });
     for_each_place<D>(dims, box, [&](std::size_t at) { out.write(nodes.high[at]); });
+    if (level > kKeptLevel) continue;  // those have no world errors yet
+    const UninitializedArray<WorldCode>& worlds = field.worlds[as_size(level)];
+    for_each_place<D>(dims, box, [&](std::size_t at) { out.write(field.finest_own[at]); });
+    for_each_place<D>(dims, box, [&](std::size_t at) { out.write(worlds[at]); });
   }
+}
+
+/// What level kKeptLevel has beside its attributes.
+template <int D>
+Result<void> read_finest(store::ByteReader& in, const LatticeBox<D>& box, CoarseField<D>& field) {
+  const std::size_t n = n_points<D>(box.upper - box.lower);
+  LODE_TRY(const auto own, in.read_all<ErrorCode>(n));
+  LODE_TRY(const auto worlds, in.read_all<WorldCode>(n));
+  UninitializedArray<WorldCode>& to = field.worlds[as_size(kKeptLevel)];
+  std::size_t i = 0;
+  for_each_place<D>(field.shape.grid_dims(kKeptLevel), box, [&](std::size_t at) {
+    field.finest_own[at] = std::max(field.finest_own[at], own[i]);
+    to[at] = std::max(to[at], worlds[i]);
+    ++i;
+  });
+  return {};
 }
 
 template <int D>
@@ -70,6 +90,7 @@ Result<void> read_shares(store::ByteReader& in, const std::string& path, CoarseF
       nodes.high[at] = std::max(nodes.high[at], highs[i]);
       ++i;
     });
+    if (level == kKeptLevel) LODE_CHECK(read_finest<D>(in, box, field));
   }
   return {};
 }

@@ -32,7 +32,7 @@ std::size_t n_overlap_nodes(const Shape<D>& shape, int level, std::size_t n) {
 }
 
 template <int D>
-void move_overlap(Model<D>& model, std::int32_t first, const Index<D>& dims) {
+void move_overlap(Model<D>& model, PartErrors& own, std::int32_t first, const Index<D>& dims) {
   const Shape<D> next = Shape<D>::of(dims);
   const std::size_t bricks = model.n_bricks() / as_size(model.brick_dims[kLastAxis<D>]);
   const std::size_t brick_bytes = kBrickSize<D> * model.sample_size();
@@ -46,15 +46,17 @@ void move_overlap(Model<D>& model, std::int32_t first, const Index<D>& dims) {
         as_size((first * kBrickEdge<D>) >> std::max(level, 1)) * layer_size<D>(model.shape, level);
     const std::size_t capacity = n_points<D>(next.attribute_dims(level));
     const std::size_t n = n_overlap_nodes<D>(model.shape, level, nodes.error.size());
-    move_to_front(nodes.error, from, n, capacity);
-    // Ranges of coarser levels are found again from those of level 0.
+    if (level > 0) move_to_front(own[i], from, n, capacity);
+    // What is nested is found again from level 0.
+    move_to_front(nodes.error, from, level == 0 ? n : 0, capacity);
     move_to_front(nodes.low, from, level == 0 ? n : 0, capacity);
     move_to_front(nodes.high, from, level == 0 ? n : 0, capacity);
+    move_to_front(model.worlds[i], from, level == 0 ? n : 0, capacity);
   }
 }
 
-template void move_overlap<2>(Model<2>&, std::int32_t, const Index<2>&);
-template void move_overlap<3>(Model<3>&, std::int32_t, const Index<3>&);
+template void move_overlap<2>(Model<2>&, PartErrors&, std::int32_t, const Index<2>&);
+template void move_overlap<3>(Model<3>&, PartErrors&, std::int32_t, const Index<3>&);
 template std::size_t n_overlap_nodes<2>(const Shape<2>&, int, std::size_t);
 template std::size_t n_overlap_nodes<3>(const Shape<3>&, int, std::size_t);
 

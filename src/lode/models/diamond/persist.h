@@ -41,6 +41,9 @@ struct Metadata {
 /// Fails unless they are. Salvage finds errors anew and needs not ask.
 [[nodiscard]] Result<void> check_current(const store::Reader& reader, const Metadata& metadata);
 
+/// Whether the file has world errors: those from before there were any have not.
+[[nodiscard]] bool has_worlds(const store::Reader& reader);
+
 /// Writes the model as blocks, chunk by chunk, along a space-filling curve inside a level
 /// (docs/format.md). The bytes depend on the model only.
 template <int D>

@@ -95,8 +95,8 @@ constexpr void for_each_discovered(NodeId id, const Diamond<D>& d, const Body& b
 template <int D, typename Field = Model<D>>
 class Refinable {
  public:
-  /// `world_errors`, of a model in memory, may be null: then nodes have infinite ones.
-  explicit Refinable(const Field& model, const WorldErrors* world_errors = nullptr);
+  /// Without `has_worlds` nodes have infinite world errors. A model in memory must have its own.
+  explicit Refinable(const Field& model, bool has_worlds = false);
 
   [[nodiscard]] const Field& model() const { return model_; }
 
@@ -146,9 +146,13 @@ class Refinable {
                    Finest& facts) const;
   void add_finest(const Diamond<D>& node, StoredFacts& facts) const;
   void find_radii();
+  [[nodiscard]] float world_error(int level, WorldCode code) const {
+    return decode_world(code) * longest_edges_[as_size(level)];
+  }
 
   const Field& model_;
-  const WorldErrors* world_errors_;
+  bool has_worlds_;
+  std::array<float, 21> longest_edges_{};                    ///< By level, of its simplices.
   std::array<std::array<double, power(2, D)>, 21> radii_{};  ///< By level and odd axes.
   Mat3 to_world_;
 };

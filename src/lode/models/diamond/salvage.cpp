@@ -42,7 +42,7 @@ void add_lost(const Model<D>& model, const LostRegion<D>& block,
 template <int D>
 std::uint64_t count_blocks(const Shape<D>& shape) {
   std::uint64_t n = 0;
-  for (const Kind kind : {Kind::samples, Kind::errors, Kind::lows, Kind::highs})
+  for (const Kind kind : {Kind::samples, Kind::errors, Kind::lows, Kind::highs, Kind::worlds})
     for (const Region<D>& r : all_regions<D>(shape, kind)) n += count_points(r) > 0 ? 1 : 0;
   return n;
 }
@@ -56,6 +56,11 @@ Result<SalvageReport> put_salvaged(Model<D>& model, const store::Reader& reader,
   LODE_TRY(auto samples, SalvagedSamples<D>::load(reader, metadata, threads, progress, lost));
   std::vector<LostRegion<D>> lost_nodes;
   LODE_TRY(const auto nodes, KnownNodes<D>::load(reader, metadata, threads, progress, lost_nodes));
+  // World errors say nothing of samples.
+  const std::vector<Region<D>> regions = all_regions<D>(model.shape, Kind::worlds);
+  const auto accept = [](std::size_t, const std::vector<std::byte>&) { return Result<void>(); };
+  LODE_CHECK(salvage_blocks<D>(reader, regions, Kind::worlds, sizeof(WorldCode), threads, progress,
+                               accept, lost_nodes));
   LODE_TRY(const auto filled, samples.fill(nodes, lost, threads, progress));
   for (std::size_t i = 0; i < lost.size(); ++i) add_lost<D>(model, lost[i], filled[i], report);
   for (const LostRegion<D>& block : lost_nodes) add_lost<D>(model, block, {}, report);
@@ -75,7 +80,7 @@ Result<Salvaged<D>> salvage(const store::Reader& reader, Threads threads, Progre
   finish_samples<D>(model, threads);
   const bool is_original = salvaged.report.n_samples == 0;
   if (is_original) LODE_CHECK(check_stats(reader, metadata.summary.stats, model.stats));
-  LODE_CHECK(build_attributes<D>(model, threads, progress));
+  LODE_CHECK(build_attributes<D>(model, false, threads, progress));
   // What was written before the blocks knows no errors, and older files knew others.
   if (is_original && !reader.is_rebuilt() && has_current_errors(reader, metadata))
     LODE_CHECK(check_errors(reader, metadata.summary, summarize<D>(model)));

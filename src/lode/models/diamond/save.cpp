@@ -1,5 +1,6 @@
 #include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/persist.h"
+#include "lode/models/diamond/world_error.h"
 #include "lode/store/writer.h"
 
 namespace lode::diamond {
@@ -9,9 +10,11 @@ std::string model_name() {
   return D == 3 ? "diamond3d" : "diamond2d";
 }
 
+namespace {
+
 template <int D>
-Result<void> save(const Model<D>& model, const std::string& path, Threads threads,
-                  Progress& progress) {
+Result<void> save_with(const Model<D>& model, const WorldErrors& worlds, const std::string& path,
+                       Threads threads, Progress& progress) {
   const Metadata metadata{.info = model.info, .summary = summarize<D>(model)};
   LODE_TRY(auto writer, store::Writer::create(path, model_name<D>(), encode_metadata(metadata)));
   if (model.has_holes()) writer.require(store::kFeatureRemovedCells);
@@ -21,12 +24,22 @@ Result<void> save(const Model<D>& model, const std::string& path, Threads thread
     const std::vector<BlockGroup<D>> groups =
         i < n_chunks ? chunk_blocks<D>(model.shape, chunk_at<D>(model.shape, i))
                      : coarse_blocks<D>(model.shape);
-    LODE_CHECK(append_groups<D>(model, {}, groups, writer, threads, progress));
+    LODE_CHECK(append_groups<D>(model, worlds, {}, groups, writer, threads, progress));
     progress.report("writing", static_cast<double>(i + 1) / static_cast<double>(n_chunks + 1));
   }
   const auto finished = writer.finish(progress);
   if (!finished) return finished.error();
   return {};
+}
+
+}  // namespace
+
+template <int D>
+Result<void> save(const Model<D>& model, const std::string& path, Threads threads,
+                  Progress& progress) {
+  if (!model.worlds.empty()) return save_with<D>(model, model.worlds, path, threads, progress);
+  LODE_TRY(const WorldErrors worlds, compute_world_errors<D>(model, threads, progress));
+  return save_with<D>(model, worlds, path, threads, progress);
 }
 
 template std::string model_name<2>();

@@ -14,6 +14,7 @@
 #include "lode/models/diamond/nesting_pass.h"
 #include "lode/models/diamond/part_log.h"
 #include "lode/models/diamond/part_reads.h"
+#include "lode/models/diamond/world_pass.h"
 #include "lode/store/bytes.h"
 #include "lode/store/checksum.h"
 
@@ -21,7 +22,7 @@ namespace lode::diamond {
 namespace {
 
 /// Counts up with every change of what a build writes, so that none goes on from another's part.
-constexpr std::uint32_t kPartFormat = 5;
+constexpr std::uint32_t kPartFormat = 6;
 
 /// Hands out boxes of a source's samples in their storage type, a few slices at a time.
 template <int D>
@@ -311,14 +312,30 @@ class StreamBuild {
   Result<void> finish_coarse(store::Writer& writer) {
     if (!field_.is_needed()) return {};
     const Stopwatch watch;
+    nest_coarse_worlds();
     NestingPass<D, CoarseField<D>>(field_, kKeptLevel, field_.shape.n_levels, settings_.threads)
         .run();
     round_ranges<D, CoarseField<D>>(field_, field_.levels, kKeptLevel, settings_.threads);
     const std::vector<BlockGroup<D>> groups = coarse_blocks<D>(field_.shape);
-    LODE_CHECK(append_groups<D>(field_, Index<D>{}, std::span<const BlockGroup<D>>(groups), writer,
-                                settings_.threads, progress_));
+    LODE_CHECK(append_groups<D>(field_, field_.worlds, Index<D>{},
+                                std::span<const BlockGroup<D>>(groups), writer, settings_.threads,
+                                progress_));
     report_.write_seconds += watch.seconds();
     return {};
+  }
+
+  void nest_coarse_worlds() {
+    const double slack = rounding_slack<D>(field_);
+    for (int level = kKeptLevel; level < field_.shape.n_levels; ++level) {
+      const auto& own =
+          level == kKeptLevel ? field_.finest_own : field_.levels[as_size(level)].error;
+      visit_held_type<D>(field_, [&]<typename V>() {
+        raise_to_own_worlds<D, typename SampleScale<D, V>::C>(
+            field_, level, own, slack, settings_.threads, field_.worlds[as_size(level)]);
+      });
+    }
+    nest_worlds<D>(field_.shape, kKeptLevel, field_.shape.n_levels, settings_.threads,
+                   field_.worlds);
   }
 
   [[nodiscard]] Summary summarize() const {
