@@ -20,11 +20,12 @@ Volume small_volume() { return oracles::sample(oracles::Field::gaussians40, 17);
 Volume long_volume() { return oracles::noise({{600, 4, 4}}, {.type = ScalarType::uint8}); }
 
 /// Such that long_volume() is built in more parts than one: the least that is taken.
-std::uint64_t least_limit(const Volume& volume, const FaultScratch& scratch) {
+std::uint64_t least_limit(const Volume& volume, const FaultScratch& scratch,
+                          Threads threads = {1}) {
   for (std::uint64_t limit = std::uint64_t{36} << 20;; limit += 4096) {
     Progress progress;
     const auto source = make_memory_source(volume);
-    const auto built = build_file(*source, scratch.output(), {{1}, {}, {}, limit}, progress);
+    const auto built = build_file(*source, scratch.output(), {threads, {}, {}, limit}, progress);
     if (!built) continue;
     EXPECT_GT(built->n_parts, 1U);
     return limit;
@@ -151,7 +152,7 @@ TEST_F(fault_build, that_leaves_nothing_does_so_in_parts_too) {
   const auto source = make_memory_source(volume);
   const std::string expected = built_bytes(volume);
   const FaultScratch scratch("out.lode");
-  const std::uint64_t limit = least_limit(volume, scratch);
+  const std::uint64_t limit = least_limit(volume, scratch, {2});
   expect_survives_all(
       file_build(*source, scratch, {.threads = {2}, .memory_limit = limit}, expected));
 }

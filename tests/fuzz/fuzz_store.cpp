@@ -164,7 +164,7 @@ void run_part_log(Input input) {
   const std::string output = fuzz_directory().path("out.lode");
   VolumeInfo info;
   info.grid.dims = {{600, 4, 4}};
-  auto field = diamond::CoarseField<3>::make(info);
+  auto field = diamond::CoarseField<3>::make(info, true);
   const Bytes head(4, std::byte{1});
   fuzz_directory().write("out.lode.part", {});
   {

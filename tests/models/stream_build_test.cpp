@@ -99,8 +99,8 @@ TEST(stream_build_parts, of_two_workers_in_any_order_join_to_the_nodes_of_the_wh
   const Volume volume = test::random_samples({{300, 270, 530}}, ScalarType::uint8, Holes::none);
   const Model<3> model = test::built<3>(volume);
   // Each worker has the coarse samples and the stats, and its own shares of the nodes.
-  std::array<CoarseField<3>, 2> fields{CoarseField<3>::make(volume.info),
-                                       CoarseField<3>::make(volume.info)};
+  std::array<CoarseField<3>, 2> fields{CoarseField<3>::make(volume.info, true),
+                                       CoarseField<3>::make(volume.info, true)};
   std::vector<PartBuilder<3>> workers;
   for (CoarseField<3>& field : fields) {
     field.put_samples({{}, field.shape.dims}, volume.samples.data());

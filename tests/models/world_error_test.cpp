@@ -139,7 +139,8 @@ void expect_world_errors(const Index3& dims, std::uint64_t seed) {
   ASSERT_TRUE(model);
   const auto worlds = compute_world_errors<D>(*model, {2}, progress);
   ASSERT_TRUE(worlds);
-  const double edge = WorldScale<D, double>(*model).edge;
+  const WorldScales<D> scales(*model);
+  const double edge = scales.in_double.edge;
   Oracle<D> oracle(*model);
   std::size_t n_checked = 0;
   for (const auto& [centre, simplices] : oracle.nodes()) {
@@ -149,9 +150,9 @@ void expect_world_errors(const Index3& dims, std::uint64_t seed) {
     const double expected = oracle.nested(node.centre);
     const bool is_stored = node.level > 0 || node.tier == 0;
     const WorldCode code = is_stored ? (*worlds)[as_size(node.level)][model->attribute_index(node)]
-                                     : finest_world_error<D>(*model, node);
+                                     : finest_world_error<D>(*model, node, scales);
     const double found = std::ldexp(edge * double{decode_world(code)}, node.level);
-    if (node.level == 0) EXPECT_EQ(code, finest_world_error<D>(*model, node));
+    if (node.level == 0) EXPECT_EQ(code, finest_world_error<D>(*model, node, scales));
     EXPECT_GE(found, expected * (1 - 1e-6)) << "level " << node.level << " tier " << node.tier;
     EXPECT_LE(found, expected * kRoundedUp * (1 + 1e-6) + 1e-6)
         << "level " << node.level << " tier " << node.tier;

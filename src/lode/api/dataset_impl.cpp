@@ -53,7 +53,8 @@ Result<const Dataset::Impl::AnyPages*> Dataset::Impl::pages(Progress& progress) 
 std::uint64_t Dataset::Impl::model_bytes() const {
   const double sample = static_cast<double>(size_of(diamond::storage_type(info().type)));
   constexpr double kBricks = 1.1;  // they share their borders
-  constexpr double kNodes = 2.9;   // an error and a range each, for 1.14 times 2/8 of the samples
+  constexpr double kNodes = 3.0;   // an error and a range each for 1.14 times 2/8 of the samples, a
+                                   // world error for 1.14 times 1/8
   return static_cast<std::uint64_t>(static_cast<double>(info().grid.n_samples()) *
                                     (kBricks * sample + kNodes));
 }
@@ -82,16 +83,19 @@ Result<Dataset::Impl::Chunks*> Dataset::Impl::chunks(std::uint64_t memory_limit)
   return chunks_.get();
 }
 
-Result<void> Dataset::Impl::find_world_errors(Progress& progress) const {
-  LODE_CHECK(model(progress));
+Result<std::shared_ptr<const diamond::WorldErrors>> Dataset::Impl::world_errors(
+    Progress& progress) const {
+  LODE_TRY(const AnyModel* const in_memory, model(progress));
   const std::lock_guard lock(world_errors_mutex_);
-  return std::visit(
-      [&]<int D>(diamond::Model<D>& held) -> Result<void> {
-        if (held.has_all_worlds() || !held.shape.has_cells()) return {};
-        LODE_TRY(held.worlds, diamond::compute_world_errors<D>(held, {}, progress));
-        return {};
-      },
-      *model_);
+  if (!world_errors_) {
+    LODE_TRY(auto found, std::visit(
+                             [&]<int D>(const diamond::Model<D>& held) {
+                               return diamond::compute_world_errors<D>(held, {}, progress);
+                             },
+                             *in_memory));
+    world_errors_ = std::make_shared<const diamond::WorldErrors>(std::move(found));
+  }
+  return world_errors_;
 }
 
 }  // namespace lode

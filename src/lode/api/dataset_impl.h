@@ -59,8 +59,9 @@ class Dataset::Impl {
   [[nodiscard]] std::uint64_t model_bytes() const;
   /// The least limit that extracting chunk by chunk keeps, the surface aside.
   [[nodiscard]] std::uint64_t chunk_bytes() const;
-  /// Finds the world errors of the model in memory, on all cores, when first asked.
-  [[nodiscard]] Result<void> find_world_errors(Progress& progress) const;
+  /// Of the model in memory: found when first asked for, on all cores.
+  [[nodiscard]] Result<std::shared_ptr<const diamond::WorldErrors>> world_errors(
+      Progress& progress) const;
 
  private:
   bool is_flat_;
@@ -77,6 +78,7 @@ class Dataset::Impl {
   mutable std::mutex chunks_mutex_;
   mutable std::unique_ptr<Chunks> chunks_;
   mutable std::mutex world_errors_mutex_;
+  mutable std::shared_ptr<const diamond::WorldErrors> world_errors_;
 };
 
 /// Refuses options that have no answer.

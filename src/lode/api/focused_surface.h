@@ -15,8 +15,8 @@ struct FocusedOptions {
   /// deadline 0: as good as they allow.
   Query query;
   /// Seconds from when refinement begins: not counted is what must be there before, a file's coarse
-  /// levels, or for a view all of it and its world errors. The best surface that is complete by
-  /// then is the answer.
+  /// levels, or for a view of a model in memory its world errors. The best surface that is complete
+  /// by then is the answer.
   std::optional<double> deadline_s{};
   std::optional<Box3d> clip{};      ///< As in ExtractOptions; the deadline knows nothing of it.
   std::uint64_t min_component = 0;  ///< Likewise.

@@ -102,33 +102,63 @@ bool has_normals(Normals normals) {
   return D == 3 && normals == Normals::on;
 }
 
+/// With world errors, which it keeps.
+template <int D>
+class NodesInMemory : public diamond::LiveRefinable<D> {
+ public:
+  NodesInMemory(const diamond::Model<D>& model,
+                const std::shared_ptr<const diamond::WorldErrors>& worlds)
+      : diamond::LiveRefinable<D>(model, *worlds), worlds_(worlds) {}
+
+ private:
+  std::shared_ptr<const diamond::WorldErrors> worlds_;
+};
+
 std::unique_ptr<LiveQuery> open_paged(const Dataset::Impl::AnyPages& pages,
                                       const LiveQueryOptions& options) {
   return std::visit(
       [&]<int D>(const std::unique_ptr<const diamond::PagedModel<D>>& model)
           -> std::unique_ptr<LiveQuery> {
-        using Live = DiamondLiveQuery<D, diamond::PagedModel<D>, diamond::PagedRefinable<D>>;
+        using Nodes = diamond::PagedRefinable<D>;
+        using Live = DiamondLiveQuery<D, diamond::PagedModel<D>, Nodes>;
         model->set_memory_limit(options.memory_limit > 0 ? options.memory_limit
                                                          : physical_memory() / 4);
-        return std::make_unique<Live>(has_normals<D>(options.normals), *model, options.with_views);
+        const auto worlds = options.with_views ? Nodes::Worlds::of_pages : Nodes::Worlds::none;
+        return std::make_unique<Live>(has_normals<D>(options.normals), *model, worlds);
       },
       pages);
+}
+
+bool has_worlds(const Dataset::Impl::AnyPages& pages) {
+  return std::visit([](const auto& model) { return model->has_worlds(); }, pages);
+}
+
+/// Files from before world errors were in them are loaded for views, as far as memory may be taken.
+Result<void> check_memory(const Dataset::Impl& impl, const LiveQueryOptions& options) {
+  if (options.memory_limit == 0 || impl.model_bytes() <= options.memory_limit) return {};
+  return fail(
+      "expected a memory limit of at least {} MB for pixel errors of a file that was built before "
+      "files had world errors, got {} MB; build it again",
+      impl.model_bytes() / 1'000'000 + 1, options.memory_limit / 1'000'000);
+}
+
+std::unique_ptr<LiveQuery> open_in_memory(const Dataset::Impl::AnyModel& in_memory,
+                                          const std::shared_ptr<const diamond::WorldErrors>& worlds,
+                                          Normals normals) {
+  return std::visit(
+      [&]<int D>(const diamond::Model<D>& model) -> std::unique_ptr<LiveQuery> {
+        const bool with_normals = has_normals<D>(normals);
+        using Field = diamond::Model<D>;
+        if (worlds)
+          return std::make_unique<DiamondLiveQuery<D, Field, NodesInMemory<D>>>(with_normals, model,
+                                                                                worlds);
+        return std::make_unique<DiamondLiveQuery<D, Field, diamond::LiveRefinable<D>>>(with_normals,
+                                                                                       model);
+      },
+      in_memory);
 }
 
 }  // namespace
-
-/// Fails where views are asked for and the file has no world errors.
-Result<void> check_worlds(const Dataset::Impl::AnyPages& pages) {
-  return std::visit(
-      [](const auto& model) -> Result<void> {
-        if (model->has_worlds()) return {};
-        return fail(
-            "{}: expected world errors, which pixel errors are found from, in the file; it was "
-            "built before there were any: build it again",
-            model->path());
-      },
-      pages);
-}
 
 Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
                                                    const LiveQueryOptions& options,
@@ -136,17 +166,15 @@ Result<std::unique_ptr<LiveQuery>> open_live_query(const Dataset& dataset,
   const Dataset::Impl& impl = dataset.impl();
   LODE_TRY(const auto* const pages, impl.pages(progress));
   if (pages != nullptr) {
-    if (options.with_views) LODE_CHECK(check_worlds(*pages));
-    return open_paged(*pages, options);
+    if (!options.with_views || has_worlds(*pages)) return open_paged(*pages, options);
+    LODE_CHECK(check_memory(impl, options));
   }
   LODE_TRY(const auto* const in_memory, impl.model(progress));
-  if (options.with_views) LODE_CHECK(impl.find_world_errors(progress));
-  return std::visit(
-      [&]<int D>(const diamond::Model<D>& model) -> std::unique_ptr<LiveQuery> {
-        using Live = DiamondLiveQuery<D, diamond::Model<D>, diamond::LiveRefinable<D>>;
-        return std::make_unique<Live>(has_normals<D>(options.normals), model, options.with_views);
-      },
-      *in_memory);
+  std::shared_ptr<const diamond::WorldErrors> worlds;
+  if (options.with_views) {
+    LODE_TRY(worlds, impl.world_errors(progress));
+  }
+  return open_in_memory(*in_memory, worlds, options.normals);
 } catch (const std::bad_alloc&) {
   return out_of_memory("open the surface of a query");
 }

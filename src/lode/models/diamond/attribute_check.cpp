@@ -54,7 +54,7 @@ template <int D>
 class OwnAttributes {
  public:
   OwnAttributes(const Model<D>& model, std::vector<TrueLevel>& levels)
-      : model_(model), levels_(levels) {}
+      : model_(model), levels_(levels), scales_(model) {}
 
   void add_brick(const Index<D>& brick) const {
     for (int level = 0; level < model_.shape.n_levels; ++level) {
@@ -71,14 +71,24 @@ class OwnAttributes {
 
   /// Those of the brick's cubes of side 2.
   void add_finest_worlds(const Index<D>& brick) const {
+    const Index<D> lower = brick * kBrickEdge<D>;
+    const Index<D> points = all_equal<D>(kBrickSamples<D>);
+    std::vector<double> own(n_points<D>(points));
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      const Diamond<D> node = diamond_at<D>(lower + point_of<D>(points, i));
+      if (node.level == 0 && meets_data<D>(model_.shape, node))
+        own[i] = finest_own_world<D>(model_, node, scales_);
+    }
     const Index<D> n = all_equal<D>(kBrickEdge<D> / 2);
     for (std::size_t i = 0; i < n_points<D>(n); ++i) {
       const Index<D> centre = brick * kBrickEdge<D> + point_of<D>(n, i) * 2 + all_equal<D>(1);
-      const Diamond<D> cube = diamond_at<D>(centre);
-      const std::ptrdiff_t place = place_of<D>(model_.shape, cube);
+      const std::ptrdiff_t place = place_of<D>(model_.shape, diamond_at<D>(centre));
       if (place < 0) continue;
-      const WorldCode code = finest_world_error<D>(model_, cube);
-      levels_[0].world[static_cast<std::size_t>(place)] = static_cast<double>(decode_world(code));
+      double& world = levels_[0].world[static_cast<std::size_t>(place)];
+      for (std::size_t k = 0; k < power(3, D); ++k) {
+        const Index<D> step = point_of<D>(all_equal<D>(3), k) - all_equal<D>(1);
+        world = std::max(world, own[linear_index<D>(points, centre + step - lower)]);
+      }
     }
   }
 
@@ -124,6 +134,7 @@ class OwnAttributes {
 
   const Model<D>& model_;
   std::vector<TrueLevel>& levels_;
+  WorldScales<D> scales_;
 };
 
 /// Counts one property over nodes, in parallel.
@@ -215,8 +226,9 @@ class AttributeChecker {
     double least = 0;
     double& most = own.world[at];
     const double error = own.error[at];
-    if (error > slack / 16) least = rule_(d, error, value);  // less may count as rounding
-    if (error > 0) most = rule_(d, (error + slack) * kRoundedError, value);
+    if (error > slack * (1 + 1.0 / 16)) least = rule_(d, error, value);  // less may be rounding
+    // The build's own rounding is up to slack, and it adds as much.
+    most = rule_(d, error > 0 ? (error + 2 * slack) * kRoundedError + 0x1p-133 : 0, value);
     for (const Index<D>& centre : children<D>(d)) {
       const Diamond<D> child = diamond_at<D>(centre);
       const std::ptrdiff_t place = place_of<D>(model_.shape, child);

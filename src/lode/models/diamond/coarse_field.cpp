@@ -3,7 +3,7 @@
 namespace lode::diamond {
 
 template <int D>
-CoarseField<D> CoarseField<D>::make(const VolumeInfo& info) {
+CoarseField<D> CoarseField<D>::make(const VolumeInfo& info, bool is_built) {
   CoarseField field;
   field.set_info(info);
   field.levels.resize(as_size(field.shape.n_levels));
@@ -17,21 +17,22 @@ CoarseField<D> CoarseField<D>::make(const VolumeInfo& info) {
     nodes.error.assign(n, 0);
     nodes.low.assign(n, std::numeric_limits<float>::infinity());
     nodes.high.assign(n, -std::numeric_limits<float>::infinity());
-    field.worlds[as_size(level)].assign(n, 0);
+    if (is_built) field.worlds[as_size(level)].assign(n, 0);
   }
-  field.finest_own.assign(field.levels[as_size(kKeptLevel)].error.size(), 0);
+  if (is_built) field.finest_own.assign(field.levels[as_size(kKeptLevel)].error.size(), 0);
   return field;
 }
 
 template <int D>
-std::uint64_t CoarseField<D>::n_bytes(const VolumeInfo& info) {
-  constexpr std::uint64_t kNodeBytes = sizeof(ErrorCode) + 2 * sizeof(float) + sizeof(WorldCode);
+std::uint64_t CoarseField<D>::n_bytes(const VolumeInfo& info, bool is_built) {
+  const std::uint64_t node_bytes =
+      sizeof(ErrorCode) + 2 * sizeof(float) + (is_built ? sizeof(WorldCode) : 0);
   const Shape<D> shape = shape_of<D>(info.grid.dims);
   if (shape.n_levels <= kKeptLevel) return 0;
   std::uint64_t n = n_points<D>(shape.grid_dims(kKeptLevel)) *
-                    (size_of(storage_type(info.type)) + sizeof(ErrorCode));
+                    (size_of(storage_type(info.type)) + (is_built ? sizeof(ErrorCode) : 0));
   for (int level = kKeptLevel; level < shape.n_levels; ++level)
-    n += n_points<D>(shape.grid_dims(level)) * kNodeBytes;
+    n += n_points<D>(shape.grid_dims(level)) * node_bytes;
   return n;
 }
 
@@ -74,8 +75,9 @@ void CoarseField<D>::join(const CoarseField& other) {
       to.error[i] = std::max(to.error[i], from.error[i]);
       to.low[i] = std::min(to.low[i], from.low[i]);
       to.high[i] = std::max(to.high[i], from.high[i]);
-      worlds[level][i] = std::max(worlds[level][i], other.worlds[level][i]);
     }
+    for (std::size_t i = 0; i < worlds[level].size(); ++i)
+      worlds[level][i] = std::max(worlds[level][i], other.worlds[level][i]);
   }
   for (std::size_t i = 0; i < finest_own.size(); ++i)
     finest_own[i] = std::max(finest_own[i], other.finest_own[i]);

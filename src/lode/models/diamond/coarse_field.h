@@ -19,10 +19,10 @@ struct CoarseField : LatticeField<D, CoarseField<D>> {
 
   using LatticeField<D, CoarseField<D>>::shape;
 
-  /// Without samples; errors are 0, and ranges empty. Those of files have no world errors.
-  [[nodiscard]] static CoarseField make(const VolumeInfo& info);
+  /// Without samples; errors are 0, and ranges empty. `is_built`: with world errors, and own ones.
+  [[nodiscard]] static CoarseField make(const VolumeInfo& info, bool is_built = false);
   /// What it takes of memory.
-  [[nodiscard]] static std::uint64_t n_bytes(const VolumeInfo& info);
+  [[nodiscard]] static std::uint64_t n_bytes(const VolumeInfo& info, bool is_built = false);
   [[nodiscard]] bool is_needed() const { return shape.n_levels > kKeptLevel; }
 
   /// Takes those of a box of the field's samples (storage type, x fastest) that it keeps.

@@ -45,12 +45,12 @@ class RunWriter {
   std::uint64_t n_bytes_ = 0;
 };
 
+/// Infinite ends are the type's.
 template <typename R>
 R to_range(float v) {
-  if constexpr (std::is_integral_v<R>) {
-    if (std::isinf(v))
-      return v > 0 ? std::numeric_limits<R>::max() : std::numeric_limits<R>::lowest();
-  }
+  constexpr auto kLowest = static_cast<float>(std::numeric_limits<R>::lowest());
+  constexpr auto kHighest = static_cast<float>(std::numeric_limits<R>::max());
+  if constexpr (std::is_integral_v<R>) return static_cast<R>(std::clamp(v, kLowest, kHighest));
   return static_cast<R>(v);
 }
 
@@ -77,15 +77,26 @@ void encode_samples(const Field& field, const store::BlockKey& key, const Region
   });
 }
 
-/// One attribute of the region's nodes, each as encode(its place in the level's arrays) gives it.
-template <typename T, int D, typename Encode>
+/// to[i] = convert(a[i · stride], b[i · stride]).
+template <typename T, typename A, typename B, typename Convert>
+void convert_row(const A* __restrict a, const B* __restrict b, std::size_t n, std::size_t stride,
+                 const Convert& convert, T* __restrict to) {
+  if (stride == 1)
+    for (std::size_t i = 0; i < n; ++i) to[i] = convert(a[i], b[i]);
+  else
+    for (std::size_t i = 0; i < n; ++i) to[i] = convert(a[2 * i], b[2 * i]);
+}
+
+/// One attribute of the region's nodes, from two arrays of their level.
+template <typename T, int D, typename A, typename B, typename Convert>
 void encode_attribute(const Index<D>& dims, const store::BlockKey& key, const Region<D>& r,
-                      const Encode& encode, PendingBlocks& out) {
+                      const A* a, const B* b, const Convert& convert, PendingBlocks& out) {
   std::vector<T> values(count_points(r));
   T* to = values.data();
   for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
     const std::size_t first = linear_index<D>(dims, q);
-    for (std::size_t i = 0; i < as_size(n); ++i) *to++ = encode(first + i * as_size(stride));
+    convert_row(a + first, b + first, as_size(n), as_size(stride), convert, to);
+    to += n;
   });
   out.push_back({key, encode_values<D, T>(r, values)});
 }
@@ -95,22 +106,23 @@ void encode_attributes(const Field& field, const WorldErrors& worlds, const Regi
                        const Region<D>& r, PendingBlocks& out) {
   const NodeLevel& nodes = field.levels[as_size(r.level)];
   const Index<D> dims = field.shape.grid_dims(r.level);
-  encode_attribute<ErrorCode>(
-      dims, key_of(Kind::errors, place), r, [&](std::size_t at) { return nodes.error[at]; }, out);
+  const auto as_it_is = [](auto value, auto) { return value; };
+  const ErrorCode* const errors = nodes.error.data();
+  encode_attribute<ErrorCode>(dims, key_of(Kind::errors, place), r, errors, errors, as_it_is, out);
   visit_range_type(field.storage, [&]<typename R>() {
-    const auto is_empty = [&](std::size_t at) { return nodes.low[at] > nodes.high[at]; };
-    const auto low = [&](std::size_t at) {
-      return is_empty(at) ? std::numeric_limits<R>::max() : to_range<R>(nodes.low[at]);
+    const auto low = [](float l, float h) {
+      return l > h ? std::numeric_limits<R>::max() : to_range<R>(l);
     };
-    const auto high = [&](std::size_t at) {
-      return is_empty(at) ? std::numeric_limits<R>::lowest() : to_range<R>(nodes.high[at]);
+    const auto high = [](float l, float h) {
+      return l > h ? std::numeric_limits<R>::lowest() : to_range<R>(h);
     };
-    encode_attribute<R>(dims, key_of(Kind::lows, place), r, low, out);
-    encode_attribute<R>(dims, key_of(Kind::highs, place), r, high, out);
+    const float* const lows = nodes.low.data();
+    const float* const highs = nodes.high.data();
+    encode_attribute<R>(dims, key_of(Kind::lows, place), r, lows, highs, low, out);
+    encode_attribute<R>(dims, key_of(Kind::highs, place), r, lows, highs, high, out);
   });
-  const UninitializedArray<WorldCode>& codes = worlds[as_size(r.level)];
-  encode_attribute<WorldCode>(
-      dims, key_of(Kind::worlds, place), r, [&](std::size_t at) { return codes[at]; }, out);
+  const WorldCode* const codes = worlds[as_size(r.level)].data();
+  encode_attribute<WorldCode>(dims, key_of(Kind::worlds, place), r, codes, codes, as_it_is, out);
 }
 
 template <int D, typename Field>

@@ -127,8 +127,10 @@ extern template class LiveIsosurface<3>;
 template <int D, typename Field = Model<D>>
 class LiveRefinable : public Refinable<D, Field> {
  public:
-  explicit LiveRefinable(const Field& model, bool has_worlds = false)
-      : Refinable<D, Field>(model, has_worlds) {}
+  /// `worlds`: as Refinable's, if any.
+  template <typename... Worlds>
+  explicit LiveRefinable(const Field& model, const Worlds&... worlds)
+      : Refinable<D, Field>(model, worlds...) {}
 
   void follow(LiveIsosurface<D, Field>* surface) { surface_ = surface; }
   std::uint64_t apply(NodeId id) {

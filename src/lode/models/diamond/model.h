@@ -60,7 +60,7 @@ struct Model : LatticeField<D, Model<D>> {
   UninitializedArray<std::byte> samples;  ///< Brick after brick, kBrickSize each, x fastest.
   std::vector<std::uint8_t> brick_holes;  ///< Per brick: 1 when one of its samples is a hole.
   std::vector<NodeLevel> levels;          ///< Finest first; shape.n_levels of them.
-  /// World errors of the same nodes. None, or none of level 0, where nobody has asked.
+  /// World errors of the same nodes; none where nobody has asked, and none of level 0 from files.
   WorldErrors worlds;
   std::vector<std::array<std::size_t, as_size(D)>> strides;  ///< Of their arrays, by axis.
 
@@ -112,10 +112,6 @@ struct Model : LatticeField<D, Model<D>> {
     const std::size_t at = attribute_index(node);
     const NodeLevel& level = levels[as_size(node.level)];
     return {level.error[at], level.low[at], level.high[at]};
-  }
-  [[nodiscard]] bool has_all_worlds() const { return !worlds.empty() && !worlds[0].empty(); }
-  [[nodiscard]] WorldCode world_error(const Diamond<D>& node) const {
-    return worlds[as_size(node.level)][attribute_index(node)];
   }
   /// Asks the memory for them.
   void prefetch(const Diamond<D>& node) const {

@@ -17,7 +17,7 @@ constexpr std::size_t kAttributesSize = sizeof(ErrorCode) + 2 * sizeof(R) + size
 template <int D>
 PagedModel<D>::PagedModel(const store::Reader& reader, const Metadata& metadata)
     : reader_(reader),
-      has_worlds_(diamond::has_worlds(reader)),
+      has_worlds_(metadata.summary.max_errors.size() == 1 || diamond::has_worlds(reader)),
       fetcher_(
           [&] {
             this->set_info(metadata.info);

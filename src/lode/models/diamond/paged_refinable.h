@@ -19,8 +19,10 @@ extern template class LiveIsosurface<3, PagedModel<3>>;
 template <int D>
 class PagedRefinable : public LiveRefinable<D, PagedModel<D>> {
  public:
-  explicit PagedRefinable(const PagedModel<D>& model, bool has_worlds = false)
-      : LiveRefinable<D, PagedModel<D>>(model, has_worlds), client_(model.fetcher()) {}
+  using Worlds = typename Refinable<D, PagedModel<D>>::Worlds;
+
+  explicit PagedRefinable(const PagedModel<D>& model, Worlds worlds = Worlds::none)
+      : LiveRefinable<D, PagedModel<D>>(model, worlds), client_(model.fetcher()) {}
   PagedRefinable(const PagedRefinable&) = delete;
   PagedRefinable& operator=(const PagedRefinable&) = delete;
   ~PagedRefinable() { let_all_go(); }

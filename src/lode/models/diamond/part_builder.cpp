@@ -43,7 +43,10 @@ std::uint64_t PartPlan<D>::n_bytes(std::size_t sample_size) const {
   constexpr std::uint64_t kNodeBytes = sizeof(ErrorCode) + 2 * sizeof(float) + sizeof(WorldCode);
   for (int level = 0; level <= kPlanLevel<D>; ++level)
     bytes += n_points<D>(shape.attribute_dims(level)) *
-             ((level <= kChunkLevel ? kNodeBytes : 0) + (level > 0 ? sizeof(ErrorCode) : 0));
+             (level <= kChunkLevel ? kNodeBytes : sizeof(ErrorCode));
+  for (int level = 1; level <= kChunkLevel; ++level)
+    bytes +=
+        sizeof(ErrorCode) * n_overlap_nodes<D>(shape, level, n_points<D>(shape.grid_dims(level)));
   return bytes;
 }
 
@@ -56,11 +59,9 @@ void PartBuilder<D>::reserve(const Index<D>& dims) {
   fill_anew(model_.samples, n_bricks * kBrickSize<D> * field_.sample_size(), std::byte{}, threads_);
   model_.levels.resize(as_size(std::min(field_.shape.n_levels, kChunkLevel + 1)));
   model_.worlds.resize(model_.levels.size());
-  own_.resize(as_size(n_own_levels()));
   for (std::size_t level = 0; level < model_.levels.size(); ++level) {
     const std::size_t n = n_points<D>(shape.attribute_dims(static_cast<int>(level)));
     NodeLevel& nodes = model_.levels[level];
-    if (level > 0) own_[level].reserve(n);
     model_.worlds[level].reserve(n);
     nodes.error.reserve(n);
     nodes.low.reserve(n);
@@ -83,7 +84,7 @@ void PartBuilder<D>::take_over(const PartPlan<D>& plan) {
   n_taken_over_ = 0;
   if (is_found_ && is_next<D>(plan.chunks, plan_.chunks)) {
     const std::int32_t first = plan.part.origin[kLastAxis<D>] - plan_.part.origin[kLastAxis<D>];
-    move_overlap<D>(model_, own_, first / kBrickEdge<D>, plan.dims);
+    move_overlap<D>(model_, overlap_, first / kBrickEdge<D>, plan.dims);
     n_taken_over_ = kOverlapBricks;
   }
   is_found_ = false;
@@ -111,16 +112,11 @@ void PartBuilder<D>::begin(const PartPlan<D>& plan) {
   model_.stats = field_.stats;
   model_.levels.resize(as_size(std::min(field_.shape.n_levels, kChunkLevel + 1)));
   model_.worlds.resize(model_.levels.size());
-  own_.resize(as_size(n_own_levels()));
-  for (int level = 0; level < n_own_levels(); ++level) {
+  for (int level = 0; level < static_cast<int>(model_.levels.size()); ++level) {
     const std::size_t n = n_points<D>(model_.shape.attribute_dims(level));
-    const bool is_kept_elsewhere = level >= kKeptLevel;
-    const std::size_t n_known =
-        n_taken_over_ > 0 && !is_kept_elsewhere ? n_overlap_nodes<D>(model_.shape, level, n) : 0;
-    if (level > 0) fill_anew(own_[as_size(level)], n_known, n, ErrorCode{0}, threads_);
-    if (is_kept_elsewhere) continue;
     NodeLevel& nodes = model_.levels[as_size(level)];
-    resize_anew(nodes.error, n);
+    const std::size_t n_known = n_taken_over_ > 0 ? n_overlap_nodes<D>(model_.shape, level, n) : 0;
+    fill_anew(nodes.error, n_known, n, ErrorCode{0}, threads_);
     resize_anew(nodes.low, n);
     resize_anew(nodes.high, n);
     if (level == 0)
@@ -128,6 +124,10 @@ void PartBuilder<D>::begin(const PartPlan<D>& plan) {
     else
       fill_anew(model_.worlds[as_size(level)], n, WorldCode{0}, threads_);
   }
+  coarse_.resize(as_size(std::max(0, n_own_levels() - kKeptLevel)));
+  for (std::size_t i = 0; i < coarse_.size(); ++i)
+    fill_anew(coarse_[i], n_points<D>(model_.shape.grid_dims(kKeptLevel + static_cast<int>(i))),
+              ErrorCode{0}, threads_);
   largest_.resize(model_.levels.size());
 }
 
@@ -165,12 +165,15 @@ Result<void> PartBuilder<D>::find_own_errors(const Progress& progress,
                                              const std::function<void()>& brick_done) {
   ErrorTask<D, CoarseField<D>> task{model_,
                                     plan_.part,
-                                    OwnErrors(own_.begin(), own_.end()),
+                                    OwnErrors(as_size(n_own_levels())),
                                     &model_.levels[0],
                                     field_,
                                     {},
                                     n_taken_over_,
                                     &model_.worlds[0]};
+  for (std::size_t level = 1; level < task.own.size(); ++level)
+    task.own[level] = level < as_size(kKeptLevel) ? std::span(model_.levels[level].error)
+                                                  : std::span(coarse_[level - kKeptLevel]);
   for (NodeLevel& nodes : field_.levels) task.coarse.emplace_back(nodes.error);
   return diamond::find_own_errors<V>(task, threads_, progress, brick_done);
 }
@@ -178,8 +181,9 @@ Result<void> PartBuilder<D>::find_own_errors(const Progress& progress,
 /// Of nodes that the field has kept: other parts may have larger ones.
 template <int D>
 void PartBuilder<D>::give_own_errors() {
-  for (int level = kKeptLevel; level < n_own_levels(); ++level) {
-    const UninitializedArray<ErrorCode>& own = own_[as_size(level)];
+  for (std::size_t i = 0; i < coarse_.size(); ++i) {
+    const int level = kKeptLevel + static_cast<int>(i);
+    const UninitializedArray<ErrorCode>& own = coarse_[i];
     const Index<D> from = model_.shape.grid_dims(level);
     const Index<D> to = field_.shape.grid_dims(level);
     UninitializedArray<ErrorCode>& errors = field_.levels[as_size(level)].error;
@@ -199,22 +203,26 @@ void PartBuilder<D>::give_own_errors() {
   }
 }
 
+/// Errors are own ones before, and what the next part takes of them is kept.
 template <int D>
 void PartBuilder<D>::nest() {
+  const std::int32_t end = plan_.part.core.upper[kLastAxis<D>];
+  if (end < plan_.dims[kLastAxis<D>]) keep_overlap<D>(model_, end / kBrickEdge<D> - 1, overlap_);
+  find_worlds();
   const int n_levels = static_cast<int>(model_.levels.size());
-  for (int level = 1; level < n_levels; ++level) {
-    const UninitializedArray<ErrorCode>& own = own_[as_size(level)];
-    NodeLevel& nodes = model_.levels[as_size(level)];
-    for_each_piece(own.size(), threads_, [&](std::size_t first, std::size_t end) {
-      std::copy(own.data() + first, own.data() + end, nodes.error.data() + first);
-    });
+  NestingPass<D, Model<D>>(model_, 1, n_levels, threads_).run();
+}
+
+template <int D>
+void PartBuilder<D>::find_worlds() {
+  const int n_levels = static_cast<int>(model_.levels.size());
+  for (int level = 1; level < n_levels; ++level)
     visit_held_type<D>(field_, [&]<typename V>() {
       raise_to_own_worlds<D, typename SampleScale<D, V>::C>(
-          model_, level, own, rounding_slack<D>(field_), threads_, model_.worlds[as_size(level)]);
+          model_, level, model_.levels[as_size(level)].error, rounding_slack<D>(field_), threads_,
+          model_.worlds[as_size(level)]);
     });
-  }
   nest_worlds<D>(model_.shape, 1, n_levels, threads_, model_.worlds);
-  NestingPass<D, Model<D>>(model_, 1, n_levels, threads_).run();
 }
 
 template <int D>

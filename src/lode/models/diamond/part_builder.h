@@ -68,6 +68,7 @@ class PartBuilder {
   [[nodiscard]] int n_own_levels() const;
   void give_own_errors();
   void nest();
+  void find_worlds();
   void give_cubes();
   void give_cube(const Index<D>& q, std::size_t at);
   void find_largest();
@@ -79,7 +80,8 @@ class PartBuilder {
   bool is_found_ = false;          ///< What is to be found of it.
   std::int32_t n_taken_over_ = 0;  ///< Layers of bricks along the last axis, of the part before.
   Model<D> model_;                 ///< Levels up to kChunkLevel.
-  PartErrors own_;                 ///< Up to kPlanLevel.
+  PartErrors overlap_;             ///< What the next part takes over.
+  PartErrors coarse_;              ///< Own errors of the next levels, to kPlanLevel.
   std::vector<ErrorCode> largest_;
 };
 

@@ -16,7 +16,7 @@ struct PartsDone {
 };
 
 /// The journal of a build: after each part the blocks that were written and the part's shares of
-/// the coarse nodes, so that another process can go on from there. Some n / 40 bytes for n samples,
+/// the coarse nodes, so that another process can go on from there. Some n / 36 bytes for n samples,
 /// before compression.
 template <int D>
 class PartLog {

@@ -106,10 +106,13 @@ class SamplesRound {
 }  // namespace
 
 template <int D, typename Field>
-Refinable<D, Field>::Refinable(const Field& model, bool has_worlds)
-    : model_(model), has_worlds_(has_worlds), to_world_(model.info.grid.index_to_world_matrix()) {
+Refinable<D, Field>::Refinable(const Field& model, Worlds worlds)
+    : model_(model),
+      worlds_(worlds),
+      to_world_(model.info.grid.index_to_world_matrix()),
+      world_scales_(model) {
   find_radii();
-  const double edge = WorldScale<D, double>(model).edge;
+  const double edge = world_scales_.in_double.edge;
   for (int level = 0; level < model.shape.n_levels; ++level)
     longest_edges_[as_size(level)] = float_up(std::ldexp(edge, level));
 }
@@ -179,7 +182,14 @@ StoredFacts Refinable<D, Field>::facts(NodeId id) const {
   facts.error = decode_error(stored.error);
   facts.low = stored.low;
   facts.high = stored.high;
-  if (has_worlds_) facts.world_error = world_error(node.level, model_.world_error(node));
+  if constexpr (std::is_same_v<Field, Model<D>>) {
+    if (world_errors_ != nullptr)
+      facts.world_error = world_error(
+          node.level, (*world_errors_)[as_size(node.level)][model_.attribute_index(node)]);
+  } else {
+    if (worlds_ != Worlds::none)
+      facts.world_error = world_error(node.level, model_.world_error(node));
+  }
   return facts;
 }
 
@@ -242,7 +252,8 @@ void Refinable<D, Field>::add_finest(const Diamond<D>& node, StoredFacts& facts)
   if (static_cast<double>(facts.low) > low) facts.low = std::nextafter(facts.low, -kFloatEndless);
   if (static_cast<double>(facts.high) < high)
     facts.high = std::nextafter(facts.high, kFloatEndless);
-  if (has_worlds_) facts.world_error = world_error(0, finest_world_error<D>(model_, node));
+  if (worlds_ != Worlds::none || world_errors_ != nullptr)
+    facts.world_error = world_error(0, finest_world_error<D>(model_, node, world_scales_));
 }
 
 template <int D, typename Field>

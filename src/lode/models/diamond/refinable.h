@@ -95,8 +95,14 @@ constexpr void for_each_discovered(NodeId id, const Diamond<D>& d, const Body& b
 template <int D, typename Field = Model<D>>
 class Refinable {
  public:
-  /// Without `has_worlds` nodes have infinite world errors. A model in memory must have its own.
-  explicit Refinable(const Field& model, bool has_worlds = false);
+  /// Where world errors come from: none, and nodes have infinite ones; or the pages that nodes are
+  /// in.
+  enum class Worlds : std::uint8_t { none, of_pages };
+  explicit Refinable(const Field& model, Worlds worlds = Worlds::none);
+  /// Or, of a model in memory, compute_world_errors().
+  Refinable(const Field& model, const WorldErrors& worlds) : Refinable(model, Worlds::none) {
+    world_errors_ = &worlds;
+  }
 
   [[nodiscard]] const Field& model() const { return model_; }
 
@@ -151,10 +157,12 @@ class Refinable {
   }
 
   const Field& model_;
-  bool has_worlds_;
+  Worlds worlds_;
+  const WorldErrors* world_errors_ = nullptr;
   std::array<float, 21> longest_edges_{};                    ///< By level, of its simplices.
   std::array<std::array<double, power(2, D)>, 21> radii_{};  ///< By level and odd axes.
   Mat3 to_world_;
+  WorldScales<D> world_scales_;
 };
 
 template <int D, typename Field>

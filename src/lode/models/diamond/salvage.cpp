@@ -38,11 +38,14 @@ void add_lost(const Model<D>& model, const LostRegion<D>& block,
   report.lost.push_back(std::move(lost));
 }
 
+/// Whether the file had world errors; what was cut off may have.
+bool had_worlds(const store::Reader& reader) { return reader.is_rebuilt() || has_worlds(reader); }
+
 /// Blocks that a whole file of the model has, without indexes.
 template <int D>
-std::uint64_t count_blocks(const Shape<D>& shape) {
+std::uint64_t count_blocks(const Shape<D>& shape, std::span<const Kind> kinds) {
   std::uint64_t n = 0;
-  for (const Kind kind : {Kind::samples, Kind::errors, Kind::lows, Kind::highs, Kind::worlds})
+  for (const Kind kind : kinds)
     for (const Region<D>& r : all_regions<D>(shape, kind)) n += count_points(r) > 0 ? 1 : 0;
   return n;
 }
@@ -51,13 +54,16 @@ std::uint64_t count_blocks(const Shape<D>& shape) {
 template <int D>
 Result<SalvageReport> put_salvaged(Model<D>& model, const store::Reader& reader,
                                    const Metadata& metadata, Threads threads, Progress& progress) {
-  SalvageReport report{.n_blocks = count_blocks<D>(model.shape), .lost = {}};
+  std::vector<Kind> kinds{Kind::samples, Kind::errors, Kind::lows, Kind::highs};
+  if (had_worlds(reader)) kinds.push_back(Kind::worlds);
+  SalvageReport report{.n_blocks = count_blocks<D>(model.shape, kinds), .lost = {}};
   std::vector<LostRegion<D>> lost;
   LODE_TRY(auto samples, SalvagedSamples<D>::load(reader, metadata, threads, progress, lost));
   std::vector<LostRegion<D>> lost_nodes;
   LODE_TRY(const auto nodes, KnownNodes<D>::load(reader, metadata, threads, progress, lost_nodes));
   // World errors say nothing of samples.
-  const std::vector<Region<D>> regions = all_regions<D>(model.shape, Kind::worlds);
+  std::vector<Region<D>> regions;
+  if (had_worlds(reader)) regions = all_regions<D>(model.shape, Kind::worlds);
   const auto accept = [](std::size_t, const std::vector<std::byte>&) { return Result<void>(); };
   LODE_CHECK(salvage_blocks<D>(reader, regions, Kind::worlds, sizeof(WorldCode), threads, progress,
                                accept, lost_nodes));
@@ -80,7 +86,7 @@ Result<Salvaged<D>> salvage(const store::Reader& reader, Threads threads, Progre
   finish_samples<D>(model, threads);
   const bool is_original = salvaged.report.n_samples == 0;
   if (is_original) LODE_CHECK(check_stats(reader, metadata.summary.stats, model.stats));
-  LODE_CHECK(build_attributes<D>(model, false, threads, progress));
+  LODE_CHECK(build_attributes<D>(model, true, threads, progress));
   // What was written before the blocks knows no errors, and older files knew others.
   if (is_original && !reader.is_rebuilt() && has_current_errors(reader, metadata))
     LODE_CHECK(check_errors(reader, metadata.summary, summarize<D>(model)));

@@ -22,7 +22,7 @@ namespace lode::diamond {
 namespace {
 
 /// Counts up with every change of what a build writes, so that none goes on from another's part.
-constexpr std::uint32_t kPartFormat = 6;
+constexpr std::uint32_t kPartFormat = 7;
 
 /// Hands out boxes of a source's samples in their storage type, a few slices at a time.
 template <int D>
@@ -126,7 +126,8 @@ PartPlan<D> largest_part(const Shape<D>& shape, std::int32_t chunks_per_part) {
 /// Bytes that a build with so many chunks a part takes at most. has_units: whether the source reads
 /// more than single samples as a whole.
 template <int D>
-std::uint64_t build_bytes(const VolumeInfo& info, bool has_units, std::int32_t chunks_per_part) {
+std::uint64_t build_bytes(const VolumeInfo& info, bool has_units, std::int32_t chunks_per_part,
+                          Threads threads) {
   constexpr std::uint64_t kCompressing = std::uint64_t{32} << 20;
   const Shape<D> shape = shape_of<D>(info.grid.dims);
   const std::size_t size = size_of(info.type);
@@ -142,7 +143,9 @@ std::uint64_t build_bytes(const VolumeInfo& info, bool has_units, std::int32_t c
     slice *= static_cast<std::uint64_t>(shape.dims[i]);
   const std::uint64_t reading =
       std::max<std::uint64_t>(slice, n_reads * BoxReader<D>::kBytesPerRead);
-  return largest + CoarseField<D>::n_bytes(info) + reading + kCompressing;
+  // For each thread points of bricks by parity (world_block.h), and samples of cubes side by side.
+  const std::uint64_t scratch = as_size(n_workers(threads)) * (std::uint64_t{2} << 20);
+  return largest + CoarseField<D>::n_bytes(info, true) + reading + kCompressing + scratch;
 }
 
 /// As many chunks a part as the memory holds.
@@ -155,9 +158,10 @@ Result<std::int32_t> choose_chunks(const VolumeSource& source, const StreamSetti
   const bool has_units = source.read_unit().dims != Index3{{1, 1, 1}};
   const std::uint64_t held = source.memory_bytes();
   for (std::int32_t chunks = n; chunks > 0; --chunks)
-    if (held + build_bytes<D>(info, has_units, chunks) <= settings.memory_limit) return chunks;
+    if (held + build_bytes<D>(info, has_units, chunks, settings.threads) <= settings.memory_limit)
+      return chunks;
   // What a source holds grows with the limit, to a quarter of it.
-  const std::uint64_t least = build_bytes<D>(info, has_units, 1);
+  const std::uint64_t least = build_bytes<D>(info, has_units, 1, settings.threads);
   const std::uint64_t needed = std::max(held + least, held > 0 ? least / 3 * 4 + 4 : 0);
   return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
               needed / 1'000'000 + 1, info.grid.n_samples(), size_of(info.type),
@@ -176,7 +180,7 @@ class StreamBuild {
         chunks_per_part_(chunks_per_part),
         progress_(progress),
         reader_(source, settings.threads),
-        field_(CoarseField<D>::make(source.info())),
+        field_(CoarseField<D>::make(source.info(), true)),
         builder_(field_, settings.threads) {}
 
   Result<StreamReport> run(const std::string& path) {

@@ -11,7 +11,7 @@ namespace lode::diamond {
 
 struct StreamSettings {
   Threads threads;
-  /// Bytes that the build may take; 0: as it likes. The least is about a chunk and n / 40 for n
+  /// Bytes that the build may take; 0: as it likes. The least is about a chunk and n / 33 for n
   /// samples.
   std::uint64_t memory_limit = 0;
   Unfinished unfinished = Unfinished::nothing;

@@ -40,7 +40,8 @@ WorldScale<D, C>::WorldScale(const Vec<double, as_size(D)>& spacing) {
   double all = 0;
   for (const double s : spacing.v) all += s * s;
   for (std::size_t i = 0; i < as_size(D); ++i) {
-    face[i] = static_cast<C>(all / (spacing[i] * spacing[i]));
+    constexpr double kMost = 0x1p76;  // squares of integers that C holds stay finite
+    face[i] = static_cast<C>(std::min(all / (spacing[i] * spacing[i]), kMost));
     outward[i] = 4 * face[i];
   }
   edge = 2 * std::sqrt(all);

@@ -34,6 +34,16 @@ struct WorldScale {
         }()) {}
 };
 
+/// For whichever C a field takes.
+template <int D>
+struct WorldScales {
+  WorldScale<D, float> in_float;
+  WorldScale<D, double> in_double;
+
+  template <typename Field>
+  explicit WorldScales(const LatticeField<D, Field>& field) : in_float(field), in_double(field) {}
+};
+
 /// Points of a block's nodes along an edge, and of their samples: one layer more on either side.
 template <int D>
 inline constexpr std::int32_t kWorldNodes = kBrickSamples<D>;

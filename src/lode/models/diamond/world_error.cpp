@@ -13,16 +13,18 @@ namespace {
 template <int D, typename C, typename T, typename Field>
 class FinestWorldError {
  public:
-  FinestWorldError(const Field& field, const Index<D>& centre)
+  FinestWorldError(const Field& field, const Index<D>& centre, const WorldScale<D, C>& scale)
       : field_(field),
         centre_(centre),
         near_(field, centre, 3),
         grid_(field.shape.grid_dims(0)),
-        scale_(field),
-        rule_(scale_) {}
+        rule_(scale) {}
 
+  [[nodiscard]] C own(const Diamond<D>& node) const {
+    return rule_(node, own_error(node), [&](const Index<D>& p) { return value(p); });
+  }
   [[nodiscard]] C nested(const Diamond<D>& node) const {
-    C share = rule_(node, own_error(node), [&](const Index<D>& p) { return value(p); });
+    C share = own(node);
     if (node.tier < D - 1)
       for (const Index<D>& child : children<D>(node))
         share = std::max(share, nested(diamond_at<D>(child)));
@@ -59,7 +61,6 @@ class FinestWorldError {
   Index<D> centre_;
   NearSamples<D, T> near_;
   Index<D> grid_;
-  WorldScale<D, C> scale_;
   WorldErrorRule<D, C> rule_;
 };
 
@@ -91,22 +92,43 @@ Result<WorldErrors> compute_world_errors(const Model<D>& model, Threads threads,
       model, [&]<typename V>() { return compute_as<D, V>(model, threads, progress); });
 }
 
-template <int D, typename Field>
-WorldCode finest_world_error(const Field& field, const Diamond<D>& node) {
-  return visit_storage_type(field.storage, [&]<typename T>() {
-    const auto share_as = [&]<typename C>(C /*as*/) {
-      const FinestWorldError<D, C, T, Field> finest(field, node.centre);
-      return encode_world(float_up(static_cast<double>(finest.nested(node))));
-    };
-    return is_exact_in_float<D>(field) ? share_as(float{}) : share_as(double{});
+namespace {
+
+/// share_of(finest) of a FinestWorldError of the right types.
+template <int D, typename Field, typename ShareOf>
+double finest_share(const Field& field, const Diamond<D>& node, const WorldScales<D>& scales,
+                    const ShareOf& share_of) {
+  return visit_storage_type(field.storage, [&]<typename T>() -> double {
+    if (is_exact_in_float<D>(field))
+      return share_of(FinestWorldError<D, float, T, Field>(field, node.centre, scales.in_float));
+    return share_of(FinestWorldError<D, double, T, Field>(field, node.centre, scales.in_double));
   });
+}
+
+}  // namespace
+
+template <int D, typename Field>
+double finest_own_world(const Field& field, const Diamond<D>& node, const WorldScales<D>& scales) {
+  return finest_share<D>(field, node, scales,
+                         [&](const auto& finest) -> double { return finest.own(node); });
+}
+
+template <int D, typename Field>
+WorldCode finest_world_error(const Field& field, const Diamond<D>& node,
+                             const WorldScales<D>& scales) {
+  return encode_world(float_up(finest_share<D>(
+      field, node, scales, [&](const auto& finest) -> double { return finest.nested(node); })));
 }
 
 template Result<WorldErrors> compute_world_errors<2>(const Model<2>&, Threads, Progress&);
 template Result<WorldErrors> compute_world_errors<3>(const Model<3>&, Threads, Progress&);
-template WorldCode finest_world_error<2>(const Model<2>&, const Diamond<2>&);
-template WorldCode finest_world_error<3>(const Model<3>&, const Diamond<3>&);
-template WorldCode finest_world_error<2>(const PagedModel<2>&, const Diamond<2>&);
-template WorldCode finest_world_error<3>(const PagedModel<3>&, const Diamond<3>&);
+template double finest_own_world<2>(const Model<2>&, const Diamond<2>&, const WorldScales<2>&);
+template double finest_own_world<3>(const Model<3>&, const Diamond<3>&, const WorldScales<3>&);
+template WorldCode finest_world_error<2>(const Model<2>&, const Diamond<2>&, const WorldScales<2>&);
+template WorldCode finest_world_error<3>(const Model<3>&, const Diamond<3>&, const WorldScales<3>&);
+template WorldCode finest_world_error<2>(const PagedModel<2>&, const Diamond<2>&,
+                                         const WorldScales<2>&);
+template WorldCode finest_world_error<3>(const PagedModel<3>&, const Diamond<3>&,
+                                         const WorldScales<3>&);
 
 }  // namespace lode::diamond

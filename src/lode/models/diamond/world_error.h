@@ -88,8 +88,14 @@ template <int D>
 [[nodiscard]] Result<WorldErrors> compute_world_errors(const Model<D>& model, Threads threads,
                                                        Progress& progress);
 
+/// The share of a node of level 0, not nested. `scales`: the field's.
+template <int D, typename Field>
+[[nodiscard]] double finest_own_world(const Field& field, const Diamond<D>& node,
+                                      const WorldScales<D>& scales);
+
 /// The nested world error of a node of level 0, from the samples round it.
 template <int D, typename Field>
-[[nodiscard]] WorldCode finest_world_error(const Field& field, const Diamond<D>& node);
+[[nodiscard]] WorldCode finest_world_error(const Field& field, const Diamond<D>& node,
+                                           const WorldScales<D>& scales);
 
 }  // namespace lode::diamond

@@ -47,14 +47,23 @@ class OwnWorlds {
     return true;
   }
 
-  /// False where no node has an error.
+  /// Of an axis's grid points those whose nodes have simplices in the data.
+  [[nodiscard]] std::int32_t n_in_data(std::size_t axis) const {
+    const std::int32_t last = field_.shape.dims[axis] - 1;
+    return std::min(dims_[axis], ((last + (1 << level_) - 1) >> level_) + 1);
+  }
+
+  /// False where no node has an error. Those beyond the data have none of their own.
   bool put_errors() {
     C* to = errors_.data();
     bool is_any = false;
-    const std::int32_t n = std::min(kWorldNodes<D>, dims_[0] - base_[0]);
+    const std::int32_t n = std::clamp(n_in_data(0) - base_[0], 0, kWorldNodes<D>);
     for_each_row_of(kWorldNodes<D>, 0, [&](const Index<D>& p) {
       std::int32_t x = 0;
-      if (is_on_grid(p))
+      bool is_in_data = true;
+      for (std::size_t i = 1; i < as_size(D); ++i)
+        is_in_data = is_in_data && base_[i] + p[i] < n_in_data(i);
+      if (is_in_data)
         for (const ErrorCode* from = own_.data() + linear_index<D>(dims_, base_ + p); x < n; ++x) {
           to[x] = from[x] > nothing_ ? static_cast<C>(decode_error(from[x])) : C(0);
           is_any = is_any || from[x] > nothing_;
@@ -224,7 +233,8 @@ void raise_to_own_worlds(const Field& field, int level, std::span<const ErrorCod
   Index<D> blocks;
   for (std::size_t i = 0; i < as_size(D); ++i)
     blocks[i] = std::max(1, (dims[i] - 2) / kBrickEdge<D> + 1);
-  const ErrorCode nothing = encode_error(float_up(slack));
+  // Slack is added to each, and what is no more than that may be rounding; each is rounded up.
+  const ErrorCode nothing = tolerance_code(2 * slack * (1 + 1.0 / 64));
   using Pass = OwnWorlds<D, C, Field>;
   std::vector<std::unique_ptr<Pass>> passes(as_size(n_workers(threads)));
   parallel_for(n_points<D>(blocks), threads, 1, [&](std::size_t i, int worker) {

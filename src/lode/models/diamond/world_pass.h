@@ -9,8 +9,8 @@
 namespace lode::diamond {
 
 /// Raises the world errors of a level's nodes, level >= 1, to what their own errors and the samples
-/// round them say, block by block. `Field` is a LatticeField with the level's samples; own errors
-/// up to `slack` are nothing but rounding.
+/// round them say, block by block. `Field` is a LatticeField with the level's samples; `slack` has
+/// been added to own errors, and those up to it are taken for rounding.
 template <int D, typename C, typename Field>
 void raise_to_own_worlds(const Field& field, int level, std::span<const ErrorCode> own,
                          double slack, Threads threads, UninitializedArray<WorldCode>& worlds);
