@@ -53,12 +53,14 @@ struct Timed {
 enum class Memory { reused, fresh };
 
 Result<Timed> time_ours(const Dataset& dataset, const VolumeCase& volume_case, double max_error,
-                        Normals normals, Memory memory = Memory::reused) {
+                        Normals normals, Memory memory = Memory::reused,
+                        SurfaceStyle style = SurfaceStyle::tetra) {
   Timed timed;
   Surface surface;
   Progress progress;
   const ExtractOptions options{.isovalues = {volume_case.isovalue},
                                .max_error = max_error,
+                               .style = style,
                                .normals = normals,
                                .threads = kThreads};
   const Work work = [&]() -> Result<void> {
@@ -149,6 +151,20 @@ Result<Timed> run_full(const VolumeCase& volume_case, const Volume& volume, cons
   return theirs;
 }
 
+/// Full resolution with vertices on the grid's edges alone, as Flying Edges has them.
+Result<void> run_cubes(const VolumeCase& volume_case, const Dataset& dataset, const Timed& peer,
+                       Table& table) {
+  for (const Memory memory : {Memory::reused, Memory::fresh}) {
+    const bool is_fresh = memory == Memory::fresh;
+    LODE_TRY(const Timed ours,
+             time_ours(dataset, volume_case, 0, Normals::off, memory, SurfaceStyle::cubes));
+    table.add(versus((is_fresh ? "cubes_fresh/" : "cubes/") + volume_case.name, ours,
+                     "vtkFlyingEdges3D", peer,
+                     is_fresh ? "memory of its own each time" : "vertices on grid edges"));
+  }
+  return {};
+}
+
 /// Full resolution with new memory each time, and without the longest vectors.
 Result<void> run_full_otherwise(const VolumeCase& volume_case, const Dataset& dataset,
                                 const Timed& peer, Table& table) {
@@ -189,6 +205,7 @@ Result<void> run_case(const VolumeCase& volume_case, Table& table) {
   LODE_TRY(const Volume volume, load(volume_case));
   LODE_TRY(const Dataset dataset, run_build(volume_case, volume, table));
   LODE_TRY(const Timed peer, run_full(volume_case, volume, dataset, Normals::off, table));
+  LODE_CHECK(run_cubes(volume_case, dataset, peer, table));
   LODE_CHECK(run_full_otherwise(volume_case, dataset, peer, table));
   LODE_CHECK(run_full(volume_case, volume, dataset, Normals::on, table));
   return run_adaptive(volume_case, volume, dataset, peer, table);

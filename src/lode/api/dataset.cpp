@@ -63,6 +63,7 @@ Result<void> extract_all(const ExtractOptions& options, ExtractReport& report,
     LODE_TRY(const auto part,
              extract_part({.isovalue = isovalue,
                            .tolerance = report.max_error,
+                           .style = options.style,
                            .threads = options.threads,
                            .with_normals = D == 3 && options.normals == Normals::on,
                            .replaces = options.isovalues.size() == 1}));
@@ -205,6 +206,9 @@ Result<void> check_extract_options(const ExtractOptions& options) {
       if (!(options.clip->lower[i] < options.clip->upper[i]))
         return fail("expected a clip box with lower < upper on each axis, got {} and {} on axis {}",
                     options.clip->lower[i], options.clip->upper[i], i);
+  if (options.style == SurfaceStyle::cubes && options.max_error.value_or(1) > 0)
+    return fail("style cubes: expected a max_error of 0, got {}",
+                options.max_error ? std::to_string(*options.max_error) : "none");
   if (options.border == Border::closed && options.isovalues.size() > 1)
     return fail(
         "closing at the border: expected one isovalue, got {}: caps of several would lie "

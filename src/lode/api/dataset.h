@@ -11,6 +11,7 @@
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
+#include "lode/core/surface.h"
 #include "lode/core/surface_sink.h"
 #include "lode/core/volume.h"
 
@@ -58,6 +59,9 @@ enum class Border : std::uint8_t { open, closed };
 struct ExtractOptions {
   std::vector<double> isovalues;      ///< At least one; finite.
   std::optional<double> max_error{};  ///< Field units, >= 0; unset: 0.5 % of the value range.
+  /// cubes: of volumes without holes at a max_error of 0, all in memory. See ExtractReport's
+  /// achieved_error for what the surface then is of the level set.
+  SurfaceStyle style = SurfaceStyle::tetra;
   std::optional<Box3d> clip{};        ///< Crops the result, world units.
   Border border = Border::open;
   std::uint64_t min_component = 0;  ///< Pieces with fewer triangles (lines) are dropped.

@@ -8,6 +8,10 @@
 
 namespace lode {
 
+/// Where full resolution has vertices: on all edges of the tetrahedra, so that the surface is the
+/// exact level set of F, or on those of the grid's cells alone, a third of the triangles.
+enum class SurfaceStyle : std::uint8_t { tetra, cubes };
+
 /// An extracted isosurface or section (triangles), or a set of contour lines (lines): exactly one
 /// of the two is used. World position of vertex i = origin + positions[i]; the origin is zero
 /// unless the coordinates are too large for float32 (see docs/models/diamond3d.md).

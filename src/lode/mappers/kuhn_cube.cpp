@@ -8,10 +8,8 @@
 namespace lode {
 namespace {
 
-using Corner = std::uint8_t;  ///< Bit i: at the upper side of the cell along axis i.
-
 struct KuhnTetrahedron {
-  std::array<Corner, 4> corner;
+  std::array<CellCorner, 4> corner;
   bool is_positive;
 };
 
@@ -22,22 +20,16 @@ std::array<KuhnTetrahedron, 6> tetrahedra_of(int parity) {
   const bool is_reflected = (std::popcount(static_cast<unsigned>(parity)) & 1) != 0;
   for (KuhnTetrahedron& t : result) {
     int odd_axes = 0;
-    t.corner[0] = static_cast<Corner>(parity);
+    t.corner[0] = static_cast<CellCorner>(parity);
     for (std::size_t i = 0; i < 3; ++i) {
       odd_axes |= 1 << order[i];
-      t.corner[i + 1] = static_cast<Corner>(odd_axes ^ parity);
+      t.corner[i + 1] = static_cast<CellCorner>(odd_axes ^ parity);
     }
     const bool is_even_order = (order[1] - order[0] + 3) % 3 == 1;
     t.is_positive = is_even_order != is_reflected;
     std::next_permutation(order.begin(), order.end());
   }
   return result;
-}
-
-CellEdge cell_edge(Corner a, Corner b) {
-  const int anchor = a & b;
-  const int series = edge_series(a ^ b, (anchor >> 1) & 1, (anchor >> 2) & 1);
-  return static_cast<CellEdge>(series + 16 * (anchor & 1));
 }
 
 class CaseBuilder {
@@ -94,6 +86,12 @@ std::array<KuhnCubeCases, 8> make_all_cases(bool is_mirrored) {
 }
 
 }  // namespace
+
+CellEdge cell_edge(CellCorner a, CellCorner b) {
+  const int anchor = a & b;
+  const int series = edge_series(a ^ b, (anchor >> 1) & 1, (anchor >> 2) & 1);
+  return static_cast<CellEdge>(series + 16 * (anchor & 1));
+}
 
 const KuhnCubeCases& kuhn_cube_cases(int parity, bool is_mirrored) {
   static const std::array<KuhnCubeCases, 8> kRightHanded = make_all_cases(false);

@@ -24,6 +24,12 @@ inline constexpr int kEdgeSeries = 14;
 /// A crossed edge of a cell: series + 16 · (anchor's x - cell's x).
 using CellEdge = std::uint8_t;
 
+/// A corner of a cell: bit i is set at its upper side along axis i.
+using CellCorner = std::uint8_t;
+
+/// The edge between two corners, one of which is above the other or equal along every axis.
+[[nodiscard]] CellEdge cell_edge(CellCorner a, CellCorner b);
+
 /// The triangles of one cell for one set of inside corners.
 struct KuhnCubeCase {
   std::uint8_t n_edges = 0;

@@ -90,17 +90,25 @@ HWY_INLINE void for_each_series(const CellRow& cells, const CornerWords& c, cons
   put(13, hn::And(along_x(3), has_both));
 }
 
+/// The corners of the words' cells by coordinates modulo 2, as in Kuhn's chains.
+struct EvenOddCorners {
+  EvenOddCorners(const CellRow& cells, const CornerWords& c) {
+    const auto even = hn::Set(Words(), 0x55555555U);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto row = c.row[i ^ cells.parity()];
+      const auto next = c.next[i ^ cells.parity()];
+      corner[2 * i] = hn::Or(hn::And(row, even), hn::AndNot(even, next));
+      corner[2 * i + 1] = hn::Or(hn::And(next, even), hn::AndNot(even, row));
+    }
+  }
+  WordsV corner[8];
+};
+
 /// Triangles of the words' cells, added up word by word.
 HWY_INLINE WordsV n_triangles(const CellRow& cells, const CornerWords& c) {
   const Words d;
-  const auto even = hn::Set(d, 0x55555555U);
-  WordsV corner[8];  // by coordinates modulo 2, as in Kuhn's chains
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto row = c.row[i ^ cells.parity()];
-    const auto next = c.next[i ^ cells.parity()];
-    corner[2 * i] = hn::Or(hn::And(row, even), hn::AndNot(even, next));
-    corner[2 * i + 1] = hn::Or(hn::And(next, even), hn::AndNot(even, row));
-  }
+  const EvenOddCorners all(cells, c);
+  const auto& corner = all.corner;
   auto n = hn::Zero(d);
   const auto across = hn::Xor(corner[0], corner[7]);
   for (const std::size_t first : {1U, 2U, 4U})
@@ -116,7 +124,73 @@ HWY_INLINE WordsV n_triangles(const CellRow& cells, const CornerWords& c) {
   return n;
 }
 
-RowCounts run_count(const CellRow& cells) {
+/// In the style of cubes, calls put(series, crossed anchors) for the grid edges, own ones or all.
+template <bool kAll, typename Put>
+HWY_INLINE void for_each_grid_series(const CellRow& cells, const CornerWords& c, const Put& put) {
+  const auto along_x = [&](std::size_t i)
+                           HWY_ATTR { return hn::And(hn::Xor(c.row[i], c.next[i]), c.in_cells); };
+  const auto across = [&](std::size_t i, std::size_t j)
+                          HWY_ATTR { return hn::And(hn::Xor(c.row[i], c.row[j]), c.samples); };
+  const auto has_y = word_mask(cells.has_row(1, 0));
+  const auto has_z = word_mask(cells.has_row(0, 1));
+  put(0, along_x(0));
+  put(1, hn::And(across(0, 1), has_y));
+  put(3, hn::And(across(0, 2), has_z));
+  if constexpr (!kAll) return;
+  const auto has_both = hn::And(has_y, has_z);
+  put(7, hn::And(along_x(1), has_y));
+  put(8, hn::And(across(1, 3), has_both));
+  put(10, hn::And(along_x(2), has_z));
+  put(11, hn::And(across(2, 3), has_both));
+  put(13, hn::And(along_x(3), has_both));
+}
+
+/// Of cells in the style of cubes, whose corners are given by differences from the even one.
+struct CubePieces {
+  explicit CubePieces(const EvenOddCorners& all) {
+    for (std::size_t k = 1; k < 8; ++k) differs[k] = hn::Xor(all.corner[0], all.corner[k]);
+  }
+
+  /// needs_body_vertex(): the even and the odd corner differ, and of those beside the odd one at
+  /// least two more are like the even one than of those beside the even one.
+  [[nodiscard]] HWY_INLINE WordsV with_body_vertex() const {
+    const auto& x = differs;
+    const auto all_low = hn::And(hn::And(x[1], x[2]), x[4]);
+    const auto two_low = hn::Or(hn::Or(hn::And(x[1], x[2]), hn::And(x[1], x[4])), hn::And(x[2], x[4]));
+    const auto any_high = hn::Or(hn::Or(x[3], x[5]), x[6]);
+    const auto two_high = hn::Or(hn::Or(hn::And(x[3], x[5]), hn::And(x[3], x[6])), hn::And(x[5], x[6]));
+    return hn::And(x[7], hn::Or(hn::AndNot(two_high, all_low), hn::AndNot(any_high, two_low)));
+  }
+
+  WordsV differs[8];
+};
+
+/// Triangles of the words' cells, added up word by word. A disc whose loop has v vertices has v - 2
+/// triangles, an annulus v, a fan round a vertex of its own v.
+HWY_INLINE WordsV n_cube_triangles(const EvenOddCorners& all, const CubePieces& pieces,
+                                   WordsV with_body_vertex, WordsV in_cells) {
+  const Words d;
+  const auto count = [&](WordsV bits) HWY_ATTR {
+    return hn::PopulationCount(hn::And(bits, in_cells));
+  };
+  auto n = hn::Zero(d);
+  for (std::size_t axis = 1; axis < 8; axis *= 2)
+    for (std::size_t a = 0; a < 8; ++a)
+      if ((a & axis) == 0) n = hn::Add(n, count(hn::Xor(all.corner[a], all.corner[a | axis])));
+  // One disc where the body diagonal is crossed; else one round each row of like corners among the
+  // six that surround it, and an annulus if all are. Rows begin at most at every second corner.
+  const auto& x = pieces.differs;
+  const auto begins = [&](std::size_t at, std::size_t before) HWY_ATTR {
+    return hn::AndNot(x[7], hn::AndNot(x[before], x[at]));
+  };
+  auto discs = count(hn::Or(hn::AndNot(with_body_vertex, x[7]), hn::Or(begins(1, 5), begins(3, 1))));
+  discs = hn::Add(discs, count(hn::Or(begins(2, 3), begins(6, 2))));
+  discs = hn::Add(discs, count(hn::Or(begins(4, 6), begins(5, 4))));
+  return hn::Sub(n, hn::Add(discs, discs));
+}
+
+template <bool kCubes>
+RowCounts count_in(const CellRow& cells) {
   const Words d;
   const auto zero = hn::Zero(d);
   WordsV vertices[kOwnSeries]{zero, zero, zero, zero, zero, zero, zero};
@@ -127,10 +201,22 @@ RowCounts run_count(const CellRow& cells) {
     const CornerWords c(cells, word);
     if (c.is_uniform()) continue;
     is_empty = false;
-    for_each_series<false>(cells, c, [&](std::size_t s, WordsV crossed) HWY_ATTR {
+    const auto add = [&](std::size_t s, WordsV crossed) HWY_ATTR {
       vertices[s] = hn::Add(vertices[s], hn::PopulationCount(crossed));
-    });
-    if (has_cells) triangles = hn::Add(triangles, n_triangles(cells, c));
+    };
+    if constexpr (kCubes) {
+      for_each_grid_series<false>(cells, c, add);
+      if (!has_cells) continue;
+      const EvenOddCorners all(cells, c);
+      const CubePieces pieces(all);
+      const auto with_body_vertex = pieces.with_body_vertex();
+      add(6, hn::And(with_body_vertex, c.in_cells));
+      triangles =
+          hn::Add(triangles, n_cube_triangles(all, pieces, with_body_vertex, c.in_cells));
+    } else {
+      for_each_series<false>(cells, c, add);
+      if (has_cells) triangles = hn::Add(triangles, n_triangles(cells, c));
+    }
   }
   RowCounts counts;
   if (is_empty) return counts;
@@ -157,22 +243,32 @@ HWY_INLINE WordsV crossed_cells(const CornerWords& c) {
 }
 
 /// Adds what some of a group's words have, from the `first` on.
+template <bool kCubes>
 HWY_INLINE void find_some(const CellRow& cells, std::size_t first, WordGroup& out) {
   const Words d;
   const CornerWords c(cells, out.first + first);
   if (c.is_uniform()) return;
   auto any = hn::Zero(d);
-  for_each_series<true>(cells, c, [&](std::size_t s, WordsV crossed) HWY_ATTR {
+  const auto put = [&](std::size_t s, WordsV crossed) HWY_ATTR {
     hn::StoreU(crossed, d, out.crossings[s].data() + first);
     any = hn::Or(any, crossed);
     if (s < kOwnSeries) out.with_edges[s] |= lanes_that(hn::Ne(crossed, hn::Zero(d))) << first;
-  });
+  };
+  if constexpr (kCubes) {
+    for_each_grid_series<true>(cells, c, put);
+    const CubePieces pieces(EvenOddCorners(cells, c));
+    put(6, hn::And(hn::And(pieces.with_body_vertex(), c.in_cells),
+                   word_mask(cells.has_row(1, 1))));
+  } else {
+    for_each_series<true>(cells, c, put);
+  }
   hn::StoreU(hn::And(crossed_cells(c), word_mask(cells.has_row(1, 1))), d,
              out.cells.data() + first);
   out.met |= lanes_that(hn::Ne(any, hn::Zero(d))) << first;
 }
 
-std::size_t run_find(const CellRow& cells, WordGroup* out) {
+template <bool kCubes>
+std::size_t find_in(const CellRow& cells, WordGroup* out) {
   const std::size_t n_words = cells.field().n_words();
   std::size_t n = 0;
   for (std::size_t word = 0; word < n_words; word += WordGroup::kWords) {
@@ -182,10 +278,17 @@ std::size_t run_find(const CellRow& cells, WordGroup* out) {
     group.with_edges = {};
     const std::size_t end = std::min(WordGroup::kWords, n_words - word);
     for (std::size_t first = 0; first < end; first += hn::Lanes(Words()))
-      find_some(cells, first, group);
+      find_some<kCubes>(cells, first, group);
     n += group.met != 0 ? 1 : 0;
   }
   return n;
+}
+
+RowCounts run_count(const CellRow& cells, SurfaceStyle style) {
+  return style == SurfaceStyle::cubes ? count_in<true>(cells) : count_in<false>(cells);
+}
+std::size_t run_find(const CellRow& cells, SurfaceStyle style, WordGroup* out) {
+  return style == SurfaceStyle::cubes ? find_in<true>(cells, out) : find_in<false>(cells, out);
 }
 
 }  // namespace lode::diamond::HWY_NAMESPACE
@@ -197,9 +300,11 @@ namespace lode::diamond {
 HWY_EXPORT(run_count);
 HWY_EXPORT(run_find);
 
-RowCounts count_row(const CellRow& row) { return HWY_DYNAMIC_DISPATCH(run_count)(row); }
-std::size_t find_words(const CellRow& row, WordGroup* out) {
-  return HWY_DYNAMIC_DISPATCH(run_find)(row, out);
+RowCounts count_row(const CellRow& row, SurfaceStyle style) {
+  return HWY_DYNAMIC_DISPATCH(run_count)(row, style);
+}
+std::size_t find_words(const CellRow& row, SurfaceStyle style, WordGroup* out) {
+  return HWY_DYNAMIC_DISPATCH(run_find)(row, style, out);
 }
 
 }  // namespace lode::diamond

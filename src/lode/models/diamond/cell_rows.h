@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "lode/core/surface.h"
 #include "lode/mappers/kuhn_cube.h"
 #include "lode/models/diamond/sign_field.h"
 
@@ -74,8 +75,9 @@ struct WordGroup {
 };
 
 /// What there is to write of a row of cells.
-[[nodiscard]] RowCounts count_row(const CellRow& row);
+[[nodiscard]] RowCounts count_row(const CellRow& row, SurfaceStyle style);
 /// Lists the groups that the surface meets, for which there is room, and returns their number.
-[[nodiscard]] std::size_t find_words(const CellRow& row, WordGroup* out);
+/// Series that the style has no vertices on are left as they are: 0.
+[[nodiscard]] std::size_t find_words(const CellRow& row, SurfaceStyle style, WordGroup* out);
 
 }  // namespace lode::diamond

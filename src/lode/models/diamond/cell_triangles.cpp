@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "lode/mappers/cube_cases.h"
+
 #ifndef LODE_CELL_CASES
 #define LODE_CELL_CASES
 namespace lode::diamond {
@@ -20,7 +22,7 @@ struct alignas(64) CellCase {
   std::uint8_t n_ends;                ///< How many of them there are: up to 36.
 };
 
-const CellCase* cell_cases();
+const CellCase* cell_cases(SurfaceStyle style);
 
 }  // namespace lode::diamond
 #endif
@@ -88,7 +90,8 @@ alignas(16) constexpr std::uint8_t kTurns[2][16] = {
 
 using D4 = hn::CappedTag<std::uint32_t, 4>;
 
-/// What cells of one parity have in common: by edge, 16 and the other 3.
+/// What cells of one parity have in common: by edge, 16 and the other 3, which cubes do not have.
+template <bool kCubes>
 struct EdgesOfCells {
   explicit EdgesOfCells(const CellEdges& from) : edges(from) {
     turn = hn::Load(hn::CappedTag<std::uint8_t, 16>(), kTurns[from.is_flipped ? 1 : 0]);
@@ -96,9 +99,10 @@ struct EdgesOfCells {
   HWY_INLINE void open_word(V32 ids, V32 bits) {
     const D32 d;
     const auto low = hn::Load(d, edges.series.data());
-    const auto high = hn::Load(d, edges.series.data() + 16);
     first_id = V32{_mm512_permutexvar_epi32(low.raw, ids.raw)};
     crossings = V32{_mm512_permutexvar_epi32(low.raw, bits.raw)};
+    if constexpr (kCubes) return;
+    const auto high = hn::Load(d, edges.series.data() + 16);
     last_first_id =
         hn::Vec<D4>{_mm512_castsi512_si128(_mm512_permutexvar_epi32(high.raw, ids.raw))};
     last_crossings =
@@ -147,8 +151,9 @@ struct CornerCodes {
 };
 
 /// A word's cells, as long as there is room to write more than they have; which are left.
+template <bool kCubes>
 HWY_INLINE std::uint32_t write_many(const CellCase* cases, const CornerCodes& corners,
-                                    const EdgesOfCells (&edges)[2], std::uint32_t cells,
+                                    const EdgesOfCells<kCubes> (&edges)[2], std::uint32_t cells,
                                     std::uint32_t*& to, const std::uint32_t* end) {
   constexpr std::ptrdiff_t kMost = 48;
   const D32 d;
@@ -156,18 +161,21 @@ HWY_INLINE std::uint32_t write_many(const CellCase* cases, const CornerCodes& co
   std::uint32_t* out = to;
   for (; cells != 0 && end - out >= kMost; cells &= cells - 1) {
     const int x = std::countr_zero(cells);
-    const EdgesOfCells& own = edges[x & 1];
+    const EdgesOfCells<kCubes>& own = edges[x & 1];
     const CellCase& c = cases[corners.codes[x]];
     const auto low = own.ids(x);
-    const auto high = own.last_ids(x);
+    const auto high = kCubes ? low : own.last_ids(x);
     const auto turn = own.turn;
     const auto put = [&](std::size_t i) HWY_ATTR {
       const auto turned = hn::TableLookupBytes(hn::LoadU(d8, c.edge.data() + i), turn);
       const auto edge = hn::PromoteTo(d, turned);
-      hn::StoreU(V32{_mm512_permutex2var_epi32(low.raw, edge.raw, high.raw)}, d, out + i);
+      if constexpr (kCubes)
+        hn::StoreU(V32{_mm512_permutexvar_epi32(edge.raw, low.raw)}, d, out + i);
+      else
+        hn::StoreU(V32{_mm512_permutex2var_epi32(low.raw, edge.raw, high.raw)}, d, out + i);
     };
     put(0);
-    put(15);
+    if (!kCubes || c.n_ends > 15) put(15);
     if (c.n_ends > 30) put(30);
     out += c.n_ends;
   }
@@ -175,10 +183,11 @@ HWY_INLINE std::uint32_t write_many(const CellCase* cases, const CornerCodes& co
   return cells;
 }
 
-void run_cells(const CellRun& run) {
+template <bool kCubes>
+void write_row(const CellRun& run) {
   const D32 d;
-  const CellCase* const cases = cell_cases();
-  EdgesOfCells edges[2]{EdgesOfCells(*run.even), EdgesOfCells(*run.odd)};
+  const CellCase* const cases = cell_cases(run.style);
+  EdgesOfCells<kCubes> edges[2]{EdgesOfCells<kCubes>(*run.even), EdgesOfCells<kCubes>(*run.odd)};
   std::uint32_t* out = run.out;
   V32 first_id{_mm512_permutex2var_epi32(hn::LoadU(d, run.start->vertex.data()).raw,
                                          hn::LoadU(d, kStartOfSeries.data()).raw,
@@ -209,6 +218,13 @@ void run_cells(const CellRun& run) {
       first_id = hn::Add(first_id, hn::PopulationCount(bits));
     }
   }
+}
+
+void run_cells(const CellRun& run) {
+  if (run.style == SurfaceStyle::cubes)
+    write_row<true>(run);
+  else
+    write_row<false>(run);
 }
 
 #else
@@ -262,7 +278,7 @@ Ends ends_of(CellEdge edge, unsigned parity) {
 constexpr int kCanonical = 0;
 
 /// All edges of a cell, as ends.
-std::array<Ends, CellEdges::kEdges> all_edges() {
+std::array<Ends, CellEdges::kEdges> make_all_ends_of_cell() {
   std::array<Ends, CellEdges::kEdges> edges{};
   std::size_t n = 0;
   for (const KuhnCubeCase& c : kuhn_cube_cases(kCanonical, false))
@@ -271,17 +287,24 @@ std::array<Ends, CellEdges::kEdges> all_edges() {
       const auto last = edges.begin() + static_cast<std::ptrdiff_t>(n);
       if (std::find(edges.begin(), last, ends) == last) edges[n++] = ends;
     }
+  std::ranges::stable_partition(
+      edges, [](const Ends& e) { return std::popcount(e[0] ^ e[1]) != 2; });
   return edges;
 }
 
 std::size_t number_of(const Ends& ends) {
-  static const std::array<Ends, CellEdges::kEdges> kAll = all_edges();
+  static const std::array<Ends, CellEdges::kEdges> kAll = make_all_ends_of_cell();
   return static_cast<std::size_t>(std::find(kAll.begin(), kAll.end(), ends) - kAll.begin());
 }
 
-CellEdges make_edges(int parity, bool is_mirrored) {
+const KuhnCubeCases& cases_of(int parity, bool is_mirrored, SurfaceStyle style) {
+  return style == SurfaceStyle::cubes ? cube_cases(parity, is_mirrored)
+                                      : kuhn_cube_cases(parity, is_mirrored);
+}
+
+CellEdges make_edges(int parity, bool is_mirrored, SurfaceStyle style) {
   CellEdges result;
-  result.by_corners = &kuhn_cube_cases(parity, is_mirrored);
+  result.by_corners = &cases_of(parity, is_mirrored, style);
   result.is_flipped = ((std::popcount(static_cast<unsigned>(parity)) & 1) != 0) != is_mirrored;
   for (const KuhnCubeCase& c : *result.by_corners)
     for (std::size_t e = 0; e < c.n_edges; ++e) {
@@ -294,15 +317,16 @@ CellEdges make_edges(int parity, bool is_mirrored) {
   return result;
 }
 
-std::array<CellEdges, 16> make_all_edges() {
+std::array<CellEdges, 16> make_all_edges(SurfaceStyle style) {
   std::array<CellEdges, 16> all;
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = make_edges(static_cast<int>(i % 8), i >= 8);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all[i] = make_edges(static_cast<int>(i % 8), i >= 8, style);
   return all;
 }
 
-std::array<CellCase, 256> make_cases() {
+std::array<CellCase, 256> make_cases(SurfaceStyle style) {
   std::array<CellCase, 256> cases{};
-  const KuhnCubeCases& all = kuhn_cube_cases(kCanonical, false);
+  const KuhnCubeCases& all = cases_of(kCanonical, false, style);
   for (std::size_t corners = 0; corners < cases.size(); ++corners) {
     const KuhnCubeCase& from = all[corners];
     std::size_t i = 0;
@@ -319,14 +343,17 @@ std::array<CellCase, 256> make_cases() {
 
 HWY_EXPORT(run_cells);
 
-const CellCase* cell_cases() {
-  static const std::array<CellCase, 256> kCases = make_cases();
-  return kCases.data();
+const CellCase* cell_cases(SurfaceStyle style) {
+  static const std::array<CellCase, 256> kTetra = make_cases(SurfaceStyle::tetra);
+  static const std::array<CellCase, 256> kCubes = make_cases(SurfaceStyle::cubes);
+  return style == SurfaceStyle::cubes ? kCubes.data() : kTetra.data();
 }
 
-const CellEdges& cell_edges(int parity, bool is_mirrored) {
-  static const std::array<CellEdges, 16> kEdges = make_all_edges();
-  return kEdges[static_cast<std::size_t>(parity) + (is_mirrored ? 8U : 0U)];
+const CellEdges& cell_edges(int parity, bool is_mirrored, SurfaceStyle style) {
+  static const std::array<CellEdges, 16> kTetra = make_all_edges(SurfaceStyle::tetra);
+  static const std::array<CellEdges, 16> kCubes = make_all_edges(SurfaceStyle::cubes);
+  const auto& all = style == SurfaceStyle::cubes ? kCubes : kTetra;
+  return all[static_cast<std::size_t>(parity) + (is_mirrored ? 8U : 0U)];
 }
 
 void write_cells(const CellRun& run) { HWY_DYNAMIC_DISPATCH(run_cells)(run); }

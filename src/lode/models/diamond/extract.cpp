@@ -25,6 +25,7 @@ class Extraction {
   Result<IsosurfaceReport> run(Surface& surface, Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
     IsosurfaceReport report;
+    LODE_CHECK(check_style());
     if constexpr (D == 3)
       if (model_.shape.has_cells() && query_.tolerance == 0 && !model_.has_holes())
         return run_flat(selection_, surface, progress);
@@ -68,6 +69,18 @@ class Extraction {
     BrickTraversal<D> traversal;
     BrickIsosurface<D> mapper;
   };
+
+  Result<void> check_style() const {
+    if (query_.style == SurfaceStyle::tetra || !model_.shape.has_cells()) return {};
+    if (D == 2) return fail("style cubes: expected a volume, got one sample thick data");
+    if (query_.tolerance > 0)
+      return fail("style cubes: expected full resolution (max error 0), got max error {}",
+                  query_.tolerance);
+    if (model_.has_holes())
+      return fail("style cubes: expected data without holes, got {} samples without a value",
+                  model_.stats.n_holes);
+    return {};
+  }
 
   Result<IsosurfaceReport> run_flat(const Selection<3>& selection, Surface& surface,
                                     Progress& progress) {

@@ -10,6 +10,7 @@ namespace lode::diamond {
 struct IsosurfaceQuery {
   double isovalue = 0;
   double tolerance = 0;  ///< Field units; 0 refines every active node.
+  SurfaceStyle style = SurfaceStyle::tetra;  ///< cubes: tolerance 0, a volume without holes.
   Threads threads{};
   bool with_normals = false;  ///< Normals too; see normals.h.
   bool replaces = false;      ///< The surface is overwritten, its memory used as it is.

@@ -45,7 +45,8 @@ class FullResolution {
       if (progress_.is_cancelled()) return;
       for (std::size_t y = 0; y < n_rows; ++y) {
         const RowCounts n =
-            count_row(CellRow(field_, static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)));
+            count_row(CellRow(field_, static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)),
+                      query_.style);
         starts_[z * n_rows + y] = {n.vertices, n.triangles};
       }
     });
@@ -78,7 +79,8 @@ class FullResolution {
 
   template <typename T>
   void write() {
-    const FullSurface all{model_, frame_, selection_.isovalue(), field_, starts_, surface_};
+    const FullSurface all{model_,       frame_, selection_.isovalue(),
+                          query_.style, field_, starts_, surface_};
     std::vector<std::unique_ptr<SliceWriter<T>>> writers(as_size(n_workers(query_.threads)));
     parallel_for(as_size(field_.dims[2]), query_.threads, kSlicesAtOnce,
                  [&](std::size_t z, int worker) {

@@ -18,6 +18,7 @@ struct FullSurface {
   const Model<3>& model;
   const LatticeFrame& frame;
   double isovalue;
+  SurfaceStyle style;
   const SignField& signs;
   std::span<const RowStart> starts;  ///< By row, y fastest, and one behind the last.
   Surface& surface;                  ///< Has room for all; normals only where they are wanted.
@@ -68,7 +69,7 @@ class SliceWriter {
     if (!has_vertices && !has_triangles) return;
     const CellRow row(all_.signs, y, z_);
     const std::span<const WordGroup> groups =
-        std::span(groups_).first(find_words(row, groups_.data()));
+        std::span(groups_).first(find_words(row, all_.style, groups_.data()));
     if (has_vertices) add_edges(y, groups);
     if (has_triangles) write_triangles(y, row, groups, start);
   }
@@ -159,9 +160,9 @@ class SliceWriter {
   void write_triangles(std::int32_t y, const CellRow& row, std::span<const WordGroup> groups,
                        const RowStart* start) {
     const int parity = (y & 1) << 1 | (z_ & 1) << 2;
-    write_cells({&row, groups, start, &all_.starts[all_.row_of(y, z_ + 1)],
-                 &cell_edges(parity, all_.frame.is_mirrored),
-                 &cell_edges(parity | 1, all_.frame.is_mirrored),
+    write_cells({&row, groups, start, &all_.starts[all_.row_of(y, z_ + 1)], all_.style,
+                 &cell_edges(parity, all_.frame.is_mirrored, all_.style),
+                 &cell_edges(parity | 1, all_.frame.is_mirrored, all_.style),
                  all_.surface.triangles[start->triangle].data(), triangles_end_->data()});
   }
 

@@ -1,0 +1,202 @@
+// Full resolution in the style of cubes: the tetrahedra's topology on the vertices of grid edges.
+
+#include <gtest/gtest.h>
+
+#include <hwy/highway.h>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "lode/api/dataset.h"
+#include "lode/mappers/self_intersections.h"
+#include "lode/mappers/surface_topology.h"
+#include "tests/oracles/random.h"
+#include "tests/oracles/typed_samples.h"
+
+namespace lode {
+namespace {
+
+Dataset dataset_of(const Volume& volume) {
+  Progress progress;
+  return Dataset::build(*make_memory_source(volume), {.threads = {1}}, progress).value();
+}
+
+Surface styled(const Dataset& dataset, double isovalue, SurfaceStyle style,
+               Normals normals = Normals::off, int threads = 1) {
+  Progress progress;
+  Surface surface;
+  EXPECT_TRUE(dataset.extract({.isovalues = {isovalue},
+                               .max_error = 0.0,
+                               .style = style,
+                               .normals = normals,
+                               .threads = {threads}},
+                              surface, progress));
+  return surface;
+}
+
+/// Euler numbers of the pieces, and whether they are closed.
+std::vector<std::pair<std::int64_t, bool>> pieces_of(const TopologyReport& topology) {
+  std::vector<std::pair<std::int64_t, bool>> pieces;
+  for (const ComponentReport& c : topology.components)
+    pieces.emplace_back(c.euler_number, c.n_boundary_edges == 0);
+  std::ranges::sort(pieces);
+  return pieces;
+}
+
+enum class HasGradients : std::uint8_t { no, yes };
+
+void expect_topology_of_tetrahedra(const Volume& volume, double isovalue,
+                                   HasGradients has_gradients) {
+  const Dataset dataset = dataset_of(volume);
+  const Surface tetra = styled(dataset, isovalue, SurfaceStyle::tetra, Normals::on);
+  const Surface cubes = styled(dataset, isovalue, SurfaceStyle::cubes, Normals::on);
+  const TopologyReport expected = check_topology(tetra, {});
+  const TopologyReport found = check_topology(cubes, {});
+  ASSERT_TRUE(found.is_clean_manifold());
+  EXPECT_EQ(found.euler_number, expected.euler_number);
+  EXPECT_EQ(pieces_of(found), pieces_of(expected));
+  Progress progress;
+  EXPECT_EQ(check_self_intersections(cubes, {1}, progress)->n_intersections, 0U);
+
+  // Where the gradient is zero a normal is that of the vertex's triangles.
+  const auto normal = [&](const Surface& surface, std::size_t v) {
+    return has_gradients == HasGradients::yes ? surface.normals[v].v : std::array<float, 3>{};
+  };
+  std::set<std::pair<std::array<float, 3>, std::array<float, 3>>> vertices;
+  for (std::size_t v = 0; v < tetra.positions.size(); ++v)
+    vertices.emplace(tetra.positions[v].v, normal(tetra, v));
+  for (std::size_t v = 0; v < cubes.positions.size(); ++v)
+    EXPECT_TRUE(vertices.contains({cubes.positions[v].v, normal(cubes, v)})) << "vertex " << v;
+}
+
+class cube_style_shapes : public testing::TestWithParam<Index3> {};
+
+TEST_P(cube_style_shapes, has_the_tetrahedra_s_topology_and_some_of_their_vertices_on_noise) {
+  for (const bool is_mirrored : {false, true})
+    for (const std::uint32_t n_values : {2U, 3U, 1000U}) {
+      RegularGrid grid;
+      grid.dims = GetParam();
+      grid.spacing = {{0.5, 1.0, 0.75}};
+      grid.origin = {{-3, 2, 1}};
+      if (is_mirrored)
+        grid.direction = {{Vec3d{{0, 1, 0}}, Vec3d{{1, 0, 0}}, Vec3d{{0, 0, 1}}}};
+      // Few values: samples equal the isovalue, and vertices lie next to them.
+      std::mt19937 random(n_values);
+      const Volume volume = oracles::volume_of<float>(grid, [&](const Index3&) {
+        return static_cast<double>(random() % n_values);
+      });
+      SCOPED_TRACE(n_values);
+      if (n_values == 1000)
+        expect_topology_of_tetrahedra(volume, 500.5, HasGradients::yes);
+      else
+        expect_topology_of_tetrahedra(volume, 1, HasGradients::no);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(dims, cube_style_shapes,
+                         testing::Values(Index3{{2, 2, 2}}, Index3{{3, 3, 3}}, Index3{{2, 30, 2}},
+                                         Index3{{32, 5, 6}}, Index3{{33, 7, 4}},
+                                         Index3{{34, 33, 5}}, Index3{{5, 34, 33}},
+                                         Index3{{65, 4, 34}}, Index3{{20, 21, 22}}));
+
+TEST(cube_style, has_the_tetrahedra_s_topology_on_many_small_volumes) {
+  std::mt19937 random(2026);
+  for (int i = 0; i < 1000; ++i) {
+    SCOPED_TRACE(i);
+    RegularGrid grid;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      grid.dims[axis] = 2 + static_cast<std::int32_t>(random() % 4);
+    const Volume volume = oracles::volume_of<float>(grid, [&](const Index3&) {
+      return static_cast<double>(random() % 4);
+    });
+    expect_topology_of_tetrahedra(volume, 2, HasGradients::no);
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+TEST(cube_style, has_a_third_of_the_triangles_where_the_field_is_smooth) {
+  RegularGrid grid;
+  grid.dims = {{61, 62, 63}};
+  const Volume volume = oracles::volume_of<float>(grid, [](const Index3& p) {
+    return std::hypot(p[0] - 30.3, p[1] - 31.2, p[2] - 30.9);
+  });
+  const Dataset dataset = dataset_of(volume);
+  const auto tetra = styled(dataset, 20.1, SurfaceStyle::tetra).triangles.size();
+  const auto cubes = styled(dataset, 20.1, SurfaceStyle::cubes).triangles.size();
+  EXPECT_NEAR(static_cast<double>(tetra) / static_cast<double>(cubes), 3, 0.1);
+}
+
+TEST(cube_style, says_what_it_cannot_do) {
+  RegularGrid grid;
+  grid.dims = {{5, 6, 7}};
+  Progress progress;
+  Surface surface;
+  const Dataset whole = dataset_of(
+      oracles::volume_of<float>(grid, [](const Index3& p) { return static_cast<double>(p[0]); }));
+  ExtractOptions options{
+      .isovalues = {2.5}, .max_error = 0.5, .style = SurfaceStyle::cubes, .threads = {1}};
+  EXPECT_FALSE(whole.extract(options, surface, progress));
+  options.max_error = {};
+  EXPECT_FALSE(whole.extract(options, surface, progress));
+  options.max_error = 0.0;
+  EXPECT_TRUE(whole.extract(options, surface, progress));
+  const Dataset with_hole = dataset_of(oracles::volume_of<float>(grid, [](const Index3& p) {
+    return p[1] == 3 && p[2] == 3 ? std::nan("") : static_cast<double>(p[0]);
+  }));
+  const auto refused = with_hole.extract(options, surface, progress);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("without holes"), std::string::npos);
+}
+
+/// Back to the best that the processor has.
+struct AllVectors {
+  ~AllVectors() { use(0); }
+  static void use(std::int64_t targets) {
+    hwy::SetSupportedTargetsForTest(targets);
+    hwy::GetChosenTarget().DeInit();
+  }
+};
+
+/// Noise along some rows, waves elsewhere: full words of crossed edges, and single ones.
+template <typename T>
+void expect_same_bytes(const Index3& dims) {
+  const AllVectors restored;
+  AllVectors::use(0);
+  RegularGrid grid;
+  grid.dims = dims;
+  grid.spacing = {{0.5, 1.25, 0.75}};
+  oracles::Random random(11);
+  const Dataset dataset = dataset_of(oracles::volume_of<T>(grid, [&](const Index3& p) {
+    if (p[1] % 5 == 0) return random.uniform(0, 200);
+    return 100 + 60 * std::sin(0.2 * p[0]) * std::cos(0.3 * p[1] + 0.1 * p[2]);
+  }));
+  const Surface expected = styled(dataset, 90.5, SurfaceStyle::cubes, Normals::on, 1);
+  EXPECT_FALSE(expected.is_empty());
+  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+    SCOPED_TRACE(hwy::TargetName(left & -left));
+    AllVectors::use(left & -left);
+    for (const int threads : {1, 2, 3}) {
+      const Surface surface = styled(dataset, 90.5, SurfaceStyle::cubes, Normals::on, threads);
+      EXPECT_TRUE(surface.positions == expected.positions);
+      EXPECT_TRUE(surface.triangles == expected.triangles);
+      EXPECT_TRUE(surface.normals == expected.normals);
+    }
+    AllVectors::use(0);
+  }
+}
+
+TEST(cube_style, has_the_same_bytes_with_every_kind_of_vector_and_any_threads) {
+  for (const Index3& dims :
+       {Index3{{33, 40, 20}}, Index3{{70, 41, 9}}, Index3{{257, 34, 5}}, Index3{{600, 7, 6}}}) {
+    SCOPED_TRACE(dims[0]);
+    expect_same_bytes<std::uint8_t>(dims);
+    expect_same_bytes<std::uint16_t>(dims);
+    expect_same_bytes<std::int16_t>(dims);
+    expect_same_bytes<float>(dims);
+    expect_same_bytes<double>(dims);
+  }
+}
+
+}  // namespace
+}  // namespace lode
