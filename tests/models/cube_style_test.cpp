@@ -79,13 +79,11 @@ TEST_P(cube_style_shapes, has_the_tetrahedra_s_topology_and_some_of_their_vertic
       grid.dims = GetParam();
       grid.spacing = {{0.5, 1.0, 0.75}};
       grid.origin = {{-3, 2, 1}};
-      if (is_mirrored)
-        grid.direction = {{Vec3d{{0, 1, 0}}, Vec3d{{1, 0, 0}}, Vec3d{{0, 0, 1}}}};
+      if (is_mirrored) grid.direction = {{Vec3d{{0, 1, 0}}, Vec3d{{1, 0, 0}}, Vec3d{{0, 0, 1}}}};
       // Few values: samples equal the isovalue, and vertices lie next to them.
       std::mt19937 random(n_values);
-      const Volume volume = oracles::volume_of<float>(grid, [&](const Index3&) {
-        return static_cast<double>(random() % n_values);
-      });
+      const Volume volume = oracles::volume_of<float>(
+          grid, [&](const Index3&) { return static_cast<double>(random() % n_values); });
       SCOPED_TRACE(n_values);
       if (n_values == 1000)
         expect_topology_of_tetrahedra(volume, 500.5, HasGradients::yes);
@@ -107,9 +105,8 @@ TEST(cube_style, has_the_tetrahedra_s_topology_on_many_small_volumes) {
     RegularGrid grid;
     for (std::size_t axis = 0; axis < 3; ++axis)
       grid.dims[axis] = 2 + static_cast<std::int32_t>(random() % 4);
-    const Volume volume = oracles::volume_of<float>(grid, [&](const Index3&) {
-      return static_cast<double>(random() % 4);
-    });
+    const Volume volume = oracles::volume_of<float>(
+        grid, [&](const Index3&) { return static_cast<double>(random() % 4); });
     expect_topology_of_tetrahedra(volume, 2, HasGradients::no);
     if (testing::Test::HasFailure()) return;
   }
@@ -118,9 +115,8 @@ TEST(cube_style, has_the_tetrahedra_s_topology_on_many_small_volumes) {
 TEST(cube_style, has_a_third_of_the_triangles_where_the_field_is_smooth) {
   RegularGrid grid;
   grid.dims = {{61, 62, 63}};
-  const Volume volume = oracles::volume_of<float>(grid, [](const Index3& p) {
-    return std::hypot(p[0] - 30.3, p[1] - 31.2, p[2] - 30.9);
-  });
+  const Volume volume = oracles::volume_of<float>(
+      grid, [](const Index3& p) { return std::hypot(p[0] - 30.3, p[1] - 31.2, p[2] - 30.9); });
   const Dataset dataset = dataset_of(volume);
   const auto tetra = styled(dataset, 20.1, SurfaceStyle::tetra).triangles.size();
   const auto cubes = styled(dataset, 20.1, SurfaceStyle::cubes).triangles.size();

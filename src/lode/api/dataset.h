@@ -62,7 +62,7 @@ struct ExtractOptions {
   /// cubes: of volumes without holes at a max_error of 0, all in memory. See ExtractReport's
   /// achieved_error for what the surface then is of the level set.
   SurfaceStyle style = SurfaceStyle::tetra;
-  std::optional<Box3d> clip{};        ///< Crops the result, world units.
+  std::optional<Box3d> clip{};  ///< Crops the result, world units.
   Border border = Border::open;
   std::uint64_t min_component = 0;  ///< Pieces with fewer triangles (lines) are dropped.
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.

@@ -24,9 +24,7 @@ Ends ends_of(CellEdge edge) {
   return {};
 }
 
-bool is_grid_edge(const Ends& e) {
-  return std::has_single_bit(static_cast<unsigned>(e[0] ^ e[1]));
-}
+bool is_grid_edge(const Ends& e) { return std::has_single_bit(static_cast<unsigned>(e[0] ^ e[1])); }
 
 /// Whether both lie in one face of the cell.
 bool share_face(const Ends& a, const Ends& b) {
@@ -62,7 +60,8 @@ class TetrahedraPatch {
         if (runs[a][b] && !runs[b][a]) next_[a] = b;
   }
 
-  /// Of each piece the loops, without the vertices on face diagonals, as the piece's own triangles run.
+  /// Of each piece the loops, without the vertices on face diagonals, as the piece's own triangles
+  /// run.
   [[nodiscard]] std::vector<std::vector<Loop>> pieces() {
     std::vector<std::vector<Loop>> result;
     for (std::size_t piece = 0; piece < case_.n_edges; ++piece) {
@@ -232,8 +231,8 @@ const std::array<Patch, 256>& patches() {
 KuhnCubeCase to_case(const Patch& patch, unsigned parity, bool flip) {
   KuhnCubeCase result;
   const auto number_of = [&](const Ends& e) {
-    const CellEdge edge = cell_edge(static_cast<CellCorner>(e[0] ^ parity),
-                                    static_cast<CellCorner>(e[1] ^ parity));
+    const CellEdge edge =
+        cell_edge(static_cast<CellCorner>(e[0] ^ parity), static_cast<CellCorner>(e[1] ^ parity));
     const auto end = result.edges.begin() + result.n_edges;
     const auto at = std::find(result.edges.begin(), end, edge);
     if (at == end) result.edges[result.n_edges++] = edge;

@@ -156,9 +156,11 @@ struct CubePieces {
   [[nodiscard]] HWY_INLINE WordsV with_body_vertex() const {
     const auto& x = differs;
     const auto all_low = hn::And(hn::And(x[1], x[2]), x[4]);
-    const auto two_low = hn::Or(hn::Or(hn::And(x[1], x[2]), hn::And(x[1], x[4])), hn::And(x[2], x[4]));
+    const auto two_low =
+        hn::Or(hn::Or(hn::And(x[1], x[2]), hn::And(x[1], x[4])), hn::And(x[2], x[4]));
     const auto any_high = hn::Or(hn::Or(x[3], x[5]), x[6]);
-    const auto two_high = hn::Or(hn::Or(hn::And(x[3], x[5]), hn::And(x[3], x[6])), hn::And(x[5], x[6]));
+    const auto two_high =
+        hn::Or(hn::Or(hn::And(x[3], x[5]), hn::And(x[3], x[6])), hn::And(x[5], x[6]));
     return hn::And(x[7], hn::Or(hn::AndNot(two_high, all_low), hn::AndNot(any_high, two_low)));
   }
 
@@ -170,9 +172,8 @@ struct CubePieces {
 HWY_INLINE WordsV n_cube_triangles(const EvenOddCorners& all, const CubePieces& pieces,
                                    WordsV with_body_vertex, WordsV in_cells) {
   const Words d;
-  const auto count = [&](WordsV bits) HWY_ATTR {
-    return hn::PopulationCount(hn::And(bits, in_cells));
-  };
+  const auto count = [&](WordsV bits)
+                         HWY_ATTR { return hn::PopulationCount(hn::And(bits, in_cells)); };
   auto n = hn::Zero(d);
   for (std::size_t axis = 1; axis < 8; axis *= 2)
     for (std::size_t a = 0; a < 8; ++a)
@@ -180,10 +181,10 @@ HWY_INLINE WordsV n_cube_triangles(const EvenOddCorners& all, const CubePieces& 
   // One disc where the body diagonal is crossed; else one round each row of like corners among the
   // six that surround it, and an annulus if all are. Rows begin at most at every second corner.
   const auto& x = pieces.differs;
-  const auto begins = [&](std::size_t at, std::size_t before) HWY_ATTR {
-    return hn::AndNot(x[7], hn::AndNot(x[before], x[at]));
-  };
-  auto discs = count(hn::Or(hn::AndNot(with_body_vertex, x[7]), hn::Or(begins(1, 5), begins(3, 1))));
+  const auto begins = [&](std::size_t at, std::size_t before)
+                          HWY_ATTR { return hn::AndNot(x[7], hn::AndNot(x[before], x[at])); };
+  auto discs =
+      count(hn::Or(hn::AndNot(with_body_vertex, x[7]), hn::Or(begins(1, 5), begins(3, 1))));
   discs = hn::Add(discs, count(hn::Or(begins(2, 3), begins(6, 2))));
   discs = hn::Add(discs, count(hn::Or(begins(4, 6), begins(5, 4))));
   return hn::Sub(n, hn::Add(discs, discs));
@@ -211,8 +212,7 @@ RowCounts count_in(const CellRow& cells) {
       const CubePieces pieces(all);
       const auto with_body_vertex = pieces.with_body_vertex();
       add(6, hn::And(with_body_vertex, c.in_cells));
-      triangles =
-          hn::Add(triangles, n_cube_triangles(all, pieces, with_body_vertex, c.in_cells));
+      triangles = hn::Add(triangles, n_cube_triangles(all, pieces, with_body_vertex, c.in_cells));
     } else {
       for_each_series<false>(cells, c, add);
       if (has_cells) triangles = hn::Add(triangles, n_triangles(cells, c));
@@ -257,8 +257,7 @@ HWY_INLINE void find_some(const CellRow& cells, std::size_t first, WordGroup& ou
   if constexpr (kCubes) {
     for_each_grid_series<true>(cells, c, put);
     const CubePieces pieces(EvenOddCorners(cells, c));
-    put(6, hn::And(hn::And(pieces.with_body_vertex(), c.in_cells),
-                   word_mask(cells.has_row(1, 1))));
+    put(6, hn::And(hn::And(pieces.with_body_vertex(), c.in_cells), word_mask(cells.has_row(1, 1))));
   } else {
     for_each_series<true>(cells, c, put);
   }

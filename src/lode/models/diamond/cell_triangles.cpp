@@ -90,13 +90,11 @@ alignas(16) constexpr std::uint8_t kTurns[2][16] = {
 
 using D4 = hn::CappedTag<std::uint32_t, 4>;
 
-/// What cells of one parity have in common: by edge, 16 and the other 3, which cubes do not have.
+/// What a word's cells of one parity have in common: by edge, 16 and the other 3, which cubes do
+/// not have.
 template <bool kCubes>
-struct EdgesOfCells {
-  explicit EdgesOfCells(const CellEdges& from) : edges(from) {
-    turn = hn::Load(hn::CappedTag<std::uint8_t, 16>(), kTurns[from.is_flipped ? 1 : 0]);
-  }
-  HWY_INLINE void open_word(V32 ids, V32 bits) {
+struct EdgesOfWord {
+  HWY_INLINE void open(const CellEdges& edges, V32 ids, V32 bits) {
     const D32 d;
     const auto low = hn::Load(d, edges.series.data());
     first_id = V32{_mm512_permutexvar_epi32(low.raw, ids.raw)};
@@ -109,23 +107,21 @@ struct EdgesOfCells {
         hn::Vec<D4>{_mm512_castsi512_si128(_mm512_permutexvar_epi32(high.raw, bits.raw))};
   }
   /// The numbers of the vertices on the edges of the cell at x: 16,
-  HWY_INLINE V32 ids(int x) const {
-    const auto before = hn::Load(D32(), edges.before[static_cast<std::size_t>(x)].data());
+  HWY_INLINE V32 ids(const CellEdges& edges, std::size_t x) const {
+    const auto before = hn::Load(D32(), edges.before[x].data());
     return hn::Add(first_id, hn::PopulationCount(hn::And(crossings, before)));
   }
   /// and the others.
-  HWY_INLINE V32 last_ids(int x) const {
-    const auto before = hn::Load(D4(), edges.before[static_cast<std::size_t>(x)].data() + 16);
+  HWY_INLINE V32 last_ids(const CellEdges& edges, std::size_t x) const {
+    const auto before = hn::Load(D4(), edges.before[x].data() + 16);
     const auto ids = hn::Add(last_first_id, hn::PopulationCount(hn::And(last_crossings, before)));
     return V32{_mm512_castsi128_si512(ids.raw)};
   }
 
-  const CellEdges& edges;
   V32 first_id;
   V32 crossings;
   hn::Vec<D4> last_first_id;
   hn::Vec<D4> last_crossings;
-  hn::Vec<hn::CappedTag<std::uint8_t, 16>> turn;  ///< Of five triangles.
 };
 
 /// The corners of a word's cells, by bits: bit k of a cell's byte is the corner whose coordinates
@@ -133,91 +129,171 @@ struct EdgesOfCells {
 struct CornerCodes {
   CornerCodes(const CellRow& row, std::size_t word) {
     const CornerRows corners = row.corners(word);
-    constexpr std::uint32_t kEven = 0x55555555;
-    __m256i all = _mm256_setzero_si256();
-    for (std::size_t i = 0; i < 4; ++i) {
-      const auto own = static_cast<std::uint32_t>(corners[i ^ row.parity()]);
-      const auto next = static_cast<std::uint32_t>(corners[i ^ row.parity()] >> 1);
-      const __mmask32 at_even = (own & kEven) | (next & ~kEven);
-      const __mmask32 at_odd = (next & kEven) | (own & ~kEven);
-      const __m256i even_bit = _mm256_set1_epi8(static_cast<char>(1 << (2 * i)));
-      const __m256i odd_bit = _mm256_set1_epi8(static_cast<char>(2 << (2 * i)));
-      all = _mm256_or_si256(all, _mm256_maskz_mov_epi8(at_even, even_bit));
-      all = _mm256_or_si256(all, _mm256_maskz_mov_epi8(at_odd, odd_bit));
-    }
+    const auto at = [&](std::size_t i)
+                        HWY_ATTR { return static_cast<long long>(corners[i ^ row.parity()]); };
+    // Of each row the words at the cells' own x and at the next one; then of even x and of odd x.
+    const __m256i own = _mm256_set_epi64x(at(3), at(2), at(1), at(0));
+    const __m256i pairs =
+        _mm256_mask_blend_epi32(0xAA, own, _mm256_slli_epi64(_mm256_srli_epi64(own, 1), 32));
+    const __m256i turned = _mm256_shuffle_epi32(pairs, 0xB1);
+    constexpr int kSelect = 0xCA;
+    alignas(32) std::uint32_t words[8];
+    _mm256_store_si256(
+        reinterpret_cast<__m256i*>(words),
+        _mm256_ternarylogic_epi32(_mm256_set1_epi32(0x55555555), pairs, turned, kSelect));
+    const auto bits_of = [&](std::size_t k) HWY_ATTR {
+      return _mm256_maskz_mov_epi8(words[k], _mm256_set1_epi8(static_cast<char>(1 << k)));
+    };
+    const auto any = [](__m256i a, __m256i b, __m256i c)
+                         HWY_ATTR { return _mm256_ternarylogic_epi32(a, b, c, 0xFE); };
+    const __m256i low = any(bits_of(0), bits_of(1), bits_of(2));
+    const __m256i high = any(bits_of(3), bits_of(4), bits_of(5));
+    const __m256i all = any(low, high, _mm256_or_si256(bits_of(6), bits_of(7)));
     _mm256_store_si256(reinterpret_cast<__m256i*>(codes), all);
   }
   alignas(32) std::uint8_t codes[32];
 };
 
-/// A word's cells, as long as there is room to write more than they have; which are left.
-template <bool kCubes>
-HWY_INLINE std::uint32_t write_many(const CellCase* cases, const CornerCodes& corners,
-                                    const EdgesOfCells<kCubes> (&edges)[2], std::uint32_t cells,
-                                    std::uint32_t*& to, const std::uint32_t* end) {
-  constexpr std::ptrdiff_t kMost = 48;
-  const D32 d;
-  const hn::Rebind<std::uint8_t, D32> d8;
-  std::uint32_t* out = to;
-  for (; cells != 0 && end - out >= kMost; cells &= cells - 1) {
-    const int x = std::countr_zero(cells);
-    const EdgesOfCells<kCubes>& own = edges[x & 1];
-    const CellCase& c = cases[corners.codes[x]];
-    const auto low = own.ids(x);
-    const auto high = kCubes ? low : own.last_ids(x);
-    const auto turn = own.turn;
-    const auto put = [&](std::size_t i) HWY_ATTR {
-      const auto turned = hn::TableLookupBytes(hn::LoadU(d8, c.edge.data() + i), turn);
-      const auto edge = hn::PromoteTo(d, turned);
-      if constexpr (kCubes)
-        hn::StoreU(V32{_mm512_permutexvar_epi32(edge.raw, low.raw)}, d, out + i);
-      else
-        hn::StoreU(V32{_mm512_permutex2var_epi32(low.raw, edge.raw, high.raw)}, d, out + i);
-    };
-    put(0);
-    if (!kCubes || c.n_ends > 15) put(15);
-    if (c.n_ends > 30) put(30);
-    out += c.n_ends;
-  }
-  to = out;
-  return cells;
-}
+/// The crossed cells of a group of words, one after the other.
+struct CellList {
+  static constexpr std::size_t kMost = 32 * WordGroup::kWords + 32;
 
+  HWY_INLINE void add(const CellRow& row, std::size_t word, std::size_t number,
+                      std::uint32_t cells) {
+    const CornerCodes all(row, word);
+#if HWY_TARGET == HWY_AVX3_DL
+    alignas(32) static constexpr std::uint8_t kCount[32] = {
+        0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
+        16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+    const auto compress = [&](const std::uint8_t* from, std::uint8_t* to) HWY_ATTR {
+      _mm256_storeu_si256(
+          (__m256i*)to, _mm256_maskz_compress_epi8(cells, _mm256_load_si256((const __m256i*)from)));
+    };
+    compress(all.codes, corners + n);
+    compress(kCount, x + n);
+    _mm256_storeu_si256((__m256i*)(words + n), _mm256_set1_epi8(static_cast<char>(number)));
+    n += static_cast<std::size_t>(std::popcount(cells));
+#else
+    for (; cells != 0; cells &= cells - 1, ++n) {
+      x[n] = static_cast<std::uint8_t>(std::countr_zero(cells));
+      corners[n] = all.codes[x[n]];
+      words[n] = static_cast<std::uint8_t>(number);
+    }
+#endif
+  }
+
+  std::size_t n = 0;
+  std::uint8_t corners[kMost];
+  std::uint8_t x[kMost];
+  std::uint8_t words[kMost];  ///< Their numbers among those that are met.
+};
+
+/// A row of cells, group by group. In one loop over all cells of a group: where each word's ended,
+/// a loop of its own would stumble.
 template <bool kCubes>
-void write_row(const CellRun& run) {
-  const D32 d;
-  const CellCase* const cases = cell_cases(run.style);
-  EdgesOfCells<kCubes> edges[2]{EdgesOfCells<kCubes>(*run.even), EdgesOfCells<kCubes>(*run.odd)};
-  std::uint32_t* out = run.out;
-  V32 first_id{_mm512_permutex2var_epi32(hn::LoadU(d, run.start->vertex.data()).raw,
-                                         hn::LoadU(d, kStartOfSeries.data()).raw,
-                                         hn::LoadU(d, run.above->vertex.data()).raw)};
-  alignas(64) PerSeries crossings_of_word[WordGroup::kWords];
-  for (const WordGroup& group : run.groups) {
+class RowWriter {
+ public:
+  explicit RowWriter(const CellRun& run)
+      : run_(run),
+        cases_(cell_cases(run.style)),
+        edges_{run.even, run.odd},
+        out_(run.out),
+        first_id_(_mm512_permutex2var_epi32(hn::LoadU(D32(), run.start->vertex.data()).raw,
+                                            hn::LoadU(D32(), kStartOfSeries.data()).raw,
+                                            hn::LoadU(D32(), run.above->vertex.data()).raw)) {
+    for (std::size_t i = 0; i < 2; ++i)
+      turns_[i] =
+          hn::Load(hn::CappedTag<std::uint8_t, 16>(), kTurns[edges_[i]->is_flipped ? 1 : 0]);
+  }
+
+  void write(const WordGroup& group) {
+    open(group);
+    std::size_t i = 0;
+    std::uint32_t* out = out_;
+    for (; i < list_.n && run_.end - out >= kMostEnds; ++i) out = write_cell_at(i, out);
+    out_ = out;
+    if (i < list_.n) write_rest(group, i);
+  }
+
+ private:
+  static constexpr std::ptrdiff_t kMostEnds = 48;
+  /// By series: those on grid edges, and on the body diagonals.
+  static constexpr std::array<bool, 16> kHasGridEdges{true, true, false, true, false, false, true,
+                                                      true, true, false, true, true,  false, true};
+
+  HWY_INLINE void open(const WordGroup& group) {
+    const D32 d;
+    list_.n = 0;
     // All words first: what was just written in parts is slow to read as a whole.
     std::size_t n = 0;
     for (std::uint32_t met = group.met; met != 0; met &= met - 1, ++n)
       for (std::size_t s = 0; s < group.crossings.size(); ++s)
-        crossings_of_word[n][s] =
-            group.crossings[s][static_cast<std::size_t>(std::countr_zero(met))];
+        if (!kCubes || kHasGridEdges[s])
+          crossings_[n][s] = group.crossings[s][static_cast<std::size_t>(std::countr_zero(met))];
     n = 0;
     for (std::uint32_t met = group.met; met != 0; met &= met - 1, ++n) {
       const auto i = static_cast<std::size_t>(std::countr_zero(met));
-      const auto bits = hn::Load(d, crossings_of_word[n].data());
-      if (group.cells[i] != 0) {
-        edges[0].open_word(first_id, bits);
-        edges[1].open_word(first_id, bits);
-        const CornerCodes corners(*run.row, group.first + i);
-        const std::uint32_t left = write_many(cases, corners, edges, group.cells[i], out, run.end);
-        if (left != 0) {
-          PerSeries ids;
-          hn::StoreU(first_id, d, ids.data());
-          out = write_one_by_one(run, group.first + i, left, crossings_of_word[n], ids, out);
-        }
-      }
-      first_id = hn::Add(first_id, hn::PopulationCount(bits));
+      const auto bits = hn::Load(d, crossings_[n].data());
+      words_[n][0].open(*edges_[0], first_id_, bits);
+      words_[n][1].open(*edges_[1], first_id_, bits);
+      hn::Store(first_id_, d, first_ids_[n].data());
+      list_.add(*run_.row, group.first + i, n, group.cells[i]);
+      first_id_ = hn::Add(first_id_, hn::PopulationCount(bits));
     }
   }
+
+  HWY_INLINE std::uint32_t* write_cell_at(std::size_t i, std::uint32_t* out) const {
+    const D32 d;
+    const hn::Rebind<std::uint8_t, D32> d8;
+    const std::size_t x = list_.x[i];
+    const CellEdges& edges = *edges_[x & 1];
+    const EdgesOfWord<kCubes>& word = words_[list_.words[i]][x & 1];
+    const CellCase& c = cases_[list_.corners[i]];
+    const auto turn = turns_[x & 1];
+    const auto low = word.ids(edges, x);
+    const auto high = kCubes ? low : word.last_ids(edges, x);
+    const auto put = [&](std::size_t at) HWY_ATTR {
+      const auto turned = hn::TableLookupBytes(hn::LoadU(d8, c.edge.data() + at), turn);
+      const auto edge = hn::PromoteTo(d, turned);
+      if constexpr (kCubes)
+        hn::StoreU(V32{_mm512_permutexvar_epi32(edge.raw, low.raw)}, d, out + at);
+      else
+        hn::StoreU(V32{_mm512_permutex2var_epi32(low.raw, edge.raw, high.raw)}, d, out + at);
+    };
+    put(0);
+    if (!kCubes || c.n_ends > 15) put(15);
+    if (c.n_ends > 30) put(30);
+    return out + c.n_ends;
+  }
+
+  /// Without writing more than there is.
+  void write_rest(const WordGroup& group, std::size_t i) {
+    for (; i < list_.n; ++i) {
+      const std::size_t word = list_.words[i];
+      std::uint32_t met = group.met;
+      for (std::size_t n = 0; n < word; ++n) met &= met - 1;
+      const auto at = group.first + static_cast<std::size_t>(std::countr_zero(met));
+      out_ = write_one_by_one(run_, at, std::uint32_t{1} << list_.x[i], crossings_[word],
+                              first_ids_[word], out_);
+    }
+  }
+
+  const CellRun& run_;
+  const CellCase* cases_;
+  std::array<const CellEdges*, 2> edges_;              ///< Of cells whose x is even, and odd.
+  hn::Vec<hn::CappedTag<std::uint8_t, 16>> turns_[2];  ///< Likewise, of five triangles.
+  std::uint32_t* out_;
+  V32 first_id_;
+  alignas(64) PerSeries crossings_[WordGroup::kWords]{};
+  alignas(64) PerSeries first_ids_[WordGroup::kWords];
+  EdgesOfWord<kCubes> words_[WordGroup::kWords][2];
+  CellList list_;
+};
+
+template <bool kCubes>
+void write_row(const CellRun& run) {
+  RowWriter<kCubes> writer(run);
+  for (const WordGroup& group : run.groups) writer.write(group);
 }
 
 void run_cells(const CellRun& run) {
@@ -287,8 +363,8 @@ std::array<Ends, CellEdges::kEdges> make_all_ends_of_cell() {
       const auto last = edges.begin() + static_cast<std::ptrdiff_t>(n);
       if (std::find(edges.begin(), last, ends) == last) edges[n++] = ends;
     }
-  std::ranges::stable_partition(
-      edges, [](const Ends& e) { return std::popcount(e[0] ^ e[1]) != 2; });
+  std::ranges::stable_partition(edges,
+                                [](const Ends& e) { return std::popcount(e[0] ^ e[1]) != 2; });
   return edges;
 }
 

@@ -79,8 +79,8 @@ class FullResolution {
 
   template <typename T>
   void write() {
-    const FullSurface all{model_,       frame_, selection_.isovalue(),
-                          query_.style, field_, starts_, surface_};
+    const FullSurface all{model_,  frame_,  selection_.isovalue(), query_.style, field_,
+                          starts_, surface_};
     std::vector<std::unique_ptr<SliceWriter<T>>> writers(as_size(n_workers(query_.threads)));
     parallel_for(as_size(field_.dims[2]), query_.threads, kSlicesAtOnce,
                  [&](std::size_t z, int worker) {

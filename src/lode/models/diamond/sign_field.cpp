@@ -86,6 +86,7 @@ class SignFinder {
       find_signs(SignRows<T>{first, kRow, kRow * kRow, words_at(lower), field_.stride,
                              field_.stride * as_size(field_.dims[1]), n[1], n[2]},
                  *threshold);
+      if (n[0] == 32) return;
       for (std::int32_t z = 0; z < n[2]; ++z)
         for (std::int32_t y = 0; y < n[1]; ++y) {
           std::uint32_t* row = words_at(lower + Index<3>{{0, y, z}});

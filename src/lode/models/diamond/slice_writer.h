@@ -38,6 +38,8 @@ class SliceWriter {
     first_.resize(n);
     second_.resize(n);
     place_.resize(n);
+    for (int parity = 0; parity < 8; ++parity)
+      edges_[as_size(parity)] = &cell_edges(parity, all.frame.is_mirrored, all.style);
     if (all.surface.normals.empty()) return;
     kept_.resize(n);
     for (auto* gradients : {&first_gradient_, &second_gradient_})
@@ -79,13 +81,12 @@ class SliceWriter {
     if (run_.n > kEdgesPerRun || (run_.n > 0 && y - y_ >= kRowsPerRun)) write_vertices();
     if (run_.n == 0) y_ = y;
     const Model<3>& model = all_.model;
-    Index<3> brick;
-    Index<3> local{{0, y, z_}};
-    for (std::size_t i = 1; i < 3; ++i) {
-      brick[i] = std::min(local[i] / kBrickEdge<3>, model.brick_dims[i] - 1);
-      local[i] -= brick[i] * kBrickEdge<3>;
-    }
-    const std::byte* samples = model.brick(linear_index<3>(model.brick_dims, brick));
+    const std::int32_t brick_y = std::min(y / kBrickEdge<3>, model.brick_dims[1] - 1);
+    const std::int32_t brick_z = std::min(z_ / kBrickEdge<3>, model.brick_dims[2] - 1);
+    const Index<3> local{{0, y - brick_y * kBrickEdge<3>, z_ - brick_z * kBrickEdge<3>}};
+    const std::byte* samples =
+        model.brick(as_size(model.brick_dims[0]) *
+                    (as_size(model.brick_dims[1]) * as_size(brick_z) + as_size(brick_y)));
     run_.n += gather_edges(
         AnchorRow<T>{groups, &edge_ends((y & 1) | (z_ & 1) << 1),
                      static_cast<std::uint32_t>(y - y_) << kRowShift,
@@ -159,11 +160,10 @@ class SliceWriter {
 
   void write_triangles(std::int32_t y, const CellRow& row, std::span<const WordGroup> groups,
                        const RowStart* start) {
-    const int parity = (y & 1) << 1 | (z_ & 1) << 2;
+    const std::size_t parity = as_size(y & 1) << 1 | as_size(z_ & 1) << 2;
     write_cells({&row, groups, start, &all_.starts[all_.row_of(y, z_ + 1)], all_.style,
-                 &cell_edges(parity, all_.frame.is_mirrored, all_.style),
-                 &cell_edges(parity | 1, all_.frame.is_mirrored, all_.style),
-                 all_.surface.triangles[start->triangle].data(), triangles_end_->data()});
+                 edges_[parity], edges_[parity | 1], all_.surface.triangles[start->triangle].data(),
+                 triangles_end_->data()});
   }
 
   const FullSurface& all_;
@@ -177,6 +177,7 @@ class SliceWriter {
   std::vector<std::uint32_t> place_;
   std::vector<double> kept_;
   Gradients first_gradient_, second_gradient_;  ///< At the ends of the edges.
+  std::array<const CellEdges*, 8> edges_{};     ///< Of cells, by parity.
   EdgeRun<T> run_{};
   EdgeExtremes extremes_;
 };
