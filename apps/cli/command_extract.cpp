@@ -85,6 +85,8 @@ struct Totals {
     report.max_error = job.max_error;
     report.achieved_error = std::max(report.achieved_error, job.achieved_error);
     report.coordinate_slack = std::max(report.coordinate_slack, job.coordinate_slack);
+    report.style_error = std::max(report.style_error, job.style_error);
+    report.style_distance = std::max(report.style_distance, job.style_distance);
     report.triangles += job.triangles;
     report.lines += job.lines;
     report.vertices += job.vertices;
@@ -97,6 +99,7 @@ struct Totals {
     report.seconds.select += job.seconds.select;
     report.seconds.geometry += job.seconds.geometry;
     report.seconds.finish += job.seconds.finish;
+    report.seconds.measure += job.seconds.measure;
     report.seconds.write += job.seconds.write;
   }
 };
@@ -128,6 +131,7 @@ Json extraction_json(const Extraction& extraction, const std::vector<std::string
   seconds["select"] = report.seconds.select;
   seconds["geometry"] = report.seconds.geometry;
   seconds["finish"] = report.seconds.finish;
+  if (extraction.options.style == SurfaceStyle::cubes) seconds["measure"] = report.seconds.measure;
   seconds["open"] = extraction.input.open_seconds;
   seconds["write"] = report.seconds.write;
   add_salvage(json, extraction.input.dataset.salvaged(), report.achieved_error);
@@ -146,6 +150,13 @@ std::string extraction_text(const Extraction& extraction) {
   table.add({"max error", describe_tolerance(extraction.options, report.max_error)});
   table.add({"achieved error", format_number(report.achieved_error)});
   table.add({"coordinate slack", format_number(report.coordinate_slack)});
+  if (extraction.options.style == SurfaceStyle::cubes) {
+    table.add({"style", "cubes: vertices on grid edges alone"});
+    table.add({"|F - isovalue|", fmt::format("at most {}", format_number(report.style_error))});
+    table.add({"from F = isovalue",
+               fmt::format("at most {} away, measured in {}", format_number(report.style_distance),
+                           format_seconds(report.seconds.measure))});
+  }
   add_salvage(table, extraction.input.dataset.salvaged(), report.achieved_error);
   table.add(
       {is_lines ? "lines" : "triangles", format_count(is_lines ? report.lines : report.triangles)});
@@ -194,6 +205,7 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
 Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
   options.threads = session.threads();
+  options.deviation = Deviation::measured;
   if (!arguments.memory_limit.empty()) {
     LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
@@ -246,6 +258,7 @@ Command add_extract_command(CLI::App& program) {
       "--clip, --close-border or --min-component are to see all of it.\n\n"
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
+      "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
       "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
       "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1\n"

@@ -44,6 +44,11 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
                  "Tolerance in field units; 0 is full resolution (default: 0.5 % of the range)")
       ->type_name("E")
       ->group(group);
+  app.add_option("--style", arguments.style,
+                 "Vertices of full resolution: tetra, on all edges of the tetrahedra (the exact "
+                 "level set), or cubes, on the grid's edges alone (a third of the triangles)")
+      ->type_name("tetra|cubes")
+      ->group(group);
   app.add_option("--clip", arguments.clip, "Crop to a box in world units")
       ->type_name("X0,X1,Y0,Y1,Z0,Z1")
       ->group(group);
@@ -69,6 +74,15 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
     if (max_error < 0)
       return fail("--max-error: expected a number >= 0, got '{}'", arguments.max_error);
     options.max_error = max_error;
+  }
+  if (arguments.style != "tetra" && arguments.style != "cubes")
+    return fail("--style: expected 'tetra' or 'cubes', got '{}'", arguments.style);
+  if (arguments.style == "cubes") {
+    if (options.max_error.value_or(1) > 0)
+      return fail(
+          "--style cubes: expected --max-error 0 with it, as it is of full resolution, got {}",
+          options.max_error ? arguments.max_error : "no --max-error");
+    options.style = SurfaceStyle::cubes;
   }
   if (!arguments.clip.empty()) {
     LODE_TRY(options.clip, parse_clip(arguments.clip));
@@ -102,6 +116,11 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
   json["max_error"] = report.max_error;
   json["max_error_is_default"] = !options.max_error.has_value();
   json["achieved_error"] = report.achieved_error;
+  if (options.style == SurfaceStyle::cubes) {
+    json["style"] = "cubes";
+    json["style_error"] = report.style_error;
+    json["style_distance"] = report.style_distance;
+  }
   json["triangles"] = report.triangles;
   json["lines"] = report.lines;
   json["cap_cells"] = report.cap_cells;

@@ -12,6 +12,7 @@ namespace lode::cli {
 struct ExtractionArguments {
   std::vector<std::string> isovalues;
   std::string max_error;
+  std::string style = "tetra";
   std::string clip;
   std::string normals = "on";
   std::string min_component;

@@ -17,6 +17,8 @@ Result<void> check_progressive(const ProgressiveArguments& arguments,
   LODE_TRY(const ExtractOptions options, to_extract_options(extraction));
   if (options.isovalues.size() != 1)
     return fail("--progressive: expected one --isovalue, got {}", options.isovalues.size());
+  if (options.style != SurfaceStyle::tetra)
+    return fail("--style cubes: expected no --progressive with it, whose steps are the field's");
   for (const auto& [name, is_set] : {std::pair{"--close-border", extraction.close_border},
                                      {"--min-component", !extraction.min_component.empty()}})
     if (is_set)

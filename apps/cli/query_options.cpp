@@ -97,6 +97,7 @@ Result<void> check_surface_options(const ExtractionArguments& extraction, const 
                                      {"--close-border", extraction.close_border},
                                      {"--flip", extraction.flip},
                                      {"--min-component", !extraction.min_component.empty()},
+                                     {"--style", extraction.style != "tetra"},
                                      {"--normals", extraction.normals != "on"}})
     if (is_set) return fail("{}: expected no {} with it, which is no isosurface", name, answer);
   return {};
@@ -196,6 +197,8 @@ Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,
                 surface.isovalues.size());
   if (extraction.close_border)
     return fail("--close-border: expected no focus, budget or deadline with it");
+  if (surface.style != SurfaceStyle::tetra)
+    return fail("--style cubes: expected no focus, budget or deadline with it");
   FocusedOptions options;
   options.clip = surface.clip;
   options.min_component = surface.min_component;

@@ -59,6 +59,7 @@ Result<void> check_path(const PathArguments& arguments, const ExtractionArgument
   for (const auto& [name, is_set] : {std::pair{"--clip", !extraction.clip.empty()},
                                      {"--close-border", extraction.close_border},
                                      {"--min-component", !extraction.min_component.empty()},
+                                     {"--style", extraction.style != "tetra"},
                                      {"--flip", extraction.flip}})
     if (is_set) return fail("{}: expected no --camera-path with it", name);
   return {};

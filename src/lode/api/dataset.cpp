@@ -13,6 +13,7 @@
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/close_border.h"
+#include "lode/models/diamond/cube_deviation.h"
 #include "lode/models/diamond/file_extract.h"
 #include "lode/models/diamond/summary.h"
 
@@ -100,14 +101,36 @@ Result<void> finish_surface(const FieldFacts& field, const ExtractOptions& optio
   return {};
 }
 
+bool measures(const ExtractOptions& options) {
+  return options.style == SurfaceStyle::cubes && options.deviation == Deviation::measured;
+}
+
+/// How far the surface of a query in the style of cubes is from the level set.
+template <int D>
+Result<void> measure_style(const diamond::Model<D>& model, const diamond::IsosurfaceQuery& query,
+                           ExtractReport& report, Progress& progress) {
+  if constexpr (D == 3) {
+    const Stopwatch watch;
+    LODE_TRY(const auto deviation, diamond::measure_cubes(model, query, progress));
+    report.style_error = std::max(report.style_error, deviation.error);
+    report.style_distance = std::max(report.style_distance, deviation.distance);
+    report.seconds.measure += watch.seconds();
+  }
+  return {};
+}
+
 Result<void> extract_in_memory(const Dataset::Impl::AnyModel& held, const ExtractOptions& options,
                                Surface& surface, ExtractReport& report, Progress& progress) {
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
         LODE_CHECK(extract_all<D>(
             options, report,
-            [&](const diamond::IsosurfaceQuery& query) {
-              return diamond::extract_isosurface<D>(model, query, surface, progress);
+            [&](const diamond::IsosurfaceQuery& query) -> Result<diamond::IsosurfaceReport> {
+              auto part = diamond::extract_isosurface<D>(model, query, surface, progress);
+              if (!part || !measures(options)) return part;
+              if (auto done = measure_style(model, query, report, progress); !done)
+                return done.error();
+              return part;
             },
             [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
         const bool closes = options.border == Border::closed;
@@ -207,8 +230,8 @@ Result<void> check_extract_options(const ExtractOptions& options) {
         return fail("expected a clip box with lower < upper on each axis, got {} and {} on axis {}",
                     options.clip->lower[i], options.clip->upper[i], i);
   if (options.style == SurfaceStyle::cubes && options.max_error.value_or(1) > 0)
-    return fail("style cubes: expected a max_error of 0, got {}",
-                options.max_error ? std::to_string(*options.max_error) : "none");
+    return fail("style cubes: expected a max_error of 0, as it has full resolution only, got {}",
+                options.max_error ? fmt::format("{}", *options.max_error) : "none");
   if (options.border == Border::closed && options.isovalues.size() > 1)
     return fail(
         "closing at the border: expected one isovalue, got {}: caps of several would lie "
@@ -343,6 +366,11 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   }
   // At full resolution all in memory is faster, and numbers vertices in another order.
   if (plan.report.max_error == 0 && !is_too_large) plan.chunks = nullptr;
+  if (options.style == SurfaceStyle::cubes && plan.chunks != nullptr)
+    return fail(
+        "style cubes: expected a memory limit of at least {} MB, as it needs the whole model, got "
+        "{} MB",
+        impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
   if (asks_all && options.memory_limit > 0 && is_too_large && impl.is_in_file())
     return fail(
         "expected a memory limit of at least {} MB to close the surface of a field with holes, got "
@@ -416,13 +444,15 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
                                              Progress& progress) const try {
   ExtractOptions again = options;
   again.normals = Normals::off;
+  again.deviation = Deviation::measured;
   Surface expected;
-  LODE_CHECK(extract(again, expected, progress));
+  LODE_TRY(const ExtractReport report, extract(again, expected, progress));
   LODE_TRY(const auto* const held, impl_->model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) {
-        return verify_model_surface<D>(model, surface, expected, options,
-                                       tolerance_of(model.stats, options), progress);
+        return verify_model_surface<D>(
+            model, surface, {expected, tolerance_of(model.stats, options), report.style_error},
+            options, progress);
       },
       *held);
 } catch (const std::bad_alloc&) {

@@ -51,6 +51,9 @@ struct FileReads {
 };
 
 enum class Normals : std::uint8_t { off, on };
+/// Whether the report of a surface in the style of cubes says how far it is from the level set,
+/// which takes about a microsecond for each cell that it crosses.
+enum class Deviation : std::uint8_t { unknown, measured };
 enum class Orientation : std::uint8_t { from_lower_values, from_higher_values };
 /// closed: caps in the border planes make the surface the whole boundary of the region at or above
 /// the isovalue (one isovalue, no clip box, no holes at the border; it stays open at other holes).
@@ -59,9 +62,9 @@ enum class Border : std::uint8_t { open, closed };
 struct ExtractOptions {
   std::vector<double> isovalues;      ///< At least one; finite.
   std::optional<double> max_error{};  ///< Field units, >= 0; unset: 0.5 % of the value range.
-  /// cubes: of volumes without holes at a max_error of 0, all in memory. See ExtractReport's
-  /// achieved_error for what the surface then is of the level set.
-  SurfaceStyle style = SurfaceStyle::tetra;
+  SurfaceStyle style = SurfaceStyle::tetra;  ///< cubes: of volumes without holes at a max_error of
+                                             ///< 0, all in memory.
+  Deviation deviation = Deviation::unknown;
   std::optional<Box3d> clip{};  ///< Crops the result, world units.
   Border border = Border::open;
   std::uint64_t min_component = 0;  ///< Pieces with fewer triangles (lines) are dropped.
@@ -82,6 +85,7 @@ struct ExtractSeconds {
   double select = 0;    ///< Finding the active simplices.
   double geometry = 0;  ///< Vertices, triangles, stitching.
   double finish = 0;    ///< Normals, clipping, caps, small pieces.
+  double measure = 0;   ///< How far cubes are from the level set.
   double write = 0;     ///< Of a file; not part of the total.
 };
 
@@ -89,6 +93,8 @@ struct ExtractReport {
   double max_error = 0;       ///< The tolerance asked for (or chosen), field units.
   double achieved_error = 0;  ///< Proven bound of |F - F'| over the active simplices, <= max_error.
   double coordinate_slack = 0;  ///< What rounding vertices may add to |F - isovalue|, field units.
+  double style_error = 0;       ///< Of cubes, measured: largest |F - isovalue|, field units,
+  double style_distance = 0;    ///< and how far at most from F = isovalue, world units.
   std::uint64_t triangles = 0;
   std::uint64_t lines = 0;
   std::uint64_t vertices = 0;

@@ -137,8 +137,8 @@ Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads, do
 
 template <int D>
 Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& surface,
-                                          const Surface& expected, const ExtractOptions& options,
-                                          double tolerance, Progress& progress) {
+                                          const ExpectedSurface& expected,
+                                          const ExtractOptions& options, Progress& progress) {
   VerifyReport report;
   LODE_CHECK(check_well_formed(surface));
   const bool is_closed = options.border == Border::closed;
@@ -150,6 +150,7 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   const LatticeFrame frame = LatticeFrame::of(model.info.grid);
   const double range = model.stats.max - model.stats.min;
   const double slack = (frame.margin + 4 * frame.rounding) * range;
+  const double tolerance = expected.tolerance + expected.style_error;
   LODE_TRY(
       const auto level_set,
       diamond::check_level_set(samples, surface,
@@ -166,17 +167,17 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
                  (is_closed ? fmt::format("; {} caps", level_set.n_caps) : ""));
   LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, ends, progress));
   add_boundary(surface, boundary, is_closed, report);
-  add_match(expected, surface, report);
+  add_match(expected.surface, surface, report);
   for (const double isovalue : options.isovalues)
-    LODE_CHECK(add_cut(model, isovalue, options.threads, tolerance, progress, report));
+    LODE_CHECK(add_cut(model, isovalue, options.threads, expected.tolerance, progress, report));
   return report;
 }
 
 template Result<VerifyReport> verify_model_surface<2>(const Model<2>&, const Surface&,
-                                                      const Surface&, const ExtractOptions&, double,
+                                                      const ExpectedSurface&, const ExtractOptions&,
                                                       Progress&);
 template Result<VerifyReport> verify_model_surface<3>(const Model<3>&, const Surface&,
-                                                      const Surface&, const ExtractOptions&, double,
+                                                      const ExpectedSurface&, const ExtractOptions&,
                                                       Progress&);
 
 }  // namespace lode

@@ -12,13 +12,20 @@ template <int D>
                                                         VolumeSource& original, Threads threads,
                                                         Progress& progress);
 
-/// Checks a surface against the model's samples, and against what the query makes (`expected`); see
+/// What a query makes.
+struct ExpectedSurface {
+  const Surface& surface;
+  double tolerance = 0;
+  double style_error = 0;  ///< By which the style may exceed it.
+};
+
+/// Checks a surface against the model's samples, and against what the query makes; see
 /// Dataset::verify_surface.
 template <int D>
 [[nodiscard]] Result<VerifyReport> verify_model_surface(const diamond::Model<D>& model,
                                                         const Surface& surface,
-                                                        const Surface& expected,
+                                                        const ExpectedSurface& expected,
                                                         const ExtractOptions& options,
-                                                        double tolerance, Progress& progress);
+                                                        Progress& progress);
 
 }  // namespace lode

@@ -17,13 +17,6 @@ using Patch = std::vector<PatchTriangle>;
 
 constexpr Ends kBodyDiagonal{0, 7};
 
-Ends ends_of(CellEdge edge) {
-  for (CellCorner a = 0; a < 8; ++a)
-    for (CellCorner b = 0; b < 8; ++b)
-      if (a != b && (a & b) == a && cell_edge(a, b) == edge) return {a, b};
-  return {};
-}
-
 bool is_grid_edge(const Ends& e) { return std::has_single_bit(static_cast<unsigned>(e[0] ^ e[1])); }
 
 /// Whether both lie in one face of the cell.
@@ -84,7 +77,7 @@ class TetrahedraPatch {
   Loop take_loop(std::size_t at) {
     Loop loop;
     while (next_[at] != kNone) {
-      const Ends ends = ends_of(case_.edges[at]);
+      const Ends ends = edge_corners(case_.edges[at]);
       if (is_grid_edge(ends)) loop.push_back(ends);
       at = std::exchange(next_[at], kNone);
     }

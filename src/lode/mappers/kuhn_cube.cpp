@@ -85,12 +85,25 @@ std::array<KuhnCubeCases, 8> make_all_cases(bool is_mirrored) {
   return all;
 }
 
+std::array<std::array<CellCorner, 2>, 32> make_edge_corners() {
+  std::array<std::array<CellCorner, 2>, 32> corners{};
+  for (CellCorner a = 0; a < 8; ++a)
+    for (CellCorner b = 0; b < 8; ++b)
+      if (a != b && (a & b) == a) corners[cell_edge(a, b)] = {a, b};
+  return corners;
+}
+
 }  // namespace
 
 CellEdge cell_edge(CellCorner a, CellCorner b) {
   const int anchor = a & b;
   const int series = edge_series(a ^ b, (anchor >> 1) & 1, (anchor >> 2) & 1);
   return static_cast<CellEdge>(series + 16 * (anchor & 1));
+}
+
+std::array<CellCorner, 2> edge_corners(CellEdge edge) {
+  static const std::array<std::array<CellCorner, 2>, 32> kCorners = make_edge_corners();
+  return kCorners[edge];
 }
 
 const KuhnCubeCases& kuhn_cube_cases(int parity, bool is_mirrored) {

@@ -29,6 +29,8 @@ using CellCorner = std::uint8_t;
 
 /// The edge between two corners, one of which is above the other or equal along every axis.
 [[nodiscard]] CellEdge cell_edge(CellCorner a, CellCorner b);
+/// Its corners, the lower one first.
+[[nodiscard]] std::array<CellCorner, 2> edge_corners(CellEdge edge);
 
 /// The triangles of one cell for one set of inside corners.
 struct KuhnCubeCase {

@@ -48,6 +48,10 @@ class CellField {
   /// Coordinates from the all-even corner, each clamped to [0, 1].
   [[nodiscard]] Vec3d to_local(const Vec3d& index) const;
   [[nodiscard]] Vec3d to_index(const Vec3d& local) const;
+  /// F - isovalue at the corner that is odd along the axes of `corner`'s bits.
+  [[nodiscard]] double at_corner(std::size_t corner) const { return values_[corner]; }
+  /// The way from the all-even corner to the all-odd one: -1, 0 or 1 along each axis.
+  [[nodiscard]] const Index3& step() const { return step_; }
   /// F - isovalue at local coordinates.
   [[nodiscard]] double value_at(const Vec3d& local) const;
 

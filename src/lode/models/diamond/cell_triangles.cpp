@@ -335,20 +335,12 @@ namespace {
 /// A cell's corner as coordinates modulo 2, and the edge between two of those.
 using Ends = std::array<unsigned, 2>;
 
-/// An edge of a cell whose lowest corner has this parity, by its ends.
+/// An edge of a cell whose lowest corner has this parity, by its ends: the even one first.
 Ends ends_of(CellEdge edge, unsigned parity) {
-  // edge_series() for each direction and row, the other way round.
-  for (unsigned a = 0; a < 8; ++a)
-    for (unsigned direction = 1; direction < 8; ++direction) {
-      if ((a & direction) != 0) continue;
-      const int series = edge_series(static_cast<int>(direction), static_cast<int>(a >> 1 & 1),
-                                     static_cast<int>(a >> 2 & 1));
-      if (series + 16 * static_cast<int>(a & 1) != edge) continue;
-      // The edge joins the corners with even, and with odd coordinates along its direction.
-      const unsigned even = (a ^ parity) & ~direction;
-      return {even, even | direction};
-    }
-  return {};
+  const auto [a, b] = edge_corners(edge);
+  const unsigned direction = a ^ b;
+  const unsigned even = (a ^ parity) & ~direction;
+  return {even, even | direction};
 }
 
 constexpr int kCanonical = 0;

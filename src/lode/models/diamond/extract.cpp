@@ -72,7 +72,7 @@ class Extraction {
 
   Result<void> check_style() const {
     if (query_.style == SurfaceStyle::tetra || !model_.shape.has_cells()) return {};
-    if (D == 2) return fail("style cubes: expected a volume, got one sample thick data");
+    if (D == 2) return fail("style cubes: expected a volume, got data one sample thick");
     if (query_.tolerance > 0)
       return fail("style cubes: expected full resolution (max error 0), got max error {}",
                   query_.tolerance);

@@ -1,0 +1,201 @@
+#include "lode/models/diamond/cube_deviation.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "lode/mappers/cube_cases.h"
+#include "lode/mappers/lattice_frame.h"
+#include "lode/mappers/tetrahedron_cases.h"
+#include "lode/models/diamond/cell_field.h"
+#include "lode/models/diamond/cell_pieces.h"
+#include "lode/models/diamond/cell_rows.h"
+#include "lode/models/diamond/model_samples.h"
+
+namespace lode::diamond {
+namespace {
+
+/// A convex polygon in a plane, of three or four corners, or none.
+struct FlatPolygon {
+  std::array<Vec3d, 4> corner;
+  std::size_t n = 0;
+};
+
+double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+  const Vec3d along = b - a;
+  const double squared_length = dot(along, along);
+  const double t =
+      squared_length > 0 ? std::clamp(dot(p - a, along) / squared_length, 0.0, 1.0) : 0;
+  const Vec3d rest = p - a - t * along;
+  return dot(rest, rest);
+}
+
+double squared_distance(const Vec3d& p, const FlatPolygon& polygon) {
+  const auto& c = polygon.corner;
+  Vec3d normal = cross(c[1] - c[0], c[2] - c[0]);
+  if (polygon.n == 4) normal = normal + cross(c[2] - c[0], c[3] - c[0]);
+  bool is_above = dot(normal, normal) > 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < polygon.n; ++i) {
+    const Vec3d& a = c[i];
+    const Vec3d& b = c[i + 1 == polygon.n ? 0 : i + 1];
+    is_above = is_above && dot(cross(normal, b - a), p - a) >= 0;
+    nearest = std::min(nearest, squared_distance_to_segment(p, a, b));
+  }
+  if (!is_above) return nearest;
+  const double height = dot(p - c[0], normal);
+  return std::min(nearest, height * height / dot(normal, normal));
+}
+
+/// One worker's: cell after cell.
+class CubeMeter {
+ public:
+  CubeMeter(const LatticeFrame& frame, double isovalue) : frame_(frame), isovalue_(isovalue) {}
+
+  void add(const FieldSamples& samples, const Index3& cell) {
+    field_ = CellField(samples, cell, isovalue_);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t i = 0; i < 3; ++i)
+        to_world_.rows[i][axis] = frame_.to_world.rows[i][axis] * field_.step()[axis];
+    has_level_set_ = false;
+    unsigned corners = 0;
+    for (std::size_t k = 0; k < 8; ++k) corners |= (field_.at_corner(k) >= 0 ? 1U : 0U) << k;
+    const KuhnCubeCase& c = cube_cases(0, false)[corners];
+    for (std::size_t e = 0; e < c.n_edges; ++e) {
+      const auto [a, b] = edge_corners(c.edges[e]);
+      vertices_[e] = vertex_on(a, b);
+    }
+    for (std::size_t t = 0; t < c.n_triangles; ++t)
+      add_triangle(vertices_[c.triangles[t][0]], vertices_[c.triangles[t][1]],
+                   vertices_[c.triangles[t][2]]);
+  }
+  [[nodiscard]] const CubeDeviation& deviation() const { return deviation_; }
+
+ private:
+  /// In local coordinates.
+  [[nodiscard]] Vec3d vertex_on(std::size_t a, std::size_t b) const {
+    const double first = field_.at_corner(a);
+    const double t =
+        std::clamp(first / (first - field_.at_corner(b)), frame_.margin, 1 - frame_.margin);
+    Vec3d p;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto from = static_cast<double>(a >> i & 1);
+      p[i] = from + t * (static_cast<double>(b >> i & 1) - from);
+    }
+    return p;
+  }
+
+  void add_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    Piece triangle;
+    for (const Vec3d& p : {a, b, c}) triangle.add(p);
+    std::array<Piece, 8> parts;
+    std::size_t n_parts = 0;
+    double error = 0;
+    visit_kuhn_simplices(triangle, [&](const Piece& part) {
+      for (std::size_t i = 0; i < part.size(); ++i)
+        error = std::max(error, std::abs(field_.value_at(part[i])));
+      parts[n_parts++] = part;
+    });
+    deviation_.error = std::max(deviation_.error, error);
+    if (error <= kRounding * field_.magnitude()) return;
+    // Its corners are on the level set, and no point of it is farther from all of them than this.
+    double longest = 0;
+    for (const Vec3d& side : {to_world_ * (b - a), to_world_ * (c - b), to_world_ * (a - c)})
+      longest = std::max(longest, length(side));
+    const double most = longest / std::numbers::sqrt3;
+    if (most <= deviation_.distance) return;
+    if (!has_level_set_) find_level_set();
+    for (std::size_t i = 0; i < n_parts; ++i)
+      deviation_.distance = std::max(deviation_.distance, std::min(most, distance_of(parts[i])));
+  }
+
+  /// What the level set is in each tetrahedron, in world coordinates from the even corner.
+  void find_level_set() {
+    has_level_set_ = true;
+    std::array<std::size_t, 3> axes{0, 1, 2};
+    for (FlatPolygon& polygon : level_set_) {
+      std::array<std::size_t, 4> corner{};
+      for (std::size_t i = 0; i < 3; ++i) corner[i + 1] = corner[i] | std::size_t{1} << axes[i];
+      std::size_t inside = 0;
+      for (std::size_t i = 0; i < 4; ++i)
+        inside |= (field_.at_corner(corner[i]) >= 0 ? std::size_t{1} : 0U) << i;
+      const auto& o = kTetrahedronOrder[inside];
+      polygon.n = 0;
+      const auto put = [&](std::size_t i, std::size_t j) {
+        polygon.corner[polygon.n++] = to_world_ * vertex_on(corner[o[i]], corner[o[j]]);
+      };
+      const int n_inside = std::popcount(inside);
+      if (n_inside == 1 || n_inside == 3)
+        for (std::size_t j = 1; j < 4; ++j) put(0, j);
+      if (n_inside == 2)
+        for (const auto& [i, j] : {std::array<std::size_t, 2>{0, 2}, {0, 3}, {1, 3}, {1, 2}})
+          put(i, j);
+      std::next_permutation(axes.begin(), axes.end());
+    }
+  }
+
+  /// A bound for the points of a part of a triangle in one tetrahedron, as long as it matters.
+  [[nodiscard]] double distance_of(const Piece& part) const {
+    double best = std::numeric_limits<double>::infinity();
+    const double enough = deviation_.distance * deviation_.distance;
+    for (const FlatPolygon& polygon : level_set_) {
+      if (polygon.n == 0) continue;
+      double farthest = 0;
+      for (std::size_t i = 0; i < part.size() && farthest < best; ++i)
+        farthest = std::max(farthest, squared_distance(to_world_ * part[i], polygon));
+      best = std::min(best, farthest);
+      if (best <= enough) break;
+    }
+    return std::sqrt(best);
+  }
+
+  static constexpr double kRounding = 0x1p-40;
+
+  const LatticeFrame& frame_;
+  double isovalue_;
+  CellField field_;
+  Mat3 to_world_;
+  std::array<Vec3d, 19> vertices_;
+  std::array<FlatPolygon, 6> level_set_;
+  bool has_level_set_ = false;
+  CubeDeviation deviation_;
+};
+
+}  // namespace
+
+Result<CubeDeviation> measure_cubes(const Model<3>& model, const IsosurfaceQuery& query,
+                                    Progress& progress) {
+  const LatticeFrame frame = LatticeFrame::of(model.info.grid);
+  const Selection<3> selection(model, query.isovalue, 0);
+  std::uint64_t n_read = 0;
+  const SignField signs = sign_field(selection, query.threads, n_read);
+  const ModelSamples<3> samples(model);
+  std::vector<CubeMeter> meters(as_size(n_workers(query.threads)),
+                                CubeMeter(frame, query.isovalue));
+  parallel_for(as_size(signs.dims[2] - 1), query.threads, 1, [&](std::size_t z, int worker) {
+    std::vector<WordGroup> groups(signs.n_words() / WordGroup::kWords + 1);
+    for (std::int32_t y = 0; y + 1 < signs.dims[1] && !progress.is_cancelled(); ++y) {
+      const CellRow row(signs, y, static_cast<std::int32_t>(z));
+      const std::size_t n = find_words(row, SurfaceStyle::cubes, groups.data());
+      for (const WordGroup& group : std::span(groups).first(n))
+        for (std::size_t i = 0; i < WordGroup::kWords; ++i) {
+          if ((group.met >> i & 1) == 0) continue;
+          for (std::uint32_t cells = group.cells[i]; cells != 0; cells &= cells - 1) {
+            const auto x = 32 * (group.first + i) + as_size(std::countr_zero(cells));
+            meters[as_size(worker)].add(
+                samples, {{static_cast<std::int32_t>(x), y, static_cast<std::int32_t>(z)}});
+          }
+        }
+    }
+  });
+  if (progress.is_cancelled()) return cancelled_error();
+  CubeDeviation deviation;
+  for (const CubeMeter& meter : meters) deviation.join(meter.deviation());
+  return deviation;
+}
+
+}  // namespace lode::diamond
