@@ -188,10 +188,14 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
   ExtractOptions job_options = options;
   job_options.isovalues = job.isovalues;
   const auto note = [&](const ExtractReport& report) -> SurfaceWriteOptions {
-    return {.comment = fmt::format(
-                "Lode {}: {} {}, max_error {}, achieved_error {}{}", LODE_VERSION,
-                job.isovalues.size() == 1 ? "isovalue" : "isovalues", fmt::join(job.isovalues, " "),
-                report.max_error, report.achieved_error, salvage_comment(input.dataset.salvaged())),
+    return {.comment =
+                fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}", LODE_VERSION,
+                            job.isovalues.size() == 1 ? "isovalue" : "isovalues",
+                            fmt::join(job.isovalues, " "), report.max_error, report.achieved_error,
+                            options.style == SurfaceStyle::cubes
+                                ? fmt::format(", style cubes, style_error {}", report.style_error)
+                                : "",
+                            salvage_comment(input.dataset.salvaged())),
             .frame = input.info.volume.grid.frame};
   };
   LODE_TRY(const ExtractReport report,

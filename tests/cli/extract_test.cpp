@@ -30,6 +30,36 @@ TEST_F(cli_extract, reports_every_promised_key) {
   EXPECT_GT(surface->triangles.size(), 0u);
 }
 
+TEST_F(cli_extract, says_how_far_cubes_are_from_the_level_set_and_verify_knows_them) {
+  const Finished run = extract("s.ply", {"--isovalue=100", "--max-error=0", "--style=cubes"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("cubes: vertices on grid edges alone"), std::string::npos);
+  const nlohmann::json cubes =
+      extract("s.ply", {"--isovalue=100", "--max-error=0", "--style=cubes", "--json"}).json();
+  const nlohmann::json tetra =
+      extract("t.ply", {"--isovalue=100", "--max-error=0", "--json"}).json();
+  EXPECT_EQ(cubes.at("style"), "cubes");
+  EXPECT_GT(cubes.at("style_error").get<double>(), 0);
+  EXPECT_GT(cubes.at("style_distance").get<double>(), 0);
+  EXPECT_FALSE(tetra.contains("style_error"));
+  EXPECT_LT(cubes.at("triangles").get<double>(), 0.4 * tetra.at("triangles").get<double>());
+  const auto verified = [&](const char* style) {
+    return run_lode({"verify", lode_file(), "--surface", file("s.ply"), "--isovalue=100",
+                     "--max-error=0", std::string("--style=") + style});
+  };
+  EXPECT_EQ(verified("cubes").exit_code, 0);
+  EXPECT_EQ(verified("tetra").exit_code, 1);
+}
+
+TEST_F(cli_extract, refuses_cubes_of_less_than_full_resolution) {
+  for (const char* max_error : {"--max-error=1", "--normals=on"}) {
+    const Finished run = extract("s.ply", {"--isovalue=100", "--style=cubes", max_error});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_NE(run.err.find("expected --max-error 0"), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(extract("s.ply", {"--isovalue=100", "--max-error=0", "--style=hexa"}).exit_code, 2);
+}
+
 TEST_F(cli_extract, takes_half_a_percent_of_the_range_by_default_and_says_so) {
   const nlohmann::json report = extract("s.ply", {"--isovalue", "100", "--json"}).json();
   EXPECT_DOUBLE_EQ(report.at("max_error").get<double>(), 1);

@@ -11,6 +11,8 @@
 #include "lode/api/dataset.h"
 #include "lode/mappers/self_intersections.h"
 #include "lode/mappers/surface_topology.h"
+#include "lode/models/diamond/cell_field.h"
+#include "lode/models/diamond/level_set_check.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/typed_samples.h"
 
@@ -143,6 +145,68 @@ TEST(cube_style, says_what_it_cannot_do) {
   const auto refused = with_hole.extract(options, surface, progress);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("without holes"), std::string::npos);
+}
+
+double distance_to_triangle(const Vec3d& p, const std::array<Vec3d, 3>& t) {
+  // Of points of a fine grid on it: at most half its spacing more.
+  constexpr int kSteps = 24;
+  double nearest = 1e9;
+  for (int i = 0; i <= kSteps; ++i)
+    for (int j = 0; i + j <= kSteps; ++j)
+      nearest = std::min(nearest, length(t[0] + (t[1] - t[0]) * (i / double{kSteps}) +
+                                         (t[2] - t[0]) * (j / double{kSteps}) - p));
+  return nearest;
+}
+
+std::vector<std::array<Vec3d, 3>> corners_of(const Surface& surface) {
+  std::vector<std::array<Vec3d, 3>> corners;
+  for (const auto& t : surface.triangles)
+    corners.push_back(
+        {surface.world_position(t[0]), surface.world_position(t[1]), surface.world_position(t[2])});
+  return corners;
+}
+
+TEST(cube_style, measures_how_far_it_is_from_the_level_set) {
+  RegularGrid grid;
+  grid.dims = {{4, 5, 4}};
+  grid.spacing = {{1, 0.75, 1.25}};
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    oracles::Random random(seed);
+    const Volume volume =
+        oracles::volume_of<float>(grid, [&](const Index3&) { return random.uniform(-1, 1); });
+    const Dataset dataset = dataset_of(volume);
+    Progress progress;
+    Surface cubes;
+    const ExtractOptions options{.isovalues = {0.1},
+                                 .max_error = 0.0,
+                                 .style = SurfaceStyle::cubes,
+                                 .deviation = Deviation::measured,
+                                 .threads = {2}};
+    const auto report = dataset.extract(options, cubes, progress);
+    ASSERT_TRUE(report);
+    // Another way to the same number, from the written triangles.
+    const auto level_set = diamond::check_level_set(diamond::VolumeSamples(volume), cubes,
+                                                    {.isovalues = {0.1}, .threads = {1}}, progress);
+    ASSERT_TRUE(level_set);
+    EXPECT_NEAR(level_set->max_deviation, report->style_error, report->coordinate_slack);
+    EXPECT_TRUE(dataset.verify_surface(cubes, options, progress)->passed());
+
+    const auto exact = corners_of(styled(dataset, 0.1, SurfaceStyle::tetra));
+    double farthest = 0;
+    for (const auto& t : corners_of(cubes))
+      for (const Vec3d& weights : {Vec3d{{1, 1, 1}}, Vec3d{{2, 1, 0}}, Vec3d{{0, 1, 1}},
+                                   Vec3d{{1, 0, 2}}, Vec3d{{3, 1, 1}}, Vec3d{{1, 3, 1}}}) {
+        const Vec3d p = (t[0] * weights[0] + t[1] * weights[1] + t[2] * weights[2]) *
+                        (1 / (weights[0] + weights[1] + weights[2]));
+        double nearest = 1e9;
+        for (const auto& u : exact) nearest = std::min(nearest, distance_to_triangle(p, u));
+        farthest = std::max(farthest, nearest);
+      }
+    constexpr double kSpacing = 0.08;  // of the grids of points on triangles of up to 1.8
+    EXPECT_LE(farthest, report->style_distance + kSpacing / 2);
+    EXPECT_GE(farthest, report->style_distance / 3);
+    EXPECT_LT(report->style_distance, length(grid.spacing));
+  }
 }
 
 /// Back to the best that the processor has.

@@ -9,7 +9,7 @@ namespace lode::diamond {
 
 struct IsosurfaceQuery {
   double isovalue = 0;
-  double tolerance = 0;  ///< Field units; 0 refines every active node.
+  double tolerance = 0;                      ///< Field units; 0 refines every active node.
   SurfaceStyle style = SurfaceStyle::tetra;  ///< cubes: tolerance 0, a volume without holes.
   Threads threads{};
   bool with_normals = false;  ///< Normals too; see normals.h.
