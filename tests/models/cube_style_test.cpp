@@ -139,6 +139,11 @@ TEST(cube_style, says_what_it_cannot_do) {
   EXPECT_FALSE(whole.extract(options, surface, progress));
   options.max_error = 0.0;
   EXPECT_TRUE(whole.extract(options, surface, progress));
+  RegularGrid flat;
+  flat.dims = {{5, 6, 1}};
+  EXPECT_FALSE(dataset_of(oracles::volume_of<float>(flat, [](const Index3& p) {
+                 return static_cast<double>(p[0]);
+               })).extract(options, surface, progress));
   const Dataset with_hole = dataset_of(oracles::volume_of<float>(grid, [](const Index3& p) {
     return p[1] == 3 && p[2] == 3 ? std::nan("") : static_cast<double>(p[0]);
   }));

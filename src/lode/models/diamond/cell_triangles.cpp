@@ -198,9 +198,9 @@ class RowWriter {
         cases_(cell_cases(run.style)),
         edges_{run.even, run.odd},
         out_(run.out),
-        first_id_(_mm512_permutex2var_epi32(hn::LoadU(D32(), run.start->vertex.data()).raw,
+        first_id_{_mm512_permutex2var_epi32(hn::LoadU(D32(), run.start->vertex.data()).raw,
                                             hn::LoadU(D32(), kStartOfSeries.data()).raw,
-                                            hn::LoadU(D32(), run.above->vertex.data()).raw)) {
+                                            hn::LoadU(D32(), run.above->vertex.data()).raw)} {
     for (std::size_t i = 0; i < 2; ++i)
       turns_[i] =
           hn::Load(hn::CappedTag<std::uint8_t, 16>(), kTurns[edges_[i]->is_flipped ? 1 : 0]);
@@ -355,8 +355,8 @@ std::array<Ends, CellEdges::kEdges> make_all_ends_of_cell() {
       const auto last = edges.begin() + static_cast<std::ptrdiff_t>(n);
       if (std::find(edges.begin(), last, ends) == last) edges[n++] = ends;
     }
-  std::ranges::stable_partition(edges,
-                                [](const Ends& e) { return std::popcount(e[0] ^ e[1]) != 2; });
+  std::stable_partition(edges.begin(), edges.end(),
+                        [](const Ends& e) { return std::popcount(e[0] ^ e[1]) != 2; });
   return edges;
 }
 

@@ -90,16 +90,7 @@ class CubeMeter {
   }
 
   void add_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    Piece triangle;
-    for (const Vec3d& p : {a, b, c}) triangle.add(p);
-    std::array<Piece, 8> parts;
-    std::size_t n_parts = 0;
-    double error = 0;
-    visit_kuhn_simplices(triangle, [&](const Piece& part) {
-      for (std::size_t i = 0; i < part.size(); ++i)
-        error = std::max(error, std::abs(field_.value_at(part[i])));
-      parts[n_parts++] = part;
-    });
+    const double error = error_of(a, b, c);
     deviation_.error = std::max(deviation_.error, error);
     if (error <= kRounding * field_.magnitude()) return;
     // Its corners are on the level set, and no point of it is farther from all of them than this.
@@ -109,8 +100,43 @@ class CubeMeter {
     const double most = longest / std::numbers::sqrt3;
     if (most <= deviation_.distance) return;
     if (!has_level_set_) find_level_set();
-    for (std::size_t i = 0; i < n_parts; ++i)
-      deviation_.distance = std::max(deviation_.distance, std::min(most, distance_of(parts[i])));
+    Piece triangle;
+    for (const Vec3d& p : {a, b, c}) triangle.add(p);
+    visit_kuhn_simplices(triangle, [&](const Piece& part) {
+      deviation_.distance = std::max(deviation_.distance, std::min(most, distance_of(part)));
+    });
+  }
+
+  /// At its corners, where its edges meet the planes between tetrahedra, and where it meets the
+  /// body diagonal, in which all of them meet: F is linear on what these planes cut it into.
+  [[nodiscard]] double error_of(const Vec3d& a, const Vec3d& b, const Vec3d& c) const {
+    double error = 0;
+    const auto look_at = [&](const Vec3d& p) {
+      error = std::max(error, std::abs(field_.value_at(p)));
+    };
+    const std::array<Vec3d, 4> corner{a, b, c, a};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d& p = corner[k];
+      const Vec3d& q = corner[k + 1];
+      look_at(p);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3;
+        const double at_p = p[i] - p[j];
+        const double at_q = q[i] - q[j];
+        if ((at_p < 0 && at_q > 0) || (at_p > 0 && at_q < 0))
+          look_at(p + (at_p / (at_p - at_q)) * (q - p));
+      }
+    }
+    // Seen along the diagonal, which is a point then: twice the areas of the triangles to it.
+    const auto area = [](const Vec3d& p, const Vec3d& q) {
+      return (p[0] - p[1]) * (q[1] - q[2]) - (p[1] - p[2]) * (q[0] - q[1]);
+    };
+    const double at_a = area(b, c);
+    const double at_b = area(c, a);
+    const double at_c = area(a, b);
+    const bool is_met = (at_a > 0 && at_b > 0 && at_c > 0) || (at_a < 0 && at_b < 0 && at_c < 0);
+    if (is_met) look_at((at_a * a + at_b * b + at_c * c) * (1 / (at_a + at_b + at_c)));
+    return error;
   }
 
   /// What the level set is in each tetrahedron, in world coordinates from the even corner.
