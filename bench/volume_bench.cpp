@@ -172,14 +172,17 @@ Result<void> run_full_otherwise(const VolumeCase& volume_case, const Dataset& da
   table.add(versus("full_fresh/" + volume_case.name, fresh, "vtkFlyingEdges3D", peer,
                    "memory of its own each time"));
 #if HWY_ARCH_X86
-  hwy::DisableTargets(HWY_AVX3 | HWY_AVX3_DL);
-  hwy::GetChosenTarget().DeInit();
-  auto narrow = time_ours(dataset, volume_case, 0, Normals::off);
-  hwy::DisableTargets(0);
-  hwy::GetChosenTarget().DeInit();
-  LODE_CHECK(narrow);
-  table.add(versus("full_avx2/" + volume_case.name, *narrow, "vtkFlyingEdges3D", peer,
-                   "without AVX-512"));
+  for (const SurfaceStyle style : {SurfaceStyle::tetra, SurfaceStyle::cubes}) {
+    hwy::DisableTargets(HWY_AVX3 | HWY_AVX3_DL);
+    hwy::GetChosenTarget().DeInit();
+    auto narrow = time_ours(dataset, volume_case, 0, Normals::off, Memory::reused, style);
+    hwy::DisableTargets(0);
+    hwy::GetChosenTarget().DeInit();
+    if (!narrow) return narrow.error();
+    const std::string name = style == SurfaceStyle::cubes ? "cubes_avx2/" : "full_avx2/";
+    table.add(
+        versus(name + volume_case.name, *narrow, "vtkFlyingEdges3D", peer, "without AVX-512"));
+  }
 #endif
   return {};
 }

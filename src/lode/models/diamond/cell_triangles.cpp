@@ -9,24 +9,6 @@
 #include <algorithm>
 #include <bit>
 
-#include "lode/mappers/cube_cases.h"
-
-#ifndef LODE_CELL_CASES
-#define LODE_CELL_CASES
-namespace lode::diamond {
-
-/// The triangles of a cell by its corners, where bit k is the one whose coordinates are odd along
-/// the axes of k, and edges as CellEdges numbers them.
-struct alignas(64) CellCase {
-  std::array<std::uint8_t, 63> edge;  ///< Three for each triangle, then anything.
-  std::uint8_t n_ends;                ///< How many of them there are: up to 36.
-};
-
-const CellCase* cell_cases(SurfaceStyle style);
-
-}  // namespace lode::diamond
-#endif
-
 HWY_BEFORE_NAMESPACE();
 namespace lode::diamond::HWY_NAMESPACE {
 
@@ -330,99 +312,8 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace lode::diamond {
-namespace {
-
-/// A cell's corner as coordinates modulo 2, and the edge between two of those.
-using Ends = std::array<unsigned, 2>;
-
-/// An edge of a cell whose lowest corner has this parity, by its ends: the even one first.
-Ends ends_of(CellEdge edge, unsigned parity) {
-  const auto [a, b] = edge_corners(edge);
-  const unsigned direction = a ^ b;
-  const unsigned even = (a ^ parity) & ~direction;
-  return {even, even | direction};
-}
-
-constexpr int kCanonical = 0;
-
-/// All edges of a cell, as ends.
-std::array<Ends, CellEdges::kEdges> make_all_ends_of_cell() {
-  std::array<Ends, CellEdges::kEdges> edges{};
-  std::size_t n = 0;
-  for (const KuhnCubeCase& c : kuhn_cube_cases(kCanonical, false))
-    for (std::size_t e = 0; e < c.n_edges; ++e) {
-      const Ends ends = ends_of(c.edges[e], kCanonical);
-      const auto last = edges.begin() + static_cast<std::ptrdiff_t>(n);
-      if (std::find(edges.begin(), last, ends) == last) edges[n++] = ends;
-    }
-  std::stable_partition(edges.begin(), edges.end(),
-                        [](const Ends& e) { return std::popcount(e[0] ^ e[1]) != 2; });
-  return edges;
-}
-
-std::size_t number_of(const Ends& ends) {
-  static const std::array<Ends, CellEdges::kEdges> kAll = make_all_ends_of_cell();
-  return static_cast<std::size_t>(std::find(kAll.begin(), kAll.end(), ends) - kAll.begin());
-}
-
-const KuhnCubeCases& cases_of(int parity, bool is_mirrored, SurfaceStyle style) {
-  return style == SurfaceStyle::cubes ? cube_cases(parity, is_mirrored)
-                                      : kuhn_cube_cases(parity, is_mirrored);
-}
-
-CellEdges make_edges(int parity, bool is_mirrored, SurfaceStyle style) {
-  CellEdges result;
-  result.by_corners = &cases_of(parity, is_mirrored, style);
-  result.is_flipped = ((std::popcount(static_cast<unsigned>(parity)) & 1) != 0) != is_mirrored;
-  for (const KuhnCubeCase& c : *result.by_corners)
-    for (std::size_t e = 0; e < c.n_edges; ++e) {
-      const std::size_t number = number_of(ends_of(c.edges[e], static_cast<unsigned>(parity)));
-      result.series[number] = c.edges[e] & 15U;
-      for (std::uint32_t x = 0; x < 32; ++x)
-        result.before[x][number] =
-            static_cast<std::uint32_t>((std::uint64_t{1} << (x + (c.edges[e] >> 4))) - 1);
-    }
-  return result;
-}
-
-std::array<CellEdges, 16> make_all_edges(SurfaceStyle style) {
-  std::array<CellEdges, 16> all;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    all[i] = make_edges(static_cast<int>(i % 8), i >= 8, style);
-  return all;
-}
-
-std::array<CellCase, 256> make_cases(SurfaceStyle style) {
-  std::array<CellCase, 256> cases{};
-  const KuhnCubeCases& all = cases_of(kCanonical, false, style);
-  for (std::size_t corners = 0; corners < cases.size(); ++corners) {
-    const KuhnCubeCase& from = all[corners];
-    std::size_t i = 0;
-    for (std::size_t t = 0; t < from.n_triangles; ++t)
-      for (const std::uint8_t e : from.triangles[t])
-        cases[corners].edge[i++] =
-            static_cast<std::uint8_t>(number_of(ends_of(from.edges[e], kCanonical)));
-    cases[corners].n_ends = static_cast<std::uint8_t>(i);
-  }
-  return cases;
-}
-
-}  // namespace
 
 HWY_EXPORT(run_cells);
-
-const CellCase* cell_cases(SurfaceStyle style) {
-  static const std::array<CellCase, 256> kTetra = make_cases(SurfaceStyle::tetra);
-  static const std::array<CellCase, 256> kCubes = make_cases(SurfaceStyle::cubes);
-  return style == SurfaceStyle::cubes ? kCubes.data() : kTetra.data();
-}
-
-const CellEdges& cell_edges(int parity, bool is_mirrored, SurfaceStyle style) {
-  static const std::array<CellEdges, 16> kTetra = make_all_edges(SurfaceStyle::tetra);
-  static const std::array<CellEdges, 16> kCubes = make_all_edges(SurfaceStyle::cubes);
-  const auto& all = style == SurfaceStyle::cubes ? kCubes : kTetra;
-  return all[static_cast<std::size_t>(parity) + (is_mirrored ? 8U : 0U)];
-}
 
 void write_cells(const CellRun& run) { HWY_DYNAMIC_DISPATCH(run_cells)(run); }
 

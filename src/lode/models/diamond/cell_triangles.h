@@ -5,27 +5,10 @@
 #include <cstdint>
 #include <span>
 
+#include "lode/models/diamond/cell_edges.h"
 #include "lode/models/diamond/cell_rows.h"
 
 namespace lode::diamond {
-
-/// How the edges of cells whose lowest corner has one parity are numbered: all cells have 19, which
-/// go by their ends as seen from the cell's corner with even coordinates. Those on the diagonals of
-/// faces come last.
-struct CellEdges {
-  static constexpr std::size_t kEdges = 19;
-  static constexpr std::size_t kCubeEdges = 13;  ///< All that the style of cubes has.
-
-  alignas(64) std::array<std::uint32_t, 32> series{};  ///< By edge; see edge_series().
-  /// By a cell's x and edge, the anchors before the edge's in their word: the anchor is at x or,
-  /// for some edges, at the next x.
-  alignas(64) std::array<std::array<std::uint32_t, 32>, 32> before{};
-  bool is_flipped = false;  ///< Whether triangles are to be turned.
-  const KuhnCubeCases* by_corners = nullptr;
-};
-
-/// By the parity and the frame, as kuhn_cube_cases() or cube_cases().
-[[nodiscard]] const CellEdges& cell_edges(int parity, bool is_mirrored, SurfaceStyle style);
 
 /// The first vertex of each own series of a row, and its first triangle.
 struct RowStart {

@@ -1,0 +1,42 @@
+#pragma once
+
+// The tables that whole rows of cells are written from.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "lode/core/surface.h"
+#include "lode/mappers/kuhn_cube.h"
+
+namespace lode::diamond {
+
+/// How the edges of cells whose lowest corner has one parity are numbered: all cells have 19, which
+/// go by their ends as seen from the cell's corner with even coordinates. Those on the diagonals of
+/// faces come last.
+struct CellEdges {
+  static constexpr std::size_t kEdges = 19;
+  static constexpr std::size_t kCubeEdges = 13;  ///< All that the style of cubes has.
+
+  alignas(64) std::array<std::uint32_t, 32> series{};  ///< By edge; see edge_series().
+  /// By a cell's x and edge, the anchors before the edge's in their word: the anchor is at x or,
+  /// for some edges, at the next x.
+  alignas(64) std::array<std::array<std::uint32_t, 32>, 32> before{};
+  bool is_flipped = false;  ///< Whether triangles are to be turned.
+  const KuhnCubeCases* by_corners = nullptr;
+};
+
+/// By the parity and the frame, as kuhn_cube_cases() or cube_cases().
+[[nodiscard]] const CellEdges& cell_edges(int parity, bool is_mirrored, SurfaceStyle style);
+
+/// The triangles of a cell by its corners, where bit k is the one whose coordinates are odd along
+/// the axes of k, and edges as CellEdges numbers them.
+struct alignas(64) CellCase {
+  std::array<std::uint8_t, 63> edge;  ///< Three for each triangle, then anything.
+  std::uint8_t n_ends;                ///< How many of them there are: up to 36.
+};
+
+/// 256 of them, of cells whose lowest corner is even along all axes.
+[[nodiscard]] const CellCase* cell_cases(SurfaceStyle style);
+
+}  // namespace lode::diamond
