@@ -72,6 +72,8 @@ alignas(16) constexpr std::uint8_t kTurns[2][16] = {
 
 using D4 = hn::CappedTag<std::uint32_t, 4>;
 
+static_assert(CellEdges::kCubeEdges <= 16);
+
 /// What a word's cells of one parity have in common: by edge, 16 and the other 3, which cubes do
 /// not have.
 template <bool kCubes>

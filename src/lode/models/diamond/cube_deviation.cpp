@@ -23,6 +23,14 @@ namespace {
 struct FlatPolygon {
   std::array<Vec3d, 4> corner;
   std::size_t n = 0;
+  Vec3d normal;  ///< Of any length.
+  double squared_normal = 0;
+
+  void find_normal() {
+    normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    if (n == 4) normal = normal + cross(corner[2] - corner[0], corner[3] - corner[0]);
+    squared_normal = dot(normal, normal);
+  }
 };
 
 double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
@@ -36,19 +44,18 @@ double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& 
 
 double squared_distance(const Vec3d& p, const FlatPolygon& polygon) {
   const auto& c = polygon.corner;
-  Vec3d normal = cross(c[1] - c[0], c[2] - c[0]);
-  if (polygon.n == 4) normal = normal + cross(c[2] - c[0], c[3] - c[0]);
-  bool is_above = dot(normal, normal) > 0;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < polygon.n; ++i) {
-    const Vec3d& a = c[i];
-    const Vec3d& b = c[i + 1 == polygon.n ? 0 : i + 1];
-    is_above = is_above && dot(cross(normal, b - a), p - a) >= 0;
-    nearest = std::min(nearest, squared_distance_to_segment(p, a, b));
+  const auto next = [&](std::size_t i) { return c[i + 1 == polygon.n ? 0 : i + 1]; };
+  bool is_above = polygon.squared_normal > 0;
+  for (std::size_t i = 0; i < polygon.n && is_above; ++i)
+    is_above = dot(cross(polygon.normal, next(i) - c[i]), p - c[i]) >= 0;
+  if (is_above) {
+    const double height = dot(p - c[0], polygon.normal);
+    return height * height / polygon.squared_normal;
   }
-  if (!is_above) return nearest;
-  const double height = dot(p - c[0], normal);
-  return std::min(nearest, height * height / dot(normal, normal));
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < polygon.n; ++i)
+    nearest = std::min(nearest, squared_distance_to_segment(p, c[i], next(i)));
+  return nearest;
 }
 
 /// One worker's: cell after cell.
@@ -139,7 +146,8 @@ class CubeMeter {
     return error;
   }
 
-  /// What the level set is in each tetrahedron, in world coordinates from the even corner.
+  /// What the level set is in each tetrahedron, in world coordinates from the even corner. The
+  /// orders of axes follow each other as they do in dictionaries.
   void find_level_set() {
     has_level_set_ = true;
     std::array<std::size_t, 3> axes{0, 1, 2};
@@ -160,23 +168,37 @@ class CubeMeter {
       if (n_inside == 2)
         for (const auto& [i, j] : {std::array<std::size_t, 2>{0, 2}, {0, 3}, {1, 3}, {1, 2}})
           put(i, j);
+      if (polygon.n > 0) polygon.find_normal();
       std::next_permutation(axes.begin(), axes.end());
     }
   }
 
-  /// A bound for the points of a part of a triangle in one tetrahedron, as long as it matters.
+  /// A bound for the points of a part of a triangle in one tetrahedron, as long as it matters. Most
+  /// often what that one has of the level set is near enough.
   [[nodiscard]] double distance_of(const Piece& part) const {
     double best = std::numeric_limits<double>::infinity();
     const double enough = deviation_.distance * deviation_.distance;
-    for (const FlatPolygon& polygon : level_set_) {
+    const std::size_t own = tetrahedron_of(part);
+    for (std::size_t k = 0; k < level_set_.size() && best > enough; ++k) {
+      const FlatPolygon& polygon = level_set_[(own + k) % level_set_.size()];
       if (polygon.n == 0) continue;
       double farthest = 0;
       for (std::size_t i = 0; i < part.size() && farthest < best; ++i)
         farthest = std::max(farthest, squared_distance(to_world_ * part[i], polygon));
       best = std::min(best, farthest);
-      if (best <= enough) break;
     }
     return std::sqrt(best);
+  }
+
+  /// In the order of level_set_: by axes, that of the largest coordinate first.
+  [[nodiscard]] static std::size_t tetrahedron_of(const Piece& part) {
+    Vec3d sum;
+    for (std::size_t i = 0; i < part.size(); ++i) sum = sum + part[i];
+    const std::size_t first =
+        sum[0] >= sum[1] ? (sum[0] >= sum[2] ? 0 : 2) : (sum[1] >= sum[2] ? 1 : 2);
+    const std::size_t low = first == 0 ? 1 : 0;
+    const std::size_t high = first == 2 ? 1 : 2;
+    return 2 * first + (sum[low] >= sum[high] ? 0 : 1);
   }
 
   static constexpr double kRounding = 0x1p-40;
