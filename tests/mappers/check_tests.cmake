@@ -8,3 +8,9 @@ lode_test(mappers_check_test
     ${CMAKE_CURRENT_LIST_DIR}/surface_topology_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/triangle_intersection_test.cpp
   DEPENDS lode_mappers lode_core)
+
+# The oracle tries every triangle for many points.
+lode_test(simplify_test
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/simplify_surface_test.cpp
+  DEPENDS lode_mappers lode_core
+  COMPUTES)

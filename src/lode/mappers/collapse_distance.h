@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lode/core/parallel.h"
+#include "lode/core/surface.h"
+#include "lode/mappers/collapse_undo.h"
+
+namespace lode::simplification {
+
+/// What a distance check found.
+struct DistanceReport {
+  double proven = 0;  ///< No point of the triangles looked at is farther, those that fail aside.
+  std::vector<std::uint32_t> failing;  ///< Triangles without a proof.
+};
+
+/// Proves, in both directions, that no point is farther than a limit. A triangle, or a piece of it
+/// where it is cut in four again and again, is near where its three corners are near one convex
+/// set: the distance to such a set is a convex function. Original triangles and their pieces are
+/// held against single new triangles; pieces of new triangles against single original vertices,
+/// and then against single original triangles. No nearest point is searched for: attached vertices
+/// say where to look, and what is not found there counts as failing.
+class DistanceProof {
+ public:
+  /// `edge`: about the longest of original triangles; how far to look round original vertices.
+  DistanceProof(const Surface& original, const CollapseMesh& mesh, const CollapseUndo& stars,
+                double limit, double edge)
+      : original_(original),
+        mesh_(mesh),
+        stars_(stars),
+        limit_(limit),
+        longest_edge_(static_cast<float>(edge)) {}
+
+  /// From all points of original triangles to the new surface.
+  [[nodiscard]] DistanceReport from_original(std::span<const std::uint32_t> triangles,
+                                             Threads threads) const;
+  /// From all points of new triangles to the original surface.
+  [[nodiscard]] DistanceReport to_original(std::span<const std::uint32_t> triangles,
+                                           Threads threads);
+
+ private:
+  using Corners = std::array<Vec3d, 3>;
+
+  [[nodiscard]] double bound_from(std::uint32_t triangle) const;
+  [[nodiscard]] DistanceReport cover(std::span<const std::uint32_t> triangles,
+                                     Threads threads) const;
+  template <typename Add>
+  void for_each_near(std::uint32_t triangle, const Add& add) const;
+  [[nodiscard]] Corners original_corners(std::uint32_t triangle) const;
+  void find_triangles_around();
+
+  const Surface& original_;
+  const CollapseMesh& mesh_;
+  const CollapseUndo& stars_;
+  double limit_;
+  float longest_edge_;
+  std::vector<std::uint32_t> first_around_;  ///< Original triangles round original vertices,
+  std::vector<std::uint32_t> around_;        ///< once they are wanted.
+};
+
+}  // namespace lode::simplification

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lode/core/uninitialized_array.h"
+#include "lode/core/vec.h"
+
+namespace lode::simplification {
+
+inline constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+inline constexpr std::uint32_t kDead = 0xFFFFFFFEU;
+
+/// A triangle of the surface being simplified, and the original vertices attached to it: a list
+/// through CollapseMesh::next_point.
+struct WorkTriangle {
+  std::array<std::uint32_t, 3> v;
+  std::uint32_t points = kNone;  ///< The first of the list; kDead: a collapse took the triangle.
+
+  [[nodiscard]] bool is_dead() const { return points == kDead; }
+};
+
+/// An edge collapse, with what undoing it takes. The removed vertex and the dead triangles keep
+/// their position and corners.
+struct Collapse {
+  std::uint32_t kept;
+  std::uint32_t removed;
+  std::array<std::uint32_t, 2> dead;  ///< One of them at an edge of the border: the other kNone.
+  Vec3f kept_position;                ///< Before.
+  std::uint32_t last_kept;            ///< What CollapseMesh::last was before.
+  std::uint32_t last_removed;
+};
+
+/// A surface while its edges are collapsed. Vertices and triangles keep their numbers.
+struct CollapseMesh {
+  UninitializedArray<Vec3f> positions;
+  UninitializedArray<WorkTriangle> triangles;
+  UninitializedArray<std::uint32_t> next_point;   ///< By original vertex.
+  UninitializedArray<std::uint32_t> attached_to;  ///< By original vertex: the triangle.
+  UninitializedArray<std::uint32_t> last;         ///< By vertex: its last collapse, or kNone.
+  /// Later ones have higher numbers where they have a vertex in common; numbers have gaps.
+  UninitializedArray<Collapse> collapses;
+
+  [[nodiscard]] bool is_removed(std::uint32_t v) const {
+    return last[v] != kNone && collapses[last[v]].removed == v;
+  }
+};
+
+[[nodiscard]] inline std::array<Vec3f, 3> corners(const CollapseMesh& mesh,
+                                                  std::uint32_t triangle) {
+  const WorkTriangle& t = mesh.triangles[triangle];
+  return {mesh.positions[t.v[0]], mesh.positions[t.v[1]], mesh.positions[t.v[2]]};
+}
+
+[[nodiscard]] inline Vec3d widened(const Vec3f& p) {
+  return {{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}};
+}
+
+inline void sort_unique(std::vector<std::uint32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+}  // namespace lode::simplification

@@ -1,0 +1,325 @@
+#include "lode/mappers/simplify_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include "lode/core/stopwatch.h"
+#include "lode/mappers/collapse_block.h"
+#include "lode/mappers/collapse_crossings.h"
+#include "lode/mappers/collapse_distance.h"
+#include "lode/mappers/collapse_mesh.h"
+#include "lode/mappers/collapse_partition.h"
+#include "lode/mappers/collapse_undo.h"
+
+namespace lode {
+namespace simplification {
+namespace {
+
+/// Blocks have about as many triangles: their data fit a core's cache, and their borders, where
+/// nothing collapses until the next round, are short.
+constexpr double kBlockTriangles = 8000;
+/// Rounds of blocks, each shifted by half a block: what is on a border in one is not in the next.
+constexpr int kRounds = 3;
+/// Collapses and proofs: where a proof fails and collapses are taken back, others are tried.
+constexpr int kPasses = 3;
+/// How far attached vertices may be, of the distance allowed: what lies between them may be
+/// farther. On bonsai at one voxel, 0.9 leaves fewer triangles than 1 and takes half the undoing.
+constexpr double kReach = 0.9;
+
+double mean_area(const Surface& surface) {
+  double sum = 0;
+  const std::size_t n = surface.triangles.size();
+  const std::size_t step = n / 100'000 + 1;  // of those it is known well enough
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < n; i += step, ++count) {
+    const auto& t = surface.triangles[i];
+    const Vec3d a = widened(surface.positions[t[0]]);
+    sum += 0.5 * length(cross(widened(surface.positions[t[1]]) - a,
+                              widened(surface.positions[t[2]]) - a));
+  }
+  return sum / static_cast<double>(count);
+}
+
+CollapseMesh make_mesh(const Surface& surface, Threads threads) {
+  CollapseMesh mesh;
+  const std::size_t n = surface.positions.size();
+  mesh.positions.resize(n);
+  mesh.next_point.resize(n);
+  mesh.attached_to.resize(n);
+  mesh.last.resize(n);
+  mesh.triangles.resize(surface.triangles.size());
+  mesh.collapses.resize(surface.triangles.size());
+  constexpr std::size_t kCopied = 1 << 16;
+  parallel_for((n + kCopied - 1) / kCopied, threads, 1, [&](std::size_t chunk, int) {
+    for (std::size_t v = chunk * kCopied; v < std::min(n, (chunk + 1) * kCopied); ++v) {
+      mesh.positions[v] = surface.positions[v];
+      mesh.attached_to[v] = kNone;
+      mesh.last[v] = kNone;
+    }
+  });
+  const std::size_t n_triangles = surface.triangles.size();
+  parallel_for((n_triangles + kCopied - 1) / kCopied, threads, 1, [&](std::size_t chunk, int) {
+    for (std::size_t t = chunk * kCopied; t < std::min(n_triangles, (chunk + 1) * kCopied); ++t)
+      mesh.triangles[t] = {surface.triangles[t], kNone};
+  });
+  return mesh;
+}
+
+/// Attaches vertices that are in no block.
+void attach_rest(std::span<const std::uint32_t> triangles, CollapseMesh& mesh) {
+  for (const std::uint32_t t : triangles)
+    for (const std::uint32_t v : mesh.triangles[t].v) {
+      if (mesh.attached_to[v] != kNone) continue;
+      mesh.attached_to[v] = t;
+      mesh.next_point[v] = mesh.triangles[t].points;
+      mesh.triangles[t].points = v;
+    }
+}
+
+class Simplifier {
+ public:
+  Simplifier(Surface& surface, const SimplifyOptions& options, Progress& progress)
+      : surface_(surface),
+        options_(options),
+        progress_(progress),
+        mesh_(make_mesh(surface, options.threads)) {}
+
+  Result<SimplifyReport> run() {
+    report_.triangles_before = surface_.triangles.size();
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const std::uint32_t first = next_collapse_;
+      const Stopwatch collapsing;
+      LODE_CHECK(collapse(pass));
+      report_.seconds.collapse += collapsing.seconds();
+      const Stopwatch checking;
+      LODE_CHECK(prove(first));
+      report_.seconds.check += checking.seconds();
+      if (!has_reopened_) break;
+    }
+    if (meets_itself_already_) LODE_CHECK(count_input_crossings());
+    const Stopwatch finishing;
+    finish();
+    report_.seconds.finish = finishing.seconds();
+    report_.triangles = surface_.triangles.size();
+    report_.collapses -= report_.undone;
+    return report_;
+  }
+
+ private:
+  Result<void> collapse(int pass);
+  void collapse_round(const Partition& partition, bool is_first, const BlockLimits& limits);
+  Result<void> prove(std::uint32_t first);
+  void reopen(std::span<const std::uint32_t> changed);
+  Result<void> count_input_crossings();
+  Result<std::vector<std::uint32_t>> find_bad(std::span<const std::uint32_t> changed,
+                                              CollapseUndo& stars, DistanceProof& proof);
+  [[nodiscard]] std::vector<std::uint32_t> to_recheck(std::span<const std::uint32_t> changed,
+                                                      const CollapseUndo& stars) const;
+  void finish();
+  void finish_vertices();
+
+  Surface& surface_;
+  const SimplifyOptions& options_;
+  Progress& progress_;
+  CollapseMesh mesh_;
+  SimplifyReport report_;
+  std::uint32_t next_collapse_ = 0;
+  std::vector<std::uint8_t> is_open_;    ///< By vertex: to be tried in the next pass; empty: all.
+  std::vector<std::uint8_t> is_failed_;  ///< By vertex: of a collapse that failed a proof.
+  bool has_reopened_ = false;
+  bool meets_itself_already_ = false;
+};
+
+Result<void> Simplifier::collapse(int pass) {
+  const double area = mean_area(surface_);
+  const double edge = std::sqrt(kBlockTriangles * area);
+  const BlockLimits limits{.distance = static_cast<float>(kReach * options_.max_distance),
+                           .area = static_cast<float>(area)};
+  const int n_rounds = pass == 0 ? kRounds : 1;
+  for (int round = 0; round < n_rounds; ++round) {
+    progress_.report("simplifying", static_cast<double>(round) / n_rounds);
+    const auto shift = static_cast<float>(edge * (0.5 * round + 0.25 * pass));
+    Partition partition = make_partition(mesh_, {{{shift, shift, shift}}, static_cast<float>(edge)},
+                                         options_.threads);
+    if (pass > 0)
+      for (std::size_t v = 0; v < is_failed_.size(); ++v) partition.is_locked[v] |= is_failed_[v];
+    collapse_round(partition, pass == 0 && round == 0, limits);
+    if (progress_.is_cancelled()) return cancelled_error();
+  }
+  return {};
+}
+
+void Simplifier::collapse_round(const Partition& partition, bool is_first,
+                                const BlockLimits& limits) {
+  std::vector<std::uint32_t> first(partition.n_cells());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    first[i] = next_collapse_;
+    next_collapse_ += static_cast<std::uint32_t>(partition.cell(i).size());  // at most one each
+  }
+  if (mesh_.collapses.size() < next_collapse_) mesh_.collapses.resize(next_collapse_);
+  UninitializedArray<std::uint32_t> local(mesh_.positions.size());
+  std::fill(local.begin(), local.end(), kNone);
+  std::vector<std::unique_ptr<BlockSimplifier>> workers;
+  for (int i = 0; i < n_workers(options_.threads); ++i)
+    workers.push_back(std::make_unique<BlockSimplifier>(mesh_, surface_.positions,
+                                                        partition.is_locked, local, limits));
+  std::vector<std::uint32_t> counts(first.size(), 0);
+  parallel_for(first.size(), options_.threads, 1, [&](std::size_t i, int worker) {
+    if (partition.cell(i).empty() || progress_.is_cancelled()) return;
+    counts[i] = workers[static_cast<std::size_t>(worker)]->run(
+        {partition.cell(i), first[i], is_first, is_open_}, progress_);
+  });
+  report_.collapses += std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  if (is_first) attach_rest(partition.between, mesh_);
+}
+
+/// Original triangles of which a corner is attached to a changed triangle or a neighbour of one:
+/// their proofs may have been about what is no more.
+std::vector<std::uint32_t> Simplifier::to_recheck(std::span<const std::uint32_t> changed,
+                                                  const CollapseUndo& stars) const {
+  std::vector<std::uint8_t> is_near(mesh_.triangles.size(), 0);
+  for (const std::uint32_t t : changed)
+    for (const std::uint32_t v : mesh_.triangles[t].v)
+      stars.for_each_around(v, [&](std::uint32_t s) { is_near[s] = 1; });
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < surface_.triangles.size(); ++i)
+    for (const std::uint32_t v : surface_.triangles[i])
+      if (is_near[mesh_.attached_to[v]] != 0) {
+        found.push_back(i);
+        break;
+      }
+  return found;
+}
+
+/// Collapses whose triangles fail a proof.
+Result<std::vector<std::uint32_t>> Simplifier::find_bad(std::span<const std::uint32_t> changed,
+                                                        CollapseUndo& stars, DistanceProof& proof) {
+  std::vector<std::uint32_t> bad;
+  const auto later = [](std::uint32_t a, std::uint32_t b) {
+    return a == kNone ? b : b == kNone ? a : std::max(a, b);
+  };
+  LODE_TRY(const auto crossings, find_crossings(mesh_, changed, options_.threads, progress_));
+  for (const auto& [s, t] : crossings) {
+    const std::uint32_t maker = later(stars.maker(s), stars.maker(t));
+    if (maker != kNone)
+      bad.push_back(maker);
+    else
+      meets_itself_already_ = true;
+  }
+  const DistanceReport to = proof.to_original(changed, options_.threads);
+  for (const std::uint32_t t : to.failing)
+    bad.push_back(stars.maker(t));  // original ones need no proof
+  const DistanceReport from = proof.from_original(to_recheck(changed, stars), options_.threads);
+  for (const std::uint32_t t : from.failing) {
+    std::uint32_t maker = kNone;
+    for (const std::uint32_t v : surface_.triangles[t])
+      maker = later(maker, stars.maker(mesh_.attached_to[v]));
+    if (maker != kNone) bad.push_back(maker);
+  }
+  report_.proven_distance = std::max({report_.proven_distance, to.proven, from.proven});
+  sort_unique(bad);
+  std::reverse(bad.begin(), bad.end());
+  return bad;
+}
+
+/// Proves what collapses from `first` on have made, and takes back what fails.
+Result<void> Simplifier::prove(std::uint32_t first) {
+  progress_.report("proving", 0);
+  CollapseUndo stars(mesh_, surface_.positions);
+  DistanceProof proof(surface_, mesh_, stars, options_.max_distance,
+                      2.5 * std::sqrt(mean_area(surface_)));
+  std::vector<std::uint32_t> changed;
+  for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+    if (mesh_.triangles[t].is_dead()) continue;
+    const std::uint32_t maker = stars.maker(t);
+    if (maker != kNone && maker >= first) changed.push_back(t);
+  }
+  is_open_.assign(mesh_.positions.size(), 0);
+  is_failed_.resize(mesh_.positions.size(), 0);
+  has_reopened_ = false;
+  while (!changed.empty()) {
+    if (progress_.is_cancelled()) return cancelled_error();
+    LODE_TRY(const auto bad, find_bad(changed, stars, proof));
+    changed.clear();
+    for (const std::uint32_t c : bad) {
+      const Collapse& collapse = mesh_.collapses[c];
+      if (mesh_.last[collapse.removed] != c) continue;  // another has taken it with it
+      is_failed_[collapse.kept] = is_failed_[collapse.removed] = 1;
+      report_.undone += stars.undo(c, changed);
+    }
+    sort_unique(changed);
+    reopen(changed);
+  }
+  return {};
+}
+
+/// Lets the next pass try other collapses here.
+void Simplifier::reopen(std::span<const std::uint32_t> changed) {
+  for (const std::uint32_t t : changed)
+    for (const std::uint32_t v : mesh_.triangles[t].v) is_open_[v] = 1;
+  has_reopened_ = has_reopened_ || !changed.empty();
+}
+
+Result<void> Simplifier::count_input_crossings() {
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
+    if (!mesh_.triangles[t].is_dead()) all.push_back(t);
+  LODE_TRY(const auto crossings, find_crossings(mesh_, all, options_.threads, progress_));
+  report_.input_crossings = crossings.size();
+  return {};
+}
+
+/// The vertex that v has gone into.
+std::uint32_t root_of(const CollapseMesh& mesh, std::uint32_t v) {
+  while (mesh.is_removed(v)) v = mesh.collapses[mesh.last[v]].kept;
+  return v;
+}
+
+void Simplifier::finish_vertices() {
+  std::vector<Vec3f>& normals = surface_.normals;
+  for (std::uint32_t v = 0; v < normals.size(); ++v)
+    if (mesh_.is_removed(v)) {
+      const std::uint32_t root = root_of(mesh_, v);
+      normals[root] = normals[root] + normals[v];
+    }
+  for (std::uint32_t v = 0; v < normals.size(); ++v)
+    if (mesh_.last[v] != kNone) normals[v] = normalized(normals[v]);
+}
+
+void Simplifier::finish() {
+  finish_vertices();
+  std::vector<std::uint32_t> number(mesh_.positions.size(), kNone);
+  std::uint32_t n = 0;
+  for (std::uint32_t v = 0; v < number.size(); ++v) {
+    if (mesh_.is_removed(v)) continue;
+    surface_.positions[n] = mesh_.positions[v];
+    if (!surface_.normals.empty()) surface_.normals[n] = surface_.normals[v];
+    if (!surface_.isovalues.empty()) surface_.isovalues[n] = surface_.isovalues[v];
+    number[v] = n++;
+  }
+  surface_.positions.resize(n);
+  if (!surface_.normals.empty()) surface_.normals.resize(n);
+  if (!surface_.isovalues.empty()) surface_.isovalues.resize(n);
+  std::size_t n_triangles = 0;
+  for (const WorkTriangle& t : mesh_.triangles)
+    if (!t.is_dead())
+      surface_.triangles[n_triangles++] = {number[t.v[0]], number[t.v[1]], number[t.v[2]]};
+  surface_.triangles.resize(n_triangles);
+}
+
+}  // namespace
+}  // namespace simplification
+
+Result<SimplifyReport> simplify_surface(Surface& surface, const SimplifyOptions& options,
+                                        Progress& progress) {
+  LODE_EXPECTS(surface.lines.empty() && surface.values.empty() && surface.origins.empty() &&
+               surface.errors.empty());
+  LODE_EXPECTS(options.max_distance > 0 && std::isfinite(options.max_distance));
+  if (surface.triangles.empty()) return SimplifyReport{};
+  return simplification::Simplifier(surface, options, progress).run();
+}
+
+}  // namespace lode
