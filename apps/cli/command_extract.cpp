@@ -11,6 +11,7 @@
 #include "outputs.h"
 #include "parse.h"
 #include "salvage.h"
+#include "simplify_options.h"
 #include "text.h"
 
 namespace lode::cli {
@@ -23,6 +24,7 @@ struct ExtractArguments {
   ExtractionArguments extraction;
   QueryArguments query;
   ProgressiveArguments progressive;
+  SimplifyArguments simplify;
   ReadingArguments reading;
 
   [[nodiscard]] MeshJob mesh_job() const {
@@ -66,9 +68,17 @@ Result<void> check_extract(const ExtractArguments& arguments) {
   if (arguments.progressive.is_wanted() &&
       (arguments.query.is_wanted() || arguments.query.is_focused()))
     return fail("--progressive: expected no --mesh, --section, focus, budget or deadline with it");
+  if (!arguments.simplify.is_wanted && !arguments.simplify.max_distance.empty())
+    return fail("--max-distance: expected --simplify with it, which it bounds");
+  if (arguments.simplify.is_wanted && (arguments.progressive.is_wanted() ||
+                                       arguments.query.is_wanted() || arguments.query.is_focused()))
+    return fail(
+        "--simplify: expected no --mesh, --section, focus, budget, deadline or --progressive with "
+        "it");
   if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
   if (arguments.query.is_focused()) return check_focused_job(arguments.mesh_job());
-  LODE_TRY(const ExtractOptions options, to_extract_options(arguments.extraction));
+  LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
+  LODE_CHECK(apply_simplify_options(arguments.simplify, options));
   if (options.isovalues.empty()) return fail("--isovalue: expected at least one value, got none");
   LODE_CHECK(check_surface_extension(arguments.output));
   LODE_CHECK(check_reading_options(arguments.reading, arguments.input));
@@ -81,6 +91,22 @@ Result<void> check_extract(const ExtractArguments& arguments) {
 struct Totals {
   ExtractReport report;
 
+  void add_simplified_job(const ExtractReport& job) {
+    if (!job.simplified) return;
+    if (!report.simplified) report.simplified.emplace();
+    SimplifyReport& all = *report.simplified;
+    all.max_distance = job.simplified->max_distance;
+    all.proven_distance = std::max(all.proven_distance, job.simplified->proven_distance);
+    all.triangles_before += job.simplified->triangles_before;
+    all.triangles += job.simplified->triangles;
+    all.collapses += job.simplified->collapses;
+    all.undone += job.simplified->undone;
+    all.input_crossings += job.simplified->input_crossings;
+    all.seconds.collapse += job.simplified->seconds.collapse;
+    all.seconds.check += job.simplified->seconds.check;
+    all.seconds.finish += job.simplified->seconds.finish;
+    report.seconds.simplify += job.seconds.simplify;
+  }
   void add(const ExtractReport& job) {
     report.max_error = job.max_error;
     report.achieved_error = std::max(report.achieved_error, job.achieved_error);
@@ -95,6 +121,7 @@ struct Totals {
     report.cap_cells += job.cap_cells;
     report.components_dropped += job.components_dropped;
     report.triangles_dropped += job.triangles_dropped;
+    add_simplified_job(job);
     report.seconds.total += job.seconds.total;
     report.seconds.select += job.seconds.select;
     report.seconds.geometry += job.seconds.geometry;
@@ -134,6 +161,7 @@ Json extraction_json(const Extraction& extraction, const std::vector<std::string
   if (extraction.options.style == SurfaceStyle::cubes) seconds["measure"] = report.seconds.measure;
   seconds["open"] = extraction.input.open_seconds;
   seconds["write"] = report.seconds.write;
+  add_simplified(json, report);
   add_salvage(json, extraction.input.dataset.salvaged(), report.achieved_error);
   json["warnings"] = warnings;
   return json;
@@ -171,6 +199,7 @@ std::string extraction_text(const Extraction& extraction) {
         {"pieces dropped",
          fmt::format("{} with {} {}", format_count(report.components_dropped),
                      format_count(report.triangles_dropped), is_lines ? "lines" : "triangles")});
+  add_simplified(table, report);
   table.add({"extract", fmt::format("{} (select {:.3f}, geometry {:.3f}, finish {:.3f})",
                                     format_seconds(report.seconds.total), report.seconds.select,
                                     report.seconds.geometry, report.seconds.finish)});
@@ -189,13 +218,13 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
   job_options.isovalues = job.isovalues;
   const auto note = [&](const ExtractReport& report) -> SurfaceWriteOptions {
     return {.comment =
-                fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}", LODE_VERSION,
+                fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}", LODE_VERSION,
                             job.isovalues.size() == 1 ? "isovalue" : "isovalues",
                             fmt::join(job.isovalues, " "), report.max_error, report.achieved_error,
                             options.style == SurfaceStyle::cubes
                                 ? fmt::format(", style cubes, style_error {}", report.style_error)
                                 : "",
-                            salvage_comment(input.dataset.salvaged())),
+                            simplify_comment(report), salvage_comment(input.dataset.salvaged())),
             .frame = input.info.volume.grid.frame};
   };
   LODE_TRY(const ExtractReport report,
@@ -208,6 +237,7 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
 
 Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
+  LODE_CHECK(apply_simplify_options(arguments.simplify, options));
   options.threads = session.threads();
   options.deviation = Deviation::measured;
   if (!arguments.memory_limit.empty()) {
@@ -259,11 +289,12 @@ Command add_extract_command(CLI::App& program) {
       "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl.\n\n"
       "Of a .lode file larger than --memory-limit no more is loaded than the surface needs, and\n"
       ".ply, .stl and .vtp are written piece by piece: the surface need not fit in memory, unless\n"
-      "--clip, --close-border or --min-component are to see all of it.\n\n"
+      "--clip, --close-border, --min-component or --simplify are to see all of it.\n\n"
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
+      "  lode extract scan.lode bone.ply --isovalue 1200 --simplify --max-distance 0.5\n"
       "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
       "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1\n"
       "  lode extract scan.lode bone.vtp --isovalue 1200 --progressive bone-steps\n"
@@ -280,6 +311,7 @@ Command add_extract_command(CLI::App& program) {
       "Use what is whole of a damaged or cut-off .lode file: what is lost is filled from coarser "
       "levels, within a bound that is reported");
   add_extraction_options(*app, arguments->extraction);
+  add_simplify_options(*app, arguments->simplify);
   add_query_options(*app, arguments->query);
   add_progressive_option(*app, arguments->progressive,
                          "Also write the surface from coarse to fine, step-000 and so on with "

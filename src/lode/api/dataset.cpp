@@ -86,18 +86,30 @@ Result<void> close_surface(const FieldFacts& field, const ExtractOptions& option
   return {};
 }
 
+Result<void> simplify(const ExtractOptions& options, Surface& surface, ExtractReport& report,
+                      Progress& progress) {
+  const Stopwatch watch;
+  LODE_TRY(report.simplified,
+           simplify_surface(
+               surface, {.max_distance = *options.simplify_distance, .threads = options.threads},
+               progress));
+  report.seconds.simplify = watch.seconds();
+  return {};
+}
+
 Result<void> finish_surface(const FieldFacts& field, const ExtractOptions& options,
-                            Surface& surface, ExtractReport& report) {
+                            Surface& surface, ExtractReport& report, Progress& progress) {
   const Stopwatch watch;
   if (options.border == Border::closed) LODE_CHECK(close_surface(field, options, surface, report));
   const Dropped dropped = finish_edits(options, surface);
   report.components_dropped = dropped.components;
   report.triangles_dropped = dropped.cells;
+  report.seconds.finish += watch.seconds();
+  if (options.simplify_distance) LODE_CHECK(simplify(options, surface, report, progress));
   report.triangles = surface.triangles.size();
   report.lines = surface.lines.size();
   report.vertices = surface.positions.size();
   report.unmet = unmet_isovalues(surface, options.isovalues);
-  report.seconds.finish += watch.seconds();
   return {};
 }
 
@@ -137,7 +149,7 @@ Result<void> extract_in_memory(const Dataset::Impl::AnyModel& held, const Extrac
         return finish_surface(
             {model.info.grid, closes && model.has_holes() && model.has_removed_border_cell(),
              model.value({})},
-            options, surface, report);
+            options, surface, report, progress);
       },
       held);
 }
@@ -155,7 +167,8 @@ Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions&
                                                    progress);
             },
             [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
-        return finish_surface({field.info.grid, false, field.value({})}, options, surface, report);
+        return finish_surface({field.info.grid, false, field.value({})}, options, surface, report,
+                              progress);
       },
       chunks.field);
 }
@@ -181,7 +194,8 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
 
 /// Whether no edit needs to see all of the surface.
 bool is_edited_by_piece(const ExtractOptions& options) {
-  return !options.clip && options.border == Border::open && options.min_component <= 1;
+  return !options.clip && options.border == Border::open && options.min_component <= 1 &&
+         !options.simplify_distance;
 }
 
 template <int D>
@@ -239,6 +253,12 @@ Result<void> check_extract_options(const ExtractOptions& options) {
         options.isovalues.size());
   if (options.border == Border::closed && options.clip)
     return fail("closing at the border: expected no clip box, whose cut would stay open");
+  if (options.simplify_distance &&
+      !(*options.simplify_distance > 0 && std::isfinite(*options.simplify_distance)))
+    return fail("expected a finite distance > 0 to simplify within, got {}",
+                *options.simplify_distance);
+  if (options.simplify_distance && options.border == Border::closed)
+    return fail("simplifying: expected an open border, whose planes caps would leave");
   return {};
 }
 
@@ -350,6 +370,8 @@ struct ExtractPlan {
 
 Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOptions& options) {
   LODE_CHECK(check_extract_options(options));
+  if (options.simplify_distance && impl.is_flat())
+    return fail("simplifying: expected a volume, got a flat image, whose contours are lines");
   ExtractPlan plan;
   plan.report.max_error = tolerance_of(impl.summary().stats, options);
   const std::uint64_t limit =

@@ -14,6 +14,7 @@
 #include "lode/core/surface.h"
 #include "lode/core/surface_sink.h"
 #include "lode/core/volume.h"
+#include "lode/mappers/simplify_surface.h"
 
 namespace lode {
 
@@ -68,6 +69,10 @@ struct ExtractOptions {
   std::optional<Box3d> clip{};  ///< Crops the result, world units.
   Border border = Border::open;
   std::uint64_t min_component = 0;  ///< Pieces with fewer triangles (lines) are dropped.
+  /// Of a volume's surface with an open border: edges are collapsed as long as no point of the
+  /// surface, or of what it was, is farther from the other than this (world units, > 0); see
+  /// simplify_surface(). Needs the whole surface.
+  std::optional<double> simplify_distance{};
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.
   Normals normals = Normals::on;
   Threads threads{};
@@ -86,7 +91,8 @@ struct ExtractSeconds {
   double geometry = 0;  ///< Vertices, triangles, stitching.
   double finish = 0;    ///< Normals, clipping, caps, small pieces.
   double measure = 0;   ///< How far cubes are from the level set.
-  double write = 0;     ///< Of a file; not part of the total.
+  double simplify = 0;
+  double write = 0;  ///< Of a file; not part of the total.
 };
 
 struct ExtractReport {
@@ -103,9 +109,10 @@ struct ExtractReport {
   std::uint64_t open_edges = 0;          ///< With a closed border: edges at holes, still open.
   std::uint64_t components_dropped = 0;  ///< By min_component.
   std::uint64_t triangles_dropped = 0;   ///< Their triangles (lines).
-  std::uint64_t bytes_read = 0;          ///< Of the file, for this query; 0 from memory.
-  std::uint64_t blocks_read = 0;         ///< Likewise.
-  std::vector<double> unmet;             ///< Isovalues without any surface.
+  std::optional<SimplifyReport> simplified;
+  std::uint64_t bytes_read = 0;   ///< Of the file, for this query; 0 from memory.
+  std::uint64_t blocks_read = 0;  ///< Likewise.
+  std::vector<double> unmet;      ///< Isovalues without any surface.
   ExtractSeconds seconds;
 };
 

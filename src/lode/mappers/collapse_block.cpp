@@ -25,7 +25,7 @@ std::uint32_t BlockSimplifier::run(const Block& block, const Progress& progress)
   load(block);
   prepare(block);
   const float unit = limits_.area * limits_.distance * limits_.distance;
-  for (const float threshold : {0.0003F, 0.002F, 0.01F, 0.05F, 0.25F, 1.0F, 1e9F}) {
+  for (const float threshold : {0.001F, 0.01F, 0.1F, 1.0F, 1e9F}) {
     if (progress.is_cancelled()) break;
     sweep(threshold * unit);
   }
@@ -280,17 +280,28 @@ bool BlockSimplifier::make_triangles(std::uint32_t kept, std::uint32_t removed, 
   return add(of_kept, removed, kept) && add(of_removed, kept, removed) && n_new_ <= kMaxValence;
 }
 
-/// The triangle does not turn over, nor become a sliver.
+/// The triangle does not turn over, nor become a sliver. A sliver's own direction says nothing.
 bool BlockSimplifier::keeps_shape(const NewTriangle& t, std::uint32_t old) const {
-  const Vec3f n = cross(t.u, t.v);
+  const auto longest = [](const Vec3f& u, const Vec3f& v) {
+    const Vec3f e = v - u;
+    return std::max({dot(u, u), dot(v, v), dot(e, e)});
+  };
   const Vec3f o = position(old);
-  const Vec3f before = cross(position(t.a) - o, position(t.b) - o);
+  const Vec3f u = position(t.a) - o;
+  const Vec3f v = position(t.b) - o;
+  const Vec3f n = cross(t.u, t.v);
+  const Vec3f before = cross(u, v);
   const float nn = dot(n, n);
+  const float area = dot(before, before);
+  const float length2 = longest(t.u, t.v);
+  const float length_before2 = longest(u, v);
+  constexpr float kSliver = 1e-3F;
+  const float shape = nn / (length2 * length2);
+  const float shape_before = area / (length_before2 * length_before2);
+  if (!(shape > kSliver) && !(shape > shape_before)) return false;
+  if (shape_before < 10 * kSliver) return true;
   const float along = dot(n, before);
-  if (!(along > 0) || along * along < 0.04F * nn * dot(before, before)) return false;
-  const Vec3f e = t.v - t.u;
-  const float longest = std::max({dot(t.u, t.u), dot(t.v, t.v), dot(e, e)});
-  return nn > 1e-3F * longest * longest;
+  return along > 0 && along * along > 0.04F * nn * area;
 }
 
 void BlockSimplifier::join_triangles() {
@@ -313,7 +324,7 @@ bool BlockSimplifier::folds_little() const {
     const Vec3f m = cross(t.u, t.v);
     const Vec3f n = cross(s.u, s.v);
     const float along = dot(m, n);
-    if (along < 0 && along * along > 0.04F * dot(m, m) * dot(n, n)) return false;
+    if (along < 0 && along * along > 0.5F * dot(m, m) * dot(n, n)) return false;
   }
   return true;
 }

@@ -130,6 +130,7 @@ class Cells {
         const double u = static_cast<double>(c) / static_cast<double>(n_);
         const Vec3d p = (t[0] - lower) + (t[1] - t[0]) * s + (t[2] - t[0]) * u;
         for (std::size_t i = 0; i < 3; ++i) points_[i][n_points_] = static_cast<float>(p[i]);
+        is_near_any_[n_points_] = 0;
       }
   }
   void mark(const Vec3f& point, float limit2) {
@@ -150,6 +151,7 @@ class Cells {
   void mark(const std::array<Vec3f, 3>& target, float limit2) {
     std::array<std::int32_t, kMaxPoints> is_near;
     find_near(target, limit2, is_near);
+    for (std::size_t i = 0; i < n_points_; ++i) is_near_any_[i] |= is_near[i];
     std::size_t cell = 0;
     std::size_t above = 0;  // the first point of the row before
     for (std::size_t row = 0; row < n_; ++row) {
@@ -165,28 +167,20 @@ class Cells {
   /// That holds all cells that are not marked; after place_points().
   [[nodiscard]] std::pair<Vec3f, Vec3f> unmarked_box() const {
     constexpr float kFar = std::numeric_limits<float>::max();
-    Vec3f lower{{kFar, kFar, kFar}};
-    Vec3f upper{{-kFar, -kFar, -kFar}};
-    std::size_t cell = 0;
-    const auto add = [&](std::size_t point) {
+    std::pair<Vec3f, Vec3f> box{{{kFar, kFar, kFar}}, {{-kFar, -kFar, -kFar}}};
+    for_each_unmarked_corner([&](std::size_t point) {
       for (std::size_t i = 0; i < 3; ++i) {
-        lower[i] = std::min(lower[i], points_[i][point]);
-        upper[i] = std::max(upper[i], points_[i][point]);
+        box.first[i] = std::min(box.first[i], points_[i][point]);
+        box.second[i] = std::max(box.second[i], points_[i][point]);
       }
-    };
-    std::size_t above = 0;
-    for (std::size_t row = 0; row < n_; ++row) {
-      const std::size_t below = above + row + 1;
-      for (std::size_t at = 0; at <= 2 * row; ++at, ++cell) {
-        if (is_marked_[cell] != 0) continue;
-        const std::size_t c = at / 2;
-        add(above + c);
-        add(below + c + 1);
-        add(at % 2 == 0 ? below + c : above + c + 1);
-      }
-      above = below;
-    }
-    return {lower, upper};
+    });
+    return box;
+  }
+  /// Whether a corner of an unmarked cell was near none of the triangles.
+  [[nodiscard]] bool is_hopeless() const {
+    bool is_far = false;
+    for_each_unmarked_corner([&](std::size_t point) { is_far |= is_near_any_[point] == 0; });
+    return is_far;
   }
   [[nodiscard]] bool are_all_marked() const {
     std::int32_t all = 1;
@@ -198,6 +192,23 @@ class Cells {
  private:
   static constexpr std::size_t kMaxPoints = (kMaxCells + 1) * (kMaxCells + 2) / 2;
 
+  /// Some of them more than once.
+  template <typename Visit>
+  void for_each_unmarked_corner(const Visit& visit) const {
+    std::size_t cell = 0;
+    std::size_t above = 0;
+    for (std::size_t row = 0; row < n_; ++row) {
+      const std::size_t below = above + row + 1;
+      for (std::size_t at = 0; at <= 2 * row; ++at, ++cell) {
+        if (is_marked_[cell] != 0) continue;
+        const std::size_t c = at / 2;
+        visit(above + c);
+        visit(below + c + 1);
+        visit(at % 2 == 0 ? below + c : above + c + 1);
+      }
+      above = below;
+    }
+  }
   /// Which corners of cells are within the limit of a triangle.
   void find_near(const std::array<Vec3f, 3>& t, float limit2,
                  std::array<std::int32_t, kMaxPoints>& is_near) const {
@@ -250,6 +261,7 @@ class Cells {
   Vec3f u_, v_, w_, base_;
   std::size_t n_ = 0;
   std::size_t n_points_ = 0;
+  std::array<std::int32_t, kMaxPoints> is_near_any_{};
   std::array<std::array<float, kMaxPoints>, 3> points_{};  ///< Corners of cells, row by row.
   std::size_t count_ = 0;
   float radius_ = 0;
@@ -355,12 +367,14 @@ class Cover {
     for (std::size_t i = begin; i < end; ++i)
       cells_.mark(Vec3f{{local_[0][i], local_[1][i], local_[2][i]}}, limit2);
     if (cells_.are_all_marked()) return true;
-    if (around_.first.empty()) return false;
-    mark_by_triangles(piece, begin, end, limit2);
+    if (!around_.first.empty()) {
+      mark_by_triangles(piece, begin, end, limit2);
+      if (cells_.is_hopeless()) return false;
+    }
+    const int deeper = std::min(depth, around_.first.empty() ? 2 : 4);
     const Cells marked = cells_;
     for (std::size_t cell = 0; cell < n * n; ++cell)
-      if (!marked.is_marked(cell) &&
-          !covers_quarters(cell_of(piece, cell, n), begin, end, std::min(depth, 3)))
+      if (!marked.is_marked(cell) && !covers_quarters(cell_of(piece, cell, n), begin, end, deeper))
         return false;
     return true;
   }

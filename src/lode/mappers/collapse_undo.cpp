@@ -6,8 +6,8 @@
 
 namespace lode::simplification {
 
-CollapseUndo::CollapseUndo(CollapseMesh& mesh, std::span<const Vec3f> original)
-    : mesh_(mesh), original_(original) {
+CollapseUndo::CollapseUndo(CollapseMesh& mesh, std::span<const Vec3f> original, float near)
+    : mesh_(mesh), original_(original), near_(near) {
   first_.resize(mesh.positions.size());
   std::fill(first_.begin(), first_.end(), kNone);
   next_.resize(4 * mesh.triangles.size());
@@ -126,9 +126,10 @@ void CollapseUndo::move_corner(std::uint32_t corner, std::uint32_t from, std::ui
 }
 
 void CollapseUndo::attach(std::uint32_t point, std::span<const std::uint32_t> triangles) {
-  std::uint32_t best = triangles.front();
+  std::uint32_t best = mesh_.attached_to[point];
   float least = squared_distance_to_triangle(original_[point], corners(mesh_, best));
-  for (const std::uint32_t t : triangles.subspan(1)) {
+  for (const std::uint32_t t : triangles) {
+    if (least <= near_ * near_) break;
     const float here = squared_distance_to_triangle(original_[point], corners(mesh_, t));
     if (here >= least) continue;
     least = here;

@@ -12,7 +12,8 @@ namespace lode::simplification {
 /// one: what is left is what the remaining ones make of the original.
 class CollapseUndo {
  public:
-  CollapseUndo(CollapseMesh& mesh, std::span<const Vec3f> original);
+  /// `near`: points stay attached where they are if they are no farther away than this.
+  CollapseUndo(CollapseMesh& mesh, std::span<const Vec3f> original, float near);
 
   /// Takes `collapse` back, and before it all later ones at vertices of its star. Adds the
   /// triangles that come or change to `changed`, some more than once, and returns how many
@@ -39,6 +40,7 @@ class CollapseUndo {
 
   CollapseMesh& mesh_;
   std::span<const Vec3f> original_;
+  float near_;
   UninitializedArray<std::uint32_t> first_;  ///< By vertex: the first of its corners.
   UninitializedArray<std::uint32_t> next_;   ///< By corner: 4 * triangle + k.
   std::vector<std::uint32_t> pending_;

@@ -88,6 +88,7 @@ class Simplifier {
         mesh_(make_mesh(surface, options.threads)) {}
 
   Result<SimplifyReport> run() {
+    report_.max_distance = options_.max_distance;
     report_.triangles_before = surface_.triangles.size();
     for (int pass = 0; pass < kPasses; ++pass) {
       const std::uint32_t first = next_collapse_;
@@ -115,7 +116,9 @@ class Simplifier {
   void reopen(std::span<const std::uint32_t> changed);
   Result<void> count_input_crossings();
   Result<std::vector<std::uint32_t>> find_bad(std::span<const std::uint32_t> changed,
-                                              CollapseUndo& stars, DistanceProof& proof);
+                                              const CollapseUndo& stars, DistanceProof& proof);
+  void find_far(std::span<const std::uint32_t> changed, const CollapseUndo& stars,
+                DistanceProof& proof, std::vector<std::uint32_t>& bad);
   [[nodiscard]] std::vector<std::uint32_t> to_recheck(std::span<const std::uint32_t> changed,
                                                       const CollapseUndo& stars) const;
   void finish();
@@ -185,22 +188,48 @@ std::vector<std::uint32_t> Simplifier::to_recheck(std::span<const std::uint32_t>
     for (const std::uint32_t v : mesh_.triangles[t].v)
       stars.for_each_around(v, [&](std::uint32_t s) { is_near[s] = 1; });
   std::vector<std::uint32_t> found;
-  for (std::uint32_t i = 0; i < surface_.triangles.size(); ++i)
+  for (std::uint32_t i = 0; i < surface_.triangles.size(); ++i) {
+    if (!mesh_.triangles[i].is_dead() && stars.maker(i) == kNone) continue;  // as it was
     for (const std::uint32_t v : surface_.triangles[i])
       if (is_near[mesh_.attached_to[v]] != 0) {
         found.push_back(i);
         break;
       }
+  }
   return found;
 }
 
-/// Collapses whose triangles fail a proof.
+std::uint32_t later(std::uint32_t a, std::uint32_t b) {
+  if (a == kNone) return b;
+  return b == kNone ? a : std::max(a, b);
+}
+
+/// Adds collapses whose triangles are not proven near, to `bad`.
+void Simplifier::find_far(std::span<const std::uint32_t> changed, const CollapseUndo& stars,
+                          DistanceProof& proof, std::vector<std::uint32_t>& bad) {
+  std::vector<std::uint32_t> made;  // original ones need no proof
+  for (const std::uint32_t t : changed)
+    if (stars.maker(t) != kNone) made.push_back(t);
+  const DistanceReport to = proof.to_original(made, options_.threads);
+  for (const std::uint32_t t : to.failing) bad.push_back(stars.maker(t));
+  const DistanceReport from = proof.from_original(to_recheck(changed, stars), options_.threads);
+  for (const std::uint32_t t : from.failing) {
+    // Of what its corners are attached to, or else what took it away, at one of its corners.
+    std::uint32_t maker = kNone;
+    for (const std::uint32_t v : surface_.triangles[t])
+      maker = later(maker, stars.maker(mesh_.attached_to[v]));
+    if (maker == kNone)
+      for (const std::uint32_t v : surface_.triangles[t]) maker = later(maker, mesh_.last[v]);
+    bad.push_back(maker);
+  }
+  report_.proven_distance = std::max({report_.proven_distance, to.proven, from.proven});
+}
+
+/// Collapses whose triangles fail a proof, last first.
 Result<std::vector<std::uint32_t>> Simplifier::find_bad(std::span<const std::uint32_t> changed,
-                                                        CollapseUndo& stars, DistanceProof& proof) {
+                                                        const CollapseUndo& stars,
+                                                        DistanceProof& proof) {
   std::vector<std::uint32_t> bad;
-  const auto later = [](std::uint32_t a, std::uint32_t b) {
-    return a == kNone ? b : b == kNone ? a : std::max(a, b);
-  };
   LODE_TRY(const auto crossings, find_crossings(mesh_, changed, options_.threads, progress_));
   for (const auto& [s, t] : crossings) {
     const std::uint32_t maker = later(stars.maker(s), stars.maker(t));
@@ -209,17 +238,7 @@ Result<std::vector<std::uint32_t>> Simplifier::find_bad(std::span<const std::uin
     else
       meets_itself_already_ = true;
   }
-  const DistanceReport to = proof.to_original(changed, options_.threads);
-  for (const std::uint32_t t : to.failing)
-    bad.push_back(stars.maker(t));  // original ones need no proof
-  const DistanceReport from = proof.from_original(to_recheck(changed, stars), options_.threads);
-  for (const std::uint32_t t : from.failing) {
-    std::uint32_t maker = kNone;
-    for (const std::uint32_t v : surface_.triangles[t])
-      maker = later(maker, stars.maker(mesh_.attached_to[v]));
-    if (maker != kNone) bad.push_back(maker);
-  }
-  report_.proven_distance = std::max({report_.proven_distance, to.proven, from.proven});
+  find_far(changed, stars, proof, bad);
   sort_unique(bad);
   std::reverse(bad.begin(), bad.end());
   return bad;
@@ -228,7 +247,7 @@ Result<std::vector<std::uint32_t>> Simplifier::find_bad(std::span<const std::uin
 /// Proves what collapses from `first` on have made, and takes back what fails.
 Result<void> Simplifier::prove(std::uint32_t first) {
   progress_.report("proving", 0);
-  CollapseUndo stars(mesh_, surface_.positions);
+  CollapseUndo stars(mesh_, surface_.positions, static_cast<float>(0.3 * options_.max_distance));
   DistanceProof proof(surface_, mesh_, stars, options_.max_distance,
                       2.5 * std::sqrt(mean_area(surface_)));
   std::vector<std::uint32_t> changed;
@@ -318,7 +337,11 @@ Result<SimplifyReport> simplify_surface(Surface& surface, const SimplifyOptions&
   LODE_EXPECTS(surface.lines.empty() && surface.values.empty() && surface.origins.empty() &&
                surface.errors.empty());
   LODE_EXPECTS(options.max_distance > 0 && std::isfinite(options.max_distance));
-  if (surface.triangles.empty()) return SimplifyReport{};
+  if (surface.triangles.empty()) {
+    SimplifyReport report;
+    report.max_distance = options.max_distance;
+    return report;
+  }
   return simplification::Simplifier(surface, options, progress).run();
 }
 

@@ -21,6 +21,7 @@ struct SimplifySeconds {
 };
 
 struct SimplifyReport {
+  double max_distance = 0;  ///< As asked for.
   std::uint64_t triangles_before = 0;
   std::uint64_t triangles = 0;
   std::uint64_t collapses = 0;        ///< Edges that stay collapsed.

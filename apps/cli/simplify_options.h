@@ -1,0 +1,31 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "command.h"
+#include "text.h"
+
+namespace lode::cli {
+
+/// The options of bounded simplification as typed.
+struct SimplifyArguments {
+  bool is_wanted = false;
+  std::string max_distance;
+};
+
+void add_simplify_options(CLI::App& app, SimplifyArguments& arguments);
+
+/// Checks them, and sets the distance; where no tolerance is asked for, full resolution is what is
+/// simplified.
+[[nodiscard]] Result<void> apply_simplify_options(const SimplifyArguments& arguments,
+                                                  ExtractOptions& options);
+
+/// For a file's comment: ", simplified within ...", or nothing.
+[[nodiscard]] std::string simplify_comment(const ExtractReport& report);
+
+/// The keys and lines of what simplification did; none where there was none.
+void add_simplified(Json& json, const ExtractReport& report);
+void add_simplified(Table& table, const ExtractReport& report);
+
+}  // namespace lode::cli

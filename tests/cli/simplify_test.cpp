@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include "lode/api/files.h"
+#include "tests/cli/ball_fixture.h"
+
+namespace lode::test {
+namespace {
+
+class cli_simplify : public BallFixture {};
+
+TEST_F(cli_simplify, leaves_fewer_triangles_and_says_how_far) {
+  const Finished full = extract("full.ply", {"--isovalue", "100", "--max-error", "0", "--json"});
+  ASSERT_EQ(full.exit_code, 0) << full.err;
+  const Finished run =
+      extract("s.ply", {"--isovalue", "100", "--simplify", "--max-distance", "0.5", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json report = run.json();
+  const nlohmann::json& simplified = report.at("simplified");
+  EXPECT_EQ(report.at("max_error"), 0);
+  EXPECT_EQ(simplified.at("max_distance"), 0.5);
+  EXPECT_LE(simplified.at("proven_distance").get<double>(), 0.5);
+  EXPECT_GT(simplified.at("proven_distance").get<double>(), 0);
+  EXPECT_EQ(simplified.at("triangles_before"), full.json().at("triangles"));
+  EXPECT_EQ(simplified.at("triangles"), report.at("triangles"));
+  EXPECT_EQ(simplified.at("components_dropped"), 0);
+  EXPECT_EQ(simplified.at("input_crossings"), 0);
+  EXPECT_LT(report.at("triangles").get<int>(), full.json().at("triangles").get<int>() / 3);
+  const auto surface = read_surface(file("s.ply"));
+  ASSERT_TRUE(surface) << surface.error().message;
+  EXPECT_EQ(report.at("triangles"), surface->triangles.size());
+  EXPECT_EQ(report.at("vertices"), surface->positions.size());
+  EXPECT_EQ(surface->normals.size(), surface->positions.size());
+}
+
+TEST_F(cli_simplify, prints_what_it_did) {
+  const Finished run =
+      extract("s.ply", {"--isovalue", "100", "--simplify", "--max-distance", "0.5"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("either way (asked for: 0.5)"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("simplified"), std::string::npos) << run.out;
+}
+
+TEST_F(cli_simplify, gives_the_same_file_for_any_number_of_threads_and_memory_limit) {
+  const std::vector<std::string> options = {
+      "--isovalue", "100", "--max-error", "4", "--simplify", "--max-distance", "0.3"};
+  std::string first;
+  for (const char* threads : {"1", "2", "5"}) {
+    std::vector<std::string> with = options;
+    with.insert(with.end(), {"--threads", threads});
+    ASSERT_EQ(extract("s.ply", with).exit_code, 0);
+    const std::string bytes = read_bytes(file("s.ply"));
+    if (first.empty()) first = bytes;
+    EXPECT_EQ(bytes, first);
+  }
+}
+
+TEST_F(cli_simplify, refuses_what_it_cannot_do) {
+  const auto refuses = [&](std::vector<std::string> options, const char* why) {
+    const Finished run = extract("s.ply", options);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+    EXPECT_FALSE(std::filesystem::exists(file("s.ply")));
+  };
+  refuses({"--isovalue", "100", "--simplify"}, "expected --max-distance");
+  refuses({"--isovalue", "100", "--max-distance", "1"}, "expected --simplify");
+  refuses({"--isovalue", "100", "--simplify", "--max-distance", "0"}, "expected a number > 0");
+  refuses({"--isovalue", "100", "--simplify", "--max-distance", "1", "--close-border"},
+          "expected no --close-border");
+  refuses({"--isovalue", "100", "--simplify", "--max-distance", "1", "--section", "0,0,0:0,0,1"},
+          "expected no --mesh");
+}
+
+}  // namespace
+}  // namespace lode::test
