@@ -391,14 +391,15 @@ bool BlockSimplifier::attach_point(std::uint32_t point, const Vec3f& position,
 
 void BlockSimplifier::apply(std::uint32_t kept, std::uint32_t removed, const Vec3f& position) {
   const auto global = [&](std::uint32_t t) { return t == kNone ? kNone : triangle_ids_[t]; };
-  mesh_.collapses[next_collapse_] = {.kept = vertex_ids_[kept],
-                                     .removed = vertex_ids_[removed],
-                                     .dead = {global(dead_[0]), global(dead_[1])},
-                                     .kept_position = (flags_[kept] & kMovedFlag) != 0
-                                                          ? centre_ + this->position(kept)
-                                                          : mesh_.positions[vertex_ids_[kept]],
-                                     .last_kept = last_[kept],
-                                     .last_removed = last_[removed]};
+  mesh_.collapses[next_collapse_] = {
+      .kept = vertex_ids_[kept],
+      .removed = vertex_ids_[removed],
+      .dead = {global(dead_[0]), global(dead_[1])},
+      .kept_position = ((flags_[kept] & kMovedFlag) != 0 ? centre_ + this->position(kept)
+                                                         : mesh_.positions[vertex_ids_[kept]])
+                           .v,
+      .last_kept = last_[kept],
+      .last_removed = last_[removed]};
   for (std::uint32_t i = 0; i < n_new_; ++i) triangles_[new_triangles_[i].triangle].points = kNone;
   for (const auto& [point, i] : moves_) {
     std::uint32_t& first = triangles_[new_triangles_[i].triangle].points;

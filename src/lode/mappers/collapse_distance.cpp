@@ -270,16 +270,6 @@ class Cells {
   std::array<std::int32_t, kMaxCells * kMaxCells> is_marked_{};
 };
 
-/// Original triangles round original vertices.
-struct Surroundings {
-  std::span<const std::uint32_t> first;  ///< Empty where nobody has found them.
-  std::span<const std::uint32_t> triangles;
-
-  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t v) const {
-    return triangles.subspan(first[v], first[v + 1] - first[v]);
-  }
-};
-
 /// Pieces of a new triangle against original vertices near it, and where these are too far apart
 /// against original triangles round them. Which of the vertices is nearest is found in floats;
 /// whether it is near enough, in doubles.
@@ -364,8 +354,11 @@ class Cover {
     // Coordinates are below 2000 limits (more fail), so the rounding of floats is below a
     // thousandth of it, by which the limit is made smaller.
     const float limit2 = limit_ * limit_ * 0.996F;
-    for (std::size_t i = begin; i < end; ++i)
+    for (std::size_t i = begin; i < end; ++i) {
       cells_.mark(Vec3f{{local_[0][i], local_[1][i], local_[2][i]}}, limit2);
+      constexpr std::size_t kOften = 8;
+      if (i % kOften == 0 && cells_.are_all_marked()) return true;
+    }
     if (cells_.are_all_marked()) return true;
     if (!around_.first.empty()) {
       mark_by_triangles(piece, begin, end, limit2);
@@ -520,7 +513,10 @@ void DistanceProof::for_each_near(std::uint32_t triangle, const Add& add) const 
   const auto add_points = [&](std::uint32_t t) {
     for (std::uint32_t p = mesh_.triangles[t].points; p != kNone; p = mesh_.next_point[p]) add(p);
   };
-  stars_.for_each_around(v[0], add_points);
+  add_points(triangle);  // first, as they are likely to be enough
+  stars_.for_each_around(v[0], [&](std::uint32_t t) {
+    if (t != triangle) add_points(t);
+  });
   stars_.for_each_around(v[1], [&](std::uint32_t t) {
     const auto& w = mesh_.triangles[t].v;
     if (w[0] != v[0] && w[1] != v[0] && w[2] != v[0]) add_points(t);
@@ -534,10 +530,9 @@ void DistanceProof::for_each_near(std::uint32_t triangle, const Add& add) const 
 }
 
 DistanceReport DistanceProof::cover(std::span<const std::uint32_t> triangles,
-                                    Threads threads) const {
-  std::vector<Cover> covers(
-      static_cast<std::size_t>(n_workers(threads)),
-      Cover(original_, {first_around_, around_}, limit_ * (1 - 2 * kRounding), longest_edge_));
+                                    const Surroundings& around, Threads threads) const {
+  std::vector<Cover> covers(static_cast<std::size_t>(n_workers(threads)),
+                            Cover(original_, around, limit_ * (1 - 2 * kRounding), longest_edge_));
   return collect(triangles, limit_, threads, [&](std::uint32_t t, int worker) {
     Cover& own = covers[static_cast<std::size_t>(worker)];
     const Piece triangle = widened_corners(corners(mesh_, t));
@@ -549,11 +544,10 @@ DistanceReport DistanceProof::cover(std::span<const std::uint32_t> triangles,
 
 DistanceReport DistanceProof::to_original(std::span<const std::uint32_t> triangles,
                                           Threads threads) {
-  first_around_.clear();
-  const DistanceReport report = cover(triangles, threads);
+  const DistanceReport report = cover(triangles, {}, threads);
   if (report.failing.empty()) return report;
-  find_triangles_around();
-  DistanceReport again = cover(report.failing, threads);
+  if (first_around_.empty()) find_triangles_around();
+  DistanceReport again = cover(report.failing, {first_around_, around_}, threads);
   again.proven = std::max(again.proven, report.proven);
   return again;
 }

@@ -17,6 +17,16 @@ struct DistanceReport {
   std::vector<std::uint32_t> failing;  ///< Triangles without a proof.
 };
 
+/// Original triangles round original vertices.
+struct Surroundings {
+  std::span<const std::uint32_t> first;  ///< Empty where nobody has found them.
+  std::span<const std::uint32_t> triangles;
+
+  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t v) const {
+    return triangles.subspan(first[v], first[v + 1] - first[v]);
+  }
+};
+
 /// Proves, in both directions, that no point is farther than a limit. A triangle, or a piece of it
 /// where it is cut in four again and again, is near where its three corners are near one convex
 /// set: the distance to such a set is a convex function. Original triangles and their pieces are
@@ -46,7 +56,7 @@ class DistanceProof {
 
   [[nodiscard]] double bound_from(std::uint32_t triangle) const;
   [[nodiscard]] DistanceReport cover(std::span<const std::uint32_t> triangles,
-                                     Threads threads) const;
+                                     const Surroundings& around, Threads threads) const;
   template <typename Add>
   void for_each_near(std::uint32_t triangle, const Add& add) const;
   [[nodiscard]] Corners original_corners(std::uint32_t triangle) const;

@@ -27,9 +27,9 @@ struct WorkTriangle {
 struct Collapse {
   std::uint32_t kept;
   std::uint32_t removed;
-  std::array<std::uint32_t, 2> dead;  ///< One of them at an edge of the border: the other kNone.
-  Vec3f kept_position;                ///< Before.
-  std::uint32_t last_kept;            ///< What CollapseMesh::last was before.
+  std::array<std::uint32_t, 2> dead;   ///< One of them at an edge of the border: the other kNone.
+  std::array<float, 3> kept_position;  ///< Before.
+  std::uint32_t last_kept;             ///< What CollapseMesh::last was before.
   std::uint32_t last_removed;
 };
 

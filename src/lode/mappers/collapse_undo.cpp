@@ -68,7 +68,7 @@ void CollapseUndo::undo_one(const Collapse& collapse, std::vector<std::uint32_t>
   for_each_around(collapse.kept, take_points);
   mesh_.last[collapse.kept] = collapse.last_kept;
   mesh_.last[collapse.removed] = collapse.last_removed;
-  mesh_.positions[collapse.kept] = collapse.kept_position;
+  mesh_.positions[collapse.kept].v = collapse.kept_position;
   first_[collapse.removed] = kNone;
   move_fan(collapse);
   for (const std::uint32_t t : collapse.dead) {

@@ -51,7 +51,7 @@ CollapseMesh make_mesh(const Surface& surface, Threads threads) {
   mesh.attached_to.resize(n);
   mesh.last.resize(n);
   mesh.triangles.resize(surface.triangles.size());
-  mesh.collapses.resize(surface.triangles.size());
+  mesh.collapses.reserve(2 * surface.triangles.size());  // only what is used comes into memory
   constexpr std::size_t kCopied = 1 << 16;
   parallel_for((n + kCopied - 1) / kCopied, threads, 1, [&](std::size_t chunk, int) {
     for (std::size_t v = chunk * kCopied; v < std::min(n, (chunk + 1) * kCopied); ++v) {
