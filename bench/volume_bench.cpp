@@ -16,6 +16,7 @@
 
 #include "bench/peers/flying_edges.h"
 #include "bench/report.h"
+#include "bench/surface_distance.h"
 #include "bench/volume_cases.h"
 #include "lode/api/dataset.h"
 #include "lode/core/stopwatch.h"
@@ -28,6 +29,7 @@ constexpr Threads kThreads{2};
 struct Settings {
   std::string only;  ///< Only cases whose name contains this.
   std::string json_path;
+  bool is_simplified = false;  ///< Only the rows of simplification.
 };
 
 /// Prints each row when it is known and keeps it for the JSON.
@@ -204,14 +206,56 @@ Result<void> run_adaptive(const VolumeCase& volume_case, const Volume& volume,
   return {};
 }
 
-Result<void> run_case(const VolumeCase& volume_case, Table& table) {
+/// Simplified within one voxel, against decimation to as many triangles. Each side's surface is
+/// held against its own full resolution; only ours promises anything.
+Result<void> run_simplified(const VolumeCase& volume_case, const Volume& volume,
+                            const Dataset& dataset, Table& table) {
+  const Vec3d& spacing = volume.info.grid.spacing;
+  const double voxel = std::min({spacing[0], spacing[1], spacing[2]});
+  ExtractOptions options{.isovalues = {volume_case.isovalue},
+                         .max_error = 0,
+                         .normals = Normals::off,
+                         .threads = kThreads};
+  Progress progress;
+  Surface full;
+  LODE_CHECK(dataset.extract(options, full, progress));
+  options.simplify_distance = voxel;
+  Timed ours;
+  Surface surface;
+  double proven = 0;
+  const Work work = [&]() -> Result<void> {
+    LODE_TRY(const ExtractReport report, dataset.extract(options, surface, progress));
+    ours.triangles = report.triangles;
+    proven = report.simplified->proven_distance;
+    return {};
+  };
+  LODE_TRY(ours.seconds, time_runs(volume_case.name, work));
+  FlyingEdges peer(volume, volume_case.isovalue, PeerNormals::off);
+  const auto decimate = [&] { return peer.extract_and_decimate(ours.triangles); };
+  LODE_TRY(const Timed theirs, time_peer(volume_case, decimate));
+  const Surface decimated = peer.surface();
+  LODE_CHECK(peer.extract());
+  const TwoSidedDistance own = measure_distance(full, surface, voxel / 3, kThreads);
+  const TwoSidedDistance other = measure_distance(peer.surface(), decimated, voxel / 3, kThreads);
+  table.add(versus("simplified/" + volume_case.name, ours,
+                   "vtkFlyingEdges3D + vtkQuadricDecimation", theirs,
+                   fmt::format("in voxels, measured from and to full resolution: ours {:.3f} and "
+                               "{:.3f} (proven {:.3f}), theirs {:.3f} and {:.3f}",
+                               own.from_first / voxel, own.from_second / voxel, proven / voxel,
+                               other.from_first / voxel, other.from_second / voxel)));
+  return {};
+}
+
+Result<void> run_case(const VolumeCase& volume_case, const Settings& settings, Table& table) {
   LODE_TRY(const Volume volume, load(volume_case));
   LODE_TRY(const Dataset dataset, run_build(volume_case, volume, table));
+  if (settings.is_simplified) return run_simplified(volume_case, volume, dataset, table);
   LODE_TRY(const Timed peer, run_full(volume_case, volume, dataset, Normals::off, table));
   LODE_CHECK(run_cubes(volume_case, dataset, peer, table));
   LODE_CHECK(run_full_otherwise(volume_case, dataset, peer, table));
   LODE_CHECK(run_full(volume_case, volume, dataset, Normals::on, table));
-  return run_adaptive(volume_case, volume, dataset, peer, table);
+  LODE_CHECK(run_adaptive(volume_case, volume, dataset, peer, table));
+  return run_simplified(volume_case, volume, dataset, table);
 }
 
 int run(const Settings& settings) {
@@ -219,7 +263,7 @@ int run(const Settings& settings) {
   Table table;
   for (const VolumeCase& volume_case : volume_cases()) {
     if (volume_case.name.find(settings.only) == std::string::npos) continue;
-    if (auto done = run_case(volume_case, table); !done)
+    if (auto done = run_case(volume_case, settings, table); !done)
       table.add({.name = volume_case.name, .note = done.error().message});
   }
   if (settings.json_path.empty()) return 0;
@@ -241,6 +285,7 @@ int main(int argc, char** argv) {
   CLI::App app("Times building and extracting volumes against VTK.");
   lode::bench::Settings settings;
   app.add_option("--only", settings.only, "Only cases whose name contains this");
+  app.add_flag("--simplified", settings.is_simplified, "Only build and simplified surfaces");
   app.add_option("--json", settings.json_path, "Also write the rows to this file");
   CLI11_PARSE(app, argc, argv);
   return lode::bench::run(settings);

@@ -1,5 +1,6 @@
 #include "bench/peers/flying_edges.h"
 
+#include <vtkCellArray.h>
 #include <vtkDataArray.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
@@ -81,12 +82,25 @@ class FlyingEdges::Pipeline {
   vtkPolyData* run() {
     filter_->Modified();
     filter_->Update();
-    return filter_->GetOutput();
+    last_ = filter_->GetOutput();
+    return last_;
   }
+  vtkPolyData* decimate(double reduction) {
+    decimation_->SetInputData(filter_->GetOutput());
+    decimation_->SetTargetReduction(reduction);
+    decimation_->Modified();
+    decimation_->Update();
+    last_ = decimation_->GetOutput();
+    return last_;
+  }
+  /// Of the last of them that ran.
+  [[nodiscard]] vtkPolyData* last() const { return last_; }
 
  private:
   vtkNew<vtkImageData> image_;
   vtkNew<vtkFlyingEdges3D> filter_;
+  vtkNew<vtkQuadricDecimation> decimation_;
+  vtkPolyData* last_ = nullptr;
 };
 
 std::string describe_peer() {
@@ -115,11 +129,27 @@ Result<PeerCounts> FlyingEdges::extract_and_decimate(std::uint64_t target) {
   if (surface == nullptr) return fail("vtkFlyingEdges3D: expected a surface, got no output");
   const auto full = static_cast<double>(surface->GetNumberOfPolys());
   if (full == 0) return PeerCounts{};
-  vtkNew<vtkQuadricDecimation> decimation;
-  decimation->SetInputData(surface);
-  decimation->SetTargetReduction(std::clamp(1.0 - static_cast<double>(target) / full, 0.0, 1.0));
-  decimation->Update();
-  return counts_of(*decimation->GetOutput());
+  return counts_of(
+      *pipeline_->decimate(std::clamp(1.0 - static_cast<double>(target) / full, 0.0, 1.0)));
+}
+
+Surface FlyingEdges::surface() const {
+  Surface surface;
+  vtkPolyData* from = pipeline_->last();
+  if (from == nullptr) return surface;
+  for (vtkIdType v = 0; v < from->GetNumberOfPoints(); ++v) {
+    const double* p = from->GetPoint(v);
+    surface.positions.push_back(
+        {{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}});
+  }
+  vtkIdType n = 0;
+  const vtkIdType* ids = nullptr;
+  vtkCellArray* cells = from->GetPolys();
+  for (cells->InitTraversal(); cells->GetNextCell(n, ids) != 0;)
+    surface.triangles.push_back({static_cast<std::uint32_t>(ids[0]),
+                                 static_cast<std::uint32_t>(ids[1]),
+                                 static_cast<std::uint32_t>(ids[2])});
+  return surface;
 }
 
 }  // namespace lode::bench

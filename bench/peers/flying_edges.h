@@ -5,6 +5,7 @@
 #include <string>
 
 #include "lode/core/result.h"
+#include "lode/core/surface.h"
 #include "lode/core/volume.h"
 
 namespace lode::bench {
@@ -32,6 +33,8 @@ class FlyingEdges {
   [[nodiscard]] Result<PeerCounts> extract();
   /// extract(), then vtkQuadricDecimation down to about `target` triangles.
   [[nodiscard]] Result<PeerCounts> extract_and_decimate(std::uint64_t target);
+  /// The surface that the last call left.
+  [[nodiscard]] Surface surface() const;
   /// How the peer's input differs from ours, for the row; empty when it does not.
   [[nodiscard]] const std::string& note() const { return note_; }
 
