@@ -399,7 +399,10 @@ class Cover {
         low[i] = std::min({target[0][i], target[1][i], target[2][i]});
         high[i] = std::max({target[0][i], target[1][i], target[2][i]});
       }
-      if (is_near(low, high, limit_)) cells_.mark(target, limit2);
+      // Of a sliver floats know the direction to 6e-6, which along 100 limits is a thousandth.
+      const bool is_small =
+          std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]}) < 100 * limit_;
+      if (is_small && is_near(low, high, limit_)) cells_.mark(target, limit2);
     }
   }
 
