@@ -179,8 +179,10 @@ std::string extraction_text(const Extraction& extraction) {
   table.add({"achieved error", format_number(report.achieved_error)});
   table.add({"coordinate slack", format_number(report.coordinate_slack)});
   if (extraction.options.style == SurfaceStyle::cubes) {
+    const char* when = report.simplified ? ", before it was simplified" : "";
     table.add({"style", "cubes: vertices on grid edges alone"});
-    table.add({"|F - isovalue|", fmt::format("at most {}", format_number(report.style_error))});
+    table.add(
+        {"|F - isovalue|", fmt::format("at most {}{}", format_number(report.style_error), when)});
     table.add({"from F = isovalue",
                fmt::format("at most {} away, measured in {}", format_number(report.style_distance),
                            format_seconds(report.seconds.measure))});

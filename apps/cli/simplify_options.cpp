@@ -58,9 +58,10 @@ void add_simplified(Table& table, const ExtractReport& report) {
   table.add({"simplified", fmt::format("from {} triangles, {} collapses ({} undone)",
                                        format_count(done.triangles_before),
                                        format_count(done.collapses), format_count(done.undone))});
-  table.add({"distance",
-             fmt::format("at most {} either way (asked for: {}), no piece dropped",
-                         format_number(done.proven_distance), format_number(done.max_distance))});
+  table.add(
+      {"distance",
+       fmt::format("at most {} from the surface before and back (asked for: {}), no piece dropped",
+                   format_number(done.proven_distance), format_number(done.max_distance))});
   if (done.input_crossings > 0)
     table.add({"met itself before", format_count(done.input_crossings) + " pairs of triangles"});
   table.add({"simplify", fmt::format("{} (collapse {:.3f}, prove {:.3f}, finish {:.3f})",

@@ -36,7 +36,8 @@ TEST_F(cli_simplify, prints_what_it_did) {
   const Finished run =
       extract("s.ply", {"--isovalue", "100", "--simplify", "--max-distance", "0.5"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.out.find("either way (asked for: 0.5)"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("from the surface before and back (asked for: 0.5)"), std::string::npos)
+      << run.out;
   EXPECT_NE(run.out.find("simplified"), std::string::npos) << run.out;
 }
 

@@ -109,6 +109,7 @@ struct ExtractReport {
   std::uint64_t open_edges = 0;          ///< With a closed border: edges at holes, still open.
   std::uint64_t components_dropped = 0;  ///< By min_component.
   std::uint64_t triangles_dropped = 0;   ///< Their triangles (lines).
+  /// Errors and distances above are those of the surface before it.
   std::optional<SimplifyReport> simplified;
   std::uint64_t bytes_read = 0;   ///< Of the file, for this query; 0 from memory.
   std::uint64_t blocks_read = 0;  ///< Likewise.
