@@ -27,6 +27,13 @@ struct ExtractArguments {
   SimplifyArguments simplify;
   ReadingArguments reading;
 
+  /// What is simplified is of full resolution unless something else is asked for.
+  [[nodiscard]] ExtractionArguments plain() const {
+    ExtractionArguments all = extraction;
+    if (simplify.is_wanted && all.max_error.empty()) all.max_error = "0";
+    return all;
+  }
+
   [[nodiscard]] MeshJob mesh_job() const {
     return {input, output, memory_limit, extraction, query, reading};
   }
@@ -77,7 +84,7 @@ Result<void> check_extract(const ExtractArguments& arguments) {
         "it");
   if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
   if (arguments.query.is_focused()) return check_focused_job(arguments.mesh_job());
-  LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
+  LODE_TRY(ExtractOptions options, to_extract_options(arguments.plain()));
   LODE_CHECK(apply_simplify_options(arguments.simplify, options));
   if (options.isovalues.empty()) return fail("--isovalue: expected at least one value, got none");
   LODE_CHECK(check_surface_extension(arguments.output));
@@ -238,7 +245,7 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
 }
 
 Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
-  LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
+  LODE_TRY(ExtractOptions options, to_extract_options(arguments.plain()));
   LODE_CHECK(apply_simplify_options(arguments.simplify, options));
   options.threads = session.threads();
   options.deviation = Deviation::measured;

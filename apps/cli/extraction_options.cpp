@@ -118,8 +118,10 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
   json["achieved_error"] = report.achieved_error;
   if (options.style == SurfaceStyle::cubes) {
     json["style"] = "cubes";
-    json["style_error"] = report.style_error;
-    json["style_distance"] = report.style_distance;
+    if (options.deviation == Deviation::measured) {
+      json["style_error"] = report.style_error;
+      json["style_distance"] = report.style_distance;
+    }
   }
   json["triangles"] = report.triangles;
   json["lines"] = report.lines;

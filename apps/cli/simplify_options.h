@@ -16,8 +16,7 @@ struct SimplifyArguments {
 
 void add_simplify_options(CLI::App& app, SimplifyArguments& arguments);
 
-/// Checks them, and sets the distance; where no tolerance is asked for, full resolution is what is
-/// simplified.
+/// Checks them, and sets the distance.
 [[nodiscard]] Result<void> apply_simplify_options(const SimplifyArguments& arguments,
                                                   ExtractOptions& options);
 

@@ -278,6 +278,23 @@ double border_length(const Surface& surface, std::size_t i, float x) {
   return sum;
 }
 
+TEST(simplify_surface, is_the_same_in_any_unit) {
+  const Surface surface = make_rough_sphere(0.6);
+  const Surface expected = simplified(surface, 0.6);
+  EXPECT_LT(expected.triangles.size(), surface.triangles.size() / 2);
+  for (const int exponent : {-60, -30, -13, 13, 30, 60}) {
+    Surface scaled = surface;
+    for (Vec3f& p : scaled.positions)
+      for (float& x : p.v) x = std::ldexp(x, exponent);
+    const Surface result = simplified(scaled, std::ldexp(0.6, exponent));
+    EXPECT_EQ(result.triangles, expected.triangles);
+    ASSERT_EQ(result.positions.size(), expected.positions.size());
+    for (std::size_t v = 0; v < result.positions.size(); ++v)
+      for (std::size_t i = 0; i < 3; ++i)
+        ASSERT_EQ(result.positions[v][i], std::ldexp(expected.positions[v][i], exponent));
+  }
+}
+
 TEST(simplify_surface, keeps_the_border_in_its_planes) {
   const Surface surface = make_hills(50, 0.1, 3);
   const Surface simple = simplified(surface, 0.25);

@@ -464,6 +464,9 @@ Result<VerifyReport> Dataset::verify_against(VolumeSource& original, Threads thr
 
 Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const ExtractOptions& options,
                                              Progress& progress) const try {
+  if (options.simplify_distance)
+    return fail(
+        "verifying a surface: expected none that was simplified, which is no level set any more");
   ExtractOptions again = options;
   again.normals = Normals::off;
   again.deviation = Deviation::measured;

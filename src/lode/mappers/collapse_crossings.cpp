@@ -105,7 +105,10 @@ class CoarseBoxes {
     for (int z = index(box.lower[2], 2); z <= index(box.upper[2], 2); ++z)
       for (int y = index(box.lower[1], 1); y <= index(box.upper[1], 1); ++y)
         for (int x = index(box.lower[0], 0); x <= index(box.upper[0], 0); ++x)
-          if (visit_cell(static_cast<std::size_t>((z * kCells + y) * kCells + x))) return true;
+          if (visit_cell((static_cast<std::size_t>(z) * kCells + static_cast<std::size_t>(y)) *
+                             kCells +
+                         static_cast<std::size_t>(x)))
+            return true;
     return false;
   }
 

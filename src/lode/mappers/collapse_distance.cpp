@@ -112,7 +112,8 @@ class Cells {
     for (std::size_t row = 0; row < n; ++row)
       for (std::size_t at = 0; at <= 2 * row; ++at, ++cell) {
         // Thirds of the way from t[0]: of an upright cell's corners, or of one upside down.
-        const auto c = static_cast<float>(at / 2) + (at % 2 == 0 ? 1.0F : 2.0F) / 3.0F;
+        const std::size_t column = at / 2;
+        const auto c = static_cast<float>(column) + (at % 2 == 0 ? 1.0F : 2.0F) / 3.0F;
         const auto r = static_cast<float>(row) + (at % 2 == 0 ? 2.0F : 1.0F) / 3.0F;
         const float b = r - c;
         x_[cell] = b * bx + c * cx;
@@ -209,49 +210,51 @@ class Cells {
       above = below;
     }
   }
-  /// Which corners of cells are within the limit of a triangle.
+  /// Which corners of cells are within the limit of a triangle. In doubles: beside a long sliver
+  /// floats would take points beyond its ends for points over it.
   void find_near(const std::array<Vec3f, 3>& t, float limit2,
                  std::array<std::int32_t, kMaxPoints>& is_near) const {
-    const Vec3f u = t[1] - t[0];
-    const Vec3f v = t[2] - t[0];
-    const Vec3f e = v - u;
-    const Vec3f n = cross(u, v);
-    const float uu = dot(u, u);
-    const float uv = dot(u, v);
-    const float vv = dot(v, v);
-    const float ee = dot(e, e);
-    const float nn = dot(n, n);
-    // Of a sliver the edges are enough, and what is inside it floats cannot say.
-    const bool has_inside = nn > 1e-4F * uu * vv;
-    const float tiny = std::numeric_limits<float>::min();
-    const float over_uu = 1 / std::max(uu, tiny);
-    const float over_vv = 1 / std::max(vv, tiny);
-    const float over_ee = 1 / std::max(ee, tiny);
-    const float over_nn = has_inside ? 1 / nn : 0;
-    const float area = has_inside ? nn : -1;
+    const Vec3d first = widened(t[0]);
+    const Vec3d u = widened(t[1]) - first;
+    const Vec3d v = widened(t[2]) - first;
+    const Vec3d e = v - u;
+    const Vec3d n = cross(u, v);
+    const double uu = dot(u, u);
+    const double uv = dot(u, v);
+    const double vv = dot(v, v);
+    const double ee = dot(e, e);
+    const double nn = dot(n, n);
+    // Of a sliver the edges are enough.
+    const bool has_inside = nn > 1e-4 * uu * vv;
+    const double tiny = std::numeric_limits<double>::min();
+    const double over_uu = 1 / std::max(uu, tiny);
+    const double over_vv = 1 / std::max(vv, tiny);
+    const double over_ee = 1 / std::max(ee, tiny);
+    const double over_nn = has_inside ? 1 / nn : 0;
+    const double area = has_inside ? nn : -1;
     for (std::size_t i = 0; i < n_points_; ++i) {
-      const float x = points_[0][i] - t[0][0];
-      const float y = points_[1][i] - t[0][1];
-      const float z = points_[2][i] - t[0][2];
-      const float qu = x * u[0] + y * u[1] + z * u[2];
-      const float qv = x * v[0] + y * v[1] + z * v[2];
-      const float qn = x * n[0] + y * n[1] + z * n[2];
-      const float s = vv * qu - uv * qv;
-      const float r = uu * qv - uv * qu;
-      const auto to_line = [&](const Vec3f& d, float along, float px, float py, float pz) {
-        const float clamped = std::min(std::max(along, 0.0F), 1.0F);
-        const float dx = px - clamped * d[0];
-        const float dy = py - clamped * d[1];
-        const float dz = pz - clamped * d[2];
+      const double x = static_cast<double>(points_[0][i]) - first[0];
+      const double y = static_cast<double>(points_[1][i]) - first[1];
+      const double z = static_cast<double>(points_[2][i]) - first[2];
+      const double qu = x * u[0] + y * u[1] + z * u[2];
+      const double qv = x * v[0] + y * v[1] + z * v[2];
+      const double qn = x * n[0] + y * n[1] + z * n[2];
+      const double s = vv * qu - uv * qv;
+      const double r = uu * qv - uv * qu;
+      const auto to_line = [&](const Vec3d& d, double along, double px, double py, double pz) {
+        const double clamped = std::min(std::max(along, 0.0), 1.0);
+        const double dx = px - clamped * d[0];
+        const double dy = py - clamped * d[1];
+        const double dz = pz - clamped * d[2];
         return dx * dx + dy * dy + dz * dz;
       };
-      const float along = (qv - qu - uv + uu) * over_ee;  // (q - u) . e
-      const float edges =
+      const double along = (qv - qu - uv + uu) * over_ee;  // (q - u) . e
+      const double edges =
           std::min(std::min(to_line(u, qu * over_uu, x, y, z), to_line(v, qv * over_vv, x, y, z)),
                    to_line(e, along, x - u[0], y - u[1], z - u[2]));
       const bool is_inside = (s >= 0) & (r >= 0) & (s + r <= area);
-      const float distance2 = is_inside ? qn * qn * over_nn : edges;
-      is_near[i] = static_cast<std::int32_t>(distance2 <= limit2);
+      const double distance2 = is_inside ? qn * qn * over_nn : edges;
+      is_near[i] = static_cast<std::int32_t>(distance2 <= static_cast<double>(limit2));
     }
   }
   static Vec3f narrowed(const Vec3d& p) {
@@ -270,9 +273,8 @@ class Cells {
   std::array<std::int32_t, kMaxCells * kMaxCells> is_marked_{};
 };
 
-/// Pieces of a new triangle against original vertices near it, and where these are too far apart
-/// against original triangles round them. Which of the vertices is nearest is found in floats;
-/// whether it is near enough, in doubles.
+/// Pieces of a new triangle against original vertices near it, in floats with a margin, and where
+/// these are too far apart against original triangles round them.
 class Cover {
  public:
   Cover(const Surface& original, const Surroundings& around, double limit, float longest_edge)
@@ -304,7 +306,9 @@ class Cover {
         if (p[i] < lower_[i] || p[i] > upper_[i]) return;
     push(vertex, local_position(p));
   }
+  /// Or gives up: what takes too long counts as not covered.
   [[nodiscard]] bool covers(const Piece& triangle) {
+    n_tests_ = 0;
     for (std::size_t i = 0; i < 3; ++i)
       if (upper_[i] - lower_[i] > 2000 * static_cast<double>(limit_)) return false;
     constexpr int kDepth = 10;
@@ -346,7 +350,7 @@ class Cover {
 
   /// Vertices [begin, end) of the lists are those that may be near the piece.
   bool covers_part(const Piece& piece, std::size_t begin, std::size_t end, int depth) {
-    if (begin == end || depth == 0) return false;
+    if (begin == end || depth == 0 || n_tests_ > kMostTests) return false;
     const double cells = std::ceil(radius_of(piece) / (kCellRadius * limit_));
     if (cells > kMaxCells) return covers_quarters(piece, begin, end, depth);
     const auto n = static_cast<std::size_t>(cells);
@@ -356,6 +360,7 @@ class Cover {
     const float limit2 = limit_ * limit_ * 0.996F;
     for (std::size_t i = begin; i < end; ++i) {
       cells_.mark(Vec3f{{local_[0][i], local_[1][i], local_[2][i]}}, limit2);
+      ++n_tests_;
       constexpr std::size_t kOften = 8;
       if (i % kOften == 0 && cells_.are_all_marked()) return true;
     }
@@ -375,10 +380,10 @@ class Cover {
   /// By triangles near what is not marked yet.
   void mark_by_triangles(const Piece& piece, std::size_t begin, std::size_t end, float limit2) {
     cells_.place_points(piece, lower_);
-    const auto [lower, upper] = cells_.unmarked_box();
+    const std::pair<Vec3f, Vec3f> box = cells_.unmarked_box();
     const auto is_near = [&](const Vec3f& low, const Vec3f& high, float reach) {
       for (std::size_t i = 0; i < 3; ++i)
-        if (low[i] > upper[i] + reach || high[i] < lower[i] - reach) return false;
+        if (low[i] > box.second[i] + reach || high[i] < box.first[i] - reach) return false;
       return true;
     };
     near_.clear();
@@ -402,7 +407,10 @@ class Cover {
       // Of a sliver floats know the direction to 6e-6, which along 100 limits is a thousandth.
       const bool is_small =
           std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]}) < 100 * limit_;
-      if (is_small && is_near(low, high, limit_)) cells_.mark(target, limit2);
+      if (is_small && is_near(low, high, limit_)) {
+        cells_.mark(target, limit2);
+        n_tests_ += kCorners;
+      }
     }
   }
 
@@ -424,8 +432,14 @@ class Cover {
     return covers;
   }
 
+  /// Cells against a vertex; their corners against a triangle take as long as a few of these. Most
+  /// triangles take some hundred.
+  static constexpr std::size_t kMostTests = 20'000;
+  static constexpr std::size_t kCorners = 4;
+
   const Surface& original_;
   Surroundings around_;
+  std::size_t n_tests_ = 0;
   float limit_;
   float longest_edge_;  ///< About, of original triangles.
   Vec3d lower_;
@@ -440,13 +454,14 @@ class Cover {
 /// bound(triangle, worker), squared, of each in parallel.
 template <typename Bound>
 DistanceReport collect(std::span<const std::uint32_t> triangles, double limit, Threads threads,
-                       const Bound& bound) {
+                       const Progress& progress, const Bound& bound) {
   constexpr std::size_t kChunk = 2048;
   std::vector<DistanceReport> parts((triangles.size() + kChunk - 1) / kChunk);
   parallel_for(parts.size(), threads, 1, [&](std::size_t chunk, int worker) {
     DistanceReport& part = parts[chunk];
     for (const std::uint32_t t :
          triangles.subspan(chunk * kChunk, std::min(kChunk, triangles.size() - chunk * kChunk))) {
+      if (progress.is_cancelled()) return;
       const double here = std::sqrt(bound(t, worker)) * (1 + kRounding);
       if (here <= limit)
         part.proven = std::max(part.proven, here);
@@ -505,7 +520,7 @@ double DistanceProof::bound_from(std::uint32_t triangle) const {
 
 DistanceReport DistanceProof::from_original(std::span<const std::uint32_t> triangles,
                                             Threads threads) const {
-  return collect(triangles, limit_, threads,
+  return collect(triangles, limit_, threads, progress_,
                  [this](std::uint32_t t, int) { return bound_from(t); });
 }
 
@@ -536,7 +551,7 @@ DistanceReport DistanceProof::cover(std::span<const std::uint32_t> triangles,
                                     const Surroundings& around, Threads threads) const {
   std::vector<Cover> covers(static_cast<std::size_t>(n_workers(threads)),
                             Cover(original_, around, limit_ * (1 - 2 * kRounding), longest_edge_));
-  return collect(triangles, limit_, threads, [&](std::uint32_t t, int worker) {
+  return collect(triangles, limit_, threads, progress_, [&](std::uint32_t t, int worker) {
     Cover& own = covers[static_cast<std::size_t>(worker)];
     const Piece triangle = widened_corners(corners(mesh_, t));
     own.begin(triangle);
@@ -547,7 +562,7 @@ DistanceReport DistanceProof::cover(std::span<const std::uint32_t> triangles,
 
 DistanceReport DistanceProof::to_original(std::span<const std::uint32_t> triangles,
                                           Threads threads) {
-  const DistanceReport report = cover(triangles, {}, threads);
+  DistanceReport report = cover(triangles, {}, threads);
   if (report.failing.empty()) return report;
   if (first_around_.empty()) find_triangles_around();
   DistanceReport again = cover(report.failing, {first_around_, around_}, threads);

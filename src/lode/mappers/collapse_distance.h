@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lode/core/parallel.h"
+#include "lode/core/progress.h"
 #include "lode/core/surface.h"
 #include "lode/mappers/collapse_undo.h"
 
@@ -36,13 +37,15 @@ struct Surroundings {
 class DistanceProof {
  public:
   /// `edge`: about the longest of original triangles; how far to look round original vertices.
+  /// Where it is cancelled, reports are not complete.
   DistanceProof(const Surface& original, const CollapseMesh& mesh, const CollapseUndo& stars,
-                double limit, double edge)
+                double limit, double edge, const Progress& progress)
       : original_(original),
         mesh_(mesh),
         stars_(stars),
         limit_(limit),
-        longest_edge_(static_cast<float>(edge)) {}
+        longest_edge_(static_cast<float>(edge)),
+        progress_(progress) {}
 
   /// From all points of original triangles to the new surface.
   [[nodiscard]] DistanceReport from_original(std::span<const std::uint32_t> triangles,
@@ -67,6 +70,7 @@ class DistanceProof {
   const CollapseUndo& stars_;
   double limit_;
   float longest_edge_;
+  const Progress& progress_;
   std::vector<std::uint32_t> first_around_;  ///< Original triangles round original vertices,
   std::vector<std::uint32_t> around_;        ///< once they are wanted.
 };

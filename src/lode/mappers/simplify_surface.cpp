@@ -239,6 +239,7 @@ Result<std::vector<std::uint32_t>> Simplifier::find_bad(std::span<const std::uin
       meets_itself_already_ = true;
   }
   find_far(changed, stars, proof, bad);
+  if (progress_.is_cancelled()) return cancelled_error();
   sort_unique(bad);
   std::reverse(bad.begin(), bad.end());
   return bad;
@@ -249,7 +250,7 @@ Result<void> Simplifier::prove(std::uint32_t first) {
   progress_.report("proving", 0);
   CollapseUndo stars(mesh_, surface_.positions, static_cast<float>(0.3 * options_.max_distance));
   DistanceProof proof(surface_, mesh_, stars, options_.max_distance,
-                      2.5 * std::sqrt(mean_area(surface_)));
+                      2.5 * std::sqrt(mean_area(surface_)), progress_);
   std::vector<std::uint32_t> changed;
   for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
     if (mesh_.triangles[t].is_dead()) continue;
@@ -309,8 +310,9 @@ void Simplifier::finish_vertices() {
 }
 
 void Simplifier::finish() {
-  finish_vertices();
+  // All the memory that is needed, while the surface is as it was.
   std::vector<std::uint32_t> number(mesh_.positions.size(), kNone);
+  finish_vertices();
   std::uint32_t n = 0;
   for (std::uint32_t v = 0; v < number.size(); ++v) {
     if (mesh_.is_removed(v)) continue;
@@ -329,6 +331,34 @@ void Simplifier::finish() {
   surface_.triangles.resize(n_triangles);
 }
 
+/// Brings edges of a surface to a length of about 1 for as long as this is there, so that no sum of
+/// products of them leaves the range of float32. By a power of two, which rounds nothing but what
+/// is below 1e-38 of an edge.
+class UnitEdges {
+ public:
+  explicit UnitEdges(Surface& surface) : surface_(surface) {
+    const double edge = std::sqrt(mean_area(surface));
+    if (edge > 0 && std::isfinite(edge)) exponent_ = -std::ilogb(edge);
+    scale(exponent_);
+  }
+  UnitEdges(const UnitEdges&) = delete;
+  UnitEdges& operator=(const UnitEdges&) = delete;
+  ~UnitEdges() { scale(-exponent_); }
+
+  [[nodiscard]] double to_units(double length) const { return std::ldexp(length, exponent_); }
+  [[nodiscard]] double from_units(double length) const { return std::ldexp(length, -exponent_); }
+
+ private:
+  void scale(int exponent) {
+    if (exponent == 0) return;
+    for (Vec3f& p : surface_.positions)
+      for (float& x : p.v) x = std::ldexp(x, exponent);
+  }
+
+  Surface& surface_;
+  int exponent_ = 0;
+};
+
 }  // namespace
 }  // namespace simplification
 
@@ -342,7 +372,18 @@ Result<SimplifyReport> simplify_surface(Surface& surface, const SimplifyOptions&
     report.max_distance = options.max_distance;
     return report;
   }
-  return simplification::Simplifier(surface, options, progress).run();
+  // Corners, and collapses that were tried, are numbered by 32 bits.
+  constexpr std::size_t kMostTriangles = 800'000'000;
+  if (surface.triangles.size() > kMostTriangles)
+    return fail("simplification: expected at most {} triangles, got {}: give it a tolerance",
+                kMostTriangles, surface.triangles.size());
+  const simplification::UnitEdges units(surface);
+  SimplifyOptions scaled = options;
+  scaled.max_distance = units.to_units(options.max_distance);
+  LODE_TRY(SimplifyReport report, simplification::Simplifier(surface, scaled, progress).run());
+  report.max_distance = options.max_distance;
+  report.proven_distance = units.from_units(report.proven_distance);
+  return report;
 }
 
 }  // namespace lode
