@@ -166,6 +166,7 @@ void Simplifier::collapse_round(const Partition& partition, bool is_first,
   UninitializedArray<std::uint32_t> local(mesh_.positions.size());
   std::fill(local.begin(), local.end(), kNone);
   std::vector<std::unique_ptr<BlockSimplifier>> workers;
+  workers.reserve(static_cast<std::size_t>(n_workers(options_.threads)));
   for (int i = 0; i < n_workers(options_.threads); ++i)
     workers.push_back(std::make_unique<BlockSimplifier>(mesh_, surface_.positions,
                                                         partition.is_locked, local, limits));
