@@ -90,4 +90,9 @@ class Dataset::Impl {
   return kShareOfRange * (stats.max - stats.min);
 }
 
+[[nodiscard]] inline double tolerance_of(const diamond::FieldStats& stats,
+                                         const ExtractOptions& options) {
+  return options.max_error.value_or(default_tolerance(stats));
+}
+
 }  // namespace lode

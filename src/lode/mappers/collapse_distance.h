@@ -8,6 +8,7 @@
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/surface.h"
+#include "lode/mappers/collapse_cover.h"
 #include "lode/mappers/collapse_undo.h"
 
 namespace lode::simplification {
@@ -16,16 +17,6 @@ namespace lode::simplification {
 struct DistanceReport {
   double proven = 0;  ///< No point of the triangles looked at is farther, those that fail aside.
   std::vector<std::uint32_t> failing;  ///< Triangles without a proof.
-};
-
-/// Original triangles round original vertices.
-struct Surroundings {
-  std::span<const std::uint32_t> first;  ///< Empty where nobody has found them.
-  std::span<const std::uint32_t> triangles;
-
-  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t v) const {
-    return triangles.subspan(first[v], first[v + 1] - first[v]);
-  }
 };
 
 /// Proves, in both directions, that no point is farther than a limit. A triangle, or a piece of it

@@ -46,9 +46,8 @@ struct SimplifyReport {
 /// number of threads. Vertices keep their order; normals are means of those that went into one,
 /// isovalues those of one of them.
 /// Expects a well-formed, oriented manifold without values, origins or errors; fails when
-/// cancelled, or of more than 800 million triangles, and leaves the surface as it was. About 8
-/// microseconds a collapse on one core where the distance is about an edge, two thirds of them for
-/// proofs; some milliseconds where it is a hundredth of one, as most of what is tried fails.
+/// cancelled, or of more than 800 million triangles, and leaves the surface as it was. Proofs
+/// take most of the time, and all the more where the distance is far below an edge.
 [[nodiscard]] Result<SimplifyReport> simplify_surface(Surface& surface,
                                                       const SimplifyOptions& options,
                                                       Progress& progress);

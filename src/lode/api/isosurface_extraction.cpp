@@ -1,0 +1,308 @@
+// Dataset::extract(): isosurfaces from a model in memory, or of a file chunk by chunk.
+
+#include <cmath>
+#include <new>
+
+#include "lode/api/dataset_impl.h"
+#include "lode/api/file_build.h"
+#include "lode/api/finishing.h"
+#include "lode/api/piece_finisher.h"
+#include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
+#include "lode/models/diamond/close_border.h"
+#include "lode/models/diamond/cube_deviation.h"
+#include "lode/models/diamond/file_extract.h"
+
+namespace lode {
+namespace {
+
+/// What the edits after an extraction ask of a field.
+struct FieldFacts {
+  const RegularGrid& grid;
+  bool has_removed_border_cell = false;
+  double first_sample = 0;
+};
+
+/// Adds up what extraction says of one isovalue.
+void add_part(const diamond::IsosurfaceReport& part, ExtractReport& report) {
+  report.achieved_error = std::max(report.achieved_error, part.achieved_error);
+  report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
+  report.nodes_visited += part.nodes_visited;
+  report.seconds.select += part.select_seconds;
+  report.seconds.geometry += part.geometry_seconds;
+}
+
+/// Gives the vertices that have come last their isovalue.
+void add_isovalue(double isovalue, const ExtractOptions& options, Surface& surface) {
+  if (options.isovalues.size() == 1) surface.isovalues.clear();
+  surface.isovalues.resize(surface.positions.size(), static_cast<float>(isovalue));
+}
+
+/// extract_part(query) for each isovalue, and after_part(isovalue).
+template <int D, typename ExtractPart, typename AfterPart>
+Result<void> extract_all(const ExtractOptions& options, ExtractReport& report,
+                         const ExtractPart& extract_part, const AfterPart& after_part) {
+  for (const double isovalue : options.isovalues) {
+    LODE_TRY(const auto part,
+             extract_part({.isovalue = isovalue,
+                           .tolerance = report.max_error,
+                           .style = options.style,
+                           .threads = options.threads,
+                           .with_normals = D == 3 && options.normals == Normals::on,
+                           .replaces = options.isovalues.size() == 1}));
+    add_part(part, report);
+    after_part(isovalue);
+  }
+  return {};
+}
+
+Result<void> close_surface(const FieldFacts& field, const ExtractOptions& options, Surface& surface,
+                           ExtractReport& report) {
+  if (surface.is_empty()) return {};
+  if (field.has_removed_border_cell)
+    return fail("closing at the border: expected no holes there, but the field has some");
+  const bool is_inside = field.first_sample >= options.isovalues.front();
+  LODE_TRY(const auto caps, diamond::close_border(field.grid, is_inside, options.threads, surface));
+  report.cap_cells = caps.n_cells;
+  report.open_edges = caps.n_open;
+  return {};
+}
+
+Result<void> simplify(const ExtractOptions& options, Surface& surface, ExtractReport& report,
+                      Progress& progress) {
+  const Stopwatch watch;
+  LODE_TRY(report.simplified,
+           simplify_surface(
+               surface, {.max_distance = *options.simplify_distance, .threads = options.threads},
+               progress));
+  report.seconds.simplify = watch.seconds();
+  return {};
+}
+
+Result<void> finish_surface(const FieldFacts& field, const ExtractOptions& options,
+                            Surface& surface, ExtractReport& report, Progress& progress) {
+  const Stopwatch watch;
+  if (options.border == Border::closed) LODE_CHECK(close_surface(field, options, surface, report));
+  const Dropped dropped = finish_edits(options, surface);
+  report.components_dropped = dropped.components;
+  report.triangles_dropped = dropped.cells;
+  report.seconds.finish += watch.seconds();
+  if (options.simplify_distance) LODE_CHECK(simplify(options, surface, report, progress));
+  report.triangles = surface.triangles.size();
+  report.lines = surface.lines.size();
+  report.vertices = surface.positions.size();
+  report.unmet = unmet_isovalues(surface, options.isovalues);
+  return {};
+}
+
+bool measures(const ExtractOptions& options) {
+  return options.style == SurfaceStyle::cubes && options.deviation == Deviation::measured;
+}
+
+/// How far the surface of a query in the style of cubes is from the level set.
+template <int D>
+Result<void> measure_style(const diamond::Model<D>& model, const diamond::IsosurfaceQuery& query,
+                           ExtractReport& report, Progress& progress) {
+  if constexpr (D == 3) {
+    const Stopwatch watch;
+    LODE_TRY(const auto deviation, diamond::measure_cubes(model, query, progress));
+    report.style_error = std::max(report.style_error, deviation.error);
+    report.style_distance = std::max(report.style_distance, deviation.distance);
+    report.seconds.measure += watch.seconds();
+  }
+  return {};
+}
+
+Result<void> extract_in_memory(const Dataset::Impl::AnyModel& held, const ExtractOptions& options,
+                               Surface& surface, ExtractReport& report, Progress& progress) {
+  return std::visit(
+      [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
+        LODE_CHECK(extract_all<D>(
+            options, report,
+            [&](const diamond::IsosurfaceQuery& query) -> Result<diamond::IsosurfaceReport> {
+              auto part = diamond::extract_isosurface<D>(model, query, surface, progress);
+              if (!part || !measures(options)) return part;
+              if (auto done = measure_style(model, query, report, progress); !done)
+                return done.error();
+              return part;
+            },
+            [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
+        const bool closes = options.border == Border::closed;
+        return finish_surface(
+            {model.info.grid, closes && model.has_holes() && model.has_removed_border_cell(),
+             model.value({})},
+            options, surface, report, progress);
+      },
+      held);
+}
+
+Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
+                            Surface& surface, ExtractReport& report, Progress& progress) {
+  surface.clear();
+  SurfaceCollector collector(surface);
+  return std::visit(
+      [&]<int D>(const diamond::CoarseField<D>& field) -> Result<void> {
+        LODE_CHECK(extract_all<D>(
+            options, report,
+            [&](const diamond::IsosurfaceQuery& query) {
+              return diamond::extract_from_file<D>(field, chunks.blocks, query, collector,
+                                                   progress);
+            },
+            [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
+        return finish_surface({field.info.grid, false, field.value({})}, options, surface, report,
+                              progress);
+      },
+      chunks.field);
+}
+
+/// The same without ever having all of the surface.
+Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
+                           SurfaceSink& surface, ExtractReport& report, Progress& progress) {
+  PieceFinisher finisher(options, surface);
+  LODE_CHECK(std::visit(
+      [&]<int D>(const diamond::CoarseField<D>& field) {
+        return extract_all<D>(
+            options, report,
+            [&](const diamond::IsosurfaceQuery& query) {
+              finisher.begin(query.isovalue);
+              return diamond::extract_from_file<D>(field, chunks.blocks, query, finisher, progress);
+            },
+            [](double) {});
+      },
+      chunks.field));
+  finisher.finish(report);
+  return {};
+}
+
+/// Whether no edit needs to see all of the surface.
+bool is_edited_by_piece(const ExtractOptions& options) {
+  return !options.clip && options.border == Border::open && options.min_component <= 1 &&
+         !options.simplify_distance;
+}
+
+/// What has been read of the file since then.
+void add_reads(const store::ReadCounts& before, const Dataset::Impl& impl, ExtractReport& report) {
+  const store::ReadCounts now = impl.reads();
+  report.bytes_read = now.n_bytes - before.n_bytes;
+  report.blocks_read = now.n_blocks - before.n_blocks;
+}
+
+/// What extract() goes by.
+struct ExtractPlan {
+  ExtractReport report;
+  Dataset::Impl::Chunks* chunks = nullptr;  ///< Null: the model in memory.
+};
+
+Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOptions& options) {
+  LODE_CHECK(check_extract_options(options));
+  if (options.simplify_distance && impl.is_flat())
+    return fail("simplifying: expected a volume, got a flat image, whose contours are lines");
+  ExtractPlan plan;
+  plan.report.max_error = tolerance_of(impl.summary().stats, options);
+  const std::uint64_t limit =
+      options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
+  const bool is_too_large = impl.model_bytes() > limit;
+  // Whether holes open the border is asked of all samples.
+  const bool asks_all = options.border == Border::closed && impl.summary().stats.n_holes > 0;
+  if (!asks_all) {
+    if (options.memory_limit > 0 && is_too_large && impl.is_in_file() && impl.chunk_bytes() > limit)
+      return fail("expected a memory limit of at least {} MB for {} samples of {} bytes, got {} MB",
+                  impl.chunk_bytes() / 1'000'000 + 1, impl.info().grid.n_samples(),
+                  size_of(impl.info().type), limit / 1'000'000);
+    LODE_TRY(plan.chunks, impl.chunks(limit));
+  }
+  // At full resolution all in memory is faster, and numbers vertices in another order.
+  if (plan.report.max_error == 0 && !is_too_large) plan.chunks = nullptr;
+  if (options.style == SurfaceStyle::cubes && plan.chunks != nullptr)
+    return fail(
+        "style cubes: expected a memory limit of at least {} MB, as it needs the whole model, got "
+        "{} MB",
+        impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+  if (asks_all && options.memory_limit > 0 && is_too_large && impl.is_in_file())
+    return fail(
+        "expected a memory limit of at least {} MB to close the surface of a field with holes, got "
+        "{} MB",
+        impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+  return plan;
+}
+
+}  // namespace
+
+Result<void> check_extract_options(const ExtractOptions& options) {
+  if (options.isovalues.empty()) return fail("expected at least one isovalue, got none");
+  for (const double c : options.isovalues)
+    if (!std::isfinite(c)) return fail("expected a finite isovalue, got {}", c);
+  if (options.max_error && !(*options.max_error >= 0 && std::isfinite(*options.max_error)))
+    return fail("expected a finite max_error >= 0, got {}", *options.max_error);
+  if (options.clip)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (!(options.clip->lower[i] < options.clip->upper[i]))
+        return fail("expected a clip box with lower < upper on each axis, got {} and {} on axis {}",
+                    options.clip->lower[i], options.clip->upper[i], i);
+  if (options.style == SurfaceStyle::cubes && options.max_error.value_or(1) > 0)
+    return fail("style cubes: expected a max_error of 0, as it has full resolution only, got {}",
+                options.max_error ? fmt::format("{}", *options.max_error) : "none");
+  if (options.border == Border::closed && options.isovalues.size() > 1)
+    return fail(
+        "closing at the border: expected one isovalue, got {}: caps of several would lie "
+        "in each other",
+        options.isovalues.size());
+  if (options.border == Border::closed && options.clip)
+    return fail("closing at the border: expected no clip box, whose cut would stay open");
+  if (options.simplify_distance &&
+      !(*options.simplify_distance > 0 && std::isfinite(*options.simplify_distance)))
+    return fail("expected a finite distance > 0 to simplify within, got {}",
+                *options.simplify_distance);
+  if (options.simplify_distance && options.border == Border::closed)
+    return fail("simplifying: expected an open border, whose planes caps would leave");
+  return {};
+}
+
+Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& surface,
+                                       Progress& progress) const try {
+  const Stopwatch watch;
+  LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
+  ExtractReport& report = plan.report;
+  if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
+  if (plan.chunks != nullptr) {
+    const store::ReadCounts before = impl_->reads();
+    LODE_CHECK(extract_chunks(*plan.chunks, options, surface, report, progress));
+    add_reads(before, *impl_, report);
+  } else {
+    LODE_TRY(const auto* const held, impl_->model(progress));
+    LODE_CHECK(extract_in_memory(*held, options, surface, report, progress));
+  }
+  report.seconds.total = watch.seconds();
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the surface");
+}
+
+Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options) const try {
+  LODE_TRY(const ExtractPlan plan, plan_extraction(*impl_, options));
+  return plan.chunks != nullptr && is_edited_by_piece(options);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the surface");
+}
+
+Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSink& surface,
+                                       Progress& progress) const try {
+  const Stopwatch watch;
+  LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
+  ExtractReport& report = plan.report;
+  if (plan.chunks != nullptr && is_edited_by_piece(options)) {
+    const store::ReadCounts before = impl_->reads();
+    LODE_CHECK(stream_chunks(*plan.chunks, options, surface, report, progress));
+    add_reads(before, *impl_, report);
+  } else {
+    SurfacePiece whole;
+    LODE_TRY(report, extract(options, whole.surface, progress));
+    LODE_CHECK(surface.add(std::move(whole)));
+  }
+  report.seconds.total = watch.seconds();
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the surface");
+}
+
+}  // namespace lode
