@@ -105,14 +105,18 @@ class OwnAttributes {
     for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
       const Index<D> p = lower + point_of<D>(dims, i);
       const double f = model_.value_or_nan(p);
-      for (int tier = 0; tier < n_tiers; ++tier) add_sample(level, tier, cube, cube.local(p), f);
+      const Index<D> u = cube.local(p);
+      const auto values = interpolants_at<D>(u, cube.side, [&](const Index<D>& v) {
+        return model_.value_or_nan(cube.global(v * (cube.side / 2)));
+      });
+      for (int tier = 0; tier < n_tiers; ++tier)
+        add_sample(level, tier, cube, u, f, values[as_size(tier)]);
     }
   }
 
-  void add_sample(int level, int tier, const CanonicalCube<D>& cube, const Index<D>& u,
-                  double f) const {
-    const double g = interpolant_at<D>(
-        u, cube.side, tier, [&](const Index<D>& v) { return model_.value_or_nan(cube.global(v)); });
+  /// `f`: the sample at u; `g`: what it is interpolated to.
+  void add_sample(int level, int tier, const CanonicalCube<D>& cube, const Index<D>& u, double f,
+                  double g) const {
     const double e = std::abs(f - g);
     for (const Index<D>& centre : nodes_containing<D>(u, cube.side, tier)) {
       const Diamond<D> node = diamond_at<D>(cube.global(centre));

@@ -32,27 +32,28 @@ class CoarsePass {
   /// raise an error of the level above what is known by now.
   [[nodiscard]] bool can_raise(int level, const CanonicalCube<D>& cube, C low, C high) {
     const CanonicalCube<D> coarse = coarse_cube(cube, level);
-    const bool has_one_node = is_in_one_node(coarse, cube);
     find_vertices(coarse);
-    for (int tier = 0; tier < D; ++tier) {
-      std::array<C, power(2, D)> bounds;
-      for (std::size_t corner = 0; corner < bounds.size(); ++corner) {
-        const C value = corner_value(coarse, cube, corner, tier);
-        bounds[corner] = std::isnan(value) ? std::numeric_limits<C>::infinity()
-                                           : std::max({C{0}, high - value, value - low});
+    PerTier<std::array<C, power(2, D)>> bounds;
+    for (std::size_t corner = 0; corner < power(2, D); ++corner) {
+      const PerTier<double> values = corner_values(coarse, cube, corner);
+      for (std::size_t tier = 0; tier < as_size(D); ++tier) {
+        const C value = static_cast<C>(values[tier]);
+        bounds[tier][corner] = std::isnan(value) ? std::numeric_limits<C>::infinity()
+                                                 : std::max({C{0}, high - value, value - low});
       }
-      const auto& kuhn = CubePlan<D>::instance().kuhn;
-      if (has_one_node) {
-        const C bound = *std::max_element(bounds.begin(), bounds.end());
-        if (exceeds_known(bound, level, place_of(level, coarse, cube, kuhn[0].simplex, tier)))
-          return true;
-        continue;
-      }
-      for (const KuhnSimplex<D>& simplex : kuhn) {
+    }
+    const auto& kuhn = CubePlan<D>::instance().kuhn;
+    const bool has_one_node = is_in_one_node(coarse, cube);
+    for (std::size_t s = 0; s < (has_one_node ? 1 : kuhn.size()); ++s) {
+      const PerTier<Place> places = places_of(level, coarse, cube, s);
+      for (std::size_t tier = 0; tier < as_size(D); ++tier) {
         C bound = 0;
-        for (const std::uint16_t corner : simplex.corner) bound = std::max(bound, bounds[corner]);
-        if (exceeds_known(bound, level, place_of(level, coarse, cube, simplex.simplex, tier)))
-          return true;
+        if (has_one_node)
+          bound = *std::max_element(bounds[tier].begin(), bounds[tier].end());
+        else
+          for (const std::uint16_t corner : kuhn[s].corner)
+            bound = std::max(bound, bounds[tier][corner]);
+        if (exceeds_known(bound, level, places[tier])) return true;
       }
     }
     return false;
@@ -78,14 +79,20 @@ class CoarsePass {
         put_largest_errors(level, coarse, cubes[l], l);
         continue;
       }
-      for (std::size_t s = 0; s < kuhn.size(); ++s)
-        for (int tier = 0; tier < D; ++tier)
-          put_error(errors_[as_size(tier)][s * kLanes + l], level,
-                    place_of(level, coarse, cubes[l], kuhn[s].simplex, tier));
+      for (std::size_t s = 0; s < kuhn.size(); ++s) {
+        const PerTier<Place> places = places_of(level, coarse, cubes[l], s);
+        for (std::size_t tier = 0; tier < as_size(D); ++tier)
+          put_error(errors_[tier][s * kLanes + l], level, places[tier]);
+      }
     }
   }
 
  private:
+  template <typename T>
+  using PerTier = std::array<T, as_size(D)>;
+  /// Of a node among its level's; none where it is beyond the data.
+  using Place = std::optional<std::size_t>;
+
   /// The cube of the level that a lane's cube lies in.
   static CanonicalCube<D> coarse_cube(const CanonicalCube<D>& cube, int level) {
     return CanonicalCube<D>(cube.lowest_corner(), std::int32_t{2} << level);
@@ -110,7 +117,7 @@ class CoarsePass {
 
   /// Whether a bound is more than what is known of a node by now. Twice the slack: values between
   /// the corners are rounded too.
-  [[nodiscard]] bool exceeds_known(C bound, int level, std::optional<std::size_t> place) const {
+  [[nodiscard]] bool exceeds_known(C bound, int level, Place place) const {
     if (!place) return false;
     const ErrorCode error = encode_error(float_up(static_cast<double>(bound) + slack_ + slack_));
     std::atomic_ref<ErrorCode> known(own_[as_size(level)][*place]);
@@ -120,23 +127,22 @@ class CoarsePass {
   void find_corners(const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
                     std::size_t lane) {
     find_vertices(coarse);
-    for (std::size_t corner = 0; corner < power(2, D); ++corner)
-      for (int tier = 0; tier < D; ++tier)
-        corners_[as_size(tier)][corner * kLanes + lane] = corner_value(coarse, cube, corner, tier);
+    for (std::size_t corner = 0; corner < power(2, D); ++corner) {
+      const PerTier<double> values = corner_values(coarse, cube, corner);
+      for (std::size_t tier = 0; tier < as_size(D); ++tier)
+        corners_[tier][corner * kLanes + lane] = static_cast<C>(values[tier]);
+    }
   }
 
-  /// F' of a tier at a cube's corner (bit i: at the far end of axis i); vertices_ are of `coarse`.
-  [[nodiscard]] C corner_value(const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
-                               std::size_t corner, int tier) const {
+  /// F' at a cube's corner (bit i: at the far end of axis i); vertices_ are of `coarse`.
+  [[nodiscard]] PerTier<double> corner_values(const CanonicalCube<D>& coarse,
+                                              const CanonicalCube<D>& cube,
+                                              std::size_t corner) const {
     Index<D> u;
     for (std::size_t i = 0; i < as_size(D); ++i) u[i] = (corner >> i & 1U) != 0 ? cube.side : 0;
-    u = coarse.local(cube.global(u));
-    const std::int32_t half = coarse.side / 2;
-    return static_cast<C>(interpolant_at<D>(u, coarse.side, tier, [&](const Index<D>& v) {
-      std::size_t at = 0;
-      for (std::size_t i = as_size(D); i-- > 0;) at = at * 3 + as_size(v[i] / half);
-      return vertices_[at];
-    }));
+    return interpolants_at<D>(coarse.local(cube.global(u)), coarse.side, [&](const Index<D>& v) {
+      return vertices_[linear_index<D>(all_equal<D>(3), v)];
+    });
   }
 
   /// The samples at the coarse cube's vertices; kept from call to call, as neighbours share it.
@@ -186,27 +192,32 @@ class CoarsePass {
     return largest;
   }
 
-  /// A Kuhn simplex of a cube, given as that of a plan's, lies in one node of a coarser level and
-  /// tier: the one round its centroid. Where that is among the level's; none where it is beyond the
-  /// data.
-  [[nodiscard]] std::optional<std::size_t> place_of(int level, const CanonicalCube<D>& coarse,
-                                                    const CanonicalCube<D>& cube,
-                                                    const Simplex<D>& simplex, int tier) const {
+  /// A Kuhn simplex of a cube lies in one node of each tier of a coarser level: the one round its
+  /// centroid.
+  [[nodiscard]] PerTier<Place> places_of(int level, const CanonicalCube<D>& coarse,
+                                         const CanonicalCube<D>& cube, std::size_t simplex) const {
     const Index<D> dims = field_.shape.grid_dims(level);
-    const std::int32_t scale = cube.side / kPlanEdge<D>;
-    Index<D> sum;  // (D+1) · centroid
-    for (const Index<D>& v : simplex.v) sum = sum + coarse.local(cube.global(v * scale));
-    Index<D> node = node_round<D>(sum, coarse.side * (D + 1), tier);
-    for (std::size_t i = 0; i < as_size(D); ++i) node[i] /= D + 1;
-    Index<D> q = coarse.global(node);
-    for (std::size_t i = 0; i < as_size(D); ++i) {
-      q[i] >>= level;
-      if (q[i] >= dims[i]) return {};
+    Index<D> sum = coarse.local(cube.even_corner) * (D + 1);  // (D+1) · centroid
+    for (const std::uint16_t corner : CubePlan<D>::instance().kuhn[simplex].corner)
+      for (std::size_t i = 0; i < as_size(D); ++i)
+        if ((corner >> i & 1U) != 0) sum[i] += cube.sign[i] * coarse.sign[i] * cube.side;
+    PerTier<Place> places;
+    const auto nodes = nodes_round<D>(sum, coarse.side * (D + 1));
+    for (std::size_t tier = 0; tier < as_size(D); ++tier) {
+      Index<D> q = nodes[tier];
+      for (std::size_t i = 0; i < as_size(D); ++i) q[i] /= D + 1;
+      q = coarse.global(q);
+      bool exists = true;
+      for (std::size_t i = 0; i < as_size(D); ++i) {
+        q[i] >>= level;
+        exists = exists && q[i] < dims[i];
+      }
+      if (exists) places[tier] = linear_index<D>(dims, q);
     }
-    return linear_index<D>(dims, q);
+    return places;
   }
 
-  void put_error(C error, int level, std::optional<std::size_t> place) {
+  void put_error(C error, int level, Place place) {
     if (place)
       raise_to(own_[as_size(level)][*place],
                encode_error(float_up(static_cast<double>(error) + slack_)));
@@ -216,11 +227,12 @@ class CoarsePass {
   void put_largest_errors(int level, const CanonicalCube<D>& coarse, const CanonicalCube<D>& cube,
                           std::size_t lane) {
     const auto& kuhn = CubePlan<D>::instance().kuhn;
-    for (int tier = 0; tier < D; ++tier) {
+    const PerTier<Place> places = places_of(level, coarse, cube, 0);
+    for (std::size_t tier = 0; tier < as_size(D); ++tier) {
       C largest = 0;
       for (std::size_t s = 0; s < kuhn.size(); ++s)
-        largest = std::max(largest, errors_[as_size(tier)][s * kLanes + lane]);
-      put_error(largest, level, place_of(level, coarse, cube, kuhn[0].simplex, tier));
+        largest = std::max(largest, errors_[tier][s * kLanes + lane]);
+      put_error(largest, level, places[tier]);
     }
   }
 

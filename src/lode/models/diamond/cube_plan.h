@@ -114,9 +114,9 @@ struct CanonicalCube {
 template <int D>
 [[nodiscard]] NearPoints<D> nodes_containing(const Index<D>& u, std::int32_t side, int tier);
 
-/// The centre of the one such node whose inside contains u, which lies on none's border.
+/// Per tier, the centre of the one such node whose inside contains u, which lies on none's border.
 template <int D>
-[[nodiscard]] Index<D> node_round(const Index<D>& u, std::int32_t side, int tier);
+[[nodiscard]] std::array<Index<D>, as_size(D)> nodes_round(const Index<D>& u, std::int32_t side);
 
 /// Sorts axes [first, D) so that before(a, b) holds for no later a and earlier b; equal ones stay.
 template <std::size_t D, typename Before>
@@ -143,53 +143,58 @@ struct BorderOrder {
 };
 
 template <int D>
-Index<D> node_round(const Index<D>& u, std::int32_t side, int tier) {
+std::array<Index<D>, as_size(D)> nodes_round(const Index<D>& u, std::int32_t side) {
   const BorderOrder<D> order(u, side);
+  std::array<Index<D>, as_size(D)> nodes;
   Index<D> node = all_equal<D>(side / 2);
-  for (std::size_t j = 0; j < as_size(tier); ++j) {
-    const std::size_t axis = as_size(order.axes[j]);
+  for (std::size_t tier = 0; tier < as_size(D); ++tier) {
+    nodes[tier] = node;
+    const std::size_t axis = as_size(order.axes[tier]);
     node[axis] = 2 * u[axis] < side ? 0 : side;
   }
-  return node;
+  return nodes;
 }
 
-/// The value at local coordinates u, in a cube of side `side` in canonical orientation, of the
-/// interpolant in which the cube's nodes of tiers below `tier` are refined. `vertex(Index<D>)`
-/// gives the values at the cube's corners and node centres (canonical local coordinates). All
-/// weights are multiples of 1/side: exact for integers while they fit in a double.
+/// Per tier, the value at local coordinates u, in a cube of side `side` in canonical orientation,
+/// of the interpolant in which the cube's nodes of lower tiers are refined. `vertex(Index<D>)`
+/// gives the values at the cube's corners and node centres, in halves of the side. All weights are
+/// multiples of 1/side: exact for integers while they fit in a double.
 template <int D, typename VertexValue>
-[[nodiscard]] double interpolant_at(const Index<D>& u, std::int32_t side, int tier,
-                                    const VertexValue& vertex) {
-  BorderOrder<D> border(u, side);
-  std::array<int, as_size(D)>& order = border.axes;
+[[nodiscard]] std::array<double, as_size(D)> interpolants_at(const Index<D>& u, std::int32_t side,
+                                                             const VertexValue& vertex) {
+  const BorderOrder<D> border(u, side);
+  std::array<double, as_size(D)> values;
   // The centres of the cube, then of the faces u lies nearest to: weights are steps of distance.
-  Index<D> p = all_equal<D>(side / 2);
+  Index<D> p = all_equal<D>(1);
   double sum = 0;
   std::int32_t used = 0;  // 2 · (border distance) given away so far, of `side`
-  for (int j = 0; j < tier; ++j) {
-    const std::size_t axis = as_size(order[as_size(j)]);
+  for (std::size_t tier = 0; tier < as_size(D); ++tier) {
+    // The rest is on the Kuhn simplices of the face left over, scaled by what remains.
+    std::array<int, as_size(D)> order = border.axes;
+    std::array<std::int32_t, as_size(D)> rest{};
+    Index<D> v = p;
+    for (std::size_t j = tier; j < as_size(D); ++j) {
+      const std::size_t axis = as_size(order[j]);
+      v[axis] = 0;
+      rest[axis] = 2 * u[axis] - used;  // doubled, in [0, 2·(side - used)]
+    }
+    sort_axes(order, tier, [&](int a, int b) { return rest[as_size(a)] > rest[as_size(b)]; });
+    double total = sum;
+    std::int32_t left = 2 * (side - used);
+    for (std::size_t j = tier; j <= as_size(D); ++j) {
+      const std::int32_t next = j < as_size(D) ? rest[as_size(order[j])] : 0;
+      if (left > next) total += 0.5 * static_cast<double>(left - next) * vertex(v);
+      left = next;
+      if (j < as_size(D)) v[as_size(order[j])] = 2;
+    }
+    values[tier] = total / static_cast<double>(side);
+    const std::size_t axis = as_size(border.axes[tier]);
     const std::int32_t weight = 2 * border.distance[axis] - used;
     if (weight > 0) sum += static_cast<double>(weight) * vertex(p);
     used += weight;
-    p[axis] = 2 * u[axis] <= side ? 0 : side;
+    p[axis] = 2 * u[axis] <= side ? 0 : 2;
   }
-  // The rest is on the Kuhn simplices of the face left over, scaled by what remains.
-  std::array<std::int32_t, as_size(D)> rest{};
-  for (int j = tier; j < D; ++j) {
-    const std::size_t axis = as_size(order[as_size(j)]);
-    p[axis] = 0;
-    rest[axis] = 2 * u[axis] - used;  // doubled, in [0, 2·(side - used)]
-  }
-  sort_axes(order, as_size(tier),
-            [&](int a, int b) { return rest[as_size(a)] > rest[as_size(b)]; });
-  std::int32_t left = 2 * (side - used);
-  for (int j = tier; j <= D; ++j) {
-    const std::int32_t next = j < D ? rest[as_size(order[as_size(j)])] : 0;
-    if (left > next) sum += 0.5 * static_cast<double>(left - next) * vertex(p);
-    left = next;
-    if (j < D) p[as_size(order[as_size(j)])] = side;
-  }
-  return sum / static_cast<double>(side);
+  return values;
 }
 
 }  // namespace lode::diamond

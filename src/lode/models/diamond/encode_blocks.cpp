@@ -5,6 +5,7 @@
 
 #include "lode/core/parallel.h"
 #include "lode/models/diamond/range_code.h"
+#include "lode/models/diamond/row_codes.h"
 #include "lode/models/diamond/sample_rows.h"
 
 namespace lode::diamond {
@@ -45,15 +46,6 @@ class RunWriter {
   std::uint64_t n_bytes_ = 0;
 };
 
-/// Infinite ends are the type's.
-template <typename R>
-R to_range(float v) {
-  constexpr auto kLowest = static_cast<float>(std::numeric_limits<R>::lowest());
-  constexpr auto kHighest = static_cast<float>(std::numeric_limits<R>::max());
-  if constexpr (std::is_integral_v<R>) return static_cast<R>(std::clamp(v, kLowest, kHighest));
-  return static_cast<R>(v);
-}
-
 /// A number for each of the region's points, in their order.
 template <int D, typename T>
 store::EncodedBlock encode_values(const Region<D>& r, const std::vector<T>& values) {
@@ -77,28 +69,43 @@ void encode_samples(const Field& field, const store::BlockKey& key, const Region
   });
 }
 
-/// to[i] = convert(a[i · stride], b[i · stride]).
-template <typename T, typename A, typename B, typename Convert>
-void convert_row(const A* __restrict a, const B* __restrict b, std::size_t n, std::size_t stride,
-                 const Convert& convert, T* __restrict to) {
-  if (stride == 1)
-    for (std::size_t i = 0; i < n; ++i) to[i] = convert(a[i], b[i]);
-  else
-    for (std::size_t i = 0; i < n; ++i) to[i] = convert(a[2 * i], b[2 * i]);
-}
-
-/// One attribute of the region's nodes, from two arrays of their level.
-template <typename T, int D, typename A, typename B, typename Convert>
+/// One attribute of the region's nodes; encode(first, n, stride, to) writes those of a row.
+template <typename T, int D, typename Encode>
 void encode_attribute(const Index<D>& dims, const store::BlockKey& key, const Region<D>& r,
-                      const A* a, const B* b, const Convert& convert, PendingBlocks& out) {
+                      PendingBlocks& out, const Encode& encode) {
   std::vector<T> values(count_points(r));
   T* to = values.data();
   for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
-    const std::size_t first = linear_index<D>(dims, q);
-    convert_row(a + first, b + first, as_size(n), as_size(stride), convert, to);
+    encode(linear_index<D>(dims, q), as_size(n), as_size(stride), to);
     to += n;
   });
   out.push_back({key, encode_values<D, T>(r, values)});
+}
+
+template <typename T>
+void copy_row(const T* __restrict from, std::size_t n, std::size_t stride, T* __restrict to) {
+  if (stride == 1)
+    std::copy_n(from, n, to);
+  else
+    for (std::size_t i = 0; i < n; ++i) to[i] = from[2 * i];
+}
+
+/// Of a row of ranges their ends as they are stored.
+template <typename R>
+void encode_range_ends(bool is_low, const float* low, const float* high, std::size_t n,
+                       std::size_t stride, R* to) {
+  if constexpr (std::is_integral_v<R>) {
+    (is_low ? encode_lows<R> : encode_highs<R>)(low, high, n, stride, to);
+  } else {
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t at = i * stride;
+      const bool is_empty = low[at] > high[at];
+      if (is_low)
+        to[i] = is_empty ? std::numeric_limits<R>::max() : low[at];
+      else
+        to[i] = is_empty ? std::numeric_limits<R>::lowest() : high[at];
+    }
+  }
 }
 
 template <int D, typename Field>
@@ -106,23 +113,22 @@ void encode_attributes(const Field& field, const WorldErrors& worlds, const Regi
                        const Region<D>& r, PendingBlocks& out) {
   const NodeLevel& nodes = field.levels[as_size(r.level)];
   const Index<D> dims = field.shape.grid_dims(r.level);
-  const auto as_it_is = [](auto value, auto) { return value; };
-  const ErrorCode* const errors = nodes.error.data();
-  encode_attribute<ErrorCode>(dims, key_of(Kind::errors, place), r, errors, errors, as_it_is, out);
+  const auto encode_as_it_is = [&]<typename T>(Kind kind, const T* values) {
+    encode_attribute<T>(dims, key_of(kind, place), r, out,
+                        [&](std::size_t first, std::size_t n, std::size_t stride, T* to) {
+                          copy_row(values + first, n, stride, to);
+                        });
+  };
+  encode_as_it_is(Kind::errors, nodes.error.data());
   visit_range_type(field.storage, [&]<typename R>() {
-    const auto low = [](float l, float h) {
-      return l > h ? std::numeric_limits<R>::max() : to_range<R>(l);
-    };
-    const auto high = [](float l, float h) {
-      return l > h ? std::numeric_limits<R>::lowest() : to_range<R>(h);
-    };
-    const float* const lows = nodes.low.data();
-    const float* const highs = nodes.high.data();
-    encode_attribute<R>(dims, key_of(Kind::lows, place), r, lows, highs, low, out);
-    encode_attribute<R>(dims, key_of(Kind::highs, place), r, lows, highs, high, out);
+    for (const Kind kind : {Kind::lows, Kind::highs})
+      encode_attribute<R>(dims, key_of(kind, place), r, out,
+                          [&](std::size_t first, std::size_t n, std::size_t stride, R* to) {
+                            encode_range_ends(kind == Kind::lows, nodes.low.data() + first,
+                                              nodes.high.data() + first, n, stride, to);
+                          });
   });
-  const WorldCode* const codes = worlds[as_size(r.level)].data();
-  encode_attribute<WorldCode>(dims, key_of(Kind::worlds, place), r, codes, codes, as_it_is, out);
+  encode_as_it_is(Kind::worlds, worlds[as_size(r.level)].data());
 }
 
 template <int D, typename Field>

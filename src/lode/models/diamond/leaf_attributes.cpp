@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "lode/models/diamond/range_code.h"
+#include "lode/models/diamond/row_codes.h"
 
 namespace lode::diamond {
 namespace {
@@ -127,18 +128,15 @@ void mark_mixed_nodes(const Model<D>& model, const Index<D>& base, const V* valu
   });
 }
 
-/// Errors of one row of cubes of side 2: the largest over their points.
+/// Of the rows of points through a row of cubes of side 2, the largest errors at each x.
 template <int D, typename V>
-void row_errors(const std::vector<V>& midpoint, const Index<D>& cube, V* out) {
+void row_errors(const std::vector<V>& midpoint, const Index<D>& cube, V* largest) {
   std::array<const V*, power(3, D - 1)> rows;
   std::size_t n = 0;
   for_each_row<D>(3, [&](const Index<D>& o) {
     rows[n++] = midpoint.data() + Model<D>::brick_offset(cube * 2 + o);
   });
-  std::array<V, as_size(kBrickSamples<D>) + kRowPadding> largest;
-  largest_of(rows, as_size(kBrickSamples<D>), largest.data());
-  for (std::size_t x = 0; x < as_size(kLeafCubes<D>); ++x)
-    out[x] = std::max({largest[2 * x], largest[2 * x + 1], largest[2 * x + 2]});
+  largest_of(rows, as_size(kBrickSamples<D>), largest);
 }
 
 /// Whether offset o from the centre of a cube of side 2 is in its nested domain: the union of
@@ -178,8 +176,8 @@ RowStencil nested_domain_rows() {
   return rows;
 }
 
-/// Stores a row's attributes, rounded as NodeLevel says. What is computed in float32 is exact
-/// there, and so are its ranges above a reference of 0.
+/// Stores attributes, rounded as NodeLevel says. What is computed in float32 is exact there, and so
+/// are its ranges above a reference of 0.
 template <int D, typename V>
 struct RowEncoder {
   SampleScale<D, V> scale;
@@ -197,6 +195,20 @@ struct RowEncoder {
   [[nodiscard]] float high(V v) const {
     if constexpr (kIsExact) return scale.value(v);
     return range_up(static_cast<double>(v), reference);
+  }
+  /// Those of n cubes: `largest` as row_errors() gives it, the ranges of its points.
+  void encode(const V* largest, const V* lows, const V* highs, std::size_t n, ErrorCode* error_to,
+              float* low_to, float* high_to) const {
+    if constexpr (kIsExact) {
+      const LeafPoints<V> points{largest, lows, highs, scale.value(V(0)), scale.error(V(1))};
+      encode_leaf_row(points, n, error_to, low_to, high_to);
+    } else {
+      for (std::size_t x = 0; x < n; ++x) {
+        error_to[x] = error(std::max({largest[2 * x], largest[2 * x + 1], largest[2 * x + 2]}));
+        low_to[x] = low(lows[2 * x + 1]);
+        high_to[x] = high(highs[2 * x + 1]);
+      }
+    }
   }
 
  private:
@@ -235,19 +247,15 @@ void LeafPass<D, V>::run_brick(const Index<D>& brick, const V* values, bool has_
       if (global[i] >= dims[i]) return;
       row += (2 * cube[i] + 2) * stride[i];
     }
-    std::array<V, as_size(kLeafCubes<D>)> error;
-    std::array<V, as_size(kLeafEdge<D>) + kRowPadding> low;
-    std::array<V, as_size(kLeafEdge<D>) + kRowPadding> high;
+    std::array<V, as_size(kBrickSamples<D>) + 2 * kRowPadding> error;
+    std::array<V, as_size(kLeafEdge<D>) + 2 * kRowPadding> low;
+    std::array<V, as_size(kLeafEdge<D>) + 2 * kRowPadding> high;
     row_errors<D>(midpoint_, cube, error.data());
     extremes_round(values + row, kStencil, as_size(kLeafEdge<D>), has_holes, low.data(),
                    high.data());
-    const std::size_t at = linear_index<D>(dims, global);
-    for (std::size_t x = 0; x < n; ++x) {
-      const std::size_t centre = 2 * x + 2;  // 2·x + 1, stored at + 1
-      out_.error[at + x] = encoder.error(error[x]);
-      out_.low[at + x] = encoder.low(low[centre]);
-      out_.high[at + x] = encoder.high(high[centre]);
-    }
+    const std::size_t at = linear_index<D>(dims, global);  // points of the row are stored at + 1
+    encoder.encode(error.data(), low.data() + 1, high.data() + 1, n, out_.error.data() + at,
+                   out_.low.data() + at, out_.high.data() + at);
   });
 }
 

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <vector>
 
 #include "lode/core/parallel.h"
-#include "lode/models/diamond/attribute_rows.h"
 #include "lode/models/diamond/model.h"
+#include "lode/models/diamond/nesting_rows.h"
 #include "lode/models/diamond/range_code.h"
 
 namespace lode::diamond {
@@ -26,7 +25,6 @@ class NestingPass {
         first_(first),
         end_(end),
         threads_(threads),
-        scratch_(as_size(n_workers(threads))),
         reference_(field.range_reference()),
         mark_holes_(field.has_holes()) {}
 
@@ -43,9 +41,9 @@ class NestingPass {
   /// their points are no children: those are complete too, as odd x go first.
   void run_rows(int level, int tier, std::int32_t parity) {
     const Index<D> dims = field_.shape.grid_dims(level);
-    parallel_for(n_rows(dims), threads_, 16, [&](std::size_t number, int worker) {
+    parallel_for(n_rows(dims), threads_, 16, [&](std::size_t number, int) {
       const Index<D> row = point_of<D>(dims, number * as_size(dims[0]));
-      if (n_odd(row) + parity == D - tier) run_row(level, row, parity, scratch_[as_size(worker)]);
+      if (n_odd(row) + parity == D - tier) run_row(level, row, parity);
     });
   }
 
@@ -72,31 +70,18 @@ class NestingPass {
     });
   }
 
-  /// What is joined before it is known for which nodes of a row; per worker.
-  struct Scratch {
-    AttributeScratch row;   ///< Of the level's row.
-    AttributeScratch fine;  ///< Of a row of the next finer level, from x = -1 on.
-  };
-
-  void run_row(int level, const Index<D>& row, std::int32_t parity, Scratch& scratch) {
+  void run_row(int level, const Index<D>& row, std::int32_t parity) {
     Index<D> q = row;
     q[0] = parity;
     const Index<D> dims = field_.shape.grid_dims(level);
-    scratch.row.clear(as_size(dims[0]));
     const std::size_t first = linear_index<D>(dims, row);
     NodeLevel& nodes = field_.levels[as_size(level)];
-    if (n_odd(q) > 1)
-      join_level(level, q, dims, scratch.row);
-    else if (level > 1 && level == first_)
-      scratch.row.join(row_at(nodes, first), 0, as_size(dims[0]));
-    else
-      join_cubes(level, q, dims[0], scratch);
-    for (std::int32_t x = parity; x < dims[0]; x += 2) {
-      const std::size_t at = as_size(x);
-      nodes.error[first + at] = std::max(nodes.error[first + at], scratch.row.error[at]);
-      nodes.low[first + at] = scratch.row.low[at];
-      nodes.high[first + at] = scratch.row.high[at];
-    }
+    const bool is_lowest = n_odd(q) == 1;
+    if (!is_lowest || level == 1 || level != first_)
+      join_children(
+          is_lowest ? cubes_of(level, q) : children_in_level(level, q), as_size(dims[0]),
+          as_size(parity),
+          {nodes.error.data() + first, nodes.low.data() + first, nodes.high.data() + first});
     q[0] = std::max(parity, first_beyond_data(level, row));
     q[0] += (q[0] ^ parity) & 1;
     for (; q[0] < dims[0]; q[0] += 2)
@@ -104,62 +89,50 @@ class NestingPass {
                     nodes.high[first + as_size(q[0])]);
   }
 
-  [[nodiscard]] static AttributeRow row_at(const NodeLevel& nodes, std::size_t at) {
+  [[nodiscard]] AttributeRow row_at(int level, const Index<D>& dims, const Index<D>& row) const {
+    const NodeLevel& nodes = field_.levels[as_size(level)];
+    const std::size_t at = linear_index<D>(dims, row);
     return {nodes.error.data() + at, nodes.low.data() + at, nodes.high.data() + at};
   }
 
   /// Children in the same level: one step along each odd axis.
-  void join_level(int level, const Index<D>& q, const Index<D>& dims, AttributeScratch& out) const {
-    const NodeLevel& nodes = field_.levels[as_size(level)];
-    Index<D> row = q;
-    row[0] = 0;
+  [[nodiscard]] ChildRows children_in_level(int level, const Index<D>& q) const {
+    const Index<D> dims = field_.shape.grid_dims(level);
+    ChildRows children;
+    children.places = (q[0] & 1) != 0 ? ChildPlaces::at_and_round : ChildPlaces::at_x;
+    children.n = as_size(dims[0]);
     for (std::size_t i = 1; i < as_size(D); ++i) {
       if ((q[i] & 1) == 0) continue;
       for (const std::int32_t step : {-1, 1}) {
-        Index<D> child = row;
+        Index<D> child = q;
+        child[0] = 0;
         child[i] += step;
-        if (child[i] < 0 || child[i] >= dims[i]) continue;
-        out.join(row_at(nodes, linear_index<D>(dims, child)), 0, as_size(dims[0]));
+        if (child[i] >= 0 && child[i] < dims[i]) children.add(row_at(level, dims, child));
       }
     }
-    if ((q[0] & 1) == 0) return;
-    const AttributeRow own = row_at(nodes, linear_index<D>(dims, row));
-    for (std::size_t x = 1; x < as_size(dims[0]); x += 2)  // an odd number of points
-      for (const std::size_t child : {x - 1, x + 1}) {
-        out.error[x] = std::max(out.error[x], own.error[child]);
-        out.low[x] = std::min(out.low[x], own.low[child]);
-        out.high[x] = std::max(out.high[x], own.high[child]);
-      }
+    return children;
   }
 
-  /// Children that are cubes of the next finer level: half a step along all axes.
-  void join_cubes(int level, const Index<D>& q, std::int32_t n, Scratch& scratch) const {
+  /// Children that are cubes of the next finer level: half a step along all axes. The finest one
+  /// has one entry per cube instead of a grid.
+  [[nodiscard]] ChildRows cubes_of(int level, const Index<D>& q) const {
     const Index<D> dims = field_.shape.attribute_dims(level - 1);
-    const bool is_finest = level == 1;  // one entry per cube instead of a grid
+    const bool is_finest = level == 1;
     const std::int32_t scale = is_finest ? 1 : 2;
-    const std::int32_t below = -1;
-    const std::int32_t above = is_finest ? 0 : 1;
-    AttributeScratch& fine = scratch.fine;
-    fine.clear(as_size(scale * n) + 2);
+    ChildRows children;
+    children.places = is_finest ? ChildPlaces::cubes : ChildPlaces::halves;
+    children.n = as_size(dims[0]);
     for (std::uint32_t corner = 0; corner < 1U << D; corner += 2) {
       Index<D> row;
       bool exists = true;
       for (std::size_t i = 1; i < as_size(D); ++i) {
-        row[i] = q[i] * scale + ((corner >> i & 1U) != 0 ? above : below);
+        const bool is_above = (corner >> i & 1U) != 0;
+        row[i] = q[i] * scale + (!is_above ? -1 : is_finest ? 0 : 1);
         exists = exists && row[i] >= 0 && row[i] < dims[i];
       }
-      if (exists)
-        fine.join(row_at(field_.levels[as_size(level - 1)], linear_index<D>(dims, row)), 1,
-                  as_size(dims[0]));
+      if (exists) children.add(row_at(level - 1, dims, row));
     }
-    for (std::int32_t x = q[0]; x < n; x += 2)
-      for (const std::int32_t step : {below, above}) {
-        const std::size_t child = as_size(x * scale + step + 1);
-        const std::size_t at = as_size(x);
-        scratch.row.error[at] = std::max(scratch.row.error[at], fine.error[child]);
-        scratch.row.low[at] = std::min(scratch.row.low[at], fine.low[child]);
-        scratch.row.high[at] = std::max(scratch.row.high[at], fine.high[child]);
-      }
+    return children;
   }
 
   /// The first x of a row from which domains reach beyond the data.
@@ -190,7 +163,6 @@ class NestingPass {
   int first_;
   int end_;
   Threads threads_;
-  std::vector<Scratch> scratch_;
   double reference_;
   bool mark_holes_;
 };

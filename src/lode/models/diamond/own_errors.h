@@ -1,13 +1,16 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "lode/core/atomic_extremes.h"
 #include "lode/models/diamond/cube_plan.h"
 #include "lode/models/diamond/model.h"
+#include "lode/models/diamond/row_codes.h"
 
 namespace lode::diamond {
 
@@ -110,16 +113,22 @@ class BrickErrors {
       }
       if (!exists) continue;
       ErrorCode* to = own.data() + linear_index<D>(dims, q);
-      const std::int32_t n_real = std::min(n, dims[0] - q[0]);
-      for (std::int32_t x = 0; x < n_real; ++x) {
-        if (!(local[x] >= C(0))) continue;
-        const ErrorCode error = encode_error(float_up(static_cast<double>(local[x]) + slack));
-        if (is_shared || x == 0 || x == n - 1)
-          raise_to(to[x], error);
-        else
-          to[x] = error;
-      }
+      const std::size_t n_real = as_size(std::min(n, dims[0] - q[0]));
+      std::array<ErrorCode, as_size(kBrickSamples<D>)> codes;
+      encode_row({local, n_real}, slack, codes.data());
+      if (!is_shared && n_real > 2) raise_errors(codes.data() + 1, n_real - 2, to + 1);
+      const std::size_t step = is_shared ? 1 : std::max<std::size_t>(n_real - 1, 1);
+      for (std::size_t x = 0; x < n_real; x += step)
+        if (codes[x] > 0) raise_to(to[x], codes[x]);
     }
+  }
+
+  static void encode_row(std::span<const C> errors, double slack, ErrorCode* codes) {
+    if constexpr (std::is_same_v<C, float>)
+      if (slack == 0) return encode_errors(errors, codes);
+    for (std::size_t i = 0; i < errors.size(); ++i)
+      codes[i] = errors[i] >= C(0) ? encode_error(float_up(static_cast<double>(errors[i]) + slack))
+                                   : ErrorCode{0};
   }
 
   std::vector<C> errors_;
