@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <hwy/highway.h>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -13,6 +12,7 @@
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/cell_field.h"
 #include "lode/models/diamond/level_set_check.h"
+#include "tests/models/all_targets.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/typed_samples.h"
 
@@ -217,20 +217,9 @@ TEST(cube_style, measures_how_far_it_is_from_the_level_set) {
   }
 }
 
-/// Back to the best that the processor has.
-struct AllVectors {
-  ~AllVectors() { use(0); }
-  static void use(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().DeInit();
-  }
-};
-
 /// Noise along some rows, waves elsewhere: full words of crossed edges, and single ones.
 template <typename T>
 void expect_same_bytes(const Index3& dims) {
-  const AllVectors restored;
-  AllVectors::use(0);
   RegularGrid grid;
   grid.dims = dims;
   grid.spacing = {{0.5, 1.25, 0.75}};
@@ -241,17 +230,14 @@ void expect_same_bytes(const Index3& dims) {
   }));
   const Surface expected = styled(dataset, 90.5, SurfaceStyle::cubes, Normals::on, 1);
   EXPECT_FALSE(expected.is_empty());
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-    SCOPED_TRACE(hwy::TargetName(left & -left));
-    AllVectors::use(left & -left);
+  test::for_each_target([&] {
     for (const int threads : {1, 2, 3}) {
       const Surface surface = styled(dataset, 90.5, SurfaceStyle::cubes, Normals::on, threads);
       EXPECT_TRUE(surface.positions == expected.positions);
       EXPECT_TRUE(surface.triangles == expected.triangles);
       EXPECT_TRUE(surface.normals == expected.normals);
     }
-    AllVectors::use(0);
-  }
+  });
 }
 
 TEST(cube_style, has_the_same_bytes_with_every_kind_of_vector_and_any_threads) {

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <hwy/highway.h>
 #include <cmath>
 
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_topology.h"
+#include "tests/models/all_targets.h"
 #include "tests/models/finest_level_set.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/typed_samples.h"
@@ -143,19 +143,8 @@ Volume mixed_volume(const Index3& dims) {
   });
 }
 
-/// Back to the best that the processor has.
-struct AllTargets {
-  ~AllTargets() { use(0); }
-  static void use(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().DeInit();
-  }
-};
-
 template <typename T>
 void expect_the_same_bytes_with_all_targets(const Index3& dims) {
-  const AllTargets restored;
-  AllTargets::use(0);
   Progress progress;
   const Volume volume = mixed_volume<T>(dims);
   const Dataset dataset =
@@ -163,22 +152,17 @@ void expect_the_same_bytes_with_all_targets(const Index3& dims) {
   const Surface expected = surface_of(dataset, Normals::on);
   EXPECT_FALSE(expected.is_empty());
   EXPECT_TRUE(check_topology(expected, {}).is_clean_manifold());
-  std::int64_t left = hwy::SupportedTargets();
-  for (; left != 0; left &= left - 1) {
-    SCOPED_TRACE(hwy::TargetName(left & -left));
-    AllTargets::use(left & -left);
+  test::for_each_target([&] {
     for (const Normals normals : {Normals::on, Normals::off}) {
       const Surface surface = surface_of(dataset, normals);
       EXPECT_TRUE(surface.positions == expected.positions);
       EXPECT_TRUE(surface.triangles == expected.triangles);
       if (normals == Normals::on) EXPECT_TRUE(surface.normals == expected.normals);
     }
-    AllTargets::use(0);
-  }
+  });
 }
 
 TEST(full_resolution, sees_single_samples_wherever_vectors_end) {
-  const AllTargets restored;
   RegularGrid grid;
   grid.dims = {{1100, 4, 4}};
   for (const std::int32_t shift : {-1, 0, 1}) {
@@ -187,14 +171,9 @@ TEST(full_resolution, sees_single_samples_wherever_vectors_end) {
       const std::int32_t x = 32 * (1 + 9 * (p[1] * 4 + p[2]) % 33) + shift;
       return (p[1] + p[2]) % 2 == 0 && p[0] == x ? 1.0 : 0.0;
     });
-    AllTargets::use(0);
     const Surface oracle = finest_level_set(volume, 0.25);
-    for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-      SCOPED_TRACE(hwy::TargetName(left & -left));
-      AllTargets::use(left & -left);
-      expect_same_surface(full_resolution(volume, 0.25), oracle, 1e-4 * 17600);
-      AllTargets::use(0);
-    }
+    test::for_each_target(
+        [&] { expect_same_surface(full_resolution(volume, 0.25), oracle, 1e-4 * 17600); });
   }
 }
 

@@ -4,6 +4,7 @@
 #include "lode/models/diamond/nesting_pass.h"
 #include "lode/models/diamond/part_builder.h"
 #include "tests/io/unit_source.h"
+#include "tests/models/all_targets.h"
 #include "tests/models/stored_fixtures.h"
 
 namespace lode::diamond {
@@ -84,6 +85,23 @@ INSTANTIATE_TEST_SUITE_P(
                       BuildCase{{{20, 30, 1040}}, ScalarType::int8}, BuildCase{{{260, 30, 1031}}},
                       BuildCase{{{2060, 70, 1}}, ScalarType::float32, Holes::some},
                       BuildCase{{{70, 1, 2100}}, ScalarType::uint8}));
+
+TEST(stream_build, gives_the_same_bytes_with_every_kind_of_vector) {
+  for (const auto& [dims, type, holes] :
+       {BuildCase{{{70, 45, 39}}}, BuildCase{{{131, 40, 35}}, ScalarType::int16},
+        BuildCase{{{67, 41, 37}}, ScalarType::int16, Holes::some},
+        BuildCase{{{66, 35, 34}}, ScalarType::float32}, BuildCase{{{35, 260, 40}}}}) {
+    SCOPED_TRACE(dims[0]);
+    const Volume volume = test::random_samples(dims, type, holes);
+    const TestPath expected("expected.lode");
+    test::save<3>(test::built<3>(volume), expected.str());
+    test::for_each_target([&] {
+      const TestPath path("target.lode");
+      test::save<3>(test::built<3>(volume), path.str());
+      expect_same_blocks(path.str(), expected.str());
+    });
+  }
+}
 
 /// The part's samples, x fastest.
 std::vector<std::byte> samples_of(const Volume& volume, const LatticeBox<3>& box) {

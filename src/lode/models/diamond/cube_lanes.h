@@ -4,6 +4,7 @@
 #include <array>
 
 #include "lode/models/diamond/interpolant_kernel.h"
+#include "lode/models/diamond/lane_rows.h"
 #include "lode/models/diamond/leaf_attributes.h"
 #include "lode/models/diamond/own_errors.h"
 
@@ -96,32 +97,20 @@ class CubeLanes {
  private:
   /// The points of all lanes side by side. Rows of mirrored cubes run backwards.
   void copy_rows(const Values& values, std::size_t batch) {
-    Index<D> rows = all_equal<D>(kPlanEdge<D> + 1);
-    rows[0] = 1;
-    std::array<const V*, kWidth> origin;
-    std::array<std::array<std::ptrdiff_t, as_size(D)>, kWidth> step;
+    std::array<LaneCube<V>, kWidth> lanes;
     for (std::size_t l = 0; l < kWidth; ++l) {
       const CanonicalCube<D> cube = cube_of({}, batch, l);
       const V* const own = values[brick_of(batch, l)];
-      origin[l] = own != nullptr ? own : values[0];
+      lanes[l].origin = own != nullptr ? own : values[0];
       for (std::size_t i = 0; i < as_size(D); ++i) {
         const auto stride =
             static_cast<std::ptrdiff_t>(power(as_size(kLeafEdge<D>), static_cast<int>(i)));
-        origin[l] += (cube.even_corner[i] + 1) * stride;
-        step[l][i] = cube.sign[i] * stride;
+        lanes[l].origin += (cube.even_corner[i] + 1) * stride;
+        lanes[l].step[i] = cube.sign[i] * stride;
       }
     }
-    V* row = vertices_.data();
-    for (std::size_t r = 0; r < n_points<D>(rows); ++r, row += (kPlanEdge<D> + 1) * kWidth) {
-      const Index<D> u = point_of<D>(rows, r);
-      for (std::size_t l = 0; l < kWidth; ++l) {
-        const V* from = origin[l];
-        for (std::size_t i = 1; i < as_size(D); ++i) from += u[i] * step[l][i];
-        V* to = row + l;
-        for (std::int32_t x = 0; x <= kPlanEdge<D>; ++x, to += kWidth, from += step[l][0])
-          *to = *from;
-      }
-    }
+    constexpr std::size_t n = as_size(kPlanEdge<D> + 1);
+    interleave_cubes(lanes, {n, n, D == 3 ? n : 1}, vertices_.data());
   }
 
   /// Points beyond the data do not count as samples.
