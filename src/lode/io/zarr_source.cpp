@@ -91,7 +91,9 @@ class ZarrSource final : public VolumeSource {
         place_(std::move(view.place)),
         reader_(std::move(view.array)),
         threads_(threads),
-        cache_bytes_(std::min(layer_bytes(), max_cache_bytes)),
+        holds_all_(all_bytes() <= static_cast<double>(max_cache_bytes)),
+        cache_bytes_(holds_all_ ? static_cast<std::size_t>(all_bytes())
+                                : std::min(layer_bytes(), max_cache_bytes)),
         cache_(cache_bytes_) {}
 
   const VolumeInfo& info() const override { return info_; }
@@ -104,6 +106,7 @@ class ZarrSource final : public VolumeSource {
   std::uint64_t memory_bytes() const override { return cache_bytes_; }
 
   ReadUnit read_unit() const override {
+    if (holds_all_) return {};
     ReadUnit unit{.dims = {{1, 1, 1}}, .stored_share = reader_.stored_share()};
     const ZarrShape& shape = reader_.chunk_shape();
     for (std::size_t axis = 0; axis < shape.size(); ++axis) {
@@ -142,6 +145,17 @@ class ZarrSource final : public VolumeSource {
   }
 
  private:
+  /// What all chunks of the view take.
+  double all_bytes() const {
+    const ZarrArray& array = reader_.array();
+    const ZarrShape& shape = reader_.chunk_shape();
+    double n_bytes =
+        static_cast<double>(product_of(shape)) * static_cast<double>(size_of(array.type));
+    for (std::size_t axis = place_.size(); axis < shape.size(); ++axis)
+      n_bytes *= static_cast<double>((array.shape[axis] - 1) / shape[axis] + 1);
+    return n_bytes;
+  }
+
   /// What one layer of chunks takes, so that slab after slab decodes each chunk once.
   std::size_t layer_bytes() const {
     const ZarrArray& array = reader_.array();
@@ -188,6 +202,7 @@ class ZarrSource final : public VolumeSource {
 
   /// Whether a read of the next box in z, or beside this one, will want the chunk again.
   bool is_wanted_again(const Region& covered, const Region& region) const {
+    if (holds_all_) return true;
     const std::size_t slowest = place_.size();
     for (std::size_t axis = slowest + 1; axis < region.rank(); ++axis) {
       const std::int64_t end = std::min(covered.upper[axis], reader_.array().shape[axis]);
@@ -247,6 +262,7 @@ class ZarrSource final : public VolumeSource {
   ZarrShape place_;
   ZarrChunkReader reader_;
   Threads threads_;
+  bool holds_all_;  ///< All chunks, once they are decoded.
   std::size_t cache_bytes_;
   ChunkCache cache_;
 };

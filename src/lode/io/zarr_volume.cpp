@@ -6,7 +6,9 @@
 #include "lode/io/image.h"
 #include "lode/io/image_grid.h"
 #include "lode/io/image_source.h"
+#include "lode/io/layer_spool.h"
 #include "lode/io/ome_zarr.h"
+#include "lode/io/sample_storage.h"
 #include "lode/io/text.h"
 #include "lode/io/zarr_array.h"
 #include "lode/io/zarr_source.h"
@@ -197,8 +199,9 @@ Result<std::unique_ptr<VolumeSource>> open_zarr(const std::string& path,
                   .type = image.array.type,
                   .field_name = image.field_name,
                   .nodata = options.nodata};
-  return make_zarr_source({std::move(image.array), std::move(place)}, std::move(info),
-                          options.threads, options.cache_limit);
+  return LayerSpool::wrap(make_zarr_source({std::move(image.array), std::move(place)},
+                                           std::move(info), options.threads, options.cache_limit),
+                          spool_directory_of(storage_of(options)));
 }
 
 Result<FileDescription> describe_zarr(const std::string& path, const ReadOptions& options) {
