@@ -313,7 +313,8 @@ Command add_extract_command(CLI::App& program) {
       ->required();
   app->add_option("output", arguments->output, "Surface to write")->type_name("OUT")->required();
   app->add_option("--memory-limit", arguments->memory_limit,
-                  "Memory for the hierarchy, such as 512M (default: a quarter of the machine's)")
+                  "Memory for the hierarchy, such as 512M (default: a quarter of the machine's); "
+                  "with a focus or a budget also for what is made of it")
       ->type_name("BYTES");
   app->add_flag(
       "--salvage", arguments->reading.salvage,

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "lode/api/focused_surface.h"
+#include "lode/api/mesh_extraction.h"
 #include "lode/api/session.h"
 #include "lode/models/diamond/paged_refinable.h"
 #include "lode/refine/engine.h"
@@ -140,6 +141,39 @@ TEST(page_limit, is_shared_by_sessions_and_leaves_a_consistent_surface) {
     const SurfaceMirror mirror = take_settled(session);
     EXPECT_GT(mirror.n_cells(), 0U);
     expect_no_cracks(mirror.to_surface(), opened.describe().volume.grid.dims);
+  }
+}
+
+TEST(page_limit, holds_pages_cut_and_what_is_made_of_it) {
+  Progress progress;
+  const TestPath path("whole.lode");
+  test::save<3>(test::built<3>(bumpy({{193, 193, 129}})), path.str());
+  const Dataset opened = Dataset::open(path.str(), {2}).value();
+  FocusedOptions options;
+  options.query.isovalues = {130};
+  options.query.max_error = 0.5;
+  Surface surface;
+  const Standing free = extract_focused(opened, options, surface, progress).value().standing;
+  EXPECT_TRUE(free.memory_met);
+  for (const std::uint64_t limit : {2'000'000, 8'000'000}) {
+    options.memory_limit = limit;
+    const Standing standing = extract_focused(opened, options, surface, progress).value().standing;
+    EXPECT_FALSE(standing.memory_met);
+    EXPECT_TRUE(standing.budget_met) << "which nobody set";
+    EXPECT_LE(standing.n_cells, limit / 2 / 80);
+    EXPECT_GT(standing.error_bound, free.error_bound);
+    EXPECT_GT(surface.triangles.size(), 0U);
+    expect_no_cracks(surface, opened.describe().volume.grid.dims);
+    SimplexMesh mesh;
+    MeshOptions mesh_options;
+    mesh_options.query = options.query;
+    mesh_options.query.isovalues.clear();
+    mesh_options.query.balls = {{{{90, 90, 60}}, 40}};
+    mesh_options.memory_limit = limit;
+    const MeshReport report = opened.extract_mesh(mesh_options, mesh, progress).value();
+    EXPECT_FALSE(report.memory_met);
+    EXPECT_LE(report.n_cut_cells, limit / 2 / 100);
+    EXPECT_GT(report.n_cells, 0U);
   }
 }
 

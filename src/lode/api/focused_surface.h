@@ -23,7 +23,9 @@ struct FocusedOptions {
   Orientation orientation = Orientation::from_lower_values;
   Normals normals = Normals::on;
   Threads threads{};
-  std::uint64_t memory_limit = 0;  ///< Bytes for the hierarchy, as in LiveQueryOptions.
+  /// Bytes for the hierarchy; 0: as in LiveQueryOptions. Of a file that is read as the query goes
+  /// half of them are for its pages, half for the cut and the surface (Standing::memory_met).
+  std::uint64_t memory_limit = 0;
   /// Seconds since some moment; a steady clock, unless a test brings its own.
   std::function<double()> clock{};
 };

@@ -121,8 +121,8 @@ std::unique_ptr<LiveQuery> open_paged(const Dataset::Impl::AnyPages& pages,
           -> std::unique_ptr<LiveQuery> {
         using Nodes = diamond::PagedRefinable<D>;
         using Live = DiamondLiveQuery<D, diamond::PagedModel<D>, Nodes>;
-        model->set_memory_limit(options.memory_limit > 0 ? options.memory_limit
-                                                         : physical_memory() / 4);
+        const std::uint64_t given = options.memory_limit / (options.leaves_half ? 2 : 1);
+        model->set_memory_limit(given > 0 ? given : physical_memory() / 4);
         const auto worlds = options.with_views ? Nodes::Worlds::of_pages : Nodes::Worlds::none;
         return std::make_unique<Live>(has_normals<D>(options.normals), *model, worlds);
       },

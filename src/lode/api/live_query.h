@@ -50,6 +50,8 @@ struct LiveQueryOptions {
   /// newest counts. 0: a quarter of the machine's memory. Each query may hold an equal share, and
   /// gives up what it wants least when others come (Standing::memory_met).
   std::uint64_t memory_limit = 0;
+  /// Pages take half of a limit that is given: the rest is for cuts, whose budgets the caller sets.
+  bool leaves_half = false;
 };
 
 /// A live query at the base, whatever the dataset's model; set_query() comes first. A file that is

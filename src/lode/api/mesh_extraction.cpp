@@ -89,7 +89,7 @@ Result<MeshReport> extract_model_mesh(Nodes& opened, const MeshOptions& options,
   LODE_CHECK(check_full_size<D>(opened.model(), query));
   MeshReport report{.max_error = *query.max_error};
   LODE_CHECK(diamond::with_cut<D>(
-      opened, {mesh_demand(query), query.budget, kMaxMeshCells}, progress,
+      opened, {mesh_demand(query), query.budget, kMaxMeshCells, options.memory_limit / 2}, progress,
       [&](const Cut& cut, const diamond::QueryCutReport& found) -> Result<void> {
         LODE_TRY(const auto made,
                  diamond::mesh_of_cut<D>(opened, cut,
@@ -154,7 +154,7 @@ Result<SectionReport> extract_model_section(Nodes& opened, const SectionOptions&
   SectionReport report{.max_error = *query.max_error};
   SimplexMesh mesh;
   LODE_CHECK(diamond::with_cut<3>(
-      opened, {demand, query.budget, kMaxMeshCells}, progress,
+      opened, {demand, query.budget, kMaxMeshCells, options.memory_limit / 2}, progress,
       [&](const Cut& cut, const diamond::QueryCutReport& found) -> Result<void> {
         LODE_TRY(const auto made,
                  diamond::mesh_of_cut<3>(opened, cut, mesh_options, mesh, progress));
@@ -185,7 +185,7 @@ auto with_nodes(const Dataset::Impl& impl, std::uint64_t memory_limit, bool read
     if (pages != nullptr)
       return std::visit(
           [&]<int D>(const std::unique_ptr<const diamond::PagedModel<D>>& model) {
-            model->set_memory_limit(limit);
+            model->set_memory_limit(memory_limit > 0 ? limit / 2 : limit);  // and half for the cut
             diamond::PagedRefinable<D> nodes(*model);
             return run(nodes);
           },

@@ -19,8 +19,9 @@ struct MeshOptions {
   /// 0.5 % of the value range. max_error_outside holds everywhere outside the focus, be it one of
   /// values or of regions. Nothing is refined for the border's sake.
   Query query;
-  /// Bytes that the hierarchy may take, the mesh aside; 0: a quarter of the machine's memory. Of an
-  /// opened file without holes no more is read than a focus or a budget needs.
+  /// Bytes that the hierarchy may take; 0: a quarter of the machine's memory. Of an opened file
+  /// without holes no more is read than a focus or a budget needs, and then the mesh is among
+  /// these bytes where they are given: half of them are for pages, half for what is made of them.
   std::uint64_t memory_limit = 0;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -11,6 +12,10 @@ struct Budget {
 
   [[nodiscard]] bool is_limited() const {
     return max_cells != std::numeric_limits<std::uint64_t>::max();
+  }
+  /// That, or less: as many cells as so many bytes hold.
+  [[nodiscard]] Budget within(std::uint64_t n_bytes, std::uint64_t bytes_per_cell) const {
+    return {std::min(max_cells, std::max<std::uint64_t>(1, n_bytes / bytes_per_cell))};
   }
   friend bool operator==(const Budget&, const Budget&) = default;
 };

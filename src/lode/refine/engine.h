@@ -58,6 +58,7 @@ class Engine {
             phase_ == Phase::settled,
             is_idle_,
             n_cells_ <= budget_.max_cells,
+            phase_ == Phase::settled && has_budget_ended_,
             memory_.hopeless.empty() && !(memory_.blocked_demand > 0),
             is_nested_};
   }
@@ -94,6 +95,7 @@ class Engine {
   }
   /// Unless candidates wait for data.
   void settle() {
+    has_budget_ended_ = room_.has_value() || n_cells_ > budget_.max_cells;
     room_.reset();
     is_idle_ = !waiting_.is_empty();
     phase_ = is_idle_ ? Phase::adjust : Phase::settled;
@@ -149,6 +151,7 @@ class Engine {
   std::size_t n_unevaluated_ = 0;  ///< how many from there on,
   std::size_t n_round_ = 0;        ///< of the places that were there when the query came.
   FocusChange focus_ = FocusChange::changed;
+  bool has_budget_ended_ = false;  ///< When it settled last: what is left does not fit.
   bool is_in_order_ = true;  ///< The cut was reached from the base by this query alone.
   bool is_nested_ = true;
   bool is_idle_ = false;       ///< Until pages arrive.

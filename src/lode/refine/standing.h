@@ -15,6 +15,7 @@ struct Standing {
   bool is_settled = false;   ///< The answer: nothing is left to do.
   bool awaits_data = false;  ///< Nothing is left to do until pages of the model arrive.
   bool budget_met = true;    ///< False, once settled: even the base is larger.
+  bool budget_ended = false;  ///< Settled, and more would be refined if the budget were larger.
   /// False: memory is short of pages for what is wanted more than all else.
   bool memory_met = true;
   bool is_nested = true;  ///< False: a demand was seen to grow along discovery, which is no error,

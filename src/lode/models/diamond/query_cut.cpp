@@ -72,8 +72,12 @@ Result<void> with_cut(PagedRefinable<D>& nodes, const CutQuery& query, Progress&
   constexpr int kStepsPerLook = 64;
   constexpr std::chrono::milliseconds kLongestWait{5};
   progress.report("refining", 0);
+  // 896,354 tetrahedra as a mesh took 94 MB, the program included.
+  constexpr std::uint64_t kBytesPerCell = 100;
+  const Budget budget =
+      query.cut_bytes > 0 ? query.budget.within(query.cut_bytes, kBytesPerCell) : query.budget;
   Engine<PagedRefinable<D>> engine(nodes);
-  engine.set_query(query.demand, query.budget);
+  engine.set_query(query.demand, budget);
   for (int i = 1; !engine.standing().is_settled; ++i) {
     const bool has_moved = engine.step();
     if (has_moved && i % kStepsPerLook != 0) continue;
@@ -85,9 +89,10 @@ Result<void> with_cut(PagedRefinable<D>& nodes, const CutQuery& query, Progress&
   }
   const Standing standing = engine.standing();
   LODE_CHECK(check_count<D>(standing.n_cells, query));
+  const bool is_short = standing.budget_ended && budget != query.budget;
   auto used = use(engine.cut(), {.n_cells = standing.n_cells,
                                  .budget_met = standing.budget_met,
-                                 .memory_met = standing.memory_met});
+                                 .memory_met = standing.memory_met && !is_short});
   nodes.let_all_go();
   return used;
 }

@@ -12,6 +12,8 @@ struct CutQuery {
   Demand demand;
   Budget budget{};               ///< Limited: the engine's answer; else the whole demand's.
   std::uint64_t most_cells = 0;  ///< Fails rather than make a cut of more.
+  /// Of a file: bytes that the cut and the mesh of it may take, pages aside; 0: any.
+  std::uint64_t cut_bytes = 0;
 };
 
 struct QueryCutReport {
