@@ -66,6 +66,7 @@ struct Command {
 [[nodiscard]] Command add_info_command(CLI::App& program);
 [[nodiscard]] Command add_bench_command(CLI::App& program);
 [[nodiscard]] Command add_build_command(CLI::App& program);
+[[nodiscard]] Command add_count_command(CLI::App& program);
 [[nodiscard]] Command add_extract_command(CLI::App& program);
 [[nodiscard]] Command add_verify_command(CLI::App& program);
 [[nodiscard]] Command add_render_command(CLI::App& program);

@@ -117,6 +117,29 @@ struct ExtractReport {
   ExtractSeconds seconds;
 };
 
+struct CountOptions {
+  std::vector<double> isovalues;      ///< At least one; finite; in any order.
+  std::optional<double> max_error{};  ///< As in ExtractOptions.
+  Threads threads{};
+  /// As in ExtractOptions. What may not be loaded is counted chunk by chunk, one isovalue after the
+  /// other.
+  std::uint64_t memory_limit = 0;
+};
+
+/// The size of one isovalue's surface.
+struct IsovalueCount {
+  double isovalue = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t lines = 0;  ///< Of 2D data.
+  std::uint64_t vertices = 0;
+};
+
+struct CountReport {
+  double max_error = 0;               ///< The tolerance asked for (or chosen), field units.
+  std::vector<IsovalueCount> counts;  ///< One for each isovalue, in the order of the options.
+  double seconds = 0;
+};
+
 struct SalvageReport;
 struct MeshOptions;
 struct MeshReport;
@@ -186,6 +209,10 @@ class Dataset {
   /// Whether the model stays in its file and no edit (clip, closed border, dropped components)
   /// needs the whole surface.
   [[nodiscard]] Result<bool> comes_in_pieces(const ExtractOptions& options) const;
+
+  /// The sizes of many isovalues' surfaces in the style of tetrahedra, without making any of them:
+  /// exactly what extract() gives of each alone, but for all of them in one pass.
+  [[nodiscard]] Result<CountReport> count(const CountOptions& options, Progress& progress) const;
 
   /// The mesh of a query; see mesh_extraction.h.
   [[nodiscard]] Result<MeshReport> extract_mesh(const MeshOptions& options, SimplexMesh& mesh,

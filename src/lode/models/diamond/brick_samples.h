@@ -147,14 +147,16 @@ class BrickSamples {
   }
 
   /// Whether all samples of a simplex that is bisected at a node of level 0 and tier >= 1 (its
-  /// vertices, m, and the middles of the edges that its halves are bisected at) have one sign.
+  /// vertices, m, and the middles of the edges that its halves are bisected at) are on one side, as
+  /// selection.side(value) says.
+  template <typename Sides>
   [[nodiscard]] bool is_on_one_side(const BrickSimplex<D>& s, int tag, const BrickPoint& m,
-                                    double isovalue) const {
-    const bool side = m.value >= isovalue;
+                                    const Sides& selection) const {
+    const auto side = selection.side(m.value);
     for (const BrickPoint& corner : s.corner)
-      if ((corner.value >= isovalue) != side) return false;
+      if (selection.side(corner.value) != side) return false;
     for (std::size_t i = 0; tag > 1 && i < as_size(tag); ++i)
-      if ((value(between(s.corner[i], s.corner[i + 1]).offset) >= isovalue) != side) return false;
+      if (selection.side(value(between(s.corner[i], s.corner[i + 1]).offset)) != side) return false;
     return true;
   }
 

@@ -21,13 +21,13 @@ struct TraversalStats {
 };
 
 /// Calls emit(BrickSimplex) for each leaf simplex, inside one brick, of the cut of a selection that
-/// the isosurface crosses. Level-0 nodes of tiers above 0 have no stored attributes: their error
+/// the isosurface, or one of many, crosses. Level-0 nodes of tiers above 0 have no stored attributes: their error
 /// comes from the samples, and their range is not asked (it could only stop the refinement of
 /// simplices without surface).
-template <int D>
+template <int D, typename Selected = Selection<D>>
 class BrickTraversal {
  public:
-  explicit BrickTraversal(const Selection<D>& selection)
+  explicit BrickTraversal(const Selected& selection)
       : selection_(selection),
         samples_(selection.model()),
         rounding_(0x1p-46 * std::max(std::abs(selection.model().stats.min),
@@ -120,7 +120,7 @@ class BrickTraversal {
     } else {
       m.value = samples_.value(m.offset);
       if (++n_fine_nodes_ == kManyFineNodes) samples_.gather();
-      if (samples_.is_on_one_side(s, tag, m, selection_.isovalue())) return;
+      if (samples_.is_on_one_side(s, tag, m, selection_)) return;
       if (!is_forced && !selection_.is_full()) error = samples_.fine_error(s, tag, m);
     }
     if (is_forced || selection_.exceeds_tolerance(error))
@@ -153,23 +153,23 @@ class BrickTraversal {
       high = std::max(high, s.corner[i].value);
     }
     const double bound = static_cast<double>(decode_error(error)) + rounding_;
-    return (low - bound >= selection_.isovalue() || high + bound < selection_.isovalue()) &&
-           samples_.is_in_data(s);
+    return selection_.is_clear(low - bound, high + bound) && samples_.is_in_data(s);
   }
 
   template <typename Emit>
   bool emit_leaf(const BrickSimplex<D>& s, const Emit& emit) const {
-    int n_inside = 0;
+    const auto side = selection_.side(s.corner[0].value);
+    bool is_crossed = false;
     for (const BrickPoint& corner : s.corner) {
       if (std::isnan(corner.value)) return false;
-      n_inside += corner.value >= selection_.isovalue() ? 1 : 0;
+      is_crossed = is_crossed || selection_.side(corner.value) != side;
     }
-    if (n_inside == 0 || n_inside == D + 1 || samples_.is_removed(s)) return false;
+    if (!is_crossed || samples_.is_removed(s)) return false;
     emit(s);
     return true;
   }
 
-  const Selection<D>& selection_;
+  const Selected& selection_;
   BrickSamples<D> samples_;
   double rounding_;  ///< Of interpolated values.
   int n_fine_nodes_ = 0;

@@ -33,10 +33,10 @@ struct CoarseCut {
   TraversalStats stats;
 };
 
-template <int D, typename Field>
+template <int D, typename Selected>
 class CoarseTraversal {
  public:
-  CoarseTraversal(const Selection<D, Field>& selection, CoarseCut<D>& out)
+  CoarseTraversal(const Selected& selection, CoarseCut<D>& out)
       : selection_(selection), out_(out), brick_dims_(brick_counts<D>(selection.model().shape)) {}
 
   void run() {
@@ -52,7 +52,7 @@ class CoarseTraversal {
 
  private:
   void visit(const Simplex<D>& s) {
-    const Field& model = selection_.model();
+    const auto& model = selection_.model();
     const LatticeBox<D> box = bounds_of(s);
     if (!model.shape.overlaps_data(box)) return;
     if (s.tag == D && box.edge(0) <= kBrickEdge<D>) {
@@ -75,21 +75,22 @@ class CoarseTraversal {
 
   /// Its error is finite: holes remove it with all its corners or not at all.
   void add_leaf(const Simplex<D>& s, ErrorCode error) {
-    const Field& model = selection_.model();
+    const auto& model = selection_.model();
     ActiveSimplex<D> leaf;
     leaf.vertex = s.v;
-    int n_inside = 0;
+    bool is_crossed = false;
     for (std::size_t i = 0; i <= as_size(D); ++i) {
       leaf.value[i] = model.value_or_nan(s.v[i]);
       if (std::isnan(leaf.value[i])) return;
-      n_inside += leaf.value[i] >= selection_.isovalue() ? 1 : 0;
+      is_crossed =
+          is_crossed || selection_.side(leaf.value[i]) != selection_.side(leaf.value.front());
     }
-    if (n_inside == 0 || n_inside == D + 1) return;
+    if (!is_crossed) return;
     out_.leaves.push_back(leaf);
     out_.stats.achieved = std::max(out_.stats.achieved, error);
   }
 
-  const Selection<D, Field>& selection_;
+  const Selected& selection_;
   CoarseCut<D>& out_;
   Index<D> brick_dims_;
 };

@@ -32,7 +32,7 @@ class Extraction {
     if (query_.replaces) surface.clear();
     surface.origin = frame_.surface_origin;
     if (!model_.shape.has_cells()) return report;
-    CoarseTraversal<D, Model<D>>(selection_, cut_).run();
+    CoarseTraversal<D, Selection<D>>(selection_, cut_).run();
     march(progress);
     if (progress.is_cancelled()) return cancelled_error();
     const auto marched = std::chrono::steady_clock::now();
@@ -152,7 +152,7 @@ std::vector<ActiveSimplex<D>> active_simplices(const Model<D>& model,
   const Selection<D> selection(model, query.isovalue, query.tolerance);
   CoarseCut<D> cut;
   if (!model.shape.has_cells()) return {};
-  CoarseTraversal<D, Model<D>>(selection, cut).run();
+  CoarseTraversal<D, Selection<D>>(selection, cut).run();
   std::vector<ActiveSimplex<D>> result = cut.leaves;
   BrickTraversal<D> traversal(selection);
   TraversalStats stats;

@@ -1,24 +1,19 @@
 #include "lode/models/diamond/selection.h"
 
+#include <cmath>
+#include <limits>
+
 namespace lode::diamond {
 
-template <int D, typename Field>
-Selection<D, Field>::Selection(const Field& model, double isovalue, double tolerance)
-    : model_(model),
-      isovalue_(isovalue),
-      is_full_(tolerance == 0),
-      tolerance_(tolerance_code(tolerance)) {
-  const double reference = model.range_reference();
-  relative_below_ = relative_above_ = isovalue - reference;
-  if (reference != 0) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    relative_below_ = std::nextafter(relative_below_, -kInfinity);
-    relative_above_ = std::nextafter(relative_above_, kInfinity);
-  }
+RelativeIsovalue RelativeIsovalue::of(double isovalue, double reference) {
+  const double relative = isovalue - reference;
+  if (reference == 0) return {relative, relative};
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return {std::nextafter(relative, -kInfinity), std::nextafter(relative, kInfinity)};
 }
 
 template <int D, typename Field>
-std::size_t Selection<D, Field>::index_of(const Diamond<D>& d) const {
+std::size_t ToleranceSelection<D, Field>::index_of(const Diamond<D>& d) const {
   const Shape<D>& shape = model_.shape;
   Index<D> q;
   if (d.level > 0) {
@@ -34,9 +29,9 @@ std::size_t Selection<D, Field>::index_of(const Diamond<D>& d) const {
   return linear_index<D>(dims, q);
 }
 
-template class Selection<2>;
-template class Selection<3>;
-template class Selection<2, CoarseField<2>>;
-template class Selection<3, CoarseField<3>>;
+template class ToleranceSelection<2>;
+template class ToleranceSelection<3>;
+template class ToleranceSelection<2, CoarseField<2>>;
+template class ToleranceSelection<3, CoarseField<3>>;
 
 }  // namespace lode::diamond

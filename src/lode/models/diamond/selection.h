@@ -4,28 +4,14 @@
 
 namespace lode::diamond {
 
-/// The one question of an isosurface query: is a node to be refined? It is when its nested error
-/// exceeds the tolerance (tolerance 0: always), or it reaches across the border
-/// (Shape::reaches_across), and its nested range meets the isovalue. All of these are nested, so a
-/// refined node's parents are refined, and every simplex of a diamond gets the same answer: the
-/// mesh is conforming without looking at neighbours. `Field` is a LatticeField with levels.
+/// A field's nodes and the tolerance on their errors: what selections by one isovalue and by many
+/// have in common. `Field` is a LatticeField with levels.
 template <int D, typename Field = Model<D>>
-class Selection {
+class ToleranceSelection {
  public:
-  Selection(const Field& model, double isovalue, double tolerance);
+  ToleranceSelection(const Field& model, double tolerance)
+      : model_(model), is_full_(tolerance == 0), tolerance_(tolerance_code(tolerance)) {}
 
-  [[nodiscard]] double isovalue() const { return isovalue_; }
-
-  /// For a node of level >= 1, or of level 0 and tier 0.
-  [[nodiscard]] bool is_active(int level, std::size_t at) const {
-    const NodeLevel& nodes = model_.levels[as_size(level)];
-    return static_cast<double>(nodes.low[at]) < relative_above_ &&
-           static_cast<double>(nodes.high[at]) >= relative_below_;
-  }
-  /// Whether all samples below the node are at least the isovalue.
-  [[nodiscard]] bool is_inside(int level, std::size_t at) const {
-    return static_cast<double>(model_.levels[as_size(level)].low[at]) >= relative_above_;
-  }
   /// Tolerance 0: everything is refined, whatever its error.
   [[nodiscard]] bool is_full() const { return is_full_; }
   [[nodiscard]] bool exceeds_tolerance(ErrorCode error) const {
@@ -41,16 +27,58 @@ class Selection {
 
  private:
   const Field& model_;
-  double isovalue_;
-  double relative_below_;  ///< isovalue above the range reference, rounded down,
-  double relative_above_;  ///< and up.
   bool is_full_;
   ErrorCode tolerance_;
 };
 
-extern template class Selection<2>;
-extern template class Selection<3>;
-extern template class Selection<2, CoarseField<2>>;
-extern template class Selection<3, CoarseField<3>>;
+/// An isovalue as stored ranges see it: above the range reference, rounded down and up.
+struct RelativeIsovalue {
+  double below;
+  double above;
+
+  [[nodiscard]] static RelativeIsovalue of(double isovalue, double reference);
+};
+
+/// The one question of an isosurface query: is a node to be refined? It is when its nested error
+/// exceeds the tolerance (tolerance 0: always), or it reaches across the border
+/// (Shape::reaches_across), and its nested range meets the isovalue. All of these are nested, so a
+/// refined node's parents are refined, and every simplex of a diamond gets the same answer: the
+/// mesh is conforming without looking at neighbours.
+template <int D, typename Field = Model<D>>
+class Selection : public ToleranceSelection<D, Field> {
+ public:
+  Selection(const Field& model, double isovalue, double tolerance)
+      : ToleranceSelection<D, Field>(model, tolerance),
+        isovalue_(isovalue),
+        relative_(RelativeIsovalue::of(isovalue, model.range_reference())) {}
+
+  [[nodiscard]] double isovalue() const { return isovalue_; }
+
+  /// For a node of level >= 1, or of level 0 and tier 0.
+  [[nodiscard]] bool is_active(int level, std::size_t at) const {
+    const NodeLevel& nodes = this->model().levels[as_size(level)];
+    return static_cast<double>(nodes.low[at]) < relative_.above &&
+           static_cast<double>(nodes.high[at]) >= relative_.below;
+  }
+  /// Whether all samples below the node are at least the isovalue.
+  [[nodiscard]] bool is_inside(int level, std::size_t at) const {
+    return static_cast<double>(this->model().levels[as_size(level)].low[at]) >= relative_.above;
+  }
+  /// Which side of the isovalue a value is on: values on the same one have no surface between them.
+  [[nodiscard]] bool side(double value) const { return value >= isovalue_; }
+  /// Whether all values from low to high are on one side.
+  [[nodiscard]] bool is_clear(double low, double high) const {
+    return low >= isovalue_ || high < isovalue_;
+  }
+
+ private:
+  double isovalue_;
+  RelativeIsovalue relative_;
+};
+
+extern template class ToleranceSelection<2>;
+extern template class ToleranceSelection<3>;
+extern template class ToleranceSelection<2, CoarseField<2>>;
+extern template class ToleranceSelection<3, CoarseField<3>>;
 
 }  // namespace lode::diamond
