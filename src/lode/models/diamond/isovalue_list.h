@@ -1,9 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "lode/core/expects.h"
@@ -19,6 +20,17 @@ class IsovalueList {
       : isovalues_(ascending.begin(), ascending.end()) {
     for (std::size_t i = 1; i < isovalues_.size(); ++i)
       LODE_EXPECTS(isovalues_[i - 1] < isovalues_[i]);
+    if (isovalues_.empty()) return;
+    const double width = isovalues_.back() - isovalues_.front();
+    const std::size_t n_buckets = kBucketsEach * isovalues_.size();
+    const double scale = static_cast<double>(n_buckets - 1) / width;
+    if (width > 0 && std::isfinite(width) && std::isfinite(scale)) scale_ = scale;
+    first_in_.resize(n_buckets);
+    std::size_t i = 0;
+    for (std::size_t bucket = 0; bucket < n_buckets; ++bucket) {
+      while (i < isovalues_.size() && bucket_of(isovalues_[i]) < bucket) ++i;
+      first_in_[bucket] = static_cast<std::uint32_t>(i);
+    }
   }
 
   [[nodiscard]] std::size_t size() const { return isovalues_.size(); }
@@ -27,14 +39,27 @@ class IsovalueList {
   [[nodiscard]] IsovalueList part(std::size_t first, std::size_t n) const {
     return IsovalueList(std::span(isovalues_).subspan(first, std::min(n, size() - first)));
   }
-  /// How many are at most `value`.
+  /// How many are at most `value`; none for NaN.
   [[nodiscard]] std::size_t rank(double value) const {
-    const auto above = std::upper_bound(isovalues_.begin(), isovalues_.end(), value);
-    return static_cast<std::size_t>(above - isovalues_.begin());
+    if (isovalues_.empty() || !(value >= isovalues_.front())) return 0;
+    if (value >= isovalues_.back()) return isovalues_.size();
+    std::size_t rank = first_in_[bucket_of(value)];
+    while (isovalues_[rank] <= value) ++rank;
+    return rank;
   }
 
  private:
+  /// Buckets of equal widths, so that most hold one isovalue or none. Rounding keeps the order of
+  /// values, so what lies in lower buckets is lower.
+  static constexpr std::size_t kBucketsEach = 4;
+  [[nodiscard]] std::size_t bucket_of(double value) const {
+    if (scale_ == 0) return 0;
+    return static_cast<std::size_t>((value - isovalues_.front()) * scale_);
+  }
+
   std::vector<double> isovalues_;
+  double scale_ = 0;  ///< Of too wide or too narrow ones: all are in one bucket.
+  std::vector<std::uint32_t> first_in_;  ///< By bucket: how many isovalues lie in lower ones.
 };
 
 /// Selection by many isovalues at once. Whether an error is above the tolerance does not depend on
@@ -67,7 +92,7 @@ class ManySelection : public ToleranceSelection<D> {
   /// Values of one rank have no surface between them.
   [[nodiscard]] std::size_t side(double value) const { return isovalues_.rank(value); }
   [[nodiscard]] bool is_clear(double low, double high) const {
-    return low <= high && isovalues_.rank(low) == isovalues_.rank(high);  // not with NaN
+    return low <= high && isovalues_.rank(low) == isovalues_.rank(high);  // neither is NaN
   }
 
  private:
