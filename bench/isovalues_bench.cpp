@@ -14,15 +14,14 @@ namespace {
 constexpr int kIsovalues = 100;
 constexpr int kRounds = 5;
 constexpr int kAdaptiveRounds = 1;  ///< Each of them takes half a minute.
-constexpr double kMark = 0.25;  ///< Of the single passes' time.
+constexpr double kMark = 0.25;      ///< Of the single passes' time.
 constexpr Threads kThreads{2};
 
 std::vector<double> isovalues_of(const DatasetInfo& info) {
   std::vector<double> isovalues;
   isovalues.reserve(kIsovalues);
   for (int i = 0; i < kIsovalues; ++i)
-    isovalues.push_back(info.range_min +
-                        (info.range_max - info.range_min) * i / (kIsovalues - 1));
+    isovalues.push_back(info.range_min + (info.range_max - info.range_min) * i / (kIsovalues - 1));
   return isovalues;
 }
 
@@ -75,8 +74,7 @@ Result<void> run(const VolumeCase& volume_case) {
     if (share == 0.005 && volume_case.relative_error == 0.005) continue;
     Rounds rounds;
     for (int i = 0; i < (share == 0 ? kRounds : kAdaptiveRounds); ++i)
-      LODE_CHECK(
-          run_round(dataset, isovalues, share * (info.range_max - info.range_min), rounds));
+      LODE_CHECK(run_round(dataset, isovalues, share * (info.range_max - info.range_min), rounds));
     const double ratio = median(rounds.ratio);
     fmt::print("{:<18} {:>9.3g} {:>14} {:>10.1f} {:>12.1f} {:>8.3f} {:>6} {:>12.1f}\n",
                volume_case.name, 100 * share, rounds.n_triangles, 1e3 * median(rounds.together),

@@ -52,9 +52,9 @@ Result<EvenIsovalues> parse_evenly(const std::string& text) {
   if (second_colon == std::string::npos)
     return fail("--isovalues: expected N, or A:B:N with A < B, got '{}'", text);
   LODE_TRY(const double first, parse_number("--isovalues", text.substr(0, first_colon)));
-  LODE_TRY(const double last,
-           parse_number("--isovalues",
-                        text.substr(first_colon + 1, second_colon - first_colon - 1)));
+  LODE_TRY(
+      const double last,
+      parse_number("--isovalues", text.substr(first_colon + 1, second_colon - first_colon - 1)));
   LODE_TRY(const std::int64_t n,
            parse_integer("--isovalues", text.substr(second_colon + 1), 2, kMost));
   if (first >= last) return fail("--isovalues: expected N, or A:B:N with A < B, got '{}'", text);
@@ -102,8 +102,7 @@ Json count_json(const CountArguments& arguments, const Input& input, const Count
   return json;
 }
 
-std::string count_text(const Input& input, const CountOptions& options,
-                       const CountReport& report) {
+std::string count_text(const Input& input, const CountOptions& options, const CountReport& report) {
   Table head;
   head.add({"range", fmt::format("{} to {}", format_number(input.info.range_min),
                                  format_number(input.info.range_max))});

@@ -25,8 +25,8 @@ TEST_F(cli_count, counts_what_extraction_writes) {
     for (int i = 0; i < 5; ++i) {
       const nlohmann::json& one = report.at("counts").at(static_cast<std::size_t>(i));
       EXPECT_EQ(one.at("isovalue"), 80 + 10 * i);
-      const Finished extracted = extract("s.ply", {"--isovalue", std::to_string(80 + 10 * i),
-                                                   "--max-error", max_error, "--json"});
+      const Finished extracted = extract(
+          "s.ply", {"--isovalue", std::to_string(80 + 10 * i), "--max-error", max_error, "--json"});
       EXPECT_EQ(one.at("triangles"), extracted.json().at("triangles"));
       EXPECT_EQ(one.at("vertices"), extracted.json().at("vertices"));
       EXPECT_GT(one.at("triangles"), 0);

@@ -1,6 +1,6 @@
 // A dragged isovalue, in steps of 0.5 % of the range over a file: what is in the cache is not read
-// again, and a cache that is too small costs reads but nothing else (of sessions page_limit_test.cpp
-// shows that).
+// again, and a cache that is too small costs reads but nothing else (of sessions
+// page_limit_test.cpp shows that).
 
 #include <algorithm>
 #include <chrono>
@@ -88,8 +88,7 @@ TEST(dragged_isovalue, reads_no_block_twice_while_it_is_in_the_cache) {
   const Dragged dragged;
   const Dataset dataset = dragged.open();
   Surface surface;
-  const std::uint64_t n_first =
-      extract(dataset, dragged.isovalues.front(), 0, surface).blocks_read;
+  const std::uint64_t n_first = extract(dataset, dragged.isovalues.front(), 0, surface).blocks_read;
   EXPECT_GT(n_first, 0U);
   const auto [there, back] = drag(dragged, dataset, 0);
   EXPECT_EQ(back, 0U);

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <hwy/highway.h>
+#include <cmath>
 #include <limits>
 
 #include "lode/api/dataset.h"
@@ -113,11 +113,10 @@ TEST_P(isovalue_counts_shapes, are_those_of_the_surfaces_between_holes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(dims, isovalue_counts_shapes,
-                         testing::Values(Index3{{2, 2, 2}}, Index3{{33, 7, 4}},
-                                         Index3{{34, 33, 5}}, Index3{{65, 4, 34}},
-                                         Index3{{4, 3, 66}}, Index3{{41, 67, 36}},
-                                         Index3{{97, 1, 45}}, Index3{{1, 131, 260}},
-                                         Index3{{300, 129, 1}}));
+                         testing::Values(Index3{{2, 2, 2}}, Index3{{33, 7, 4}}, Index3{{34, 33, 5}},
+                                         Index3{{65, 4, 34}}, Index3{{4, 3, 66}},
+                                         Index3{{41, 67, 36}}, Index3{{97, 1, 45}},
+                                         Index3{{1, 131, 260}}, Index3{{300, 129, 1}}));
 
 TEST(isovalue_counts, are_those_of_the_surfaces_of_every_sample_type) {
   const Index3 dims{{37, 35, 34}};
@@ -173,11 +172,10 @@ TEST(isovalue_counts, do_not_depend_on_threads_or_on_the_processor) {
 }
 
 TEST(isovalue_counts, are_zero_without_cells_or_values) {
-  for (const Volume& volume :
-       {oracles::constant({{5, 6, 7}}, ScalarType::uint8, 3),
-        oracles::constant({{9, 9, 9}}, ScalarType::float32,
-                          std::numeric_limits<float>::quiet_NaN()),
-        oracles::constant({{1, 1, 9}}, ScalarType::uint8, 3)}) {
+  for (const Volume& volume : {oracles::constant({{5, 6, 7}}, ScalarType::uint8, 3),
+                               oracles::constant({{9, 9, 9}}, ScalarType::float32,
+                                                 std::numeric_limits<float>::quiet_NaN()),
+                               oracles::constant({{1, 1, 9}}, ScalarType::uint8, 3)}) {
     const Dataset dataset = built(volume);
     for (const double max_error : {0.0, 1.0})
       for (const IsovalueCount& count : counted(dataset, {3, 3, 2.5}, max_error, 2).counts) {
@@ -200,8 +198,7 @@ TEST(isovalue_counts, stop_when_cancelled) {
   for (const double max_error : {0.0, 1.0}) {
     Progress progress;
     progress.cancel();
-    EXPECT_FALSE(
-        dataset.count({.isovalues = {90, 100}, .max_error = max_error}, progress));
+    EXPECT_FALSE(dataset.count({.isovalues = {90, 100}, .max_error = max_error}, progress));
   }
 }
 

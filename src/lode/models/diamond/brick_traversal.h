@@ -21,9 +21,9 @@ struct TraversalStats {
 };
 
 /// Calls emit(BrickSimplex) for each leaf simplex, inside one brick, of the cut of a selection that
-/// the isosurface, or one of many, crosses. Level-0 nodes of tiers above 0 have no stored attributes: their error
-/// comes from the samples, and their range is not asked (it could only stop the refinement of
-/// simplices without surface).
+/// the isosurface, or one of many, crosses. Level-0 nodes of tiers above 0 have no stored
+/// attributes: their error comes from the samples, and their range is not asked (it could only stop
+/// the refinement of simplices without surface).
 template <int D, typename Selected = Selection<D>>
 class BrickTraversal {
  public:

@@ -28,9 +28,7 @@ constexpr LanePatterns kPatterns = [] {
 }();
 
 /// -1 where u > v.
-HWY_INLINE ByteVec is_above(ByteVec u, ByteVec v) {
-  return hn::VecFromMask(Bytes(), hn::Gt(u, v));
-}
+HWY_INLINE ByteVec is_above(ByteVec u, ByteVec v) { return hn::VecFromMask(Bytes(), hn::Gt(u, v)); }
 /// 1 where u < v, -1 where u > v.
 HWY_INLINE ByteVec sign_of(ByteVec u, ByteVec v) { return hn::Sub(is_above(u, v), is_above(v, u)); }
 
@@ -120,8 +118,8 @@ HWY_INLINE void add_cells(const LayerRow& cells, std::size_t x, std::int32_t n_c
   }
   ByteVec differs = hn::Xor(row[0].left, row[0].right);
   for (std::size_t r = 1; r < 4; ++r)
-    differs = hn::Or(differs, hn::Or(hn::Xor(row[0].left, row[r].left),
-                                     hn::Xor(row[0].left, row[r].right)));
+    differs = hn::Or(differs,
+                     hn::Or(hn::Xor(row[0].left, row[r].left), hn::Xor(row[0].left, row[r].right)));
   const auto first = 32 - static_cast<std::size_t>(n_cells);
   const ByteVec kept = hn::And(hn::VecFromMask(d, hn::Ne(differs, hn::Zero(d))),
                                hn::LoadU(d, kPatterns.first + first + x));

@@ -52,7 +52,8 @@ class FileExtraction {
 
   Result<IsosurfaceReport> run(Progress& progress) {
     const Stopwatch watch;
-    if (field_.shape.has_cells()) CoarseTraversal<D, Selection<D, CoarseField<D>>>(selection_, cut_).run();
+    if (field_.shape.has_cells())
+      CoarseTraversal<D, Selection<D, CoarseField<D>>>(selection_, cut_).run();
     work_ = work_of(cut_);
     parts_of_bricks_ = PartsOfBricks<D>(field_.axes, brick_dims_, work_);
     stats_ = cut_.stats;

@@ -87,8 +87,7 @@ class BrickCounter {
       : model_(model), ranks_(ranks), sums_(n_isovalues) {}
 
   void count(const Index<3>& brick) {
-    samples_ =
-        reinterpret_cast<const T*>(model_.brick(linear_index<3>(model_.brick_dims, brick)));
+    samples_ = reinterpret_cast<const T*>(model_.brick(linear_index<3>(model_.brick_dims, brick)));
     for (std::size_t i = 0; i < 3; ++i) {
       last_[i] = model_.shape.dims[i] - 1 - brick[i] * kBrickEdge<3>;
       n_cells_[i] = std::min(last_[i], kBrickEdge<3>);
@@ -171,10 +170,9 @@ class BrickCounter {
              eight_of(nets.left_edges, at) | eight_of(nets.right_edges, at)) == 0)
           continue;
         for (std::size_t i = at; i < at + std::min<std::size_t>(8, kBrickRow - x); ++i)
-          rank_sums_.add(
-              i, nets.rank[i],
-              static_cast<std::int8_t>(nets.left_triangles[i] + nets.right_triangles[i]),
-              static_cast<std::int8_t>(nets.left_edges[i] + nets.right_edges[i]));
+          rank_sums_.add(i, nets.rank[i],
+                         static_cast<std::int8_t>(nets.left_triangles[i] + nets.right_triangles[i]),
+                         static_cast<std::int8_t>(nets.left_edges[i] + nets.right_edges[i]));
       }
   }
 

@@ -58,7 +58,7 @@ class IsovalueList {
   }
 
   std::vector<double> isovalues_;
-  double scale_ = 0;  ///< Of too wide or too narrow ones: all are in one bucket.
+  double scale_ = 0;                     ///< Of too wide or too narrow ones: all are in one bucket.
   std::vector<std::uint32_t> first_in_;  ///< By bucket: how many isovalues lie in lower ones.
 };
 
@@ -85,9 +85,8 @@ class ManySelection : public ToleranceSelection<D> {
     const NodeLevel& nodes = this->model().levels[as_size(level)];
     const auto first =
         std::upper_bound(above_.begin(), above_.end(), static_cast<double>(nodes.low[at]));
-    return first != above_.end() &&
-           below_[static_cast<std::size_t>(first - above_.begin())] <=
-               static_cast<double>(nodes.high[at]);
+    return first != above_.end() && below_[static_cast<std::size_t>(first - above_.begin())] <=
+                                        static_cast<double>(nodes.high[at]);
   }
   /// Values of one rank have no surface between them.
   [[nodiscard]] std::size_t side(double value) const { return isovalues_.rank(value); }

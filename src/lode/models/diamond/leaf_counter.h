@@ -89,9 +89,9 @@ class LeafCounter {
   }
 
   struct Place {
-    bool is_border = false;   ///< On a face of the brick,
-    bool is_below = false;    ///< one that another brick has too, at lower coordinates;
-    bool is_corners = true;   ///< or between two of its corners.
+    bool is_border = false;  ///< On a face of the brick,
+    bool is_below = false;   ///< one that another brick has too, at lower coordinates;
+    bool is_corners = true;  ///< or between two of its corners.
   };
   [[nodiscard]] Place place_of(const BrickPoint& a, const BrickPoint& b) const {
     Place place;
