@@ -75,8 +75,12 @@ Result<void> check_extract(const ExtractArguments& arguments) {
   if (arguments.progressive.is_wanted() &&
       (arguments.query.is_wanted() || arguments.query.is_focused()))
     return fail("--progressive: expected no --mesh, --section, focus, budget or deadline with it");
-  if (!arguments.simplify.is_wanted && !arguments.simplify.max_distance.empty())
-    return fail("--max-distance: expected --simplify with it, which it bounds");
+  if (!arguments.simplify.max_distance.empty() && !arguments.simplify.is_wanted &&
+      (arguments.progressive.is_wanted() || arguments.query.is_wanted() ||
+       arguments.query.is_focused()))
+    return fail(
+        "--max-distance: expected no --mesh, --section, focus, budget, deadline or --progressive "
+        "with it");
   if (arguments.simplify.is_wanted && (arguments.progressive.is_wanted() ||
                                        arguments.query.is_wanted() || arguments.query.is_focused()))
     return fail(
@@ -114,6 +118,19 @@ struct Totals {
     all.seconds.finish += job.simplified->seconds.finish;
     report.seconds.simplify += job.seconds.simplify;
   }
+  void add_distance_of(const ExtractReport& job) {
+    if (!job.distance) return;
+    if (!report.distance) report.distance.emplace();
+    DistanceReport& all = *report.distance;
+    all.max_distance = job.distance->max_distance;
+    all.proven_distance = std::max(all.proven_distance, job.distance->proven_distance);
+    all.rounds += job.distance->rounds;
+    all.nodes_refined += job.distance->nodes_refined;
+    all.full_triangles += job.distance->full_triangles;
+    all.lost_triangles += job.distance->lost_triangles;
+    all.lost_size = std::max(all.lost_size, job.distance->lost_size);
+    report.seconds.distance += job.seconds.distance;
+  }
   void add(const ExtractReport& job) {
     report.max_error = job.max_error;
     report.achieved_error = std::max(report.achieved_error, job.achieved_error);
@@ -129,6 +146,7 @@ struct Totals {
     report.components_dropped += job.components_dropped;
     report.triangles_dropped += job.triangles_dropped;
     add_simplified_job(job);
+    add_distance_of(job);
     report.seconds.total += job.seconds.total;
     report.seconds.select += job.seconds.select;
     report.seconds.geometry += job.seconds.geometry;
@@ -168,6 +186,7 @@ Json extraction_json(const Extraction& extraction, const std::vector<std::string
   if (extraction.options.style == SurfaceStyle::cubes) seconds["measure"] = report.seconds.measure;
   seconds["open"] = extraction.input.open_seconds;
   seconds["write"] = report.seconds.write;
+  add_distance(json, report);
   add_simplified(json, report);
   add_salvage(json, extraction.input.dataset.salvaged(), report.achieved_error);
   json["warnings"] = warnings;
@@ -208,6 +227,7 @@ std::string extraction_text(const Extraction& extraction) {
         {"pieces dropped",
          fmt::format("{} with {} {}", format_count(report.components_dropped),
                      format_count(report.triangles_dropped), is_lines ? "lines" : "triangles")});
+  add_distance(table, report);
   add_simplified(table, report);
   table.add({"extract", fmt::format("{} (select {:.3f}, geometry {:.3f}, finish {:.3f})",
                                     format_seconds(report.seconds.total), report.seconds.select,
@@ -227,13 +247,14 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
   job_options.isovalues = job.isovalues;
   const auto note = [&](const ExtractReport& report) -> SurfaceWriteOptions {
     return {.comment =
-                fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}", LODE_VERSION,
+                fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}", LODE_VERSION,
                             job.isovalues.size() == 1 ? "isovalue" : "isovalues",
                             fmt::join(job.isovalues, " "), report.max_error, report.achieved_error,
                             options.style == SurfaceStyle::cubes
                                 ? fmt::format(", style cubes, style_error {}", report.style_error)
                                 : "",
-                            simplify_comment(report), salvage_comment(input.dataset.salvaged())),
+                            distance_comment(report), simplify_comment(report),
+                            salvage_comment(input.dataset.salvaged())),
             .frame = input.info.volume.grid.frame};
   };
   LODE_TRY(const ExtractReport report,
@@ -303,6 +324,7 @@ Command add_extract_command(CLI::App& program) {
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
+      "  lode extract scan.lode bone.ply --isovalue 1200 --max-distance 0.5\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --simplify --max-distance 0.5\n"
       "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
       "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1\n"

@@ -6,6 +6,7 @@
 #include "command.h"
 #include "extraction_options.h"
 #include "input.h"
+#include "simplify_options.h"
 #include "stopwatch.h"
 #include "text.h"
 
@@ -16,12 +17,21 @@ struct VerifyArguments {
   std::string input;
   std::string original;
   std::string surface;
+  std::string max_distance;
   ExtractionArguments extraction;
   ReadingArguments reading;
 };
 
+Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
+  LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
+  LODE_CHECK(apply_simplify_options({.max_distance = arguments.max_distance}, options));
+  return options;
+}
+
 Result<void> check_verify(const VerifyArguments& arguments) {
-  LODE_TRY(const ExtractOptions options, to_extract_options(arguments.extraction));
+  LODE_TRY(const ExtractOptions options, options_of(arguments));
+  if (options.max_distance && arguments.surface.empty())
+    return fail("--max-distance: expected --surface FILE with it, got none");
   if (!arguments.surface.empty()) {
     LODE_CHECK(check_surface_path(arguments.surface));
     if (options.isovalues.empty())
@@ -58,7 +68,7 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
     append(report, std::move(more));
   }
   if (!arguments.surface.empty()) {
-    LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
+    LODE_TRY(ExtractOptions options, options_of(arguments));
     options.threads = session.threads();
     LODE_TRY(const Surface surface, read_surface(arguments.surface));
     LODE_TRY(VerifyReport more, input.dataset.verify_surface(surface, options, session.progress()));
@@ -123,12 +133,17 @@ Command add_verify_command(CLI::App& program) {
       "Reads and checks every byte of FILE; --against recomputes its errors from the original\n"
       "data; --surface checks a surface, given the options it was extracted with.\n\n"
       "Examples:\n  lode verify scan.lode --against scan.nrrd\n"
-      "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10");
+      "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10\n"
+      "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5");
   app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
       ->type_name("FILE")
       ->required();
   app->add_option("--against", arguments->original, "Original data of FILE")->type_name("ORIGINAL");
   app->add_option("--surface", arguments->surface, "Surface to check")->type_name("SURFACE");
+  app->add_option("--max-distance", arguments->max_distance,
+                  "Distance that it was extracted within, world units: measured, from full "
+                  "resolution and back")
+      ->type_name("D");
   add_extraction_options(*app, arguments->extraction);
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_verify(*arguments); },

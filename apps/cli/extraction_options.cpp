@@ -107,6 +107,7 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
 }
 
 std::string describe_tolerance(const ExtractOptions& options, double max_error) {
+  if (options.max_distance && !options.max_error) return "any, within the distance";
   return format_number(max_error) +
          (options.max_error ? "" : " (default: 0.5 % of the value range)");
 }
@@ -114,7 +115,7 @@ std::string describe_tolerance(const ExtractOptions& options, double max_error) 
 void add_extraction(Json& json, const ExtractOptions& options, const ExtractReport& report) {
   json["isovalues"] = options.isovalues;
   json["max_error"] = report.max_error;
-  json["max_error_is_default"] = !options.max_error.has_value();
+  json["max_error_is_default"] = !options.max_error && !options.max_distance;
   json["achieved_error"] = report.achieved_error;
   if (options.style == SurfaceStyle::cubes) {
     json["style"] = "cubes";

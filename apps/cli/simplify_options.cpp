@@ -13,18 +13,38 @@ void add_simplify_options(CLI::App& app, SimplifyArguments& arguments) {
                "never through itself (without --max-error, of full resolution)")
       ->group(group);
   app.add_option("--max-distance", arguments.max_distance,
-                 "How far any point of either surface may be from the other, world units")
+                 "How far any point of the surface may be from that of full resolution, and back, "
+                 "world units: proven; with --simplify, from the surface before and back")
       ->type_name("D")
       ->group(group);
 }
 
+namespace {
+
+Result<void> apply_max_distance(double distance, ExtractOptions& options) {
+  static constexpr const char* kExpected =
+      "--max-distance: expected no {} with it unless --simplify is, {}";
+  if (options.style == SurfaceStyle::cubes)
+    return fail(kExpected, "--style cubes", "as it is of full resolution already");
+  if (options.border == Border::closed)
+    return fail(kExpected, "--close-border", "as caps are not proven");
+  if (options.clip) return fail(kExpected, "--clip", "whose planes part what lies near");
+  if (options.min_component > 1)
+    return fail(kExpected, "--min-component", "which would drop parts of the surface");
+  options.max_distance = distance;
+  return {};
+}
+
+}  // namespace
+
 Result<void> apply_simplify_options(const SimplifyArguments& arguments, ExtractOptions& options) {
-  if (!arguments.is_wanted) return {};
+  if (!arguments.is_wanted && arguments.max_distance.empty()) return {};
   if (arguments.max_distance.empty())
     return fail("--simplify: expected --max-distance with it, which says how far");
   LODE_TRY(const double distance, parse_number("--max-distance", arguments.max_distance));
   if (!(distance > 0))
     return fail("--max-distance: expected a number > 0, got '{}'", arguments.max_distance);
+  if (!arguments.is_wanted) return apply_max_distance(distance, options);
   if (options.border == Border::closed)
     return fail("--simplify: expected no --close-border with it: caps would leave the border");
   options.simplify_distance = distance;
@@ -34,6 +54,43 @@ Result<void> apply_simplify_options(const SimplifyArguments& arguments, ExtractO
 std::string simplify_comment(const ExtractReport& report) {
   if (!report.simplified) return "";
   return fmt::format(", simplified within distance {}", report.simplified->proven_distance);
+}
+
+std::string distance_comment(const ExtractReport& report) {
+  if (!report.distance) return "";
+  return fmt::format(", max_distance {}, proven_distance {}", report.distance->max_distance,
+                     report.distance->proven_distance);
+}
+
+void add_distance(Json& json, const ExtractReport& report) {
+  if (!report.distance) return;
+  const DistanceReport& kept = *report.distance;
+  Json& distance = json["distance"];
+  distance["max_distance"] = kept.max_distance;
+  distance["proven_distance"] = kept.proven_distance;
+  distance["rounds"] = kept.rounds;
+  distance["nodes_refined"] = kept.nodes_refined;
+  distance["full_triangles"] = kept.full_triangles;
+  distance["lost_triangles"] = kept.lost_triangles;
+  distance["lost_size"] = kept.lost_size;
+  json["seconds"]["distance"] = report.seconds.distance;
+}
+
+void add_distance(Table& table, const ExtractReport& report) {
+  if (!report.distance) return;
+  const DistanceReport& kept = *report.distance;
+  table.add({"distance",
+             fmt::format("at most {} from full resolution ({} triangles) and back (asked for: {})",
+                         format_number(kept.proven_distance), format_count(kept.full_triangles),
+                         format_number(kept.max_distance))});
+  table.add({"lost",
+             kept.lost_triangles == 0
+                 ? "nothing"
+                 : fmt::format("{} triangles of full resolution, within {}",
+                               format_count(kept.lost_triangles), format_number(kept.lost_size))});
+  table.add({"refined for it",
+             fmt::format("{} nodes in {} rounds, {}", format_count(kept.nodes_refined),
+                         format_count(kept.rounds), format_seconds(report.seconds.distance))});
 }
 
 void add_simplified(Json& json, const ExtractReport& report) {

@@ -8,7 +8,7 @@
 
 namespace lode::cli {
 
-/// The options of bounded simplification as typed.
+/// The options of distances, with and without simplification, as typed.
 struct SimplifyArguments {
   bool is_wanted = false;
   std::string max_distance;
@@ -16,12 +16,19 @@ struct SimplifyArguments {
 
 void add_simplify_options(CLI::App& app, SimplifyArguments& arguments);
 
-/// Checks them, and sets the distance.
+/// Checks them against the others, and sets the distance: max_distance, or simplify_distance.
 [[nodiscard]] Result<void> apply_simplify_options(const SimplifyArguments& arguments,
                                                   ExtractOptions& options);
 
 /// For a file's comment: ", simplified within ...", or nothing.
 [[nodiscard]] std::string simplify_comment(const ExtractReport& report);
+
+/// For a file's comment: ", max_distance ...", or nothing.
+[[nodiscard]] std::string distance_comment(const ExtractReport& report);
+
+/// The keys and lines of how a distance without simplification was kept; none where none was asked.
+void add_distance(Json& json, const ExtractReport& report);
+void add_distance(Table& table, const ExtractReport& report);
 
 /// The keys and lines of what simplification did; none where there was none.
 void add_simplified(Json& json, const ExtractReport& report);

@@ -63,12 +63,50 @@ TEST_F(cli_simplify, refuses_what_it_cannot_do) {
     EXPECT_FALSE(std::filesystem::exists(file("s.ply")));
   };
   refuses({"--isovalue", "100", "--simplify"}, "expected --max-distance");
-  refuses({"--isovalue", "100", "--max-distance", "1"}, "expected --simplify");
   refuses({"--isovalue", "100", "--simplify", "--max-distance", "0"}, "expected a number > 0");
   refuses({"--isovalue", "100", "--simplify", "--max-distance", "1", "--close-border"},
           "expected no --close-border");
   refuses({"--isovalue", "100", "--simplify", "--max-distance", "1", "--section", "0,0,0:0,0,1"},
           "expected no --mesh");
+}
+
+TEST_F(cli_simplify, a_distance_alone_is_one_from_full_resolution) {
+  const Finished run = extract("d.ply", {"--isovalue", "100", "--max-distance", "0.5", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json report = run.json();
+  EXPECT_TRUE(report.at("max_error").is_null());
+  EXPECT_FALSE(report.at("max_error_is_default"));
+  EXPECT_EQ(report.at("distance").at("max_distance"), 0.5);
+  EXPECT_LE(report.at("distance").at("proven_distance").get<double>(), 0.5);
+  EXPECT_EQ(report.at("distance").at("lost_triangles"), 0);
+  const Finished verified = run_lode({"verify", volume(), "--surface", file("d.ply"), "--isovalue",
+                                      "100", "--max-distance", "0.5"});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  EXPECT_NE(verified.out.find("distance from full resolution and back"), std::string::npos);
+  const Finished both = extract(
+      "b.ply", {"--isovalue", "100", "--max-distance", "0.5", "--max-error", "1", "--json"});
+  ASSERT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_LE(both.json().at("achieved_error").get<double>(), 1);
+  EXPECT_LE(both.json().at("distance").at("proven_distance").get<double>(), 0.5);
+  const Finished text = extract("d.ply", {"--isovalue", "100", "--max-distance", "0.5"});
+  EXPECT_NE(text.out.find("(asked for: 0.5)"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("lost"), std::string::npos) << text.out;
+}
+
+TEST_F(cli_simplify, a_distance_alone_refuses_what_it_cannot_keep) {
+  const auto refuses = [&](std::vector<std::string> options, const char* why) {
+    options.insert(options.begin(), {"--isovalue", "100", "--max-distance"});
+    const Finished run = extract("s.ply", options);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+  };
+  refuses({"0"}, "expected a number > 0, got '0'");
+  refuses({"1", "--close-border"}, "expected no --close-border");
+  refuses({"1", "--min-component", "9"}, "expected no --min-component");
+  refuses({"1", "--clip", "0,1,0,1,0,1"}, "expected no --clip");
+  refuses({"1", "--style", "cubes", "--max-error", "0"}, "expected no --style cubes");
+  refuses({"1", "--mesh"}, "--max-distance: expected no --mesh");
+  refuses({"1", "--max-cells", "100"}, "--max-distance: expected no --mesh");
 }
 
 }  // namespace

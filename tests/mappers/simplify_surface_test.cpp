@@ -7,12 +7,12 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "lode/mappers/surface_checks.h"
+#include "tests/mappers/distance_oracle.h"
 #include "tests/mappers/shape_surfaces.h"
 
 namespace lode {
@@ -23,85 +23,8 @@ using test::make_sphere;
 using test::make_torus;
 using test::point;
 
-// The oracle: distances by the regions of a triangle (Eberly), in doubles, from points on all
-// triangles to all triangles. It shares no code with the library.
-
-Vec3d widen(const Vec3f& p) { return {{double{p[0]}, double{p[1]}, double{p[2]}}}; }
-
-double segment_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
-  const Vec3d e = b - a;
-  const double t = std::clamp(dot(p - a, e) / dot(e, e), 0.0, 1.0);
-  return length(p - (a + e * t));
-}
-
-double triangle_distance(const Vec3d& p, const std::array<Vec3d, 3>& t) {
-  const Vec3d n = cross(t[1] - t[0], t[2] - t[0]);
-  bool is_above = true;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3d& a = t[i];
-    const Vec3d& b = t[(i + 1) % 3];
-    is_above = is_above && dot(cross(n, b - a), p - a) >= 0;
-  }
-  if (is_above) return std::abs(dot(n, p - t[0])) / length(n);
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < 3; ++i)
-    least = std::min(least, segment_distance(p, t[i], t[(i + 1) % 3]));
-  return least;
-}
-
-std::array<Vec3d, 3> corners_of(const Surface& surface, std::size_t t) {
-  const auto& v = surface.triangles[t];
-  return {widen(surface.positions[v[0]]), widen(surface.positions[v[1]]),
-          widen(surface.positions[v[2]])};
-}
-
-/// A surface to find distances to. Neighbouring points have near triangles that are near.
-class Target {
- public:
-  explicit Target(const Surface& surface) {
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-      const auto c = corners_of(surface, t);
-      triangles_.push_back(c);
-      middles_.push_back((c[0] + c[1] + c[2]) * (1.0 / 3));
-      double radius = 0;
-      for (const Vec3d& corner : c) radius = std::max(radius, length(corner - middles_.back()));
-      radii_.push_back(radius);
-    }
-  }
-  double distance(const Vec3d& p) {
-    double least = triangle_distance(p, triangles_[last_]);
-    for (std::size_t t = 0; t < triangles_.size(); ++t) {
-      const Vec3d d = p - middles_[t];
-      const double reach = least + radii_[t];
-      if (dot(d, d) >= reach * reach) continue;
-      const double here = triangle_distance(p, triangles_[t]);
-      if (here >= least) continue;
-      least = here;
-      last_ = t;
-    }
-    return least;
-  }
-
- private:
-  std::vector<std::array<Vec3d, 3>> triangles_;
-  std::vector<Vec3d> middles_;
-  std::vector<double> radii_;
-  std::size_t last_ = 0;
-};
-
-/// The largest distance from points on all triangles of `from`, (n + 1)(n + 2) / 2 on each.
-double one_sided_distance(const Surface& from, const Surface& to, int n) {
-  Target target(to);
-  double largest = 0;
-  for (std::size_t t = 0; t < from.triangles.size(); ++t) {
-    const auto c = corners_of(from, t);
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; i + j <= n; ++j)
-        largest = std::max(largest, target.distance(c[0] + (c[1] - c[0]) * (double(i) / n) +
-                                                    (c[2] - c[0]) * (double(j) / n)));
-  }
-  return largest;
-}
+using test::one_sided_distance;
+using test::widen;
 
 /// A sphere whose vertices lie up to half of `amount` off it: a star seen from its centre, which
 /// does not meet itself.

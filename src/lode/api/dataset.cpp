@@ -170,11 +170,23 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   again.deviation = Deviation::measured;
   Surface expected;
   LODE_TRY(const ExtractReport report, extract(again, expected, progress));
+  Surface full;
+  if (options.max_distance) {
+    again.max_distance.reset();
+    again.max_error = 0;
+    if (auto done = extract(again, full, progress); !done) return done.error();
+  }
   LODE_TRY(const auto* const held, impl_->model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) {
         return verify_model_surface<D>(
-            model, surface, {expected, tolerance_of(model.stats, options), report.style_error},
+            model, surface,
+            {.surface = expected,
+             .tolerance =
+                 options.max_distance ? report.achieved_error : tolerance_of(model.stats, options),
+             .style_error = report.style_error,
+             .full_resolution = options.max_distance ? &full : nullptr,
+             .max_distance = options.max_distance.value_or(0)},
             options, progress);
       },
       *held);

@@ -61,8 +61,12 @@ enum class Orientation : std::uint8_t { from_lower_values, from_higher_values };
 enum class Border : std::uint8_t { open, closed };
 
 struct ExtractOptions {
-  std::vector<double> isovalues;      ///< At least one; finite.
-  std::optional<double> max_error{};  ///< Field units, >= 0; unset: 0.5 % of the value range.
+  std::vector<double> isovalues;  ///< At least one; finite.
+  /// Field units, >= 0; unset: 0.5 % of the value range, or none where there is a max_distance.
+  std::optional<double> max_error{};
+  /// World units, > 0: no point of the surface is farther from that of full resolution, nor any of
+  /// that one from it, proven. Of volumes in memory, with an open border and all pieces kept.
+  std::optional<double> max_distance{};
   SurfaceStyle style = SurfaceStyle::tetra;  ///< cubes: of volumes without holes at a max_error of
                                              ///< 0, all in memory.
   Deviation deviation = Deviation::unknown;
@@ -91,12 +95,26 @@ struct ExtractSeconds {
   double geometry = 0;  ///< Vertices, triangles, stitching.
   double finish = 0;    ///< Normals, clipping, caps, small pieces.
   double measure = 0;   ///< How far cubes are from the level set.
+  double distance = 0;  ///< Finding the cut that keeps max_distance.
   double simplify = 0;
   double write = 0;  ///< Of a file; not part of the total.
 };
 
+/// How max_distance was kept; of several isovalues sums, and the largest distances.
+struct DistanceReport {
+  double max_distance = 0;           ///< Asked for, world units.
+  double proven_distance = 0;        ///< Of any point of the surface, or of full resolution's, from
+                                     ///< the other, lost parts aside; <= max_distance.
+  std::uint64_t rounds = 0;          ///< How often the surface was held against the other.
+  std::uint64_t nodes_refined = 0;   ///< For the distance.
+  std::uint64_t full_triangles = 0;  ///< Of full resolution's surface.
+  std::uint64_t lost_triangles = 0;  ///< Of them, those without any surface near,
+  double lost_size = 0;              ///< and the diagonal of the box round them, world units.
+};
+
 struct ExtractReport {
-  double max_error = 0;       ///< The tolerance asked for (or chosen), field units.
+  /// The tolerance asked for (or chosen), field units; infinite where only a distance was.
+  double max_error = 0;
   double achieved_error = 0;  ///< Proven bound of |F - F'| over the active simplices, <= max_error.
   double coordinate_slack = 0;  ///< What rounding vertices may add to |F - isovalue|, field units.
   double style_error = 0;       ///< Of cubes, measured: largest |F - isovalue|, field units,
@@ -111,6 +129,7 @@ struct ExtractReport {
   std::uint64_t triangles_dropped = 0;   ///< Their triangles (lines).
   /// Errors and distances above are those of the surface before it.
   std::optional<SimplifyReport> simplified;
+  std::optional<DistanceReport> distance;
   std::uint64_t bytes_read = 0;   ///< Of the file, for this query; 0 from memory.
   std::uint64_t blocks_read = 0;  ///< Likewise.
   std::vector<double> unmet;      ///< Isovalues without any surface.
@@ -226,6 +245,8 @@ class Dataset {
                                                     Progress& progress) const;
   /// Checks a surface extracted with `options`: manifold, oriented, closed where it must be, free
   /// of self-intersections, within tolerance everywhere, and all that repeating the query makes.
+  /// With a max_distance also how far it is from full resolution and back, measured to 1/16 of
+  /// that.
   [[nodiscard]] Result<VerifyReport> verify_surface(const Surface& surface,
                                                     const ExtractOptions& options,
                                                     Progress& progress) const;

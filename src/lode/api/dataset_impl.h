@@ -92,6 +92,7 @@ class Dataset::Impl {
 
 [[nodiscard]] inline double tolerance_of(const diamond::FieldStats& stats,
                                          const ExtractOptions& options) {
+  if (options.max_distance && !options.max_error) return std::numeric_limits<double>::infinity();
   return options.max_error.value_or(default_tolerance(stats));
 }
 

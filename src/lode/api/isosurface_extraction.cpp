@@ -4,6 +4,7 @@
 #include <new>
 
 #include "lode/api/dataset_impl.h"
+#include "lode/api/distance_extraction.h"
 #include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
 #include "lode/api/piece_finisher.h"
@@ -113,13 +114,16 @@ Result<void> measure_style(const diamond::Model<D>& model, const diamond::Isosur
   return {};
 }
 
-Result<void> extract_in_memory(const Dataset::Impl::AnyModel& held, const ExtractOptions& options,
+Result<void> extract_in_memory(const Dataset::Impl& impl, const ExtractOptions& options,
                                Surface& surface, ExtractReport& report, Progress& progress) {
+  LODE_TRY(const auto* const held, impl.model(progress));
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
         LODE_CHECK(extract_all<D>(
             options, report,
             [&](const diamond::IsosurfaceQuery& query) -> Result<diamond::IsosurfaceReport> {
+              if (options.max_distance)
+                return extract_within_distance(impl, query, options, surface, report, progress);
               auto part = diamond::extract_isosurface<D>(model, query, surface, progress);
               if (!part || !measures(options)) return part;
               if (auto done = measure_style(model, query, report, progress); !done)
@@ -133,7 +137,7 @@ Result<void> extract_in_memory(const Dataset::Impl::AnyModel& held, const Extrac
              model.value({})},
             options, surface, report, progress);
       },
-      held);
+      *held);
 }
 
 Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
@@ -197,6 +201,8 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   LODE_CHECK(check_extract_options(options));
   if (options.simplify_distance && impl.is_flat())
     return fail("simplifying: expected a volume, got a flat image, whose contours are lines");
+  if (options.max_distance && impl.is_flat())
+    return fail("max_distance: expected a volume, got a flat image, whose contours are lines");
   ExtractPlan plan;
   plan.report.max_error = tolerance_of(impl.summary().stats, options);
   const std::uint64_t limit =
@@ -212,10 +218,15 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
     LODE_TRY(plan.chunks, impl.chunks(limit));
   }
   // At full resolution all in memory is faster, and numbers vertices in another order.
-  if (plan.report.max_error == 0 && !is_too_large) plan.chunks = nullptr;
+  if ((plan.report.max_error == 0 || options.max_distance) && !is_too_large) plan.chunks = nullptr;
   if (options.style == SurfaceStyle::cubes && plan.chunks != nullptr)
     return fail(
         "style cubes: expected a memory limit of at least {} MB, as it needs the whole model, got "
+        "{} MB",
+        impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+  if (options.max_distance && plan.chunks != nullptr)
+    return fail(
+        "max_distance: expected a memory limit of at least {} MB, as it needs the whole model, got "
         "{} MB",
         impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
   if (asks_all && options.memory_limit > 0 && is_too_large && impl.is_in_file())
@@ -249,6 +260,7 @@ Result<void> check_extract_options(const ExtractOptions& options) {
         options.isovalues.size());
   if (options.border == Border::closed && options.clip)
     return fail("closing at the border: expected no clip box, whose cut would stay open");
+  LODE_CHECK(check_max_distance(options));
   if (options.simplify_distance &&
       !(*options.simplify_distance > 0 && std::isfinite(*options.simplify_distance)))
     return fail("expected a finite distance > 0 to simplify within, got {}",
@@ -269,8 +281,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
     LODE_CHECK(extract_chunks(*plan.chunks, options, surface, report, progress));
     add_reads(before, *impl_, report);
   } else {
-    LODE_TRY(const auto* const held, impl_->model(progress));
-    LODE_CHECK(extract_in_memory(*held, options, surface, report, progress));
+    LODE_CHECK(extract_in_memory(*impl_, options, surface, report, progress));
   }
   report.seconds.total = watch.seconds();
   return report;

@@ -6,6 +6,7 @@
 #include "lode/api/verification.h"
 #include "lode/mappers/lattice_frame.h"
 #include "lode/mappers/surface_checks.h"
+#include "lode/mappers/surface_distance.h"
 #include "lode/models/diamond/boundary_check.h"
 #include "lode/models/diamond/cut_check.h"
 #include "lode/models/diamond/level_set_check.h"
@@ -114,6 +115,23 @@ void add_match(const Surface& expected, const Surface& surface, VerifyReport& re
              match.is_same() ? 0 : 1, std::move(detail));
 }
 
+/// Measures how far the surface and that of full resolution are from each other.
+Result<void> add_distance(const Surface& surface, const ExpectedSurface& expected, Threads threads,
+                          Progress& progress, VerifyReport& report) {
+  constexpr double kAccuracy = 1.0 / 16;
+  LODE_TRY(const SurfaceDistance distance,
+           measure_distance(surface, *expected.full_resolution,
+                            {kAccuracy * expected.max_distance, threads}, progress));
+  const double allowed = expected.max_distance + rounding_of(surface, *expected.full_resolution);
+  report.add("distance from full resolution and back",
+             surface.triangles.size() + expected.full_resolution->triangles.size(),
+             distance.lower() <= allowed ? 0 : 1,
+             fmt::format("measured {} and {}, at most {} and {}, of {}", distance.from_first.lower,
+                         distance.from_second.lower, distance.from_first.upper,
+                         distance.from_second.upper, expected.max_distance));
+  return {};
+}
+
 /// Repeats the query and compares it with every sample.
 template <int D>
 Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads, double tolerance,
@@ -168,6 +186,10 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, ends, progress));
   add_boundary(surface, boundary, is_closed, report);
   add_match(expected.surface, surface, report);
+  if (expected.full_resolution != nullptr) {
+    LODE_CHECK(add_distance(surface, expected, options.threads, progress, report));
+    return report;
+  }
   for (const double isovalue : options.isovalues)
     LODE_CHECK(add_cut(model, isovalue, options.threads, expected.tolerance, progress, report));
   return report;

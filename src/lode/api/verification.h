@@ -17,6 +17,9 @@ struct ExpectedSurface {
   const Surface& surface;
   double tolerance = 0;
   double style_error = 0;  ///< By which the style may exceed it.
+  /// In place of the cut's own checks: the surface of full resolution, and how far it may be.
+  const Surface* full_resolution = nullptr;
+  double max_distance = 0;
 };
 
 /// Checks a surface against the model's samples, and against what the query makes; see

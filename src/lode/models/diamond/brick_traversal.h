@@ -108,7 +108,9 @@ class BrickTraversal {
     }
     ++stats.nodes_visited;
     BrickPoint m = samples_.between(s.corner[0], s.corner[as_size(tag)]);
-    const bool is_forced = samples_.reaches_across(m, level);
+    const bool is_forced =
+        samples_.reaches_across(m, level) ||
+        (selection_.has_wanted() && selection_.is_wanted(samples_.global(m.packed)));
     ErrorCode error = 0;
     if (is_stored(level, tag)) {
       const std::size_t at = node_index(level, m.packed);

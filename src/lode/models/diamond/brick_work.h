@@ -66,7 +66,7 @@ class CoarseTraversal {
     const std::size_t at = selection_.index_of(d);
     if (!selection_.is_active(d.level, at)) return;
     if (selection_.exceeds_tolerance(selection_.error(d.level, at)) ||
-        model.shape.reaches_across(d.centre, d.level)) {
+        model.shape.reaches_across(d.centre, d.level) || selection_.is_wanted(d.centre)) {
       for (const Simplex<D>& half : bisect(s)) visit(half);
       return;
     }

@@ -14,13 +14,21 @@ namespace lode::diamond {
 namespace {
 
 template <int D>
+Selection<D> selection_of(const Model<D>& model, const IsosurfaceQuery& query) {
+  if constexpr (D == 3)
+    return Selection<D>(model, query.isovalue, query.tolerance, query.wanted);
+  else
+    return Selection<D>(model, query.isovalue, query.tolerance);
+}
+
+template <int D>
 class Extraction {
  public:
   Extraction(const Model<D>& model, const IsosurfaceQuery& query)
       : model_(model),
         query_(query),
         frame_(LatticeFrame::of(model.info.grid)),
-        selection_(model, query.isovalue, query.tolerance) {}
+        selection_(selection_of(model, query)) {}
 
   Result<IsosurfaceReport> run(Surface& surface, Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
@@ -149,7 +157,7 @@ Result<IsosurfaceReport> extract_isosurface(const Model<D>& model, const Isosurf
 template <int D>
 std::vector<ActiveSimplex<D>> active_simplices(const Model<D>& model,
                                                const IsosurfaceQuery& query) {
-  const Selection<D> selection(model, query.isovalue, query.tolerance);
+  const Selection<D> selection = selection_of(model, query);
   CoarseCut<D> cut;
   if (!model.shape.has_cells()) return {};
   CoarseTraversal<D, Selection<D>>(selection, cut).run();

@@ -4,12 +4,15 @@
 #include "lode/core/surface.h"
 #include "lode/mappers/iso_part.h"
 #include "lode/models/diamond/model.h"
+#include "lode/models/diamond/node_set.h"
 
 namespace lode::diamond {
 
 struct IsosurfaceQuery {
   double isovalue = 0;
-  double tolerance = 0;                      ///< Field units; 0 refines every active node.
+  double tolerance = 0;  ///< Field units; 0 refines every active node, infinity none for its error.
+  /// Also refined, of a volume; may be null. Must outlive the query.
+  const NodeSet<3>* wanted = nullptr;
   SurfaceStyle style = SurfaceStyle::tetra;  ///< cubes: tolerance 0, a volume without holes.
   Threads threads{};
   bool with_normals = false;  ///< Normals too; see normals.h.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lode/models/diamond/coarse_field.h"
+#include "lode/models/diamond/node_set.h"
 
 namespace lode::diamond {
 
@@ -20,6 +21,9 @@ class ToleranceSelection {
   [[nodiscard]] ErrorCode error(int level, std::size_t at) const {
     return model_.levels[as_size(level)].error[at];
   }
+  /// Whether any node is refined for another reason than its error or the border, and which.
+  [[nodiscard]] static bool has_wanted() { return false; }
+  [[nodiscard]] static bool is_wanted(const Index<D>& /*centre*/) { return false; }
   /// Where a stored node's attributes are.
   [[nodiscard]] std::size_t index_of(const Diamond<D>& d) const;
 
@@ -41,16 +45,19 @@ struct RelativeIsovalue {
 
 /// The one question of an isosurface query: is a node to be refined? It is when its nested error
 /// exceeds the tolerance (tolerance 0: always), or it reaches across the border
-/// (Shape::reaches_across), and its nested range meets the isovalue. All of these are nested, so a
-/// refined node's parents are refined, and every simplex of a diamond gets the same answer: the
-/// mesh is conforming without looking at neighbours.
+/// (Shape::reaches_across) or is one of a set of wanted nodes, and its nested range meets the
+/// isovalue. All of these are nested, so a refined node's parents are refined, and every simplex of
+/// a diamond gets the same answer: the mesh is conforming without looking at neighbours.
 template <int D, typename Field = Model<D>>
 class Selection : public ToleranceSelection<D, Field> {
  public:
-  Selection(const Field& model, double isovalue, double tolerance)
+  /// `wanted`: may be null; must outlive it.
+  Selection(const Field& model, double isovalue, double tolerance,
+            const NodeSet<D>* wanted = nullptr)
       : ToleranceSelection<D, Field>(model, tolerance),
         isovalue_(isovalue),
-        relative_(RelativeIsovalue::of(isovalue, model.range_reference())) {}
+        relative_(RelativeIsovalue::of(isovalue, model.range_reference())),
+        wanted_(wanted) {}
 
   [[nodiscard]] double isovalue() const { return isovalue_; }
 
@@ -64,6 +71,10 @@ class Selection : public ToleranceSelection<D, Field> {
   [[nodiscard]] bool is_inside(int level, std::size_t at) const {
     return static_cast<double>(this->model().levels[as_size(level)].low[at]) >= relative_.above;
   }
+  [[nodiscard]] bool has_wanted() const { return wanted_ != nullptr; }
+  [[nodiscard]] bool is_wanted(const Index<D>& centre) const {
+    return wanted_ != nullptr && wanted_->contains(centre);
+  }
   /// Which side of the isovalue a value is on: values on the same one have no surface between them.
   [[nodiscard]] bool side(double value) const { return value >= isovalue_; }
   /// Whether all values from low to high are on one side.
@@ -74,6 +85,7 @@ class Selection : public ToleranceSelection<D, Field> {
  private:
   double isovalue_;
   RelativeIsovalue relative_;
+  const NodeSet<D>* wanted_;
 };
 
 extern template class ToleranceSelection<2>;

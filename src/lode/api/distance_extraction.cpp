@@ -1,0 +1,59 @@
+#include "lode/api/distance_extraction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lode/core/stopwatch.h"
+#include "lode/models/diamond/distance_cut.h"
+
+namespace lode {
+namespace {
+
+void add_distance(const diamond::DistanceCutReport& found, DistanceReport& report) {
+  report.proven_distance = std::max(report.proven_distance, found.proven);
+  report.rounds += found.n_rounds;
+  report.nodes_refined += found.n_nodes;
+  report.full_triangles += found.n_full_triangles;
+  report.lost_triangles += found.n_lost;
+  report.lost_size = std::max(report.lost_size, found.lost_size);
+}
+
+}  // namespace
+
+Result<void> check_max_distance(const ExtractOptions& options) {
+  if (!options.max_distance) return {};
+  if (!(*options.max_distance > 0 && std::isfinite(*options.max_distance)))
+    return fail("expected a finite max_distance > 0, got {}", *options.max_distance);
+  if (options.style == SurfaceStyle::cubes)
+    return fail("max_distance: expected style tetra with it, got cubes, which is not proven");
+  if (options.border == Border::closed)
+    return fail("max_distance: expected an open border with it, as caps are not proven");
+  if (options.clip)
+    return fail(
+        "max_distance: expected no clip box with it: what lies near may be on its other side");
+  if (options.min_component > 1)
+    return fail("max_distance: expected all pieces kept with it, got min_component {}",
+                options.min_component);
+  return {};
+}
+
+Result<diamond::IsosurfaceReport> extract_within_distance(const Dataset::Impl& impl,
+                                                          diamond::IsosurfaceQuery query,
+                                                          const ExtractOptions& options,
+                                                          Surface& surface, ExtractReport& report,
+                                                          Progress& progress) {
+  if (!report.distance) report.distance = DistanceReport{.max_distance = *options.max_distance};
+  LODE_TRY(const auto* const held, impl.model(progress));
+  const auto& model = std::get<diamond::Model<3>>(*held);
+  if (query.tolerance == 0) return diamond::extract_isosurface<3>(model, query, surface, progress);
+  const Stopwatch watch;
+  LODE_TRY(const auto worlds, impl.world_errors(progress));
+  LODE_TRY(const diamond::DistanceCut cut,
+           diamond::find_distance_cut(model, query, *options.max_distance, *worlds, progress));
+  add_distance(cut.report, *report.distance);
+  report.seconds.distance += watch.seconds();
+  query.wanted = &cut.nodes;
+  return diamond::extract_isosurface<3>(model, query, surface, progress);
+}
+
+}  // namespace lode
