@@ -131,6 +131,13 @@ struct Totals {
     all.lost_size = std::max(all.lost_size, job.distance->lost_size);
     report.seconds.distance += job.seconds.distance;
   }
+  void add_topology_of(const ExtractReport& job) {
+    if (!job.topology) return;
+    if (!report.topology) report.topology.emplace();
+    report.topology->critical_nodes += job.topology->critical_nodes;
+    report.topology->nodes += job.topology->nodes;
+    report.seconds.topology += job.seconds.topology;
+  }
   void add(const ExtractReport& job) {
     report.max_error = job.max_error;
     report.achieved_error = std::max(report.achieved_error, job.achieved_error);
@@ -146,6 +153,7 @@ struct Totals {
     report.components_dropped += job.components_dropped;
     report.triangles_dropped += job.triangles_dropped;
     add_simplified_job(job);
+    add_topology_of(job);
     add_distance_of(job);
     report.seconds.total += job.seconds.total;
     report.seconds.select += job.seconds.select;
@@ -204,6 +212,12 @@ std::string extraction_text(const Extraction& extraction) {
   table.add({"max error", describe_tolerance(extraction.options, report.max_error)});
   table.add({"achieved error", format_number(report.achieved_error)});
   table.add({"coordinate slack", format_number(report.coordinate_slack)});
+  if (report.topology)
+    table.add({"topology", fmt::format("of full resolution: {} critical nodes, {} with what comes "
+                                       "before them, found in {}",
+                                       format_count(report.topology->critical_nodes),
+                                       format_count(report.topology->nodes),
+                                       format_seconds(report.seconds.topology))});
   if (extraction.options.style == SurfaceStyle::cubes) {
     const char* when = report.simplified ? ", before it was simplified" : "";
     table.add({"style", "cubes: vertices on grid edges alone"});
@@ -325,6 +339,7 @@ Command add_extract_command(CLI::App& program) {
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-distance 0.5\n"
+      "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 40 --keep-topology\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --simplify --max-distance 0.5\n"
       "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
       "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1\n"

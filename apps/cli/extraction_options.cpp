@@ -49,6 +49,10 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
                  "level set), or cubes, on the grid's edges alone (a third of the triangles)")
       ->type_name("tetra|cubes")
       ->group(group);
+  app.add_flag("--keep-topology", arguments.keep_topology,
+               "Refine where the surface would tear, join, lose or gain a piece: components, "
+               "tunnels and voids are those of full resolution")
+      ->group(group);
   app.add_option("--clip", arguments.clip, "Crop to a box in world units")
       ->type_name("X0,X1,Y0,Y1,Z0,Z1")
       ->group(group);
@@ -96,6 +100,9 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
   if (arguments.close_border && options.clip)
     return fail("--close-border: expected no --clip with it, whose cut would stay open");
   options.border = arguments.close_border ? Border::closed : Border::open;
+  options.keep_topology = arguments.keep_topology;
+  if (options.keep_topology && !arguments.min_component.empty())
+    return fail("--keep-topology: expected no --min-component with it, which drops pieces");
   options.orientation =
       arguments.flip ? Orientation::from_higher_values : Orientation::from_lower_values;
   if (!arguments.min_component.empty()) {
@@ -123,6 +130,10 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
       json["style_error"] = report.style_error;
       json["style_distance"] = report.style_distance;
     }
+  }
+  if (report.topology) {
+    json["topology"]["critical_nodes"] = report.topology->critical_nodes;
+    json["topology"]["nodes"] = report.topology->nodes;
   }
   json["triangles"] = report.triangles;
   json["lines"] = report.lines;

@@ -17,6 +17,7 @@ struct ExtractionArguments {
   std::string normals = "on";
   std::string min_component;
   bool close_border = false;
+  bool keep_topology = false;
   bool flip = false;
 };
 

@@ -67,6 +67,9 @@ struct ExtractOptions {
   /// World units, > 0: no point of the surface is farther from that of full resolution, nor any of
   /// that one from it, proven. Of volumes in memory, with an open border and all pieces kept.
   std::optional<double> max_distance{};
+  /// The surface has the components, tunnels and voids of that of full resolution, each joined as
+  /// there: it is that surface but for where it lies. Of volumes in memory, with all pieces kept.
+  bool keep_topology = false;
   SurfaceStyle style = SurfaceStyle::tetra;  ///< cubes: of volumes without holes at a max_error of
                                              ///< 0, all in memory.
   Deviation deviation = Deviation::unknown;
@@ -95,9 +98,16 @@ struct ExtractSeconds {
   double geometry = 0;  ///< Vertices, triangles, stitching.
   double finish = 0;    ///< Normals, clipping, caps, small pieces.
   double measure = 0;   ///< How far cubes are from the level set.
+  double topology = 0;  ///< Finding critical nodes.
   double distance = 0;  ///< Finding the cut that keeps max_distance.
   double simplify = 0;
   double write = 0;  ///< Of a file; not part of the total.
+};
+
+/// How the topology was kept; of several isovalues sums.
+struct KeptTopology {
+  std::uint64_t critical_nodes = 0;  ///< Refining one changes the topology.
+  std::uint64_t nodes = 0;           ///< With those that come before them.
 };
 
 /// How max_distance was kept; of several isovalues sums, and the largest distances.
@@ -130,6 +140,7 @@ struct ExtractReport {
   /// Errors and distances above are those of the surface before it.
   std::optional<SimplifyReport> simplified;
   std::optional<DistanceReport> distance;
+  std::optional<KeptTopology> topology;
   std::uint64_t bytes_read = 0;   ///< Of the file, for this query; 0 from memory.
   std::uint64_t blocks_read = 0;  ///< Likewise.
   std::vector<double> unmet;      ///< Isovalues without any surface.

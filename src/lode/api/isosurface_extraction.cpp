@@ -8,6 +8,7 @@
 #include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
 #include "lode/api/piece_finisher.h"
+#include "lode/api/topology_extraction.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/close_border.h"
@@ -117,11 +118,19 @@ Result<void> measure_style(const diamond::Model<D>& model, const diamond::Isosur
 Result<void> extract_in_memory(const Dataset::Impl& impl, const ExtractOptions& options,
                                Surface& surface, ExtractReport& report, Progress& progress) {
   LODE_TRY(const auto* const held, impl.model(progress));
+  if (options.keep_topology) report.topology.emplace();
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
         LODE_CHECK(extract_all<D>(
             options, report,
-            [&](const diamond::IsosurfaceQuery& query) -> Result<diamond::IsosurfaceReport> {
+            [&](diamond::IsosurfaceQuery query) -> Result<diamond::IsosurfaceReport> {
+              std::optional<diamond::CriticalNodes> critical;
+              if constexpr (D == 3)
+                if (report.topology && query.tolerance > 0) {
+                  LODE_TRY(critical,
+                           critical_nodes(model, query.isovalue, options, report, progress));
+                  query.wanted = &critical->nodes;
+                }
               if (options.max_distance)
                 return extract_within_distance(impl, query, options, surface, report, progress);
               auto part = diamond::extract_isosurface<D>(model, query, surface, progress);
@@ -197,12 +206,27 @@ struct ExtractPlan {
   Dataset::Impl::Chunks* chunks = nullptr;  ///< Null: the model in memory.
 };
 
+/// What cannot be done by pieces of the model; null: all can.
+const char* need_of_whole_model(const ExtractOptions& options) {
+  if (options.max_distance) return "max_distance";
+  if (options.keep_topology) return "keep_topology";
+  return options.style == SurfaceStyle::cubes ? "style cubes" : nullptr;
+}
+
+Result<void> check_is_volume(const Dataset::Impl& impl, const ExtractOptions& options) {
+  if (!impl.is_flat()) return {};
+  const char* const asked = options.simplify_distance ? "simplifying"
+                            : options.max_distance    ? "max_distance"
+                            : options.keep_topology   ? "keep_topology"
+                                                      : nullptr;
+  if (asked == nullptr) return {};
+  return fail("{}: expected a volume, got a flat image, whose contours are lines", asked);
+}
+
 Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOptions& options) {
   LODE_CHECK(check_extract_options(options));
-  if (options.simplify_distance && impl.is_flat())
-    return fail("simplifying: expected a volume, got a flat image, whose contours are lines");
-  if (options.max_distance && impl.is_flat())
-    return fail("max_distance: expected a volume, got a flat image, whose contours are lines");
+  LODE_CHECK(check_is_volume(impl, options));
+  const char* const need = need_of_whole_model(options);
   ExtractPlan plan;
   plan.report.max_error = tolerance_of(impl.summary().stats, options);
   const std::uint64_t limit =
@@ -218,17 +242,11 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
     LODE_TRY(plan.chunks, impl.chunks(limit));
   }
   // At full resolution all in memory is faster, and numbers vertices in another order.
-  if ((plan.report.max_error == 0 || options.max_distance) && !is_too_large) plan.chunks = nullptr;
-  if (options.style == SurfaceStyle::cubes && plan.chunks != nullptr)
+  if ((plan.report.max_error == 0 || need != nullptr) && !is_too_large) plan.chunks = nullptr;
+  if (need != nullptr && plan.chunks != nullptr)
     return fail(
-        "style cubes: expected a memory limit of at least {} MB, as it needs the whole model, got "
-        "{} MB",
-        impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
-  if (options.max_distance && plan.chunks != nullptr)
-    return fail(
-        "max_distance: expected a memory limit of at least {} MB, as it needs the whole model, got "
-        "{} MB",
-        impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
+        "{}: expected a memory limit of at least {} MB, as it needs the whole model, got {} MB",
+        need, impl.model_bytes() / 1'000'000 + 1, limit / 1'000'000);
   if (asks_all && options.memory_limit > 0 && is_too_large && impl.is_in_file())
     return fail(
         "expected a memory limit of at least {} MB to close the surface of a field with holes, got "
@@ -261,6 +279,7 @@ Result<void> check_extract_options(const ExtractOptions& options) {
   if (options.border == Border::closed && options.clip)
     return fail("closing at the border: expected no clip box, whose cut would stay open");
   LODE_CHECK(check_max_distance(options));
+  LODE_CHECK(check_keep_topology(options));
   if (options.simplify_distance &&
       !(*options.simplify_distance > 0 && std::isfinite(*options.simplify_distance)))
     return fail("expected a finite distance > 0 to simplify within, got {}",

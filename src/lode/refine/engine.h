@@ -152,7 +152,7 @@ class Engine {
   std::size_t n_round_ = 0;        ///< of the places that were there when the query came.
   FocusChange focus_ = FocusChange::changed;
   bool has_budget_ended_ = false;  ///< When it settled last: what is left does not fit.
-  bool is_in_order_ = true;  ///< The cut was reached from the base by this query alone.
+  bool is_in_order_ = true;        ///< The cut was reached from the base by this query alone.
   bool is_nested_ = true;
   bool is_idle_ = false;       ///< Until pages arrive.
   bool is_searching_ = false;  ///< For candidates that the cut of an earlier focus did not keep.

@@ -12,9 +12,9 @@ struct Standing {
   /// Largest nested field error left unrefined in focus; infinite while that is not known, since
   /// an earlier cut is being looked through for a new focus.
   double error_bound = 0;
-  bool is_settled = false;   ///< The answer: nothing is left to do.
-  bool awaits_data = false;  ///< Nothing is left to do until pages of the model arrive.
-  bool budget_met = true;    ///< False, once settled: even the base is larger.
+  bool is_settled = false;    ///< The answer: nothing is left to do.
+  bool awaits_data = false;   ///< Nothing is left to do until pages of the model arrive.
+  bool budget_met = true;     ///< False, once settled: even the base is larger.
   bool budget_ended = false;  ///< Settled, and more would be refined if the budget were larger.
   /// False: memory is short of pages for what is wanted more than all else.
   bool memory_met = true;

@@ -67,6 +67,7 @@ class DistanceSearch {
         fresh_(model.shape),
         tolerance_(tolerance_code(query.tolerance)),
         max_distance_(max_distance) {
+    if (query.wanted != nullptr) wanted_ = *query.wanted;
     query_.wanted = &wanted_;
   }
 

@@ -17,11 +17,11 @@ struct DistanceCutReport {
 };
 
 struct DistanceCut {
-  NodeSet<3> nodes;  ///< IsosurfaceQuery::wanted.
+  NodeSet<3> nodes;  ///< IsosurfaceQuery::wanted, with those that the query had there.
   DistanceCutReport report;
 };
 
-/// Finds which nodes to refine, beside those that the query's tolerance and the border ask for, so
+/// Finds which nodes to refine, beside those that the query itself and the border ask for, so
 /// that no point of the query's surface is farther than `max_distance` (world units, > 0) from that
 /// of full resolution, nor any point of that one from it; both as extract_isosurface() gives them.
 /// docs/models/diamond3d.md has the proof. Starts from `worlds`, which only save rounds, and keeps

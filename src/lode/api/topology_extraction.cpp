@@ -1,0 +1,27 @@
+#include "lode/api/topology_extraction.h"
+
+#include "lode/core/stopwatch.h"
+
+namespace lode {
+
+Result<void> check_keep_topology(const ExtractOptions& options) {
+  if (!options.keep_topology) return {};
+  if (options.min_component > 1)
+    return fail("keep_topology: expected all pieces kept with it, got min_component {}",
+                options.min_component);
+  return {};
+}
+
+Result<diamond::CriticalNodes> critical_nodes(const diamond::Model<3>& model, double isovalue,
+                                              const ExtractOptions& options, ExtractReport& report,
+                                              Progress& progress) {
+  const Stopwatch watch;
+  progress.report("finding critical nodes", 0);
+  LODE_TRY(auto found, diamond::find_critical_nodes(model, isovalue, options.threads, progress));
+  report.seconds.topology += watch.seconds();
+  report.topology->critical_nodes += found.n_critical;
+  report.topology->nodes += found.n_nodes;
+  return found;
+}
+
+}  // namespace lode

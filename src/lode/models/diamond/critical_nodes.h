@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+#include "lode/core/progress.h"
+#include "lode/models/diamond/model.h"
+#include "lode/models/diamond/node_set.h"
+
+namespace lode::diamond {
+
+/// Nodes without which a cut's surface may have another topology than that of full resolution.
+struct CriticalNodes {
+  NodeSet<3> nodes;              ///< With their ancestors: IsosurfaceQuery::wanted.
+  std::uint64_t n_critical = 0;  ///< Themselves,
+  std::uint64_t n_nodes = 0;     ///< and with the ancestors.
+};
+
+/// Finds all nodes of a volume that are critical at an isovalue: refining one changes the topology
+/// of the surface in its star. Its centre lies on one side, both ends of its axis on the other, and
+/// round the axis the star's other vertices are not one arc of either side. All others move the
+/// surface without tearing or joining it, in whatever order they are refined, so in a cut with all
+/// critical nodes refined it has the topology of full resolution: docs/models/diamond3d.md, "The
+/// topology kept". After Gerstner and Pajarola, Visualization 2000. A byte a sample of scratch
+/// memory; deterministic; fails when cancelled.
+[[nodiscard]] Result<CriticalNodes> find_critical_nodes(const Model<3>& model, double isovalue,
+                                                        Threads threads, const Progress& progress);
+
+}  // namespace lode::diamond

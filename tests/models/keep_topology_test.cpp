@@ -1,0 +1,227 @@
+// Coarse surfaces that keep the topology of full resolution, piece by piece.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "lode/api/dataset.h"
+#include "lode/mappers/surface_topology.h"
+#include "lode/models/diamond/build.h"
+#include "lode/models/diamond/critical_nodes.h"
+#include "tests/oracles/analytic_fields.h"
+#include "tests/oracles/random.h"
+#include "tests/oracles/synthetic_volumes.h"
+#include "tests/oracles/typed_samples.h"
+
+namespace lode {
+namespace {
+
+/// What tells a compact surface with boundary from all others, and how often it is there.
+struct Piece {
+  std::int64_t euler_number = 0;
+  std::size_t n_boundary_loops = 0;
+
+  friend auto operator<=>(const Piece&, const Piece&) = default;
+  friend void PrintTo(const Piece& piece, std::ostream* out) {
+    *out << "(" << piece.euler_number << ", " << piece.n_boundary_loops << ")";
+  }
+};
+
+class Components {
+ public:
+  explicit Components(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
+  std::uint32_t of(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) { parent_[of(a)] = of(b); }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+/// Of a manifold surface, sorted.
+std::vector<Piece> pieces_of(const Surface& surface) {
+  const TopologyReport report = check_topology(surface, {});
+  EXPECT_TRUE(report.is_clean_manifold());
+  const auto n = surface.positions.size();
+  Components pieces(n);
+  for (const auto& t : surface.triangles)
+    for (std::size_t i = 1; i < 3; ++i) pieces.join(t[0], t[i]);
+  Components loops(n);
+  std::vector<bool> is_on_boundary(n);
+  for (const auto& [a, b] : find_boundary_edges(surface, {1})) {
+    loops.join(a, b);
+    is_on_boundary[a] = is_on_boundary[b] = true;
+  }
+  std::vector<Piece> result;
+  std::vector<std::size_t> number(n);
+  for (std::uint32_t v = 0; v < n; ++v)  // components come in the order of their lowest vertex
+    if (std::uint32_t lowest = 0; number[pieces.of(v)] == 0) {
+      lowest = pieces.of(v);
+      result.push_back({report.components.at(result.size()).euler_number, 0});
+      number[lowest] = result.size();
+    }
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (is_on_boundary[v] && loops.of(v) == v) ++result[number[pieces.of(v)] - 1].n_boundary_loops;
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+Dataset built_in_memory(const Volume& volume) {
+  Progress progress;
+  return Dataset::build(*make_memory_source(volume), {.threads = {2}}, progress).value();
+}
+
+Surface surface_of(const Dataset& dataset, double isovalue, std::optional<double> max_error,
+                   bool keep_topology, std::optional<double> max_distance = {}, int threads = 2) {
+  Progress progress;
+  Surface surface;
+  const auto report = dataset.extract({.isovalues = {isovalue},
+                                       .max_error = max_error,
+                                       .max_distance = max_distance,
+                                       .keep_topology = keep_topology,
+                                       .normals = Normals::off,
+                                       .threads = {threads}},
+                                      surface, progress);
+  EXPECT_TRUE(report) << (report ? "" : report.error().message);
+  if (report && keep_topology) EXPECT_TRUE(report->topology);
+  return surface;
+}
+
+/// How many of the tolerances change the topology where nothing keeps it.
+int expect_kept(const Volume& volume, double isovalue, const std::vector<double>& tolerances) {
+  const Dataset dataset = built_in_memory(volume);
+  const std::vector<Piece> expected = pieces_of(surface_of(dataset, isovalue, 0.0, false));
+  int n_changed = 0;
+  for (const double tolerance : tolerances) {
+    SCOPED_TRACE(tolerance);
+    EXPECT_EQ(pieces_of(surface_of(dataset, isovalue, tolerance, true)), expected);
+    n_changed += pieces_of(surface_of(dataset, isovalue, tolerance, false)) != expected ? 1 : 0;
+  }
+  return n_changed;
+}
+
+/// Noise through boxes of 3^3 samples, so that there are larger and smaller features.
+Volume smoothed_noise(const Index3& dims, std::uint64_t seed, int n_rounds) {
+  oracles::Random random(seed);
+  RegularGrid grid;
+  grid.dims = dims;
+  grid.spacing = {{0.5, 2, 1.25}};
+  std::vector<double> values(static_cast<std::size_t>(grid.n_samples()));
+  for (double& v : values) v = random.uniform(-1, 1);
+  const auto at = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
+    const auto clamped = [&](std::int32_t p, std::size_t axis) {
+      return static_cast<std::size_t>(std::clamp(p, 0, dims[axis] - 1));
+    };
+    return (clamped(z, 2) * static_cast<std::size_t>(dims[1]) + clamped(y, 1)) *
+               static_cast<std::size_t>(dims[0]) +
+           clamped(x, 0);
+  };
+  for (int round = 0; round < n_rounds; ++round) {
+    std::vector<double> next(values.size());
+    for (std::int32_t z = 0; z < dims[2]; ++z)
+      for (std::int32_t y = 0; y < dims[1]; ++y)
+        for (std::int32_t x = 0; x < dims[0]; ++x)
+          for (std::int32_t i = 0; i < 27; ++i)
+            next[at(x, y, z)] += values[at(x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1)] / 9;
+    values = next;
+  }
+  return oracles::volume_of<float>(grid,
+                                   [&](const Index3& p) { return values[at(p[0], p[1], p[2])]; });
+}
+
+constexpr double kAny = 1e9;
+
+TEST(keep_topology, of_noise_at_any_tolerance) {
+  int n_changed = 0;
+  int n = 0;
+  for (const Index3& dims : {Index3{{33, 33, 33}}, Index3{{30, 25, 19}}, Index3{{17, 41, 9}},
+                             Index3{{2, 20, 33}}, Index3{{49, 33, 65}}, Index3{{34, 34, 34}}})
+    for (const int n_rounds : {0, 1, 2})
+      for (const std::uint64_t seed : {1U, 2U}) {
+        SCOPED_TRACE(::testing::Message() << dims[0] << " " << n_rounds << " " << seed);
+        n_changed += expect_kept(smoothed_noise(dims, seed, n_rounds), 0.2, {0.3, 1, kAny});
+        n += 3;
+      }
+  EXPECT_GT(n_changed, n / 2) << "or there is nothing to keep";
+}
+
+TEST(keep_topology, where_many_samples_are_at_the_isovalue) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const Volume volume = oracles::integer_noise(
+        {{29, 33, 21}}, {.type = ScalarType::int16, .seed = seed, .low = -2, .high = 2});
+    for (const double isovalue : {-1.0, 0.0, 0.5, 1.0})
+      EXPECT_GT(expect_kept(volume, isovalue, {1, kAny}), 0);
+  }
+}
+
+TEST(keep_topology, of_smooth_fields_with_few_triangles) {
+  const Dataset dataset = built_in_memory(oracles::sample(oracles::Field::gaussians40, 65));
+  const Surface full = surface_of(dataset, 1.0, 0.0, false);
+  const Surface kept = surface_of(dataset, 1.0, kAny, true);
+  EXPECT_EQ(pieces_of(kept), pieces_of(full));
+  EXPECT_NE(pieces_of(surface_of(dataset, 1.0, kAny, false)), pieces_of(full));
+  EXPECT_LT(kept.triangles.size(), full.triangles.size() / 10);
+}
+
+TEST(keep_topology, of_a_single_sample_and_of_a_tunnel_one_sample_wide) {
+  RegularGrid grid;
+  grid.dims = {{65, 65, 65}};
+  const Volume volume = oracles::volume_of<float>(grid, [](const Index3& p) {
+    if (p == Index3{{13, 37, 50}}) return 1.0;
+    const bool is_in_box =
+        p[0] > 20 && p[0] < 44 && p[1] > 8 && p[1] < 30 && p[2] > 20 && p[2] < 41;
+    const bool is_in_tunnel = p[1] == 19 && p[2] == 30;
+    return is_in_box && !is_in_tunnel ? 1.0 : 0.0;
+  });
+  const Dataset dataset = built_in_memory(volume);
+  const std::vector<Piece> expected{{0, 0}, {2, 0}};  // a torus and a sphere
+  EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, 0.0, false)), expected);
+  EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, kAny, true)), expected);
+  EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, {}, true, 30.0)), expected) << "within a distance";
+}
+
+TEST(keep_topology, between_holes) {
+  for (const std::uint64_t seed : {1U, 2U}) {
+    Volume volume = smoothed_noise({{33, 40, 35}}, seed, 2);
+    oracles::Random random(seed);
+    auto* const values = reinterpret_cast<float*>(volume.samples.data());
+    for (int i = 0; i < 30; ++i)
+      values[static_cast<std::size_t>(random.uniform(0, 33.0 * 40 * 35))] =
+          std::numeric_limits<float>::quiet_NaN();
+    // Pinched vertices come twice; the pieces are the same.
+    const Dataset dataset = built_in_memory(volume);
+    const auto full = check_topology(surface_of(dataset, 0.2, 0.0, false), {});
+    const auto kept = check_topology(surface_of(dataset, 0.2, kAny, true), {});
+    ASSERT_EQ(kept.components.size(), full.components.size());
+    EXPECT_EQ(kept.euler_number, full.euler_number);
+  }
+}
+
+TEST(keep_topology, whatever_the_threads) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{70, 40, 65}}, 5, 1));
+  const Surface expected = surface_of(dataset, 0.2, kAny, true, {}, 1);
+  for (const int threads : {2, 3, 7}) {
+    const Surface surface = surface_of(dataset, 0.2, kAny, true, {}, threads);
+    EXPECT_TRUE(surface.positions == expected.positions);
+    EXPECT_TRUE(surface.triangles == expected.triangles);
+  }
+}
+
+TEST(keep_topology, is_refused_with_what_drops_pieces) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{9, 9, 9}}, 5, 1));
+  Progress progress;
+  Surface surface;
+  const auto refused = dataset.extract(
+      {.isovalues = {0.2}, .keep_topology = true, .min_component = 5}, surface, progress);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("min_component"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lode
