@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "lode/api/dataset.h"
@@ -20,56 +19,10 @@
 namespace lode {
 namespace {
 
-/// What tells a compact surface with boundary from all others, and how often it is there.
-struct Piece {
-  std::int64_t euler_number = 0;
-  std::size_t n_boundary_loops = 0;
-
-  friend auto operator<=>(const Piece&, const Piece&) = default;
-  friend void PrintTo(const Piece& piece, std::ostream* out) {
-    *out << "(" << piece.euler_number << ", " << piece.n_boundary_loops << ")";
-  }
-};
-
-class Components {
- public:
-  explicit Components(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::uint32_t of(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) { parent_[of(a)] = of(b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
-/// Of a manifold surface, sorted.
-std::vector<Piece> pieces_of(const Surface& surface) {
+ComponentTypes pieces_of(const Surface& surface) {
   const TopologyReport report = check_topology(surface, {});
   EXPECT_TRUE(report.is_clean_manifold());
-  const auto n = surface.positions.size();
-  Components pieces(n);
-  for (const auto& t : surface.triangles)
-    for (std::size_t i = 1; i < 3; ++i) pieces.join(t[0], t[i]);
-  Components loops(n);
-  std::vector<bool> is_on_boundary(n);
-  for (const auto& [a, b] : find_boundary_edges(surface, {1})) {
-    loops.join(a, b);
-    is_on_boundary[a] = is_on_boundary[b] = true;
-  }
-  std::vector<Piece> result;
-  std::vector<std::size_t> number(n);
-  for (std::uint32_t v = 0; v < n; ++v)  // components come in the order of their lowest vertex
-    if (std::uint32_t lowest = 0; number[pieces.of(v)] == 0) {
-      lowest = pieces.of(v);
-      result.push_back({report.components.at(result.size()).euler_number, 0});
-      number[lowest] = result.size();
-    }
-  for (std::uint32_t v = 0; v < n; ++v)
-    if (is_on_boundary[v] && loops.of(v) == v) ++result[number[pieces.of(v)] - 1].n_boundary_loops;
-  std::sort(result.begin(), result.end());
-  return result;
+  return component_types(report);
 }
 
 Dataset built_in_memory(const Volume& volume) {
@@ -96,7 +49,7 @@ Surface surface_of(const Dataset& dataset, double isovalue, std::optional<double
 /// How many of the tolerances change the topology where nothing keeps it.
 int expect_kept(const Volume& volume, double isovalue, const std::vector<double>& tolerances) {
   const Dataset dataset = built_in_memory(volume);
-  const std::vector<Piece> expected = pieces_of(surface_of(dataset, isovalue, 0.0, false));
+  const ComponentTypes expected = pieces_of(surface_of(dataset, isovalue, 0.0, false));
   int n_changed = 0;
   for (const double tolerance : tolerances) {
     SCOPED_TRACE(tolerance);
@@ -180,7 +133,7 @@ TEST(keep_topology, of_a_single_sample_and_of_a_tunnel_one_sample_wide) {
     return is_in_box && !is_in_tunnel ? 1.0 : 0.0;
   });
   const Dataset dataset = built_in_memory(volume);
-  const std::vector<Piece> expected{{0, 0}, {2, 0}};  // a torus and a sphere
+  const ComponentTypes expected{{0, 0}, {2, 0}};  // a torus and a sphere
   EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, 0.0, false)), expected);
   EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, kAny, true)), expected);
   EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, {}, true, 30.0)), expected) << "within a distance";

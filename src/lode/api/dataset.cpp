@@ -171,7 +171,9 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   Surface expected;
   LODE_TRY(const ExtractReport report, extract(again, expected, progress));
   Surface full;
-  if (options.max_distance) {
+  const bool needs_full = options.max_distance || options.keep_topology;
+  if (needs_full) {
+    again.keep_topology = false;
     again.max_distance.reset();
     again.max_error = 0;
     if (auto done = extract(again, full, progress); !done) return done.error();
@@ -185,8 +187,9 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
              .tolerance =
                  options.max_distance ? report.achieved_error : tolerance_of(model.stats, options),
              .style_error = report.style_error,
-             .full_resolution = options.max_distance ? &full : nullptr,
-             .max_distance = options.max_distance.value_or(0)},
+             .full_resolution = needs_full ? &full : nullptr,
+             .max_distance = options.max_distance.value_or(0),
+             .keeps_topology = options.keep_topology},
             options, progress);
       },
       *held);

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include "lode/api/surface_text.h"
@@ -7,6 +9,7 @@
 #include "lode/mappers/lattice_frame.h"
 #include "lode/mappers/surface_checks.h"
 #include "lode/mappers/surface_distance.h"
+#include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/boundary_check.h"
 #include "lode/models/diamond/cut_check.h"
 #include "lode/models/diamond/level_set_check.h"
@@ -115,6 +118,23 @@ void add_match(const Surface& expected, const Surface& surface, VerifyReport& re
              match.is_same() ? 0 : 1, std::move(detail));
 }
 
+/// Compares what kinds of pieces there are with those of full resolution.
+void add_pieces(const Surface& surface, const ExpectedSurface& expected, Threads threads,
+                VerifyReport& report) {
+  const TopologyOptions options{.threads = threads};
+  const ComponentTypes found = component_types(check_topology(surface, options));
+  const ComponentTypes wanted = component_types(check_topology(*expected.full_resolution, options));
+  ComponentTypes different;
+  std::set_symmetric_difference(found.begin(), found.end(), wanted.begin(), wanted.end(),
+                                std::back_inserter(different));
+  std::string detail = fmt::format("{} pieces, {} at full resolution", found.size(), wanted.size());
+  if (!different.empty())
+    detail += fmt::format("; first difference: Euler number {}, {} boundary loops",
+                          different.front()[0], different.front()[1]);
+  report.add("components, tunnels and boundaries of full resolution", found.size(),
+             different.size(), std::move(detail));
+}
+
 /// Measures how far the surface and that of full resolution are from each other.
 Result<void> add_distance(const Surface& surface, const ExpectedSurface& expected, Threads threads,
                           Progress& progress, VerifyReport& report) {
@@ -186,7 +206,8 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, ends, progress));
   add_boundary(surface, boundary, is_closed, report);
   add_match(expected.surface, surface, report);
-  if (expected.full_resolution != nullptr) {
+  if (expected.keeps_topology) add_pieces(surface, expected, options.threads, report);
+  if (expected.max_distance > 0) {
     LODE_CHECK(add_distance(surface, expected, options.threads, progress, report));
     return report;
   }

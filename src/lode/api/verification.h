@@ -17,9 +17,11 @@ struct ExpectedSurface {
   const Surface& surface;
   double tolerance = 0;
   double style_error = 0;  ///< By which the style may exceed it.
-  /// In place of the cut's own checks: the surface of full resolution, and how far it may be.
+  /// Where what the query makes is held against it: the surface of full resolution.
   const Surface* full_resolution = nullptr;
-  double max_distance = 0;
+  double max_distance =
+      0;  ///< How far it may be from that, in place of the cut's own checks; or 0.
+  bool keeps_topology = false;  ///< Whether its pieces are to be like those.
 };
 
 /// Checks a surface against the model's samples, and against what the query makes; see

@@ -76,6 +76,7 @@ struct VertexCounts {
   std::vector<std::uint32_t> boundary_edges;  ///< Of these, with one triangle.
   std::vector<std::uint8_t> is_used;
   std::vector<std::uint8_t> is_boundary;
+  std::vector<Pair> boundary;  ///< Edges with one triangle.
 };
 
 /// What one chunk of vertices adds to the report.
@@ -160,8 +161,10 @@ void check_triangle_vertices(const Surface& surface, Threads threads, TopologyRe
     append(report.inconsistent_edges, chunk.inconsistent_edges);
     append(report.non_manifold_vertices, chunk.non_manifold_vertices);
     append(report.isolated_vertices, chunk.isolated_vertices);
-    report.n_boundary_edges += chunk.boundary_edges.size();
+    counts.boundary.insert(counts.boundary.end(), chunk.boundary_edges.begin(),
+                           chunk.boundary_edges.end());
   }
+  report.n_boundary_edges = counts.boundary.size();
   for (std::size_t v = 0; v < counts.edges.size(); ++v) {
     report.n_edges += counts.edges[v];
     report.n_used_vertices += counts.is_used[v];
@@ -197,6 +200,21 @@ std::vector<std::uint32_t> find_components(const Surface& surface) {
   return parents;
 }
 
+/// The loops that boundary edges make. `numbers`: of the components, by vertex.
+void count_loops(const std::vector<Pair>& boundary, const std::vector<std::uint32_t>& numbers,
+                 TopologyReport& report) {
+  if (boundary.empty()) return;
+  std::vector<std::uint32_t> parents(numbers.size());
+  std::iota(parents.begin(), parents.end(), std::uint32_t{0});
+  for (const Pair& edge : boundary) join(parents, edge[0], edge[1]);
+  std::vector<std::uint32_t> loops;
+  loops.reserve(boundary.size());
+  for (const Pair& edge : boundary) loops.push_back(find_root(parents, edge[0]));
+  std::sort(loops.begin(), loops.end());
+  loops.erase(std::unique(loops.begin(), loops.end()), loops.end());
+  for (const std::uint32_t v : loops) ++report.components[numbers[v]].n_boundary_loops;
+}
+
 void report_components(const Surface& surface, const VertexCounts& counts, TopologyReport& report) {
   std::vector<std::uint32_t> numbers = find_components(surface);
   for (std::size_t v = 0; v < numbers.size(); ++v) {
@@ -219,6 +237,7 @@ void report_components(const Surface& surface, const VertexCounts& counts, Topol
   }
   for (const auto& line : surface.lines)
     if (line[0] != line[1]) ++report.components[numbers[line[0]]].n_simplices;
+  count_loops(counts.boundary, numbers, report);
   for (const ComponentReport& c : report.components) report.euler_number += c.euler_number;
 }
 
@@ -256,6 +275,15 @@ bool TopologyReport::is_clean_manifold() const {
   return non_manifold_edges.count == 0 && inconsistent_edges.count == 0 &&
          non_manifold_vertices.count == 0 && isolated_vertices.count == 0 &&
          degenerate_simplices.count == 0 && duplicate_vertices.count == 0;
+}
+
+ComponentTypes component_types(const TopologyReport& report) {
+  ComponentTypes types;
+  types.reserve(report.components.size());
+  for (const ComponentReport& c : report.components)
+    types.push_back({c.euler_number, static_cast<std::int64_t>(c.n_boundary_loops)});
+  std::sort(types.begin(), types.end());
+  return types;
 }
 
 TopologyReport check_topology(const Surface& surface, const TopologyOptions& options) {

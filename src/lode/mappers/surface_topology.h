@@ -24,6 +24,7 @@ struct ComponentReport {
   std::uint64_t n_simplices = 0;
   std::int64_t euler_number = 0;       ///< Vertices - edges + triangles.
   std::uint64_t n_boundary_edges = 0;  ///< For lines: end points.
+  std::uint64_t n_boundary_loops = 0;  ///< That they make; of triangles only.
 
   friend bool operator==(const ComponentReport&, const ComponentReport&) = default;
 };
@@ -60,6 +61,11 @@ struct TopologyOptions {
   std::function<bool(std::uint32_t vertex)> may_pinch = {};
   Threads threads = {};
 };
+
+/// The Euler number and the boundary loops of each component, sorted: what tells an oriented
+/// manifold from all that are not homeomorphic to it.
+using ComponentTypes = std::vector<std::array<std::int64_t, 2>>;
+[[nodiscard]] ComponentTypes component_types(const TopologyReport& report);
 
 /// Examines a well-formed surface, by sorting its edges.
 [[nodiscard]] TopologyReport check_topology(const Surface& surface, const TopologyOptions& options);
