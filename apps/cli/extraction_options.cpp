@@ -49,9 +49,10 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
                  "level set), or cubes, on the grid's edges alone (a third of the triangles)")
       ->type_name("tetra|cubes")
       ->group(group);
-  app.add_flag("--keep-topology", arguments.keep_topology,
+  app.add_flag("--keep-topology{0}", arguments.keep_topology,
                "Refine where the surface would tear, join, lose or gain a piece: components, "
-               "tunnels and voids are those of full resolution")
+               "tunnels and voids are those of full resolution; with =P those at least that there "
+               "are from P below the isovalue to P above it")
       ->group(group);
   app.add_option("--clip", arguments.clip, "Crop to a box in world units")
       ->type_name("X0,X1,Y0,Y1,Z0,Z1")
@@ -100,7 +101,11 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
   if (arguments.close_border && options.clip)
     return fail("--close-border: expected no --clip with it, whose cut would stay open");
   options.border = arguments.close_border ? Border::closed : Border::open;
-  options.keep_topology = arguments.keep_topology;
+  if (!arguments.keep_topology.empty()) {
+    LODE_TRY(options.keep_topology, parse_number("--keep-topology", arguments.keep_topology));
+    if (!(*options.keep_topology >= 0))
+      return fail("--keep-topology: expected a number >= 0, got '{}'", arguments.keep_topology);
+  }
   if (options.keep_topology && !arguments.min_component.empty())
     return fail("--keep-topology: expected no --min-component with it, which drops pieces");
   options.orientation =
@@ -132,6 +137,7 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
     }
   }
   if (report.topology) {
+    json["topology"]["persistence"] = report.topology->persistence;
     json["topology"]["critical_nodes"] = report.topology->critical_nodes;
     json["topology"]["nodes"] = report.topology->nodes;
   }

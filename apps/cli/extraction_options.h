@@ -17,7 +17,7 @@ struct ExtractionArguments {
   std::string normals = "on";
   std::string min_component;
   bool close_border = false;
-  bool keep_topology = false;
+  std::string keep_topology;  ///< Empty: not asked for.
   bool flip = false;
 };
 

@@ -20,7 +20,7 @@ Result<void> check_progressive(const ProgressiveArguments& arguments,
   if (options.style != SurfaceStyle::tetra)
     return fail("--style cubes: expected no --progressive with it, whose steps are the field's");
   for (const auto& [name, is_set] : {std::pair{"--close-border", extraction.close_border},
-                                     {"--keep-topology", extraction.keep_topology},
+                                     {"--keep-topology", !extraction.keep_topology.empty()},
                                      {"--min-component", !extraction.min_component.empty()}})
     if (is_set)
       return fail("{}: expected no --progressive with it: it would change from step to step", name);

@@ -98,7 +98,7 @@ Result<void> check_surface_options(const ExtractionArguments& extraction, const 
                                      {"--flip", extraction.flip},
                                      {"--min-component", !extraction.min_component.empty()},
                                      {"--style", extraction.style != "tetra"},
-                                     {"--keep-topology", extraction.keep_topology},
+                                     {"--keep-topology", !extraction.keep_topology.empty()},
                                      {"--normals", extraction.normals != "on"}})
     if (is_set) return fail("{}: expected no {} with it, which is no isosurface", name, answer);
   return {};
@@ -200,7 +200,7 @@ Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,
     return fail("--close-border: expected no focus, budget or deadline with it");
   if (surface.style != SurfaceStyle::tetra)
     return fail("--style cubes: expected no focus, budget or deadline with it");
-  if (extraction.keep_topology)
+  if (surface.keep_topology)
     return fail("--keep-topology: expected no focus, budget or deadline with it");
   FocusedOptions options;
   options.clip = surface.clip;

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "lode/api/dataset.h"
@@ -19,6 +21,9 @@
 namespace lode {
 namespace {
 
+constexpr double kAny = 1e9;
+constexpr std::optional<double> kNotKept{};
+
 ComponentTypes pieces_of(const Surface& surface) {
   const TopologyReport report = check_topology(surface, {});
   EXPECT_TRUE(report.is_clean_manifold());
@@ -31,7 +36,8 @@ Dataset built_in_memory(const Volume& volume) {
 }
 
 Surface surface_of(const Dataset& dataset, double isovalue, std::optional<double> max_error,
-                   bool keep_topology, std::optional<double> max_distance = {}, int threads = 2) {
+                   std::optional<double> keep_topology, std::optional<double> max_distance = {},
+                   int threads = 2) {
   Progress progress;
   Surface surface;
   const auto report = dataset.extract({.isovalues = {isovalue},
@@ -49,12 +55,12 @@ Surface surface_of(const Dataset& dataset, double isovalue, std::optional<double
 /// How many of the tolerances change the topology where nothing keeps it.
 int expect_kept(const Volume& volume, double isovalue, const std::vector<double>& tolerances) {
   const Dataset dataset = built_in_memory(volume);
-  const ComponentTypes expected = pieces_of(surface_of(dataset, isovalue, 0.0, false));
+  const ComponentTypes expected = pieces_of(surface_of(dataset, isovalue, 0.0, kNotKept));
   int n_changed = 0;
   for (const double tolerance : tolerances) {
     SCOPED_TRACE(tolerance);
-    EXPECT_EQ(pieces_of(surface_of(dataset, isovalue, tolerance, true)), expected);
-    n_changed += pieces_of(surface_of(dataset, isovalue, tolerance, false)) != expected ? 1 : 0;
+    EXPECT_EQ(pieces_of(surface_of(dataset, isovalue, tolerance, 0.0)), expected);
+    n_changed += pieces_of(surface_of(dataset, isovalue, tolerance, kNotKept)) != expected ? 1 : 0;
   }
   return n_changed;
 }
@@ -88,8 +94,6 @@ Volume smoothed_noise(const Index3& dims, std::uint64_t seed, int n_rounds) {
                                    [&](const Index3& p) { return values[at(p[0], p[1], p[2])]; });
 }
 
-constexpr double kAny = 1e9;
-
 TEST(keep_topology, of_noise_at_any_tolerance) {
   int n_changed = 0;
   int n = 0;
@@ -115,10 +119,10 @@ TEST(keep_topology, where_many_samples_are_at_the_isovalue) {
 
 TEST(keep_topology, of_smooth_fields_with_few_triangles) {
   const Dataset dataset = built_in_memory(oracles::sample(oracles::Field::gaussians40, 65));
-  const Surface full = surface_of(dataset, 1.0, 0.0, false);
-  const Surface kept = surface_of(dataset, 1.0, kAny, true);
+  const Surface full = surface_of(dataset, 1.0, 0.0, kNotKept);
+  const Surface kept = surface_of(dataset, 1.0, kAny, 0.0);
   EXPECT_EQ(pieces_of(kept), pieces_of(full));
-  EXPECT_NE(pieces_of(surface_of(dataset, 1.0, kAny, false)), pieces_of(full));
+  EXPECT_NE(pieces_of(surface_of(dataset, 1.0, kAny, kNotKept)), pieces_of(full));
   EXPECT_LT(kept.triangles.size(), full.triangles.size() / 10);
 }
 
@@ -134,9 +138,97 @@ TEST(keep_topology, of_a_single_sample_and_of_a_tunnel_one_sample_wide) {
   });
   const Dataset dataset = built_in_memory(volume);
   const ComponentTypes expected{{0, 0}, {2, 0}};  // a torus and a sphere
-  EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, 0.0, false)), expected);
-  EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, kAny, true)), expected);
-  EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, {}, true, 30.0)), expected) << "within a distance";
+  EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, 0.0, kNotKept)), expected);
+  EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, kAny, 0.0)), expected);
+  EXPECT_EQ(pieces_of(surface_of(dataset, 0.5, {}, 0.0, 30.0)), expected) << "within a distance";
+}
+
+/// Solids of values from the isovalue up, none of which meets the border: surfaces turned outward.
+std::size_t count_solids(const Surface& surface) {
+  const std::size_t n = surface.positions.size();
+  std::vector<std::uint32_t> parent(n);
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto root = [&](std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const auto& t : surface.triangles)
+    for (std::size_t i = 1; i < 3; ++i) parent[root(t[i])] = root(t[0]);
+  std::vector<double> volume(n);
+  for (const auto& t : surface.triangles) {
+    std::array<Vec3d, 3> p;
+    for (std::size_t i = 0; i < 3; ++i) p[i] = surface.world_position(t[i]);
+    volume[root(t[0])] += dot(p[0], cross(p[1], p[2]));
+  }
+  // Triangles are counter-clockwise seen from lower values.
+  return static_cast<std::size_t>(
+      std::count_if(volume.begin(), volume.end(), [](double v) { return v > 0; }));
+}
+
+/// Pieces of {F >= low} that reach high, joined more readily than any mesh on the samples does.
+std::size_t count_persistent(const Volume& volume, double low, double high) {
+  const Index3& dims = volume.info.grid.dims;
+  const auto values = volume.as<float>();
+  const auto at = [&](const Index3& p) {
+    return (static_cast<std::size_t>(p[2]) * static_cast<std::size_t>(dims[1]) +
+            static_cast<std::size_t>(p[1])) *
+               static_cast<std::size_t>(dims[0]) +
+           static_cast<std::size_t>(p[0]);
+  };
+  std::vector<bool> is_seen(values.size());
+  std::size_t n = 0;
+  std::vector<Index3> waiting;
+  for (std::int32_t z = 0; z < dims[2]; ++z)
+    for (std::int32_t y = 0; y < dims[1]; ++y)
+      for (std::int32_t x = 0; x < dims[0]; ++x) {
+        const Index3 first{{x, y, z}};
+        if (is_seen[at(first)] || static_cast<double>(values[at(first)]) < high) continue;
+        ++n;
+        is_seen[at(first)] = true;
+        waiting.push_back(first);
+        while (!waiting.empty()) {
+          const Index3 p = waiting.back();
+          waiting.pop_back();
+          for (std::int32_t i = 0; i < 27; ++i) {
+            const Index3 q = p + Index3{{i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1}};
+            bool is_sample = true;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+              is_sample = is_sample && q[axis] >= 0 && q[axis] < dims[axis];
+            if (!is_sample || is_seen[at(q)] || static_cast<double>(values[at(q)]) < low) continue;
+            is_seen[at(q)] = true;
+            waiting.push_back(q);
+          }
+        }
+      }
+  return n;
+}
+
+TEST(keep_topology, of_what_persists) {
+  for (const Index3& dims : {Index3{{49, 33, 65}}, Index3{{38, 45, 31}}})
+    for (const int n_rounds : {0, 1, 2})
+      for (const double sign : {1.0, -1.0}) {
+        SCOPED_TRACE(::testing::Message() << dims[0] << " " << n_rounds << " " << sign);
+        Volume volume = smoothed_noise(dims, 4, n_rounds);
+        auto* const values = reinterpret_cast<float*>(volume.samples.data());
+        for (std::size_t i = 0; i < volume.as<float>().size(); ++i) {
+          const auto p = static_cast<std::int32_t>(i);
+          const Index3 q{{p % dims[0], p / dims[0] % dims[1], p / dims[0] / dims[1]}};
+          bool is_at_border = false;
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            is_at_border = is_at_border || q[axis] == 0 || q[axis] == dims[axis] - 1;
+          values[i] = is_at_border ? -9.0F : static_cast<float>(sign) * values[i];
+        }
+        const Dataset dataset = built_in_memory(volume);
+        std::size_t n_before = std::numeric_limits<std::size_t>::max();
+        for (const double persistence : {0.0, 0.1, 0.3, 0.6, 1.2}) {
+          SCOPED_TRACE(persistence);
+          const Surface kept = surface_of(dataset, 0.2, kAny, persistence);
+          EXPECT_GE(count_solids(kept),
+                    count_persistent(volume, 0.2 - persistence, 0.2 + persistence));
+          EXPECT_LE(kept.triangles.size(), n_before);
+          n_before = kept.triangles.size();
+        }
+      }
 }
 
 TEST(keep_topology, between_holes) {
@@ -149,8 +241,8 @@ TEST(keep_topology, between_holes) {
           std::numeric_limits<float>::quiet_NaN();
     // Pinched vertices come twice; the pieces are the same.
     const Dataset dataset = built_in_memory(volume);
-    const auto full = check_topology(surface_of(dataset, 0.2, 0.0, false), {});
-    const auto kept = check_topology(surface_of(dataset, 0.2, kAny, true), {});
+    const auto full = check_topology(surface_of(dataset, 0.2, 0.0, kNotKept), {});
+    const auto kept = check_topology(surface_of(dataset, 0.2, kAny, 0.0), {});
     ASSERT_EQ(kept.components.size(), full.components.size());
     EXPECT_EQ(kept.euler_number, full.euler_number);
   }
@@ -158,9 +250,9 @@ TEST(keep_topology, between_holes) {
 
 TEST(keep_topology, whatever_the_threads) {
   const Dataset dataset = built_in_memory(smoothed_noise({{70, 40, 65}}, 5, 1));
-  const Surface expected = surface_of(dataset, 0.2, kAny, true, {}, 1);
+  const Surface expected = surface_of(dataset, 0.2, kAny, 0.0, {}, 1);
   for (const int threads : {2, 3, 7}) {
-    const Surface surface = surface_of(dataset, 0.2, kAny, true, {}, threads);
+    const Surface surface = surface_of(dataset, 0.2, kAny, 0.0, {}, threads);
     EXPECT_TRUE(surface.positions == expected.positions);
     EXPECT_TRUE(surface.triangles == expected.triangles);
   }
@@ -170,8 +262,8 @@ TEST(keep_topology, is_refused_with_what_drops_pieces) {
   const Dataset dataset = built_in_memory(smoothed_noise({{9, 9, 9}}, 5, 1));
   Progress progress;
   Surface surface;
-  const auto refused = dataset.extract(
-      {.isovalues = {0.2}, .keep_topology = true, .min_component = 5}, surface, progress);
+  const auto refused = dataset.extract({.isovalues = {0.2}, .keep_topology = 0, .min_component = 5},
+                                       surface, progress);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("min_component"), std::string::npos);
 }

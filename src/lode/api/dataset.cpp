@@ -165,6 +165,12 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   if (options.simplify_distance)
     return fail(
         "verifying a surface: expected none that was simplified, which is no level set any more");
+  if (options.keep_topology.value_or(0) > 0)
+    return fail(
+        "verifying a surface: expected keep_topology without a persistence, got {}: which pieces "
+        "of "
+        "full resolution may go is not checked",
+        *options.keep_topology);
   ExtractOptions again = options;
   again.normals = Normals::off;
   again.deviation = Deviation::measured;
@@ -173,7 +179,7 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   Surface full;
   const bool needs_full = options.max_distance || options.keep_topology;
   if (needs_full) {
-    again.keep_topology = false;
+    again.keep_topology.reset();
     again.max_distance.reset();
     again.max_error = 0;
     if (auto done = extract(again, full, progress); !done) return done.error();
@@ -189,7 +195,7 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
              .style_error = report.style_error,
              .full_resolution = needs_full ? &full : nullptr,
              .max_distance = options.max_distance.value_or(0),
-             .keeps_topology = options.keep_topology},
+             .keeps_topology = options.keep_topology.has_value()},
             options, progress);
       },
       *held);

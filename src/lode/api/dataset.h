@@ -67,9 +67,10 @@ struct ExtractOptions {
   /// World units, > 0: no point of the surface is farther from that of full resolution, nor any of
   /// that one from it, proven. Of volumes in memory, with an open border and all pieces kept.
   std::optional<double> max_distance{};
-  /// The surface has the components, tunnels and voids of that of full resolution, each joined as
-  /// there: it is that surface but for where it lies. Of volumes in memory, with all pieces kept.
-  bool keep_topology = false;
+  /// 0: the surface has the components, tunnels and voids of that of full resolution, each joined
+  /// as there: it is that surface but for where it lies. P > 0 (field units): those at least that
+  /// there are from P below the isovalue to P above it. Of volumes in memory, with all pieces kept.
+  std::optional<double> keep_topology{};
   SurfaceStyle style = SurfaceStyle::tetra;  ///< cubes: of volumes without holes at a max_error of
                                              ///< 0, all in memory.
   Deviation deviation = Deviation::unknown;
@@ -106,7 +107,8 @@ struct ExtractSeconds {
 
 /// How the topology was kept; of several isovalues sums.
 struct KeptTopology {
-  std::uint64_t critical_nodes = 0;  ///< Refining one changes the topology.
+  double persistence = 0;            ///< Asked for.
+  std::uint64_t critical_nodes = 0;  ///< Refining one changes the topology, by so much.
   std::uint64_t nodes = 0;           ///< With those that come before them.
 };
 

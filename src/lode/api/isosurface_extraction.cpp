@@ -118,7 +118,7 @@ Result<void> measure_style(const diamond::Model<D>& model, const diamond::Isosur
 Result<void> extract_in_memory(const Dataset::Impl& impl, const ExtractOptions& options,
                                Surface& surface, ExtractReport& report, Progress& progress) {
   LODE_TRY(const auto* const held, impl.model(progress));
-  if (options.keep_topology) report.topology.emplace();
+  if (options.keep_topology) report.topology = KeptTopology{.persistence = *options.keep_topology};
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
         LODE_CHECK(extract_all<D>(

@@ -1,11 +1,16 @@
 #include "lode/api/topology_extraction.h"
 
+#include <cmath>
+
 #include "lode/core/stopwatch.h"
 
 namespace lode {
 
 Result<void> check_keep_topology(const ExtractOptions& options) {
   if (!options.keep_topology) return {};
+  if (!(*options.keep_topology >= 0 && std::isfinite(*options.keep_topology)))
+    return fail("keep_topology: expected a finite persistence >= 0, got {}",
+                *options.keep_topology);
   if (options.min_component > 1)
     return fail("keep_topology: expected all pieces kept with it, got min_component {}",
                 options.min_component);
@@ -17,7 +22,8 @@ Result<diamond::CriticalNodes> critical_nodes(const diamond::Model<3>& model, do
                                               Progress& progress) {
   const Stopwatch watch;
   progress.report("finding critical nodes", 0);
-  LODE_TRY(auto found, diamond::find_critical_nodes(model, isovalue, options.threads, progress));
+  LODE_TRY(auto found, diamond::find_critical_nodes(model, isovalue, *options.keep_topology,
+                                                    options.threads, progress));
   report.seconds.topology += watch.seconds();
   report.topology->critical_nodes += found.n_critical;
   report.topology->nodes += found.n_nodes;

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <vector>
 
+#include "lode/models/diamond/refinable.h"
 #include "lode/models/diamond/sample_rows.h"
 
 namespace lode::diamond {
@@ -158,11 +159,18 @@ class Sides {
 
 }  // namespace
 
-Result<CriticalNodes> find_critical_nodes(const Model<3>& model, double isovalue, Threads threads,
+Result<CriticalNodes> find_critical_nodes(const Model<3>& model, double isovalue,
+                                          double persistence, Threads threads,
                                           const Progress& progress) {
   CriticalNodes critical{NodeSet<3>(model.shape)};
   if (!model.shape.has_cells()) return critical;
   const Sides sides(model, isovalue, threads);
+  const Refinable<3> nodes(model);
+  const auto is_slight = [&](const Index<3>& centre) {
+    const NodeFacts facts = nodes.facts_at(diamond_at<3>(centre));
+    return facts.error <= persistence ||
+           (facts.range.low >= isovalue - persistence && facts.range.high < isovalue + persistence);
+  };
   std::mutex mutex;
   for (int level = 0; level < model.shape.n_levels; ++level) {
     if (progress.is_cancelled()) return cancelled_error();
@@ -172,6 +180,7 @@ Result<CriticalNodes> find_critical_nodes(const Model<3>& model, double isovalue
     parallel_for(n_points<3>(dims) / n_x, threads, 64, [&](std::size_t row, int) {
       std::vector<Index<3>> found;
       sides.find_in_row(level, point_of<3>(dims, row * n_x), found);
+      if (persistence > 0) std::erase_if(found, is_slight);
       if (found.empty()) return;
       const std::lock_guard lock(mutex);  // a set, whatever the order
       critical.n_critical += found.size();

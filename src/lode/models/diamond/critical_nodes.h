@@ -20,9 +20,12 @@ struct CriticalNodes {
 /// round the axis the star's other vertices are not one arc of either side. All others move the
 /// surface without tearing or joining it, in whatever order they are refined, so in a cut with all
 /// critical nodes refined it has the topology of full resolution: docs/models/diamond3d.md, "The
-/// topology kept". After Gerstner and Pajarola, Visualization 2000. A byte a sample of scratch
-/// memory; deterministic; fails when cancelled.
+/// topology kept". After Gerstner and Pajarola, Visualization 2000. Those whose nested error is at
+/// most `persistence` (field units), or whose range lies within so much of the isovalue, are left
+/// out: what there is from so far below the isovalue to so far above is kept without them. A byte
+/// a sample of scratch memory; deterministic; fails when cancelled.
 [[nodiscard]] Result<CriticalNodes> find_critical_nodes(const Model<3>& model, double isovalue,
-                                                        Threads threads, const Progress& progress);
+                                                        double persistence, Threads threads,
+                                                        const Progress& progress);
 
 }  // namespace lode::diamond
