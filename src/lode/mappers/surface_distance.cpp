@@ -12,6 +12,9 @@ namespace {
 
 using simplification::Piece;
 
+/// Of a triangle: along the edges of others the bound of a piece is its size, which an accuracy far
+/// below theirs asks for by the million.
+constexpr std::size_t kMostPieces = 1 << 14;
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 /// The triangles, relative to an origin.
@@ -64,25 +67,33 @@ class OneWay {
     }
   }
 
-  /// `known`: a distance that some point has.
-  void add(const Piece& piece, double known, DistanceBounds& found) const {
+  /// `known`: a distance that some point has. Larger pieces first.
+  void add(const Piece& whole, double known, DistanceBounds& found) const {
+    std::vector<Piece> pieces{whole};
+    for (std::size_t i = 0; i < pieces.size() && !progress_.is_cancelled(); ++i) {
+      const Piece piece = pieces[i];
+      const double upper = bound(piece, known, found.lower);
+      if (upper <= std::max(known, found.lower) + accuracy_ || pieces.size() >= kMostPieces) {
+        found.upper = std::max(found.upper, upper);
+        continue;
+      }
+      const auto quarters = simplification::quarters(piece);
+      pieces.insert(pieces.end(), quarters.begin(), quarters.end());
+    }
+  }
+
+  /// What no point of a piece is farther than; raises `lower` to what its middle is.
+  [[nodiscard]] double bound(const Piece& piece, double known, double& lower) const {
     const auto there = nearest((piece[0] + piece[1] + piece[2]) * (1.0 / 3));
     const double distance = std::sqrt(there.squared_distance);
-    const double radius = simplification::radius_of(piece);
-    found.lower = std::max(found.lower, distance);
-    double upper = distance + radius;
-    if (upper > known + accuracy_) {
-      const auto target = corners_of(to_.facets()[there.facet]);
-      double farthest = 0;
-      for (const Vec3d& corner : piece)
-        farthest = std::max(farthest, squared_distance_to_triangle(corner, target));
-      upper = std::min(upper, std::sqrt(farthest));
-    }
-    if (upper <= std::max(known, distance) + accuracy_) {
-      found.upper = std::max(found.upper, upper);
-      return;
-    }
-    for (const Piece& part : simplification::quarters(piece)) add(part, known, found);
+    lower = std::max(lower, distance);
+    const double upper = distance + simplification::radius_of(piece);
+    if (upper <= known + accuracy_) return upper;
+    const auto target = corners_of(to_.facets()[there.facet]);
+    double farthest = 0;
+    for (const Vec3d& corner : piece)
+      farthest = std::max(farthest, squared_distance_to_triangle(corner, target));
+    return std::min(upper, std::sqrt(farthest));
   }
 
   /// look(facet, found) at all, in parallel; the largest bounds.

@@ -26,7 +26,8 @@ struct SurfaceDistance {
 };
 
 struct DistanceOptions {
-  double accuracy = 0;  ///< > 0, world units: bounds are no farther apart.
+  double accuracy = 0;  ///< > 0, world units: bounds are no farther apart, but where a triangle
+                        ///< would have to be cut into more than 16384 pieces for that.
   Threads threads{};
 };
 
