@@ -18,9 +18,8 @@ Index3 tile_of(const VolumeInfo& info, const Index3& unit, double max_bytes) {
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const auto n_bytes = static_cast<double>(IndexBox{{}, tile}.n_samples()) *
                          static_cast<double>(size_of(info.type));
-    const std::int32_t dim = info.grid.dims[axis];
-    const double most = static_cast<double>((dim - 1) / unit[axis] + 1);
-    const double n = std::clamp(std::floor(max_bytes / n_bytes), 1.0, most);
+    const std::int32_t most = (info.grid.dims[axis] - 1) / unit[axis] + 1;
+    const double n = std::clamp(std::floor(max_bytes / n_bytes), 1.0, static_cast<double>(most));
     tile[axis] = unit[axis] * static_cast<std::int32_t>(n);
   }
   return tile;

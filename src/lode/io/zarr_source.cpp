@@ -151,8 +151,10 @@ class ZarrSource final : public VolumeSource {
     const ZarrShape& shape = reader_.chunk_shape();
     double n_bytes =
         static_cast<double>(product_of(shape)) * static_cast<double>(size_of(array.type));
-    for (std::size_t axis = place_.size(); axis < shape.size(); ++axis)
-      n_bytes *= static_cast<double>((array.shape[axis] - 1) / shape[axis] + 1);
+    for (std::size_t axis = place_.size(); axis < shape.size(); ++axis) {
+      const std::int64_t n_chunks = (array.shape[axis] - 1) / shape[axis] + 1;
+      n_bytes *= static_cast<double>(n_chunks);
+    }
     return n_bytes;
   }
 
