@@ -108,6 +108,20 @@ TEST(keep_topology, of_noise_at_any_tolerance) {
   EXPECT_GT(n_changed, n / 2) << "or there is nothing to keep";
 }
 
+TEST(keep_topology, of_hundreds_of_small_volumes_of_any_shape) {
+  oracles::Random random(12345);
+  const auto below = [&](double n) { return static_cast<std::int32_t>(random.uniform(0, n)); };
+  int n_changed = 0;
+  for (std::uint64_t i = 0; i < 300 && !HasFailure(); ++i) {
+    Index3 dims;
+    for (std::int32_t& n : dims.v) n = 2 + below(i % 3 == 0 ? 35 : 16);
+    SCOPED_TRACE(::testing::Message() << i << ": " << dims[0] << " " << dims[1] << " " << dims[2]);
+    const Volume volume = smoothed_noise(dims, i, below(3));
+    n_changed += expect_kept(volume, random.uniform(-0.3, 0.3), {0.2, kAny});
+  }
+  EXPECT_GT(n_changed, 200);
+}
+
 TEST(keep_topology, where_many_samples_are_at_the_isovalue) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Volume volume = oracles::integer_noise(
