@@ -91,7 +91,7 @@ class ZarrSource final : public VolumeSource {
         place_(std::move(view.place)),
         reader_(std::move(view.array)),
         threads_(threads),
-        holds_all_(all_bytes() <= static_cast<double>(max_cache_bytes)),
+        holds_all_(all_bytes() <= static_cast<double>(most_for_all(max_cache_bytes))),
         cache_bytes_(holds_all_ ? static_cast<std::size_t>(all_bytes())
                                 : std::min(layer_bytes(), max_cache_bytes)),
         cache_(cache_bytes_) {}
@@ -145,6 +145,12 @@ class ZarrSource final : public VolumeSource {
   }
 
  private:
+  /// Without a limit from outside no more than for a layer.
+  static std::size_t most_for_all(std::size_t max_cache_bytes) {
+    return max_cache_bytes == std::numeric_limits<std::size_t>::max() ? kMaxCacheBytes
+                                                                      : max_cache_bytes;
+  }
+
   /// What all chunks of the view take.
   double all_bytes() const {
     const ZarrArray& array = reader_.array();

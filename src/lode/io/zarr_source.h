@@ -16,9 +16,10 @@ struct ZarrView {
 };
 
 /// Serves boxes of the view; info.grid and info.type fit it. Each read decodes the chunks that meet
-/// its box in parallel. All are kept where they take no more than `max_cache_bytes`. Else those
-/// that reach beyond the box are kept for the next read: up to 64 MiB of them, or one layer of
-/// chunks along x and y where that takes more, but never above 1 GiB or `max_cache_bytes`.
+/// its box in parallel. All are kept where they take no more than `max_cache_bytes` (1 GiB where
+/// that is no limit). Else those that reach beyond the box are kept for the next read: up to 64 MiB
+/// of them, or one layer of chunks along x and y where that takes more, but never above 1 GiB or
+/// `max_cache_bytes`.
 [[nodiscard]] std::unique_ptr<VolumeSource> make_zarr_source(ZarrView view, VolumeInfo info,
                                                              Threads threads,
                                                              std::size_t max_cache_bytes);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 
 #include "lode/io/image.h"
 #include "lode/io/image_grid.h"
@@ -199,9 +200,11 @@ Result<std::unique_ptr<VolumeSource>> open_zarr(const std::string& path,
                   .type = image.array.type,
                   .field_name = image.field_name,
                   .nodata = options.nodata};
-  return LayerSpool::wrap(make_zarr_source({std::move(image.array), std::move(place)},
-                                           std::move(info), options.threads, options.cache_limit),
-                          spool_directory_of(storage_of(options)));
+  auto source = make_zarr_source({std::move(image.array), std::move(place)}, std::move(info),
+                                 options.threads, options.cache_limit);
+  // Who sets a limit, as builds do, reads all of it in slices; others may want a box of it.
+  if (options.cache_limit == std::numeric_limits<std::size_t>::max()) return source;
+  return LayerSpool::wrap(std::move(source), spool_directory_of(storage_of(options)));
 }
 
 Result<FileDescription> describe_zarr(const std::string& path, const ReadOptions& options) {
