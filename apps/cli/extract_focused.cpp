@@ -19,6 +19,11 @@ Result<View> read_view(const QueryArguments& query) {
   return view;
 }
 
+std::string_view what_ended(const Standing& standing) {
+  if (!standing.is_settled) return "the deadline";
+  return standing.memory_met ? "the end of --max-cells" : "the memory limit";
+}
+
 Json focused_json(const MeshJob& job, const Input& input, const FocusedReport& report,
                   const Surface& surface) {
   Json json = extract_head(job.input, input, {job.output});
@@ -86,13 +91,12 @@ void warn_of_focused(Session& session, const FocusedReport& report, const Surfac
                     "narrow the focus (error bound {})",
                     format_number(report.standing.error_bound)));
   if (!surface.is_empty()) return;
-  const bool is_limited = !report.standing.is_settled || has_budget;
+  const bool is_limited = !report.standing.is_settled || !report.standing.memory_met || has_budget;
   if (!is_limited || report.standing.error_bound == 0)
     warn_of_unmet(session, {isovalue}, options, info);
   else
-    session.warn(
-        fmt::format("no surface at isovalue {} yet: {} came too soon", isovalue,
-                    report.standing.is_settled ? "the end of --max-cells" : "the deadline"));
+    session.warn(fmt::format("no surface at isovalue {} yet: {} came too soon", isovalue,
+                             what_ended(report.standing)));
 }
 
 }  // namespace

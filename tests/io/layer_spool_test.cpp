@@ -21,10 +21,11 @@ std::vector<std::byte> samples_in(VolumeSource& source, const IndexBox& box) {
   return out;
 }
 
-/// A source in units with nothing to keep them in, and what it decodes.
+/// A source in units with little to keep them in, and what it decodes.
 struct Wrapped {
-  explicit Wrapped(const Volume& volume, const Index3& unit) {
+  Wrapped(const Volume& volume, const Index3& unit, std::uint64_t held = 0) {
     auto owned = std::make_unique<UnitSource>(volume, unit);
+    owned->hold(held);
     units = owned.get();
     auto made = LayerSpool::wrap(std::move(owned), testing::TempDir());
     EXPECT_TRUE(made) << (made ? "" : made.error().message);
@@ -32,6 +33,20 @@ struct Wrapped {
   }
   UnitSource* units = nullptr;
   std::unique_ptr<VolumeSource> source;
+};
+
+/// What can be known of a volume that is not there.
+class ShapeSource final : public VolumeSource {
+ public:
+  explicit ShapeSource(VolumeInfo info) : info_(std::move(info)) {}
+  [[nodiscard]] const VolumeInfo& info() const override { return info_; }
+  [[nodiscard]] Result<void> read(const IndexBox& /*box*/, std::span<std::byte> /*out*/) override {
+    return fail("nothing is there");
+  }
+  [[nodiscard]] ReadUnit read_unit() const override { return {.dims = {{2, 2, 2}}}; }
+
+ private:
+  VolumeInfo info_;
 };
 
 class layer_spool : public ::testing::TestWithParam<std::pair<Index3, Index3>> {};
@@ -71,9 +86,45 @@ INSTANTIATE_TEST_SUITE_P(sizes, layer_spool,
 TEST(layer_spool_wrap, leaves_sources_alone_that_decode_single_slices_or_all_at_once) {
   const Volume volume = oracles::noise({{20, 20, 20}});
   for (const Index3& unit : {Index3{{1, 1, 1}}, Index3{{8, 8, 1}}, Index3{{32, 20, 4}}}) {
-    const Wrapped wrapped(volume, unit);
+    const Wrapped wrapped(volume, unit, 32'000);
     EXPECT_EQ(wrapped.source.get(), wrapped.units);
   }
+}
+
+TEST(layer_spool_wrap, decodes_units_once_that_the_source_cannot_hold) {
+  const Volume volume = oracles::noise({{40, 20, 300}});
+  auto owned = std::make_unique<UnitSource>(volume, Index3{{64, 32, 128}});
+  UnitSource& units = *owned;
+  units.hold(1000);
+  auto made = LayerSpool::wrap(std::move(owned), testing::TempDir());
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_GE((*made)->memory_bytes(), 1000U + 40 * 20 * 128);
+  for (std::int32_t z = 0; z < 300; ++z) (void)samples_in(**made, {{{0, 0, z}}, {{40, 20, z + 1}}});
+  for (const auto& [place, n] : units.take_counts()) EXPECT_EQ(n, 1);
+}
+
+TEST(layer_spool_wrap, takes_no_memory_for_layers_that_are_not_read) {
+  Volume volume = oracles::noise({{8, 8, 8}});
+  volume.info.grid.dims = {{2'000'000'000, 2'000'000'000, 2'000'000'000}};
+  // Its samples are not there, and are not asked for.
+  auto made = LayerSpool::wrap(std::make_unique<ShapeSource>(volume.info), testing::TempDir());
+  ASSERT_TRUE(made) << made.error().message;
+}
+
+TEST(layer_spool_wrap, ends_a_read_that_is_cancelled) {
+  const Volume volume = oracles::noise({{64, 64, 64}});
+  const Wrapped wrapped(volume, {{16, 16, 16}});
+  Progress progress;
+  wrapped.source->obey(&progress);
+  progress.cancel();
+  const IndexBox slice{{}, {{64, 64, 1}}};
+  std::vector<std::byte> out(static_cast<std::size_t>(slice.n_samples()) *
+                             size_of(volume.info.type));
+  const auto status = wrapped.source->read(slice, out);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().message, cancelled_error().message);
+  wrapped.source->obey(nullptr);
+  EXPECT_TRUE(wrapped.source->read(slice, out));
 }
 
 TEST(layer_spool_wrap, reads_the_source_where_the_disk_is_full) {
@@ -82,7 +133,7 @@ TEST(layer_spool_wrap, reads_the_source_where_the_disk_is_full) {
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit small{.rlim_cur = 200'000, .rlim_max = before.rlim_max};
+  const rlimit small{.rlim_cur = 100'000, .rlim_max = before.rlim_max};
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
   const IndexBox all{{}, volume.info.grid.dims};
   EXPECT_EQ(samples_in(*wrapped.source, all), volume.samples);

@@ -14,7 +14,7 @@ namespace lode::io::test {
 class UnitSource final : public VolumeSource {
  public:
   UnitSource(const Volume& volume, const Index3& unit, double stored_share = 1)
-      : source_(make_memory_source(volume)), unit_{unit, stored_share} {}
+      : source_(make_memory_source(volume)), unit_{.dims = unit, .stored_share = stored_share} {}
 
   [[nodiscard]] const VolumeInfo& info() const override { return source_->info(); }
   [[nodiscard]] Result<void> read(const IndexBox& box, std::span<std::byte> out) override {
@@ -22,6 +22,9 @@ class UnitSource final : public VolumeSource {
     return source_->read(box, out);
   }
   [[nodiscard]] ReadUnit read_unit() const override { return unit_; }
+  [[nodiscard]] std::uint64_t memory_bytes() const override { return held_; }
+  /// What it says that it keeps.
+  void hold(std::uint64_t n_bytes) { held_ = n_bytes; }
   [[nodiscard]] IoCounts io() const override {
     return {.n_file_bytes_read = n_bytes_, .n_spool_bytes_written = 0, .n_spool_bytes_read = 0};
   }
@@ -48,6 +51,7 @@ class UnitSource final : public VolumeSource {
 
   std::unique_ptr<VolumeSource> source_;
   ReadUnit unit_;
+  std::uint64_t held_ = 0;
   std::map<std::array<std::int32_t, 3>, int> counts_;
   std::uint64_t n_bytes_ = 0;
 };

@@ -38,6 +38,7 @@ class WatchedSource final : public VolumeSource {
   [[nodiscard]] IoCounts io() const override { return source_.io(); }
   [[nodiscard]] std::uint64_t memory_bytes() const override { return source_.memory_bytes(); }
   [[nodiscard]] ReadUnit read_unit() const override { return source_.read_unit(); }
+  void obey(const Progress* progress) override { source_.obey(progress); }
   [[nodiscard]] bool has_failed() const { return has_failed_; }
 
  private:

@@ -133,7 +133,10 @@ Result<FocusedReport> extract_focused(const Dataset& dataset, const FocusedOptio
   LODE_CHECK(refine(*live, deadline, clock, progress));
   live->write(surface);
   report.standing = live->standing();
-  if (report.standing.budget_ended && query.budget != asked) report.standing.memory_met = false;
+  if (query.budget != asked) {
+    report.standing.budget_met = report.standing.n_cells <= asked.max_cells;
+    if (report.standing.budget_ended) report.standing.memory_met = false;
+  }
   // Pages of a file come in any order, and the surface with them.
   if (!deadline) put_in_order(surface);
   report.was_clipped = crop_to_data(info.grid, surface);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lode/core/progress.h"
 #include "lode/core/regular_grid.h"
 #include "lode/core/result.h"
 #include "lode/core/scalar_type.h"
@@ -38,6 +39,8 @@ struct IoCounts {
 struct ReadUnit {
   Index3 dims{{1, 1, 1}};   ///< Samples; units begin at multiples of them.
   double stored_share = 1;  ///< About how many bytes are read for a byte of its samples.
+  /// What one takes in memory, decoded; 0: its samples. More where other channels come with them.
+  std::uint64_t decoded_bytes = 0;
 };
 
 /// A scalar volume that hands out boxes of samples: the only way the build sees its input.
@@ -56,6 +59,9 @@ class VolumeSource {
   /// Bytes of memory that it takes at most, its caller's buffers aside: what is decoded and kept.
   [[nodiscard]] virtual std::uint64_t memory_bytes() const { return 0; }
   [[nodiscard]] virtual ReadUnit read_unit() const { return {}; }
+  /// From now on reads that take long may end early, with an error, once `progress` is cancelled;
+  /// null: none does. It must outlive them.
+  virtual void obey(const Progress* /*progress*/) {}
 };
 
 /// A volume whose samples are all in memory, x fastest, native byte order.

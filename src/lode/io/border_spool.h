@@ -40,6 +40,7 @@ class BorderSpool final : public VolumeSource {
   [[nodiscard]] IoCounts io() const override;
   [[nodiscard]] std::uint64_t memory_bytes() const override { return source_.memory_bytes(); }
   [[nodiscard]] ReadUnit read_unit() const override { return source_.read_unit(); }
+  void obey(const Progress* progress) override { source_.obey(progress); }
 
  private:
   using Run = BorderPlan::Run;

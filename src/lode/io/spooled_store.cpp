@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "lode/core/out_of_memory.h"
-#include "lode/io/spool_file.h"
+#include "lode/io/packed_spool.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
@@ -17,7 +17,7 @@ constexpr std::size_t kPieceBytes = std::size_t{1} << 18;
 
 class SpooledStore final : public SampleStore {
  public:
-  SpooledStore(ForwardSamples samples, SpoolFile spool)
+  SpooledStore(ForwardSamples samples, PackedSpool spool)
       : samples_(std::move(samples)), spool_(std::move(spool)) {}
 
   Result<void> read(std::uint64_t offset, std::span<std::byte> out) override {
@@ -65,7 +65,7 @@ class SpooledStore final : public SampleStore {
   }
 
   ForwardSamples samples_;
-  SpoolFile spool_;
+  PackedSpool spool_;
   std::optional<Error> failure_;
 };
 
@@ -73,7 +73,7 @@ class SpooledStore final : public SampleStore {
 
 Result<std::unique_ptr<SampleStore>> make_spooled_store(ForwardSamples samples,
                                                         const SampleStorage& storage) {
-  auto spool = SpoolFile::create(spool_directory_of(storage), samples.tally);
+  auto spool = PackedSpool::create(spool_directory_of(storage), samples.tally);
   if (!spool)
     return fail("{}: samples of {} exceed the memory limit of {} and need a spool file: {}",
                 samples.path, format_bytes(samples.n_bytes), format_bytes(storage.memory_limit),

@@ -107,8 +107,11 @@ class ZarrSource final : public VolumeSource {
 
   ReadUnit read_unit() const override {
     if (holds_all_) return {};
-    ReadUnit unit{.dims = {{1, 1, 1}}, .stored_share = reader_.stored_share()};
     const ZarrShape& shape = reader_.chunk_shape();
+    ReadUnit unit{.dims = {{1, 1, 1}},
+                  .stored_share = reader_.stored_share(),
+                  .decoded_bytes = static_cast<std::uint64_t>(product_of(shape)) *
+                                   size_of(reader_.array().type)};
     for (std::size_t axis = 0; axis < shape.size(); ++axis) {
       if (axis < place_.size())  // of which one place is wanted
         unit.stored_share *= static_cast<double>(shape[axis]);

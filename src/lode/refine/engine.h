@@ -95,7 +95,8 @@ class Engine {
   }
   /// Unless candidates wait for data.
   void settle() {
-    has_budget_ended_ = room_.has_value() || n_cells_ > budget_.max_cells;
+    const bool is_too_large = n_cells_ > budget_.max_cells;
+    has_budget_ended_ = room_.has_value() || (is_too_large && !wanted_.is_empty());
     room_.reset();
     is_idle_ = !waiting_.is_empty();
     phase_ = is_idle_ ? Phase::adjust : Phase::settled;

@@ -91,7 +91,7 @@ Result<void> with_cut(PagedRefinable<D>& nodes, const CutQuery& query, Progress&
   LODE_CHECK(check_count<D>(standing.n_cells, query));
   const bool is_short = standing.budget_ended && budget != query.budget;
   auto used = use(engine.cut(), {.n_cells = standing.n_cells,
-                                 .budget_met = standing.budget_met,
+                                 .budget_met = standing.n_cells <= query.budget.max_cells,
                                  .memory_met = standing.memory_met && !is_short});
   nodes.let_all_go();
   return used;

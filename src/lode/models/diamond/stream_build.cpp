@@ -375,7 +375,10 @@ Result<StreamReport> build_file(VolumeSource& source, const std::string& path,
   LODE_TRY(const std::int32_t chunks_per_part, choose_chunks<D>(source, settings));
   LODE_TRY(const auto spool, spool_borders<D>(source, chunks_per_part, path));
   VolumeSource& from = spool ? *spool : source;
-  return StreamBuild<D>(from, spool.get(), settings, chunks_per_part, progress).run(path);
+  from.obey(&progress);
+  auto report = StreamBuild<D>(from, spool.get(), settings, chunks_per_part, progress).run(path);
+  from.obey(nullptr);
+  return report;
 }
 
 template Result<StreamReport> build_file<2>(VolumeSource&, const std::string&,
