@@ -17,20 +17,20 @@ struct VerifyArguments {
   std::string input;
   std::string original;
   std::string surface;
-  std::string max_distance;
+  SimplifyArguments simplify;
   ExtractionArguments extraction;
   ReadingArguments reading;
 };
 
 Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
-  LODE_CHECK(apply_simplify_options({.max_distance = arguments.max_distance}, options));
+  LODE_CHECK(apply_simplify_options(arguments.simplify, options));
   return options;
 }
 
 Result<void> check_verify(const VerifyArguments& arguments) {
   LODE_TRY(const ExtractOptions options, options_of(arguments));
-  if (options.max_distance && arguments.surface.empty())
+  if ((options.max_distance || options.simplify_distance) && arguments.surface.empty())
     return fail("--max-distance: expected --surface FILE with it, got none");
   if (!arguments.surface.empty()) {
     LODE_CHECK(check_surface_path(arguments.surface));
@@ -134,15 +134,19 @@ Command add_verify_command(CLI::App& program) {
       "data; --surface checks a surface, given the options it was extracted with.\n\n"
       "Examples:\n  lode verify scan.lode --against scan.nrrd\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10\n"
-      "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5");
+      "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5\n"
+      "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-distance 0.5");
   app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
       ->type_name("FILE")
       ->required();
   app->add_option("--against", arguments->original, "Original data of FILE")->type_name("ORIGINAL");
   app->add_option("--surface", arguments->surface, "Surface to check")->type_name("SURFACE");
-  app->add_option("--max-distance", arguments->max_distance,
+  app->add_flag(
+      "--simplify", arguments->simplify.is_wanted,
+      "The surface was simplified: distance and pieces are held against what it was before");
+  app->add_option("--max-distance", arguments->simplify.max_distance,
                   "Distance that it was extracted within, world units: measured, from full "
-                  "resolution and back")
+                  "resolution and back; with --simplify from the surface before and back")
       ->type_name("D");
   add_extraction_options(*app, arguments->extraction);
   add_reading_options(*app, arguments->reading);

@@ -48,6 +48,7 @@ Result<void> apply_simplify_options(const SimplifyArguments& arguments, ExtractO
   if (options.border == Border::closed)
     return fail("--simplify: expected no --close-border with it: caps would leave the border");
   options.simplify_distance = distance;
+  if (!options.max_error) options.max_error = 0;
   return {};
 }
 

@@ -16,7 +16,8 @@ struct SimplifyArguments {
 
 void add_simplify_options(CLI::App& app, SimplifyArguments& arguments);
 
-/// Checks them against the others, and sets the distance: max_distance, or simplify_distance.
+/// Checks them against the others, and sets the distance: max_distance, or simplify_distance. What
+/// is simplified is of full resolution unless a max_error is set.
 [[nodiscard]] Result<void> apply_simplify_options(const SimplifyArguments& arguments,
                                                   ExtractOptions& options);
 

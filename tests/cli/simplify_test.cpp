@@ -70,6 +70,35 @@ TEST_F(cli_simplify, refuses_what_it_cannot_do) {
           "expected no --mesh");
 }
 
+TEST_F(cli_simplify, is_verified_against_the_surface_before) {
+  const std::vector<std::string> simplify = {"--isovalue", "100", "--simplify", "--max-distance"};
+  const auto with_distance = [&](const char* distance) {
+    std::vector<std::string> options = simplify;
+    options.emplace_back(distance);
+    return options;
+  };
+  const auto verify = [&](const std::string& surface, const char* distance) {
+    std::vector<std::string> arguments = {"verify", volume(), "--surface", file(surface)};
+    for (const std::string& option : with_distance(distance)) arguments.push_back(option);
+    return run_lode(arguments);
+  };
+  const Finished run = extract("s.ply", with_distance("0.7"));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Finished good = verify("s.ply", "0.7");
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  EXPECT_NE(good.out.find("before simplification"), std::string::npos) << good.out;
+  const Finished strict = verify("s.ply", "0.05");
+  EXPECT_EQ(strict.exit_code, 1) << strict.out;
+  EXPECT_NE(strict.err.find("distance from that before simplification"), std::string::npos)
+      << strict.err;
+  const Finished part =
+      extract("c.ply", {"--isovalue", "100", "--max-error", "0", "--clip", "0,8,0,16,0,16"});
+  ASSERT_EQ(part.exit_code, 0) << part.err;
+  const Finished lacking = verify("c.ply", "0.7");
+  EXPECT_EQ(lacking.exit_code, 1) << lacking.out;
+  EXPECT_NE(lacking.err.find("components, tunnels and boundaries as before"), std::string::npos);
+}
+
 TEST_F(cli_simplify, a_distance_alone_is_one_from_full_resolution) {
   const Finished run = extract("d.ply", {"--isovalue", "100", "--max-distance", "0.5", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -82,7 +111,7 @@ TEST_F(cli_simplify, a_distance_alone_is_one_from_full_resolution) {
   const Finished verified = run_lode({"verify", volume(), "--surface", file("d.ply"), "--isovalue",
                                       "100", "--max-distance", "0.5"});
   EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
-  EXPECT_NE(verified.out.find("distance from full resolution and back"), std::string::npos);
+  EXPECT_NE(verified.out.find("distance from that at full resolution and back"), std::string::npos);
   const Finished both = extract(
       "b.ply", {"--isovalue", "100", "--max-distance", "0.5", "--max-error", "1", "--json"});
   ASSERT_EQ(both.exit_code, 0) << both.err;

@@ -118,37 +118,36 @@ void add_match(const Surface& expected, const Surface& surface, VerifyReport& re
              match.is_same() ? 0 : 1, std::move(detail));
 }
 
-/// Compares what kinds of pieces there are with those of full resolution.
-void add_pieces(const Surface& surface, const ExpectedSurface& expected, Threads threads,
+/// Compares what kinds of pieces there are with those of another surface; `whose` that is.
+void add_pieces(const Surface& surface, const Surface& other, const char* whose, Threads threads,
                 VerifyReport& report) {
   const TopologyOptions options{.threads = threads};
   const ComponentTypes found = component_types(check_topology(surface, options));
-  const ComponentTypes wanted = component_types(check_topology(*expected.full_resolution, options));
+  const ComponentTypes wanted = component_types(check_topology(other, options));
   ComponentTypes different;
   std::set_symmetric_difference(found.begin(), found.end(), wanted.begin(), wanted.end(),
                                 std::back_inserter(different));
-  std::string detail = fmt::format("{} pieces, {} at full resolution", found.size(), wanted.size());
+  std::string detail = fmt::format("{} pieces, {} {}", found.size(), wanted.size(), whose);
   if (!different.empty())
     detail += fmt::format("; first difference: Euler number {}, {} boundary loops",
                           different.front()[0], different.front()[1]);
-  report.add("components, tunnels and boundaries of full resolution", found.size(),
+  report.add(fmt::format("components, tunnels and boundaries as {}", whose), found.size(),
              different.size(), std::move(detail));
 }
 
-/// Measures how far the surface and that of full resolution are from each other.
-Result<void> add_distance(const Surface& surface, const ExpectedSurface& expected, Threads threads,
-                          Progress& progress, VerifyReport& report) {
+/// Measures how far two surfaces are from each other; `whose` the other one is.
+Result<void> add_distance(const Surface& surface, const Surface& other, const char* whose,
+                          double max_distance, Threads threads, Progress& progress,
+                          VerifyReport& report) {
   constexpr double kAccuracy = 1.0 / 16;
   LODE_TRY(const SurfaceDistance distance,
-           measure_distance(surface, *expected.full_resolution,
-                            {kAccuracy * expected.max_distance, threads}, progress));
-  const double allowed = expected.max_distance + rounding_of(surface, *expected.full_resolution);
-  report.add("distance from full resolution and back",
-             surface.triangles.size() + expected.full_resolution->triangles.size(),
-             distance.lower() <= allowed ? 0 : 1,
+           measure_distance(surface, other, {kAccuracy * max_distance, threads}, progress));
+  const double allowed = max_distance + rounding_of(surface, other);
+  report.add(fmt::format("distance from that {} and back", whose),
+             surface.triangles.size() + other.triangles.size(), distance.lower() <= allowed ? 0 : 1,
              fmt::format("measured {} and {}, at most {} and {}, of {}", distance.from_first.lower,
                          distance.from_second.lower, distance.from_first.upper,
-                         distance.from_second.upper, expected.max_distance));
+                         distance.from_second.upper, max_distance));
   return {};
 }
 
@@ -171,6 +170,9 @@ Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads, do
   return {};
 }
 
+constexpr const char* kFullResolution = "at full resolution";
+constexpr const char* kUnsimplified = "before simplification";
+
 }  // namespace
 
 template <int D>
@@ -185,6 +187,12 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   add_topology(surface, diamond::PinchPlaces(samples, surface, ends), options.threads, report);
   LODE_TRY(const auto crossings, check_self_intersections(surface, options.threads, progress));
   add_crossings(surface, crossings, report);
+  if (options.simplify_distance) {  // no level set any more, but near one
+    add_pieces(surface, expected.surface, kUnsimplified, options.threads, report);
+    LODE_CHECK(add_distance(surface, expected.surface, kUnsimplified, *options.simplify_distance,
+                            options.threads, progress, report));
+    return report;
+  }
   const LatticeFrame frame = LatticeFrame::of(model.info.grid);
   const double range = model.stats.max - model.stats.min;
   const double slack = (frame.margin + 4 * frame.rounding) * range;
@@ -206,9 +214,11 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, ends, progress));
   add_boundary(surface, boundary, is_closed, report);
   add_match(expected.surface, surface, report);
-  if (expected.keeps_topology) add_pieces(surface, expected, options.threads, report);
+  if (expected.keeps_topology)
+    add_pieces(surface, *expected.full_resolution, kFullResolution, options.threads, report);
   if (expected.max_distance > 0) {
-    LODE_CHECK(add_distance(surface, expected, options.threads, progress, report));
+    LODE_CHECK(add_distance(surface, *expected.full_resolution, kFullResolution,
+                            expected.max_distance, options.threads, progress, report));
     return report;
   }
   for (const double isovalue : options.isovalues)
