@@ -154,7 +154,8 @@ class CoarsePass {
       vertices_[i] = field_.value_or_nan(coarse.global(point_of<D>(three, i) * (coarse.side / 2)));
   }
 
-  /// Finds the errors of simplices with a hole at a corner: it counts for points that lean on it.
+  /// Finds the errors of simplices with a hole at a corner: it counts for points that lean on it
+  /// and are no holes themselves.
   void correct_at_holes(const std::array<bool, kLanes>& is_used, const C* samples) {
     const auto& kuhn = CubePlan<D>::instance().kuhn;
     for (std::size_t tier = 0; tier < as_size(D); ++tier)
@@ -177,7 +178,7 @@ class CoarsePass {
     for (const auto& row : simplex.rows)
       for (std::size_t i = 0; i < row.n; ++i) {
         const C f = samples[row.first + i * simplex.step];
-        if (std::isnan(f)) continue;
+        if (std::isnan(f)) continue;  // infinite where a hole is
         C value = 0;
         std::size_t rest = as_size(kPlanEdge<D>);  // what the corners from j on weigh
         for (std::size_t j = 0; j <= as_size(D); ++j) {
@@ -186,8 +187,10 @@ class CoarsePass {
           rest = next;
         }
         const C error = std::abs(f - value / static_cast<C>(kPlanEdge<D>));
-        if (std::isnan(error)) return std::numeric_limits<C>::infinity();
-        largest = std::max(largest, error);
+        if (!std::isnan(error))
+          largest = std::max(largest, error);
+        else if (!std::isinf(f))
+          return std::numeric_limits<C>::infinity();
       }
     return largest;
   }

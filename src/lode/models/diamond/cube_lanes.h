@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <type_traits>
 
 #include "lode/models/diamond/interpolant_kernel.h"
 #include "lode/models/diamond/lane_rows.h"
@@ -68,6 +71,11 @@ class CubeLanes {
     vertices_.resize(kPlanPoints<D> * kWidth);
     copy_rows(values, batch);
     samples_ = vertices_.data();
+    if (has_holes || !is_whole) {
+      masked_ = vertices_;
+      samples_ = masked_.data();
+    }
+    if (has_holes) mark_holes();
     if (!is_whole) mask_beyond_data();
     gaps_ = has_holes ? Gaps::holes : is_whole ? Gaps::none : Gaps::beyond_data;
     return true;
@@ -113,10 +121,15 @@ class CubeLanes {
     interleave_cubes(lanes, {n, n, D == 3 ? n : 1}, vertices_.data());
   }
 
+  /// Holes count, unlike points beyond the data.
+  void mark_holes() {
+    if constexpr (std::is_floating_point_v<V>)
+      for (V& sample : masked_)
+        if (std::isnan(sample)) sample = std::numeric_limits<V>::infinity();
+  }
+
   /// Points beyond the data do not count as samples.
   void mask_beyond_data() {
-    masked_ = vertices_;
-    samples_ = masked_.data();
     for (std::size_t l = 0; l < kWidth; ++l) {
       const LatticeBox<D> inside = part_in_data(cubes_[l / kLanes][l % kLanes]);
       if (inside.lower == Index<D>{} && inside.upper == all_equal<D>(kPlanEdge<D> + 1)) continue;
@@ -154,7 +167,7 @@ class CubeLanes {
   std::array<Cubes, kGroups> cubes_;
   std::array<Used, kGroups> is_used_{};
   AlignedVector<V> vertices_, masked_;
-  const V* samples_ = nullptr;  ///< vertices_, or masked_ where points lie beyond the data.
+  const V* samples_ = nullptr;  ///< vertices_, or masked_ where those say too little.
   Gaps gaps_ = Gaps::none;
 };
 

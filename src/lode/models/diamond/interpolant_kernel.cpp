@@ -62,7 +62,8 @@ V larger_error(Tag d, V sample, V value, V largest) {
   if constexpr (kGaps == Gaps::none) return hn::Max(error, largest);
   if constexpr (kGaps == Gaps::holes) {
     const auto infinity = hn::Set(d, std::numeric_limits<C>::infinity());
-    error = hn::IfThenElse(hn::IsNaN(value), infinity, error);
+    const auto at_hole = hn::IfThenZeroElse(hn::Eq(sample, infinity), infinity);
+    error = hn::IfThenElse(hn::IsNaN(value), at_hole, error);
     error = hn::IfThenElse(hn::IsNaN(sample), hn::Zero(d), error);
   }
   // A comparison with NaN is false: points that must not count do not.

@@ -29,25 +29,25 @@ struct AlignedAllocator {
 template <typename C>
 using AlignedVector = std::vector<C, AlignedAllocator<C>>;
 
-/// Which samples of a run may be NaN and do not count.
+/// Which samples of a run may be NaN and do not count, or holes.
 enum class Gaps : std::uint8_t {
   none,         ///< Not one of them.
   beyond_data,  ///< Points outside the data, where vertices have values all the same.
-  holes         ///< Those and holes, where vertices are NaN too.
+  holes         ///< Those; and holes are infinite, where vertices are NaN.
 };
 
 /// The arrays of one run: for each point of the plan's cube kLanesOf<C> values, one per cube;
 /// 64-byte aligned.
 template <typename C>
 struct InterpolantArrays {
-  const C* samples;   ///< kNoSample where a point must not count.
+  const C* samples;   ///< kNoSample where a point must not count, infinite where a hole is.
   const C* vertices;  ///< Values at vertices: samples, extended outside the data.
   C* values;          ///< Scratch: the interpolant.
 };
 
 /// Evaluates one interpolant on kLanesOf<C> cubes and finds, per region and lane, the largest
-/// |sample - value| (out[region * kLanesOf<C> + lane], >= 0). With holes, which steps have not, a
-/// finite sample whose interpolant touches a hole makes that infinite. Bound by cache bandwidth:
+/// |sample - value| (out[region * kLanesOf<C> + lane], >= 0). With holes, which steps have not, it
+/// is infinite where one of the two is a hole's and the other is not. Bound by cache bandwidth:
 /// about six vector accesses a point.
 void run_interpolant(const InterpolantPass& pass, const InterpolantArrays<float>& arrays, Gaps gaps,
                      float* out);
