@@ -5,141 +5,10 @@
 
 #include <atomic>
 
-#include "lode/core/atomic_extremes.h"
-#include "lode/models/diamond/cube_plan.h"
-#include "lode/models/diamond/world_error.h"
+#include "lode/models/diamond/true_attributes.h"
 
 namespace lode::diamond {
 namespace {
-
-constexpr double kEndless = std::numeric_limits<double>::infinity();
-
-/// Attributes of one level's nodes as recomputed, laid out as NodeLevel's.
-struct TrueLevel {
-  std::vector<double> error, low, high;
-  std::vector<double> world;  ///< Shares of the level's longest edge.
-
-  explicit TrueLevel(std::size_t n)
-      : error(n, 0.0), low(n, kEndless), high(n, -kEndless), world(n, 0.0) {}
-
-  void join(std::size_t at, double e, double l, double h) {
-    raise_to(error[at], e);
-    raise_to(high[at], h);
-    lower_to(low[at], l);
-  }
-};
-
-/// Whether the inside of a node's domain meets the data: no simplex needs the others.
-template <int D>
-bool meets_data(const Shape<D>& shape, const Diamond<D>& d) {
-  return shape.overlaps_data(bounds_of(d));
-}
-
-/// Where a node's attributes are stored; -1 where they are not.
-template <int D>
-std::ptrdiff_t place_of(const Shape<D>& shape, const Diamond<D>& d) {
-  if ((d.level == 0 && d.tier > 0) || !meets_data<D>(shape, d)) return -1;
-  Index<D> dims;
-  Index<D> q;
-  for (std::size_t i = 0; i < as_size(D); ++i) {
-    dims[i] = d.level == 0 ? shape.n_cubes(0, static_cast<int>(i)) : shape.grid_dims(d.level)[i];
-    q[i] = d.level == 0 ? d.centre[i] >> 1 : d.centre[i] >> d.level;
-    if (d.centre[i] < 0 || q[i] >= dims[i]) return -1;
-  }
-  return static_cast<std::ptrdiff_t>(linear_index<D>(dims, q));
-}
-
-/// Finds the own attributes of every stored node, brick by brick and level by level.
-template <int D>
-class OwnAttributes {
- public:
-  OwnAttributes(const Model<D>& model, std::vector<TrueLevel>& levels)
-      : model_(model), levels_(levels), scales_(model) {}
-
-  void add_brick(const Index<D>& brick) const {
-    for (int level = 0; level < model_.shape.n_levels; ++level) {
-      const std::int32_t side = std::int32_t{2} << level;
-      const std::int32_t step = std::min(side, kBrickEdge<D>);
-      Index<D> n;
-      for (std::size_t i = 0; i < as_size(D); ++i) n[i] = kBrickEdge<D> / step;
-      for (std::size_t i = 0; i < n_points<D>(n); ++i) {
-        const Index<D> lower = brick * kBrickEdge<D> + point_of<D>(n, i) * step;
-        add_box(level, lower, step);
-      }
-    }
-  }
-
-  /// Those of the brick's cubes of side 2.
-  void add_finest_worlds(const Index<D>& brick) const {
-    const Index<D> lower = brick * kBrickEdge<D>;
-    const Index<D> points = all_equal<D>(kBrickSamples<D>);
-    std::vector<double> own(n_points<D>(points));
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      const Diamond<D> node = diamond_at<D>(lower + point_of<D>(points, i));
-      if (node.level == 0 && meets_data<D>(model_.shape, node))
-        own[i] = finest_own_world<D>(model_, node, scales_);
-    }
-    const Index<D> n = all_equal<D>(kBrickEdge<D> / 2);
-    for (std::size_t i = 0; i < n_points<D>(n); ++i) {
-      const Index<D> centre = brick * kBrickEdge<D> + point_of<D>(n, i) * 2 + all_equal<D>(1);
-      const std::ptrdiff_t place = place_of<D>(model_.shape, diamond_at<D>(centre));
-      if (place < 0) continue;
-      double& world = levels_[0].world[static_cast<std::size_t>(place)];
-      for (std::size_t k = 0; k < power(3, D); ++k) {
-        const Index<D> step = point_of<D>(all_equal<D>(3), k) - all_equal<D>(1);
-        world = std::max(world, own[linear_index<D>(points, centre + step - lower)]);
-      }
-    }
-  }
-
- private:
-  /// Adds the samples of a box of the lattice, which one cube of the level contains.
-  void add_box(int level, const Index<D>& lower, std::int32_t edge) const {
-    Index<D> dims;
-    for (std::size_t i = 0; i < as_size(D); ++i) {
-      if (lower[i] >= model_.shape.dims[i] - 1) return;
-      dims[i] = std::min(edge, model_.shape.dims[i] - 1 - lower[i]) + 1;
-    }
-    const CanonicalCube<D> cube(lower, std::int32_t{2} << level);
-    const int n_tiers = level == 0 ? 1 : D;
-    for (std::size_t i = 0; i < n_points<D>(dims); ++i) {
-      const Index<D> p = lower + point_of<D>(dims, i);
-      const double f = model_.value_or_nan(p);
-      const Index<D> u = cube.local(p);
-      const auto values = interpolants_at<D>(u, cube.side, [&](const Index<D>& v) {
-        return model_.value_or_nan(cube.global(v * (cube.side / 2)));
-      });
-      for (int tier = 0; tier < n_tiers; ++tier)
-        add_sample(level, tier, cube, u, f, values[as_size(tier)]);
-    }
-  }
-
-  /// `f`: the sample at u; `g`: what it is interpolated to.
-  void add_sample(int level, int tier, const CanonicalCube<D>& cube, const Index<D>& u, double f,
-                  double g) const {
-    const double e = std::abs(f - g);
-    for (const Index<D>& centre : nodes_containing<D>(u, cube.side, tier)) {
-      const Diamond<D> node = diamond_at<D>(cube.global(centre));
-      const std::ptrdiff_t at = place_of<D>(model_.shape, node);
-      if (at < 0) continue;
-      TrueLevel& level_of_node = levels_[as_size(level)];
-      // A sample of a simplex that has a hole: beyond the data there are none.
-      if (std::isnan(f) != std::isnan(g) && is_in_data(node))
-        level_of_node.join(static_cast<std::size_t>(at), kEndless, kEndless, -kEndless);
-      if (!std::isnan(f))
-        level_of_node.join(static_cast<std::size_t>(at), std::isnan(e) ? 0 : e, f, f);
-    }
-  }
-
-  [[nodiscard]] bool is_in_data(const Diamond<D>& node) const {
-    const LatticeBox<D> box = bounds_of(node);
-    return model_.shape.is_sample(box.lower) && model_.shape.is_sample(box.upper);
-  }
-
-  const Model<D>& model_;
-  std::vector<TrueLevel>& levels_;
-  WorldScales<D> scales_;
-};
 
 /// Counts one property over nodes, in parallel.
 template <int D>
@@ -229,10 +98,14 @@ class AttributeChecker {
     };
     double least = 0;
     double& most = own.world[at];
+    // The build's own rounding is up to slack, it adds as much, and takes that for rounding.
+    const double inside = own.error_inside[at];
+    if (inside > 2 * slack * (1 + 1.0 / 16)) least = rule_(d, inside, value);
     const double error = own.error[at];
-    if (error > slack * (1 + 1.0 / 16)) least = rule_(d, error, value);  // less may be rounding
-    // The build's own rounding is up to slack, and it adds as much.
-    most = rule_(d, error > 0 ? (error + 2 * slack) * kRoundedError + 0x1p-133 : 0, value);
+    // Beyond float32's normal numbers slack alone is more in a code than what counts as rounding.
+    const bool has_error =
+        error > 0 || encode_error(float_up(2 * slack)) > tolerance_code(2 * slack * (1 + 1.0 / 64));
+    most = rule_(d, has_error ? stored_at_most(error + 2 * slack) : 0, value);
     for (const Index<D>& centre : children<D>(d)) {
       const Diamond<D> child = diamond_at<D>(centre);
       const std::ptrdiff_t place = place_of<D>(model_.shape, child);
@@ -305,10 +178,9 @@ class AttributeChecker {
     const TrueLevel& nested = levels_[as_size(d.level)];
     const double magnitude = std::max(std::abs(model_.stats.min), std::abs(model_.stats.max));
     const double slack = 0x1p-46 * magnitude;
-    // Upper halves of float32: 1/128 relative; ranges: 1/64 of their width, and one unit of float32
-    // relative to the reference.
-    // Below float32's normal numbers the steps are absolute: 2^-133 and 2^-149.
-    const double allowed = (nested.error[at] + slack) * (1 + 0x1p-7) * (1 + 0x1p-22) + 0x1p-133;
+    // Ranges: 1/64 of their width, and one unit of float32 relative to the reference; below its
+    // normal numbers steps are absolute: 2^-149.
+    const double allowed = stored_at_most(nested.error[at] + slack);
     if (std::isfinite(error) || !model_.has_holes())
       tightness_.check(d, error - allowed, "error above the smallest nested", error,
                        nested.error[at]);
@@ -325,9 +197,15 @@ class AttributeChecker {
                      nested.high[at]);
   }
 
-  /// Stored own errors are rounded up by so much, and shares are found in float32.
-  static constexpr double kRoundedError = 1 + 0x1p-7;
-  static constexpr double kAlmost = 1 - 0x1p-16;
+  /// What an error is rounded up to, an upper half of float32: 1/128 more, or 2^-133 below its
+  /// normal numbers; infinite above them.
+  [[nodiscard]] static double stored_at_most(double error) {
+    const double rounded = error * (1 + 0x1p-7) * (1 + 0x1p-22) + 0x1p-133;
+    const auto most = static_cast<double>(decode_error(kInfiniteError - 1));
+    return rounded <= most ? rounded : std::numeric_limits<double>::infinity();
+  }
+
+  static constexpr double kAlmost = 1 - 0x1p-16;  ///< Shares are found in float32.
 
   const Model<D>& model_;
   std::vector<TrueLevel>& levels_;
