@@ -1,4 +1,4 @@
-// World errors against their definition, simplex by simplex.
+// World errors against their definition, simplex by simplex, and the check that finds them again.
 
 #include "lode/models/diamond/world_error.h"
 
@@ -6,8 +6,10 @@
 
 #include <map>
 
+#include "lode/models/diamond/attribute_check.h"
 #include "lode/models/diamond/build.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/typed_samples.h"
 
 namespace lode::diamond {
 namespace {
@@ -168,6 +170,89 @@ TEST(world_error, is_the_nested_estimate_of_its_definition) {
     expect_world_errors<2>({{17, 17, 1}}, seed);
     expect_world_errors<2>({{1, 9, 33}}, seed);
   }
+}
+
+/// Of a type: what is largest, and what is smallest above 0.
+template <typename T>
+T extreme(oracles::Random& random) {
+  using Limits = std::numeric_limits<T>;
+  const bool is_low = random.below(2) == 0;
+  if constexpr (std::is_integral_v<T>) return is_low ? Limits::lowest() : Limits::max();
+  if (random.below(3) == 0) return Limits::denorm_min();
+  const T most = sizeof(T) == 8 ? static_cast<T>(0x1p1000) : Limits::max();
+  return is_low ? -most : most;
+}
+
+/// Noise, few values, extremes among small ones or in all places, or a slope with bumps, which of
+/// numbers that are no integers have the size of rounding; some holes.
+template <typename T>
+Volume random_volume(oracles::Random& random, const Index3& dims, double hole_share) {
+  constexpr bool kIsFloat = std::is_floating_point_v<T>;
+  const T hole = kIsFloat ? std::numeric_limits<T>::quiet_NaN() : T(7);
+  RegularGrid grid;
+  grid.dims = dims;
+  for (double& s : grid.spacing.v) s = std::exp(random.uniform(-1, 1));
+  const auto kind = random.below(5);
+  const double octaves = sizeof(T) == 8 ? 900 : 120;
+  const double scale = kIsFloat ? std::exp2(octaves * random.uniform(-1, 1))
+                                : static_cast<double>(std::numeric_limits<T>::max()) / 2;
+  Volume volume = oracles::volume_of<T>(grid, [&](const Index3& p) -> T {
+    if (random.uniform() < hole_share)
+      return kIsFloat && random.below(4) == 0 ? std::numeric_limits<T>::infinity() : hole;
+    const bool is_rare = random.below(8) == 0;
+    if (kind == 0) return oracles::to_sample<T>(scale * random.uniform(-3, 3));
+    if (kind == 1) return static_cast<T>(random.below(3) * 7);
+    if (kind == 2 && !is_rare) return static_cast<T>(random.below(100));
+    if (kind < 4) return extreme<T>(random);
+    const double bump = kIsFloat ? 1 + 0x1p-52 * static_cast<double>(random.below(200)) : 2;
+    return static_cast<T>((p[0] + 2 * p[1] + 3 * p[2]) * (kIsFloat ? 0.1 : 1) *
+                          (is_rare ? bump : 1));
+  });
+  if (!kIsFloat && hole_share > 0) volume.info.nodata = static_cast<double>(hole);
+  return volume;
+}
+
+template <int D>
+void expect_found_again(const Volume& volume) {
+  Progress progress;
+  const auto model = build<D>(*make_memory_source(volume), {.with_worlds = true}, progress);
+  ASSERT_TRUE(model) << model.error().message;
+  const auto report = check_attributes<D>(*model, {1}, progress);
+  ASSERT_TRUE(report);
+  for (const AttributeFinding* finding : {&report->own_errors, &report->own_ranges,
+                                          &report->nesting, &report->tightness, &report->worlds})
+    EXPECT_EQ(finding->n_wrong, 0U) << finding->worst;
+}
+
+template <typename T>
+void expect_random_found_again(std::uint64_t seed) {
+  oracles::Random random(seed);
+  for (const double hole_share : {0.0, 0.1, 0.5})
+    for (int i = 0; i < 12; ++i) {
+      Index3 dims;
+      for (auto& n : dims.v) n = static_cast<std::int32_t>(1 + random.below(20));
+      // Beyond 16 cells errors are found in another way; some only touch the data's edge.
+      if (i % 6 == 0) dims = {{49, 3, 17}};
+      if (i % 6 == 1) dims[random.below(3)] = static_cast<std::int32_t>(30 + random.below(40));
+      if (i % 6 == 2) dims[random.below(3)] = 1;
+      const Volume volume = random_volume<T>(random, dims, hole_share);
+      SCOPED_TRACE(testing::Message()
+                   << name_of(volume.info.type) << ' ' << dims[0] << " x " << dims[1] << " x "
+                   << dims[2] << ", number " << i << ", " << hole_share << " holes");
+      if (std::min({dims[0], dims[1], dims[2]}) > 1)
+        expect_found_again<3>(volume);
+      else
+        expect_found_again<2>(volume);
+    }
+}
+
+TEST(world_error, of_any_samples_is_found_again) {
+  expect_random_found_again<std::uint8_t>(1);
+  expect_random_found_again<std::int16_t>(2);
+  expect_random_found_again<std::int32_t>(3);
+  expect_random_found_again<std::uint32_t>(4);
+  expect_random_found_again<float>(5);
+  expect_random_found_again<double>(6);
 }
 
 }  // namespace
