@@ -336,7 +336,7 @@ Command add_extract_command(CLI::App& program) {
       "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl.\n\n"
       "Of a .lode file larger than --memory-limit no more is loaded than the surface needs, and\n"
       ".ply, .stl and .vtp are written piece by piece: the surface need not fit in memory, unless\n"
-      "--clip, --close-border, --min-component or --simplify are to see all of it.\n\n"
+      "--clip, --close-border, --min-component, or --simplify with --max-error, are to see all of it.\n\n"
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"

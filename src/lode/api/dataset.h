@@ -79,7 +79,7 @@ struct ExtractOptions {
   std::uint64_t min_component = 0;  ///< Pieces with fewer triangles (lines) are dropped.
   /// Of a volume's surface with an open border: edges are collapsed as long as no point of the
   /// surface, or of what it was, is farther from the other than this (world units, > 0); see
-  /// simplify_surface(). Needs the whole surface.
+  /// simplify_surface(). Needs the whole surface, but for one isovalue with a max_error of 0.
   std::optional<double> simplify_distance{};
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.
   Normals normals = Normals::on;

@@ -8,6 +8,7 @@
 #include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
 #include "lode/api/piece_finisher.h"
+#include "lode/api/piece_simplifier.h"
 #include "lode/api/topology_extraction.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
@@ -168,29 +169,57 @@ Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions&
       chunks.field);
 }
 
+std::uint64_t memory_limit_of(const ExtractOptions& options) {
+  return options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
+}
+
+/// For which simplifying takes a quarter of the memory limit.
+std::size_t simplified_at_once(const ExtractOptions& options) {
+  constexpr std::uint64_t kBytesPerTriangle = 200;  // 3.3 million took 0.6 GB
+  return std::max<std::uint64_t>(20'000, memory_limit_of(options) / 4 / kBytesPerTriangle);
+}
+
 /// The same without ever having all of the surface.
 Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
                            SurfaceSink& surface, ExtractReport& report, Progress& progress) {
   PieceFinisher finisher(options, surface);
+  std::optional<PieceSimplifier> simplifier;
   LODE_CHECK(std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) {
+        if (options.simplify_distance)
+          simplifier.emplace(SimplifyOptions{.max_distance = *options.simplify_distance,
+                                             .threads = options.threads},
+                             PieceShape{.grid = field.info.grid,
+                                        .n_apart = diamond::n_pieces_apart<D>(field.shape),
+                                        .max_triangles = simplified_at_once(options)},
+                             progress, finisher);
+        SurfaceSink& sink = simplifier ? static_cast<SurfaceSink&>(*simplifier) : finisher;
         return extract_all<D>(
             options, report,
             [&](const diamond::IsosurfaceQuery& query) {
               finisher.begin(query.isovalue);
-              return diamond::extract_from_file<D>(field, chunks.blocks, query, finisher, progress);
+              return diamond::extract_from_file<D>(field, chunks.blocks, query, sink, progress);
             },
             [](double) {});
       },
       chunks.field));
   finisher.finish(report);
+  if (simplifier) {
+    report.simplified = simplifier->report();
+    const SimplifySeconds& seconds = report.simplified->seconds;
+    report.seconds.simplify = seconds.collapse + seconds.check + seconds.finish;
+    report.seconds.geometry = std::max(0.0, report.seconds.geometry - report.seconds.simplify);
+  }
   return {};
 }
 
-/// Whether no edit needs to see all of the surface.
-bool is_edited_by_piece(const ExtractOptions& options) {
+/// Whether no edit needs to see all of the surface. At full resolution the pieces lie in boxes,
+/// each in its own chunk's, where the grid's axes are the world's.
+bool is_edited_by_piece(const ExtractOptions& options, const RegularGrid& grid, double tolerance) {
+  const bool is_simplified_by_piece =
+      tolerance == 0 && options.isovalues.size() == 1 && grid.has_world_axes();
   return !options.clip && options.border == Border::open && options.min_component <= 1 &&
-         !options.simplify_distance;
+         (!options.simplify_distance || is_simplified_by_piece);
 }
 
 /// What has been read of the file since then.
@@ -229,8 +258,7 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   const char* const need = need_of_whole_model(options);
   ExtractPlan plan;
   plan.report.max_error = tolerance_of(impl.summary().stats, options);
-  const std::uint64_t limit =
-      options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
+  const std::uint64_t limit = memory_limit_of(options);
   const bool is_too_large = impl.model_bytes() > limit;
   // Whether holes open the border is asked of all samples.
   const bool asks_all = options.border == Border::closed && impl.summary().stats.n_holes > 0;
@@ -310,7 +338,8 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
 
 Result<bool> Dataset::comes_in_pieces(const ExtractOptions& options) const try {
   LODE_TRY(const ExtractPlan plan, plan_extraction(*impl_, options));
-  return plan.chunks != nullptr && is_edited_by_piece(options);
+  return plan.chunks != nullptr &&
+         is_edited_by_piece(options, impl_->info().grid, plan.report.max_error);
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the surface");
 }
@@ -320,7 +349,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSin
   const Stopwatch watch;
   LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
   ExtractReport& report = plan.report;
-  if (plan.chunks != nullptr && is_edited_by_piece(options)) {
+  if (plan.chunks != nullptr && is_edited_by_piece(options, impl_->info().grid, report.max_error)) {
     const store::ReadCounts before = impl_->reads();
     LODE_CHECK(stream_chunks(*plan.chunks, options, surface, report, progress));
     add_reads(before, *impl_, report);

@@ -34,6 +34,12 @@ Vec3d RegularGrid::to_index(const Vec3d& world) const {
   return index;
 }
 
+bool RegularGrid::has_world_axes() const {
+  for (const Vec3d& row : direction.rows)
+    if (std::count(row.v.begin(), row.v.end(), 0.0) != 2) return false;
+  return true;
+}
+
 Box3d RegularGrid::world_bounds() const {
   Box3d box{origin, origin};
   for (int corner = 0; corner < 8; ++corner) {

@@ -31,6 +31,8 @@ struct RegularGrid {
   [[nodiscard]] Vec3d to_world(const Vec3d& index) const;
   /// The inverse of to_world.
   [[nodiscard]] Vec3d to_index(const Vec3d& world) const;
+  /// Whether each axis runs along one of the world's.
+  [[nodiscard]] bool has_world_axes() const;
   /// The smallest axis-aligned world box round all samples.
   [[nodiscard]] Box3d world_bounds() const;
 };

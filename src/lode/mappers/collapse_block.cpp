@@ -101,7 +101,7 @@ void BlockSimplifier::prepare(const Block& block) {
     if (!gather(v, star)) {
       flags_[v] |= kLockedFlag;
     } else if (star.is_open) {
-      flags_[v] |= kBorderFlag;
+      flags_[v] |= limits_.is_piece ? kLockedFlag : kBorderFlag;
     }
   }
 }
@@ -140,7 +140,7 @@ BlockSimplifier::Choice BlockSimplifier::choose(std::uint32_t v, const Star& sta
     if ((flags_[x] & kBorderFlag) != 0) continue;
     const Vec3f middle = 0.5F * (p + other);
     const float at_middle = q.at(middle);
-    if (at_middle < best.cost) best = {x, at_middle, middle};
+    if (at_middle < best.cost && may_lie_at(middle)) best = {x, at_middle, middle};
   }
   return refine(v, best);
 }
@@ -157,8 +157,17 @@ BlockSimplifier::Choice BlockSimplifier::refine(std::uint32_t v, Choice choice) 
   const Vec3f d = least - middle;
   if (dot(d, d) > dot(e, e)) return choice;
   const float cost = q.at(least);
-  if (cost < choice.cost) return {choice.other, cost, least};
+  if (cost < choice.cost && may_lie_at(least)) return {choice.other, cost, least};
   return choice;
+}
+
+/// As it will be stored.
+bool BlockSimplifier::may_lie_at(const Vec3f& position) const {
+  if (!limits_.is_piece) return true;
+  const Vec3f p = centre_ + position;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!(limits_.lower[i] < p[i] && p[i] < limits_.upper[i])) return false;
+  return true;
 }
 
 /// A vertex of the border goes into a neighbour on it, if the border keeps to all coordinate planes

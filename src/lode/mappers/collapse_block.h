@@ -23,6 +23,10 @@ struct Block {
 struct BlockLimits {
   float distance = 0;  ///< Of attached original vertices from the triangle they are attached to.
   float area = 0;      ///< About that of an original triangle.
+  /// The surface is a piece of one: its border is locked, and vertices move strictly inside the
+  /// box.
+  bool is_piece = false;
+  Vec3f lower, upper;
 };
 
 /// Collapses edges inside blocks, one block after another, in memory of its own that is reused.
@@ -85,6 +89,7 @@ class BlockSimplifier {
   [[nodiscard]] Choice choose(std::uint32_t v, const Star& star) const;
   [[nodiscard]] Choice choose_on_border(std::uint32_t v, const Star& star) const;
   [[nodiscard]] Choice refine(std::uint32_t v, Choice choice) const;
+  [[nodiscard]] bool may_lie_at(const Vec3f& position) const;
   [[nodiscard]] bool try_collapse(std::uint32_t kept, std::uint32_t removed,
                                   const Star& star_of_removed, const Vec3f& position);
   [[nodiscard]] static bool is_link_simple(std::uint32_t kept, const Star& of_kept,

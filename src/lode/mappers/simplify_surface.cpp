@@ -43,6 +43,17 @@ double mean_area(const Surface& surface) {
   return sum / static_cast<double>(count);
 }
 
+std::array<Vec3f, 2> box_of(const Surface& surface) {
+  Vec3f lower = surface.positions.front();
+  Vec3f upper = lower;
+  for (const Vec3f& p : surface.positions)
+    for (std::size_t i = 0; i < 3; ++i) {
+      lower[i] = std::min(lower[i], p[i]);
+      upper[i] = std::max(upper[i], p[i]);
+    }
+  return {lower, upper};
+}
+
 CollapseMesh make_mesh(const Surface& surface, Threads threads) {
   CollapseMesh mesh;
   const std::size_t n = surface.positions.size();
@@ -81,9 +92,12 @@ void attach_rest(std::span<const std::uint32_t> triangles, CollapseMesh& mesh) {
 
 class Simplifier {
  public:
-  Simplifier(Surface& surface, const SimplifyOptions& options, Progress& progress)
+  /// `numbers`: of a piece; null for a whole surface.
+  Simplifier(Surface& surface, const SimplifyOptions& options, std::vector<std::uint32_t>* numbers,
+             Progress& progress)
       : surface_(surface),
         options_(options),
+        numbers_(numbers),
         progress_(progress),
         mesh_(make_mesh(surface, options.threads)) {}
 
@@ -126,6 +140,7 @@ class Simplifier {
 
   Surface& surface_;
   const SimplifyOptions& options_;
+  std::vector<std::uint32_t>* numbers_;
   Progress& progress_;
   CollapseMesh mesh_;
   SimplifyReport report_;
@@ -139,8 +154,12 @@ class Simplifier {
 Result<void> Simplifier::collapse(int pass) {
   const double area = mean_area(surface_);
   const double edge = std::sqrt(kBlockTriangles * area);
+  const auto [lower, upper] = box_of(surface_);
   const BlockLimits limits{.distance = static_cast<float>(kReach * options_.max_distance),
-                           .area = static_cast<float>(area)};
+                           .area = static_cast<float>(area),
+                           .is_piece = numbers_ != nullptr,
+                           .lower = lower,
+                           .upper = upper};
   const int n_rounds = pass == 0 ? kRounds : 1;
   for (int round = 0; round < n_rounds; ++round) {
     progress_.report("simplifying", static_cast<double>(round) / n_rounds);
@@ -330,6 +349,7 @@ void Simplifier::finish() {
     if (!t.is_dead())
       surface_.triangles[n_triangles++] = {number[t.v[0]], number[t.v[1]], number[t.v[2]]};
   surface_.triangles.resize(n_triangles);
+  if (numbers_ != nullptr) *numbers_ = std::move(number);
 }
 
 /// Brings edges of a surface to a length of about 1 for as long as this is there, so that no sum of
@@ -360,11 +380,8 @@ class UnitEdges {
   int exponent_ = 0;
 };
 
-}  // namespace
-}  // namespace simplification
-
-Result<SimplifyReport> simplify_surface(Surface& surface, const SimplifyOptions& options,
-                                        Progress& progress) {
+Result<SimplifyReport> simplify(Surface& surface, const SimplifyOptions& options,
+                                std::vector<std::uint32_t>* numbers, Progress& progress) {
   LODE_EXPECTS(surface.lines.empty() && surface.values.empty() && surface.origins.empty() &&
                surface.errors.empty());
   LODE_EXPECTS(options.max_distance > 0 && std::isfinite(options.max_distance));
@@ -378,13 +395,28 @@ Result<SimplifyReport> simplify_surface(Surface& surface, const SimplifyOptions&
   if (surface.triangles.size() > kMostTriangles)
     return fail("simplification: expected at most {} triangles, got {}: give it a tolerance",
                 kMostTriangles, surface.triangles.size());
-  const simplification::UnitEdges units(surface);
+  const UnitEdges units(surface);
   SimplifyOptions scaled = options;
   scaled.max_distance = units.to_units(options.max_distance);
-  LODE_TRY(SimplifyReport report, simplification::Simplifier(surface, scaled, progress).run());
+  LODE_TRY(SimplifyReport report, Simplifier(surface, scaled, numbers, progress).run());
   report.max_distance = options.max_distance;
   report.proven_distance = units.from_units(report.proven_distance);
   return report;
+}
+
+}  // namespace
+}  // namespace simplification
+
+Result<SimplifyReport> simplify_surface(Surface& surface, const SimplifyOptions& options,
+                                        Progress& progress) {
+  return simplification::simplify(surface, options, nullptr, progress);
+}
+
+Result<SimplifyReport> simplify_piece(Surface& surface, const SimplifyOptions& options,
+                                      std::vector<std::uint32_t>& numbers, Progress& progress) {
+  numbers.resize(surface.positions.size());
+  std::iota(numbers.begin(), numbers.end(), 0U);
+  return simplification::simplify(surface, options, &numbers, progress);
 }
 
 }  // namespace lode

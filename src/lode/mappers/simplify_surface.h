@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
@@ -51,5 +52,17 @@ struct SimplifyReport {
 [[nodiscard]] Result<SimplifyReport> simplify_surface(Surface& surface,
                                                       const SimplifyOptions& options,
                                                       Progress& progress);
+
+inline constexpr std::uint32_t kGone = 0xFFFFFFFFU;
+
+/// The same for a piece of a surface that is too large for memory. Its border stays as it is,
+/// vertex by vertex and edge by edge, and what moves stays strictly inside the box of its vertices.
+/// So pieces that lay in boxes with disjoint interiors fit together afterwards, and meet nowhere
+/// else, if none had a vertex on its box that is not on its border: what is guaranteed of each
+/// piece holds of the whole. `numbers`: by vertex before, its number afterwards, or kGone.
+[[nodiscard]] Result<SimplifyReport> simplify_piece(Surface& surface,
+                                                    const SimplifyOptions& options,
+                                                    std::vector<std::uint32_t>& numbers,
+                                                    Progress& progress);
 
 }  // namespace lode

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lode/core/surface_sink.h"
+#include "lode/models/diamond/block_order.h"
 #include "lode/models/diamond/extract.h"
 #include "lode/models/diamond/file_parts.h"
 
@@ -17,5 +18,18 @@ template <int D>
                                                          store::BlockCache& blocks,
                                                          const IsosurfaceQuery& query,
                                                          SurfaceSink& surface, Progress& progress);
+
+/// Chunks that have a vertex in common come at most so many pieces after one another.
+template <int D>
+[[nodiscard]] std::size_t n_pieces_apart(const Shape<D>& shape) {
+  const Index<D> n = chunk_counts<D>(shape);
+  std::size_t sum = 1;  // with the piece of coarser simplices
+  std::size_t stride = 1;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    sum += stride;
+    stride *= as_size(n[i]);
+  }
+  return sum;
+}
 
 }  // namespace lode::diamond

@@ -1,0 +1,175 @@
+#include "lode/api/piece_simplifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "lode/core/expects.h"
+
+namespace lode {
+namespace {
+
+/// Spreads a number over 64 bits (the finaliser of splitmix64), so that sums of different numbers
+/// differ.
+std::uint64_t spread(std::uint64_t n) {
+  n += 0x9e3779b97f4a7c15U;
+  n = (n ^ (n >> 30)) * 0xbf58476d1ce4e5b9U;
+  n = (n ^ (n >> 27)) * 0x94d049bb133111ebU;
+  return n ^ (n >> 31);
+}
+
+/// By vertex: not 0 where edges of its triangles have a triangle on one side only. Inside, each
+/// neighbour comes once as the next and once as the one before.
+std::vector<std::uint64_t> open_ends(const Surface& surface) {
+  std::vector<std::uint64_t> ends(surface.positions.size(), 0);
+  for (const auto& t : surface.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      ends[t[k]] += spread(t[(k + 1) % 3]) - spread(t[(k + 2) % 3]);
+  return ends;
+}
+
+/// Three times the centre.
+double centre3(const Surface& surface, std::uint32_t triangle, std::size_t axis) {
+  double sum = 0;
+  for (const std::uint32_t v : surface.triangles[triangle])
+    sum += static_cast<double>(surface.positions[v][axis]);
+  return sum;
+}
+
+}  // namespace
+
+Result<void> PieceSimplifier::add(SurfacePiece piece) {
+  const auto n_new = static_cast<std::uint32_t>(piece.n_new());
+  std::vector<std::uint32_t> numbers(piece.surface.positions.size(), kGone);  // in the sink
+  for (std::size_t i = 0; i < piece.earlier.size(); ++i)
+    numbers[n_new + i] = number_of(piece.earlier[i]);
+  local_.assign(numbers.size(), kGone);
+  for (const Triangles& triangles : cut(piece.surface))
+    LODE_CHECK(add_part(piece.surface, triangles, numbers));
+  const std::vector<std::uint64_t> ends = open_ends(piece.surface);
+  std::vector<Shared> shared;
+  for (std::uint32_t v = 0; v < n_new; ++v)
+    if (ends[v] != 0) shared.push_back({piece.first_new + v, numbers[v]});
+  shared.shrink_to_fit();
+  shared_.push_back(std::move(shared));
+  if (shared_.size() > shape_.n_apart) shared_.pop_front();
+  return {};
+}
+
+/// Parts of a piece, each in a box of cells of its own.
+std::vector<PieceSimplifier::Triangles> PieceSimplifier::cut(const Surface& surface) const {
+  std::vector<Triangles> parts;
+  std::vector<Triangles> open(1, Triangles(surface.triangles.size()));
+  std::iota(open.front().begin(), open.front().end(), 0U);
+  while (!open.empty()) {
+    Triangles lower = std::move(open.back());
+    open.pop_back();
+    Triangles upper;
+    if (lower.size() > shape_.max_triangles && halve(surface, lower, upper)) {
+      open.push_back(std::move(upper));
+      open.push_back(std::move(lower));
+    } else if (!lower.empty()) {
+      parts.push_back(std::move(lower));
+    }
+  }
+  return parts;
+}
+
+/// Moves what is above a plane of samples to `upper`. False: all is in one cell.
+bool PieceSimplifier::halve(const Surface& surface, Triangles& lower, Triangles& upper) const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Mat3 to_world = shape_.grid.index_to_world_matrix();
+  double most = 1;
+  std::size_t axis = 0;
+  double plane3 = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    double least = kInfinity;
+    double largest = -kInfinity;
+    for (const std::uint32_t t : lower) {
+      const double c = centre3(surface, t, i) / 3;
+      least = std::min(least, c);
+      largest = std::max(largest, c);
+    }
+    const Vec3d& row = to_world.rows[i];
+    const double step = std::abs(row[0] + row[1] + row[2]);  // two of them are 0
+    const double zero = shape_.grid.origin[i] - surface.origin[i];
+    const double begin = std::floor((least - zero) / step);
+    const double end = std::floor((largest - zero) / step) + 1;
+    if (!(end - begin > most)) continue;
+    most = end - begin;
+    axis = i;
+    plane3 = 3 * (zero + step * std::floor((begin + end) / 2));
+  }
+  if (most <= 1) return false;
+  const auto above = std::stable_partition(lower.begin(), lower.end(), [&](std::uint32_t t) {
+    return centre3(surface, t, axis) < plane3;
+  });
+  upper.assign(above, lower.end());
+  lower.erase(above, lower.end());
+  return !lower.empty() && !upper.empty();
+}
+
+/// `numbers`: of the piece's vertices in the sink, kGone before they are there.
+Result<void> PieceSimplifier::add_part(const Surface& surface, const Triangles& triangles,
+                                       std::vector<std::uint32_t>& numbers) {
+  std::vector<std::uint32_t> vertices;
+  for (const std::uint32_t t : triangles)
+    for (const std::uint32_t v : surface.triangles[t]) {
+      if (local_[v] != kGone) continue;
+      local_[v] = 0;
+      vertices.push_back(v);
+    }
+  std::ranges::sort(vertices);
+  const auto is_new = [&](std::uint32_t v) { return numbers[v] == kGone; };
+  const auto known = std::stable_partition(vertices.begin(), vertices.end(), is_new);
+  const auto n_new = static_cast<std::size_t>(known - vertices.begin());
+  SurfacePiece part;
+  part.surface.origin = surface.origin;
+  part.surface.positions.reserve(vertices.size());
+  for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+    local_[vertices[i]] = i;
+    part.surface.positions.push_back(surface.positions[vertices[i]]);
+    if (!surface.normals.empty()) part.surface.normals.push_back(surface.normals[vertices[i]]);
+    if (i >= n_new) part.earlier.push_back(numbers[vertices[i]]);
+  }
+  part.surface.triangles.reserve(triangles.size());
+  for (const std::uint32_t t : triangles) {
+    const auto& v = surface.triangles[t];
+    part.surface.triangles.push_back({local_[v[0]], local_[v[1]], local_[v[2]]});
+  }
+  for (const std::uint32_t v : vertices) local_[v] = kGone;
+  part.first_new = out_.n_vertices();
+  std::vector<std::uint32_t> simplified;
+  LODE_TRY(const SimplifyReport done,
+           simplify_piece(part.surface, options_, simplified, progress_));
+  add_to_report(done);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    LODE_EXPECTS(i < n_new || simplified[i] != kGone);
+    if (i < n_new && simplified[i] != kGone) numbers[vertices[i]] = part.first_new + simplified[i];
+  }
+  return out_.add(std::move(part));
+}
+
+void PieceSimplifier::add_to_report(const SimplifyReport& part) {
+  report_.triangles_before += part.triangles_before;
+  report_.triangles += part.triangles;
+  report_.collapses += part.collapses;
+  report_.undone += part.undone;
+  report_.proven_distance = std::max(report_.proven_distance, part.proven_distance);
+  report_.input_crossings += part.input_crossings;
+  report_.seconds.collapse += part.seconds.collapse;
+  report_.seconds.check += part.seconds.check;
+  report_.seconds.finish += part.seconds.finish;
+}
+
+std::uint32_t PieceSimplifier::number_of(std::uint32_t before) const {
+  for (auto piece = shared_.rbegin(); piece != shared_.rend(); ++piece) {
+    const auto found = std::ranges::lower_bound(*piece, before, {}, &Shared::before);
+    if (found != piece->end() && found->before == before) return found->after;
+  }
+  LODE_EXPECTS(false);
+  return 0;
+}
+
+}  // namespace lode
