@@ -18,6 +18,7 @@ TEST(stl_file, has_fifty_bytes_a_triangle_and_outward_facet_normals) {
   const std::string path = temporary_path("bytes.stl");
   expect_written(path, make_tetrahedron(), {.comment = std::string(200, 'c')});
   const std::string bytes = bytes_of(path);
+  ::unlink(path.c_str());
   ASSERT_EQ(bytes.size(), 84U + 4 * 50);
   EXPECT_FALSE(bytes.starts_with("solid"));
   std::uint32_t n = 0;
@@ -64,6 +65,7 @@ TEST(stl_file, reads_binary_files_that_start_with_solid) {
   const std::string path = temporary_path("solid.stl");
   expect_written(path, make_tetrahedron());
   std::string bytes = bytes_of(path);
+  ::unlink(path.c_str());
   bytes.replace(0, 5, "solid");
   const Result<Surface> read = read_bytes(".stl", bytes);
   ASSERT_TRUE(read) << read.error().message;
@@ -76,6 +78,7 @@ TEST(stl_file, refuses_coordinates_that_are_not_finite) {
   const std::string path = temporary_path("infinite.stl");
   expect_written(path, surface);
   EXPECT_FALSE(read_surface(path));
+  ::unlink(path.c_str());
 }
 
 }  // namespace
