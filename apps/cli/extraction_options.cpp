@@ -106,6 +106,8 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
     if (!(*options.keep_topology >= 0))
       return fail("--keep-topology: expected a number >= 0, got '{}'", arguments.keep_topology);
   }
+  if (options.keep_topology && options.clip)
+    return fail("--keep-topology: expected no --clip with it, whose planes cut pieces elsewhere");
   if (options.keep_topology && !arguments.min_component.empty())
     return fail("--keep-topology: expected no --min-component with it, which drops pieces");
   options.orientation =

@@ -203,6 +203,15 @@ TEST_F(cli_extract, closes_a_surface_at_the_border_and_proves_it) {
   }
 }
 
+TEST_F(cli_extract, keeps_no_topology_of_what_is_clipped) {
+  const Words query{"--isovalue", "100", "--keep-topology"};
+  for (const char* option : {"--clip=0,8,0,8,0,8", "--min-component=9"}) {
+    Words with = query;
+    with.emplace_back(option);
+    expect_refusal(extract("s.ply", with), 2, {"--keep-topology", "expected no --"});
+  }
+}
+
 TEST_F(cli_extract, leaves_no_normals_where_none_are_wanted) {
   ASSERT_EQ(extract("s.ply", {"--isovalue", "100", "--normals", "off"}).exit_code, 0);
   const auto surface = read_surface(file("s.ply"));

@@ -272,14 +272,18 @@ TEST(keep_topology, whatever_the_threads) {
   }
 }
 
-TEST(keep_topology, is_refused_with_what_drops_pieces) {
+TEST(keep_topology, is_refused_with_what_drops_or_cuts_pieces) {
   const Dataset dataset = built_in_memory(smoothed_noise({{9, 9, 9}}, 5, 1));
-  Progress progress;
-  Surface surface;
-  const auto refused = dataset.extract({.isovalues = {0.2}, .keep_topology = 0, .min_component = 5},
-                                       surface, progress);
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("min_component"), std::string::npos);
+  const auto expect_refused = [&](const ExtractOptions& options, const char* why) {
+    Progress progress;
+    Surface surface;
+    const auto refused = dataset.extract(options, surface, progress);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find(why), std::string::npos) << refused.error().message;
+  };
+  expect_refused({.isovalues = {0.2}, .keep_topology = 0, .min_component = 5}, "min_component");
+  expect_refused({.isovalues = {0.2}, .keep_topology = 0, .clip = Box3d{{{0, 0, 0}}, {{2, 2, 2}}}},
+                 "clip box");
 }
 
 }  // namespace

@@ -69,7 +69,8 @@ struct ExtractOptions {
   std::optional<double> max_distance{};
   /// 0: the surface has the components, tunnels and voids of that of full resolution, each joined
   /// as there: it is that surface but for where it lies. P > 0 (field units): those at least that
-  /// there are from P below the isovalue to P above it. Of volumes in memory, with all pieces kept.
+  /// there are from P below the isovalue to P above it. Of volumes in memory, unclipped, with all
+  /// pieces kept.
   std::optional<double> keep_topology{};
   SurfaceStyle style = SurfaceStyle::tetra;  ///< cubes: of volumes without holes at a max_error of
                                              ///< 0, all in memory.

@@ -11,6 +11,9 @@ Result<void> check_keep_topology(const ExtractOptions& options) {
   if (!(*options.keep_topology >= 0 && std::isfinite(*options.keep_topology)))
     return fail("keep_topology: expected a finite persistence >= 0, got {}",
                 *options.keep_topology);
+  if (options.clip)
+    return fail(
+        "keep_topology: expected no clip box with it, which cuts another surface elsewhere");
   if (options.min_component > 1)
     return fail("keep_topology: expected all pieces kept with it, got min_component {}",
                 options.min_component);
