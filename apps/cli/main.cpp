@@ -71,6 +71,23 @@ std::string unknown_option(const std::vector<std::string>& arguments, const CLI:
   return {};
 }
 
+/// The first option with an empty value, which elsewhere says that there is none.
+std::string empty_option(const std::vector<std::string>& arguments, const CLI::App& app) {
+  const auto describe = [](std::string_view name) {
+    return fmt::format("{}: expected a value, got ''", name);
+  };
+  // CLI11 gives --name= the next argument, or a flag's default.
+  for (const std::string& argument : arguments) {
+    if (argument == "--") break;
+    if (argument.starts_with("--") && argument.find('=') == argument.size() - 1)
+      return describe(std::string_view(argument).substr(0, argument.size() - 1));
+  }
+  for (const CLI::Option* option : app.get_options())
+    if (!option->get_lnames().empty() && std::ranges::count(option->results(), "") > 0)
+      return describe("--" + option->get_lnames().front());
+  return {};
+}
+
 /// CLI11's sentences may have several lines; ours have one.
 std::string one_line(std::string text) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0)
@@ -125,7 +142,8 @@ int handle_parse_error(const CLI::ParseError& error, const CLI::App& program,
   }
   for (const Command& command : commands) {
     if (arguments.empty() || command.app->get_name() != arguments[0]) continue;
-    const std::string message = unknown_option(arguments, *command.app);
+    std::string message = unknown_option(arguments, *command.app);
+    if (message.empty()) message = empty_option(arguments, *command.app);
     return report_error(message.empty() ? fmt::format("{}: {} (see lode {} --help)", arguments[0],
                                                       one_line(error.what()), arguments[0])
                                         : message,
@@ -168,6 +186,8 @@ int run_program(const std::vector<std::string>& arguments) {
   if (help->parsed()) return print_help(program, topic, commands);
   const auto chosen =
       std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });
+  if (const std::string message = empty_option(arguments, *chosen->app); !message.empty())
+    return report_error(message, kUsage, options.json);
   return run_command(*chosen, options);
 }
 

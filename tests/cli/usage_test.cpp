@@ -88,6 +88,30 @@ TEST(cli_usage, refuses_numbers_that_are_none) {
   expect_refusal(extract({"--isovalue", "1", "--normals", "maybe"}), 2, {"--normals", "'maybe'"});
 }
 
+/// Not as if they were not there.
+TEST(cli_usage, refuses_empty_values) {
+  const auto extract = [](std::vector<std::string> options) {
+    options.insert(options.begin(), {"extract", "a.lode", "b.ply", "--isovalue", "1"});
+    return run_lode(options);
+  };
+  for (const std::string option : {"--max-error", "--max-distance", "--clip", "--min-component",
+                                   "--max-cells", "--max-error-px", "--deadline-ms",
+                                   "--memory-limit", "--progressive", "--nodata", "--threads"}) {
+    expect_refusal(extract({option, ""}), 2, {option});
+    expect_refusal(extract({option + "="}), 2, {option});
+    expect_refusal(extract({option + "=", "--quiet"}), 2, {option});
+  }
+  expect_refusal(extract({"--keep-topology="}), 2, {"--keep-topology: expected a value, got ''"});
+  expect_refusal(extract({"--max-distance", ""}), 2, {"--max-distance: expected a value, got ''"});
+  expect_refusal(extract({"--max-eror="}), 2, {"'--max-eror'", "did you mean '--max-error'?"});
+  for (const Words& command :
+       {Words{"verify", "a.lode", "--surface", "b.ply", "--max-distance", ""},
+        Words{"render", "a.lode", "b.png", "--max-distance=", "--keep-topology="},
+        Words{"render", "a.lode", "b.png", "--keep-topology="},
+        Words{"count", "a.lode", "--max-error", ""}})
+    expect_refusal(run_lode(command), 2, {"expected "});
+}
+
 TEST(cli_usage, refuses_reading_options_that_make_no_sense) {
   expect_refusal(run_lode({"info", "a.raw", "--dims", "4x4x0", "--type", "uint8"}), 2, {"--dims"});
   expect_refusal(run_lode({"info", "a.raw", "--dims", "4x4x4"}), 2, {"--type"});
