@@ -56,7 +56,7 @@ TEST_F(cli_count, spreads_isovalues_inside_the_range_and_prints_a_table) {
   EXPECT_NEAR(middle - first, last - middle, 1e-9);
 }
 
-TEST_F(cli_count, gives_the_same_where_the_model_does_not_fit) {
+TEST_F(cli_count, takes_a_memory_limit) {
   const Words few = {"--isovalue", "100", "--max-error", "4", "--json"};
   Words limited = few;
   limited.insert(limited.end(), {"--memory-limit", "100M"});

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "lode/api/dataset_impl.h"
 #include "lode/api/file_build.h"
 #include "lode/api/files.h"
 #include "tests/models/stored_fixtures.h"
@@ -129,6 +130,54 @@ TEST(surface_pieces, need_memory_for_a_chunk_at_least) {
   options.memory_limit = static_cast<std::uint64_t>(megabytes) * 1'000'000;
   EXPECT_TRUE(dataset->extract(options, surface, progress));
   EXPECT_FALSE(surface.is_empty());
+}
+
+/// Chunk by chunk and all in memory; extraction says the same.
+void expect_same_counts(const std::string& lode, double max_error) {
+  SCOPED_TRACE(::testing::Message() << lode << " at " << max_error);
+  const std::vector<double> isovalues{120.5, 500, 90};
+  const auto limited = Dataset::open(lode, {2});
+  const auto free = Dataset::open(lode, {2});
+  ASSERT_TRUE(limited && free);
+  const std::uint64_t limit = limited->impl().chunk_bytes();
+  ASSERT_LT(limit, limited->impl().model_bytes());
+  CountOptions options{.isovalues = isovalues, .max_error = max_error, .threads = {2}};
+  Progress progress;
+  const auto whole = free->count(options, progress);
+  ASSERT_FALSE(free->impl().is_in_file());
+  options.memory_limit = limit;
+  const auto pieces = limited->count(options, progress);
+  ASSERT_TRUE(whole && pieces);
+  EXPECT_TRUE(limited->impl().is_in_file()) << "all of it was loaded";
+  EXPECT_GT(limited->impl().reads().n_blocks, 0U);
+  EXPECT_EQ(pieces->max_error, max_error);
+  for (std::size_t i = 0; i < isovalues.size(); ++i) {
+    Surface surface;
+    ASSERT_TRUE(
+        free->extract({.isovalues = {isovalues[i]}, .max_error = max_error}, surface, progress));
+    for (const CountReport& report : {*whole, *pieces}) {
+      EXPECT_EQ(report.counts[i].isovalue, isovalues[i]);
+      EXPECT_EQ(report.counts[i].triangles, surface.triangles.size());
+      EXPECT_EQ(report.counts[i].lines, surface.lines.size());
+      EXPECT_EQ(report.counts[i].vertices, surface.positions.size());
+    }
+    EXPECT_EQ(surface.is_empty(), isovalues[i] == 500);
+  }
+}
+
+TEST(surface_pieces, are_counted_where_the_model_does_not_fit) {
+  const TestPath path("counted.lode");
+  for (const Index3& dims : {Index3{{800, 40, 20}}, Index3{{10000, 100, 1}}}) {
+    Volume volume = wavy(dims);
+    std::string lode = stored(path, volume);
+    for (const double max_error : {0.0, 1.5}) expect_same_counts(lode, max_error);
+    volume.info.nodata = 7;
+    oracles::Random random(11);
+    for (std::uint8_t& sample : oracles::typed_samples<std::uint8_t>(volume))
+      if (random.below(500) == 0) sample = 7;
+    lode = stored(path, volume);
+    for (const double max_error : {0.0, 1.5}) expect_same_counts(lode, max_error);
+  }
 }
 
 TEST(surface_pieces, have_normals_everywhere) {
