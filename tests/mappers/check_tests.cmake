@@ -2,6 +2,7 @@
 lode_test(mappers_check_test
   SOURCES
     ${CMAKE_CURRENT_LIST_DIR}/box_pairs_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/facet_grid_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/self_intersections_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/surface_edits_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/surface_match_test.cpp

@@ -12,6 +12,18 @@ namespace {
 
 Vec3d middle_of(const std::array<Vec3d, 3>& t) { return (t[0] + t[1] + t[2]) * (1.0 / 3); }
 
+/// From p to the box round a triangle: of a long one most of its ball is empty.
+double squared_distance_to_box(const Vec3d& p, const std::array<Vec3d, 3>& t) {
+  double sum = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double low = std::min(std::min(t[0][i], t[1][i]), t[2][i]);
+    const double high = std::max(std::max(t[0][i], t[1][i]), t[2][i]);
+    const double beyond = std::max(std::max(low - p[i], p[i] - high), 0.0);
+    sum += beyond * beyond;
+  }
+  return sum;
+}
+
 }  // namespace
 
 FacetGrid::FacetGrid(std::span<const Facet> facets, double reach) : facets_(facets) {
@@ -42,35 +54,47 @@ FacetGrid::FacetGrid(std::span<const Facet> facets, double reach) : facets_(face
   first_[0] = 0;
 }
 
-/// Cells are no smaller than half the reach, and not many more than facets.
+/// Along each axis cells are no smaller than half the reach, or than half of what facets extend,
+/// and not many more than facets.
 void FacetGrid::choose_cells(double reach) {
   constexpr double kCellsPerFacet = 8;
   if (facets_.empty()) return;
   constexpr double kFar = std::numeric_limits<double>::max();
   lower_ = {{kFar, kFar, kFar}};
   Vec3d upper = -1.0 * lower_;
-  for (const Facet& facet : facets_)
-    for (const Vec3d& p : corners_of(facet))
-      for (std::size_t i = 0; i < 3; ++i) {
-        lower_[i] = std::min(lower_[i], p[i]);
-        upper[i] = std::max(upper[i], p[i]);
-      }
+  Vec3d extent;
+  for (const Facet& facet : facets_) {
+    const auto corners = corners_of(facet);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto [low, high] = std::minmax({corners[0][i], corners[1][i], corners[2][i]});
+      lower_[i] = std::min(lower_[i], low);
+      upper[i] = std::max(upper[i], high);
+      extent[i] += high - low;
+    }
+  }
   const Vec3d size = upper - lower_;
-  const double longest = std::max({size[0], size[1], size[2]});
-  const double n_most = kCellsPerFacet * static_cast<double>(facets_.size()) + 64;
-  edge_ = std::max({reach / 2, longest / 4096, 1e-30});
+  const auto n_facets = static_cast<double>(facets_.size());
+  for (std::size_t i = 0; i < 3; ++i)
+    edge_[i] = std::max({reach / 2, extent[i] / n_facets / 2, size[i] / 4096, 1e-30});
   const auto n_cells = [&] {
     double n = 1;
-    for (const double s : size.v) n *= std::floor(s / edge_) + 1;
+    for (std::size_t i = 0; i < 3; ++i) n *= std::floor(size[i] / edge_[i]) + 1;
     return n;
   };
-  while (n_cells() > n_most) edge_ *= 1.25;
+  while (n_cells() > kCellsPerFacet * n_facets + 64) edge_ = edge_ * 1.25;
   for (std::size_t i = 0; i < 3; ++i)
-    dims_[i] = static_cast<std::int32_t>(std::floor(size[i] / edge_)) + 1;
+    dims_[i] = static_cast<std::int32_t>(std::floor(size[i] / edge_[i])) + 1;
+}
+
+std::size_t FacetGrid::n_most_in_cell() const {
+  std::uint32_t n_most = 0;
+  for (std::size_t c = 1; c < first_.size(); ++c)
+    n_most = std::max(n_most, first_[c] - first_[c - 1]);
+  return n_most;
 }
 
 std::int32_t FacetGrid::coordinate(double x, std::size_t axis) const {
-  const double cell = std::floor((x - lower_[axis]) / edge_);
+  const double cell = std::floor((x - lower_[axis]) / edge_[axis]);
   return static_cast<std::int32_t>(std::clamp(cell, 0.0, static_cast<double>(dims_[axis] - 1)));
 }
 
@@ -97,8 +121,8 @@ void FacetGrid::for_each_cell(const std::array<Vec3d, 3>& piece, const Visit& vi
 double FacetGrid::squared_distance(const Vec3d& p, const Cell& c) const {
   double sum = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double low = lower_[i] + c[i] * edge_;
-    const double beyond = std::max({low - p[i], p[i] - (low + edge_), 0.0});
+    const double low = lower_[i] + c[i] * edge_[i];
+    const double beyond = std::max({low - p[i], p[i] - (low + edge_[i]), 0.0});
     sum += beyond * beyond;
   }
   return sum;
@@ -118,6 +142,7 @@ bool FacetGrid::look_in(const Cell& c, const Vec3d& p, double enough, Nearest& n
     }
     const double beyond = reach + static_cast<double>(radii_[f]);
     if (from_middle > beyond * beyond) continue;
+    if (squared_distance_to_box(p, corners) > nearest.squared_distance) continue;
     const double here = squared_distance_to_triangle(p, corners);
     if (here >= nearest.squared_distance) continue;
     nearest = {f, here};

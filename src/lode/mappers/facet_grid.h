@@ -25,7 +25,8 @@ struct Facet {
 }
 
 /// Facets by the cells of a grid that they, or boxes round their pieces, touch: to find the nearest
-/// one to a point. Facets much larger than a cell cost as many entries as cells that they pass.
+/// one to a point. Cells are longer along axes along which facets are; facets much larger than a
+/// cell cost as many entries as cells that they pass.
 class FacetGrid {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -40,6 +41,9 @@ class FacetGrid {
   FacetGrid(std::span<const Facet> facets, double reach);
 
   [[nodiscard]] std::span<const Facet> facets() const { return facets_; }
+  /// What it takes, and what a search in one cell does.
+  [[nodiscard]] std::size_t n_entries() const { return entries_.size(); }
+  [[nodiscard]] std::size_t n_most_in_cell() const;
   /// How to look for a facet near a point.
   struct Search {
     double limit = 0;            ///< None farther is found.
@@ -69,7 +73,7 @@ class FacetGrid {
 
   std::span<const Facet> facets_;
   Vec3d lower_;
-  double edge_ = 1;
+  Vec3d edge_{{1, 1, 1}};  ///< Of a cell.
   Cell dims_{1, 1, 1};
   std::vector<std::uint32_t> first_;    ///< By cell, of entries_.
   std::vector<std::uint32_t> entries_;  ///< Numbers of facets.
