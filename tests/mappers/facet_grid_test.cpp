@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lode/mappers/facet_proof.h"
 #include "tests/mappers/distance_oracle.h"
 #include "tests/oracles/random.h"
 
@@ -59,6 +60,25 @@ TEST_P(facet_grid, has_few_entries_for_each_facet) {
 INSTANTIATE_TEST_SUITE_P(voxels, facet_grid,
                          testing::Values(Vec3d{{1, 1, 1}}, Vec3d{{1, 1, 100}}, Vec3d{{0.01, 1, 1}},
                                          Vec3d{{0.001, 1, 1000}}));
+
+/// A triangle 90 long and 1 wide above a plane of small ones: pieces as long as wide are enough.
+TEST(facet_proof, cuts_long_triangles_into_few_pieces) {
+  std::vector<Facet> plane;
+  for (int x = -1; x <= 90; ++x)
+    for (int y = -1; y <= 1; ++y) {
+      const auto at = [&](int i, int j) {
+        return Vec3f{{static_cast<float>(x + i), static_cast<float>(y + j), 0}};
+      };
+      plane.push_back({{at(0, 0), at(1, 0), at(0, 1)}});
+      plane.push_back({{at(1, 0), at(1, 1), at(0, 1)}});
+    }
+  const FacetGrid grid(plane, 1);
+  const Facet needle{{Vec3f{{0, 0, 0.5F}}, Vec3f{{90, 0, 0.5F}}, Vec3f{{90, 1, 0.5F}}}};
+  const FacetProof proof = prove_near(needle, grid, {.limit = 1, .n_most_pieces = 2500});
+  EXPECT_TRUE(proof.holds);
+  EXPECT_GE(proof.bound, 0.5);
+  EXPECT_LE(proof.bound, 1);
+}
 
 }  // namespace
 }  // namespace lode

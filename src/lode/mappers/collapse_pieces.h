@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -25,6 +26,31 @@ inline constexpr double kRounding = 1e-6;
   const Vec3d b = (p[2] + p[0]) * 0.5;
   const Vec3d c = (p[0] + p[1]) * 0.5;
   return {Piece{p[0], c, b}, Piece{c, p[1], a}, Piece{b, a, p[2]}, Piece{a, b, c}};
+}
+
+/// visit(part) for parts of a piece until it is false; whether it never was: halves of a piece much
+/// longer than wide, whose quarters would be as long, else quarters.
+template <typename Visit>
+bool for_each_part(const Piece& p, const Visit& visit) {
+  constexpr double kMostAspect = 4;
+  std::array<double, 3> edge2{};  // of the edges opposite to the corners
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3d edge = p[(i + 2) % 3] - p[(i + 1) % 3];
+    edge2[i] = dot(edge, edge);
+  }
+  const auto longest =
+      static_cast<std::size_t>(std::max_element(edge2.begin(), edge2.end()) - edge2.begin());
+  const Vec3d& a = p[longest];
+  const Vec3d& b = p[(longest + 1) % 3];
+  const Vec3d& c = p[(longest + 2) % 3];
+  const Vec3d normal = cross(b - a, c - a);
+  // The height on the longest edge is the length of this by that of the edge.
+  if (dot(normal, normal) * kMostAspect * kMostAspect < edge2[longest] * edge2[longest]) {
+    const Vec3d middle = (b + c) * 0.5;
+    return visit(Piece{a, b, middle}) && visit(Piece{a, middle, c});
+  }
+  const auto parts = quarters(p);
+  return std::all_of(parts.begin(), parts.end(), visit);
 }
 
 [[nodiscard]] inline double radius_of(const Piece& piece) {

@@ -35,9 +35,8 @@ class NearnessProof {
     if (const double largest = farthest_corner(piece, found.facet); largest <= limit_)
       return take(found.facet, largest);
     if (radius < kSmallest * limit_ || radius > kLargest * limit_) return false;
-    for (const Piece& part : simplification::quarters(piece))
-      if (!covers(part, found.facet)) return false;
-    return true;
+    return simplification::for_each_part(
+        piece, [&](const Piece& part) { return covers(part, found.facet); });
   }
   [[nodiscard]] double bound() const { return bound_; }
   [[nodiscard]] std::uint32_t witness() const { return n_witnesses_ == 1 ? witness_ : kNone; }

@@ -25,8 +25,9 @@ struct NearnessQuery {
 /// Proves that no point of a facet is farther than a limit from all facets of `others`. The
 /// distance to a facet, a convex set, is a convex function: a piece whose three corners are within
 /// the limit of one facet is so everywhere; and so is one that lies in a ball of the limit's radius
-/// round a point of a facet. Other pieces are cut in four, until one has a middle that is farther
-/// than the limit from every facet, or they are too small to matter. Bounds are rounded up.
+/// round a point of a facet. Other pieces are cut in four, long ones in two, until one has a middle
+/// that is farther than the limit from every facet, or they are too small to matter. Bounds are
+/// rounded up.
 [[nodiscard]] FacetProof prove_near(const Facet& facet, const FacetGrid& others,
                                     const NearnessQuery& query);
 

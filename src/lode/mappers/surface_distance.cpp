@@ -77,8 +77,10 @@ class OneWay {
         found.upper = std::max(found.upper, upper);
         continue;
       }
-      const auto quarters = simplification::quarters(piece);
-      pieces.insert(pieces.end(), quarters.begin(), quarters.end());
+      simplification::for_each_part(piece, [&](const Piece& part) {
+        pieces.push_back(part);
+        return true;
+      });
     }
   }
 
