@@ -34,21 +34,23 @@ FacetGrid::FacetGrid(std::span<const Facet> facets, double reach) : facets_(face
   const std::size_t n_cells = static_cast<std::size_t>(dims_[0]) *
                               static_cast<std::size_t>(dims_[1]) *
                               static_cast<std::size_t>(dims_[2]);
-  // A facet comes to a cell through several of its pieces, but one after the other.
-  std::vector<std::uint32_t> last(n_cells, kNone);
   first_.assign(n_cells + 1, 0);
   const auto visit_all = [&](const auto& visit) {
-    for (std::uint32_t f = 0; f < facets_.size(); ++f)
-      for_each_cell(corners_of(facets_[f]), [&](std::size_t cell) {
-        if (last[cell] == f) return;
-        last[cell] = f;
-        visit(cell, f);
-      });
+    std::vector<std::size_t> cells;
+    for (std::uint32_t f = 0; f < facets_.size(); ++f) {
+      cells.clear();
+      const bool is_whole =
+          for_each_cell(corners_of(facets_[f]), [&](std::size_t cell) { cells.push_back(cell); });
+      if (!is_whole) {  // else it comes to none twice
+        std::sort(cells.begin(), cells.end());
+        cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+      }
+      for (const std::size_t cell : cells) visit(cell, f);
+    }
   };
   visit_all([&](std::size_t cell, std::uint32_t) { ++first_[cell + 1]; });
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
   entries_.resize(first_.back());
-  std::fill(last.begin(), last.end(), kNone);
   visit_all([&](std::size_t cell, std::uint32_t f) { entries_[first_[cell]++] = f; });
   for (std::size_t c = first_.size() - 1; c > 0; --c) first_[c] = first_[c - 1];
   first_[0] = 0;
@@ -98,9 +100,8 @@ std::int32_t FacetGrid::coordinate(double x, std::size_t axis) const {
   return static_cast<std::int32_t>(std::clamp(cell, 0.0, static_cast<double>(dims_[axis] - 1)));
 }
 
-/// The cells of a box round a piece, which is cut in four as long as that is large.
 template <typename Visit>
-void FacetGrid::for_each_cell(const std::array<Vec3d, 3>& piece, const Visit& visit) const {
+bool FacetGrid::for_each_cell(const std::array<Vec3d, 3>& piece, const Visit& visit) const {
   Cell low;
   Cell high;
   bool is_large = false;
@@ -111,11 +112,12 @@ void FacetGrid::for_each_cell(const std::array<Vec3d, 3>& piece, const Visit& vi
   }
   if (is_large) {
     for (const auto& part : simplification::quarters(piece)) for_each_cell(part, visit);
-    return;
+    return false;
   }
   for (std::int32_t z = low[2]; z <= high[2]; ++z)
     for (std::int32_t y = low[1]; y <= high[1]; ++y)
       for (std::int32_t x = low[0]; x <= high[0]; ++x) visit(number({x, y, z}));
+  return true;
 }
 
 double FacetGrid::squared_distance(const Vec3d& p, const Cell& c) const {

@@ -64,8 +64,9 @@ class FacetGrid {
                static_cast<std::size_t>(dims_[0]) +
            static_cast<std::size_t>(c[0]);
   }
+  /// Of a box round a piece, which is cut in four as long as that is large: whether it was not.
   template <typename Visit>
-  void for_each_cell(const std::array<Vec3d, 3>& piece, const Visit& visit) const;
+  bool for_each_cell(const std::array<Vec3d, 3>& piece, const Visit& visit) const;
   /// The squared distance from p to a cell.
   [[nodiscard]] double squared_distance(const Vec3d& p, const Cell& c) const;
   /// Whether what is found there is within `enough`, squared.

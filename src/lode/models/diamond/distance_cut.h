@@ -24,8 +24,9 @@ struct DistanceCut {
 /// Finds which nodes to refine, beside those that the query itself and the border ask for, so
 /// that no point of the query's surface is farther than `max_distance` (world units, > 0) from that
 /// of full resolution, nor any point of that one from it; both as extract_isosurface() gives them.
-/// docs/models/diamond3d.md has the proof. Starts from `worlds`, which only save rounds, and keeps
-/// the triangles of full resolution in memory, 70 bytes each. Deterministic; fails when cancelled.
+/// docs/models/diamond3d.md has the proof. Starts from `worlds`, which only save rounds. Takes
+/// about 75 bytes of memory for each triangle of full resolution, and 130 for each of the cut.
+/// Deterministic; fails when cancelled.
 [[nodiscard]] Result<DistanceCut> find_distance_cut(const Model<3>& model,
                                                     const IsosurfaceQuery& query,
                                                     double max_distance, const WorldErrors& worlds,

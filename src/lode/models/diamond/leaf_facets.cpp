@@ -79,7 +79,10 @@ std::vector<Facet> find_facets(const Selection<3>& selection, Threads threads,
   std::size_t n = all.size();
   for (const auto& part : parts) n += part.size();
   all.reserve(n);
-  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  for (auto& part : parts) {
+    all.insert(all.end(), part.begin(), part.end());
+    std::vector<Facet>().swap(part);  // they are as much again
+  }
   return all;
 }
 
