@@ -133,7 +133,9 @@ struct Totals {
   }
   void add_topology_of(const ExtractReport& job) {
     if (!job.topology) return;
-    if (!report.topology) report.topology = KeptTopology{.persistence = job.topology->persistence};
+    if (!report.topology)
+      report.topology = KeptTopology{.persistence = job.topology->persistence,
+                                     .is_searched = job.topology->is_searched};
     report.topology->critical_nodes += job.topology->critical_nodes;
     report.topology->nodes += job.topology->nodes;
     report.seconds.topology += job.seconds.topology;
@@ -212,15 +214,7 @@ std::string extraction_text(const Extraction& extraction) {
   table.add({"max error", describe_tolerance(extraction.options, report.max_error)});
   table.add({"achieved error", format_number(report.achieved_error)});
   table.add({"coordinate slack", format_number(report.coordinate_slack)});
-  if (report.topology)
-    table.add({"topology",
-               fmt::format("{}: {} critical nodes, {} with what comes before them, "
-                           "found in {}",
-                           report.topology->persistence > 0 ? "what persists of full resolution"
-                                                            : "of full resolution",
-                           format_count(report.topology->critical_nodes),
-                           format_count(report.topology->nodes),
-                           format_seconds(report.seconds.topology))});
+  if (report.topology) table.add({"topology", describe_topology(report)});
   if (extraction.options.style == SurfaceStyle::cubes) {
     const char* when = report.simplified ? ", before it was simplified" : "";
     table.add({"style", "cubes: vertices on grid edges alone"});

@@ -126,6 +126,16 @@ std::string describe_tolerance(const ExtractOptions& options, double max_error) 
          (options.max_error ? "" : " (default: 0.5 % of the value range)");
 }
 
+std::string describe_topology(const ExtractReport& report) {
+  const KeptTopology& kept = *report.topology;
+  if (!kept.is_searched) return "of full resolution, which the surface is";
+  return fmt::format(
+      "{}: {} critical nodes, {} with what comes before them, found in {}",
+      kept.persistence > 0 ? "what persists of full resolution" : "of full resolution",
+      format_count(kept.critical_nodes), format_count(kept.nodes),
+      format_seconds(report.seconds.topology));
+}
+
 void add_extraction(Json& json, const ExtractOptions& options, const ExtractReport& report) {
   json["isovalues"] = options.isovalues;
   json["max_error"] = report.max_error;
@@ -139,9 +149,10 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
     }
   }
   if (report.topology) {
-    json["topology"]["persistence"] = report.topology->persistence;
-    json["topology"]["critical_nodes"] = report.topology->critical_nodes;
-    json["topology"]["nodes"] = report.topology->nodes;
+    const KeptTopology& kept = *report.topology;
+    json["topology"]["persistence"] = kept.persistence;
+    json["topology"]["critical_nodes"] = kept.is_searched ? Json(kept.critical_nodes) : Json();
+    json["topology"]["nodes"] = kept.is_searched ? Json(kept.nodes) : Json();
   }
   json["triangles"] = report.triangles;
   json["lines"] = report.lines;

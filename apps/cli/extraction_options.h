@@ -29,6 +29,9 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments);
 /// "10 (as asked)" or "1.275 (default: 0.5 % of the value range)".
 [[nodiscard]] std::string describe_tolerance(const ExtractOptions& options, double max_error);
 
+/// Of a report with a topology: what was kept, and what that took.
+[[nodiscard]] std::string describe_topology(const ExtractReport& report);
+
 /// The keys of isovalues, tolerance, achieved error and counts.
 void add_extraction(Json& json, const ExtractOptions& options, const ExtractReport& report);
 

@@ -212,6 +212,26 @@ TEST_F(cli_extract, keeps_no_topology_of_what_is_clipped) {
   }
 }
 
+TEST_F(cli_extract, says_what_full_resolution_keeps) {
+  const auto extracted = [&](Words options, const char* max_error) {
+    options.insert(options.end(), {"--isovalue", "100", "--max-error", max_error});
+    const Finished text = extract("s.ply", options);
+    options.emplace_back("--json");
+    return std::pair{text.out, extract("s.ply", options).json()};
+  };
+  const auto [near_text, near] = extracted({"--max-distance", "0.5"}, "0");
+  EXPECT_EQ(near.at("distance").at("proven_distance"), 0);
+  EXPECT_EQ(near.at("distance").at("full_triangles"), near.at("triangles"));
+  EXPECT_EQ(near_text.find("(0 triangles)"), std::string::npos) << near_text;
+  const auto [kept_text, kept] = extracted({"--keep-topology"}, "0");
+  EXPECT_TRUE(kept.at("topology").at("critical_nodes").is_null());
+  EXPECT_TRUE(kept.at("topology").at("nodes").is_null());
+  EXPECT_NE(kept_text.find("of full resolution, which the surface is"), std::string::npos);
+  const auto [coarse_text, coarse] = extracted({"--keep-topology"}, "9");
+  EXPECT_TRUE(coarse.at("topology").at("nodes").is_number());
+  EXPECT_NE(coarse_text.find("critical nodes"), std::string::npos);
+}
+
 TEST_F(cli_extract, leaves_no_normals_where_none_are_wanted) {
   ASSERT_EQ(extract("s.ply", {"--isovalue", "100", "--normals", "off"}).exit_code, 0);
   const auto surface = read_surface(file("s.ply"));

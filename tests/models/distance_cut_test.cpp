@@ -159,6 +159,14 @@ TEST(distance_cut, both_tolerances_hold) {
   EXPECT_GE(both[0], error_alone.surface.triangles.size());
 }
 
+TEST(distance_cut, full_resolution_is_counted_as_such) {
+  const Dataset dataset = dataset_of(volume_of<float>(grid_with({{12, 10, 9}}), wave));
+  const auto [surface, report] =
+      extracted(dataset, {.isovalues = {0.2, 0.4}, .max_error = 0.0, .max_distance = 1.0});
+  EXPECT_EQ(report.distance->full_triangles, surface.triangles.size());
+  EXPECT_EQ(report.distance->proven_distance, 0);
+}
+
 /// Else this file's other tests would say nothing.
 TEST(distance_cut, a_tolerance_in_field_units_alone_breaks_the_distance) {
   const Dataset dataset = dataset_of(noise<std::uint8_t>(grid_with({{9, 11, 10}}), 8, 256));

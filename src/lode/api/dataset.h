@@ -108,7 +108,8 @@ struct ExtractSeconds {
 
 /// How the topology was kept; of several isovalues sums.
 struct KeptTopology {
-  double persistence = 0;            ///< Asked for.
+  double persistence = 0;   ///< Asked for.
+  bool is_searched = true;  ///< Not at a max_error of 0, which refines all: no nodes are counted.
   std::uint64_t critical_nodes = 0;  ///< Refining one changes the topology, by so much.
   std::uint64_t nodes = 0;           ///< With those that come before them.
 };

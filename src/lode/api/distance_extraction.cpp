@@ -45,7 +45,12 @@ Result<diamond::IsosurfaceReport> extract_within_distance(const Dataset::Impl& i
   if (!report.distance) report.distance = DistanceReport{.max_distance = *options.max_distance};
   LODE_TRY(const auto* const held, impl.model(progress));
   const auto& model = std::get<diamond::Model<3>>(*held);
-  if (query.tolerance == 0) return diamond::extract_isosurface<3>(model, query, surface, progress);
+  if (query.tolerance == 0) {  // it is the surface that it is to be near
+    const std::size_t n_before = query.replaces ? 0 : surface.triangles.size();
+    auto part = diamond::extract_isosurface<3>(model, query, surface, progress);
+    report.distance->full_triangles += surface.triangles.size() - n_before;
+    return part;
+  }
   const Stopwatch watch;
   LODE_TRY(const auto worlds, impl.world_errors(progress));
   LODE_TRY(const diamond::DistanceCut cut,

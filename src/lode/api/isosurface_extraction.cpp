@@ -119,7 +119,9 @@ Result<void> measure_style(const diamond::Model<D>& model, const diamond::Isosur
 Result<void> extract_in_memory(const Dataset::Impl& impl, const ExtractOptions& options,
                                Surface& surface, ExtractReport& report, Progress& progress) {
   LODE_TRY(const auto* const held, impl.model(progress));
-  if (options.keep_topology) report.topology = KeptTopology{.persistence = *options.keep_topology};
+  if (options.keep_topology)
+    report.topology =
+        KeptTopology{.persistence = *options.keep_topology, .is_searched = report.max_error > 0};
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
         LODE_CHECK(extract_all<D>(
@@ -127,7 +129,7 @@ Result<void> extract_in_memory(const Dataset::Impl& impl, const ExtractOptions& 
             [&](diamond::IsosurfaceQuery query) -> Result<diamond::IsosurfaceReport> {
               std::optional<diamond::CriticalNodes> critical;
               if constexpr (D == 3)
-                if (report.topology && query.tolerance > 0) {
+                if (report.topology && report.topology->is_searched) {
                   LODE_TRY(critical,
                            critical_nodes(model, query.isovalue, options, report, progress));
                   query.wanted = &critical->nodes;
