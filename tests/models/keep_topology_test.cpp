@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "lode/api/dataset.h"
+#include "lode/api/dataset_impl.h"
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/critical_nodes.h"
+#include "lode/models/diamond/cut_check.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/synthetic_volumes.h"
@@ -260,6 +262,30 @@ TEST(keep_topology, between_holes) {
     ASSERT_EQ(kept.components.size(), full.components.size());
     EXPECT_EQ(kept.euler_number, full.euler_number);
   }
+}
+
+/// Not the coarser one that the tolerance alone leaves.
+TEST(keep_topology, verification_checks_the_cut_that_was_extracted) {
+  const Dataset dataset = built_in_memory(smoothed_noise({{33, 30, 35}}, 5, 2));
+  const ExtractOptions options{.isovalues = {0.2}, .max_error = 1, .keep_topology = 0};
+  Progress progress;
+  Surface surface;
+  const auto extracted = dataset.extract(options, surface, progress);
+  const auto report = dataset.verify_surface(surface, options, progress);
+  ASSERT_TRUE(extracted && report);
+  EXPECT_TRUE(report->passed());
+  const auto& model = std::get<diamond::Model<3>>(**dataset.impl().model(progress));
+  const auto nodes = diamond::find_critical_nodes(model, 0.2, 0, {2}, progress);
+  diamond::IsosurfaceQuery query{.isovalue = 0.2, .tolerance = 1};
+  const auto coarse = diamond::check_cut<3>(model, query, progress);
+  query.wanted = &nodes->nodes;
+  const auto kept = diamond::check_cut<3>(model, query, progress);
+  EXPECT_NE(kept->n_active_samples, coarse->n_active_samples);
+  EXPECT_EQ(kept->achieved_error, extracted->achieved_error);
+  const auto is_of_leaves = [](const auto& check) { return check.name.starts_with("F' within"); };
+  const auto check = std::ranges::find_if(report->checks, is_of_leaves);
+  ASSERT_NE(check, report->checks.end());
+  EXPECT_EQ(check->count, kept->n_active_samples);
 }
 
 TEST(keep_topology, whatever_the_threads) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <optional>
 
 #include "lode/api/surface_text.h"
 #include "lode/api/verification.h"
@@ -11,6 +12,7 @@
 #include "lode/mappers/surface_distance.h"
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/boundary_check.h"
+#include "lode/models/diamond/critical_nodes.h"
 #include "lode/models/diamond/cut_check.h"
 #include "lode/models/diamond/level_set_check.h"
 #include "lode/models/diamond/model_samples.h"
@@ -153,12 +155,17 @@ Result<void> add_distance(const Surface& surface, const Surface& other, const ch
 
 /// Repeats the query and compares it with every sample.
 template <int D>
-Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads, double tolerance,
-                     Progress& progress, VerifyReport& report) {
-  LODE_TRY(
-      const auto cut,
-      diamond::check_cut<D>(
-          model, {.isovalue = isovalue, .tolerance = tolerance, .threads = threads}, progress));
+Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads,
+                     const ExpectedSurface& expected, Progress& progress, VerifyReport& report) {
+  const double tolerance = expected.tolerance;
+  diamond::IsosurfaceQuery query{.isovalue = isovalue, .tolerance = tolerance, .threads = threads};
+  std::optional<diamond::CriticalNodes> critical;
+  if constexpr (D == 3)
+    if (expected.keeps_topology) {
+      LODE_TRY(critical, diamond::find_critical_nodes(model, isovalue, 0, threads, progress));
+      query.wanted = &critical->nodes;
+    }
+  LODE_TRY(const auto cut, diamond::check_cut<D>(model, query, progress));
   const bool is_achieved = cut.achieved_error <= tolerance && cut.n_too_far == 0;
   report.add(fmt::format("F' within the achieved error at {}", isovalue), cut.n_active_samples,
              is_achieved ? 0 : 1,
@@ -222,7 +229,7 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
     return report;
   }
   for (const double isovalue : options.isovalues)
-    LODE_CHECK(add_cut(model, isovalue, options.threads, expected.tolerance, progress, report));
+    LODE_CHECK(add_cut(model, isovalue, options.threads, expected, progress, report));
   return report;
 }
 

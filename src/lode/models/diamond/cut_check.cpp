@@ -46,11 +46,16 @@ class CutChecker {
       return;
     }
     if (query_.tolerance == 0 || facts.error > query_.tolerance ||
-        model_.shape.reaches_across(d.centre, d.level)) {
+        model_.shape.reaches_across(d.centre, d.level) || is_wanted(d)) {
       for (const Simplex<D>& half : bisect(s)) visit(half, report, may_wait);
       return;
     }
     check_active(s, box, facts.error, report);
+  }
+
+  [[nodiscard]] bool is_wanted(const Diamond<D>& d) const {
+    if constexpr (D == 3) return query_.wanted != nullptr && query_.wanted->contains(d.centre);
+    return false;
   }
 
   /// Whether an extraction may leave a simplex aside because of its corners: they lie on one side,

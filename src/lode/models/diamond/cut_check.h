@@ -19,10 +19,10 @@ struct CutReport {
   std::string worst;                   ///< Where, when something is wrong.
 };
 
-/// Repeats a query simplex by simplex and compares with every sample: F' is within the stored
-/// error on every leaf that may hold the surface, and no simplex that was left aside holds any
-/// of it. Shares the stored attributes with the extraction, but neither its selection nor its
-/// traversals. Simplices that holes remove hold no surface and are passed over.
+/// Repeats a query, with its wanted nodes, simplex by simplex and compares with every sample: F' is
+/// within the stored error on every leaf that may hold the surface, and no simplex that was left
+/// aside holds any of it. Shares the stored attributes with the extraction, but neither its
+/// selection nor its traversals. Simplices that holes remove hold no surface and are passed over.
 template <int D>
 [[nodiscard]] Result<CutReport> check_cut(const Model<D>& model, const IsosurfaceQuery& query,
                                           Progress& progress);
