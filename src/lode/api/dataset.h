@@ -261,8 +261,10 @@ class Dataset {
   /// Checks a surface extracted with `options`: manifold, oriented, closed where it must be, free
   /// of self-intersections, within tolerance everywhere, and all that repeating the query makes.
   /// With a max_distance also how far it is from full resolution and back, measured to 1/16 of
-  /// that. One that was simplified is no level set: its pieces are compared with those of what the
-  /// query makes before, and its distance from that and back is measured likewise.
+  /// that, or as near as 16384 pieces of a triangle allow: with a distance far below the triangles
+  /// the bounds that the report gives are farther apart. One that was simplified is no level set:
+  /// its pieces are compared with those of what the query makes before, and its distance from that
+  /// and back is measured likewise.
   [[nodiscard]] Result<VerifyReport> verify_surface(const Surface& surface,
                                                     const ExtractOptions& options,
                                                     Progress& progress) const;
