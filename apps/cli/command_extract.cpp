@@ -258,14 +258,14 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
   job_options.isovalues = job.isovalues;
   const auto note = [&](const ExtractReport& report) -> SurfaceWriteOptions {
     return {.comment =
-                fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}", LODE_VERSION,
-                            job.isovalues.size() == 1 ? "isovalue" : "isovalues",
+                fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}{}",
+                            LODE_VERSION, job.isovalues.size() == 1 ? "isovalue" : "isovalues",
                             fmt::join(job.isovalues, " "), report.max_error, report.achieved_error,
                             options.style == SurfaceStyle::cubes
                                 ? fmt::format(", style cubes, style_error {}", report.style_error)
                                 : "",
-                            distance_comment(report), simplify_comment(report),
-                            salvage_comment(input.dataset.salvaged())),
+                            topology_comment(report), distance_comment(report),
+                            simplify_comment(report), salvage_comment(input.dataset.salvaged())),
             .frame = input.info.volume.grid.frame};
   };
   LODE_TRY(const ExtractReport report,

@@ -136,6 +136,11 @@ std::string describe_topology(const ExtractReport& report) {
       format_seconds(report.seconds.topology));
 }
 
+std::string topology_comment(const ExtractReport& report) {
+  if (!report.topology) return "";
+  return fmt::format(", keep_topology {}", report.topology->persistence);
+}
+
 void add_extraction(Json& json, const ExtractOptions& options, const ExtractReport& report) {
   json["isovalues"] = options.isovalues;
   json["max_error"] = report.max_error;

@@ -32,6 +32,9 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments);
 /// Of a report with a topology: what was kept, and what that took.
 [[nodiscard]] std::string describe_topology(const ExtractReport& report);
 
+/// For a file's comment: ", keep_topology ...", or nothing.
+[[nodiscard]] std::string topology_comment(const ExtractReport& report);
+
 /// The keys of isovalues, tolerance, achieved error and counts.
 void add_extraction(Json& json, const ExtractOptions& options, const ExtractReport& report);
 

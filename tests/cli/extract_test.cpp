@@ -232,6 +232,19 @@ TEST_F(cli_extract, says_what_full_resolution_keeps) {
   EXPECT_NE(coarse_text.find("critical nodes"), std::string::npos);
 }
 
+TEST_F(cli_extract, writes_into_files_what_they_keep) {
+  const auto head_of = [&](const Words& options) {
+    Words all{"--isovalue", "100", "--max-error", "9"};
+    all.insert(all.end(), options.begin(), options.end());
+    EXPECT_EQ(extract("s.ply", all).exit_code, 0);
+    return read_bytes(file("s.ply")).substr(0, 400);
+  };
+  EXPECT_NE(head_of({"--keep-topology"}).find(", keep_topology 0\n"), std::string::npos);
+  const std::string both = head_of({"--keep-topology=2.5", "--max-distance", "0.5"});
+  EXPECT_NE(both.find(", keep_topology 2.5, max_distance 0.5"), std::string::npos) << both;
+  EXPECT_EQ(head_of({}).find("keep_topology"), std::string::npos);
+}
+
 TEST_F(cli_extract, leaves_no_normals_where_none_are_wanted) {
   ASSERT_EQ(extract("s.ply", {"--isovalue", "100", "--normals", "off"}).exit_code, 0);
   const auto surface = read_surface(file("s.ply"));

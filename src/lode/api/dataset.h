@@ -110,8 +110,10 @@ struct ExtractSeconds {
 struct KeptTopology {
   double persistence = 0;   ///< Asked for.
   bool is_searched = true;  ///< Not at a max_error of 0, which refines all: no nodes are counted.
-  std::uint64_t critical_nodes = 0;  ///< Refining one changes the topology, by so much.
-  std::uint64_t nodes = 0;           ///< With those that come before them.
+  /// Refining one changes the topology; but at the domain's border also some that reach across
+  /// it, which are refined for that anyway, are counted.
+  std::uint64_t critical_nodes = 0;
+  std::uint64_t nodes = 0;  ///< With those that come before them.
 };
 
 /// How max_distance was kept; of several isovalues sums, and the largest distances.

@@ -11,7 +11,8 @@ namespace lode::diamond {
 /// Nodes without which a cut's surface may have another topology than that of full resolution.
 struct CriticalNodes {
   NodeSet<3> nodes;              ///< With their ancestors: IsosurfaceQuery::wanted.
-  std::uint64_t n_critical = 0;  ///< Themselves,
+  std::uint64_t n_critical = 0;  ///< Themselves: also those that reach across the border, refined
+                                 ///< anyway, whose ring it breaks into pieces;
   std::uint64_t n_nodes = 0;     ///< and with the ancestors.
 };
 
