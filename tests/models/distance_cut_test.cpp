@@ -196,7 +196,8 @@ TEST(distance_cut, gives_whole_surfaces_that_verify_measures) {
   const auto report = dataset.verify_surface(found.surface, options, progress);
   ASSERT_TRUE(report) << report.error().message;
   for (const auto& check : report->checks) EXPECT_TRUE(check.passed) << check.name << check.detail;
-  ASSERT_NE(report->checks.back().name.find("distance from full resolution"), std::string::npos);
+  ASSERT_NE(report->checks.back().name.find("distance from that at full resolution"),
+            std::string::npos);
   for (Vec3f& p : found.surface.positions) p[1] += 4;
   EXPECT_FALSE(dataset.verify_surface(found.surface, options, progress)->checks.back().passed);
 }
