@@ -55,6 +55,7 @@ class Cells {
         const Vec3d p = (t[0] - lower) + (t[1] - t[0]) * s + (t[2] - t[0]) * u;
         for (std::size_t i = 0; i < 3; ++i) points_[i][n_points_] = static_cast<float>(p[i]);
         is_near_any_[n_points_] = 0;
+        is_wanted_[n_points_] = 0;
       }
   }
   void mark(const Vec3f& point, float limit2) {
@@ -71,28 +72,42 @@ class Cells {
       is_marked_[i] |= static_cast<std::int32_t>(x * x + y * y <= disc2);
     }
   }
+  /// Whether a triangle within this box, widened by the limit, could be near all corners of a cell
+  /// that is not marked, or the first to be near one of them; after unmarked_box().
+  [[nodiscard]] bool may_use(const Vec3f& low, const Vec3f& high) const {
+    std::array<std::int32_t, kMaxPoints> is_in;
+    std::int32_t is_first = 0;
+    for (std::size_t i = 0; i < n_points_; ++i) {
+      const float x = points_[0][i];
+      const float y = points_[1][i];
+      const float z = points_[2][i];
+      is_in[i] = static_cast<std::int32_t>(x >= low[0]) & static_cast<std::int32_t>(x <= high[0]) &
+                 static_cast<std::int32_t>(y >= low[1]) & static_cast<std::int32_t>(y <= high[1]) &
+                 static_cast<std::int32_t>(z >= low[2]) & static_cast<std::int32_t>(z <= high[2]);
+      is_first |= is_in[i] & is_wanted_[i] & (is_near_any_[i] ^ 1);
+    }
+    if (is_first != 0) return true;
+    std::int32_t has_cell = 0;
+    for_each_cell([&](std::size_t cell, std::size_t a, std::size_t b, std::size_t c) {
+      has_cell |= is_in[a] & is_in[b] & is_in[c] & (is_marked_[cell] ^ 1);
+    });
+    return has_cell != 0;
+  }
   /// Those whose corners are all near one triangle.
   void mark(const std::array<Vec3f, 3>& target, float limit2) {
     std::array<std::int32_t, kMaxPoints> is_near;
     find_near(target, limit2, is_near);
     for (std::size_t i = 0; i < n_points_; ++i) is_near_any_[i] |= is_near[i];
-    std::size_t cell = 0;
-    std::size_t above = 0;  // the first point of the row before
-    for (std::size_t row = 0; row < n_; ++row) {
-      const std::size_t below = above + row + 1;
-      for (std::size_t c = 0; c <= row; ++c) {
-        const std::int32_t middle = is_near[above + c] & is_near[below + c + 1];
-        is_marked_[cell++] |= middle & is_near[below + c];
-        if (c < row) is_marked_[cell++] |= middle & is_near[above + c + 1];
-      }
-      above = below;
-    }
+    for_each_cell([&](std::size_t cell, std::size_t a, std::size_t b, std::size_t c) {
+      is_marked_[cell] |= is_near[a] & is_near[b] & is_near[c];
+    });
   }
   /// That holds all cells that are not marked; after place_points().
-  [[nodiscard]] std::pair<Vec3f, Vec3f> unmarked_box() const {
+  [[nodiscard]] std::pair<Vec3f, Vec3f> unmarked_box() {
     constexpr float kFar = std::numeric_limits<float>::max();
     std::pair<Vec3f, Vec3f> box{{{kFar, kFar, kFar}}, {{-kFar, -kFar, -kFar}}};
     for_each_unmarked_corner([&](std::size_t point) {
+      is_wanted_[point] = 1;
       for (std::size_t i = 0; i < 3; ++i) {
         box.first[i] = std::min(box.first[i], points_[i][point]);
         box.second[i] = std::max(box.second[i], points_[i][point]);
@@ -116,22 +131,29 @@ class Cells {
  private:
   static constexpr std::size_t kMaxPoints = (kMaxCells + 1) * (kMaxCells + 2) / 2;
 
-  /// Some of them more than once.
+  /// visit(cell, and its three points).
   template <typename Visit>
-  void for_each_unmarked_corner(const Visit& visit) const {
+  void for_each_cell(const Visit& visit) const {
     std::size_t cell = 0;
-    std::size_t above = 0;
+    std::size_t above = 0;  // the first point of the row before
     for (std::size_t row = 0; row < n_; ++row) {
       const std::size_t below = above + row + 1;
-      for (std::size_t at = 0; at <= 2 * row; ++at, ++cell) {
-        if (is_marked_[cell] != 0) continue;
-        const std::size_t c = at / 2;
-        visit(above + c);
-        visit(below + c + 1);
-        visit(at % 2 == 0 ? below + c : above + c + 1);
+      for (std::size_t c = 0; c <= row; ++c) {
+        visit(cell++, above + c, below + c + 1, below + c);
+        if (c < row) visit(cell++, above + c, below + c + 1, above + c + 1);
       }
       above = below;
     }
+  }
+  /// Some of them more than once.
+  template <typename Visit>
+  void for_each_unmarked_corner(const Visit& visit) const {
+    for_each_cell([&](std::size_t cell, std::size_t a, std::size_t b, std::size_t c) {
+      if (is_marked_[cell] != 0) return;
+      visit(a);
+      visit(b);
+      visit(c);
+    });
   }
   /// Which corners of cells are within the limit of a triangle. In doubles: beside a long sliver
   /// floats would take points beyond its ends for points over it.
@@ -188,6 +210,8 @@ class Cells {
   std::size_t n_ = 0;
   std::size_t n_points_ = 0;
   std::array<std::int32_t, kMaxPoints> is_near_any_{};
+  std::array<std::int32_t, kMaxPoints>
+      is_wanted_{};  ///< Corners of cells to be marked by triangles.
   std::array<std::array<float, kMaxPoints>, 3> points_{};  ///< Corners of cells, row by row.
   std::size_t count_ = 0;
   float radius_ = 0;

@@ -94,13 +94,19 @@ void Cover::mark_by_triangles(const Piece& piece, std::size_t begin, std::size_t
     return true;
   };
   near_.clear();
+  if (++n_calls_ == 0 || last_call_.empty()) {
+    last_call_.assign(original_.triangles.size(), 0);
+    n_calls_ = 1;
+  }
   for (std::size_t i = begin; i < end; ++i) {
     const Vec3f p{{local_[0][i], local_[1][i], local_[2][i]}};
     if (!is_near(p, p, limit_ + longest_edge_)) continue;
-    const auto some = around_.of(vertices_[i]);
-    near_.insert(near_.end(), some.begin(), some.end());
+    for (const std::uint32_t t : around_.of(vertices_[i])) {
+      if (last_call_[t] == n_calls_) continue;
+      last_call_[t] = n_calls_;
+      near_.push_back(t);
+    }
   }
-  sort_unique(near_);
   for (const std::uint32_t t : near_) {
     std::array<Vec3f, 3> target;
     for (std::size_t k = 0; k < 3; ++k)
@@ -114,10 +120,12 @@ void Cover::mark_by_triangles(const Piece& piece, std::size_t begin, std::size_t
     // Of a sliver floats know the direction to 6e-6, which along 100 limits is a thousandth.
     const bool is_small =
         std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]}) < 100 * limit_;
-    if (is_small && is_near(low, high, limit_)) {
-      cells_.mark(target, limit2);
-      n_tests_ += kCorners;
-    }
+    if (!is_small || !is_near(low, high, limit_)) continue;
+    const Vec3f reach{{limit_, limit_, limit_}};
+    if (!cells_.may_use(low - reach, high + reach)) continue;
+    cells_.mark(target, limit2);
+    n_tests_ += kCorners;
+    if (cells_.are_all_marked()) return;
   }
 }
 

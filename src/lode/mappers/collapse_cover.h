@@ -78,6 +78,8 @@ class Cover {
   std::vector<float> distances_;
   Cells cells_;
   std::vector<std::uint32_t> near_;
+  std::vector<std::uint32_t> last_call_;  ///< Of mark_by_triangles() that met the triangle.
+  std::uint32_t n_calls_ = 0;
 };
 
 }  // namespace lode::simplification
