@@ -31,7 +31,8 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
 Result<void> check_verify(const VerifyArguments& arguments) {
   LODE_TRY(const ExtractOptions options, options_of(arguments));
   if ((options.max_distance || options.simplify_distance) && arguments.surface.empty())
-    return fail("--max-distance: expected --surface FILE with it, got none");
+    return fail("{}: expected --surface FILE with it, got none",
+                options.simplify_distance ? "--simplify" : "--max-distance");
   if (!arguments.surface.empty()) {
     LODE_CHECK(check_surface_path(arguments.surface));
     if (options.isovalues.empty())

@@ -219,6 +219,25 @@ TEST(distance_cut, refuses_what_it_cannot_keep) {
   expect_refused({.max_distance = 1.0, .clip = Box3d{{{0, 0, 0}}, {{1, 1, 1}}}}, "clip box");
 }
 
+TEST(simplified_surface, is_verified_of_volumes_and_triangles_alone) {
+  Progress progress;
+  const Dataset flat = dataset_of(noise<std::uint8_t>(grid_with({{9, 8, 1}}), 3, 256));
+  ExtractOptions options{.isovalues = {100}, .max_error = 0};
+  Surface contour;
+  ASSERT_TRUE(flat.extract(options, contour, progress));
+  options.simplify_distance = 0.5;
+  const auto refused = flat.verify_surface(contour, options, progress);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("expected a volume"), std::string::npos);
+  const Dataset volume = dataset_of(volume_of<float>(grid_with({{9, 8, 7}}), wave));
+  options.isovalues = {0.2};
+  const auto failed = volume.verify_surface(contour, options, progress);
+  ASSERT_TRUE(failed) << failed.error().message;
+  EXPECT_FALSE(failed->passed());
+  options.simplify_distance = -1;
+  EXPECT_FALSE(volume.verify_surface(contour, options, progress));
+}
+
 TEST(distance_cut, stops_when_cancelled) {
   const Dataset dataset = dataset_of(noise<std::uint8_t>(grid_with({{33, 33, 33}}), 11, 256));
   Progress* running = nullptr;

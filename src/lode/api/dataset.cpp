@@ -168,6 +168,7 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
         "of "
         "full resolution may go is not checked",
         *options.keep_topology);
+  LODE_CHECK(check_extraction(*impl_, options));
   ExtractOptions again = options;
   again.normals = Normals::off;
   again.deviation = Deviation::measured;

@@ -83,6 +83,9 @@ class Dataset::Impl {
 
 /// Refuses options that have no answer.
 [[nodiscard]] Result<void> check_extract_options(const ExtractOptions& options);
+/// With what the data cannot have.
+[[nodiscard]] Result<void> check_extraction(const Dataset::Impl& impl,
+                                            const ExtractOptions& options);
 
 /// The tolerance that is chosen where none is asked for.
 [[nodiscard]] inline double default_tolerance(const diamond::FieldStats& stats) {

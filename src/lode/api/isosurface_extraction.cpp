@@ -244,19 +244,8 @@ const char* need_of_whole_model(const ExtractOptions& options) {
   return options.style == SurfaceStyle::cubes ? "style cubes" : nullptr;
 }
 
-Result<void> check_is_volume(const Dataset::Impl& impl, const ExtractOptions& options) {
-  if (!impl.is_flat()) return {};
-  const char* const asked = options.simplify_distance ? "simplifying"
-                            : options.max_distance    ? "max_distance"
-                            : options.keep_topology   ? "keep_topology"
-                                                      : nullptr;
-  if (asked == nullptr) return {};
-  return fail("{}: expected a volume, got a flat image, whose contours are lines", asked);
-}
-
 Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOptions& options) {
-  LODE_CHECK(check_extract_options(options));
-  LODE_CHECK(check_is_volume(impl, options));
+  LODE_CHECK(check_extraction(impl, options));
   const char* const need = need_of_whole_model(options);
   ExtractPlan plan;
   plan.report.max_error = tolerance_of(impl.summary().stats, options);
@@ -286,38 +275,6 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
 }
 
 }  // namespace
-
-Result<void> check_extract_options(const ExtractOptions& options) {
-  if (options.isovalues.empty()) return fail("expected at least one isovalue, got none");
-  for (const double c : options.isovalues)
-    if (!std::isfinite(c)) return fail("expected a finite isovalue, got {}", c);
-  if (options.max_error && !(*options.max_error >= 0 && std::isfinite(*options.max_error)))
-    return fail("expected a finite max_error >= 0, got {}", *options.max_error);
-  if (options.clip)
-    for (std::size_t i = 0; i < 3; ++i)
-      if (!(options.clip->lower[i] < options.clip->upper[i]))
-        return fail("expected a clip box with lower < upper on each axis, got {} and {} on axis {}",
-                    options.clip->lower[i], options.clip->upper[i], i);
-  if (options.style == SurfaceStyle::cubes && options.max_error.value_or(1) > 0)
-    return fail("style cubes: expected a max_error of 0, as it has full resolution only, got {}",
-                options.max_error ? fmt::format("{}", *options.max_error) : "none");
-  if (options.border == Border::closed && options.isovalues.size() > 1)
-    return fail(
-        "closing at the border: expected one isovalue, got {}: caps of several would lie "
-        "in each other",
-        options.isovalues.size());
-  if (options.border == Border::closed && options.clip)
-    return fail("closing at the border: expected no clip box, whose cut would stay open");
-  LODE_CHECK(check_max_distance(options));
-  LODE_CHECK(check_keep_topology(options));
-  if (options.simplify_distance &&
-      !(*options.simplify_distance > 0 && std::isfinite(*options.simplify_distance)))
-    return fail("expected a finite distance > 0 to simplify within, got {}",
-                *options.simplify_distance);
-  if (options.simplify_distance && options.border == Border::closed)
-    return fail("simplifying: expected an open border, whose planes caps would leave");
-  return {};
-}
 
 Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& surface,
                                        Progress& progress) const try {

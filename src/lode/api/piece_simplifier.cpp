@@ -105,9 +105,10 @@ bool PieceSimplifier::halve(const Surface& surface, Triangles& lower, Triangles&
   const auto above = std::stable_partition(lower.begin(), lower.end(), [&](std::uint32_t t) {
     return centre3(surface, t, axis) < plane3;
   });
+  if (above == lower.begin() || above == lower.end()) return false;
   upper.assign(above, lower.end());
   lower.erase(above, lower.end());
-  return !lower.empty() && !upper.empty();
+  return true;
 }
 
 /// `numbers`: of the piece's vertices in the sink, kGone before they are there.

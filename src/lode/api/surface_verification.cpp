@@ -141,12 +141,17 @@ void add_pieces(const Surface& surface, const Surface& other, const char* whose,
 Result<void> add_distance(const Surface& surface, const Surface& other, const char* whose,
                           double max_distance, Threads threads, Progress& progress,
                           VerifyReport& report) {
+  const std::string name = fmt::format("distance from that {} and back", whose);
+  if (!surface.lines.empty()) {
+    report.add(name, surface.lines.size(), 1, "lines, whose distance is not measured");
+    return {};
+  }
   constexpr double kAccuracy = 1.0 / 16;
   LODE_TRY(const SurfaceDistance distance,
            measure_distance(surface, other, {kAccuracy * max_distance, threads}, progress));
   const double allowed = max_distance + rounding_of(surface, other);
-  report.add(fmt::format("distance from that {} and back", whose),
-             surface.triangles.size() + other.triangles.size(), distance.lower() <= allowed ? 0 : 1,
+  report.add(name, surface.triangles.size() + other.triangles.size(),
+             distance.lower() <= allowed ? 0 : 1,
              fmt::format("measured {} and {}, at most {} and {}, of {}", distance.from_first.lower,
                          distance.from_second.lower, distance.from_first.upper,
                          distance.from_second.upper, max_distance));

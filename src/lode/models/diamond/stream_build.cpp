@@ -24,6 +24,20 @@ namespace {
 /// Counts up with every change of what a build writes, so that none goes on from another's part.
 constexpr std::uint32_t kPartFormat = 7;
 
+/// Lets a source obey `progress` for as long as this is there.
+class Obedience {
+ public:
+  Obedience(VolumeSource& source, const Progress& progress) : source_(source) {
+    source_.obey(&progress);
+  }
+  Obedience(const Obedience&) = delete;
+  Obedience& operator=(const Obedience&) = delete;
+  ~Obedience() { source_.obey(nullptr); }
+
+ private:
+  VolumeSource& source_;
+};
+
 /// Hands out boxes of a source's samples in their storage type, a few slices at a time.
 template <int D>
 class BoxReader {
@@ -375,10 +389,8 @@ Result<StreamReport> build_file(VolumeSource& source, const std::string& path,
   LODE_TRY(const std::int32_t chunks_per_part, choose_chunks<D>(source, settings));
   LODE_TRY(const auto spool, spool_borders<D>(source, chunks_per_part, path));
   VolumeSource& from = spool ? *spool : source;
-  from.obey(&progress);
-  auto report = StreamBuild<D>(from, spool.get(), settings, chunks_per_part, progress).run(path);
-  from.obey(nullptr);
-  return report;
+  const Obedience obedience(from, progress);
+  return StreamBuild<D>(from, spool.get(), settings, chunks_per_part, progress).run(path);
 }
 
 template Result<StreamReport> build_file<2>(VolumeSource&, const std::string&,
