@@ -56,6 +56,20 @@ TEST_F(cli_focused, keeps_budgets_and_says_when_it_cannot) {
   EXPECT_FALSE(less.at("warnings").empty());
 }
 
+TEST_F(cli_focused, names_the_memory_limit_where_that_ends_it) {
+  const Words focus = {"--box", "0,16,0,16,0,16", "--max-error", "0", "--memory-limit", "1K"};
+  const Finished run = extract(focus);
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.err.find("the memory limit is too small"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("--max-cells"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("meets nothing"), std::string::npos) << run.err;
+  Words mesh = focus;
+  mesh.insert(mesh.end(), {"--mesh"});
+  const Finished meshed = BallFixture::extract("m.vtu", mesh);
+  EXPECT_EQ(meshed.exit_code, 0) << meshed.err;
+  EXPECT_EQ(meshed.err.find("--max-cells"), std::string::npos) << meshed.err;
+}
+
 TEST_F(cli_focused, looks_through_a_camera) {
   write_camera_file(-60);
   const Words view{"--view", scratch_ / "camera.json", "--view-size", "400x300"};
