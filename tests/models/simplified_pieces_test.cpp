@@ -20,8 +20,9 @@ RegularGrid grid_of(const Index3& dims) {
 /// Waves through several chunks, with noise that makes small pieces.
 Volume noisy_waves(const RegularGrid& grid, double noise = 1) {
   return oracles::volume_of<std::uint8_t>(grid, [&](const Index3& p) {
-    const auto hash =
-        static_cast<std::uint32_t>(p[0] * 73856093 ^ p[1] * 19349663 ^ p[2] * 83492791);
+    const auto hash = static_cast<std::uint32_t>(p[0]) * 73856093U ^
+                      static_cast<std::uint32_t>(p[1]) * 19349663U ^
+                      static_cast<std::uint32_t>(p[2]) * 83492791U;
     return 120 + 50 * std::sin(0.11 * p[0]) * std::cos(0.09 * p[1] + 0.05 * p[2]) +
            noise * static_cast<double>(hash * 2654435761U >> 30);
   });

@@ -20,6 +20,7 @@ class MemorySource final : public VolumeSource {
     const std::size_t size = size_of(volume_.info.type);
     const std::size_t row_bytes = static_cast<std::size_t>(box.dims()[0]) * size;
     LODE_EXPECTS(out.size() == static_cast<std::size_t>(box.n_samples()) * size);
+    if (box.is_empty()) return {};
     std::byte* to = out.data();
     for (std::int32_t z = box.lower[2]; z < box.upper[2]; ++z)
       for (std::int32_t y = box.lower[1]; y < box.upper[1]; ++y) {

@@ -22,7 +22,7 @@ namespace lode::diamond {
 namespace {
 
 /// Counts up with every change of what a build writes, so that none goes on from another's part.
-constexpr std::uint32_t kPartFormat = 7;
+constexpr std::uint32_t kPartFormat = 8;
 
 /// Lets a source obey `progress` for as long as this is there.
 class Obedience {
