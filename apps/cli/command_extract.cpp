@@ -105,17 +105,7 @@ struct Totals {
   void add_simplified_job(const ExtractReport& job) {
     if (!job.simplified) return;
     if (!report.simplified) report.simplified.emplace();
-    SimplifyReport& all = *report.simplified;
-    all.max_distance = job.simplified->max_distance;
-    all.proven_distance = std::max(all.proven_distance, job.simplified->proven_distance);
-    all.triangles_before += job.simplified->triangles_before;
-    all.triangles += job.simplified->triangles;
-    all.collapses += job.simplified->collapses;
-    all.undone += job.simplified->undone;
-    all.input_crossings += job.simplified->input_crossings;
-    all.seconds.collapse += job.simplified->seconds.collapse;
-    all.seconds.check += job.simplified->seconds.check;
-    all.seconds.finish += job.simplified->seconds.finish;
+    report.simplified->join(*job.simplified);
     report.seconds.simplify += job.seconds.simplify;
   }
   void add_distance_of(const ExtractReport& job) {

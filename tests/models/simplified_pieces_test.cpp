@@ -2,14 +2,15 @@
 #include <filesystem>
 
 #include "lode/api/dataset_impl.h"
-#include "lode/api/file_build.h"
 #include "lode/api/files.h"
 #include "tests/models/stored_fixtures.h"
+#include "tests/models/volume_files.h"
 
 namespace lode {
 namespace {
 
 using store::TestPath;
+using test::stored;
 
 RegularGrid grid_of(const Index3& dims) {
   RegularGrid grid;
@@ -26,14 +27,6 @@ Volume noisy_waves(const RegularGrid& grid, double noise = 1) {
     return 120 + 50 * std::sin(0.11 * p[0]) * std::cos(0.09 * p[1] + 0.05 * p[2]) +
            noise * static_cast<double>(hash * 2654435761U >> 30);
   });
-}
-
-std::string file_of(const TestPath& path, const Volume& volume) {
-  Progress progress;
-  const auto source = make_memory_source(volume);
-  const auto built = build_file(*source, path.str(), {}, progress);
-  EXPECT_TRUE(built) << (built ? "" : built.error().message);
-  return path.str();
 }
 
 struct Simplified {
@@ -79,7 +72,7 @@ void expect_verified(const std::string& lode, const Surface& surface) {
 
 void expect_simplified(const Volume& volume, const char* extension) {
   const TestPath path("simplified.lode");
-  const std::string lode = file_of(path, volume);
+  const std::string lode = stored(path, volume);
   Simplified result;
   simplify_by_pieces(lode, extension, {2}, result);
   if (testing::Test::HasFatalFailure()) return;
@@ -120,7 +113,7 @@ TEST(simplified_pieces, may_end_at_holes) {
 
 TEST(simplified_pieces, are_the_same_for_any_number_of_threads) {
   const TestPath path("threads.lode");
-  const std::string lode = file_of(path, noisy_waves(grid_of({{800, 24, 20}})));
+  const std::string lode = stored(path, noisy_waves(grid_of({{800, 24, 20}})));
   Simplified one;
   Simplified three;
   simplify_by_pieces(lode, ".vtp", {1}, one);
@@ -134,7 +127,7 @@ TEST(simplified_pieces, are_of_full_resolution_and_one_isovalue_in_frames_like_t
   const TestPath path("refused.lode");
   RegularGrid grid = grid_of({{800, 24, 20}});
   const auto comes_in_pieces = [&](const ExtractOptions& options) {
-    const std::string lode = file_of(path, noisy_waves(grid));
+    const std::string lode = stored(path, noisy_waves(grid));
     const auto dataset = Dataset::open(lode, {1});
     ExtractOptions limited = options;
     limited.memory_limit = dataset->impl().chunk_bytes();

@@ -3,14 +3,15 @@
 #include <filesystem>
 
 #include "lode/api/dataset_impl.h"
-#include "lode/api/file_build.h"
 #include "lode/api/files.h"
 #include "tests/models/stored_fixtures.h"
+#include "tests/models/volume_files.h"
 
 namespace lode {
 namespace {
 
 using store::TestPath;
+using test::stored;
 
 std::string bytes_at(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -26,14 +27,6 @@ Volume wavy(const Index3& dims) {
     return is_checkered ? 100.0 + 40 * ((p[0] + p[1] + p[2]) % 2)
                         : 120 + 50 * std::sin(0.11 * p[0]) * std::cos(0.07 * p[1] + 0.05 * p[2]);
   });
-}
-
-std::string stored(const TestPath& path, const Volume& volume) {
-  Progress progress;
-  const auto source = make_memory_source(volume);
-  const auto built = build_file(*source, path.str(), {}, progress);
-  EXPECT_TRUE(built) << (built ? "" : built.error().message);
-  return path.str();
 }
 
 struct PiecesCase {

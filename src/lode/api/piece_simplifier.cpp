@@ -144,24 +144,12 @@ Result<void> PieceSimplifier::add_part(const Surface& surface, const Triangles& 
   std::vector<std::uint32_t> simplified;
   LODE_TRY(const SimplifyReport done,
            simplify_piece(part.surface, options_, simplified, progress_));
-  add_to_report(done);
+  report_.join(done);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     LODE_EXPECTS(i < n_new || simplified[i] != kGone);
     if (i < n_new && simplified[i] != kGone) numbers[vertices[i]] = part.first_new + simplified[i];
   }
   return out_.add(std::move(part));
-}
-
-void PieceSimplifier::add_to_report(const SimplifyReport& part) {
-  report_.triangles_before += part.triangles_before;
-  report_.triangles += part.triangles;
-  report_.collapses += part.collapses;
-  report_.undone += part.undone;
-  report_.proven_distance = std::max(report_.proven_distance, part.proven_distance);
-  report_.input_crossings += part.input_crossings;
-  report_.seconds.collapse += part.seconds.collapse;
-  report_.seconds.check += part.seconds.check;
-  report_.seconds.finish += part.seconds.finish;
 }
 
 std::uint32_t PieceSimplifier::number_of(std::uint32_t before) const {

@@ -46,7 +46,6 @@ class PieceSimplifier : public SurfaceSink {
   [[nodiscard]] bool halve(const Surface& surface, Triangles& lower, Triangles& upper) const;
   [[nodiscard]] Result<void> add_part(const Surface& surface, const Triangles& triangles,
                                       std::vector<std::uint32_t>& numbers);
-  void add_to_report(const SimplifyReport& part);
   [[nodiscard]] std::uint32_t number_of(std::uint32_t before) const;
 
   SimplifyOptions options_;

@@ -58,6 +58,18 @@ struct CollapseMesh {
   return {{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}};
 }
 
+/// Lower and upper corner of the box round some points, at least one.
+template <typename Points>
+[[nodiscard]] std::array<Vec3f, 2> bounds_of(const Points& points) {
+  std::array<Vec3f, 2> box{points.front(), points.front()};
+  for (const Vec3f& p : points)
+    for (std::size_t i = 0; i < 3; ++i) {
+      box[0][i] = std::min(box[0][i], p[i]);
+      box[1][i] = std::max(box[1][i], p[i]);
+    }
+  return box;
+}
+
 inline void sort_unique(std::vector<std::uint32_t>& numbers) {
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());

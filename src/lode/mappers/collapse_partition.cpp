@@ -14,13 +14,7 @@ class CellNumbers {
  public:
   CellNumbers(const UninitializedArray<Vec3f>& positions, const PartitionLattice& lattice)
       : lattice_(lattice) {
-    Vec3f lower = positions.front();
-    Vec3f upper = lower;
-    for (const Vec3f& p : positions)
-      for (std::size_t i = 0; i < 3; ++i) {
-        lower[i] = std::min(lower[i], p[i]);
-        upper[i] = std::max(upper[i], p[i]);
-      }
+    const auto [lower, upper] = bounds_of(positions);
     // Where there is little surface in much space, cells are larger than asked for.
     for (;; lattice_.edge *= 2) {
       for (std::size_t i = 0; i < 3; ++i) {

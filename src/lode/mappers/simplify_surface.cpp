@@ -43,17 +43,6 @@ double mean_area(const Surface& surface) {
   return sum / static_cast<double>(count);
 }
 
-std::array<Vec3f, 2> box_of(const Surface& surface) {
-  Vec3f lower = surface.positions.front();
-  Vec3f upper = lower;
-  for (const Vec3f& p : surface.positions)
-    for (std::size_t i = 0; i < 3; ++i) {
-      lower[i] = std::min(lower[i], p[i]);
-      upper[i] = std::max(upper[i], p[i]);
-    }
-  return {lower, upper};
-}
-
 CollapseMesh make_mesh(const Surface& surface, Threads threads) {
   CollapseMesh mesh;
   const std::size_t n = surface.positions.size();
@@ -154,7 +143,7 @@ class Simplifier {
 Result<void> Simplifier::collapse(int pass) {
   const double area = mean_area(surface_);
   const double edge = std::sqrt(kBlockTriangles * area);
-  const auto [lower, upper] = box_of(surface_);
+  const auto [lower, upper] = bounds_of(surface_.positions);
   const BlockLimits limits{.distance = static_cast<float>(kReach * options_.max_distance),
                            .area = static_cast<float>(area),
                            .is_piece = numbers_ != nullptr,
@@ -406,6 +395,19 @@ Result<SimplifyReport> simplify(Surface& surface, const SimplifyOptions& options
 
 }  // namespace
 }  // namespace simplification
+
+void SimplifyReport::join(const SimplifyReport& other) {
+  max_distance = std::max(max_distance, other.max_distance);
+  triangles_before += other.triangles_before;
+  triangles += other.triangles;
+  collapses += other.collapses;
+  undone += other.undone;
+  proven_distance = std::max(proven_distance, other.proven_distance);
+  input_crossings += other.input_crossings;
+  seconds.collapse += other.seconds.collapse;
+  seconds.check += other.seconds.check;
+  seconds.finish += other.seconds.finish;
+}
 
 Result<SimplifyReport> simplify_surface(Surface& surface, const SimplifyOptions& options,
                                         Progress& progress) {

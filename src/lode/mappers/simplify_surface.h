@@ -31,6 +31,9 @@ struct SimplifyReport {
                                 ///< stop at what was asked for: 0, or hardly less than that.
   std::uint64_t input_crossings = 0;  ///< Pairs of triangles that met before, and still do.
   SimplifySeconds seconds;
+
+  /// Of both surfaces, or pieces of one, together.
+  void join(const SimplifyReport& other);
 };
 
 /// Collapses edges of a surface of triangles for as long as it stays near. Guaranteed of the
