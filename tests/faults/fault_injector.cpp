@@ -21,7 +21,7 @@ struct FaultKind {
   int code;  ///< 0: nothing fails.
 };
 
-constexpr std::array<FaultKind, 13> kKinds = {{{"memory", ENOMEM},
+constexpr std::array<FaultKind, 14> kKinds = {{{"memory", ENOMEM},
                                                {"thread", EAGAIN},
                                                {"open", EMFILE},
                                                {"read", EIO},
@@ -33,7 +33,8 @@ constexpr std::array<FaultKind, 13> kKinds = {{{"memory", ENOMEM},
                                                {"short read", 0},
                                                {"short write", 0},
                                                {"interrupted read", 0},
-                                               {"interrupted write", 0}}};
+                                               {"interrupted write", 0},
+                                               {"late read", 0}}};
 
 constexpr int kNone = -1;
 

@@ -5,7 +5,7 @@
 namespace lode::test {
 
 /// What the operating system or the allocator is made to do. The first ones are failures; the last
-/// four are what every caller must put up with.
+/// five are what every caller must put up with.
 enum class Fault : std::uint8_t {
   memory,  ///< malloc() and its relatives, so operator new, and other libraries' allocations too.
   thread,
@@ -20,6 +20,7 @@ enum class Fault : std::uint8_t {
   short_write,
   interrupted_read,
   interrupted_write,
+  late_read,  ///< By a few milliseconds.
 };
 
 [[nodiscard]] const char* name_of(Fault fault);

@@ -65,6 +65,7 @@ std::size_t bytes_to_move(bool is_read, std::size_t n, const void* caller) {
     errno = EINTR;
     return 0;
   }
+  if (is_read && must_fail(Fault::late_read, caller)) usleep(3000);
   if (n > 1 && must_fail(is_read ? Fault::short_read : Fault::short_write, caller)) return n / 2;
   return n;
 }

@@ -1,6 +1,7 @@
 // A session over a file whose pages are read as it goes, while calls fail: it answers, or says why
 // not, and never ends the program.
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <thread>
 
@@ -65,6 +66,28 @@ TEST_F(fault_session, over_a_file_answers_or_says_why_not) {
     EXPECT_EQ(n_cells, *expected);
   };
   expect_survives_all(operation);
+}
+
+/// Data that come late change nothing of a surface that is not there; the answer is told all the
+/// same.
+TEST_F(fault_session, over_a_file_tells_of_an_answer_that_changes_nothing) {
+  const FaultScratch scratch("field.lode");
+  Progress progress;
+  const Volume volume = oracles::sample(oracles::Field::gaussians40, {{150, 5, 5}});
+  const auto source = make_memory_source(volume);
+  ASSERT_TRUE(Dataset::build(*source, {}, progress)->save(scratch.output(), {}, progress));
+  const auto dataset = Dataset::open(scratch.output(), {1});
+  ASSERT_TRUE(dataset);
+  // Above all samples, but within ranges, which are rounded outward.
+  Query query = query_of(std::nextafter(dataset->describe().range_max, 1e30));
+  query.max_error = 0;
+  begin_faults({Fault::late_read, 0, true});
+  std::uint64_t n_cells = 0;
+  auto session = Session::open(*dataset, query, {.with_views = false}, progress);
+  const Result<void> answer =
+      session ? take_answer(*session, 1, n_cells) : Result<void>(session.error());
+  EXPECT_GT(end_faults().n_failed, 0);
+  EXPECT_TRUE(answer) << answer.error().message;
 }
 
 TEST_F(fault_session, that_has_ended_refuses_queries) {

@@ -131,14 +131,20 @@ class Session::Impl {
   /// False if there is nothing to do.
   bool advance() {
     const bool has_moved = live_->step();
-    if (!has_moved && !must_publish_ && live_->n_changed() == 0 && (has_told_ || !live_->fault()))
-      return false;
+    if (!has_moved && !has_news()) return false;
     if (has_moved && ++n_steps_ % kStepsPerLook != 0) return true;
     const bool is_due = Clock::now() - last_batch_ >= between_;
     if (has_moved && !(is_due && live_->n_changed() > 0)) return true;
     must_publish_ = has_moved;  // once more when the answer is there
     begin_batch();
     return true;
+  }
+
+  /// What the last batch of this query does not say. Data that came late may have changed nothing
+  /// but that the answer is there.
+  [[nodiscard]] bool has_news() const {
+    return must_publish_ || live_->n_changed() > 0 || (!has_told_ && live_->fault()) ||
+           live_->standing().is_settled != told_settled_;
   }
 
   void begin_batch() {
@@ -152,6 +158,7 @@ class Session::Impl {
     batch_->generation = generation_;
     batch_->change.starts_over = std::exchange(starts_over_, false);
     batch_->standing = live_->standing();
+    told_settled_ = batch_->standing.is_settled;
     batch_->fault = live_->fault();
     has_told_ = batch_->fault.has_value();
     gathering_ = Clock::now();
@@ -172,6 +179,7 @@ class Session::Impl {
   std::uint64_t generation_ = 0;
   bool starts_over_ = false;   ///< No batch has said so yet that was taken, or can be.
   bool must_publish_ = false;  ///< The newest query has not been answered by a batch yet.
+  bool told_settled_ = false;  ///< The last batch was the answer.
   bool has_told_ = false;      ///< A batch has said that data will not come.
   std::uint64_t n_steps_ = 0;
   Clock::time_point last_batch_;
