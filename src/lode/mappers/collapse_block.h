@@ -29,6 +29,14 @@ struct BlockLimits {
   Vec3f lower, upper;
 };
 
+/// Once over all vertices.
+struct Sweep {
+  float threshold = 0;  ///< Of the quadric's cost; in `kSweeps` of area times distance squared.
+  float shape = 0;      ///< New triangles have a height of at least its root of their longest edge,
+                        ///< or as much of it as before.
+  unsigned n_others = 0;  ///< Neighbours to try where the best choice fails.
+};
+
 /// Collapses edges inside blocks, one block after another, in memory of its own that is reused.
 class BlockSimplifier {
  public:
@@ -45,6 +53,10 @@ class BlockSimplifier {
  private:
   static constexpr std::uint32_t kMaxValence = 24;
   static constexpr std::size_t kMaxStar = 2 * kMaxValence;
+
+  static constexpr std::uint8_t kLockedFlag = 1;
+  static constexpr std::uint8_t kBorderFlag = 2;
+  static constexpr std::uint8_t kMovedFlag = 4;
 
   /// A triangle of a vertex's star: (vertex, a, b) in its orientation.
   struct Spoke {
@@ -82,13 +94,14 @@ class BlockSimplifier {
   void load(const Block& block);
   void load_triangle(const Block& block, std::uint32_t global);
   void prepare(const Block& block);
-  void sweep(float threshold);
+  void run_sweep(const Sweep& sweep);
   void store();
 
   [[nodiscard]] bool gather(std::uint32_t v, Star& star) const;
   [[nodiscard]] Choice choose(std::uint32_t v, const Star& star) const;
   [[nodiscard]] Choice choose_on_border(std::uint32_t v, const Star& star) const;
   [[nodiscard]] Choice refine(std::uint32_t v, Choice choice) const;
+  [[nodiscard]] bool try_others(std::uint32_t v, const Star& star, const Sweep& sweep);
   [[nodiscard]] bool may_lie_at(const Vec3f& position) const;
   [[nodiscard]] bool try_collapse(std::uint32_t kept, std::uint32_t removed,
                                   const Star& star_of_removed, const Vec3f& position);
@@ -131,6 +144,7 @@ class BlockSimplifier {
   std::uint32_t n_new_ = 0;
   std::array<std::uint32_t, 2> dead_{};
   std::vector<std::array<std::uint32_t, 2>> moves_;  ///< Point, its new triangle (in the star).
+  float least_shape_ = 0;                            ///< Of the sweep.
   float nearest_point_ = 0;  ///< Squared distance of the new vertex from attached ones.
   std::uint32_t next_collapse_ = 0;
 };
