@@ -1,5 +1,6 @@
 // Dataset::extract(): isosurfaces from a model in memory, or of a file chunk by chunk.
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 
@@ -11,6 +12,7 @@
 #include "lode/api/piece_simplifier.h"
 #include "lode/api/topology_extraction.h"
 #include "lode/core/out_of_memory.h"
+#include "lode/core/parallel_fill.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/close_border.h"
 #include "lode/models/diamond/cube_deviation.h"
@@ -37,8 +39,14 @@ void add_part(const diamond::IsosurfaceReport& part, ExtractReport& report) {
 
 /// Gives the vertices that have come last their isovalue.
 void add_isovalue(double isovalue, const ExtractOptions& options, Surface& surface) {
-  if (options.isovalues.size() == 1) surface.isovalues.clear();
-  surface.isovalues.resize(surface.positions.size(), static_cast<float>(isovalue));
+  const auto value = static_cast<float>(isovalue);
+  const std::size_t first = options.isovalues.size() == 1 ? 0 : surface.isovalues.size();
+  resize_large(surface.isovalues, surface.positions.size());
+  for_each_piece(surface.isovalues.size() - first, options.threads,
+                 [&](std::size_t begin, std::size_t end) {
+                   std::fill(surface.isovalues.data() + first + begin,
+                             surface.isovalues.data() + first + end, value);
+                 });
 }
 
 /// extract_part(query) for each isovalue, and after_part(isovalue).

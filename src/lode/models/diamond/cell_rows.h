@@ -31,7 +31,7 @@ class CellRow {
     // A row beyond the data reads as the row itself.
     for (int i = 0; i < 4; ++i)
       rows_[as_size(i)] =
-          field.words.data() +
+          field.words.get() +
           (has_row(i & 1, i >> 1) ? field.offset(y + (i & 1), z + (i >> 1)) : field.offset(y, z));
   }
 

@@ -12,8 +12,8 @@ namespace lode::diamond {
 
 /// The first vertex of each own series of a row, and its first triangle.
 struct RowStart {
-  std::array<std::uint32_t, kOwnSeries> vertex{};
-  std::uint32_t triangle = 0;
+  std::array<std::uint32_t, kOwnSeries> vertex;
+  std::uint32_t triangle;
 };
 static_assert(sizeof(RowStart) == 32);
 

@@ -227,6 +227,7 @@ Result<CubeDeviation> measure_cubes(const Model<3>& model, const IsosurfaceQuery
   parallel_for(as_size(signs.dims[2] - 1), query.threads, 1, [&](std::size_t z, int worker) {
     std::vector<WordGroup> groups(signs.n_words() / WordGroup::kWords + 1);
     for (std::int32_t y = 0; y + 1 < signs.dims[1] && !progress.is_cancelled(); ++y) {
+      if (!signs.may_cross(y, static_cast<std::int32_t>(z))) continue;
       const CellRow row(signs, y, static_cast<std::int32_t>(z));
       const std::size_t n = find_words(row, SurfaceStyle::cubes, groups.data());
       for (const WordGroup& group : std::span(groups).first(n))

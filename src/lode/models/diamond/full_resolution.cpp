@@ -3,6 +3,8 @@
 #include <chrono>
 #include <limits>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "lode/models/diamond/slice_writer.h"
 
@@ -40,33 +42,45 @@ class FullResolution {
  private:
   void count() {
     const auto n_rows = as_size(field_.dims[1]);
-    starts_.resize(n_rows * as_size(field_.dims[2]) + 1);
-    parallel_for(as_size(field_.dims[2]), query_.threads, kSlicesAtOnce, [&](std::size_t z, int) {
-      if (progress_.is_cancelled()) return;
+    n_starts_ = n_rows * as_size(field_.dims[2]) + 1;
+    starts_ = std::make_unique_for_overwrite<RowStart[]>(n_starts_);
+    slices_.assign(as_size(field_.dims[2]), {});
+    for_each_slice([&](std::size_t z) {
       for (std::size_t y = 0; y < n_rows; ++y) {
+        RowStart& row = starts_[z * n_rows + y];
+        row = {};
+        if (!may_cross(y, z)) continue;
         const RowCounts n =
             count_row(CellRow(field_, static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)),
                       query_.style);
-        starts_[z * n_rows + y] = {n.vertices, n.triangles};
+        row = {n.vertices, n.triangles};
+        for (const std::uint32_t n_own : n.vertices) slices_[z].vertices += n_own;
+        slices_[z].triangles += n.triangles;
       }
     });
-    starts_.back() = {};
   }
 
   /// Turns counts into first numbers and makes room.
   Result<void> place() {
+    const auto n_rows = as_size(field_.dims[1]);
     std::uint64_t n_vertices = query_.replaces ? 0 : surface_.positions.size();
     std::uint64_t n_triangles = query_.replaces ? 0 : surface_.triangles.size();
-    for (RowStart& start : starts_) {
-      for (std::uint32_t& first : start.vertex) {
-        const std::uint32_t n = first;
-        first = static_cast<std::uint32_t>(n_vertices);
-        n_vertices += n;
-      }
-      const std::uint32_t n = start.triangle;
-      start.triangle = static_cast<std::uint32_t>(n_triangles);
-      n_triangles += n;
+    for (SliceCounts& slice : slices_) {
+      n_vertices += std::exchange(slice.vertices, n_vertices);
+      n_triangles += std::exchange(slice.triangles, n_triangles);
     }
+    for_each_slice([&](std::size_t z) {
+      auto vertices = static_cast<std::uint32_t>(slices_[z].vertices);
+      auto triangles = static_cast<std::uint32_t>(slices_[z].triangles);
+      for (std::size_t y = 0; y < n_rows; ++y) {
+        RowStart& row = starts_[z * n_rows + y];
+        for (std::uint32_t& first : row.vertex) vertices += std::exchange(first, vertices);
+        triangles += std::exchange(row.triangle, triangles);
+      }
+    });
+    RowStart& end = starts_[n_starts_ - 1];
+    end.vertex.fill(static_cast<std::uint32_t>(n_vertices));
+    end.triangle = static_cast<std::uint32_t>(n_triangles);
     if (std::max(n_vertices, n_triangles) > std::numeric_limits<std::uint32_t>::max())
       return fail("the surface has {} vertices and {} triangles, more than {}: give it a tolerance",
                   n_vertices, n_triangles, std::numeric_limits<std::uint32_t>::max());
@@ -77,10 +91,22 @@ class FullResolution {
     return {};
   }
 
+  [[nodiscard]] bool may_cross(std::size_t y, std::size_t z) const {
+    return field_.may_cross(static_cast<std::int32_t>(y), static_cast<std::int32_t>(z));
+  }
+  /// body(z), in parallel.
+  template <typename Body>
+  void for_each_slice(const Body& body) {
+    parallel_for(as_size(field_.dims[2]), query_.threads, kSlicesAtOnce, [&](std::size_t z, int) {
+      if (!progress_.is_cancelled()) body(z);
+    });
+  }
+
   template <typename T>
   void write() {
-    const FullSurface all{model_,  frame_,  selection_.isovalue(), query_.style, field_,
-                          starts_, surface_};
+    const FullSurface all{model_,       frame_, selection_.isovalue(),
+                          query_.style, field_, {starts_.get(), n_starts_},
+                          surface_};
     std::vector<std::unique_ptr<SliceWriter<T>>> writers(as_size(n_workers(query_.threads)));
     parallel_for(as_size(field_.dims[2]), query_.threads, kSlicesAtOnce,
                  [&](std::size_t z, int worker) {
@@ -104,7 +130,13 @@ class FullResolution {
   Surface& surface_;
   Progress& progress_;
   SignField field_;
-  std::vector<RowStart> starts_;  ///< By row, and one behind the last.
+  std::unique_ptr<RowStart[]> starts_;  ///< By row, and one behind the last.
+  std::size_t n_starts_ = 0;
+  struct SliceCounts {
+    std::uint64_t vertices = 0;
+    std::uint64_t triangles = 0;
+  };
+  std::vector<SliceCounts> slices_;  ///< Of each slice; then of those before it.
   FullResolutionReport report_;
 };
 

@@ -238,6 +238,7 @@ CrossingSums::Counts count_full_resolution(const Model<3>& model, double isovalu
   parallel_for(as_size(field.dims[2]), threads, kSlicesAtOnce, [&](std::size_t z, int worker) {
     if (progress.is_cancelled()) return;
     for (std::int32_t y = 0; y < field.dims[1]; ++y) {
+      if (!field.may_cross(y, static_cast<std::int32_t>(z))) continue;
       const RowCounts row =
           count_row(CellRow(field, y, static_cast<std::int32_t>(z)), SurfaceStyle::tetra);
       by_worker[as_size(worker)].cells += row.triangles;

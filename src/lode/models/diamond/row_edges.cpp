@@ -100,6 +100,9 @@ HWY_INLINE void compress_places(const EdgeEndsByParity& ends, std::uint32_t firs
 
 template <typename T>
 HWY_INLINE std::size_t gather(const EdgeWord<T>& word, const EdgeLists<T>& out, std::size_t n) {
+  // Where the samples are several vectors, a few of them are found sooner one by one.
+  constexpr int kFew = 4;
+  if (sizeof(T) > 2 && std::popcount(word.crossed) <= kFew) return gather_one_by_one(word, out, n);
   const EdgeEndsByParity& ends = *word.ends;
   compress(word.samples + ends[0].first_sample, word.samples + ends[1].first_sample, word.crossed,
            out.first + n);
@@ -128,6 +131,12 @@ std::size_t gather_row(const AnchorRow<T>& row, const EdgeLists<T>& out) {
     for (std::uint32_t words = group.met; words != 0; words &= words - 1) {
       const std::size_t word = group.first + static_cast<std::size_t>(std::countr_zero(words));
       const T* next = row.samples + word * kBrickSize<3> + 4 * kRow;
+      if constexpr (sizeof(T) > 2) {
+        // Of a row's cache lines the one that is crossed here.
+        const auto i = static_cast<std::size_t>(std::countr_zero(words));
+        next += std::countr_zero(group.crossings[1][i] | group.crossings[3][i] |
+                                 group.crossings[6][i] | 0x80000000U);
+      }
       __builtin_prefetch(next);
       __builtin_prefetch(next + kSlice);
     }

@@ -1,6 +1,6 @@
 #include "lode/models/diamond/sign_field.h"
 
-#include <atomic>
+#include <algorithm>
 #include <limits>
 #include <optional>
 
@@ -33,32 +33,78 @@ std::uint32_t first_bits(std::int64_t n) {
   return n <= 0 ? 0 : (std::uint32_t{1} << n) - 1;
 }
 
+/// A box of samples in a brick, or beyond which there are no more.
+struct SampleBox {
+  Index<3> lower;
+  Index<3> n;
+};
+
+/// Finds the signs of bricks, row of bricks by row of bricks along x.
 class SignFinder {
  public:
   SignFinder(const Selection<3>& selection, SignField& field)
-      : selection_(selection), model_(selection.model()), field_(field) {}
+      : selection_(selection),
+        model_(selection.model()),
+        field_(field),
+        level_(std::min(kBrickLevel<3>, model_.shape.n_levels - 1)),
+        states_(model_.n_bricks()) {}
 
-  void find_brick(const Index<3>& brick) {
-    Index<3> lower;
-    Index<3> n;
-    for (std::size_t i = 0; i < 3; ++i) {
-      lower[i] = brick[i] * kEdge;
-      const std::int32_t left = model_.shape.dims[i] - lower[i];
-      // The last brick of an axis also covers the sample on its border.
-      n[i] = brick[i] + 1 == model_.brick_dims[i] ? left : std::min(left, kEdge);
+  /// Whether the surface may meet each brick of a row, or which side it is on.
+  void look_at(std::size_t row) {
+    for (std::size_t brick = row * n_x(); brick < (row + 1) * n_x(); ++brick) {
+      const Index<3> lower = point_of<3>(model_.brick_dims, brick) * kEdge;
+      const auto sign = uniform_sign(lower, level_);
+      states_[brick] = sign ? (*sign ? State::inside : State::outside) : State::met;
+      if (!sign) field_.is_met[row] = 1;
     }
-    const auto cover = uniform_sign(lower);
-    if (cover)
-      fill(lower, n, *cover);
-    else
-      read(brick, lower, n);
   }
-  [[nodiscard]] std::uint64_t n_read() const { return n_read_.load(); }
+
+  /// All signs of a row of bricks, if edges end in it that may be crossed. After look_at() of all.
+  void find(std::size_t row) {
+    if (!is_wanted(row)) return;
+    for (std::size_t x = 0; x < n_x(); ++x) {
+      const Index<3> brick = point_of<3>(model_.brick_dims, row * n_x() + x);
+      const SampleBox box = samples_of(brick);
+      if (x == 0) clear(box);
+      switch (states_[row * n_x() + x]) {
+        case State::outside: break;
+        case State::inside: fill(box, ~std::uint32_t{0}); break;
+        case State::met: read(brick, box); break;
+      }
+    }
+  }
+  [[nodiscard]] std::uint64_t n_read() const {
+    return static_cast<std::uint64_t>(std::ranges::count(states_, State::met));
+  }
 
  private:
-  /// The one sign of all samples of a brick, where its range tells.
-  std::optional<bool> uniform_sign(const Index<3>& lower) const {
-    const int level = std::min(kBrickLevel<3>, model_.shape.n_levels - 1);
+  enum class State : std::uint8_t { outside, inside, met };
+
+  [[nodiscard]] std::size_t n_x() const { return as_size(model_.brick_dims[0]); }
+
+  /// Whether it, or one before it along y or z, is met.
+  [[nodiscard]] bool is_wanted(std::size_t row) const {
+    const auto n_y = as_size(model_.brick_dims[1]);
+    const std::size_t y_before = row % n_y > 0 ? 1 : 0;
+    const std::size_t z_before = row >= n_y ? n_y : 0;
+    return (field_.is_met[row] | field_.is_met[row - y_before] | field_.is_met[row - z_before] |
+            field_.is_met[row - y_before - z_before]) != 0;
+  }
+
+  [[nodiscard]] SampleBox samples_of(const Index<3>& brick) const {
+    SampleBox box;
+    for (std::size_t i = 0; i < 3; ++i) {
+      box.lower[i] = brick[i] * kEdge;
+      const std::int32_t left = model_.shape.dims[i] - box.lower[i];
+      // The last brick of an axis also covers the sample on its border.
+      box.n[i] = brick[i] + 1 == model_.brick_dims[i] ? left : std::min(left, kEdge);
+    }
+    return box;
+  }
+
+  /// The one sign of all samples of a cube, up to and with those at its upper sides, where its
+  /// range tells.
+  [[nodiscard]] std::optional<bool> uniform_sign(const Index<3>& lower, int level) const {
     Diamond<3> d{lower, level, 0, 7};
     for (std::size_t i = 0; i < 3; ++i) d.centre[i] += d.h();
     const std::size_t at = selection_.index_of(d);
@@ -66,63 +112,102 @@ class SignFinder {
     return selection_.is_inside(level, at);
   }
 
-  void fill(const Index<3>& lower, const Index<3>& n, bool sign) {
-    if (!sign) return;
-    for (std::int32_t z = 0; z < n[2]; ++z)
-      for (std::int32_t y = 0; y < n[1]; ++y) {
-        std::uint32_t* row = words_at(lower + Index<3>{{0, y, z}});
-        row[0] = first_bits(n[0]);
-        if (n[0] > 32) row[1] = 1;
+  /// The rows that a row of bricks has samples in.
+  void clear(const SampleBox& first) {
+    for (std::int32_t z = 0; z < first.n[2]; ++z)
+      std::fill_n(words_at(first.lower + Index<3>{{0, 0, z}}), as_size(first.n[1]) * field_.stride,
+                  std::uint32_t{0});
+  }
+
+  /// `wanted`: bits of the first 32.
+  void fill(const SampleBox& box, std::uint32_t wanted) {
+    const std::uint32_t bits = first_bits(box.n[0]) & wanted;
+    for (std::int32_t z = 0; z < box.n[2]; ++z) {
+      std::uint32_t* row = words_at(box.lower + Index<3>{{0, 0, z}});
+      for (std::int32_t y = 0; y < box.n[1]; ++y, row += field_.stride) {
+        row[0] |= bits;
+        if (box.n[0] > 32) row[1] = 1;
+      }
+    }
+  }
+
+  /// By eighths, where the level below tells some of them apart.
+  void read(const Index<3>& brick, const SampleBox& box) {
+    constexpr std::int32_t kHalf = kEdge / 2;
+    const auto is_cut = [&](std::size_t axis) {
+      return level_ == kBrickLevel<3> && box.n[axis] > kHalf + 1;
+    };
+    for (std::int32_t z = 0; z < box.n[2]; z += is_cut(2) && z == 0 ? kHalf : kEdge + 1)
+      for (std::int32_t y = 0; y < box.n[1]; y += is_cut(1) && y == 0 ? kHalf : kEdge + 1) {
+        SampleBox part{box.lower + Index<3>{{0, y, z}}, box.n - Index<3>{{0, y, z}}};
+        if (is_cut(1) && y == 0) part.n[1] = kHalf;
+        if (is_cut(2) && z == 0) part.n[2] = kHalf;
+        read_part(brick, part, is_cut(0) && is_cut(1) && is_cut(2));
       }
   }
 
-  void read(const Index<3>& brick, const Index<3>& lower, const Index<3>& n) {
-    n_read_.fetch_add(1, std::memory_order_relaxed);
+  void read_part(const Index<3>& brick, const SampleBox& part, bool has_halves) {
+    constexpr std::int32_t kHalf = kEdge / 2;
+    if (!has_halves) return read_samples(brick, part, SignPart::all);
+    const auto low = uniform_sign(part.lower, level_ - 1);
+    const auto high = uniform_sign(part.lower + Index<3>{{kHalf, 0, 0}}, level_ - 1);
+    if (low.value_or(false)) fill(part, 0xFFFFU);
+    if (high.value_or(false)) fill(part, 0xFFFF0000U);
+    if (low && high) return;
+    read_samples(brick, part, low ? SignPart::high : high ? SignPart::low : SignPart::all);
+  }
+
+  void read_samples(const Index<3>& brick, const SampleBox& part, SignPart wanted) {
     const std::byte* samples = model_.brick(linear_index<3>(model_.brick_dims, brick));
     visit_storage_type(model_.storage, [&]<typename T>() {
       const auto threshold = threshold_of<T>(selection_.isovalue());
       if (!threshold) return;
-      const T* first = reinterpret_cast<const T*>(samples);
-      find_signs(SignRows<T>{first, kRow, kRow * kRow, words_at(lower), field_.stride,
-                             field_.stride * as_size(field_.dims[1]), n[1], n[2]},
+      const T* first =
+          reinterpret_cast<const T*>(samples) + Model<3>::brick_offset(part.lower - brick * kEdge);
+      find_signs(SignRows<T>{first, wanted, kRow, kRow * kRow, words_at(part.lower), field_.stride,
+                             field_.stride * as_size(field_.dims[1]), part.n[1], part.n[2]},
                  *threshold);
-      if (n[0] == 32) return;
-      for (std::int32_t z = 0; z < n[2]; ++z)
-        for (std::int32_t y = 0; y < n[1]; ++y) {
-          std::uint32_t* row = words_at(lower + Index<3>{{0, y, z}});
-          row[0] &= first_bits(n[0]);
-          if (n[0] > 32) row[1] = first[Model<3>::brick_offset({{32, y, z}})] >= *threshold ? 1 : 0;
+      if (part.n[0] == 32) return;
+      for (std::int32_t z = 0; z < part.n[2]; ++z)
+        for (std::int32_t y = 0; y < part.n[1]; ++y) {
+          std::uint32_t* row = words_at(part.lower + Index<3>{{0, y, z}});
+          row[0] &= first_bits(part.n[0]);
+          if (part.n[0] > 32)
+            row[1] = first[Model<3>::brick_offset({{32, y, z}})] >= *threshold ? 1 : 0;
         }
     });
   }
 
   std::uint32_t* words_at(const Index<3>& p) const {
-    return field_.words.data() + field_.offset(p[1], p[2]) + as_size(p[0] / 32);
+    return field_.words.get() + field_.offset(p[1], p[2]) + as_size(p[0] / 32);
   }
 
   const Selection<3>& selection_;
   const Model<3>& model_;
   SignField& field_;
-  std::atomic<std::uint64_t> n_read_{0};
+  int level_;                  ///< Whose cubes are the bricks, or a coarsest one.
+  std::vector<State> states_;  ///< By brick.
 };
 
 }  // namespace
 
 SignField sign_field(const Selection<3>& selection, Threads threads, std::uint64_t& n_bricks_read) {
   const Model<3>& model = selection.model();
-  SignField field{model.shape.dims, (as_size(model.shape.dims[0]) + 31) / 32 + 1, {}, {}, {}};
-  field.words.assign(
-      field.stride * as_size(field.dims[1]) * as_size(field.dims[2]) + SignField::kPadding, 0);
+  SignField field;
+  field.dims = model.shape.dims;
+  field.brick_dims = model.brick_dims;
+  field.stride = (as_size(model.shape.dims[0]) + 31) / 32 + 1;
+  field.words = std::make_unique_for_overwrite<std::uint32_t[]>(
+      field.stride * as_size(field.dims[1]) * as_size(field.dims[2]) + SignField::kPadding);
   for (std::size_t i = 0; i < field.stride + SignField::kPadding; ++i) {
     field.sample_bits.push_back(first_bits(field.dims[0] - 32 * static_cast<std::int64_t>(i)));
     field.cell_bits.push_back(first_bits(field.dims[0] - 1 - 32 * static_cast<std::int64_t>(i)));
   }
+  const std::size_t n_rows = model.n_bricks() / as_size(model.brick_dims[0]);
+  field.is_met.resize(n_rows);
   SignFinder finder(selection, field);
-  const auto n_x = as_size(model.brick_dims[0]);
-  parallel_for(model.n_bricks() / n_x, threads, 1, [&](std::size_t row, int) {
-    for (std::size_t x = 0; x < n_x; ++x)
-      finder.find_brick(point_of<3>(model.brick_dims, row * n_x + x));
-  });
+  for (std::size_t row = 0; row < n_rows; ++row) finder.look_at(row);
+  parallel_for(n_rows, threads, 1, [&](std::size_t row, int) { finder.find(row); });
   n_bricks_read = finder.n_read();
   return field;
 }

@@ -5,10 +5,14 @@
 
 namespace lode::diamond {
 
+/// Which samples of 32.
+enum class SignPart : std::uint8_t { all, low, high };
+
 /// A box of rows of at least 32 samples each, and where their sign words go.
 template <typename T>
 struct SignRows {
   const T* samples;
+  SignPart part;           ///< Others are not read; the words' bits of others stay.
   std::size_t row_step;    ///< In samples.
   std::size_t slice_step;  ///< In samples.
   std::uint32_t* words;
@@ -18,7 +22,8 @@ struct SignRows {
   std::int32_t n_slices;
 };
 
-/// Bit x of each row's word: whether sample x is at least `threshold`. Bound by reading samples.
+/// Bit x of each row's word, which was 0: whether sample x is at least `threshold`. Bound by
+/// reading samples.
 void find_signs(const SignRows<std::uint8_t>& rows, std::uint8_t threshold);
 void find_signs(const SignRows<std::uint16_t>& rows, std::uint16_t threshold);
 void find_signs(const SignRows<std::int16_t>& rows, std::int16_t threshold);

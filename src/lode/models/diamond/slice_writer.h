@@ -65,6 +65,7 @@ class SliceWriter {
   [[nodiscard]] std::size_t n_most() const { return kOwnSeries * as_size(all_.signs.dims[0]); }
 
   void write_row(std::int32_t y) {
+    if (!all_.signs.may_cross(y, z_)) return;
     const RowStart* start = &all_.starts[all_.row_of(y, z_)];
     const bool has_vertices = start[1].vertex[0] != start[0].vertex[0];
     const bool has_triangles = start[1].triangle != start[0].triangle;
