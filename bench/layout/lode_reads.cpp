@@ -43,7 +43,9 @@ Result<Touched> read_for_surface(const std::string& path, double isovalue, doubl
   Progress progress;
   const diamond::IsosurfaceQuery query{
       .isovalue = isovalue, .tolerance = tolerance, .threads = {2}};
-  LODE_CHECK(diamond::extract_from_file<3>(coarse, blocks, query, sink, progress));
+  LODE_CHECK(diamond::extract_from_file<3>(
+      coarse, blocks, diamond::IsovalueList::of({{query.isovalue}}), query,
+      [&](std::size_t) { return &sink; }, progress));
   return Touched{reader.reads().n_blocks, reader.reads().n_bytes};
 }
 

@@ -60,11 +60,12 @@ class Storm {
   }
 
  private:
-  /// Calls that are only cut short or late may all be; those that are interrupted for ever would never end.
+  /// Calls that are only cut short or late may all be; those that are interrupted for ever would
+  /// never end.
   [[nodiscard]] std::vector<std::int64_t> calls_to_fail(std::int64_t n, bool persists) const {
     if (message_of(fault_) != nullptr || !persists) return chosen_calls(n);
-    const bool may_persist = fault_ == Fault::short_read || fault_ == Fault::short_write ||
-                             fault_ == Fault::late_read;
+    const bool may_persist =
+        fault_ == Fault::short_read || fault_ == Fault::short_write || fault_ == Fault::late_read;
     return std::vector<std::int64_t>(may_persist && n > 0 ? 1 : 0, 0);
   }
 

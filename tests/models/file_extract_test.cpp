@@ -33,6 +33,17 @@ Volume hilly(const Index3& dims, ScalarType type) {
   return volume;
 }
 
+/// Of one isovalue: the query's.
+template <int D>
+Result<IsosurfaceReport> extracted_from_file(const CoarseField<D>& field, store::BlockCache& blocks,
+                                             const IsosurfaceQuery& query, Surface& surface) {
+  Progress progress;
+  SurfaceCollector collector(surface);
+  return extract_from_file<D>(
+      field, blocks, IsovalueList::of({{query.isovalue}}), query,
+      [&](std::size_t) { return &collector; }, progress);
+}
+
 template <int D>
 void expect_same_surface(const Volume& volume, double tolerance, std::uint64_t cache_bytes) {
   const TestPath path("volume.lode");
@@ -51,8 +62,7 @@ void expect_same_surface(const Volume& volume, double tolerance, std::uint64_t c
   Surface got;
   Progress progress;
   const auto wanted = extract_isosurface<D>(model, query, expected, progress);
-  SurfaceCollector collector(got);
-  const auto report = extract_from_file<D>(*field, blocks, query, collector, progress);
+  const auto report = extracted_from_file<D>(*field, blocks, query, got);
   ASSERT_TRUE(wanted && report) << (report ? "" : report.error().message);
   ASSERT_FALSE(got.is_empty());
   EXPECT_EQ(report->achieved_error, wanted->achieved_error);
@@ -244,10 +254,8 @@ TEST(file_extract_blocks, that_the_surface_does_not_need_are_not_read) {
   ASSERT_TRUE(field);
   store::BlockCache blocks(*reader, 0);
   Surface surface;
-  SurfaceCollector collector(surface);
-  Progress progress;
-  ASSERT_TRUE(extract_from_file<3>(
-      *field, blocks, {.isovalue = 100, .tolerance = 1, .threads = {2}}, collector, progress));
+  ASSERT_TRUE(extracted_from_file<3>(*field, blocks,
+                                     {.isovalue = 100, .tolerance = 1, .threads = {2}}, surface));
   EXPECT_FALSE(surface.is_empty());
   EXPECT_LT(blocks.n_blocks_read(), reader->blocks().size() / 4);
 }
@@ -266,10 +274,8 @@ TEST(file_extract_blocks, with_holes_that_the_metadata_deny_are_refused) {
   ASSERT_TRUE(field);
   store::BlockCache blocks(*reader, 0);
   Surface surface;
-  SurfaceCollector collector(surface);
-  Progress progress;
-  const auto done = extract_from_file<3>(
-      *field, blocks, {.isovalue = 120.3, .tolerance = 0.01, .threads = {2}}, collector, progress);
+  const auto done = extracted_from_file<3>(
+      *field, blocks, {.isovalue = 120.3, .tolerance = 0.01, .threads = {2}}, surface);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("expected no holes"), std::string::npos)
       << done.error().message;

@@ -7,10 +7,9 @@
 #include <limits>
 
 #include "lode/api/dataset.h"
+#include "tests/models/rough_volume.h"
 #include "tests/oracles/analytic_fields.h"
-#include "tests/oracles/random.h"
 #include "tests/oracles/synthetic_volumes.h"
-#include "tests/oracles/typed_samples.h"
 
 namespace lode {
 namespace {
@@ -76,28 +75,11 @@ void expect_exact_counts(const Volume& volume) {
   }
 }
 
-/// Smooth and noisy at once, so that every tolerance leaves leaves of many sizes.
-template <typename T>
-Volume rough_volume(const Index3& dims, double hole_share) {
-  RegularGrid grid;
-  grid.dims = dims;
-  grid.spacing = {{0.5, 2.0, 1.25}};
-  grid.origin = {{-3, 2, 1}};
-  grid.direction = {{Vec3d{{0, 1, 0}}, Vec3d{{1, 0, 0}}, Vec3d{{0, 0, 1}}}};
-  oracles::Random random(1);
-  return oracles::volume_of<T>(grid, [&](const Index3& p) {
-    const double wave = std::sin(0.11 * p[0] + 0.05 * p[2]) * std::cos(0.13 * p[1] - 0.07 * p[2]);
-    const double noise = p[0] > 20 ? random.uniform(0, 6) : 0;
-    const bool is_hole = random.uniform(0, 1) < hole_share;
-    return is_hole ? std::nan("") : 100 + 90 * wave + noise;
-  });
-}
-
 class isovalue_counts_shapes : public testing::TestWithParam<Index3> {};
 
 TEST_P(isovalue_counts_shapes, are_those_of_the_surfaces) {
-  expect_exact_counts(rough_volume<std::uint8_t>(GetParam(), 0));
-  expect_exact_counts(rough_volume<float>(GetParam(), 0));
+  expect_exact_counts(test::rough_volume<std::uint8_t>(GetParam(), 0));
+  expect_exact_counts(test::rough_volume<float>(GetParam(), 0));
 }
 
 TEST_P(isovalue_counts_shapes, are_those_of_the_surfaces_in_noise) {
@@ -108,7 +90,7 @@ TEST_P(isovalue_counts_shapes, are_those_of_the_surfaces_in_noise) {
 TEST_P(isovalue_counts_shapes, are_those_of_the_surfaces_between_holes) {
   for (const double share : {0.0005, 0.1}) {
     SCOPED_TRACE(share);
-    expect_exact_counts(rough_volume<float>(GetParam(), share));
+    expect_exact_counts(test::rough_volume<float>(GetParam(), share));
   }
 }
 
@@ -120,11 +102,11 @@ INSTANTIATE_TEST_SUITE_P(dims, isovalue_counts_shapes,
 
 TEST(isovalue_counts, are_those_of_the_surfaces_of_every_sample_type) {
   const Index3 dims{{37, 35, 34}};
-  expect_exact_counts(rough_volume<std::int16_t>(dims, 0));
-  expect_exact_counts(rough_volume<std::uint16_t>(dims, 0));
-  expect_exact_counts(rough_volume<std::int32_t>(dims, 0));
-  expect_exact_counts(rough_volume<double>(dims, 0));
-  expect_exact_counts(rough_volume<double>(dims, 0.001));
+  expect_exact_counts(test::rough_volume<std::int16_t>(dims, 0));
+  expect_exact_counts(test::rough_volume<std::uint16_t>(dims, 0));
+  expect_exact_counts(test::rough_volume<std::int32_t>(dims, 0));
+  expect_exact_counts(test::rough_volume<double>(dims, 0));
+  expect_exact_counts(test::rough_volume<double>(dims, 0.001));
   expect_exact_counts(oracles::checkerboard_of_extremes(dims, ScalarType::int16));
 }
 
@@ -134,7 +116,7 @@ TEST(isovalue_counts, are_those_of_the_surfaces_of_a_field_whose_coarse_leaves_s
 }
 
 TEST(isovalue_counts, hold_for_more_isovalues_than_ranks_fit_in_a_byte) {
-  const Dataset dataset = built(rough_volume<float>({{33, 20, 11}}, 0));
+  const Dataset dataset = built(test::rough_volume<float>({{33, 20, 11}}, 0));
   for (const double max_error : {0.0, 2.0})
     expect_what_extraction_gives(dataset, some_isovalues(dataset, 300), max_error);
 }
@@ -149,7 +131,7 @@ struct AllTargets {
 };
 
 TEST(isovalue_counts, do_not_depend_on_threads_or_on_the_processor) {
-  const Dataset dataset = built(rough_volume<std::uint8_t>({{41, 67, 36}}, 0));
+  const Dataset dataset = built(test::rough_volume<std::uint8_t>({{41, 67, 36}}, 0));
   const std::vector<double> isovalues = some_isovalues(dataset, 50);
   for (const double max_error : {0.0, 2.0}) {
     const CountReport expected = counted(dataset, isovalues, max_error, 1);
@@ -194,7 +176,7 @@ TEST(isovalue_counts, refuse_what_has_no_answer) {
 }
 
 TEST(isovalue_counts, stop_when_cancelled) {
-  const Dataset dataset = built(rough_volume<float>({{37, 35, 34}}, 0));
+  const Dataset dataset = built(test::rough_volume<float>({{37, 35, 34}}, 0));
   for (const double max_error : {0.0, 1.0}) {
     Progress progress;
     progress.cancel();

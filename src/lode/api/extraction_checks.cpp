@@ -35,6 +35,11 @@ Result<void> check_extract_options(const ExtractOptions& options) {
   if (options.style == SurfaceStyle::cubes && options.max_error.value_or(1) > 0)
     return fail("style cubes: expected a max_error of 0, as it has full resolution only, got {}",
                 options.max_error ? fmt::format("{}", *options.max_error) : "none");
+  std::vector<double> isovalues = options.isovalues;
+  std::sort(isovalues.begin(), isovalues.end());
+  if (const auto twice = std::adjacent_find(isovalues.begin(), isovalues.end());
+      twice != isovalues.end())
+    return fail("isovalues: expected each once, got {} twice", *twice);
   if (options.border == Border::closed && options.isovalues.size() > 1)
     return fail(
         "closing at the border: expected one isovalue, got {}: caps of several would lie "

@@ -3,69 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <vector>
 
 #include "lode/api/dataset_impl.h"
-#include "lode/api/distance_extraction.h"
 #include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
+#include "lode/api/isovalue_passes.h"
+#include "lode/api/memory_extraction.h"
 #include "lode/api/piece_finisher.h"
 #include "lode/api/piece_simplifier.h"
-#include "lode/api/topology_extraction.h"
 #include "lode/core/out_of_memory.h"
-#include "lode/core/parallel_fill.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/close_border.h"
-#include "lode/models/diamond/cube_deviation.h"
 #include "lode/models/diamond/file_extract.h"
 
 namespace lode {
 namespace {
-
-/// What the edits after an extraction ask of a field.
-struct FieldFacts {
-  const RegularGrid& grid;
-  bool has_removed_border_cell = false;
-  double first_sample = 0;
-};
-
-/// Adds up what extraction says of one isovalue.
-void add_part(const diamond::IsosurfaceReport& part, ExtractReport& report) {
-  report.achieved_error = std::max(report.achieved_error, part.achieved_error);
-  report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
-  report.nodes_visited += part.nodes_visited;
-  report.seconds.select += part.select_seconds;
-  report.seconds.geometry += part.geometry_seconds;
-}
-
-/// Gives the vertices that have come last their isovalue.
-void add_isovalue(double isovalue, const ExtractOptions& options, Surface& surface) {
-  const auto value = static_cast<float>(isovalue);
-  const std::size_t first = options.isovalues.size() == 1 ? 0 : surface.isovalues.size();
-  resize_large(surface.isovalues, surface.positions.size());
-  for_each_piece(surface.isovalues.size() - first, options.threads,
-                 [&](std::size_t begin, std::size_t end) {
-                   std::fill(surface.isovalues.data() + first + begin,
-                             surface.isovalues.data() + first + end, value);
-                 });
-}
-
-/// extract_part(query) for each isovalue, and after_part(isovalue).
-template <int D, typename ExtractPart, typename AfterPart>
-Result<void> extract_all(const ExtractOptions& options, ExtractReport& report,
-                         const ExtractPart& extract_part, const AfterPart& after_part) {
-  for (const double isovalue : options.isovalues) {
-    LODE_TRY(const auto part,
-             extract_part({.isovalue = isovalue,
-                           .tolerance = report.max_error,
-                           .style = options.style,
-                           .threads = options.threads,
-                           .with_normals = D == 3 && options.normals == Normals::on,
-                           .replaces = options.isovalues.size() == 1}));
-    add_part(part, report);
-    after_part(isovalue);
-  }
-  return {};
-}
 
 Result<void> close_surface(const FieldFacts& field, const ExtractOptions& options, Surface& surface,
                            ExtractReport& report) {
@@ -106,78 +59,8 @@ Result<void> finish_surface(const FieldFacts& field, const ExtractOptions& optio
   return {};
 }
 
-bool measures(const ExtractOptions& options) {
-  return options.style == SurfaceStyle::cubes && options.deviation == Deviation::measured;
-}
-
-/// How far the surface of a query in the style of cubes is from the level set.
-template <int D>
-Result<void> measure_style(const diamond::Model<D>& model, const diamond::IsosurfaceQuery& query,
-                           ExtractReport& report, Progress& progress) {
-  if constexpr (D == 3) {
-    const Stopwatch watch;
-    LODE_TRY(const auto deviation, diamond::measure_cubes(model, query, progress));
-    report.style_error = std::max(report.style_error, deviation.error);
-    report.style_distance = std::max(report.style_distance, deviation.distance);
-    report.seconds.measure += watch.seconds();
-  }
-  return {};
-}
-
-Result<void> extract_in_memory(const Dataset::Impl& impl, const ExtractOptions& options,
-                               Surface& surface, ExtractReport& report, Progress& progress) {
-  LODE_TRY(const auto* const held, impl.model(progress));
-  if (options.keep_topology)
-    report.topology =
-        KeptTopology{.persistence = *options.keep_topology, .is_searched = report.max_error > 0};
-  return std::visit(
-      [&]<int D>(const diamond::Model<D>& model) -> Result<void> {
-        LODE_CHECK(extract_all<D>(
-            options, report,
-            [&](diamond::IsosurfaceQuery query) -> Result<diamond::IsosurfaceReport> {
-              std::optional<diamond::CriticalNodes> critical;
-              if constexpr (D == 3)
-                if (report.topology && report.topology->is_searched) {
-                  LODE_TRY(critical,
-                           critical_nodes(model, query.isovalue, options, report, progress));
-                  query.wanted = &critical->nodes;
-                }
-              if (options.max_distance)
-                return extract_within_distance(impl, query, options, surface, report, progress);
-              auto part = diamond::extract_isosurface<D>(model, query, surface, progress);
-              if (!part || !measures(options)) return part;
-              if (auto done = measure_style(model, query, report, progress); !done)
-                return done.error();
-              return part;
-            },
-            [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
-        const bool closes = options.border == Border::closed;
-        return finish_surface(
-            {model.info.grid, closes && model.has_holes() && model.has_removed_border_cell(),
-             model.value({})},
-            options, surface, report, progress);
-      },
-      *held);
-}
-
-Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
-                            Surface& surface, ExtractReport& report, Progress& progress) {
-  surface.clear();
-  SurfaceCollector collector(surface);
-  return std::visit(
-      [&]<int D>(const diamond::CoarseField<D>& field) -> Result<void> {
-        LODE_CHECK(extract_all<D>(
-            options, report,
-            [&](const diamond::IsosurfaceQuery& query) {
-              return diamond::extract_from_file<D>(field, chunks.blocks, query, collector,
-                                                   progress);
-            },
-            [&](double isovalue) { add_isovalue(isovalue, options, surface); }));
-        return finish_surface({field.info.grid, false, field.value({})}, options, surface, report,
-                              progress);
-      },
-      chunks.field);
-}
+/// Of the limit what other isovalues' surfaces may take, while one is written.
+constexpr std::uint64_t kHeldShare = 8;
 
 std::uint64_t memory_limit_of(const ExtractOptions& options) {
   return options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
@@ -187,6 +70,22 @@ std::uint64_t memory_limit_of(const ExtractOptions& options) {
 std::size_t simplified_at_once(const ExtractOptions& options) {
   constexpr std::uint64_t kBytesPerTriangle = 200;  // 3.3 million took 0.6 GB
   return std::max<std::uint64_t>(20'000, memory_limit_of(options) / 4 / kBytesPerTriangle);
+}
+
+Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
+                            Surface& surface, ExtractReport& report, Progress& progress) {
+  surface.clear();
+  SurfaceCollector collector(surface);
+  return std::visit(
+      [&]<int D>(const diamond::CoarseField<D>& field) -> Result<void> {
+        LODE_CHECK(extract_passes<D>(
+            field, chunks.blocks, options, memory_limit_of(options) / kHeldShare, collector, report,
+            [](double) {}, [&](double isovalue) { add_isovalue(isovalue, options, surface); },
+            progress));
+        return finish_surface({field.info.grid, false, field.value({})}, options, surface, report,
+                              progress);
+      },
+      chunks.field);
 }
 
 /// The same without ever having all of the surface.
@@ -204,13 +103,9 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
                                         .max_triangles = simplified_at_once(options)},
                              progress, finisher);
         SurfaceSink& sink = simplifier ? static_cast<SurfaceSink&>(*simplifier) : finisher;
-        return extract_all<D>(
-            options, report,
-            [&](const diamond::IsosurfaceQuery& query) {
-              finisher.begin(query.isovalue);
-              return diamond::extract_from_file<D>(field, chunks.blocks, query, sink, progress);
-            },
-            [](double) {});
+        return extract_passes<D>(
+            field, chunks.blocks, options, memory_limit_of(options) / kHeldShare, sink, report,
+            [&](double isovalue) { finisher.begin(isovalue); }, [](double) {}, progress);
       },
       chunks.field));
   finisher.finish(report);
@@ -295,7 +190,8 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
     LODE_CHECK(extract_chunks(*plan.chunks, options, surface, report, progress));
     add_reads(before, *impl_, report);
   } else {
-    LODE_CHECK(extract_in_memory(*impl_, options, surface, report, progress));
+    LODE_TRY(const FieldFacts field, extract_in_memory(*impl_, options, surface, report, progress));
+    LODE_CHECK(finish_surface(field, options, surface, report, progress));
   }
   report.seconds.total = watch.seconds();
   return report;

@@ -10,10 +10,10 @@
 
 namespace lode::diamond {
 
-/// Marching simplices inside one brick after another. The doubled middle of an edge is a point of a
-/// lattice twice as fine, so an array over that finds each edge's vertex without search; it fits in
-/// the cache, and only the entries used are cleared.
-template <int D>
+/// Marching simplices, leaves of a selection's cut, inside one brick after another. The doubled
+/// middle of an edge is a point of a lattice twice as fine, so an array over that finds each edge's
+/// vertex without search; it fits in the cache, and only the entries used are cleared.
+template <int D, typename Selected = Selection<D>>
 class BrickIsosurface {
  public:
   BrickIsosurface(const LatticeFrame& frame, double isovalue)
@@ -24,8 +24,8 @@ class BrickIsosurface {
 
   /// What follows lies in the traversal's open brick and goes to `part`; `origin` is where the
   /// traversal's lattice begins in the part's.
-  void open(const BrickTraversal<D>& traversal, const AxisMap<D>& axes, const Index<D>& origin,
-            IsoPart<D>& part) {
+  void open(const BrickTraversal<D, Selected>& traversal, const AxisMap<D>& axes,
+            const Index<D>& origin, IsoPart<D>& part) {
     for (const std::uint32_t at : used_) vertices_[at] = kNone;
     used_.clear();
     twins_.clear();
@@ -34,6 +34,9 @@ class BrickIsosurface {
     origin_ = origin;
     part_ = &part;
   }
+
+  /// Of what is opened next.
+  void set_isovalue(double isovalue) { isovalue_ = isovalue; }
 
   void add(const BrickSimplex<D>& s) {
     std::size_t inside = 0;
@@ -98,7 +101,7 @@ class BrickIsosurface {
   std::vector<std::uint32_t> used_;      ///< Their entries that are not kNone.
   /// By the same, where the entry is kTwoThere: one for each arc of simplices round the edge.
   std::unordered_map<std::uint32_t, std::array<std::uint32_t, 2>> twins_;
-  const BrickTraversal<D>* traversal_ = nullptr;
+  const BrickTraversal<D, Selected>* traversal_ = nullptr;
   AxisMap<D> axes_;
   Index<D> origin_;
   IsoPart<D>* part_ = nullptr;

@@ -4,11 +4,9 @@
 #include <memory>
 
 #include "lode/mappers/simplex_isosurface.h"
-#include "lode/mappers/stitch.h"
 #include "lode/models/diamond/brick_isosurface.h"
-#include "lode/models/diamond/brick_work.h"
 #include "lode/models/diamond/full_resolution.h"
-#include "lode/models/diamond/normals.h"
+#include "lode/models/diamond/join_parts.h"
 
 namespace lode::diamond {
 namespace {
@@ -44,22 +42,7 @@ class Extraction {
     march(progress);
     if (progress.is_cancelled()) return cancelled_error();
     const auto marched = std::chrono::steady_clock::now();
-    std::vector<VertexOrigin> origins;
-    const std::size_t first_new = surface.positions.size();
-    LODE_CHECK(stitch<D>(
-        parts_,
-        [&](LatticeKey key, std::vector<std::uint32_t>& out) {
-          parts_of_bricks_.candidates(key, out);
-        },
-        frame_, query_.threads, surface, query_.with_normals ? &origins : nullptr));
-    if (query_.with_normals) {
-      std::vector<EdgePoint> points(surface.positions.size() - first_new);
-      for (std::size_t v = first_new; v < origins.size(); ++v)
-        points[v - first_new] = parts_[origins[v].part].part.points[origins[v].vertex];
-      surface.normals.resize(surface.positions.size());
-      compute_normals<D>(model_, points, query_.threads,
-                         std::span(surface.normals).subspan(first_new));
-    }
+    LODE_CHECK(join_parts(model_, frame_, query_, parts_, parts_of_bricks_, surface));
     LargestSteps largest;
     largest.add(parts_);
     report = report_of(largest, stats_, frame_);

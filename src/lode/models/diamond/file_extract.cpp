@@ -4,8 +4,7 @@
 #include <memory>
 
 #include "lode/core/stopwatch.h"
-#include "lode/models/diamond/brick_isosurface.h"
-#include "lode/models/diamond/brick_work.h"
+#include "lode/models/diamond/brick_marcher.h"
 #include "lode/models/diamond/normals.h"
 
 namespace lode::diamond {
@@ -36,28 +35,41 @@ class PartNormals {
   Index3 origin_;
 };
 
-template <int D>
+/// Of the isovalues' surfaces, ascending. `Marcher`: of one, or of many.
+template <int D, typename Marcher>
 class FileExtraction {
  public:
   FileExtraction(const CoarseField<D>& field, store::BlockCache& blocks,
-                 const IsosurfaceQuery& query, SurfaceSink& surface)
+                 const IsovalueList& isovalues, const IsosurfaceQuery& query,
+                 const SinkOfIsovalue& sink_of)
       : field_(field),
+        isovalues_(isovalues),
         query_(query),
         frame_(LatticeFrame::of(field.info.grid)),
-        selection_(field, query.isovalue, query.tolerance),
+        selection_(Marcher::select(field, isovalues, query.tolerance)),
         brick_dims_(brick_counts<D>(field.shape)),
         part_(field, blocks, query.threads),
-        stitcher_(frame_, surface.n_vertices(), query.threads),
-        surface_(surface) {}
+        sink_of_(sink_of),
+        largest_(isovalues.size()) {
+    stitchers_.reserve(isovalues.size());
+    for (std::size_t i = 0; i < isovalues.size(); ++i) {
+      const SurfaceSink* const sink = sink_of(i);
+      stitchers_.emplace_back(frame_, sink != nullptr ? sink->n_vertices() : 0, query.threads);
+    }
+  }
 
   Result<IsosurfaceReport> run(Progress& progress) {
     const Stopwatch watch;
-    if (field_.shape.has_cells())
-      CoarseTraversal<D, Selection<D, CoarseField<D>>>(selection_, cut_).run();
+    if (field_.shape.has_cells()) CoarseTraversal<D, CoarseSelection>(selection_, cut_).run();
     work_ = work_of(cut_);
     parts_of_bricks_ = PartsOfBricks<D>(field_.axes, brick_dims_, work_);
     stats_ = cut_.stats;
-    LODE_CHECK(join(march_coarse(), 0));
+    for (std::size_t i = 0; i < isovalues_.size(); ++i) {
+      std::vector<StitchPart<D>> coarse(1);
+      march_coarse<D>(cut_, isovalues_[i], field_.axes, frame_, coarse[0]);
+      find_normals(coarse[0], nullptr, {});
+      LODE_CHECK(join(i, coarse, 0));
+    }
     Bricks bricks = bricks_of(0);
     for (std::size_t i = 0; i < work_.size();) {
       if (progress.is_cancelled()) return cancelled_error();
@@ -66,26 +78,23 @@ class FileExtraction {
       // The system reads the next chunk's blocks while this one is marched.
       bricks = bricks_of(end);
       if (end < work_.size()) part_.will_load(chunk_at(end), bricks.fine);
-      const auto parts = march_chunk(i, end);
-      LODE_CHECK(join(parts, i + 1));
+      LODE_CHECK(join_chunk(march_chunk(i, end), i));
       forget_below(end);
       i = end;
       progress.report("extracting", static_cast<double>(i) / static_cast<double>(work_.size()));
     }
-    IsosurfaceReport report = report_of(largest_, stats_, frame_);
+    IsosurfaceReport report = report_of({}, stats_, frame_);
+    for (const LargestSteps& largest : largest_)
+      report.coordinate_slack =
+          std::max(report.coordinate_slack, slack_of(frame_, largest.step, largest.snap));
     report.geometry_seconds = joining_seconds_;
     report.select_seconds = watch.seconds() - joining_seconds_;
     return report;
   }
 
  private:
-  struct Worker {
-    Worker(const Selection<D>& selection, const FileExtraction& e)
-        : traversal(selection), mapper(e.frame_, e.query_.isovalue) {}
-
-    BrickTraversal<D> traversal;
-    BrickIsosurface<D> mapper;
-  };
+  using CoarseSelection = typename Marcher::template Selected<CoarseField<D>>;
+  using Pieces = std::vector<BrickPiece<D>>;
 
   [[nodiscard]] Index<D> brick_of(std::size_t work) const {
     return point_of<D>(brick_dims_, work_[work].brick);
@@ -116,16 +125,6 @@ class FileExtraction {
     return end;
   }
 
-  std::vector<StitchPart<D>> march_coarse() {
-    std::vector<StitchPart<D>> parts(1);
-    SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts[0].part);
-    for (const ActiveSimplex<D>& s : cut_.leaves)
-      mapper.add(to_lattice<D>(field_.axes, s.vertex, s.value));
-    find_shared<D>(parts[0], [](const EdgePoint&) { return true; });
-    find_normals(parts[0], nullptr, {});
-    return parts;
-  }
-
   /// Whether finer nodes of a brick matter: nodes of level kKeptLevel are refined.
   [[nodiscard]] bool is_fine(const Index<D>& brick) const {
     return !field_.is_needed() || has_fine_node(brick);
@@ -153,35 +152,37 @@ class FileExtraction {
     return false;
   }
 
-  /// The parts of work begin .. end - 1, all in the chunk that is loaded.
-  std::vector<StitchPart<D>> march_chunk(std::size_t begin, std::size_t end) {
-    const Selection<D> selection(part_.model(), query_.isovalue, query_.tolerance);
-    std::vector<StitchPart<D>> parts(end - begin);
+  /// By work from `begin` to before `end`, all in the chunk that is loaded.
+  std::vector<Pieces> march_chunk(std::size_t begin, std::size_t end) {
+    const auto selection = Marcher::select(part_.model(), isovalues_, query_.tolerance);
+    std::vector<Pieces> pieces(end - begin);
     std::vector<TraversalStats> stats(end - begin);
-    std::vector<std::unique_ptr<Worker>> workers(as_size(n_workers(query_.threads)));
+    std::vector<std::unique_ptr<Marcher>> workers(as_size(n_workers(query_.threads)));
     parallel_for(end - begin, query_.threads, 1, [&](std::size_t i, int number) {
       auto& worker = workers[as_size(number)];
-      if (!worker) worker = std::make_unique<Worker>(selection, *this);
-      march_brick(*worker, begin + i, parts[i], stats[i]);
-      find_normals(parts[i], &part_.samples(), part_.origin());
+      if (!worker) worker = std::make_unique<Marcher>(selection, isovalues_, frame_);
+      march_brick(*worker, begin + i, pieces[i], stats[i]);
+      for (BrickPiece<D>& piece : pieces[i])
+        find_normals(piece.part, &part_.samples(), part_.origin());
     });
     for (const TraversalStats& s : stats) stats_.join(s);
-    return parts;
+    return pieces;
   }
 
-  void march_brick(Worker& worker, std::size_t i, StitchPart<D>& part, TraversalStats& stats) {
+  void march_brick(Marcher& marcher, std::size_t i, Pieces& pieces, TraversalStats& stats) {
     const Index<D> origin = part_.origin();
     Index<D> local = brick_of(i);
     for (std::size_t a = 0; a < as_size(D); ++a) local[a] -= origin[a] / kBrickEdge<D>;
-    worker.traversal.open(local);
-    worker.mapper.open(worker.traversal, field_.axes, origin, part.part);
-    for (std::size_t s = work_[i].begin; s < work_[i].end; ++s) {
-      Simplex<D> simplex = cut_.brick_simplices[s].second;
-      for (Index<D>& v : simplex.v) v = v - origin;
-      worker.traversal.visit(simplex, stats,
-                             [&](const BrickSimplex<D>& leaf) { worker.mapper.add(leaf); });
-    }
-    find_shared<D>(part, [&](const EdgePoint& p) { return is_on_brick_border<D>(field_.axes, p); });
+    marcher.march(
+        {local, origin, field_.axes},
+        [&](const auto& visit) {
+          for (std::size_t s = work_[i].begin; s < work_[i].end; ++s) {
+            Simplex<D> simplex = cut_.brick_simplices[s].second;
+            for (Index<D>& v : simplex.v) v = v - origin;
+            visit(simplex);
+          }
+        },
+        stats, pieces);
   }
 
   void find_normals(StitchPart<D>& part, const FlatField<D>* samples, const Index<D>& origin) {
@@ -193,11 +194,28 @@ class FileExtraction {
     });
   }
 
+  /// Passes on a chunk's pieces, isovalue by isovalue.
+  Result<void> join_chunk(std::vector<Pieces> pieces, std::size_t begin) {
+    for (std::size_t isovalue = 0; isovalue < isovalues_.size(); ++isovalue) {
+      std::vector<StitchPart<D>> parts(pieces.size());
+      bool is_met = isovalues_.size() == 1;
+      for (std::size_t i = 0; i < pieces.size(); ++i)
+        for (BrickPiece<D>& piece : pieces[i])
+          if (piece.isovalue == isovalue) {
+            parts[i] = std::move(piece.part);
+            is_met = true;
+          }
+      if (is_met) LODE_CHECK(join(isovalue, parts, begin + 1));
+    }
+    return {};
+  }
+
   /// Passes on the surface of parts `first` and following: everything coarser than bricks, or those
   /// of a chunk's bricks.
-  Result<void> join(const std::vector<StitchPart<D>>& parts, std::size_t first) {
+  Result<void> join(std::size_t isovalue, const std::vector<StitchPart<D>>& parts,
+                    std::size_t first) {
     const Stopwatch watch;
-    largest_.add(parts);
+    largest_[isovalue].add(parts);
     const auto candidates = [&](LatticeKey key, std::vector<std::uint32_t>& out) {
       parts_of_bricks_.candidates(key, out);
       std::erase_if(out, [&](std::uint32_t part) { return part < first; });
@@ -205,10 +223,12 @@ class FileExtraction {
       std::erase_if(out, [&](std::uint32_t part) { return part >= parts.size(); });
     };
     const bool is_coarse = first == 0;
-    LODE_TRY(SurfacePiece piece, stitcher_.join(parts, candidates, [&](LatticeKey key) {
+    SurfaceSink* const sink = sink_of_(isovalue);
+    if (sink == nullptr) return {};
+    LODE_TRY(SurfacePiece piece, stitchers_[isovalue].join(parts, candidates, [&](LatticeKey key) {
       return is_coarse || is_on_chunk_border(key);
     }));
-    LODE_CHECK(surface_.add(std::move(piece)));
+    LODE_CHECK(sink->add(std::move(piece)));
     joining_seconds_ += watch.seconds();
     return {};
   }
@@ -228,24 +248,26 @@ class FileExtraction {
     if (layer == layer_) return;
     layer_ = layer;
     const auto axis = as_size(field_.axes.axis[last]);
-    stitcher_.forget_all_but(
-        [&](LatticeKey key) { return to_point(key)[axis] >= 2 * layer * kChunkEdge<D>; });
+    for (PieceStitcher<D>& stitcher : stitchers_)
+      stitcher.forget_all_but(
+          [&](LatticeKey key) { return to_point(key)[axis] >= 2 * layer * kChunkEdge<D>; });
   }
 
   const CoarseField<D>& field_;
+  const IsovalueList& isovalues_;
   IsosurfaceQuery query_;
   LatticeFrame frame_;
-  Selection<D, CoarseField<D>> selection_;
+  CoarseSelection selection_;
   Index<D> brick_dims_;
   FilePart<D> part_;
   CoarseCut<D> cut_;
   std::vector<BrickWork<D>> work_;
   PartsOfBricks<D> parts_of_bricks_;
-  PieceStitcher<D> stitcher_;
-  SurfaceSink& surface_;
+  std::vector<PieceStitcher<D>> stitchers_;  ///< By isovalue.
+  const SinkOfIsovalue& sink_of_;
   std::int32_t layer_ = 0;  ///< Of chunks, that vertices are kept for.
   TraversalStats stats_;
-  LargestSteps largest_;
+  std::vector<LargestSteps> largest_;  ///< By isovalue.
   double joining_seconds_ = 0;
 };
 
@@ -253,16 +275,19 @@ class FileExtraction {
 
 template <int D>
 Result<IsosurfaceReport> extract_from_file(const CoarseField<D>& field, store::BlockCache& blocks,
-                                           const IsosurfaceQuery& query, SurfaceSink& surface,
-                                           Progress& progress) {
-  return FileExtraction<D>(field, blocks, query, surface).run(progress);
+                                           const IsovalueList& isovalues,
+                                           const IsosurfaceQuery& query,
+                                           const SinkOfIsovalue& sink_of, Progress& progress) {
+  if (isovalues.size() == 1)
+    return FileExtraction<D, OneMarcher<D>>(field, blocks, isovalues, query, sink_of).run(progress);
+  return FileExtraction<D, ManyMarcher<D>>(field, blocks, isovalues, query, sink_of).run(progress);
 }
 
 template Result<IsosurfaceReport> extract_from_file<2>(const CoarseField<2>&, store::BlockCache&,
-                                                       const IsosurfaceQuery&, SurfaceSink&,
-                                                       Progress&);
+                                                       const IsovalueList&, const IsosurfaceQuery&,
+                                                       const SinkOfIsovalue&, Progress&);
 template Result<IsosurfaceReport> extract_from_file<3>(const CoarseField<3>&, store::BlockCache&,
-                                                       const IsosurfaceQuery&, SurfaceSink&,
-                                                       Progress&);
+                                                       const IsovalueList&, const IsosurfaceQuery&,
+                                                       const SinkOfIsovalue&, Progress&);
 
 }  // namespace lode::diamond

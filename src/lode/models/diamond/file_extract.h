@@ -1,23 +1,29 @@
 #pragma once
 
+#include <functional>
+
 #include "lode/core/surface_sink.h"
 #include "lode/models/diamond/block_order.h"
 #include "lode/models/diamond/extract.h"
 #include "lode/models/diamond/file_parts.h"
+#include "lode/models/diamond/isovalue_list.h"
 
 namespace lode::diamond {
 
-/// extract_isosurface() from a file, chunk by chunk: blocks are read where bricks that the surface
-/// may cross need them, and not kept. The same surface, vertex by vertex, as from memory with a
-/// tolerance above 0; `surface` takes each chunk's piece. Where there are holes, all samples of
+/// Where pieces of an isovalue's surface go, by its number; null: nowhere, from now on.
+using SinkOfIsovalue = std::function<SurfaceSink*(std::size_t)>;
+
+/// extract_isosurface(), of all isovalues in one pass, from a file, chunk by chunk: blocks are read
+/// where bricks that a surface may cross need them, and not kept. The same surfaces, vertex by
+/// vertex, as from memory with a tolerance above 0; sinks take each chunk's pieces. `query`: its
+/// isovalue does not count. Where there are holes, all samples of
 /// such bricks are read, and of coarser simplices one cell's, as only they tell what is removed. In
 /// memory are `field`, one chunk and its piece, vertices that later chunks share, and what `blocks`
 /// keeps.
 template <int D>
-[[nodiscard]] Result<IsosurfaceReport> extract_from_file(const CoarseField<D>& field,
-                                                         store::BlockCache& blocks,
-                                                         const IsosurfaceQuery& query,
-                                                         SurfaceSink& surface, Progress& progress);
+[[nodiscard]] Result<IsosurfaceReport> extract_from_file(
+    const CoarseField<D>& field, store::BlockCache& blocks, const IsovalueList& isovalues,
+    const IsosurfaceQuery& query, const SinkOfIsovalue& sink_of, Progress& progress);
 
 /// Chunks that have a vertex in common come at most so many pieces after one another.
 template <int D>

@@ -33,6 +33,13 @@ class IsovalueList {
     }
   }
 
+  /// In any order.
+  [[nodiscard]] static IsovalueList of(std::span<const double> isovalues) {
+    std::vector<double> ascending(isovalues.begin(), isovalues.end());
+    std::sort(ascending.begin(), ascending.end());
+    return IsovalueList(ascending);
+  }
+
   [[nodiscard]] std::size_t size() const { return isovalues_.size(); }
   [[nodiscard]] double operator[](std::size_t i) const { return isovalues_[i]; }
   /// At most n of them, from number `first` on.
@@ -65,11 +72,11 @@ class IsovalueList {
 /// Selection by many isovalues at once. Whether an error is above the tolerance does not depend on
 /// the isovalue, so all of them have their surfaces in the leaves of one cut: what this refines is
 /// what Selection refines for any of them, and each one's active leaves are those that it crosses.
-template <int D>
-class ManySelection : public ToleranceSelection<D> {
+template <int D, typename Field = Model<D>>
+class ManySelection : public ToleranceSelection<D, Field> {
  public:
-  ManySelection(const Model<D>& model, const IsovalueList& isovalues, double tolerance)
-      : ToleranceSelection<D>(model, tolerance), isovalues_(isovalues) {
+  ManySelection(const Field& model, const IsovalueList& isovalues, double tolerance)
+      : ToleranceSelection<D, Field>(model, tolerance), isovalues_(isovalues) {
     const double reference = model.range_reference();
     below_.reserve(isovalues.size());
     above_.reserve(isovalues.size());

@@ -1,0 +1,64 @@
+#pragma once
+
+// What extraction from memory and from files have in common: isovalue after isovalue.
+
+#include <algorithm>
+
+#include "lode/api/dataset.h"
+#include "lode/core/parallel_fill.h"
+#include "lode/models/diamond/extract.h"
+
+namespace lode {
+
+/// What the edits after an extraction ask of a field.
+struct FieldFacts {
+  const RegularGrid& grid;
+  bool has_removed_border_cell = false;
+  double first_sample = 0;
+};
+
+/// Adds up what extraction says of one isovalue.
+inline void add_part(const diamond::IsosurfaceReport& part, ExtractReport& report) {
+  report.achieved_error = std::max(report.achieved_error, part.achieved_error);
+  report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
+  report.nodes_visited += part.nodes_visited;
+  report.seconds.select += part.select_seconds;
+  report.seconds.geometry += part.geometry_seconds;
+}
+
+/// Gives the vertices that have come last their isovalue.
+inline void add_isovalue(double isovalue, const ExtractOptions& options, Surface& surface) {
+  const auto value = static_cast<float>(isovalue);
+  const std::size_t first = options.isovalues.size() == 1 ? 0 : surface.isovalues.size();
+  resize_large(surface.isovalues, surface.positions.size());
+  for_each_piece(surface.isovalues.size() - first, options.threads,
+                 [&](std::size_t begin, std::size_t end) {
+                   std::fill(surface.isovalues.data() + first + begin,
+                             surface.isovalues.data() + first + end, value);
+                 });
+}
+
+template <int D>
+diamond::IsosurfaceQuery query_of(double isovalue, const ExtractOptions& options,
+                                  const ExtractReport& report) {
+  return {.isovalue = isovalue,
+          .tolerance = report.max_error,
+          .style = options.style,
+          .threads = options.threads,
+          .with_normals = D == 3 && options.normals == Normals::on,
+          .replaces = options.isovalues.size() == 1};
+}
+
+/// extract_part(query) for each isovalue, and after_part(isovalue).
+template <int D, typename ExtractPart, typename AfterPart>
+Result<void> extract_all(const ExtractOptions& options, ExtractReport& report,
+                         const ExtractPart& extract_part, const AfterPart& after_part) {
+  for (const double isovalue : options.isovalues) {
+    LODE_TRY(const auto part, extract_part(query_of<D>(isovalue, options, report)));
+    add_part(part, report);
+    after_part(isovalue);
+  }
+  return {};
+}
+
+}  // namespace lode

@@ -1,0 +1,195 @@
+// Several isovalues extracted in one traversal must give what one after the other gives, to the
+// bit.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "lode/api/dataset.h"
+#include "tests/models/rough_volume.h"
+#include "tests/oracles/analytic_fields.h"
+#include "tests/oracles/synthetic_volumes.h"
+#include "tests/store/test_file.h"
+
+namespace lode {
+namespace {
+
+struct Extracted {
+  Surface surface;
+  ExtractReport report;
+};
+
+Dataset built(const Volume& volume) {
+  Progress progress;
+  const auto source = make_memory_source(volume);
+  auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+  if (!dataset) throw std::runtime_error(dataset.error().message);
+  return std::move(*dataset);
+}
+
+Extracted extracted(const Dataset& dataset, const ExtractOptions& options) {
+  Progress progress;
+  Extracted result;
+  auto report = dataset.extract(options, result.surface, progress);
+  if (!report) throw std::runtime_error(report.error().message);
+  result.report = *report;
+  return result;
+}
+
+/// Surfaces of one isovalue each, one behind the other.
+Extracted one_by_one(const Dataset& dataset, ExtractOptions options) {
+  Extracted all;
+  const std::vector<double> isovalues = options.isovalues;
+  for (const double isovalue : isovalues) {
+    options.isovalues = {isovalue};
+    const Extracted one = extracted(dataset, options);
+    const auto n = static_cast<std::uint32_t>(all.surface.positions.size());
+    const auto append = [](auto& to, const auto& from) {
+      to.insert(to.end(), from.begin(), from.end());
+    };
+    append(all.surface.positions, one.surface.positions);
+    append(all.surface.normals, one.surface.normals);
+    append(all.surface.isovalues, one.surface.isovalues);
+    for (auto cell : one.surface.triangles)
+      all.surface.triangles.push_back({cell[0] + n, cell[1] + n, cell[2] + n});
+    for (auto cell : one.surface.lines) all.surface.lines.push_back({cell[0] + n, cell[1] + n});
+    all.report.achieved_error = std::max(all.report.achieved_error, one.report.achieved_error);
+    all.report.coordinate_slack =
+        std::max(all.report.coordinate_slack, one.report.coordinate_slack);
+    all.report.nodes_visited += one.report.nodes_visited;
+    append(all.report.unmet, one.report.unmet);
+  }
+  return all;
+}
+
+void expect_same(const Extracted& together, const Extracted& apart) {
+  EXPECT_EQ(together.surface.positions, apart.surface.positions);
+  EXPECT_EQ(together.surface.normals, apart.surface.normals);
+  EXPECT_EQ(together.surface.isovalues, apart.surface.isovalues);
+  EXPECT_EQ(together.surface.triangles, apart.surface.triangles);
+  EXPECT_EQ(together.surface.lines, apart.surface.lines);
+  EXPECT_EQ(together.report.achieved_error, apart.report.achieved_error);
+  EXPECT_EQ(together.report.coordinate_slack, apart.report.coordinate_slack);
+  EXPECT_EQ(together.report.unmet, apart.report.unmet);
+}
+
+/// In no order, at both ends of the range, on samples, and beyond.
+std::vector<double> some_isovalues(const Dataset& dataset) {
+  const DatasetInfo info = dataset.describe();
+  const double width = info.range_max - info.range_min;
+  return {info.range_min + 0.5 * width,
+          info.range_max,
+          info.range_min + 0.51 * width,
+          info.range_min - 1,
+          info.range_min,
+          info.range_min + 0.2 * width,
+          info.range_max + 1,
+          info.range_min + 0.9 * width};
+}
+
+/// With a tolerance a file's are extracted chunk by chunk.
+void expect_same_surfaces_of(const Dataset& dataset);
+
+void expect_same_surfaces(const Volume& volume) {
+  const Dataset dataset = built(volume);
+  expect_same_surfaces_of(dataset);
+  const store::TestPath path("many.lode");
+  Progress progress;
+  ASSERT_TRUE(dataset.save(path.str(), {2}, progress));
+  const auto stored = Dataset::open(path.str(), {2});
+  ASSERT_TRUE(stored);
+  SCOPED_TRACE("from a file");
+  expect_same_surfaces_of(*stored);
+}
+
+void expect_same_surfaces_of(const Dataset& dataset) {
+  const DatasetInfo info = dataset.describe();
+  for (const double share : {0.0, 0.01, 0.1, 2.0}) {
+    SCOPED_TRACE(share);
+    ExtractOptions options{.isovalues = some_isovalues(dataset),
+                           .max_error = share * (info.range_max - info.range_min),
+                           .threads = {2}};
+    const Extracted apart = one_by_one(dataset, options);
+    if (share == 0) EXPECT_FALSE(apart.surface.is_empty());
+    for (const int threads : {1, 3}) {
+      options.threads = {threads};
+      expect_same(extracted(dataset, options), apart);
+    }
+  }
+}
+
+class many_isosurfaces_shapes : public testing::TestWithParam<Index3> {};
+
+TEST_P(many_isosurfaces_shapes, are_those_of_one_after_the_other) {
+  expect_same_surfaces(test::rough_volume<std::uint8_t>(GetParam(), 0));
+  expect_same_surfaces(test::rough_volume<float>(GetParam(), 0));
+}
+
+TEST_P(many_isosurfaces_shapes, are_those_of_one_after_the_other_between_holes) {
+  expect_same_surfaces(test::rough_volume<float>(GetParam(), 0.01));
+}
+
+INSTANTIATE_TEST_SUITE_P(dims, many_isosurfaces_shapes,
+                         testing::Values(Index3{{2, 3, 2}}, Index3{{34, 33, 5}},
+                                         Index3{{41, 67, 36}}, Index3{{97, 1, 45}},
+                                         Index3{{300, 129, 1}}));
+
+TEST(many_isosurfaces, are_those_of_one_after_the_other_where_coarse_leaves_suffice) {
+  expect_same_surfaces(
+      oracles::linear_ramp({{130, 66, 97}}, ScalarType::float32, {{1, 0.5, 0.25}}));
+  expect_same_surfaces(oracles::sample(oracles::Field::gaussians40, 65));
+}
+
+TEST(many_isosurfaces, come_once_each) {
+  const Dataset dataset = built(test::rough_volume<float>({{41, 37, 36}}, 0));
+  Progress progress;
+  Surface surface;
+  const auto twice = dataset.extract({.isovalues = {100, 120, 100}}, surface, progress);
+  ASSERT_FALSE(twice);
+  EXPECT_NE(twice.error().message.find("got 100 twice"), std::string::npos);
+}
+
+TEST(many_isosurfaces, are_found_in_one_traversal) {
+  Dataset dataset = built(oracles::sample(oracles::Field::gaussians40, 65));
+  ExtractOptions options{.max_error = 0.005, .threads = {1}};
+  for (int i = 0; i < 20; ++i) options.isovalues.push_back(1 + 0.01 * i);
+  const std::uint64_t n_apart = one_by_one(dataset, options).report.nodes_visited;
+  EXPECT_LT(extracted(dataset, options).report.nodes_visited, n_apart / 5);
+}
+
+TEST(many_isosurfaces, of_a_file_read_each_block_once) {
+  const Dataset dataset = built(oracles::sample(oracles::Field::gaussians40, 129));
+  const store::TestPath path("many.lode");
+  Progress progress;
+  ASSERT_TRUE(dataset.save(path.str(), {2}, progress));
+  ExtractOptions options{.isovalues = {1}, .max_error = 0.01, .threads = {1}};
+  const std::uint64_t n_once =
+      extracted(*Dataset::open(path.str(), {1}), options).report.bytes_read;
+  for (int i = 1; i < 10; ++i) options.isovalues.push_back(1 + 0.001 * i);
+  EXPECT_LT(extracted(*Dataset::open(path.str(), {1}), options).report.bytes_read,
+            n_once + n_once / 4);
+}
+
+TEST(many_isosurfaces, of_data_without_a_surface_are_empty) {
+  for (const Volume& volume : {oracles::constant({{5, 6, 7}}, ScalarType::uint8, 3),
+                               oracles::constant({{9, 9, 9}}, ScalarType::float32,
+                                                 std::numeric_limits<float>::quiet_NaN()),
+                               oracles::constant({{1, 1, 9}}, ScalarType::uint8, 3)}) {
+    const Extracted all =
+        extracted(built(volume), {.isovalues = {2, 3, 4}, .max_error = 1.0, .threads = {2}});
+    EXPECT_TRUE(all.surface.is_empty());
+    EXPECT_EQ(all.report.unmet.size(), 3U);
+  }
+}
+
+TEST(many_isosurfaces, stop_when_cancelled) {
+  const Dataset dataset = built(test::rough_volume<float>({{37, 35, 34}}, 0));
+  Progress progress;
+  progress.cancel();
+  Surface surface;
+  EXPECT_FALSE(dataset.extract({.isovalues = {90, 110}, .max_error = 1.0}, surface, progress));
+}
+
+}  // namespace
+}  // namespace lode
