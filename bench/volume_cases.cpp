@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "lode/io/volume_reader.h"
+#include "tests/oracles/synthetic_volumes.h"
 
 namespace lode::bench {
 namespace {
@@ -33,6 +34,11 @@ std::vector<VolumeCase> analytic_cases() {
                        .isovalue = oracles::usual_isovalue(field),
                        .relative_error = relative_error_of(field)});
   return cases;
+}
+
+/// Bytes that know nothing of each other: every cell is crossed.
+VolumeCase noise_case() {
+  return {.name = "noise_128", .field = {}, .n = 128, .isovalue = 127.5, .relative_error = 0.03};
 }
 
 std::vector<VolumeCase> file_cases() {
@@ -72,6 +78,7 @@ std::vector<VolumeCase> file_cases() {
 
 std::vector<VolumeCase> volume_cases() {
   std::vector<VolumeCase> cases = file_cases();
+  cases.push_back(noise_case());
   for (VolumeCase& analytic : analytic_cases()) cases.push_back(std::move(analytic));
   return cases;
 }
@@ -93,6 +100,9 @@ int run_cases(int argc, char** argv, const char* about,
 
 Result<Volume> load(const VolumeCase& volume_case) {
   if (volume_case.field) return oracles::sample(*volume_case.field, volume_case.n);
+  if (volume_case.file.empty())
+    return oracles::integer_noise({{volume_case.n, volume_case.n, volume_case.n}},
+                                  {.type = ScalarType::uint8, .seed = 1, .low = 0, .high = 255});
   const std::filesystem::path path = data_directory() / "volume" / volume_case.file;
   if (!std::filesystem::exists(path))
     return fail("skipped: no {} (set LODE_DATA)", volume_case.file);

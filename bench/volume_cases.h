@@ -11,11 +11,11 @@
 
 namespace lode::bench {
 
-/// A volume to race on: an analytic field, or a file of LODE_DATA/volume.
+/// A volume to race on: an analytic field, noise, or a file of LODE_DATA/volume.
 struct VolumeCase {
   std::string name;                     ///< "bonsai", "sphere_257", ...
-  std::optional<oracles::Field> field;  ///< Unset: a file.
-  std::int32_t n = 0;                   ///< Samples per axis of the field.
+  std::optional<oracles::Field> field;  ///< Unset: a file, or noise.
+  std::int32_t n = 0;                   ///< Samples per axis of the field, or of noise.
   std::string file;
   std::string array;                 ///< Which of several fields in the file.
   std::optional<Index3> raw_dims{};  ///< Of a file of bare bytes.

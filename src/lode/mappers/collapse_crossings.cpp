@@ -119,16 +119,15 @@ class CoarseBoxes {
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 
-Result<Pairs> find(const CollapseMesh& mesh, std::span<const std::uint32_t> triangles,
-                   Threads threads, Progress& progress) {
+Result<Pairs> find(const CollapseMesh& mesh, std::span<const std::uint32_t> live,
+                   std::span<const std::uint32_t> triangles, Threads threads, Progress& progress) {
   std::vector<std::uint8_t> is_asked(mesh.triangles.size(), 0);
   for (const std::uint32_t t : triangles) is_asked[t] = 1;
   const CoarseBoxes near(mesh, triangles);
   std::vector<std::uint32_t> numbers;
   std::vector<Box3f> boxes;
   Pairs found;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (mesh.triangles[t].is_dead()) continue;
+  for (const std::uint32_t t : live) {
     const Box3f box = box_of(mesh, t);
     if (is_asked[t] == 0 && !near.may_meet(box)) continue;
     if (has_zero_area(mesh, t)) {
@@ -154,9 +153,10 @@ Result<Pairs> find(const CollapseMesh& mesh, std::span<const std::uint32_t> tria
 
 }  // namespace
 
-Result<Pairs> find_crossings(const CollapseMesh& mesh, std::span<const std::uint32_t> triangles,
-                             Threads threads, Progress& progress) try {
-  return find(mesh, triangles, threads, progress);
+Result<Pairs> find_crossings(const CollapseMesh& mesh, std::span<const std::uint32_t> live,
+                             std::span<const std::uint32_t> triangles, Threads threads,
+                             Progress& progress) try {
+  return find(mesh, live, triangles, threads, progress);
 } catch (const std::bad_alloc&) {
   throw;
 } catch (const std::exception& error) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <vector>
@@ -116,6 +117,8 @@ class Simplifier {
   Result<void> collapse(int pass);
   void collapse_round(const Partition& partition, bool is_first, const BlockLimits& limits);
   Result<void> prove(std::uint32_t first);
+  void find_live();
+  void add_live(std::span<const std::uint32_t> changed);
   void reopen(std::span<const std::uint32_t> changed);
   Result<void> count_input_crossings();
   Result<std::vector<std::uint32_t>> find_bad(std::span<const std::uint32_t> changed,
@@ -134,6 +137,7 @@ class Simplifier {
   CollapseMesh mesh_;
   SimplifyReport report_;
   std::uint32_t next_collapse_ = 0;
+  std::vector<std::uint32_t> live_;      ///< Triangles that are there, while they are proven.
   std::vector<std::uint8_t> is_open_;    ///< By vertex: to be tried in the next pass; empty: all.
   std::vector<std::uint8_t> is_failed_;  ///< By vertex: of a collapse that failed a proof.
   bool has_reopened_ = false;
@@ -196,15 +200,21 @@ std::vector<std::uint32_t> Simplifier::to_recheck(std::span<const std::uint32_t>
   for (const std::uint32_t t : changed)
     for (const std::uint32_t v : mesh_.triangles[t].v)
       stars.for_each_around(v, [&](std::uint32_t s) { is_near[s] = 1; });
+  const auto is_asked = [&](std::size_t i) {
+    if (!mesh_.triangles[i].is_dead() && stars.maker(static_cast<std::uint32_t>(i)) == kNone)
+      return false;  // as it was
+    return std::ranges::any_of(surface_.triangles[i],
+                               [&](std::uint32_t v) { return is_near[mesh_.attached_to[v]] != 0; });
+  };
+  constexpr std::size_t kPiece = 1 << 16;
+  std::vector<std::vector<std::uint32_t>> pieces(surface_.triangles.size() / kPiece + 1);
+  parallel_for(pieces.size(), options_.threads, 1, [&](std::size_t piece, int) {
+    const std::size_t end = std::min(surface_.triangles.size(), (piece + 1) * kPiece);
+    for (std::size_t i = piece * kPiece; i < end; ++i)
+      if (is_asked(i)) pieces[piece].push_back(static_cast<std::uint32_t>(i));
+  });
   std::vector<std::uint32_t> found;
-  for (std::uint32_t i = 0; i < surface_.triangles.size(); ++i) {
-    if (!mesh_.triangles[i].is_dead() && stars.maker(i) == kNone) continue;  // as it was
-    for (const std::uint32_t v : surface_.triangles[i])
-      if (is_near[mesh_.attached_to[v]] != 0) {
-        found.push_back(i);
-        break;
-      }
-  }
+  for (const auto& piece : pieces) found.insert(found.end(), piece.begin(), piece.end());
   return found;
 }
 
@@ -239,7 +249,8 @@ Result<std::vector<std::uint32_t>> Simplifier::find_bad(std::span<const std::uin
                                                         const CollapseUndo& stars,
                                                         DistanceProof& proof) {
   std::vector<std::uint32_t> bad;
-  LODE_TRY(const auto crossings, find_crossings(mesh_, changed, options_.threads, progress_));
+  LODE_TRY(const auto crossings,
+           find_crossings(mesh_, live_, changed, options_.threads, progress_));
   for (const auto& [s, t] : crossings) {
     const std::uint32_t maker = later(stars.maker(s), stars.maker(t));
     if (maker != kNone)
@@ -261,8 +272,8 @@ Result<void> Simplifier::prove(std::uint32_t first) {
   DistanceProof proof(surface_, mesh_, stars, options_.max_distance,
                       2.5 * std::sqrt(mean_area(surface_)), progress_);
   std::vector<std::uint32_t> changed;
-  for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
-    if (mesh_.triangles[t].is_dead()) continue;
+  find_live();
+  for (const std::uint32_t t : live_) {
     const std::uint32_t maker = stars.maker(t);
     if (maker != kNone && maker >= first) changed.push_back(t);
   }
@@ -280,9 +291,24 @@ Result<void> Simplifier::prove(std::uint32_t first) {
       report_.undone += stars.undo(c, changed);
     }
     sort_unique(changed);
+    add_live(changed);
     reopen(changed);
   }
   return {};
+}
+
+void Simplifier::find_live() {
+  live_.clear();
+  for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
+    if (!mesh_.triangles[t].is_dead()) live_.push_back(t);
+}
+
+/// Undoing brings triangles back, and takes none away.
+void Simplifier::add_live(std::span<const std::uint32_t> changed) {
+  std::vector<std::uint32_t> all;
+  all.reserve(live_.size() + changed.size());
+  std::ranges::set_union(live_, changed, std::back_inserter(all));
+  live_ = std::move(all);
 }
 
 /// Lets the next pass try other collapses here.
@@ -293,10 +319,8 @@ void Simplifier::reopen(std::span<const std::uint32_t> changed) {
 }
 
 Result<void> Simplifier::count_input_crossings() {
-  std::vector<std::uint32_t> all;
-  for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
-    if (!mesh_.triangles[t].is_dead()) all.push_back(t);
-  LODE_TRY(const auto crossings, find_crossings(mesh_, all, options_.threads, progress_));
+  find_live();
+  LODE_TRY(const auto crossings, find_crossings(mesh_, live_, live_, options_.threads, progress_));
   report_.input_crossings = crossings.size();
   return {};
 }
