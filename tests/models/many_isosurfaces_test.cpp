@@ -171,6 +171,30 @@ TEST(many_isosurfaces, of_a_file_read_each_block_once) {
             n_once + n_once / 4);
 }
 
+/// Noise has more surface than is guessed, so that in the middle of a pass there is no room left.
+TEST(many_isosurfaces, of_a_file_that_do_not_fit_take_more_passes) {
+  const Dataset dataset = built(oracles::integer_noise(
+      {{300, 24, 20}}, {.type = ScalarType::uint8, .seed = 3, .low = 0, .high = 255}));
+  const store::TestPath path("many.lode");
+  Progress progress;
+  ASSERT_TRUE(dataset.save(path.str(), {2}, progress));
+  const auto stored = Dataset::open(path.str(), {2});
+  ASSERT_TRUE(stored);
+  ExtractOptions options{
+      .isovalues = {90, 150, 120, 200, 60, 128}, .max_error = 5.0, .threads = {2}};
+  const Extracted apart = one_by_one(*stored, options);
+  for (const std::uint64_t limit : {10'000'000, 40'000'000, 150'000'000, 1'000'000'000}) {
+    SCOPED_TRACE(limit);
+    options.memory_limit = limit;
+    const Extracted together = extracted(*stored, options);
+    expect_same(together, apart);
+    // What is dropped has been begun in vain, once.
+    EXPECT_LT(together.report.nodes_visited, apart.report.nodes_visited * 5 / 4);
+    if (limit == 1'000'000'000)
+      EXPECT_LT(together.report.nodes_visited, apart.report.nodes_visited / 2);
+  }
+}
+
 TEST(many_isosurfaces, of_data_without_a_surface_are_empty) {
   for (const Volume& volume : {oracles::constant({{5, 6, 7}}, ScalarType::uint8, 3),
                                oracles::constant({{9, 9, 9}}, ScalarType::float32,

@@ -61,7 +61,7 @@ enum class Orientation : std::uint8_t { from_lower_values, from_higher_values };
 enum class Border : std::uint8_t { open, closed };
 
 struct ExtractOptions {
-  std::vector<double> isovalues;  ///< At least one; finite.
+  std::vector<double> isovalues;  ///< At least one; finite, each once.
   /// Field units, >= 0; unset: 0.5 % of the value range, or none where there is a max_distance.
   std::optional<double> max_error{};
   /// World units, > 0: no point of the surface is farther from that of full resolution, nor any of

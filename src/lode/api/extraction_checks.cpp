@@ -1,6 +1,8 @@
 // What can be said of an extraction's options before anything is done.
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/distance_extraction.h"
@@ -19,6 +21,14 @@ Result<void> check_is_volume(const Dataset::Impl& impl, const ExtractOptions& op
   return fail("{}: expected a volume, got a flat image, whose contours are lines", asked);
 }
 
+/// Two surfaces in one place are of no use.
+Result<void> check_each_once(std::vector<double> isovalues) {
+  std::sort(isovalues.begin(), isovalues.end());
+  const auto twice = std::adjacent_find(isovalues.begin(), isovalues.end());
+  if (twice == isovalues.end()) return {};
+  return fail("isovalues: expected each once, got {} twice", *twice);
+}
+
 }  // namespace
 
 Result<void> check_extract_options(const ExtractOptions& options) {
@@ -35,11 +45,6 @@ Result<void> check_extract_options(const ExtractOptions& options) {
   if (options.style == SurfaceStyle::cubes && options.max_error.value_or(1) > 0)
     return fail("style cubes: expected a max_error of 0, as it has full resolution only, got {}",
                 options.max_error ? fmt::format("{}", *options.max_error) : "none");
-  std::vector<double> isovalues = options.isovalues;
-  std::sort(isovalues.begin(), isovalues.end());
-  if (const auto twice = std::adjacent_find(isovalues.begin(), isovalues.end());
-      twice != isovalues.end())
-    return fail("isovalues: expected each once, got {} twice", *twice);
   if (options.border == Border::closed && options.isovalues.size() > 1)
     return fail(
         "closing at the border: expected one isovalue, got {}: caps of several would lie "
@@ -60,6 +65,7 @@ Result<void> check_extract_options(const ExtractOptions& options) {
 
 Result<void> check_extraction(const Dataset::Impl& impl, const ExtractOptions& options) {
   LODE_CHECK(check_extract_options(options));
+  LODE_CHECK(check_each_once(options.isovalues));
   return check_is_volume(impl, options);
 }
 

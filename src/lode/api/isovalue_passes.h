@@ -2,25 +2,27 @@
 
 // Several isovalues' surfaces out of a file, one behind the other, in as few passes as memory lets.
 
+#include <algorithm>
 #include <deque>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "lode/api/isovalue_parts.h"
+#include "lode/core/stopwatch.h"
 #include "lode/core/surface_sink.h"
 #include "lode/models/diamond/file_extract.h"
 
 namespace lode {
 
-/// Surfaces that come side by side while the one before them goes to its sink: as many as fit, the
-/// first ones.
+/// Surfaces that come side by side while the one before them goes to its sink: the first of them
+/// that fit.
 class HeldSurfaces {
  public:
   HeldSurfaces(std::size_t n, std::uint64_t max_bytes) : max_bytes_(max_bytes), held_(n) {}
 
-  /// Null, from then on, where memory has ended; the last of them go first.
-  [[nodiscard]] SurfaceSink* sink(std::size_t i) {
+  /// Null, from then on, where memory has ended: the last ones are dropped.
+  [[nodiscard]] SurfaceSink* sink_or_drop(std::size_t i) {
     while (n_bytes() > max_bytes_) held_.pop_back();
     return i < held_.size() ? &held_[i].collector : nullptr;
   }
@@ -35,13 +37,7 @@ class HeldSurfaces {
   };
   [[nodiscard]] std::uint64_t n_bytes() const {
     std::uint64_t n = 0;
-    for (const Held& held : held_) {
-      const Surface& s = held.surface;
-      n += s.positions.capacity() * sizeof(s.positions[0]) +
-           s.normals.capacity() * sizeof(s.normals[0]) +
-           s.triangles.capacity() * sizeof(s.triangles[0]) +
-           s.lines.capacity() * sizeof(s.lines[0]);
-    }
+    for (const Held& held : held_) n += held.surface.n_bytes();
     return n;
   }
 
@@ -49,38 +45,62 @@ class HeldSurfaces {
   std::deque<Held> held_;  ///< Stay where they are.
 };
 
+/// What an isovalue's surface and its parts of a chunk may take, before one of them is known: three
+/// triangles for twenty samples, as noisy scans have.
+template <int D>
+std::uint64_t guessed_bytes(const diamond::CoarseField<D>& field) {
+  const auto n = static_cast<std::uint64_t>(field.info.grid.n_samples());
+  constexpr auto kChunk = std::uint64_t{1} << (D == 3 ? 24 : 20);
+  return 3 * n + 5 * std::min(n, kChunk);
+}
+
+/// Passes on surfaces that were held while the one before them was made.
+template <typename Before, typename After>
+Result<void> pass_on(std::span<const double> isovalues, HeldSurfaces& held, SurfaceSink& sink,
+                     const Before& before, const After& after, Progress& progress) {
+  for (std::size_t i = 0; i < isovalues.size(); ++i) {
+    if (progress.is_cancelled()) return cancelled_error();
+    before(isovalues[i]);
+    SurfacePiece piece;
+    piece.surface = held.take(i);
+    piece.first_new = sink.n_vertices();
+    LODE_CHECK(sink.add(std::move(piece)));
+    after(isovalues[i]);
+  }
+  return {};
+}
+
 /// extract_from_file() of all isovalues, in their order: before(isovalue) and after(isovalue) come
-/// round each surface, of which the first goes straight to the sink and others wait in max_bytes of
-/// memory. What does not fit is left to another pass.
+/// round each surface, of which the first of a pass goes straight to the sink and others wait.
+/// These, and their parts, are to take max_bytes of memory; what does not fit is left to another
+/// pass, and where none fits each has its own.
 template <int D, typename Before, typename After>
 Result<void> extract_passes(const diamond::CoarseField<D>& field, store::BlockCache& blocks,
                             const ExtractOptions& options, std::uint64_t max_bytes,
                             SurfaceSink& sink, ExtractReport& report, const Before& before,
                             const After& after, Progress& progress) {
   std::span<const double> left = options.isovalues;
+  std::uint64_t bytes_each = guessed_bytes(field);
   while (!left.empty()) {
-    const auto isovalues = diamond::IsovalueList::of(left);
-    std::vector<std::size_t> place(left.size());  // in `left`, by number
-    for (std::size_t i = 0; i < left.size(); ++i) place[isovalues.rank(left[i]) - 1] = i;
-    HeldSurfaces held(left.size() - 1, max_bytes);
-    before(left[0]);
-    LODE_TRY(const auto part,
-             diamond::extract_from_file<D>(
-                 field, blocks, isovalues, query_of<D>(left[0], options, report),
-                 [&](std::size_t i) { return place[i] == 0 ? &sink : held.sink(place[i] - 1); },
-                 progress));
+    const auto some = left.first(std::min<std::uint64_t>(left.size(), 1 + max_bytes / bytes_each));
+    const auto isovalues = diamond::IsovalueList::of(some);
+    std::vector<std::size_t> place(some.size());  // in `some`, by number
+    for (std::size_t i = 0; i < some.size(); ++i) place[isovalues.rank(some[i]) - 1] = i;
+    HeldSurfaces held(some.size() - 1, max_bytes);
+    before(some[0]);
+    LODE_TRY(const auto part, diamond::extract_from_file<D>(
+                                  field, blocks, isovalues, query_of<D>(some[0], options, report),
+                                  [&](std::size_t i) {
+                                    return place[i] == 0 ? &sink : held.sink_or_drop(place[i] - 1);
+                                  },
+                                  progress));
     add_part(part, report);
-    after(left[0]);
-    const std::size_t n_held = held.size();
-    for (std::size_t i = 0; i < n_held; ++i) {
-      before(left[i + 1]);
-      SurfacePiece piece;
-      piece.surface = held.take(i);
-      piece.first_new = sink.n_vertices();
-      LODE_CHECK(sink.add(std::move(piece)));
-      after(left[i + 1]);
-    }
-    left = left.subspan(1 + n_held);
+    after(some[0]);
+    const Stopwatch watch;
+    LODE_CHECK(pass_on(some.subspan(1, held.size()), held, sink, before, after, progress));
+    report.seconds.geometry += watch.seconds();
+    left = left.subspan(1 + held.size());
+    bytes_each = std::max<std::uint64_t>(1, part.surface_bytes + part.part_bytes);
   }
   return {};
 }

@@ -140,11 +140,15 @@ class Session::Impl {
     return true;
   }
 
+  [[nodiscard]] static bool says_the_same(Standing a, const Standing& b) {
+    a.n_steps = b.n_steps;
+    return a == b;
+  }
   /// What the last batch of this query does not say. Data that came late may have changed nothing
   /// but that the answer is there.
   [[nodiscard]] bool has_news() const {
     return must_publish_ || live_->n_changed() > 0 || (!has_told_ && live_->fault()) ||
-           live_->standing().is_settled != told_settled_;
+           !says_the_same(live_->standing(), told_);
   }
 
   void begin_batch() {
@@ -158,7 +162,7 @@ class Session::Impl {
     batch_->generation = generation_;
     batch_->change.starts_over = std::exchange(starts_over_, false);
     batch_->standing = live_->standing();
-    told_settled_ = batch_->standing.is_settled;
+    told_ = batch_->standing;
     batch_->fault = live_->fault();
     has_told_ = batch_->fault.has_value();
     gathering_ = Clock::now();
@@ -179,7 +183,7 @@ class Session::Impl {
   std::uint64_t generation_ = 0;
   bool starts_over_ = false;   ///< No batch has said so yet that was taken, or can be.
   bool must_publish_ = false;  ///< The newest query has not been answered by a batch yet.
-  bool told_settled_ = false;  ///< The last batch was the answer.
+  Standing told_;              ///< By the last batch.
   bool has_told_ = false;      ///< A batch has said that data will not come.
   std::uint64_t n_steps_ = 0;
   Clock::time_point last_batch_;

@@ -8,6 +8,12 @@ Vec3d Surface::world_position(std::uint32_t vertex) const {
            origin[2] + static_cast<double>(p[2])}};
 }
 
+std::uint64_t Surface::n_bytes() const {
+  return capacity_bytes(positions) + capacity_bytes(normals) + capacity_bytes(isovalues) +
+         capacity_bytes(values) + capacity_bytes(origins) + capacity_bytes(errors) +
+         capacity_bytes(triangles) + capacity_bytes(lines);
+}
+
 void Surface::clear() {
   origin = {};
   positions.clear();

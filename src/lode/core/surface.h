@@ -8,6 +8,12 @@
 
 namespace lode {
 
+/// Bytes that a vector has room for.
+template <typename T>
+[[nodiscard]] std::uint64_t capacity_bytes(const std::vector<T>& vector) {
+  return std::uint64_t{vector.capacity()} * sizeof(T);
+}
+
 /// Where full resolution has vertices: on all edges of the tetrahedra, so that the surface is the
 /// exact level set of F, or on those of the grid's cells alone, a third of the triangles.
 enum class SurfaceStyle : std::uint8_t { tetra, cubes };
@@ -29,6 +35,8 @@ struct Surface {
   std::vector<std::array<std::uint32_t, 2>> lines;      ///< Lower values on the right, z up.
 
   [[nodiscard]] bool is_empty() const { return triangles.empty() && lines.empty(); }
+  /// Memory that the vectors have.
+  [[nodiscard]] std::uint64_t n_bytes() const;
   [[nodiscard]] Vec3d world_position(std::uint32_t vertex) const;
   /// Empties the vectors but keeps their memory, so that a Surface can be filled again.
   void clear();

@@ -101,7 +101,8 @@ class BlockSimplifier {
   [[nodiscard]] Choice choose(std::uint32_t v, const Star& star) const;
   [[nodiscard]] Choice choose_on_border(std::uint32_t v, const Star& star) const;
   [[nodiscard]] Choice refine(std::uint32_t v, Choice choice) const;
-  [[nodiscard]] bool try_others(std::uint32_t v, const Star& star, const Sweep& sweep);
+  [[nodiscard]] bool try_others(std::uint32_t v, const Star& star, const Choice& failed,
+                                const Sweep& sweep);
   [[nodiscard]] bool may_lie_at(const Vec3f& position) const;
   [[nodiscard]] bool try_collapse(std::uint32_t kept, std::uint32_t removed,
                                   const Star& star_of_removed, const Vec3f& position);

@@ -45,7 +45,8 @@ BlockSimplifier::Choice BlockSimplifier::refine(std::uint32_t v, Choice choice) 
 }
 
 /// Into neighbours where they are, those of the least cost first.
-bool BlockSimplifier::try_others(std::uint32_t v, const Star& star, const Sweep& sweep) {
+bool BlockSimplifier::try_others(std::uint32_t v, const Star& star, const Choice& failed,
+                                 const Sweep& sweep) {
   if (star.is_open || sweep.n_others == 0) return false;
   std::array<Choice, kMaxValence> others;
   std::size_t n = 0;
@@ -54,6 +55,7 @@ bool BlockSimplifier::try_others(std::uint32_t v, const Star& star, const Sweep&
     Quadric q = quadrics_[v];
     q.add(quadrics_[spoke.a]);
     const Vec3f at = position(spoke.a);
+    if (spoke.a == failed.other && at == failed.position) continue;
     if (const float cost = q.at(at); cost <= sweep.threshold) others[n++] = {spoke.a, cost, at};
   }
   const auto end = others.begin() + static_cast<std::ptrdiff_t>(n);

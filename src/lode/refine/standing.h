@@ -20,6 +20,8 @@ struct Standing {
   bool memory_met = true;
   bool is_nested = true;  ///< False: a demand was seen to grow along discovery, which is no error,
                           ///< but then the cut may depend on where it started.
+
+  friend bool operator==(const Standing&, const Standing&) = default;
 };
 
 }  // namespace lode

@@ -27,6 +27,8 @@ struct BrickPlace {
   Index<D> brick;   ///< In the selection's model, whose lattice begins
   Index<D> origin;  ///< here in that of the parts.
   const AxisMap<D>& axes;
+  /// By isovalue: whether its surface is to be marched.
+  std::span<const std::uint8_t> is_wanted;
 };
 
 /// Marches leaves as they are found. One per worker.
@@ -129,6 +131,7 @@ class ManyMarcher {
     });
     crossings_.for_each(
         isovalues_.size(), [&](std::size_t isovalue, std::span<const std::uint32_t> leaves) {
+          if (place.is_wanted[isovalue] == 0) return;
           StitchPart<D>& part = pieces.emplace_back(BrickPiece<D>{isovalue, {}}).part;
           mapper_.set_isovalue(isovalues_[isovalue]);
           mapper_.open(traversal_, place.axes, place.origin, part.part);

@@ -28,6 +28,10 @@ struct IsosurfaceReport {
   std::uint64_t nodes_visited = 0;
   double select_seconds = 0;    ///< Traversal and marching, which run together.
   double geometry_seconds = 0;  ///< Stitching and positions.
+  /// Of a file, in bytes: the largest of the surfaces, and the most that one's parts of a chunk
+  /// take.
+  std::uint64_t surface_bytes = 0;
+  std::uint64_t part_bytes = 0;
 };
 
 /// A leaf simplex of the cut that the isosurface crosses, in lattice coordinates.
@@ -52,8 +56,8 @@ template <int D>
 [[nodiscard]] bool shares_traversal(const Model<D>& model, const IsosurfaceQuery& query);
 
 /// extract_isosurface() of several isovalues, each once, in one traversal: appends the same
-/// surfaces, one after the other, and calls after(isovalue) behind each. Takes the memory of all
-/// surfaces' parts at once. `query`: its isovalue does not count; nothing wanted, does not replace.
+/// surfaces, one after the other, and calls after(isovalue) behind each. Takes the memory of the
+/// parts of eight at once. `query`: its isovalue does not count; nothing wanted, does not replace.
 template <int D>
 [[nodiscard]] Result<IsosurfaceReport> extract_isosurfaces(const Model<D>& model,
                                                            std::span<const double> isovalues,

@@ -50,7 +50,8 @@ class FileExtraction {
         brick_dims_(brick_counts<D>(field.shape)),
         part_(field, blocks, query.threads),
         sink_of_(sink_of),
-        largest_(isovalues.size()) {
+        largest_(isovalues.size()),
+        surface_bytes_(isovalues.size()) {
     stitchers_.reserve(isovalues.size());
     for (std::size_t i = 0; i < isovalues.size(); ++i) {
       const SurfaceSink* const sink = sink_of(i);
@@ -87,6 +88,8 @@ class FileExtraction {
     for (const LargestSteps& largest : largest_)
       report.coordinate_slack =
           std::max(report.coordinate_slack, slack_of(frame_, largest.step, largest.snap));
+    report.surface_bytes = *std::ranges::max_element(surface_bytes_);
+    report.part_bytes = part_bytes_;
     report.geometry_seconds = joining_seconds_;
     report.select_seconds = watch.seconds() - joining_seconds_;
     return report;
@@ -155,13 +158,16 @@ class FileExtraction {
   /// By work from `begin` to before `end`, all in the chunk that is loaded.
   std::vector<Pieces> march_chunk(std::size_t begin, std::size_t end) {
     const auto selection = Marcher::select(part_.model(), isovalues_, query_.tolerance);
+    std::vector<std::uint8_t> is_wanted;
+    for (std::size_t i = 0; i < isovalues_.size(); ++i)
+      is_wanted.push_back(sink_of_(i) != nullptr ? 1 : 0);
     std::vector<Pieces> pieces(end - begin);
     std::vector<TraversalStats> stats(end - begin);
     std::vector<std::unique_ptr<Marcher>> workers(as_size(n_workers(query_.threads)));
     parallel_for(end - begin, query_.threads, 1, [&](std::size_t i, int number) {
       auto& worker = workers[as_size(number)];
       if (!worker) worker = std::make_unique<Marcher>(selection, isovalues_, frame_);
-      march_brick(*worker, begin + i, pieces[i], stats[i]);
+      march_brick(*worker, begin + i, is_wanted, pieces[i], stats[i]);
       for (BrickPiece<D>& piece : pieces[i])
         find_normals(piece.part, &part_.samples(), part_.origin());
     });
@@ -169,12 +175,13 @@ class FileExtraction {
     return pieces;
   }
 
-  void march_brick(Marcher& marcher, std::size_t i, Pieces& pieces, TraversalStats& stats) {
+  void march_brick(Marcher& marcher, std::size_t i, std::span<const std::uint8_t> is_wanted,
+                   Pieces& pieces, TraversalStats& stats) {
     const Index<D> origin = part_.origin();
     Index<D> local = brick_of(i);
     for (std::size_t a = 0; a < as_size(D); ++a) local[a] -= origin[a] / kBrickEdge<D>;
     marcher.march(
-        {local, origin, field_.axes},
+        {local, origin, field_.axes, is_wanted},
         [&](const auto& visit) {
           for (std::size_t s = work_[i].begin; s < work_[i].end; ++s) {
             Simplex<D> simplex = cut_.brick_simplices[s].second;
@@ -216,6 +223,7 @@ class FileExtraction {
                     std::size_t first) {
     const Stopwatch watch;
     largest_[isovalue].add(parts);
+    part_bytes_ = std::max(part_bytes_, bytes_of(parts));
     const auto candidates = [&](LatticeKey key, std::vector<std::uint32_t>& out) {
       parts_of_bricks_.candidates(key, out);
       std::erase_if(out, [&](std::uint32_t part) { return part < first; });
@@ -228,9 +236,18 @@ class FileExtraction {
     LODE_TRY(SurfacePiece piece, stitchers_[isovalue].join(parts, candidates, [&](LatticeKey key) {
       return is_coarse || is_on_chunk_border(key);
     }));
+    surface_bytes_[isovalue] += piece.surface.n_bytes();
     LODE_CHECK(sink->add(std::move(piece)));
     joining_seconds_ += watch.seconds();
     return {};
+  }
+
+  [[nodiscard]] static std::uint64_t bytes_of(const std::vector<StitchPart<D>>& parts) {
+    std::uint64_t n = 0;
+    for (const StitchPart<D>& part : parts)
+      n += capacity_bytes(part.part.points) + capacity_bytes(part.part.cells) +
+           capacity_bytes(part.shared) + capacity_bytes(part.normals);
+    return n;
   }
 
   [[nodiscard]] bool is_on_chunk_border(LatticeKey doubled_midpoint) const {
@@ -267,7 +284,9 @@ class FileExtraction {
   const SinkOfIsovalue& sink_of_;
   std::int32_t layer_ = 0;  ///< Of chunks, that vertices are kept for.
   TraversalStats stats_;
-  std::vector<LargestSteps> largest_;  ///< By isovalue.
+  std::vector<LargestSteps> largest_;         ///< By isovalue.
+  std::vector<std::uint64_t> surface_bytes_;  ///< Likewise.
+  std::uint64_t part_bytes_ = 0;              ///< The most that one's parts of a chunk take.
   double joining_seconds_ = 0;
 };
 

@@ -1,9 +1,9 @@
 // Several isovalues' surfaces out of one traversal of a model in memory.
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <utility>
 
+#include "lode/core/stopwatch.h"
 #include "lode/models/diamond/brick_marcher.h"
 #include "lode/models/diamond/extract.h"
 #include "lode/models/diamond/join_parts.h"
@@ -19,7 +19,8 @@ class ManyExtraction {
         isovalues_(isovalues),
         query_(query),
         frame_(LatticeFrame::of(model.info.grid)),
-        selection_(model, isovalues, query.tolerance) {}
+        selection_(model, isovalues, query.tolerance),
+        is_wanted_(isovalues.size(), 1) {}
 
   /// The parts of all surfaces.
   Result<void> march(Progress& progress) {
@@ -69,7 +70,7 @@ class ManyExtraction {
  private:
   void march_brick(ManyMarcher<D>& marcher, std::size_t i, TraversalStats& stats) {
     marcher.march(
-        {point_of<D>(model_.brick_dims, work_[i].brick), {}, model_.axes},
+        {point_of<D>(model_.brick_dims, work_[i].brick), {}, model_.axes, is_wanted_},
         [&](const auto& visit) {
           for (std::size_t s = work_[i].begin; s < work_[i].end; ++s)
             visit(cut_.brick_simplices[s].second);
@@ -82,6 +83,7 @@ class ManyExtraction {
   const IsosurfaceQuery& query_;
   LatticeFrame frame_;
   ManySelection<D> selection_;
+  std::vector<std::uint8_t> is_wanted_;  ///< All.
   CoarseCut<D> cut_;
   std::vector<BrickWork<D>> work_;
   std::vector<std::vector<BrickPiece<D>>> pieces_;  ///< By work.
@@ -89,12 +91,34 @@ class ManyExtraction {
   double slack_ = 0;  ///< The largest of all surfaces'.
 };
 
+template <int D>
+Result<IsosurfaceReport> extract_some(const Model<D>& model, std::span<const double> isovalues,
+                                      const IsosurfaceQuery& query,
+                                      const std::function<void(double)>& after, Surface& surface,
+                                      Progress& progress) {
+  const Stopwatch watch;
+  const IsovalueList list = IsovalueList::of(isovalues);
+  ManyExtraction<D> extraction(model, list, query);
+  surface.origin = extraction.frame().surface_origin;
+  LODE_CHECK(extraction.march(progress));
+  const double marched = watch.seconds();
+  for (const double isovalue : isovalues) {
+    if (progress.is_cancelled()) return cancelled_error();
+    LODE_CHECK(extraction.join(list.rank(isovalue) - 1, surface));
+    after(isovalue);
+  }
+  IsosurfaceReport report = extraction.report();
+  report.select_seconds = marched;
+  report.geometry_seconds = watch.seconds() - marched;
+  return report;
+}
+
 }  // namespace
 
 template <int D>
 bool shares_traversal(const Model<D>& model, const IsosurfaceQuery& query) {
-  const bool is_flat = D == 3 && query.tolerance == 0 && !model.has_holes();
-  return !is_flat && query.style == SurfaceStyle::tetra && query.wanted == nullptr;
+  const bool reads_signs = D == 3 && query.tolerance == 0 && !model.has_holes();
+  return !reads_signs && query.style == SurfaceStyle::tetra && query.wanted == nullptr;
 }
 
 template <int D>
@@ -104,21 +128,17 @@ Result<IsosurfaceReport> extract_isosurfaces(const Model<D>& model,
                                              const std::function<void(double)>& after,
                                              Surface& surface, Progress& progress) {
   LODE_EXPECTS(shares_traversal(model, query) && !query.replaces);
-  const auto start = std::chrono::steady_clock::now();
-  const IsovalueList list = IsovalueList::of(isovalues);
-  ManyExtraction<D> extraction(model, list, query);
-  surface.origin = extraction.frame().surface_origin;
-  LODE_CHECK(extraction.march(progress));
-  const auto marched = std::chrono::steady_clock::now();
-  for (const double isovalue : isovalues) {
-    if (progress.is_cancelled()) return cancelled_error();
-    LODE_CHECK(extraction.join(list.rank(isovalue) - 1, surface));
-    after(isovalue);
+  constexpr std::size_t kAtOnce = 8;
+  IsosurfaceReport report;
+  for (std::size_t first = 0; first < isovalues.size(); first += kAtOnce) {
+    const auto some = isovalues.subspan(first, std::min(kAtOnce, isovalues.size() - first));
+    LODE_TRY(const auto part, extract_some(model, some, query, after, surface, progress));
+    report.achieved_error = std::max(report.achieved_error, part.achieved_error);
+    report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
+    report.nodes_visited += part.nodes_visited;
+    report.select_seconds += part.select_seconds;
+    report.geometry_seconds += part.geometry_seconds;
   }
-  IsosurfaceReport report = extraction.report();
-  const auto done = std::chrono::steady_clock::now();
-  report.select_seconds = std::chrono::duration<double>(marched - start).count();
-  report.geometry_seconds = std::chrono::duration<double>(done - marched).count();
   return report;
 }
 

@@ -132,7 +132,7 @@ std::size_t gather_row(const AnchorRow<T>& row, const EdgeLists<T>& out) {
       const std::size_t word = group.first + static_cast<std::size_t>(std::countr_zero(words));
       const T* next = row.samples + word * kBrickSize<3> + 4 * kRow;
       if constexpr (sizeof(T) > 2) {
-        // Of a row's cache lines the one that is crossed here.
+        // Of a row's cache lines the one where edges to other rows are crossed here.
         const auto i = static_cast<std::size_t>(std::countr_zero(words));
         next += std::countr_zero(group.crossings[1][i] | group.crossings[3][i] |
                                  group.crossings[6][i] | 0x80000000U);

@@ -33,7 +33,7 @@ std::uint32_t first_bits(std::int64_t n) {
   return n <= 0 ? 0 : (std::uint32_t{1} << n) - 1;
 }
 
-/// A box of samples in a brick, or beyond which there are no more.
+/// Samples from `lower` on, n[i] of them along axis i: those of a brick, or of a part of one.
 struct SampleBox {
   Index<3> lower;
   Index<3> n;

@@ -10,8 +10,9 @@
 namespace lode::diamond {
 
 /// One bit per sample of a volume: whether it is at least the isovalue. Row (y, z) is `stride`
-/// words of 32 bits, x lowest; bits beyond the data, and the last word, are 0. Rows that no edge of
-/// a row of bricks that the surface may meet ends in are indeterminate.
+/// words of 32 bits, x lowest; bits beyond the data, and the last word, are 0. Determined are the
+/// rows that edges of bricks end in which the surface may meet, and all others of those rows of
+/// bricks.
 struct SignField {
   /// How many words more can be read behind the last one, and behind the masks.
   static constexpr std::size_t kPadding = 16;

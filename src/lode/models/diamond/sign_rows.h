@@ -22,8 +22,8 @@ struct SignRows {
   std::int32_t n_slices;
 };
 
-/// Bit x of each row's word, which was 0: whether sample x is at least `threshold`. Bound by
-/// reading samples.
+/// Sets bit x of each row's word, where all those asked for were 0: whether sample x is at least
+/// `threshold`. Bound by reading samples.
 void find_signs(const SignRows<std::uint8_t>& rows, std::uint8_t threshold);
 void find_signs(const SignRows<std::uint16_t>& rows, std::uint16_t threshold);
 void find_signs(const SignRows<std::int16_t>& rows, std::int16_t threshold);
