@@ -64,7 +64,8 @@ Result<void> run_round(const Dataset& dataset, const std::vector<double>& isoval
   return {};
 }
 
-/// Ten isovalues of the hundred, with a tolerance, into new memory: seconds of one call, and of ten.
+/// Ten isovalues of the hundred, with a tolerance, into new memory: seconds of one call, and of
+/// ten.
 Result<void> run_ten(const Dataset& dataset, const std::vector<double>& isovalues,
                      double max_error) {
   ExtractOptions options{.max_error = max_error, .normals = Normals::off, .threads = kThreads};
