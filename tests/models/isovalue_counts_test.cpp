@@ -7,20 +7,13 @@
 #include <limits>
 
 #include "lode/api/dataset.h"
+#include "tests/models/built_dataset.h"
 #include "tests/models/rough_volume.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/synthetic_volumes.h"
 
 namespace lode {
 namespace {
-
-Dataset built(const Volume& volume) {
-  Progress progress;
-  const auto source = make_memory_source(volume);
-  auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
-  if (!dataset) throw std::runtime_error(dataset.error().message);
-  return std::move(*dataset);
-}
 
 CountReport counted(const Dataset& dataset, const std::vector<double>& isovalues, double max_error,
                     int threads) {
@@ -66,7 +59,7 @@ std::vector<double> some_isovalues(const Dataset& dataset, int n) {
 }
 
 void expect_exact_counts(const Volume& volume) {
-  const Dataset dataset = built(volume);
+  const Dataset dataset = test::built_dataset(volume);
   const DatasetInfo info = dataset.describe();
   const double range = info.range_max - info.range_min;
   for (const double share : {0.0, 0.01, 0.1}) {
@@ -116,7 +109,7 @@ TEST(isovalue_counts, are_those_of_the_surfaces_of_a_field_whose_coarse_leaves_s
 }
 
 TEST(isovalue_counts, hold_for_more_isovalues_than_ranks_fit_in_a_byte) {
-  const Dataset dataset = built(test::rough_volume<float>({{33, 20, 11}}, 0));
+  const Dataset dataset = test::built_dataset(test::rough_volume<float>({{33, 20, 11}}, 0));
   for (const double max_error : {0.0, 2.0})
     expect_what_extraction_gives(dataset, some_isovalues(dataset, 300), max_error);
 }
@@ -131,7 +124,7 @@ struct AllTargets {
 };
 
 TEST(isovalue_counts, do_not_depend_on_threads_or_on_the_processor) {
-  const Dataset dataset = built(test::rough_volume<std::uint8_t>({{41, 67, 36}}, 0));
+  const Dataset dataset = test::built_dataset(test::rough_volume<std::uint8_t>({{41, 67, 36}}, 0));
   const std::vector<double> isovalues = some_isovalues(dataset, 50);
   for (const double max_error : {0.0, 2.0}) {
     const CountReport expected = counted(dataset, isovalues, max_error, 1);
@@ -158,7 +151,7 @@ TEST(isovalue_counts, are_zero_without_cells_or_values) {
                                oracles::constant({{9, 9, 9}}, ScalarType::float32,
                                                  std::numeric_limits<float>::quiet_NaN()),
                                oracles::constant({{1, 1, 9}}, ScalarType::uint8, 3)}) {
-    const Dataset dataset = built(volume);
+    const Dataset dataset = test::built_dataset(volume);
     for (const double max_error : {0.0, 1.0})
       for (const IsovalueCount& count : counted(dataset, {3, 3, 2.5}, max_error, 2).counts) {
         EXPECT_EQ(count.triangles + count.lines, 0U);
@@ -168,7 +161,7 @@ TEST(isovalue_counts, are_zero_without_cells_or_values) {
 }
 
 TEST(isovalue_counts, refuse_what_has_no_answer) {
-  const Dataset dataset = built(oracles::constant({{5, 6, 7}}, ScalarType::uint8, 3));
+  const Dataset dataset = test::built_dataset(oracles::constant({{5, 6, 7}}, ScalarType::uint8, 3));
   Progress progress;
   EXPECT_FALSE(dataset.count({.isovalues = {}}, progress));
   EXPECT_FALSE(dataset.count({.isovalues = {1, std::nan("")}}, progress));
@@ -176,7 +169,7 @@ TEST(isovalue_counts, refuse_what_has_no_answer) {
 }
 
 TEST(isovalue_counts, stop_when_cancelled) {
-  const Dataset dataset = built(test::rough_volume<float>({{37, 35, 34}}, 0));
+  const Dataset dataset = test::built_dataset(test::rough_volume<float>({{37, 35, 34}}, 0));
   for (const double max_error : {0.0, 1.0}) {
     Progress progress;
     progress.cancel();

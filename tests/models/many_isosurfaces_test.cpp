@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "lode/api/dataset.h"
+#include "tests/models/built_dataset.h"
 #include "tests/models/rough_volume.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/synthetic_volumes.h"
@@ -19,14 +20,6 @@ struct Extracted {
   Surface surface;
   ExtractReport report;
 };
-
-Dataset built(const Volume& volume) {
-  Progress progress;
-  const auto source = make_memory_source(volume);
-  auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
-  if (!dataset) throw std::runtime_error(dataset.error().message);
-  return std::move(*dataset);
-}
 
 Extracted extracted(const Dataset& dataset, const ExtractOptions& options) {
   Progress progress;
@@ -92,7 +85,7 @@ std::vector<double> some_isovalues(const Dataset& dataset) {
 void expect_same_surfaces_of(const Dataset& dataset);
 
 void expect_same_surfaces(const Volume& volume) {
-  const Dataset dataset = built(volume);
+  const Dataset dataset = test::built_dataset(volume);
   expect_same_surfaces_of(dataset);
   const store::TestPath path("many.lode");
   Progress progress;
@@ -142,7 +135,7 @@ TEST(many_isosurfaces, are_those_of_one_after_the_other_where_coarse_leaves_suff
 }
 
 TEST(many_isosurfaces, come_once_each) {
-  const Dataset dataset = built(test::rough_volume<float>({{41, 37, 36}}, 0));
+  const Dataset dataset = test::built_dataset(test::rough_volume<float>({{41, 37, 36}}, 0));
   Progress progress;
   Surface surface;
   const auto twice = dataset.extract({.isovalues = {100, 120, 100}}, surface, progress);
@@ -151,7 +144,7 @@ TEST(many_isosurfaces, come_once_each) {
 }
 
 TEST(many_isosurfaces, are_found_in_one_traversal) {
-  Dataset dataset = built(oracles::sample(oracles::Field::gaussians40, 65));
+  Dataset dataset = test::built_dataset(oracles::sample(oracles::Field::gaussians40, 65));
   ExtractOptions options{.max_error = 0.005, .threads = {1}};
   for (int i = 0; i < 20; ++i) options.isovalues.push_back(1 + 0.01 * i);
   const std::uint64_t n_apart = one_by_one(dataset, options).report.nodes_visited;
@@ -159,7 +152,7 @@ TEST(many_isosurfaces, are_found_in_one_traversal) {
 }
 
 TEST(many_isosurfaces, of_a_file_read_each_block_once) {
-  const Dataset dataset = built(oracles::sample(oracles::Field::gaussians40, 129));
+  const Dataset dataset = test::built_dataset(oracles::sample(oracles::Field::gaussians40, 129));
   const store::TestPath path("many.lode");
   Progress progress;
   ASSERT_TRUE(dataset.save(path.str(), {2}, progress));
@@ -173,7 +166,7 @@ TEST(many_isosurfaces, of_a_file_read_each_block_once) {
 
 /// Noise has more surface than is guessed, so that in the middle of a pass there is no room left.
 TEST(many_isosurfaces, of_a_file_that_do_not_fit_take_more_passes) {
-  const Dataset dataset = built(oracles::integer_noise(
+  const Dataset dataset = test::built_dataset(oracles::integer_noise(
       {{300, 24, 20}}, {.type = ScalarType::uint8, .seed = 3, .low = 0, .high = 255}));
   const store::TestPath path("many.lode");
   Progress progress;
@@ -200,15 +193,15 @@ TEST(many_isosurfaces, of_data_without_a_surface_are_empty) {
                                oracles::constant({{9, 9, 9}}, ScalarType::float32,
                                                  std::numeric_limits<float>::quiet_NaN()),
                                oracles::constant({{1, 1, 9}}, ScalarType::uint8, 3)}) {
-    const Extracted all =
-        extracted(built(volume), {.isovalues = {2, 3, 4}, .max_error = 1.0, .threads = {2}});
+    const Extracted all = extracted(test::built_dataset(volume),
+                                    {.isovalues = {2, 3, 4}, .max_error = 1.0, .threads = {2}});
     EXPECT_TRUE(all.surface.is_empty());
     EXPECT_EQ(all.report.unmet.size(), 3U);
   }
 }
 
 TEST(many_isosurfaces, stop_when_cancelled) {
-  const Dataset dataset = built(test::rough_volume<float>({{37, 35, 34}}, 0));
+  const Dataset dataset = test::built_dataset(test::rough_volume<float>({{37, 35, 34}}, 0));
   Progress progress;
   progress.cancel();
   Surface surface;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What extraction from memory and from files have in common: isovalue after isovalue.
+// What extraction from memory and from files have in common.
 
 #include <algorithm>
 
@@ -47,18 +47,6 @@ diamond::IsosurfaceQuery query_of(double isovalue, const ExtractOptions& options
           .threads = options.threads,
           .with_normals = D == 3 && options.normals == Normals::on,
           .replaces = options.isovalues.size() == 1};
-}
-
-/// extract_part(query) for each isovalue, and after_part(isovalue).
-template <int D, typename ExtractPart, typename AfterPart>
-Result<void> extract_all(const ExtractOptions& options, ExtractReport& report,
-                         const ExtractPart& extract_part, const AfterPart& after_part) {
-  for (const double isovalue : options.isovalues) {
-    LODE_TRY(const auto part, extract_part(query_of<D>(isovalue, options, report)));
-    add_part(part, report);
-    after_part(isovalue);
-  }
-  return {};
 }
 
 }  // namespace lode

@@ -48,6 +48,18 @@ Result<diamond::IsosurfaceReport> extract_one(const Dataset::Impl& impl,
   return part;
 }
 
+/// extract_part(query) for each isovalue, and after_part(isovalue).
+template <int D, typename ExtractPart, typename AfterPart>
+Result<void> extract_all(const ExtractOptions& options, ExtractReport& report,
+                         const ExtractPart& extract_part, const AfterPart& after_part) {
+  for (const double isovalue : options.isovalues) {
+    LODE_TRY(const auto part, extract_part(query_of<D>(isovalue, options, report)));
+    add_part(part, report);
+    after_part(isovalue);
+  }
+  return {};
+}
+
 /// Several isovalues, of which each leads through the hierarchy in the same way.
 template <int D>
 bool is_one_traversal(const diamond::Model<D>& model, const ExtractOptions& options,

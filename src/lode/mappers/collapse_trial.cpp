@@ -1,6 +1,5 @@
 // Whether a vertex may go where it would.
 #include <algorithm>
-#include <cmath>
 
 #include "lode/mappers/collapse_block.h"
 #include "lode/mappers/point_triangle.h"
