@@ -1,7 +1,6 @@
 // A hundred isovalues evenly over a volume's range, both ends included: counted in one pass,
 // against a hundred passes that count one each, and against extracting each without normals into
-// the memory of the last. Then ten of them, extracted by one call, which goes through the hierarchy
-// once, and by ten. Two threads, from memory.
+// the memory of the last. Two threads, from memory.
 
 #include <fmt/format.h>
 
@@ -64,36 +63,6 @@ Result<void> run_round(const Dataset& dataset, const std::vector<double>& isoval
   return {};
 }
 
-/// Ten isovalues of the hundred, with a tolerance, into new memory: seconds of one call, and of
-/// ten.
-Result<void> run_ten(const Dataset& dataset, const std::vector<double>& isovalues,
-                     double max_error) {
-  ExtractOptions options{.max_error = max_error, .normals = Normals::off, .threads = kThreads};
-  for (std::size_t i = 5; i < isovalues.size(); i += 10) options.isovalues.push_back(isovalues[i]);
-  Progress progress;
-  Surface surface;
-  std::vector<double> together, apart, ratio;
-  for (int round = 0; round < kRounds; ++round) {
-    auto start = Clock::now();
-    LODE_CHECK(dataset.extract(options, surface, progress));
-    together.push_back(seconds_since(start));
-    surface = Surface();
-    ExtractOptions one = options;
-    start = Clock::now();
-    for (const double isovalue : options.isovalues) {
-      one.isovalues = {isovalue};
-      LODE_CHECK(dataset.extract(one, surface, progress));
-      surface = Surface();
-    }
-    apart.push_back(seconds_since(start));
-    surface = Surface();
-    ratio.push_back(together.back() / apart.back());
-  }
-  fmt::print("  ten extracted by one call {:.1f} ms, by ten {:.1f} ms, ratio {:.3f}\n",
-             1e3 * median(together), 1e3 * median(apart), median(ratio));
-  return {};
-}
-
 Result<void> run(const VolumeCase& volume_case) {
   LODE_TRY(const Volume volume, load(volume_case));
   const auto source = make_memory_source(volume);
@@ -112,8 +81,6 @@ Result<void> run(const VolumeCase& volume_case) {
                1e3 * median(rounds.one_by_one), ratio, ratio <= kMark ? "met" : "missed",
                1e3 * median(rounds.extracted));
     std::fflush(stdout);
-    if (share > 0)
-      LODE_CHECK(run_ten(dataset, isovalues, share * (info.range_max - info.range_min)));
   }
   return {};
 }

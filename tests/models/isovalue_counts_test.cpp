@@ -9,6 +9,7 @@
 #include "lode/api/dataset.h"
 #include "tests/models/built_dataset.h"
 #include "tests/models/rough_volume.h"
+#include "tests/models/simd_targets.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/synthetic_volumes.h"
 
@@ -114,15 +115,6 @@ TEST(isovalue_counts, hold_for_more_isovalues_than_ranks_fit_in_a_byte) {
     expect_what_extraction_gives(dataset, some_isovalues(dataset, 300), max_error);
 }
 
-/// Back to the best that the processor has.
-struct AllTargets {
-  ~AllTargets() { use(0); }
-  static void use(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().DeInit();
-  }
-};
-
 TEST(isovalue_counts, do_not_depend_on_threads_or_on_the_processor) {
   const Dataset dataset = test::built_dataset(test::rough_volume<std::uint8_t>({{41, 67, 36}}, 0));
   const std::vector<double> isovalues = some_isovalues(dataset, 50);
@@ -136,12 +128,12 @@ TEST(isovalue_counts, do_not_depend_on_threads_or_on_the_processor) {
       }
     };
     for (const int threads : {2, 3, 7}) expect_the_same(threads);
-    const AllTargets restored;
+    const test::SimdTargets restored;
     for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
       SCOPED_TRACE(hwy::TargetName(left & -left));
-      AllTargets::use(left & -left);
+      test::SimdTargets::use(left & -left);
       expect_the_same(2);
-      AllTargets::use(0);
+      test::SimdTargets::use(0);
     }
   }
 }

@@ -48,26 +48,6 @@ Result<diamond::IsosurfaceReport> extract_one(const Dataset::Impl& impl,
   return part;
 }
 
-/// extract_part(query) for each isovalue, and after_part(isovalue).
-template <int D, typename ExtractPart, typename AfterPart>
-Result<void> extract_all(const ExtractOptions& options, ExtractReport& report,
-                         const ExtractPart& extract_part, const AfterPart& after_part) {
-  for (const double isovalue : options.isovalues) {
-    LODE_TRY(const auto part, extract_part(query_of<D>(isovalue, options, report)));
-    add_part(part, report);
-    after_part(isovalue);
-  }
-  return {};
-}
-
-/// Several isovalues, of which each leads through the hierarchy in the same way.
-template <int D>
-bool is_one_traversal(const diamond::Model<D>& model, const ExtractOptions& options,
-                      const ExtractReport& report) {
-  if (options.isovalues.size() < 2 || report.topology || options.max_distance) return false;
-  return diamond::shares_traversal<D>(model, query_of<D>(options.isovalues[0], options, report));
-}
-
 }  // namespace
 
 Result<FieldFacts> extract_in_memory(const Dataset::Impl& impl, const ExtractOptions& options,
@@ -78,20 +58,11 @@ Result<FieldFacts> extract_in_memory(const Dataset::Impl& impl, const ExtractOpt
         KeptTopology{.persistence = *options.keep_topology, .is_searched = report.max_error > 0};
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<FieldFacts> {
-        const auto after = [&](double isovalue) { add_isovalue(isovalue, options, surface); };
-        if (is_one_traversal(model, options, report)) {
-          LODE_TRY(const auto all,
-                   diamond::extract_isosurfaces<D>(
-                       model, options.isovalues, query_of<D>(options.isovalues[0], options, report),
-                       after, surface, progress));
-          add_part(all, report);
-        } else {
-          LODE_CHECK(extract_all<D>(
-              options, report,
-              [&](const diamond::IsosurfaceQuery& query) {
-                return extract_one(impl, model, query, options, surface, report, progress);
-              },
-              after));
+        for (const double isovalue : options.isovalues) {
+          LODE_TRY(const auto part, extract_one(impl, model, query_of<D>(isovalue, options, report),
+                                                options, surface, report, progress));
+          add_part(part, report);
+          add_isovalue(isovalue, options, surface);
         }
         const bool closes = options.border == Border::closed;
         return FieldFacts{model.info.grid,

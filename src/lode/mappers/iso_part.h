@@ -53,12 +53,16 @@ struct IsoPart {
   std::uint32_t add_point(LatticeKey p, double a, LatticeKey q, double b, double isovalue,
                           double margin, LatticeKey twin = 0) {
     EdgePoint point = crossing(p, a, q, b, isovalue);
-    const double step = std::abs(b - a);
+    point.first |= twin;
+    return add_point(point, b - a, margin);
+  }
+  /// The same of a point that is known but for the margin; `step`: the difference along its edge.
+  std::uint32_t add_point(EdgePoint point, double step, double margin) {
     const double kept = std::clamp(point.t, margin, 1 - margin);
+    step = std::abs(step);
     largest_step = std::max(largest_step, step);
     if (kept != point.t) largest_snap = std::max(largest_snap, step);
     point.t = kept;
-    point.first |= twin;
     points.push_back(point);
     return static_cast<std::uint32_t>(points.size() - 1);
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <span>
+#include <vector>
 
 #include "lode/mappers/tetrahedron_cases.h"
 
@@ -63,9 +65,8 @@ class CaseBuilder {
   KuhnCubeCase out_;
 };
 
-KuhnCubeCases make_cases(int parity, bool is_mirrored) {
+KuhnCubeCases make_cases(std::span<const KuhnTetrahedron> tetrahedra, bool is_mirrored) {
   KuhnCubeCases cases;
-  const auto tetrahedra = tetrahedra_of(parity);
   for (std::size_t corners = 0; corners < cases.size(); ++corners) {
     CaseBuilder builder;
     for (const KuhnTetrahedron& t : tetrahedra) {
@@ -81,7 +82,7 @@ KuhnCubeCases make_cases(int parity, bool is_mirrored) {
 std::array<KuhnCubeCases, 8> make_all_cases(bool is_mirrored) {
   std::array<KuhnCubeCases, 8> all;
   for (std::size_t parity = 0; parity < 8; ++parity)
-    all[parity] = make_cases(static_cast<int>(parity), is_mirrored);
+    all[parity] = make_cases(tetrahedra_of(static_cast<int>(parity)), is_mirrored);
   return all;
 }
 
@@ -110,6 +111,13 @@ const KuhnCubeCases& kuhn_cube_cases(int parity, bool is_mirrored) {
   static const std::array<KuhnCubeCases, 8> kRightHanded = make_all_cases(false);
   static const std::array<KuhnCubeCases, 8> kMirrored = make_all_cases(true);
   return (is_mirrored ? kMirrored : kRightHanded)[static_cast<std::size_t>(parity)];
+}
+
+KuhnCubeCases kuhn_cube_cases_along(unsigned first_axes) {
+  std::vector<KuhnTetrahedron> some;
+  for (const KuhnTetrahedron& t : tetrahedra_of(0))
+    if ((t.corner[1] & first_axes) != 0) some.push_back(t);
+  return make_cases(some, false);
 }
 
 }  // namespace lode

@@ -48,4 +48,8 @@ using KuhnCubeCases = std::array<KuhnCubeCase, 256>;
 /// the outside (lower values) in world coordinates.
 [[nodiscard]] const KuhnCubeCases& kuhn_cube_cases(int parity, bool is_mirrored);
 
+/// The same of cells with an even lowest corner and right-handed axes, but only in those of the six
+/// simplices whose chain from the even corner begins along an axis of the set.
+[[nodiscard]] KuhnCubeCases kuhn_cube_cases_along(unsigned first_axes);
+
 }  // namespace lode

@@ -4,6 +4,8 @@
 #include <limits>
 #include <optional>
 
+#include "lode/mappers/point_positions.h"
+
 namespace lode {
 namespace {
 
@@ -69,11 +71,6 @@ auto& cells_of(Surface& surface) {
     return surface.lines;
 }
 
-Vec3f position_of(const LatticeFrame& frame, const EdgePoint& point) {
-  const Vec3d p = frame.position(point.lattice_position());
-  return {{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}};
-}
-
 /// Where each part's vertices and cells lie in the piece that they are joined to.
 struct PieceLayout {
   explicit PieceLayout(std::size_t n_parts)
@@ -120,6 +117,8 @@ void write_part(const StitchPart<D>& part, std::size_t i, const PieceLayout& lay
                 const LatticeFrame& frame, SurfacePiece& piece) {
   const Ownership& own = layout.ownership[i];
   std::vector<std::uint32_t> place(part.part.points.size());
+  std::vector<Vec3f> positions(place.size());
+  place_points(part.part.points, frame, positions.data());
   std::uint32_t n_earlier = layout.first_earlier[i];
   for (std::uint32_t v = 0; v < place.size(); ++v) {
     const std::uint32_t owner = own.owner[v];
@@ -130,22 +129,13 @@ void write_part(const StitchPart<D>& part, std::size_t i, const PieceLayout& lay
       place[v] = layout.place(i, v);
       if (owner != kOwned) continue;
     }
-    piece.surface.positions[place[v]] = position_of(frame, part.part.points[v]);
+    piece.surface.positions[place[v]] = positions[v];
     if (!part.normals.empty()) piece.surface.normals[place[v]] = part.normals[v];
   }
   write_cells<D>(part.part, place, cells_of<D>(piece.surface).data() + layout.first_cell[i]);
 }
 
 }  // namespace
-
-template <int D>
-void find_shared(StitchPart<D>& part, const std::function<bool(const EdgePoint&)>& is_shared) {
-  part.shared.clear();
-  const auto& points = part.part.points;
-  for (std::uint32_t v = 0; v < points.size(); ++v)
-    if (is_shared(points[v])) part.shared.emplace_back(points[v].doubled_midpoint(), v);
-  std::sort(part.shared.begin(), part.shared.end());
-}
 
 template <int D>
 Result<void> stitch(const std::vector<StitchPart<D>>& parts, const StitchCandidates& candidates,
@@ -171,10 +161,12 @@ Result<void> stitch(const std::vector<StitchPart<D>>& parts, const StitchCandida
     const IsoPart<D>& part = parts[i].part;
     const Ownership& own = layout.ownership[i];
     std::vector<std::uint32_t> place(part.points.size());
+    std::vector<Vec3f> positions(place.size());
+    place_points(part.points, frame, positions.data());
     for (std::uint32_t v = 0; v < part.points.size(); ++v) {
       place[v] = layout.place(i, v);
       if (own.owner[v] != kOwned) continue;
-      surface.positions[place[v]] = position_of(frame, part.points[v]);
+      surface.positions[place[v]] = positions[v];
       if (origins != nullptr) (*origins)[place[v]] = {static_cast<std::uint32_t>(i), v};
     }
     write_cells<D>(part, place, cells.data() + layout.first_cell[i]);
@@ -236,8 +228,6 @@ void PieceStitcher<D>::forget_all_but(const std::function<bool(LatticeKey)>& is_
 
 template class PieceStitcher<2>;
 template class PieceStitcher<3>;
-template void find_shared<2>(StitchPart<2>&, const std::function<bool(const EdgePoint&)>&);
-template void find_shared<3>(StitchPart<3>&, const std::function<bool(const EdgePoint&)>&);
 template Result<void> stitch<2>(const std::vector<StitchPart<2>>&, const StitchCandidates&,
                                 const LatticeFrame&, Threads, Surface&, std::vector<VertexOrigin>*);
 template Result<void> stitch<3>(const std::vector<StitchPart<3>>&, const StitchCandidates&,

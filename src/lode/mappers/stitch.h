@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "lode/core/parallel.h"
@@ -26,9 +28,15 @@ struct StitchPart {
 using StitchCandidates =
     std::function<void(LatticeKey doubled_midpoint, std::vector<std::uint32_t>& out)>;
 
-/// Fills part.shared: vertices whose edge satisfies `is_shared`.
-template <int D>
-void find_shared(StitchPart<D>& part, const std::function<bool(const EdgePoint&)>& is_shared);
+/// Fills part.shared: vertices whose edge satisfies is_shared(const EdgePoint&).
+template <int D, typename IsShared>
+void find_shared(StitchPart<D>& part, const IsShared& is_shared) {
+  part.shared.clear();
+  const auto& points = part.part.points;
+  for (std::uint32_t v = 0; v < points.size(); ++v)
+    if (is_shared(points[v])) part.shared.emplace_back(points[v].doubled_midpoint(), v);
+  std::sort(part.shared.begin(), part.shared.end());
+}
 
 /// Where each vertex of the joined surface comes from, for normals.
 struct VertexOrigin {

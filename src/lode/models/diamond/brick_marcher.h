@@ -1,16 +1,15 @@
 #pragma once
 
-// Marching the leaves of a selection's cut, brick by brick: of one isovalue, or of many, whose
-// surfaces all lie in the leaves of one cut (see ManySelection).
+// Marching the leaves of selections' cuts, brick by brick.
 
-#include <algorithm>
-#include <numeric>
+#include <memory>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "lode/models/diamond/brick_isosurface.h"
 #include "lode/models/diamond/brick_work.h"
-#include "lode/models/diamond/isovalue_list.h"
+#include "lode/models/diamond/row_marcher.h"
 
 namespace lode::diamond {
 
@@ -24,142 +23,73 @@ struct BrickPiece {
 /// Where a brick's piece of the cut is.
 template <int D>
 struct BrickPlace {
-  Index<D> brick;   ///< In the selection's model, whose lattice begins
+  Index<D> brick;   ///< In the selections' model, whose lattice begins
   Index<D> origin;  ///< here in that of the parts.
   const AxisMap<D>& axes;
-  /// By isovalue: whether its surface is to be marched.
-  std::span<const std::uint8_t> is_wanted;
 };
 
-/// Marches leaves as they are found. One per worker.
+/// Of one selection: by rows, or simplex by simplex where holes are near and in 2D.
 template <int D>
-class OneMarcher {
+class LeafMarcher {
  public:
-  template <typename Field>
-  using Selected = Selection<D, Field>;
+  explicit LeafMarcher(const Selection<D>& selection)
+      : isovalue_(selection.isovalue()), traversal_(selection), rows_(selection) {}
 
-  template <typename Field>
-  static Selected<Field> select(const Field& field, const IsovalueList& isovalues,
-                                double tolerance) {
-    LODE_EXPECTS(isovalues.size() == 1);
-    return Selected<Field>(field, isovalues[0], tolerance);
-  }
-
-  OneMarcher(const Selection<D>& selection, const IsovalueList& /*isovalues*/,
-             const LatticeFrame& frame)
-      : traversal_(selection), mapper_(frame, selection.isovalue()) {}
-
-  /// for_each_simplex(visit): those of the brick, in the lattice of the selection's model.
-  template <typename ForEachSimplex>
-  void march(const BrickPlace<D>& place, const ForEachSimplex& for_each_simplex,
-             TraversalStats& stats, std::vector<BrickPiece<D>>& pieces) {
-    StitchPart<D>& part = pieces.emplace_back().part;
+  void march(const BrickPlace<D>& place, std::span<const Simplex<D>> simplices,
+             BrickIsosurface<D>& mapper, TraversalStats& stats, StitchPart<D>& part) {
     traversal_.open(place.brick);
-    mapper_.open(traversal_, place.axes, place.origin, part.part);
-    for_each_simplex([&](const Simplex<D>& s) {
-      traversal_.visit(s, stats, [&](const BrickSimplex<D>& leaf) { mapper_.add(leaf); });
-    });
-    find_shared<D>(part, [&](const EdgePoint& p) { return is_on_brick_border<D>(place.axes, p); });
+    mapper.open(traversal_.samples(), place.axes, place.origin, isovalue_, part.part);
+    if (!march_rows(simplices, mapper, stats))
+      for (const Simplex<D>& s : simplices)
+        traversal_.visit(s, stats, [&](const BrickSimplex<D>& leaf) { mapper.add(leaf); });
+    find_shared<D>(part, OnBrickBorder<D>(place.axes));
   }
 
  private:
-  BrickTraversal<D> traversal_;
-  BrickIsosurface<D> mapper_;
-};
-
-/// Which isovalues cross which leaves of a brick: numbers of leaves, by isovalue.
-class Crossings {
- public:
-  void clear() {
-    low_.clear();
-    high_.clear();
-  }
-  /// The next leaf is crossed by the isovalues number low .. high - 1.
-  void add(std::size_t low, std::size_t high) {
-    low_.push_back(static_cast<std::uint32_t>(low));
-    high_.push_back(static_cast<std::uint32_t>(high));
-  }
-  /// Calls visit(isovalue, numbers of its leaves in order) for each that has any.
-  template <typename Visit>
-  void for_each(std::size_t n_isovalues, const Visit& visit) {
-    first_.assign(n_isovalues + 1, 0);
-    for (std::size_t leaf = 0; leaf < low_.size(); ++leaf)
-      for (std::size_t i = low_[leaf]; i < high_[leaf]; ++i) ++first_[i + 1];
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    leaves_.resize(first_.back());
-    next_.assign(first_.begin(), first_.end() - 1);
-    for (std::size_t leaf = 0; leaf < low_.size(); ++leaf)
-      for (std::size_t i = low_[leaf]; i < high_[leaf]; ++i)
-        leaves_[next_[i]++] = static_cast<std::uint32_t>(leaf);
-    for (std::size_t i = 0; i < n_isovalues; ++i)
-      if (first_[i] < first_[i + 1])
-        visit(i, std::span(leaves_).subspan(first_[i], first_[i + 1] - first_[i]));
-  }
-
- private:
-  std::vector<std::uint32_t> low_, high_;  ///< By leaf.
-  std::vector<std::size_t> first_, next_;  ///< By isovalue.
-  std::vector<std::uint32_t> leaves_;
-};
-
-/// Lists a brick's leaves, then marches each isovalue's. One per worker.
-template <int D>
-class ManyMarcher {
- public:
-  template <typename Field>
-  using Selected = ManySelection<D, Field>;
-
-  template <typename Field>
-  static Selected<Field> select(const Field& field, const IsovalueList& isovalues,
-                                double tolerance) {
-    return Selected<Field>(field, isovalues, tolerance);
-  }
-
-  ManyMarcher(const ManySelection<D>& selection, const IsovalueList& isovalues,
-              const LatticeFrame& frame)
-      : selection_(selection), isovalues_(isovalues), traversal_(selection), mapper_(frame, 0) {}
-
-  /// As OneMarcher's; a piece for each isovalue that crosses the brick, ascending.
-  template <typename ForEachSimplex>
-  void march(const BrickPlace<D>& place, const ForEachSimplex& for_each_simplex,
-             TraversalStats& stats, std::vector<BrickPiece<D>>& pieces) {
-    leaves_.clear();
-    crossings_.clear();
-    traversal_.open(place.brick);
-    for_each_simplex([&](const Simplex<D>& s) {
-      traversal_.visit(s, stats, [&](const BrickSimplex<D>& leaf) { add(leaf); });
-    });
-    crossings_.for_each(
-        isovalues_.size(), [&](std::size_t isovalue, std::span<const std::uint32_t> leaves) {
-          if (place.is_wanted[isovalue] == 0) return;
-          StitchPart<D>& part = pieces.emplace_back(BrickPiece<D>{isovalue, {}}).part;
-          mapper_.set_isovalue(isovalues_[isovalue]);
-          mapper_.open(traversal_, place.axes, place.origin, part.part);
-          for (const std::uint32_t leaf : leaves) mapper_.add(leaves_[leaf]);
-          find_shared<D>(part,
-                         [&](const EdgePoint& p) { return is_on_brick_border<D>(place.axes, p); });
-        });
-  }
-
- private:
-  void add(const BrickSimplex<D>& leaf) {
-    std::size_t low = isovalues_.size();
-    std::size_t high = 0;
-    for (const BrickPoint& corner : leaf.corner) {
-      const std::size_t rank = selection_.side(corner.value);
-      low = std::min(low, rank);
-      high = std::max(high, rank);
+  bool march_rows(std::span<const Simplex<D>> simplices, BrickIsosurface<D>& mapper,
+                  TraversalStats& stats) {
+    if constexpr (D == 3) {
+      return rows_.march(traversal_.samples(), simplices, mapper, stats);
     }
-    leaves_.push_back(leaf);
-    crossings_.add(low, high);
+    return false;
   }
 
-  const ManySelection<D>& selection_;
-  const IsovalueList& isovalues_;
-  BrickTraversal<D, ManySelection<D>> traversal_;
-  BrickIsosurface<D, ManySelection<D>> mapper_;
-  std::vector<BrickSimplex<D>> leaves_;  ///< Of a brick.
-  Crossings crossings_;
+  struct NoRows {
+    explicit NoRows(const Selection<D>& /*selection*/) {}
+  };
+
+  double isovalue_;
+  BrickTraversal<D> traversal_;
+  std::conditional_t<D == 3, RowMarcher, NoRows> rows_;
+};
+
+/// Of selections of one field by several isovalues. One per worker.
+template <int D>
+class BrickMarcher {
+ public:
+  BrickMarcher(std::span<const Selection<D>> selections, const LatticeFrame& frame)
+      : selections_(selections), marchers_(selections.size()), mapper_(frame) {}
+
+  /// `simplices`: those of the brick, in the lattice of the selections' model, down to which one of
+  /// the cuts is refined; is_wanted(isovalue): whether its surface is to be marched. Adds a piece
+  /// for each isovalue that is wanted and crosses the brick, in order.
+  template <typename IsWanted>
+  void march(const BrickPlace<D>& place, std::span<const Simplex<D>> simplices,
+             const IsWanted& is_wanted, TraversalStats& stats, std::vector<BrickPiece<D>>& pieces) {
+    for (std::size_t i = 0; i < selections_.size(); ++i) {
+      if (!is_wanted(i)) continue;
+      auto& marcher = marchers_[i];
+      if (!marcher) marcher = std::make_unique<LeafMarcher<D>>(selections_[i]);
+      StitchPart<D> part;
+      marcher->march(place, simplices, mapper_, stats, part);
+      if (!part.part.cells.empty()) pieces.push_back({i, std::move(part)});
+    }
+  }
+
+ private:
+  std::span<const Selection<D>> selections_;
+  std::vector<std::unique_ptr<LeafMarcher<D>>> marchers_;  ///< By selection.
+  BrickIsosurface<D> mapper_;
 };
 
 /// Of everything coarser than bricks what one isovalue crosses.

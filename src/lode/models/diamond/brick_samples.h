@@ -61,6 +61,9 @@ class BrickSamples {
   /// The brick's lower corner in the lattice.
   [[nodiscard]] const Index<D>& base() const { return base_; }
 
+  /// The brick's samples, in the field's storage.
+  [[nodiscard]] const std::byte* data() const { return samples_; }
+
   /// A point's lattice coordinates.
   [[nodiscard]] Index<D> global(std::uint32_t packed) const {
     Index<D> p = base_;

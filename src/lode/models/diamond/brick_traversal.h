@@ -66,12 +66,8 @@ class BrickTraversal {
     descend(s, simplex.tag, common_exponent<D>(edge) - 1, stats, emit);
   }
 
-  /// A corner's lattice coordinates.
-  [[nodiscard]] Index<D> global(std::uint32_t packed) const { return samples_.global(packed); }
-  /// See BrickSamples.
-  [[nodiscard]] bool is_pinched(const BrickPoint& a, const BrickPoint& b) const {
-    return samples_.is_pinched(a, b);
-  }
+  /// The open brick's.
+  [[nodiscard]] const BrickSamples<D>& samples() const { return samples_; }
 
  private:
   static constexpr int kManyFineNodes = 2000;

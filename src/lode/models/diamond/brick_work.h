@@ -122,20 +122,29 @@ std::vector<BrickWork<D>> work_of(const CoarseCut<D>& cut) {
   return work;
 }
 
-/// Whether a vertex on this edge may belong to a part other than the brick with lower corner
-/// `base`: its midpoint is on the brick's border, or the edge joins two of its corners.
+/// Says of edges whether a vertex there may belong to a part other than its brick: its midpoint is
+/// on the brick's border, or the edge joins two of its corners.
 template <int D>
-bool is_on_brick_border(const AxisMap<D>& axes, const EdgePoint& point) {
-  const Index3 a = to_point(point.first);
-  const Index3 b = to_point(point.second);
-  bool joins_corners = true;
-  for (const int axis : axes.axis) {
-    const auto i = as_size(axis);
-    if ((a[i] + b[i]) % (2 * kBrickEdge<D>) == 0) return true;
-    joins_corners = joins_corners && a[i] % kBrickEdge<D> == 0 && b[i] % kBrickEdge<D> == 0;
+class OnBrickBorder {
+ public:
+  explicit OnBrickBorder(const AxisMap<D>& axes) {
+    for (std::size_t i = 0; i < as_size(D); ++i) {
+      const int shift = kKeyBits * axes.axis[i];
+      doubled_[i] = LatticeKey{2 * kBrickEdge<D> - 1} << shift;
+      single_ |= LatticeKey{kBrickEdge<D> - 1} << shift;
+    }
   }
-  return joins_corners;
-}
+  [[nodiscard]] bool operator()(const EdgePoint& point) const {
+    const LatticeKey sum = point.doubled_midpoint();
+    bool is_on = ((point.first | point.second) & single_) == 0;
+    for (const LatticeKey mask : doubled_) is_on = is_on || (sum & mask) == 0;
+    return is_on;
+  }
+
+ private:
+  std::array<LatticeKey, as_size(D)> doubled_;  ///< By axis: 0 of doubled coordinates on borders.
+  LatticeKey single_ = 0;                       ///< 0 of bricks' corners.
+};
 
 /// Which part each brick has become: part i + 1 is that of work i, part 0 everything coarser.
 template <int D>

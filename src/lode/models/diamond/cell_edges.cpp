@@ -2,43 +2,42 @@
 
 #include <algorithm>
 #include <bit>
+#include <vector>
 
 #include "lode/mappers/cube_cases.h"
 
 namespace lode::diamond {
 namespace {
 
-/// A cell's corner as coordinates modulo 2, and the edge between two of those.
-using Ends = std::array<unsigned, 2>;
-
-/// An edge of a cell whose lowest corner has this parity, by its ends: the even one first.
-Ends ends_of(CellEdge edge, unsigned parity) {
+/// Of a cell whose lowest corner has this parity.
+CellEdgeEnds ends_of(CellEdge edge, unsigned parity) {
   const auto [a, b] = edge_corners(edge);
   const unsigned direction = a ^ b;
   const unsigned even = (a ^ parity) & ~direction;
-  return {even, even | direction};
+  return {static_cast<std::uint8_t>(even), static_cast<std::uint8_t>(even | direction)};
 }
 
 constexpr int kCanonical = 0;
 
 /// All edges of a cell, as ends.
-std::array<Ends, CellEdges::kEdges> make_all_ends_of_cell() {
-  std::array<Ends, CellEdges::kEdges> edges{};
+std::array<CellEdgeEnds, CellEdges::kEdges> make_all_ends_of_cell() {
+  std::array<CellEdgeEnds, CellEdges::kEdges> edges{};
   std::size_t n = 0;
   for (const KuhnCubeCase& c : kuhn_cube_cases(kCanonical, false))
     for (std::size_t e = 0; e < c.n_edges; ++e) {
-      const Ends ends = ends_of(c.edges[e], kCanonical);
+      const CellEdgeEnds ends = ends_of(c.edges[e], kCanonical);
       const auto last = edges.begin() + static_cast<std::ptrdiff_t>(n);
       if (std::find(edges.begin(), last, ends) == last) edges[n++] = ends;
     }
-  std::stable_partition(edges.begin(), edges.end(),
-                        [](const Ends& e) { return std::popcount(e[0] ^ e[1]) != 2; });
+  std::stable_partition(edges.begin(), edges.end(), [](const CellEdgeEnds& e) {
+    return std::popcount<unsigned>(e[0] ^ e[1]) != 2;
+  });
   return edges;
 }
 
-std::size_t number_of(const Ends& ends) {
-  static const std::array<Ends, CellEdges::kEdges> kAll = make_all_ends_of_cell();
-  return static_cast<std::size_t>(std::find(kAll.begin(), kAll.end(), ends) - kAll.begin());
+std::size_t number_of(const CellEdgeEnds& ends) {
+  const auto& all = cell_edge_ends();
+  return static_cast<std::size_t>(std::find(all.begin(), all.end(), ends) - all.begin());
 }
 
 const KuhnCubeCases& cases_of(int parity, bool is_mirrored, SurfaceStyle style) {
@@ -68,9 +67,8 @@ std::array<CellEdges, 16> make_all_edges(SurfaceStyle style) {
   return all;
 }
 
-std::array<CellCase, 256> make_cases(SurfaceStyle style) {
+std::array<CellCase, 256> make_cases(const KuhnCubeCases& all) {
   std::array<CellCase, 256> cases{};
-  const KuhnCubeCases& all = cases_of(kCanonical, false, style);
   for (std::size_t corners = 0; corners < cases.size(); ++corners) {
     const KuhnCubeCase& from = all[corners];
     std::size_t i = 0;
@@ -83,12 +81,31 @@ std::array<CellCase, 256> make_cases(SurfaceStyle style) {
   return cases;
 }
 
+std::vector<CellCase> make_cases_by_axes() {
+  std::vector<CellCase> cases;
+  for (unsigned axes = 0; axes < 8; ++axes) {
+    const auto some = make_cases(kuhn_cube_cases_along(axes));
+    cases.insert(cases.end(), some.begin(), some.end());
+  }
+  return cases;
+}
+
 }  // namespace
 
+const std::array<CellEdgeEnds, CellEdges::kEdges>& cell_edge_ends() {
+  static const std::array<CellEdgeEnds, CellEdges::kEdges> kEnds = make_all_ends_of_cell();
+  return kEnds;
+}
+
 const CellCase* cell_cases(SurfaceStyle style) {
-  static const std::array<CellCase, 256> kTetra = make_cases(SurfaceStyle::tetra);
-  static const std::array<CellCase, 256> kCubes = make_cases(SurfaceStyle::cubes);
+  static const auto kTetra = make_cases(cases_of(kCanonical, false, SurfaceStyle::tetra));
+  static const auto kCubes = make_cases(cases_of(kCanonical, false, SurfaceStyle::cubes));
   return style == SurfaceStyle::cubes ? kCubes.data() : kTetra.data();
+}
+
+const CellCase* cell_cases_by_axes() {
+  static const std::vector<CellCase> kCases = make_cases_by_axes();
+  return kCases.data();
 }
 
 const CellEdges& cell_edges(int parity, bool is_mirrored, SurfaceStyle style) {

@@ -39,4 +39,13 @@ struct alignas(64) CellCase {
 /// 256 of them, of cells whose lowest corner is even along all axes.
 [[nodiscard]] const CellCase* cell_cases(SurfaceStyle style);
 
+/// The same by a set of axes before the corners: of the simplices whose chain from the even corner
+/// begins along one of them, in the style of tetrahedra.
+[[nodiscard]] const CellCase* cell_cases_by_axes();
+
+/// An edge of a cell by its ends, the even one first: bit i of an end is set where it is odd along
+/// axis i.
+using CellEdgeEnds = std::array<std::uint8_t, 2>;
+[[nodiscard]] const std::array<CellEdgeEnds, CellEdges::kEdges>& cell_edge_ends();
+
 }  // namespace lode::diamond

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "lode/mappers/simplex_isosurface.h"
-#include "lode/models/diamond/brick_isosurface.h"
+#include "lode/models/diamond/brick_marcher.h"
 #include "lode/models/diamond/full_resolution.h"
 #include "lode/models/diamond/join_parts.h"
 
@@ -53,14 +53,6 @@ class Extraction {
   }
 
  private:
-  struct Worker {
-    explicit Worker(const Extraction& e)
-        : traversal(e.selection_), mapper(e.frame_, e.query_.isovalue) {}
-
-    BrickTraversal<D> traversal;
-    BrickIsosurface<D> mapper;
-  };
-
   Result<void> check_style() const {
     if (query_.style == SurfaceStyle::tetra || !model_.shape.has_cells()) return {};
     if (D == 2) return fail("style cubes: expected a volume, got data one sample thick");
@@ -88,18 +80,13 @@ class Extraction {
   void march(Progress& progress) {
     work_ = work_of(cut_);
     parts_.resize(work_.size() + 1);
-    {
-      SimplexIsosurface<D> mapper(frame_, query_.isovalue, parts_[0].part);
-      for (const ActiveSimplex<D>& s : cut_.leaves)
-        mapper.add(to_lattice<D>(model_.axes, s.vertex, s.value));
-      find_shared<D>(parts_[0], [](const EdgePoint&) { return true; });
-    }
+    march_coarse<D>(cut_, query_.isovalue, model_.axes, frame_, parts_[0]);
     std::vector<TraversalStats> stats(work_.size());
-    std::vector<std::unique_ptr<Worker>> workers(as_size(n_workers(query_.threads)));
+    std::vector<std::unique_ptr<BrickMarcher<D>>> workers(as_size(n_workers(query_.threads)));
     parallel_for(work_.size(), query_.threads, 1, [&](std::size_t i, int worker) {
       if (progress.is_cancelled()) return;
       auto& own = workers[as_size(worker)];
-      if (!own) own = std::make_unique<Worker>(*this);
+      if (!own) own = std::make_unique<BrickMarcher<D>>(std::span(&selection_, 1), frame_);
       march_brick(*own, i, stats[i]);
     });
     stats_ = cut_.stats;
@@ -107,15 +94,15 @@ class Extraction {
     parts_of_bricks_ = PartsOfBricks<D>(model_.axes, model_.brick_dims, work_);
   }
 
-  void march_brick(Worker& worker, std::size_t i, TraversalStats& stats) {
-    const Index<D> brick = point_of<D>(model_.brick_dims, work_[i].brick);
-    worker.traversal.open(brick);
-    worker.mapper.open(worker.traversal, model_.axes, {}, parts_[i + 1].part);
+  void march_brick(BrickMarcher<D>& marcher, std::size_t i, TraversalStats& stats) {
+    std::vector<Simplex<D>> simplices;
     for (std::size_t s = work_[i].begin; s < work_[i].end; ++s)
-      worker.traversal.visit(cut_.brick_simplices[s].second, stats,
-                             [&](const BrickSimplex<D>& leaf) { worker.mapper.add(leaf); });
-    find_shared<D>(parts_[i + 1],
-                   [&](const EdgePoint& p) { return is_on_brick_border<D>(model_.axes, p); });
+      simplices.push_back(cut_.brick_simplices[s].second);
+    std::vector<BrickPiece<D>> pieces;
+    marcher.march(
+        {point_of<D>(model_.brick_dims, work_[i].brick), {}, model_.axes}, simplices,
+        [](std::size_t) { return true; }, stats, pieces);
+    if (!pieces.empty()) parts_[i + 1] = std::move(pieces.front().part);
   }
 
   const Model<D>& model_;
@@ -153,7 +140,7 @@ std::vector<ActiveSimplex<D>> active_simplices(const Model<D>& model,
       traversal.visit(cut.brick_simplices[s].second, stats, [&](const BrickSimplex<D>& leaf) {
         ActiveSimplex<D>& active = result.emplace_back();
         for (std::size_t i = 0; i <= as_size(D); ++i) {
-          active.vertex[i] = traversal.global(leaf.corner[i].packed);
+          active.vertex[i] = traversal.samples().global(leaf.corner[i].packed);
           active.value[i] = leaf.corner[i].value;
         }
       });

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <functional>
-#include <span>
+#include <array>
+#include <vector>
 
 #include "lode/core/progress.h"
 #include "lode/core/surface.h"
@@ -49,21 +49,6 @@ template <int D>
 [[nodiscard]] Result<IsosurfaceReport> extract_isosurface(const Model<D>& model,
                                                           const IsosurfaceQuery& query,
                                                           Surface& surface, Progress& progress);
-
-/// Whether extract_isosurfaces() goes through the hierarchy once. Where it does not, there is next
-/// to nothing to share: full resolution without holes reads sign bits.
-template <int D>
-[[nodiscard]] bool shares_traversal(const Model<D>& model, const IsosurfaceQuery& query);
-
-/// extract_isosurface() of several isovalues, each once, in one traversal: appends the same
-/// surfaces, one after the other, and calls after(isovalue) behind each. Takes the memory of the
-/// parts of eight at once. `query`: its isovalue does not count; nothing wanted, does not replace.
-template <int D>
-[[nodiscard]] Result<IsosurfaceReport> extract_isosurfaces(const Model<D>& model,
-                                                           std::span<const double> isovalues,
-                                                           const IsosurfaceQuery& query,
-                                                           const std::function<void(double)>& after,
-                                                           Surface& surface, Progress& progress);
 
 /// The leaf simplices the same query's surface comes from, brick by brick in a fixed order.
 template <int D>

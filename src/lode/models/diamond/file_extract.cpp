@@ -5,6 +5,7 @@
 
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/brick_marcher.h"
+#include "lode/models/diamond/isovalue_list.h"
 #include "lode/models/diamond/normals.h"
 
 namespace lode::diamond {
@@ -35,8 +36,8 @@ class PartNormals {
   Index3 origin_;
 };
 
-/// Of the isovalues' surfaces, ascending. `Marcher`: of one, or of many.
-template <int D, typename Marcher>
+/// Of the isovalues' surfaces, ascending.
+template <int D>
 class FileExtraction {
  public:
   FileExtraction(const CoarseField<D>& field, store::BlockCache& blocks,
@@ -46,7 +47,7 @@ class FileExtraction {
         isovalues_(isovalues),
         query_(query),
         frame_(LatticeFrame::of(field.info.grid)),
-        selection_(Marcher::select(field, isovalues, query.tolerance)),
+        selection_(field, isovalues, query.tolerance),
         brick_dims_(brick_counts<D>(field.shape)),
         part_(field, blocks, query.threads),
         sink_of_(sink_of),
@@ -96,7 +97,7 @@ class FileExtraction {
   }
 
  private:
-  using CoarseSelection = typename Marcher::template Selected<CoarseField<D>>;
+  using CoarseSelection = ManySelection<D, CoarseField<D>>;
   using Pieces = std::vector<BrickPiece<D>>;
 
   [[nodiscard]] Index<D> brick_of(std::size_t work) const {
@@ -157,17 +158,16 @@ class FileExtraction {
 
   /// By work from `begin` to before `end`, all in the chunk that is loaded.
   std::vector<Pieces> march_chunk(std::size_t begin, std::size_t end) {
-    const auto selection = Marcher::select(part_.model(), isovalues_, query_.tolerance);
-    std::vector<std::uint8_t> is_wanted;
+    std::vector<Selection<D>> selections;
     for (std::size_t i = 0; i < isovalues_.size(); ++i)
-      is_wanted.push_back(sink_of_(i) != nullptr ? 1 : 0);
+      selections.emplace_back(part_.model(), isovalues_[i], query_.tolerance);
     std::vector<Pieces> pieces(end - begin);
     std::vector<TraversalStats> stats(end - begin);
-    std::vector<std::unique_ptr<Marcher>> workers(as_size(n_workers(query_.threads)));
+    std::vector<std::unique_ptr<BrickMarcher<D>>> workers(as_size(n_workers(query_.threads)));
     parallel_for(end - begin, query_.threads, 1, [&](std::size_t i, int number) {
       auto& worker = workers[as_size(number)];
-      if (!worker) worker = std::make_unique<Marcher>(selection, isovalues_, frame_);
-      march_brick(*worker, begin + i, is_wanted, pieces[i], stats[i]);
+      if (!worker) worker = std::make_unique<BrickMarcher<D>>(selections, frame_);
+      march_brick(*worker, begin + i, pieces[i], stats[i]);
       for (BrickPiece<D>& piece : pieces[i])
         find_normals(piece.part, &part_.samples(), part_.origin());
     });
@@ -175,21 +175,18 @@ class FileExtraction {
     return pieces;
   }
 
-  void march_brick(Marcher& marcher, std::size_t i, std::span<const std::uint8_t> is_wanted,
-                   Pieces& pieces, TraversalStats& stats) {
+  void march_brick(BrickMarcher<D>& marcher, std::size_t i, Pieces& pieces, TraversalStats& stats) {
     const Index<D> origin = part_.origin();
     Index<D> local = brick_of(i);
     for (std::size_t a = 0; a < as_size(D); ++a) local[a] -= origin[a] / kBrickEdge<D>;
+    std::vector<Simplex<D>> simplices;
+    for (std::size_t s = work_[i].begin; s < work_[i].end; ++s) {
+      Simplex<D>& simplex = simplices.emplace_back(cut_.brick_simplices[s].second);
+      for (Index<D>& v : simplex.v) v = v - origin;
+    }
     marcher.march(
-        {local, origin, field_.axes, is_wanted},
-        [&](const auto& visit) {
-          for (std::size_t s = work_[i].begin; s < work_[i].end; ++s) {
-            Simplex<D> simplex = cut_.brick_simplices[s].second;
-            for (Index<D>& v : simplex.v) v = v - origin;
-            visit(simplex);
-          }
-        },
-        stats, pieces);
+        {local, origin, field_.axes}, simplices,
+        [&](std::size_t isovalue) { return sink_of_(isovalue) != nullptr; }, stats, pieces);
   }
 
   void find_normals(StitchPart<D>& part, const FlatField<D>* samples, const Index<D>& origin) {
@@ -297,9 +294,7 @@ Result<IsosurfaceReport> extract_from_file(const CoarseField<D>& field, store::B
                                            const IsovalueList& isovalues,
                                            const IsosurfaceQuery& query,
                                            const SinkOfIsovalue& sink_of, Progress& progress) {
-  if (isovalues.size() == 1)
-    return FileExtraction<D, OneMarcher<D>>(field, blocks, isovalues, query, sink_of).run(progress);
-  return FileExtraction<D, ManyMarcher<D>>(field, blocks, isovalues, query, sink_of).run(progress);
+  return FileExtraction<D>(field, blocks, isovalues, query, sink_of).run(progress);
 }
 
 template Result<IsosurfaceReport> extract_from_file<2>(const CoarseField<2>&, store::BlockCache&,

@@ -75,7 +75,7 @@ class LeafCounter {
     for (int axis = D - 1; axis >= 0; --axis)
       at = at * kEdge + as_size(BrickPoint::coordinate(doubled, axis));
     if (is_seen_[at]) return;
-    if (traversal_->is_pinched(a, b)) {
+    if (traversal_->samples().is_pinched(a, b)) {
       share(a, b, low, high, is_second(s, i, j) ? kTwin : 0);
       return;  // each arc comes with simplices of its own
     }
@@ -109,8 +109,8 @@ class LeafCounter {
   void share(const BrickPoint& a, const BrickPoint& b, std::size_t low, std::size_t high,
              LatticeKey twin) {
     const AxisMap<D>& axes = selection_.model().axes;
-    const LatticeKey key = to_key(axes.to_grid(traversal_->global(a.packed))) +
-                           to_key(axes.to_grid(traversal_->global(b.packed)));
+    const LatticeKey key = to_key(axes.to_grid(traversal_->samples().global(a.packed))) +
+                           to_key(axes.to_grid(traversal_->samples().global(b.packed)));
     shared_.push_back(
         {key | twin, static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high)});
   }
@@ -120,7 +120,7 @@ class LeafCounter {
     if constexpr (D == 3) {
       std::array<Index<3>, 4> corners;
       for (std::size_t c = 0; c < corners.size(); ++c)
-        corners[c] = traversal_->global(s.corner[c].packed);
+        corners[c] = traversal_->samples().global(s.corner[c].packed);
       return is_in_second_arc(corners, corners[i], corners[j]);
     }
     return false;

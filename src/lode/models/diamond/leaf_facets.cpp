@@ -70,7 +70,7 @@ std::vector<Facet> find_facets(const Selection<3>& selection, Threads threads,
         Corners vertex;
         std::array<double, 4> value{};
         for (std::size_t c = 0; c < 4; ++c) {
-          vertex[c] = traversal->global(leaf.corner[c].packed);
+          vertex[c] = traversal->samples().global(leaf.corner[c].packed);
           value[c] = leaf.corner[c].value;
         }
         maker.add(vertex, value, place_of(vertex), parts[i]);

@@ -22,6 +22,17 @@ class NodeSet {
     const std::size_t at = linear_index<D>(shape_.dims, centre);
     return ((bits_[at / 64] >> (at % 64)) & 1U) != 0;
   }
+  /// Bit i: whether the point at `first` + i along the first axis is in the set; n <= 64 of them.
+  [[nodiscard]] std::uint64_t row(const Index<D>& first, std::int32_t n) const {
+    for (std::size_t i = 1; i < static_cast<std::size_t>(D); ++i)
+      if (first[i] >= shape_.dims[i]) return 0;
+    n = std::min(n, shape_.dims[0] - first[0]);
+    if (n <= 0) return 0;
+    const std::size_t at = linear_index<D>(shape_.dims, first);
+    std::uint64_t bits = bits_[at / 64] >> (at % 64);
+    if (at % 64 != 0 && at / 64 + 1 < bits_.size()) bits |= bits_[at / 64 + 1] << (64 - at % 64);
+    return n == 64 ? bits : bits & ((std::uint64_t{1} << n) - 1);
+  }
   /// With its ancestors, in which on_new(centre) is called for each that was not there.
   template <typename OnNew>
   void insert(const Index<D>& centre, const OnNew& on_new) {

@@ -18,6 +18,8 @@ class ToleranceSelection {
   [[nodiscard]] bool exceeds_tolerance(ErrorCode error) const {
     return is_full_ || error > tolerance_;
   }
+  /// The largest error that does not, but for tolerance 0.
+  [[nodiscard]] ErrorCode tolerance() const { return tolerance_; }
   [[nodiscard]] ErrorCode error(int level, std::size_t at) const {
     return model_.levels[as_size(level)].error[at];
   }
@@ -60,6 +62,7 @@ class Selection : public ToleranceSelection<D, Field> {
         wanted_(wanted) {}
 
   [[nodiscard]] double isovalue() const { return isovalue_; }
+  [[nodiscard]] const RelativeIsovalue& relative() const { return relative_; }
 
   /// For a node of level >= 1, or of level 0 and tier 0.
   [[nodiscard]] bool is_active(int level, std::size_t at) const {
@@ -72,6 +75,7 @@ class Selection : public ToleranceSelection<D, Field> {
     return static_cast<double>(this->model().levels[as_size(level)].low[at]) >= relative_.above;
   }
   [[nodiscard]] bool has_wanted() const { return wanted_ != nullptr; }
+  [[nodiscard]] const NodeSet<D>* wanted() const { return wanted_; }
   [[nodiscard]] bool is_wanted(const Index<D>& centre) const {
     return wanted_ != nullptr && wanted_->contains(centre);
   }

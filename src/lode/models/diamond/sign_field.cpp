@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "lode/models/diamond/brick_rows.h"
 #include "lode/models/diamond/sign_rows.h"
 
 namespace lode::diamond {
@@ -11,21 +12,6 @@ namespace {
 
 constexpr std::int32_t kEdge = kBrickEdge<3>;
 constexpr std::size_t kRow = as_size(kBrickSamples<3>);
-
-/// The smallest T that is >= isovalue; nothing when every T is smaller.
-template <typename T>
-std::optional<T> threshold_of(double isovalue) {
-  if constexpr (std::is_integral_v<T>) {
-    const double up = std::ceil(isovalue);
-    if (up > static_cast<double>(std::numeric_limits<T>::max())) return {};
-    return static_cast<T>(std::max(up, static_cast<double>(std::numeric_limits<T>::lowest())));
-  } else {
-    T t = static_cast<T>(isovalue);
-    if (static_cast<double>(t) < isovalue)
-      t = std::nextafter(t, std::numeric_limits<T>::infinity());
-    return t;
-  }
-}
 
 /// Those of the first n of 32.
 std::uint32_t first_bits(std::int64_t n) {
