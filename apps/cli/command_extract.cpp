@@ -30,7 +30,7 @@ struct ExtractArguments {
   /// What is simplified is of full resolution unless something else is asked for.
   [[nodiscard]] ExtractionArguments plain() const {
     ExtractionArguments all = extraction;
-    if (simplify.is_wanted && all.max_error.empty()) all.max_error = "0";
+    if (simplify.is_wanted() && all.max_error.empty()) all.max_error = "0";
     return all;
   }
 
@@ -75,14 +75,15 @@ Result<void> check_extract(const ExtractArguments& arguments) {
   if (arguments.progressive.is_wanted() &&
       (arguments.query.is_wanted() || arguments.query.is_focused()))
     return fail("--progressive: expected no --mesh, --section, focus, budget or deadline with it");
-  if (!arguments.simplify.max_distance.empty() && !arguments.simplify.is_wanted &&
+  if (!arguments.simplify.max_distance.empty() && !arguments.simplify.is_wanted() &&
       (arguments.progressive.is_wanted() || arguments.query.is_wanted() ||
        arguments.query.is_focused()))
     return fail(
         "--max-distance: expected no --mesh, --section, focus, budget, deadline or --progressive "
         "with it");
-  if (arguments.simplify.is_wanted && (arguments.progressive.is_wanted() ||
-                                       arguments.query.is_wanted() || arguments.query.is_focused()))
+  if (arguments.simplify.is_wanted() &&
+      (arguments.progressive.is_wanted() || arguments.query.is_wanted() ||
+       arguments.query.is_focused()))
     return fail(
         "--simplify: expected no --mesh, --section, focus, budget, deadline or --progressive with "
         "it");
@@ -207,12 +208,13 @@ std::string extraction_text(const Extraction& extraction) {
   if (report.topology) table.add({"topology", describe_topology(report)});
   if (extraction.options.style == SurfaceStyle::cubes) {
     const char* when = report.simplified ? ", before it was simplified" : "";
-    table.add({"style", "cubes: vertices on grid edges alone"});
-    table.add(
-        {"|F - isovalue|", fmt::format("at most {}{}", format_number(report.style_error), when)});
-    table.add({"from F = isovalue",
-               fmt::format("at most {} away, measured in {}", format_number(report.style_distance),
-                           format_seconds(report.seconds.measure))});
+    table.add({"style", report.max_error > 0 ? "cubes within the max error, tetrahedra elsewhere"
+                                             : "cubes: vertices on grid edges alone"});
+    const double error = std::max(report.style_error, report.achieved_error);
+    table.add({"|F - isovalue|", fmt::format("at most {}{}", format_number(error), when)});
+    table.add({"cubes", fmt::format("at most {} from F = isovalue, measured in {}",
+                                    format_number(report.style_distance),
+                                    format_seconds(report.seconds.measure))});
   }
   add_salvage(table, extraction.input.dataset.salvaged(), report.achieved_error);
   table.add(

@@ -143,7 +143,7 @@ Command add_verify_command(CLI::App& program) {
   app->add_option("--against", arguments->original, "Original data of FILE")->type_name("ORIGINAL");
   app->add_option("--surface", arguments->surface, "Surface to check")->type_name("SURFACE");
   app->add_flag(
-      "--simplify", arguments->simplify.is_wanted,
+      "--simplify,--remove-slivers", arguments->simplify.simplifies,
       "The surface was simplified: distance and pieces are held against what it was before");
   app->add_option("--max-distance", arguments->simplify.max_distance,
                   "Distance that it was extracted within, world units: measured, from full "

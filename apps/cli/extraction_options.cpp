@@ -46,7 +46,8 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
       ->group(group);
   app.add_option("--style", arguments.style,
                  "Vertices of full resolution: tetra, on all edges of the tetrahedra (the exact "
-                 "level set), or cubes, on the grid's edges alone (a third of the triangles)")
+                 "level set), or cubes, on the grid's edges alone (a third of the triangles) "
+                 "wherever that keeps within --max-error; with --max-error 0 everywhere")
       ->type_name("tetra|cubes")
       ->group(group);
   app.add_flag("--keep-topology{0}", arguments.keep_topology,
@@ -82,13 +83,7 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
   }
   if (arguments.style != "tetra" && arguments.style != "cubes")
     return fail("--style: expected 'tetra' or 'cubes', got '{}'", arguments.style);
-  if (arguments.style == "cubes") {
-    if (options.max_error.value_or(1) > 0)
-      return fail(
-          "--style cubes: expected --max-error 0 with it, as it is of full resolution, got {}",
-          options.max_error ? arguments.max_error : "no --max-error");
-    options.style = SurfaceStyle::cubes;
-  }
+  if (arguments.style == "cubes") options.style = SurfaceStyle::cubes;
   if (!arguments.clip.empty()) {
     LODE_TRY(options.clip, parse_clip(arguments.clip));
   }

@@ -8,13 +8,19 @@ namespace lode::cli {
 
 void add_simplify_options(CLI::App& app, SimplifyArguments& arguments) {
   const char* group = "Simplification";
-  app.add_flag("--simplify", arguments.is_wanted,
+  app.add_flag("--simplify", arguments.simplifies,
                "Collapse edges of the surface within --max-distance: proven, still a manifold, "
                "never through itself (without --max-error, of full resolution)")
       ->group(group);
-  app.add_option("--max-distance", arguments.max_distance,
-                 "How far any point of the surface may be from that of full resolution, and back, "
-                 "world units: proven; with --simplify, from the surface before and back")
+  app.add_flag("--remove-slivers", arguments.removes_slivers,
+               "The same of edges up to --max-distance long alone: triangles without short edges "
+               "stay as they are")
+      ->group(group);
+  app.add_option(
+         "--max-distance", arguments.max_distance,
+         "How far any point of the surface may be from that of full resolution, and back, "
+         "world units: proven; with --simplify or --remove-slivers, from the surface before and "
+         "back")
       ->type_name("D")
       ->group(group);
 }
@@ -38,16 +44,20 @@ Result<void> apply_max_distance(double distance, ExtractOptions& options) {
 }  // namespace
 
 Result<void> apply_simplify_options(const SimplifyArguments& arguments, ExtractOptions& options) {
-  if (!arguments.is_wanted && arguments.max_distance.empty()) return {};
+  if (!arguments.is_wanted() && arguments.max_distance.empty()) return {};
+  if (arguments.simplifies && arguments.removes_slivers)
+    return fail("--remove-slivers: expected no --simplify with it, which takes longer edges too");
   if (arguments.max_distance.empty())
-    return fail("--simplify: expected --max-distance with it, which says how far");
+    return fail("{}: expected --max-distance with it, which says how far",
+                arguments.simplifies ? "--simplify" : "--remove-slivers");
   LODE_TRY(const double distance, parse_number("--max-distance", arguments.max_distance));
   if (!(distance > 0))
     return fail("--max-distance: expected a number > 0, got '{}'", arguments.max_distance);
-  if (!arguments.is_wanted) return apply_max_distance(distance, options);
+  if (!arguments.is_wanted()) return apply_max_distance(distance, options);
   if (options.border == Border::closed)
     return fail("--simplify: expected no --close-border with it: caps would leave the border");
   options.simplify_distance = distance;
+  if (arguments.removes_slivers) options.simplify_what = SimplifyWhat::slivers;
   if (!options.max_error) options.max_error = 0;
   return {};
 }

@@ -10,8 +10,11 @@ namespace lode::cli {
 
 /// The options of distances, with and without simplification, as typed.
 struct SimplifyArguments {
-  bool is_wanted = false;
+  bool simplifies = false;
+  bool removes_slivers = false;
   std::string max_distance;
+
+  [[nodiscard]] bool is_wanted() const { return simplifies || removes_slivers; }
 };
 
 void add_simplify_options(CLI::App& app, SimplifyArguments& arguments);

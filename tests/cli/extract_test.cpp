@@ -51,12 +51,26 @@ TEST_F(cli_extract, says_how_far_cubes_are_from_the_level_set_and_verify_knows_t
   EXPECT_EQ(verified("tetra").exit_code, 1);
 }
 
-TEST_F(cli_extract, refuses_cubes_of_less_than_full_resolution) {
-  for (const char* max_error : {"--max-error=1", "--normals=on"}) {
-    const Finished run = extract("s.ply", {"--isovalue=100", "--style=cubes", max_error});
-    EXPECT_EQ(run.exit_code, 2);
-    EXPECT_NE(run.err.find("expected --max-error 0"), std::string::npos) << run.err;
-  }
+TEST_F(cli_extract, has_cubes_where_the_max_error_allows_them) {
+  const std::vector<std::string> query{"--isovalue=600", "--max-error=40"};
+  const auto extracted = [&](const char* style) {
+    std::vector<std::string> arguments{"extract", LODE_SAMPLES_DIR "/tooth.nrrd", file("c.ply"),
+                                       "--json", std::string("--style=") + style};
+    arguments.insert(arguments.end(), query.begin(), query.end());
+    return run_lode(arguments).json();
+  };
+  const nlohmann::json tetra = extracted("tetra");
+  const nlohmann::json cubes = extracted("cubes");
+  EXPECT_GT(cubes.at("style_error").get<double>(), 0);
+  EXPECT_LE(cubes.at("style_error").get<double>(), 40);
+  EXPECT_LT(cubes.at("triangles").get<double>(), tetra.at("triangles").get<double>());
+  EXPECT_EQ(run_lode({"verify", LODE_SAMPLES_DIR "/tooth.nrrd", "--surface", file("c.ply"),
+                      query[0], query[1], "--style=cubes"})
+                .exit_code,
+            0);
+}
+
+TEST_F(cli_extract, refuses_styles_that_are_none) {
   EXPECT_EQ(extract("s.ply", {"--isovalue=100", "--max-error=0", "--style=hexa"}).exit_code, 2);
 }
 

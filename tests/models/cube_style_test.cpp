@@ -128,31 +128,109 @@ TEST(cube_style, has_a_third_of_the_triangles_where_the_field_is_smooth) {
   EXPECT_NEAR(static_cast<double>(tetra) / static_cast<double>(cubes), 3, 0.1);
 }
 
-TEST(cube_style, says_what_it_cannot_do) {
-  RegularGrid grid;
-  grid.dims = {{5, 6, 7}};
+/// What style cubes gives at a tolerance, against all tetrahedra. Returns the share of their
+/// triangles.
+double expect_within(const Volume& volume, double isovalue, double max_error) {
+  SCOPED_TRACE(max_error);
+  const Dataset dataset = dataset_of(volume);
+  ExtractOptions options{.isovalues = {isovalue},
+                         .max_error = max_error,
+                         .style = SurfaceStyle::cubes,
+                         .deviation = Deviation::measured,
+                         .threads = {2}};
   Progress progress;
-  Surface surface;
-  const Dataset whole = dataset_of(
-      oracles::volume_of<float>(grid, [](const Index3& p) { return static_cast<double>(p[0]); }));
-  ExtractOptions options{
-      .isovalues = {2.5}, .max_error = 0.5, .style = SurfaceStyle::cubes, .threads = {1}};
-  EXPECT_FALSE(whole.extract(options, surface, progress));
-  options.max_error = {};
-  EXPECT_FALSE(whole.extract(options, surface, progress));
+  Surface cubes;
+  const auto report = dataset.extract(options, cubes, progress);
+  if (!report) {
+    ADD_FAILURE() << report.error().message;
+    return 0;
+  }
+  if (max_error > 0) EXPECT_LE(report->style_error, max_error);
+  const TopologyReport found = check_topology(cubes, {});
+  EXPECT_TRUE(found.is_clean_manifold());
+  EXPECT_EQ(check_self_intersections(cubes, {2}, progress)->n_intersections, 0U);
+  const auto level_set = diamond::check_level_set(
+      diamond::VolumeSamples(volume), cubes, {.isovalues = {isovalue}, .threads = {1}}, progress);
+  EXPECT_LE(level_set->max_deviation,
+            std::max(report->style_error, report->achieved_error) + report->coordinate_slack);
+  EXPECT_TRUE(dataset.verify_surface(cubes, options, progress)->passed());
+
+  options.style = SurfaceStyle::tetra;
   options.max_error = 0.0;
-  EXPECT_TRUE(whole.extract(options, surface, progress));
+  Surface tetra;
+  EXPECT_TRUE(dataset.extract(options, tetra, progress));
+  const TopologyReport expected = check_topology(tetra, {});
+  EXPECT_EQ(found.euler_number, expected.euler_number);
+  EXPECT_EQ(pieces_of(found), pieces_of(expected));
+  return static_cast<double>(cubes.triangles.size()) / static_cast<double>(tetra.triangles.size());
+}
+
+TEST(cube_style, falls_back_to_tetrahedra_where_a_bound_would_break) {
+  RegularGrid grid;
+  grid.dims = {{61, 62, 40}};
+  grid.spacing = {{0.5, 1.0, 0.75}};
+  const Volume sphere = oracles::volume_of<float>(grid, [](const Index3& p) {
+    return std::hypot(p[0] - 30.3, p[1] - 31.2, p[2] - 30.9) + 0.1 * std::sin(0.6 * p[0] + p[1]);
+  });
+  std::vector<double> shares;
+  for (const double max_error : {0.0, 0.3, 0.1, 0.03, 0.01, 0.001})
+    shares.push_back(expect_within(sphere, 20.1, max_error));
+  EXPECT_NEAR(shares[0], 1 / 3.0, 0.03);
+  EXPECT_NEAR(shares[1], 1 / 3.0, 0.03);
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_LT(shares[3], 0.9);
+  EXPECT_GT(shares.back(), 0.95);
+}
+
+TEST(cube_style, falls_back_on_noise) {
+  for (const Index3& dims : {Index3{{9, 8, 7}}, Index3{{34, 35, 12}}, Index3{{66, 6, 33}}})
+    for (const std::uint32_t n_values : {3U, 1000U}) {
+      SCOPED_TRACE(n_values);
+      RegularGrid grid;
+      grid.dims = dims;
+      grid.direction = {{Vec3d{{0, 1, 0}}, Vec3d{{1, 0, 0}}, Vec3d{{0, 0, 1}}}};
+      std::mt19937 random(n_values);
+      const Volume volume = oracles::volume_of<float>(
+          grid, [&](const Index3&) { return static_cast<double>(random() % n_values); });
+      for (const double share : {0.01, 0.1, 0.2, 0.3, 0.5})
+        expect_within(volume, n_values / 2.0 + 0.5, share * n_values);
+    }
+}
+
+TEST(cube_style, falls_back_on_many_small_volumes) {
+  std::mt19937 random(2027);
+  for (int i = 0; i < 500; ++i) {
+    SCOPED_TRACE(i);
+    RegularGrid grid;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      grid.dims[axis] = 2 + static_cast<std::int32_t>(random() % 5);
+    const Volume volume = oracles::volume_of<float>(
+        grid, [&](const Index3&) { return static_cast<double>(random() % 4); });
+    expect_within(volume, 2, 0.25 * static_cast<double>(1 + random() % 6));
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+TEST(cube_style, leaves_bricks_with_holes_to_tetrahedra) {
+  RegularGrid grid;
+  grid.dims = {{70, 40, 36}};
+  const Volume volume = oracles::volume_of<float>(grid, [](const Index3& p) {
+    const bool is_hole = p[0] < 5 && p[1] > 20 && p[2] > 12;
+    return is_hole ? std::nan("") : std::hypot(p[0] - 40.3, p[1] - 21.2, p[2] - 20.9);
+  });
+  EXPECT_LT(expect_within(volume, 14.1, 0), 0.8);
+  EXPECT_LT(expect_within(volume, 14.1, 0.1), 0.9);
+  expect_within(volume, 36.1, 0.02);
+}
+
+TEST(cube_style, is_of_volumes) {
   RegularGrid flat;
   flat.dims = {{5, 6, 1}};
+  Progress progress;
+  Surface surface;
   EXPECT_FALSE(dataset_of(oracles::volume_of<float>(flat, [](const Index3& p) {
                  return static_cast<double>(p[0]);
-               })).extract(options, surface, progress));
-  const Dataset with_hole = dataset_of(oracles::volume_of<float>(grid, [](const Index3& p) {
-    return p[1] == 3 && p[2] == 3 ? std::nan("") : static_cast<double>(p[0]);
-  }));
-  const auto refused = with_hole.extract(options, surface, progress);
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("without holes"), std::string::npos);
+               })).extract({.isovalues = {2.5}, .style = SurfaceStyle::cubes}, surface, progress));
 }
 
 double distance_to_triangle(const Vec3d& p, const std::array<Vec3d, 3>& t) {

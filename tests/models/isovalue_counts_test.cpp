@@ -2,14 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <hwy/highway.h>
 #include <cmath>
 #include <limits>
 
 #include "lode/api/dataset.h"
+#include "tests/models/all_targets.h"
 #include "tests/models/built_dataset.h"
 #include "tests/models/rough_volume.h"
-#include "tests/models/simd_targets.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/synthetic_volumes.h"
 
@@ -128,13 +127,7 @@ TEST(isovalue_counts, do_not_depend_on_threads_or_on_the_processor) {
       }
     };
     for (const int threads : {2, 3, 7}) expect_the_same(threads);
-    const test::SimdTargets restored;
-    for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-      SCOPED_TRACE(hwy::TargetName(left & -left));
-      test::SimdTargets::use(left & -left);
-      expect_the_same(2);
-      test::SimdTargets::use(0);
-    }
+    test::for_each_target([&] { expect_the_same(2); });
   }
 }
 

@@ -10,8 +10,8 @@
 #include "lode/mappers/simplex_isosurface.h"
 #include "lode/models/diamond/brick_work.h"
 #include "lode/models/diamond/extract.h"
+#include "tests/models/all_targets.h"
 #include "tests/models/rough_volume.h"
-#include "tests/models/simd_targets.h"
 #include "tests/models/stored_fixtures.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/synthetic_volumes.h"
@@ -80,7 +80,8 @@ void expect_same(const Model<3>& model, const IsosurfaceQuery& query) {
   Progress progress;
   const auto report = extract_isosurface<3>(model, query, surface, progress);
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(surface.positions.size(), expected.n_vertices);
+  // Between holes some edges have two vertices.
+  if (!model.has_holes()) EXPECT_EQ(surface.positions.size(), expected.n_vertices);
   EXPECT_TRUE(triangles_of(surface) == expected.triangles);
   EXPECT_EQ(report->achieved_error, expected.achieved);
 }
@@ -110,7 +111,8 @@ TEST_P(row_marcher_shapes, finds_what_simplices_give) {
 }
 
 TEST_P(row_marcher_shapes, leaves_bricks_beside_holes_alone) {
-  expect_same_surfaces(test::built<3>(test::rough_volume<float>(GetParam(), 0.0001)));
+  for (const double share : {0.00003, 0.001, 0.03})
+    expect_same_surfaces(test::built<3>(test::rough_volume<float>(GetParam(), share)));
 }
 
 TEST_P(row_marcher_shapes, finds_the_same_in_noise) {
@@ -151,7 +153,6 @@ TEST(row_marcher, refines_what_is_wanted) {
   }
 }
 
-/// Runs with each kind of processor's instructions that this one has.
 TEST(row_marcher, gives_the_same_bytes_on_every_processor) {
   const Model<3> bytes = test::built<3>(test::rough_volume<std::uint8_t>({{41, 67, 36}}, 0));
   const Model<3> floats = test::built<3>(test::rough_volume<float>({{41, 67, 36}}, 0));
@@ -160,16 +161,12 @@ TEST(row_marcher, gives_the_same_bytes_on_every_processor) {
     Surface expected;
     Progress progress;
     ASSERT_TRUE(extract_isosurface<3>(*model, query, expected, progress));
-    const test::SimdTargets restored;
-    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
-      SCOPED_TRACE(hwy::TargetName(targets & -targets));
-      test::SimdTargets::use(targets & -targets);
+    test::for_each_target([&] {
       Surface surface;
       ASSERT_TRUE(extract_isosurface<3>(*model, query, surface, progress));
       EXPECT_TRUE(surface.positions == expected.positions &&
                   surface.triangles == expected.triangles);
-      test::SimdTargets::use(0);
-    }
+    });
   }
 }
 

@@ -55,6 +55,8 @@ enum class Normals : std::uint8_t { off, on };
 /// Whether the report of a surface in the style of cubes says how far it is from the level set,
 /// which takes about a microsecond for each cell that it crosses.
 enum class Deviation : std::uint8_t { unknown, measured };
+/// Which edges simplification may collapse; slivers: those up to simplify_distance long.
+enum class SimplifyWhat : std::uint8_t { all, slivers };
 enum class Orientation : std::uint8_t { from_lower_values, from_higher_values };
 /// closed: caps in the border planes make the surface the whole boundary of the region at or above
 /// the isovalue (one isovalue, no clip box, no holes at the border; it stays open at other holes).
@@ -72,8 +74,9 @@ struct ExtractOptions {
   /// there are from P below the isovalue to P above it. Of volumes in memory, unclipped, with all
   /// pieces kept.
   std::optional<double> keep_topology{};
-  SurfaceStyle style = SurfaceStyle::tetra;  ///< cubes: of volumes without holes at a max_error of
-                                             ///< 0, all in memory.
+  /// cubes, of volumes in memory: full resolution; where the style error would be larger than the
+  /// max_error, and beside holes, tetrahedra stay. A max_error of 0 is no bound.
+  SurfaceStyle style = SurfaceStyle::tetra;
   Deviation deviation = Deviation::unknown;
   std::optional<Box3d> clip{};  ///< Crops the result, world units.
   Border border = Border::open;
@@ -82,6 +85,7 @@ struct ExtractOptions {
   /// surface, or of what it was, is farther from the other than this (world units, > 0); see
   /// simplify_surface(). Needs the whole surface, but for one isovalue with a max_error of 0.
   std::optional<double> simplify_distance{};
+  SimplifyWhat simplify_what = SimplifyWhat::all;
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.
   Normals normals = Normals::on;
   Threads threads{};

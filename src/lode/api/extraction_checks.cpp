@@ -42,9 +42,6 @@ Result<void> check_extract_options(const ExtractOptions& options) {
       if (!(options.clip->lower[i] < options.clip->upper[i]))
         return fail("expected a clip box with lower < upper on each axis, got {} and {} on axis {}",
                     options.clip->lower[i], options.clip->upper[i], i);
-  if (options.style == SurfaceStyle::cubes && options.max_error.value_or(1) > 0)
-    return fail("style cubes: expected a max_error of 0, as it has full resolution only, got {}",
-                options.max_error ? fmt::format("{}", *options.max_error) : "none");
   if (options.border == Border::closed && options.isovalues.size() > 1)
     return fail(
         "closing at the border: expected one isovalue, got {}: caps of several would lie "

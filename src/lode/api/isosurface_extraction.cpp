@@ -32,13 +32,16 @@ Result<void> close_surface(const FieldFacts& field, const ExtractOptions& option
   return {};
 }
 
+SimplifyOptions simplify_options_of(const ExtractOptions& options) {
+  SimplifyOptions simplify{.max_distance = *options.simplify_distance, .threads = options.threads};
+  if (options.simplify_what == SimplifyWhat::slivers) simplify.longest_edge = simplify.max_distance;
+  return simplify;
+}
+
 Result<void> simplify(const ExtractOptions& options, Surface& surface, ExtractReport& report,
                       Progress& progress) {
   const Stopwatch watch;
-  LODE_TRY(report.simplified,
-           simplify_surface(
-               surface, {.max_distance = *options.simplify_distance, .threads = options.threads},
-               progress));
+  LODE_TRY(report.simplified, simplify_surface(surface, simplify_options_of(options), progress));
   report.seconds.simplify = watch.seconds();
   return {};
 }
@@ -96,8 +99,7 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   LODE_CHECK(std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) {
         if (options.simplify_distance)
-          simplifier.emplace(SimplifyOptions{.max_distance = *options.simplify_distance,
-                                             .threads = options.threads},
+          simplifier.emplace(simplify_options_of(options),
                              PieceShape{.grid = field.info.grid,
                                         .n_apart = diamond::n_pieces_apart<D>(field.shape),
                                         .max_triangles = simplified_at_once(options)},

@@ -21,9 +21,12 @@ struct FieldFacts {
 inline void add_part(const diamond::IsosurfaceReport& part, ExtractReport& report) {
   report.achieved_error = std::max(report.achieved_error, part.achieved_error);
   report.coordinate_slack = std::max(report.coordinate_slack, part.coordinate_slack);
+  report.style_error = std::max(report.style_error, part.deviation.error);
+  report.style_distance = std::max(report.style_distance, part.deviation.distance);
   report.nodes_visited += part.nodes_visited;
   report.seconds.select += part.select_seconds;
   report.seconds.geometry += part.geometry_seconds;
+  report.seconds.measure += part.measure_seconds;
 }
 
 /// Gives the vertices that have come last their isovalue.
@@ -44,6 +47,7 @@ diamond::IsosurfaceQuery query_of(double isovalue, const ExtractOptions& options
   return {.isovalue = isovalue,
           .tolerance = report.max_error,
           .style = options.style,
+          .with_deviation = options.deviation == Deviation::measured,
           .threads = options.threads,
           .with_normals = D == 3 && options.normals == Normals::on,
           .replaces = options.isovalues.size() == 1};

@@ -4,29 +4,9 @@
 
 #include "lode/api/distance_extraction.h"
 #include "lode/api/topology_extraction.h"
-#include "lode/core/stopwatch.h"
-#include "lode/models/diamond/cube_deviation.h"
 
 namespace lode {
 namespace {
-
-bool measures(const ExtractOptions& options) {
-  return options.style == SurfaceStyle::cubes && options.deviation == Deviation::measured;
-}
-
-/// How far the surface of a query in the style of cubes is from the level set.
-template <int D>
-Result<void> measure_style(const diamond::Model<D>& model, const diamond::IsosurfaceQuery& query,
-                           ExtractReport& report, Progress& progress) {
-  if constexpr (D == 3) {
-    const Stopwatch watch;
-    LODE_TRY(const auto deviation, diamond::measure_cubes(model, query, progress));
-    report.style_error = std::max(report.style_error, deviation.error);
-    report.style_distance = std::max(report.style_distance, deviation.distance);
-    report.seconds.measure += watch.seconds();
-  }
-  return {};
-}
 
 template <int D>
 Result<diamond::IsosurfaceReport> extract_one(const Dataset::Impl& impl,
@@ -42,10 +22,7 @@ Result<diamond::IsosurfaceReport> extract_one(const Dataset::Impl& impl,
     }
   if (options.max_distance)
     return extract_within_distance(impl, query, options, surface, report, progress);
-  auto part = diamond::extract_isosurface<D>(model, query, surface, progress);
-  if (!part || !measures(options)) return part;
-  if (auto done = measure_style(model, query, report, progress); !done) return done.error();
-  return part;
+  return diamond::extract_isosurface<D>(model, query, surface, progress);
 }
 
 }  // namespace

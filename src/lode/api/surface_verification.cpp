@@ -208,7 +208,7 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   const LatticeFrame frame = LatticeFrame::of(model.info.grid);
   const double range = model.stats.max - model.stats.min;
   const double slack = (frame.margin + 4 * frame.rounding) * range;
-  const double tolerance = expected.tolerance + expected.style_error;
+  const double tolerance = std::max(expected.tolerance, expected.style_error);
   LODE_TRY(
       const auto level_set,
       diamond::check_level_set(samples, surface,

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct Block {
 struct BlockLimits {
   float distance = 0;  ///< Of attached original vertices from the triangle they are attached to.
   float area = 0;      ///< About that of an original triangle.
+  float longest2 = std::numeric_limits<float>::infinity();  ///< Squared, of edges that collapse.
   /// The surface is a piece of one: its border is locked, and vertices move strictly inside the
   /// box.
   bool is_piece = false;
@@ -104,6 +106,7 @@ class BlockSimplifier {
   [[nodiscard]] bool try_others(std::uint32_t v, const Star& star, const Choice& failed,
                                 const Sweep& sweep);
   [[nodiscard]] bool may_lie_at(const Vec3f& position) const;
+  [[nodiscard]] bool may_collapse(std::uint32_t v, std::uint32_t other) const;
   [[nodiscard]] bool try_collapse(std::uint32_t kept, std::uint32_t removed,
                                   const Star& star_of_removed, const Vec3f& position);
   [[nodiscard]] static bool is_link_simple(std::uint32_t kept, const Star& of_kept,

@@ -14,7 +14,7 @@ BlockSimplifier::Choice BlockSimplifier::choose(std::uint32_t v, const Star& sta
   const Vec3f p = position(v);
   for (const Spoke& spoke : star.all()) {
     const std::uint32_t x = spoke.a;
-    if ((flags_[x] & kLockedFlag) != 0) continue;
+    if (!may_collapse(v, x)) continue;
     Quadric q = own;
     q.add(quadrics_[x]);
     const Vec3f other = position(x);
@@ -51,7 +51,7 @@ bool BlockSimplifier::try_others(std::uint32_t v, const Star& star, const Choice
   std::array<Choice, kMaxValence> others;
   std::size_t n = 0;
   for (const Spoke& spoke : star.all()) {
-    if ((flags_[spoke.a] & kLockedFlag) != 0) continue;
+    if (!may_collapse(v, spoke.a)) continue;
     Quadric q = quadrics_[v];
     q.add(quadrics_[spoke.a]);
     const Vec3f at = position(spoke.a);
@@ -64,6 +64,13 @@ bool BlockSimplifier::try_others(std::uint32_t v, const Star& star, const Choice
   return std::any_of(
       others.begin(), others.begin() + static_cast<std::ptrdiff_t>(n),
       [&](const Choice& choice) { return try_collapse(choice.other, v, star, choice.position); });
+}
+
+/// The edge between them.
+bool BlockSimplifier::may_collapse(std::uint32_t v, std::uint32_t other) const {
+  if ((flags_[other] & kLockedFlag) != 0) return false;
+  const Vec3f e = position(other) - position(v);
+  return dot(e, e) <= limits_.longest2;
 }
 
 /// As it will be stored.
@@ -105,7 +112,7 @@ BlockSimplifier::Choice BlockSimplifier::choose_on_border(std::uint32_t v, const
   if (!is_in_plane) return best;
   const float aside = squared_distance_to_segment(p, a, b - a);
   for (const std::uint32_t x : ends) {
-    if ((flags_[x] & kLockedFlag) != 0) continue;
+    if (!may_collapse(v, x)) continue;
     Quadric q = quadrics_[v];
     q.add(quadrics_[x]);
     const float cost = std::max(0.0F, q.at(position(x))) + aside * limits_.area;

@@ -148,11 +148,13 @@ Result<void> Simplifier::collapse(int pass) {
   const double area = mean_area(surface_);
   const double edge = std::sqrt(kBlockTriangles * area);
   const auto [lower, upper] = bounds_of(surface_.positions);
-  const BlockLimits limits{.distance = static_cast<float>(kReach * options_.max_distance),
-                           .area = static_cast<float>(area),
-                           .is_piece = numbers_ != nullptr,
-                           .lower = lower,
-                           .upper = upper};
+  const BlockLimits limits{
+      .distance = static_cast<float>(kReach * options_.max_distance),
+      .area = static_cast<float>(area),
+      .longest2 = static_cast<float>(options_.longest_edge * options_.longest_edge),
+      .is_piece = numbers_ != nullptr,
+      .lower = lower,
+      .upper = upper};
   const int n_rounds = pass == 0 ? kRounds : 1;
   for (int round = 0; round < n_rounds; ++round) {
     progress_.report("simplifying", static_cast<double>(round) / n_rounds);
@@ -411,6 +413,7 @@ Result<SimplifyReport> simplify(Surface& surface, const SimplifyOptions& options
   const UnitEdges units(surface);
   SimplifyOptions scaled = options;
   scaled.max_distance = units.to_units(options.max_distance);
+  scaled.longest_edge = units.to_units(options.longest_edge);
   LODE_TRY(SimplifyReport report, Simplifier(surface, scaled, numbers, progress).run());
   report.max_distance = options.max_distance;
   report.proven_distance = units.from_units(report.proven_distance);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "lode/core/parallel.h"
@@ -12,6 +13,8 @@ namespace lode {
 
 struct SimplifyOptions {
   double max_distance = 0;  ///< > 0, finite; in the unit of positions.
+  /// Only edges up to this length collapse: with that of max_distance slivers go, and little else.
+  double longest_edge = std::numeric_limits<double>::infinity();
   Threads threads = {};
 };
 

@@ -32,8 +32,8 @@ struct BrickPlace {
 template <int D>
 class LeafMarcher {
  public:
-  explicit LeafMarcher(const Selection<D>& selection)
-      : isovalue_(selection.isovalue()), traversal_(selection), rows_(selection) {}
+  LeafMarcher(const Selection<D>& selection, const LatticeFrame& frame)
+      : isovalue_(selection.isovalue()), traversal_(selection), rows_(selection, frame) {}
 
   void march(const BrickPlace<D>& place, std::span<const Simplex<D>> simplices,
              BrickIsosurface<D>& mapper, TraversalStats& stats, StitchPart<D>& part) {
@@ -44,6 +44,7 @@ class LeafMarcher {
         traversal_.visit(s, stats, [&](const BrickSimplex<D>& leaf) { mapper.add(leaf); });
     find_shared<D>(part, OnBrickBorder<D>(place.axes));
   }
+  [[nodiscard]] RowMarcher& rows() requires(D == 3) { return rows_; }
 
  private:
   bool march_rows(std::span<const Simplex<D>> simplices, BrickIsosurface<D>& mapper,
@@ -55,7 +56,7 @@ class LeafMarcher {
   }
 
   struct NoRows {
-    explicit NoRows(const Selection<D>& /*selection*/) {}
+    NoRows(const Selection<D>& /*selection*/, const LatticeFrame& /*frame*/) {}
   };
 
   double isovalue_;
@@ -68,7 +69,17 @@ template <int D>
 class BrickMarcher {
  public:
   BrickMarcher(std::span<const Selection<D>> selections, const LatticeFrame& frame)
-      : selections_(selections), marchers_(selections.size()), mapper_(frame) {}
+      : selections_(selections), frame_(frame), marchers_(selections.size()), mapper_(frame) {}
+
+  /// Which cells are to be marched in the style of cubes, of the first selection; null: none.
+  void set_cubes(const CubeCells* cubes) { cubes_ = cubes; }
+  /// How far at most that has moved a vertex, in world units.
+  [[nodiscard]] double farthest_move() const {
+    if constexpr (D == 3)
+      return marchers_.front() ? marchers_.front()->rows().farthest_move() : 0;
+    else
+      return 0;
+  }
 
   /// `simplices`: those of the brick, in the lattice of the selections' model, down to which one of
   /// the cuts is refined; is_wanted(isovalue): whether its surface is to be marched. Adds a piece
@@ -79,7 +90,10 @@ class BrickMarcher {
     for (std::size_t i = 0; i < selections_.size(); ++i) {
       if (!is_wanted(i)) continue;
       auto& marcher = marchers_[i];
-      if (!marcher) marcher = std::make_unique<LeafMarcher<D>>(selections_[i]);
+      if (!marcher) {
+        marcher = std::make_unique<LeafMarcher<D>>(selections_[i], frame_);
+        if constexpr (D == 3) marcher->rows().set_cubes(cubes_);
+      }
       StitchPart<D> part;
       marcher->march(place, simplices, mapper_, stats, part);
       if (!part.part.cells.empty()) pieces.push_back({i, std::move(part)});
@@ -88,8 +102,10 @@ class BrickMarcher {
 
  private:
   std::span<const Selection<D>> selections_;
+  LatticeFrame frame_;
   std::vector<std::unique_ptr<LeafMarcher<D>>> marchers_;  ///< By selection.
   BrickIsosurface<D> mapper_;
+  const CubeCells* cubes_ = nullptr;
 };
 
 /// Of everything coarser than bricks what one isovalue crosses.

@@ -131,7 +131,7 @@ HWY_INLINE void rough_of(const T* brick, const ErrorLimit& limit, const BrickRow
     }
 }
 
-std::uint32_t refined_row(const NodeRow& row, const NodeLimits& limits, std::uint32_t forced) {
+std::uint32_t refined_row(const StoredNodes& row, const NodeLimits& limits, std::uint32_t forced) {
   const hn::CappedTag<float, 16> d;
   const hn::RebindToUnsigned<decltype(d)> du;
   const hn::Rebind<ErrorCode, decltype(d)> d16;
@@ -196,7 +196,7 @@ HWY_EXPORT(rough_i16);
 HWY_EXPORT(rough_f32);
 HWY_EXPORT(rough_f64);
 
-std::uint32_t find_refined(const NodeRow& row, const NodeLimits& limits, std::uint32_t forced) {
+std::uint32_t find_refined(const StoredNodes& row, const NodeLimits& limits, std::uint32_t forced) {
   return HWY_DYNAMIC_DISPATCH(refined_row)(row, limits, forced);
 }
 

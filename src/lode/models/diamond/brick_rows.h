@@ -46,7 +46,7 @@ void find_inside(const float* brick, float threshold, BrickBits& inside);
 void find_inside(const double* brick, double threshold, BrickBits& inside);
 
 /// A row of nodes of a level from 1 on, as they are stored: n of them.
-struct NodeRow {
+struct StoredNodes {
   const ErrorCode* error;
   const float* low;
   const float* high;
@@ -63,7 +63,7 @@ struct NodeLimits {
 
 /// A bit for each node of a row: whether it is refined. `forced`: those whose error does not
 /// matter.
-[[nodiscard]] std::uint32_t find_refined(const NodeRow& row, const NodeLimits& limits,
+[[nodiscard]] std::uint32_t find_refined(const StoredNodes& row, const NodeLimits& limits,
                                          std::uint32_t forced);
 
 /// When a node's own error is too large: error + slack > limit.

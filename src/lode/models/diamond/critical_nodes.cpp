@@ -71,11 +71,11 @@ const Ring& ring_of(const Index<3>& first) {
 }
 
 /// The sides of an isovalue that a volume's samples are on.
-class Sides {
+class NodeSides {
  public:
   enum Side : std::uint8_t { outside, inside, hole };
 
-  Sides(const Model<3>& model, double isovalue, Threads threads)
+  NodeSides(const Model<3>& model, double isovalue, Threads threads)
       : dims_(model.shape.dims), sides_(n_points<3>(dims_)) {
     const auto n_x = as_size(dims_[0]);
     visit_storage_type(model.storage, [&]<typename T>() {
@@ -164,7 +164,7 @@ Result<CriticalNodes> find_critical_nodes(const Model<3>& model, double isovalue
                                           const Progress& progress) {
   CriticalNodes critical{NodeSet<3>(model.shape)};
   if (!model.shape.has_cells()) return critical;
-  const Sides sides(model, isovalue, threads);
+  const NodeSides sides(model, isovalue, threads);
   const Refinable<3> nodes(model);
   const auto is_slight = [&](const Index<3>& centre) {
     const NodeFacts facts = nodes.facts_at(diamond_at<3>(centre));

@@ -1,10 +1,14 @@
 #include "lode/models/diamond/extract.h"
 
 #include <chrono>
+#include <limits>
 #include <memory>
+#include <optional>
 
+#include "lode/core/stopwatch.h"
 #include "lode/mappers/simplex_isosurface.h"
 #include "lode/models/diamond/brick_marcher.h"
+#include "lode/models/diamond/cube_deviation.h"
 #include "lode/models/diamond/full_resolution.h"
 #include "lode/models/diamond/join_parts.h"
 
@@ -13,10 +17,11 @@ namespace {
 
 template <int D>
 Selection<D> selection_of(const Model<D>& model, const IsosurfaceQuery& query) {
+  const double tolerance = query.style == SurfaceStyle::cubes ? 0 : query.tolerance;
   if constexpr (D == 3)
-    return Selection<D>(model, query.isovalue, query.tolerance, query.wanted);
+    return Selection<D>(model, query.isovalue, tolerance, query.wanted);
   else
-    return Selection<D>(model, query.isovalue, query.tolerance);
+    return Selection<D>(model, query.isovalue, tolerance);
 }
 
 template <int D>
@@ -39,6 +44,8 @@ class Extraction {
     surface.origin = frame_.surface_origin;
     if (!model_.shape.has_cells()) return report;
     CoarseTraversal<D, Selection<D>>(selection_, cut_).run();
+    work_ = work_of(cut_);
+    LODE_CHECK(find_cubes(progress));
     march(progress);
     if (progress.is_cancelled()) return cancelled_error();
     const auto marched = std::chrono::steady_clock::now();
@@ -49,6 +56,11 @@ class Extraction {
     const auto done = std::chrono::steady_clock::now();
     report.select_seconds = std::chrono::duration<double>(marched - start).count();
     report.geometry_seconds = std::chrono::duration<double>(done - marched).count();
+    if (cubes_ && query_.with_deviation) {
+      const Stopwatch measuring;
+      report.deviation = measure_found();
+      report.measure_seconds = measuring.seconds();
+    }
     return report;
   }
 
@@ -56,12 +68,6 @@ class Extraction {
   Result<void> check_style() const {
     if (query_.style == SurfaceStyle::tetra || !model_.shape.has_cells()) return {};
     if (D == 2) return fail("style cubes: expected a volume, got data one sample thick");
-    if (query_.tolerance > 0)
-      return fail("style cubes: expected full resolution (max error 0), got max error {}",
-                  query_.tolerance);
-    if (model_.has_holes())
-      return fail("style cubes: expected data without holes, got {} samples without a value",
-                  model_.stats.n_holes);
     return {};
   }
 
@@ -74,11 +80,33 @@ class Extraction {
     report.nodes_visited = flat.n_bricks_read;
     report.select_seconds = flat.sign_seconds;
     report.geometry_seconds = flat.write_seconds;
+    if (query_.style == SurfaceStyle::cubes && query_.with_deviation) {
+      const Stopwatch measuring;
+      LODE_TRY(report.deviation, measure_cubes(model_, query_, progress));
+      report.measure_seconds = measuring.seconds();
+    }
     return report;
   }
 
+  Result<void> find_cubes(Progress& progress) {
+    if constexpr (D == 3) {
+      if (query_.style != SurfaceStyle::cubes) return {};
+      const double limit =
+          query_.tolerance > 0 ? query_.tolerance : std::numeric_limits<double>::infinity();
+      LODE_TRY(cubes_,
+               CubeCells::find(selection_, cut_, work_, frame_, limit, query_.threads, progress));
+    }
+    return {};
+  }
+  [[nodiscard]] CubeDeviation measure_found() const {
+    CubeDeviation deviation;
+    if constexpr (D == 3)
+      deviation = cubes_->measure(model_, frame_, query_.isovalue, query_.threads);
+    deviation.distance = std::max(deviation.distance, farthest_move_);
+    return deviation;
+  }
+
   void march(Progress& progress) {
-    work_ = work_of(cut_);
     parts_.resize(work_.size() + 1);
     march_coarse<D>(cut_, query_.isovalue, model_.axes, frame_, parts_[0]);
     std::vector<TraversalStats> stats(work_.size());
@@ -86,9 +114,14 @@ class Extraction {
     parallel_for(work_.size(), query_.threads, 1, [&](std::size_t i, int worker) {
       if (progress.is_cancelled()) return;
       auto& own = workers[as_size(worker)];
-      if (!own) own = std::make_unique<BrickMarcher<D>>(std::span(&selection_, 1), frame_);
+      if (!own) {
+        own = std::make_unique<BrickMarcher<D>>(std::span(&selection_, 1), frame_);
+        if (cubes_) own->set_cubes(&*cubes_);
+      }
       march_brick(*own, i, stats[i]);
     });
+    for (const auto& worker : workers)
+      if (worker) farthest_move_ = std::max(farthest_move_, worker->farthest_move());
     stats_ = cut_.stats;
     for (const TraversalStats& s : stats) stats_.join(s);
     parts_of_bricks_ = PartsOfBricks<D>(model_.axes, model_.brick_dims, work_);
@@ -111,6 +144,8 @@ class Extraction {
   Selection<D> selection_;
   CoarseCut<D> cut_;
   std::vector<BrickWork<D>> work_;
+  std::optional<CubeCells> cubes_;  ///< In the style of cubes.
+  double farthest_move_ = 0;
   std::vector<StitchPart<D>> parts_;  ///< Everything coarser, then one per brick of work_.
   PartsOfBricks<D> parts_of_bricks_;
   TraversalStats stats_;

@@ -6,6 +6,7 @@
 #include "lode/core/progress.h"
 #include "lode/core/surface.h"
 #include "lode/mappers/iso_part.h"
+#include "lode/models/diamond/cube_meter.h"
 #include "lode/models/diamond/model.h"
 #include "lode/models/diamond/node_set.h"
 
@@ -16,7 +17,10 @@ struct IsosurfaceQuery {
   double tolerance = 0;  ///< Field units; 0 refines every active node, infinity none for its error.
   /// Also refined, of a volume; may be null. Must outlive the query.
   const NodeSet<3>* wanted = nullptr;
-  SurfaceStyle style = SurfaceStyle::tetra;  ///< cubes: tolerance 0, a volume without holes.
+  /// cubes, of a volume: full resolution, where tetrahedra stay wherever |F - isovalue| would not
+  /// keep within the tolerance; at tolerance 0 there is no bound (see CubeCells).
+  SurfaceStyle style = SurfaceStyle::tetra;
+  bool with_deviation = false;  ///< Of cubes, whether their deviation is measured.
   Threads threads{};
   bool with_normals = false;  ///< Normals too; see normals.h.
   bool replaces = false;      ///< The surface is overwritten, its memory used as it is.
@@ -24,10 +28,12 @@ struct IsosurfaceQuery {
 
 struct IsosurfaceReport {
   double achieved_error = 0;    ///< Largest nested error of an active node left unrefined.
+  CubeDeviation deviation;      ///< Where asked for.
   double coordinate_slack = 0;  ///< What margins and rounding may add to |F - isovalue|.
   std::uint64_t nodes_visited = 0;
   double select_seconds = 0;    ///< Traversal and marching, which run together.
   double geometry_seconds = 0;  ///< Stitching and positions.
+  double measure_seconds = 0;   ///< The deviation.
   /// Of a file, in bytes: the largest of the surfaces, and the most that one's parts of a chunk
   /// take.
   std::uint64_t surface_bytes = 0;
