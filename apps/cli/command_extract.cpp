@@ -85,8 +85,8 @@ Result<void> check_extract(const ExtractArguments& arguments) {
       (arguments.progressive.is_wanted() || arguments.query.is_wanted() ||
        arguments.query.is_focused()))
     return fail(
-        "--simplify: expected no --mesh, --section, focus, budget, deadline or --progressive with "
-        "it");
+        "{}: expected no --mesh, --section, focus, budget, deadline or --progressive with it",
+        arguments.simplify.name());
   if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
   if (arguments.query.is_focused()) return check_focused_job(arguments.mesh_job());
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.plain()));
@@ -208,7 +208,9 @@ std::string extraction_text(const Extraction& extraction) {
   if (report.topology) table.add({"topology", describe_topology(report)});
   if (extraction.options.style == SurfaceStyle::cubes) {
     const char* when = report.simplified ? ", before it was simplified" : "";
+    const bool has_holes = extraction.input.dataset.describe().n_holes > 0;
     table.add({"style", report.max_error > 0 ? "cubes within the max error, tetrahedra elsewhere"
+                        : has_holes          ? "cubes, tetrahedra in bricks that holes touch"
                                              : "cubes: vertices on grid edges alone"});
     const double error = std::max(report.style_error, report.achieved_error);
     table.add({"|F - isovalue|", fmt::format("at most {}{}", format_number(error), when)});

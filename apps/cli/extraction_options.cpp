@@ -47,7 +47,8 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
   app.add_option("--style", arguments.style,
                  "Vertices of full resolution: tetra, on all edges of the tetrahedra (the exact "
                  "level set), or cubes, on the grid's edges alone (a third of the triangles) "
-                 "wherever that keeps within --max-error; with --max-error 0 everywhere")
+                 "wherever that keeps within --max-error; with --max-error 0 everywhere but in "
+                 "bricks of 32^3 that holes touch")
       ->type_name("tetra|cubes")
       ->group(group);
   app.add_flag("--keep-topology{0}", arguments.keep_topology,

@@ -13,8 +13,8 @@ void add_simplify_options(CLI::App& app, SimplifyArguments& arguments) {
                "never through itself (without --max-error, of full resolution)")
       ->group(group);
   app.add_flag("--remove-slivers", arguments.removes_slivers,
-               "The same of edges up to --max-distance long alone: triangles without short edges "
-               "stay as they are")
+               "The same of edges up to --max-distance long alone: triangles beside them change "
+               "shape, and slivers without a short edge stay")
       ->group(group);
   app.add_option(
          "--max-distance", arguments.max_distance,
@@ -48,14 +48,14 @@ Result<void> apply_simplify_options(const SimplifyArguments& arguments, ExtractO
   if (arguments.simplifies && arguments.removes_slivers)
     return fail("--remove-slivers: expected no --simplify with it, which takes longer edges too");
   if (arguments.max_distance.empty())
-    return fail("{}: expected --max-distance with it, which says how far",
-                arguments.simplifies ? "--simplify" : "--remove-slivers");
+    return fail("{}: expected --max-distance with it, which says how far", arguments.name());
   LODE_TRY(const double distance, parse_number("--max-distance", arguments.max_distance));
   if (!(distance > 0))
     return fail("--max-distance: expected a number > 0, got '{}'", arguments.max_distance);
   if (!arguments.is_wanted()) return apply_max_distance(distance, options);
   if (options.border == Border::closed)
-    return fail("--simplify: expected no --close-border with it: caps would leave the border");
+    return fail("{}: expected no --close-border with it: caps would leave the border",
+                arguments.name());
   options.simplify_distance = distance;
   if (arguments.removes_slivers) options.simplify_what = SimplifyWhat::slivers;
   if (!options.max_error) options.max_error = 0;

@@ -15,6 +15,10 @@ struct SimplifyArguments {
   std::string max_distance;
 
   [[nodiscard]] bool is_wanted() const { return simplifies || removes_slivers; }
+  /// Of the option that is wanted.
+  [[nodiscard]] const char* name() const {
+    return simplifies || !removes_slivers ? "--simplify" : "--remove-slivers";
+  }
 };
 
 void add_simplify_options(CLI::App& app, SimplifyArguments& arguments);

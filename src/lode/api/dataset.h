@@ -75,7 +75,8 @@ struct ExtractOptions {
   /// pieces kept.
   std::optional<double> keep_topology{};
   /// cubes, of volumes in memory: full resolution; where the style error would be larger than the
-  /// max_error, and beside holes, tetrahedra stay. A max_error of 0 is no bound.
+  /// max_error, and in bricks of 32^3 cells that holes touch, tetrahedra stay. A max_error of 0
+  /// is no bound.
   SurfaceStyle style = SurfaceStyle::tetra;
   Deviation deviation = Deviation::unknown;
   std::optional<Box3d> clip{};  ///< Crops the result, world units.
@@ -113,7 +114,7 @@ struct ExtractSeconds {
 /// How the topology was kept; of several isovalues sums.
 struct KeptTopology {
   double persistence = 0;   ///< Asked for.
-  bool is_searched = true;  ///< Not at a max_error of 0, which refines all: no nodes are counted.
+  bool is_searched = true;  ///< Not where all is refined, at a max_error of 0 or of cubes.
   /// Refining one changes the topology; but at the domain's border also some that reach across
   /// it, which are refined for that anyway, are counted.
   std::uint64_t critical_nodes = 0;

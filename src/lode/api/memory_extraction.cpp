@@ -32,7 +32,8 @@ Result<FieldFacts> extract_in_memory(const Dataset::Impl& impl, const ExtractOpt
   LODE_TRY(const auto* const held, impl.model(progress));
   if (options.keep_topology)
     report.topology =
-        KeptTopology{.persistence = *options.keep_topology, .is_searched = report.max_error > 0};
+        KeptTopology{.persistence = *options.keep_topology,
+                     .is_searched = report.max_error > 0 && options.style == SurfaceStyle::tetra};
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<FieldFacts> {
         for (const double isovalue : options.isovalues) {

@@ -13,7 +13,8 @@ namespace lode {
 
 struct SimplifyOptions {
   double max_distance = 0;  ///< > 0, finite; in the unit of positions.
-  /// Only edges up to this length collapse: with that of max_distance slivers go, and little else.
+  /// Only edges up to this length collapse: with that of max_distance slivers that have a short
+  /// edge go, and triangles beside them change shape.
   double longest_edge = std::numeric_limits<double>::infinity();
   Threads threads = {};
 };

@@ -44,6 +44,8 @@ class LeafMarcher {
         traversal_.visit(s, stats, [&](const BrickSimplex<D>& leaf) { mapper.add(leaf); });
     find_shared<D>(part, OnBrickBorder<D>(place.axes));
   }
+  /// Of holes' bricks these are many, and one for each isovalue would be too many.
+  void forget_samples() { traversal_.forget_samples(); }
   [[nodiscard]] RowMarcher& rows() requires(D == 3) { return rows_; }
 
  private:
@@ -96,6 +98,7 @@ class BrickMarcher {
       }
       StitchPart<D> part;
       marcher->march(place, simplices, mapper_, stats, part);
+      if (selections_.size() > 1) marcher->forget_samples();
       if (!part.part.cells.empty()) pieces.push_back({i, std::move(part)});
     }
   }

@@ -99,6 +99,12 @@ class BrickSamples {
     is_gathered_ = true;
   }
 
+  /// Frees what gather() has taken.
+  void forget() {
+    if (is_gathered_) values_ = {};
+    is_gathered_ = false;
+  }
+
   /// The middle of an edge, without its value.
   [[nodiscard]] static BrickPoint between(const BrickPoint& a, const BrickPoint& b) {
     return {(a.packed + b.packed) >> 1U, (a.offset + b.offset) >> 1U, 0};

@@ -66,6 +66,8 @@ class BrickTraversal {
     descend(s, simplex.tag, common_exponent<D>(edge) - 1, stats, emit);
   }
 
+  /// Frees the memory of samples; none is open any more.
+  void forget_samples() { samples_.forget(); }
   /// The open brick's.
   [[nodiscard]] const BrickSamples<D>& samples() const { return samples_; }
 

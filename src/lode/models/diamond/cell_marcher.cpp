@@ -245,6 +245,7 @@ void CellMarcher::split(InlineList<Triangle, 18>& triangles,
       return;
     }
   }
+  LODE_EXPECTS(false);  // the patch ends there
 }
 
 /// Bits, as EdgePlace::face.
