@@ -44,17 +44,18 @@ class LeafMarcher {
         traversal_.visit(s, stats, [&](const BrickSimplex<D>& leaf) { mapper.add(leaf); });
     find_shared<D>(part, OnBrickBorder<D>(place.axes));
   }
-  /// Of holes' bricks these are many, and one for each isovalue would be too many.
+  /// Frees the samples of a brick that was traversed: of many isovalues' marchers they would be
+  /// many.
   void forget_samples() { traversal_.forget_samples(); }
   [[nodiscard]] RowMarcher& rows() requires(D == 3) { return rows_; }
 
  private:
   bool march_rows(std::span<const Simplex<D>> simplices, BrickIsosurface<D>& mapper,
                   TraversalStats& stats) {
-    if constexpr (D == 3) {
+    if constexpr (D == 3)
       return rows_.march(traversal_.samples(), simplices, mapper, stats);
-    }
-    return false;
+    else
+      return false;
   }
 
   struct NoRows {

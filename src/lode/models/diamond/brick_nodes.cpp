@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "lode/models/diamond/range_code.h"
+#include "lode/models/diamond/sign_rows.h"
 
 namespace lode::diamond {
 namespace {
@@ -80,10 +81,26 @@ unsigned BrickNodes::parity_of(int level, const Index<3>& cube) const {
 template <typename T>
 void BrickNodes::find_inside_samples() {
   const std::optional<T> threshold = threshold_of<T>(selection_.isovalue());
-  if (threshold)
-    find_inside(reinterpret_cast<const T*>(data_), *threshold, inside_);
-  else
+  if (!threshold) {
     inside_.fill(0);
+    return;
+  }
+  const T* const samples = reinterpret_cast<const T*>(data_);
+  std::array<std::uint32_t, std::tuple_size_v<BrickBits>> words{};  // all but a row's last sample
+  find_signs({.samples = samples,
+              .part = SignPart::all,
+              .row_step = kRowSamples,
+              .slice_step = kRowSamples * kRowSamples,
+              .words = words.data(),
+              .word_row_step = 1,
+              .word_slice_step = kRowSamples,
+              .n_rows = kBrickSamples<3>,
+              .n_slices = kBrickSamples<3>},
+             *threshold);
+  for (std::size_t row = 0; row < words.size(); ++row) {
+    const bool is_last_inside = samples[row * kRowSamples + kRowSamples - 1] >= *threshold;
+    inside_[row] = words[row] | std::uint64_t{is_last_inside} << (kRowSamples - 1);
+  }
 }
 
 void BrickNodes::find_levels() {

@@ -25,19 +25,6 @@ HWY_INLINE std::uint64_t bits_of(D d, hn::Mask<D> mask) {
   return bits & ((std::uint64_t{1} << hn::Lanes(d)) - 1);
 }
 
-template <typename T>
-HWY_INLINE void inside_of(const T* brick, T threshold, BrickBits& inside) {
-  const hn::CappedTag<T, kEdge> d;
-  const auto limit = hn::Set(d, threshold);
-  for (std::size_t row = 0; row < inside.size(); ++row) {
-    const T* samples = brick + row * kRow;
-    std::uint64_t bits = samples[kEdge] >= threshold ? std::uint64_t{1} << kEdge : 0;
-    for (std::size_t x = 0; x < kEdge; x += hn::Lanes(d))
-      bits |= bits_of(d, hn::Not(hn::Lt(hn::LoadU(d, samples + x), limit))) << x;
-    inside[row] = bits;
-  }
-}
-
 /// What twice a midpoint error is computed in: exact for short integers.
 template <typename T>
 using Real = std::conditional_t<sizeof(T) <= 2, float, double>;
@@ -156,12 +143,6 @@ std::uint32_t refined_row(const StoredNodes& row, const NodeLimits& limits, std:
   return active & (rough | forced);
 }
 
-void inside_u8(const std::uint8_t* b, std::uint8_t t, BrickBits& out) { inside_of(b, t, out); }
-void inside_u16(const std::uint16_t* b, std::uint16_t t, BrickBits& out) { inside_of(b, t, out); }
-void inside_i16(const std::int16_t* b, std::int16_t t, BrickBits& out) { inside_of(b, t, out); }
-void inside_f32(const float* b, float t, BrickBits& out) { inside_of(b, t, out); }
-void inside_f64(const double* b, double t, BrickBits& out) { inside_of(b, t, out); }
-
 void rough_u8(const std::uint8_t* b, const ErrorLimit& l, const BrickRows& r, BrickBits& out) {
   rough_of(b, l, r, out);
 }
@@ -185,11 +166,6 @@ HWY_AFTER_NAMESPACE();
 namespace lode::diamond {
 
 HWY_EXPORT(refined_row);
-HWY_EXPORT(inside_u8);
-HWY_EXPORT(inside_u16);
-HWY_EXPORT(inside_i16);
-HWY_EXPORT(inside_f32);
-HWY_EXPORT(inside_f64);
 HWY_EXPORT(rough_u8);
 HWY_EXPORT(rough_u16);
 HWY_EXPORT(rough_i16);
@@ -198,22 +174,6 @@ HWY_EXPORT(rough_f64);
 
 std::uint32_t find_refined(const StoredNodes& row, const NodeLimits& limits, std::uint32_t forced) {
   return HWY_DYNAMIC_DISPATCH(refined_row)(row, limits, forced);
-}
-
-void find_inside(const std::uint8_t* brick, std::uint8_t threshold, BrickBits& inside) {
-  HWY_DYNAMIC_DISPATCH(inside_u8)(brick, threshold, inside);
-}
-void find_inside(const std::uint16_t* brick, std::uint16_t threshold, BrickBits& inside) {
-  HWY_DYNAMIC_DISPATCH(inside_u16)(brick, threshold, inside);
-}
-void find_inside(const std::int16_t* brick, std::int16_t threshold, BrickBits& inside) {
-  HWY_DYNAMIC_DISPATCH(inside_i16)(brick, threshold, inside);
-}
-void find_inside(const float* brick, float threshold, BrickBits& inside) {
-  HWY_DYNAMIC_DISPATCH(inside_f32)(brick, threshold, inside);
-}
-void find_inside(const double* brick, double threshold, BrickBits& inside) {
-  HWY_DYNAMIC_DISPATCH(inside_f64)(brick, threshold, inside);
 }
 
 void find_rough(const std::uint8_t* brick, const ErrorLimit& limit, const BrickRows& rows,

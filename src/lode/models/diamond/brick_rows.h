@@ -1,13 +1,9 @@
 #pragma once
 
-// What a brick's rows of samples say of its surface and of the nodes of level 0, a bit a sample.
+// What rows of a brick's samples and of stored nodes say of which nodes are refined, a bit each.
 
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <limits>
-#include <optional>
-#include <type_traits>
 
 #include "lode/models/diamond/model.h"
 
@@ -22,28 +18,6 @@ using BrickRows = std::array<std::uint64_t, as_size(kBrickSamples<3>)>;
 [[nodiscard]] constexpr std::size_t brick_row(std::size_t y, std::size_t z) {
   return y + as_size(kBrickSamples<3>) * z;
 }
-
-/// The smallest T that is >= isovalue; nothing when every T is smaller.
-template <typename T>
-[[nodiscard]] std::optional<T> threshold_of(double isovalue) {
-  if constexpr (std::is_integral_v<T>) {
-    const double up = std::ceil(isovalue);
-    if (up > static_cast<double>(std::numeric_limits<T>::max())) return {};
-    return static_cast<T>(std::max(up, static_cast<double>(std::numeric_limits<T>::lowest())));
-  } else {
-    T t = static_cast<T>(isovalue);
-    if (static_cast<double>(t) < isovalue)
-      t = std::nextafter(t, std::numeric_limits<T>::infinity());
-    return t;
-  }
-}
-
-/// Which of a brick's samples are at least `threshold`; `brick` are its kBrickSize, none a hole.
-void find_inside(const std::uint8_t* brick, std::uint8_t threshold, BrickBits& inside);
-void find_inside(const std::uint16_t* brick, std::uint16_t threshold, BrickBits& inside);
-void find_inside(const std::int16_t* brick, std::int16_t threshold, BrickBits& inside);
-void find_inside(const float* brick, float threshold, BrickBits& inside);
-void find_inside(const double* brick, double threshold, BrickBits& inside);
 
 /// A row of nodes of a level from 1 on, as they are stored: n of them.
 struct StoredNodes {

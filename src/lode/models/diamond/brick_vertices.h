@@ -38,6 +38,12 @@ class BrickVertices {
       at = at * kEdge + as_size(BrickPoint::coordinate(doubled, axis));
     return at;
   }
+  /// The same by the coordinates of the sum. Linear: places of two points add up to their edge's.
+  [[nodiscard]] static constexpr std::size_t place(const Index<D>& doubled) {
+    std::size_t at = 0;
+    for (std::size_t i = as_size(D); i-- > 0;) at = at * kEdge + as_size(doubled[i]);
+    return at;
+  }
   [[nodiscard]] std::uint32_t operator[](std::size_t place) const { return vertices_[place]; }
   /// Of an entry that is kNone.
   void set(std::size_t place, std::uint32_t vertex) {

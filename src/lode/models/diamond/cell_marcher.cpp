@@ -10,17 +10,6 @@ namespace {
 
 constexpr std::size_t kFirstFaceDiagonal = CellEdges::kCubeEdges;
 
-Index<3> steps_to(unsigned corner) {
-  Index<3> steps;
-  for (std::size_t i = 0; i < 3; ++i) steps[i] = static_cast<std::int32_t>((corner >> i) & 1);
-  return steps;
-}
-
-std::size_t place_of(const Index<3>& doubled) {
-  constexpr auto kEdge = BrickVertices<3>::kEdge;
-  return (as_size(doubled[2]) * kEdge + as_size(doubled[1])) * kEdge + as_size(doubled[0]);
-}
-
 /// The axis along which two corners of a face do not differ.
 unsigned axis_across(std::size_t a, std::size_t b) {
   return static_cast<unsigned>(std::countr_zero(7U & ~static_cast<unsigned>(a ^ b)));
@@ -39,10 +28,10 @@ CellMarcher::CellMarcher(const LatticeFrame& frame) : frame_(frame) {
       unsigned first = ends[e][0] ^ parity;
       unsigned second = ends[e][1] ^ parity;
       if (first > second) std::swap(first, second);
-      const Index<3> a = steps_to(first);
-      const Index<3> b = steps_to(second);
+      const Index<3> a = corner_steps<3>(first);
+      const Index<3> b = corner_steps<3>(second);
       EdgePlace& edge = edges_[parity][e];
-      edge = {static_cast<std::uint32_t>(place_of(a + b)),
+      edge = {static_cast<std::uint32_t>(BrickVertices<3>::place(a + b)),
               static_cast<std::uint32_t>(Model<3>::brick_offset(a)),
               static_cast<std::uint32_t>(Model<3>::brick_offset(b)), to_key(a), to_key(b)};
       if (e < kFirstFaceDiagonal) continue;
@@ -51,10 +40,10 @@ CellMarcher::CellMarcher(const LatticeFrame& frame) : frame_(frame) {
     }
 }
 
-void CellMarcher::march(const BrickNodes& nodes, BrickIsosurface<3>& mapper, ScalarType storage) {
+void CellMarcher::march(const BrickNodes& nodes, BrickIsosurface<3>& mapper) {
   nodes_ = &nodes;
   mapper_ = &mapper;
-  visit_storage_type(storage, [&]<typename T>() {
+  visit_storage_type(nodes.model().storage, [&]<typename T>() {
     for (std::int32_t z = 0; z < nodes.n_cells()[2]; ++z)
       for (std::int32_t y = 0; y < nodes.n_cells()[1]; ++y) {
         if (nodes.refined_cubes(as_size(y / 2), as_size(z / 2)) == 0) continue;
@@ -66,16 +55,16 @@ void CellMarcher::march(const BrickNodes& nodes, BrickIsosurface<3>& mapper, Sca
 
 CellMarcher::Row CellMarcher::row_at(const BrickNodes& nodes, std::size_t y, std::size_t z) const {
   BrickVertices<3>& vertices = mapper_->vertices();
-  Row row{
-      .y = y,
-      .z = z,
-      .parity = static_cast<unsigned>((y & 1) << 1 | (z & 1) << 2),
-      .corners = {},
-      .axes = nodes.simplices_along(y, z),
-      .data =
-          nodes.data() + brick_row(y, z) * as_size(kBrickSamples<3>) * nodes.model().sample_size(),
-      .place = place_of({{0, static_cast<std::int32_t>(2 * y), static_cast<std::int32_t>(2 * z)}}),
-      .key = vertices.key_of(0) + y * vertices.key_steps()[1] + z * vertices.key_steps()[2]};
+  Row row{.y = y,
+          .z = z,
+          .parity = static_cast<unsigned>((y & 1) << 1 | (z & 1) << 2),
+          .corners = {},
+          .axes = nodes.simplices_along(y, z),
+          .data = nodes.data() +
+                  brick_row(y, z) * as_size(kBrickSamples<3>) * nodes.model().sample_size(),
+          .place = BrickVertices<3>::place(
+              Index<3>{{0, static_cast<std::int32_t>(2 * y), static_cast<std::int32_t>(2 * z)}}),
+          .key = vertices.key_of(0) + y * vertices.key_steps()[1] + z * vertices.key_steps()[2]};
   for (std::size_t i = 0; i < 4; ++i)
     row.corners[i] = nodes.inside(y + ((i & 1) ^ (y & 1)), z + ((i >> 1) ^ (z & 1)));
   return row;
@@ -136,7 +125,7 @@ void CellMarcher::march_cube(const Row& row, const Cell& cell) {
       continue;
     std::array<std::uint32_t, 2> side{};  // two of the face's edges are crossed
     std::size_t n = 0;
-    for (const std::size_t edge : edges_round(e))
+    for (const std::size_t edge : face_of(e).edges)
       if (is_crossed(cell, edge)) side[n++] = vertex_on<T>(row, cell, edge);
     split(triangles, side, vertex_on<T>(row, cell, e));
   }
@@ -165,33 +154,29 @@ std::uint32_t CellMarcher::vertex_on(const Row& row, const Cell& cell, std::size
 /// Both cells that have the face find the same: from its even corner, along its first axis.
 template <typename T>
 std::uint32_t CellMarcher::add_moved(const Row& row, const Cell& cell, std::size_t edge) {
-  const std::size_t even = cell_edge_ends()[edge][0];
-  const std::size_t odd = cell_edge_ends()[edge][1];
-  const std::size_t axes = even ^ odd;
-  const std::size_t first = even | (axes & (~axes + 1));  // corners beside the diagonal
-  const std::size_t second = even ^ odd ^ first;
+  const Face face = face_of(edge);
+  // From the even corner, where the face's edges are crossed: two of these.
   std::array<std::array<double, 2>, 2> p{};
   std::size_t n = 0;
-  const auto differ = [&](std::size_t a, std::size_t b) {
-    return ((cell.signs >> a ^ cell.signs >> b) & 1) != 0;
+  const auto crossing = [&](std::size_t from, std::size_t to) {
+    return crossing_on<T>(row, cell, from, to);
   };
-  if (differ(even, first)) p[n++] = {crossing_on<T>(row, cell, even, first), 0};
-  if (differ(first, odd)) p[n++] = {1, crossing_on<T>(row, cell, first, odd)};
-  if (differ(even, second)) p[n++] = {0, crossing_on<T>(row, cell, even, second)};
-  if (differ(second, odd)) p[n++] = {crossing_on<T>(row, cell, second, odd), 1};
+  if (is_crossed(cell, face.edges[0])) p[n++] = {crossing(face.even, face.first), 0};
+  if (is_crossed(cell, face.edges[1])) p[n++] = {1, crossing(face.first, face.odd)};
+  if (is_crossed(cell, face.edges[2])) p[n++] = {0, crossing(face.even, face.second)};
+  if (is_crossed(cell, face.edges[3])) p[n++] = {crossing(face.second, face.odd), 1};
   const double across = (p[1][1] - p[0][1]) - (p[1][0] - p[0][0]);
   const double moved = (p[0][0] * p[1][1] - p[0][1] * p[1][0]) / across;
   const double t = std::clamp(moved, frame_.margin / 2, 1 - frame_.margin / 2);
   Vec3d diagonal;
-  for (std::size_t i = 0; i < 3; ++i) diagonal[i] = static_cast<double>(axes >> i & 1);
   for (std::size_t i = 0; i < 3; ++i)
-    if ((cell.parity >> i & 1) != 0) diagonal[i] = -diagonal[i];
-  farthest_move_ = std::max(farthest_move_, std::abs(t - crossing_on<T>(row, cell, even, odd)) *
+    if (((face.even ^ face.odd) >> i & 1) != 0) diagonal[i] = (cell.parity >> i & 1) != 0 ? -1 : 1;
+  farthest_move_ = std::max(farthest_move_, std::abs(t - crossing(face.even, face.odd)) *
                                                 length(frame_.to_world * diagonal));
   const EdgePlace& e = edges_[cell.parity][edge];
   BrickVertices<3>& vertices = mapper_->vertices();
   const LatticeKey key = row.key + cell.x * vertices.key_steps()[0];
-  const bool is_first = (even ^ cell.parity) < (odd ^ cell.parity);
+  const bool is_first = (face.even ^ cell.parity) < (face.odd ^ cell.parity);
   return vertices.part().add_point(
       {key + e.first_key, key + e.second_key, is_first ? t : 1 - t},
       value<T>(row, cell, e.second_sample) - value<T>(row, cell, e.first_sample),
@@ -220,15 +205,16 @@ bool CellMarcher::is_crossed(const Cell& cell, std::size_t edge) {
   return ((cell.signs >> ends[0] ^ cell.signs >> ends[1]) & 1) != 0;
 }
 
-/// The edges of the face that a diagonal lies in.
-std::array<std::size_t, 4> CellMarcher::edges_round(std::size_t diagonal) const {
-  const std::size_t even = cell_edge_ends()[diagonal][0];
-  const std::size_t odd = cell_edge_ends()[diagonal][1];
-  const std::size_t axes = even ^ odd;
-  const std::size_t first = even | (axes & (~axes + 1));
-  const std::size_t second = even ^ odd ^ first;
-  return {edge_between_[even][first], edge_between_[first][odd], edge_between_[even][second],
-          edge_between_[second][odd]};
+CellMarcher::Face CellMarcher::face_of(std::size_t diagonal) const {
+  Face face;
+  face.even = cell_edge_ends()[diagonal][0];
+  face.odd = cell_edge_ends()[diagonal][1];
+  const std::size_t axes = face.even ^ face.odd;
+  face.first = face.even | (axes & (~axes + 1));
+  face.second = face.even ^ face.odd ^ face.first;
+  face.edges = {edge_between_[face.even][face.first], edge_between_[face.first][face.odd],
+                edge_between_[face.even][face.second], edge_between_[face.second][face.odd]};
+  return face;
 }
 
 /// The one with this side, into two that have `between` on it.

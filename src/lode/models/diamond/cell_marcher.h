@@ -26,7 +26,7 @@ class CellMarcher {
   void set_cubes(const CubeCells* cubes) { cubes_ = cubes; }
 
   /// Of the brick that the nodes and the mapper have open.
-  void march(const BrickNodes& nodes, BrickIsosurface<3>& mapper, ScalarType storage);
+  void march(const BrickNodes& nodes, BrickIsosurface<3>& mapper);
 
   /// How far at most a vertex was moved, in world units.
   [[nodiscard]] double farthest_move() const { return farthest_move_; }
@@ -63,6 +63,13 @@ class CellMarcher {
     unsigned moved_faces = 0;  ///< Whose diagonal's vertex is moved: bits, as EdgePlace::face.
   };
 
+  /// That a diagonal lies in, by its corners as coordinates modulo 2.
+  struct Face {
+    std::size_t even, odd;      ///< The diagonal's.
+    std::size_t first, second;  ///< Beside the even one, along the first axis and the second.
+    std::array<std::size_t, 4> edges;  ///< even-first, first-odd, even-second, second-odd.
+  };
+
   [[nodiscard]] Row row_at(const BrickNodes& nodes, std::size_t y, std::size_t z) const;
   template <typename T>
   void march_row(const Row& row, std::uint32_t crossed);
@@ -80,7 +87,7 @@ class CellMarcher {
   [[nodiscard]] double crossing_on(const Row& row, const Cell& cell, std::size_t from,
                                    std::size_t to) const;
   [[nodiscard]] static bool is_crossed(const Cell& cell, std::size_t edge);
-  [[nodiscard]] std::array<std::size_t, 4> edges_round(std::size_t diagonal) const;
+  [[nodiscard]] Face face_of(std::size_t diagonal) const;
   static void split(InlineList<Triangle, 18>& triangles, const std::array<std::uint32_t, 2>& side,
                     std::uint32_t between);
   [[nodiscard]] unsigned cubes_beside(const Index<3>& cell) const;

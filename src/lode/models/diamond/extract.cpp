@@ -1,12 +1,10 @@
 #include "lode/models/diamond/extract.h"
 
-#include <chrono>
 #include <limits>
 #include <memory>
 #include <optional>
 
 #include "lode/core/stopwatch.h"
-#include "lode/mappers/simplex_isosurface.h"
 #include "lode/models/diamond/brick_marcher.h"
 #include "lode/models/diamond/cube_deviation.h"
 #include "lode/models/diamond/full_resolution.h"
@@ -34,7 +32,7 @@ class Extraction {
         selection_(selection_of(model, query)) {}
 
   Result<IsosurfaceReport> run(Surface& surface, Progress& progress) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     IsosurfaceReport report;
     LODE_CHECK(check_style());
     if constexpr (D == 3)
@@ -48,14 +46,13 @@ class Extraction {
     LODE_CHECK(find_cubes(progress));
     march(progress);
     if (progress.is_cancelled()) return cancelled_error();
-    const auto marched = std::chrono::steady_clock::now();
+    const double marched = watch.seconds();
     LODE_CHECK(join_parts(model_, frame_, query_, parts_, parts_of_bricks_, surface));
     LargestSteps largest;
     largest.add(parts_);
     report = report_of(largest, stats_, frame_);
-    const auto done = std::chrono::steady_clock::now();
-    report.select_seconds = std::chrono::duration<double>(marched - start).count();
-    report.geometry_seconds = std::chrono::duration<double>(done - marched).count();
+    report.select_seconds = marched;
+    report.geometry_seconds = watch.seconds() - marched;
     if (cubes_ && query_.with_deviation) {
       const Stopwatch measuring;
       report.deviation = measure_found();

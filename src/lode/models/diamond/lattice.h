@@ -39,6 +39,14 @@ template <int D>
   return p;
 }
 
+/// The steps to a corner of a unit cube: bit i of `corner` is that along axis i.
+template <int D>
+[[nodiscard]] constexpr Index<D> corner_steps(unsigned corner) {
+  Index<D> steps;
+  for (int i = 0; i < D; ++i) steps[as_size(i)] = static_cast<std::int32_t>((corner >> i) & 1U);
+  return steps;
+}
+
 /// The largest power of two, as an exponent, that divides all coordinates; 31 for the origin.
 template <int D>
 [[nodiscard]] constexpr int common_exponent(const Index<D>& p) {

@@ -5,16 +5,6 @@
 #include <cmath>
 
 namespace lode::diamond {
-namespace {
-
-Index<3> corner_steps(unsigned corner) {
-  Index<3> steps;
-  for (std::size_t i = 0; i < 3; ++i) steps[i] = static_cast<std::int32_t>((corner >> i) & 1);
-  return steps;
-}
-
-}  // namespace
-
 RowMarcher::RowMarcher(const Selection<3>& selection, const LatticeFrame& frame)
     : selection_(selection),
       model_(selection.model()),
@@ -43,14 +33,15 @@ bool RowMarcher::march(const BrickSamples<3>& samples, std::span<const Simplex<3
       march_level<T>(level, stats);
     if (nodes_.finest() == 0) march_finest_cubes<T>(stats);
   });
-  if (nodes_.finest() == 0) cells_.march(nodes_, mapper, model_.storage);
+  if (nodes_.finest() == 0) cells_.march(nodes_, mapper);
   return true;
 }
 
 std::uint32_t RowMarcher::refined_octants(const Cube& cube) const {
   std::uint32_t bits = 0;
   for (unsigned octant = 0; octant < 8; ++octant)
-    if (nodes_.is_refined(cube.level - 1, cube.at * 2 + corner_steps(octant))) bits |= 1U << octant;
+    if (nodes_.is_refined(cube.level - 1, cube.at * 2 + corner_steps<3>(octant)))
+      bits |= 1U << octant;
   return bits;
 }
 
@@ -169,7 +160,7 @@ void RowMarcher::march_cube(const Cube& cube, CubePoints refined, std::uint32_t 
         if ((octants >> finer.octant & 1) == 0)
           march_simplex<T>(cube, finer.simplex, inside, stats, [&] {
             const std::int32_t h = std::int32_t{1} << cube.level;
-            return stored_error(cube.level - 1, (cube.at * 2 + corner_steps(finer.octant)) * h +
+            return stored_error(cube.level - 1, (cube.at * 2 + corner_steps<3>(finer.octant)) * h +
                                                     all_equal<3>(h / 2));
           });
     }
@@ -213,8 +204,7 @@ void RowMarcher::march_simplex(const Cube& cube, const CubeSimplex& simplex, Cub
 }
 
 RowMarcher::Corner RowMarcher::corner_at(const Index<3>& local) {
-  constexpr auto kEdge = static_cast<std::int32_t>(BrickVertices<3>::kEdge);
-  return {static_cast<std::uint32_t>((local[2] * kEdge + local[1]) * kEdge + local[0]),
+  return {static_cast<std::uint32_t>(BrickVertices<3>::place(local)),
           static_cast<std::uint32_t>(Model<3>::brick_offset(local)), to_key(local)};
 }
 

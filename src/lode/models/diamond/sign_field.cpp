@@ -4,7 +4,6 @@
 #include <limits>
 #include <optional>
 
-#include "lode/models/diamond/brick_rows.h"
 #include "lode/models/diamond/sign_rows.h"
 
 namespace lode::diamond {

@@ -1,9 +1,29 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
+#include <type_traits>
 
 namespace lode::diamond {
+
+/// The smallest T that is >= isovalue; nothing when every T is smaller.
+template <typename T>
+[[nodiscard]] std::optional<T> threshold_of(double isovalue) {
+  if constexpr (std::is_integral_v<T>) {
+    const double up = std::ceil(isovalue);
+    if (up > static_cast<double>(std::numeric_limits<T>::max())) return {};
+    return static_cast<T>(std::max(up, static_cast<double>(std::numeric_limits<T>::lowest())));
+  } else {
+    T t = static_cast<T>(isovalue);
+    if (static_cast<double>(t) < isovalue)
+      t = std::nextafter(t, std::numeric_limits<T>::infinity());
+    return t;
+  }
+}
 
 /// Which samples of 32.
 enum class SignPart : std::uint8_t { all, low, high };
