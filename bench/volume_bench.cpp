@@ -219,6 +219,7 @@ Result<void> run_simplified(const VolumeCase& volume_case, const Volume& volume,
   Progress progress;
   Surface full;
   LODE_CHECK(dataset.extract(options, full, progress));
+  options.simplify = Simplify::edges;
   options.simplify_distance = voxel;
   Timed ours;
   Surface surface;

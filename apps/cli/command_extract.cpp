@@ -27,10 +27,11 @@ struct ExtractArguments {
   SimplifyArguments simplify;
   ReadingArguments reading;
 
-  /// What is simplified is of full resolution unless something else is asked for.
+  /// What is simplified within a distance is of full resolution unless something else is asked for.
   [[nodiscard]] ExtractionArguments plain() const {
     ExtractionArguments all = extraction;
-    if (simplify.is_wanted() && all.max_error.empty()) all.max_error = "0";
+    const bool has_distance = !simplify.max_distance.empty();
+    if (simplify.is_wanted() && has_distance && all.max_error.empty()) all.max_error = "0";
     return all;
   }
 
@@ -324,14 +325,15 @@ Command add_extract_command(CLI::App& program) {
       "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl.\n\n"
       "Of a .lode file larger than --memory-limit no more is loaded than the surface needs, and\n"
       ".ply, .stl and .vtp are written piece by piece: the surface need not fit in memory, unless\n"
-      "--clip, --close-border, --min-component, or --simplify with --max-error, are to see all of\n"
-      "it.\n\n"
+      "--clip, --close-border, --min-component, or a --simplify of more than one isovalue, are to\n"
+      "see all of it. --simplify within --max-error needs the whole model in memory.\n\n"
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-distance 0.5\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 40 --keep-topology\n"
+      "  lode extract scan.lode bone.ply --isovalue 1200 --simplify --max-error 10\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --simplify --max-distance 0.5\n"
       "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
       "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1\n"

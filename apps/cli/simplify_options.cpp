@@ -2,15 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "parse.h"
 
 namespace lode::cli {
 
 void add_simplify_options(CLI::App& app, SimplifyArguments& arguments) {
   const char* group = "Simplification";
-  app.add_flag("--simplify", arguments.simplifies,
-               "Collapse edges of the surface within --max-distance: proven, still a manifold, "
-               "never through itself (without --max-error, of full resolution)")
+  app.add_flag(
+         "--simplify", arguments.simplifies,
+         "Collapse edges of the surface within --max-error of the isovalue, the field's at full "
+         "resolution, and within --max-distance (with this alone, of full resolution): proven, "
+         "still a manifold, never through itself; within --max-error alone closed pieces that "
+         "hold nothing farther go")
       ->group(group);
   app.add_flag("--remove-slivers", arguments.removes_slivers,
                "The same of edges up to --max-distance long alone: triangles beside them change "
@@ -47,24 +52,37 @@ Result<void> apply_simplify_options(const SimplifyArguments& arguments, ExtractO
   if (!arguments.is_wanted() && arguments.max_distance.empty()) return {};
   if (arguments.simplifies && arguments.removes_slivers)
     return fail("--remove-slivers: expected no --simplify with it, which takes longer edges too");
-  if (arguments.max_distance.empty())
-    return fail("{}: expected --max-distance with it, which says how far", arguments.name());
-  LODE_TRY(const double distance, parse_number("--max-distance", arguments.max_distance));
-  if (!(distance > 0))
-    return fail("--max-distance: expected a number > 0, got '{}'", arguments.max_distance);
-  if (!arguments.is_wanted()) return apply_max_distance(distance, options);
+  if (arguments.removes_slivers && arguments.max_distance.empty())
+    return fail("--remove-slivers: expected --max-distance with it, which says how far");
+  if (!arguments.max_distance.empty()) {
+    LODE_TRY(const double distance, parse_number("--max-distance", arguments.max_distance));
+    if (!(distance > 0))
+      return fail("--max-distance: expected a number > 0, got '{}'", arguments.max_distance);
+    if (!arguments.is_wanted()) return apply_max_distance(distance, options);
+    options.simplify_distance = distance;
+  }
   if (options.border == Border::closed)
     return fail("{}: expected no --close-border with it: caps would leave the border",
                 arguments.name());
-  options.simplify_distance = distance;
-  if (arguments.removes_slivers) options.simplify_what = SimplifyWhat::slivers;
-  if (!options.max_error) options.max_error = 0;
+  options.simplify = arguments.removes_slivers ? Simplify::slivers : Simplify::edges;
+  if (!options.max_error && options.simplify_distance) options.max_error = 0;
+  if (options.max_error == 0.0 && !options.simplify_distance)
+    return fail("--simplify: expected --max-error > 0 or --max-distance with it, got neither");
+  if (options.max_error != 0.0 && options.clip)
+    return fail("{}: expected no --clip with it within --max-error, of which a part has no proof",
+                arguments.name());
   return {};
 }
 
 std::string simplify_comment(const ExtractReport& report) {
   if (!report.simplified) return "";
-  return fmt::format(", simplified within distance {}", report.simplified->proven_distance);
+  const SimplifyReport& done = *report.simplified;
+  if (done.max_error == 0)
+    return fmt::format(", simplified within distance {}", done.proven_distance);
+  if (!std::isfinite(done.max_distance))
+    return fmt::format(", simplified within error {}", done.max_error);
+  return fmt::format(", simplified within error {} and distance {}", done.max_error,
+                     done.proven_distance);
 }
 
 std::string distance_comment(const ExtractReport& report) {
@@ -108,13 +126,17 @@ void add_simplified(Json& json, const ExtractReport& report) {
   if (!report.simplified) return;
   const SimplifyReport& done = *report.simplified;
   Json& simplified = json["simplified"];
-  simplified["max_distance"] = done.max_distance;
-  simplified["proven_distance"] = done.proven_distance;
+  const bool has_distance = std::isfinite(done.max_distance);
+  simplified["max_distance"] = has_distance ? Json(done.max_distance) : Json(nullptr);
+  simplified["proven_distance"] = has_distance ? Json(done.proven_distance) : Json(nullptr);
+  simplified["max_error"] = done.max_error > 0 ? Json(done.max_error) : Json(nullptr);
+  simplified["proven_error"] = done.max_error > 0 ? Json(done.proven_error) : Json(nullptr);
   simplified["triangles_before"] = done.triangles_before;
   simplified["triangles"] = done.triangles;
   simplified["collapses"] = done.collapses;
   simplified["collapses_undone"] = done.undone;
-  simplified["components_dropped"] = 0;
+  simplified["components_dropped"] = done.components_dropped;
+  simplified["triangles_dropped"] = done.triangles_dropped;
   simplified["input_crossings"] = done.input_crossings;
   json["seconds"]["simplify"] = report.seconds.simplify;
 }
@@ -125,10 +147,20 @@ void add_simplified(Table& table, const ExtractReport& report) {
   table.add({"simplified", fmt::format("from {} triangles, {} collapses ({} undone)",
                                        format_count(done.triangles_before),
                                        format_count(done.collapses), format_count(done.undone))});
+  if (done.max_error > 0)
+    table.add({"|F - isovalue|",
+               fmt::format("at most {} where edges collapsed (asked for: {})",
+                           format_number(done.proven_error), format_number(done.max_error))});
+  if (std::isfinite(done.max_distance))
+    table.add({"distance",
+               fmt::format("at most {} from the surface before and back (asked for: {})",
+                           format_number(done.proven_distance), format_number(done.max_distance))});
   table.add(
-      {"distance",
-       fmt::format("at most {} from the surface before and back (asked for: {}), no piece dropped",
-                   format_number(done.proven_distance), format_number(done.max_distance))});
+      {"pieces dropped", done.components_dropped == 0
+                             ? "none"
+                             : fmt::format("{} with {} triangles, all within the max error inside",
+                                           format_count(done.components_dropped),
+                                           format_count(done.triangles_dropped))});
   if (done.input_crossings > 0)
     table.add({"met itself before", format_count(done.input_crossings) + " pairs of triangles"});
   table.add({"simplify", fmt::format("{} (collapse {:.3f}, prove {:.3f}, finish {:.3f})",

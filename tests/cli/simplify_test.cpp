@@ -62,7 +62,10 @@ TEST_F(cli_simplify, refuses_what_it_cannot_do) {
     EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
     EXPECT_FALSE(std::filesystem::exists(file("s.ply")));
   };
-  refuses({"--isovalue", "100", "--simplify"}, "expected --max-distance");
+  refuses({"--isovalue", "100", "--simplify", "--max-error", "0"},
+          "expected --max-error > 0 or --max-distance");
+  refuses({"--isovalue", "100", "--remove-slivers"}, "expected --max-distance");
+  refuses({"--isovalue", "100", "--simplify", "--clip", "0,5,0,5,0,5"}, "expected no --clip");
   refuses({"--isovalue", "100", "--simplify", "--max-distance", "0"}, "expected a number > 0");
   refuses({"--isovalue", "100", "--simplify", "--max-distance", "1", "--close-border"},
           "expected no --close-border");
@@ -97,6 +100,49 @@ TEST_F(cli_simplify, is_verified_against_the_surface_before) {
   const Finished lacking = verify("c.ply", "0.7");
   EXPECT_EQ(lacking.exit_code, 1) << lacking.out;
   EXPECT_NE(lacking.err.find("components, tunnels and boundaries as before"), std::string::npos);
+}
+
+TEST_F(cli_simplify, within_an_error_leaves_fewer_triangles_and_is_verified) {
+  const std::vector<std::string> query = {"--isovalue", "100", "--max-error", "4"};
+  std::vector<std::string> with_json = query;
+  with_json.emplace_back("--json");
+  const Finished plain = extract("p.ply", with_json);
+  ASSERT_EQ(plain.exit_code, 0) << plain.err;
+  with_json.emplace_back("--simplify");
+  const Finished run = extract("s.ply", with_json);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json report = run.json();
+  const nlohmann::json& simplified = report.at("simplified");
+  EXPECT_EQ(report.at("max_error"), 4);
+  EXPECT_EQ(simplified.at("max_error"), 4);
+  EXPECT_GT(simplified.at("proven_error").get<double>(), 0);
+  EXPECT_LE(simplified.at("proven_error").get<double>(), 4);
+  EXPECT_TRUE(simplified.at("max_distance").is_null());
+  EXPECT_EQ(simplified.at("components_dropped"), 0);
+  EXPECT_LT(report.at("triangles").get<int>(), plain.json().at("triangles").get<int>() / 2);
+  const auto verify = [&](const char* error) {
+    return run_lode({"verify", volume(), "--surface", file("s.ply"), "--isovalue", "100",
+                     "--simplify", "--max-error", error});
+  };
+  const Finished good = verify("4");
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  EXPECT_NE(good.out.find("samples beyond the tolerance on their sides"), std::string::npos);
+  const Finished strict = verify("0.5");
+  EXPECT_EQ(strict.exit_code, 1) << strict.out;
+  EXPECT_NE(strict.err.find("|F - isovalue| <= tolerance"), std::string::npos) << strict.err;
+}
+
+TEST_F(cli_simplify, by_itself_is_within_the_default_error_and_says_so) {
+  const Finished run = extract("s.ply", {"--isovalue", "100", "--simplify"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("where edges collapsed (asked for: "), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("pieces dropped"), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("inf"), std::string::npos) << run.out;
+  const Finished both = extract("b.ply", {"--isovalue", "100", "--simplify", "--max-error", "4",
+                                          "--max-distance", "0.3", "--json"});
+  ASSERT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_LE(both.json().at("simplified").at("proven_error").get<double>(), 4);
+  EXPECT_LE(both.json().at("simplified").at("proven_distance").get<double>(), 0.3);
 }
 
 TEST_F(cli_simplify, a_distance_alone_is_one_from_full_resolution) {

@@ -225,6 +225,7 @@ TEST(simplified_surface, is_verified_of_volumes_and_triangles_alone) {
   ExtractOptions options{.isovalues = {100}, .max_error = 0};
   Surface contour;
   ASSERT_TRUE(flat.extract(options, contour, progress));
+  options.simplify = Simplify::edges;
   options.simplify_distance = 0.5;
   const auto refused = flat.verify_surface(contour, options, progress);
   ASSERT_FALSE(refused);

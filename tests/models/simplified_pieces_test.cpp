@@ -41,6 +41,7 @@ void simplify_by_pieces(const std::string& lode, const char* extension, Threads 
   const auto dataset = Dataset::open(lode, threads);
   ASSERT_TRUE(dataset);
   ExtractOptions options{.isovalues = {124.5}, .max_error = 0};
+  options.simplify = Simplify::edges;
   options.simplify_distance = 0.6;
   options.memory_limit = dataset->impl().chunk_bytes();
   options.threads = threads;
@@ -62,6 +63,7 @@ void expect_verified(const std::string& lode, const Surface& surface) {
   const auto dataset = Dataset::open(lode, {2});
   ASSERT_TRUE(dataset);
   ExtractOptions options{.isovalues = {124.5}, .max_error = 0};
+  options.simplify = Simplify::edges;
   options.simplify_distance = 0.6;
   Progress progress;
   const auto verified = dataset->verify_surface(surface, options, progress);
@@ -126,19 +128,24 @@ TEST(simplified_pieces, are_the_same_for_any_number_of_threads) {
 TEST(simplified_pieces, are_of_full_resolution_and_one_isovalue_in_frames_like_the_worlds) {
   const TestPath path("refused.lode");
   RegularGrid grid = grid_of({{800, 24, 20}});
-  const auto comes_in_pieces = [&](const ExtractOptions& options) {
+  const auto ask = [&](const ExtractOptions& options) {
     const std::string lode = stored(path, noisy_waves(grid));
     const auto dataset = Dataset::open(lode, {1});
     ExtractOptions limited = options;
     limited.memory_limit = dataset->impl().chunk_bytes();
-    return dataset->comes_in_pieces(limited).value();
+    return dataset->comes_in_pieces(limited);
   };
+  const auto comes_in_pieces = [&](const ExtractOptions& options) { return ask(options).value(); };
   ExtractOptions options{.isovalues = {124.5}, .max_error = 0};
+  options.simplify = Simplify::edges;
   options.simplify_distance = 0.6;
   EXPECT_TRUE(comes_in_pieces(options));
   ExtractOptions coarse = options;
   coarse.max_error = 3;
-  EXPECT_FALSE(comes_in_pieces(coarse));
+  const auto refused = ask(coarse);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("simplifying within a max_error: expected a memory limit"),
+            std::string::npos);
   ExtractOptions two = options;
   two.isovalues.push_back(110);
   EXPECT_FALSE(comes_in_pieces(two));

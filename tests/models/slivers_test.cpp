@@ -43,7 +43,7 @@ Before expect_cleaned(const Volume& volume, double isovalue, SurfaceStyle style,
   Surface before;
   EXPECT_TRUE(dataset.extract(options, before, progress));
   options.simplify_distance = distance;
-  options.simplify_what = SimplifyWhat::slivers;
+  options.simplify = Simplify::slivers;
   const auto report = dataset.extract(options, surface, progress);
   EXPECT_TRUE(report) << (report ? "" : report.error().message);
   if (!report) return {};

@@ -5,6 +5,7 @@
 #include "lode/api/dataset_impl.h"
 #include "lode/api/file_build.h"
 #include "lode/api/salvage_report.h"
+#include "lode/api/simplification.h"
 #include "lode/api/verification.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/models/diamond/build.h"
@@ -169,10 +170,10 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
         "full resolution may go is not checked",
         *options.keep_topology);
   LODE_CHECK(check_extraction(*impl_, options));
-  ExtractOptions again = options;
+  const double tolerance = tolerance_of(impl_->summary().stats, options);
+  ExtractOptions again = before_simplification(options, tolerance);
   again.normals = Normals::off;
   again.deviation = Deviation::measured;
-  again.simplify_distance.reset();
   Surface expected;
   LODE_TRY(const ExtractReport report, extract(again, expected, progress));
   Surface full;
@@ -189,8 +190,7 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
         return verify_model_surface<D>(
             model, surface,
             {.surface = expected,
-             .tolerance =
-                 options.max_distance ? report.achieved_error : tolerance_of(model.stats, options),
+             .tolerance = options.max_distance ? report.achieved_error : tolerance,
              .style_error = report.style_error,
              .full_resolution = needs_full ? &full : nullptr,
              .max_distance = options.max_distance.value_or(0),

@@ -55,8 +55,8 @@ enum class Normals : std::uint8_t { off, on };
 /// Whether the report of a surface in the style of cubes says how far it is from the level set,
 /// which takes about a microsecond for each cell that it crosses.
 enum class Deviation : std::uint8_t { unknown, measured };
-/// Which edges simplification may collapse; slivers: those up to simplify_distance long.
-enum class SimplifyWhat : std::uint8_t { all, slivers };
+/// Which edges of a surface collapse; slivers: those up to simplify_distance long.
+enum class Simplify : std::uint8_t { off, edges, slivers };
 enum class Orientation : std::uint8_t { from_lower_values, from_higher_values };
 /// closed: caps in the border planes make the surface the whole boundary of the region at or above
 /// the isovalue (one isovalue, no clip box, no holes at the border; it stays open at other holes).
@@ -82,11 +82,16 @@ struct ExtractOptions {
   std::optional<Box3d> clip{};  ///< Crops the result, world units.
   Border border = Border::open;
   std::uint64_t min_component = 0;  ///< Pieces with fewer triangles (lines) are dropped.
-  /// Of a volume's surface with an open border: edges are collapsed as long as no point of the
-  /// surface, or of what it was, is farther from the other than this (world units, > 0); see
-  /// simplify_surface(). Needs the whole surface, but for one isovalue with a max_error of 0.
+  /// Of a volume's surface with an open border: edges collapse within max_error, where that is not
+  /// 0, and within simplify_distance, where there is one; see simplify_surface().
+  /// - Within max_error: |F - isovalue| is at most that on all triangles, F being the field at full
+  ///   resolution, and what is farther from the isovalue keeps its side of the surface. The surface
+  ///   before is extracted within half of it. Without a simplify_distance and keep_topology closed
+  ///   components that hold nothing farther go. Of one isovalue, a model in memory, no clip box.
+  /// - Within simplify_distance (world units, > 0): no point of the surface, or of what it was, is
+  ///   farther from the other. Needs the whole surface, but for one isovalue with a max_error of 0.
+  Simplify simplify = Simplify::off;
   std::optional<double> simplify_distance{};
-  SimplifyWhat simplify_what = SimplifyWhat::all;
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.
   Normals normals = Normals::on;
   Threads threads{};

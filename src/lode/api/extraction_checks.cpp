@@ -6,6 +6,7 @@
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/distance_extraction.h"
+#include "lode/api/simplification.h"
 #include "lode/api/topology_extraction.h"
 
 namespace lode {
@@ -13,10 +14,10 @@ namespace {
 
 Result<void> check_is_volume(const Dataset::Impl& impl, const ExtractOptions& options) {
   if (!impl.is_flat()) return {};
-  const char* const asked = options.simplify_distance ? "simplifying"
-                            : options.max_distance    ? "max_distance"
-                            : options.keep_topology   ? "keep_topology"
-                                                      : nullptr;
+  const char* const asked = options.simplify != Simplify::off ? "simplifying"
+                            : options.max_distance            ? "max_distance"
+                            : options.keep_topology           ? "keep_topology"
+                                                              : nullptr;
   if (asked == nullptr) return {};
   return fail("{}: expected a volume, got a flat image, whose contours are lines", asked);
 }
@@ -51,12 +52,7 @@ Result<void> check_extract_options(const ExtractOptions& options) {
     return fail("closing at the border: expected no clip box, whose cut would stay open");
   LODE_CHECK(check_max_distance(options));
   LODE_CHECK(check_keep_topology(options));
-  if (options.simplify_distance &&
-      !(*options.simplify_distance > 0 && std::isfinite(*options.simplify_distance)))
-    return fail("expected a finite distance > 0 to simplify within, got {}",
-                *options.simplify_distance);
-  if (options.simplify_distance && options.border == Border::closed)
-    return fail("simplifying: expected an open border, whose planes caps would leave");
+  LODE_CHECK(check_simplify(options));
   return {};
 }
 

@@ -12,6 +12,7 @@
 #include "lode/api/memory_extraction.h"
 #include "lode/api/piece_finisher.h"
 #include "lode/api/piece_simplifier.h"
+#include "lode/api/simplification.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/close_border.h"
@@ -32,29 +33,17 @@ Result<void> close_surface(const FieldFacts& field, const ExtractOptions& option
   return {};
 }
 
-SimplifyOptions simplify_options_of(const ExtractOptions& options) {
-  SimplifyOptions simplify{.max_distance = *options.simplify_distance, .threads = options.threads};
-  if (options.simplify_what == SimplifyWhat::slivers) simplify.longest_edge = simplify.max_distance;
-  return simplify;
-}
-
-Result<void> simplify(const ExtractOptions& options, Surface& surface, ExtractReport& report,
-                      Progress& progress) {
-  const Stopwatch watch;
-  LODE_TRY(report.simplified, simplify_surface(surface, simplify_options_of(options), progress));
-  report.seconds.simplify = watch.seconds();
-  return {};
-}
-
-Result<void> finish_surface(const FieldFacts& field, const ExtractOptions& options,
-                            Surface& surface, ExtractReport& report, Progress& progress) {
+Result<void> finish_surface(const Dataset::Impl& impl, const FieldFacts& field,
+                            const ExtractOptions& options, Surface& surface, ExtractReport& report,
+                            Progress& progress) {
   const Stopwatch watch;
   if (options.border == Border::closed) LODE_CHECK(close_surface(field, options, surface, report));
   const Dropped dropped = finish_edits(options, surface);
   report.components_dropped = dropped.components;
   report.triangles_dropped = dropped.cells;
   report.seconds.finish += watch.seconds();
-  if (options.simplify_distance) LODE_CHECK(simplify(options, surface, report, progress));
+  if (options.simplify != Simplify::off)
+    LODE_CHECK(simplify(impl, options, surface, report, progress));
   report.triangles = surface.triangles.size();
   report.lines = surface.lines.size();
   report.vertices = surface.positions.size();
@@ -75,8 +64,9 @@ std::size_t simplified_at_once(const ExtractOptions& options) {
   return std::max<std::uint64_t>(20'000, memory_limit_of(options) / 4 / kBytesPerTriangle);
 }
 
-Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
-                            Surface& surface, ExtractReport& report, Progress& progress) {
+Result<void> extract_chunks(const Dataset::Impl& impl, Dataset::Impl::Chunks& chunks,
+                            const ExtractOptions& options, Surface& surface, ExtractReport& report,
+                            Progress& progress) {
   surface.clear();
   SurfaceCollector collector(surface);
   return std::visit(
@@ -85,8 +75,8 @@ Result<void> extract_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions&
             field, chunks.blocks, options, memory_limit_of(options) / kHeldShare, collector, report,
             [](double) {}, [&](double isovalue) { add_isovalue(isovalue, options, surface); },
             progress));
-        return finish_surface({field.info.grid, false, field.value({})}, options, surface, report,
-                              progress);
+        return finish_surface(impl, {field.info.grid, false, field.value({})}, options, surface,
+                              report, progress);
       },
       chunks.field);
 }
@@ -98,7 +88,7 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   std::optional<PieceSimplifier> simplifier;
   LODE_CHECK(std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) {
-        if (options.simplify_distance)
+        if (options.simplify != Simplify::off)
           simplifier.emplace(simplify_options_of(options),
                              PieceShape{.grid = field.info.grid,
                                         .n_apart = diamond::n_pieces_apart<D>(field.shape),
@@ -126,7 +116,7 @@ bool is_edited_by_piece(const ExtractOptions& options, const RegularGrid& grid, 
   const bool is_simplified_by_piece =
       tolerance == 0 && options.isovalues.size() == 1 && grid.has_world_axes();
   return !options.clip && options.border == Border::open && options.min_component <= 1 &&
-         (!options.simplify_distance || is_simplified_by_piece);
+         (options.simplify == Simplify::off || is_simplified_by_piece);
 }
 
 /// What has been read of the file since then.
@@ -143,17 +133,18 @@ struct ExtractPlan {
 };
 
 /// What cannot be done by pieces of the model; null: all can.
-const char* need_of_whole_model(const ExtractOptions& options) {
+const char* need_of_whole_model(const ExtractOptions& options, double tolerance) {
   if (options.max_distance) return "max_distance";
   if (options.keep_topology) return "keep_topology";
+  if (has_band(options, tolerance)) return "simplifying within a max_error";
   return options.style == SurfaceStyle::cubes ? "style cubes" : nullptr;
 }
 
 Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOptions& options) {
   LODE_CHECK(check_extraction(impl, options));
-  const char* const need = need_of_whole_model(options);
   ExtractPlan plan;
   plan.report.max_error = tolerance_of(impl.summary().stats, options);
+  const char* const need = need_of_whole_model(options, plan.report.max_error);
   const std::uint64_t limit = memory_limit_of(options);
   const bool is_too_large = impl.model_bytes() > limit;
   // Whether holes open the border is asked of all samples.
@@ -189,11 +180,15 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
   if (plan.chunks != nullptr) {
     const store::ReadCounts before = impl_->reads();
-    LODE_CHECK(extract_chunks(*plan.chunks, options, surface, report, progress));
+    LODE_CHECK(extract_chunks(*impl_, *plan.chunks, options, surface, report, progress));
     add_reads(before, *impl_, report);
   } else {
-    LODE_TRY(const FieldFacts field, extract_in_memory(*impl_, options, surface, report, progress));
-    LODE_CHECK(finish_surface(field, options, surface, report, progress));
+    const double tolerance = report.max_error;
+    const ExtractOptions before = before_simplification(options, tolerance);
+    report.max_error = before.max_error.value_or(tolerance);
+    LODE_TRY(const FieldFacts field, extract_in_memory(*impl_, before, surface, report, progress));
+    report.max_error = tolerance;
+    LODE_CHECK(finish_surface(*impl_, field, options, surface, report, progress));
   }
   report.seconds.total = watch.seconds();
   return report;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "lode/api/simplification.h"
 #include "lode/api/surface_text.h"
 #include "lode/api/verification.h"
 #include "lode/mappers/lattice_frame.h"
@@ -16,6 +17,7 @@
 #include "lode/models/diamond/cut_check.h"
 #include "lode/models/diamond/level_set_check.h"
 #include "lode/models/diamond/model_samples.h"
+#include "lode/models/diamond/side_check.h"
 
 namespace lode {
 namespace {
@@ -185,6 +187,85 @@ Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads,
 constexpr const char* kFullResolution = "at full resolution";
 constexpr const char* kUnsimplified = "before simplification";
 
+template <int D>
+Result<void> add_level_set(const Model<D>& model, const Surface& surface,
+                           const ExpectedSurface& expected, const ExtractOptions& options,
+                           Progress& progress, VerifyReport& report) {
+  const bool is_closed = options.border == Border::closed;
+  const LatticeFrame frame = LatticeFrame::of(model.info.grid);
+  const double range = model.stats.max - model.stats.min;
+  const double slack = (frame.margin + 4 * frame.rounding) * range;
+  const double tolerance = std::max(expected.tolerance, expected.style_error);
+  LODE_TRY(
+      const auto level_set,
+      diamond::check_level_set(diamond::ModelSamples<D>(model), surface,
+                               {.isovalues = options.isovalues,
+                                .tolerance = tolerance + slack,
+                                .clip = options.clip,
+                                .caps = is_closed ? diamond::Caps::on_border : diamond::Caps::none,
+                                .threads = options.threads},
+                               progress));
+  report.add(is_closed ? "|F - isovalue| <= tolerance + slack; on caps isovalue - F"
+                       : "|F - isovalue| <= tolerance + slack",
+             level_set.n_pieces, level_set.holds() ? 0 : 1,
+             describe_level_set(surface, level_set, tolerance, slack) +
+                 (is_closed ? fmt::format("; {} caps", level_set.n_caps) : ""));
+  return {};
+}
+
+/// The pieces of a surface that was simplified in a band are some of those before; others went.
+void add_kept_pieces(const Surface& surface, const Surface& before, Threads threads,
+                     VerifyReport& report) {
+  const TopologyOptions options{.threads = threads};
+  const ComponentTypes found = component_types(check_topology(surface, options));
+  const ComponentTypes wanted = component_types(check_topology(before, options));
+  ComponentTypes added;
+  ComponentTypes gone;
+  std::ranges::set_difference(found, wanted, std::back_inserter(added));
+  std::ranges::set_difference(wanted, found, std::back_inserter(gone));
+  const auto n_open = std::ranges::count_if(gone, [](const auto& type) { return type[1] > 0; });
+  report.add("components of those before simplification, none open gone", wanted.size(),
+             added.size() + static_cast<std::size_t>(n_open),
+             fmt::format("{} pieces of {}", found.size(), wanted.size()));
+}
+
+template <int D>
+Result<void> add_sides(const Model<D>& model, const Surface& surface, double isovalue, double error,
+                       Threads threads, Progress& progress, VerifyReport& report) {
+  LODE_TRY(const auto sides, diamond::check_sides(diamond::ModelSamples<D>(model), surface,
+                                                  {.isovalue = isovalue,
+                                                   .error = error,
+                                                   .has_holes = model.has_holes(),
+                                                   .threads = threads},
+                                                  progress));
+  const auto describe = [](const Index3& p) { return fmt::format("{},{},{}", p[0], p[1], p[2]); };
+  report.add("samples beyond the tolerance on their sides", sides.n_pairs, sides.n_wrong,
+             sides.n_wrong == 0 ? ""
+                                : fmt::format("{} pairs are not; first: {} and {}", sides.n_wrong,
+                                              describe(sides.first[0]), describe(sides.first[1])));
+  return {};
+}
+
+template <int D>
+Result<void> add_simplified(const Model<D>& model, const Surface& surface,
+                            const ExpectedSurface& expected, const ExtractOptions& options,
+                            Progress& progress, VerifyReport& report) {
+  const bool is_in_band = has_band(options, expected.tolerance);
+  if (is_in_band) {
+    LODE_CHECK(add_level_set(model, surface, expected, options, progress, report));
+    LODE_CHECK(add_sides(model, surface, options.isovalues.front(), expected.tolerance,
+                         options.threads, progress, report));
+  }
+  if (is_in_band && !options.simplify_distance && !options.keep_topology)
+    add_kept_pieces(surface, expected.surface, options.threads, report);
+  else
+    add_pieces(surface, expected.surface, kUnsimplified, options.threads, report);
+  if (options.simplify_distance)
+    LODE_CHECK(add_distance(surface, expected.surface, kUnsimplified, *options.simplify_distance,
+                            options.threads, progress, report));
+  return {};
+}
+
 }  // namespace
 
 template <int D>
@@ -199,30 +280,11 @@ Result<VerifyReport> verify_model_surface(const Model<D>& model, const Surface& 
   add_topology(surface, diamond::PinchPlaces(samples, surface, ends), options.threads, report);
   LODE_TRY(const auto crossings, check_self_intersections(surface, options.threads, progress));
   add_crossings(surface, crossings, report);
-  if (options.simplify_distance) {  // no level set any more, but near one
-    add_pieces(surface, expected.surface, kUnsimplified, options.threads, report);
-    LODE_CHECK(add_distance(surface, expected.surface, kUnsimplified, *options.simplify_distance,
-                            options.threads, progress, report));
+  if (options.simplify != Simplify::off) {  // no level set any more, but near one
+    LODE_CHECK(add_simplified(model, surface, expected, options, progress, report));
     return report;
   }
-  const LatticeFrame frame = LatticeFrame::of(model.info.grid);
-  const double range = model.stats.max - model.stats.min;
-  const double slack = (frame.margin + 4 * frame.rounding) * range;
-  const double tolerance = std::max(expected.tolerance, expected.style_error);
-  LODE_TRY(
-      const auto level_set,
-      diamond::check_level_set(samples, surface,
-                               {.isovalues = options.isovalues,
-                                .tolerance = tolerance + slack,
-                                .clip = options.clip,
-                                .caps = is_closed ? diamond::Caps::on_border : diamond::Caps::none,
-                                .threads = options.threads},
-                               progress));
-  report.add(is_closed ? "|F - isovalue| <= tolerance + slack; on caps isovalue - F"
-                       : "|F - isovalue| <= tolerance + slack",
-             level_set.n_pieces, level_set.holds() ? 0 : 1,
-             describe_level_set(surface, level_set, tolerance, slack) +
-                 (is_closed ? fmt::format("; {} caps", level_set.n_caps) : ""));
+  LODE_CHECK(add_level_set(model, surface, expected, options, progress, report));
   LODE_TRY(const auto boundary, diamond::check_boundary(samples, surface, ends, progress));
   add_boundary(surface, boundary, is_closed, report);
   add_match(expected.surface, surface, report);

@@ -49,6 +49,11 @@ template <typename T>
   return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}};
 }
 
+/// Exact.
+[[nodiscard]] constexpr Vec3d widened(const Vec3f& p) {
+  return {{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}};
+}
+
 template <typename T, std::size_t N>
 [[nodiscard]] T length(const Vec<T, N>& a) {
   return std::sqrt(dot(a, a));

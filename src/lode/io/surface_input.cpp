@@ -27,8 +27,6 @@ Vec3f narrowed(const Vec3d& p) {
   return {{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}};
 }
 
-Vec3d widened(const Vec3f& p) { return {{p[0], p[1], p[2]}}; }
-
 Vec3d lower_corner(std::span<const Vec3d> world) {
   Vec3d lower = world.empty() ? Vec3d{} : world.front();
   for (const Vec3d& p : world)

@@ -27,7 +27,7 @@ std::uint32_t BlockSimplifier::run(const Block& block, const Progress& progress)
   next_collapse_ = block.first_collapse;
   load(block);
   prepare(block);
-  const float unit = limits_.area * limits_.distance * limits_.distance;
+  const float unit = limits_.area * limits_.reach * limits_.reach;
   for (const Sweep& sweep : kSweeps) {
     if (progress.is_cancelled()) break;
     run_sweep({sweep.threshold * unit, sweep.shape, sweep.n_others});
@@ -144,15 +144,12 @@ void BlockSimplifier::run_sweep(const Sweep& sweep) {
 
 void BlockSimplifier::apply(std::uint32_t kept, std::uint32_t removed, const Vec3f& position) {
   const auto global = [&](std::uint32_t t) { return t == kNone ? kNone : triangle_ids_[t]; };
-  mesh_.collapses[next_collapse_] = {
-      .kept = vertex_ids_[kept],
-      .removed = vertex_ids_[removed],
-      .dead = {global(dead_[0]), global(dead_[1])},
-      .kept_position = ((flags_[kept] & kMovedFlag) != 0 ? centre_ + this->position(kept)
-                                                         : mesh_.positions[vertex_ids_[kept]])
-                           .v,
-      .last_kept = last_[kept],
-      .last_removed = last_[removed]};
+  mesh_.collapses[next_collapse_] = {.kept = vertex_ids_[kept],
+                                     .removed = vertex_ids_[removed],
+                                     .dead = {global(dead_[0]), global(dead_[1])},
+                                     .kept_position = stored_position(kept).v,
+                                     .last_kept = last_[kept],
+                                     .last_removed = last_[removed]};
   for (std::uint32_t i = 0; i < n_new_; ++i) triangles_[new_triangles_[i].triangle].points = kNone;
   for (const auto& [point, i] : moves_) {
     std::uint32_t& first = triangles_[new_triangles_[i].triangle].points;
@@ -190,6 +187,11 @@ void BlockSimplifier::apply(std::uint32_t kept, std::uint32_t removed, const Vec
     costs_[new_triangles_[i].a] = -1;
     costs_[new_triangles_[i].b] = -1;
   }
+}
+
+/// What store() will leave of it.
+Vec3f BlockSimplifier::stored_position(std::uint32_t v) const {
+  return (flags_[v] & kMovedFlag) != 0 ? centre_ + position(v) : mesh_.positions[vertex_ids_[v]];
 }
 
 void BlockSimplifier::unlink(std::uint32_t v, std::uint32_t triangle) {

@@ -9,6 +9,7 @@
 #include "lode/core/progress.h"
 #include "lode/mappers/collapse_mesh.h"
 #include "lode/mappers/quadric.h"
+#include "lode/mappers/surface_band.h"
 
 namespace lode::simplification {
 
@@ -22,8 +23,11 @@ struct Block {
 };
 
 struct BlockLimits {
-  float distance = 0;  ///< Of attached original vertices from the triangle they are attached to.
-  float area = 0;      ///< About that of an original triangle.
+  /// Of attached original vertices from the triangle they are attached to; infinite: none is.
+  float distance = 0;
+  const SurfaceBand* band = nullptr;  ///< Of the mesh's positions; null: no matter.
+  float area = 0;                     ///< About that of an original triangle.
+  float reach = 0;  ///< What thresholds of costs go by: how far the surface may move, about.
   float longest2 = std::numeric_limits<float>::infinity();  ///< Squared, of edges that collapse.
   /// The surface is a piece of one: its border is locked, and vertices move strictly inside the
   /// box.
@@ -33,7 +37,7 @@ struct BlockLimits {
 
 /// Once over all vertices.
 struct Sweep {
-  float threshold = 0;  ///< Of the quadric's cost; in `kSweeps` of area times distance squared.
+  float threshold = 0;  ///< Of the quadric's cost; in `kSweeps` of area times reach squared.
   float shape = 0;      ///< New triangles have a height of at least its root of their longest edge,
                         ///< or as much of it as before.
   unsigned n_others = 0;  ///< Neighbours to try where the best choice fails.
@@ -116,6 +120,10 @@ class BlockSimplifier {
   [[nodiscard]] bool keeps_shape(const NewTriangle& t, std::uint32_t old) const;
   void join_triangles();
   [[nodiscard]] bool folds_little() const;
+  [[nodiscard]] bool keeps_to_band(std::uint32_t kept, std::uint32_t removed,
+                                   const Star& star_of_removed, const Vec3f& position) const;
+  [[nodiscard]] Vec3d in_band(std::uint32_t v) const;
+  [[nodiscard]] Vec3f stored_position(std::uint32_t v) const;
   [[nodiscard]] bool attach_points(const Vec3f& position);
   [[nodiscard]] bool attach_point(std::uint32_t point, const Vec3f& position, std::uint32_t start);
   void apply(std::uint32_t kept, std::uint32_t removed, const Vec3f& position);

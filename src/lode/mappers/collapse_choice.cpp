@@ -1,5 +1,6 @@
 // Where a vertex would best go.
 #include <algorithm>
+#include <bit>
 
 #include "lode/mappers/collapse_block.h"
 #include "lode/mappers/point_triangle.h"
@@ -102,14 +103,20 @@ BlockSimplifier::Choice BlockSimplifier::choose_on_border(std::uint32_t v, const
   const Vec3f p = mesh_.positions[vertex_ids_[v]];  // those of the border have not moved
   const Vec3f a = mesh_.positions[vertex_ids_[ends[0]]];
   const Vec3f b = mesh_.positions[vertex_ids_[ends[1]]];
-  bool is_in_plane = false;
+  int n_planes = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const bool with_a = p[i] == a[i];
     const bool with_b = p[i] == b[i];
     if (with_a != with_b) return best;
-    is_in_plane = is_in_plane || with_a;
+    if (with_a) ++n_planes;
   }
-  if (!is_in_plane) return best;
+  if (n_planes == 0) return best;
+  if (limits_.band != nullptr) {  // at holes the border may turn in its plane
+    const unsigned outer = limits_.band->border_planes(in_band(v)) &
+                           limits_.band->border_planes(in_band(ends[0])) &
+                           limits_.band->border_planes(in_band(ends[1]));
+    if (std::popcount(outer) < n_planes) return best;
+  }
   const float aside = squared_distance_to_segment(p, a, b - a);
   for (const std::uint32_t x : ends) {
     if (!may_collapse(v, x)) continue;

@@ -54,10 +54,6 @@ struct CollapseMesh {
   return {mesh.positions[t.v[0]], mesh.positions[t.v[1]], mesh.positions[t.v[2]]};
 }
 
-[[nodiscard]] inline Vec3d widened(const Vec3f& p) {
-  return {{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}};
-}
-
 /// Lower and upper corner of the box round some points, at least one.
 template <typename Points>
 [[nodiscard]] std::array<Vec3f, 2> bounds_of(const Points& points) {

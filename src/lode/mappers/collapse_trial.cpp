@@ -1,5 +1,6 @@
 // Whether a vertex may go where it would.
 #include <algorithm>
+#include <cmath>
 
 #include "lode/mappers/collapse_block.h"
 #include "lode/mappers/point_triangle.h"
@@ -13,8 +14,10 @@ bool BlockSimplifier::try_collapse(std::uint32_t kept, std::uint32_t removed,
   if (!make_triangles(kept, removed, other_star_, star_of_removed, position)) return false;
   join_triangles();
   if (!folds_little()) return false;
+  if (limits_.band != nullptr && !keeps_to_band(kept, removed, star_of_removed, position))
+    return false;
   moves_.clear();
-  if (!attach_points(position)) return false;
+  if (std::isfinite(limits_.distance) && !attach_points(position)) return false;
   apply(kept, removed, position);
   return true;
 }

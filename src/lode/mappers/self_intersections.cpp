@@ -64,10 +64,6 @@ bool is_degenerate(const std::vector<Vec3f>& positions, const Simplex<2>& line) 
   return positions[line[0]] == positions[line[1]];
 }
 
-Vec3d widened(const Vec3f& p) {
-  return {{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}};
-}
-
 /// The axis along which the plane of the points is best seen: that of the normal's largest
 /// component; z where they lie on one line along x or y.
 std::size_t viewing_axis(const std::vector<Vec3f>& positions) {

@@ -5,14 +5,15 @@
 #include <iterator>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/collapse_block.h"
 #include "lode/mappers/collapse_crossings.h"
-#include "lode/mappers/collapse_distance.h"
 #include "lode/mappers/collapse_mesh.h"
 #include "lode/mappers/collapse_partition.h"
+#include "lode/mappers/collapse_proof.h"
 #include "lode/mappers/collapse_undo.h"
 
 namespace lode {
@@ -115,18 +116,13 @@ class Simplifier {
 
  private:
   Result<void> collapse(int pass);
-  void collapse_round(const Partition& partition, bool is_first, const BlockLimits& limits);
+  void collapse_round(const Partition& partition, bool attaches, const BlockLimits& limits);
+  [[nodiscard]] double reach() const;
   Result<void> prove(std::uint32_t first);
   void find_live();
   void add_live(std::span<const std::uint32_t> changed);
   void reopen(std::span<const std::uint32_t> changed);
   Result<void> count_input_crossings();
-  Result<std::vector<std::uint32_t>> find_bad(std::span<const std::uint32_t> changed,
-                                              const CollapseUndo& stars, DistanceProof& proof);
-  void find_far(std::span<const std::uint32_t> changed, const CollapseUndo& stars,
-                DistanceProof& proof, std::vector<std::uint32_t>& bad);
-  [[nodiscard]] std::vector<std::uint32_t> to_recheck(std::span<const std::uint32_t> changed,
-                                                      const CollapseUndo& stars) const;
   void finish();
   void finish_vertices();
 
@@ -150,7 +146,9 @@ Result<void> Simplifier::collapse(int pass) {
   const auto [lower, upper] = bounds_of(surface_.positions);
   const BlockLimits limits{
       .distance = static_cast<float>(kReach * options_.max_distance),
+      .band = options_.band,
       .area = static_cast<float>(area),
+      .reach = static_cast<float>(reach()),
       .longest2 = static_cast<float>(options_.longest_edge * options_.longest_edge),
       .is_piece = numbers_ != nullptr,
       .lower = lower,
@@ -163,13 +161,20 @@ Result<void> Simplifier::collapse(int pass) {
                                          options_.threads);
     if (pass > 0)
       for (std::size_t v = 0; v < is_failed_.size(); ++v) partition.is_locked[v] |= is_failed_[v];
-    collapse_round(partition, pass == 0 && round == 0, limits);
+    const bool attaches = pass == 0 && round == 0 && std::isfinite(options_.max_distance);
+    collapse_round(partition, attaches, limits);
     if (progress_.is_cancelled()) return cancelled_error();
   }
   return {};
 }
 
-void Simplifier::collapse_round(const Partition& partition, bool is_first,
+/// About how far the surface may move; in a band of unknown width, an edge.
+double Simplifier::reach() const {
+  if (std::isfinite(options_.max_distance)) return kReach * options_.max_distance;
+  return 2 * std::sqrt(mean_area(surface_));
+}
+
+void Simplifier::collapse_round(const Partition& partition, bool attaches,
                                 const BlockLimits& limits) {
   std::vector<std::uint32_t> first(partition.n_cells());
   for (std::size_t i = 0; i < first.size(); ++i) {
@@ -188,91 +193,18 @@ void Simplifier::collapse_round(const Partition& partition, bool is_first,
   parallel_for(first.size(), options_.threads, 1, [&](std::size_t i, int worker) {
     if (partition.cell(i).empty() || progress_.is_cancelled()) return;
     counts[i] = workers[static_cast<std::size_t>(worker)]->run(
-        {partition.cell(i), first[i], is_first, is_open_}, progress_);
+        {partition.cell(i), first[i], attaches, is_open_}, progress_);
   });
   report_.collapses += std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
-  if (is_first) attach_rest(partition.between, mesh_);
-}
-
-/// Original triangles of which a corner is attached to a changed triangle or a neighbour of one:
-/// their proofs may have been about what is no more.
-std::vector<std::uint32_t> Simplifier::to_recheck(std::span<const std::uint32_t> changed,
-                                                  const CollapseUndo& stars) const {
-  std::vector<std::uint8_t> is_near(mesh_.triangles.size(), 0);
-  for (const std::uint32_t t : changed)
-    for (const std::uint32_t v : mesh_.triangles[t].v)
-      stars.for_each_around(v, [&](std::uint32_t s) { is_near[s] = 1; });
-  const auto is_asked = [&](std::size_t i) {
-    if (!mesh_.triangles[i].is_dead() && stars.maker(static_cast<std::uint32_t>(i)) == kNone)
-      return false;  // as it was
-    return std::ranges::any_of(surface_.triangles[i],
-                               [&](std::uint32_t v) { return is_near[mesh_.attached_to[v]] != 0; });
-  };
-  constexpr std::size_t kPiece = 1 << 16;
-  std::vector<std::vector<std::uint32_t>> pieces(surface_.triangles.size() / kPiece + 1);
-  parallel_for(pieces.size(), options_.threads, 1, [&](std::size_t piece, int) {
-    const std::size_t end = std::min(surface_.triangles.size(), (piece + 1) * kPiece);
-    for (std::size_t i = piece * kPiece; i < end; ++i)
-      if (is_asked(i)) pieces[piece].push_back(static_cast<std::uint32_t>(i));
-  });
-  std::vector<std::uint32_t> found;
-  for (const auto& piece : pieces) found.insert(found.end(), piece.begin(), piece.end());
-  return found;
-}
-
-std::uint32_t later(std::uint32_t a, std::uint32_t b) {
-  if (a == kNone) return b;
-  return b == kNone ? a : std::max(a, b);
-}
-
-/// Adds collapses whose triangles are not proven near, to `bad`.
-void Simplifier::find_far(std::span<const std::uint32_t> changed, const CollapseUndo& stars,
-                          DistanceProof& proof, std::vector<std::uint32_t>& bad) {
-  std::vector<std::uint32_t> made;  // original ones need no proof
-  for (const std::uint32_t t : changed)
-    if (stars.maker(t) != kNone) made.push_back(t);
-  const DistanceReport to = proof.to_original(made, options_.threads);
-  for (const std::uint32_t t : to.failing) bad.push_back(stars.maker(t));
-  const DistanceReport from = proof.from_original(to_recheck(changed, stars), options_.threads);
-  for (const std::uint32_t t : from.failing) {
-    // Of what its corners are attached to, or else what took it away, at one of its corners.
-    std::uint32_t maker = kNone;
-    for (const std::uint32_t v : surface_.triangles[t])
-      maker = later(maker, stars.maker(mesh_.attached_to[v]));
-    if (maker == kNone)
-      for (const std::uint32_t v : surface_.triangles[t]) maker = later(maker, mesh_.last[v]);
-    bad.push_back(maker);
-  }
-  report_.proven_distance = std::max({report_.proven_distance, to.proven, from.proven});
-}
-
-/// Collapses whose triangles fail a proof, last first.
-Result<std::vector<std::uint32_t>> Simplifier::find_bad(std::span<const std::uint32_t> changed,
-                                                        const CollapseUndo& stars,
-                                                        DistanceProof& proof) {
-  std::vector<std::uint32_t> bad;
-  LODE_TRY(const auto crossings,
-           find_crossings(mesh_, live_, changed, options_.threads, progress_));
-  for (const auto& [s, t] : crossings) {
-    const std::uint32_t maker = later(stars.maker(s), stars.maker(t));
-    if (maker != kNone)
-      bad.push_back(maker);
-    else
-      meets_itself_already_ = true;
-  }
-  find_far(changed, stars, proof, bad);
-  if (progress_.is_cancelled()) return cancelled_error();
-  sort_unique(bad);
-  std::reverse(bad.begin(), bad.end());
-  return bad;
+  if (attaches) attach_rest(partition.between, mesh_);
 }
 
 /// Proves what collapses from `first` on have made, and takes back what fails.
 Result<void> Simplifier::prove(std::uint32_t first) {
   progress_.report("proving", 0);
   CollapseUndo stars(mesh_, surface_.positions, static_cast<float>(0.3 * options_.max_distance));
-  DistanceProof proof(surface_, mesh_, stars, options_.max_distance,
-                      2.5 * std::sqrt(mean_area(surface_)), progress_);
+  CollapseProof proof(surface_, mesh_, stars, options_, 2.5 * std::sqrt(mean_area(surface_)),
+                      progress_);
   std::vector<std::uint32_t> changed;
   find_live();
   for (const std::uint32_t t : live_) {
@@ -284,7 +216,7 @@ Result<void> Simplifier::prove(std::uint32_t first) {
   has_reopened_ = false;
   while (!changed.empty()) {
     if (progress_.is_cancelled()) return cancelled_error();
-    LODE_TRY(const auto bad, find_bad(changed, stars, proof));
+    LODE_TRY(const auto bad, proof.find_bad(live_, changed));
     changed.clear();
     for (const std::uint32_t c : bad) {
       const Collapse& collapse = mesh_.collapses[c];
@@ -296,6 +228,9 @@ Result<void> Simplifier::prove(std::uint32_t first) {
     add_live(changed);
     reopen(changed);
   }
+  report_.proven_distance = std::max(report_.proven_distance, proof.proven_distance());
+  report_.proven_error = std::max(report_.proven_error, proof.proven_error());
+  meets_itself_already_ = meets_itself_already_ || proof.meets_itself_already();
   return {};
 }
 
@@ -395,14 +330,45 @@ class UnitEdges {
   int exponent_ = 0;
 };
 
+/// A band for positions that were brought to other units.
+class ScaledBand final : public SurfaceBand {
+ public:
+  /// `unit`: of the positions, in those of `band`; a power of two.
+  ScaledBand(const SurfaceBand& band, double unit) : band_(band), unit_(unit) {}
+
+  [[nodiscard]] double limit() const override { return band_.limit(); }
+  [[nodiscard]] Vec3d own_coordinates(const Vec3d& position) const override {
+    return band_.own_coordinates(position * unit_);
+  }
+  [[nodiscard]] unsigned border_planes(const Vec3d& point) const override {
+    return band_.border_planes(point);
+  }
+  [[nodiscard]] bool may_hold_fixed(const std::array<Vec3d, 4>& tetrahedron) const override {
+    return band_.may_hold_fixed(tetrahedron);
+  }
+  [[nodiscard]] bool seems_within(const Vec3d& apex,
+                                  std::span<const std::array<Vec3d, 2>> fan) const override {
+    return band_.seems_within(apex, fan);
+  }
+  [[nodiscard]] double largest_deviation(const std::array<Vec3d, 3>& triangle) const override {
+    return band_.largest_deviation(triangle);
+  }
+
+ private:
+  const SurfaceBand& band_;
+  double unit_;
+};
+
 Result<SimplifyReport> simplify(Surface& surface, const SimplifyOptions& options,
                                 std::vector<std::uint32_t>* numbers, Progress& progress) {
   LODE_EXPECTS(surface.lines.empty() && surface.values.empty() && surface.origins.empty() &&
                surface.errors.empty());
-  LODE_EXPECTS(options.max_distance > 0 && std::isfinite(options.max_distance));
+  LODE_EXPECTS(options.max_distance > 0);
+  LODE_EXPECTS(options.band != nullptr || std::isfinite(options.max_distance));
   if (surface.triangles.empty()) {
     SimplifyReport report;
     report.max_distance = options.max_distance;
+    if (options.band != nullptr) report.max_error = options.band->limit();
     return report;
   }
   // Corners, and collapses that were tried, are numbered by 32 bits.
@@ -414,8 +380,11 @@ Result<SimplifyReport> simplify(Surface& surface, const SimplifyOptions& options
   SimplifyOptions scaled = options;
   scaled.max_distance = units.to_units(options.max_distance);
   scaled.longest_edge = units.to_units(options.longest_edge);
+  std::optional<ScaledBand> band;
+  if (options.band != nullptr) scaled.band = &band.emplace(*options.band, units.from_units(1));
   LODE_TRY(SimplifyReport report, Simplifier(surface, scaled, numbers, progress).run());
   report.max_distance = options.max_distance;
+  if (options.band != nullptr) report.max_error = options.band->limit();
   report.proven_distance = units.from_units(report.proven_distance);
   return report;
 }
@@ -430,6 +399,10 @@ void SimplifyReport::join(const SimplifyReport& other) {
   collapses += other.collapses;
   undone += other.undone;
   proven_distance = std::max(proven_distance, other.proven_distance);
+  max_error = std::max(max_error, other.max_error);
+  proven_error = std::max(proven_error, other.proven_error);
+  components_dropped += other.components_dropped;
+  triangles_dropped += other.triangles_dropped;
   input_crossings += other.input_crossings;
   seconds.collapse += other.seconds.collapse;
   seconds.check += other.seconds.check;

@@ -8,11 +8,13 @@
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
+#include "lode/mappers/surface_band.h"
 
 namespace lode {
 
 struct SimplifyOptions {
-  double max_distance = 0;  ///< > 0, finite; in the unit of positions.
+  double max_distance = 0;            ///< > 0, in the unit of positions; infinite only with a band.
+  const SurfaceBand* band = nullptr;  ///< That the surface lies in, and is to stay in.
   /// Only edges up to this length collapse: with that of max_distance slivers that have a short
   /// edge go, and triangles beside them change shape.
   double longest_edge = std::numeric_limits<double>::infinity();
@@ -33,7 +35,11 @@ struct SimplifyReport {
   std::uint64_t undone = 0;     ///< Collapses taken back because a proof failed.
   double proven_distance = 0;   ///< No point of either surface is farther from the other. Proofs
                                 ///< stop at what was asked for: 0, or hardly less than that.
-  std::uint64_t input_crossings = 0;  ///< Pairs of triangles that met before, and still do.
+  double max_error = 0;         ///< The band's, or 0.
+  double proven_error = 0;      ///< |F - c| of triangles that collapses made is at most this.
+  std::uint64_t components_dropped = 0;  ///< In the band, before: drop_components_in_band().
+  std::uint64_t triangles_dropped = 0;   ///< Theirs.
+  std::uint64_t input_crossings = 0;     ///< Pairs of triangles that met before, and still do.
   SimplifySeconds seconds;
 
   /// Of both surfaces, or pieces of one, together.

@@ -301,6 +301,30 @@ Dropped drop_small_components(Surface& surface, std::uint64_t n) {
   return drop_small(surface, surface.triangles, n);
 }
 
+ComponentNumbers number_components(const Surface& surface) {
+  Groups groups(surface.positions.size());
+  for (const auto& t : surface.triangles)
+    for (const std::uint32_t v : t) groups.join(t[0], v);
+  ComponentNumbers numbers{std::vector<std::uint32_t>(surface.positions.size()), 0};
+  for (std::uint32_t v = 0; v < numbers.of_vertex.size(); ++v) {
+    const std::uint32_t first = groups.find(v);
+    numbers.of_vertex[v] = first == v ? numbers.n++ : numbers.of_vertex[first];
+  }
+  return numbers;
+}
+
+Dropped drop_components(Surface& surface, const ComponentNumbers& numbers,
+                        std::span<const std::uint8_t> is_marked) {
+  LODE_EXPECTS(surface.errors.empty());
+  const std::size_t before = surface.triangles.size();
+  std::erase_if(surface.triangles,
+                [&](const auto& t) { return is_marked[numbers.of_vertex[t[0]]] != 0; });
+  const Dropped dropped{static_cast<std::uint64_t>(std::ranges::count(is_marked, 1)),
+                        before - surface.triangles.size()};
+  if (dropped.components > 0) compact(surface, surface.triangles);
+  return dropped;
+}
+
 void flip_orientation(Surface& surface) {
   for (auto& t : surface.triangles) std::swap(t[1], t[2]);
   for (auto& l : surface.lines) std::swap(l[0], l[1]);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "lode/core/box.h"
 #include "lode/core/parallel.h"
@@ -31,6 +33,18 @@ void crop(Surface& surface, const Box3d& box);
 
 /// Drops connected pieces of fewer than n cells. Expects no errors per cell.
 [[nodiscard]] Dropped drop_small_components(Surface& surface, std::uint64_t n);
+
+/// The components of a surface of triangles.
+struct ComponentNumbers {
+  std::vector<std::uint32_t> of_vertex;  ///< Numbered by their lowest vertices.
+  std::uint32_t n = 0;
+};
+[[nodiscard]] ComponentNumbers number_components(const Surface& surface);
+
+/// Drops those components of a surface of triangles that are marked, by number. Expects no errors
+/// per cell.
+[[nodiscard]] Dropped drop_components(Surface& surface, const ComponentNumbers& numbers,
+                                      std::span<const std::uint8_t> is_marked);
 
 /// Turns triangles (lines) and normals round.
 void flip_orientation(Surface& surface);

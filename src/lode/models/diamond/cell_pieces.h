@@ -23,6 +23,9 @@ class Piece {
   // Neither the constructor nor copies touch corners that are not there: pieces are made by the
   // dozen for each triangle.
   Piece() {}
+  explicit Piece(const std::array<Vec3d, 3>& triangle) : size_(3) {
+    for (std::size_t i = 0; i < 3; ++i) corners_[i] = triangle[i].v;
+  }
   Piece(const Piece& other) { *this = other; }
   Piece& operator=(const Piece& other) {
     size_ = other.size_;

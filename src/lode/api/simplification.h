@@ -1,0 +1,24 @@
+#pragma once
+
+#include "lode/api/dataset_impl.h"
+#include "lode/mappers/simplify_surface.h"
+
+namespace lode {
+
+/// Refuses options that simplification does not go with.
+[[nodiscard]] Result<void> check_simplify(const ExtractOptions& options);
+
+/// Whether triangles are to stay in the band of `tolerance` round the isovalue.
+[[nodiscard]] bool has_band(const ExtractOptions& options, double tolerance);
+
+/// The same query without simplification: what that starts from. `tolerance`: the query's.
+[[nodiscard]] ExtractOptions before_simplification(const ExtractOptions& options, double tolerance);
+
+/// Without a band.
+[[nodiscard]] SimplifyOptions simplify_options_of(const ExtractOptions& options);
+
+/// Simplifies an extracted surface as the options say, within report.max_error.
+[[nodiscard]] Result<void> simplify(const Dataset::Impl& impl, const ExtractOptions& options,
+                                    Surface& surface, ExtractReport& report, Progress& progress);
+
+}  // namespace lode

@@ -1,0 +1,103 @@
+#include "lode/mappers/collapse_proof.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lode/mappers/collapse_crossings.h"
+
+namespace lode::simplification {
+namespace {
+
+std::uint32_t later(std::uint32_t a, std::uint32_t b) {
+  if (a == kNone) return b;
+  return b == kNone ? a : std::max(a, b);
+}
+
+}  // namespace
+
+/// Original triangles of which a corner is attached to a changed triangle or a neighbour of one:
+/// their proofs may have been about what is no more.
+std::vector<std::uint32_t> CollapseProof::to_recheck(std::span<const std::uint32_t> changed) const {
+  std::vector<std::uint8_t> is_near(mesh_.triangles.size(), 0);
+  for (const std::uint32_t t : changed)
+    for (const std::uint32_t v : mesh_.triangles[t].v)
+      stars_.for_each_around(v, [&](std::uint32_t s) { is_near[s] = 1; });
+  const auto is_asked = [&](std::size_t i) {
+    if (!mesh_.triangles[i].is_dead() && stars_.maker(static_cast<std::uint32_t>(i)) == kNone)
+      return false;  // as it was
+    return std::ranges::any_of(original_.triangles[i],
+                               [&](std::uint32_t v) { return is_near[mesh_.attached_to[v]] != 0; });
+  };
+  constexpr std::size_t kPiece = 1 << 16;
+  std::vector<std::vector<std::uint32_t>> pieces(original_.triangles.size() / kPiece + 1);
+  parallel_for(pieces.size(), options_.threads, 1, [&](std::size_t piece, int) {
+    const std::size_t end = std::min(original_.triangles.size(), (piece + 1) * kPiece);
+    for (std::size_t i = piece * kPiece; i < end; ++i)
+      if (is_asked(i)) pieces[piece].push_back(static_cast<std::uint32_t>(i));
+  });
+  std::vector<std::uint32_t> found;
+  for (const auto& piece : pieces) found.insert(found.end(), piece.begin(), piece.end());
+  return found;
+}
+
+/// Adds collapses whose triangles are not proven near, to `bad`.
+void CollapseProof::find_far(std::span<const std::uint32_t> made,
+                             std::span<const std::uint32_t> changed,
+                             std::vector<std::uint32_t>& bad) {
+  const DistanceReport to = distance_.to_original(made, options_.threads);
+  for (const std::uint32_t t : to.failing) bad.push_back(stars_.maker(t));
+  const DistanceReport from = distance_.from_original(to_recheck(changed), options_.threads);
+  for (const std::uint32_t t : from.failing) {
+    // Of what its corners are attached to, or else what took it away, at one of its corners.
+    std::uint32_t maker = kNone;
+    for (const std::uint32_t v : original_.triangles[t])
+      maker = later(maker, stars_.maker(mesh_.attached_to[v]));
+    if (maker == kNone)
+      for (const std::uint32_t v : original_.triangles[t]) maker = later(maker, mesh_.last[v]);
+    bad.push_back(maker);
+  }
+  proven_distance_ = std::max({proven_distance_, to.proven, from.proven});
+}
+
+/// The same of those that leave the band.
+void CollapseProof::find_beyond(std::span<const std::uint32_t> made,
+                                std::vector<std::uint32_t>& bad) {
+  const SurfaceBand& band = *options_.band;
+  std::vector<double> deviations(made.size());
+  parallel_for(made.size(), options_.threads, 256, [&](std::size_t i, int) {
+    if (progress_.is_cancelled()) return;
+    std::array<Vec3d, 3> triangle;
+    for (std::size_t k = 0; k < 3; ++k)
+      triangle[k] = band.own_coordinates(widened(mesh_.positions[mesh_.triangles[made[i]].v[k]]));
+    deviations[i] = band.largest_deviation(triangle);
+  });
+  for (std::size_t i = 0; i < made.size(); ++i)
+    if (deviations[i] <= band.limit())
+      proven_error_ = std::max(proven_error_, deviations[i]);
+    else
+      bad.push_back(stars_.maker(made[i]));
+}
+
+Result<std::vector<std::uint32_t>> CollapseProof::find_bad(std::span<const std::uint32_t> live,
+                                                           std::span<const std::uint32_t> changed) {
+  std::vector<std::uint32_t> bad;
+  LODE_TRY(const auto crossings, find_crossings(mesh_, live, changed, options_.threads, progress_));
+  for (const auto& [s, t] : crossings) {
+    const std::uint32_t maker = later(stars_.maker(s), stars_.maker(t));
+    if (maker != kNone)
+      bad.push_back(maker);
+    else
+      meets_itself_already_ = true;
+  }
+  std::vector<std::uint32_t> made;  // original ones need no proof
+  for (const std::uint32_t t : changed)
+    if (stars_.maker(t) != kNone) made.push_back(t);
+  if (std::isfinite(options_.max_distance)) find_far(made, changed, bad);
+  if (options_.band != nullptr) find_beyond(made, bad);
+  if (progress_.is_cancelled()) return cancelled_error();
+  sort_unique(bad);
+  std::reverse(bad.begin(), bad.end());
+  return bad;
+}
+
+}  // namespace lode::simplification

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/core/surface.h"
+#include "lode/mappers/collapse_distance.h"
+#include "lode/mappers/collapse_mesh.h"
+#include "lode/mappers/collapse_undo.h"
+#include "lode/mappers/simplify_surface.h"
+
+namespace lode::simplification {
+
+/// Proves what collapses made of a surface, triangle by triangle: that it meets itself nowhere new,
+/// is near, and in the band, as far as the options ask.
+class CollapseProof {
+ public:
+  /// `edge`: about the longest of original triangles.
+  CollapseProof(const Surface& original, const CollapseMesh& mesh, const CollapseUndo& stars,
+                const SimplifyOptions& options, double edge, Progress& progress)
+      : original_(original),
+        mesh_(mesh),
+        stars_(stars),
+        options_(options),
+        progress_(progress),
+        distance_(original, mesh, stars, options.max_distance, edge, progress) {}
+
+  /// Collapses whose triangles fail, last first. `live`: all triangles that are there, ascending;
+  /// `changed`: those that were not proven as they are.
+  [[nodiscard]] Result<std::vector<std::uint32_t>> find_bad(std::span<const std::uint32_t> live,
+                                                            std::span<const std::uint32_t> changed);
+
+  [[nodiscard]] double proven_distance() const { return proven_distance_; }
+  [[nodiscard]] double proven_error() const { return proven_error_; }
+  [[nodiscard]] bool meets_itself_already() const { return meets_itself_already_; }
+
+ private:
+  [[nodiscard]] std::vector<std::uint32_t> to_recheck(std::span<const std::uint32_t> changed) const;
+  void find_far(std::span<const std::uint32_t> made, std::span<const std::uint32_t> changed,
+                std::vector<std::uint32_t>& bad);
+  void find_beyond(std::span<const std::uint32_t> made, std::vector<std::uint32_t>& bad);
+
+  const Surface& original_;
+  const CollapseMesh& mesh_;
+  const CollapseUndo& stars_;
+  const SimplifyOptions& options_;
+  Progress& progress_;
+  DistanceProof distance_;
+  double proven_distance_ = 0;
+  double proven_error_ = 0;
+  bool meets_itself_already_ = false;
+};
+
+}  // namespace lode::simplification

@@ -1,0 +1,212 @@
+#include "lode/models/diamond/side_check.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <iterator>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "lode/models/diamond/lattice.h"
+
+namespace lode::diamond {
+namespace {
+
+using Point2 = std::array<double, 2>;
+
+/// How far beside the rows rays run, in steps of the grid; what fails all of them is wrong.
+constexpr std::array<Point2, 3> kBeside = {
+    {{0.00031415, 0.00027183}, {0.0000057721, 0.0000091596}, {0.0000041421, 0.0000016180}}};
+
+/// Rows of samples along an axis, with the rays beside them, and where a surface crosses these.
+class RowCrossings {
+ public:
+  RowCrossings(const Index3& dims, std::size_t axis, const Point2& beside)
+      : dims_(dims),
+        axis_(axis),
+        across_{(axis + 1) % 3, (axis + 2) % 3},
+        beside_(beside),
+        stride_(as_size(dims[axis]) / 64 + 1),
+        words_(stride_ * n_rows(), 0) {}
+
+  [[nodiscard]] std::size_t n_rows() const {
+    return as_size(dims_[across_[0]]) * as_size(dims_[across_[1]]);
+  }
+  /// The sample at x of a row.
+  [[nodiscard]] Index3 sample(std::size_t row, std::int32_t x) const {
+    Index3 p;
+    p[axis_] = x;
+    p[across_[0]] = static_cast<std::int32_t>(row % as_size(dims_[across_[0]]));
+    p[across_[1]] = static_cast<std::int32_t>(row / as_size(dims_[across_[0]]));
+    return p;
+  }
+  /// The cell that the ray beside the row runs through from x on.
+  [[nodiscard]] Index3 cell(std::size_t row, std::int32_t x) const {
+    Index3 p = sample(row, x);
+    for (const std::size_t i : across_)
+      if (is_turned(i, p[i])) --p[i];
+    return p;
+  }
+  /// Whether it is crossed an odd number of times between samples x - 1 and x.
+  [[nodiscard]] bool is_crossed(std::size_t row, std::int32_t x) const {
+    return (words_[row * stride_ + as_size(x / 64)] >> (x % 64) & 1) != 0;
+  }
+
+  /// From many threads. Corners in index coordinates.
+  void add(const std::array<Vec3d, 3>& t) {
+    std::array<std::array<std::int32_t, 2>, 2> range{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto [low, high] = std::minmax({t[0][across_[i]], t[1][across_[i]], t[2][across_[i]]});
+      const std::int32_t last = dims_[across_[i]] - 1;
+      range[i] = {std::clamp(static_cast<std::int32_t>(std::floor(low)), 0, last),
+                  std::clamp(static_cast<std::int32_t>(std::ceil(high)), 0, last)};
+    }
+    for (std::int32_t v = range[1][0]; v <= range[1][1]; ++v)
+      for (std::int32_t u = range[0][0]; u <= range[0][1]; ++u) {
+        const auto x = crossing(t, {ray(0, u), ray(1, v)});
+        if (!x) continue;
+        const auto next = static_cast<std::int32_t>(
+            std::clamp(std::ceil(*x), 0.0, static_cast<double>(dims_[axis_])));
+        const std::size_t row = as_size(v) * as_size(dims_[across_[0]]) + as_size(u);
+        if (next < dims_[axis_])
+          std::atomic_ref(words_[row * stride_ + as_size(next / 64)])
+              .fetch_xor(std::uint64_t{1} << (next % 64), std::memory_order_relaxed);
+      }
+  }
+
+ private:
+  [[nodiscard]] bool is_turned(std::size_t axis, std::int32_t at) const {
+    return at == dims_[axis] - 1;
+  }
+  /// Inside the domain: at its upper border on the other side.
+  [[nodiscard]] double ray(std::size_t i, std::int32_t at) const {
+    return static_cast<double>(at) + (is_turned(across_[i], at) ? -beside_[i] : beside_[i]);
+  }
+  [[nodiscard]] Point2 flat(const Vec3d& p) const { return {p[across_[0]], p[across_[1]]}; }
+
+  /// Which side of an edge a point is on; the other triangle at the edge finds the same.
+  [[nodiscard]] static bool is_left(Point2 a, Point2 b, const Point2& p) {
+    const bool swaps = b < a;
+    if (swaps) std::swap(a, b);
+    const bool is_left = (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0;
+    return is_left != swaps;
+  }
+  [[nodiscard]] std::optional<double> crossing(const std::array<Vec3d, 3>& t,
+                                               const Point2& p) const {
+    const std::array<Point2, 3> q = {flat(t[0]), flat(t[1]), flat(t[2])};
+    const bool left = is_left(q[0], q[1], p);
+    if (left != is_left(q[1], q[2], p) || left != is_left(q[2], q[0], p)) return {};
+    const double whole =
+        (q[1][0] - q[0][0]) * (q[2][1] - q[0][1]) - (q[1][1] - q[0][1]) * (q[2][0] - q[0][0]);
+    const auto part = [&](std::size_t i, std::size_t j) {
+      return (q[i][0] - p[0]) * (q[j][1] - p[1]) - (q[i][1] - p[1]) * (q[j][0] - p[0]);
+    };
+    const double x =
+        (part(1, 2) * t[0][axis_] + part(2, 0) * t[1][axis_] + part(0, 1) * t[2][axis_]) / whole;
+    const auto [low, high] = std::minmax({t[0][axis_], t[1][axis_], t[2][axis_]});
+    return std::isfinite(x) ? std::clamp(x, low, high) : low;
+  }
+
+  Index3 dims_;
+  std::size_t axis_;
+  std::array<std::size_t, 2> across_;
+  Point2 beside_;
+  std::size_t stride_;
+  std::vector<std::uint64_t> words_;
+};
+
+using Pair = std::array<Index3, 2>;
+
+class SideChecker {
+ public:
+  SideChecker(const FieldSamples& samples, const Surface& surface, const SideOptions& options)
+      : samples_(samples), surface_(surface), options_(options) {}
+
+  Result<SideReport> run(Progress& progress) {
+    SideReport report;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::vector<Pair> wrong;
+      for (std::size_t i = 0; i < kBeside.size() && (i == 0 || !wrong.empty()); ++i) {
+        progress.report("sides", (static_cast<double>(axis) + 0.3 * static_cast<double>(i)) / 3);
+        std::uint64_t n_pairs = 0;
+        const std::vector<Pair> found = find_wrong(axis, kBeside[i], n_pairs, progress);
+        if (progress.is_cancelled()) return cancelled_error();
+        if (i == 0) {
+          report.n_pairs += n_pairs;
+          wrong = found;
+        } else {
+          std::vector<Pair> both;
+          std::ranges::set_intersection(wrong, found, std::back_inserter(both));
+          wrong = std::move(both);
+        }
+      }
+      if (report.n_wrong == 0 && !wrong.empty()) report.first = wrong.front();
+      report.n_wrong += wrong.size();
+    }
+    return report;
+  }
+
+ private:
+  [[nodiscard]] std::vector<Pair> find_wrong(std::size_t axis, const Point2& beside,
+                                             std::uint64_t& n_pairs,
+                                             const Progress& progress) const {
+    RowCrossings rows(samples_.grid().dims, axis, beside);
+    const RegularGrid& grid = samples_.grid();
+    parallel_for(surface_.triangles.size(), options_.threads, 4096, [&](std::size_t i, int) {
+      std::array<Vec3d, 3> corners;
+      for (std::size_t k = 0; k < 3; ++k)
+        corners[k] = grid.to_index(surface_.world_position(surface_.triangles[i][k]));
+      rows.add(corners);
+    });
+    std::vector<Pair> wrong;
+    std::mutex mutex;
+    parallel_for(rows.n_rows(), options_.threads, 64, [&](std::size_t row, int) {
+      if (progress.is_cancelled()) return;
+      std::vector<Pair> found;
+      const std::uint64_t n = check_row(rows, row, grid.dims[axis], found);
+      const std::lock_guard lock(mutex);
+      n_pairs += n;
+      wrong.insert(wrong.end(), found.begin(), found.end());
+    });
+    std::ranges::sort(wrong);
+    return wrong;
+  }
+
+  [[nodiscard]] std::uint64_t check_row(const RowCrossings& rows, std::size_t row, std::int32_t n,
+                                        std::vector<Pair>& wrong) const {
+    std::uint64_t n_pairs = 0;
+    std::optional<Index3> last;
+    bool was_above = false;
+    bool changes = false;  // the side since then
+    for (std::int32_t x = 0; x < n; ++x) {
+      if (x > 0 && options_.has_holes && is_removed_cell(samples_, rows.cell(row, x - 1)))
+        last.reset();
+      if (rows.is_crossed(row, x)) changes = !changes;
+      const Index3 at = rows.sample(row, x);
+      const double above = samples_.sample(at) - options_.isovalue;
+      if (!(std::abs(above) > options_.error)) continue;
+      if (last) {
+        ++n_pairs;
+        if (changes != (was_above != (above > 0))) wrong.push_back({*last, at});
+      }
+      last = at;
+      was_above = above > 0;
+      changes = false;
+    }
+    return n_pairs;
+  }
+
+  const FieldSamples& samples_;
+  const Surface& surface_;
+  const SideOptions& options_;
+};
+
+}  // namespace
+
+Result<SideReport> check_sides(const FieldSamples& samples, const Surface& surface,
+                               const SideOptions& options, Progress& progress) {
+  return SideChecker(samples, surface, options).run(progress);
+}
+
+}  // namespace lode::diamond

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/core/surface.h"
+#include "lode/models/diamond/cell_field.h"
+
+namespace lode::diamond {
+
+struct SideOptions {
+  double isovalue = 0;
+  double error = 0;       ///< Samples farther than this from the isovalue are asked about.
+  bool has_holes = true;  ///< Whether cells may be removed.
+  Threads threads = {};
+};
+
+struct SideReport {
+  std::uint64_t n_pairs = 0;  ///< Neighbours among such samples, in rows along the axes.
+  std::uint64_t n_wrong = 0;
+  std::array<Index3, 2> first{};  ///< The first wrong pair, where there is one.
+};
+
+/// Whether a surface of triangles lies between the samples above the isovalue and those below: of
+/// each two in a row of the grid, without another or a removed cell between, whether they are on
+/// one side or on both must be whether the surface crosses the row between them an even number of
+/// times, by rays beside the row. Fails when cancelled.
+[[nodiscard]] Result<SideReport> check_sides(const FieldSamples& samples, const Surface& surface,
+                                             const SideOptions& options, Progress& progress);
+
+}  // namespace lode::diamond
