@@ -148,19 +148,20 @@ void add_simplified(Table& table, const ExtractReport& report) {
                                        format_count(done.triangles_before),
                                        format_count(done.collapses), format_count(done.undone))});
   if (done.max_error > 0)
-    table.add({"|F - isovalue|",
-               fmt::format("at most {} where edges collapsed (asked for: {})",
+    table.add({"simplified within",
+               fmt::format("|F - isovalue| at most {} where edges collapsed (asked for: {})",
                            format_number(done.proven_error), format_number(done.max_error))});
   if (std::isfinite(done.max_distance))
     table.add({"distance",
                fmt::format("at most {} from the surface before and back (asked for: {})",
                            format_number(done.proven_distance), format_number(done.max_distance))});
-  table.add(
-      {"pieces dropped", done.components_dropped == 0
-                             ? "none"
-                             : fmt::format("{} with {} triangles, all within the max error inside",
-                                           format_count(done.components_dropped),
-                                           format_count(done.triangles_dropped))});
+  if (done.max_error > 0)
+    table.add({"pieces in the band",
+               done.components_dropped == 0
+                   ? "none"
+                   : fmt::format("{} with {} triangles dropped: all within the max error inside",
+                                 format_count(done.components_dropped),
+                                 format_count(done.triangles_dropped))});
   if (done.input_crossings > 0)
     table.add({"met itself before", format_count(done.input_crossings) + " pairs of triangles"});
   table.add({"simplify", fmt::format("{} (collapse {:.3f}, prove {:.3f}, finish {:.3f})",

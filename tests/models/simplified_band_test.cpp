@@ -134,6 +134,19 @@ TEST(simplified_band, holds_in_oblique_and_mirrored_grids_and_far_from_the_origi
   expect_small_and_true(volume, 0.05, 0.2);
 }
 
+TEST(simplified_band, keeps_inside_thin_oblique_grids_of_two_layers) {
+  for (std::uint64_t seed = 20; seed < 26; ++seed) {
+    Volume volume = rough_volume<float>({{2, 34, 98}}, 1, seed);
+    volume.info.grid.direction = {{Vec3d{{0.8, -0.6, 0}}, Vec3d{{0.6, 0.8, 0}}, Vec3d{{0, 0, 1}}}};
+    const Dataset dataset = test::built_dataset(volume);
+    for (const SurfaceStyle style : {SurfaceStyle::tetra, SurfaceStyle::cubes}) {
+      ExtractOptions options{.isovalues = {0}, .max_error = 0.5, .style = style, .threads = {2}};
+      options.simplify = Simplify::edges;
+      static_cast<void>(simplified(dataset, options));
+    }
+  }
+}
+
 /// A ball of radius 8 round (16, 16, 16), 100 inside and 0 outside, with some samples changed.
 Volume ball_with(const std::vector<std::pair<Index3, double>>& changes) {
   RegularGrid grid;
@@ -241,6 +254,8 @@ TEST(simplified_band, refuses_what_has_no_proof) {
   expect_refused({.isovalues = {0}, .max_error = 0.0}, "expected a max_error > 0");
   expect_refused({.isovalues = {0}, .max_error = 0.1, .clip = Box3d{{{0, 0, 0}}, {{5, 5, 5}}}},
                  "expected no clip box");
+  expect_refused({.isovalues = {0}, .max_error = 0.1, .min_component = 5}, "expected all pieces");
+  expect_refused({.isovalues = {0}, .max_distance = 1.0}, "expected a finite max_error > 0");
   expect_refused({.isovalues = {0}, .max_error = 0.1, .border = Border::closed},
                  "expected an open border");
 }

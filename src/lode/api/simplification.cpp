@@ -46,6 +46,12 @@ Result<void> check_simplify(const ExtractOptions& options) {
   if (options.isovalues.size() > 1)
     return fail("simplifying within a max_error: expected one isovalue, got {}",
                 options.isovalues.size());
+  if (options.min_component > 1)
+    return fail(
+        "simplifying within a max_error: expected all pieces kept, got min_component {}, which "
+        "drops "
+        "what lies beyond the error, too",
+        options.min_component);
   if (options.clip)
     return fail(
         "simplifying within a max_error: expected no clip box, which may cut off all samples that "

@@ -14,6 +14,9 @@ bool BlockSimplifier::keeps_to_band(std::uint32_t kept, std::uint32_t removed,
   const SurfaceBand& band = *limits_.band;
   const bool stays = position == this->position(kept);
   const Vec3d to = stays ? in_band(kept) : band.own_coordinates(widened(centre_ + position));
+  // So near the border it would be taken to be on it, where only vertices of the data are.
+  const bool is_new = !stays && !(position == this->position(removed));
+  if (is_new && band.border_planes(to) != 0) return false;
   std::array<std::array<Vec3d, 2>, kMaxStar> fan;
   for (std::uint32_t i = 0; i < n_new_; ++i)
     fan[i] = {in_band(new_triangles_[i].a), in_band(new_triangles_[i].b)};

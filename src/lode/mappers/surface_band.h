@@ -31,8 +31,8 @@ class SurfaceBand {
   /// their points, but for those on the fan's edges.
   [[nodiscard]] virtual bool seems_within(const Vec3d& apex,
                                           std::span<const std::array<Vec3d, 2>> fan) const = 0;
-  /// The largest |F - c| on a triangle, rounded up; infinite where it leaves the domain. For
-  /// triangles that are within the band by their samples alone it may be 0.
+  /// No point of a triangle has a larger |F - c|, rounded up: E where samples alone say that it is
+  /// within the band, infinite where it leaves the domain.
   [[nodiscard]] virtual double largest_deviation(const std::array<Vec3d, 3>& triangle) const = 0;
 };
 

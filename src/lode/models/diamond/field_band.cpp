@@ -142,8 +142,13 @@ void FieldBand<T>::find_rounding() {
 template <typename T>
 void FieldBand<T>::find_bits(std::size_t brick) {
   const Index<3> lower = point_of<3>(model_.brick_dims, brick) * kEdge;
+  // Rows between bricks belong to the last that has them: others may be writing them.
+  const Index<3> at = point_of<3>(model_.brick_dims, brick);
   Index<3> n;
-  for (std::size_t i = 0; i < 3; ++i) n[i] = std::min(kBrickSamples<3>, dims_[i] - lower[i]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool is_whole = i == 0 || at[i] + 1 == model_.brick_dims[i];
+    n[i] = std::min(is_whole ? kBrickSamples<3> : kEdge, dims_[i] - lower[i]);
+  }
   const T* const samples = reinterpret_cast<const T*>(model_.brick(brick));
   for (std::int32_t z = 0; z < n[2]; ++z)
     for (std::int32_t y = 0; y < n[1]; ++y) {
@@ -231,7 +236,7 @@ int n_parts(const Vec3d& edge) {
 template <typename T>
 bool FieldBand<T>::seems_within(const Vec3d& apex,
                                 std::span<const std::array<Vec3d, 2>> fan) const {
-  if (!is_within(apex)) return false;
+  if (!is_inside(apex) || !is_within(apex)) return false;
   for (const auto& [a, b] : fan) {
     const Vec3d u = a - apex;
     const int n = n_parts(u);
@@ -344,7 +349,8 @@ double FieldBand<T>::largest_deviation(const std::array<Vec3d, 3>& triangle) con
     return kInfinity;
   double largest = 0;
   visit_cells(Piece(triangle), dims_, [&](const Index3& cell, const Piece& piece) {
-    if (!is_cell_within(cell)) largest = std::max(largest, deviation_in(cell, piece));
+    const double here = is_cell_within(cell) ? error_ : deviation_in(cell, piece);
+    largest = std::max(largest, here);
   });
   return largest;
 }

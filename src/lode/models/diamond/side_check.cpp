@@ -58,9 +58,9 @@ class RowCrossings {
     std::array<std::array<std::int32_t, 2>, 2> range{};
     for (std::size_t i = 0; i < 2; ++i) {
       const auto [low, high] = std::minmax({t[0][across_[i]], t[1][across_[i]], t[2][across_[i]]});
-      const std::int32_t last = dims_[across_[i]] - 1;
-      range[i] = {std::clamp(static_cast<std::int32_t>(std::floor(low)), 0, last),
-                  std::clamp(static_cast<std::int32_t>(std::ceil(high)), 0, last)};
+      const double last = static_cast<double>(dims_[across_[i]] - 1);
+      range[i] = {static_cast<std::int32_t>(std::clamp(std::floor(low), 0.0, last)),
+                  static_cast<std::int32_t>(std::clamp(std::ceil(high), 0.0, last))};
     }
     for (std::int32_t v = range[1][0]; v <= range[1][1]; ++v)
       for (std::int32_t u = range[0][0]; u <= range[0][1]; ++u) {
