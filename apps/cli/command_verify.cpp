@@ -136,6 +136,7 @@ Command add_verify_command(CLI::App& program) {
       "Examples:\n  lode verify scan.lode --against scan.nrrd\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5\n"
+      "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-error 10\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-distance 0.5");
   app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
       ->type_name("FILE")
@@ -144,7 +145,8 @@ Command add_verify_command(CLI::App& program) {
   app->add_option("--surface", arguments->surface, "Surface to check")->type_name("SURFACE");
   app->add_flag(
       "--simplify,--remove-slivers", arguments->simplify.simplifies,
-      "The surface was simplified: distance and pieces are held against what it was before");
+      "The surface was simplified: distance and pieces are held against what it was before; within "
+      "--max-error alone |F - isovalue|, and the sides of samples that are farther");
   app->add_option("--max-distance", arguments->simplify.max_distance,
                   "Distance that it was extracted within, world units: measured, from full "
                   "resolution and back; with --simplify from the surface before and back")

@@ -251,7 +251,7 @@ TEST(simplified_band, refuses_what_has_no_proof) {
     EXPECT_NE(report.error().message.find(why), std::string::npos) << report.error().message;
   };
   expect_refused({.isovalues = {0, 0.1}, .max_error = 0.1}, "expected one isovalue, got 2");
-  expect_refused({.isovalues = {0}, .max_error = 0.0}, "expected a max_error > 0");
+  expect_refused({.isovalues = {0}, .max_error = 0.0}, "expected a finite max_error > 0");
   expect_refused({.isovalues = {0}, .max_error = 0.1, .clip = Box3d{{{0, 0, 0}}, {{5, 5, 5}}}},
                  "expected no clip box");
   expect_refused({.isovalues = {0}, .max_error = 0.1, .min_component = 5}, "expected all pieces");

@@ -52,12 +52,12 @@ Result<void> check_extract_options(const ExtractOptions& options) {
     return fail("closing at the border: expected no clip box, whose cut would stay open");
   LODE_CHECK(check_max_distance(options));
   LODE_CHECK(check_keep_topology(options));
-  LODE_CHECK(check_simplify(options));
   return {};
 }
 
 Result<void> check_extraction(const Dataset::Impl& impl, const ExtractOptions& options) {
   LODE_CHECK(check_extract_options(options));
+  LODE_CHECK(check_simplify(options, tolerance_of(impl.summary().stats, options)));
   LODE_CHECK(check_each_once(options.isovalues));
   return check_is_volume(impl, options);
 }

@@ -145,10 +145,6 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   ExtractPlan plan;
   plan.report.max_error = tolerance_of(impl.summary().stats, options);
   const char* const need = need_of_whole_model(options, plan.report.max_error);
-  if (options.simplify != Simplify::off && !options.simplify_distance &&
-      !has_band(options, plan.report.max_error))
-    return fail("simplifying: expected a finite max_error > 0 or a simplify_distance, got {}",
-                plan.report.max_error);
   const std::uint64_t limit = memory_limit_of(options);
   const bool is_too_large = impl.model_bytes() > limit;
   // Whether holes open the border is asked of all samples.

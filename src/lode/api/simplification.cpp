@@ -26,7 +26,7 @@ Result<std::unique_ptr<SurfaceBand>> band_of(const Dataset::Impl& impl,
 
 }  // namespace
 
-Result<void> check_simplify(const ExtractOptions& options) {
+Result<void> check_simplify(const ExtractOptions& options, double tolerance) {
   if (options.simplify == Simplify::off) {
     if (!options.simplify_distance) return {};
     return fail("simplify_distance: expected simplify with it, which is off");
@@ -39,9 +39,10 @@ Result<void> check_simplify(const ExtractOptions& options) {
     return fail("removing slivers: expected a simplify_distance, got none");
   if (options.border == Border::closed)
     return fail("simplifying: expected an open border, whose planes caps would leave");
-  if (options.max_error == 0.0) {
+  if (!has_band(options, tolerance)) {
     if (options.simplify_distance) return {};
-    return fail("simplifying: expected a max_error > 0 or a simplify_distance, got neither");
+    return fail("simplifying: expected a finite max_error > 0 or a simplify_distance, got {}",
+                tolerance);
   }
   if (options.isovalues.size() > 1)
     return fail("simplifying within a max_error: expected one isovalue, got {}",
@@ -49,8 +50,7 @@ Result<void> check_simplify(const ExtractOptions& options) {
   if (options.min_component > 1)
     return fail(
         "simplifying within a max_error: expected all pieces kept, got min_component {}, which "
-        "drops "
-        "what lies beyond the error, too",
+        "drops what lies beyond the error, too",
         options.min_component);
   if (options.clip)
     return fail(
@@ -60,7 +60,8 @@ Result<void> check_simplify(const ExtractOptions& options) {
 }
 
 bool has_band(const ExtractOptions& options, double tolerance) {
-  return options.simplify != Simplify::off && tolerance > 0 && std::isfinite(tolerance);
+  return options.simplify != Simplify::off && kExtractionShare * tolerance > 0 &&
+         std::isfinite(tolerance);
 }
 
 ExtractOptions before_simplification(const ExtractOptions& options, double tolerance) {

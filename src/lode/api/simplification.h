@@ -5,13 +5,13 @@
 
 namespace lode {
 
-/// Refuses options that simplification does not go with.
-[[nodiscard]] Result<void> check_simplify(const ExtractOptions& options);
+/// Refuses options that simplification does not go with. `tolerance`: the query's.
+[[nodiscard]] Result<void> check_simplify(const ExtractOptions& options, double tolerance);
 
 /// Whether triangles are to stay in the band of `tolerance` round the isovalue.
 [[nodiscard]] bool has_band(const ExtractOptions& options, double tolerance);
 
-/// The same query without simplification: what that starts from. `tolerance`: the query's.
+/// The same query without simplification: what that starts from.
 [[nodiscard]] ExtractOptions before_simplification(const ExtractOptions& options, double tolerance);
 
 /// Without a band.

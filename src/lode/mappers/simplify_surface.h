@@ -49,7 +49,9 @@ struct SimplifyReport {
 /// Collapses edges of a surface of triangles for as long as it stays near. Guaranteed of the
 /// result, whatever the input's shape:
 /// - no point of either surface is farther than `max_distance` from the other, and than
-///   `proven_distance`;
+///   `proven_distance`, where that is finite;
+/// - with a band, triangles that are not the input's lie in it, and no sample outside it is on
+///   another side of the surface than before;
 /// - it is homeomorphic to the input, component by component (the link condition, edge by edge), so
 ///   none vanishes; the border stays, and no vertex of it moves: some go, and only where the border
 ///   stays in all the coordinate planes it runs in;

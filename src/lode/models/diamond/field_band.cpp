@@ -39,9 +39,6 @@ class SampleBits {
   [[nodiscard]] const std::uint64_t* row(std::int32_t y, std::int32_t z) const {
     return words_.data() + (as_size(z) * as_size(dims_[1]) + as_size(y)) * stride_;
   }
-  [[nodiscard]] static bool is_set(const std::uint64_t* row, std::int32_t x) {
-    return (row[x >> 6] >> (x & 63) & 1) != 0;
-  }
   /// Whether one from x = first to last is set.
   [[nodiscard]] static bool is_any_set(const std::uint64_t* row, std::int32_t first,
                                        std::int32_t last) {
@@ -76,10 +73,10 @@ class FieldBand final : public SurfaceBand {
     const Mat3 cofactor = cofactors(frame_.to_world);
     for (std::size_t i = 0; i < 3; ++i) to_lattice_.rows[i] = cofactor.column(i) * scale;
     find_rounding();
-    parallel_for(model.n_bricks(), threads, 1, [&](std::size_t brick, int) {
-      // Whole words of a row belong to two bricks.
-      if (model_.brick_dims[0] > 1 && brick % as_size(model_.brick_dims[0]) != 0) return;
-      for (std::size_t x = 0; x < as_size(model_.brick_dims[0]); ++x) find_bits(brick + x);
+    // Row by row of bricks, as words of a row of samples belong to two of them.
+    const std::size_t n = as_size(model.brick_dims[0]);
+    parallel_for(model.n_bricks() / n, threads, 1, [&](std::size_t row, int) {
+      for (std::size_t x = 0; x < n; ++x) find_bits(row * n + x);
     });
   }
 
@@ -141,9 +138,9 @@ void FieldBand<T>::find_rounding() {
 
 template <typename T>
 void FieldBand<T>::find_bits(std::size_t brick) {
-  const Index<3> lower = point_of<3>(model_.brick_dims, brick) * kEdge;
-  // Rows between bricks belong to the last that has them: others may be writing them.
   const Index<3> at = point_of<3>(model_.brick_dims, brick);
+  const Index<3> lower = at * kEdge;
+  // Rows between bricks belong to the last that has them: others may be writing them.
   Index<3> n;
   for (std::size_t i = 0; i < 3; ++i) {
     const bool is_whole = i == 0 || at[i] + 1 == model_.brick_dims[i];
@@ -176,8 +173,7 @@ bool FieldBand<T>::is_cell_within(const Index<3>& cell) const {
   std::uint64_t all = 3;
   for (std::int32_t dz = 0; dz < 2; ++dz)
     for (std::int32_t dy = 0; dy < 2; ++dy) {
-      const std::uint64_t* row =
-          within_.row(std::min(cell[1] + dy, dims_[1] - 1), std::min(cell[2] + dz, dims_[2] - 1));
+      const std::uint64_t* row = within_.row(cell[1] + dy, cell[2] + dz);
       const std::int32_t x = cell[0];
       std::uint64_t bits = row[x >> 6] >> (x & 63);
       if ((x & 63) == 63) bits |= row[(x >> 6) + 1] << 1;
