@@ -14,6 +14,7 @@
 
 #include <hwy/highway.h>
 
+#include "bench/floor.h"
 #include "bench/peers/flying_edges.h"
 #include "bench/report.h"
 #include "bench/surface_distance.h"
@@ -49,10 +50,16 @@ struct Timed {
   Seconds seconds;
   std::uint64_t triangles = 0;
   double achieved_error = 0;
+  std::uint64_t surface_bytes = 0;  ///< Ours.
 };
 
 /// Whose memory the surface takes: that of the last run, as the interface offers, or new one.
 enum class Memory { reused, fresh };
+
+template <typename T>
+std::uint64_t bytes_of(const std::vector<T>& array) {
+  return array.size() * sizeof(T);
+}
 
 Result<Timed> time_ours(const Dataset& dataset, const VolumeCase& volume_case, double max_error,
                         Normals normals, Memory memory = Memory::reused,
@@ -73,6 +80,8 @@ Result<Timed> time_ours(const Dataset& dataset, const VolumeCase& volume_case, d
     return {};
   };
   LODE_TRY(timed.seconds, time_runs(volume_case.name, work));
+  timed.surface_bytes =
+      bytes_of(surface.positions) + bytes_of(surface.isovalues) + bytes_of(surface.triangles);
   return timed;
 }
 
@@ -141,6 +150,22 @@ Result<Dataset> run_build(const VolumeCase& volume_case, const Volume& volume, T
   return std::move(*dataset);
 }
 
+/// Full resolution against moving its bytes once.
+Result<void> run_floor(const VolumeCase& volume_case, const Volume& volume, const Timed& ours,
+                       Table& table) {
+  Floor floor(volume, volume_case.isovalue, ours.surface_bytes);
+  Timed moved;
+  LODE_TRY(moved.seconds, time_runs(volume_case.name, [&]() -> Result<void> {
+             floor.run(kThreads);
+             return {};
+           }));
+  table.add(versus("floor/" + volume_case.name, ours, "moving its bytes once", moved,
+                   fmt::format("{:.1f} MB of crossed blocks read, {:.1f} MB written",
+                               static_cast<double>(floor.bytes_read()) / 1e6,
+                               static_cast<double>(floor.bytes_written()) / 1e6)));
+  return {};
+}
+
 Result<Timed> run_full(const VolumeCase& volume_case, const Volume& volume, const Dataset& dataset,
                        Normals normals, Table& table) {
   const bool with_normals = normals == Normals::on;
@@ -150,6 +175,7 @@ Result<Timed> run_full(const VolumeCase& volume_case, const Volume& volume, cons
   table.add(versus((with_normals ? "full_normals/" : "full/") + volume_case.name, ours,
                    with_normals ? "vtkFlyingEdges3D, normals" : "vtkFlyingEdges3D", theirs,
                    peer.note()));
+  if (!with_normals) LODE_CHECK(run_floor(volume_case, volume, ours, table));
   return theirs;
 }
 

@@ -326,7 +326,7 @@ Command add_extract_command(CLI::App& program) {
       "Of a .lode file larger than --memory-limit no more is loaded than the surface needs, and\n"
       ".ply, .stl and .vtp are written piece by piece: the surface need not fit in memory, unless\n"
       "--clip, --close-border, --min-component, or a --simplify of more than one isovalue, are to\n"
-      "see all of it. --simplify within --max-error needs the whole model in memory.\n\n"
+      "see all of it.\n\n"
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/level_set_check.h"
@@ -208,6 +210,89 @@ TEST_P(field_band_cases, knows_the_planes_of_the_border) {
   EXPECT_EQ(planes(end), 2U | 8U | 32U);
   EXPECT_EQ(planes({{0.5, end[1], 0.25}}), 8U);
   EXPECT_EQ(planes({{0.5, 0.5, 0.5}}), 0U);
+}
+
+/// A box of the volume's samples, whose lattice begins at `origin`.
+Volume box_of(const Volume& volume, const Index3& origin, const Index3& dims) {
+  RegularGrid grid = volume.info.grid;  // its origin says nothing of the box
+  grid.dims = dims;
+  const VolumeSamples samples(volume);
+  return visit_scalar_type(volume.info.type, [&]<typename T>() {
+    return oracles::volume_of<T>(grid, [&](const Index3& p) { return samples.sample(p + origin); });
+  });
+}
+
+TEST_P(field_band_cases, of_a_part_is_that_of_the_whole_where_it_is_known) {
+  const Index3& dims = case_.volume.info.grid.dims;
+  const Index3 origin{{dims[0] / 6 * 2, 0, dims[2] > 4 ? 2 : 0}};
+  const Index3 part_dims{{dims[0] - origin[0], dims[1] - 1, dims[2] - origin[2]}};
+  const Model<3> model = model_of(box_of(case_.volume, origin, part_dims));
+  FieldPart part{.model = model,
+                 .grid = case_.volume.info.grid,
+                 .origin = {{origin[0], origin[1], origin[2]}},
+                 .is_known = {}};
+  const Index<3> blocks = FieldPart::block_dims({{part_dims[0], part_dims[1], part_dims[2]}});
+  Random random(12);
+  for (std::size_t i = 0; i < n_points<3>(blocks); ++i)
+    part.is_known.push_back(i == 0 || random.below(4) == 0 ? 0 : 1);
+  const auto is_known = part.is_known;
+  const auto band = make_field_band(std::move(part), case_.isovalue, case_.error, {2});
+  const Vec3d shift{{static_cast<double>(origin[0]), static_cast<double>(origin[1]),
+                     static_cast<double>(origin[2])}};
+  // Whether all cells that a box of points meets are known.
+  const auto is_all_known = [&](std::span<const Vec3d> points) {
+    Index<3> first;
+    Index<3> last;
+    for (std::size_t i = 0; i < 3; ++i) {
+      double low = points[0][i];
+      double high = low;
+      for (const Vec3d& p : points) {
+        low = std::min(low, p[i]);
+        high = std::max(high, p[i]);
+      }
+      first[i] = std::max(0, static_cast<std::int32_t>(std::ceil(low)) - 1) / 4;
+      last[i] = std::min(static_cast<std::int32_t>(high), part_dims[i] - 2) / 4;
+    }
+    Index<3> b;
+    for (b[2] = first[2]; b[2] <= last[2]; ++b[2])
+      for (b[1] = first[1]; b[1] <= last[1]; ++b[1])
+        for (b[0] = first[0]; b[0] <= last[0]; ++b[0])
+          if (is_known[linear_index<3>(blocks, b)] == 0) return false;
+    return true;
+  };
+  int n_known = 0;
+  int n_unknown = 0;
+  for (int trial = 0; trial < 6000; ++trial) {
+    std::array<Vec3d, 4> t;  // in the part
+    for (std::size_t i = 0; i < 3; ++i) t[0][i] = random.uniform(0, part_dims[i] - 1);
+    for (std::size_t k = 1; k < 4; ++k) {
+      t[k] = point_near(random, t[0]);
+      for (std::size_t i = 0; i < 3; ++i)
+        t[k][i] = std::clamp(t[k][i], 0.0, static_cast<double>(part_dims[i] - 1));
+    }
+    std::array<Vec3d, 4> whole = t;
+    for (Vec3d& p : whole) p = p + shift;
+    const std::array<Vec3d, 3> triangle{t[0], t[1], t[2]};
+    const double deviation = band->largest_deviation(triangle);
+    const double expected = band_->largest_deviation({whole[0], whole[1], whole[2]});
+    if (is_all_known(t)) {
+      EXPECT_EQ(band->may_hold_fixed(t), band_->may_hold_fixed(whole));
+      if (std::isfinite(expected))
+        EXPECT_NEAR(deviation, expected, 1e-9 * case_.error);
+      else
+        EXPECT_FALSE(std::isfinite(deviation));
+      ++n_known;
+    } else {
+      if (band_->may_hold_fixed(whole)) EXPECT_TRUE(band->may_hold_fixed(t));
+      EXPECT_GE(deviation, expected * (1 - 1e-9));
+      ++n_unknown;
+    }
+    EXPECT_EQ(
+        band->border_planes(band->own_coordinates(case_.volume.info.grid.to_world(whole[0]))),
+        band_->border_planes(band_->own_coordinates(case_.volume.info.grid.to_world(whole[0]))));
+  }
+  EXPECT_GT(n_known, 200);
+  EXPECT_GT(n_unknown, 200);
 }
 
 INSTANTIATE_TEST_SUITE_P(types, field_band_cases, testing::Range(0, 5));

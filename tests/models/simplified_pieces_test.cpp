@@ -34,15 +34,25 @@ struct Simplified {
   Surface surface;
 };
 
-/// From a file that the memory limit does not let in.
-void simplify_by_pieces(const std::string& lode, const char* extension, Threads threads,
-                        Simplified& result) {
-  const std::string out = lode + extension;
-  const auto dataset = Dataset::open(lode, threads);
-  ASSERT_TRUE(dataset);
+ExtractOptions within_distance() {
   ExtractOptions options{.isovalues = {124.5}, .max_error = 0};
   options.simplify = Simplify::edges;
   options.simplify_distance = 0.6;
+  return options;
+}
+
+ExtractOptions within_error(double max_error) {
+  ExtractOptions options{.isovalues = {124.5}, .max_error = max_error};
+  options.simplify = Simplify::edges;
+  return options;
+}
+
+/// From a file that the memory limit does not let in.
+void simplify_by_pieces(const std::string& lode, const char* extension, ExtractOptions options,
+                        Threads threads, Simplified& result) {
+  const std::string out = lode + extension;
+  const auto dataset = Dataset::open(lode, threads);
+  ASSERT_TRUE(dataset);
   options.memory_limit = dataset->impl().chunk_bytes();
   options.threads = threads;
   ASSERT_LT(options.memory_limit, dataset->impl().model_bytes());
@@ -59,12 +69,10 @@ void simplify_by_pieces(const std::string& lode, const char* extension, Threads 
 }
 
 /// All that is promised of a simplified surface, by verification's own means.
-void expect_verified(const std::string& lode, const Surface& surface) {
+void expect_verified(const std::string& lode, const ExtractOptions& options,
+                     const Surface& surface) {
   const auto dataset = Dataset::open(lode, {2});
   ASSERT_TRUE(dataset);
-  ExtractOptions options{.isovalues = {124.5}, .max_error = 0};
-  options.simplify = Simplify::edges;
-  options.simplify_distance = 0.6;
   Progress progress;
   const auto verified = dataset->verify_surface(surface, options, progress);
   ASSERT_TRUE(verified) << verified.error().message;
@@ -72,11 +80,12 @@ void expect_verified(const std::string& lode, const Surface& surface) {
     EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
 }
 
-void expect_simplified(const Volume& volume, const char* extension) {
+void expect_simplified(const Volume& volume, const char* extension,
+                       const ExtractOptions& options = within_distance()) {
   const TestPath path("simplified.lode");
   const std::string lode = stored(path, volume);
   Simplified result;
-  simplify_by_pieces(lode, extension, {2}, result);
+  simplify_by_pieces(lode, extension, options, {2}, result);
   if (testing::Test::HasFatalFailure()) return;
   ASSERT_TRUE(result.report.simplified);
   const SimplifyReport& simplified = *result.report.simplified;
@@ -85,32 +94,91 @@ void expect_simplified(const Volume& volume, const char* extension) {
   EXPECT_EQ(result.report.vertices, result.surface.positions.size());
   EXPECT_GT(simplified.triangles_before, 40'000U);  // some pieces are cut
   EXPECT_LT(simplified.triangles, simplified.triangles_before / 2);
-  EXPECT_LE(simplified.proven_distance, 0.6);
-  if (result.surface.normals.empty()) return expect_verified(lode, result.surface);
+  if (options.simplify_distance) EXPECT_LE(simplified.proven_distance, *options.simplify_distance);
+  EXPECT_EQ(result.report.max_error, *options.max_error);
+  EXPECT_EQ(simplified.max_error, *options.max_error);
+  EXPECT_LE(simplified.proven_error, *options.max_error);
   for (const Vec3f& n : result.surface.normals) ASSERT_NEAR(length(n), 1, 1e-3);
-  expect_verified(lode, result.surface);
+  expect_verified(lode, options, result.surface);
 }
 
 TEST(simplified_pieces, fit_together_and_keep_what_is_promised_of_the_whole) {
   expect_simplified(noisy_waves(grid_of({{560, 40, 32}})), ".ply");
 }
 
-TEST(simplified_pieces, may_be_mirrored_turned_and_longer_along_an_axis) {
+RegularGrid turned_grid() {
   RegularGrid grid = grid_of({{1150, 6, 270}});
   grid.spacing = {{1, 1.25, 0.8}};
   grid.origin = {{-1000.25, 5, 17}};
   grid.direction = Mat3{{{{{0, 0, -1}}, {{1, 0, 0}}, {{0, 1, 0}}}}};
-  ASSERT_TRUE(grid.has_world_axes());
-  expect_simplified(noisy_waves(grid, 0), ".vtp");
+  return grid;
 }
 
-TEST(simplified_pieces, may_end_at_holes) {
+TEST(simplified_pieces, may_be_mirrored_turned_and_longer_along_an_axis) {
+  ASSERT_TRUE(turned_grid().has_world_axes());
+  expect_simplified(noisy_waves(turned_grid(), 0), ".vtp");
+}
+
+Volume waves_with_holes() {
   Volume volume = noisy_waves(grid_of({{560, 40, 32}}));
   volume.info.nodata = 7;
   oracles::Random random(11);
   for (std::uint8_t& sample : oracles::typed_samples<std::uint8_t>(volume))
     if (random.below(300) == 0) sample = 7;
-  expect_simplified(volume, ".ply");
+  return volume;
+}
+
+TEST(simplified_pieces, may_end_at_holes) { expect_simplified(waves_with_holes(), ".ply"); }
+
+TEST(simplified_pieces, stay_within_an_error) {
+  expect_simplified(noisy_waves(grid_of({{560, 40, 32}})), ".ply", within_error(4));
+  expect_simplified(noisy_waves(grid_of({{560, 40, 32}})), ".vtp", within_error(30));
+  expect_simplified(noisy_waves(turned_grid(), 0), ".vtp", within_error(6));
+  expect_simplified(waves_with_holes(), ".ply", within_error(8));
+}
+
+TEST(simplified_pieces, stay_within_an_error_and_a_distance) {
+  ExtractOptions options = within_error(10);
+  options.simplify_distance = 0.6;
+  expect_simplified(noisy_waves(grid_of({{560, 40, 32}})), ".ply", options);
+}
+
+TEST(simplified_pieces, drop_specks_in_the_band_that_lie_in_one) {
+  Volume volume = noisy_waves(grid_of({{560, 40, 32}}), 0);
+  auto samples = oracles::typed_samples<std::uint8_t>(volume);
+  const auto put = [&](const Index3& p, std::uint8_t value) {
+    samples[static_cast<std::size_t>(p[0] + 560 * (p[1] + 40 * p[2]))] = value;
+  };
+  for (std::int32_t z = 1; z < 31; ++z)
+    for (std::int32_t y = 1; y < 39; ++y)
+      for (std::int32_t x = 60; x < 75; ++x) put({{x, y, z}}, 122);
+  put({{67, 10, 10}}, 127);
+  put({{70, 20, 10}}, 126);
+  put({{66, 30, 20}}, 180);
+  const TestPath path("specks.lode");
+  const std::string lode = stored(path, volume);
+  Simplified result;
+  simplify_by_pieces(lode, ".ply", within_error(4), {2}, result);
+  ASSERT_TRUE(result.report.simplified);
+  EXPECT_EQ(result.report.simplified->components_dropped, 2U);
+  expect_verified(lode, within_error(4), result.surface);
+}
+
+TEST(simplified_pieces, within_an_error_come_to_memory_too) {
+  const TestPath path("collected.lode");
+  const std::string lode = stored(path, noisy_waves(grid_of({{560, 40, 32}})));
+  const auto dataset = Dataset::open(lode, {2});
+  ASSERT_TRUE(dataset);
+  ExtractOptions options = within_error(10);
+  options.memory_limit = dataset->impl().chunk_bytes();
+  Surface surface;
+  Progress progress;
+  const auto report = dataset->extract(options, surface, progress);
+  ASSERT_TRUE(report) << report.error().message;
+  Simplified written;
+  simplify_by_pieces(lode, ".vtp", options, {1}, written);
+  EXPECT_EQ(surface.triangles, written.surface.triangles);
+  expect_verified(lode, options, surface);
 }
 
 TEST(simplified_pieces, are_the_same_for_any_number_of_threads) {
@@ -118,14 +186,16 @@ TEST(simplified_pieces, are_the_same_for_any_number_of_threads) {
   const std::string lode = stored(path, noisy_waves(grid_of({{800, 24, 20}})));
   Simplified one;
   Simplified three;
-  simplify_by_pieces(lode, ".vtp", {1}, one);
-  simplify_by_pieces(lode, ".vtp", {3}, three);
-  EXPECT_TRUE(one.surface.positions == three.surface.positions);
-  EXPECT_TRUE(one.surface.triangles == three.surface.triangles);
-  EXPECT_FALSE(one.surface.is_empty());
+  for (const ExtractOptions& options : {within_distance(), within_error(7)}) {
+    simplify_by_pieces(lode, ".vtp", options, {1}, one);
+    simplify_by_pieces(lode, ".vtp", options, {3}, three);
+    EXPECT_TRUE(one.surface.positions == three.surface.positions);
+    EXPECT_TRUE(one.surface.triangles == three.surface.triangles);
+    EXPECT_FALSE(one.surface.is_empty());
+  }
 }
 
-TEST(simplified_pieces, are_of_full_resolution_and_one_isovalue_in_frames_like_the_worlds) {
+TEST(simplified_pieces, are_of_one_isovalue_in_frames_like_the_worlds) {
   const TestPath path("refused.lode");
   RegularGrid grid = grid_of({{800, 24, 20}});
   const auto ask = [&](const ExtractOptions& options) {
@@ -136,21 +206,18 @@ TEST(simplified_pieces, are_of_full_resolution_and_one_isovalue_in_frames_like_t
     return dataset->comes_in_pieces(limited);
   };
   const auto comes_in_pieces = [&](const ExtractOptions& options) { return ask(options).value(); };
-  ExtractOptions options{.isovalues = {124.5}, .max_error = 0};
-  options.simplify = Simplify::edges;
-  options.simplify_distance = 0.6;
+  const ExtractOptions options = within_distance();
   EXPECT_TRUE(comes_in_pieces(options));
-  ExtractOptions coarse = options;
-  coarse.max_error = 3;
-  const auto refused = ask(coarse);
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("simplifying within a max_error: expected a memory limit"),
-            std::string::npos);
+  EXPECT_TRUE(comes_in_pieces(within_error(3)));
   ExtractOptions two = options;
   two.isovalues.push_back(110);
   EXPECT_FALSE(comes_in_pieces(two));
   grid.direction = Mat3{{{{{0.8, -0.6, 0}}, {{0.6, 0.8, 0}}, {{0, 0, 1}}}}};
   EXPECT_FALSE(comes_in_pieces(options));
+  const auto refused = ask(within_error(3));
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("whose axes are not the world's: expected a memory limit"),
+            std::string::npos);
 }
 
 }  // namespace

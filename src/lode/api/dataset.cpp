@@ -177,7 +177,8 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   Surface expected;
   LODE_TRY(const ExtractReport report, extract(again, expected, progress));
   Surface full;
-  const bool needs_full = options.max_distance || options.keep_topology;
+  const bool needs_full =
+      options.max_distance || options.keep_topology || has_band(options, tolerance);
   if (needs_full) {
     again.keep_topology.reset();
     again.max_distance.reset();

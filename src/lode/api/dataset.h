@@ -87,9 +87,11 @@ struct ExtractOptions {
   /// - Within max_error: |F - isovalue| is at most that on all triangles, F being the field at full
   ///   resolution, and what is farther from the isovalue keeps its side of the surface. The surface
   ///   before is extracted within half of it. Without a simplify_distance and keep_topology closed
-  ///   components that hold nothing farther go. Of one isovalue, a model in memory, no clip box.
+  ///   components that hold nothing farther go. Of one isovalue, without a clip box.
   /// - Within simplify_distance (world units, > 0): no point of the surface, or of what it was, is
-  ///   farther from the other. Needs the whole surface, but for one isovalue with a max_error of 0.
+  ///   farther from the other.
+  /// Of one isovalue, in a grid whose axes are the world's, piece by piece where the model is
+  /// larger than the memory limit; the surface before is then that of full resolution.
   Simplify simplify = Simplify::off;
   std::optional<double> simplify_distance{};
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <new>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/close_border.h"
 #include "lode/models/diamond/file_extract.h"
+#include "lode/models/diamond/part_band.h"
 
 namespace lode {
 namespace {
@@ -81,25 +83,40 @@ Result<void> extract_chunks(const Dataset::Impl& impl, Dataset::Impl::Chunks& ch
       chunks.field);
 }
 
-/// The same without ever having all of the surface.
+/// The same without ever having all of the surface. Within an error, what is simplified is that of
+/// full resolution.
 Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
                            SurfaceSink& surface, ExtractReport& report, Progress& progress) {
   PieceFinisher finisher(options, surface);
   std::optional<PieceSimplifier> simplifier;
+  const double tolerance = report.max_error;
+  const bool is_in_band = has_band(options, tolerance);
+  if (is_in_band) report.max_error = 0;
   LODE_CHECK(std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) {
         if (options.simplify != Simplify::off)
           simplifier.emplace(simplify_options_of(options),
                              PieceShape{.grid = field.info.grid,
                                         .n_apart = diamond::n_pieces_apart<D>(field.shape),
-                                        .max_triangles = simplified_at_once(options)},
+                                        .max_triangles = simplified_at_once(options),
+                                        .drops_components = drops_components(options)},
                              progress, finisher);
         SurfaceSink& sink = simplifier ? static_cast<SurfaceSink&>(*simplifier) : finisher;
+        std::unique_ptr<SurfaceBand> band;
+        diamond::SeePart<D> see_part;
+        if constexpr (D == 3)
+          if (is_in_band)
+            see_part = [&](diamond::FilePart<3>& part) {
+              band = diamond::make_part_band(part, field.info.grid, options.isovalues.front(),
+                                             tolerance, options.threads);
+              simplifier->set_band(band.get());
+            };
         return extract_passes<D>(
             field, chunks.blocks, options, memory_limit_of(options) / kHeldShare, sink, report,
-            [&](double isovalue) { finisher.begin(isovalue); }, [](double) {}, progress);
+            [&](double isovalue) { finisher.begin(isovalue); }, [](double) {}, progress, see_part);
       },
       chunks.field));
+  report.max_error = tolerance;
   finisher.finish(report);
   if (simplifier) {
     report.simplified = simplifier->report();
@@ -113,8 +130,8 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
 /// Whether no edit needs to see all of the surface. At full resolution the pieces lie in boxes,
 /// each in its own chunk's, where the grid's axes are the world's.
 bool is_edited_by_piece(const ExtractOptions& options, const RegularGrid& grid, double tolerance) {
-  const bool is_simplified_by_piece =
-      tolerance == 0 && options.isovalues.size() == 1 && grid.has_world_axes();
+  const bool is_simplified_by_piece = (tolerance == 0 || has_band(options, tolerance)) &&
+                                      options.isovalues.size() == 1 && grid.has_world_axes();
   return !options.clip && options.border == Border::open && options.min_component <= 1 &&
          (options.simplify == Simplify::off || is_simplified_by_piece);
 }
@@ -133,10 +150,12 @@ struct ExtractPlan {
 };
 
 /// What cannot be done by pieces of the model; null: all can.
-const char* need_of_whole_model(const ExtractOptions& options, double tolerance) {
+const char* need_of_whole_model(const ExtractOptions& options, const RegularGrid& grid,
+                                double tolerance) {
   if (options.max_distance) return "max_distance";
   if (options.keep_topology) return "keep_topology";
-  if (has_band(options, tolerance)) return "simplifying within a max_error";
+  if (has_band(options, tolerance) && !is_edited_by_piece(options, grid, tolerance))
+    return "simplifying within a max_error, in a grid whose axes are not the world's";
   return options.style == SurfaceStyle::cubes ? "style cubes" : nullptr;
 }
 
@@ -144,7 +163,7 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   LODE_CHECK(check_extraction(impl, options));
   ExtractPlan plan;
   plan.report.max_error = tolerance_of(impl.summary().stats, options);
-  const char* const need = need_of_whole_model(options, plan.report.max_error);
+  const char* const need = need_of_whole_model(options, impl.info().grid, plan.report.max_error);
   const std::uint64_t limit = memory_limit_of(options);
   const bool is_too_large = impl.model_bytes() > limit;
   // Whether holes open the border is asked of all samples.
@@ -157,7 +176,9 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
     LODE_TRY(plan.chunks, impl.chunks(limit));
   }
   // At full resolution all in memory is faster, and numbers vertices in another order.
-  if ((plan.report.max_error == 0 || need != nullptr) && !is_too_large) plan.chunks = nullptr;
+  if (!is_too_large &&
+      (plan.report.max_error == 0 || need != nullptr || has_band(options, plan.report.max_error)))
+    plan.chunks = nullptr;
   if (need != nullptr && plan.chunks != nullptr)
     return fail(
         "{}: expected a memory limit of at least {} MB, as it needs the whole model, got {} MB",
@@ -180,7 +201,13 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
   if (plan.chunks != nullptr) {
     const store::ReadCounts before = impl_->reads();
-    LODE_CHECK(extract_chunks(*impl_, *plan.chunks, options, surface, report, progress));
+    if (has_band(options, report.max_error)) {
+      surface.clear();
+      SurfaceCollector collector(surface);
+      LODE_CHECK(stream_chunks(*plan.chunks, options, collector, report, progress));
+    } else {
+      LODE_CHECK(extract_chunks(*impl_, *plan.chunks, options, surface, report, progress));
+    }
     add_reads(before, *impl_, report);
   } else {
     const double tolerance = report.max_error;

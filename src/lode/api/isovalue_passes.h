@@ -78,7 +78,8 @@ template <int D, typename Before, typename After>
 Result<void> extract_passes(const diamond::CoarseField<D>& field, store::BlockCache& blocks,
                             const ExtractOptions& options, std::uint64_t max_bytes,
                             SurfaceSink& sink, ExtractReport& report, const Before& before,
-                            const After& after, Progress& progress) {
+                            const After& after, Progress& progress,
+                            const diamond::SeePart<D>& see_part = {}) {
   std::span<const double> left = options.isovalues;
   std::uint64_t bytes_each = guessed_bytes(field);
   while (!left.empty()) {
@@ -93,7 +94,7 @@ Result<void> extract_passes(const diamond::CoarseField<D>& field, store::BlockCa
                                   [&](std::size_t i) {
                                     return place[i] == 0 ? &sink : held.sink_or_drop(place[i] - 1);
                                   },
-                                  progress));
+                                  progress, see_part));
     add_part(part, report);
     after(some[0]);
     const Stopwatch watch;

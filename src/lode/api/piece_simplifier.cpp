@@ -6,28 +6,11 @@
 #include <numeric>
 
 #include "lode/core/expects.h"
+#include "lode/mappers/band_components.h"
+#include "lode/mappers/border_vertices.h"
 
 namespace lode {
 namespace {
-
-/// Spreads a number over 64 bits (the finaliser of splitmix64), so that sums of different numbers
-/// differ.
-std::uint64_t spread(std::uint64_t n) {
-  n += 0x9e3779b97f4a7c15U;
-  n = (n ^ (n >> 30)) * 0xbf58476d1ce4e5b9U;
-  n = (n ^ (n >> 27)) * 0x94d049bb133111ebU;
-  return n ^ (n >> 31);
-}
-
-/// By vertex: not 0 where edges of its triangles have a triangle on one side only. Inside, each
-/// neighbour comes once as the next and once as the one before.
-std::vector<std::uint64_t> open_ends(const Surface& surface) {
-  std::vector<std::uint64_t> ends(surface.positions.size(), 0);
-  for (const auto& t : surface.triangles)
-    for (std::size_t k = 0; k < 3; ++k)
-      ends[t[k]] += spread(t[(k + 1) % 3]) - spread(t[(k + 2) % 3]);
-  return ends;
-}
 
 /// Three times the centre.
 double centre3(const Surface& surface, std::uint32_t triangle, std::size_t axis) {
@@ -47,10 +30,10 @@ Result<void> PieceSimplifier::add(SurfacePiece piece) {
   local_.assign(numbers.size(), kGone);
   for (const Triangles& triangles : cut(piece.surface))
     LODE_CHECK(add_part(piece.surface, triangles, numbers));
-  const std::vector<std::uint64_t> ends = open_ends(piece.surface);
+  const std::vector<std::uint8_t> is_border = find_border_vertices(piece.surface);
   std::vector<Shared> shared;
   for (std::uint32_t v = 0; v < n_new; ++v)
-    if (ends[v] != 0) shared.push_back({piece.first_new + v, numbers[v]});
+    if (is_border[v] != 0) shared.push_back({piece.first_new + v, numbers[v]});
   shared.shrink_to_fit();
   shared_.push_back(std::move(shared));
   if (shared_.size() > shape_.n_apart) shared_.pop_front();
@@ -141,15 +124,34 @@ Result<void> PieceSimplifier::add_part(const Surface& surface, const Triangles& 
   }
   for (const std::uint32_t v : vertices) local_[v] = kGone;
   part.first_new = out_.n_vertices();
+  LODE_TRY(const auto left, drop_components(part.surface));
   std::vector<std::uint32_t> simplified;
   LODE_TRY(const SimplifyReport done,
            simplify_piece(part.surface, options_, simplified, progress_));
   report_.join(done);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    LODE_EXPECTS(i < n_new || simplified[i] != kGone);
-    if (i < n_new && simplified[i] != kGone) numbers[vertices[i]] = part.first_new + simplified[i];
+    const std::uint32_t after = left[i] == kGone ? kGone : simplified[left[i]];
+    LODE_EXPECTS(i < n_new || after != kGone);
+    if (i < n_new && after != kGone) numbers[vertices[i]] = part.first_new + after;
   }
   return out_.add(std::move(part));
+}
+
+/// Those in the band, where they may go: closed ones, which no other part has vertices of. By
+/// vertex: its number among those that are left.
+Result<std::vector<std::uint32_t>> PieceSimplifier::drop_components(Surface& surface) {
+  std::vector<std::uint32_t> left(surface.positions.size());
+  std::iota(left.begin(), left.end(), 0U);
+  if (options_.band == nullptr || !shape_.drops_components) return left;
+  LODE_TRY(const auto found,
+           find_components_in_band(surface, *options_.band, options_.threads, progress_));
+  std::uint32_t n = 0;
+  for (std::size_t v = 0; v < left.size(); ++v)
+    left[v] = found.may_go[found.numbers.of_vertex[v]] != 0 ? kGone : n++;
+  const Dropped dropped = lode::drop_components(surface, found.numbers, found.may_go);
+  report_.components_dropped += dropped.components;
+  report_.triangles_dropped += dropped.cells;
+  return left;
 }
 
 std::uint32_t PieceSimplifier::number_of(std::uint32_t before) const {

@@ -16,6 +16,7 @@ struct PieceShape {
   RegularGrid grid;               ///< Its axes are the world's: has_world_axes().
   std::size_t n_apart = 1;        ///< A piece has vertices in common with as many before it.
   std::size_t max_triangles = 1;  ///< Larger pieces are cut in boxes, down to single cells.
+  bool drops_components = false;  ///< Those that a band lets go: drop_components_in_band().
 };
 
 /// Simplifies an isosurface's pieces on their way to a sink (simplify_piece()). In memory are one
@@ -28,6 +29,8 @@ class PieceSimplifier : public SurfaceSink {
     report_.max_distance = options.max_distance;
   }
 
+  /// Of the pieces that follow.
+  void set_band(const SurfaceBand* band) { options_.band = band; }
   [[nodiscard]] Result<void> add(SurfacePiece piece) override;
   void set_normals(std::span<const VertexNormal> normals) override { out_.set_normals(normals); }
   [[nodiscard]] std::uint32_t n_vertices() const override { return out_.n_vertices(); }
@@ -46,6 +49,7 @@ class PieceSimplifier : public SurfaceSink {
   [[nodiscard]] bool halve(const Surface& surface, Triangles& lower, Triangles& upper) const;
   [[nodiscard]] Result<void> add_part(const Surface& surface, const Triangles& triangles,
                                       std::vector<std::uint32_t>& numbers);
+  [[nodiscard]] Result<std::vector<std::uint32_t>> drop_components(Surface& surface);
   [[nodiscard]] std::uint32_t number_of(std::uint32_t before) const;
 
   SimplifyOptions options_;

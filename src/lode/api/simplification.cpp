@@ -64,6 +64,10 @@ bool has_band(const ExtractOptions& options, double tolerance) {
          std::isfinite(tolerance);
 }
 
+bool drops_components(const ExtractOptions& options) {
+  return !options.simplify_distance && !options.keep_topology;
+}
+
 ExtractOptions before_simplification(const ExtractOptions& options, double tolerance) {
   ExtractOptions before = options;
   if (has_band(options, tolerance)) before.max_error = kExtractionShare * tolerance;
@@ -85,7 +89,7 @@ Result<void> simplify(const Dataset::Impl& impl, const ExtractOptions& options, 
   const Stopwatch watch;
   LODE_TRY(const auto band, band_of(impl, options, report.max_error, progress));
   Dropped dropped;
-  if (band && !options.simplify_distance && !options.keep_topology) {
+  if (band && drops_components(options)) {
     LODE_TRY(dropped, drop_components_in_band(surface, *band, options.threads, progress));
   }
   SimplifyOptions simplify = simplify_options_of(options);

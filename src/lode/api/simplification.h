@@ -11,6 +11,9 @@ namespace lode {
 /// Whether triangles are to stay in the band of `tolerance` round the isovalue.
 [[nodiscard]] bool has_band(const ExtractOptions& options, double tolerance);
 
+/// Whether components may go that the band holds with all that they enclose.
+[[nodiscard]] bool drops_components(const ExtractOptions& options);
+
 /// The same query without simplification: what that starts from.
 [[nodiscard]] ExtractOptions before_simplification(const ExtractOptions& options, double tolerance);
 

@@ -246,6 +246,18 @@ Result<void> add_sides(const Model<D>& model, const Surface& surface, double iso
   return {};
 }
 
+/// Compares a simplified surface with what it was.
+Result<void> add_held_to(const Surface& surface, const Surface& before, bool is_in_band,
+                         const ExtractOptions& options, Progress& progress, VerifyReport& report) {
+  if (is_in_band && drops_components(options))
+    add_kept_pieces(surface, before, options.threads, report);
+  else
+    add_pieces(surface, before, kUnsimplified, options.threads, report);
+  if (!options.simplify_distance) return {};
+  return add_distance(surface, before, kUnsimplified, *options.simplify_distance, options.threads,
+                      progress, report);
+}
+
 template <int D>
 Result<void> add_simplified(const Model<D>& model, const Surface& surface,
                             const ExpectedSurface& expected, const ExtractOptions& options,
@@ -256,13 +268,17 @@ Result<void> add_simplified(const Model<D>& model, const Surface& surface,
     LODE_CHECK(add_sides(model, surface, options.isovalues.front(), expected.tolerance,
                          options.threads, progress, report));
   }
-  if (is_in_band && !options.simplify_distance && !options.keep_topology)
-    add_kept_pieces(surface, expected.surface, options.threads, report);
-  else
-    add_pieces(surface, expected.surface, kUnsimplified, options.threads, report);
-  if (options.simplify_distance)
-    LODE_CHECK(add_distance(surface, expected.surface, kUnsimplified, *options.simplify_distance,
-                            options.threads, progress, report));
+  // Piece by piece it starts from full resolution in place of half of the error.
+  VerifyReport first;
+  for (const Surface* before : {&expected.surface, expected.full_resolution}) {
+    if (before == nullptr) continue;
+    VerifyReport held;
+    LODE_CHECK(add_held_to(surface, *before, is_in_band, options, progress, held));
+    const bool holds = held.passed();
+    if (holds || first.checks.empty()) first = std::move(held);
+    if (holds) break;
+  }
+  std::ranges::move(first.checks, std::back_inserter(report.checks));
   return {};
 }
 

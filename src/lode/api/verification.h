@@ -17,7 +17,8 @@ struct ExpectedSurface {
   const Surface& surface;
   double tolerance = 0;
   double style_error = 0;  ///< By which the style may exceed it.
-  /// Where what the query makes is held against it: the surface of full resolution.
+  /// Where what the query makes, or simplification, is held against it: the surface of full
+  /// resolution.
   const Surface* full_resolution = nullptr;
   double max_distance =
       0;  ///< How far it may be from that, in place of the cut's own checks; or 0.

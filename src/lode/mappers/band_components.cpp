@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
+#include "lode/mappers/border_vertices.h"
 #include "lode/mappers/box_pairs.h"
 
 namespace lode {
@@ -15,19 +17,19 @@ bool contains(const Box3f& outer, const Box3f& inner) {
   return true;
 }
 
-class ComponentDropper {
+class ComponentFinder {
  public:
-  ComponentDropper(Surface& surface, const SurfaceBand& band)
+  ComponentFinder(const Surface& surface, const SurfaceBand& band)
       : surface_(surface), band_(band), numbers_(number_components(surface)) {}
 
-  Result<Dropped> run(Threads threads, Progress& progress) {
+  Result<BandComponents> run(Threads threads, Progress& progress) {
     find_boxes();
     may_go_.assign(numbers_.n, 1);
     keep_open();
     keep_with_fixed(progress);
     if (progress.is_cancelled()) return cancelled_error();
     LODE_CHECK(keep_round_kept(threads, progress));
-    return drop_components(surface_, numbers_, may_go_);
+    return BandComponents{std::move(numbers_), std::move(may_go_)};
   }
 
  private:
@@ -36,14 +38,14 @@ class ComponentDropper {
   void keep_with_fixed(const Progress& progress);
   [[nodiscard]] Result<void> keep_round_kept(Threads threads, Progress& progress);
 
-  Surface& surface_;
+  const Surface& surface_;
   const SurfaceBand& band_;
   ComponentNumbers numbers_;
   std::vector<Box3f> boxes_;
   std::vector<std::uint8_t> may_go_;  ///< By component.
 };
 
-void ComponentDropper::find_boxes() {
+void ComponentFinder::find_boxes() {
   boxes_.resize(numbers_.n);
   std::vector<std::uint8_t> has_box(numbers_.n, 0);
   for (std::size_t v = 0; v < surface_.positions.size(); ++v) {
@@ -58,16 +60,13 @@ void ComponentDropper::find_boxes() {
   }
 }
 
-/// Those that end somewhere: round a vertex inside, each neighbour is in two triangles.
-void ComponentDropper::keep_open() {
-  std::vector<std::uint32_t> ends(surface_.positions.size(), 0);
-  for (const auto& t : surface_.triangles)
-    for (std::size_t k = 0; k < 3; ++k) ends[t[k]] ^= t[(k + 1) % 3] ^ t[(k + 2) % 3];
-  for (std::size_t v = 0; v < ends.size(); ++v)
-    if (ends[v] != 0) may_go_[numbers_.of_vertex[v]] = 0;
+void ComponentFinder::keep_open() {
+  const std::vector<std::uint8_t> is_border = find_border_vertices(surface_);
+  for (std::size_t v = 0; v < is_border.size(); ++v)
+    if (is_border[v] != 0) may_go_[numbers_.of_vertex[v]] = 0;
 }
 
-void ComponentDropper::keep_with_fixed(const Progress& progress) {
+void ComponentFinder::keep_with_fixed(const Progress& progress) {
   for (const auto& t : surface_.triangles) {
     const std::uint32_t c = numbers_.of_vertex[t[0]];
     if (may_go_[c] == 0) continue;
@@ -82,7 +81,7 @@ void ComponentDropper::keep_with_fixed(const Progress& progress) {
 }
 
 /// Another may lie inside, and would face the wrong way.
-Result<void> ComponentDropper::keep_round_kept(Threads threads, Progress& progress) {
+Result<void> ComponentFinder::keep_round_kept(Threads threads, Progress& progress) {
   std::vector<std::vector<IndexPair>> found(static_cast<std::size_t>(n_workers(threads)));
   LODE_CHECK(
       visit_box_pairs(boxes_, threads, progress, [&](std::span<const IndexPair> pairs, int worker) {
@@ -106,10 +105,16 @@ Result<void> ComponentDropper::keep_round_kept(Threads threads, Progress& progre
 
 }  // namespace
 
+Result<BandComponents> find_components_in_band(const Surface& surface, const SurfaceBand& band,
+                                               Threads threads, Progress& progress) {
+  if (surface.triangles.empty()) return BandComponents{};
+  return ComponentFinder(surface, band).run(threads, progress);
+}
+
 Result<Dropped> drop_components_in_band(Surface& surface, const SurfaceBand& band, Threads threads,
                                         Progress& progress) {
-  if (surface.triangles.empty()) return Dropped{};
-  return ComponentDropper(surface, band).run(threads, progress);
+  LODE_TRY(const auto found, find_components_in_band(surface, band, threads, progress));
+  return drop_components(surface, found.numbers, found.may_go);
 }
 
 }  // namespace lode

@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "lode/mappers/lattice_frame.h"
 #include "lode/models/diamond/cell_neighbours.h"
 #include "lode/models/diamond/cell_pieces.h"
 #include "lode/models/diamond/model_samples.h"
+#include "lode/models/diamond/sample_bits.h"
 
 namespace lode::diamond {
 namespace {
 
-/// How near to a tetrahedron a sample counts as in it, in steps of the lattice. Coordinates are
-/// found in doubles from floats.
+/// How far beside a cell's border a point may be that is on it, in steps of the lattice.
 constexpr double kNear = 1e-6;
 /// How far beside the lattice's border float32 may put what is on it, in LatticeFrame::rounding.
 constexpr double kUlpsBeside = 4;
@@ -25,46 +26,71 @@ constexpr double kTrialShare = 0.85;
 constexpr std::int32_t kEdge = kBrickEdge<3>;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A bit for each sample of a volume, by rows of 64.
-class SampleBits {
+/// Which cells of a part are known.
+class KnownCells {
  public:
-  explicit SampleBits(const Index<3>& dims)
-      : dims_(dims),
-        stride_(as_size(dims[0]) / 64 + 1),
-        words_(stride_ * as_size(dims[1]) * as_size(dims[2]), 0) {}
+  explicit KnownCells(FieldPart& part)
+      : blocks_(FieldPart::block_dims(part.model.shape.dims)),
+        is_known_(std::move(part.is_known)) {}
 
-  [[nodiscard]] std::uint64_t* row(std::int32_t y, std::int32_t z) {
-    return words_.data() + (as_size(z) * as_size(dims_[1]) + as_size(y)) * stride_;
+  [[nodiscard]] bool is_all() const { return is_known_.empty(); }
+  [[nodiscard]] bool contain(const Index<3>& cell) const {
+    if (is_all()) return true;
+    Index<3> block;
+    for (std::size_t i = 0; i < 3; ++i) block[i] = cell[i] >> FieldPart::kBlockLevel;
+    return is_known_[linear_index<3>(blocks_, block)] != 0;
   }
-  [[nodiscard]] const std::uint64_t* row(std::int32_t y, std::int32_t z) const {
-    return words_.data() + (as_size(z) * as_size(dims_[1]) + as_size(y)) * stride_;
+  /// Sets the bits of their corners.
+  void mark(SampleBits& bits) const;
+
+ private:
+  Index<3> blocks_;
+  std::vector<std::uint8_t> is_known_;
+};
+
+void KnownCells::mark(SampleBits& bits) const {
+  constexpr std::int32_t kBlock = 1 << FieldPart::kBlockLevel;
+  for (std::size_t i = 0; i < is_known_.size(); ++i) {
+    if (is_known_[i] == 0) continue;
+    const Index<3> lower = point_of<3>(blocks_, i) * kBlock;
+    std::array<std::int32_t, 3> end{};
+    for (std::size_t a = 0; a < 3; ++a) end[a] = std::min(lower[a] + kBlock + 1, bits.dims()[a]);
+    const std::uint64_t row = (std::uint64_t{1} << (end[0] - lower[0])) - 1;
+    for (std::int32_t z = lower[2]; z < end[2]; ++z)
+      for (std::int32_t y = lower[1]; y < end[1]; ++y)
+        SampleBits::set(bits.row(y, z), lower[0], row);
   }
-  /// Whether one from x = first to last is set.
-  [[nodiscard]] static bool is_any_set(const std::uint64_t* row, std::int32_t first,
-                                       std::int32_t last) {
-    for (std::int32_t word = first >> 6; word <= last >> 6; ++word) {
-      std::uint64_t bits = row[word];
-      if (word == first >> 6) bits &= ~std::uint64_t{0} << (first & 63);
-      if (word == last >> 6) bits &= ~std::uint64_t{0} >> (63 - (last & 63));
-      if (bits != 0) return true;
-    }
-    return false;
+}
+
+/// A part's samples, by its own lattice; those beside its known cells are holes.
+class PartSamples final : public FieldSamples {
+ public:
+  PartSamples(const Model<3>& model, const SampleBits* known) : samples_(model), known_(known) {}
+  [[nodiscard]] const RegularGrid& grid() const override { return samples_.grid(); }
+  [[nodiscard]] double sample(const Index3& index) const override {
+    if (known_ != nullptr &&
+        !SampleBits::is_any_set(known_->row(index[1], index[2]), index[0], index[0]))
+      return std::numeric_limits<double>::quiet_NaN();
+    return samples_.sample(index);
   }
 
  private:
-  Index<3> dims_;
-  std::size_t stride_;
-  std::vector<std::uint64_t> words_;
+  ModelSamples<3> samples_;
+  const SampleBits* known_;
 };
 
 template <typename T>
 class FieldBand final : public SurfaceBand {
  public:
-  FieldBand(const Model<3>& model, double isovalue, double error, Threads threads)
-      : model_(model),
-        samples_(model),
-        dims_(model.shape.dims),
-        frame_(LatticeFrame::of(model.info.grid)),
+  FieldBand(FieldPart part, double isovalue, double error, Threads threads)
+      : model_(part.model),
+        dims_(model_.shape.dims),
+        known_(part),
+        known_bits_(known_.is_all() ? Index<3>{{1, 1, 1}} : dims_),
+        samples_(model_, known_.is_all() ? nullptr : &known_bits_),
+        frame_(LatticeFrame::of(part.grid)),
+        origin_(part.origin),
+        field_dims_(part.grid.dims),
         isovalue_(isovalue),
         error_(error),
         within_(dims_),
@@ -73,17 +99,22 @@ class FieldBand final : public SurfaceBand {
     const Mat3 cofactor = cofactors(frame_.to_world);
     for (std::size_t i = 0; i < 3; ++i) to_lattice_.rows[i] = cofactor.column(i) * scale;
     find_rounding();
+    known_.mark(known_bits_);
     // Row by row of bricks, as words of a row of samples belong to two of them.
-    const std::size_t n = as_size(model.brick_dims[0]);
-    parallel_for(model.n_bricks() / n, threads, 1, [&](std::size_t row, int) {
+    const std::size_t n = as_size(model_.brick_dims[0]);
+    parallel_for(model_.n_bricks() / n, threads, 1, [&](std::size_t row, int) {
       for (std::size_t x = 0; x < n; ++x) find_bits(row * n + x);
     });
   }
+  FieldBand(const FieldBand&) = delete;
+  FieldBand& operator=(const FieldBand&) = delete;
 
   [[nodiscard]] double limit() const override { return error_; }
   [[nodiscard]] Vec3d own_coordinates(const Vec3d& position) const override;
   [[nodiscard]] unsigned border_planes(const Vec3d& point) const override;
-  [[nodiscard]] bool may_hold_fixed(const std::array<Vec3d, 4>& tetrahedron) const override;
+  [[nodiscard]] bool may_hold_fixed(const std::array<Vec3d, 4>& tetrahedron) const override {
+    return fixed_.meets(tetrahedron);
+  }
   [[nodiscard]] bool seems_within(const Vec3d& apex,
                                   std::span<const std::array<Vec3d, 2>> fan) const override;
   [[nodiscard]] double largest_deviation(const std::array<Vec3d, 3>& triangle) const override;
@@ -91,22 +122,30 @@ class FieldBand final : public SurfaceBand {
  private:
   void find_rounding();
   void find_bits(std::size_t brick);
+  /// Where the field's border is, on the part's lattice; the part may end before.
+  [[nodiscard]] double lower_border(std::size_t axis) const { return -origin_[axis]; }
+  [[nodiscard]] double upper_border(std::size_t axis) const {
+    return field_dims_[axis] - 1 - origin_[axis];
+  }
   [[nodiscard]] bool is_inside(const Vec3d& point) const;
   [[nodiscard]] bool is_within(const Vec3d& point) const;
-  [[nodiscard]] bool is_cell_within(const Index<3>& cell) const;
   [[nodiscard]] double value_at(const Vec3d& point) const;
   [[nodiscard]] double deviation_in(const Index3& cell, const Piece& piece) const;
 
   const Model<3>& model_;
-  ModelSamples<3> samples_;
   Index<3> dims_;
-  LatticeFrame frame_;
+  KnownCells known_;
+  SampleBits known_bits_;  ///< Where not all is known.
+  PartSamples samples_;
+  LatticeFrame frame_;  ///< The field's.
+  Index<3> origin_;
+  Index3 field_dims_;
   Mat3 to_lattice_;
   double isovalue_;
   double error_;
   double rounding_ = 0;  ///< Of coordinates, in lattice steps: from doubles alone.
   SampleBits within_;    ///< In the band.
-  SampleBits fixed_;     ///< Outside it; holes are neither.
+  SampleBits fixed_;     ///< Outside it, or not known; holes are neither.
 };
 
 /// Where float32 put it beside the lattice's border, on that: there samples are to be passed or
@@ -116,9 +155,9 @@ Vec3d FieldBand<T>::own_coordinates(const Vec3d& position) const {
   const double near = kUlpsBeside * frame_.rounding;
   Vec3d p = to_lattice_ * (position - frame_.origin);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double end = static_cast<double>(dims_[i] - 1);
-    if (std::abs(p[i]) <= near) p[i] = 0;
-    if (std::abs(p[i] - end) <= near) p[i] = end;
+    p[i] -= origin_[i];
+    if (std::abs(p[i] - lower_border(i)) <= near) p[i] = lower_border(i);
+    if (std::abs(p[i] - upper_border(i)) <= near) p[i] = upper_border(i);
   }
   return p;
 }
@@ -127,7 +166,7 @@ template <typename T>
 void FieldBand<T>::find_rounding() {
   double largest = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3d extent = frame_.to_world.column(i) * static_cast<double>(dims_[i]);
+    const Vec3d extent = frame_.to_world.column(i) * static_cast<double>(field_dims_[i]);
     largest += length(extent);
   }
   largest += length(frame_.origin);
@@ -149,6 +188,10 @@ void FieldBand<T>::find_bits(std::size_t brick) {
   const T* const samples = reinterpret_cast<const T*>(model_.brick(brick));
   for (std::int32_t z = 0; z < n[2]; ++z)
     for (std::int32_t y = 0; y < n[1]; ++y) {
+      std::uint64_t known = (std::uint64_t{1} << n[0]) - 1;
+      const std::uint64_t all = known;
+      if (!known_.is_all())
+        known &= known_bits_.get(known_bits_.row(lower[1] + y, lower[2] + z), lower[0]);
       const T* const row = samples + Model<3>::brick_offset({{0, y, z}});
       std::uint64_t within = 0;
       std::uint64_t fixed = 0;
@@ -159,27 +202,10 @@ void FieldBand<T>::find_bits(std::size_t brick) {
         within |= std::uint64_t{!is_hole && deviation <= error_} << x;
         fixed |= std::uint64_t{!is_hole && deviation > error_} << x;
       }
-      for (SampleBits* bits : {&within_, &fixed_}) {
-        std::uint64_t* words = bits->row(lower[1] + y, lower[2] + z) + lower[0] / 64;
-        const std::uint64_t found = bits == &within_ ? within : fixed;
-        words[0] |= found << (lower[0] & 63);
-        if ((lower[0] & 63) != 0 && n[0] > 32) words[1] |= found >> 32;
-      }
+      SampleBits::set(within_.row(lower[1] + y, lower[2] + z), lower[0], within & known);
+      SampleBits::set(fixed_.row(lower[1] + y, lower[2] + z), lower[0],
+                      (fixed & known) | (all & ~known));
     }
-}
-
-template <typename T>
-bool FieldBand<T>::is_cell_within(const Index<3>& cell) const {
-  std::uint64_t all = 3;
-  for (std::int32_t dz = 0; dz < 2; ++dz)
-    for (std::int32_t dy = 0; dy < 2; ++dy) {
-      const std::uint64_t* row = within_.row(cell[1] + dy, cell[2] + dz);
-      const std::int32_t x = cell[0];
-      std::uint64_t bits = row[x >> 6] >> (x & 63);
-      if ((x & 63) == 63) bits |= row[(x >> 6) + 1] << 1;
-      all &= bits;
-    }
-  return all == 3;
 }
 
 /// Linear on the Kuhn simplices from a cell's all-even corner to the all-odd one: from there one
@@ -221,6 +247,12 @@ double FieldBand<T>::value_at(const Vec3d& point) const {
 
 template <typename T>
 bool FieldBand<T>::is_within(const Vec3d& point) const {
+  if (!known_.is_all()) {
+    Index<3> cell;
+    for (std::size_t i = 0; i < 3; ++i)
+      cell[i] = std::clamp(static_cast<std::int32_t>(point[i]), 0, dims_[i] - 2);
+    if (!known_.contain(cell)) return false;
+  }
   return std::abs(value_at(point) - isovalue_) <= kTrialShare * error_;
 }
 
@@ -255,83 +287,13 @@ template <typename T>
 unsigned FieldBand<T>::border_planes(const Vec3d& point) const {
   unsigned planes = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (point[i] == 0) planes |= 1U << (2 * i);
-    if (point[i] == static_cast<double>(dims_[i] - 1)) planes |= 2U << (2 * i);
+    if (point[i] == lower_border(i)) planes |= 1U << (2 * i);
+    if (point[i] == upper_border(i)) planes |= 2U << (2 * i);
   }
   return planes;
 }
 
-/// What lies between two planes: n . p from `low` to `high`.
-struct Slab {
-  Vec3d normal;
-  double low = 0;
-  double high = 0;
-};
-
-/// A tetrahedron as what lies in four slabs, a little larger, relative to its first corner; right
-/// for flat ones too.
-std::array<Slab, 4> slabs_of(const std::array<Vec3d, 4>& corners, double largest) {
-  std::array<Slab, 4> slabs;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3d a = corners[(i + 1) % 4] - corners[0];
-    const Vec3d b = corners[(i + 2) % 4] - corners[0];
-    const Vec3d c = corners[(i + 3) % 4] - corners[0];
-    const Vec3d n = cross(b - a, c - a);
-    const double at_face = dot(n, a);
-    const double at_corner = dot(n, corners[i] - corners[0]);
-    const double slack = kNear * length(n) + 1e-12 * largest * largest * largest;
-    slabs[i] = {n, std::min(at_face, at_corner) - slack, std::max(at_face, at_corner) + slack};
-  }
-  return slabs;
-}
-
-template <typename T>
-bool FieldBand<T>::may_hold_fixed(const std::array<Vec3d, 4>& tetrahedron) const {
-  std::array<std::int32_t, 3> first{};
-  std::array<std::int32_t, 3> last{};
-  double largest = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto [low, high] =
-        std::minmax({tetrahedron[0][i], tetrahedron[1][i], tetrahedron[2][i], tetrahedron[3][i]});
-    const double end = static_cast<double>(dims_[i] - 1);
-    first[i] = static_cast<std::int32_t>(std::clamp(std::ceil(low - kNear), 0.0, end + 1));
-    last[i] = static_cast<std::int32_t>(std::clamp(std::floor(high + kNear), -1.0, end));
-    if (first[i] > last[i]) return false;
-    largest = std::max(largest, high - low);
-  }
-  std::array<Slab, 4> slabs;
-  bool has_slabs = false;
-  for (std::int32_t z = first[2]; z <= last[2]; ++z)
-    for (std::int32_t y = first[1]; y <= last[1]; ++y) {
-      const std::uint64_t* row = fixed_.row(y, z);
-      if (!SampleBits::is_any_set(row, first[0], last[0])) continue;
-      if (!has_slabs) slabs = slabs_of(tetrahedron, largest);
-      has_slabs = true;
-      // Of the row, relative to the first corner.
-      double from = static_cast<double>(first[0]) - tetrahedron[0][0];
-      double to = static_cast<double>(last[0]) - tetrahedron[0][0];
-      for (const Slab& slab : slabs) {
-        const double here = slab.normal[1] * (static_cast<double>(y) - tetrahedron[0][1]) +
-                            slab.normal[2] * (static_cast<double>(z) - tetrahedron[0][2]);
-        const double step = slab.normal[0];
-        if (std::abs(step) * (largest + 1) < 1e-300) {
-          if (here < slab.low || here > slab.high) to = from - 1;
-          continue;
-        }
-        const double one = (slab.low - here) / step;
-        const double other = (slab.high - here) / step;
-        from = std::max(from, std::min(one, other));
-        to = std::min(to, std::max(one, other));
-      }
-      if (!(from <= to)) continue;
-      const auto x0 = static_cast<std::int32_t>(std::ceil(from + tetrahedron[0][0] - kNear));
-      const auto x1 = static_cast<std::int32_t>(std::floor(to + tetrahedron[0][0] + kNear));
-      if (x0 <= x1 && SampleBits::is_any_set(row, std::max(x0, first[0]), std::min(x1, last[0])))
-        return true;
-    }
-  return false;
-}
-
+/// The domain, and the part.
 template <typename T>
 bool FieldBand<T>::is_inside(const Vec3d& point) const {
   for (std::size_t i = 0; i < 3; ++i)
@@ -345,7 +307,7 @@ double FieldBand<T>::largest_deviation(const std::array<Vec3d, 3>& triangle) con
     return kInfinity;
   double largest = 0;
   visit_cells(Piece(triangle), dims_, [&](const Index3& cell, const Piece& piece) {
-    const double here = is_cell_within(cell) ? error_ : deviation_in(cell, piece);
+    const double here = within_.has_cell(cell) ? error_ : deviation_in(cell, piece);
     largest = std::max(largest, here);
   });
   return largest;
@@ -373,10 +335,23 @@ double FieldBand<T>::deviation_in(const Index3& cell, const Piece& piece) const 
 
 }  // namespace
 
+Index<3> FieldPart::block_dims(const Index<3>& dims) {
+  Index<3> blocks;
+  for (std::size_t i = 0; i < 3; ++i)
+    blocks[i] = std::max(1, (dims[i] + (1 << kBlockLevel) - 2) >> kBlockLevel);
+  return blocks;
+}
+
 std::unique_ptr<SurfaceBand> make_field_band(const Model<3>& model, double isovalue, double error,
                                              Threads threads) {
-  return visit_storage_type(model.storage, [&]<typename T>() -> std::unique_ptr<SurfaceBand> {
-    return std::make_unique<FieldBand<T>>(model, isovalue, error, threads);
+  return make_field_band({.model = model, .grid = model.info.grid, .origin = {}, .is_known = {}},
+                         isovalue, error, threads);
+}
+
+std::unique_ptr<SurfaceBand> make_field_band(FieldPart part, double isovalue, double error,
+                                             Threads threads) {
+  return visit_storage_type(part.model.storage, [&]<typename T>() -> std::unique_ptr<SurfaceBand> {
+    return std::make_unique<FieldBand<T>>(std::move(part), isovalue, error, threads);
   });
 }
 

@@ -42,7 +42,7 @@ class FileExtraction {
  public:
   FileExtraction(const CoarseField<D>& field, store::BlockCache& blocks,
                  const IsovalueList& isovalues, const IsosurfaceQuery& query,
-                 const SinkOfIsovalue& sink_of)
+                 const SinkOfIsovalue& sink_of, const SeePart<D>& see_part)
       : field_(field),
         isovalues_(isovalues),
         query_(query),
@@ -51,6 +51,7 @@ class FileExtraction {
         brick_dims_(brick_counts<D>(field.shape)),
         part_(field, blocks, query.threads),
         sink_of_(sink_of),
+        see_part_(see_part),
         largest_(isovalues.size()),
         surface_bytes_(isovalues.size()) {
     stitchers_.reserve(isovalues.size());
@@ -80,7 +81,9 @@ class FileExtraction {
       // The system reads the next chunk's blocks while this one is marched.
       bricks = bricks_of(end);
       if (end < work_.size()) part_.will_load(chunk_at(end), bricks.fine);
-      LODE_CHECK(join_chunk(march_chunk(i, end), i));
+      std::vector<Pieces> pieces = march_chunk(i, end);
+      if (see_part_) see_part_(part_);
+      LODE_CHECK(join_chunk(std::move(pieces), i));
       forget_below(end);
       i = end;
       progress.report("extracting", static_cast<double>(i) / static_cast<double>(work_.size()));
@@ -279,6 +282,7 @@ class FileExtraction {
   PartsOfBricks<D> parts_of_bricks_;
   std::vector<PieceStitcher<D>> stitchers_;  ///< By isovalue.
   const SinkOfIsovalue& sink_of_;
+  const SeePart<D>& see_part_;
   std::int32_t layer_ = 0;  ///< Of chunks, that vertices are kept for.
   TraversalStats stats_;
   std::vector<LargestSteps> largest_;         ///< By isovalue.
@@ -293,15 +297,18 @@ template <int D>
 Result<IsosurfaceReport> extract_from_file(const CoarseField<D>& field, store::BlockCache& blocks,
                                            const IsovalueList& isovalues,
                                            const IsosurfaceQuery& query,
-                                           const SinkOfIsovalue& sink_of, Progress& progress) {
-  return FileExtraction<D>(field, blocks, isovalues, query, sink_of).run(progress);
+                                           const SinkOfIsovalue& sink_of, Progress& progress,
+                                           const SeePart<D>& see_part) {
+  return FileExtraction<D>(field, blocks, isovalues, query, sink_of, see_part).run(progress);
 }
 
 template Result<IsosurfaceReport> extract_from_file<2>(const CoarseField<2>&, store::BlockCache&,
                                                        const IsovalueList&, const IsosurfaceQuery&,
-                                                       const SinkOfIsovalue&, Progress&);
+                                                       const SinkOfIsovalue&, Progress&,
+                                                       const SeePart<2>&);
 template Result<IsosurfaceReport> extract_from_file<3>(const CoarseField<3>&, store::BlockCache&,
                                                        const IsovalueList&, const IsosurfaceQuery&,
-                                                       const SinkOfIsovalue&, Progress&);
+                                                       const SinkOfIsovalue&, Progress&,
+                                                       const SeePart<3>&);
 
 }  // namespace lode::diamond

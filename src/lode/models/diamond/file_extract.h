@@ -13,6 +13,10 @@ namespace lode::diamond {
 /// Where pieces of an isovalue's surface go, by its number; null: nowhere, from now on.
 using SinkOfIsovalue = std::function<SurfaceSink*(std::size_t)>;
 
+/// Is shown a chunk's samples before its pieces go to their sinks.
+template <int D>
+using SeePart = std::function<void(FilePart<D>&)>;
+
 /// extract_isosurface(), of all isovalues in one pass, from a file, chunk by chunk: blocks are read
 /// where bricks that a surface may cross need them, and not kept. The same surfaces, vertex by
 /// vertex, as from memory with a tolerance above 0; sinks take each chunk's pieces. `query`: its
@@ -22,7 +26,8 @@ using SinkOfIsovalue = std::function<SurfaceSink*(std::size_t)>;
 template <int D>
 [[nodiscard]] Result<IsosurfaceReport> extract_from_file(
     const CoarseField<D>& field, store::BlockCache& blocks, const IsovalueList& isovalues,
-    const IsosurfaceQuery& query, const SinkOfIsovalue& sink_of, Progress& progress);
+    const IsosurfaceQuery& query, const SinkOfIsovalue& sink_of, Progress& progress,
+    const SeePart<D>& see_part = {});
 
 /// Chunks that have a vertex in common come at most so many pieces after one another.
 template <int D>

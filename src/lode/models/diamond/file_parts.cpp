@@ -341,20 +341,34 @@ void FilePart<D>::fill_brick(const Index<D>& local) {
   }
 }
 
-/// Fills the bricks beside those that are wanted too, which have samples of them as far as kMargin
-/// goes, and marks those that have holes: what cells are removed at a brick's border depends on
-/// both sides.
 template <int D>
-void FilePart<D>::find_holes(std::span<const Index<D>> bricks) {
+std::vector<std::uint8_t> FilePart<D>::find_near_fine() const {
   std::vector<std::uint8_t> is_near(model_.n_bricks(), 0);
-  for (const Index<D>& brick : bricks)
+  for (const Index<D>& brick : fine_)
     for (std::size_t code = 0; code < power(3, D); ++code) {
-      const Index<D> b = to_local(brick) + point_of<D>(all_equal<D>(3), code) - all_equal<D>(1);
+      const Index<D> b = brick + point_of<D>(all_equal<D>(3), code) - all_equal<D>(1);
       bool exists = true;
       for (std::size_t i = 0; i < as_size(D); ++i)
         exists = exists && b[i] >= 0 && b[i] < model_.brick_dims[i];
       if (exists) is_near[linear_index<D>(model_.brick_dims, b)] = 1;
     }
+  return is_near;
+}
+
+/// They have samples as far as kMargin goes.
+template <int D>
+void FilePart<D>::fill_beside() {
+  const std::vector<std::uint8_t> is_near = find_near_fine();
+  parallel_for(is_near.size(), threads_, 1, [&](std::size_t i, int) {
+    if (is_near[i] != 0) fill_brick(point_of<D>(model_.brick_dims, i));
+  });
+}
+
+/// Fills the bricks beside those that are wanted too, and marks those that have holes: what cells
+/// are removed at a brick's border depends on both sides.
+template <int D>
+void FilePart<D>::find_holes() {
+  const std::vector<std::uint8_t> is_near = find_near_fine();
   parallel_for(is_near.size(), threads_, 1, [&](std::size_t i, int) {
     if (is_near[i] == 0) return;
     fill_brick(point_of<D>(model_.brick_dims, i));
@@ -412,11 +426,13 @@ Result<void> FilePart<D>::load(const Index<D>& chunk, std::span<const Index<D>> 
                                std::span<const Index<D>> coarse) {
   begin(chunk, fine.empty() && field_.is_needed() ? kKeptLevel : 0);
   take_coarse();
+  fine_.clear();
+  for (const Index<D>& brick : fine) fine_.push_back(to_local(brick));
   if (!fine.empty()) LODE_CHECK(read_blocks(fine));
   for (const auto& bricks : {fine, coarse})
     parallel_for(bricks.size(), threads_, 1,
                  [&](std::size_t i, int) { fill_brick(to_local(bricks[i])); });
-  if (field_.has_holes()) find_holes(fine);
+  if (field_.has_holes()) find_holes();
   if (is_exact_in_float<D>(field_))
     find_leaf_attributes<float>(fine);
   else

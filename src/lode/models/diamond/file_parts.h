@@ -66,10 +66,15 @@ class FilePart {
   /// stays.
   void will_load(const Index<D>& chunk, std::span<const Index<D>> fine) const;
 
+  /// Puts into model() what there is of bricks beside those that were wanted fine.
+  void fill_beside();
+
   /// Of its bricks those that were wanted are there.
   [[nodiscard]] const Model<D>& model() const { return model_; }
   /// Samples of the bricks that were wanted fine, and kMargin round them; on model()'s lattice.
   [[nodiscard]] const FlatField<D>& samples() const { return flat_; }
+  /// The bricks that were wanted fine, numbered as those of model().
+  [[nodiscard]] std::span<const Index<D>> fine() const { return fine_; }
   /// Of the lattice in that of the field.
   [[nodiscard]] const Index<D>& origin() const { return plan_.part.origin; }
 
@@ -91,7 +96,9 @@ class FilePart {
   [[nodiscard]] Result<void> read_attributes(int level, std::span<const Index<D>> bricks);
   [[nodiscard]] Index<D> to_local(const Index<D>& brick) const;
   void fill_brick(const Index<D>& local);
-  void find_holes(std::span<const Index<D>> bricks);
+  /// By brick of model(): whether it is fine, or beside such a one.
+  [[nodiscard]] std::vector<std::uint8_t> find_near_fine() const;
+  void find_holes();
   template <typename C>
   void find_leaf_attributes(std::span<const Index<D>> bricks);
   template <typename C>
@@ -102,6 +109,7 @@ class FilePart {
   Threads threads_;
   PartPlan<D> plan_;
   FlatField<D> flat_;
+  std::vector<Index<D>> fine_;
   Model<D> model_;
 };
 
