@@ -1,0 +1,303 @@
+#include "lode/models/tetra_mt/block_collapser.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace lode::tetra_mt {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr float kNever = std::numeric_limits<float>::infinity();
+/// How far from the boundary's planes a vertex may be that goes along them, against its distance.
+constexpr double kCoplanar = 1e-6;
+
+/// Numbers vertices: own ones first, then those beside them, the one outside last.
+std::vector<std::uint32_t> number_vertices(const BuildState& state,
+                                           std::span<const std::uint32_t> own,
+                                           std::span<const std::uint32_t> slots,
+                                           std::vector<std::uint32_t>& places) {
+  std::vector<std::uint32_t> vertices(own.begin(), own.end());
+  for (const std::uint32_t slot : slots)
+    for (const std::uint32_t v : state.tetrahedra[slot]) places[v] = kNone;
+  for (std::uint32_t i = 0; i < own.size(); ++i) places[own[i]] = i;
+  for (const std::uint32_t slot : slots)
+    for (const std::uint32_t v : state.tetrahedra[slot])
+      if (places[v] == kNone && v != state.outside) {
+        places[v] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(v);
+      }
+  places[state.outside] = static_cast<std::uint32_t>(vertices.size());
+  vertices.push_back(state.outside);
+  return vertices;
+}
+
+std::vector<Tetrahedron> local_tetrahedra(const BuildState& state,
+                                          std::span<const std::uint32_t> slots,
+                                          std::span<const std::uint32_t> places) {
+  std::vector<Tetrahedron> local(slots.size());
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    for (std::size_t k = 0; k < 4; ++k) local[i][k] = places[state.tetrahedra[slots[i]][k]];
+  return local;
+}
+
+}  // namespace
+
+BlockCollapser::BlockCollapser(BuildState& state, std::span<const std::uint32_t> vertices,
+                               std::span<const std::uint32_t> slots,
+                               std::vector<std::uint32_t>& places, const CollapseRules& rules)
+    : state_(state),
+      rules_(rules),
+      vertices_(number_vertices(state, vertices, slots, places)),
+      slots_(slots.begin(), slots.end()),
+      live_(static_cast<std::uint32_t>(vertices.size()),
+            static_cast<std::uint32_t>(vertices_.size() - 1),
+            local_tetrahedra(state, slots, places)),
+      gatherer_(live_),
+      queue_(static_cast<std::uint32_t>(vertices.size())),
+      has_changed_(slots.size(), 0) {
+  for (std::size_t i = 0; i + 1 < vertices_.size(); ++i) {
+    positions_.push_back(state.mesh.positions[vertices_[i]]);
+    const auto values = state.values_of(vertices_[i]);
+    values_.insert(values_.end(), values.begin(), values.end());
+  }
+  for (const std::uint32_t slot : slots) samples_.push_back(state.first_sample[slot]);
+  covered_.n_fields = state.n_fields;
+  fan_.kept_value.resize(state.n_fields);
+  fan_.gradients.resize(state.n_fields);
+}
+
+void BlockCollapser::find_keys() {
+  for (std::uint32_t v = 0; v < live_.n_own(); ++v) {
+    float& key = state_.keys[global(v)];
+    key = kNever;
+    if (!gatherer_.gather(v, star_) || !StarGatherer::is_manifold(star_)) {
+      state_.is_locked[global(v)] = 1;
+      continue;
+    }
+    find_choices();
+    for (const Choice& choice : choices_) key = std::min(key, choice.increase);
+  }
+}
+
+void BlockCollapser::run(float limit, std::uint64_t n_cells) {
+  for (std::uint32_t v = 0; v < live_.n_own(); ++v)
+    if (state_.is_locked[global(v)] == 0 && state_.keys[global(v)] < limit)
+      queue_.set(v, state_.keys[global(v)]);
+  while (n_gone_ < n_cells) {
+    const std::uint32_t vertex = queue_.pop();
+    if (vertex == kNone) break;
+    const float key = queue_.key(vertex);
+    if (!gatherer_.gather(vertex, star_)) {
+      state_.keys[global(vertex)] = kNever;
+      continue;
+    }
+    if (!is_inner()) continue;  // its key stays, for blocks in which it is one
+    find_choices();
+    if (collapse_best(key, limit)) look_again_beside(key, limit);
+  }
+}
+
+/// Whether nothing but own vertices is beside the one whose star that is.
+bool BlockCollapser::is_inner() const {
+  for (int i = 0; i < star_.n_link; ++i)
+    if (i != star_.outside && star_.link[static_cast<std::size_t>(i)] >= live_.n_own())
+      return false;
+  return true;
+}
+
+/// In the mesh as it is: where it is none, what is beside it has values from which to which its own
+/// lies, and the range stays.
+bool BlockCollapser::is_extremum() const {
+  const std::size_t n = state_.n_fields;
+  for (std::size_t f = 0; f < n; ++f) {
+    const float own = values_[star_.vertex * n + f];
+    bool has_lower = false;
+    bool has_higher = false;
+    for (int i = 0; i < star_.n_link; ++i) {
+      if (i == star_.outside) continue;
+      const float other = values_[star_.link[static_cast<std::size_t>(i)] * n + f];
+      has_lower = has_lower || other <= own;
+      has_higher = has_higher || other >= own;
+    }
+    if (!has_lower || !has_higher) return true;
+  }
+  return false;
+}
+
+/// The new faces of the boundary lie in the planes of the old ones: with each of these the vertex
+/// that is kept makes no volume.
+bool BlockCollapser::keeps_boundary(int kept) const {
+  if (!star_.is_on_boundary()) return true;
+  if ((star_.adjacent[static_cast<std::size_t>(star_.outside)] >> kept & 1) == 0) return false;
+  const Vec3d& at = link_[static_cast<std::size_t>(kept)];
+  for (int i = 0; i < star_.n_triangles; ++i) {
+    if (!star_.has(i, star_.outside) || star_.has(i, kept)) continue;
+    std::array<Vec3d, 2> edge;
+    std::size_t n = 0;
+    for (const std::uint8_t v : star_.triangles[static_cast<std::size_t>(i)])
+      if (v != star_.outside) edge[n++] = link_[v];
+    const Vec3d normal = cross(edge[0], edge[1]);
+    if (!(std::abs(dot(normal, at)) <= kCoplanar * length(normal) * length(at))) return false;
+  }
+  return true;
+}
+
+void BlockCollapser::gather_link() {
+  const Vec3d& centre = positions_[star_.vertex];
+  for (int i = 0; i < star_.n_link; ++i) {
+    if (i == star_.outside) continue;
+    const auto at = static_cast<std::size_t>(i);
+    link_[at] = positions_[star_.link[at]] - centre;
+  }
+}
+
+/// Tetrahedra at the edge, without those to the vertex outside.
+int BlockCollapser::n_cells_beside(int kept) const {
+  const std::uint64_t around = star_.adjacent[static_cast<std::size_t>(kept)];
+  const bool is_outer = star_.outside >= 0 && (around >> star_.outside & 1) != 0;
+  return std::popcount(around) - (is_outer ? 2 : 0);
+}
+
+bool BlockCollapser::make_fan_to(int kept) {
+  const auto at = static_cast<std::size_t>(kept);
+  std::size_t n_flat = lanes_.n - static_cast<std::size_t>(star_.n_triangles) +
+                       static_cast<std::size_t>(n_cells_beside(kept));
+  if (star_.outside >= 0)
+    n_flat += static_cast<std::size_t>(
+        std::popcount(star_.adjacent[static_cast<std::size_t>(star_.outside)]));
+  for (std::size_t f = 0; f < state_.n_fields; ++f)
+    fan_.kept_value[f] = covered_.link_values[at * state_.n_fields + f];
+  return make_fan(lanes_, link_[at], n_flat, fan_);
+}
+
+void BlockCollapser::gather_samples() {
+  auto& samples = covered_.samples;
+  samples.clear();
+  samples.push_back(global(star_.vertex));
+  for (int i = 0; i < star_.n_triangles; ++i)
+    for (std::uint32_t s = samples_[star_.slots[static_cast<std::size_t>(i)]]; s != kNone;
+         s = state_.next_sample[s])
+      samples.push_back(s);
+  const std::size_t n = samples.size();
+  const std::size_t n_fields = state_.n_fields;
+  covered_.x.resize(n);
+  covered_.y.resize(n);
+  covered_.z.resize(n);
+  covered_.values.resize(n * n_fields);
+  covered_.squared_error = 0;
+  const Vec3d centre = positions_[star_.vertex];
+  const float* const own = values_.data() + star_.vertex * n_fields;
+  for (std::size_t s = 0; s < n; ++s) {
+    const Vec3d p = state_.mesh.positions[samples[s]] - centre;
+    covered_.x[s] = static_cast<float>(p[0]);
+    covered_.y[s] = static_cast<float>(p[1]);
+    covered_.z[s] = static_cast<float>(p[2]);
+    for (std::size_t f = 0; f < n_fields; ++f) {
+      covered_.values[s * n_fields + f] = state_.values_of(samples[s])[f] - own[f];
+      const auto error = static_cast<double>(state_.errors_of(samples[s])[f]);
+      covered_.squared_error += error * error;
+    }
+  }
+  covered_.link_values.resize(static_cast<std::size_t>(star_.n_link) * n_fields);
+  for (int i = 0; i < star_.n_link; ++i) {
+    if (i == star_.outside) continue;
+    const auto at = static_cast<std::size_t>(i);
+    for (std::size_t f = 0; f < n_fields; ++f)
+      covered_.link_values[at * n_fields + f] = values_[star_.link[at] * n_fields + f] - own[f];
+  }
+}
+
+void BlockCollapser::find_choices() {
+  choices_.clear();
+  if (is_extremum()) return;
+  gather_link();
+  gather_samples();
+  lanes_.fill(star_, link_, covered_.link_values, state_.n_fields);
+  double least = kInfinity;
+  for (int kept = 0; kept < star_.n_link; ++kept) {
+    if (kept == star_.outside || !keeps_boundary(kept)) continue;
+    if (!make_fan_to(kept)) continue;
+    const double gone = std::max(1, n_cells_beside(kept));
+    const double error =
+        squared_error_of(fan_, lanes_.n, covered_, least * gone + covered_.squared_error);
+    const double increase = std::max(error - covered_.squared_error, 0.0) / gone;
+    least = std::min(least, increase);
+    choices_.push_back({kept, static_cast<float>(increase)});
+  }
+}
+
+/// The best one that leaves a manifold, unless it is worse than others wait with: then the vertex
+/// waits, too.
+bool BlockCollapser::collapse_best(float key, float limit) {
+  float& known = state_.keys[global(star_.vertex)];
+  for (known = kNever; !choices_.empty(); choices_.pop_back()) {
+    const auto best = std::ranges::min_element(choices_, {}, &Choice::increase);
+    if (best->increase >= limit || (best->increase > key && !queue_.is_least(best->increase))) {
+      known = best->increase;
+      if (known < limit) queue_.set(star_.vertex, known);
+      return false;
+    }
+    if (gatherer_.may_collapse(star_, best->kept, rules_.max_link)) {
+      collapse(best->kept);
+      return true;
+    }
+    *best = choices_.back();
+  }
+  return false;
+}
+
+void BlockCollapser::collapse(int place) {
+  const std::uint32_t kept = star_.link[static_cast<std::size_t>(place)];
+  if (!make_fan_to(place)) return;
+  for (int i = 0; i < star_.n_triangles; ++i) {
+    const std::uint32_t slot = star_.slots[static_cast<std::size_t>(i)];
+    samples_[slot] = kNone;
+    has_changed_[slot] = 1;
+  }
+  float largest = 0;
+  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+    const std::uint32_t sample = covered_.samples[s];
+    const std::size_t lane = find_lane(fan_, lanes_.n, covered_, s);
+    std::uint32_t& first = samples_[star_.slots[lane]];
+    state_.next_sample[sample] = first;
+    first = sample;
+    for (std::size_t f = 0; f < state_.n_fields; ++f) {
+      const float error = fan_.error(covered_, s, f, lane);
+      state_.errors_of(sample)[f] = error;
+      largest = std::max(largest, std::abs(error));
+    }
+  }
+  n_gone_ += live_.collapse(star_.vertex, kept);
+  state_.is_there[global(star_.vertex)] = 0;
+  collapses_.push_back({global(star_.vertex), global(kept), largest});
+}
+
+void BlockCollapser::look_again_beside(float key, float limit) {
+  for (int i = 0; i < star_.n_link; ++i) {
+    if (i == star_.outside) continue;
+    const std::uint32_t v = star_.link[static_cast<std::size_t>(i)];
+    if (state_.is_locked[global(v)] != 0) continue;
+    float& known = state_.keys[global(v)];
+    known = known == kNever ? key : known * rules_.discount;
+    if (known < limit) queue_.set(v, known);
+  }
+}
+
+void BlockCollapser::write_back() {
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (has_changed_[i] == 0) continue;
+    Tetrahedron& to = state_.tetrahedra[slots_[i]];
+    const Tetrahedron& from = live_.corners(static_cast<std::uint32_t>(i));
+    if (from[0] == kNone) {
+      to[0] = kNone;
+      continue;
+    }
+    for (std::size_t k = 0; k < 4; ++k) to[k] = global(from[k]);
+    state_.first_sample[slots_[i]] = samples_[i];
+  }
+}
+
+}  // namespace lode::tetra_mt

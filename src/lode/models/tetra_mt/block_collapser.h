@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lode/models/tetra_mt/build_state.h"
+#include "lode/models/tetra_mt/collapse_queue.h"
+#include "lode/models/tetra_mt/fan.h"
+#include "lode/models/tetra_mt/live_tetrahedra.h"
+#include "lode/models/tetra_mt/star.h"
+
+namespace lode::tetra_mt {
+
+struct CollapseRules {
+  float discount = 0.7F;  ///< What is beside a collapse is looked at again at so much of its key.
+  int max_link = 32;      ///< Vertices beside both ends of an edge that collapses.
+};
+
+/// Collapses edges among a block's vertices. Those with others beside them stay, so that no two
+/// blocks touch the same tetrahedron: blocks may be worked on side by side.
+class BlockCollapser {
+ public:
+  /// `slots`: all tetrahedra with one of the vertices. `places`: room for a number for each vertex
+  /// of the mesh and the one outside, of which nothing is expected or left.
+  BlockCollapser(BuildState& state, std::span<const std::uint32_t> vertices,
+                 std::span<const std::uint32_t> slots, std::vector<std::uint32_t>& places,
+                 const CollapseRules& rules);
+
+  /// All that add less than `limit`, the least first, until `n_cells` are gone; all else gets its
+  /// key in the state.
+  void run(float limit, std::uint64_t n_cells);
+  /// Finds the keys of all, and which are locked.
+  void find_keys();
+
+  [[nodiscard]] std::span<const Collapse> collapses() const { return collapses_; }
+  [[nodiscard]] std::uint64_t n_cells_gone() const { return n_gone_; }
+  /// Puts what has changed into the state.
+  void write_back();
+
+ private:
+  /// What may become of a vertex, but for the link condition.
+  struct Choice {
+    int kept;        ///< In its link.
+    float increase;  ///< Of squared errors, for each cell that goes; at least 0.
+  };
+
+  [[nodiscard]] std::uint32_t global(std::uint32_t vertex) const { return vertices_[vertex]; }
+  [[nodiscard]] bool is_inner() const;
+  [[nodiscard]] bool is_extremum() const;
+  [[nodiscard]] bool keeps_boundary(int kept) const;
+  void gather_link();
+  void gather_samples();
+  [[nodiscard]] int n_cells_beside(int kept) const;
+  [[nodiscard]] bool make_fan_to(int kept);
+  void find_choices();
+  [[nodiscard]] bool collapse_best(float key, float limit);
+  void collapse(int kept);
+  void look_again_beside(float key, float limit);
+
+  BuildState& state_;
+  CollapseRules rules_;
+  std::vector<std::uint32_t> vertices_;  ///< Own ones, those beside them, the one outside.
+  std::vector<std::uint32_t> slots_;
+  LiveTetrahedra live_;
+  StarGatherer gatherer_;
+  CollapseQueue queue_;
+  std::vector<Vec3d> positions_;           ///< By own and other vertex.
+  std::vector<float> values_;              ///< Likewise, and by field.
+  std::vector<std::uint32_t> samples_;     ///< By slot: the first.
+  std::vector<std::uint8_t> has_changed_;  ///< By slot.
+  Star star_;
+  std::array<Vec3d, Star::kMaxLink> link_;  ///< Relative to the star's vertex.
+  StarLanes lanes_;
+  StarSamples covered_;
+  Fan fan_;
+  std::vector<Choice> choices_;
+  std::vector<Collapse> collapses_;
+  std::uint64_t n_gone_ = 0;
+};
+
+}  // namespace lode::tetra_mt

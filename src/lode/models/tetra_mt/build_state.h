@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lode/core/tetra_mesh.h"
+#include "lode/models/tetra_mt/closed_mesh.h"
+
+namespace lode::tetra_mt {
+
+/// One collapse: `removed` went into `kept`.
+struct Collapse {
+  std::uint32_t removed;
+  std::uint32_t kept;
+  float error;  ///< Largest |F - F'| at samples in what came of it, as shares of fields' ranges.
+};
+
+/// What becomes of a mesh as its edges collapse.
+struct BuildState {
+  explicit BuildState(const TetraMesh& reference);
+
+  const TetraMesh& mesh;
+  std::uint32_t outside;                    ///< The vertex outside; all others are before it.
+  std::vector<Tetrahedron> tetrahedra;      ///< By slot; those that went have no first corner.
+  std::vector<std::uint32_t> first_sample;  ///< By slot: of those it covers, kNone where none.
+  std::vector<std::uint32_t> next_sample;   ///< By removed vertex: the next one there.
+  std::size_t n_fields;
+  std::vector<float> values;  ///< By vertex and field, so scaled that a field's range is 1.
+  std::vector<float> errors;  ///< F - F' of removed vertices, likewise.
+  std::vector<float> keys;    ///< By vertex: the square that its going adds, as known; or infinite.
+  std::vector<std::uint8_t> is_there;   ///< By vertex, as long as it is not removed.
+  std::vector<std::uint8_t> is_locked;  ///< By vertex: its link is no sphere.
+  std::vector<Collapse> collapses;      ///< In an order that can be done again.
+  std::uint64_t n_cells = 0;            ///< Without those to the vertex outside.
+
+  [[nodiscard]] std::span<const float> values_of(std::uint32_t vertex) const {
+    return std::span(values).subspan(vertex * n_fields, n_fields);
+  }
+  [[nodiscard]] std::span<float> errors_of(std::uint32_t vertex) {
+    return std::span(errors).subspan(vertex * n_fields, n_fields);
+  }
+};
+
+}  // namespace lode::tetra_mt

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "lode/core/vec.h"
+#include "lode/models/tetra_mt/star.h"
+
+namespace lode::tetra_mt {
+
+/// A star's triangles side by side, relative to its vertex, padded; what fills up, and those with
+/// the vertex outside, are all zero, so that they make no volume.
+struct StarLanes {
+  static constexpr std::size_t kPadding = 16;
+  static constexpr std::size_t kMax = (Star::kMaxTriangles + kPadding - 1) / kPadding * kPadding;
+  using Doubles = std::array<double, kMax>;
+  using Floats = std::array<float, kMax>;
+
+  std::size_t n = 0;  ///< With the padding.
+  /// planes . p - heights is six times the volume to a point p, slacks what is too flat.
+  alignas(64) std::array<Doubles, 3> planes;
+  alignas(64) Doubles heights;
+  alignas(64) Doubles slacks;
+  alignas(64) std::array<std::array<Floats, 3>, 3> corners;  ///< By corner and axis.
+  std::vector<std::array<Floats, 3>> values;                 ///< By field and corner.
+
+  static constexpr double kFlat = 1e-6;  ///< Of a triangle's size times the star's.
+
+  /// `link`: positions by link vertex, relative to the star's; link_values: by link vertex and
+  /// field, likewise.
+  void fill(const Star& star, const std::array<Vec3d, Star::kMaxLink>& link,
+            const std::vector<float>& link_values, std::size_t n_fields);
+};
+
+/// Samples that a star covers, its vertex first; relative to that. Values are in units that make
+/// fields alike.
+struct StarSamples {
+  std::vector<std::uint32_t> samples;
+  std::vector<float> x;
+  std::vector<float> y;
+  std::vector<float> z;
+  std::vector<float> values;       ///< By sample and field, above the vertex's.
+  std::vector<float> link_values;  ///< By link vertex and field, likewise.
+  std::size_t n_fields = 1;
+  double squared_error = 0;  ///< Of all, as they are covered now.
+};
+
+/// The tetrahedra that come of a collapse, all with the vertex that is kept: lane by lane of the
+/// star's, with gaps.
+struct Fan {
+  using Floats = StarLanes::Floats;
+
+  std::array<float, 3> at;        ///< Of the vertex that is kept.
+  std::vector<float> kept_value;  ///< By field.
+  /// The weight of corner k at d from the kept vertex is rows[k] . d.
+  alignas(64) std::array<std::array<Floats, 3>, 3> rows;
+  alignas(64) Floats inverses;  ///< Of six times the volumes; 1 where there is none.
+  alignas(64) Floats gaps;      ///< 0, or what is so small that no weight is smaller.
+  std::vector<std::array<Floats, 3>> gradients;  ///< By field.
+
+  /// F - F' at a sample that a lane covers.
+  [[nodiscard]] float error(const StarSamples& samples, std::size_t sample, std::size_t field,
+                            std::size_t lane) const;
+};
+
+/// False where one of the tetrahedra is not of positive volume, by more than rounding. `at`: of the
+/// vertex that is kept, relative to the star's; n_flat: of all lanes, those without a tetrahedron.
+[[nodiscard]] bool make_fan(const StarLanes& star, const Vec3d& at, std::size_t n_flat, Fan& fan);
+
+/// The sum of squared errors of the samples or, as soon as it is above `limit`, part of it.
+[[nodiscard]] double squared_error_of(const Fan& fan, std::size_t n_lanes,
+                                      const StarSamples& samples, double limit);
+
+/// Which lane covers a sample: of all the one in which the smallest of the four weights is largest.
+/// Where one holds the point it is that one, or shares a face with it that the point is near.
+[[nodiscard]] std::size_t find_lane(const Fan& fan, std::size_t n_lanes, const StarSamples& samples,
+                                    std::size_t sample);
+
+}  // namespace lode::tetra_mt

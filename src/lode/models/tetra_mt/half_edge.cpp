@@ -1,0 +1,167 @@
+#include "lode/models/tetra_mt/half_edge.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lode/models/tetra_mt/space_blocks.h"
+
+namespace lode::tetra_mt {
+namespace {
+
+/// Vertices: what belongs to one fits the second cache.
+constexpr std::size_t kBlockSize = 6000;
+/// Of what is left, how much is to go in a round; and at least of what is left to go.
+constexpr double kRoundShare = 0.2;
+constexpr double kLastShare = 0.6;
+/// How near to the base is enough.
+constexpr double kNearBase = 1.002;
+/// Rounds without much effect, in blocks elsewhere each, after which nothing is left to do.
+constexpr int kMaxIdle = 4;
+constexpr double kMuch = 1e-3;
+constexpr std::array<double, 5> kShares{0.5, 0.38, 0.62, 0.44, 0.56};
+
+class Rounds {
+ public:
+  Rounds(const HalfEdgeOptions& options, BuildState& state)
+      : options_(options),
+        state_(state),
+        places_(static_cast<std::size_t>(n_workers(options.threads)),
+                std::vector<std::uint32_t>(state.outside + std::size_t{1})) {}
+
+  Result<void> run(Progress& progress) {
+    const auto n_first = static_cast<double>(state_.n_cells);
+    const auto n_last = static_cast<double>(options_.base_cells);
+    cut(0);
+    visit_blocks([](std::size_t, BlockCollapser& block) { block.find_keys(); });
+    int n_idle = 0;  // rounds in a row
+    for (int round = 0;
+         static_cast<double>(state_.n_cells) > kNearBase * n_last && n_idle < kMaxIdle; ++round) {
+      if (progress.is_cancelled()) return cancelled_error();
+      if (round > 0) cut(round);
+      n_idle = collapse_round() > kMuch ? 0 : n_idle + 1;
+      progress.report("collapsing edges", (n_first - static_cast<double>(state_.n_cells)) /
+                                              std::max(n_first - n_last, 1.0));
+    }
+    return {};
+  }
+
+ private:
+  /// Vertices that are there, and by block the tetrahedra that have one of its own.
+  void cut(int round) {
+    std::vector<std::uint32_t> there;
+    for (std::uint32_t v = 0; v < state_.outside; ++v)
+      if (state_.is_there[v] != 0) there.push_back(v);
+    blocks_ = cut_in_blocks(state_.mesh.positions, std::move(there), kBlockSize,
+                            kShares[static_cast<std::size_t>(round) % kShares.size()]);
+    block_of_.assign(state_.outside + std::size_t{1}, kNone);
+    for (std::uint32_t b = 0; b < blocks_.size(); ++b)
+      for (const std::uint32_t v : blocks_.of(b)) block_of_[v] = b;
+    slots_.assign(blocks_.size(), {});
+    for (std::uint32_t slot = 0; slot < state_.tetrahedra.size(); ++slot) {
+      const Tetrahedron& t = state_.tetrahedra[slot];
+      if (t[0] == kNone) continue;
+      std::array<std::uint32_t, 4> of{};
+      for (std::size_t k = 0; k < 4; ++k) {
+        of[k] = block_of_[t[k]];
+        bool is_new = of[k] != kNone;
+        for (std::size_t j = 0; j < k; ++j) is_new = is_new && of[j] != of[k];
+        if (is_new) slots_[of[k]].push_back(slot);
+      }
+    }
+  }
+
+  template <typename Visit>
+  void visit_blocks(const Visit& visit) {
+    parallel_for(blocks_.size(), options_.threads, 1, [&](std::size_t b, int worker) {
+      BlockCollapser block(state_, blocks_.of(b), slots_[b],
+                           places_[static_cast<std::size_t>(worker)], options_.rules);
+      visit(b, block);
+    });
+  }
+
+  /// Returns which share of the cells has gone.
+  double collapse_round() {
+    const auto before = static_cast<double>(state_.n_cells);
+    const double left = before - static_cast<double>(options_.base_cells);
+    const double aim =
+        left < 0.01 * before ? left : std::min(kRoundShare * before, kLastShare * left);
+    const double share = std::min(0.9, aim / before / gain_);
+    const float limit = find_limit(share);
+    std::vector<std::vector<Collapse>> collapses(blocks_.size());
+    std::vector<std::uint64_t> n_gone(blocks_.size(), 0);
+    visit_blocks([&](std::size_t b, BlockCollapser& block) {
+      // No block may take more than its part of what is left to go.
+      const double part =
+          static_cast<double>(blocks_.of(b).size()) / static_cast<double>(blocks_.points.size());
+      block.run(limit, static_cast<std::uint64_t>(std::ceil(part * left)));
+      block.write_back();
+      n_gone[b] = block.n_cells_gone();
+      collapses[b].assign(block.collapses().begin(), block.collapses().end());
+    });
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      state_.n_cells -= n_gone[b];
+      state_.collapses.insert(state_.collapses.end(), collapses[b].begin(), collapses[b].end());
+    }
+    const double gone = (before - static_cast<double>(state_.n_cells)) / before;
+    gain_ = std::clamp(gone / share, gain_ / 2, gain_ * 2);
+    return gone;
+  }
+
+  /// The key that a share of the vertices which may go is below.
+  [[nodiscard]] float find_limit(double share) const {
+    std::vector<float> keys;
+    for (const std::uint32_t v : blocks_.points)
+      if (state_.is_locked[v] == 0 && std::isfinite(state_.keys[v])) keys.push_back(state_.keys[v]);
+    if (keys.empty()) return 0;
+    const auto at = static_cast<std::size_t>(share * static_cast<double>(keys.size()));
+    std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(at), keys.end());
+    return std::nextafter(keys[at], std::numeric_limits<float>::infinity());
+  }
+
+  HalfEdgeOptions options_;
+  BuildState& state_;
+  std::vector<std::vector<std::uint32_t>> places_;  ///< By worker.
+  double gain_ = 1.5;  ///< What share goes, against that of vertices that a limit lets.
+  SpaceBlocks blocks_;
+  std::vector<std::uint32_t> block_of_;            ///< By vertex.
+  std::vector<std::vector<std::uint32_t>> slots_;  ///< By block.
+};
+
+Result<void> check_mesh(const TetraMesh& mesh) {
+  const std::size_t n = mesh.positions.size();
+  if (n >= kNone) return fail("expected fewer than {} vertices, got {}", kNone, n);
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+    for (const std::uint32_t v : mesh.tetrahedra[i])
+      if (v >= n) return fail("tetrahedron {}: expected corners below {}, got {}", i, n, v);
+  for (const MeshField& field : mesh.fields) {
+    if (field.values.size() != n)
+      return fail("field {}: expected {} values, got {}", field.name, n, field.values.size());
+    for (std::size_t v = 0; v < n; ++v)
+      if (!std::isfinite(field.values[v]))
+        return fail("field {}: expected finite values, got {} at vertex {}", field.name,
+                    field.values[v], v);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfEdgeOptions& options,
+                                              Progress& progress) {
+  LODE_CHECK(check_mesh(mesh));
+  BuildState state(mesh);
+  LODE_CHECK(close_boundary(state.outside, state.tetrahedra, options.threads));
+  state.first_sample.assign(state.tetrahedra.size(), kNone);
+  LODE_CHECK(Rounds(options, state).run(progress));
+  HalfEdgeCollapses result;
+  for (const Tetrahedron& t : state.tetrahedra)
+    if (t[0] != kNone && std::ranges::find(t, state.outside) == t.end()) result.base.push_back(t);
+  result.collapses = std::move(state.collapses);
+  result.errors = std::move(state.errors);
+  return result;
+}
+
+}  // namespace lode::tetra_mt

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/core/tetra_mesh.h"
+#include "lode/models/tetra_mt/block_collapser.h"
+
+namespace lode::tetra_mt {
+
+struct HalfEdgeOptions {
+  std::uint64_t base_cells = 0;  ///< About where to stop.
+  CollapseRules rules = {};
+  Threads threads = {};
+};
+
+struct HalfEdgeCollapses {
+  std::vector<Collapse> collapses;  ///< In an order that can be done again.
+  std::vector<Tetrahedron> base;    ///< Of the mesh's vertices.
+  /// By vertex and field: F - F' on the base, as shares of the fields' ranges; 0 for its vertices.
+  std::vector<float> errors;
+};
+
+/// Collapses edges into one of their ends until few cells are left, or none may go: the vertex
+/// first whose going adds least to the squared error at all samples, for each cell that goes with
+/// it (Cignoni, De Floriani, Magillo, Puppo, Scopigno 2004, section 4.2; half edges: Danovaro, De
+/// Floriani 2005). The mesh stays what it is, topologically; its boundary stays where it is, but
+/// for a millionth of an edge; no tetrahedron that comes is flat or turned round; the fields'
+/// ranges stay, as no vertex goes whose value is above or below all beside it. In rounds: each has
+/// a limit, and blocks in space in which all up to that go; then blocks elsewhere. The same comes
+/// of any number of threads. Fails when a face has more than two tetrahedra, or a value is not
+/// finite.
+[[nodiscard]] Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh,
+                                                            const HalfEdgeOptions& options,
+                                                            Progress& progress);
+
+}  // namespace lode::tetra_mt

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lode::tetra_mt {
+
+/// A list of numbers for each vertex, of which some grow while others end. What ends is used again.
+class SlotLists {
+ public:
+  /// `counts`: how many each begins with.
+  explicit SlotLists(std::span<const std::uint32_t> counts);
+
+  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t list) const {
+    return {pool_.data() + begins_[list], sizes_[list]};
+  }
+  void add(std::uint32_t list, std::uint32_t number) {
+    if (sizes_[list] == capacity(list)) grow(list);
+    pool_[begins_[list] + sizes_[list]++] = number;
+  }
+  /// The last one takes its place. Expects it there.
+  void remove(std::uint32_t list, std::uint32_t number) {
+    std::uint32_t* at = pool_.data() + begins_[list];
+    while (*at != number) ++at;
+    *at = pool_[begins_[list] + --sizes_[list]];
+  }
+  void end(std::uint32_t list);
+  [[nodiscard]] std::size_t n_bytes() const {
+    return pool_.capacity() * sizeof(std::uint32_t) + begins_.capacity() * sizeof(std::uint64_t) +
+           sizes_.capacity() * sizeof(std::uint32_t) + classes_.capacity();
+  }
+
+ private:
+  static constexpr std::uint32_t kGrain = 8;  ///< Capacities are multiples of it.
+
+  [[nodiscard]] std::uint32_t capacity(std::uint32_t list) const { return classes_[list] * kGrain; }
+  void grow(std::uint32_t list);
+  void set_free(std::uint64_t begin, std::uint32_t size_class);
+
+  std::vector<std::uint32_t> pool_;
+  std::vector<std::uint64_t> begins_;
+  std::vector<std::uint32_t> sizes_;
+  std::vector<std::uint16_t> classes_;            ///< Capacities, in grains.
+  std::vector<std::vector<std::uint64_t>> free_;  ///< By class: where room of that size begins.
+};
+
+}  // namespace lode::tetra_mt
