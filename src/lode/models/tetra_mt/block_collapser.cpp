@@ -257,22 +257,37 @@ void BlockCollapser::collapse(int place) {
     samples_[slot] = kNone;
     has_changed_[slot] = 1;
   }
-  float largest = 0;
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
     const std::uint32_t sample = covered_.samples[s];
     const std::size_t lane = find_lane(fan_, lanes_.n, covered_, s);
     std::uint32_t& first = samples_[star_.slots[lane]];
     state_.next_sample[sample] = first;
     first = sample;
-    for (std::size_t f = 0; f < state_.n_fields; ++f) {
-      const float error = fan_.error(covered_, s, f, lane);
-      state_.errors_of(sample)[f] = error;
-      largest = std::max(largest, std::abs(error));
-    }
+    for (std::size_t f = 0; f < state_.n_fields; ++f)
+      state_.errors_of(sample)[f] = fan_.error(covered_, s, f, lane);
   }
+  note_facts();
   n_gone_ += live_.collapse(star_.vertex, kept);
   state_.is_there[global(star_.vertex)] = 0;
-  collapses_.push_back({global(star_.vertex), global(kept), largest});
+  collapses_.push_back({global(star_.vertex), global(kept)});
+}
+
+void BlockCollapser::note_facts() {
+  const std::size_t n = state_.n_fields;
+  for (std::size_t f = 0; f < n; ++f) {
+    CollapseFacts facts{0, kNever, -kNever};
+    const auto widen = [&](float value) {
+      facts.low = std::min(facts.low, value);
+      facts.high = std::max(facts.high, value);
+    };
+    for (const std::uint32_t sample : covered_.samples) {
+      facts.error = std::max(facts.error, std::abs(state_.errors_of(sample)[f]));
+      widen(state_.values_of(sample)[f]);
+    }
+    for (int i = 0; i < star_.n_link; ++i)
+      if (i != star_.outside) widen(values_[star_.link[static_cast<std::size_t>(i)] * n + f]);
+    facts_.push_back(facts);
+  }
 }
 
 void BlockCollapser::look_again_beside(float key, float limit) {

@@ -34,6 +34,8 @@ class BlockCollapser {
   void find_keys();
 
   [[nodiscard]] std::span<const Collapse> collapses() const { return collapses_; }
+  /// By collapse and field.
+  [[nodiscard]] std::span<const CollapseFacts> facts() const { return facts_; }
   [[nodiscard]] std::uint64_t n_cells_gone() const { return n_gone_; }
   /// Puts what has changed into the state.
   void write_back();
@@ -56,6 +58,7 @@ class BlockCollapser {
   void find_choices();
   [[nodiscard]] bool collapse_best(float key, float limit);
   void collapse(int kept);
+  void note_facts();
   void look_again_beside(float key, float limit);
 
   BuildState& state_;
@@ -76,6 +79,7 @@ class BlockCollapser {
   Fan fan_;
   std::vector<Choice> choices_;
   std::vector<Collapse> collapses_;
+  std::vector<CollapseFacts> facts_;
   std::uint64_t n_gone_ = 0;
 };
 

@@ -14,7 +14,13 @@ namespace lode::tetra_mt {
 struct Collapse {
   std::uint32_t removed;
   std::uint32_t kept;
-  float error;  ///< Largest |F - F'| at samples in what came of it, as shares of fields' ranges.
+};
+
+/// What is known of a collapse, for each field, in units in which its values go from 0 to 1.
+struct CollapseFacts {
+  float error;  ///< Largest |F - F'| at samples in the tetrahedra that came of it.
+  float low;    ///< Of F at these samples, and at the tetrahedra's corners.
+  float high;
 };
 
 /// What becomes of a mesh as its edges collapse.
@@ -33,6 +39,7 @@ struct BuildState {
   std::vector<std::uint8_t> is_there;   ///< By vertex, as long as it is not removed.
   std::vector<std::uint8_t> is_locked;  ///< By vertex: its link is no sphere.
   std::vector<Collapse> collapses;      ///< In an order that can be done again.
+  std::vector<CollapseFacts> facts;     ///< By collapse and field.
   std::uint64_t n_cells = 0;            ///< Without those to the vertex outside.
 
   [[nodiscard]] std::span<const float> values_of(std::uint32_t vertex) const {

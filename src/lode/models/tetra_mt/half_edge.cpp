@@ -91,6 +91,7 @@ class Rounds {
     const double share = std::min(0.9, aim / before / gain_);
     const float limit = find_limit(share);
     std::vector<std::vector<Collapse>> collapses(blocks_.size());
+    std::vector<std::vector<CollapseFacts>> facts(blocks_.size());
     std::vector<std::uint64_t> n_gone(blocks_.size(), 0);
     visit_blocks([&](std::size_t b, BlockCollapser& block) {
       // No block may take more than its part of what is left to go.
@@ -100,10 +101,12 @@ class Rounds {
       block.write_back();
       n_gone[b] = block.n_cells_gone();
       collapses[b].assign(block.collapses().begin(), block.collapses().end());
+      facts[b].assign(block.facts().begin(), block.facts().end());
     });
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       state_.n_cells -= n_gone[b];
       state_.collapses.insert(state_.collapses.end(), collapses[b].begin(), collapses[b].end());
+      state_.facts.insert(state_.facts.end(), facts[b].begin(), facts[b].end());
     }
     const double gone = (before - static_cast<double>(state_.n_cells)) / before;
     gain_ = std::clamp(gone / share, gain_ / 2, gain_ * 2);
@@ -160,6 +163,7 @@ Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfE
   for (const Tetrahedron& t : state.tetrahedra)
     if (t[0] != kNone && std::ranges::find(t, state.outside) == t.end()) result.base.push_back(t);
   result.collapses = std::move(state.collapses);
+  result.facts = std::move(state.facts);
   result.errors = std::move(state.errors);
   return result;
 }

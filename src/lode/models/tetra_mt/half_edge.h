@@ -17,8 +17,9 @@ struct HalfEdgeOptions {
 };
 
 struct HalfEdgeCollapses {
-  std::vector<Collapse> collapses;  ///< In an order that can be done again.
-  std::vector<Tetrahedron> base;    ///< Of the mesh's vertices.
+  std::vector<Collapse> collapses;   ///< In an order that can be done again.
+  std::vector<CollapseFacts> facts;  ///< By collapse and field.
+  std::vector<Tetrahedron> base;     ///< Of the mesh's vertices.
   /// By vertex and field: F - F' on the base, as shares of the fields' ranges; 0 for its vertices.
   std::vector<float> errors;
 };

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lode/core/tetra_mesh.h"
+#include "lode/models/tetra_mt/closed_mesh.h"
+#include "lode/models/tetra_mt/half_edge.h"
+#include "lode/refine/model.h"
+
+namespace lode::tetra_mt {
+
+/// A mesh of tetrahedra as a Multi-Tessellation of half-edge collapses, with the order of regions:
+/// a node replaces the tetrahedra that its collapse made, and depends on the nodes that must be
+/// applied for these to be there, and on no others. Nodes are numbered in an order in which they
+/// may be applied, that of the collapses reversed; node k brings vertex n_base_vertices + k.
+///
+/// No tetrahedra are stored but the base's. What a node replaces are the tetrahedra round its
+/// target that it has made: a cut knows of each tetrahedron whose it is. What comes are those
+/// tetrahedra with the new vertex in the target's place, and one for each edge of the outline of
+/// their faces across from the target. Whose these are is stored, in canonical order: those with a
+/// face across first, then those with an edge, each by canonical_key().
+struct Hierarchy {
+  std::uint32_t n_base_vertices = 0;
+  std::vector<Vec3d> positions;   ///< By vertex.
+  std::vector<MeshField> fields;  ///< Of one component, by vertex.
+  std::vector<Tetrahedron> base;  ///< With those to the vertex outside, number positions.size().
+  std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
+  std::uint64_t n_base_cells = 0;          ///< Without those to the vertex outside.
+
+  std::vector<std::uint32_t> targets;  ///< By node: the vertex that its own went into.
+  std::vector<StoredFacts> facts;      ///< By node and field: nested along discovery.
+  std::vector<float> radii;  ///< By node: of a ball round its vertex that holds all it discovers.
+  std::vector<std::uint64_t> child_begins;  ///< By node, and one more.
+  std::vector<std::uint32_t> children;      ///< Ascending, each node's.
+  std::vector<std::uint64_t> parent_begins;
+  std::vector<std::uint32_t> parents;  ///< Likewise.
+  std::vector<std::uint64_t> maker_begins;
+  /// By node and tetrahedron that it brings: which of its children has made it, or kReference.
+  std::vector<std::uint8_t> makers;
+
+  static constexpr std::uint8_t kReference = 0xFF;
+
+  [[nodiscard]] std::uint32_t n_nodes() const { return static_cast<std::uint32_t>(targets.size()); }
+  [[nodiscard]] std::uint32_t outside() const {
+    return static_cast<std::uint32_t>(positions.size());
+  }
+  [[nodiscard]] std::span<const std::uint32_t> children_of(std::uint32_t node) const {
+    return std::span(children).subspan(child_begins[node],
+                                       child_begins[node + 1] - child_begins[node]);
+  }
+  [[nodiscard]] std::span<const std::uint32_t> parents_of(std::uint32_t node) const {
+    return std::span(parents).subspan(parent_begins[node],
+                                      parent_begins[node + 1] - parent_begins[node]);
+  }
+  [[nodiscard]] std::span<const std::uint8_t> makers_of(std::uint32_t node) const {
+    return std::span(makers).subspan(maker_begins[node],
+                                     maker_begins[node + 1] - maker_begins[node]);
+  }
+};
+
+/// Of a face, or with kNone for c of an edge, whatever the order of its corners.
+[[nodiscard]] std::uint64_t canonical_key(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+
+/// `mesh`: what was collapsed.
+[[nodiscard]] Result<Hierarchy> make_hierarchy(const TetraMesh& mesh,
+                                               const HalfEdgeCollapses& collapses, Threads threads);
+
+}  // namespace lode::tetra_mt
