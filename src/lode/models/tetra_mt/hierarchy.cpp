@@ -225,19 +225,17 @@ void HierarchyMaker::find_facts() {
   }
 }
 
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-  return z ^ (z >> 31);
+/// Spreads a vertex's number, so that sums of different ones differ.
+std::uint64_t spread(std::uint32_t vertex) {
+  std::uint64_t z = vertex * 0x9e3779b97f4a7c15U;
+  z = (z ^ (z >> 32)) * 0xbf58476d1ce4e5b9U;
+  return z ^ (z >> 29);
 }
 
 }  // namespace
 
 std::uint64_t canonical_key(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  if (a > b) std::swap(a, b);
-  if (b > c) std::swap(b, c);
-  if (a > b) std::swap(a, b);
-  return mix(mix((std::uint64_t{a} << 32 | b) + 0x9e3779b97f4a7c15U) + c);
+  return spread(a) + spread(b) + spread(c);
 }
 
 Result<Hierarchy> make_hierarchy(const TetraMesh& mesh, const HalfEdgeCollapses& collapses,

@@ -26,6 +26,18 @@ class SlotLists {
     while (*at != number) ++at;
     *at = pool_[begins_[list] + --sizes_[list]];
   }
+  /// Those that `goes(number)` is true of; the others keep their order.
+  template <typename Goes>
+  void remove_if(std::uint32_t list, const Goes& goes) {
+    std::uint32_t* const begin = pool_.data() + begins_[list];
+    std::uint32_t n = 0;
+    for (std::uint32_t i = 0; i < sizes_[list]; ++i) {
+      const std::uint32_t number = begin[i];
+      begin[n] = number;
+      n += goes(number) ? 0 : 1;
+    }
+    sizes_[list] = n;
+  }
   void end(std::uint32_t list);
   [[nodiscard]] std::size_t n_bytes() const {
     return pool_.capacity() * sizeof(std::uint32_t) + begins_.capacity() * sizeof(std::uint64_t) +

@@ -66,35 +66,41 @@ std::uint32_t TetraCut::maker(std::uint32_t node, std::size_t place) const {
   return child == Hierarchy::kReference ? kNone : hierarchy_->children_of(node)[child];
 }
 
-void TetraCut::find_region(std::uint32_t node, std::uint32_t target) {
+/// What the target has round it because of the node, and takes it away from there.
+void TetraCut::take_region(std::uint32_t node, std::uint32_t target) {
   region_.clear();
-  for (const std::uint32_t slot : stars_.of(target)) {
-    if (makers_[slot] != node) continue;
+  stars_.remove_if(target, [&](std::uint32_t slot) {
+    if (makers_[slot] != node) return false;
     const Tetrahedron& t = tetrahedra_[slot];
     std::size_t at = 0;
     while (t[at] != target) ++at;
     const auto face = others(t, at);
     region_.push_back({canonical_key(face[0], face[1], face[2]), face, slot});
-  }
+    return true;
+  });
 }
 
 /// Edges of the faces across from the target that only one of them has.
 void TetraCut::find_outline() {
-  outline_.clear();
+  edges_.clear();
   for (const Coming& face : region_)
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = face.rest[k];
-      const std::uint32_t b = face.rest[(k + 1) % 3];
-      const auto reverse = std::ranges::find_if(
-          outline_, [&](const Coming& e) { return e.rest[0] == a && e.rest[1] == b; });
-      if (reverse != outline_.end()) {
-        *reverse = outline_.back();
-        outline_.pop_back();
+      const std::uint64_t a = face.rest[k];
+      const std::uint64_t b = face.rest[(k + 1) % 3];
+      const auto reverse = std::ranges::find(edges_, a << 32 | b);
+      if (reverse != edges_.end()) {
+        *reverse = edges_.back();
+        edges_.pop_back();
       } else {
-        outline_.push_back({0, {b, a, kNone}, kNone});
+        edges_.push_back(b << 32 | a);
       }
     }
-  for (Coming& edge : outline_) edge.key = canonical_key(edge.rest[0], edge.rest[1], kNone);
+  outline_.clear();
+  for (const std::uint64_t edge : edges_) {
+    const auto a = static_cast<std::uint32_t>(edge >> 32);
+    const auto b = static_cast<std::uint32_t>(edge);
+    outline_.push_back({canonical_key(a, b, kNone), {a, b, kNone}, kNone});
+  }
 }
 
 std::uint32_t TetraCut::take_slot() {
@@ -119,7 +125,7 @@ std::uint64_t TetraCut::apply(NodeId id) {
   const std::uint32_t node = index(id);
   const std::uint32_t target = hierarchy_->targets[node];
   const std::uint32_t vertex = hierarchy_->n_base_vertices + node;
-  find_region(node, target);
+  take_region(node, target);
   find_outline();
   sort_by_key(region_);
   sort_by_key(outline_);
@@ -127,7 +133,6 @@ std::uint64_t TetraCut::apply(NodeId id) {
   for (const Coming& face : region_) {
     std::ranges::replace(tetrahedra_[face.slot], target, vertex);
     makers_[face.slot] = maker(node, n++);
-    stars_.remove(target, face.slot);
     stars_.add(vertex, face.slot);
   }
   std::uint64_t n_new = 0;

@@ -44,7 +44,7 @@ class TetraCut {
 
   [[nodiscard]] static std::uint32_t index(NodeId node) { return static_cast<std::uint32_t>(node); }
   [[nodiscard]] std::uint32_t maker(std::uint32_t node, std::size_t place) const;
-  void find_region(std::uint32_t node, std::uint32_t target);
+  void take_region(std::uint32_t node, std::uint32_t target);
   void find_outline();
   void place(std::uint32_t slot, const Tetrahedron& corners, std::uint32_t maker);
   std::uint32_t take_slot();
@@ -57,6 +57,7 @@ class TetraCut {
   SlotLists stars_;
   std::vector<Coming> region_;
   std::vector<Coming> outline_;
+  std::vector<std::uint64_t> edges_;  ///< First and second corner, of faces or as outlines go.
 };
 
 }  // namespace lode::tetra_mt
