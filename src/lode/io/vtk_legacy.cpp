@@ -5,7 +5,6 @@
 
 #include "lode/io/image_grid.h"
 #include "lode/io/text.h"
-#include "lode/io/text_samples.h"
 #include "lode/io/vtk_legacy_arrays.h"
 
 namespace lode::io {
@@ -24,22 +23,11 @@ struct LegacyData {
 };
 
 Result<bool> parse_preamble(LegacyFile& file) {
-  const std::string& path = file.cursor.path();
-  LODE_TRY(const auto magic, file.cursor.line());
-  if (!magic || !magic->starts_with("# vtk DataFile Version"))
-    return fail("{}: expected '# vtk DataFile Version', got {}", path,
-                in_quotes(magic.value_or("")));
-  LODE_TRY(const auto title, file.cursor.line());
-  LODE_TRY(const auto encoding, next_words(file));
-  const std::string name = encoding.empty() ? "" : to_lower(encoding[0]);
-  if (name != "ascii" && name != "binary")
-    return fail("{}: expected ASCII or BINARY on the third line, got {}", path, in_quotes(name));
-  file.encoding = name == "binary" ? LegacyEncoding::binary : LegacyEncoding::ascii;
-  LODE_TRY(const auto dataset, next_words(file));
-  const std::string kind = dataset.size() == 2 ? to_lower(dataset[1]) : "";
+  LODE_TRY(const LegacyPreamble preamble, parse_legacy_preamble(file));
+  const std::string kind = to_lower(preamble.dataset);
   if (kind != "structured_points" && kind != "rectilinear_grid")
-    return fail("{}: expected DATASET STRUCTURED_POINTS or RECTILINEAR_GRID, got {}", path,
-                in_quotes(dataset.empty() ? "" : dataset.back()));
+    return fail("{}: expected DATASET STRUCTURED_POINTS or RECTILINEAR_GRID, got {}",
+                file.cursor.path(), in_quotes(preamble.dataset));
   return kind == "rectilinear_grid";
 }
 
@@ -151,41 +139,6 @@ Result<LegacyData> parse_sections(LegacyFile& file, bool is_rectilinear) {
   }
 }
 
-ByteOrder byte_order_of(LegacyEncoding encoding) {
-  return encoding == LegacyEncoding::binary ? ByteOrder::big : native_byte_order();
-}
-
-/// Colours written as fractions of 255, as bytes.
-Result<std::unique_ptr<SampleStore>> load_colors(const InputFilePtr& file, const LegacyArray& array,
-                                                 const SampleStorage& storage) {
-  constexpr ScalarType kText = ScalarType::float32;
-  const auto n = static_cast<std::size_t>(array.n_bytes);
-  LODE_TRY(const auto store, load_text({.file = file,
-                                        .offset = array.offset,
-                                        .type = kText,
-                                        .n_bytes = array.n_bytes * size_of(kText)},
-                                       storage));
-  LODE_TRY(const auto fractions, read_doubles(*store, kText, native_byte_order(), n));
-  std::vector<std::byte> bytes(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!(fractions[i] >= 0 && fractions[i] <= 1))
-      return fail("{}: expected colours from 0 to 1 in {}, got {}", file->path(),
-                  in_quotes(array.name), fractions[i]);
-    bytes[i] = static_cast<std::byte>(255.0 * fractions[i] + 0.5);  // as VTK rounds
-  }
-  return make_memory_store(std::move(bytes));
-}
-
-Result<std::unique_ptr<SampleStore>> load_array(const InputFilePtr& file, LegacyEncoding encoding,
-                                                const LegacyArray& array,
-                                                const SampleStorage& storage) {
-  if (encoding == LegacyEncoding::binary) return make_file_store(file, array.offset, array.n_bytes);
-  if (array.text == LegacyArray::Text::fractions) return load_colors(file, array, storage);
-  return load_text(
-      {.file = file, .offset = array.offset, .type = array.type, .n_bytes = array.n_bytes},
-      storage);
-}
-
 Result<RegularGrid> make_rectilinear(const InputFilePtr& file, LegacyEncoding encoding,
                                      const LegacyData& data, const Index3& dims) {
   RectilinearAxes axes;
@@ -194,8 +147,8 @@ Result<RegularGrid> make_rectilinear(const InputFilePtr& file, LegacyEncoding en
     if (!array || array->n_tuples != dims[i])
       return fail("{}: expected {} positions along axis {}, got {}", file->path(), dims[i],
                   "xyz"[i], array ? array->n_tuples : 0);
-    LODE_TRY(const auto store, load_array(file, encoding, *array, {}));
-    LODE_TRY(axes.positions[i], read_doubles(*store, array->type, byte_order_of(encoding),
+    LODE_TRY(const auto store, load_legacy_array(file, encoding, *array, {}));
+    LODE_TRY(axes.positions[i], read_doubles(*store, array->type, legacy_byte_order(encoding),
                                              static_cast<std::size_t>(dims[i])));
     axes.precisions[i] =
         array->type == ScalarType::float32 ? AxisPrecision::float32 : AxisPrecision::float64;
@@ -231,9 +184,9 @@ Result<std::vector<ImageField>> make_legacy_fields(const InputFilePtr& file,
     if (field.layout.n_bytes != array.n_bytes)
       return fail("{}: expected {} samples in {}, got {}", path,
                   std::int64_t{dims[0]} * dims[1] * dims[2], in_quotes(array.name), array.n_tuples);
-    field.layout.byte_order = byte_order_of(encoding);
+    field.layout.byte_order = legacy_byte_order(encoding);
     field.load = [file, encoding, array, storage] {
-      return load_array(file, encoding, array, storage);
+      return load_legacy_array(file, encoding, array, storage);
     };
     fields.push_back(std::move(field));
   }

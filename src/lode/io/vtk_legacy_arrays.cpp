@@ -3,8 +3,8 @@
 #include <array>
 #include <utility>
 
-#include "lode/io/image.h"
 #include "lode/io/text.h"
+#include "lode/io/text_samples.h"
 
 namespace lode::io {
 namespace {
@@ -144,7 +144,53 @@ std::string to_upper(std::string text) {
   return text;
 }
 
+/// Colours written as fractions of 255, as bytes.
+Result<std::unique_ptr<SampleStore>> load_colors(const InputFilePtr& file, const LegacyArray& array,
+                                                 const SampleStorage& storage) {
+  constexpr ScalarType kText = ScalarType::float32;
+  const auto n = static_cast<std::size_t>(array.n_bytes);
+  LODE_TRY(const auto store, load_text({.file = file,
+                                        .offset = array.offset,
+                                        .type = kText,
+                                        .n_bytes = array.n_bytes * size_of(kText)},
+                                       storage));
+  LODE_TRY(const auto fractions, read_doubles(*store, kText, native_byte_order(), n));
+  std::vector<std::byte> bytes(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(fractions[i] >= 0 && fractions[i] <= 1))
+      return fail("{}: expected colours from 0 to 1 in {}, got {}", file->path(),
+                  in_quotes(array.name), fractions[i]);
+    bytes[i] = static_cast<std::byte>(255.0 * fractions[i] + 0.5);  // as VTK rounds
+  }
+  return make_memory_store(std::move(bytes));
+}
+
+/// The number in "# vtk DataFile Version 5.1", without its fraction.
+Result<std::int64_t> major_version(const std::string& path, std::string_view magic) {
+  constexpr std::string_view kMagic = "# vtk DataFile Version";
+  if (!magic.starts_with(kMagic))
+    return fail("{}: expected '# vtk DataFile Version', got {}", path, in_quotes(magic));
+  const auto version = to_double(trimmed(magic.substr(kMagic.size())));
+  return version && *version >= 0 && *version < 100 ? static_cast<std::int64_t>(*version) : 0;
+}
+
 }  // namespace
+
+Result<LegacyPreamble> parse_legacy_preamble(LegacyFile& file) {
+  const std::string& path = file.cursor.path();
+  LegacyPreamble preamble;
+  LODE_TRY(const auto magic, file.cursor.line());
+  LODE_TRY(preamble.version, major_version(path, magic.value_or("")));
+  LODE_TRY(const auto title, file.cursor.line());
+  LODE_TRY(const auto encoding, next_words(file));
+  const std::string name = encoding.empty() ? "" : to_lower(encoding[0]);
+  if (name != "ascii" && name != "binary")
+    return fail("{}: expected ASCII or BINARY on the third line, got {}", path, in_quotes(name));
+  file.encoding = name == "binary" ? LegacyEncoding::binary : LegacyEncoding::ascii;
+  LODE_TRY(const auto dataset, next_words(file));
+  preamble.dataset = dataset.size() == 2 ? dataset[1] : "";
+  return preamble;
+}
 
 Result<std::vector<std::string>> next_words(LegacyFile& file) {
   while (true) {
@@ -158,8 +204,9 @@ Result<std::vector<std::string>> next_words(LegacyFile& file) {
 Result<ScalarType> legacy_type(const std::string& path, const std::string& name) {
   const std::string lower = to_lower(name);
   // VTK writes its ids as int whatever their size in memory.
-  constexpr std::array<std::pair<std::string_view, ScalarType>, 4> kSpellings = {
-      {{"unsigned_long", ScalarType::uint64},
+  constexpr std::array<std::pair<std::string_view, ScalarType>, 5> kSpellings = {
+      {{"signed_char", ScalarType::int8},
+       {"unsigned_long", ScalarType::uint64},
        {"vtktypeint64", ScalarType::int64},
        {"vtktypeuint64", ScalarType::uint64},
        {"vtkidtype", ScalarType::int32}}};
@@ -207,6 +254,21 @@ Result<LegacyAttribute> parse_legacy_attribute(LegacyFile& file,
     attribute.is_known = false;
   }
   return attribute;
+}
+
+ByteOrder legacy_byte_order(LegacyEncoding encoding) {
+  return encoding == LegacyEncoding::binary ? ByteOrder::big : native_byte_order();
+}
+
+Result<std::unique_ptr<SampleStore>> load_legacy_array(const InputFilePtr& file,
+                                                       LegacyEncoding encoding,
+                                                       const LegacyArray& array,
+                                                       const SampleStorage& storage) {
+  if (encoding == LegacyEncoding::binary) return make_file_store(file, array.offset, array.n_bytes);
+  if (array.text == LegacyArray::Text::fractions) return load_colors(file, array, storage);
+  return load_text(
+      {.file = file, .offset = array.offset, .type = array.type, .n_bytes = array.n_bytes},
+      storage);
 }
 
 }  // namespace lode::io

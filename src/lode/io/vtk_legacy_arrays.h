@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "lode/core/result.h"
 #include "lode/core/scalar_type.h"
+#include "lode/io/image.h"
+#include "lode/io/sample_storage.h"
 #include "lode/io/text_cursor.h"
 
 namespace lode::io {
@@ -32,6 +35,15 @@ struct LegacyFile {
   LegacyEncoding encoding = LegacyEncoding::ascii;
 };
 
+/// What the first lines of a legacy VTK file say.
+struct LegacyPreamble {
+  std::int64_t version = 0;  ///< Without its fraction; 0 where there is no number.
+  std::string dataset;       ///< As written; empty where the line is malformed.
+};
+
+/// Parses them, and sets the file's encoding.
+[[nodiscard]] Result<LegacyPreamble> parse_legacy_preamble(LegacyFile& file);
+
 /// The next line that is not blank, as words; empty at the end of the file.
 [[nodiscard]] Result<std::vector<std::string>> next_words(LegacyFile& file);
 
@@ -52,5 +64,14 @@ struct LegacyAttribute {
 [[nodiscard]] Result<LegacyAttribute> parse_legacy_attribute(LegacyFile& file,
                                                              const std::vector<std::string>& words,
                                                              std::int64_t n_tuples);
+
+/// The byte order that a loaded array has: text is decoded to this machine's.
+[[nodiscard]] ByteOrder legacy_byte_order(LegacyEncoding encoding);
+
+/// Finds or decodes the numbers of an array whose place skip_array() noted.
+[[nodiscard]] Result<std::unique_ptr<SampleStore>> load_legacy_array(const InputFilePtr& file,
+                                                                     LegacyEncoding encoding,
+                                                                     const LegacyArray& array,
+                                                                     const SampleStorage& storage);
 
 }  // namespace lode::io

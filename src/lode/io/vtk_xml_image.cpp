@@ -3,33 +3,10 @@
 #include "lode/io/image_grid.h"
 #include "lode/io/text.h"
 #include "lode/io/vtk_xml_array.h"
+#include "lode/io/vtk_xml_extent.h"
 
 namespace lode::io {
 namespace {
-
-struct Extent {
-  std::array<std::int64_t, 3> first{};
-  Index3 dims;
-};
-
-Result<Extent> parse_xml_extent(const std::string& path, const char* text) {
-  const auto numbers = to_int64s(text);
-  if (!numbers || numbers->size() != 6)
-    return fail("{}: expected an extent of 6 whole numbers, got {}", path, in_quotes(text));
-  Extent extent;
-  std::array<std::int64_t, 3> counts{};
-  constexpr std::int64_t kLimit = std::int64_t{1} << 40;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::int64_t first = (*numbers)[2 * i];
-    const std::int64_t last = (*numbers)[2 * i + 1];
-    if (first < -kLimit || first > kLimit || last < first || last > kLimit)
-      return fail("{}: expected an extent of ordered pairs, got {}", path, in_quotes(text));
-    extent.first[i] = first;
-    counts[i] = last - first + 1;
-  }
-  LODE_TRY(extent.dims, checked_dims(path, counts));
-  return extent;
-}
 
 /// `fallback` where the attribute is missing.
 Result<std::vector<double>> xml_numbers(const std::string& path, const pugi::xml_node& node,
@@ -44,7 +21,7 @@ Result<std::vector<double>> xml_numbers(const std::string& path, const pugi::xml
 }
 
 Result<RegularGrid> image_grid(const std::string& path, const pugi::xml_node& node,
-                               const Extent& extent) {
+                               const VtkExtent& extent) {
   LODE_TRY(const auto spacing, xml_numbers(path, node, "Spacing", {1, 1, 1}));
   LODE_TRY(const auto origin, xml_numbers(path, node, "Origin", {0, 0, 0}));
   LODE_TRY(const auto direction, xml_numbers(path, node, "Direction", {1, 0, 0, 0, 1, 0, 0, 0, 1}));
@@ -68,7 +45,7 @@ Result<ScalarType> type_of(const std::string& path, const pugi::xml_node& array)
 }
 
 Result<RegularGrid> rectilinear_grid(const VtkXmlFile& xml, const pugi::xml_node& piece,
-                                     const Extent& extent) {
+                                     const VtkExtent& extent) {
   const std::string& path = xml.file->path();
   RectilinearAxes axes;
   pugi::xml_node array = piece.child("Coordinates").child("DataArray");
@@ -139,8 +116,9 @@ Result<Image> read_vtk_xml_image(const std::string& path, const SampleStorage& s
   const pugi::xml_node piece = data.child("Piece");
   if (!piece) return fail("{}: expected an element Piece in {}", path, kind);
   if (piece.next_sibling("Piece")) return fail("{}: expected one Piece, got several", path);
-  LODE_TRY(const Extent extent, parse_xml_extent(path, data.attribute("WholeExtent").as_string()));
-  LODE_TRY(const Extent own, parse_xml_extent(path, piece.attribute("Extent").as_string()));
+  LODE_TRY(const VtkExtent extent,
+           parse_vtk_extent(path, data.attribute("WholeExtent").as_string()));
+  LODE_TRY(const VtkExtent own, parse_vtk_extent(path, piece.attribute("Extent").as_string()));
   if (own.first != extent.first || own.dims != extent.dims)
     return fail("{}: expected a Piece with the whole extent {}, got {}", path,
                 in_quotes(data.attribute("WholeExtent").as_string()),
