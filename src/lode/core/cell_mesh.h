@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,19 +40,32 @@ enum class CellType : std::uint8_t {
 
 /// An unstructured mesh as a file has it.
 struct CellMesh {
+  std::string path;  ///< What messages name: the file.
   std::vector<Vec3d> points;
   bool has_narrow_points = false;     ///< float32 holds all coordinates exactly.
   std::vector<std::uint8_t> types;    ///< By cell: a CellType, or a number that is none.
   std::vector<std::uint64_t> begins;  ///< By cell, and one more: its corners' place.
   std::vector<std::uint32_t> corners;
-  /// Of polyhedra, by cell: where its faces begin, each as its number of corners and these; empty
-  /// where there are none.
+  /// By cell, and one more: where its faces begin, each as its number of corners and these. Only
+  /// polyhedra have any; empty where the mesh has no polyhedra.
   std::vector<std::uint64_t> face_begins;
   std::vector<std::uint32_t> faces;
   std::vector<MeshField> point_fields;
   std::vector<MeshField> cell_fields;
+  std::uint64_t n_ghost_cells = 0;   ///< Left out: copies of another piece's cells.
+  std::uint64_t n_hidden_cells = 0;  ///< Left out: blanked ones, and those of blanked points.
 
   [[nodiscard]] std::size_t n_cells() const { return types.size(); }
+  [[nodiscard]] std::span<const std::uint32_t> corners_of(std::size_t cell) const {
+    return std::span(corners).subspan(static_cast<std::size_t>(begins[cell]),
+                                      static_cast<std::size_t>(begins[cell + 1] - begins[cell]));
+  }
+  [[nodiscard]] std::span<const std::uint32_t> faces_of(std::size_t cell) const {
+    if (face_begins.empty()) return {};
+    return std::span(faces).subspan(
+        static_cast<std::size_t>(face_begins[cell]),
+        static_cast<std::size_t>(face_begins[cell + 1] - face_begins[cell]));
+  }
 };
 
 }  // namespace lode

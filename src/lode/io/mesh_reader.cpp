@@ -1,0 +1,63 @@
+#include "lode/io/mesh_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <span>
+#include <string_view>
+
+#include "lode/core/out_of_memory.h"
+#include "lode/io/input_file.h"
+#include "lode/io/mesh_checks.h"
+#include "lode/io/mesh_vtk_legacy.h"
+#include "lode/io/mesh_vtk_xml.h"
+#include "lode/io/text.h"
+
+namespace lode::io {
+namespace {
+
+enum class MeshForm { vtk_xml, vtk_legacy };
+
+constexpr std::array<std::string_view, 3> kMeshExtensions = {".vtu", ".vts", ".vtk"};
+
+/// What a file begins as.
+Result<MeshForm> mesh_form_of(const std::string& path) {
+  constexpr std::uint64_t kMaxStart = 1024;
+  LODE_TRY(const InputFilePtr file, InputFile::open(path));
+  const std::string lower = to_lower(path);
+  const bool is_known = std::any_of(kMeshExtensions.begin(), kMeshExtensions.end(),
+                                    [&](std::string_view end) { return lower.ends_with(end); });
+  if (!is_known)
+    return fail("{}: expected a mesh of a known format (.vtu .vts .vtk), got extension {}", path,
+                in_quotes(std::filesystem::path(path).extension().string()));
+  std::string start(static_cast<std::size_t>(std::min(kMaxStart, file->size())), '\0');
+  LODE_CHECK(file->read(0, std::as_writable_bytes(std::span(start.data(), start.size()))));
+  if (start.starts_with("# vtk DataFile")) return MeshForm::vtk_legacy;
+  if (start.find("<VTKFile") != std::string::npos) return MeshForm::vtk_xml;
+  return fail("{}: expected a VTK XML or legacy VTK file, got {}", path,
+              in_quotes(std::string_view(start).substr(0, 20)));
+}
+
+Result<CellMesh> read_and_check(const std::string& path, const MeshReadOptions& options) {
+  LODE_TRY(const MeshForm form, mesh_form_of(path));
+  LODE_TRY(CellMesh mesh, form == MeshForm::vtk_xml ? read_vtk_xml_mesh(path, options)
+                                                    : read_vtk_legacy_mesh(path, options));
+  LODE_CHECK(check_cell_mesh(mesh));
+  return mesh;
+}
+
+}  // namespace
+
+Result<CellMesh> read_cell_mesh(const std::string& path, const MeshReadOptions& options) {
+  try {
+    return read_and_check(path, options);
+  } catch (const std::bad_alloc&) {
+    return out_of_memory("read the file", path);
+  } catch (const std::exception& exception) {
+    return fail("{}: cannot be read: {}", path, exception.what());
+  }
+}
+
+}  // namespace lode::io

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <string>
+
+#include "lode/core/cell_mesh.h"
+#include "lode/core/result.h"
+
+namespace lode::io {
+
+struct MeshReadOptions {
+  /// Most bytes that the file's arrays may take together, decoded; more is refused.
+  std::size_t memory_limit = std::numeric_limits<std::size_t>::max();
+};
+
+/// Reads an unstructured or curvilinear mesh with all numeric fields of its points and cells: VTK
+/// XML (.vtu, and .vts as hexahedra; pieces are joined, the points between them stay double) and
+/// legacy VTK (.vtk: UNSTRUCTURED_GRID, and STRUCTURED_GRID as hexahedra). The extension must be a
+/// known one; which of the forms it is follows from the content. Cells that vtkGhostType or
+/// vtkGhostLevels mark as copies or hidden are left out and counted, as are those of hidden points
+/// of a curvilinear grid. The mesh is valid: corners are points, cells have as many as their type
+/// says, positions are finite, types are VTK's. Fails, naming the file, on anything else.
+[[nodiscard]] Result<CellMesh> read_cell_mesh(const std::string& path,
+                                              const MeshReadOptions& options);
+
+}  // namespace lode::io

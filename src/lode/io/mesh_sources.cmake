@@ -1,0 +1,12 @@
+# Reading unstructured meshes and making tetrahedra of them; included by CMakeLists.txt beside it.
+set(IO_MESH_SOURCES
+  cell_types.cpp
+  grid_pieces.cpp
+  mesh_checks.cpp
+  mesh_ghosts.cpp
+  mesh_numbers.cpp
+  mesh_pieces.cpp
+  mesh_reader.cpp
+  mesh_vtk_legacy.cpp
+  mesh_vtk_xml.cpp
+  mesh_vtk_xml_arrays.cpp)

@@ -1,0 +1,82 @@
+#include "lode/io/mesh_vtk_xml_arrays.h"
+
+#include <array>
+#include <limits>
+#include <optional>
+
+#include "lode/io/text.h"
+
+namespace lode::io {
+namespace {
+
+Result<int> n_components_of(const std::string& path, const pugi::xml_node& array) {
+  const char* text = array.attribute("NumberOfComponents").as_string("1");
+  const std::optional<std::int64_t> n = to_int64(text);
+  if (n && *n >= 1 && *n <= std::numeric_limits<int>::max()) return static_cast<int>(*n);
+  return fail("{}: expected a number of components from 1 for the array {}, got {}", path,
+              in_quotes(array.attribute("Name").as_string()), in_quotes(text));
+}
+
+Result<MeshField> load_xml_field(VtkXmlMeshFile& file, const pugi::xml_node& array,
+                                 std::uint64_t n_tuples) {
+  MeshField field{.name = array.attribute("Name").as_string(), .values = {}};
+  LODE_TRY(field.n_components, n_components_of(file.path(), array));
+  field.type = *scalar_type_from_name(array.attribute("type").as_string());
+  if (n_tuples == 0) return field;
+  const std::array<std::int64_t, 2> counts = {static_cast<std::int64_t>(n_tuples),
+                                              field.n_components};
+  LODE_TRY(const std::uint64_t n, checked_n_bytes(file.path(), counts, 1));
+  LODE_TRY(const MeshNumbers numbers, load_xml_numbers(file, array, n));
+  field.values = as_doubles(numbers);
+  return field;
+}
+
+}  // namespace
+
+pugi::xml_node find_array(const pugi::xml_node& parent, const char* name) {
+  return parent.find_child_by_attribute("DataArray", "Name", name);
+}
+
+Result<MeshNumbers> load_xml_numbers(VtkXmlMeshFile& file, const pugi::xml_node& array,
+                                     std::uint64_t n) {
+  const char* type_name = array.attribute("type").as_string();
+  const std::optional<ScalarType> type = scalar_type_from_name(type_name);
+  if (!type)
+    return fail("{}: expected a DataArray of numbers, got {}", file.path(), in_quotes(type_name));
+  if (n == 0) return MeshNumbers{.type = *type, .bytes = {}};
+  const std::array<std::int64_t, 1> counts = {static_cast<std::int64_t>(n)};
+  LODE_TRY(const std::uint64_t n_bytes, checked_n_bytes(file.path(), counts, size_of(*type)));
+  LODE_CHECK(file.budget.spend(file.path(), n_bytes));
+  LODE_TRY(const auto store,
+           load_vtk_xml_array(*file.xml, {.node = array, .type = *type, .n_bytes = n_bytes}));
+  return read_numbers(*store, *type, byte_order_of(*file.xml, array), n);
+}
+
+Result<std::vector<Vec3d>> load_xml_points(VtkXmlMeshFile& file, const pugi::xml_node& piece,
+                                           std::uint64_t n) {
+  std::vector<Vec3d> points;
+  if (n == 0) return points;
+  const pugi::xml_node array = piece.child("Points").child("DataArray");
+  if (!array) return fail("{}: expected a DataArray in Points, got none", file.path());
+  LODE_TRY(const int n_components, n_components_of(file.path(), array));
+  if (n_components != 3)
+    return fail("{}: expected points of 3 components, got {}", file.path(), n_components);
+  LODE_TRY(const MeshNumbers numbers, load_xml_numbers(file, array, 3 * n));
+  const std::vector<double> values = as_doubles(numbers);
+  points.resize(static_cast<std::size_t>(n));
+  for (std::size_t i = 0; i < values.size(); ++i) points[i / 3][i % 3] = values[i];
+  return points;
+}
+
+Result<std::vector<MeshField>> load_xml_fields(VtkXmlMeshFile& file, const pugi::xml_node& data,
+                                               std::uint64_t n_tuples) {
+  std::vector<MeshField> fields;
+  for (const pugi::xml_node array : data.children("DataArray")) {
+    if (!scalar_type_from_name(array.attribute("type").as_string())) continue;
+    LODE_TRY(MeshField field, load_xml_field(file, array, n_tuples));
+    fields.push_back(std::move(field));
+  }
+  return fields;
+}
+
+}  // namespace lode::io

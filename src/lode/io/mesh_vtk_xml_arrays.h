@@ -1,0 +1,36 @@
+#pragma once
+
+#include <pugixml.hpp>
+
+#include "lode/core/cell_mesh.h"
+#include "lode/core/result.h"
+#include "lode/io/mesh_numbers.h"
+#include "lode/io/vtk_xml_array.h"
+
+namespace lode::io {
+
+/// A VTK XML file whose mesh is being read.
+struct VtkXmlMeshFile {
+  VtkXmlFilePtr xml;
+  MeshBudget budget;
+
+  [[nodiscard]] const std::string& path() const { return xml->file->path(); }
+};
+
+[[nodiscard]] pugi::xml_node find_array(const pugi::xml_node& parent, const char* name);
+
+/// A DataArray of exactly `n` numbers.
+[[nodiscard]] Result<MeshNumbers> load_xml_numbers(VtkXmlMeshFile& file,
+                                                   const pugi::xml_node& array, std::uint64_t n);
+
+/// The array in a piece's Points.
+[[nodiscard]] Result<std::vector<Vec3d>> load_xml_points(VtkXmlMeshFile& file,
+                                                         const pugi::xml_node& piece,
+                                                         std::uint64_t n);
+
+/// The numeric arrays in a piece's PointData or CellData; strings and bits are passed over.
+[[nodiscard]] Result<std::vector<MeshField>> load_xml_fields(VtkXmlMeshFile& file,
+                                                             const pugi::xml_node& data,
+                                                             std::uint64_t n_tuples);
+
+}  // namespace lode::io
