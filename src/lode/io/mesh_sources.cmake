@@ -9,4 +9,13 @@ set(IO_MESH_SOURCES
   mesh_reader.cpp
   mesh_vtk_legacy.cpp
   mesh_vtk_xml.cpp
-  mesh_vtk_xml_arrays.cpp)
+  mesh_vtk_xml_arrays.cpp
+  polyhedron_faces.cpp
+  split_cells.cpp
+  tetra_faces.cpp
+  tetra_fields.cpp
+  tetra_orientation.cpp
+  tetra_winding.cpp
+  tetrahedra.cpp
+  weld_points.cpp)
+

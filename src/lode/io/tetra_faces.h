@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lode/core/result.h"
+#include "lode/io/split_cells.h"
+
+namespace lode::io {
+
+/// How tetrahedra hang together through faces.
+struct TetraFaces {
+  std::vector<std::uint32_t> components;  ///< By tetrahedron; numbered by their first one.
+  std::uint32_t n_components = 0;
+  std::uint64_t n_boundary = 0;  ///< Faces of one tetrahedron only.
+};
+
+/// Fails at the first face, in the order of its points, that has more than two tetrahedra. Points
+/// are below `n_points`. Takes 48 bytes a tetrahedron.
+[[nodiscard]] Result<TetraFaces> connect_faces(const std::string& path, const SplitCells& split,
+                                               std::size_t n_points);
+
+}  // namespace lode::io

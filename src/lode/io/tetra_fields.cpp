@@ -1,0 +1,231 @@
+#include "lode/io/tetra_fields.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "lode/io/tetra_winding.h"
+#include "lode/io/text.h"
+
+namespace lode::io {
+namespace {
+
+constexpr std::array<std::string_view, 7> kRegionNames = {
+    "Material #", "MaterialId", "RegionId", "ObjectId", "ElementBlockIds", "BlockId", "ZoneId"};
+
+std::size_t find_named(const std::vector<MeshField>& fields, std::string_view name) {
+  const auto found = std::find_if(fields.begin(), fields.end(),
+                                  [&](const MeshField& field) { return field.name == name; });
+  return static_cast<std::size_t>(found - fields.begin());
+}
+
+/// A field of the mesh, and which scalar of it.
+struct FieldChoice {
+  const MeshField* field = nullptr;
+  bool is_of_cells = false;
+  std::optional<int> component;  ///< None: the value, or the magnitude.
+  std::string name;
+};
+
+/// The field that has just this name; none where there is none.
+FieldChoice choice_named(const CellMesh& mesh, const std::string& name) {
+  FieldChoice choice{.component = {}, .name = name};
+  const std::size_t at = find_named(mesh.point_fields, name);
+  if (at < mesh.point_fields.size()) {
+    choice.field = &mesh.point_fields[at];
+    return choice;
+  }
+  const std::size_t cell = find_named(mesh.cell_fields, name);
+  if (cell == mesh.cell_fields.size()) return choice;
+  choice.field = &mesh.cell_fields[cell];
+  choice.is_of_cells = true;
+  return choice;
+}
+
+std::string list_names(const CellMesh& mesh) {
+  std::string names;
+  for (const auto* fields : {&mesh.point_fields, &mesh.cell_fields})
+    for (const MeshField& field : *fields) names += (names.empty() ? "" : ", ") + field.name;
+  return names.empty() ? "none" : names;
+}
+
+Result<FieldChoice> parse_choice(const CellMesh& mesh, const std::string& text) {
+  // A name may itself have a colon.
+  FieldChoice choice = choice_named(mesh, text);
+  if (choice.field != nullptr) return choice;
+  const std::size_t colon = text.rfind(':');
+  const std::optional<std::int64_t> component =
+      colon == std::string::npos ? std::nullopt : to_int64(text.substr(colon + 1));
+  if (component) choice = choice_named(mesh, text.substr(0, colon));
+  if (choice.field == nullptr)
+    return fail("{}: expected a field of the mesh ({}), got {}", mesh.path, list_names(mesh),
+                in_quotes(text));
+  if (*component < 0 || *component >= choice.field->n_components)
+    return fail("{}: expected a component from 0 to {} of the field {}, got {}", mesh.path,
+                choice.field->n_components - 1, in_quotes(choice.field->name), *component);
+  choice.component = static_cast<int>(*component);
+  choice.name = text;
+  return choice;
+}
+
+/// All fields of the points, or of the cells but the one of regions.
+Result<std::vector<FieldChoice>> all_choices(const CellMesh& mesh, const TetraOptions& options) {
+  std::vector<FieldChoice> choices;
+  for (const MeshField& field : mesh.point_fields)
+    choices.push_back({.field = &field, .component = {}, .name = field.name});
+  if (!choices.empty()) return choices;
+  LODE_TRY(const std::size_t regions, find_regions(mesh, options));
+  for (std::size_t i = 0; i < mesh.cell_fields.size(); ++i)
+    if (i != regions)
+      choices.push_back({.field = &mesh.cell_fields[i],
+                         .is_of_cells = true,
+                         .component = {},
+                         .name = mesh.cell_fields[i].name});
+  return choices;
+}
+
+double magnitude_at(const MeshField& field, std::size_t i) {
+  double sum = 0;
+  for (int k = 0; k < field.n_components; ++k) sum += field.at(i, k) * field.at(i, k);
+  return std::sqrt(sum);
+}
+
+MeshField chosen_field(const FieldChoice& choice) {
+  const MeshField& source = *choice.field;
+  const bool is_magnitude = !choice.component && source.n_components > 1;
+  MeshField field{.name = choice.name,
+                  .type = is_magnitude ? ScalarType::float64 : source.type,
+                  .n_components = 1,
+                  .values = {}};
+  const std::size_t n = source.values.size() / static_cast<std::size_t>(source.n_components);
+  field.values.reserve(n);
+  for (std::size_t i = 0; i < n; ++i)
+    field.values.push_back(is_magnitude ? magnitude_at(source, i)
+                                        : source.at(i, choice.component.value_or(0)));
+  return field;
+}
+
+/// Tetrahedra of one cell, which follow each other, and their volume.
+struct CellRun {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  double volume = 0;
+};
+
+std::vector<CellRun> runs_of(const std::vector<Vec3d>& points, const SplitCells& split) {
+  std::vector<CellRun> runs;
+  for (std::size_t i = 0; i < split.tetrahedra.size(); ++i) {
+    if (i == 0 || split.cells[i] != split.cells[i - 1]) runs.push_back({.begin = i});
+    runs.back().end = i + 1;
+    runs.back().volume += std::abs(six_volumes(points, split.tetrahedra[i]));
+  }
+  return runs;
+}
+
+/// The points of a cell's tetrahedra, each once.
+std::vector<std::uint32_t> points_of(const SplitCells& split, const CellRun& run) {
+  std::vector<std::uint32_t> ids;
+  for (std::size_t i = run.begin; i < run.end; ++i)
+    ids.insert(ids.end(), split.tetrahedra[i].begin(), split.tetrahedra[i].end());
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+/// A mean of what came so far, with weights and without.
+struct PointMean {
+  double weighted = 0;
+  double weight = 0;
+  double sum = 0;
+  double n = 0;
+
+  void add(double value, double volume) {
+    weighted += value * volume;
+    weight += volume;
+    sum += value;
+    ++n;
+  }
+  [[nodiscard]] double value() const { return weight > 0 ? weighted / weight : sum / n; }
+};
+
+double peak_of(const std::vector<double>& values) {
+  double peak = 0;
+  for (const double value : values) peak = std::max(peak, std::abs(value));
+  return peak;
+}
+
+}  // namespace
+
+Result<ChosenFields> choose_fields(const CellMesh& mesh, const TetraOptions& options) {
+  std::vector<FieldChoice> choices;
+  if (options.fields.empty()) {
+    LODE_TRY(choices, all_choices(mesh, options));
+  }
+  for (const std::string& name : options.fields) {
+    LODE_TRY(FieldChoice choice, parse_choice(mesh, name));
+    for (const FieldChoice& other : choices)
+      if (other.name == name)
+        return fail("{}: expected each field once, got {} twice", mesh.path, in_quotes(name));
+    choices.push_back(std::move(choice));
+  }
+  ChosenFields chosen;
+  for (const FieldChoice& choice : choices) {
+    chosen.fields.push_back(chosen_field(choice));
+    chosen.is_of_cells.push_back(choice.is_of_cells ? 1 : 0);
+  }
+  return chosen;
+}
+
+void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, ChosenFields& chosen,
+                   TetraReport& report) {
+  const std::vector<CellRun> runs = runs_of(points, split);
+  for (std::size_t f = 0; f < chosen.fields.size(); ++f) {
+    if (chosen.is_of_cells[f] == 0) continue;
+    MeshField& field = chosen.fields[f];
+    std::vector<PointMean> means(points.size());
+    AveragedField averaged{.name = field.name, .cell_peak = peak_of(field.values)};
+    for (const CellRun& run : runs)
+      for (const std::uint32_t point : points_of(split, run))
+        means[point].add(field.values[split.cells[run.begin]], run.volume);
+    field.values.assign(points.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (means[i].n == 0) continue;
+      field.values[i] = means[i].value();
+      averaged.point_peak = std::max(averaged.point_peak, std::abs(field.values[i]));
+    }
+    field.type = ScalarType::float64;
+    chosen.is_of_cells[f] = 0;
+    report.averaged.push_back(averaged);
+  }
+}
+
+Result<std::size_t> find_regions(const CellMesh& mesh, const TetraOptions& options) {
+  const std::vector<MeshField>& fields = mesh.cell_fields;
+  if (!options.region_field) {
+    for (const std::string_view name : kRegionNames)
+      for (std::size_t i = 0; i < fields.size(); ++i)
+        if (equals_ignoring_case(fields[i].name, name) && !is_floating(fields[i].type) &&
+            fields[i].n_components == 1)
+          return i;
+    return fields.size();
+  }
+  const std::size_t at = find_named(fields, *options.region_field);
+  if (at == fields.size())
+    return fail("{}: expected a field of the cells for regions, got {}", mesh.path,
+                in_quotes(*options.region_field));
+  constexpr double kLimit = 0x1p53;
+  if (fields[at].n_components != 1)
+    return fail("{}: expected one component for regions in {}, got {}", mesh.path,
+                in_quotes(fields[at].name), fields[at].n_components);
+  for (const double value : fields[at].values)
+    if (std::trunc(value) != value || std::abs(value) > kLimit)
+      return fail("{}: expected whole numbers for regions in {}, got {}", mesh.path,
+                  in_quotes(fields[at].name), value);
+  return at;
+}
+
+}  // namespace lode::io

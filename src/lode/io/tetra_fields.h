@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lode/core/cell_mesh.h"
+#include "lode/core/result.h"
+#include "lode/io/split_cells.h"
+#include "lode/io/tetrahedra.h"
+
+namespace lode::io {
+
+/// Fields of one component each, as the options choose them.
+struct ChosenFields {
+  /// In the order in which they are wanted; those of cells have their values below, by name.
+  std::vector<MeshField> fields;
+  std::vector<std::uint8_t>
+      is_of_cells;  ///< By field: whether its values are still those of cells.
+};
+
+/// Fails on a name that the mesh lacks, on components that a field lacks, and on a name twice.
+[[nodiscard]] Result<ChosenFields> choose_fields(const CellMesh& mesh, const TetraOptions& options);
+
+/// Values of cells become values of `n_points` points: means over the cells at each, weighted by
+/// volume; where these have none, or infinite ones, unweighted. NaN at points of no cell.
+void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, ChosenFields& chosen,
+                   TetraReport& report);
+
+/// The integer field of the cells that tells regions apart: its place among them, or their number.
+/// Fails when the one that the options name is missing or has values that are no whole numbers.
+[[nodiscard]] Result<std::size_t> find_regions(const CellMesh& mesh, const TetraOptions& options);
+
+}  // namespace lode::io

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "lode/core/cell_mesh.h"
+#include "lode/io/split_cells.h"
+#include "lode/io/tetra_faces.h"
+
+namespace lode::io {
+
+/// Six times the volume of a tetrahedron, negative where it is wound the other way.
+[[nodiscard]] inline double six_volumes(const std::vector<Vec3d>& points, const Tetrahedron& t) {
+  const Vec3d& a = points[t[0]];
+  return dot(cross(points[t[1]] - a, points[t[2]] - a), points[t[3]] - a);
+}
+
+/// Turns tetrahedra round and counts those of no and of negative volume, exactly. First all wedges'
+/// where most of them are of the other sign than most other cells': some programs wind them so that
+/// the first triangle faces the second one, some the other way. Then each component's, of which
+/// more are negative than positive; those of polyhedra, whose winding is known, neither vote nor
+/// turn.
+void turn_round(const CellMesh& mesh, const std::vector<Vec3d>& points, const TetraFaces& faces,
+                SplitCells& split, TetraReport& report);
+
+}  // namespace lode::io

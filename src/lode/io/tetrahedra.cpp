@@ -1,0 +1,230 @@
+#include "lode/io/tetrahedra.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <utility>
+
+#include "lode/core/out_of_memory.h"
+#include "lode/io/cell_types.h"
+#include "lode/io/polyhedron_faces.h"
+#include "lode/io/split_cells.h"
+#include "lode/io/tetra_faces.h"
+#include "lode/io/tetra_fields.h"
+#include "lode/io/tetra_winding.h"
+#include "lode/io/weld_points.h"
+
+namespace lode::io {
+namespace {
+
+constexpr std::size_t kNTypes = 256;
+
+bool can_split(std::uint8_t type) {
+  switch (static_cast<CellType>(type)) {
+    case CellType::tetrahedron:
+    case CellType::voxel:
+    case CellType::hexahedron:
+    case CellType::wedge:
+    case CellType::pyramid:
+    case CellType::quadratic_tetrahedron:
+    case CellType::polyhedron: return true;
+    default: return false;
+  }
+}
+
+bool is_solid(std::uint8_t type) {
+  const auto kind = cell_kind(type);
+  return kind && kind->dimension == 3;
+}
+
+/// Counts solid and other cells. Fails where there are some that cannot be split, or none that can.
+Result<void> check_types(const CellMesh& mesh, const TetraOptions& options, TetraReport& report) {
+  std::array<std::uint64_t, kNTypes> counts{};
+  for (const std::uint8_t type : mesh.types) ++counts[type];
+  std::string others;
+  for (std::size_t i = 0; i < kNTypes; ++i) {
+    const auto type = static_cast<std::uint8_t>(i);
+    (is_solid(type) ? report.n_cells : report.n_lower_cells) += counts[i];
+    if (counts[i] == 0 || !is_solid(type) || can_split(type)) continue;
+    others += fmt::format("{}{} of type {} ({})", others.empty() ? "" : ", ", counts[i], i,
+                          cell_kind(type)->name);
+  }
+  if (!others.empty())
+    return fail(
+        "{}: expected tetrahedra, quadratic tetrahedra, hexahedra, voxels, wedges, pyramids or "
+        "polyhedra, got {}",
+        mesh.path, others);
+  if (report.n_cells == 0)
+    return fail("{}: expected cells with a volume, got none among {}", mesh.path, mesh.n_cells());
+  const std::uint64_t n = counts[static_cast<std::size_t>(CellType::quadratic_tetrahedron)];
+  if (options.quadratic == QuadraticCells::split && n != 0 && n != report.n_cells)
+    return fail(
+        "{}: expected quadratic tetrahedra alone, which split would not meet other cells' faces, "
+        "got {} other cells; take their corners only",
+        mesh.path, report.n_cells - n);
+  return {};
+}
+
+/// Which points solid cells have.
+std::vector<std::uint8_t> used_points(const CellMesh& mesh) {
+  std::vector<std::uint8_t> is_used(mesh.points.size());
+  for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {
+    if (!is_solid(mesh.types[cell])) continue;
+    for (const std::uint32_t corner : mesh.corners_of(cell)) is_used[corner] = 1;
+    const auto faces = mesh.faces_of(cell);
+    for (std::size_t at = 0; at < faces.size(); at += faces[at] + std::size_t{1})
+      for (const std::uint32_t corner : faces.subspan(at + 1, faces[at])) is_used[corner] = 1;
+  }
+  return is_used;
+}
+
+std::vector<MeshField> fields_of_points(const ChosenFields& chosen) {
+  std::vector<MeshField> fields;
+  for (std::size_t i = 0; i < chosen.fields.size(); ++i)
+    if (chosen.is_of_cells[i] == 0) fields.push_back(chosen.fields[i]);
+  return fields;
+}
+
+/// Gives cells the points that others were welded to.
+Result<void> weld(const TetraOptions& options, const ChosenFields& chosen, CellMesh& mesh,
+                  TetraReport& report) {
+  if (!options.weld_distance) return {};
+  const WeldRule rule{.distance = *options.weld_distance, .values = options.weld_values};
+  if (!(rule.distance >= 0 && std::isfinite(rule.distance) && rule.values >= 0))
+    return fail(
+        "{}: expected a distance and a difference of values from 0 for welding, got {} and {}",
+        mesh.path, rule.distance, rule.values);
+  const Weld result = weld_points(mesh.points, fields_of_points(chosen), used_points(mesh), rule);
+  for (std::uint32_t& corner : mesh.corners) corner = result.ids[corner];
+  for (std::size_t at = 0; at < mesh.faces.size();) {
+    const std::size_t end = at + 1 + mesh.faces[at];
+    while (++at < end) mesh.faces[at] = result.ids[mesh.faces[at]];
+  }
+  report.n_welded_points = result.n_welded;
+  report.n_weld_refusals = result.n_refused;
+  return {};
+}
+
+/// New vertices behind the points: centres of polyhedra, with values of point fields.
+void add_centres(const SplitCells& split, CellMesh& mesh, ChosenFields& chosen) {
+  if (split.centre_cells.empty()) return;
+  std::vector<Vec3d> centres;
+  for (const std::uint32_t cell : split.centre_cells) centres.push_back(centre_of(mesh, cell));
+  for (std::size_t f = 0; f < chosen.fields.size(); ++f) {
+    if (chosen.is_of_cells[f] != 0) continue;
+    std::vector<double>& values = chosen.fields[f].values;
+    std::vector<double> means;
+    for (const std::uint32_t cell : split.centre_cells)
+      means.push_back(mean_at_corners(mesh, cell, values));
+    values.insert(values.end(), means.begin(), means.end());
+    chosen.fields[f].type = ScalarType::float64;
+  }
+  mesh.points.insert(mesh.points.end(), centres.begin(), centres.end());
+}
+
+void take_regions(const MeshField& field, const SplitCells& split, TetraMesh& result) {
+  for (const std::uint32_t cell : split.cells)
+    result.region_ids.push_back(static_cast<std::int64_t>(field.values[cell]));
+  std::vector<std::int64_t> by_tetrahedron = result.region_ids;
+  std::sort(result.region_ids.begin(), result.region_ids.end());
+  result.region_ids.erase(std::unique(result.region_ids.begin(), result.region_ids.end()),
+                          result.region_ids.end());
+  if (result.region_ids.size() < 2) return;
+  for (const std::int64_t id : by_tetrahedron)
+    result.regions.push_back(static_cast<std::uint32_t>(
+        std::lower_bound(result.region_ids.begin(), result.region_ids.end(), id) -
+        result.region_ids.begin()));
+}
+
+/// By point: its place among those that tetrahedra have, or none.
+constexpr std::uint32_t kLeftOut = std::numeric_limits<std::uint32_t>::max();
+
+std::vector<std::uint32_t> vertices_of(std::size_t n_points, const SplitCells& split) {
+  std::vector<std::uint32_t> vertices(n_points, kLeftOut);
+  for (const Tetrahedron& t : split.tetrahedra)
+    for (const std::uint32_t point : t) vertices[point] = 0;
+  std::uint32_t n = 0;
+  for (std::uint32_t& vertex : vertices)
+    if (vertex != kLeftOut) vertex = n++;
+  return vertices;
+}
+
+bool is_narrow(const Vec3d& p) {
+  return std::all_of(p.v.begin(), p.v.end(), [](double x) {
+    return std::abs(x) <= std::numeric_limits<float>::max() &&
+           static_cast<double>(static_cast<float>(x)) == x;
+  });
+}
+
+/// Leaves out points that no tetrahedron has.
+void take_vertices(const CellMesh& mesh, ChosenFields&& chosen, SplitCells&& split,
+                   TetraMesh& result) {
+  const std::vector<std::uint32_t> vertices = vertices_of(mesh.points.size(), split);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (vertices[i] != kLeftOut) result.positions.push_back(mesh.points[i]);
+  result.has_narrow_positions =
+      std::all_of(result.positions.begin(), result.positions.end(), is_narrow);
+  for (MeshField& field : chosen.fields) {
+    std::size_t to = 0;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      if (vertices[i] != kLeftOut) field.values[to++] = field.values[i];
+    field.values.resize(to);
+    result.fields.push_back(std::move(field));
+  }
+  result.tetrahedra = std::move(split.tetrahedra);
+  for (Tetrahedron& t : result.tetrahedra)
+    for (std::uint32_t& point : t) point = vertices[point];
+}
+
+void count_vertices(std::size_t n_given, const TetraMesh& mesh, TetraReport& report) {
+  report.n_unused_points =
+      n_given + report.n_new_points - report.n_welded_points - mesh.positions.size();
+  report.n_coincident_points = count_coincident(mesh.positions);
+  for (const MeshField& field : mesh.fields)
+    report.n_nonfinite_values += static_cast<std::uint64_t>(std::count_if(
+        field.values.begin(), field.values.end(), [](double x) { return !std::isfinite(x); }));
+}
+
+Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& options) {
+  TetrahedraOutcome outcome;
+  TetraReport& report = outcome.report;
+  report.n_ghost_cells = mesh.n_ghost_cells;
+  report.n_hidden_cells = mesh.n_hidden_cells;
+  LODE_CHECK(check_types(mesh, options, report));
+  LODE_TRY(ChosenFields chosen, choose_fields(mesh, options));
+  LODE_TRY(const std::size_t regions, find_regions(mesh, options));
+  const std::size_t n_given = mesh.points.size();
+  LODE_CHECK(weld(options, chosen, mesh, report));
+  LODE_TRY(SplitCells split, split_cells(mesh, options.quadratic));
+  report.n_repeating = split.n_repeating;
+  report.n_new_points = split.centre_cells.size();
+  if (split.tetrahedra.empty())
+    return fail("{}: expected cells of different corners, got {} that repeat some", mesh.path,
+                split.n_repeating);
+  add_centres(split, mesh, chosen);
+  LODE_TRY(const TetraFaces faces, connect_faces(mesh.path, split, mesh.points.size()));
+  report.n_components = faces.n_components;
+  report.n_boundary_faces = faces.n_boundary;
+  turn_round(mesh, mesh.points, faces, split, report);
+  average_cells(mesh.points, split, chosen, report);
+  if (regions < mesh.cell_fields.size())
+    take_regions(mesh.cell_fields[regions], split, outcome.mesh);
+  take_vertices(mesh, std::move(chosen), std::move(split), outcome.mesh);
+  count_vertices(n_given, outcome.mesh, report);
+  return outcome;
+}
+
+}  // namespace
+
+Result<TetrahedraOutcome> to_tetrahedra(CellMesh&& mesh, const TetraOptions& options) {
+  CellMesh own = std::move(mesh);
+  try {
+    return make_tetrahedra(own, options);
+  } catch (const std::bad_alloc&) {
+    return out_of_memory("make tetrahedra", own.path);
+  }
+}
+
+}  // namespace lode::io

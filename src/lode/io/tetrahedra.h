@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lode/core/cell_mesh.h"
+#include "lode/core/result.h"
+#include "lode/core/tetra_mesh.h"
+
+namespace lode::io {
+
+/// What becomes of a quadratic tetrahedron: eight tetrahedra between its ten points, or the one of
+/// its corners.
+enum class QuadraticCells { split, corners };
+
+struct TetraOptions {
+  /// "NAME": a scalar, or the magnitude of a vector; "NAME:2": a component, from 0. A name is
+  /// looked up among the points' fields, then the cells'. None: all of the points, or of the cells
+  /// where points have none.
+  std::vector<std::string> fields{};
+  QuadraticCells quadratic = QuadraticCells::split;
+  /// Of the cells, of whole numbers. None: the first of Material #, MaterialId, RegionId, ObjectId,
+  /// ElementBlockIds, BlockId and ZoneId (any case) that is of an integer type.
+  std::optional<std::string> region_field{};
+  /// Points become one that are so close (0: at one place) and whose chosen fields differ by no
+  /// more than weld_values. None: all stay apart.
+  std::optional<double> weld_distance{};
+  double weld_values = 0;
+};
+
+/// What averaging over cells did to a field.
+struct AveragedField {
+  std::string name;
+  double cell_peak = 0;   ///< Largest |value| at cells.
+  double point_peak = 0;  ///< And at points.
+};
+
+/// What a mesh of cells had, and what became of it.
+struct TetraReport {
+  std::uint64_t n_cells = 0;        ///< Three-dimensional ones.
+  std::uint64_t n_lower_cells = 0;  ///< Left out: points, lines and faces.
+  std::uint64_t n_ghost_cells = 0;  ///< Left out when the file was read; and hidden ones.
+  std::uint64_t n_hidden_cells = 0;
+  std::uint64_t n_welded_points = 0;      ///< Taken for another one.
+  std::uint64_t n_weld_refusals = 0;      ///< Points kept apart because of their values.
+  std::uint64_t n_unused_points = 0;      ///< Left out: in no tetrahedron, and not welded.
+  std::uint64_t n_coincident_points = 0;  ///< At the place of another vertex, kept.
+  std::uint64_t n_new_points = 0;         ///< Centres of polyhedra.
+  // Of tetrahedra, after cells were split:
+  std::uint64_t n_repeating = 0;      ///< Left out: a corner is there twice.
+  std::uint64_t n_zero_volume = 0;    ///< Kept, for the mesh to conform.
+  std::uint64_t n_left_handed = 0;    ///< Turned round with all of their component.
+  std::uint64_t n_turned_wedges = 0;  ///< Turned round since wedges are wound unlike other cells.
+  std::uint64_t n_inverted = 0;       ///< Kept, of negative volume.
+  std::uint64_t n_components = 0;     ///< Connected through faces.
+  std::uint64_t n_boundary_faces = 0;
+  std::uint64_t n_nonfinite_values = 0;  ///< Of fields, at vertices.
+  std::vector<AveragedField> averaged;   ///< Fields of cells that became fields of points.
+};
+
+struct TetrahedraOutcome {
+  TetraMesh mesh;
+  TetraReport report;
+};
+
+/// Makes tetrahedra of a valid mesh of cells. Quadrilateral faces are cut from their smallest point
+/// id, so that cells that share one agree (Dompierre, Labbe, Vallet and Camarero, How to subdivide
+/// pyramids, prisms and hexahedra into tetrahedra, 1999): 5 or 6 tetrahedra for a hexahedron or
+/// voxel, 3 for a wedge, 2 for a pyramid; a polyhedron's round its centre, the mean of its corners.
+/// Fields of cells become means, weighted by volume, over the cells at a point. Vertices keep the
+/// order of the points. Tetrahedra are turned round where most of a component has negative volume.
+/// Fails on other solid cells, on faces of more than two tetrahedra, on a field that is missing,
+/// and where nothing solid is left.
+[[nodiscard]] Result<TetrahedraOutcome> to_tetrahedra(CellMesh&& mesh, const TetraOptions& options);
+
+}  // namespace lode::io

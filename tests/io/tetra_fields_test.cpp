@@ -1,0 +1,142 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "lode/io/tetra_orientation.h"
+#include "tests/io/tetra_checks.h"
+#include "tests/oracles/random.h"
+
+namespace lode::io {
+namespace {
+
+using test::expect_no_tetrahedra;
+using test::tetrahedra_of;
+
+/// Two tetrahedra of volumes 1/6 and 1/2 that share a face, with fields of both kinds.
+CellMesh field_mesh() {
+  CellMesh mesh = test::empty_cells();
+  mesh.points = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}, {{0, 0, -3}}};
+  test::add_cell(mesh, CellType::tetrahedron, {0, 1, 2, 3});
+  test::add_cell(mesh, CellType::tetrahedron, {0, 2, 1, 4});
+  mesh.point_fields = {{"t", ScalarType::int16, 1, {1, 2, 3, 4, 5}},
+                       {"v", ScalarType::float32, 3, {3, 4, 0, 0, 0, 1, 1, 2, 2, 0, 6, 8, 1, 0, 0}},
+                       {"a:1", ScalarType::float32, 1, {9, 8, 7, 6, 5}}};
+  mesh.cell_fields = {{"p", ScalarType::float32, 1, {8, -4}},
+                      {"MATERIALID", ScalarType::int32, 1, {7, -2}},
+                      {"zones", ScalarType::float64, 1, {1, 1}}};
+  return mesh;
+}
+
+std::vector<std::string> names_of(const TetraMesh& mesh) {
+  std::vector<std::string> names;
+  for (const MeshField& field : mesh.fields) names.push_back(field.name);
+  return names;
+}
+
+TEST(tetra_fields, are_all_of_the_points_vectors_as_magnitudes) {
+  const TetraMesh mesh = tetrahedra_of(field_mesh()).mesh;
+  EXPECT_EQ(names_of(mesh), (std::vector<std::string>{"t", "v", "a:1"}));
+  EXPECT_EQ(mesh.fields[0].type, ScalarType::int16);
+  EXPECT_EQ(mesh.fields[0].values, (std::vector<double>{1, 2, 3, 4, 5}));
+  EXPECT_EQ(mesh.fields[1].n_components, 1);
+  EXPECT_EQ(mesh.fields[1].values, (std::vector<double>{5, 1, 3, 10, 1}));
+}
+
+TEST(tetra_fields, are_chosen_by_name_and_component) {
+  const TetraMesh mesh = tetrahedra_of(field_mesh(), {.fields = {"v:2", "a:1", "v", "p"}}).mesh;
+  EXPECT_EQ(names_of(mesh), (std::vector<std::string>{"v:2", "a:1", "v", "p"}));
+  EXPECT_EQ(mesh.fields[0].values, (std::vector<double>{0, 1, 2, 8, 0}));
+  EXPECT_EQ(mesh.fields[0].type, ScalarType::float32);
+  EXPECT_EQ(mesh.fields[1].values, (std::vector<double>{9, 8, 7, 6, 5}));
+  EXPECT_EQ(mesh.fields[2].values, (std::vector<double>{5, 1, 3, 10, 1}));
+  EXPECT_EQ(tetrahedra_of(field_mesh(), {.fields = {"t:0"}}).mesh.fields[0].values,
+            (std::vector<double>{1, 2, 3, 4, 5}));
+}
+
+TEST(tetra_fields, that_are_missing_or_twice_are_refused) {
+  expect_no_tetrahedra(field_mesh(), {"t, v, a:1, p", "'w'"}, {.fields = {"w"}});
+  expect_no_tetrahedra(field_mesh(), {"0 to 2", "'v'", "got 3"}, {.fields = {"v:3"}});
+  expect_no_tetrahedra(field_mesh(), {"got -1"}, {.fields = {"v:-1"}});
+  expect_no_tetrahedra(field_mesh(), {"'v:x'"}, {.fields = {"v:x"}});
+  expect_no_tetrahedra(field_mesh(), {"'t' twice"}, {.fields = {"t", "t"}});
+}
+
+TEST(tetra_fields, of_cells_are_means_weighted_by_volume) {
+  const TetrahedraOutcome outcome = tetrahedra_of(field_mesh(), {.fields = {"p"}});
+  // (8 · 1/6 − 4 · 1/2) / (1/6 + 1/2) at the points that both cells have.
+  const std::vector<double> expected = {-1, -1, -1, 8, -4};
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_NEAR(outcome.mesh.fields[0].values[i], expected[i], 1e-14);
+  ASSERT_EQ(outcome.report.averaged.size(), 1U);
+  EXPECT_EQ(outcome.report.averaged[0].name, "p");
+  EXPECT_EQ(outcome.report.averaged[0].cell_peak, 8);
+  EXPECT_EQ(outcome.report.averaged[0].point_peak, 8);
+}
+
+TEST(tetra_fields, of_cells_without_volume_are_means_all_the_same) {
+  CellMesh mesh = field_mesh();
+  for (Vec3d& point : mesh.points) point[2] = 0;
+  const TetraMesh flat = tetrahedra_of(mesh, {.fields = {"p"}}).mesh;
+  EXPECT_EQ(flat.fields[0].values, (std::vector<double>{2, 2, 2, 8, -4}));
+}
+
+TEST(tetra_fields, are_those_of_cells_but_regions_where_points_have_none) {
+  CellMesh mesh = field_mesh();
+  mesh.point_fields.clear();
+  EXPECT_EQ(names_of(tetrahedra_of(mesh).mesh), (std::vector<std::string>{"p", "zones"}));
+  mesh.cell_fields.clear();
+  EXPECT_TRUE(tetrahedra_of(mesh).mesh.fields.empty());
+}
+
+TEST(tetra_fields, that_are_not_finite_are_counted) {
+  CellMesh mesh = field_mesh();
+  mesh.point_fields[0].values[1] = std::numeric_limits<double>::infinity();
+  mesh.point_fields[2].values[4] = std::nan("");
+  EXPECT_EQ(tetrahedra_of(mesh).report.n_nonfinite_values, 2U);
+}
+
+TEST(tetra_regions, are_recognised_by_name_and_numbered_from_the_smallest) {
+  const TetraMesh mesh = tetrahedra_of(field_mesh()).mesh;
+  EXPECT_EQ(mesh.region_ids, (std::vector<std::int64_t>{-2, 7}));
+  EXPECT_EQ(mesh.regions, (std::vector<std::uint32_t>{1, 0}));
+  CellMesh plain = field_mesh();
+  plain.cell_fields.pop_back();
+  plain.cell_fields[1].type = ScalarType::float32;
+  EXPECT_TRUE(tetrahedra_of(plain).mesh.region_ids.empty());
+}
+
+TEST(tetra_regions, are_named_by_option) {
+  const TetraMesh mesh = tetrahedra_of(field_mesh(), {.region_field = "zones"}).mesh;
+  EXPECT_EQ(mesh.region_ids, (std::vector<std::int64_t>{1}));
+  EXPECT_TRUE(mesh.regions.empty());
+  expect_no_tetrahedra(field_mesh(), {"'rooms'"}, {.region_field = "rooms"});
+  CellMesh broken = field_mesh();
+  broken.cell_fields[2].values[1] = 0.5;
+  expect_no_tetrahedra(broken, {"whole numbers", "got 0.5"}, {.region_field = "zones"});
+}
+
+TEST(tetra_orientation, is_exact_where_double_is_not) {
+  oracles::Random random(7);
+  const auto coordinate = [&] {
+    return static_cast<double>(static_cast<float>(random.uniform(-70, 70)));
+  };
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3d a{{coordinate(), coordinate(), coordinate()}};
+    const Vec3d b{{coordinate(), coordinate(), coordinate()}};
+    const Vec3d c{{coordinate(), coordinate(), coordinate()}};
+    // Two corners at one place, in any order; and a corner in the middle of an edge.
+    EXPECT_EQ(orientation(a, b, c, c), 0);
+    EXPECT_EQ(orientation(b, a, c, b), 0);
+    EXPECT_EQ(orientation(a, b, c, (b + c) * 0.5), 0);
+    // Off the plane by less than the products' rounding.
+    Vec3d off = (b + c) * 0.5;
+    const Vec3d normal = cross(b - a, c - a);
+    off[0] = std::nextafter(off[0], off[0] + normal[0]);
+    if (off[0] != (b[0] + c[0]) * 0.5) EXPECT_EQ(orientation(a, b, c, off), 1);
+    if (off[0] != (b[0] + c[0]) * 0.5) EXPECT_EQ(orientation(b, a, c, off), -1);
+  }
+}
+
+}  // namespace
+}  // namespace lode::io
