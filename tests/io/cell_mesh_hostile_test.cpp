@@ -31,6 +31,9 @@ std::vector<std::pair<std::string, std::string>> good_files() {
   for (const auto form : {test::LegacyForm::ascii_counts, test::LegacyForm::binary_counts,
                           test::LegacyForm::ascii_offsets, test::LegacyForm::binary_offsets})
     files.emplace_back("x.vtk", test::legacy_of(mesh, form));
+  files.emplace_back("x.mesh",
+                     "MeshVersionFormatted 2\nDimension 3\nVertices 4\n0 0 0 1\n1 0 0 1\n"
+                     "0 1 0 2 # Here\n0 0 1 2\nTriangles 1\n1 2 3 5\nTetrahedra 1\n1 2 3 4 7\n");
   return files;
 }
 

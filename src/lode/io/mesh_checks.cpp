@@ -87,6 +87,9 @@ Result<void> append_faces(std::span<const std::uint64_t> list, std::uint64_t n_p
 
 Result<void> check_cell_mesh(CellMesh& mesh) {
   LODE_EXPECTS(mesh.begins.size() == mesh.n_cells() + 1);
+  if (mesh.points.size() > kMaxMeshCount || mesh.n_cells() > kMaxMeshCount)
+    return fail("{}: expected at most {} points and cells, got {} and {}", mesh.path, kMaxMeshCount,
+                mesh.points.size(), mesh.n_cells());
   LODE_CHECK(check_positions(mesh));
   for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) LODE_CHECK(check_cell(mesh, cell));
   return {};

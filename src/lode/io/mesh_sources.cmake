@@ -4,9 +4,14 @@ set(IO_MESH_SOURCES
   grid_pieces.cpp
   mesh_checks.cpp
   mesh_ghosts.cpp
+  mesh_gmsh.cpp
+  mesh_gmsh_elements.cpp
+  mesh_gmsh_input.cpp
+  mesh_medit.cpp
   mesh_numbers.cpp
   mesh_pieces.cpp
   mesh_reader.cpp
+  mesh_text.cpp
   mesh_vtk_legacy.cpp
   mesh_vtk_xml.cpp
   mesh_vtk_xml_arrays.cpp

@@ -1,0 +1,67 @@
+#include "lode/io/mesh_gmsh.h"
+
+#include <algorithm>
+
+#include "lode/io/mesh_gmsh_input.h"
+#include "lode/io/text.h"
+
+namespace lode::io {
+namespace {
+
+Result<void> read_section(const std::string& name, GmshInput& input) {
+  if (name == "$MeshFormat") return read_gmsh_format(input);
+  if (name == "$Entities" && input.has_blocks) return read_gmsh_entities(input);
+  if (name == "$Nodes") return read_gmsh_nodes(input);
+  if (name == "$Elements") return read_gmsh_elements(input);
+  if (name == "$NodeData") return read_gmsh_data(GmshPlace::nodes, input);
+  if (name == "$ElementData") return read_gmsh_data(GmshPlace::elements, input);
+  return {};
+}
+
+/// Takes the field of groups out where no element has one.
+void finish_groups(CellMesh& mesh) {
+  const std::vector<double>& groups = mesh.cell_fields[0].values;
+  if (std::all_of(groups.begin(), groups.end(), [](double group) { return group == 0; }))
+    mesh.cell_fields.erase(mesh.cell_fields.begin());
+}
+
+/// Values of elements are as many as these were when their section came.
+Result<void> check_field_sizes(const CellMesh& mesh) {
+  const auto check = [&](const std::vector<MeshField>& fields, std::size_t n) {
+    return std::all_of(fields.begin(), fields.end(), [&](const MeshField& field) {
+      return field.values.size() == n * static_cast<std::size_t>(field.n_components);
+    });
+  };
+  if (check(mesh.point_fields, mesh.points.size()) && check(mesh.cell_fields, mesh.n_cells()))
+    return {};
+  return fail("{}: expected all nodes and elements before their values, got some behind",
+              mesh.path);
+}
+
+}  // namespace
+
+Result<CellMesh> read_gmsh_mesh(const std::string& path, const MeshReadOptions& options) {
+  LODE_TRY(MeshText text, MeshText::open(path, options));
+  GmshInput input{.text = std::move(text)};
+  // As much as deflate could make of the file.
+  constexpr std::uint64_t kMaxRatio = 1032;
+  input.budget.n_bytes_left =
+      std::min<std::uint64_t>(options.memory_limit, kMaxRatio * input.text.n_left());
+  input.mesh.path = path;
+  input.mesh.begins = {0};
+  input.mesh.cell_fields = {{"RegionId", ScalarType::int32, 1, {}}};
+  for (std::string name(input.text.word()); !name.empty(); name = input.text.word()) {
+    if (!name.starts_with('$'))
+      return fail("{}: expected a section before byte {}, got {}", path, input.text.position(),
+                  in_quotes(name));
+    LODE_CHECK(read_section(name, input));
+    const std::string end = "$End" + name.substr(1);
+    if (!input.text.skip_past(end))
+      return fail("{}: expected {} behind byte {}, got none", path, end, input.text.position());
+  }
+  LODE_CHECK(check_field_sizes(input.mesh));
+  finish_groups(input.mesh);
+  return std::move(input.mesh);
+}
+
+}  // namespace lode::io

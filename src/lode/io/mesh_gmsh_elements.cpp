@@ -1,0 +1,152 @@
+#include <algorithm>
+#include <array>
+
+#include "lode/io/mesh_checks.h"
+#include "lode/io/mesh_gmsh_input.h"
+#include "lode/io/text.h"
+
+namespace lode::io {
+namespace {
+
+/// A type of elements, by its number in .msh files.
+struct GmshKind {
+  std::uint8_t vtk_type = 0;
+  std::uint8_t n_nodes = 0;
+};
+
+/// From 1 on. Beyond the simple ones only tetrahedra of 10 nodes have their order put right: the
+/// others serve to be counted or refused by what makes tetrahedra.
+constexpr std::array<GmshKind, 19> kGmshKinds = {{{3, 2},
+                                                  {5, 3},
+                                                  {9, 4},
+                                                  {10, 4},
+                                                  {12, 8},
+                                                  {13, 6},
+                                                  {14, 5},
+                                                  {21, 3},
+                                                  {22, 6},
+                                                  {28, 9},
+                                                  {24, 10},
+                                                  {29, 27},
+                                                  {32, 18},
+                                                  {0, 14},
+                                                  {1, 1},
+                                                  {23, 8},
+                                                  {25, 20},
+                                                  {26, 15},
+                                                  {27, 13}}};
+
+Result<GmshKind> kind_of(const std::string& path, std::int64_t number) {
+  if (number >= 1 && std::cmp_less_equal(number, kGmshKinds.size())) {
+    const GmshKind kind = kGmshKinds[static_cast<std::size_t>(number - 1)];
+    if (kind.vtk_type != 0) return kind;
+  }
+  return fail("{}: expected elements of Gmsh's types 1 to 13 or 15 to 19, got {}", path, number);
+}
+
+/// An element's tag and its first physical group.
+struct GmshElement {
+  std::int64_t tag = 0;
+  std::int64_t group = 0;
+};
+
+Result<void> add_element(const GmshElement& element, const GmshKind& kind, GmshInput& input) {
+  CellMesh& mesh = input.mesh;
+  const auto key = static_cast<std::uint64_t>(element.tag);
+  if (mesh.n_cells() > kMaxMeshCount)
+    return fail("{}: expected at most {} elements, got more", input.text.path(), kMaxMeshCount);
+  // Elements of several groups may come several times: values go to the first.
+  if (input.elements.find(key) == FlatIndex::kNone)
+    input.elements.insert(key, static_cast<std::uint32_t>(mesh.n_cells()));
+  for (std::size_t i = 0; i < kind.n_nodes; ++i) {
+    LODE_TRY(const std::int64_t node, input.large("a node of an element"));
+    const std::uint32_t point = input.nodes.find(static_cast<std::uint64_t>(node));
+    if (point == FlatIndex::kNone)
+      return fail("{}: expected nodes of the mesh in element {}, got the tag {}", input.text.path(),
+                  element.tag, node);
+    mesh.corners.push_back(point);
+  }
+  if (kind.vtk_type == static_cast<std::uint8_t>(CellType::quadratic_tetrahedron))
+    std::swap(mesh.corners[mesh.corners.size() - 1], mesh.corners[mesh.corners.size() - 2]);
+  mesh.begins.push_back(mesh.corners.size());
+  mesh.types.push_back(kind.vtk_type);
+  mesh.cell_fields[0].values.push_back(static_cast<double>(element.group));
+  return {};
+}
+
+/// Tags between an element's own and its nodes: the physical group first.
+Result<std::int64_t> read_group(std::int64_t n_tags, GmshInput& input) {
+  std::int64_t group = 0;
+  for (std::int64_t i = 0; i < n_tags; ++i) {
+    LODE_TRY(const std::int64_t tag, input.whole("an element's tags"));
+    if (i == 0) group = tag;
+  }
+  return group;
+}
+
+/// Elements of version 2 as text: tag, type, tags and nodes each.
+Result<void> read_text_elements(std::int64_t n, GmshInput& input) {
+  for (std::int64_t i = 0; i < n; ++i) {
+    GmshElement element;
+    LODE_TRY(element.tag, input.whole("an element's tag"));
+    LODE_TRY(const std::int64_t number, input.whole("an element's type"));
+    LODE_TRY(const GmshKind kind, kind_of(input.text.path(), number));
+    LODE_TRY(const std::int64_t n_tags, input.whole("a number of tags"));
+    LODE_TRY(element.group, read_group(n_tags, input));
+    LODE_CHECK(add_element(element, kind, input));
+  }
+  return {};
+}
+
+/// As binary: runs of elements of one type.
+Result<void> read_binary_elements(std::int64_t n, GmshInput& input) {
+  while (n > 0) {
+    LODE_TRY(const std::int64_t number, input.whole("an element's type"));
+    LODE_TRY(const GmshKind kind, kind_of(input.text.path(), number));
+    LODE_TRY(const std::int64_t n_run, input.whole("a number of elements"));
+    LODE_TRY(const std::int64_t n_tags, input.whole("a number of tags"));
+    if (n_run < 1 || n_run > n)
+      return fail("{}: expected a run of 1 to {} elements, got {}", input.text.path(), n, n_run);
+    for (std::int64_t i = 0; i < n_run; ++i) {
+      GmshElement element;
+      LODE_TRY(element.tag, input.whole("an element's tag"));
+      LODE_TRY(element.group, read_group(n_tags, input));
+      LODE_CHECK(add_element(element, kind, input));
+    }
+    n -= n_run;
+  }
+  return {};
+}
+
+/// Elements of one entity and type, as version 4 has them.
+Result<void> read_element_block(GmshInput& input) {
+  LODE_TRY(const std::int64_t dimension, input.whole("an entity's dimension"));
+  LODE_TRY(const std::int64_t entity, input.whole("an entity's tag"));
+  LODE_TRY(const std::int64_t number, input.whole("an element's type"));
+  LODE_TRY(const GmshKind kind, kind_of(input.text.path(), number));
+  LODE_TRY(const std::int64_t n, input.count("a number of elements"));
+  const auto found = input.groups.find({dimension, entity});
+  GmshElement element{.group = found == input.groups.end() ? 0 : found->second};
+  for (std::int64_t i = 0; i < n; ++i) {
+    LODE_TRY(element.tag, input.large("an element's tag"));
+    LODE_CHECK(add_element(element, kind, input));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> read_gmsh_elements(GmshInput& input) {
+  if (!input.has_blocks) {
+    LODE_TRY(const std::int64_t n, input.text.whole("a number of elements"));
+    return input.is_binary ? read_binary_elements(n, input) : read_text_elements(n, input);
+  }
+  LODE_TRY(const std::int64_t n_blocks, input.count("a number of blocks"));
+  for (int i = 0; i < 3; ++i) {
+    LODE_TRY([[maybe_unused]] const std::int64_t total, input.large("a number of elements"));
+  }
+  for (std::int64_t i = 0; i < n_blocks; ++i) LODE_CHECK(read_element_block(input));
+  return {};
+}
+
+}  // namespace lode::io

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "lode/core/flat_index.h"
+#include "lode/io/mesh_numbers.h"
+#include "lode/io/mesh_text.h"
+
+namespace lode::io {
+
+/// A .msh file being read: its numbers, whose form its head says, and what came so far.
+struct GmshInput {
+  MeshText text;
+  bool has_blocks = false;  ///< Version 4: nodes and elements come in blocks.
+  bool is_binary = false;
+  ByteOrder order = ByteOrder::little;
+  CellMesh mesh{};
+  FlatIndex nodes{};     ///< By tag.
+  FlatIndex elements{};  ///< By tag.
+  /// Data may be sparse: their fields take no more than this, which the file's size justifies.
+  MeshBudget budget{};
+  /// By dimension and tag of an entity: its first physical group.
+  std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> groups{};
+
+  /// A number that binary files hold in 4 bytes.
+  [[nodiscard]] Result<std::int64_t> whole(std::string_view what);
+  /// A tag or count, which those of version 4 hold in 8.
+  [[nodiscard]] Result<std::int64_t> large(std::string_view what);
+  /// A count of things that take a byte or more each: of that many at most.
+  [[nodiscard]] Result<std::int64_t> count(std::string_view what);
+  [[nodiscard]] Result<double> real(std::string_view what);
+};
+
+/// $MeshFormat. Fails on versions other than 2.x and 4.1.
+[[nodiscard]] Result<void> read_gmsh_format(GmshInput& input);
+
+/// $Entities, of version 4.
+[[nodiscard]] Result<void> read_gmsh_entities(GmshInput& input);
+
+[[nodiscard]] Result<void> read_gmsh_nodes(GmshInput& input);
+
+/// Whose physical groups become the first cell field.
+[[nodiscard]] Result<void> read_gmsh_elements(GmshInput& input);
+
+/// $NodeData and $ElementData, behind all nodes and elements.
+enum class GmshPlace { nodes, elements };
+[[nodiscard]] Result<void> read_gmsh_data(GmshPlace place, GmshInput& input);
+
+}  // namespace lode::io

@@ -1,0 +1,272 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/io/cell_mesh_files.h"
+#include "tests/io/tetra_checks.h"
+
+namespace lode::io {
+namespace {
+
+using test::TempDir;
+
+struct MshForm {
+  std::string name;
+  bool has_blocks = false;
+  bool is_binary = false;
+  ByteOrder order = ByteOrder::little;
+};
+
+/// Writes numbers of a .msh file as words, or in binary.
+class MshWriter {
+ public:
+  explicit MshWriter(MshForm form) : form_(std::move(form)) {
+    text = fmt::format("$MeshFormat\n{} {} 8\n", form_.has_blocks ? "4.1" : "2.2",
+                       form_.is_binary ? 1 : 0);
+    if (form_.is_binary) text += test::bytes_of<std::int32_t>({1}, form_.order) + "\n";
+    text += "$EndMeshFormat\n";
+  }
+  void wholes(const std::vector<std::int32_t>& numbers) {
+    for (const std::int32_t number : numbers) put(number);
+  }
+  void large(const std::vector<std::int64_t>& numbers) {
+    for (const std::int64_t number : numbers)
+      form_.has_blocks ? put(number) : put(static_cast<std::int32_t>(number));
+  }
+  void reals(const std::vector<double>& numbers) {
+    for (const double number : numbers) put(number);
+  }
+
+  std::string text;
+
+ private:
+  template <typename T>
+  void put(T number) {
+    text +=
+        form_.is_binary ? test::bytes_of<T>({number}, form_.order) : fmt::format("{}\n", number);
+  }
+
+  MshForm form_;
+};
+
+// Five nodes with tags far apart, a triangle in group 4 and tetrahedra in groups 9 and 8, the last
+// one quadratic, and fields that leave some without a value.
+constexpr std::array<std::int64_t, 10> kTags = {3, 1, 40, 500, 7, 11, 12, 13, 14, 15};
+const std::vector<Vec3d> kPoints = {{{0, 0, 0}},   {{1, 0, 0}},   {{0, 1, 0}},  {{0, 0, 1}},
+                                    {{.5, 0, 0}},  {{.5, .5, 0}}, {{0, .5, 0}}, {{0, 0, .5}},
+                                    {{0, .5, .5}}, {{.5, 0, .5}}};
+
+std::vector<std::int64_t> tags_at(const std::vector<std::size_t>& places) {
+  std::vector<std::int64_t> tags;
+  for (const std::size_t place : places) tags.push_back(kTags[place]);
+  return tags;
+}
+
+struct MshElement {
+  std::int32_t type;
+  std::int32_t dimension;
+  std::int32_t entity;
+  std::int32_t group;
+  std::int64_t tag;
+  std::vector<std::size_t> nodes;
+};
+
+std::vector<MshElement> elements() {
+  return {{2, 2, 1, 4, 21, {0, 1, 2}},
+          {4, 3, 1, 9, 22, {0, 1, 2, 3}},
+          {11, 3, 2, 8, 77, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}}};
+}
+
+void write_mesh_2(MshWriter& file, bool is_binary) {
+  file.text += fmt::format("$Nodes\n{}\n", kPoints.size());
+  for (std::size_t i = 0; i < kPoints.size(); ++i) {
+    file.large({kTags[i]});
+    file.reals({kPoints[i].v.begin(), kPoints[i].v.end()});
+  }
+  file.text += fmt::format("\n$EndNodes\n$Elements\n{}\n", elements().size());
+  for (const MshElement& e : elements()) {
+    if (is_binary) file.wholes({e.type, 1, 2});
+    file.large({e.tag});
+    if (!is_binary) file.wholes({e.type, 2});
+    file.wholes({e.group, e.entity});
+    file.large(tags_at(e.nodes));
+  }
+  file.text += "\n$EndElements\n";
+}
+
+void write_mesh_4(MshWriter& file) {
+  file.text += "$Entities\n";
+  file.large({1, 0, 1, 2});
+  file.wholes({5});
+  file.reals({0, 0, 0});
+  file.large({0});
+  for (const auto& [tag, group] : {std::pair(1, 4), std::pair(1, 9), std::pair(2, 8)}) {
+    file.wholes({tag});
+    file.reals({0, 0, 0, 1, 1, 1});
+    file.large({2});
+    file.wholes({group, 99});
+    file.large({1});
+    file.wholes({-5});
+  }
+  file.text += "\n$EndEntities\n$Nodes\n";
+  file.large({2, 10, 1, 500});
+  file.wholes({2, 1, 1});
+  file.large({3, kTags[0], kTags[1], kTags[2]});
+  for (std::size_t i = 0; i < 3; ++i) {
+    file.reals({kPoints[i].v.begin(), kPoints[i].v.end()});
+    file.reals({0.25, 0.75});
+  }
+  file.wholes({3, 1, 0});
+  file.large({7});
+  file.large({kTags.begin() + 3, kTags.end()});
+  for (std::size_t i = 3; i < 10; ++i) file.reals({kPoints[i].v.begin(), kPoints[i].v.end()});
+  file.text += "\n$EndNodes\n$Elements\n";
+  file.large({3, 3, 21, 77});
+  for (const MshElement& e : elements()) {
+    file.wholes({e.dimension, e.entity, e.type});
+    file.large({1, e.tag});
+    file.large(tags_at(e.nodes));
+  }
+  file.text += "\n$EndElements\n";
+}
+
+std::string msh_of(const MshForm& form) {
+  MshWriter file(form);
+  file.text += "$PhysicalNames\n1\n3 9 \"a room\"\n$EndPhysicalNames\n";
+  if (form.has_blocks)
+    write_mesh_4(file);
+  else
+    write_mesh_2(file, form.is_binary);
+  file.text += "$Comments\nwhatever $ stands here\n$EndComments\n";
+  file.text += "$NodeData\n1\n\"a field\"\n1\n0.5\n3\n0\n1\n2\n";
+  file.wholes({500});
+  file.reals({2.5});
+  file.wholes({3});
+  file.reals({-1});
+  file.text += "\n$EndNodeData\n$NodeData\n1\n\"a field\"\n1\n0.5\n3\n6\n3\n1\n";
+  file.wholes({1});
+  file.reals({1, 2, 3});
+  file.text += "\n$EndNodeData\n$ElementData\n1\n\"e\"\n1\n0.5\n4\n0\n1\n1\n0\n";
+  file.wholes({77});
+  file.reals({8});
+  file.text += "\n$EndElementData\n";
+  return file.text;
+}
+
+std::vector<MshForm> msh_forms() {
+  return {
+      {"text_2"},       {"binary_2", false, true}, {"big_binary_2", false, true, ByteOrder::big},
+      {"text_4", true}, {"binary_4", true, true},  {"big_binary_4", true, true, ByteOrder::big}};
+}
+
+class msh_meshes : public testing::TestWithParam<MshForm> {};
+
+TEST_P(msh_meshes, are_read_with_groups_and_data) {
+  const TempDir directory;
+  const CellMesh mesh = test::read_mesh(directory.write("x.msh", msh_of(GetParam())));
+  EXPECT_EQ(mesh.points, kPoints);
+  EXPECT_EQ(mesh.types, (std::vector<std::uint8_t>{5, 10, 24}));
+  EXPECT_EQ(mesh.corners,
+            (std::vector<std::uint32_t>{0, 1, 2, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 9, 8}));
+  ASSERT_EQ(mesh.cell_fields.size(), 2U);
+  EXPECT_EQ(mesh.cell_fields[0].name, "RegionId");
+  EXPECT_EQ(mesh.cell_fields[0].values, (std::vector<double>{4, 9, 8}));
+  EXPECT_TRUE(std::isnan(mesh.cell_fields[1].at(0)));
+  EXPECT_EQ(mesh.cell_fields[1].at(2), 8);
+  ASSERT_EQ(mesh.point_fields.size(), 2U);
+  EXPECT_EQ(mesh.point_fields[0].name, "a field");
+  EXPECT_EQ(mesh.point_fields[1].name, "a field@6");
+  EXPECT_EQ(mesh.point_fields[0].at(0), -1);
+  EXPECT_EQ(mesh.point_fields[0].at(3), 2.5);
+  EXPECT_TRUE(std::isnan(mesh.point_fields[0].at(1)));
+  EXPECT_EQ(mesh.point_fields[1].at(1, 2), 3);
+}
+
+TEST_P(msh_meshes, of_quadratic_tetrahedra_are_split_right) {
+  const TempDir directory;
+  CellMesh mesh = test::read_mesh(directory.write("x.msh", msh_of(GetParam())));
+  mesh.types[1] = static_cast<std::uint8_t>(CellType::quad);
+  const TetrahedraOutcome outcome = test::tetrahedra_of(mesh);
+  ASSERT_EQ(outcome.mesh.tetrahedra.size(), 8U);
+  for (std::size_t i = 0; i < 8; ++i)
+    EXPECT_NEAR(test::volume_of(outcome.mesh, i), 1.0 / 48, 1e-16);
+  EXPECT_EQ(outcome.mesh.region_ids, (std::vector<std::int64_t>{8}));
+}
+
+TEST_P(msh_meshes, cut_or_changed_give_an_error_or_a_valid_mesh) {
+  const TempDir directory;
+  const std::string bytes = msh_of(GetParam());
+  std::mt19937_64 random(3);
+  for (int i = 0; i < 400; ++i) {
+    const std::string changed =
+        i < 100 ? bytes.substr(0, bytes.size() * static_cast<std::size_t>(i) / 100)
+                : test::mutated(bytes, random);
+    if (changed.empty()) continue;
+    const Result<CellMesh> mesh = read_cell_mesh(directory.write("x.msh", changed), {});
+    if (!mesh) continue;
+    for (const std::uint32_t corner : mesh->corners) ASSERT_LT(corner, mesh->points.size());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(forms, msh_meshes, testing::ValuesIn(msh_forms()),
+                         [](const auto& form) { return form.param.name; });
+
+TEST(msh_mesh, that_is_wrong_is_refused_by_what_is_wrong) {
+  const TempDir directory;
+  const std::string good = msh_of({"text_2"});
+  const auto refused = [&](const std::string& from, const std::string& to,
+                           const std::vector<std::string>& parts) {
+    std::string text = good;
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    test::expect_mesh_failure(directory.write("x.msh", text), parts);
+  };
+  refused("2.2 0", "3.0 0", {"2.2 or 4.1", "3.0"});
+  refused("2.2 0 8", "2.2 0 4", {"8 bytes"});
+  refused("\n500\n", "\n3\n", {"tag 3 twice"});
+  refused("$Elements\n3\n", "$Elements\n9\n", {"an element's tag", "$EndElements"});
+  refused("$Nodes\n10\n", "$Nodes\n99999999999\n", {"a node's tag", "$EndNodes"});
+  refused("22\n4\n", "22\n99\n", {"Gmsh's types", "got 99"});
+  refused("22\n4\n2\n9\n1\n3\n", "22\n4\n2\n9\n1\n6\n", {"element 22", "the tag 6"});
+  refused("3\n6\n3\n1\n", "3\n6\n999999\n1\n", {"components"});
+  refused("3\n6\n3\n1\n", "3\n6\n3\n999999\n", {"999999 values"});
+  refused("$EndElements", "$EndElement", {"$EndElements"});
+}
+
+std::string medit_of(const std::string& rest) {
+  return "MeshVersionFormatted 2 # a comment\nDimension\n3\nVertices\n5\n0 0 0 1\n1 0 0 1\n"
+         "0 1 0 2 # Tetrahedra 5\n0 0 1 2\n0 0 -3 0\n" +
+         rest;
+}
+
+TEST(medit_mesh, is_read_with_references_as_regions) {
+  const TempDir directory;
+  const CellMesh mesh = test::read_mesh(directory.write(
+      "x.mesh", medit_of("Triangles\n1\n1 2 3 5\nTetrahedra\n2\n1 2 3 4 7\n1 3 2 5 -1\n"
+                         "RequiredVertices 1\n1\nEnd\n")));
+  EXPECT_EQ(mesh.points[4], (Vec3d{{0, 0, -3}}));
+  EXPECT_EQ(mesh.types, (std::vector<std::uint8_t>{5, 10, 10}));
+  EXPECT_EQ(mesh.corners, (std::vector<std::uint32_t>{0, 1, 2, 0, 1, 2, 3, 0, 2, 1, 4}));
+  const TetrahedraOutcome outcome = test::tetrahedra_of(mesh);
+  EXPECT_EQ(outcome.mesh.region_ids, (std::vector<std::int64_t>{-1, 7}));
+  EXPECT_EQ(outcome.mesh.regions, (std::vector<std::uint32_t>{1, 0}));
+  EXPECT_TRUE(outcome.mesh.fields.empty());
+}
+
+TEST(medit_mesh, that_is_wrong_is_refused) {
+  const TempDir directory;
+  const auto refused = [&](const std::string& rest, const std::vector<std::string>& parts) {
+    test::expect_mesh_failure(directory.write("x.mesh", medit_of(rest)), parts);
+  };
+  refused("Tetrahedra\n1\n1 2 3 6 7\n", {"corners below 5", "got 5 in cell 0"});
+  refused("Tetrahedra\n1\n0 2 3 4 7\n", {"a vertex from 1"});
+  refused("Tetrahedra\n2\n1 2 3 4 7\n", {"a vertex"});
+  refused("Tetrahedra\n99999999999\n", {"a number of cells"});
+  refused("Dimension 2\n", {"3 dimensions"});
+  refused("Vertices\n1\n0 0 nan 0\n", {"finite"});
+}
+
+}  // namespace
+}  // namespace lode::io
