@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "tests/io/cell_mesh_files.h"
+#include "tests/io/tetra_checks.h"
 
 namespace lode::io {
 namespace {
@@ -9,14 +9,44 @@ namespace {
 using test::TempDir;
 using test::XmlForm;
 
-/// What becomes of a file: an error that names it, or a mesh whose corners are points.
+/// What becomes of a file: an error that names it, or a mesh whose corners are points, of which
+/// tetrahedra are made or not.
 void expect_survived(const std::string& path) {
-  const Result<CellMesh> mesh = read_cell_mesh(path, {});
+  Result<CellMesh> mesh = read_cell_mesh(path, {});
   if (!mesh) {
     EXPECT_NE(mesh.error().message.find(path), std::string::npos) << mesh.error().message;
     return;
   }
   for (const std::uint32_t corner : mesh->corners) ASSERT_LT(corner, mesh->points.size());
+  const Result<TetrahedraOutcome> outcome =
+      to_tetrahedra(std::move(*mesh), {.weld_distance = 0, .weld_values = 1});
+  if (!outcome) return;
+  for (const auto& tetrahedron : outcome->mesh.tetrahedra)
+    for (const std::uint32_t corner : tetrahedron)
+      ASSERT_LT(corner, outcome->mesh.positions.size());
+}
+
+/// A hexahedron between a polyhedron and a wedge, of which tetrahedra can be made.
+CellMesh splittable_mesh() {
+  CellMesh mesh = test::empty_cells();
+  for (int i = 0; i < 12; ++i)
+    mesh.points.push_back({{1.0 * (i / 4), 1.0 * (i % 2), 1.0 * (i / 2 % 2)}});
+  mesh.points.push_back({{3, 0, 0}});
+  mesh.points.push_back({{3, 1, 0}});
+  test::add_cell(mesh, CellType::hexahedron, {0, 4, 5, 1, 2, 6, 7, 3});
+  test::add_polyhedron(
+      mesh,
+      {{4, 5, 7, 6}, {8, 9, 11, 10}, {4, 8, 9, 5}, {6, 7, 11, 10}, {4, 6, 10, 8}, {5, 9, 11, 7}});
+  test::add_cell(mesh, CellType::wedge, {8, 12, 10, 9, 13, 11});
+  mesh.cell_fields = {{"RegionId", ScalarType::int32, 1, {1, 2, 3}},
+                      {"c", ScalarType::float32, 1, {1, 2, 3}}};
+  return mesh;
+}
+
+TEST(hostile_mesh, is_made_of_files_that_are_good) {
+  const TetrahedraOutcome outcome = test::tetrahedra_of(splittable_mesh());
+  EXPECT_EQ(outcome.report.n_components, 1U);
+  EXPECT_NEAR(test::total_volume(outcome.mesh), 2.5, 1e-14);
 }
 
 std::vector<std::pair<std::string, std::string>> good_files() {
@@ -24,6 +54,8 @@ std::vector<std::pair<std::string, std::string>> good_files() {
   std::vector<std::pair<std::string, std::string>> files;
   for (const XmlForm& form : test::xml_forms())
     files.emplace_back("x.vtu", test::vtu_of({mesh, mesh}, form));
+  files.emplace_back("x.vtu", test::vtu_of({splittable_mesh()}));
+  files.emplace_back("x.vtk", test::legacy_of(splittable_mesh(), {}));
   CellMesh grid;
   for (int i = 0; i < 27; ++i) grid.points.push_back({{1.0 * (i % 3), 1.0 * (i / 9), 0.5 * i}});
   for (const XmlForm& form : test::xml_forms())
@@ -75,23 +107,36 @@ TEST(hostile_mesh, in_text_is_refused_by_what_is_wrong) {
   refused(">0 1 2 3 <", ">0 1 2 <", {"4 numbers"});
   refused(">4 <", ">5 <", {"5 numbers"});
   refused(">4 <", ">3 <", {"expected 4 corners for cell 0, a tetrahedron, got 3"});
-  refused(">4 <", ">4000000000000 <", {"more than"});
+  refused(">4 <", ">4000000000000 <", {"can hold"});
   refused(">10 <", ">99 <", {"VTK's types", "got 99 for cell 0"});
   refused(">10 <", ">300 <", {"uint8"});
   refused(">10 <", ">42 <", {"faceoffsets"});
   refused("0 7 <", "0 nan <", {"finite positions", "for point 3"});
   refused("NumberOfPoints=\"4\"", "NumberOfPoints=\"99999999999999\"", {"NumberOfPoints"});
-  refused("NumberOfPoints=\"4\"", "NumberOfPoints=\"4000000000\"", {"more than"});
-  refused("NumberOfCells=\"1\"", "NumberOfCells=\"4000000000\"", {"more than"});
+  refused("NumberOfPoints=\"4\"", "NumberOfPoints=\"4000000000\"", {"can hold"});
+  refused("NumberOfCells=\"1\"", "NumberOfCells=\"4000000000\"", {"can hold"});
   refused("NumberOfCells=\"1\"", "NumberOfCells=\"-1\"", {"NumberOfCells"});
   refused("Name=\"offsets\"", "Name=\"of\"", {"offsets", "got none"});
   refused("Name=\"t\" NumberOfComponents=\"1\"", "Name=\"t\" NumberOfComponents=\"1000000000\"",
-          {"more than"});
+          {"can hold"});
   refused("Name=\"t\" NumberOfComponents=\"1\"", "Name=\"t\" NumberOfComponents=\"0\"",
           {"components"});
   refused("Name=\"Points\" NumberOfComponents=\"3\"", "Name=\"Points\" NumberOfComponents=\"2\"",
           {"3 components"});
   refused("<Piece ", "<Part ", {""});
+}
+
+TEST(hostile_mesh, whose_arrays_share_their_bytes_may_not_take_all_memory) {
+  const TempDir directory;
+  CellMesh mesh = test::empty_cells();
+  mesh.points.resize(200000);
+  mesh.point_fields = {{"f", ScalarType::float64, 1, std::vector<double>(200000)}};
+  std::string text =
+      test::vtu_of({mesh}, {"", "appended", "raw", "UInt64", ByteOrder::little, 1 << 20});
+  const std::size_t begin = text.find("<DataArray");
+  const std::string array = text.substr(begin, text.find("/>", begin) + 2 - begin);
+  for (int i = 0; i < 1000; ++i) text.insert(begin, array);
+  test::expect_mesh_failure(directory.write("x.vtu", text), {"what the file can hold"});
 }
 
 TEST(hostile_mesh, with_falling_offsets_is_refused) {

@@ -34,7 +34,7 @@ class TempDir {
 template <typename T>
 std::string bytes_of(const std::vector<T>& numbers, ByteOrder order = ByteOrder::little) {
   std::string bytes(numbers.size() * sizeof(T), '\0');
-  std::memcpy(bytes.data(), numbers.data(), bytes.size());
+  if (!bytes.empty()) std::memcpy(bytes.data(), numbers.data(), bytes.size());
   if (order == ByteOrder::big)
     for (std::size_t i = 0; i < bytes.size(); i += sizeof(T))
       std::reverse(bytes.data() + i, bytes.data() + i + sizeof(T));

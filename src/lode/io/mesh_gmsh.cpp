@@ -43,10 +43,7 @@ Result<void> check_field_sizes(const CellMesh& mesh) {
 Result<CellMesh> read_gmsh_mesh(const std::string& path, const MeshReadOptions& options) {
   LODE_TRY(MeshText text, MeshText::open(path, options));
   GmshInput input{.text = std::move(text)};
-  // As much as deflate could make of the file.
-  constexpr std::uint64_t kMaxRatio = 1032;
-  input.budget.n_bytes_left =
-      std::min<std::uint64_t>(options.memory_limit, kMaxRatio * input.text.n_left());
+  input.budget = MeshBudget::of(input.text.n_left(), options.memory_limit);
   input.mesh.path = path;
   input.mesh.begins = {0};
   input.mesh.cell_fields = {{"RegionId", ScalarType::int32, 1, {}}};

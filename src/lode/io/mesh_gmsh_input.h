@@ -21,8 +21,7 @@ struct GmshInput {
   CellMesh mesh{};
   FlatIndex nodes{};     ///< By tag.
   FlatIndex elements{};  ///< By tag.
-  /// Data may be sparse: their fields take no more than this, which the file's size justifies.
-  MeshBudget budget{};
+  MeshBudget budget{};   ///< Of fields, whose data may be sparse.
   /// By dimension and tag of an entity: its first physical group.
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> groups{};
 

@@ -1,5 +1,6 @@
 #include "lode/io/mesh_numbers.h"
 
+#include <algorithm>
 #include <cstring>
 #include <type_traits>
 #include <utility>
@@ -31,10 +32,19 @@ Result<std::vector<T>> whole_of(const MeshNumbers& numbers, const WholeRange& ra
 
 }  // namespace
 
+MeshBudget MeshBudget::of(std::uint64_t file_size, std::uint64_t memory_limit) {
+  constexpr std::uint64_t kMaxRatio = 1032;
+  const bool is_huge = file_size > std::numeric_limits<std::uint64_t>::max() / kMaxRatio;
+  return {is_huge ? memory_limit : std::min(memory_limit, kMaxRatio * file_size)};
+}
+
 Result<void> MeshBudget::spend(const std::string& path, std::uint64_t n_bytes) {
   if (n_bytes > n_bytes_left)
-    return fail("{}: expected arrays within the memory limit, got one of {} where {} are left",
-                path, format_bytes(n_bytes), format_bytes(n_bytes_left));
+    return fail(
+        "{}: expected arrays within the memory limit and what the file can hold, got one of {} "
+        "where "
+        "{} are left",
+        path, format_bytes(n_bytes), format_bytes(n_bytes_left));
   n_bytes_left -= n_bytes;
   return {};
 }

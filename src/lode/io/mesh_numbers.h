@@ -13,9 +13,13 @@
 
 namespace lode::io {
 
-/// How many bytes the arrays of a mesh file may still take, decoded.
+/// How many bytes the arrays of a mesh file may still take, decoded: arrays may share their bytes
+/// in the file, or say little about much.
 struct MeshBudget {
   std::uint64_t n_bytes_left = 0;
+
+  /// As much as deflate could make of a file, or the memory limit if that is less.
+  [[nodiscard]] static MeshBudget of(std::uint64_t file_size, std::uint64_t memory_limit);
 
   /// Fails, naming `path`, when `n_bytes` more are beyond it.
   [[nodiscard]] Result<void> spend(const std::string& path, std::uint64_t n_bytes);

@@ -293,8 +293,8 @@ Result<CellMesh> load_mesh(LegacyMeshFile& file, const LegacyMeshArrays& arrays)
 
 Result<CellMesh> read_vtk_legacy_mesh(const std::string& path, const MeshReadOptions& options) {
   LegacyMeshFile file;
-  file.budget.n_bytes_left = options.memory_limit;
   LODE_TRY(file.file, InputFile::open(path));
+  file.budget = MeshBudget::of(file.file->size(), options.memory_limit);
   const auto stream = make_file_stream(file.file, 0);
   LegacyFile legacy{.cursor = TextCursor(*stream, path)};
   LODE_TRY(const LegacyPreamble preamble, parse_legacy_preamble(legacy));

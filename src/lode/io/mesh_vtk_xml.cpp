@@ -151,9 +151,9 @@ Result<CellMesh> read_curvilinear(VtkXmlMeshFile& file, const pugi::xml_node& da
 
 Result<CellMesh> read_vtk_xml_mesh(const std::string& path, const MeshReadOptions& options) {
   VtkXmlMeshFile file;
-  file.budget.n_bytes_left = options.memory_limit;
   LODE_TRY(file.xml,
            open_vtk_xml(path, {.memory_limit = options.memory_limit, .spool_directory = {}}));
+  file.budget = MeshBudget::of(file.xml->file->size(), options.memory_limit);
   const std::string kind = file.xml->root().attribute("type").as_string();
   if (kind != "UnstructuredGrid" && kind != "StructuredGrid")
     return fail("{}: expected UnstructuredGrid or StructuredGrid, got {}", path, in_quotes(kind));
