@@ -25,7 +25,8 @@ Result<std::vector<T>> whole_of(const MeshNumbers& numbers, const WholeRange& ra
     if (std::cmp_less(number, range.low) || std::cmp_greater(number, range.high))
       return fail("{}: expected {} from {} to {}, got {} at place {}", range.path, range.name,
                   range.low, range.high, number, i);
-    whole[i] = static_cast<T>(number);
+    // Negative ones stay so, which the check takes for characters.
+    whole[i] = static_cast<T>(number);  // NOLINT(bugprone-signed-char-misuse)
   }
   return whole;
 }

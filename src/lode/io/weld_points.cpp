@@ -1,6 +1,7 @@
 #include "lode/io/weld_points.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -111,7 +112,8 @@ class Welder {
     }
     const Vec3d middle = box_of(p);
     for (int i = 0; i < 27; ++i) {
-      const Vec3d box = middle + Vec3d{{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0}};
+      const std::array<int, 3> step = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+      const Vec3d box = middle + Vec3d{{1.0 * step[0], 1.0 * step[1], 1.0 * step[2]}};
       // A point whose box's key is that of another one's would come twice, which does no harm.
       buckets_.for_each(key_of(box), [&](std::uint32_t other) {
         if (length(points_[other] - p) <= rule_.distance) visit(other);
