@@ -6,6 +6,7 @@
 #include "command.h"
 #include "extract_focused.h"
 #include "extract_progressive.h"
+#include "extract_tetra.h"
 #include "extraction_options.h"
 #include "input.h"
 #include "outputs.h"
@@ -88,6 +89,7 @@ Result<void> check_extract(const ExtractArguments& arguments) {
     return fail(
         "{}: expected no --mesh, --section, focus, budget, deadline or --progressive with it",
         arguments.simplify.name());
+  if (is_cell_mesh_path(arguments.input)) return check_tetra_job(arguments.mesh_job());
   if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
   if (arguments.query.is_focused()) return check_focused_job(arguments.mesh_job());
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.plain()));
@@ -307,6 +309,7 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
 }
 
 Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session) {
+  if (is_cell_mesh_path(arguments.input)) return run_tetra_job(arguments.mesh_job(), session);
   auto outcome = arguments.query.is_wanted()    ? run_mesh_job(arguments.mesh_job(), session)
                  : arguments.query.is_focused() ? run_focused_job(arguments.mesh_job(), session)
                                                 : run_plain(arguments, session);
@@ -328,6 +331,9 @@ Command add_extract_command(CLI::App& program) {
       "--clip, --close-border, --min-component, or a --simplify of more than one isovalue, are to\n"
       "see all of it.\n\n"
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
+      "Of meshes of cells (.vtu, .vts, .vtk, .msh, .mesh) the hierarchy is built in memory, and "
+      "only\n"
+      "--mesh is there yet.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"

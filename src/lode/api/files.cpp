@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <new>
 #include <span>
 #include <string_view>
@@ -50,6 +51,19 @@ class WatchedSource final : public VolumeSource {
 
 bool is_lode_path(const std::string& path) {
   return has_extension(path, ".lode") || store::starts_as_lode(path);
+}
+
+bool is_cell_mesh_path(const std::string& path) {
+  for (const char* const extension : {".vtu", ".vts", ".msh", ".mesh"})
+    if (has_extension(path, extension)) return true;
+  if (!has_extension(path, ".vtk")) return false;
+  constexpr std::size_t kHeader = 1024;
+  std::string head(kHeader, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(kHeader));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head.find("DATASET UNSTRUCTURED_GRID") != std::string::npos ||
+         head.find("DATASET STRUCTURED_GRID") != std::string::npos;
 }
 
 Result<Surface> read_surface(const std::string& path) try {

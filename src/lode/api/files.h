@@ -6,8 +6,11 @@
 
 #include "lode/api/dataset.h"
 #include "lode/api/file_build.h"
+#include "lode/api/tetra_dataset.h"
+#include "lode/io/mesh_reader.h"
 #include "lode/io/mesh_vtu.h"
 #include "lode/io/surface_file.h"
+#include "lode/io/tetrahedra.h"
 #include "lode/io/volume_reader.h"
 #include "lode/render/camera_file.h"
 #include "lode/render/camera_path.h"
@@ -29,13 +32,22 @@ using io::Magnitude;
 using io::MeshWriteOptions;
 using io::open_volume;
 using io::RawLayout;
+using io::read_cell_mesh;
 using io::ReadOptions;
 using io::SurfaceWriteOptions;
+using io::TetrahedraOutcome;
+using io::TetraOptions;
+using io::TetraReport;
+using io::to_tetrahedra;
 using io::write_surface;
 using io::write_vtu;
 
 /// Whether `path` is to be opened as a .lode file: it is named so (any case), or starts as one.
 [[nodiscard]] bool is_lode_path(const std::string& path);
+
+/// Whether `path` is read as a mesh of cells: it is named .vtu, .vts, .msh or .mesh, or is a legacy
+/// .vtk file whose header says so.
+[[nodiscard]] bool is_cell_mesh_path(const std::string& path);
 
 /// As io::read_surface; where a format without indices (STL) made one vertex of two with equal
 /// coordinates, each fan of triangles has its own again.

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "extract_mesh.h"
+
+namespace lode::cli {
+
+/// Looks at the arguments for a mesh of tetrahedra alone: of it only meshes are made yet.
+[[nodiscard]] Result<void> check_tetra_job(const MeshJob& job);
+/// Builds the hierarchy of a mesh of cells in memory, and writes the mesh of a query.
+[[nodiscard]] Result<Outcome> run_tetra_job(const MeshJob& job, Session& session);
+
+}  // namespace lode::cli

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lode/api/mesh_extraction.h"
+#include "lode/core/mesh.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/core/tetra_mesh.h"
+
+namespace lode {
+
+struct TetraBuildOptions {
+  /// Of the cells, how many are left in the base; more where none may go.
+  double base_share = 0.01;
+  Threads threads{};
+};
+
+struct TetraInfo {
+  std::uint64_t n_vertices = 0;  ///< Of the reference mesh.
+  std::uint64_t n_cells = 0;
+  std::uint64_t n_base_cells = 0;
+  std::uint64_t n_nodes = 0;  ///< Collapses, and splits that undo them.
+  std::string field;
+  double range_min = 0;  ///< Of the field; both 0 where there is no vertex.
+  double range_max = 0;
+  double base_error = 0;  ///< Largest |F - F'| at vertices of the reference on the base.
+};
+
+/// The door of tetrahedral meshes with a field, in memory: a Multi-Tessellation of half-edge
+/// collapses (docs/models/tetra_mt.md). F is linear on each tetrahedron of the reference mesh.
+/// Errors are of samples: largest at the reference's vertices; between them F' may be farther off.
+class TetraDataset {
+ public:
+  /// `mesh`: with one field, of finite values.
+  [[nodiscard]] static Result<TetraDataset> build(const TetraMesh& mesh,
+                                                  const TetraBuildOptions& options,
+                                                  Progress& progress);
+  TetraDataset(TetraDataset&&) noexcept;
+  TetraDataset& operator=(TetraDataset&&) noexcept;
+  ~TetraDataset();
+
+  [[nodiscard]] const TetraInfo& describe() const;
+  /// The mesh of a query's cut, with its field and by cell the error at samples; conforming, its
+  /// vertices the reference's. Without max_error as for volumes. Views are refused.
+  [[nodiscard]] Result<MeshReport> extract_mesh(const MeshOptions& options, SimplexMesh& mesh,
+                                                Progress& progress) const;
+
+ private:
+  class Impl;
+  explicit TetraDataset(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lode

@@ -1,0 +1,147 @@
+// Meshes of cells through the program.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "lode/api/files.h"
+#include "tests/cli/program.h"
+#include "tests/io/vtk_oracle.h"
+
+namespace lode::test {
+namespace {
+
+/// Waves on a grid of n^3 points over [0, n - 1]^3, in six tetrahedra a cell.
+SimplexMesh waves(std::uint32_t n) {
+  SimplexMesh mesh;
+  const auto id = [n](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return (z * n + y) * n + x;
+  };
+  for (std::uint32_t z = 0; z < n; ++z)
+    for (std::uint32_t y = 0; y < n; ++y)
+      for (std::uint32_t x = 0; x < n; ++x) {
+        const Vec3d p{{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}};
+        mesh.positions.push_back(p);
+        mesh.values.push_back(10 * std::sin(0.5 * p[0]) * std::cos(0.4 * p[1]) + p[2]);
+        if (x + 1 == n || y + 1 == n || z + 1 == n) continue;
+        const std::uint32_t a = id(x, y, z);
+        const std::uint32_t b = id(x + 1, y + 1, z + 1);
+        const std::array<std::uint32_t, 7> ring{
+            id(x + 1, y, z), id(x + 1, y + 1, z), id(x, y + 1, z), id(x, y + 1, z + 1),
+            id(x, y, z + 1), id(x + 1, y, z + 1), id(x + 1, y, z)};
+        for (std::size_t i = 0; i < 6; ++i) mesh.tetrahedra.push_back({a, ring[i], ring[i + 1], b});
+      }
+  mesh.errors.assign(mesh.tetrahedra.size(), 0);
+  return mesh;
+}
+
+class cli_tetra : public testing::Test {
+ protected:
+  cli_tetra() {
+    Progress progress;
+    EXPECT_TRUE(write_vtu(input_, waves(13), {.value_name = "wave"}, progress));
+  }
+
+  [[nodiscard]] Finished extract(std::vector<std::string> options) const {
+    options.insert(options.begin(), {"extract", input_, output_, "--mesh"});
+    return run_lode(options);
+  }
+  [[nodiscard]] nlohmann::json report(std::vector<std::string> options) const {
+    options.emplace_back("--json");
+    const Finished run = extract(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json();
+  }
+
+  Scratch scratch_;
+  std::string input_ = scratch_ / "in.vtu";
+  std::string output_ = scratch_ / "out.vtu";
+};
+
+TEST_F(cli_tetra, at_no_tolerance_is_the_mesh_that_was_read) {
+  const nlohmann::json json = report({"--max-error", "0"});
+  EXPECT_EQ(json.at("model"), "tetra_mt");
+  EXPECT_EQ(json.at("field"), "wave");
+  EXPECT_EQ(json.at("cells"), 12 * 12 * 12 * 6);
+  EXPECT_EQ(json.at("vertices"), 13 * 13 * 13);
+  EXPECT_EQ(json.at("achieved_error"), 0);
+  EXPECT_LT(json.at("base_cells"), 1000);
+  EXPECT_EQ(json.at("reading").at("zero_volume"), 0);
+  auto cells = read_cell_mesh(output_, {});
+  ASSERT_TRUE(cells);
+  const auto mesh = to_tetrahedra(std::move(*cells), {});
+  ASSERT_TRUE(mesh);
+  const SimplexMesh all = waves(13);
+  ASSERT_EQ(mesh->mesh.positions.size(), all.positions.size());
+  for (std::size_t v = 0; v < all.positions.size(); ++v) {
+    const auto& p = mesh->mesh.positions[v];
+    const auto at = static_cast<std::size_t>((p[2] * 13 + p[1]) * 13 + p[0]);
+    EXPECT_EQ(mesh->mesh.fields[0].values[v], all.values[at]);
+  }
+}
+
+TEST_F(cli_tetra, keeps_tolerances_foci_and_budgets) {
+  const nlohmann::json coarse = report({"--max-error", "1"});
+  EXPECT_LE(coarse.at("largest_error"), 1);
+  EXPECT_LT(coarse.at("cells"), 12 * 12 * 12 * 6 / 4);
+  const nlohmann::json focused = report({"--max-error", "0.1", "--box", "0,3,0,3,0,3"});
+  const nlohmann::json fine = report({"--max-error", "0.1"});
+  EXPECT_LE(focused.at("achieved_error"), 0.1);
+  EXPECT_GT(focused.at("largest_error"), 0.1);
+  EXPECT_LT(focused.at("cells"), fine.at("cells"));
+  const nlohmann::json isovalue = report({"--max-error", "0", "--isovalue", "8"});
+  EXPECT_LT(isovalue.at("cells"), 12 * 12 * 12 * 6);
+  const nlohmann::json both =
+      report({"--max-error", "0", "--isovalue", "8", "--max-error-outside", "1"});
+  EXPECT_LE(both.at("largest_error"), 1);
+  const nlohmann::json budget = report({"--max-cells", "2000"});
+  EXPECT_LE(budget.at("cells"), 2000);
+  EXPECT_GT(budget.at("cells"), 1500);
+  EXPECT_EQ(report({"--max-cells", "1"}).at("budget_met"), false);
+}
+
+TEST_F(cli_tetra, writes_what_vtk_reads) {
+  ASSERT_TRUE(has_vtk()) << kVtkMissing;
+  const nlohmann::json json = report({"--max-error", "0.5"});
+  const auto seen = nlohmann::json::parse(run_oracle(LODE_MESH_ORACLE, output_), nullptr, false);
+  EXPECT_EQ(seen.at("cells"), json.at("cells"));
+  EXPECT_EQ(seen.at("points"), json.at("vertices"));
+  EXPECT_NEAR(seen.at("size").get<double>(), 12 * 12 * 12, 1e-6);
+  EXPECT_GT(seen.at("smallest").get<double>(), 0);
+}
+
+TEST_F(cli_tetra, is_the_same_for_any_number_of_threads) {
+  const auto bytes = [&](const char* threads) {
+    EXPECT_EQ(extract({"--max-error", "0.3", "--threads", threads}).exit_code, 0);
+    std::ifstream file(output_, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string one = bytes("1");
+  EXPECT_EQ(one, bytes("3"));
+  EXPECT_GT(one.size(), 1000U);
+}
+
+TEST_F(cli_tetra, says_what_it_does_not_do) {
+  const auto refused = [&](const std::vector<std::string>& words, const char* message) {
+    const Finished run = run_lode(words);
+    EXPECT_NE(run.exit_code, 0);
+    EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+  };
+  const std::string surface = scratch_ / "out.ply";
+  refused({"extract", input_, surface, "--isovalue", "3"}, "expected --mesh");
+  refused({"extract", input_, surface, "--section", "0,0,1:0,0,1"}, "expected --mesh");
+  refused({"extract", input_, output_, "--mesh", "--memory-limit", "1G"}, "--memory-limit");
+  refused({"extract", input_, output_, "--mesh", "--nodata", "3"}, "--field and --component");
+  refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");
+  refused({"extract", input_, input_, "--mesh"}, "expected an output that is not an input");
+  const std::string broken = scratch_ / "broken.vtu";
+  std::ofstream(broken) << "<VTKFile type=\"UnstructuredGrid\"";
+  refused({"extract", broken, output_, "--mesh"}, "broken.vtu");
+  const std::string empty = scratch_ / "empty.msh";
+  std::ofstream(empty).close();
+  refused({"extract", empty, output_, "--mesh"}, "empty.msh");
+}
+
+}  // namespace
+}  // namespace lode::test
