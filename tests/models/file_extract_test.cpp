@@ -45,7 +45,8 @@ Result<IsosurfaceReport> extracted_from_file(const CoarseField<D>& field, store:
 }
 
 template <int D>
-void expect_same_surface(const Volume& volume, double tolerance, std::uint64_t cache_bytes) {
+void expect_same_surface(const Volume& volume, double tolerance, std::uint64_t cache_bytes,
+                         double isovalue = 120.3) {
   const TestPath path("volume.lode");
   const Model<D> model = test::built<D>(volume);
   test::save<D>(model, path.str());
@@ -57,7 +58,7 @@ void expect_same_surface(const Volume& volume, double tolerance, std::uint64_t c
   ASSERT_TRUE(field) << field.error().message;
   store::BlockCache blocks(*reader, cache_bytes);
   const IsosurfaceQuery query{
-      .isovalue = 120.3, .tolerance = tolerance, .threads = {2}, .with_normals = D == 3};
+      .isovalue = isovalue, .tolerance = tolerance, .threads = {2}, .with_normals = D == 3};
   Surface expected;
   Surface got;
   Progress progress;
@@ -110,6 +111,30 @@ INSTANTIATE_TEST_SUITE_P(cases, file_extract,
                                            ExtractCase{{{60, 530, 40}}, ScalarType::int16, 0.25},
                                            ExtractCase{{{7, 9, 260}}, ScalarType::float64, 1},
                                            ExtractCase{{{2100, 500, 1}}, ScalarType::uint8, 3}));
+
+/// A plane through the middle, nearly: most bricks have no fine node, and where the data ends
+/// samples beyond it are those of finer levels.
+Volume ramp(const Index3& dims, const Vec3d& slope) {
+  RegularGrid grid;
+  grid.dims = dims;
+  return oracles::volume_of<std::uint8_t>(grid, [&](const Index3& p) {
+    double value = 124.5;
+    for (std::size_t i = 0; i < 3; ++i) value += slope[i] * (p[i] - dims[i] / 2);
+    return std::clamp(std::round(value), 0.0, 255.0);
+  });
+}
+
+TEST(file_extract_ramps, have_the_samples_beyond_the_data_that_the_model_has) {
+  expect_same_surface<3>(ramp({{560, 40, 32}}, {{0.18, 0.1, 0.4}}), 1.275, 0, 124.5);
+  expect_same_surface<3>(ramp({{560, 40, 32}}, {{-0.16, -0.3, 0.2}}), 1.275, 0, 124.5);
+  expect_same_surface<3>(ramp({{200, 40, 30}}, {{0.45, 0.8, 0.1}}), 0.6, 0, 124.5);
+  oracles::Random random(31);
+  for (int trial = 0; trial < 30; ++trial) {
+    const Vec3d slope{{random.uniform(-0.6, 0.6), random.uniform(-1, 1), random.uniform(-1, 1)}};
+    expect_same_surface<3>(ramp({{200, 40, 30}}, slope), 0.6, 0, 124.5);
+    expect_same_surface<2>(ramp({{300, 270, 1}}, slope), 0.6, 0, 124.5);
+  }
+}
 
 /// Which samples are holes.
 using IsHole = std::function<bool(const Index3&)>;

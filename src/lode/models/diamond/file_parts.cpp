@@ -341,6 +341,23 @@ void FilePart<D>::fill_brick(const Index<D>& local) {
   }
 }
 
+/// Of its samples those of level kKeptLevel. Beyond the data these are what the field has kept: the
+/// nearest samples are of finer levels, and were not read.
+template <int D>
+void FilePart<D>::fill_coarse_brick(const Index<D>& local) {
+  const Index<D> base = local * kBrickEdge<D> + plan_.part.origin;
+  std::byte* const brick = model_.brick(linear_index<D>(model_.brick_dims, local));
+  const Index<D> points = all_equal<D>((kBrickEdge<D> >> kKeptLevel) + 1);
+  visit_storage_type(field_.storage, [&]<typename T>() {
+    for (std::size_t i = 0; i < n_points<D>(points); ++i) {
+      const Index<D> p = point_of<D>(points, i) * (1 << kKeptLevel);
+      const T sample = static_cast<T>(field_.value(base + p));
+      std::memcpy(brick + static_cast<std::size_t>(model_.brick_offset(p)) * sizeof(T), &sample,
+                  sizeof(T));
+    }
+  });
+}
+
 template <int D>
 std::vector<std::uint8_t> FilePart<D>::find_near_fine() const {
   std::vector<std::uint8_t> is_near(model_.n_bricks(), 0);
@@ -429,9 +446,10 @@ Result<void> FilePart<D>::load(const Index<D>& chunk, std::span<const Index<D>> 
   fine_.clear();
   for (const Index<D>& brick : fine) fine_.push_back(to_local(brick));
   if (!fine.empty()) LODE_CHECK(read_blocks(fine));
-  for (const auto& bricks : {fine, coarse})
-    parallel_for(bricks.size(), threads_, 1,
-                 [&](std::size_t i, int) { fill_brick(to_local(bricks[i])); });
+  parallel_for(fine.size(), threads_, 1,
+               [&](std::size_t i, int) { fill_brick(to_local(fine[i])); });
+  parallel_for(coarse.size(), threads_, 1,
+               [&](std::size_t i, int) { fill_coarse_brick(to_local(coarse[i])); });
   if (field_.has_holes()) find_holes();
   if (is_exact_in_float<D>(field_))
     find_leaf_attributes<float>(fine);

@@ -96,6 +96,7 @@ class FilePart {
   [[nodiscard]] Result<void> read_attributes(int level, std::span<const Index<D>> bricks);
   [[nodiscard]] Index<D> to_local(const Index<D>& brick) const;
   void fill_brick(const Index<D>& local);
+  void fill_coarse_brick(const Index<D>& local);
   /// By brick of model(): whether it is fine, or beside such a one.
   [[nodiscard]] std::vector<std::uint8_t> find_near_fine() const;
   void find_holes();
