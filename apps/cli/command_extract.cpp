@@ -89,7 +89,14 @@ Result<void> check_extract(const ExtractArguments& arguments) {
     return fail(
         "{}: expected no --mesh, --section, focus, budget, deadline or --progressive with it",
         arguments.simplify.name());
-  if (is_cell_mesh_path(arguments.input)) return check_tetra_job(arguments.mesh_job());
+  if (is_cell_mesh_path(arguments.input)) {
+    if (arguments.simplify.is_wanted() || !arguments.simplify.max_distance.empty() ||
+        arguments.progressive.is_wanted())
+      return fail(
+          "{}: expected no --simplify, --max-distance or --progressive with a mesh of cells",
+          arguments.input);
+    return check_tetra_job(arguments.mesh_job());
+  }
   if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
   if (arguments.query.is_focused()) return check_focused_job(arguments.mesh_job());
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.plain()));
@@ -331,9 +338,8 @@ Command add_extract_command(CLI::App& program) {
       "--clip, --close-border, --min-component, or a --simplify of more than one isovalue, are to\n"
       "see all of it.\n\n"
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
-      "Of meshes of cells (.vtu, .vts, .vtk, .msh, .mesh) the hierarchy is built in memory, and "
-      "only\n"
-      "--mesh is there yet.\n\n"
+      "Of meshes of cells (.vtu, .vts, .vtk, .msh, .mesh) the hierarchy is built in memory; there\n"
+      "are isosurfaces, without normals, and --mesh, with foci and --max-cells.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"

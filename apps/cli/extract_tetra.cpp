@@ -78,8 +78,30 @@ Result<TetraInput> build_input(const MeshJob& job, Session& session) {
   return TetraInput{std::move(*built), std::move(report), watch.seconds()};
 }
 
-Outcome report_outcome(const MeshJob& job, const TetraInput& input, const MeshReport& report,
-                       bool is_default, double write_seconds, const Session& session) {
+/// What meshes and surfaces report alike.
+struct TetraAnswer {
+  double max_error = 0;
+  bool is_default = false;  ///< The tolerance.
+  double achieved_error = 0;
+  bool budget_met = true;
+  double seconds = 0;
+  double write_seconds = 0;
+};
+
+void warn_of_budget(Session& session, bool is_met, std::uint64_t n_cells) {
+  if (!is_met)
+    session.warn(
+        fmt::format("--max-cells is not met: the coarsest mesh has {} simplices", n_cells));
+}
+
+std::string tetra_comment(const char* kind, const TetraAnswer& made) {
+  return fmt::format("Lode {}: {}, max_error {}, achieved_error {} at samples", LODE_VERSION, kind,
+                     made.max_error, made.achieved_error);
+}
+
+/// `counts`: of the answer, shown by their names.
+Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAnswer& made,
+                      const Json& counts, const Session& session) {
   const TetraInfo& info = input.dataset.describe();
   Outcome outcome;
   Json& json = outcome.json;
@@ -89,18 +111,17 @@ Outcome report_outcome(const MeshJob& job, const TetraInput& input, const MeshRe
   json["model"] = "tetra_mt";
   json["built_in_memory"] = true;
   json["field"] = info.field;
-  json["max_error"] = report.max_error;
-  json["max_error_is_default"] = is_default;
-  json["achieved_error"] = report.achieved_error;
-  json["largest_error"] = report.largest_error;
+  json["max_error"] = made.max_error;
+  json["max_error_is_default"] = made.is_default;
+  json["achieved_error"] = made.achieved_error;
   json["error_kind"] = "at samples";
-  json["cells"] = report.n_cells;
-  json["vertices"] = report.n_vertices;
+  json.update(counts);
   json["reference_cells"] = info.n_cells;
   json["reference_vertices"] = info.n_vertices;
   json["base_cells"] = info.n_base_cells;
-  json["budget_met"] = report.budget_met;
-  json["seconds"] = {{"total", report.seconds}, {"open", input.seconds}, {"write", write_seconds}};
+  json["budget_met"] = made.budget_met;
+  json["seconds"] = {
+      {"total", made.seconds}, {"open", input.seconds}, {"write", made.write_seconds}};
   Table table;
   table.add({"field", fmt::format("{}, {} to {}", info.field, format_number(info.range_min),
                                   format_number(info.range_max))});
@@ -111,30 +132,90 @@ Outcome report_outcome(const MeshJob& job, const TetraInput& input, const MeshRe
                                  format_number(info.base_error))});
   table.add(
       {"max error",
-       format_number(report.max_error) +
-           (is_default && report.max_error > 0 ? " (default: 0.5 % of the value range)" : "")});
-  table.add({"achieved error", format_number(report.achieved_error) + " at samples"});
-  table.add({"error anywhere", format_number(report.largest_error) + " at samples"});
-  table.add({"cells", format_count(report.n_cells)});
-  table.add({"vertices", format_count(report.n_vertices)});
-  table.add({"extract", format_seconds(report.seconds)});
+       format_number(made.max_error) +
+           (made.is_default && made.max_error > 0 ? " (default: 0.5 % of the value range)" : "")});
+  table.add({"achieved error", format_number(made.achieved_error) + " at samples"});
+  for (const auto& [name, value] : counts.items())
+    table.add({name == "largest_error" ? "error anywhere"
+               : name == "cut_cells"   ? "cells of the cut"
+                                       : name,
+               value.is_number_float() ? format_number(value.get<double>()) + " at samples"
+                                       : format_count(value.get<std::uint64_t>())});
+  table.add({"extract", format_seconds(made.seconds)});
   table.add({"read and build", format_seconds(input.seconds)});
-  table.add({"write", format_seconds(write_seconds)});
+  table.add({"write", format_seconds(made.write_seconds)});
   table.add({"output", job.output});
   outcome.text = table.to_string();
   json["warnings"] = session.warnings();
   return outcome;
 }
 
+constexpr const char* kMeshOfCells = "mesh of cells";
+
+Result<MeshOptions> options_of(const MeshJob& job) {
+  return to_mesh_options(job.query, job.extraction, job.query.is_mesh ? "--mesh" : kMeshOfCells);
+}
+
+Result<Outcome> run_tetra_mesh(const MeshJob& job, const MeshOptions& options, Session& session) {
+  LODE_TRY(const TetraInput input, build_input(job, session));
+  SimplexMesh mesh;
+  LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
+  warn_of_budget(session, report.budget_met, report.n_cut_cells);
+  TetraAnswer made{report.max_error,  !options.query.max_error, report.achieved_error,
+                   report.budget_met, report.seconds,           0};
+  const Stopwatch watch;
+  LODE_CHECK(write_vtu(
+      job.output, mesh,
+      {.comment = tetra_comment("mesh", made), .value_name = input.dataset.describe().field},
+      session.progress()));
+  made.write_seconds = watch.seconds();
+  Json counts;
+  counts["largest_error"] = report.largest_error;
+  counts["cells"] = report.n_cells;
+  counts["vertices"] = report.n_vertices;
+  return tetra_outcome(job, input, made, counts, session);
+}
+
+Result<Outcome> run_tetra_surface(const MeshJob& job, const MeshOptions& options,
+                                  Session& session) {
+  LODE_TRY(const TetraInput input, build_input(job, session));
+  Surface surface;
+  LODE_TRY(const TetraSurfaceReport report,
+           input.dataset.extract_surface(options, surface, session.progress()));
+  warn_of_budget(session, report.budget_met, report.n_cut_cells);
+  for (const double isovalue : report.unmet)
+    session.warn(fmt::format("no surface at isovalue {}: it meets no cell", isovalue));
+  TetraAnswer made{report.max_error,  !options.query.max_error, report.achieved_error,
+                   report.budget_met, report.seconds,           0};
+  const Stopwatch watch;
+  LODE_CHECK(write_surface(job.output, surface, {.comment = tetra_comment("isosurface", made)},
+                           session.progress()));
+  made.write_seconds = watch.seconds();
+  Json counts;
+  counts["triangles"] = report.n_triangles;
+  counts["vertices"] = report.n_vertices;
+  counts["cut_cells"] = report.n_cut_cells;
+  return tetra_outcome(job, input, made, counts, session);
+}
+
 }  // namespace
 
 Result<void> check_tetra_job(const MeshJob& job) {
-  if (!job.query.is_mesh)
-    return fail(
-        "{}: expected --mesh, as of a mesh of cells neither surfaces nor sections are made yet",
-        job.input);
-  LODE_CHECK(to_mesh_options(job.query, job.extraction));
-  LODE_CHECK(check_mesh_path(job.output));
+  if (!job.query.section.empty())
+    return fail("{}: expected no --section, which is not made yet of a mesh of cells", job.input);
+  if (!job.query.view.empty() || !job.query.deadline_ms.empty())
+    return fail("{}: expected no --view and no deadline with a mesh of cells", job.input);
+  LODE_TRY(const MeshOptions options, options_of(job));
+  if (job.query.is_mesh) {
+    LODE_CHECK(check_mesh_path(job.output));
+  } else {
+    if (options.query.isovalues.empty())
+      return fail("{}: expected --isovalue or --mesh, got neither", job.input);
+    LODE_CHECK(check_surface_extension(job.output));
+    if (options.query.isovalues.size() > 1 && !can_hold_isovalues(job.output))
+      return fail("{}: expected one isovalue, or a format that tells several apart: .ply or .vtp",
+                  job.output);
+  }
   LODE_CHECK(to_tetra_options(job.reading));
   ReadingArguments others = job.reading;
   others.field.clear();
@@ -149,21 +230,9 @@ Result<void> check_tetra_job(const MeshJob& job) {
 
 Result<Outcome> run_tetra_job(const MeshJob& job, Session& session) {
   LODE_CHECK(check_writable(job.output));
-  LODE_TRY(const MeshOptions options, to_mesh_options(job.query, job.extraction));
-  LODE_TRY(const TetraInput input, build_input(job, session));
-  SimplexMesh mesh;
-  LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
-  if (!report.budget_met)
-    session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
-                             report.n_cut_cells));
-  const Stopwatch watch;
-  LODE_CHECK(
-      write_vtu(job.output, mesh,
-                {.comment = fmt::format("Lode {}: mesh, max_error {}, achieved_error {} at samples",
-                                        LODE_VERSION, report.max_error, report.achieved_error),
-                 .value_name = input.dataset.describe().field},
-                session.progress()));
-  return report_outcome(job, input, report, !options.query.max_error, watch.seconds(), session);
+  LODE_TRY(const MeshOptions options, options_of(job));
+  return job.query.is_mesh ? run_tetra_mesh(job, options, session)
+                           : run_tetra_surface(job, options, session);
 }
 
 }  // namespace lode::cli

@@ -100,7 +100,7 @@ Result<void> check_surface_options(const ExtractionArguments& extraction, const 
                                      {"--style", extraction.style != "tetra"},
                                      {"--keep-topology", !extraction.keep_topology.empty()},
                                      {"--normals", extraction.normals != "on"}})
-    if (is_set) return fail("{}: expected no {} with it, which is no isosurface", name, answer);
+    if (is_set) return fail("{}: expected no {} with it, which has no such option", name, answer);
   return {};
 }
 
@@ -152,9 +152,9 @@ Result<void> check_unused(const QueryArguments& arguments) {
 }
 
 Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
-                                    const ExtractionArguments& extraction) {
-  if (!arguments.section.empty()) return fail("--mesh: expected no --section with it");
-  LODE_CHECK(check_surface_options(extraction, "--mesh"));
+                                    const ExtractionArguments& extraction, const char* answer) {
+  if (!arguments.section.empty()) return fail("{}: expected no --section with it", answer);
+  LODE_CHECK(check_surface_options(extraction, answer));
   LODE_TRY(const ExtractOptions surface, to_extract_options(extraction));
   Query query;
   query.isovalues = surface.isovalues;

@@ -44,8 +44,10 @@ void add_query_options(CLI::App& app, QueryArguments& arguments);
 [[nodiscard]] Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,
                                                         const ExtractionArguments& extraction);
 
+/// `answer`: what asks for it, in messages.
 [[nodiscard]] Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
-                                                  const ExtractionArguments& extraction);
+                                                  const ExtractionArguments& extraction,
+                                                  const char* answer = "--mesh");
 [[nodiscard]] Result<SectionOptions> to_section_options(const QueryArguments& arguments,
                                                         const ExtractionArguments& extraction);
 

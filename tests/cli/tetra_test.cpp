@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <string>
 
 #include "lode/api/files.h"
+#include "lode/mappers/mesh_isosurface.h"
+#include "lode/mappers/surface_topology.h"
 #include "tests/cli/program.h"
 #include "tests/io/vtk_oracle.h"
 
@@ -34,6 +37,19 @@ SimplexMesh waves(std::uint32_t n) {
       }
   mesh.errors.assign(mesh.tetrahedra.size(), 0);
   return mesh;
+}
+
+/// Triangles as their corners' positions, from the smallest on, in an order of their own.
+std::vector<std::array<std::array<float, 3>, 3>> sorted_triangles(const Surface& surface) {
+  std::vector<std::array<std::array<float, 3>, 3>> triangles;
+  for (const auto& t : surface.triangles) {
+    std::array<std::array<float, 3>, 3> corners{
+        surface.positions[t[0]].v, surface.positions[t[1]].v, surface.positions[t[2]].v};
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
+    triangles.push_back(corners);
+  }
+  std::ranges::sort(triangles);
+  return triangles;
 }
 
 class cli_tetra : public testing::Test {
@@ -101,6 +117,44 @@ TEST_F(cli_tetra, keeps_tolerances_foci_and_budgets) {
   EXPECT_EQ(report({"--max-cells", "1"}).at("budget_met"), false);
 }
 
+TEST_F(cli_tetra, makes_isosurfaces_of_the_cut_and_of_the_reference_without_a_tolerance) {
+  const std::string ply = scratch_ / "out.ply";
+  const auto extract = [&](const char* isovalue, const char* tolerance, Surface& surface) {
+    const Finished run = run_lode(
+        {"extract", input_, ply, "--isovalue", isovalue, "--max-error", tolerance, "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    auto read = read_surface(ply);
+    ASSERT_TRUE(read);
+    surface = std::move(*read);
+    EXPECT_EQ(run.json().at("triangles"), surface.triangles.size());
+    EXPECT_EQ(run.json().at("vertices"), surface.positions.size());
+    EXPECT_LE(run.json().at("achieved_error"), std::stod(tolerance));
+  };
+  for (const char* const isovalue : {"3.1", "8", "0"}) {
+    Surface exact;
+    extract(isovalue, "0", exact);
+    const SimplexMesh all = waves(13);
+    Surface reference;
+    add_isosurface(all, std::stod(isovalue), rounding_margin(all, {}), reference);
+    EXPECT_EQ(sorted_triangles(exact), sorted_triangles(reference));
+    Surface coarse;
+    extract(isovalue, "0.5", coarse);
+    EXPECT_LT(coarse.triangles.size(), exact.triangles.size());
+    for (const Surface* surface : {&exact, &coarse}) {
+      const TopologyReport topology = check_topology(*surface, {});
+      EXPECT_EQ(topology.non_manifold_edges.count, 0U);
+      EXPECT_EQ(topology.inconsistent_edges.count, 0U);
+      EXPECT_EQ(topology.degenerate_simplices.count, 0U);
+    }
+    // Where F is the isovalue the wave is, but for what a step's square makes of it.
+    for (const Vec3f& p : exact.positions)
+      EXPECT_NEAR(10 * std::sin(0.5 * static_cast<double>(p[0])) *
+                          std::cos(0.4 * static_cast<double>(p[1])) +
+                      static_cast<double>(p[2]),
+                  std::stod(isovalue), 1.2);
+  }
+}
+
 TEST_F(cli_tetra, writes_what_vtk_reads) {
   ASSERT_TRUE(has_vtk()) << kVtkMissing;
   const nlohmann::json json = report({"--max-error", "0.5"});
@@ -129,8 +183,12 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
     EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
   };
   const std::string surface = scratch_ / "out.ply";
-  refused({"extract", input_, surface, "--isovalue", "3"}, "expected --mesh");
-  refused({"extract", input_, surface, "--section", "0,0,1:0,0,1"}, "expected --mesh");
+  refused({"extract", input_, surface}, "expected --isovalue or --mesh");
+  refused({"extract", input_, surface, "--section", "0,0,1:0,0,1"}, "expected no --section");
+  refused({"extract", input_, surface, "--isovalue", "3", "--style", "cubes"}, "--style");
+  refused({"extract", input_, surface, "--isovalue", "3", "--simplify"}, "--simplify");
+  refused({"extract", input_, scratch_ / "out.stl", "--isovalue", "3", "--isovalue", "4"},
+          "expected one isovalue");
   refused({"extract", input_, output_, "--mesh", "--memory-limit", "1G"}, "--memory-limit");
   refused({"extract", input_, output_, "--mesh", "--nodata", "3"}, "--field and --component");
   refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");

@@ -5,8 +5,10 @@
 #include <optional>
 #include <utility>
 
+#include "lode/api/finishing.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
+#include "lode/mappers/mesh_isosurface.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
 
@@ -45,6 +47,22 @@ double base_error_of(const Hierarchy& hierarchy) {
   return largest;
 }
 
+/// What positions of surfaces are relative to: nothing, unless the mesh is so far away that float32
+/// loses more than a millionth of its size.
+Vec3d origin_of(const Hierarchy& hierarchy) {
+  if (hierarchy.positions.empty()) return {};
+  Vec3d lower = hierarchy.positions[0];
+  Vec3d upper = lower;
+  for (const Vec3d& p : hierarchy.positions)
+    for (std::size_t i = 0; i < 3; ++i) {
+      lower[i] = std::min(lower[i], p[i]);
+      upper[i] = std::max(upper[i], p[i]);
+    }
+  constexpr double kFar = 16;
+  const bool is_far = length(lower) + length(upper) > kFar * length(upper - lower);
+  return is_far ? lower : Vec3d();
+}
+
 /// Cells of a cut, their vertices numbered in the order of the hierarchy's.
 void fill_mesh(const Hierarchy& hierarchy, const TetraCut& cut, SimplexMesh& mesh) {
   mesh = {};
@@ -76,10 +94,12 @@ void fill_mesh(const Hierarchy& hierarchy, const TetraCut& cut, SimplexMesh& mes
 
 class TetraDataset::Impl {
  public:
-  Impl(Hierarchy built, TetraInfo known) : hierarchy(std::move(built)), info(std::move(known)) {}
+  Impl(Hierarchy built, TetraInfo known)
+      : hierarchy(std::move(built)), info(std::move(known)), surface_origin(origin_of(hierarchy)) {}
 
   Hierarchy hierarchy;
   TetraInfo info;
+  Vec3d surface_origin;
 };
 
 TetraDataset::TetraDataset(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -137,6 +157,31 @@ Result<MeshReport> TetraDataset::extract_mesh(const MeshOptions& options, Simple
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the mesh");
+}
+
+Result<TetraSurfaceReport> TetraDataset::extract_surface(const MeshOptions& options,
+                                                         Surface& surface, Progress& progress) const
+    try {
+  const Stopwatch watch;
+  const std::vector<double>& isovalues = options.query.isovalues;
+  if (isovalues.empty()) return fail("isosurfaces: expected isovalues, got none");
+  SimplexMesh mesh;
+  LODE_TRY(const MeshReport made, extract_mesh(options, mesh, progress));
+  surface.clear();
+  surface.origin = impl_->surface_origin;
+  const double margin = rounding_margin(mesh, surface.origin);
+  TetraSurfaceReport report{
+      .max_error = made.max_error, .n_cut_cells = made.n_cut_cells, .budget_met = made.budget_met};
+  for (const double isovalue : isovalues)
+    report.achieved_error =
+        std::max(report.achieved_error, add_isosurface(mesh, isovalue, margin, surface));
+  report.n_triangles = surface.triangles.size();
+  report.n_vertices = surface.positions.size();
+  report.unmet = unmet_isovalues(surface, isovalues);
+  report.seconds = watch.seconds();
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the surface");
 }
 
 }  // namespace lode

@@ -9,6 +9,7 @@
 #include "lode/core/mesh.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
+#include "lode/core/surface.h"
 #include "lode/core/tetra_mesh.h"
 
 namespace lode {
@@ -30,6 +31,17 @@ struct TetraInfo {
   double base_error = 0;  ///< Largest |F - F'| at vertices of the reference on the base.
 };
 
+struct TetraSurfaceReport {
+  double max_error = 0;       ///< The tolerance asked for (or chosen), field units.
+  double achieved_error = 0;  ///< Largest error at samples of a cell that the surface crosses.
+  std::uint64_t n_triangles = 0;
+  std::uint64_t n_vertices = 0;
+  std::uint64_t n_cut_cells = 0;
+  std::vector<double> unmet{};  ///< Isovalues that nothing of the mesh has.
+  bool budget_met = true;
+  double seconds = 0;
+};
+
 /// The door of tetrahedral meshes with a field, in memory: a Multi-Tessellation of half-edge
 /// collapses (docs/models/tetra_mt.md). F is linear on each tetrahedron of the reference mesh.
 /// Errors are of samples: largest at the reference's vertices; between them F' may be farther off.
@@ -48,6 +60,12 @@ class TetraDataset {
   /// vertices the reference's. Without max_error as for volumes. Views are refused.
   [[nodiscard]] Result<MeshReport> extract_mesh(const MeshOptions& options, SimplexMesh& mesh,
                                                 Progress& progress) const;
+  /// The isosurfaces of the query's isovalues on the mesh of its cut, without normals: what
+  /// add_isosurface() makes. Crack-free; they end at the mesh's boundary. At a max_error of 0 those
+  /// of the reference mesh, triangle by triangle.
+  [[nodiscard]] Result<TetraSurfaceReport> extract_surface(const MeshOptions& options,
+                                                           Surface& surface,
+                                                           Progress& progress) const;
 
  private:
   class Impl;
