@@ -4,10 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <string_view>
 
+#include "bench/data_directory.h"
 #include "lode/io/volume_reader.h"
 #include "tests/oracles/synthetic_volumes.h"
 
@@ -17,11 +17,6 @@ namespace {
 // Fractions of the range as in docs/models/diamond3d.md: a simulation without noise needs little.
 double relative_error_of(oracles::Field field) {
   return field == oracles::Field::gaussians40 ? 0.0013 : 0.005;
-}
-
-std::filesystem::path data_directory() {
-  const char* from_environment = std::getenv("LODE_DATA");
-  return from_environment != nullptr ? from_environment : LODE_DEFAULT_DATA;
 }
 
 std::vector<VolumeCase> analytic_cases() {
