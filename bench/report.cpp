@@ -12,8 +12,6 @@
 namespace lode::bench {
 namespace {
 
-constexpr int kRuns = 7;
-
 // Keeps the time of each repetition and prints nothing: our table compares, Google's lists.
 class Collector final : public benchmark::BenchmarkReporter {
  public:
@@ -34,8 +32,10 @@ std::string milliseconds(const std::optional<double>& seconds) {
   return seconds ? fmt::format("{:.2f}", *seconds * 1e3) : std::string("-");
 }
 
-std::string count(const Row& row, const std::string& key) {
-  const auto found = row.counts.find(key);
+/// Of triangles or cells: `whose` they are, "ours" or "peer".
+std::string count(const Row& row, const std::string& whose) {
+  auto found = row.counts.find(whose + "_triangles");
+  if (found == row.counts.end()) found = row.counts.find(whose + "_cells");
   return found == row.counts.end() ? std::string("-") : fmt::format("{:.0f}", found->second);
 }
 
@@ -75,7 +75,7 @@ std::optional<double> Row::fastest_ratio() const {
   return quotient(ours_fastest_s, peer_fastest_s);
 }
 
-Result<Seconds> time_runs(const std::string& name, const Work& work) {
+Result<Seconds> time_runs(const std::string& name, const Work& work, int n_runs) {
   LODE_CHECK(work());
   std::optional<Error> error;
   benchmark::RegisterBenchmark(name.c_str(),
@@ -84,24 +84,26 @@ Result<Seconds> time_runs(const std::string& name, const Work& work) {
                                    if (auto done = work(); !done) error = done.error();
                                })
       ->Iterations(1)
-      ->Repetitions(kRuns)
+      ->Repetitions(n_runs)
       ->UseRealTime();
   Collector collector;
   benchmark::RunSpecifiedBenchmarks(&collector, "all");
   benchmark::ClearRegisteredBenchmarks();
   if (error) return *error;
   std::vector<double> seconds = collector.seconds();
-  if (seconds.size() != kRuns)
-    return fail("{}: expected {} timed runs, got {}", name, kRuns, seconds.size());
+  if (seconds.size() != static_cast<std::size_t>(n_runs))
+    return fail("{}: expected {} timed runs, got {}", name, n_runs, seconds.size());
   std::ranges::sort(seconds);
-  return Seconds{seconds[kRuns / 2], seconds[0]};
+  return Seconds{seconds[seconds.size() / 2], seconds[0]};
 }
 
-void print_heading(const std::string& peer) {
+void print_heading(const std::string& peer, int n_runs, Counted counted) {
+  const std::string unit = counted == Counted::cells ? "cells" : "tri";
   fmt::print("Median of {} runs after a warm-up, then the fastest; ratio = ours / peer; peer: {}\n",
-             kRuns, peer);
+             n_runs, peer);
   fmt::print("{:<34} {:>9} {:>9} {:>7} {:>9} {:>9} {:>7} {:>10} {:>10}  {}\n", "name", "ours ms",
-             "peer ms", "ratio", "fastest", "peer", "ratio", "ours tri", "peer tri", "note");
+             "peer ms", "ratio", "fastest", "peer", "ratio", "ours " + unit, "peer " + unit,
+             "note");
   std::fflush(stdout);
 }
 
@@ -109,8 +111,7 @@ void print_row(const Row& row) {
   fmt::print("{:<34} {:>9} {:>9} {:>7} {:>9} {:>9} {:>7} {:>10} {:>10}  {}\n", row.name,
              milliseconds(row.ours_s), milliseconds(row.peer_s), ratio_text(row.ratio()),
              milliseconds(row.ours_fastest_s), milliseconds(row.peer_fastest_s),
-             ratio_text(row.fastest_ratio()), count(row, "ours_triangles"),
-             count(row, "peer_triangles"), row.note);
+             ratio_text(row.fastest_ratio()), count(row, "ours"), count(row, "peer"), row.note);
   std::fflush(stdout);
 }
 

@@ -19,7 +19,7 @@ struct Row {
   std::optional<double> peer_s;
   std::optional<double> ours_fastest_s;
   std::optional<double> peer_fastest_s;
-  std::map<std::string, double> counts;  ///< ours_triangles, peer_triangles, samples, ...
+  std::map<std::string, double> counts;  ///< ours_triangles or ours_cells, peer_..., samples, ...
   std::string note;                      ///< Why it was skipped, or how the inputs differ.
 
   /// ours_s / peer_s: below 1 we are faster.
@@ -27,7 +27,10 @@ struct Row {
   [[nodiscard]] std::optional<double> fastest_ratio() const;
 };
 
-/// Seconds of seven runs. Where a machine is shared, and taken away for longer than a run, the
+/// Of what takes up to a few seconds.
+inline constexpr int kUsualRuns = 7;
+
+/// Seconds of several runs. Where a machine is shared, and taken away for longer than a run, the
 /// fastest says what the work costs; the median what was seen.
 struct Seconds {
   double median = 0;
@@ -37,11 +40,17 @@ struct Seconds {
 /// Does the timed work once. A bad Result ends the measurement.
 using Work = std::function<Result<void>()>;
 
-/// Seven runs of `work` after one that does not count, timed by Google Benchmark under `name`.
-[[nodiscard]] Result<Seconds> time_runs(const std::string& name, const Work& work);
+/// `n_runs`, an odd number, of `work` after one that does not count, timed by Google Benchmark
+/// under `name`.
+[[nodiscard]] Result<Seconds> time_runs(const std::string& name, const Work& work,
+                                        int n_runs = kUsualRuns);
+
+/// What the counts ours_... and peer_... that a table shows are of.
+enum class Counted : std::uint8_t { triangles, cells };
 
 /// Prints one row as soon as it is known, aligned under print_heading's.
-void print_heading(const std::string& peer);
+void print_heading(const std::string& peer, int n_runs = kUsualRuns,
+                   Counted counted = Counted::triangles);
 void print_row(const Row& row);
 
 /// [{"name", "ours_s", "peer", "peer_s", "ratio", "ours_fastest_s", "peer_fastest_s",
