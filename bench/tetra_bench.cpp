@@ -1,0 +1,339 @@
+// Meshes of tetrahedra: edge collapses and the hierarchy made of them, with VTK's quadric
+// decimation to as many cells in the same run. Both start from memory; ours has two threads where a
+// row does not say one, VTK's filter has one. Errors of both are found by one search.
+
+#include <fmt/format.h>
+#include <malloc.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/data_directory.h"
+#include "bench/peers/flying_edges.h"
+#include "bench/peers/quadric_decimation.h"
+#include "bench/report.h"
+#include "bench/tetra_errors.h"
+#include "lode/core/stopwatch.h"
+#include "lode/io/mesh_reader.h"
+#include "lode/io/tetrahedra.h"
+#include "lode/models/tetra_mt/half_edge.h"
+#include "lode/models/tetra_mt/hierarchy.h"
+#include "lode/models/tetra_mt/tetra_cut.h"
+#include "lode/refine/engine.h"
+#include "lode/refine/focus.h"
+#include "tests/oracles/tetra_grids.h"
+
+namespace lode::bench {
+namespace {
+
+using tetra_mt::HalfEdgeCollapses;
+using tetra_mt::Hierarchy;
+using tetra_mt::TetraCut;
+
+constexpr Threads kThreads{2};
+constexpr int kRuns = 5;
+constexpr const char* kPeer = "vtkUnstructuredGridQuadricDecimation";
+constexpr std::array<double, 2> kShares{0.10, 0.05};  ///< Of the cells, to collapse to.
+constexpr double kBaseShare = 0.01;
+constexpr std::uint64_t kNoiseSeed = 1;
+
+struct TetraCase {
+  std::string name;
+  std::string file{};  ///< Of LODE_DATA/tetra; none: noise.
+  std::string field{};
+  int noise_samples = 0;  ///< An axis.
+};
+
+struct Settings {
+  std::string only;  ///< Only cases whose name contains this.
+  std::string json_path;
+};
+
+/// Prints each row when it is known and keeps it for the JSON.
+class Table {
+ public:
+  void add(Row row) {
+    print_row(row);
+    rows_.push_back(std::move(row));
+  }
+  [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
+
+ private:
+  std::vector<Row> rows_;
+};
+
+struct Timed {
+  Seconds seconds;
+  std::uint64_t cells = 0;
+  FieldErrors errors;
+};
+
+std::vector<TetraCase> tetra_cases() {
+  return {
+      {.name = "noise_64", .noise_samples = 64},
+      {.name = "blunt_fin", .file = "blunt_fin_187395tets.vtu", .field = "Density"},
+      {.name = "oxygen_post", .file = "oxygen_post_513375tets.vtu", .field = "StagnationEnergy"}};
+}
+
+Result<TetraMesh> load(const TetraCase& tetra_case) {
+  if (tetra_case.file.empty())
+    return oracles::noise_mesh(tetra_case.noise_samples, oracles::Cut::in_five, kNoiseSeed);
+  const std::filesystem::path path = data_directory() / "tetra" / tetra_case.file;
+  if (!std::filesystem::exists(path))
+    return fail("skipped: no tetra/{} (set LODE_DATA)", tetra_case.file);
+  LODE_TRY(CellMesh cells, io::read_cell_mesh(path.string(), {}));
+  LODE_TRY(io::TetrahedraOutcome outcome,
+           io::to_tetrahedra(std::move(cells), {.fields = {tetra_case.field}}));
+  return std::move(outcome.mesh);
+}
+
+double part_of(const TetraMesh& mesh, double share) {
+  return share * static_cast<double>(mesh.tetrahedra.size());
+}
+
+TetraField field_of(const TetraMesh& mesh, const std::vector<tetra_mt::Tetrahedron>& tetrahedra) {
+  return {mesh.positions, mesh.fields.front().values, tetrahedra};
+}
+
+Result<HalfEdgeCollapses> collapse(const TetraMesh& mesh, double share, Threads threads) {
+  Progress progress;
+  return tetra_mt::collapse_half_edges(
+      mesh, {.base_cells = static_cast<std::uint64_t>(part_of(mesh, share)), .threads = threads},
+      progress);
+}
+
+Result<Timed> time_collapse(const TetraMesh& mesh, double share, Threads threads) {
+  Timed timed;
+  std::optional<HalfEdgeCollapses> collapses;
+  LODE_TRY(timed.seconds, time_runs(
+                              "collapse",
+                              [&]() -> Result<void> {
+                                collapses.reset();
+                                LODE_TRY(collapses, collapse(mesh, share, threads));
+                                return {};
+                              },
+                              kRuns));
+  timed.cells = collapses->base.size();
+  timed.errors = measure_errors(mesh, field_of(mesh, collapses->base), kThreads);
+  return timed;
+}
+
+Result<Timed> time_peer(const TetraMesh& mesh, QuadricDecimation& peer, std::uint64_t n_cells) {
+  Timed timed;
+  LODE_TRY(timed.seconds, time_runs(
+                              "decimate",
+                              [&]() -> Result<void> {
+                                LODE_TRY(timed.cells, peer.decimate(n_cells));
+                                return {};
+                              },
+                              kRuns));
+  const TetraMesh left = peer.mesh();
+  timed.errors = measure_errors(mesh, field_of(left, left.tetrahedra), kThreads);
+  return timed;
+}
+
+Row versus(std::string name, const Timed& ours, const Timed& theirs, std::string note) {
+  return {.name = std::move(name),
+          .ours_s = ours.seconds.median,
+          .peer = kPeer,
+          .peer_s = theirs.seconds.median,
+          .ours_fastest_s = ours.seconds.fastest,
+          .peer_fastest_s = theirs.seconds.fastest,
+          .counts = {{"ours_cells", static_cast<double>(ours.cells)},
+                     {"peer_cells", static_cast<double>(theirs.cells)},
+                     {"ours_max_error", ours.errors.max},
+                     {"peer_max_error", theirs.errors.max},
+                     {"ours_rms_error", ours.errors.rms},
+                     {"peer_rms_error", theirs.errors.rms},
+                     {"ours_farthest", ours.errors.farthest},
+                     {"peer_farthest", theirs.errors.farthest}},
+          .note = std::move(note)};
+}
+
+Row alone(std::string name, const Seconds& seconds, std::map<std::string, double> counts,
+          std::string note) {
+  return {.name = std::move(name),
+          .ours_s = seconds.median,
+          .peer = {},
+          .peer_s = {},
+          .ours_fastest_s = seconds.fastest,
+          .peer_fastest_s = {},
+          .counts = std::move(counts),
+          .note = std::move(note)};
+}
+
+std::string describe(const FieldErrors& errors) {
+  return fmt::format("max {:.4g} rms {:.4g} farthest outside {:.2g}", errors.max, errors.rms,
+                     errors.farthest);
+}
+
+/// Collapses to a share of the cells, and decimation to as many: what the latter took.
+Result<Timed> run_collapse(const TetraCase& tetra_case, const TetraMesh& mesh, double share,
+                           QuadricDecimation& peer, Table& table) {
+  const std::string name = fmt::format("{}/{:g}%", tetra_case.name, 100 * share);
+  LODE_TRY(const Timed ours, time_collapse(mesh, share, kThreads));
+  LODE_TRY(const Timed theirs, time_peer(mesh, peer, ours.cells));
+  table.add(versus("collapse/" + name, ours, theirs,
+                   fmt::format("field errors at all vertices: ours {}; theirs {}",
+                               describe(ours.errors), describe(theirs.errors))));
+  if (share < kShares.front()) return theirs;
+  LODE_TRY(const Timed narrow, time_collapse(mesh, share, {1}));
+  table.add(versus("collapse/" + name + "/1_thread", narrow, theirs, "ours with one thread too"));
+  return theirs;
+}
+
+template <typename T>
+std::size_t bytes_of(const std::vector<T>& array) {
+  return array.size() * sizeof(T);
+}
+
+std::size_t bytes_of(const Hierarchy& h) {
+  std::size_t n = bytes_of(h.positions) + bytes_of(h.base) + bytes_of(h.base_makers) +
+                  bytes_of(h.targets) + bytes_of(h.facts) + bytes_of(h.radii) +
+                  bytes_of(h.child_begins) + bytes_of(h.children) + bytes_of(h.parent_begins) +
+                  bytes_of(h.parents) + bytes_of(h.maker_begins) + bytes_of(h.makers);
+  for (const MeshField& field : h.fields) n += bytes_of(field.values);
+  return n;
+}
+
+/// All of ours from a mesh to its hierarchy, against what the peer takes to simplify it once.
+Result<Hierarchy> run_hierarchy(const TetraCase& tetra_case, const TetraMesh& mesh,
+                                const Timed& peer, Table& table) {
+  Timed ours;
+  std::optional<Hierarchy> hierarchy;
+  const Work work = [&]() -> Result<void> {
+    hierarchy.reset();
+    LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, kBaseShare, kThreads));
+    LODE_TRY(hierarchy, make_hierarchy(mesh, collapses, kThreads));
+    return {};
+  };
+  LODE_TRY(ours.seconds, time_runs("hierarchy", work, kRuns));
+  ours.cells = hierarchy->n_base_cells;
+  std::vector<tetra_mt::Tetrahedron> base = TetraCut(*hierarchy).cells();
+  ours.errors = measure_errors(mesh, {hierarchy->positions, hierarchy->fields.front().values, base},
+                               kThreads);
+  const double n = hierarchy->n_nodes();
+  const double arcs = static_cast<double>(hierarchy->children.size()) / n;
+  const double bytes = static_cast<double>(bytes_of(*hierarchy)) / n;
+  Row row = versus("hierarchy/" + tetra_case.name, ours, peer,
+                   fmt::format("{} nodes, {:.2f} arcs and {:.1f} bytes a node; base: {}",
+                               hierarchy->n_nodes(), arcs, bytes, describe(ours.errors)));
+  row.counts["nodes"] = n;
+  row.counts["arcs_per_node"] = arcs;
+  row.counts["bytes_per_node"] = bytes;
+  table.add(std::move(row));
+  return std::move(*hierarchy);
+}
+
+/// All nodes applied and undone again.
+Result<void> run_refine(const TetraCase& tetra_case, const Hierarchy& hierarchy, Table& table) {
+  TetraCut cut(hierarchy);
+  const std::uint32_t n = hierarchy.n_nodes();
+  const Work work = [&]() -> Result<void> {
+    for (std::uint32_t k = 0; k < n; ++k) cut.apply(NodeId{k});
+    for (std::uint32_t k = n; k-- > 0;) cut.undo(NodeId{k});
+    return {};
+  };
+  LODE_TRY(const Seconds seconds, time_runs("refine", work, kRuns));
+  const double updates = 2.0 * n;
+  table.add(alone("refine/" + tetra_case.name, seconds,
+                  {{"updates", updates}, {"updates_per_s", updates / seconds.median}},
+                  fmt::format("one thread: {:.2f} M updates/s, fastest {:.2f}",
+                              updates / seconds.median / 1e6, updates / seconds.fastest / 1e6)));
+  return {};
+}
+
+/// An isosurface at the middle of the range, from the base.
+void run_isovalue(const TetraCase& tetra_case, const TetraMesh& mesh, const Hierarchy& hierarchy,
+                  double tolerance_share, Table& table) {
+  const auto [low, high] = std::ranges::minmax(mesh.fields.front().values);
+  const Demand demand = isovalue_demand((low + high) / 2, tolerance_share * (high - low));
+  std::vector<double> seconds;
+  Standing standing;
+  for (int run = 0; run <= kRuns; ++run) {
+    TetraCut cut(hierarchy);
+    Engine<TetraCut> engine(cut);
+    const Stopwatch stopwatch;
+    engine.set_query(demand);
+    engine.finish();
+    if (run > 0) seconds.push_back(stopwatch.seconds());
+    standing = engine.standing();
+  }
+  std::ranges::sort(seconds);
+  const auto cells = static_cast<double>(standing.n_cells);
+  const double share = cells / part_of(mesh, 1);
+  table.add(
+      alone(fmt::format("isovalue/{}/{:g}%", tetra_case.name, 100 * tolerance_share),
+            {seconds[seconds.size() / 2], seconds.front()},
+            {{"ours_cells", cells}, {"share_of_cells", share}},
+            fmt::format("one thread, from the base: {} nodes, {:.1f} % of the cells, error bound "
+                        "{:.3g}",
+                        standing.n_applied, 100 * share, standing.error_bound)));
+}
+
+Result<void> run_case(const TetraCase& tetra_case, Table& table) {
+  LODE_TRY(const TetraMesh mesh, load(tetra_case));
+  const auto [low, high] = std::ranges::minmax(mesh.fields.front().values);
+  fmt::print("{}: {} tetrahedra, {} vertices, values {:.4g} to {:.4g}\n", tetra_case.name,
+             mesh.tetrahedra.size(), mesh.positions.size(), low, high);
+  QuadricDecimation peer(mesh);
+  LODE_CHECK(run_collapse(tetra_case, mesh, kShares[0], peer, table));
+  LODE_TRY(const Timed theirs, run_collapse(tetra_case, mesh, kShares[1], peer, table));
+  LODE_TRY(const Hierarchy hierarchy, run_hierarchy(tetra_case, mesh, theirs, table));
+  LODE_CHECK(run_refine(tetra_case, hierarchy, table));
+  for (const double tolerance : {0.0, 0.02})
+    run_isovalue(tetra_case, mesh, hierarchy, tolerance, table);
+  return {};
+}
+
+/// On a simplified mesh, as it is used.
+Result<void> check_errors() {
+  const TetraMesh mesh = oracles::noise_mesh(9, oracles::Cut::in_five, kNoiseSeed);
+  LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, 0.3, kThreads));
+  LODE_CHECK(check_locator(field_of(mesh, mesh.tetrahedra)));
+  return check_locator(field_of(mesh, collapses.base));
+}
+
+int run(const Settings& settings) {
+  if (auto checked = check_errors(); !checked) {
+    fmt::print(stderr, "tetra_bench: errors are not measured well: {}\n", checked.error().message);
+    return 1;
+  }
+  print_heading(describe_peer() + " (decimation: one)", kRuns, Counted::cells);
+  Table table;
+  for (const TetraCase& tetra_case : tetra_cases()) {
+    if (tetra_case.name.find(settings.only) == std::string::npos) continue;
+    if (auto done = run_case(tetra_case, table); !done)
+      table.add({.name = tetra_case.name, .note = done.error().message});
+  }
+  if (settings.json_path.empty()) return 0;
+  if (auto written = write_json(table.rows(), settings.json_path); !written) {
+    fmt::print(stderr, "tetra_bench: {}\n", written.error().message);
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace lode::bench
+
+int main(int argc, char** argv) {
+  // Freed memory stays with the process: after the warm-up neither side waits for fresh pages.
+  // 32 MiB is the largest threshold glibc takes.
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  CLI::App app("Times simplifying meshes of tetrahedra against VTK, and refining them.");
+  lode::bench::Settings settings;
+  app.add_option("--only", settings.only, "Only cases whose name contains this");
+  app.add_option("--json", settings.json_path, "Also write the rows to this file");
+  CLI11_PARSE(app, argc, argv);
+  return lode::bench::run(settings);
+}
