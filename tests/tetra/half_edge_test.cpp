@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "lode/models/tetra_mt/hierarchy.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
 #include "tests/tetra/mesh_checks.h"
@@ -183,6 +184,21 @@ TEST(half_edge, takes_a_single_layer_far_longer_than_thick) {
   EXPECT_NEAR(test::expect_conforming(mesh, result.base), volume, 1e-5 * volume);
 }
 
+TEST(half_edge, leaves_tetrahedra_wound_the_other_way_and_pairs_of_them) {
+  TetraMesh mesh = noise_mesh(7, Cut::in_six, 4);
+  for (const std::size_t t : {40U, 200U, 777U})
+    std::swap(mesh.tetrahedra[t][0], mesh.tetrahedra[t][1]);
+  const HalfEdgeCollapses wound = collapsed(mesh, 0);
+  EXPECT_TRUE(make_hierarchy(mesh, wound, {2}));
+  TetraMesh pair = noise_mesh(2, Cut::in_six, 1);
+  pair.tetrahedra.resize(1);
+  pair.tetrahedra.push_back(pair.tetrahedra[0]);
+  std::swap(pair.tetrahedra[1][0], pair.tetrahedra[1][1]);
+  const HalfEdgeCollapses both = collapsed(pair, 0);
+  EXPECT_EQ(both.base.size(), 2U);
+  EXPECT_TRUE(make_hierarchy(pair, both, {2}));
+}
+
 TEST(half_edge, takes_components_one_by_one) {
   const TetraMesh mesh = part_of_grid(
       12, [](const Vec3d& p) { return static_cast<int>(p[0]) % 2 == 0 && (p[1] < 5 || p[1] > 6); });
@@ -202,6 +218,11 @@ TEST(half_edge, refuses_what_is_no_mesh) {
   bad = mesh;
   bad.fields[0].values[5] = std::nan("");
   EXPECT_EQ(message(bad), "field noise: expected finite values, got nan at vertex 5");
+  bad = mesh;
+  bad.fields[0].values[5] = 1.7e308;
+  bad.fields[0].values[6] = -1.7e308;
+  EXPECT_EQ(message(bad),
+            "field noise: expected a range that doubles hold, got -1.7e+308 to 1.7e+308");
   bad = mesh;
   bad.fields[0].values.pop_back();
   EXPECT_EQ(message(bad), "field noise: expected 27 values, got 26");

@@ -202,6 +202,75 @@ TEST(tetra_cut, engine_and_one_shot_find_the_same_and_errors_are_true) {
   }
 }
 
+/// At all vertices of the reference F' is as near as the cut of a tolerance promises. `share`: of
+/// the cells, what it may have at most.
+void expect_within(const TetraMesh& mesh, double tolerance, double share = 0.9) {
+  const Built b = built(mesh, 60);
+  TetraCut cut(b.hierarchy);
+  static_cast<void>(
+      one_shot(cut, Demand([=](const NodeFacts& facts) { return facts.error - tolerance; })));
+  const auto cells = cut.cells();
+  EXPECT_LE(static_cast<double>(cells.size()), share * static_cast<double>(mesh.tetrahedra.size()));
+  const std::vector<double>& values = b.mesh.fields[0].values;
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const test::Located found = test::locate(b.mesh, cells, b.mesh.positions[v], 0);
+    EXPECT_LE(std::abs(found.value - values[v]), tolerance * (1 + 1e-9));
+  }
+}
+
+TEST(tetra_cut, is_true_beside_outliers_and_of_ranges_and_offsets_of_all_sizes) {
+  TetraMesh mesh = oracles::noise_mesh(9, Cut::in_five, 2);
+  const std::vector<double> values = mesh.fields[0].values;
+  for (const double outlier : {-1e30, -1e7, 1e9}) {
+    mesh.fields[0].values = values;
+    mesh.fields[0].values[300] = outlier;
+    expect_within(mesh, 0.1, 1);  // beside 1e30 floats know no order
+  }
+  for (const double scale : {1e30, 1e-30, 1e-300}) {
+    for (std::size_t v = 0; v < values.size(); ++v) mesh.fields[0].values[v] = scale * values[v];
+    if (scale > 1e-40) expect_within(mesh, 0.1 * scale);
+  }
+  for (std::size_t v = 0; v < values.size(); ++v) mesh.fields[0].values[v] = 1e9 + values[v];
+  expect_within(mesh, 0.1);
+}
+
+TEST(tetra_cut, is_true_in_domains_of_all_sizes_and_of_thin_cells) {
+  const TetraMesh mesh = oracles::noise_mesh(9, Cut::in_six, 2);
+  for (const double scale : {1e-12, 1e17, 1e25, 1e-100, 1e100}) {
+    TetraMesh scaled = mesh;
+    for (Vec3d& p : scaled.positions) {
+      p[0] = p[0] * p[0];  // graded
+      p = p * scale;
+    }
+    expect_within(scaled, 0.08);
+  }
+  for (const double thickness : {1e-2, 1e-4}) {
+    TetraMesh slab = mesh;
+    for (Vec3d& p : slab.positions) {
+      const double z = thickness * p[2];
+      p = {{0.8 * p[0] - 0.6 * z, p[1], 0.6 * p[0] + 0.8 * z}};
+    }
+    expect_within(slab, 0.08);
+  }
+}
+
+TEST(tetra_cut, ranges_tell_as_much_beside_an_offset) {
+  TetraMesh mesh = oracles::noise_mesh(11, Cut::in_five, 2);
+  const auto n_cells = [&](double offset) {
+    TetraMesh moved = mesh;
+    for (double& value : moved.fields[0].values) value += offset;
+    const Built b = built(moved, 60);
+    TetraCut cut(b.hierarchy);
+    static_cast<void>(one_shot(cut, Demand([=](const NodeFacts& facts) {
+                                 return facts.range.crosses(offset + 0.3) ? 1.0 : 0.0;
+                               })));
+    return static_cast<double>(cut.cells().size());
+  };
+  const double n = n_cells(0);
+  EXPECT_LT(n, static_cast<double>(mesh.tetrahedra.size()));
+  EXPECT_NEAR(n_cells(0x1p27), n, 0.05 * n);
+}
+
 TEST(tetra_cut, facts_are_nested_along_discovery_which_reaches_all) {
   const Built b = built(holed_mesh(10, Cut::in_six), 100);
   const TetraCut cut(b.hierarchy);

@@ -60,8 +60,8 @@ BlockCollapser::BlockCollapser(BuildState& state, std::span<const std::uint32_t>
       has_changed_(slots.size(), 0) {
   for (std::size_t i = 0; i + 1 < vertices_.size(); ++i) {
     positions_.push_back(state.mesh.positions[vertices_[i]]);
-    const auto values = state.values_of(vertices_[i]);
-    values_.insert(values_.end(), values.begin(), values.end());
+    for (std::size_t f = 0; f < state.n_fields; ++f)
+      values_.push_back(state.value(vertices_[i], f));
   }
   for (const std::uint32_t slot : slots) samples_.push_back(state.first_sample[slot]);
   covered_.n_fields = state.n_fields;
@@ -113,12 +113,12 @@ bool BlockCollapser::is_inner() const {
 bool BlockCollapser::is_extremum() const {
   const std::size_t n = state_.n_fields;
   for (std::size_t f = 0; f < n; ++f) {
-    const float own = values_[star_.vertex * n + f];
+    const double own = values_[star_.vertex * n + f];
     bool has_lower = false;
     bool has_higher = false;
     for (int i = 0; i < star_.n_link; ++i) {
       if (i == star_.outside) continue;
-      const float other = values_[star_.link[static_cast<std::size_t>(i)] * n + f];
+      const double other = values_[star_.link[static_cast<std::size_t>(i)] * n + f];
       has_lower = has_lower || other <= own;
       has_higher = has_higher || other >= own;
     }
@@ -147,11 +147,15 @@ bool BlockCollapser::keeps_boundary(int kept) const {
 
 void BlockCollapser::gather_link() {
   const Vec3d& centre = positions_[star_.vertex];
+  double largest = 0;
   for (int i = 0; i < star_.n_link; ++i) {
     if (i == star_.outside) continue;
     const auto at = static_cast<std::size_t>(i);
     link_[at] = positions_[star_.link[at]] - centre;
+    for (const double x : link_[at].v) largest = std::max(largest, std::abs(x));
   }
+  scale_ = largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
+  for (Vec3d& p : std::span(link_).first(static_cast<std::size_t>(star_.n_link))) p = p * scale_;
 }
 
 /// Tetrahedra at the edge, without those to the vertex outside.
@@ -189,14 +193,15 @@ void BlockCollapser::gather_samples() {
   covered_.values.resize(n * n_fields);
   covered_.squared_error = 0;
   const Vec3d centre = positions_[star_.vertex];
-  const float* const own = values_.data() + star_.vertex * n_fields;
+  const double* const own = values_.data() + star_.vertex * n_fields;
   for (std::size_t s = 0; s < n; ++s) {
-    const Vec3d p = state_.mesh.positions[samples[s]] - centre;
+    const Vec3d p = (state_.mesh.positions[samples[s]] - centre) * scale_;
     covered_.x[s] = static_cast<float>(p[0]);
     covered_.y[s] = static_cast<float>(p[1]);
     covered_.z[s] = static_cast<float>(p[2]);
     for (std::size_t f = 0; f < n_fields; ++f) {
-      covered_.values[s * n_fields + f] = state_.values_of(samples[s])[f] - own[f];
+      covered_.values[s * n_fields + f] =
+          static_cast<float>((state_.value(samples[s], f) - own[f]) * state_.scales[f]);
       const auto error = static_cast<double>(state_.errors_of(samples[s])[f]);
       covered_.squared_error += error * error;
     }
@@ -206,7 +211,8 @@ void BlockCollapser::gather_samples() {
     if (i == star_.outside) continue;
     const auto at = static_cast<std::size_t>(i);
     for (std::size_t f = 0; f < n_fields; ++f)
-      covered_.link_values[at * n_fields + f] = values_[star_.link[at] * n_fields + f] - own[f];
+      covered_.link_values[at * n_fields + f] =
+          static_cast<float>((values_[star_.link[at] * n_fields + f] - own[f]) * state_.scales[f]);
   }
 }
 
@@ -252,6 +258,7 @@ bool BlockCollapser::collapse_best(float key, float limit) {
 void BlockCollapser::collapse(int place) {
   const std::uint32_t kept = star_.link[static_cast<std::size_t>(place)];
   if (!make_fan_to(place)) return;
+  new_errors_.clear();
   for (int i = 0; i < star_.n_triangles; ++i) {
     const std::uint32_t slot = star_.slots[static_cast<std::size_t>(i)];
     samples_[slot] = kNone;
@@ -259,30 +266,87 @@ void BlockCollapser::collapse(int place) {
   }
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
     const std::uint32_t sample = covered_.samples[s];
-    const std::size_t lane = find_lane(fan_, lanes_.n, covered_, s);
+    const std::size_t lane = find_lane_exactly(place, s);
     std::uint32_t& first = samples_[star_.slots[lane]];
     state_.next_sample[sample] = first;
     first = sample;
-    for (std::size_t f = 0; f < state_.n_fields; ++f)
-      state_.errors_of(sample)[f] = fan_.error(covered_, s, f, lane);
+    for (std::size_t f = 0; f < state_.n_fields; ++f) {
+      const double error = exact_error(place, lane, sample, f);
+      new_errors_.push_back(error);
+      state_.errors_of(sample)[f] = static_cast<float>(error * state_.scales[f]);
+    }
   }
-  note_facts();
+  note_facts(new_errors_);
   n_gone_ += live_.collapse(star_.vertex, kept);
   state_.is_there[global(star_.vertex)] = 0;
   collapses_.push_back({global(star_.vertex), global(kept)});
 }
 
-void BlockCollapser::note_facts() {
+/// The weights of the tetrahedron's corners but the one that is kept.
+BlockCollapser::Covered BlockCollapser::cover(int kept, std::size_t lane,
+                                              std::uint32_t sample) const {
+  const Vec3d at = link_[static_cast<std::size_t>(kept)];
+  const auto& t = star_.triangles[lane];
+  const Vec3d a = link_[t[0]] - at;
+  const Vec3d b = link_[t[1]] - at;
+  const Vec3d c = link_[t[2]] - at;
+  const Vec3d d = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_ - at;
+  const double volume = dot(cross(b, c), a);
+  Covered covered{
+      {dot(cross(b, c), d) / volume, dot(cross(c, a), d) / volume, dot(cross(a, b), d) / volume},
+      0};
+  const auto& w = covered.weights;
+  covered.least = std::min({w[0], w[1], w[2], 1 - (w[0] + w[1] + w[2])});
+  return covered;
+}
+
+/// What floats found, unless doubles say that the sample lies outside: then the best one.
+std::size_t BlockCollapser::find_lane_exactly(int kept, std::size_t sample) const {
+  constexpr double kInside = -1e-9;
+  std::size_t best = find_lane(fan_, lanes_.n, covered_, sample);
+  double least = cover(kept, best, covered_.samples[sample]).least;
+  if (least >= kInside) return best;
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(star_.n_triangles); ++lane) {
+    if (fan_.gaps[lane] != 0) continue;
+    const double other = cover(kept, lane, covered_.samples[sample]).least;
+    if (other > least) {
+      least = other;
+      best = lane;
+    }
+  }
+  return best;
+}
+
+/// F - F' in the field's unit, larger than it is by what doubles may round.
+double BlockCollapser::exact_error(int kept, std::size_t lane, std::uint32_t sample,
+                                   std::size_t field) const {
+  const Covered covered = cover(kept, lane, sample);
+  const auto value = [&](std::size_t place) {
+    return values_[star_.link[place] * state_.n_fields + field];
+  };
+  const double at_kept = value(static_cast<std::size_t>(kept));
+  double made = 0;
+  double size = std::abs(at_kept);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double rise = value(star_.triangles[lane][k]) - at_kept;
+    made += covered.weights[k] * rise;
+    size = std::max(size, std::abs(rise));
+  }
+  const double error = state_.value(sample, field) - at_kept - made;
+  return error == 0 ? 0 : error + std::copysign(size * 0x1p-44, error);
+}
+
+void BlockCollapser::note_facts(std::span<const double> errors) {
   const std::size_t n = state_.n_fields;
   for (std::size_t f = 0; f < n; ++f) {
-    CollapseFacts facts{0, kNever, -kNever};
-    const auto widen = [&](float value) {
+    CollapseFacts facts{0, kInfinity, -kInfinity};
+    const auto widen = [&](double value) {
       facts.low = std::min(facts.low, value);
       facts.high = std::max(facts.high, value);
     };
-    for (const std::uint32_t sample : covered_.samples) {
-      facts.error = std::max(facts.error, std::abs(state_.errors_of(sample)[f]));
-      widen(state_.values_of(sample)[f]);
+    for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+      facts.error = std::max(facts.error, std::abs(errors[s * n + f]));
+      widen(state_.value(covered_.samples[s], f));
     }
     for (int i = 0; i < star_.n_link; ++i)
       if (i != star_.outside) widen(values_[star_.link[static_cast<std::size_t>(i)] * n + f]);

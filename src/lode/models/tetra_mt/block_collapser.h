@@ -55,10 +55,19 @@ class BlockCollapser {
   void gather_samples();
   [[nodiscard]] int n_cells_beside(int kept) const;
   [[nodiscard]] bool make_fan_to(int kept);
+  /// What one tetrahedron of a fan to `kept` has to do with a sample.
+  struct Covered {
+    std::array<double, 3> weights;  ///< Of the triangle's corners.
+    double least;                   ///< Of all four.
+  };
+  [[nodiscard]] Covered cover(int kept, std::size_t lane, std::uint32_t sample) const;
+  [[nodiscard]] std::size_t find_lane_exactly(int kept, std::size_t sample) const;
+  [[nodiscard]] double exact_error(int kept, std::size_t lane, std::uint32_t sample,
+                                   std::size_t field) const;
   void find_choices();
   [[nodiscard]] bool collapse_best(float key, float limit);
   void collapse(int kept);
-  void note_facts();
+  void note_facts(std::span<const double> errors);
   void look_again_beside(float key, float limit);
 
   BuildState& state_;
@@ -69,17 +78,19 @@ class BlockCollapser {
   StarGatherer gatherer_;
   CollapseQueue queue_;
   std::vector<Vec3d> positions_;           ///< By own and other vertex.
-  std::vector<float> values_;              ///< Likewise, and by field.
+  std::vector<double> values_;             ///< Likewise, and by field.
   std::vector<std::uint32_t> samples_;     ///< By slot: the first.
   std::vector<std::uint8_t> has_changed_;  ///< By slot.
   Star star_;
-  std::array<Vec3d, Star::kMaxLink> link_;  ///< Relative to the star's vertex.
+  std::array<Vec3d, Star::kMaxLink> link_;  ///< Relative to the star's vertex, times scale_.
+  double scale_ = 1;  ///< A power of two that makes the star about as large as 1.
   StarLanes lanes_;
   StarSamples covered_;
   Fan fan_;
   std::vector<Choice> choices_;
   std::vector<Collapse> collapses_;
   std::vector<CollapseFacts> facts_;
+  std::vector<double> new_errors_;  ///< By sample and field.
   std::uint64_t n_gone_ = 0;
 };
 

@@ -10,19 +10,15 @@ BuildState::BuildState(const TetraMesh& reference)
       tetrahedra(reference.tetrahedra),
       next_sample(outside, kNone),
       n_fields(reference.fields.size()),
-      values(n_fields * outside),
-      errors(values.size(), 0),
+      errors(n_fields * outside, 0),
       keys(outside, 0),
       is_there(outside, 1),
       is_locked(outside, 0),
       n_cells(tetrahedra.size()) {
-  for (std::size_t f = 0; f < n_fields; ++f) {
-    const std::vector<double>& from = reference.fields[f].values;
-    const auto [low, high] = std::ranges::minmax_element(from);
-    const double range = from.empty() ? 0 : *high - *low;
-    const double scale = range > 0 ? 1 / range : 0;
-    for (std::size_t v = 0; v < outside; ++v)
-      values[v * n_fields + f] = static_cast<float>((from[v] - *low) * scale);
+  for (const MeshField& field : reference.fields) {
+    const auto [low, high] = std::ranges::minmax_element(field.values);
+    const double range = field.values.empty() ? 0 : *high - *low;
+    scales.push_back(range > 0 ? 1 / range : 0);
   }
 }
 

@@ -16,11 +16,11 @@ struct Collapse {
   std::uint32_t kept;
 };
 
-/// What is known of a collapse, for each field, in units in which its values go from 0 to 1.
+/// What is known of a collapse, for each field, in its unit.
 struct CollapseFacts {
-  float error;  ///< Largest |F - F'| at samples in the tetrahedra that came of it.
-  float low;    ///< Of F at these samples, and at the tetrahedra's corners.
-  float high;
+  double error;  ///< Largest |F - F'| at samples in the tetrahedra that came of it, rounded up.
+  double low;    ///< Of F at these samples, and at the tetrahedra's corners.
+  double high;
 };
 
 /// What becomes of a mesh as its edges collapse.
@@ -33,17 +33,17 @@ struct BuildState {
   std::vector<std::uint32_t> first_sample;  ///< By slot: of those it covers, kNone where none.
   std::vector<std::uint32_t> next_sample;   ///< By removed vertex: the next one there.
   std::size_t n_fields;
-  std::vector<float> values;  ///< By vertex and field, so scaled that a field's range is 1.
-  std::vector<float> errors;  ///< F - F' of removed vertices, likewise.
-  std::vector<float> keys;    ///< By vertex: the square that its going adds, as known; or infinite.
+  std::vector<double> scales;  ///< By field: what makes its range 1; 0 where it has none.
+  std::vector<float> errors;   ///< F - F' of removed vertices, by vertex and field, so scaled.
+  std::vector<float> keys;  ///< By vertex: the square that its going adds, as known; or infinite.
   std::vector<std::uint8_t> is_there;   ///< By vertex, as long as it is not removed.
   std::vector<std::uint8_t> is_locked;  ///< By vertex: its link is no sphere.
   std::vector<Collapse> collapses;      ///< In an order that can be done again.
   std::vector<CollapseFacts> facts;     ///< By collapse and field.
   std::uint64_t n_cells = 0;            ///< Without those to the vertex outside.
 
-  [[nodiscard]] std::span<const float> values_of(std::uint32_t vertex) const {
-    return std::span(values).subspan(vertex * n_fields, n_fields);
+  [[nodiscard]] double value(std::uint32_t vertex, std::size_t field) const {
+    return mesh.fields[field].values[vertex];
   }
   [[nodiscard]] std::span<float> errors_of(std::uint32_t vertex) {
     return std::span(errors).subspan(vertex * n_fields, n_fields);

@@ -146,6 +146,12 @@ Result<void> check_mesh(const TetraMesh& mesh) {
       if (!std::isfinite(field.values[v]))
         return fail("field {}: expected finite values, got {} at vertex {}", field.name,
                     field.values[v], v);
+    if (n > 0) {
+      const auto [low, high] = std::ranges::minmax(field.values);
+      if (!std::isfinite(high - low))
+        return fail("field {}: expected a range that doubles hold, got {} to {}", field.name, low,
+                    high);
+    }
   }
   return {};
 }

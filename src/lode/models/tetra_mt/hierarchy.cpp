@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "lode/models/tetra_mt/live_tetrahedra.h"
@@ -9,8 +10,10 @@
 namespace lode::tetra_mt {
 namespace {
 
-/// More than float32 loses on the way from a field's values to shares of its range.
-constexpr float kRounding = 0x1p-21F;
+/// Above a double, even one that has been rounded itself.
+float rounded_up(double x) {
+  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+}
 
 /// Does the collapses again, with vertices numbered as the hierarchy does.
 class HierarchyMaker {
@@ -189,21 +192,16 @@ void HierarchyMaker::find_parents() {
 void HierarchyMaker::find_facts() {
   const std::size_t n_fields = result_.fields.size();
   result_.facts.resize(n_nodes() * n_fields);
-  std::vector<std::pair<double, double>> ranges;
   for (const MeshField& field : mesh_.fields)
-    ranges.push_back(field.values.empty() ? std::pair(0.0, 0.0)
-                                          : std::pair(std::ranges::min(field.values),
-                                                      std::ranges::max(field.values)));
+    result_.range_references.push_back(field.values.empty() ? 0 : std::ranges::min(field.values));
   for (std::uint32_t node = 0; node < n_nodes(); ++node)
     for (std::size_t f = 0; f < n_fields; ++f) {
       const CollapseFacts& own = collapses_.facts[(n_nodes() - 1 - node) * n_fields + f];
-      const double low = ranges[f].first;
-      const double range = ranges[f].second - low;
-      const auto up = [](double x) { return std::nextafter(static_cast<float>(x), INFINITY); };
+      const double reference = result_.range_references[f];
       StoredFacts& facts = result_.facts[node * n_fields + f];
-      facts.error = up(static_cast<double>(own.error == 0 ? 0 : own.error + kRounding) * range);
-      facts.low = -up(-(low + static_cast<double>(own.low - kRounding) * range));
-      facts.high = up(low + static_cast<double>(own.high + kRounding) * range);
+      facts.error = own.error == 0 ? 0 : rounded_up(own.error);
+      facts.low = -rounded_up(reference - own.low);
+      facts.high = rounded_up(own.high - reference);
     }
   for (std::uint32_t node = n_nodes(); node-- > 0;) {
     if (result_.parents_of(node).empty()) continue;

@@ -30,8 +30,9 @@ struct Hierarchy {
   std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
   std::uint64_t n_base_cells = 0;          ///< Without those to the vertex outside.
 
-  std::vector<std::uint32_t> targets;  ///< By node: the vertex that its own went into.
-  std::vector<StoredFacts> facts;      ///< By node and field: nested along discovery.
+  std::vector<std::uint32_t> targets;    ///< By node: the vertex that its own went into.
+  std::vector<StoredFacts> facts;        ///< By node and field: nested along discovery.
+  std::vector<double> range_references;  ///< By field: what facts' ranges are above.
   std::vector<float> radii;  ///< By node: of a ball round its vertex that holds all it discovers.
   std::vector<std::uint64_t> child_begins;  ///< By node, and one more.
   std::vector<std::uint32_t> children;      ///< Ascending, each node's.

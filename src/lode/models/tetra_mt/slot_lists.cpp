@@ -9,7 +9,7 @@ SlotLists::SlotLists(std::span<const std::uint32_t> counts)
   std::uint64_t n = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     begins_[i] = n;
-    classes_[i] = static_cast<std::uint16_t>((counts[i] + kGrain - 1) / kGrain);
+    classes_[i] = (counts[i] + kGrain - 1) / kGrain;
     n += capacity(static_cast<std::uint32_t>(i));
   }
   pool_.resize(n);
@@ -22,7 +22,7 @@ void SlotLists::end(std::uint32_t list) {
 }
 
 void SlotLists::grow(std::uint32_t list) {
-  const auto size_class = static_cast<std::uint16_t>(classes_[list] + 1 + classes_[list] / 4);
+  const std::uint32_t size_class = classes_[list] + 1 + classes_[list] / 4;
   std::uint64_t begin = pool_.size();
   if (size_class < free_.size() && !free_[size_class].empty()) {
     begin = free_[size_class].back();

@@ -41,7 +41,7 @@ class SlotLists {
   void end(std::uint32_t list);
   [[nodiscard]] std::size_t n_bytes() const {
     return pool_.capacity() * sizeof(std::uint32_t) + begins_.capacity() * sizeof(std::uint64_t) +
-           sizes_.capacity() * sizeof(std::uint32_t) + classes_.capacity();
+           (sizes_.capacity() + classes_.capacity()) * sizeof(std::uint32_t);
   }
 
  private:
@@ -54,7 +54,7 @@ class SlotLists {
   std::vector<std::uint32_t> pool_;
   std::vector<std::uint64_t> begins_;
   std::vector<std::uint32_t> sizes_;
-  std::vector<std::uint16_t> classes_;            ///< Capacities, in grains.
+  std::vector<std::uint32_t> classes_;            ///< Capacities, in grains.
   std::vector<std::vector<std::uint64_t>> free_;  ///< By class: where room of that size begins.
 };
 

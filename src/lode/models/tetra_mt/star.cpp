@@ -51,10 +51,11 @@ bool StarGatherer::gather(std::uint32_t vertex, Star& star) {
 }
 
 bool StarGatherer::is_manifold(const Star& star) {
-  if (star.n_triangles != 2 * star.n_link - 4) return false;
+  if (star.n_link < 4 || star.n_triangles != 2 * star.n_link - 4) return false;
   // Round each link vertex the triangles are one cycle.
   for (int i = 0; i < star.n_link; ++i) {
     std::array<std::uint8_t, Star::kMaxLink> next;
+    next.fill(kNoPlace);
     int n = 0;
     int first = 0;
     for (int t = 0; t < star.n_triangles; ++t)
@@ -62,12 +63,15 @@ bool StarGatherer::is_manifold(const Star& star) {
         const auto& v = star.triangles[static_cast<std::size_t>(t)];
         if (v[k] != i) continue;
         first = v[(k + 1) % 3];
+        if (next[static_cast<std::size_t>(first)] != kNoPlace) return false;  // wound another way
         next[static_cast<std::size_t>(first)] = v[(k + 2) % 3];
         ++n;
       }
     int n_walked = 1;
-    for (int at = next[static_cast<std::size_t>(first)]; at != first && n_walked <= n; ++n_walked)
+    for (int at = next[static_cast<std::size_t>(first)]; at != first && n_walked <= n; ++n_walked) {
+      if (at == kNoPlace) return false;
       at = next[static_cast<std::size_t>(at)];
+    }
     if (n_walked != n) return false;
   }
   std::uint64_t reached = 1;

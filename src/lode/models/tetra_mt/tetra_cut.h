@@ -22,7 +22,7 @@ class TetraCut {
   void add_parents(NodeId node, std::vector<NodeId>& out) const;
   [[nodiscard]] StoredFacts facts(NodeId node) const;
   [[nodiscard]] Ball bounds(NodeId node) const;
-  [[nodiscard]] static double range_reference() { return 0; }
+  [[nodiscard]] double range_reference() const { return hierarchy_->range_references[field_]; }
   [[nodiscard]] std::uint64_t n_base_cells() const { return hierarchy_->n_base_cells; }
   std::uint64_t apply(NodeId node);
   std::uint64_t undo(NodeId node);
