@@ -246,40 +246,53 @@ bool BlockCollapser::collapse_best(float key, float limit) {
       if (known < limit) queue_.set(star_.vertex, known);
       return false;
     }
-    if (gatherer_.may_collapse(star_, best->kept, rules_.max_link)) {
-      collapse(best->kept);
+    if (gatherer_.may_collapse(star_, best->kept, rules_.max_link) && collapse(best->kept))
       return true;
-    }
     *best = choices_.back();
   }
   return false;
 }
 
-void BlockCollapser::collapse(int place) {
-  const std::uint32_t kept = star_.link[static_cast<std::size_t>(place)];
-  if (!make_fan_to(place)) return;
-  new_errors_.clear();
+/// False, and nothing done, where rounding leaves open what covers a sample.
+bool BlockCollapser::collapse(int place) {
+  if (!make_fan_to(place) || !cover_samples(place)) return false;
   for (int i = 0; i < star_.n_triangles; ++i) {
     const std::uint32_t slot = star_.slots[static_cast<std::size_t>(i)];
     samples_[slot] = kNone;
     has_changed_[slot] = 1;
   }
+  const std::size_t n = state_.n_fields;
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
     const std::uint32_t sample = covered_.samples[s];
-    const std::size_t lane = find_lane_exactly(place, s);
-    std::uint32_t& first = samples_[star_.slots[lane]];
+    std::uint32_t& first = samples_[star_.slots[new_lanes_[s]]];
     state_.next_sample[sample] = first;
     first = sample;
-    for (std::size_t f = 0; f < state_.n_fields; ++f) {
-      const double error = exact_error(place, lane, sample, f);
-      new_errors_.push_back(error);
-      state_.errors_of(sample)[f] = static_cast<float>(error * state_.scales[f]);
-    }
+    for (std::size_t f = 0; f < n; ++f)
+      state_.errors_of(sample)[f] = static_cast<float>(new_errors_[s * n + f] * state_.scales[f]);
   }
   note_facts(new_errors_);
+  const std::uint32_t kept = star_.link[static_cast<std::size_t>(place)];
   n_gone_ += live_.collapse(star_.vertex, kept);
   state_.is_there[global(star_.vertex)] = 0;
   collapses_.push_back({global(star_.vertex), global(kept)});
+  return true;
+}
+
+/// Finds which tetrahedra of the fan cover the samples, and with which errors.
+bool BlockCollapser::cover_samples(int place) {
+  new_lanes_.clear();
+  new_errors_.clear();
+  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+    const auto lane = find_lane_exactly(place, s);
+    if (!lane) return false;
+    new_lanes_.push_back(*lane);
+    for (std::size_t f = 0; f < state_.n_fields; ++f) {
+      const double error = exact_error(place, *lane, covered_.samples[s], f);
+      if (!std::isfinite(error)) return false;
+      new_errors_.push_back(error);
+    }
+  }
+  return true;
 }
 
 /// The weights of the tetrahedron's corners but the one that is kept.
@@ -300,20 +313,23 @@ BlockCollapser::Covered BlockCollapser::cover(int kept, std::size_t lane,
   return covered;
 }
 
-/// What floats found, unless doubles say that the sample lies outside: then the best one.
-std::size_t BlockCollapser::find_lane_exactly(int kept, std::size_t sample) const {
+/// What floats found, unless doubles say that the sample lies outside: then the best one. None
+/// where even doubles do not tell.
+std::optional<std::size_t> BlockCollapser::find_lane_exactly(int kept, std::size_t sample) const {
   constexpr double kInside = -1e-9;
-  std::size_t best = find_lane(fan_, lanes_.n, covered_, sample);
-  double least = cover(kept, best, covered_.samples[sample]).least;
-  if (least >= kInside) return best;
-  for (std::size_t lane = 0; lane < static_cast<std::size_t>(star_.n_triangles); ++lane) {
-    if (fan_.gaps[lane] != 0) continue;
-    const double other = cover(kept, lane, covered_.samples[sample]).least;
-    if (other > least) {
-      least = other;
-      best = lane;
-    }
-  }
+  const std::size_t found = find_lane(fan_, lanes_.n, covered_, sample);
+  std::optional<std::size_t> best;
+  double least = -kInfinity;
+  const auto look_at = [&](std::size_t lane) {
+    if (fan_.gaps[lane] != 0) return;
+    const double here = cover(kept, lane, covered_.samples[sample]).least;
+    if (!(here > least)) return;
+    least = here;
+    best = lane;
+  };
+  const auto n = static_cast<std::size_t>(star_.n_triangles);
+  if (found < n) look_at(found);
+  for (std::size_t lane = 0; lane < n && !(least >= kInside); ++lane) look_at(lane);
   return best;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -61,12 +62,13 @@ class BlockCollapser {
     double least;                   ///< Of all four.
   };
   [[nodiscard]] Covered cover(int kept, std::size_t lane, std::uint32_t sample) const;
-  [[nodiscard]] std::size_t find_lane_exactly(int kept, std::size_t sample) const;
+  [[nodiscard]] std::optional<std::size_t> find_lane_exactly(int kept, std::size_t sample) const;
   [[nodiscard]] double exact_error(int kept, std::size_t lane, std::uint32_t sample,
                                    std::size_t field) const;
   void find_choices();
   [[nodiscard]] bool collapse_best(float key, float limit);
-  void collapse(int kept);
+  [[nodiscard]] bool collapse(int kept);
+  [[nodiscard]] bool cover_samples(int kept);
   void note_facts(std::span<const double> errors);
   void look_again_beside(float key, float limit);
 
@@ -90,7 +92,8 @@ class BlockCollapser {
   std::vector<Choice> choices_;
   std::vector<Collapse> collapses_;
   std::vector<CollapseFacts> facts_;
-  std::vector<double> new_errors_;  ///< By sample and field.
+  std::vector<std::size_t> new_lanes_;  ///< By sample.
+  std::vector<double> new_errors_;      ///< By sample and field.
   std::uint64_t n_gone_ = 0;
 };
 
