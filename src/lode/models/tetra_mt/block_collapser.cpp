@@ -9,7 +9,6 @@
 namespace lode::tetra_mt {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kNever = std::numeric_limits<float>::infinity();
 /// How far from the boundary's planes a vertex may be that goes along them, against its distance.
 constexpr double kCoplanar = 1e-6;
@@ -222,7 +221,7 @@ void BlockCollapser::find_choices() {
   gather_link();
   gather_samples();
   lanes_.fill(star_, link_, covered_.link_values, state_.n_fields);
-  double least = kInfinity;
+  double least = std::numeric_limits<double>::infinity();
   for (int kept = 0; kept < star_.n_link; ++kept) {
     if (kept == star_.outside || !keeps_boundary(kept)) continue;
     if (!make_fan_to(kept)) continue;
@@ -253,123 +252,6 @@ bool BlockCollapser::collapse_best(float key, float limit) {
   return false;
 }
 
-/// False, and nothing done, where rounding leaves open what covers a sample.
-bool BlockCollapser::collapse(int place) {
-  if (!make_fan_to(place) || !cover_samples(place)) return false;
-  for (int i = 0; i < star_.n_triangles; ++i) {
-    const std::uint32_t slot = star_.slots[static_cast<std::size_t>(i)];
-    samples_[slot] = kNone;
-    has_changed_[slot] = 1;
-  }
-  const std::size_t n = state_.n_fields;
-  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
-    const std::uint32_t sample = covered_.samples[s];
-    std::uint32_t& first = samples_[star_.slots[new_lanes_[s]]];
-    state_.next_sample[sample] = first;
-    first = sample;
-    for (std::size_t f = 0; f < n; ++f)
-      state_.errors_of(sample)[f] = static_cast<float>(new_errors_[s * n + f] * state_.scales[f]);
-  }
-  note_facts(new_errors_);
-  const std::uint32_t kept = star_.link[static_cast<std::size_t>(place)];
-  n_gone_ += live_.collapse(star_.vertex, kept);
-  state_.is_there[global(star_.vertex)] = 0;
-  collapses_.push_back({global(star_.vertex), global(kept)});
-  return true;
-}
-
-/// Finds which tetrahedra of the fan cover the samples, and with which errors.
-bool BlockCollapser::cover_samples(int place) {
-  new_lanes_.clear();
-  new_errors_.clear();
-  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
-    const auto lane = find_lane_exactly(place, s);
-    if (!lane) return false;
-    new_lanes_.push_back(*lane);
-    for (std::size_t f = 0; f < state_.n_fields; ++f) {
-      const double error = exact_error(place, *lane, covered_.samples[s], f);
-      if (!std::isfinite(error)) return false;
-      new_errors_.push_back(error);
-    }
-  }
-  return true;
-}
-
-/// The weights of the tetrahedron's corners but the one that is kept.
-BlockCollapser::Covered BlockCollapser::cover(int kept, std::size_t lane,
-                                              std::uint32_t sample) const {
-  const Vec3d at = link_[static_cast<std::size_t>(kept)];
-  const auto& t = star_.triangles[lane];
-  const Vec3d a = link_[t[0]] - at;
-  const Vec3d b = link_[t[1]] - at;
-  const Vec3d c = link_[t[2]] - at;
-  const Vec3d d = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_ - at;
-  const double volume = dot(cross(b, c), a);
-  Covered covered{
-      {dot(cross(b, c), d) / volume, dot(cross(c, a), d) / volume, dot(cross(a, b), d) / volume},
-      0};
-  const auto& w = covered.weights;
-  covered.least = std::min({w[0], w[1], w[2], 1 - (w[0] + w[1] + w[2])});
-  return covered;
-}
-
-/// What floats found, unless doubles say that the sample lies outside: then the best one. None
-/// where even doubles do not tell.
-std::optional<std::size_t> BlockCollapser::find_lane_exactly(int kept, std::size_t sample) const {
-  constexpr double kInside = -1e-9;
-  const std::size_t found = find_lane(fan_, lanes_.n, covered_, sample);
-  std::optional<std::size_t> best;
-  double least = -kInfinity;
-  const auto look_at = [&](std::size_t lane) {
-    if (fan_.gaps[lane] != 0) return;
-    const double here = cover(kept, lane, covered_.samples[sample]).least;
-    if (!(here > least)) return;
-    least = here;
-    best = lane;
-  };
-  const auto n = static_cast<std::size_t>(star_.n_triangles);
-  if (found < n) look_at(found);
-  for (std::size_t lane = 0; lane < n && !(least >= kInside); ++lane) look_at(lane);
-  return best;
-}
-
-/// F - F' in the field's unit, larger than it is by what doubles may round.
-double BlockCollapser::exact_error(int kept, std::size_t lane, std::uint32_t sample,
-                                   std::size_t field) const {
-  const Covered covered = cover(kept, lane, sample);
-  const auto value = [&](std::size_t place) {
-    return values_[star_.link[place] * state_.n_fields + field];
-  };
-  const double at_kept = value(static_cast<std::size_t>(kept));
-  double made = 0;
-  double size = std::abs(at_kept);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double rise = value(star_.triangles[lane][k]) - at_kept;
-    made += covered.weights[k] * rise;
-    size = std::max(size, std::abs(rise));
-  }
-  const double error = state_.value(sample, field) - at_kept - made;
-  return error == 0 ? 0 : error + std::copysign(size * 0x1p-44, error);
-}
-
-void BlockCollapser::note_facts(std::span<const double> errors) {
-  const std::size_t n = state_.n_fields;
-  for (std::size_t f = 0; f < n; ++f) {
-    CollapseFacts facts{0, kInfinity, -kInfinity};
-    const auto widen = [&](double value) {
-      facts.low = std::min(facts.low, value);
-      facts.high = std::max(facts.high, value);
-    };
-    for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
-      facts.error = std::max(facts.error, std::abs(errors[s * n + f]));
-      widen(state_.value(covered_.samples[s], f));
-    }
-    for (int i = 0; i < star_.n_link; ++i)
-      if (i != star_.outside) widen(values_[star_.link[static_cast<std::size_t>(i)] * n + f]);
-    facts_.push_back(facts);
-  }
-}
-
 void BlockCollapser::look_again_beside(float key, float limit) {
   for (int i = 0; i < star_.n_link; ++i) {
     if (i == star_.outside) continue;
@@ -378,20 +260,6 @@ void BlockCollapser::look_again_beside(float key, float limit) {
     float& known = state_.keys[global(v)];
     known = known == kNever ? key : known * rules_.discount;
     if (known < limit) queue_.set(v, known);
-  }
-}
-
-void BlockCollapser::write_back() {
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    if (has_changed_[i] == 0) continue;
-    Tetrahedron& to = state_.tetrahedra[slots_[i]];
-    const Tetrahedron& from = live_.corners(static_cast<std::uint32_t>(i));
-    if (from[0] == kNone) {
-      to[0] = kNone;
-      continue;
-    }
-    for (std::size_t k = 0; k < 4; ++k) to[k] = global(from[k]);
-    state_.first_sample[slots_[i]] = samples_[i];
   }
 }
 

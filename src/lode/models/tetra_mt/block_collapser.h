@@ -56,15 +56,17 @@ class BlockCollapser {
   void gather_samples();
   [[nodiscard]] int n_cells_beside(int kept) const;
   [[nodiscard]] bool make_fan_to(int kept);
-  /// What one tetrahedron of a fan to `kept` has to do with a sample.
-  struct Covered {
-    std::array<double, 3> weights;  ///< Of the triangle's corners.
-    double least;                   ///< Of all four.
+  /// How a tetrahedron of a fan covers a sample, in doubles.
+  struct Cover {
+    std::size_t lane = 0;
+    std::array<double, 3> weights{};  ///< Of the triangle's corners.
+    double least = 0;                 ///< Of all four.
+    double rounding = 0;              ///< What a weight may be off, and more.
   };
-  [[nodiscard]] Covered cover(int kept, std::size_t lane, std::uint32_t sample) const;
-  [[nodiscard]] std::optional<std::size_t> find_lane_exactly(int kept, std::size_t sample) const;
-  [[nodiscard]] double exact_error(int kept, std::size_t lane, std::uint32_t sample,
-                                   std::size_t field) const;
+  [[nodiscard]] Cover cover_by(std::size_t lane, int kept, std::uint32_t sample) const;
+  [[nodiscard]] std::optional<Cover> find_cover(int kept, std::size_t sample) const;
+  [[nodiscard]] double error_of(const Cover& cover, int kept, std::uint32_t sample,
+                                std::size_t field) const;
   void find_choices();
   [[nodiscard]] bool collapse_best(float key, float limit);
   [[nodiscard]] bool collapse(int kept);
@@ -92,8 +94,8 @@ class BlockCollapser {
   std::vector<Choice> choices_;
   std::vector<Collapse> collapses_;
   std::vector<CollapseFacts> facts_;
-  std::vector<std::size_t> new_lanes_;  ///< By sample.
-  std::vector<double> new_errors_;      ///< By sample and field.
+  std::vector<Cover> covers_;       ///< Of a collapse, by sample.
+  std::vector<double> new_errors_;  ///< And by field.
   std::uint64_t n_gone_ = 0;
 };
 

@@ -20,7 +20,6 @@ class CollapseQueue {
         keys_(n_vertices, 0),
         is_in_(n_vertices, 0) {}
 
-  [[nodiscard]] bool contains(std::uint32_t vertex) const { return is_in_[vertex] != 0; }
   /// The last one that it had.
   [[nodiscard]] float key(std::uint32_t vertex) const { return keys_[vertex]; }
   /// Puts it in, or elsewhere.

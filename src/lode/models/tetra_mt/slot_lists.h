@@ -39,10 +39,6 @@ class SlotLists {
     sizes_[list] = n;
   }
   void end(std::uint32_t list);
-  [[nodiscard]] std::size_t n_bytes() const {
-    return pool_.capacity() * sizeof(std::uint32_t) + begins_.capacity() * sizeof(std::uint64_t) +
-           (sizes_.capacity() + classes_.capacity()) * sizeof(std::uint32_t);
-  }
 
  private:
   static constexpr std::uint32_t kGrain = 8;  ///< Capacities are multiples of it.

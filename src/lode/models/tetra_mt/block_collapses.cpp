@@ -1,0 +1,149 @@
+// What a collapse does, once it is chosen.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lode/models/tetra_mt/block_collapser.h"
+
+namespace lode::tetra_mt {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+/// False, and nothing done, where rounding leaves open what covers a sample.
+bool BlockCollapser::collapse(int place) {
+  if (!make_fan_to(place) || !cover_samples(place)) return false;
+  for (int i = 0; i < star_.n_triangles; ++i) {
+    const std::uint32_t slot = star_.slots[static_cast<std::size_t>(i)];
+    samples_[slot] = kNone;
+    has_changed_[slot] = 1;
+  }
+  const std::size_t n = state_.n_fields;
+  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+    const std::uint32_t sample = covered_.samples[s];
+    std::uint32_t& first = samples_[star_.slots[covers_[s].lane]];
+    state_.next_sample[sample] = first;
+    first = sample;
+    for (std::size_t f = 0; f < n; ++f)
+      state_.errors_of(sample)[f] = static_cast<float>(new_errors_[s * n + f] * state_.scales[f]);
+  }
+  note_facts(new_errors_);
+  const std::uint32_t kept = star_.link[static_cast<std::size_t>(place)];
+  n_gone_ += live_.collapse(star_.vertex, kept);
+  state_.is_there[global(star_.vertex)] = 0;
+  collapses_.push_back({global(star_.vertex), global(kept)});
+  return true;
+}
+
+/// Finds which tetrahedra of the fan cover the samples, and with which errors.
+bool BlockCollapser::cover_samples(int place) {
+  covers_.clear();
+  new_errors_.clear();
+  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+    const auto cover = find_cover(place, s);
+    if (!cover) return false;
+    covers_.push_back(*cover);
+    for (std::size_t f = 0; f < state_.n_fields; ++f) {
+      const double error = error_of(*cover, place, covered_.samples[s], f);
+      if (!std::isfinite(error)) return false;
+      new_errors_.push_back(error);
+    }
+  }
+  return true;
+}
+
+/// By one lane. Weights are of the triangle's corners; products of lengths bound what they lose.
+BlockCollapser::Cover BlockCollapser::cover_by(std::size_t lane, int kept,
+                                               std::uint32_t sample) const {
+  const Vec3d at = link_[static_cast<std::size_t>(kept)];
+  const auto& t = star_.triangles[lane];
+  const Vec3d a = link_[t[0]] - at;
+  const Vec3d b = link_[t[1]] - at;
+  const Vec3d c = link_[t[2]] - at;
+  const Vec3d d = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_ - at;
+  const Vec3d bc = cross(b, c);
+  const double volume = dot(bc, a);
+  Cover cover{
+      .lane = lane,
+      .weights = {dot(bc, d) / volume, dot(cross(c, a), d) / volume, dot(cross(a, b), d) / volume}};
+  const auto& w = cover.weights;
+  cover.least = std::min({w[0], w[1], w[2], 1 - (w[0] + w[1] + w[2])});
+  const double sizes = length(b) * length(c) + length(c) * length(a) + length(a) * length(b);
+  cover.rounding = 0x1p-48 * (1 + sizes * length(d) / volume);
+  return cover;
+}
+
+/// The lane that floats found, unless doubles say that the sample lies outside: then the best one.
+/// None where even doubles do not tell.
+std::optional<BlockCollapser::Cover> BlockCollapser::find_cover(int kept,
+                                                                std::size_t sample) const {
+  constexpr double kInside = -1e-9;
+  std::optional<Cover> best;
+  double least = -kInfinity;
+  const auto look_at = [&](std::size_t lane) {
+    if (fan_.gaps[lane] != 0) return;
+    const Cover here = cover_by(lane, kept, covered_.samples[sample]);
+    if (!(here.least > least)) return;
+    least = here.least;
+    best = here;
+  };
+  const std::size_t found = find_lane(fan_, lanes_.n, covered_, sample);
+  const auto n = static_cast<std::size_t>(star_.n_triangles);
+  if (found < n) look_at(found);
+  for (std::size_t lane = 0; lane < n && !(least >= kInside); ++lane) look_at(lane);
+  return best;
+}
+
+/// F - F' in the field's unit, larger than it is by what doubles may round.
+double BlockCollapser::error_of(const Cover& cover, int kept, std::uint32_t sample,
+                                std::size_t field) const {
+  const auto value = [&](std::size_t place) {
+    return values_[star_.link[place] * state_.n_fields + field];
+  };
+  const double at_kept = value(static_cast<std::size_t>(kept));
+  double made = 0;
+  double size = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double rise = value(star_.triangles[cover.lane][k]) - at_kept;
+    made += cover.weights[k] * rise;
+    size = std::max(size, std::abs(rise));
+  }
+  const double error = state_.value(sample, field) - at_kept - made;
+  return error == 0 ? 0 : error + std::copysign(size * cover.rounding, error);
+}
+
+void BlockCollapser::note_facts(std::span<const double> errors) {
+  const std::size_t n = state_.n_fields;
+  for (std::size_t f = 0; f < n; ++f) {
+    CollapseFacts facts{0, kInfinity, -kInfinity};
+    const auto widen = [&](double value) {
+      facts.low = std::min(facts.low, value);
+      facts.high = std::max(facts.high, value);
+    };
+    for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+      facts.error = std::max(facts.error, std::abs(errors[s * n + f]));
+      widen(state_.value(covered_.samples[s], f));
+    }
+    for (int i = 0; i < star_.n_link; ++i)
+      if (i != star_.outside) widen(values_[star_.link[static_cast<std::size_t>(i)] * n + f]);
+    facts_.push_back(facts);
+  }
+}
+
+void BlockCollapser::write_back() {
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (has_changed_[i] == 0) continue;
+    Tetrahedron& to = state_.tetrahedra[slots_[i]];
+    const Tetrahedron& from = live_.corners(static_cast<std::uint32_t>(i));
+    if (from[0] == kNone) {
+      to[0] = kNone;
+      continue;
+    }
+    for (std::size_t k = 0; k < 4; ++k) to[k] = global(from[k]);
+    state_.first_sample[slots_[i]] = samples_[i];
+  }
+}
+
+}  // namespace lode::tetra_mt
