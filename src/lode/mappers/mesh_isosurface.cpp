@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lode/mappers/crossed_edge.h"
 #include "lode/mappers/march_simplex.h"
 #include "lode/mappers/vertex_ids.h"
 
@@ -37,16 +38,12 @@ class MeshMarcher {
  private:
   std::uint32_t vertex_on(std::uint32_t a, std::uint32_t b) {
     if (a > b) std::swap(a, b);
-    const auto [id, is_new] = ids_.find_or_add(std::uint64_t{a} << 32 | b);
+    const auto [id, is_new] = ids_.find_or_add(edge_key(a, b));
     if (!is_new) return first_ + id;
     const Vec3d from = mesh_.positions[a] - surface_.origin;
     const Vec3d way = mesh_.positions[b] - mesh_.positions[a];
-    const double margin = std::min(0.25, margin_ / length(way));
-    const double t = std::clamp((isovalue_ - mesh_.values[a]) / (mesh_.values[b] - mesh_.values[a]),
-                                margin, 1 - margin);
-    const Vec3d p = from + way * t;
-    surface_.positions.push_back(
-        {{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}});
+    const double t = crossing_of(isovalue_, mesh_.values[a], mesh_.values[b], way, margin_);
+    surface_.positions.push_back(narrowed(from + way * t));
     surface_.isovalues.push_back(static_cast<float>(isovalue_));
     return first_ + id;
   }

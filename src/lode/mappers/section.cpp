@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 
+#include "lode/mappers/crossed_edge.h"
 #include "lode/mappers/march_simplex.h"
 #include "lode/mappers/vertex_ids.h"
 
@@ -12,16 +13,6 @@ namespace lode {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
-
-/// Vertices on edges, keyed by their ends; with equal ends, the vertex itself.
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
-
-Vec3f relative_to(const Vec3d& origin, const Vec3d& p) {
-  const Vec3d q = p - origin;
-  return {{static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2])}};
-}
 
 /// A face of the mesh in the plane, with what the cell on one side of it knows.
 struct FlatFace {
@@ -47,7 +38,7 @@ class SectionCutter {
 
   const SimplexMesh& mesh_;
   std::vector<double> distance_;  ///< Of each mesh vertex; 0 where it counts as in the plane.
-  VertexIds ids_;
+  VertexIds ids_;                 ///< By edge; with equal ends, of the vertex itself.
   std::vector<FlatFace> flat_faces_;
   Surface section_;
 };
@@ -74,7 +65,7 @@ std::uint32_t SectionCutter::vertex_on(std::uint32_t a, std::uint32_t b) {
   if (!is_new) return id;
   const double t = a == b ? 0.0 : distance_[a] / (distance_[a] - distance_[b]);
   const Vec3d p = mesh_.positions[a] + (mesh_.positions[b] - mesh_.positions[a]) * t;
-  section_.positions.push_back(relative_to(section_.origin, p));
+  section_.positions.push_back(narrowed(p - section_.origin));
   section_.values.push_back(mesh_.values[a] + t * (mesh_.values[b] - mesh_.values[a]));
   return id;
 }
@@ -172,11 +163,8 @@ std::uint32_t IsolineMarcher::vertex_on(std::uint32_t a, std::uint32_t b) {
   if (!is_new) return first_ + id;
   const Vec3d from = section_.world_position(a);
   const Vec3d way = section_.world_position(b) - from;
-  const double margin = std::min(0.25, distance_ / length(way));
-  const double t =
-      std::clamp((isovalue_ - section_.values[a]) / (section_.values[b] - section_.values[a]),
-                 margin, 1 - margin);
-  lines_.positions.push_back(relative_to(section_.origin, from + way * t));
+  const double t = crossing_of(isovalue_, section_.values[a], section_.values[b], way, distance_);
+  lines_.positions.push_back(narrowed(from + way * t - section_.origin));
   lines_.isovalues.push_back(static_cast<float>(isovalue_));
   return first_ + id;
 }
