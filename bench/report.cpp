@@ -2,9 +2,11 @@
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "lode/core/atomic_file.h"
@@ -125,6 +127,21 @@ Result<void> write_json(const std::vector<Row>& rows, const std::string& path) {
   LODE_TRY(AtomicFile file, AtomicFile::create(path));
   LODE_CHECK(file.write(to_json(rows)));
   return file.commit();
+}
+
+int write_table(const Table& table, const std::string& program, const std::string& json_path) {
+  if (json_path.empty()) return 0;
+  if (const auto written = write_json(table.rows(), json_path); !written) {
+    fmt::print(stderr, "{}: {}\n", program, written.error().message);
+    return 1;
+  }
+  return 0;
+}
+
+void keep_freed_memory() {
+  constexpr int kLargestThreshold = 32 << 20;  // that glibc takes
+  mallopt(M_MMAP_THRESHOLD, kLargestThreshold);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
 }
 
 }  // namespace lode::bench

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lode/core/result.h"
@@ -58,5 +59,25 @@ void print_row(const Row& row);
 [[nodiscard]] std::string to_json(const std::vector<Row>& rows);
 /// Writes to_json(rows) whole or not at all.
 [[nodiscard]] Result<void> write_json(const std::vector<Row>& rows, const std::string& path);
+
+/// Prints each row when it is known and keeps it for the JSON.
+class Table {
+ public:
+  void add(Row row) {
+    print_row(row);
+    rows_.push_back(std::move(row));
+  }
+  [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
+
+ private:
+  std::vector<Row> rows_;
+};
+
+/// Ends a program: write_json() where a path is given, and its exit code.
+[[nodiscard]] int write_table(const Table& table, const std::string& program,
+                              const std::string& json_path);
+
+/// Freed memory stays with the process: after the warm-up neither side waits for fresh pages.
+void keep_freed_memory();
 
 }  // namespace lode::bench

@@ -3,14 +3,12 @@
 // row does not say one, VTK's filter has one. Errors of both are found by one search.
 
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -55,19 +53,6 @@ struct TetraCase {
 struct Settings {
   std::string only;  ///< Only cases whose name contains this.
   std::string json_path;
-};
-
-/// Prints each row when it is known and keeps it for the JSON.
-class Table {
- public:
-  void add(Row row) {
-    print_row(row);
-    rows_.push_back(std::move(row));
-  }
-  [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
-
- private:
-  std::vector<Row> rows_;
 };
 
 struct Timed {
@@ -316,22 +301,14 @@ int run(const Settings& settings) {
     if (auto done = run_case(tetra_case, table); !done)
       table.add({.name = tetra_case.name, .note = done.error().message});
   }
-  if (settings.json_path.empty()) return 0;
-  if (auto written = write_json(table.rows(), settings.json_path); !written) {
-    fmt::print(stderr, "tetra_bench: {}\n", written.error().message);
-    return 1;
-  }
-  return 0;
+  return write_table(table, "tetra_bench", settings.json_path);
 }
 
 }  // namespace
 }  // namespace lode::bench
 
 int main(int argc, char** argv) {
-  // Freed memory stays with the process: after the warm-up neither side waits for fresh pages.
-  // 32 MiB is the largest threshold glibc takes.
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  lode::bench::keep_freed_memory();
   CLI::App app("Times simplifying meshes of tetrahedra against VTK, and refining them.");
   lode::bench::Settings settings;
   app.add_option("--only", settings.only, "Only cases whose name contains this");

@@ -2,12 +2,10 @@
 // it) on the same samples in the same run. Both sides use two threads and start from memory.
 
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,19 +29,6 @@ struct Settings {
   std::string only;  ///< Only cases whose name contains this.
   std::string json_path;
   bool is_simplified = false;  ///< Only the rows of simplification.
-};
-
-/// Prints each row when it is known and keeps it for the JSON.
-class Table {
- public:
-  void add(Row row) {
-    print_row(row);
-    rows_.push_back(std::move(row));
-  }
-  [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
-
- private:
-  std::vector<Row> rows_;
 };
 
 struct Timed {
@@ -293,22 +278,14 @@ int run(const Settings& settings) {
     if (auto done = run_case(volume_case, settings, table); !done)
       table.add({.name = volume_case.name, .note = done.error().message});
   }
-  if (settings.json_path.empty()) return 0;
-  if (auto written = write_json(table.rows(), settings.json_path); !written) {
-    fmt::print(stderr, "volume_bench: {}\n", written.error().message);
-    return 1;
-  }
-  return 0;
+  return write_table(table, "volume_bench", settings.json_path);
 }
 
 }  // namespace
 }  // namespace lode::bench
 
 int main(int argc, char** argv) {
-  // Freed memory stays with the process: after the warm-up neither side waits for fresh pages.
-  // 32 MiB is the largest threshold glibc takes.
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  lode::bench::keep_freed_memory();
   CLI::App app("Times building and extracting volumes against VTK.");
   lode::bench::Settings settings;
   app.add_option("--only", settings.only, "Only cases whose name contains this");
