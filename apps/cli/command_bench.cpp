@@ -92,7 +92,7 @@ Result<void> bench_build(const BenchArguments& arguments, std::uint64_t memory_l
   LODE_TRY(ReadOptions options, to_read_options(arguments.reading, session.threads()));
   options.memory_limit = static_cast<std::size_t>(memory_limit / 8);
   options.cache_limit = static_cast<std::size_t>(memory_limit / 4);
-  LODE_TRY(auto source, open_volume(arguments.input, options));
+  LODE_TRY(auto source, open_foreign_volume(arguments.input, options));
   LODE_TRY(const auto built, build_file_from(arguments.input, *source, output,
                                              {.threads = session.threads(),
                                               .unfinished = Unfinished::nothing,

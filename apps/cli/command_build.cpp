@@ -119,7 +119,7 @@ Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
   options.memory_limit = static_cast<std::size_t>(build.memory_limit / 8);
   options.cache_limit = static_cast<std::size_t>(build.memory_limit / 4);
   options.spool_directory = std::filesystem::absolute(arguments.output).parent_path().string();
-  LODE_TRY(auto source, open_volume(arguments.input, options));
+  LODE_TRY(auto source, open_foreign_volume(arguments.input, options));
   bool has_part = false;
   build.has_part = &has_part;
   auto report =

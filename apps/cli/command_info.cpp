@@ -103,6 +103,7 @@ Result<Outcome> run_info(const InfoArguments& arguments, Session& session) {
     LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
     return report_lode(arguments.input, input.info);
   }
+  LODE_CHECK(expect_no_mesh(arguments.input));
   LODE_TRY(const ReadOptions options, to_read_options(arguments.reading, session.threads()));
   LODE_TRY(const FileDescription file, describe_volume(arguments.input, options));
   Outcome outcome = report_header(arguments.input, file);

@@ -63,7 +63,7 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
   LODE_TRY(const Input input, load_input(session, arguments.input, arguments.reading));
   if (!arguments.original.empty()) {
     LODE_TRY(const ReadOptions options, to_read_options(arguments.reading, session.threads()));
-    LODE_TRY(const auto original, open_volume(arguments.original, options));
+    LODE_TRY(const auto original, open_foreign_volume(arguments.original, options));
     LODE_TRY(VerifyReport more,
              input.dataset.verify_against(*original, session.threads(), session.progress()));
     append(report, std::move(more));

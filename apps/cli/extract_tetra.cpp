@@ -69,6 +69,9 @@ Result<TetraInput> build_input(const MeshJob& job, Session& session) {
     return fail("{}: expected --field to name one of its fields ({}), got none", job.input,
                 names.empty() ? "there are none" : names);
   }
+  if (made.mesh.region_ids.size() > 1)
+    session.warn(fmt::format("{}: its {} regions are left out: faces between them may move",
+                             job.input, made.mesh.region_ids.size()));
   TetraReport report = made.report;
   auto built = TetraDataset::build(made.mesh, {.threads = session.threads()}, session.progress());
   if (!built) {
@@ -87,6 +90,12 @@ struct TetraAnswer {
   double seconds = 0;
   double write_seconds = 0;
 };
+
+template <typename Report>
+TetraAnswer to_answer(const Report& report, const MeshOptions& options) {
+  return {report.max_error,  !options.query.max_error, report.achieved_error,
+          report.budget_met, report.seconds,           0};
+}
 
 void warn_of_budget(Session& session, bool is_met, std::uint64_t n_cells) {
   if (!is_met)
@@ -161,8 +170,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const MeshOptions& options, S
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
   warn_of_budget(session, report.budget_met, report.n_cut_cells);
-  TetraAnswer made{report.max_error,  !options.query.max_error, report.achieved_error,
-                   report.budget_met, report.seconds,           0};
+  TetraAnswer made = to_answer(report, options);
   const Stopwatch watch;
   LODE_CHECK(write_vtu(
       job.output, mesh,
@@ -185,8 +193,7 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, const MeshOptions& options
   warn_of_budget(session, report.budget_met, report.n_cut_cells);
   for (const double isovalue : report.unmet)
     session.warn(fmt::format("no surface at isovalue {}: it meets no cell", isovalue));
-  TetraAnswer made{report.max_error,  !options.query.max_error, report.achieved_error,
-                   report.budget_met, report.seconds,           0};
+  TetraAnswer made = to_answer(report, options);
   const Stopwatch watch;
   LODE_CHECK(write_surface(job.output, surface, {.comment = tetra_comment("isosurface", made)},
                            session.progress()));

@@ -45,7 +45,7 @@ Result<RawLayout> to_raw_layout(const ReadingArguments& arguments) {
 
 Result<Dataset> build_in_memory(Session& session, const std::string& path,
                                 const ReadOptions& options, const AcceptVolume& accept) {
-  LODE_TRY(const auto source, open_volume(path, options));
+  LODE_TRY(const auto source, open_foreign_volume(path, options));
   if (accept) LODE_CHECK(accept(source->info()));
   session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
   return build_opened(path, *source, {.threads = session.threads()}, session.progress());
@@ -64,6 +64,19 @@ bool is_same_file(const std::string& a, const std::string& b) {
 }
 
 }  // namespace
+
+Result<void> expect_no_mesh(const std::string& path) {
+  if (is_cell_mesh_path(path))
+    return fail("{}: expected a regular volume, got a mesh of cells, which only extract takes yet",
+                path);
+  return {};
+}
+
+Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& path,
+                                                          const ReadOptions& options) {
+  LODE_CHECK(expect_no_mesh(path));
+  return open_volume(path, options);
+}
 
 bool ReadingArguments::is_empty() const {
   return field.empty() && component.empty() && time.empty() && nodata.empty() && dims.empty() &&

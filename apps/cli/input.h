@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -44,6 +45,13 @@ struct Input {
   double open_seconds = 0;  ///< Reading, and building where it was needed.
   bool was_built = false;   ///< From a foreign file, in memory.
 };
+
+/// Fails on a mesh of cells, saying which command takes it.
+[[nodiscard]] Result<void> expect_no_mesh(const std::string& path);
+
+/// open_volume() after expect_no_mesh().
+[[nodiscard]] Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& path,
+                                                                        const ReadOptions& options);
 
 /// Looks at what a file holds before the work starts, and may refuse it.
 using AcceptVolume = std::function<Result<void>(const VolumeInfo&)>;

@@ -155,6 +155,17 @@ TEST_F(cli_tetra, makes_isosurfaces_of_the_cut_and_of_the_reference_without_a_to
   }
 }
 
+TEST_F(cli_tetra, warns_that_regions_are_left_out) {
+  const std::string regions = scratch_ / "regions.msh";
+  std::ofstream(regions) << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n"
+                            "3 0 1 0\n4 0 0 1\n5 0 0 -1\n$EndNodes\n$Elements\n2\n"
+                            "1 4 2 7 7 1 2 3 4\n2 4 2 9 9 1 3 2 5\n$EndElements\n$NodeData\n1\n"
+                            "\"heat\"\n0\n3\n0\n1\n5\n1 0\n2 1\n3 2\n4 3\n5 4\n$EndNodeData\n";
+  const Finished run = run_lode({"extract", regions, output_, "--mesh"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("its 2 regions are left out"), std::string::npos) << run.err;
+}
+
 TEST_F(cli_tetra, writes_what_vtk_reads) {
   ASSERT_TRUE(has_vtk()) << kVtkMissing;
   const nlohmann::json json = report({"--max-error", "0.5"});
@@ -193,6 +204,8 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   refused({"extract", input_, output_, "--mesh", "--nodata", "3"}, "--field and --component");
   refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");
   refused({"extract", input_, input_, "--mesh"}, "expected an output that is not an input");
+  refused({"info", input_}, "which only extract takes yet");
+  refused({"build", input_, scratch_ / "out.lode"}, "which only extract takes yet");
   const std::string broken = scratch_ / "broken.vtu";
   std::ofstream(broken) << "<VTKFile type=\"UnstructuredGrid\"";
   refused({"extract", broken, output_, "--mesh"}, "broken.vtu");
