@@ -87,8 +87,8 @@ Range own_range(const SplitHierarchy& hierarchy, const Split& split) {
 }
 
 /// Around the vertex that is split.
-Ball own_bounds(const SplitHierarchy& hierarchy, Label v) {
-  Ball ball{hierarchy.vertices[v].position, 0};
+Bounds own_bounds(const SplitHierarchy& hierarchy, Label v) {
+  Bounds ball{hierarchy.vertices[v].position, 0};
   for (const Triangle& triangle : hierarchy.split(v).before)
     for (const Label w : triangle.corners)
       ball.radius = std::max(ball.radius, length(hierarchy.vertices[w].position - ball.centre));
@@ -104,7 +104,7 @@ void find_split_facts(SplitHierarchy& hierarchy) {
   for (std::size_t i = 0; i < hierarchy.splits.size(); ++i) {
     const Split& split = hierarchy.splits[i];
     const Range range = own_range(hierarchy, split);
-    Ball bounds = own_bounds(hierarchy, hierarchy.label(i));
+    Bounds bounds = own_bounds(hierarchy, hierarchy.label(i));
     StoredFacts facts;
     facts.error = rounded_up(own_error(hierarchy, split));
     facts.low = rounded_down(range.low);
@@ -115,7 +115,7 @@ void find_split_facts(SplitHierarchy& hierarchy) {
       facts.error = std::max(facts.error, below.error);
       facts.low = std::min(facts.low, below.low);
       facts.high = std::max(facts.high, below.high);
-      const Ball& inner = hierarchy.bounds[hierarchy.place(child)];
+      const Bounds& inner = hierarchy.bounds[hierarchy.place(child)];
       bounds.radius = std::max(bounds.radius, length(inner.centre - bounds.centre) + inner.radius);
     }
     bounds.radius *= kSlack;

@@ -35,7 +35,7 @@ struct SplitHierarchy {
   std::vector<Triangle> reference;    ///< The mesh when everything is split,
   std::vector<Triangle> base;         ///< and when nothing is.
   std::vector<StoredFacts> facts;     ///< By split, nested along the forest.
-  std::vector<Ball> bounds;           ///< The same.
+  std::vector<Bounds> bounds;         ///< The same.
 
   [[nodiscard]] bool is_node(Label v) const { return v >= n_samples; }
   [[nodiscard]] std::size_t place(Label v) const { return v - n_samples; }

@@ -28,7 +28,7 @@ class SplitModel {
   [[nodiscard]] StoredFacts facts(NodeId node) const {
     return hierarchy_->facts[hierarchy_->place(label_of(node))];
   }
-  [[nodiscard]] Ball bounds(NodeId node) const {
+  [[nodiscard]] Bounds bounds(NodeId node) const {
     return hierarchy_->bounds[hierarchy_->place(label_of(node))];
   }
   [[nodiscard]] double range_reference() const { return 0; }

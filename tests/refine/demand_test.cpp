@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <random>
 
 #include "lode/refine/focus.h"
@@ -25,6 +27,8 @@ class demand : public ::testing::Test {
     facts.range.low = uniform(-10, 100);
     facts.range.high = facts.range.low + uniform(-1, 20);
     facts.bounds = {point(), uniform(0, 6)};
+    if (random_() % 2 == 0) facts.bounds.half = {{uniform(0, 4), uniform(0, 4), uniform(0, 4)}};
+    if (random_() % 4 == 0) facts.bounds.radius = 0;
     facts.is_at_border = random_() % 4 == 0;
     return facts;
   }
@@ -37,7 +41,12 @@ class demand : public ::testing::Test {
     facts.range.high += random_() % 2 == 0 ? 0 : uniform(0, 5);
     const Vec3d step = point() * uniform(0, 0.2);
     facts.bounds.centre = facts.bounds.centre + step;
-    facts.bounds.radius += length(step) * (1 + 1e-12) + uniform(0, 1);
+    if (random_() % 2 == 0) {
+      for (std::size_t i = 0; i < 3; ++i)
+        facts.bounds.half[i] += std::abs(step[i]) * (1 + 1e-12) + 1e-12 + uniform(0, 1);
+    } else {
+      facts.bounds.radius += length(step) * (1 + 1e-12) + 1e-12 + uniform(0, 1);
+    }
     facts.is_at_border = facts.is_at_border || random_() % 4 == 0;
     return facts;
   }
@@ -92,6 +101,19 @@ class demand : public ::testing::Test {
 
   std::mt19937 random_{7};
 };
+
+TEST(bounds, contain_what_lies_within_a_distance_of_a_box) {
+  const Bounds outer{{{1, 2, 3}}, 0.5, {{2, 0, 1}}};
+  EXPECT_TRUE(outer.contains(outer));
+  EXPECT_TRUE(outer.contains({{{3, 2, 3}}, 0.5}));
+  EXPECT_FALSE(outer.contains({{{3.1, 2, 3}}, 0.5}));
+  EXPECT_TRUE(outer.contains({{{3.25, 2.25, 3}}, 0.1}));
+  EXPECT_FALSE(outer.contains({{{3.45, 2.45, 3}}, 0}));  // beyond the rounded edge
+  EXPECT_TRUE(outer.contains({{{1, 2, 3}}, 0, {{2.5, 0, 1}}}));
+  EXPECT_FALSE(outer.contains({{{1, 2, 3}}, 0, {{2.5, 0.5, 1}}}));
+  EXPECT_DOUBLE_EQ(outer.beyond({{6, 6, 3}}), 5);
+  EXPECT_DOUBLE_EQ(outer.reach({{0.6, 0, -0.8}}), 0.5 + 1.2 + 0.8);
+}
 
 TEST_F(demand, is_monotone_for_every_focus_and_unit) {
   for (int i = 0; i < 3000; ++i) expect_monotone(focus_demand());

@@ -24,24 +24,26 @@ bool touches_focus(const IntervalFocus& focus, const NodeFacts& node) {
 bool touches_focus(const BoxFocus& focus, const NodeFacts& node) {
   double squared = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double x = node.bounds.centre[i];
-    const double d = std::max({focus.box.lower[i] - x, x - focus.box.upper[i], 0.0});
+    const double lower = node.bounds.centre[i] - node.bounds.half[i];
+    const double upper = node.bounds.centre[i] + node.bounds.half[i];
+    const double d = std::max({focus.box.lower[i] - upper, lower - focus.box.upper[i], 0.0});
     squared += d * d;
   }
   return squared <= node.bounds.radius * node.bounds.radius;
 }
 
 bool touches_focus(const BallFocus& focus, const NodeFacts& node) {
-  return length(node.bounds.centre - focus.ball.centre) <= node.bounds.radius + focus.ball.radius;
+  return node.bounds.beyond(focus.ball.centre) <= node.bounds.radius + focus.ball.radius;
 }
 
 bool touches_focus(const HalfSpaceFocus& focus, const NodeFacts& node) {
-  return dot(node.bounds.centre - focus.point, normalized(focus.normal)) >= -node.bounds.radius;
+  const Vec3d normal = normalized(focus.normal);
+  return dot(node.bounds.centre - focus.point, normal) >= -node.bounds.reach(normal);
 }
 
 bool touches_focus(const SectionFocus& focus, const NodeFacts& node) {
-  return std::abs(dot(node.bounds.centre - focus.point, normalized(focus.normal))) <=
-         node.bounds.radius;
+  const Vec3d normal = normalized(focus.normal);
+  return std::abs(dot(node.bounds.centre - focus.point, normal)) <= node.bounds.reach(normal);
 }
 
 double opacity_at(const OpacityFocus& focus, double value) {
@@ -74,15 +76,15 @@ double excess(double error, double tolerance) {
 
 }  // namespace
 
-bool ViewFocus::shows(const Ball& ball) const {
+bool ViewFocus::shows(const Bounds& bounds) const {
   return std::all_of(planes.begin(), planes.end(), [&](const Plane& plane) {
-    return dot(plane.normal, ball.centre) - plane.offset <= ball.radius;
+    return dot(plane.normal, bounds.centre) - plane.offset <= bounds.reach(plane.normal);
   });
 }
 
-double ViewFocus::pixels(double length_of, const Ball& ball) const {
+double ViewFocus::pixels(double length_of, const Bounds& bounds) const {
   if (length_of == 0) return 0;
-  const double distance = length(ball.centre - eye) - ball.radius;
+  const double distance = bounds.beyond(eye) - bounds.radius;
   return distance > 0 ? pixels_per_radian * length_of / distance : kEndless;
 }
 

@@ -64,9 +64,9 @@ struct ViewFocus {
   Vec3d eye;
   std::array<Plane, 5> planes;   ///< The four sides, and the one through the eye.
   double pixels_per_radian = 0;  ///< The picture's width over its angle of view.
-  [[nodiscard]] bool shows(const Ball& ball) const;
-  /// How large `length` appears at most, anywhere in the ball; infinite if the eye may be there.
-  [[nodiscard]] double pixels(double length, const Ball& ball) const;
+  [[nodiscard]] bool shows(const Bounds& bounds) const;
+  /// How large `length` appears at most, anywhere in the bounds; infinite if the eye may be there.
+  [[nodiscard]] double pixels(double length, const Bounds& bounds) const;
 };
 
 using Focus = std::variant<IsovalueFocus, IntervalFocus, BoxFocus, BallFocus, HalfSpaceFocus,

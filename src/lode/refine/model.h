@@ -2,6 +2,7 @@
 
 // What the engine needs from a multiresolution model. The engine never learns what a node is.
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -37,8 +38,30 @@ struct Ball {
   double radius = 0;
 
   friend bool operator==(const Ball&, const Ball&) = default;
-  [[nodiscard]] bool contains(const Ball& b) const {
-    return length(b.centre - centre) + b.radius <= radius;
+};
+
+/// World units: what is within a distance of a box, so that balls and boxes are bounds alike.
+struct Bounds {
+  Vec3d centre;
+  double radius = 0;  ///< The distance.
+  Vec3d half{};       ///< The box's edges; 0 for a ball.
+
+  friend bool operator==(const Bounds&, const Bounds&) = default;
+  [[nodiscard]] bool contains(const Bounds& b) const {
+    return beyond(b.centre, b.half) + b.radius <= radius;
+  }
+  /// How far from the bounds' box a point is, or one that has `inner` round it reaches out.
+  [[nodiscard]] double beyond(const Vec3d& p, const Vec3d& inner = {}) const {
+    Vec3d way;
+    for (std::size_t i = 0; i < 3; ++i)
+      way[i] = std::max(std::abs(p[i] - centre[i]) + inner[i] - half[i], 0.0);
+    return length(way);
+  }
+  /// How far from the centre they reach in a direction of length 1, and against it.
+  [[nodiscard]] double reach(const Vec3d& direction) const {
+    double sum = radius;
+    for (std::size_t i = 0; i < 3; ++i) sum += std::abs(direction[i]) * half[i];
+    return sum;
   }
 };
 
@@ -59,7 +82,7 @@ struct NodeFacts {
   double error = 0;        ///< How wrong the field is on its domain if it is not refined.
   double world_error = 0;  ///< How far an isosurface may be off, an estimate.
   Range range;             ///< Of the full-resolution field over the domain.
-  Ball bounds;             ///< Contains the domain.
+  Bounds bounds;           ///< Contain the domain.
   bool is_at_border = false;
 };
 
@@ -94,7 +117,7 @@ concept RefinableModel = requires(M& model, const M& fixed, NodeId node, std::ve
   fixed.add_children(node, out);
   fixed.add_parents(node, out);
   { fixed.facts(node) } -> std::same_as<StoredFacts>;
-  { fixed.bounds(node) } -> std::same_as<Ball>;
+  { fixed.bounds(node) } -> std::same_as<Bounds>;
   { fixed.range_reference() } -> std::convertible_to<double>;
   { fixed.n_base_cells() } -> std::convertible_to<std::uint64_t>;
   { model.apply(node) } -> std::convertible_to<std::uint64_t>;

@@ -162,7 +162,7 @@ void Refinable<D, Field>::find_radii() {
 }
 
 template <int D, typename Field>
-Ball Refinable<D, Field>::bounds(NodeId id) const {
+Bounds Refinable<D, Field>::bounds(NodeId id) const {
   const Diamond<D> node = diamond_of<D>(id);
   const Index3 q = model_.axes.to_grid(node.centre);
   return {model_.info.grid.to_world({{double(q[0]), double(q[1]), double(q[2])}}),

@@ -114,7 +114,7 @@ class Refinable {
   /// Asks the memory for a node's facts.
   void prefetch(NodeId id) const;
   /// Contains the domains of all nodes below; its radius depends on level and odd axes only.
-  [[nodiscard]] Ball bounds(NodeId id) const;
+  [[nodiscard]] Bounds bounds(NodeId id) const;
   [[nodiscard]] double range_reference() const { return model_.range_reference(); }
   [[nodiscard]] std::uint64_t n_base_cells() const;
   std::uint64_t apply(NodeId id) const { return n_simplices(id); }
