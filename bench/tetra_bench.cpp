@@ -34,6 +34,7 @@ namespace {
 
 using tetra_mt::HalfEdgeCollapses;
 using tetra_mt::Hierarchy;
+using tetra_mt::PackedHierarchy;
 using tetra_mt::TetraCut;
 
 constexpr Threads kThreads{2};
@@ -177,39 +178,33 @@ Result<Timed> run_collapse(const TetraCase& tetra_case, const TetraMesh& mesh, d
   return theirs;
 }
 
-template <typename T>
-std::size_t bytes_of(const std::vector<T>& array) {
-  return array.size() * sizeof(T);
-}
-
-std::size_t bytes_of(const Hierarchy& h) {
-  std::size_t n = bytes_of(h.positions) + bytes_of(h.base) + bytes_of(h.base_makers) +
-                  bytes_of(h.targets) + bytes_of(h.facts) + bytes_of(h.radii) +
-                  bytes_of(h.child_begins) + bytes_of(h.children) + bytes_of(h.parent_begins) +
-                  bytes_of(h.parents) + bytes_of(h.maker_begins) + bytes_of(h.makers);
-  for (const MeshField& field : h.fields) n += bytes_of(field.values);
-  return n;
-}
+struct Made {
+  Hierarchy hierarchy;
+  PackedHierarchy packed;
+};
 
 /// All of ours from a mesh to its hierarchy, against what the peer takes to simplify it once.
-Result<Hierarchy> run_hierarchy(const TetraCase& tetra_case, const TetraMesh& mesh,
-                                const Timed& peer, Table& table) {
+Result<Made> run_hierarchy(const TetraCase& tetra_case, const TetraMesh& mesh, const Timed& peer,
+                           Table& table) {
   Timed ours;
   std::optional<Hierarchy> hierarchy;
+  std::optional<PackedHierarchy> packed;
   const Work work = [&]() -> Result<void> {
     hierarchy.reset();
+    packed.reset();
     LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, kBaseShare, kThreads));
     LODE_TRY(hierarchy, make_hierarchy(mesh, collapses, kThreads));
+    packed = PackedHierarchy::pack(*hierarchy, mesh.tetrahedra.size(), kThreads);
     return {};
   };
   LODE_TRY(ours.seconds, time_runs("hierarchy", work, kRuns));
   ours.cells = hierarchy->n_base_cells;
-  std::vector<tetra_mt::Tetrahedron> base = TetraCut(*hierarchy).cells();
+  std::vector<tetra_mt::Tetrahedron> base = TetraCut(*packed).cells();
   ours.errors = measure_errors(mesh, {hierarchy->positions, hierarchy->fields.front().values, base},
                                kThreads);
   const double n = hierarchy->n_nodes();
   const double arcs = static_cast<double>(hierarchy->children.size()) / n;
-  const double bytes = static_cast<double>(bytes_of(*hierarchy)) / n;
+  const double bytes = static_cast<double>(packed->n_page_bytes()) / n;
   Row row = versus("hierarchy/" + tetra_case.name, ours, peer,
                    fmt::format("{} nodes, {:.2f} arcs and {:.1f} bytes a node; base: {}",
                                hierarchy->n_nodes(), arcs, bytes, describe(ours.errors)));
@@ -217,20 +212,20 @@ Result<Hierarchy> run_hierarchy(const TetraCase& tetra_case, const TetraMesh& me
   row.counts["arcs_per_node"] = arcs;
   row.counts["bytes_per_node"] = bytes;
   table.add(std::move(row));
-  return std::move(*hierarchy);
+  return Made{std::move(*hierarchy), std::move(*packed)};
 }
 
 /// All nodes applied and undone again.
-Result<void> run_refine(const TetraCase& tetra_case, const Hierarchy& hierarchy, Table& table) {
-  TetraCut cut(hierarchy);
-  const std::uint32_t n = hierarchy.n_nodes();
+Result<void> run_refine(const TetraCase& tetra_case, const Made& made, Table& table) {
+  TetraCut cut(made.packed);
+  const std::vector<std::uint32_t>& order = made.hierarchy.order;
   const Work work = [&]() -> Result<void> {
-    for (std::uint32_t k = 0; k < n; ++k) cut.apply(NodeId{k});
-    for (std::uint32_t k = n; k-- > 0;) cut.undo(NodeId{k});
+    for (const std::uint32_t node : order) cut.apply(NodeId{node});
+    for (std::size_t k = order.size(); k-- > 0;) cut.undo(NodeId{order[k]});
     return {};
   };
   LODE_TRY(const Seconds seconds, time_runs("refine", work, kRuns));
-  const double updates = 2.0 * n;
+  const double updates = 2.0 * static_cast<double>(order.size());
   table.add(alone("refine/" + tetra_case.name, seconds,
                   {{"updates", updates}, {"updates_per_s", updates / seconds.median}},
                   fmt::format("one thread: {:.2f} M updates/s, fastest {:.2f}",
@@ -239,8 +234,8 @@ Result<void> run_refine(const TetraCase& tetra_case, const Hierarchy& hierarchy,
 }
 
 /// An isosurface at the middle of the range, from the base.
-void run_isovalue(const TetraCase& tetra_case, const TetraMesh& mesh, const Hierarchy& hierarchy,
-                  double tolerance_share, Table& table) {
+void run_isovalue(const TetraCase& tetra_case, const TetraMesh& mesh,
+                  const PackedHierarchy& hierarchy, double tolerance_share, Table& table) {
   const auto [low, high] = std::ranges::minmax(mesh.fields.front().values);
   const Demand demand = isovalue_demand((low + high) / 2, tolerance_share * (high - low));
   std::vector<double> seconds;
@@ -274,10 +269,10 @@ Result<void> run_case(const TetraCase& tetra_case, Table& table) {
   QuadricDecimation peer(mesh);
   LODE_CHECK(run_collapse(tetra_case, mesh, kShares[0], peer, table));
   LODE_TRY(const Timed theirs, run_collapse(tetra_case, mesh, kShares[1], peer, table));
-  LODE_TRY(const Hierarchy hierarchy, run_hierarchy(tetra_case, mesh, theirs, table));
-  LODE_CHECK(run_refine(tetra_case, hierarchy, table));
+  LODE_TRY(const Made made, run_hierarchy(tetra_case, mesh, theirs, table));
+  LODE_CHECK(run_refine(tetra_case, made, table));
   for (const double tolerance : {0.0, 0.02})
-    run_isovalue(tetra_case, mesh, hierarchy, tolerance, table);
+    run_isovalue(tetra_case, mesh, made.packed, tolerance, table);
   return {};
 }
 

@@ -111,9 +111,16 @@ TEST_F(cli_tetra, keeps_tolerances_foci_and_budgets) {
   const nlohmann::json both =
       report({"--max-error", "0", "--isovalue", "8", "--max-error-outside", "1"});
   EXPECT_LE(both.at("largest_error"), 1);
-  const nlohmann::json budget = report({"--max-cells", "2000"});
-  EXPECT_LE(budget.at("cells"), 2000);
-  EXPECT_GT(budget.at("cells"), 1500);
+  int n_last = 0;
+  double error_last = 100;
+  for (const int budget : {1200, 2000, 3000, 6000}) {
+    const nlohmann::json within = report({"--max-cells", std::to_string(budget)});
+    EXPECT_LE(within.at("cells"), budget);
+    EXPECT_GE(within.at("cells"), std::max(n_last, budget / 2));
+    EXPECT_LE(within.at("achieved_error"), error_last);
+    n_last = within.at("cells");
+    error_last = within.at("achieved_error");
+  }
   EXPECT_EQ(report({"--max-cells", "1"}).at("budget_met"), false);
 }
 

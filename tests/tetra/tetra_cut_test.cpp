@@ -24,6 +24,7 @@ using oracles::Random;
 struct Built {
   TetraMesh mesh;  ///< Vertices numbered as the hierarchy's.
   Hierarchy hierarchy;
+  PackedHierarchy packed;
 };
 
 Built built(const TetraMesh& reference, std::uint64_t base_cells) {
@@ -33,7 +34,8 @@ Built built(const TetraMesh& reference, std::uint64_t base_cells) {
   EXPECT_TRUE(collapses);
   auto hierarchy = make_hierarchy(reference, *collapses, {2});
   EXPECT_TRUE(hierarchy) << (hierarchy ? "" : hierarchy.error().message);
-  Built result{reference, std::move(*hierarchy)};
+  auto packed = PackedHierarchy::pack(*hierarchy, reference.tetrahedra.size(), {2});
+  Built result{reference, std::move(*hierarchy), std::move(packed)};
   result.mesh.positions = result.hierarchy.positions;
   result.mesh.fields = result.hierarchy.fields;
   // Positions tell which vertex is which.
@@ -86,7 +88,8 @@ Brute brute_force(const Built& b) {
   for (const Cell& c : closed) insert(sorted(c));
   Brute result;
   result.parents.resize(n);
-  for (std::uint32_t node = n; node-- > 0;) {
+  for (std::uint32_t i = n; i-- > 0;) {
+    const std::uint32_t node = b.hierarchy.order[i];
     const std::uint32_t vertex = b.hierarchy.n_base_vertices + node;
     const std::uint32_t target = b.hierarchy.targets[node];
     const std::set<Cell> star = stars[vertex];
@@ -133,13 +136,13 @@ TEST(tetra_cut, depends_on_what_brute_force_finds) {
       EXPECT_EQ(std::set<std::uint32_t>(parents.begin(), parents.end()), brute.parents[node]);
       EXPECT_EQ(std::set<std::uint32_t>(parents.begin(), parents.end()).size(), parents.size());
     }
-    EXPECT_EQ(sorted_corners(TetraCut(b.hierarchy).cells()), sorted_corners(brute.base));
+    EXPECT_EQ(sorted_corners(TetraCut(b.packed).cells()), sorted_corners(brute.base));
   }
 }
 
 TEST(tetra_cut, refined_in_any_order_is_the_reference_and_coarsened_the_base) {
   const Built b = built(holed_mesh(12, Cut::in_five), 100);
-  TetraCut cut(b.hierarchy);
+  TetraCut cut(b.packed);
   const auto base = test::normalised(cut.cells());
   Random random(4);
   for (int round = 0; round < 2; ++round) {
@@ -175,7 +178,7 @@ TEST(tetra_cut, refined_in_any_order_is_the_reference_and_coarsened_the_base) {
 
 TEST(tetra_cut, engine_and_one_shot_find_the_same_and_errors_are_true) {
   const Built b = built(holed_mesh(11, Cut::in_five), 100);
-  TetraCut refined(b.hierarchy);
+  TetraCut refined(b.packed);
   Engine<TetraCut> engine(refined);
   Random random(9);
   for (int trial = 0; trial < 12; ++trial) {
@@ -188,7 +191,7 @@ TEST(tetra_cut, engine_and_one_shot_find_the_same_and_errors_are_true) {
     });
     engine.set_query(demand);
     engine.finish();
-    TetraCut direct(b.hierarchy);
+    TetraCut direct(b.packed);
     const lode::Cut cut = one_shot(direct, demand);
     EXPECT_EQ(cut.applied(), engine.cut().applied());
     EXPECT_EQ(test::normalised(direct.cells()), test::normalised(refined.cells()));
@@ -206,7 +209,7 @@ TEST(tetra_cut, engine_and_one_shot_find_the_same_and_errors_are_true) {
 /// the cells, what it may have at most.
 void expect_within(const TetraMesh& mesh, double tolerance, double share = 0.9) {
   const Built b = built(mesh, 60);
-  TetraCut cut(b.hierarchy);
+  TetraCut cut(b.packed);
   static_cast<void>(
       one_shot(cut, Demand([=](const NodeFacts& facts) { return facts.error - tolerance; })));
   const auto cells = cut.cells();
@@ -260,7 +263,7 @@ TEST(tetra_cut, ranges_tell_as_much_beside_an_offset) {
     TetraMesh moved = mesh;
     for (double& value : moved.fields[0].values) value += offset;
     const Built b = built(moved, 60);
-    TetraCut cut(b.hierarchy);
+    TetraCut cut(b.packed);
     static_cast<void>(one_shot(cut, Demand([=](const NodeFacts& facts) {
                                  return facts.range.crosses(offset + 0.3) ? 1.0 : 0.0;
                                })));
@@ -273,7 +276,7 @@ TEST(tetra_cut, ranges_tell_as_much_beside_an_offset) {
 
 TEST(tetra_cut, facts_are_nested_along_discovery_which_reaches_all) {
   const Built b = built(holed_mesh(10, Cut::in_six), 100);
-  const TetraCut cut(b.hierarchy);
+  const TetraCut cut(b.packed);
   std::vector<NodeId> open;
   cut.add_base(open);
   std::size_t n = 0;

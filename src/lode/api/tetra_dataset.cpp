@@ -9,6 +9,7 @@
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/mesh_isosurface.h"
+#include "lode/models/tetra_mt/persist.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
 
@@ -16,7 +17,9 @@ namespace lode {
 namespace {
 
 using tetra_mt::Hierarchy;
+using tetra_mt::HierarchyHead;
 using tetra_mt::kNone;
+using tetra_mt::PackedHierarchy;
 using tetra_mt::TetraCut;
 
 /// As for volumes.
@@ -39,49 +42,31 @@ Demand demand_of(Query query) {
   return demand;
 }
 
-double base_error_of(const Hierarchy& hierarchy) {
-  double largest = 0;
-  for (const std::uint32_t maker : hierarchy.base_makers)
-    if (maker != kNone)
-      largest = std::max(largest, static_cast<double>(hierarchy.facts[maker].error));
-  return largest;
-}
-
 /// What positions of surfaces are relative to: nothing, unless the mesh is so far away that float32
 /// loses more than a millionth of its size.
-Vec3d origin_of(const Hierarchy& hierarchy) {
-  if (hierarchy.positions.empty()) return {};
-  Vec3d lower = hierarchy.positions[0];
-  Vec3d upper = lower;
-  for (const Vec3d& p : hierarchy.positions)
-    for (std::size_t i = 0; i < 3; ++i) {
-      lower[i] = std::min(lower[i], p[i]);
-      upper[i] = std::max(upper[i], p[i]);
-    }
+Vec3d origin_of(const HierarchyHead& head) {
   constexpr double kFar = 16;
-  const bool is_far = length(lower) + length(upper) > kFar * length(upper - lower);
-  return is_far ? lower : Vec3d();
+  const bool is_far =
+      length(head.lower) + length(head.upper) > kFar * length(head.upper - head.lower);
+  return is_far ? head.lower : Vec3d();
 }
 
 /// Cells of a cut, their vertices numbered in the order of the hierarchy's.
-void fill_mesh(const Hierarchy& hierarchy, const TetraCut& cut, SimplexMesh& mesh) {
+void fill_mesh(const PackedHierarchy& hierarchy, const TetraCut& cut, SimplexMesh& mesh) {
   mesh = {};
-  std::vector<std::uint32_t> numbers(hierarchy.positions.size(), kNone);
-  const std::uint32_t outside = hierarchy.outside();
-  for (std::size_t slot = 0; slot < cut.slots().size(); ++slot) {
-    const auto& t = cut.slots()[slot];
-    if (t[0] == kNone || std::ranges::find(t, outside) != t.end()) continue;
-    mesh.tetrahedra.push_back(t);
-    const std::uint32_t maker = cut.makers()[slot];
-    mesh.errors.push_back(maker == kNone ? 0 : hierarchy.facts[maker].error);
-    for (const std::uint32_t v : t) numbers[v] = 0;
+  std::vector<std::uint32_t> numbers(hierarchy.head().n_vertices(), kNone);
+  for (const TetraCut::Cell& cell : cut.slots()) {
+    if (!cut.is_inside(cell)) continue;
+    mesh.tetrahedra.push_back(cell.corners);
+    mesh.errors.push_back(cell.maker == kNone ? 0 : hierarchy.facts(cell.maker, 0).error);
+    for (const std::uint32_t v : cell.corners) numbers[v] = 0;
   }
   std::uint32_t n = 0;
   for (std::uint32_t v = 0; v < numbers.size(); ++v) {
     if (numbers[v] == kNone) continue;
     numbers[v] = n++;
-    mesh.positions.push_back(hierarchy.positions[v]);
-    mesh.values.push_back(hierarchy.fields[0].values[v]);
+    mesh.positions.push_back(hierarchy.position(v));
+    mesh.values.push_back(hierarchy.value(v, 0));
   }
   for (auto& t : mesh.tetrahedra)
     for (std::uint32_t& v : t) v = numbers[v];
@@ -90,14 +75,44 @@ void fill_mesh(const Hierarchy& hierarchy, const TetraCut& cut, SimplexMesh& mes
   });
 }
 
+TetraInfo info_of(const HierarchyHead& head) {
+  const HierarchyHead::Field& field = head.fields[0];
+  return {.n_vertices = head.n_vertices(),
+          .n_cells = head.n_cells,
+          .n_base_cells = head.n_base_cells,
+          .n_nodes = head.shape.n_nodes,
+          .field = field.name,
+          .type = field.type,
+          .range_min = field.scale.knots().front(),
+          .range_max = field.scale.knots().back(),
+          .base_error = field.base_error,
+          .bounds = {head.lower, head.upper}};
+}
+
+Result<Hierarchy> make_hierarchy_of(const TetraMesh& mesh, const TetraBuildOptions& options,
+                                    Progress& progress) {
+  if (mesh.fields.size() != 1) return fail("expected one field, got {}", mesh.fields.size());
+  const auto base_cells = static_cast<std::uint64_t>(std::clamp(options.base_share, 0.0, 1.0) *
+                                                     static_cast<double>(mesh.tetrahedra.size()));
+  LODE_TRY(
+      const auto collapses,
+      tetra_mt::collapse_half_edges(
+          mesh, {.base_cells = base_cells, .rules = {}, .threads = options.threads}, progress));
+  return tetra_mt::make_hierarchy(mesh, collapses, options.threads);
+}
+
 }  // namespace
 
 class TetraDataset::Impl {
  public:
-  Impl(Hierarchy built, TetraInfo known)
-      : hierarchy(std::move(built)), info(std::move(known)), surface_origin(origin_of(hierarchy)) {}
+  explicit Impl(PackedHierarchy packed, std::function<tetra_mt::FileReads()> reads_of = {})
+      : hierarchy(std::move(packed)),
+        reads(std::move(reads_of)),
+        info(info_of(hierarchy.head())),
+        surface_origin(origin_of(hierarchy.head())) {}
 
-  Hierarchy hierarchy;
+  PackedHierarchy hierarchy;
+  std::function<tetra_mt::FileReads()> reads;  ///< None in memory.
   TetraInfo info;
   Vec3d surface_origin;
 };
@@ -109,28 +124,43 @@ TetraDataset::~TetraDataset() = default;
 
 const TetraInfo& TetraDataset::describe() const { return impl_->info; }
 
+TetraReads TetraDataset::reads() const {
+  if (!impl_->reads) return {};
+  const tetra_mt::FileReads reads = impl_->reads();
+  return {reads.n_bytes, reads.file_size};
+}
+
 Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuildOptions& options,
                                          Progress& progress) try {
-  if (mesh.fields.size() != 1) return fail("expected one field, got {}", mesh.fields.size());
-  const auto base_cells = static_cast<std::uint64_t>(std::clamp(options.base_share, 0.0, 1.0) *
-                                                     static_cast<double>(mesh.tetrahedra.size()));
-  LODE_TRY(
-      const auto collapses,
-      tetra_mt::collapse_half_edges(
-          mesh, {.base_cells = base_cells, .rules = {}, .threads = options.threads}, progress));
-  LODE_TRY(auto hierarchy, tetra_mt::make_hierarchy(mesh, collapses, options.threads));
-  const std::vector<double>& values = hierarchy.fields[0].values;
-  TetraInfo info{.n_vertices = hierarchy.positions.size(),
-                 .n_cells = mesh.tetrahedra.size(),
-                 .n_base_cells = hierarchy.n_base_cells,
-                 .n_nodes = hierarchy.n_nodes(),
-                 .field = hierarchy.fields[0].name,
-                 .range_min = values.empty() ? 0 : std::ranges::min(values),
-                 .range_max = values.empty() ? 0 : std::ranges::max(values),
-                 .base_error = base_error_of(hierarchy)};
-  return TetraDataset(std::make_unique<Impl>(std::move(hierarchy), std::move(info)));
+  LODE_TRY(const auto hierarchy, make_hierarchy_of(mesh, options, progress));
+  return TetraDataset(std::make_unique<Impl>(
+      PackedHierarchy::pack(hierarchy, mesh.tetrahedra.size(), options.threads)));
 } catch (const std::bad_alloc&) {
   return out_of_memory("build the hierarchy");
+}
+
+Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const std::string& path,
+                                                 const TetraBuildOptions& options,
+                                                 Progress& progress) try {
+  Stopwatch watch;
+  LODE_TRY(const auto hierarchy, make_hierarchy_of(mesh, options, progress));
+  TetraFileReport report;
+  report.build_seconds = watch.seconds();
+  report.info = info_of(head_of(hierarchy, mesh.tetrahedra.size()));
+  const Stopwatch write_watch;
+  LODE_TRY(report.file_bytes,
+           tetra_mt::save(hierarchy, mesh.tetrahedra.size(), path, options.threads, progress));
+  report.write_seconds = write_watch.seconds();
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("build the hierarchy");
+}
+
+Result<TetraDataset> TetraDataset::open(const std::string& path) try {
+  LODE_TRY(auto opened, tetra_mt::open(path));
+  return TetraDataset(std::make_unique<Impl>(std::move(opened.hierarchy), std::move(opened.reads)));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("open the file");
 }
 
 Result<MeshReport> TetraDataset::extract_mesh(const MeshOptions& options, SimplexMesh& mesh,
@@ -140,10 +170,12 @@ Result<MeshReport> TetraDataset::extract_mesh(const MeshOptions& options, Simple
   TetraCut cut(impl_->hierarchy);
   Engine<TetraCut> engine(cut);
   engine.set_query(demand_of(query), query.budget);
-  engine.run([&] { return progress.is_cancelled(); });
+  engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
+  LODE_CHECK(cut.check());
   const Standing standing = engine.standing();
   fill_mesh(impl_->hierarchy, cut, mesh);
+  LODE_CHECK(cut.check());
   MeshReport report{
       .max_error = *query.max_error,
       .achieved_error = engine.largest([](const NodeFacts& facts) { return facts.error; }),

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "lode/api/mesh_extraction.h"
+#include "lode/core/box.h"
 #include "lode/core/mesh.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
+#include "lode/core/scalar_type.h"
 #include "lode/core/surface.h"
 #include "lode/core/tetra_mesh.h"
 
@@ -26,9 +28,24 @@ struct TetraInfo {
   std::uint64_t n_base_cells = 0;
   std::uint64_t n_nodes = 0;  ///< Collapses, and splits that undo them.
   std::string field;
+  ScalarType type = ScalarType::float64;
   double range_min = 0;  ///< Of the field; both 0 where there is no vertex.
   double range_max = 0;
   double base_error = 0;  ///< Largest |F - F'| at vertices of the reference on the base.
+  Box3d bounds{};         ///< Of all vertices.
+};
+
+/// What has been read of a file since it was opened; nothing in memory.
+struct TetraReads {
+  std::uint64_t n_bytes = 0;
+  std::uint64_t file_size = 0;
+};
+
+struct TetraFileReport {
+  TetraInfo info;
+  std::uint64_t file_bytes = 0;
+  double build_seconds = 0;
+  double write_seconds = 0;
 };
 
 struct TetraSurfaceReport {
@@ -42,8 +59,9 @@ struct TetraSurfaceReport {
   double seconds = 0;
 };
 
-/// The door of tetrahedral meshes with a field, in memory: a Multi-Tessellation of half-edge
-/// collapses (docs/models/tetra_mt.md). F is linear on each tetrahedron of the reference mesh.
+/// The door of tetrahedral meshes with a field: a Multi-Tessellation of half-edge collapses
+/// (docs/models/tetra_mt.md), in memory or in a file, of which parts are read when queries ask for
+/// them. F is linear on each tetrahedron of the reference mesh.
 /// Errors are of samples: largest at the reference's vertices; between them F' may be farther off.
 class TetraDataset {
  public:
@@ -51,11 +69,19 @@ class TetraDataset {
   [[nodiscard]] static Result<TetraDataset> build(const TetraMesh& mesh,
                                                   const TetraBuildOptions& options,
                                                   Progress& progress);
+  /// Writes what build() makes to a .lode file, whole or not at all.
+  [[nodiscard]] static Result<TetraFileReport> build_file(const TetraMesh& mesh,
+                                                          const std::string& path,
+                                                          const TetraBuildOptions& options,
+                                                          Progress& progress);
+  /// Of a .lode file; reads its base.
+  [[nodiscard]] static Result<TetraDataset> open(const std::string& path);
   TetraDataset(TetraDataset&&) noexcept;
   TetraDataset& operator=(TetraDataset&&) noexcept;
   ~TetraDataset();
 
   [[nodiscard]] const TetraInfo& describe() const;
+  [[nodiscard]] TetraReads reads() const;
   /// The mesh of a query's cut, with its field and by cell the error at samples; conforming, its
   /// vertices the reference's. Without max_error as for volumes. Views are refused.
   [[nodiscard]] Result<MeshReport> extract_mesh(const MeshOptions& options, SimplexMesh& mesh,

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
+#include "lode/models/tetra_mt/box_codes.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
+#include "lode/models/tetra_mt/node_order.h"
 
 namespace lode::tetra_mt {
 namespace {
@@ -13,6 +16,13 @@ namespace {
 /// Above a double, even one that has been rounded itself.
 float rounded_up(double x) {
   return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+}
+
+void grow(Box3d& box, const Box3d& other) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    box.lower[i] = std::min(box.lower[i], other.lower[i]);
+    box.upper[i] = std::max(box.upper[i], other.upper[i]);
+  }
 }
 
 /// Does the collapses again, with vertices numbered as the hierarchy does.
@@ -33,6 +43,7 @@ class HierarchyMaker {
     take_base(live);
     find_parents();
     find_facts();
+    find_boxes();
     return std::move(result_);
   }
 
@@ -40,7 +51,7 @@ class HierarchyMaker {
   /// A tetrahedron that a node brings.
   struct Brought {
     bool has_target;
-    std::uint64_t key;
+    FaceKey key;
     std::uint32_t maker;
   };
 
@@ -55,76 +66,77 @@ class HierarchyMaker {
   void take_base(const LiveTetrahedra& live);
   void find_parents();
   void find_facts();
+  void find_boxes();
 
   const TetraMesh& mesh_;
   const HalfEdgeCollapses& collapses_;
   std::vector<std::uint32_t> numbers_;  ///< Of the mesh's vertices in the hierarchy.
+  std::vector<std::uint32_t> nodes_;    ///< By collapse.
   std::vector<std::uint32_t> makers_;   ///< By slot.
+  std::vector<Box3d> boxes_;            ///< By node: of its tetrahedra, then of all it discovers.
   std::vector<Brought> brought_;
   Hierarchy result_;
 };
 
-/// Those of the base as the mesh has them, then those of the nodes; unused ones nowhere.
 void HierarchyMaker::number_vertices() {
-  std::vector<std::uint8_t> is_used(numbers_.size(), 0);
-  for (const Tetrahedron& t : mesh_.tetrahedra)
-    for (const std::uint32_t v : t) is_used[v] = 1;
-  for (const Collapse& c : collapses_.collapses) is_used[c.removed] = 0;
-  std::vector<std::uint32_t> order;
-  for (std::uint32_t v = 0; v < numbers_.size(); ++v)
-    if (is_used[v] != 0) order.push_back(v);
-  result_.n_base_vertices = static_cast<std::uint32_t>(order.size());
-  for (std::size_t i = collapses_.collapses.size(); i-- > 0;)
-    order.push_back(collapses_.collapses[i].removed);
-  for (std::uint32_t i = 0; i < order.size(); ++i) {
-    numbers_[order[i]] = i;
-    result_.positions.push_back(mesh_.positions[order[i]]);
+  NodeOrder order = order_nodes(mesh_, collapses_.collapses);
+  nodes_ = std::move(order.nodes);
+  std::vector<std::uint32_t>& vertices = order.base_vertices;
+  result_.n_base_vertices = static_cast<std::uint32_t>(vertices.size());
+  vertices.resize(vertices.size() + nodes_.size());
+  result_.order.resize(nodes_.size());
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    vertices[result_.n_base_vertices + nodes_[i]] = collapses_.collapses[i].removed;
+    result_.order[nodes_.size() - 1 - i] = nodes_[i];
+  }
+  for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+    numbers_[vertices[i]] = i;
+    result_.positions.push_back(mesh_.positions[vertices[i]]);
   }
   for (const MeshField& field : mesh_.fields) {
     MeshField& to = result_.fields.emplace_back(
         MeshField{.name = field.name, .type = field.type, .n_components = 1, .values = {}});
-    for (const std::uint32_t v : order) to.values.push_back(field.values[v]);
+    for (const std::uint32_t v : vertices) to.values.push_back(field.values[v]);
   }
+}
+
+/// From lists in the order of the collapses to lists by node.
+template <typename Item>
+void sort_lists(std::span<const std::uint32_t> nodes, std::vector<std::uint64_t>& begins,
+                std::vector<Item>& items) {
+  const std::vector<std::uint64_t> old_begins = begins;
+  const std::vector<Item> old = items;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    begins[nodes[i] + std::size_t{1}] = old_begins[i + 1] - old_begins[i];
+  for (std::size_t i = 1; i < begins.size(); ++i) begins[i] += begins[i - 1];
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    std::copy(old.begin() + static_cast<std::ptrdiff_t>(old_begins[i]),
+              old.begin() + static_cast<std::ptrdiff_t>(old_begins[i + 1]),
+              items.begin() + static_cast<std::ptrdiff_t>(begins[nodes[i]]));
 }
 
 /// From the last node to the first one.
 Result<void> HierarchyMaker::collapse_again(LiveTetrahedra& live) {
   result_.targets.resize(n_nodes());
-  result_.radii.resize(n_nodes());
+  boxes_.resize(n_nodes());
   result_.child_begins.push_back(0);
   result_.maker_begins.push_back(0);
   for (std::uint32_t i = 0; i < n_nodes(); ++i) {
-    const std::uint32_t node = n_nodes() - 1 - i;
+    const std::uint32_t node = nodes_[i];
     const std::uint32_t vertex = result_.n_base_vertices + node;
     const std::uint32_t target = numbers_[collapses_.collapses[i].kept];
     result_.targets[node] = target;
     LODE_CHECK(gather_brought(live, vertex, target));
-    double radius = 0;
+    boxes_[node] = {result_.positions[vertex], result_.positions[vertex]};
     for (const std::uint32_t slot : live.star(vertex))
       for (const std::uint32_t v : live.corners(slot))
-        if (v != live.outside())
-          radius = std::max(radius, length(result_.positions[v] - result_.positions[vertex]));
-    result_.radii[node] = std::nextafter(static_cast<float>(radius), INFINITY);
+        if (v != live.outside()) grow(boxes_[node], {result_.positions[v], result_.positions[v]});
     for (const std::uint32_t slot : live.star(vertex)) makers_[slot] = node;
     live.collapse(vertex, target);
     note_node();
   }
-  // They came in the order of the collapses.
-  const auto reverse = [](std::vector<std::uint64_t>& begins, auto& items) {
-    const auto old = items;
-    std::vector<std::uint64_t> forward{0};
-    std::size_t at = 0;
-    for (std::size_t i = begins.size() - 1; i-- > 0;) {
-      std::copy(old.begin() + static_cast<std::ptrdiff_t>(begins[i]),
-                old.begin() + static_cast<std::ptrdiff_t>(begins[i + 1]),
-                items.begin() + static_cast<std::ptrdiff_t>(at));
-      at += begins[i + 1] - begins[i];
-      forward.push_back(at);
-    }
-    begins = std::move(forward);
-  };
-  reverse(result_.child_begins, result_.children);
-  reverse(result_.maker_begins, result_.makers);
+  sort_lists(nodes_, result_.child_begins, result_.children);
+  sort_lists(nodes_, result_.maker_begins, result_.makers);
   return {};
 }
 
@@ -136,16 +148,14 @@ Result<void> HierarchyMaker::gather_brought(const LiveTetrahedra& live, std::uin
     std::size_t n = 0;
     for (const std::uint32_t v : live.corners(slot))
       if (v != vertex && v != target) rest[n++] = v;
-    brought_.push_back({n == 2, canonical_key(rest[0], rest[1], rest[2]), makers_[slot]});
+    brought_.push_back({n == 2, face_key(rest[0], rest[1], rest[2]), makers_[slot]});
   }
   std::ranges::sort(brought_, [](const Brought& a, const Brought& b) {
     return std::pair(a.has_target, a.key) < std::pair(b.has_target, b.key);
   });
   for (std::size_t i = 1; i < brought_.size(); ++i)
-    if (brought_[i].has_target == brought_[i - 1].has_target &&
-        brought_[i].key == brought_[i - 1].key)
-      return fail("vertex {}: expected tetrahedra with different keys, got two with {}", vertex,
-                  brought_[i].key);
+    if (brought_[i].key == brought_[i - 1].key)
+      return fail("vertex {}: expected different tetrahedra, got two of the same corners", vertex);
   return {};
 }
 
@@ -185,27 +195,30 @@ void HierarchyMaker::find_parents() {
   for (std::uint32_t node = 0; node < n_nodes(); ++node)
     for (const std::uint32_t child : result_.children_of(node))
       result_.parents[ends[child]++] = node;
+  result_.discoverers.assign(n_nodes(), kNone);
+  for (const std::uint32_t node : result_.order)
+    for (const std::uint32_t child : result_.children_of(node)) result_.discoverers[child] = node;
 }
 
-/// Children come after their parents: from the last node on each passes what it has to the last of
-/// its parents, which discovers it.
+/// From the last node on each passes what it has to the one that discovers it.
 void HierarchyMaker::find_facts() {
   const std::size_t n_fields = result_.fields.size();
   result_.facts.resize(n_nodes() * n_fields);
   for (const MeshField& field : mesh_.fields)
     result_.range_references.push_back(field.values.empty() ? 0 : std::ranges::min(field.values));
-  for (std::uint32_t node = 0; node < n_nodes(); ++node)
+  for (std::uint32_t i = 0; i < n_nodes(); ++i)
     for (std::size_t f = 0; f < n_fields; ++f) {
-      const CollapseFacts& own = collapses_.facts[(n_nodes() - 1 - node) * n_fields + f];
+      const std::uint32_t node = nodes_[i];
+      const CollapseFacts& own = collapses_.facts[i * n_fields + f];
       const double reference = result_.range_references[f];
       StoredFacts& facts = result_.facts[node * n_fields + f];
       facts.error = own.error == 0 ? 0 : rounded_up(own.error);
       facts.low = -rounded_up(reference - own.low);
       facts.high = rounded_up(own.high - reference);
     }
-  for (std::uint32_t node = n_nodes(); node-- > 0;) {
-    if (result_.parents_of(node).empty()) continue;
-    const std::uint32_t parent = result_.parents_of(node).back();
+  for (const std::uint32_t node : nodes_) {
+    const std::uint32_t parent = result_.discoverers[node];
+    if (parent == kNone) continue;
     for (std::size_t f = 0; f < n_fields; ++f) {
       StoredFacts& to = result_.facts[parent * n_fields + f];
       const StoredFacts& from = result_.facts[node * n_fields + f];
@@ -213,28 +226,25 @@ void HierarchyMaker::find_facts() {
       to.low = std::min(to.low, from.low);
       to.high = std::max(to.high, from.high);
     }
-    const auto position = [&](std::uint32_t of) {
-      return result_.positions[result_.n_base_vertices + of];
-    };
-    const double reach =
-        length(position(node) - position(parent)) + static_cast<double>(result_.radii[node]);
-    result_.radii[parent] =
-        std::max(result_.radii[parent], std::nextafter(static_cast<float>(reach), INFINITY));
   }
 }
 
-/// Spreads a vertex's number, so that sums of different ones differ.
-std::uint64_t spread(std::uint32_t vertex) {
-  std::uint64_t z = vertex * 0x9e3779b97f4a7c15U;
-  z = (z ^ (z >> 32)) * 0xbf58476d1ce4e5b9U;
-  return z ^ (z >> 29);
+/// Boxes are joined as they will be known.
+void HierarchyMaker::find_boxes() {
+  Box3d all;
+  if (!result_.positions.empty()) all = {result_.positions[0], result_.positions[0]};
+  for (const Vec3d& p : result_.positions) grow(all, {p, p});
+  const BoxCodes codes(all.lower, all.upper);
+  result_.boxes.resize(n_nodes());
+  for (const std::uint32_t node : nodes_) {
+    const Vec3d& vertex = result_.positions[result_.n_base_vertices + node];
+    result_.boxes[node] = codes.code(vertex, boxes_[node]);
+    if (result_.discoverers[node] != kNone)
+      grow(boxes_[result_.discoverers[node]], codes.box(vertex, result_.boxes[node]));
+  }
 }
 
 }  // namespace
-
-std::uint64_t canonical_key(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  return spread(a) + spread(b) + spread(c);
-}
 
 Result<Hierarchy> make_hierarchy(const TetraMesh& mesh, const HalfEdgeCollapses& collapses,
                                  Threads threads) {

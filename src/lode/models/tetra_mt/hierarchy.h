@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -14,14 +16,14 @@ namespace lode::tetra_mt {
 
 /// A mesh of tetrahedra as a Multi-Tessellation of half-edge collapses, with the order of regions:
 /// a node replaces the tetrahedra that its collapse made, and depends on the nodes that must be
-/// applied for these to be there, and on no others. Nodes are numbered in an order in which they
-/// may be applied, that of the collapses reversed; node k brings vertex n_base_vertices + k.
+/// applied for these to be there, and on no others. Nodes are numbered as order_nodes() says; node
+/// k brings vertex n_base_vertices + k.
 ///
 /// No tetrahedra are stored but the base's. What a node replaces are the tetrahedra round its
 /// target that it has made: a cut knows of each tetrahedron whose it is. What comes are those
 /// tetrahedra with the new vertex in the target's place, and one for each edge of the outline of
-/// their faces across from the target. Whose these are is stored, in canonical order: those with a
-/// face across first, then those with an edge, each by canonical_key().
+/// their faces across from the target. Whose these are is stored: those with a face across first,
+/// then those with an edge, each by face_key().
 struct Hierarchy {
   std::uint32_t n_base_vertices = 0;
   std::vector<Vec3d> positions;   ///< By vertex.
@@ -30,14 +32,16 @@ struct Hierarchy {
   std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
   std::uint64_t n_base_cells = 0;          ///< Without those to the vertex outside.
 
+  std::vector<std::uint32_t> order;      ///< Nodes as they may be applied: the collapses reversed.
   std::vector<std::uint32_t> targets;    ///< By node: the vertex that its own went into.
   std::vector<StoredFacts> facts;        ///< By node and field: nested along discovery.
   std::vector<double> range_references;  ///< By field: what facts' ranges are above.
-  std::vector<float> radii;  ///< By node: of a ball round its vertex that holds all it discovers.
+  std::vector<std::uint32_t> boxes;      ///< By node: BoxCodes of what it discovers.
   std::vector<std::uint64_t> child_begins;  ///< By node, and one more.
   std::vector<std::uint32_t> children;      ///< Ascending, each node's.
   std::vector<std::uint64_t> parent_begins;
-  std::vector<std::uint32_t> parents;  ///< Likewise.
+  std::vector<std::uint32_t> parents;      ///< Likewise.
+  std::vector<std::uint32_t> discoverers;  ///< By node: its last parent in `order`, or kNone.
   std::vector<std::uint64_t> maker_begins;
   /// By node and tetrahedron that it brings: which of its children has made it, or kReference.
   std::vector<std::uint8_t> makers;
@@ -62,8 +66,20 @@ struct Hierarchy {
   }
 };
 
-/// Of a face, or with kNone for c of an edge, whatever the order of its corners.
-[[nodiscard]] std::uint64_t canonical_key(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+/// A face, or an edge and kNone, whatever the order of its corners; ascending keys keep together
+/// what has a vertex in common.
+struct FaceKey {
+  std::uint64_t first;  ///< The smallest corner, and the next one.
+  std::uint32_t last;
+
+  friend auto operator<=>(const FaceKey&, const FaceKey&) = default;
+};
+[[nodiscard]] inline FaceKey face_key(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const std::uint32_t low = std::min(a, b);
+  const std::uint32_t high = std::max(a, b);
+  const std::uint32_t middle = std::min(high, std::max(low, c));
+  return {std::uint64_t{std::min(low, c)} << 32 | middle, std::max(high, c)};
+}
 
 /// `mesh`: what was collapsed.
 [[nodiscard]] Result<Hierarchy> make_hierarchy(const TetraMesh& mesh,

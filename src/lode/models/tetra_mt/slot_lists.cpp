@@ -4,43 +4,41 @@
 
 namespace lode::tetra_mt {
 
-SlotLists::SlotLists(std::span<const std::uint32_t> counts)
-    : begins_(counts.size()), sizes_(counts.size(), 0), classes_(counts.size()) {
+SlotLists::SlotLists(std::span<const std::uint32_t> counts) : lists_(counts.size()) {
   std::uint64_t n = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    begins_[i] = n;
-    classes_[i] = (counts[i] + kGrain - 1) / kGrain;
-    n += capacity(static_cast<std::uint32_t>(i));
+    lists_[i] = {n, 0, (counts[i] + kGrain - 1) / kGrain};
+    n += std::uint64_t{lists_[i].n_grains} * kGrain;
   }
   pool_.resize(n);
 }
 
 void SlotLists::end(std::uint32_t list) {
-  set_free(begins_[list], classes_[list]);
-  sizes_[list] = 0;
-  classes_[list] = 0;
+  set_free(lists_[list].begin, lists_[list].n_grains);
+  lists_[list].size = 0;
+  lists_[list].n_grains = 0;
 }
 
-void SlotLists::grow(std::uint32_t list) {
-  const std::uint32_t size_class = classes_[list] + 1 + classes_[list] / 4;
+void SlotLists::grow(List& list) {
+  const std::uint32_t n_grains = list.n_grains + 1 + list.n_grains / 4;
   std::uint64_t begin = pool_.size();
-  if (size_class < free_.size() && !free_[size_class].empty()) {
-    begin = free_[size_class].back();
-    free_[size_class].pop_back();
+  if (n_grains < free_.size() && !free_[n_grains].empty()) {
+    begin = free_[n_grains].back();
+    free_[n_grains].pop_back();
   } else {
-    pool_.resize(begin + std::uint64_t{size_class} * kGrain);
+    pool_.resize(begin + std::uint64_t{n_grains} * kGrain);
   }
-  std::copy_n(pool_.begin() + static_cast<std::ptrdiff_t>(begins_[list]), sizes_[list],
+  std::copy_n(pool_.begin() + static_cast<std::ptrdiff_t>(list.begin), list.size,
               pool_.begin() + static_cast<std::ptrdiff_t>(begin));
-  set_free(begins_[list], classes_[list]);
-  begins_[list] = begin;
-  classes_[list] = size_class;
+  set_free(list.begin, list.n_grains);
+  list.begin = begin;
+  list.n_grains = n_grains;
 }
 
-void SlotLists::set_free(std::uint64_t begin, std::uint32_t size_class) {
-  if (size_class == 0) return;
-  if (size_class >= free_.size()) free_.resize(size_class + 1);
-  free_[size_class].push_back(begin);
+void SlotLists::set_free(std::uint64_t begin, std::uint32_t n_grains) {
+  if (n_grains == 0) return;
+  if (n_grains >= free_.size()) free_.resize(n_grains + 1);
+  free_[n_grains].push_back(begin);
 }
 
 }  // namespace lode::tetra_mt

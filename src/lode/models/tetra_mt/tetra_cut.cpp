@@ -6,11 +6,11 @@
 namespace lode::tetra_mt {
 namespace {
 
-std::vector<std::uint32_t> count_base(const Hierarchy& hierarchy) {
-  std::vector<std::uint32_t> counts(hierarchy.positions.size(), 0);
-  for (const Tetrahedron& t : hierarchy.base)
+std::vector<std::uint32_t> count_base(const HierarchyHead& head) {
+  std::vector<std::uint32_t> counts(head.n_vertices(), 0);
+  for (const Tetrahedron& t : head.base)
     for (const std::uint32_t v : t)
-      if (v != hierarchy.outside()) ++counts[v];
+      if (v != head.outside()) ++counts[v];
   return counts;
 }
 
@@ -26,56 +26,47 @@ void sort_by_key(std::vector<Coming>& coming) {
 
 }  // namespace
 
-TetraCut::TetraCut(const Hierarchy& hierarchy, std::size_t field)
+TetraCut::TetraCut(const PackedHierarchy& hierarchy, std::size_t field)
     : hierarchy_(&hierarchy),
       field_(field),
-      tetrahedra_(hierarchy.base),
-      makers_(hierarchy.base_makers),
-      stars_(count_base(hierarchy)) {
-  for (std::uint32_t slot = 0; slot < tetrahedra_.size(); ++slot)
-    for (const std::uint32_t v : tetrahedra_[slot])
-      if (v != hierarchy.outside()) stars_.add(v, slot);
+      outside_(hierarchy.head().outside()),
+      stars_(count_base(hierarchy.head())) {
+  const HierarchyHead& head = hierarchy.head();
+  for (std::uint32_t slot = 0; slot < head.base.size(); ++slot) {
+    cells_.push_back({head.base[slot], head.base_makers[slot]});
+    for (const std::uint32_t v : head.base[slot])
+      if (v != outside_) stars_.add(v, slot);
+  }
 }
 
 void TetraCut::add_base(std::vector<NodeId>& out) const {
-  for (std::uint32_t node = 0; node < hierarchy_->n_nodes(); ++node)
-    if (hierarchy_->parents_of(node).empty()) out.push_back(NodeId{node});
+  for (const std::uint32_t node : hierarchy_->head().roots) out.push_back(NodeId{node});
 }
 
 void TetraCut::add_children(NodeId node, std::vector<NodeId>& out) const {
-  for (const std::uint32_t child : hierarchy_->children_of(index(node)))
-    if (hierarchy_->parents_of(child).back() == index(node)) out.push_back(NodeId{child});
+  NodePage::Links links = hierarchy_->links(index(node));
+  for (std::uint32_t k = links.n_discovered(); k > 0; --k) out.push_back(NodeId{links.next_node()});
 }
 
+/// A chain of nodes that wait for one another has no end, nor do those that ask for them.
 void TetraCut::add_parents(NodeId node, std::vector<NodeId>& out) const {
-  for (const std::uint32_t parent : hierarchy_->parents_of(index(node)))
-    out.push_back(NodeId{parent});
-}
-
-StoredFacts TetraCut::facts(NodeId node) const {
-  return hierarchy_->facts[index(node) * hierarchy_->fields.size() + field_];
-}
-
-Ball TetraCut::bounds(NodeId node) const {
-  return {hierarchy_->positions[hierarchy_->n_base_vertices + index(node)],
-          static_cast<double>(hierarchy_->radii[index(node)])};
-}
-
-std::uint32_t TetraCut::maker(std::uint32_t node, std::size_t place) const {
-  const std::uint8_t child = hierarchy_->makers_of(node)[place];
-  return child == Hierarchy::kReference ? kNone : hierarchy_->children_of(node)[child];
+  if (++n_asked_ > std::uint64_t{hierarchy_->head().shape.n_nodes} * kMaxBrought) return;
+  NodePage::Links links = hierarchy_->links(index(node));
+  links.skip_nodes(links.n_children());
+  for (std::uint32_t k = links.n_parents(); k > 0; --k) out.push_back(NodeId{links.next_node()});
 }
 
 /// What the target has round it because of the node, and takes it away from there.
 void TetraCut::take_region(std::uint32_t node, std::uint32_t target) {
   region_.clear();
   stars_.remove_if(target, [&](std::uint32_t slot) {
-    if (makers_[slot] != node) return false;
-    const Tetrahedron& t = tetrahedra_[slot];
+    const Cell& cell = cells_[slot];
+    if (cell.maker != node) return false;
+    const Tetrahedron& t = cell.corners;
     std::size_t at = 0;
     while (t[at] != target) ++at;
     const auto face = others(t, at);
-    region_.push_back({canonical_key(face[0], face[1], face[2]), face, slot});
+    region_.push_back({face_key(face[0], face[1], face[2]), face, slot});
     return true;
   });
 }
@@ -99,85 +90,106 @@ void TetraCut::find_outline() {
   for (const std::uint64_t edge : edges_) {
     const auto a = static_cast<std::uint32_t>(edge >> 32);
     const auto b = static_cast<std::uint32_t>(edge);
-    outline_.push_back({canonical_key(a, b, kNone), {a, b, kNone}, kNone});
+    outline_.push_back({face_key(a, b, kNone), {a, b, kNone}, kNone});
   }
 }
 
 std::uint32_t TetraCut::take_slot() {
   if (free_.empty()) {
-    tetrahedra_.push_back({kNone, kNone, kNone, kNone});
-    makers_.push_back(kNone);
-    return static_cast<std::uint32_t>(tetrahedra_.size() - 1);
+    cells_.emplace_back();
+    return static_cast<std::uint32_t>(cells_.size() - 1);
   }
   const std::uint32_t slot = free_.back();
   free_.pop_back();
   return slot;
 }
 
-void TetraCut::place(std::uint32_t slot, const Tetrahedron& corners, std::uint32_t maker) {
-  tetrahedra_[slot] = corners;
-  makers_[slot] = maker;
-  for (const std::uint32_t v : corners)
-    if (v != hierarchy_->outside()) stars_.add(v, slot);
+void TetraCut::place(std::uint32_t slot, const Cell& cell) {
+  cells_[slot] = cell;
+  for (const std::uint32_t v : cell.corners)
+    if (v != outside_) stars_.add(v, slot);
 }
 
 std::uint64_t TetraCut::apply(NodeId id) {
   const std::uint32_t node = index(id);
-  const std::uint32_t target = hierarchy_->targets[node];
-  const std::uint32_t vertex = hierarchy_->n_base_vertices + node;
+  const std::uint32_t vertex = hierarchy_->head().shape.n_base_vertices + node;
+  NodePage::Links links = hierarchy_->links(node);
+  const std::uint32_t target = links.target();
+  children_.clear();
+  for (std::uint32_t k = links.n_children(); k > 0; --k) children_.push_back(links.next_node());
+  children_.push_back(kNone);
+  links.skip_nodes(links.n_parents());
+  links.start_makers();
+  const auto next_maker = [&] {
+    return children_[std::min<std::size_t>(links.next_maker(), children_.size() - 1)];
+  };
+  n_asked_ = 0;
   take_region(node, target);
   find_outline();
+  is_damaged_ = is_damaged_ || region_.empty() || region_.size() + outline_.size() > kMaxBrought;
   sort_by_key(region_);
   sort_by_key(outline_);
-  std::size_t n = 0;
   for (const Coming& face : region_) {
-    std::ranges::replace(tetrahedra_[face.slot], target, vertex);
-    makers_[face.slot] = maker(node, n++);
+    Cell& cell = cells_[face.slot];
+    std::ranges::replace(cell.corners, target, vertex);
+    cell.maker = next_maker();
     stars_.add(vertex, face.slot);
   }
   std::uint64_t n_new = 0;
   for (const Coming& edge : outline_) {
-    place(take_slot(), {vertex, edge.rest[0], edge.rest[1], target}, maker(node, n++));
-    if (edge.rest[0] != hierarchy_->outside() && edge.rest[1] != hierarchy_->outside()) ++n_new;
+    place(take_slot(), {{vertex, edge.rest[0], edge.rest[1], target}, next_maker()});
+    if (edge.rest[0] != outside_ && edge.rest[1] != outside_) ++n_new;
   }
   return n_new;
 }
 
 std::uint64_t TetraCut::undo(NodeId id) {
   const std::uint32_t node = index(id);
-  const std::uint32_t target = hierarchy_->targets[node];
-  const std::uint32_t vertex = hierarchy_->n_base_vertices + node;
+  const std::uint32_t vertex = hierarchy_->head().shape.n_base_vertices + node;
+  const std::uint32_t target = hierarchy_->links(node).target();
   std::uint64_t n_gone = 0;
   for (const std::uint32_t slot : stars_.of(vertex)) {
-    Tetrahedron& t = tetrahedra_[slot];
-    if (std::ranges::find(t, target) != t.end()) {
-      bool is_outer = false;
-      for (const std::uint32_t v : t) {
-        is_outer = is_outer || v == hierarchy_->outside();
-        if (v != vertex && v != hierarchy_->outside()) stars_.remove(v, slot);
-      }
-      t[0] = kNone;
-      free_.push_back(slot);
-      if (!is_outer) ++n_gone;
-    } else {
-      std::ranges::replace(t, vertex, target);
-      makers_[slot] = node;
+    Cell& cell = cells_[slot];
+    if (std::ranges::find(cell.corners, target) == cell.corners.end()) {
+      std::ranges::replace(cell.corners, vertex, target);
+      cell.maker = node;
+      continue;
     }
+    bool is_outer = false;
+    for (const std::uint32_t v : cell.corners) {
+      is_outer = is_outer || v == outside_;
+      if (v != vertex && v != outside_) stars_.remove(v, slot);
+    }
+    cell.corners[0] = kNone;
+    free_.push_back(slot);
+    if (!is_outer) ++n_gone;
   }
   const std::size_t n = stars_.of(vertex).size();
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t slot = stars_.of(vertex)[i];
-    if (tetrahedra_[slot][0] != kNone) stars_.add(target, slot);
+    if (cells_[slot].corners[0] != kNone) stars_.add(target, slot);
   }
   stars_.end(vertex);
   return n_gone;
 }
 
+bool TetraCut::is_inside(const Cell& cell) const {
+  const Tetrahedron& t = cell.corners;
+  return t[0] != kNone && std::ranges::find(t, outside_) == t.end();
+}
+
 std::vector<Tetrahedron> TetraCut::cells() const {
   std::vector<Tetrahedron> cells;
-  for (const Tetrahedron& t : tetrahedra_)
-    if (t[0] != kNone && std::ranges::find(t, hierarchy_->outside()) == t.end()) cells.push_back(t);
+  for (const Cell& cell : cells_)
+    if (is_inside(cell)) cells.push_back(cell.corners);
   return cells;
+}
+
+Result<void> TetraCut::check() const {
+  LODE_CHECK(hierarchy_->check());
+  if (is_damaged_)
+    return fail("hierarchy: expected nodes that replace tetrahedra of the mesh, got one of none");
+  return {};
 }
 
 }  // namespace lode::tetra_mt

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+namespace lode::tetra_mt {
+
+/// For numbers up to `largest`.
+[[nodiscard]] inline int bits_for(std::size_t largest) {
+  return static_cast<int>(std::bit_width(largest));
+}
+
+/// Numbers of few bits one after the other, the lowest bit first.
+class BitWriter {
+ public:
+  /// `n_bits`: up to 32.
+  void write(std::uint32_t number, int n_bits) {
+    pending_ |= std::uint64_t{number} << n_pending_;
+    for (n_pending_ += n_bits; n_pending_ >= 8; n_pending_ -= 8, pending_ >>= 8)
+      bytes_.push_back(static_cast<std::uint8_t>(pending_));
+  }
+  /// Goes on at a whole byte. Returns which.
+  std::size_t align() {
+    if (n_pending_ > 0) bytes_.push_back(static_cast<std::uint8_t>(pending_));
+    pending_ = 0;
+    n_pending_ = 0;
+    return bytes_.size();
+  }
+  /// All of another one; expects to be at a whole byte.
+  void append(BitWriter&& other) {
+    other.align();
+    bytes_.insert(bytes_.end(), other.bytes_.begin(), other.bytes_.end());
+  }
+  /// With as many zeros behind as readers may look at.
+  [[nodiscard]] std::vector<std::uint8_t> take() && {
+    align();
+    bytes_.resize(bytes_.size() + sizeof(std::uint64_t));
+    bytes_.shrink_to_fit();
+    return std::move(bytes_);
+  }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::uint64_t pending_ = 0;
+  int n_pending_ = 0;
+};
+
+class BitReader {
+ public:
+  /// `bytes`: as BitWriter makes them.
+  BitReader(const std::uint8_t* bytes, std::size_t first_byte)
+      : bytes_(bytes), at_(8 * first_byte) {}
+
+  [[nodiscard]] std::uint32_t read(int n_bits) {
+    std::uint64_t window = 0;
+    std::memcpy(&window, bytes_ + at_ / 8, sizeof window);
+    window >>= at_ % 8;
+    at_ += static_cast<std::size_t>(n_bits);
+    return static_cast<std::uint32_t>(window & ((std::uint64_t{1} << n_bits) - 1));
+  }
+  void skip(std::size_t n_bits) { at_ += n_bits; }
+
+ private:
+  const std::uint8_t* bytes_;
+  std::size_t at_;  ///< In bits.
+};
+
+}  // namespace lode::tetra_mt

@@ -1,0 +1,62 @@
+#include "lode/models/tetra_mt/box_codes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace lode::tetra_mt {
+
+BoxCodes::BoxCodes(const Vec3d& lower, const Vec3d& upper) : lower_(lower) {
+  double width = 0;
+  for (std::size_t i = 0; i < 3; ++i) width = std::max(width, upper[i] - lower[i]);
+  if (!(width > 0) || !std::isfinite(width)) return;
+  int exponent = 0;
+  std::frexp(width, &exponent);
+  width_ = std::ldexp(1.0, exponent);
+  // Lines of the finest grid are exact where the domain is not very far away.
+  const double finest = std::ldexp(width_, -kLastExponent);
+  for (std::size_t i = 0; i < 3; ++i) lower_[i] = std::floor(lower[i] / finest) * finest;
+}
+
+double BoxCodes::place(double x, std::size_t axis, int exponent) const {
+  return std::ldexp((x - lower_[axis]) / width_, exponent);
+}
+
+std::uint32_t BoxCodes::code(const Vec3d& vertex, const Box3d& box) const {
+  if (width_ == 0) return 0;
+  const auto try_exponent = [&](int exponent) -> std::optional<std::uint32_t> {
+    auto bits = static_cast<std::uint32_t>(exponent);
+    int at = kExponentBits;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double middle = std::floor(place(vertex[i], i, exponent));
+      const double below = middle - std::floor(place(box.lower[i], i, exponent));
+      const double above = std::ceil(place(box.upper[i], i, exponent)) - middle;
+      if (std::max(below, above) > kReach) return std::nullopt;
+      for (const double steps : {below, above}) {
+        bits |= static_cast<std::uint32_t>(std::max(steps, 0.0)) << at;
+        at += kReachBits;
+      }
+    }
+    return bits;
+  };
+  for (int exponent = kLastExponent; exponent > 0; --exponent)
+    if (const auto bits = try_exponent(exponent)) return *bits;
+  return try_exponent(0).value_or((1U << kBits) - (1U << kExponentBits));
+}
+
+Box3d BoxCodes::box(const Vec3d& vertex, std::uint32_t code) const {
+  if (width_ == 0) return {vertex, vertex};
+  constexpr std::uint32_t kMask = (1U << kReachBits) - 1;
+  const auto exponent = static_cast<int>(code & ((1U << kExponentBits) - 1));
+  const double step = std::ldexp(width_, -exponent);
+  Box3d result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double middle = std::floor(place(vertex[i], i, exponent));
+    const std::uint32_t steps = code >> (kExponentBits + kAxisBits * static_cast<int>(i));
+    result.lower[i] = lower_[i] + (middle - (steps & kMask)) * step;
+    result.upper[i] = lower_[i] + (middle + (steps >> kReachBits & kMask)) * step;
+  }
+  return result;
+}
+
+}  // namespace lode::tetra_mt

@@ -1,0 +1,114 @@
+#include "lode/models/tetra_mt/file_layout.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lode/store/bytes.h"
+
+namespace lode::tetra_mt {
+namespace {
+
+constexpr std::uint32_t kMaxFields = 4096;
+
+Result<bool> read_flag(store::ByteReader& in, const std::string& path) {
+  LODE_TRY(const auto flag, in.read<std::uint8_t>());
+  if (flag > 1) return fail("{}: metadata: expected 0 or 1, got {}", path, flag);
+  return flag == 1;
+}
+
+Result<HierarchyHead::Field> read_field(store::ByteReader& in, const std::string& path) {
+  HierarchyHead::Field field;
+  LODE_TRY(field.name, in.read_string());
+  LODE_TRY(const auto type, in.read<std::uint8_t>());
+  field.type = static_cast<ScalarType>(type);
+  if (!is_valid(field.type))
+    return fail("{}: metadata: expected a sample type 1..10, got {}", path, type);
+  LODE_TRY(field.base_error, in.read<double>());
+  if (!(field.base_error >= 0))
+    return fail("{}: metadata: expected an error >= 0, got {}", path, field.base_error);
+  ValueScale::Knots knots;
+  for (double& knot : knots) {
+    LODE_TRY(knot, in.read<double>());
+  }
+  const bool is_range = std::ranges::is_sorted(knots) && std::isfinite(knots.front()) &&
+                        std::isfinite(knots.back() - knots.front());
+  if (!is_range || std::ranges::any_of(knots, [](double x) { return std::isnan(x); }))
+    return fail("{}: metadata: expected finite values of {} that ascend", path, field.name);
+  field.scale = ValueScale(knots);
+  return field;
+}
+
+Result<void> check_counts(const HierarchyHead& head, const BaseCounts& counts,
+                          const std::string& path) {
+  const PageShape& shape = head.shape;
+  const std::uint64_t n_vertices = std::uint64_t{shape.n_base_vertices} + shape.n_nodes;
+  if (n_vertices >= kNone || (shape.n_base_vertices == 0 && shape.n_nodes > 0))
+    return fail("{}: metadata: expected fewer than {} vertices, some of the base, got {} and {}",
+                path, kNone, shape.n_base_vertices, shape.n_nodes);
+  if (counts.n_roots > shape.n_nodes || counts.n_tetrahedra >= kNone ||
+      head.n_base_cells > counts.n_tetrahedra || head.n_base_cells > head.n_cells)
+    return fail(
+        "{}: metadata: expected as many roots as nodes at most, and fewer cells of the base than "
+        "tetrahedra, got {}, {} and {}, {}",
+        path, counts.n_roots, shape.n_nodes, head.n_base_cells, counts.n_tetrahedra);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!(head.lower[i] <= head.upper[i]) || !std::isfinite(length(head.upper - head.lower)))
+      return fail("{}: metadata: expected a finite box, got {} to {} along axis {}", path,
+                  head.lower[i], head.upper[i], i);
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_head(const HierarchyHead& head) {
+  store::ByteWriter out;
+  out.write(head.shape.n_base_vertices);
+  out.write(head.shape.n_nodes);
+  out.write(static_cast<std::uint8_t>(head.shape.has_narrow_positions ? 1 : 0));
+  out.write(static_cast<std::uint8_t>(head.shape.has_narrow_values ? 1 : 0));
+  out.write(head.n_cells);
+  out.write(head.n_base_cells);
+  out.write(static_cast<std::uint64_t>(head.base.size()));
+  out.write(static_cast<std::uint64_t>(head.roots.size()));
+  for (const Vec3d* corner : {&head.lower, &head.upper})
+    for (const double x : corner->v) out.write(x);
+  out.write(head.shape.n_fields);
+  for (const HierarchyHead::Field& field : head.fields) {
+    out.write_string(field.name);
+    out.write(static_cast<std::uint8_t>(field.type));
+    out.write(field.base_error);
+    for (const double knot : field.scale.knots()) out.write(knot);
+  }
+  return std::move(out).take();
+}
+
+Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::string& path,
+                                  BaseCounts& counts) {
+  store::ByteReader in(bytes, path + ": metadata");
+  HierarchyHead head;
+  LODE_TRY(head.shape.n_base_vertices, in.read<std::uint32_t>());
+  LODE_TRY(head.shape.n_nodes, in.read<std::uint32_t>());
+  LODE_TRY(head.shape.has_narrow_positions, read_flag(in, path));
+  LODE_TRY(head.shape.has_narrow_values, read_flag(in, path));
+  LODE_TRY(head.n_cells, in.read<std::uint64_t>());
+  LODE_TRY(head.n_base_cells, in.read<std::uint64_t>());
+  LODE_TRY(counts.n_tetrahedra, in.read<std::uint64_t>());
+  LODE_TRY(counts.n_roots, in.read<std::uint64_t>());
+  for (Vec3d* corner : {&head.lower, &head.upper})
+    for (double& x : corner->v) {
+      LODE_TRY(x, in.read<double>());
+    }
+  LODE_TRY(head.shape.n_fields, in.read<std::uint32_t>());
+  if (head.shape.n_fields < 1 || head.shape.n_fields > kMaxFields)
+    return fail("{}: metadata: expected 1 to {} fields, got {}", path, kMaxFields,
+                head.shape.n_fields);
+  for (std::uint32_t f = 0; f < head.shape.n_fields; ++f) {
+    LODE_TRY(auto field, read_field(in, path));
+    head.fields.push_back(std::move(field));
+  }
+  LODE_CHECK(in.expect_end());
+  LODE_CHECK(check_counts(head, counts, path));
+  return head;
+}
+
+}  // namespace lode::tetra_mt

@@ -1,0 +1,40 @@
+#pragma once
+
+// What save() and open() agree on; docs/format.md, section 7.
+
+#include <cstdint>
+#include <vector>
+
+#include "lode/models/tetra_mt/packed_hierarchy.h"
+#include "lode/store/format.h"
+
+namespace lode::tetra_mt {
+
+enum class Kind : std::uint32_t {
+  base_vertices = 1,
+  base_tetrahedra = 2,
+  roots = 3,
+  links = 4,
+  field = 5,
+};
+
+/// Vertices, tetrahedra or roots of the base in a block.
+inline constexpr std::uint32_t kBasePart = 1U << 16;
+
+[[nodiscard]] inline store::BlockKey key_of(Kind kind, std::uint32_t number,
+                                            std::uint32_t field = 0) {
+  return {static_cast<std::uint32_t>(kind), field, {{static_cast<std::int32_t>(number), 0, 0}}};
+}
+
+/// How many the blocks of the base have.
+struct BaseCounts {
+  std::uint64_t n_tetrahedra = 0;
+  std::uint64_t n_roots = 0;
+};
+
+[[nodiscard]] std::vector<std::byte> encode_head(const HierarchyHead& head);
+/// All but the base's vertices, tetrahedra and roots. Fails on what no hierarchy has.
+[[nodiscard]] Result<HierarchyHead> decode_head(std::span<const std::byte> bytes,
+                                                const std::string& path, BaseCounts& counts);
+
+}  // namespace lode::tetra_mt

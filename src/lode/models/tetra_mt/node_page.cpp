@@ -1,0 +1,155 @@
+#include "lode/models/tetra_mt/node_page.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <functional>
+#include <map>
+#include <span>
+
+namespace lode::tetra_mt {
+namespace {
+
+constexpr int kCountBits = 4;
+constexpr std::uint32_t kLongCount = (1U << kCountBits) - 1;
+constexpr int kLongCountBits = 8;
+
+void write_count(BitWriter& bits, std::uint32_t n) {
+  bits.write(std::min(n, kLongCount), kCountBits);
+  if (n >= kLongCount) bits.write(n, kLongCountBits);
+}
+
+std::uint32_t read_count(BitReader& bits) {
+  const std::uint32_t n = bits.read(kCountBits);
+  return n < kLongCount ? n : bits.read(kLongCountBits);
+}
+
+/// Appends numbers as the words of floats or doubles.
+void add_words(std::span<const double> numbers, bool is_narrow, std::vector<std::uint32_t>& words) {
+  for (const double number : numbers) {
+    if (is_narrow) {
+      words.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(number)));
+      continue;
+    }
+    std::array<std::uint32_t, 2> two{};
+    std::memcpy(two.data(), &number, sizeof number);
+    words.insert(words.end(), two.begin(), two.end());
+  }
+}
+
+}  // namespace
+
+class NodePage::Packer {
+ public:
+  Packer(NodePage& page, const PageContent& content, const PageShape& shape)
+      : page_(page), content_(content), shape_(shape) {}
+
+  void run() {
+    list_pages();
+    BitWriter bits;
+    for (const FactCodes& codes : content_.facts)
+      for (const std::uint16_t code : {codes.error, codes.low, codes.high})
+        bits.write(code, FactCodes::kBits);
+    for (std::uint32_t i = 0; i < content_.n_nodes(); ++i) {
+      const std::size_t begin = bits.align();
+      if (i % kGroup == 0) page_.begins_.push_back(static_cast<std::uint32_t>(begin));
+      BitWriter node;
+      write_node(i, node);
+      const std::size_t length = node.align();
+      page_.lengths_.push_back(static_cast<std::uint8_t>(std::min<std::size_t>(length, kLong)));
+      if (length >= kLong)
+        bits.write(static_cast<std::uint32_t>(length) + kLengthBits / 8, kLengthBits);
+      bits.append(std::move(node));
+    }
+    page_.bits_ = std::move(bits).take();
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t begin_of(std::uint32_t vertex) const {
+    const std::uint32_t n_base = shape_.n_base_vertices;
+    const std::uint32_t first = vertex < n_base ? 0 : n_base;
+    return first + (vertex - first) / kPageNodes * kPageNodes;
+  }
+  void list_pages() {
+    std::map<std::uint32_t, std::uint32_t> n_links;
+    for (const std::uint32_t v : content_.targets) ++n_links[begin_of(v)];
+    for (const auto* nodes : {&content_.children.items, &content_.parents.items})
+      for (const std::uint32_t node : *nodes) ++n_links[begin_of(shape_.n_base_vertices + node)];
+    n_links.erase(page_.own_);
+    for (const auto& [begin, n] : n_links) page_.pages_.push_back(begin);
+    std::ranges::stable_sort(page_.pages_, std::ranges::greater(),
+                             [&](std::uint32_t begin) { return n_links[begin]; });
+    for (std::uint32_t i = 0; i < page_.pages_.size(); ++i) places_[page_.pages_[i]] = i;
+    if (page_.pages_.size() > 1) page_.n_page_bits_ = bits_for(page_.pages_.size() - 1);
+  }
+  void write_vertex(std::uint32_t vertex, BitWriter& bits) const {
+    const std::uint32_t begin = begin_of(vertex);
+    bits.write(begin == page_.own_ ? 0 : 1, 1);
+    if (begin != page_.own_) {
+      const std::uint32_t place = places_.at(begin);
+      const bool is_few = place < 1U << kFewBits;
+      bits.write(is_few ? 0 : 1, 1);
+      bits.write(place, is_few ? kFewBits : page_.n_page_bits_);
+    }
+    bits.write(vertex - begin, kPageBits);
+  }
+  void write_node(std::uint32_t i, BitWriter& bits) const {
+    bits.write(content_.boxes[i], BoxCodes::kBits);
+    const auto children = content_.children[i];
+    const auto parents = content_.parents[i];
+    write_vertex(content_.targets[i], bits);
+    write_count(bits, static_cast<std::uint32_t>(children.size()));
+    write_count(bits, static_cast<std::uint32_t>(parents.size()));
+    bits.write(content_.n_discovered[i], bits_for(children.size()));
+    for (const std::uint32_t child : children) write_vertex(shape_.n_base_vertices + child, bits);
+    for (const std::uint32_t parent : parents) write_vertex(shape_.n_base_vertices + parent, bits);
+    if (children.empty()) return;
+    const auto makers = content_.makers[i];
+    const bool has_reference = std::ranges::find(makers, children.size()) != makers.end();
+    bits.write(has_reference ? 1 : 0, 1);
+    const int n_maker_bits = bits_for(children.size() - (has_reference ? 0 : 1));
+    for (const std::uint8_t maker : makers) bits.write(maker, n_maker_bits);
+  }
+
+  NodePage& page_;
+  const PageContent& content_;
+  const PageShape& shape_;
+  std::map<std::uint32_t, std::uint32_t> places_;  ///< In pages_.
+};
+
+NodePage::NodePage(const PageContent& content, std::uint32_t number, const PageShape& shape)
+    : own_(shape.n_base_vertices + number * kPageNodes),
+      first_(shape.n_base_vertices),
+      has_narrow_positions_(shape.has_narrow_positions),
+      has_narrow_values_(shape.has_narrow_values) {
+  for (const Vec3d& p : content.positions) add_words(p.v, has_narrow_positions_, words_);
+  values_begin_ = static_cast<std::uint32_t>(words_.size());
+  add_words(content.values, has_narrow_values_, words_);
+  Packer(*this, content, shape).run();
+  words_.shrink_to_fit();
+  begins_.shrink_to_fit();
+  lengths_.shrink_to_fit();
+  pages_.shrink_to_fit();
+}
+
+NodePage::Links::Links(const NodePage& page, std::uint32_t i)
+    : page_(&page),
+      bits_(page.bits_.data(), page.begin_of(i)),
+      target_((bits_.skip(BoxCodes::kBits), page.read_vertex(bits_))),
+      n_children_(read_count(bits_)),
+      n_parents_(read_count(bits_)),
+      n_discovered_(bits_.read(bits_for(n_children_))) {}
+
+void NodePage::Links::start_makers() {
+  if (n_children_ == 0) return;
+  const bool has_reference = bits_.read(1) != 0;
+  n_maker_bits_ = bits_for(n_children_ - (has_reference ? 0 : 1));
+}
+
+std::size_t NodePage::n_bytes() const {
+  const auto bytes = [](const auto& items) { return items.capacity() * sizeof(items[0]); };
+  return sizeof *this + bytes(words_) + bytes(bits_) + bytes(begins_) + bytes(lengths_) +
+         bytes(pages_);
+}
+
+}  // namespace lode::tetra_mt

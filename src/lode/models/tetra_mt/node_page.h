@@ -1,0 +1,140 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "lode/models/tetra_mt/bit_stream.h"
+#include "lode/models/tetra_mt/page_content.h"
+
+namespace lode::tetra_mt {
+
+/// Of what numbers pages are made.
+struct PageShape {
+  std::uint32_t n_base_vertices = 0;
+  std::uint32_t n_nodes = 0;
+  std::uint32_t n_fields = 1;
+  bool has_narrow_positions = false;  ///< float32 holds them.
+  bool has_narrow_values = false;
+
+  [[nodiscard]] std::uint32_t n_pages() const { return n_pages_of(n_nodes); }
+};
+
+/// A page in memory, packed: for each node its position and values, 36 bits of facts for each
+/// field, 22 of its box, and its links. A link to a node or vertex of the page takes 10 bits; one
+/// to another page 14 where that is one of the eight with most links, else as many as the number
+/// of such pages asks for.
+class NodePage {
+ public:
+  /// `content` is as PageContent says: sorted, with numbers that `shape` has.
+  NodePage(const PageContent& content, std::uint32_t number, const PageShape& shape);
+
+  [[nodiscard]] Vec3d position(std::uint32_t i) const {
+    const std::size_t at = std::size_t{3} * i;
+    if (has_narrow_positions_) return {{narrow(at), narrow(at + 1), narrow(at + 2)}};
+    return {{wide(2 * at), wide(2 * at + 2), wide(2 * at + 4)}};
+  }
+  /// `at`: node times fields plus field.
+  [[nodiscard]] double value(std::size_t at) const {
+    return has_narrow_values_ ? narrow(values_begin_ + at) : wide(values_begin_ + 2 * at);
+  }
+  [[nodiscard]] FactCodes facts(std::size_t at) const {
+    BitReader bits(bits_.data(), 0);
+    bits.skip(3 * FactCodes::kBits * at);
+    const std::uint32_t error = bits.read(FactCodes::kBits);
+    const std::uint32_t low = bits.read(FactCodes::kBits);
+    return {static_cast<std::uint16_t>(error), static_cast<std::uint16_t>(low),
+            static_cast<std::uint16_t>(bits.read(FactCodes::kBits))};
+  }
+  [[nodiscard]] std::uint32_t box(std::uint32_t i) const {
+    return BitReader(bits_.data(), begin_of(i)).read(BoxCodes::kBits);
+  }
+
+  /// Reads the links of a node, in this order.
+  class Links {
+   public:
+    Links(const NodePage& page, std::uint32_t i);
+
+    [[nodiscard]] std::uint32_t target() const { return target_; }
+    [[nodiscard]] std::uint32_t n_children() const { return n_children_; }
+    [[nodiscard]] std::uint32_t n_discovered() const { return n_discovered_; }
+    [[nodiscard]] std::uint32_t n_parents() const { return n_parents_; }
+    /// A child, then the next one; after the last one a parent; only nodes.
+    [[nodiscard]] std::uint32_t next_node() { return page_->read_vertex(bits_) - page_->first_; }
+    void skip_nodes(std::uint32_t n) {
+      for (std::uint32_t k = 0; k < n; ++k) page_->skip_vertex(bits_);
+    }
+    /// After all of them; then for each tetrahedron a place among the children, or n_children().
+    void start_makers();
+    [[nodiscard]] std::uint32_t next_maker() { return bits_.read(n_maker_bits_); }
+
+   private:
+    const NodePage* page_;
+    BitReader bits_;
+    std::uint32_t target_;
+    std::uint32_t n_children_;
+    std::uint32_t n_parents_;
+    std::uint32_t n_discovered_;
+    int n_maker_bits_ = 0;
+  };
+
+  [[nodiscard]] Links links(std::uint32_t i) const { return {*this, i}; }
+  [[nodiscard]] std::size_t n_bytes() const;
+
+ private:
+  class Packer;
+  static constexpr std::uint32_t kGroup = 32;  ///< Nodes of which one has a begin.
+  static constexpr std::uint8_t kLong = 0xFF;  ///< Instead of what takes as many bytes, or more.
+  static constexpr int kLengthBits = 16;       ///< Then of what this takes, before it.
+  static constexpr int kFewBits = 3;           ///< For the pages with most links.
+
+  [[nodiscard]] double narrow(std::size_t at) const {
+    return static_cast<double>(std::bit_cast<float>(words_[at]));
+  }
+  [[nodiscard]] double wide(std::size_t at) const {
+    double number = 0;
+    std::memcpy(&number, &words_[at], sizeof number);
+    return number;
+  }
+  /// Where a node's box and links begin in bits_, in bytes.
+  [[nodiscard]] std::size_t begin_of(std::uint32_t i) const {
+    std::size_t begin = begins_[i / kGroup];
+    for (std::uint32_t k = i / kGroup * kGroup; k < i; ++k)
+      begin += lengths_[k] == kLong ? long_at(begin) : lengths_[k];
+    return lengths_[i] == kLong ? begin + kLengthBits / 8 : begin;
+  }
+  [[nodiscard]] std::size_t long_at(std::size_t begin) const {
+    return BitReader(bits_.data(), begin).read(kLengthBits);
+  }
+  [[nodiscard]] std::uint32_t read_page(BitReader& bits) const {
+    if (bits.read(1) == 0) return own_;
+    return pages_[bits.read(bits.read(1) == 0 ? kFewBits : n_page_bits_)];
+  }
+  [[nodiscard]] std::uint32_t read_vertex(BitReader& bits) const {
+    const std::uint32_t begin = read_page(bits);
+    return begin + bits.read(kPageBits);
+  }
+  void skip_vertex(BitReader& bits) const {
+    if (bits.read(1) != 0) {
+      const bool is_few = bits.read(1) == 0;
+      bits.skip(static_cast<std::size_t>(is_few ? kFewBits : n_page_bits_));
+    }
+    bits.skip(kPageBits);
+  }
+
+  std::vector<std::uint32_t> words_;  ///< Of positions, then of values.
+  std::vector<std::uint8_t> bits_;    ///< Of facts, then of boxes and links.
+  std::vector<std::uint32_t> begins_;
+  std::vector<std::uint8_t> lengths_;  ///< Bytes of a node's box and links.
+  /// First vertices of other pages that links lead to, those with most links first.
+  std::vector<std::uint32_t> pages_;
+  std::uint32_t own_;    ///< The page's first vertex.
+  std::uint32_t first_;  ///< The first vertex that is a node's.
+  std::uint32_t values_begin_ = 0;
+  bool has_narrow_positions_;
+  bool has_narrow_values_;
+  int n_page_bits_ = 0;
+};
+
+}  // namespace lode::tetra_mt

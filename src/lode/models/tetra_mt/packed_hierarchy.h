@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lode/core/box.h"
+#include "lode/core/parallel.h"
+#include "lode/core/result.h"
+#include "lode/core/scalar_type.h"
+#include "lode/models/tetra_mt/hierarchy.h"
+#include "lode/models/tetra_mt/node_page.h"
+
+namespace lode::tetra_mt {
+
+/// What of a hierarchy is in memory from the beginning.
+struct HierarchyHead {
+  struct Field {
+    std::string name;
+    ScalarType type = ScalarType::float64;
+    ValueScale scale;
+    double base_error = 0;  ///< Largest |F - F'| at samples on the base, rounded up.
+  };
+
+  PageShape shape;
+  std::uint64_t n_cells = 0;       ///< Of the reference mesh.
+  std::uint64_t n_base_cells = 0;  ///< Without those to the vertex outside.
+  Vec3d lower;                     ///< Of all positions.
+  Vec3d upper;
+  std::vector<Field> fields;
+  std::vector<std::uint32_t> roots;  ///< Nodes without parents, ascending.
+  std::vector<Vec3d> base_positions;
+  std::vector<double> base_values;         ///< By vertex and field.
+  std::vector<Tetrahedron> base;           ///< With those to the vertex outside.
+  std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
+
+  [[nodiscard]] std::uint32_t n_vertices() const { return shape.n_base_vertices + shape.n_nodes; }
+  [[nodiscard]] std::uint32_t outside() const { return n_vertices(); }
+};
+
+/// A Hierarchy in pages: all in memory, or each from a file when it is looked at first, to stay.
+/// Const members are safe from many threads.
+class PackedHierarchy {
+ public:
+  /// What page `number` has, checked against the head; called by one thread at a time.
+  using Load = std::function<Result<PageContent>(std::uint32_t number)>;
+
+  /// All of it, in memory. `n_cells`: of the reference mesh.
+  [[nodiscard]] static PackedHierarchy pack(const Hierarchy& hierarchy, std::uint64_t n_cells,
+                                            Threads threads);
+  PackedHierarchy(HierarchyHead head, Load load);
+  PackedHierarchy(PackedHierarchy&&) noexcept;
+  PackedHierarchy& operator=(PackedHierarchy&&) noexcept;
+  ~PackedHierarchy();
+
+  [[nodiscard]] const HierarchyHead& head() const { return *head_; }
+  /// Of a vertex; those of nodes are in their pages.
+  [[nodiscard]] Vec3d position(std::uint32_t vertex) const;
+  [[nodiscard]] double value(std::uint32_t vertex, std::size_t field) const;
+  [[nodiscard]] StoredFacts facts(std::uint32_t node, std::size_t field) const;
+  /// A box that holds all it discovers.
+  [[nodiscard]] Bounds bounds(std::uint32_t node) const;
+  [[nodiscard]] NodePage::Links links(std::uint32_t node) const {
+    return page_of(node).links(node % kPageNodes);
+  }
+
+  /// Fails where a page could not be loaded: nodes of such are as if they had nothing.
+  [[nodiscard]] Result<void> check() const;
+  /// Of the pages that are in memory.
+  [[nodiscard]] std::size_t n_page_bytes() const;
+  [[nodiscard]] std::uint32_t n_pages_loaded() const;
+
+ private:
+  struct Pages;
+
+  [[nodiscard]] const NodePage& page_of(std::uint32_t node) const;
+  const NodePage& load(std::uint32_t number) const;
+
+  std::unique_ptr<const HierarchyHead> head_;
+  BoxCodes box_codes_;
+  std::unique_ptr<Pages> pages_;
+};
+
+/// What is to be in memory from the beginning. `n_cells`: of the reference mesh.
+[[nodiscard]] HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells);
+
+/// What a page of a hierarchy has.
+[[nodiscard]] PageContent content_of(const Hierarchy& hierarchy, const HierarchyHead& head,
+                                     std::uint32_t number);
+
+}  // namespace lode::tetra_mt

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lode/core/result.h"
+#include "lode/models/tetra_mt/node_page.h"
+
+namespace lode::tetra_mt {
+
+/// The bytes of a page in a file (docs/format.md, section 7): what nodes have for all fields,
+[[nodiscard]] std::vector<std::byte> encode_links(const PageContent& content, std::uint32_t number,
+                                                  const PageShape& shape);
+/// and what they have for one.
+[[nodiscard]] std::vector<std::byte> encode_field(const PageContent& content, std::size_t field,
+                                                  const PageShape& shape);
+
+/// Fills what encode_links() wrote. Fails on whatever NodePage does not expect. what: the block,
+/// for messages.
+[[nodiscard]] Result<void> decode_links(std::span<const std::byte> bytes, const std::string& what,
+                                        std::uint32_t number, const PageShape& shape,
+                                        PageContent& content);
+/// Into the places of the field, which are there.
+[[nodiscard]] Result<void> decode_field(std::span<const std::byte> bytes, const std::string& what,
+                                        std::size_t field, const PageShape& shape,
+                                        PageContent& content);
+
+/// Positions or values as columns: bits of float32 where they are narrow, or float64; differences
+/// from the one before, coded as blocks with codec 3 are.
+void write_numbers(std::span<const double> numbers, std::size_t stride, bool is_narrow,
+                   class StreamWriter& out);
+[[nodiscard]] Result<std::vector<double>> read_numbers(class StreamReader& in, std::size_t n,
+                                                       std::size_t stride, bool is_narrow);
+
+}  // namespace lode::tetra_mt

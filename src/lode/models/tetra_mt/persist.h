@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "lode/core/progress.h"
+#include "lode/models/tetra_mt/packed_hierarchy.h"
+
+namespace lode::tetra_mt {
+
+/// The model's name in files.
+inline constexpr std::string_view kModelName = "tetra_mt";
+
+/// What has been read of a file since it was opened.
+struct FileReads {
+  std::uint64_t n_bytes = 0;
+  std::uint64_t file_size = 0;
+};
+
+/// A hierarchy whose pages come from a file.
+struct OpenedHierarchy {
+  PackedHierarchy hierarchy;
+  std::function<FileReads()> reads;
+};
+
+/// Writes a hierarchy as docs/format.md says, whole or not at all. Returns the size of the file.
+[[nodiscard]] Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
+                                         const std::string& path, Threads threads,
+                                         Progress& progress);
+
+/// Reads what is there from the beginning, the base; pages are read when they are looked at. Fails
+/// on all that is not as docs/format.md says, naming the file and what was expected.
+[[nodiscard]] Result<OpenedHierarchy> open(const std::string& path);
+
+}  // namespace lode::tetra_mt

@@ -1,0 +1,274 @@
+// Hierarchies in pages and in files.
+
+#include "lode/models/tetra_mt/persist.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "lode/models/tetra_mt/page_blocks.h"
+#include "lode/models/tetra_mt/tetra_cut.h"
+#include "lode/refine/engine.h"
+#include "lode/refine/focus.h"
+#include "lode/store/reader.h"
+#include "lode/store/writer.h"
+#include "tests/oracles/random.h"
+#include "tests/oracles/tetra_grids.h"
+#include "tests/tetra/mesh_checks.h"
+
+namespace lode::tetra_mt {
+namespace {
+
+using oracles::Random;
+
+Hierarchy hierarchy_of(const TetraMesh& mesh, std::uint64_t base_cells) {
+  Progress progress;
+  const auto collapses =
+      collapse_half_edges(mesh, {.base_cells = base_cells, .rules = {}, .threads = {2}}, progress);
+  EXPECT_TRUE(collapses);
+  auto hierarchy = make_hierarchy(mesh, *collapses, {2});
+  EXPECT_TRUE(hierarchy);
+  return std::move(*hierarchy);
+}
+
+TetraMesh noise() { return oracles::noise_mesh(17, oracles::Cut::in_five, 5); }
+
+Demand box_demand(double tolerance) {
+  FocusDemand demand;
+  demand.foci = {BoxFocus{{{{0.1, 0.1, 0.1}}, {{0.4, 0.4, 0.4}}}}};
+  demand.inside = tolerance;
+  return demand;
+}
+
+TEST(value_scale, codes_are_outside_of_values_and_close_also_beside_outliers) {
+  Random random(3);
+  std::vector<double> values;
+  for (int i = 0; i < 20'000; ++i) values.push_back(random.uniform(-1, 3));
+  for (int i = 0; i < 5'000; ++i) values.push_back(0.5);
+  values.push_back(1e20);
+  const ValueScale scale = ValueScale::of(values);
+  for (std::size_t i = 0; i < values.size(); i += 7) {
+    const double below = scale.value(scale.code_below(values[i]));
+    const double above = scale.value(scale.code_above(values[i]));
+    EXPECT_LE(below, values[i]);
+    EXPECT_GE(above, values[i]);
+    if (values[i] < 2.9) {
+      EXPECT_LT(above - below, 0.003);
+    }
+  }
+  for (std::uint16_t code = 1; code <= ValueScale::kLargest; ++code)
+    EXPECT_GE(scale.value(code), scale.value(code - 1));
+  EXPECT_EQ(scale.value(0), std::ranges::min(values));
+  EXPECT_EQ(scale.value(ValueScale::kLargest), 1e20);
+  EXPECT_EQ(scale.error(scale.error_code(0)), 0);
+  for (const float error : {1e19F, 3.3e12F, 1e20F}) {
+    EXPECT_GE(scale.error(scale.error_code(error)), error);
+    EXPECT_LE(scale.error(scale.error_code(error)), error * 1.008F);
+  }
+  EXPECT_GT(scale.error(scale.error_code(1e-9F)), 0);
+}
+
+TEST(box_codes, hold_boxes_closely_and_nest) {
+  Random random(8);
+  const Vec3d lower{{-3, 10, 1e6}};
+  const Vec3d upper{{5, 10.5, 1e6 + 3}};
+  const BoxCodes codes(lower, upper);
+  const auto point = [&] {
+    Vec3d p;
+    for (std::size_t i = 0; i < 3; ++i) p[i] = random.uniform(lower[i], upper[i]);
+    return p;
+  };
+  const auto holds = [](const Box3d& outer, const Box3d& inner) {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (outer.lower[i] > inner.lower[i] || outer.upper[i] < inner.upper[i]) return false;
+    return true;
+  };
+  for (int trial = 0; trial < 20'000; ++trial) {
+    const Vec3d vertex = point();
+    const double share = std::pow(random.uniform(0, 1), 6);
+    Box3d box{vertex, vertex};
+    double width = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      box.lower[i] -= share * (vertex[i] - lower[i]);
+      box.upper[i] += share * (upper[i] - vertex[i]);
+      width = std::max(width, box.upper[i] - box.lower[i]);
+    }
+    const Box3d found = codes.box(vertex, codes.code(vertex, box));
+    EXPECT_TRUE(holds(found, box));
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_LE(found.upper[i] - found.lower[i], box.upper[i] - box.lower[i] + 0.6 * width + 0.002);
+    // Round another vertex of it, it holds what was found here.
+    Box3d joined = found;
+    const Vec3d other = point();
+    for (std::size_t i = 0; i < 3; ++i) {
+      joined.lower[i] = std::min(joined.lower[i], other[i]);
+      joined.upper[i] = std::max(joined.upper[i], other[i]);
+    }
+    EXPECT_TRUE(holds(codes.box(other, codes.code(other, joined)), found));
+  }
+  const BoxCodes none({{1, 1, 1}}, {{1, 1, 1}});
+  EXPECT_EQ(none.box({{1, 1, 1}}, 0), (Box3d{{{1, 1, 1}}, {{1, 1, 1}}}));
+}
+
+TEST(tetra_pages, come_back_from_their_bytes) {
+  const TetraMesh mesh = noise();
+  const Hierarchy hierarchy = hierarchy_of(mesh, 300);
+  const HierarchyHead head = head_of(hierarchy, mesh.tetrahedra.size());
+  ASSERT_GT(head.shape.n_pages(), 3U);
+  for (std::uint32_t page = 0; page < head.shape.n_pages(); ++page) {
+    const PageContent content = content_of(hierarchy, head, page);
+    PageContent found;
+    const auto links = encode_links(content, page, head.shape);
+    const auto field = encode_field(content, 0, head.shape);
+    const auto decoded = decode_links(links, "page", page, head.shape, found);
+    ASSERT_TRUE(decoded) << decoded.error().message;
+    ASSERT_TRUE(decode_field(field, "page", 0, head.shape, found));
+    EXPECT_EQ(found, content);
+  }
+}
+
+/// Flips bytes of whole files behind the checksums' back: fails or answers, but never crashes.
+TEST(tetra_pages, refuse_bytes_that_are_not_theirs) {
+  const Hierarchy hierarchy = hierarchy_of(noise(), 300);
+  const HierarchyHead head = head_of(hierarchy, 1);
+  const PageContent content = content_of(hierarchy, head, 1);
+  const auto links = encode_links(content, 1, head.shape);
+  Random random(1);
+  int n_refused = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    auto bytes = links;
+    for (std::size_t k = 0; k <= random.below(3); ++k)
+      bytes[random.below(bytes.size())] ^= static_cast<std::byte>(1 + random.below(255));
+    if (trial % 5 == 0) bytes.resize(random.below(bytes.size()));
+    PageContent found;
+    if (!decode_links(bytes, "page", 1, head.shape, found))
+      ++n_refused;
+    else
+      static_cast<void>(NodePage(found, 1, head.shape).n_bytes());
+  }
+  EXPECT_GT(n_refused, 1000);
+}
+
+class tetra_file : public testing::Test {
+ protected:
+  tetra_file() : mesh_(noise()), hierarchy_(hierarchy_of(mesh_, 300)) {
+    Progress progress;
+    EXPECT_TRUE(save(hierarchy_, mesh_.tetrahedra.size(), path_, {2}, progress));
+  }
+
+  ~tetra_file() override {
+    for (const char* const end : {"", ".lying.lode", ".part.lode"})
+      std::filesystem::remove(path_ + end);
+  }
+
+  std::string path_ = fmt::format("{}lode_tetra_{}.lode", testing::TempDir(), getpid());
+  TetraMesh mesh_;
+  Hierarchy hierarchy_;
+};
+
+TEST_F(tetra_file, answers_as_memory_does_and_reads_what_it_needs) {
+  const auto memory = PackedHierarchy::pack(hierarchy_, mesh_.tetrahedra.size(), {2});
+  for (const double tolerance : {0.3, 0.02, 0.0}) {
+    auto opened = open(path_);
+    ASSERT_TRUE(opened) << opened.error().message;
+    EXPECT_EQ(opened->hierarchy.n_pages_loaded(), 0U);
+    TetraCut ours(opened->hierarchy);
+    TetraCut theirs(memory);
+    Engine<TetraCut> engine(ours);
+    Engine<TetraCut> other(theirs);
+    engine.set_query(box_demand(tolerance));
+    other.set_query(box_demand(tolerance));
+    engine.finish();
+    other.finish();
+    EXPECT_EQ(engine.cut().applied(), other.cut().applied());
+    EXPECT_EQ(ours.cells(), theirs.cells());
+    EXPECT_TRUE(ours.check());
+    if (tolerance > 0.1) {
+      EXPECT_LT(opened->reads().n_bytes, 3 * opened->reads().file_size / 4);
+    }
+  }
+  auto opened = open(path_);
+  TetraCut cut(opened->hierarchy);
+  for (const std::uint32_t node : hierarchy_.order) cut.apply(NodeId{node});
+  EXPECT_EQ(cut.cells().size(), mesh_.tetrahedra.size());
+  for (std::uint32_t v = 0; v < hierarchy_.positions.size(); ++v) {
+    EXPECT_EQ(opened->hierarchy.position(v), hierarchy_.positions[v]);
+    EXPECT_EQ(opened->hierarchy.value(v, 0), hierarchy_.fields[0].values[v]);
+  }
+}
+
+TEST_F(tetra_file, keeps_doubles) {
+  TetraMesh mesh = mesh_;
+  for (Vec3d& p : mesh.positions) p = p * (1 / 3.0);
+  for (double& value : mesh.fields[0].values) value /= 7;
+  const Hierarchy hierarchy = hierarchy_of(mesh, 500);
+  Progress progress;
+  ASSERT_TRUE(save(hierarchy, mesh.tetrahedra.size(), path_, {2}, progress));
+  const auto opened = open(path_);
+  ASSERT_TRUE(opened);
+  for (std::uint32_t v = 0; v < hierarchy.positions.size(); ++v) {
+    EXPECT_EQ(opened->hierarchy.position(v), hierarchy.positions[v]);
+    EXPECT_EQ(opened->hierarchy.value(v, 0), hierarchy.fields[0].values[v]);
+  }
+}
+
+/// Writes a file anew with some bytes of its blocks changed, and all checksums right.
+void rewrite(const std::string& from, const std::string& to, Random& random) {
+  const auto reader = store::Reader::open(from);
+  ASSERT_TRUE(reader);
+  std::vector<std::byte> metadata(reader->metadata().begin(), reader->metadata().end());
+  if (random.below(4) == 0)
+    metadata[random.below(metadata.size())] ^= static_cast<std::byte>(1 + random.below(255));
+  auto writer = store::Writer::create(to, reader->model(), metadata);
+  ASSERT_TRUE(writer);
+  const std::size_t changed = random.below(reader->blocks().size());
+  for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
+    auto bytes = reader->read_block(i);
+    ASSERT_TRUE(bytes);
+    if (i == changed || random.below(6) == 0)
+      (*bytes)[random.below(bytes->size())] ^= static_cast<std::byte>(1 + random.below(255));
+    ASSERT_TRUE(writer->append(reader->blocks()[i].key,
+                               store::encode_block_as(store::Codec::none, {.raw = *bytes})));
+  }
+  ASSERT_TRUE(writer->finish());
+}
+
+TEST_F(tetra_file, that_lies_is_refused_or_gives_something_but_does_no_harm) {
+  Random random(6);
+  const std::string lying = path_ + ".lying.lode";
+  for (int trial = 0; trial < 150; ++trial) {
+    rewrite(path_, lying, random);
+    const auto opened = open(lying);
+    if (!opened) continue;
+    TetraCut cut(opened->hierarchy);
+    Engine<TetraCut> engine(cut);
+    engine.set_query(trial % 2 == 0 ? uniform_demand(0.05) : box_demand(0));
+    engine.run([&] { return cut.is_damaged(); });
+    for (const Tetrahedron& t : cut.cells())
+      for (const std::uint32_t v : t) EXPECT_LT(v, opened->hierarchy.head().outside());
+    static_cast<void>(cut.check());
+  }
+}
+
+TEST_F(tetra_file, that_was_cut_off_or_is_another_model_is_refused) {
+  std::ifstream in(path_, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  const std::string part = path_ + ".part.lode";
+  std::ofstream(part, std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  EXPECT_FALSE(open(part));
+  std::ofstream(part, std::ios::binary | std::ios::trunc);
+  EXPECT_FALSE(open(part));
+  auto writer = store::Writer::create(part, "diamond3d", {});
+  ASSERT_TRUE(writer && writer->finish());
+  const auto other = open(part);
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("expected the model tetra_mt"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lode::tetra_mt
