@@ -1,6 +1,7 @@
-// Meshes of tetrahedra: edge collapses and the hierarchy made of them, with VTK's quadric
-// decimation to as many cells in the same run. Both start from memory; ours has two threads where a
-// row does not say one, VTK's filter has one. Errors of both are found by one search.
+// Meshes of tetrahedra: isosurfaces, with VTK's threaded filter in the same run; edge collapses and
+// the hierarchy made of them, with VTK's quadric decimation to as many cells in the same run. Both
+// start from memory; ours has two threads where a row does not say one, VTK's filter has one.
+// Errors of both are found by one search.
 
 #include <fmt/format.h>
 
@@ -19,6 +20,7 @@
 #include "bench/peers/quadric_decimation.h"
 #include "bench/report.h"
 #include "bench/tetra_errors.h"
+#include "bench/tetra_surfaces.h"
 #include "lode/core/stopwatch.h"
 #include "lode/io/mesh_reader.h"
 #include "lode/io/tetrahedra.h"
@@ -52,7 +54,8 @@ struct TetraCase {
 };
 
 struct Settings {
-  std::string only;  ///< Only cases whose name contains this.
+  std::string only;          ///< Only cases whose name contains this.
+  bool is_surfaces = false;  ///< Nothing but isosurfaces.
   std::string json_path;
 };
 
@@ -261,11 +264,13 @@ void run_isovalue(const TetraCase& tetra_case, const TetraMesh& mesh,
                         standing.n_applied, 100 * share, standing.error_bound)));
 }
 
-Result<void> run_case(const TetraCase& tetra_case, Table& table) {
+Result<void> run_case(const TetraCase& tetra_case, const Settings& settings, Table& table) {
   LODE_TRY(const TetraMesh mesh, load(tetra_case));
   const auto [low, high] = std::ranges::minmax(mesh.fields.front().values);
   fmt::print("{}: {} tetrahedra, {} vertices, values {:.4g} to {:.4g}\n", tetra_case.name,
              mesh.tetrahedra.size(), mesh.positions.size(), low, high);
+  LODE_CHECK(race_isosurfaces(tetra_case.name, mesh, table));
+  if (settings.is_surfaces) return {};
   QuadricDecimation peer(mesh);
   LODE_CHECK(run_collapse(tetra_case, mesh, kShares[0], peer, table));
   LODE_TRY(const Timed theirs, run_collapse(tetra_case, mesh, kShares[1], peer, table));
@@ -293,7 +298,7 @@ int run(const Settings& settings) {
   Table table;
   for (const TetraCase& tetra_case : tetra_cases()) {
     if (tetra_case.name.find(settings.only) == std::string::npos) continue;
-    if (auto done = run_case(tetra_case, table); !done)
+    if (auto done = run_case(tetra_case, settings, table); !done)
       table.add({.name = tetra_case.name, .note = done.error().message});
   }
   return write_table(table, "tetra_bench", settings.json_path);
@@ -307,6 +312,7 @@ int main(int argc, char** argv) {
   CLI::App app("Times simplifying meshes of tetrahedra against VTK, and refining them.");
   lode::bench::Settings settings;
   app.add_option("--only", settings.only, "Only cases whose name contains this");
+  app.add_flag("--surfaces", settings.is_surfaces, "Isosurfaces alone");
   app.add_option("--json", settings.json_path, "Also write the rows to this file");
   CLI11_PARSE(app, argc, argv);
   return lode::bench::run(settings);

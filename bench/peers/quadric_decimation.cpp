@@ -1,7 +1,6 @@
 #include "bench/peers/quadric_decimation.h"
 
 #include <vtkCellArray.h>
-#include <vtkDoubleArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -12,41 +11,16 @@
 #include <array>
 #include <string>
 
+#include "bench/peers/vtk_grid.h"
+
 namespace lode::bench {
-namespace {
-
-constexpr const char* kField = "field";
-
-void fill_grid(const TetraMesh& mesh, vtkUnstructuredGrid& grid) {
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(static_cast<vtkIdType>(mesh.positions.size()));
-  vtkNew<vtkDoubleArray> values;
-  values->SetName(kField);
-  values->SetNumberOfTuples(static_cast<vtkIdType>(mesh.positions.size()));
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    points->SetPoint(static_cast<vtkIdType>(v), mesh.positions[v].v.data());
-    values->SetValue(static_cast<vtkIdType>(v), mesh.fields.front().values[v]);
-  }
-  vtkNew<vtkCellArray> cells;
-  for (const auto& corners : mesh.tetrahedra) {
-    std::array<vtkIdType, 4> ids{};
-    std::copy(corners.begin(), corners.end(), ids.begin());
-    cells->InsertNextCell(4, ids.data());
-  }
-  grid.SetPoints(points);
-  grid.GetPointData()->SetScalars(values);
-  grid.SetCells(VTK_TETRA, cells);
-}
-
-}  // namespace
 
 class QuadricDecimation::Pipeline {
  public:
   explicit Pipeline(const TetraMesh& mesh) {
     fill_grid(mesh, *grid_);
     filter_->SetInputData(grid_);
-    filter_->SetScalarsName(kField);
+    filter_->SetScalarsName(mesh.fields.front().name.c_str());
   }
 
   vtkUnstructuredGrid* run(std::uint64_t n_cells) {
@@ -79,7 +53,8 @@ TetraMesh QuadricDecimation::mesh() const {
   TetraMesh mesh;
   vtkUnstructuredGrid* from = pipeline_->output();
   vtkDataArray* values = from->GetPointData()->GetArray(0);
-  MeshField field{.name = kField, .type = ScalarType::float64, .n_components = 1, .values = {}};
+  MeshField field{
+      .name = values->GetName(), .type = ScalarType::float64, .n_components = 1, .values = {}};
   for (vtkIdType v = 0; v < from->GetNumberOfPoints(); ++v) {
     const double* p = from->GetPoint(v);
     mesh.positions.push_back({{p[0], p[1], p[2]}});

@@ -11,6 +11,7 @@
 #include "lode/mappers/surface_topology.h"
 #include "tests/cli/program.h"
 #include "tests/io/vtk_oracle.h"
+#include "tests/oracles/tetra_surfaces.h"
 
 namespace lode::test {
 namespace {
@@ -37,19 +38,6 @@ SimplexMesh waves(std::uint32_t n) {
       }
   mesh.errors.assign(mesh.tetrahedra.size(), 0);
   return mesh;
-}
-
-/// Triangles as their corners' positions, from the smallest on, in an order of their own.
-std::vector<std::array<std::array<float, 3>, 3>> sorted_triangles(const Surface& surface) {
-  std::vector<std::array<std::array<float, 3>, 3>> triangles;
-  for (const auto& t : surface.triangles) {
-    std::array<std::array<float, 3>, 3> corners{
-        surface.positions[t[0]].v, surface.positions[t[1]].v, surface.positions[t[2]].v};
-    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
-    triangles.push_back(corners);
-  }
-  std::ranges::sort(triangles);
-  return triangles;
 }
 
 class cli_tetra : public testing::Test {
@@ -142,8 +130,8 @@ TEST_F(cli_tetra, makes_isosurfaces_of_the_cut_and_of_the_reference_without_a_to
     extract(isovalue, "0", exact);
     const SimplexMesh all = waves(13);
     Surface reference;
-    add_isosurface(all, std::stod(isovalue), rounding_margin(all, {}), reference);
-    EXPECT_EQ(sorted_triangles(exact), sorted_triangles(reference));
+    add_isosurface(all, std::stod(isovalue), {.margin = rounding_margin(all, {})}, reference);
+    EXPECT_EQ(oracles::sorted_triangles(exact), oracles::sorted_triangles(reference));
     Surface coarse;
     extract(isovalue, "0.5", coarse);
     EXPECT_LT(coarse.triangles.size(), exact.triangles.size());

@@ -15,3 +15,9 @@ lode_test(simplify_test
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/simplify_surface_test.cpp
   DEPENDS lode_mappers lode_core
   COMPUTES)
+
+lode_test(mesh_mappers_test
+  SOURCES
+    ${CMAKE_CURRENT_LIST_DIR}/mesh_isosurface_test.cpp
+  DEPENDS lode_mappers lode_core lode_oracles
+  COMPUTES)

@@ -206,7 +206,7 @@ Result<TetraSurfaceReport> TetraDataset::extract_surface(const MeshOptions& opti
       .max_error = made.max_error, .n_cut_cells = made.n_cut_cells, .budget_met = made.budget_met};
   for (const double isovalue : isovalues)
     report.achieved_error =
-        std::max(report.achieved_error, add_isosurface(mesh, isovalue, margin, surface));
+        std::max(report.achieved_error, add_isosurface(mesh, isovalue, {.margin = margin}, surface));
   report.n_triangles = surface.triangles.size();
   report.n_vertices = surface.positions.size();
   report.unmet = unmet_isovalues(surface, isovalues);

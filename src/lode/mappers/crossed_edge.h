@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "lode/core/vec.h"
@@ -17,7 +18,11 @@ namespace lode {
 [[nodiscard]] inline double crossing_of(double isovalue, double first, double second,
                                         const Vec3d& edge, double margin) {
   const double least = std::min(0.25, margin / length(edge));
-  return std::clamp((isovalue - first) / (second - first), least, 1 - least);
+  const double rise = second - first;
+  // Halves of values so far apart that their difference is no number are exact.
+  const double t = std::isfinite(rise) ? (isovalue - first) / rise
+                                       : (isovalue / 2 - first / 2) / (second / 2 - first / 2);
+  return std::clamp(t, least, 1 - least);
 }
 
 [[nodiscard]] inline Vec3f narrowed(const Vec3d& p) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +21,13 @@ class VertexIds {
 
   [[nodiscard]] std::size_t size() const { return keys_.size(); }
   [[nodiscard]] std::uint64_t key(std::uint32_t id) const { return keys_[id]; }
+  /// By their numbers.
+  [[nodiscard]] const std::vector<std::uint64_t>& keys() const { return keys_; }
+  /// Forgets all keys, but keeps the memory for as many.
+  void clear() {
+    keys_.clear();
+    std::fill(slots_.begin(), slots_.end(), 0U);
+  }
 
   /// A key's number; none if it has not been asked for.
   [[nodiscard]] std::optional<std::uint32_t> find(std::uint64_t key) const {

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "lode/core/mesh.h"
+#include "lode/core/surface.h"
+#include "lode/core/tetra_mesh.h"
+
+namespace lode::oracles {
+
+/// With its first field, and no errors.
+[[nodiscard]] inline SimplexMesh to_simplex_mesh(const TetraMesh& mesh) {
+  SimplexMesh made;
+  made.positions = mesh.positions;
+  made.values = mesh.fields.front().values;
+  made.tetrahedra = mesh.tetrahedra;
+  made.errors.assign(mesh.tetrahedra.size(), 0.0F);
+  return made;
+}
+
+/// Of a triangle: its corners' positions, from the smallest on.
+using TriangleKey = std::array<std::array<float, 3>, 3>;
+
+/// What a surface is, bit for bit, however its vertices and triangles are numbered.
+[[nodiscard]] inline std::vector<TriangleKey> sorted_triangles(const Surface& surface) {
+  std::vector<TriangleKey> keys;
+  keys.reserve(surface.triangles.size());
+  for (const auto& [a, b, c] : surface.triangles) {
+    TriangleKey key{surface.positions[a].v, surface.positions[b].v, surface.positions[c].v};
+    std::rotate(key.begin(), std::ranges::min_element(key), key.end());
+    keys.push_back(key);
+  }
+  std::ranges::sort(keys);
+  return keys;
+}
+
+}  // namespace lode::oracles
