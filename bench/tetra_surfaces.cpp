@@ -23,7 +23,8 @@ Result<Seconds> time_ours(const SimplexMesh& mesh, double isovalue, int n_thread
                           Surface& surface) {
   return time_runs("isosurface", [&]() -> Result<void> {
     surface = {};
-    add_isosurface(mesh, isovalue, {.margin = rounding_margin(mesh, {}), .threads = {n_threads}},
+    add_isosurface(mesh, isovalue,
+                   {.margin = rounding_margin(mesh.positions, {}), .threads = {n_threads}},
                    surface);
     return {};
   });

@@ -130,7 +130,8 @@ TEST_F(cli_tetra, makes_isosurfaces_of_the_cut_and_of_the_reference_without_a_to
     extract(isovalue, "0", exact);
     const SimplexMesh all = waves(13);
     Surface reference;
-    add_isosurface(all, std::stod(isovalue), {.margin = rounding_margin(all, {})}, reference);
+    add_isosurface(all, std::stod(isovalue), {.margin = rounding_margin(all.positions, {})},
+                   reference);
     EXPECT_EQ(oracles::sorted_triangles(exact), oracles::sorted_triangles(reference));
     Surface coarse;
     extract(isovalue, "0.5", coarse);

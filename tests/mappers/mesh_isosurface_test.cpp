@@ -3,49 +3,22 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <limits>
 #include <numeric>
 #include <vector>
 
-#include "lode/mappers/surface_topology.h"
+#include "tests/mappers/tetra_fixtures.h"
 #include "tests/oracles/random.h"
-#include "tests/oracles/tetra_grids.h"
-#include "tests/oracles/tetra_surfaces.h"
 
 namespace lode {
 namespace {
 
 using oracles::sorted_triangles;
-
-SimplexMesh noise(int n) {
-  return oracles::to_simplex_mesh(oracles::noise_mesh(n, oracles::Cut::in_five, 1));
-}
-
-/// A grid of n samples an axis over [0, 1]^3, in six tetrahedra a cell.
-template <typename Value>
-SimplexMesh grid_of(int n, const Value& value) {
-  SimplexMesh mesh = oracles::to_simplex_mesh(oracles::noise_mesh(n, oracles::Cut::in_six, 1));
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) mesh.values[v] = value(mesh.positions[v]);
-  return mesh;
-}
-
-Surface isosurface_of(const SimplexMesh& mesh, double isovalue, Threads threads = {2},
-                      const Vec3d& origin = {}) {
-  Surface surface;
-  surface.origin = origin;
-  add_isosurface(mesh, isovalue, {.margin = rounding_margin(mesh, origin), .threads = threads},
-                 surface);
-  return surface;
-}
-
-void expect_manifold(const Surface& surface) {
-  const TopologyReport report = check_topology(surface, {});
-  EXPECT_TRUE(report.is_clean_manifold())
-      << report.non_manifold_edges.count << " " << report.inconsistent_edges.count << " "
-      << report.non_manifold_vertices.count << " " << report.isolated_vertices.count << " "
-      << report.degenerate_simplices.count << " " << report.duplicate_vertices.count;
-}
+using test::expect_manifold;
+using test::grid_of;
+using test::isosurface_of;
+using test::noise;
 
 /// The same mesh with other numbers: vertices, cells and corners by turns that keep orientation.
 SimplexMesh shuffled(const SimplexMesh& mesh) {
@@ -141,10 +114,7 @@ TEST(mesh_isosurface, is_empty_at_and_below_the_least_value_and_above_the_larges
 }
 
 TEST(mesh_isosurface, of_one_tetrahedron_faces_lower_values) {
-  SimplexMesh mesh;
-  mesh.positions = {Vec3d{{0, 0, 0}}, Vec3d{{1, 0, 0}}, Vec3d{{0, 1, 0}}, Vec3d{{0, 0, 1}}};
-  mesh.tetrahedra = {{0, 1, 2, 3}};
-  mesh.errors = {0.25F};
+  SimplexMesh mesh = test::one_tetrahedron();
   for (unsigned inside = 1; inside < 15; ++inside) {
     mesh.values.clear();
     for (unsigned i = 0; i < 4; ++i) mesh.values.push_back((inside >> i & 1) != 0 ? 1 : -1);
@@ -168,7 +138,7 @@ TEST(mesh_isosurface, of_several_isovalues_are_appended) {
   Surface both = isosurface_of(mesh, 0.1);
   const Surface first = both;
   const Surface second = isosurface_of(mesh, -0.1);
-  add_isosurface(mesh, -0.1, {.margin = rounding_margin(mesh, {}), .threads = {2}}, both);
+  add_isosurface(mesh, -0.1, {.margin = rounding_margin(mesh.positions, {}), .threads = {2}}, both);
   ASSERT_EQ(both.positions.size(), first.positions.size() + second.positions.size());
   EXPECT_EQ(both.isovalues.front(), 0.1F);
   EXPECT_EQ(both.isovalues.back(), -0.1F);

@@ -201,12 +201,12 @@ Result<TetraSurfaceReport> TetraDataset::extract_surface(const MeshOptions& opti
   LODE_TRY(const MeshReport made, extract_mesh(options, mesh, progress));
   surface.clear();
   surface.origin = impl_->surface_origin;
-  const double margin = rounding_margin(mesh, surface.origin);
+  const double margin = rounding_margin(mesh.positions, surface.origin);
   TetraSurfaceReport report{
       .max_error = made.max_error, .n_cut_cells = made.n_cut_cells, .budget_met = made.budget_met};
   for (const double isovalue : isovalues)
-    report.achieved_error =
-        std::max(report.achieved_error, add_isosurface(mesh, isovalue, {.margin = margin}, surface));
+    report.achieved_error = std::max(report.achieved_error,
+                                     add_isosurface(mesh, isovalue, {.margin = margin}, surface));
   report.n_triangles = surface.triangles.size();
   report.n_vertices = surface.positions.size();
   report.unmet = unmet_isovalues(surface, isovalues);

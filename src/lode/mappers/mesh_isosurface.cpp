@@ -37,8 +37,42 @@ struct EdgePart {
   std::uint32_t first_id = 0;
 };
 
-/// What a thread needs to march a block.
+/// Numbers a block's edges. It remembers the last one of each slot: edges that share one may get
+/// several numbers, which parts make one.
+class EdgeCache {
+ public:
+  void clear(std::size_t n_most) {
+    keys_.fill(kNone);
+    edges_.resize(n_most);
+    n_edges_ = 0;
+  }
+  std::uint32_t find_or_add(std::uint64_t edge) {
+    // The shift brings in edges that differ in high bits only.
+    const std::uint64_t mixed = (edge ^ edge >> 32) * 0x9E3779B97F4A7C15ULL;
+    const auto slot = static_cast<std::size_t>(mixed >> (64 - kBits));
+    if (keys_[slot] == edge) return ids_[slot];
+    keys_[slot] = edge;
+    ids_[slot] = n_edges_;
+    edges_[n_edges_] = edge;
+    return n_edges_++;
+  }
+  [[nodiscard]] std::span<const std::uint64_t> edges() const {
+    return std::span(edges_).first(n_edges_);
+  }
+
+ private:
+  static constexpr unsigned kBits = 12;
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};  ///< No edge has equal ends.
+
+  std::array<std::uint64_t, std::size_t{1} << kBits> keys_{};
+  std::array<std::uint32_t, std::size_t{1} << kBits> ids_{};
+  std::vector<std::uint64_t> edges_;
+  std::uint32_t n_edges_ = 0;
+};
+
+/// What a thread needs to march a block, or to number a part.
 struct MarchScratch {
+  EdgeCache cache;
   VertexIds ids;
   std::vector<std::uint32_t> active;
   std::vector<std::uint32_t> places;
@@ -121,7 +155,7 @@ void MeshMarcher::march(std::size_t at, MarchScratch& scratch, MarchedBlock& blo
   march_simplex<3>(
       inside_of(cell), false,
       [&](std::size_t i, std::size_t j) {
-        return scratch.ids.find_or_add(edge_key(cell[i], cell[j])).id;
+        return scratch.cache.find_or_add(edge_key(cell[i], cell[j]));
       },
       [&](const std::array<std::uint32_t, 3>& t) { block.triangles.push_back(t); });
   block.largest_error = std::max(block.largest_error, mesh_.errors[at]);
@@ -131,7 +165,7 @@ void MeshMarcher::march_block(std::size_t at, MarchScratch& scratch, MarchedBloc
   const std::size_t begin = at * kBlockCells;
   find_active(begin, std::min(begin + kBlockCells, mesh_.tetrahedra.size()), scratch.active);
   if (scratch.active.empty()) return;
-  scratch.ids.clear();
+  scratch.cache.clear(4 * scratch.active.size());
   block.triangles.reserve(2 * scratch.active.size());
   for (const std::uint32_t cell : scratch.active) march(cell, scratch, block);
   sort_by_part(scratch, block);
@@ -139,7 +173,7 @@ void MeshMarcher::march_block(std::size_t at, MarchScratch& scratch, MarchedBloc
 
 /// Counts, adds up, writes: edges of a part stay in the order in which they were met.
 void MeshMarcher::sort_by_part(MarchScratch& scratch, MarchedBlock& block) const {
-  const std::vector<std::uint64_t>& edges = scratch.ids.keys();
+  const std::span<const std::uint64_t> edges = scratch.cache.edges();
   std::vector<std::uint32_t>& begins = block.part_begins;
   begins.assign(parts_.size() + 1, 0);
   for (const std::uint64_t edge : edges) ++begins[part_of(edge)];
@@ -183,6 +217,7 @@ void MeshMarcher::make_room() {
   }
   resize_large(surface_.positions, n_vertices);
   resize_large(surface_.isovalues, n_vertices);
+  if (!options_.gradients.empty()) resize_large(surface_.normals, n_vertices);
   resize_large(surface_.triangles, n_triangles);
 }
 
@@ -199,6 +234,10 @@ void MeshMarcher::place_part(const EdgePart& part) {
         crossing_of(isovalue_, mesh_.values[low], mesh_.values[high], way, options_.margin);
     surface_.positions[part.first_id + k] = narrowed(from + way * t);
     surface_.isovalues[part.first_id + k] = isovalue;
+    if (options_.gradients.empty()) continue;
+    const Vec3d gradient =
+        widened(options_.gradients[low]) * (1 - t) + widened(options_.gradients[high]) * t;
+    surface_.normals[part.first_id + k] = narrowed(normalized(gradient * -1.0));
   }
 }
 
@@ -242,9 +281,9 @@ double add_isosurface(const SimplexMesh& mesh, double isovalue,
   return MeshMarcher(mesh, isovalue, options, surface).run();
 }
 
-double rounding_margin(const SimplexMesh& mesh, const Vec3d& origin) {
+double rounding_margin(std::span<const Vec3d> positions, const Vec3d& origin) {
   double largest = 0;
-  for (const Vec3d& p : mesh.positions)
+  for (const Vec3d& p : positions)
     for (std::size_t i = 0; i < 3; ++i) largest = std::max(largest, std::abs(p[i] - origin[i]));
   return largest * 0x1p-20;
 }
