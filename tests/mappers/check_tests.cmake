@@ -20,5 +20,6 @@ lode_test(mesh_mappers_test
   SOURCES
     ${CMAKE_CURRENT_LIST_DIR}/mesh_isosurface_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/mesh_normals_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/mesh_section_test.cpp
   DEPENDS lode_mappers lode_core lode_oracles
   COMPUTES)

@@ -119,13 +119,14 @@ Query section_query(const SectionOptions& options) {
 }
 
 /// Triangles, or lines on them, from the cells that meet the plane.
-void fill_section(const SimplexMesh& mesh, const SectionOptions& options, const LatticeFrame& frame,
-                  Surface& section, SectionReport& report) {
-  Surface triangles = cut_section(mesh, options.plane, frame);
+void fill_section(const SimplexMesh& mesh, const SectionOptions& options,
+                  const SectionRounding& rounding, Surface& section, SectionReport& report) {
+  Surface triangles = cut_section(mesh, options.plane, rounding);
   section.clear();
   double largest_error = 0;
   for (const double isovalue : options.isovalues)
-    largest_error = std::max(largest_error, add_isolines(triangles, isovalue, frame, section));
+    largest_error =
+        std::max(largest_error, add_isolines(triangles, isovalue, rounding.margin, section));
   if (options.isovalues.empty()) {
     for (const float error : triangles.errors)
       largest_error = std::max(largest_error, static_cast<double>(error));
@@ -145,11 +146,12 @@ Result<SectionReport> extract_model_section(Nodes& opened, const SectionOptions&
   const auto& model = opened.model();
   LODE_TRY(const Query query, complete_query(model, section_query(options)));
   const bool is_lines = !options.isovalues.empty();
-  const LatticeFrame frame = LatticeFrame::of(model.info.grid);
-  const double snap = snap_distance(frame, options.plane.normal);
+  const SectionRounding rounding =
+      section_rounding(LatticeFrame::of(model.info.grid), options.plane.normal);
   const Demand demand =
-      MeshDemand{to_demand(query), is_lines ? AtBorder::refined : AtBorder::clipped, snap};
-  const diamond::NearPlane near{options.plane.point, normalized(options.plane.normal), snap};
+      MeshDemand{to_demand(query), is_lines ? AtBorder::refined : AtBorder::clipped, rounding.snap};
+  const diamond::NearPlane near{options.plane.point, normalized(options.plane.normal),
+                                rounding.snap};
   const diamond::CutMeshOptions mesh_options{.focus = demand, .only_focus = is_lines, .near = near};
   SectionReport report{.max_error = *query.max_error};
   SimplexMesh mesh;
@@ -165,7 +167,7 @@ Result<SectionReport> extract_model_section(Nodes& opened, const SectionOptions&
         report.memory_met = found.memory_met;
         return {};
       }));
-  fill_section(mesh, options, frame, section, report);
+  fill_section(mesh, options, rounding, section, report);
   if (model.has_holes()) split_pinched_vertices(section);
   report.n_vertices = section.positions.size();
   return report;

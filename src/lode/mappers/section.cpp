@@ -25,7 +25,8 @@ struct FlatFace {
 
 class SectionCutter {
  public:
-  SectionCutter(const SimplexMesh& mesh, const SectionPlane& plane, const LatticeFrame& frame);
+  SectionCutter(const SimplexMesh& mesh, const SectionPlane& plane,
+                const SectionRounding& rounding);
 
   Surface run();
 
@@ -44,23 +45,23 @@ class SectionCutter {
 };
 
 SectionCutter::SectionCutter(const SimplexMesh& mesh, const SectionPlane& plane,
-                             const LatticeFrame& frame)
+                             const SectionRounding& rounding)
     : mesh_(mesh) {
-  section_.origin = frame.surface_origin;
+  section_.origin = rounding.origin;
   const Vec3d normal = normalized(plane.normal);
-  const double snap = snap_distance(frame, normal);
   distance_.reserve(mesh.positions.size());
   for (const Vec3d& p : mesh.positions) {
     const double d = dot(normal, p - plane.point);
-    distance_.push_back(std::abs(d) <= snap ? 0.0 : d);
+    distance_.push_back(std::abs(d) <= rounding.snap ? 0.0 : d);
   }
 }
 
-/// The vertex where the edge crosses the plane; its ends lie on both sides, or one in it.
+/// The vertex where the edge crosses the plane; its ends lie on both sides, or one in it. Found
+/// from below, so that it does not depend on the ends' numbers.
 std::uint32_t SectionCutter::vertex_on(std::uint32_t a, std::uint32_t b) {
   if (distance_[a] == 0) b = a;
   if (distance_[b] == 0) a = b;
-  if (a > b) std::swap(a, b);
+  if (distance_[a] > 0) std::swap(a, b);
   const auto [id, is_new] = ids_.find_or_add(edge_key(a, b));
   if (!is_new) return id;
   const double t = a == b ? 0.0 : distance_[a] / (distance_[a] - distance_[b]);
@@ -188,23 +189,32 @@ double IsolineMarcher::run() {
 
 }  // namespace
 
-double snap_distance(const LatticeFrame& frame, const Vec3d& normal) {
+SectionRounding section_rounding(const LatticeFrame& frame, const Vec3d& normal) {
   const Vec3d unit = normalized(normal);
-  double step = 0;
-  for (std::size_t i = 0; i < 3; ++i) step += std::abs(dot(unit, frame.to_world.column(i)));
-  return frame.margin * step;
-}
-
-Surface cut_section(const SimplexMesh& mesh, const SectionPlane& plane, const LatticeFrame& frame) {
-  return SectionCutter(mesh, plane, frame).run();
-}
-
-double add_isolines(const Surface& section, double isovalue, const LatticeFrame& frame,
-                    Surface& lines) {
+  SectionRounding rounding{.origin = frame.surface_origin};
   double step = length(frame.to_world.column(0));
-  for (const std::size_t i : {1U, 2U}) step = std::min(step, length(frame.to_world.column(i)));
+  for (std::size_t i = 0; i < 3; ++i) {
+    rounding.snap += frame.margin * std::abs(dot(unit, frame.to_world.column(i)));
+    step = std::min(step, length(frame.to_world.column(i)));
+  }
+  rounding.margin = frame.margin * step;
+  return rounding;
+}
+
+SectionRounding section_rounding(const Vec3d& origin, double margin, const Vec3d& normal) {
+  const Vec3d unit = normalized(normal);
+  const double sum = std::abs(unit[0]) + std::abs(unit[1]) + std::abs(unit[2]);
+  return {.origin = origin, .snap = margin * sum, .margin = margin};
+}
+
+Surface cut_section(const SimplexMesh& mesh, const SectionPlane& plane,
+                    const SectionRounding& rounding) {
+  return SectionCutter(mesh, plane, rounding).run();
+}
+
+double add_isolines(const Surface& section, double isovalue, double margin, Surface& lines) {
   lines.origin = section.origin;
-  return IsolineMarcher(section, isovalue, frame.margin * step, lines).run();
+  return IsolineMarcher(section, isovalue, margin, lines).run();
 }
 
 }  // namespace lode
