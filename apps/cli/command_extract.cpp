@@ -339,7 +339,7 @@ Command add_extract_command(CLI::App& program) {
       "see all of it.\n\n"
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
       "Of meshes of cells (.vtu, .vts, .vtk, .msh, .mesh) the hierarchy is built in memory; there\n"
-      "are isosurfaces, without normals, and --mesh, with foci and --max-cells.\n\n"
+      "are isosurfaces, --mesh, --section and --boundary, with foci and --max-cells.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
@@ -349,6 +349,7 @@ Command add_extract_command(CLI::App& program) {
       "  lode extract scan.lode bone.ply --isovalue 1200 --simplify --max-distance 0.5\n"
       "  lode extract scan.lode scan.vtu --mesh --field-range 300:900 --max-error 10\n"
       "  lode extract scan.lode cut.vtp --section 0,0,12:0,0,1\n"
+      "  lode extract fin.vtu hot.vtp --boundary --threshold 2:5 --field Density\n"
       "  lode extract scan.lode bone.vtp --isovalue 1200 --progressive bone-steps\n"
       "  lode extract damaged.lode bone.ply --isovalue 1200 --max-error 10 --salvage");
   app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")

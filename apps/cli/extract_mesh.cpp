@@ -175,6 +175,11 @@ Result<Outcome> run_section(const MeshJob& job, Session& session) {
 }  // namespace
 
 Result<void> check_mesh_job(const MeshJob& job) {
+  if (job.query.is_boundary) return fail("--boundary: expected a mesh of cells, got {}", job.input);
+  if (!job.query.threshold.empty())
+    return fail("--threshold: expected a mesh of cells, got {}", job.input);
+  if (job.query.sections.size() > 1)
+    return fail("--section: expected one of a volume, got {}", job.query.sections.size());
   if (job.query.is_mesh) {
     LODE_CHECK(to_mesh_options(job.query, job.extraction));
     LODE_CHECK(check_mesh_path(job.output));

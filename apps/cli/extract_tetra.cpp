@@ -92,9 +92,9 @@ struct TetraAnswer {
 };
 
 template <typename Report>
-TetraAnswer to_answer(const Report& report, const MeshOptions& options) {
-  return {report.max_error,  !options.query.max_error, report.achieved_error,
-          report.budget_met, report.seconds,           0};
+TetraAnswer to_answer(const Report& report, bool is_default) {
+  return {report.max_error,  is_default,     report.achieved_error,
+          report.budget_met, report.seconds, 0};
 }
 
 void warn_of_budget(Session& session, bool is_met, std::uint64_t n_cells) {
@@ -147,6 +147,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   for (const auto& [name, value] : counts.items())
     table.add({name == "largest_error" ? "error anywhere"
                : name == "cut_cells"   ? "cells of the cut"
+               : name == "left_out"    ? "cells left out"
                                        : name,
                value.is_number_float() ? format_number(value.get<double>()) + " at samples"
                                        : format_count(value.get<std::uint64_t>())});
@@ -161,16 +162,59 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
 
 constexpr const char* kMeshOfCells = "mesh of cells";
 
-Result<MeshOptions> options_of(const MeshJob& job) {
-  return to_mesh_options(job.query, job.extraction, job.query.is_mesh ? "--mesh" : kMeshOfCells);
+/// What is wanted of a mesh of cells, when its arguments have been looked at.
+struct TetraJob {
+  TetraMeshOptions mesh;         ///< With --mesh and --boundary,
+  TetraSectionOptions sections;  ///< with --section,
+  TetraSurfaceOptions surface;   ///< with neither.
+  bool is_default = false;       ///< The tolerance.
+};
+
+Result<TetraJob> section_job(const MeshJob& job) {
+  LODE_TRY(const SectionOptions one, to_section_options(job.query, job.extraction));
+  TetraJob made;
+  LODE_TRY(made.sections.planes, to_planes(job.query));
+  made.sections.isovalues = one.isovalues;
+  made.sections.field_ranges = one.field_ranges;
+  made.sections.max_error = one.max_error;
+  made.sections.budget = one.budget;
+  made.is_default = !one.max_error;
+  return made;
 }
 
-Result<Outcome> run_tetra_mesh(const MeshJob& job, const MeshOptions& options, Session& session) {
+Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
+  if (!job.query.sections.empty() && !job.query.is_mesh) return section_job(job);
+  ExtractionArguments extraction = job.extraction;
+  // Only isosurfaces have normals.
+  if (!job.query.is_wanted()) extraction.normals = "on";
+  LODE_TRY(const MeshOptions options, to_mesh_options(job.query, extraction,
+                                                      job.query.is_mesh       ? "--mesh"
+                                                      : job.query.is_boundary ? "--boundary"
+                                                                              : kMeshOfCells));
+  TetraJob made;
+  LODE_TRY(const ExtractOptions surface, to_extract_options(job.extraction));
+  made.surface = {.query = options.query, .normals = surface.normals, .threads = threads};
+  made.mesh = {.query = options.query, .threshold = {}, .threads = threads};
+  LODE_TRY(made.mesh.threshold, to_threshold(job.query));
+  made.is_default = !options.query.max_error;
+  return made;
+}
+
+void warn_of_threshold(Session& session, const MeshJob& job, bool is_empty) {
+  if (is_empty)
+    session.warn(job.query.threshold.empty() ? "the answer is empty: the mesh has no cell"
+                                             : "the answer is empty: no cell of the cut lies in "
+                                               "the threshold");
+}
+
+Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
   LODE_TRY(const TetraInput input, build_input(job, session));
   SimplexMesh mesh;
-  LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
+  LODE_TRY(const MeshReport report,
+           input.dataset.extract_mesh(wanted.mesh, mesh, session.progress()));
   warn_of_budget(session, report.budget_met, report.n_cut_cells);
-  TetraAnswer made = to_answer(report, options);
+  warn_of_threshold(session, job, mesh.is_empty());
+  TetraAnswer made = to_answer(report, wanted.is_default);
   const Stopwatch watch;
   LODE_CHECK(write_vtu(
       job.output, mesh,
@@ -181,48 +225,86 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const MeshOptions& options, S
   counts["largest_error"] = report.largest_error;
   counts["cells"] = report.n_cells;
   counts["vertices"] = report.n_vertices;
+  if (wanted.mesh.threshold) counts["left_out"] = report.n_left_out;
   return tetra_outcome(job, input, made, counts, session);
 }
 
-Result<Outcome> run_tetra_surface(const MeshJob& job, const MeshOptions& options,
-                                  Session& session) {
+Result<TetraSurfaceReport> make_surface(const TetraDataset& dataset, const MeshJob& job,
+                                        const TetraJob& wanted, Surface& surface,
+                                        Progress& progress) {
+  if (job.query.is_boundary) return dataset.extract_boundary(wanted.mesh, surface, progress);
+  if (!job.query.sections.empty())
+    return dataset.extract_section(wanted.sections, surface, progress);
+  return dataset.extract_surface(wanted.surface, surface, progress);
+}
+
+void warn_of_surface(Session& session, const MeshJob& job, const Surface& surface,
+                     const TetraSurfaceReport& report) {
+  const bool is_section = !job.query.sections.empty();
+  if (job.query.is_boundary) warn_of_threshold(session, job, surface.is_empty());
+  for (const double isovalue : report.unmet)
+    session.warn(is_section ? fmt::format("no line at isovalue {}: it meets nothing on the section",
+                                          isovalue)
+                            : fmt::format("no surface at isovalue {}: it meets no cell", isovalue));
+  if (is_section && surface.is_empty() && report.unmet.empty())
+    session.warn("the section is empty: its plane meets no cell of the data");
+  if (job.query.is_wanted() && !can_hold_values(job.output))
+    session.warn(fmt::format("{}: values and errors are left out, which only .vtp and .ply hold",
+                             job.output));
+}
+
+Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Session& session) {
   LODE_TRY(const TetraInput input, build_input(job, session));
   Surface surface;
   LODE_TRY(const TetraSurfaceReport report,
-           input.dataset.extract_surface(options, surface, session.progress()));
+           make_surface(input.dataset, job, wanted, surface, session.progress()));
   warn_of_budget(session, report.budget_met, report.n_cut_cells);
-  for (const double isovalue : report.unmet)
-    session.warn(fmt::format("no surface at isovalue {}: it meets no cell", isovalue));
-  TetraAnswer made = to_answer(report, options);
+  warn_of_surface(session, job, surface, report);
+  TetraAnswer made = to_answer(report, wanted.is_default);
+  const char* const kind = job.query.is_boundary         ? "boundary"
+                           : !job.query.sections.empty() ? "section"
+                                                         : "isosurface";
   const Stopwatch watch;
-  LODE_CHECK(write_surface(job.output, surface, {.comment = tetra_comment("isosurface", made)},
-                           session.progress()));
+  LODE_CHECK(write_surface(
+      job.output, surface,
+      {.comment = tetra_comment(kind, made), .value_name = input.dataset.describe().field},
+      session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
   counts["triangles"] = report.n_triangles;
+  if (!job.query.sections.empty()) counts["lines"] = report.n_lines;
   counts["vertices"] = report.n_vertices;
   counts["cut_cells"] = report.n_cut_cells;
+  if (wanted.mesh.threshold) counts["left_out"] = report.n_left_out;
   return tetra_outcome(job, input, made, counts, session);
+}
+
+/// What the output can hold of what is wanted.
+Result<void> check_tetra_output(const MeshJob& job, const TetraJob& wanted) {
+  if (job.query.is_mesh) return check_mesh_path(job.output);
+  LODE_CHECK(check_surface_extension(job.output));
+  if (!wanted.sections.isovalues.empty() && !can_hold_lines(job.output))
+    return fail(
+        "{}: expected a format that holds the isolines of a section: .vtp, .ply, .obj or .glb",
+        job.output);
+  if (job.query.is_wanted()) return {};
+  const std::size_t n = wanted.surface.query.isovalues.size();
+  if (n == 0)
+    return fail("{}: expected --isovalue or --mesh, --section or --boundary, got none of them",
+                job.input);
+  if (n > 1 && !can_hold_isovalues(job.output))
+    return fail("{}: expected one isovalue, or a format that tells several apart: .ply or .vtp",
+                job.output);
+  return {};
 }
 
 }  // namespace
 
 Result<void> check_tetra_job(const MeshJob& job) {
-  if (!job.query.section.empty())
-    return fail("{}: expected no --section, which is not made yet of a mesh of cells", job.input);
   if (!job.query.view.empty() || !job.query.deadline_ms.empty())
     return fail("{}: expected no --view and no deadline with a mesh of cells", job.input);
-  LODE_TRY(const MeshOptions options, options_of(job));
-  if (job.query.is_mesh) {
-    LODE_CHECK(check_mesh_path(job.output));
-  } else {
-    if (options.query.isovalues.empty())
-      return fail("{}: expected --isovalue or --mesh, got neither", job.input);
-    LODE_CHECK(check_surface_extension(job.output));
-    if (options.query.isovalues.size() > 1 && !can_hold_isovalues(job.output))
-      return fail("{}: expected one isovalue, or a format that tells several apart: .ply or .vtp",
-                  job.output);
-  }
+  LODE_TRY(const TetraJob wanted, to_tetra_job(job, {}));
+  LODE_CHECK(check_tetra_output(job, wanted));
   LODE_CHECK(to_tetra_options(job.reading));
   ReadingArguments others = job.reading;
   others.field.clear();
@@ -237,9 +319,9 @@ Result<void> check_tetra_job(const MeshJob& job) {
 
 Result<Outcome> run_tetra_job(const MeshJob& job, Session& session) {
   LODE_CHECK(check_writable(job.output));
-  LODE_TRY(const MeshOptions options, options_of(job));
-  return job.query.is_mesh ? run_tetra_mesh(job, options, session)
-                           : run_tetra_surface(job, options, session);
+  LODE_TRY(const TetraJob wanted, to_tetra_job(job, session.threads()));
+  return job.query.is_mesh ? run_tetra_mesh(job, wanted, session)
+                           : run_tetra_surface(job, wanted, session);
 }
 
 }  // namespace lode::cli

@@ -19,11 +19,11 @@ Result<std::array<std::string, 2>> split_pair(std::string_view option, const std
   return std::array{text.substr(0, colon), text.substr(colon + 1)};
 }
 
-Result<Range> parse_field_range(const std::string& text) {
-  LODE_TRY(const auto ends, split_pair("--field-range", text, "two numbers as A:B"));
-  LODE_TRY(const double low, parse_number("--field-range", ends[0]));
-  LODE_TRY(const double high, parse_number("--field-range", ends[1]));
-  if (low > high) return fail("--field-range: expected A <= B, got '{}'", text);
+Result<Range> parse_range(const char* option, const std::string& text) {
+  LODE_TRY(const auto ends, split_pair(option, text, "two numbers as A:B"));
+  LODE_TRY(const double low, parse_number(option, ends[0]));
+  LODE_TRY(const double high, parse_number(option, ends[1]));
+  if (low > high) return fail("{}: expected A <= B, got '{}'", option, text);
   return Range{low, high};
 }
 
@@ -64,7 +64,7 @@ Result<Budget> parse_budget(const std::string& text) {
 Result<std::vector<Range>> parse_field_ranges(const std::vector<std::string>& texts) {
   std::vector<Range> ranges;
   for (const std::string& text : texts) {
-    LODE_TRY(const Range range, parse_field_range(text));
+    LODE_TRY(const Range range, parse_range("--field-range", text));
     ranges.push_back(range);
   }
   return ranges;
@@ -114,9 +114,16 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
   app.add_flag("--mesh", arguments.is_mesh,
                "Write the tetrahedra (triangles of 2D data) with values and errors, as .vtu")
       ->group(group);
-  add("--section", arguments.section, "X,Y,Z:NX,NY,NZ",
+  app.add_flag("--boundary", arguments.is_boundary,
+               "Write the outer faces of a mesh of cells: triangles with values and errors")
+      ->group(group);
+  add("--section", arguments.sections, "X,Y,Z:NX,NY,NZ",
       "Write the plane through a point, by its normal: triangles with values and errors, or with "
-      "--isovalue the lines on it");
+      "--isovalue the lines on it; may be repeated of a mesh of cells");
+  add("--threshold", arguments.threshold, "A:B",
+      "With --mesh or --boundary of a mesh of cells: only cells whose values lie from A to B at "
+      "all "
+      "corners; without another focus accurate where the field may be in it");
   add("--field-range", arguments.field_ranges, "A:B",
       "Accurate where the field may be from A to B; may be repeated");
   group = "Focus and budget";
@@ -137,6 +144,12 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
 }
 
 Result<void> check_unused(const QueryArguments& arguments) {
+  if (arguments.is_boundary && arguments.is_mesh)
+    return fail("--boundary: expected no --mesh with it, got both");
+  if (arguments.is_boundary && !arguments.sections.empty())
+    return fail("--boundary: expected no --section with it, got both");
+  if (!arguments.threshold.empty() && !arguments.is_mesh && !arguments.is_boundary)
+    return fail("--threshold: expected --mesh or --boundary with it, got neither");
   if (arguments.is_wanted()) {
     for (const auto& [name, is_set] : {std::pair{"--view", !arguments.view.empty()},
                                        {"--max-error-px", !arguments.max_error_px.empty()},
@@ -153,7 +166,7 @@ Result<void> check_unused(const QueryArguments& arguments) {
 
 Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
                                     const ExtractionArguments& extraction, const char* answer) {
-  if (!arguments.section.empty()) return fail("{}: expected no --section with it", answer);
+  if (!arguments.sections.empty()) return fail("{}: expected no --section with it", answer);
   LODE_CHECK(check_surface_options(extraction, answer));
   LODE_TRY(const ExtractOptions surface, to_extract_options(extraction));
   Query query;
@@ -180,7 +193,8 @@ Result<SectionOptions> to_section_options(const QueryArguments& arguments,
     if (is_set) return fail("{}: expected no --section with it, only --mesh", name);
   LODE_TRY(const ExtractOptions surface, to_extract_options(extraction));
   SectionOptions options;
-  LODE_TRY(options.plane, parse_section(arguments.section));
+  LODE_TRY(const std::vector<SectionPlane> planes, to_planes(arguments));
+  options.plane = planes.at(0);
   options.isovalues = surface.isovalues;
   options.max_error = surface.max_error;
   LODE_TRY(options.field_ranges, parse_field_ranges(arguments.field_ranges));
@@ -188,6 +202,21 @@ Result<SectionOptions> to_section_options(const QueryArguments& arguments,
     return fail("--field-range: expected no --isovalue with --section, whose lines need no other");
   LODE_TRY(options.budget, parse_budget(arguments.max_cells));
   return options;
+}
+
+Result<std::vector<SectionPlane>> to_planes(const QueryArguments& arguments) {
+  std::vector<SectionPlane> planes;
+  for (const std::string& text : arguments.sections) {
+    LODE_TRY(const SectionPlane plane, parse_section(text));
+    planes.push_back(plane);
+  }
+  return planes;
+}
+
+Result<std::optional<Range>> to_threshold(const QueryArguments& arguments) {
+  if (arguments.threshold.empty()) return std::optional<Range>{};
+  LODE_TRY(const Range range, parse_range("--threshold", arguments.threshold));
+  return std::optional{range};
 }
 
 Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,9 @@ namespace lode::cli {
 /// The options of foci, meshes and sections as typed.
 struct QueryArguments {
   bool is_mesh = false;
-  std::string section;
+  bool is_boundary = false;
+  std::vector<std::string> sections;
+  std::string threshold;
   std::vector<std::string> field_ranges;
   std::vector<std::string> boxes;
   std::vector<std::string> balls;
@@ -25,8 +28,8 @@ struct QueryArguments {
   std::string max_error_px;
   std::string deadline_ms;
 
-  /// Whether the answer is a mesh or a section, and no surface.
-  [[nodiscard]] bool is_wanted() const { return is_mesh || !section.empty(); }
+  /// Whether the answer is a mesh, its boundary or a section, and no isosurface.
+  [[nodiscard]] bool is_wanted() const { return is_mesh || is_boundary || !sections.empty(); }
   /// Whether it is a surface, but not equally good everywhere.
   [[nodiscard]] bool is_focused() const {
     return !is_wanted() &&
@@ -48,7 +51,11 @@ void add_query_options(CLI::App& app, QueryArguments& arguments);
 [[nodiscard]] Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
                                                   const ExtractionArguments& extraction,
                                                   const char* answer = "--mesh");
+/// With a plane at least; the first one is the options'.
 [[nodiscard]] Result<SectionOptions> to_section_options(const QueryArguments& arguments,
                                                         const ExtractionArguments& extraction);
+[[nodiscard]] Result<std::vector<SectionPlane>> to_planes(const QueryArguments& arguments);
+/// None where none is asked for.
+[[nodiscard]] Result<std::optional<Range>> to_threshold(const QueryArguments& arguments);
 
 }  // namespace lode::cli

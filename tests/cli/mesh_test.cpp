@@ -121,6 +121,9 @@ TEST(cli_mesh_usage, refuses_what_makes_no_sense) {
   };
   refused("m.ply", {"--mesh"}, {"m.ply", ".vtu"});
   refused("s.vtu", {"--section", "0,0,0:0,0,1"}, {"s.vtu", "extension"});
+  refused("m.vtu", {"--mesh", "--threshold", "1:2"}, {"--threshold", "mesh of cells"});
+  refused("s.vtp", {"--boundary"}, {"--boundary", "mesh of cells"});
+  refused("s.vtp", {"--section", "0,0,0:0,0,1", "--section", "0,0,1:0,0,1"}, {"--section", "one"});
   refused("m.vtu", {"--mesh", "--section", "0,0,0:0,0,1"}, {"--mesh", "no --section"});
   for (const char* plane : {"0,0,0", "0,0:0,0,1", "0,0,0:0,0,0", "0,0,0:1,2", "0,0,0:1:2", "x"})
     refused("s.vtp", {"--section", plane}, {"--section"});

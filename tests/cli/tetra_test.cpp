@@ -7,7 +7,9 @@
 #include <string>
 
 #include "lode/api/files.h"
+#include "lode/mappers/mesh_boundary.h"
 #include "lode/mappers/mesh_isosurface.h"
+#include "lode/mappers/section.h"
 #include "lode/mappers/surface_topology.h"
 #include "tests/cli/program.h"
 #include "tests/io/vtk_oracle.h"
@@ -151,6 +153,108 @@ TEST_F(cli_tetra, makes_isosurfaces_of_the_cut_and_of_the_reference_without_a_to
   }
 }
 
+TEST_F(cli_tetra, gives_isosurfaces_normals_to_lower_values_unless_told_not_to) {
+  const std::string ply = scratch_ / "out.ply";
+  const auto extract = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"extract", input_, ply, "--isovalue", "3.1"});
+    EXPECT_EQ(run_lode(options).exit_code, 0);
+    return read_surface(ply).value();
+  };
+  EXPECT_TRUE(extract({"--normals", "off"}).normals.empty());
+  for (const char* const tolerance : {"0", "0.5"}) {
+    const Surface surface = extract({"--max-error", tolerance});
+    ASSERT_EQ(surface.normals.size(), surface.positions.size());
+    double sum = 0;
+    for (std::size_t v = 0; v < surface.normals.size(); ++v) {
+      const Vec3d p = widened(surface.positions[v]);
+      const Vec3d slope{{5 * std::cos(0.5 * p[0]) * std::cos(0.4 * p[1]),
+                         -4 * std::sin(0.5 * p[0]) * std::sin(0.4 * p[1]), 1}};
+      const Vec3d normal = widened(surface.normals[v]);
+      EXPECT_NEAR(length(normal), 1, 1e-6);
+      sum += dot(normal, normalized(slope));
+    }
+    // Cells of size 1 under waves of length 12: some vertices of the border are far off.
+    EXPECT_LT(sum / static_cast<double>(surface.normals.size()), -0.97);
+  }
+}
+
+TEST_F(cli_tetra, cuts_sections_of_the_reference_and_of_cuts_that_are_fine_along_them) {
+  const std::string vtp = scratch_ / "out.vtp";
+  const auto extract = [&](std::vector<std::string> options, nlohmann::json& json) {
+    options.insert(options.begin(), {"extract", input_, vtp, "--json"});
+    const Finished run = run_lode(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    json = run.json();
+    return read_surface(vtp).value();
+  };
+  struct Case {
+    const char* plane;
+    SectionPlane same;
+  };
+  nlohmann::json json;
+  for (const auto& [plane, same] : {Case{"0,0,3.3:0.2,0.3,1", {{{0, 0, 3.3}}, {{0.2, 0.3, 1}}}},
+                                    Case{"0,0,6:0,0,1", {{{0, 0, 6}}, {{0, 0, 1}}}},
+                                    Case{"0,0,12:0,0,1", {{{0, 0, 12}}, {{0, 0, 1}}}}}) {
+    const Surface exact = extract({"--section", plane, "--max-error", "0"}, json);
+    EXPECT_EQ(json.at("triangles"), exact.triangles.size());
+    EXPECT_EQ(json.at("achieved_error"), 0);
+    const SimplexMesh all = waves(13);
+    const Surface reference = cut_section(
+        all, same, section_rounding({}, rounding_margin(all.positions, {}), same.normal));
+    EXPECT_EQ(oracles::sorted_triangles(exact), oracles::sorted_triangles(reference));
+    const TopologyReport topology = check_topology(exact, {});
+    EXPECT_TRUE(topology.is_clean_manifold());
+    const Surface coarse = extract({"--section", plane, "--max-error", "0.5"}, json);
+    EXPECT_LE(json.at("achieved_error"), 0.5);
+    EXPECT_LT(json.at("cut_cells"), 12 * 12 * 12 * 6 / 2);
+    EXPECT_TRUE(check_topology(coarse, {}).is_clean_manifold());
+  }
+  const std::vector<std::string> two{"--section", "0,0,3.3:0,0,1", "--section", "6.1,0,0:1,0,0"};
+  EXPECT_EQ(check_topology(extract(two, json), {}).components.size(), 2U);
+  const Surface lines =
+      extract({"--section", "0,0,3.3:0,0,1", "--isovalue", "4", "--max-error", "0"}, json);
+  EXPECT_GT(lines.lines.size(), 10U);
+  EXPECT_EQ(json.at("lines"), lines.lines.size());
+  EXPECT_TRUE(extract({"--section", "0,0,30:0,0,1"}, json).is_empty());
+  EXPECT_EQ(json.at("warnings").size(), 1U);
+}
+
+TEST_F(cli_tetra, writes_the_boundary_and_what_is_within_a_threshold) {
+  const std::string ply = scratch_ / "out.ply";
+  const auto boundary = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"extract", input_, ply, "--boundary", "--json"});
+    const Finished run = run_lode(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json();
+  };
+  EXPECT_EQ(boundary({"--max-error", "0"}).at("triangles"), 6 * 144 * 2);
+  const nlohmann::json coarse = boundary({"--max-error", "1"});
+  const Surface surface = read_surface(ply).value();
+  EXPECT_LT(surface.triangles.size(), 1000U);
+  EXPECT_LE(coarse.at("achieved_error"), 1);
+  EXPECT_TRUE(check_topology(surface, {}).is_clean_manifold());
+  EXPECT_TRUE(check_topology(surface, {}).is_closed());
+  const nlohmann::json whole = report({"--max-error", "0", "--field-range", "2:9"});
+  const nlohmann::json warm = report({"--max-error", "0", "--threshold", "2:9"});
+  EXPECT_EQ(warm.at("left_out").get<int>() + warm.at("cells").get<int>(), whole.at("cells"));
+  const auto cells = read_cell_mesh(output_, {});
+  ASSERT_TRUE(cells);
+  for (const double value : cells->point_fields.front().values) {
+    EXPECT_GE(value, 2);
+    EXPECT_LE(value, 9);
+  }
+  // What may be in the threshold is at full resolution.
+  SimplexMesh reference = waves(13);
+  keep_cells_within(reference, 2, 9);
+  EXPECT_EQ(warm.at("cells"), reference.n_cells());
+  boundary({"--max-error", "0", "--threshold", "2:9"});
+  EXPECT_EQ(oracles::sorted_triangles(read_surface(ply).value()),
+            oracles::sorted_triangles(mesh_boundary(reference, {}, {})));
+  const nlohmann::json none = boundary({"--threshold", "90:91"});
+  EXPECT_EQ(none.at("triangles"), 0);
+  EXPECT_EQ(none.at("warnings").size(), 1U);
+}
+
 TEST_F(cli_tetra, warns_that_regions_are_left_out) {
   const std::string regions = scratch_ / "regions.msh";
   std::ofstream(regions) << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n"
@@ -170,6 +274,16 @@ TEST_F(cli_tetra, writes_what_vtk_reads) {
   EXPECT_EQ(seen.at("points"), json.at("vertices"));
   EXPECT_NEAR(seen.at("size").get<double>(), 12 * 12 * 12, 1e-6);
   EXPECT_GT(seen.at("smallest").get<double>(), 0);
+  const std::string vtp = scratch_ / "out.vtp";
+  for (const std::string kind : {"--boundary", "--section=1,2,3.3:0,0,1"}) {
+    const nlohmann::json made =
+        run_lode({"extract", input_, vtp, kind, "--max-error", "0.5", "--json"}).json();
+    const auto read = nlohmann::json::parse(run_oracle(LODE_MESH_ORACLE, vtp), nullptr, false);
+    EXPECT_EQ(read.at("cells"), made.at("triangles"));
+    EXPECT_EQ(read.at("point_data").at("wave").at("tuples"), made.at("vertices"));
+    EXPECT_EQ(read.at("cell_data").at("error").at("range")[1], made.at("achieved_error"));
+    EXPECT_NEAR(read.at("size").get<double>(), (kind == "--boundary" ? 6 : 1) * 12 * 12, 1e-3);
+  }
 }
 
 TEST_F(cli_tetra, is_the_same_for_any_number_of_threads) {
@@ -191,7 +305,17 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   };
   const std::string surface = scratch_ / "out.ply";
   refused({"extract", input_, surface}, "expected --isovalue or --mesh");
-  refused({"extract", input_, surface, "--section", "0,0,1:0,0,1"}, "expected no --section");
+  refused({"extract", input_, surface, "--section", "0,0,1:0,0,0"}, "expected a normal");
+  refused({"extract", input_, output_, "--mesh", "--section", "0,0,1:0,0,1"},
+          "expected no --section");
+  refused({"extract", input_, surface, "--boundary", "--section", "0,0,1:0,0,1"},
+          "expected no --section");
+  refused({"extract", input_, surface, "--boundary", "--mesh"}, "expected no --mesh");
+  refused({"extract", input_, output_, "--boundary"}, "extension");
+  refused({"extract", input_, surface, "--boundary", "--normals", "off"}, "--normals");
+  refused({"extract", input_, surface, "--isovalue", "3", "--threshold", "1:2"},
+          "expected --mesh or --boundary");
+  refused({"extract", input_, output_, "--mesh", "--threshold", "2:1"}, "expected A <= B");
   refused({"extract", input_, surface, "--isovalue", "3", "--style", "cubes"}, "--style");
   refused({"extract", input_, surface, "--isovalue", "3", "--simplify"}, "--simplify");
   refused({"extract", input_, scratch_ / "out.stl", "--isovalue", "3", "--isovalue", "4"},

@@ -32,9 +32,11 @@ struct MeshReport {
   std::uint64_t n_cells = 0;      ///< Of the mesh.
   std::uint64_t n_cut_cells = 0;  ///< Of the cut, before clipping: what the budget counts.
   std::uint64_t n_vertices = 0;
-  std::uint64_t n_left_out = 0;  ///< Simplices that holes remove in part, and nothing refined.
-  bool budget_met = true;        ///< False: even the unrefined base has more cells.
-  bool memory_met = true;        ///< False: memory ended refinement first; see achieved_error.
+  /// Simplices that holes remove in part, and nothing refined; of meshes of tetrahedra cells of the
+  /// cut that a threshold leaves out.
+  std::uint64_t n_left_out = 0;
+  bool budget_met = true;  ///< False: even the unrefined base has more cells.
+  bool memory_met = true;  ///< False: memory ended refinement first; see achieved_error.
   double seconds = 0;
 };
 

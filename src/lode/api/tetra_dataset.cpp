@@ -1,13 +1,16 @@
 #include "lode/api/tetra_dataset.h"
 
 #include <algorithm>
+#include <array>
+#include <functional>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <utility>
 
-#include "lode/api/finishing.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
+#include "lode/mappers/mesh_gradients.h"
 #include "lode/mappers/mesh_isosurface.h"
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
@@ -35,9 +38,26 @@ Result<Query> complete_query(const TetraInfo& info, Query query) {
   return query;
 }
 
-Demand demand_of(Query query) {
+/// A demand with bounds a little wider than they are: mesh vertices near a section count as in it.
+struct WidenedDemand {
+  Demand demand;
+  double widening = 0;  ///< World units.
+
+  [[nodiscard]] double operator()(const NodeFacts& node) const { return demand(widened(node)); }
+  [[nodiscard]] bool touches(const NodeFacts& node) const { return demand.touches(widened(node)); }
+
+ private:
+  [[nodiscard]] NodeFacts widened(NodeFacts node) const {
+    node.bounds.radius += widening;
+    return node;
+  }
+};
+
+/// `widening`: how much sections are.
+Demand demand_of(Query query, double widening) {
   const std::optional<double> outside = std::exchange(query.max_error_outside, std::nullopt);
   Demand demand = to_demand(query);
+  if (!query.sections.empty()) demand = WidenedDemand{std::move(demand), widening};
   if (outside) demand = max_of({std::move(demand), uniform_demand(*outside)});
   return demand;
 }
@@ -51,9 +71,12 @@ Vec3d origin_of(const HierarchyHead& head) {
   return is_far ? head.lower : Vec3d();
 }
 
-/// Cells of a cut, their vertices numbered in the order of the hierarchy's.
-void fill_mesh(const PackedHierarchy& hierarchy, const TetraCut& cut, SimplexMesh& mesh) {
+/// Cells of a cut, their vertices numbered in the order of the hierarchy's: whose numbers it
+/// returns.
+std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const TetraCut& cut,
+                                     SimplexMesh& mesh) {
   mesh = {};
+  std::vector<std::uint32_t> vertex_ids;
   std::vector<std::uint32_t> numbers(hierarchy.head().n_vertices(), kNone);
   for (const TetraCut::Cell& cell : cut.slots()) {
     if (!cut.is_inside(cell)) continue;
@@ -61,10 +84,10 @@ void fill_mesh(const PackedHierarchy& hierarchy, const TetraCut& cut, SimplexMes
     mesh.errors.push_back(cell.maker == kNone ? 0 : hierarchy.facts(cell.maker, 0).error);
     for (const std::uint32_t v : cell.corners) numbers[v] = 0;
   }
-  std::uint32_t n = 0;
   for (std::uint32_t v = 0; v < numbers.size(); ++v) {
     if (numbers[v] == kNone) continue;
-    numbers[v] = n++;
+    numbers[v] = static_cast<std::uint32_t>(vertex_ids.size());
+    vertex_ids.push_back(v);
     mesh.positions.push_back(hierarchy.position(v));
     mesh.values.push_back(hierarchy.value(v, 0));
   }
@@ -73,6 +96,21 @@ void fill_mesh(const PackedHierarchy& hierarchy, const TetraCut& cut, SimplexMes
   mesh.has_narrow_values = std::ranges::all_of(mesh.values, [](double value) {
     return static_cast<double>(static_cast<float>(value)) == value;
   });
+  return vertex_ids;
+}
+
+/// Of all vertices, on the mesh of all nodes.
+std::vector<Vec3f> reference_gradients(const PackedHierarchy& hierarchy, Threads threads) {
+  TetraCut cut(hierarchy);
+  Engine<TetraCut> engine(cut);
+  engine.set_query(uniform_demand(0));
+  engine.run([&] { return cut.is_damaged(); });
+  SimplexMesh mesh;
+  const std::vector<std::uint32_t> vertex_ids = fill_mesh(hierarchy, cut, mesh);
+  const std::vector<Vec3f> found = vertex_gradients(mesh, threads);
+  std::vector<Vec3f> gradients(hierarchy.head().n_vertices());
+  for (std::size_t v = 0; v < found.size(); ++v) gradients[vertex_ids[v]] = found[v];
+  return gradients;
 }
 
 TetraInfo info_of(const HierarchyHead& head) {
@@ -109,12 +147,27 @@ class TetraDataset::Impl {
       : hierarchy(std::move(packed)),
         reads(std::move(reads_of)),
         info(info_of(hierarchy.head())),
-        surface_origin(origin_of(hierarchy.head())) {}
+        surface_origin(origin_of(hierarchy.head())),
+        surface_margin(
+            rounding_margin(std::array{info.bounds.lower, info.bounds.upper}, surface_origin)) {}
+
+  /// The mesh of a query's cut, without gradients.
+  [[nodiscard]] Result<TetraCutMesh> make_mesh(const Query& wanted, Progress& progress) const;
+  /// By vertex of the hierarchy; found once.
+  [[nodiscard]] const std::vector<Vec3f>& gradients(Threads threads) const {
+    std::call_once(gradients_found_, [&] { gradients_ = reference_gradients(hierarchy, threads); });
+    return gradients_;
+  }
 
   PackedHierarchy hierarchy;
   std::function<tetra_mt::FileReads()> reads;  ///< None in memory.
   TetraInfo info;
   Vec3d surface_origin;
+  double surface_margin;
+
+ private:
+  mutable std::once_flag gradients_found_;
+  mutable std::vector<Vec3f> gradients_;
 };
 
 TetraDataset::TetraDataset(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -163,57 +216,80 @@ Result<TetraDataset> TetraDataset::open(const std::string& path) try {
   return out_of_memory("open the file");
 }
 
-Result<MeshReport> TetraDataset::extract_mesh(const MeshOptions& options, SimplexMesh& mesh,
-                                              Progress& progress) const try {
-  const Stopwatch watch;
-  LODE_TRY(const Query query, complete_query(impl_->info, options.query));
-  TetraCut cut(impl_->hierarchy);
+Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, Progress& progress) const {
+  LODE_TRY(const Query query, complete_query(info, wanted));
+  TetraCut cut(hierarchy);
   Engine<TetraCut> engine(cut);
-  engine.set_query(demand_of(query), query.budget);
+  engine.set_query(demand_of(query, 2 * surface_margin), query.budget);
   engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());
   const Standing standing = engine.standing();
-  fill_mesh(impl_->hierarchy, cut, mesh);
+  TetraCutMesh made{.origin = surface_origin, .margin = surface_margin};
+  made.vertex_ids = fill_mesh(hierarchy, cut, made.mesh);
   LODE_CHECK(cut.check());
-  MeshReport report{
-      .max_error = *query.max_error,
-      .achieved_error = engine.largest([](const NodeFacts& facts) { return facts.error; }),
-      .n_cells = mesh.n_cells(),
-      .n_cut_cells = standing.n_cells,
-      .n_vertices = mesh.positions.size(),
-      .budget_met = standing.budget_met};
-  for (const float error : mesh.errors)
-    report.largest_error = std::max(report.largest_error, static_cast<double>(error));
-  report.seconds = watch.seconds();
-  return report;
+  made.report.max_error = *query.max_error;
+  made.report.achieved_error = engine.largest([](const NodeFacts& facts) { return facts.error; });
+  made.report.n_cut_cells = standing.n_cells;
+  made.report.budget_met = standing.budget_met;
+  return made;
+}
+
+Result<MeshReport> TetraDataset::extract_mesh(const TetraMeshOptions& options, SimplexMesh& mesh,
+                                              Progress& progress) const try {
+  const Stopwatch watch;
+  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), progress));
+  apply_threshold(options, cut);
+  mesh = std::move(cut.mesh);
+  cut.report.seconds = watch.seconds();
+  return cut.report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the mesh");
 }
 
-Result<TetraSurfaceReport> TetraDataset::extract_surface(const MeshOptions& options,
+Result<TetraSurfaceReport> TetraDataset::extract_surface(const TetraSurfaceOptions& options,
                                                          Surface& surface, Progress& progress) const
     try {
   const Stopwatch watch;
-  const std::vector<double>& isovalues = options.query.isovalues;
-  if (isovalues.empty()) return fail("isosurfaces: expected isovalues, got none");
-  SimplexMesh mesh;
-  LODE_TRY(const MeshReport made, extract_mesh(options, mesh, progress));
-  surface.clear();
-  surface.origin = impl_->surface_origin;
-  const double margin = rounding_margin(mesh.positions, surface.origin);
-  TetraSurfaceReport report{
-      .max_error = made.max_error, .n_cut_cells = made.n_cut_cells, .budget_met = made.budget_met};
-  for (const double isovalue : isovalues)
-    report.achieved_error = std::max(report.achieved_error,
-                                     add_isosurface(mesh, isovalue, {.margin = margin}, surface));
-  report.n_triangles = surface.triangles.size();
-  report.n_vertices = surface.positions.size();
-  report.unmet = unmet_isovalues(surface, isovalues);
+  if (options.query.isovalues.empty()) return fail("isosurfaces: expected isovalues, got none");
+  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(options.query, progress));
+  if (options.normals == Normals::on) {
+    const std::vector<Vec3f>& all = impl_->gradients(options.threads);
+    LODE_CHECK(impl_->hierarchy.check());
+    cut.gradients.reserve(cut.vertex_ids.size());
+    for (const std::uint32_t v : cut.vertex_ids) cut.gradients.push_back(all[v]);
+  }
+  TetraSurfaceReport report = make_isosurfaces(cut, options, surface);
   report.seconds = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the surface");
+}
+
+Result<TetraSurfaceReport> TetraDataset::extract_section(const TetraSectionOptions& options,
+                                                         Surface& surface, Progress& progress) const
+    try {
+  const Stopwatch watch;
+  LODE_CHECK(check_planes(options.planes));
+  LODE_TRY(const TetraCutMesh cut, impl_->make_mesh(query_of(options), progress));
+  TetraSurfaceReport report = make_sections(cut, options, surface);
+  report.seconds = watch.seconds();
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the section");
+}
+
+Result<TetraSurfaceReport> TetraDataset::extract_boundary(const TetraMeshOptions& options,
+                                                          Surface& surface,
+                                                          Progress& progress) const try {
+  const Stopwatch watch;
+  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), progress));
+  apply_threshold(options, cut);
+  TetraSurfaceReport report = make_boundary(cut, options.threads, surface);
+  report.seconds = watch.seconds();
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("extract the boundary");
 }
 
 }  // namespace lode

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lode/api/mesh_extraction.h"
+#include "lode/api/tetra_extraction.h"
 #include "lode/core/box.h"
 #include "lode/core/mesh.h"
 #include "lode/core/progress.h"
@@ -48,17 +48,6 @@ struct TetraFileReport {
   double write_seconds = 0;
 };
 
-struct TetraSurfaceReport {
-  double max_error = 0;       ///< The tolerance asked for (or chosen), field units.
-  double achieved_error = 0;  ///< Largest error at samples of a cell that the surface crosses.
-  std::uint64_t n_triangles = 0;
-  std::uint64_t n_vertices = 0;
-  std::uint64_t n_cut_cells = 0;
-  std::vector<double> unmet{};  ///< Isovalues that nothing of the mesh has.
-  bool budget_met = true;
-  double seconds = 0;
-};
-
 /// The door of tetrahedral meshes with a field: a Multi-Tessellation of half-edge collapses
 /// (docs/models/tetra_mt.md), in memory or in a file, of which parts are read when queries ask for
 /// them. F is linear on each tetrahedron of the reference mesh.
@@ -83,15 +72,27 @@ class TetraDataset {
   [[nodiscard]] const TetraInfo& describe() const;
   [[nodiscard]] TetraReads reads() const;
   /// The mesh of a query's cut, with its field and by cell the error at samples; conforming, its
-  /// vertices the reference's. Without max_error as for volumes. Views are refused.
-  [[nodiscard]] Result<MeshReport> extract_mesh(const MeshOptions& options, SimplexMesh& mesh,
+  /// vertices the reference's. Without max_error as for volumes. Views are refused. With a
+  /// threshold only some of its cells, and report.n_left_out says how many are not there.
+  [[nodiscard]] Result<MeshReport> extract_mesh(const TetraMeshOptions& options, SimplexMesh& mesh,
                                                 Progress& progress) const;
-  /// The isosurfaces of the query's isovalues on the mesh of its cut, without normals: what
-  /// add_isosurface() makes. Crack-free; they end at the mesh's boundary. At a max_error of 0 those
-  /// of the reference mesh, triangle by triangle.
-  [[nodiscard]] Result<TetraSurfaceReport> extract_surface(const MeshOptions& options,
+  /// The isosurfaces of the query's isovalues on the mesh of its cut: what add_isosurface() makes.
+  /// Crack-free; they end at the mesh's boundary. At a max_error of 0 those of the reference mesh,
+  /// triangle by triangle. Normals come from vertex_gradients() of the reference mesh, whatever the
+  /// cut: found when they are first asked for, and kept, 12 bytes a vertex.
+  [[nodiscard]] Result<TetraSurfaceReport> extract_surface(const TetraSurfaceOptions& options,
                                                            Surface& surface,
                                                            Progress& progress) const;
+  /// What planes cut out of the mesh of a query that is fine along them, one after the other: what
+  /// cut_section() makes, or with isovalues the lines on it. At a max_error of 0 what they cut out
+  /// of the reference mesh.
+  [[nodiscard]] Result<TetraSurfaceReport> extract_section(const TetraSectionOptions& options,
+                                                           Surface& surface,
+                                                           Progress& progress) const;
+  /// The outer faces of what extract_mesh() makes: mesh_boundary().
+  [[nodiscard]] Result<TetraSurfaceReport> extract_boundary(const TetraMeshOptions& options,
+                                                            Surface& surface,
+                                                            Progress& progress) const;
 
  private:
   class Impl;

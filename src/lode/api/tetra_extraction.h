@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "lode/api/mesh_extraction.h"
+#include "lode/api/query.h"
+#include "lode/core/mesh.h"
+#include "lode/core/parallel.h"
+#include "lode/core/surface.h"
+
+namespace lode {
+
+struct TetraMeshOptions {
+  /// As in MeshOptions. Without a focus, that is where the field may have a value of the threshold.
+  Query query;
+  /// Only cells of the cut whose values lie in it everywhere, that is at all corners.
+  std::optional<Range> threshold{};
+  Threads threads{};
+};
+
+struct TetraSurfaceOptions {
+  Query query;
+  Normals normals = Normals::on;
+  Threads threads{};
+};
+
+struct TetraSectionOptions {
+  std::vector<SectionPlane> planes;
+  std::vector<double> isovalues;      ///< As in SectionOptions.
+  std::vector<Range> field_ranges;    ///< Likewise.
+  std::optional<double> max_error{};  ///< Likewise.
+  Budget budget{};
+};
+
+/// Of isosurfaces, sections and boundaries of meshes of tetrahedra.
+struct TetraSurfaceReport {
+  double max_error = 0;       ///< The tolerance asked for (or chosen), field units.
+  double achieved_error = 0;  ///< Largest error at samples of a cell that the surface comes from.
+  std::uint64_t n_triangles = 0;
+  std::uint64_t n_lines = 0;
+  std::uint64_t n_vertices = 0;
+  std::uint64_t n_cut_cells = 0;
+  std::uint64_t n_left_out = 0;  ///< Cells of the cut that the threshold leaves out.
+  std::vector<double> unmet{};   ///< Isovalues that nothing of the answer has.
+  bool budget_met = true;
+  double seconds = 0;
+};
+
+/// Refuses planes that are none.
+[[nodiscard]] Result<void> check_planes(std::span<const SectionPlane> planes);
+
+/// With the foci that the options stand for.
+[[nodiscard]] Query query_of(const TetraMeshOptions& options);
+[[nodiscard]] Query query_of(const TetraSectionOptions& options);
+
+/// The mesh of a cut, and what makes surfaces of all cuts alike.
+struct TetraCutMesh {
+  SimplexMesh mesh{};
+  std::vector<std::uint32_t> vertex_ids{};  ///< The hierarchy's numbers of its vertices, ascending.
+  std::vector<Vec3f> gradients{};           ///< By vertex, for normals; empty: none.
+  Vec3d origin{};                           ///< What positions of surfaces are relative to.
+  double margin = 0;                        ///< rounding_margin() of the reference mesh.
+  MeshReport report{};                      ///< Of tolerance and budget; other counts are to come.
+};
+
+/// Leaves out what the options' threshold does, after which vertices have no ids, and fills in the
+/// report's counts and largest error.
+void apply_threshold(const TetraMeshOptions& options, TetraCutMesh& cut);
+
+/// What TetraDataset makes of it, in place of what `surface` holds; seconds are not filled in.
+[[nodiscard]] TetraSurfaceReport make_isosurfaces(const TetraCutMesh& cut,
+                                                  const TetraSurfaceOptions& options,
+                                                  Surface& surface);
+[[nodiscard]] TetraSurfaceReport make_sections(const TetraCutMesh& cut,
+                                               const TetraSectionOptions& options,
+                                               Surface& surface);
+[[nodiscard]] TetraSurfaceReport make_boundary(const TetraCutMesh& cut, Threads threads,
+                                               Surface& surface);
+
+}  // namespace lode
