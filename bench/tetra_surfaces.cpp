@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "bench/peers/linear_contour.h"
 #include "lode/api/tetra_dataset.h"
+#include "lode/mappers/mesh_gradients.h"
 #include "lode/mappers/mesh_isosurface.h"
 #include "tests/oracles/tetra_surfaces.h"
 
 namespace lode::bench {
 namespace {
 
+constexpr Threads kThreads{2};
 constexpr const char* kPeer = "vtkContour3DLinearGrid";
 
 double middle_of(const TetraMesh& mesh) {
@@ -19,13 +22,13 @@ double middle_of(const TetraMesh& mesh) {
   return (low + high) / 2;
 }
 
-Result<Seconds> time_ours(const SimplexMesh& mesh, double isovalue, int n_threads,
-                          Surface& surface) {
+Result<Seconds> time_ours(const SimplexMesh& mesh, double isovalue,
+                          const MeshIsosurfaceOptions& options, Surface& surface) {
+  MeshIsosurfaceOptions all = options;
   return time_runs("isosurface", [&]() -> Result<void> {
     surface = {};
-    add_isosurface(mesh, isovalue,
-                   {.margin = rounding_margin(mesh.positions, {}), .threads = {n_threads}},
-                   surface);
+    all.margin = rounding_margin(mesh.positions, {});
+    add_isosurface(mesh, isovalue, all, surface);
     return {};
   });
 }
@@ -49,14 +52,14 @@ Row versus(std::string name, const Seconds& ours, const Surface& surface, const 
 Result<void> time_cut(const std::string& name, const TetraMesh& mesh, const Surface& full,
                       const Seconds& full_seconds, Table& table) {
   Progress progress;
-  LODE_TRY(const TetraDataset dataset, TetraDataset::build(mesh, {.threads = {2}}, progress));
-  MeshOptions options;
+  LODE_TRY(const TetraDataset dataset, TetraDataset::build(mesh, {.threads = kThreads}, progress));
+  TetraMeshOptions options;
   options.query.isovalues = {middle_of(mesh)};
   options.query.max_error = 0;
   SimplexMesh cut;
   LODE_CHECK(dataset.extract_mesh(options, cut, progress));
   Surface surface;
-  LODE_TRY(const Seconds seconds, time_ours(cut, middle_of(mesh), 2, surface));
+  LODE_TRY(const Seconds seconds, time_ours(cut, middle_of(mesh), {.threads = kThreads}, surface));
   if (oracles::sorted_triangles(surface) != oracles::sorted_triangles(full))
     return fail("{}: expected the cut's isosurface to be the mesh's, got another", name);
   const double share =
@@ -77,6 +80,28 @@ Result<void> time_cut(const std::string& name, const TetraMesh& mesh, const Surf
   return {};
 }
 
+/// With normals, from gradients that are there; VTK takes them from the triangles.
+Result<void> race_normals(const std::string& name, const SimplexMesh& mesh, double isovalue,
+                          LinearContour& peer, Table& table) {
+  std::vector<Vec3f> gradients;
+  LODE_TRY(const Seconds preparing, time_runs("gradients", [&]() -> Result<void> {
+             gradients = vertex_gradients(mesh, kThreads);
+             return {};
+           }));
+  Surface surface;
+  PeerCounts counts;
+  LODE_TRY(const Seconds ours,
+           time_ours(mesh, isovalue, {.gradients = gradients, .threads = kThreads}, surface));
+  LODE_TRY(const Seconds theirs, time_runs("contour", [&]() -> Result<void> {
+             LODE_TRY(counts, peer.extract(isovalue, PeerVertices::shared, PeerNormals::on));
+             return {};
+           }));
+  table.add(versus("isosurface/" + name + "/normals", ours, surface, theirs, counts,
+                   fmt::format("ours of gradients found before in {:.0f} ms, VTK's of triangles",
+                               1e3 * preparing.median)));
+  return {};
+}
+
 }  // namespace
 
 Result<void> race_isosurfaces(const std::string& name, const TetraMesh& mesh, Table& table) {
@@ -91,8 +116,8 @@ Result<void> race_isosurfaces(const std::string& name, const TetraMesh& mesh, Ta
     });
   };
   Surface surface;
-  LODE_TRY(const Seconds narrow, time_ours(cells, isovalue, 1, surface));
-  LODE_TRY(const Seconds ours, time_ours(cells, isovalue, 2, surface));
+  LODE_TRY(const Seconds narrow, time_ours(cells, isovalue, {.threads = {1}}, surface));
+  LODE_TRY(const Seconds ours, time_ours(cells, isovalue, {.threads = kThreads}, surface));
   LODE_TRY(const Seconds theirs_apart, time_peer(PeerVertices::apart));
   const PeerCounts counts_apart = counts;
   LODE_TRY(const Seconds theirs, time_peer(PeerVertices::shared));
@@ -101,6 +126,7 @@ Result<void> race_isosurfaces(const std::string& name, const TetraMesh& mesh, Ta
                    "ours with one thread"));
   table.add(versus("isosurface/" + name + "/vtk_apart", ours, surface, theirs_apart, counts_apart,
                    "VTK's vertices are not shared, as it has them unless told otherwise"));
+  LODE_CHECK(race_normals(name, cells, isovalue, peer, table));
   return time_cut(name, mesh, surface, ours, table);
 }
 
