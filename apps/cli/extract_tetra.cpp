@@ -70,8 +70,9 @@ Result<TetraInput> build_input(const MeshJob& job, Session& session) {
                 names.empty() ? "there are none" : names);
   }
   if (made.mesh.region_ids.size() > 1)
-    session.warn(fmt::format("{}: its {} regions are left out: faces between them may move",
-                             job.input, made.mesh.region_ids.size()));
+    session.warn(
+        fmt::format("{}: its {} regions are left out of what is written: faces between them stay",
+                    job.input, made.mesh.region_ids.size()));
   TetraReport report = made.report;
   auto built = TetraDataset::build(made.mesh, {.threads = session.threads()}, session.progress());
   if (!built) {

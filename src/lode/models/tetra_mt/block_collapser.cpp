@@ -10,8 +10,6 @@ namespace lode::tetra_mt {
 namespace {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
-/// How far from the boundary's planes a vertex may be that goes along them, against its distance.
-constexpr double kCoplanar = 1e-6;
 
 /// Numbers vertices: own ones first, then those beside them, the one outside last.
 std::vector<std::uint32_t> number_vertices(const BuildState& state,
@@ -126,24 +124,6 @@ bool BlockCollapser::is_extremum() const {
   return false;
 }
 
-/// The new faces of the boundary lie in the planes of the old ones: with each of these the vertex
-/// that is kept makes no volume.
-bool BlockCollapser::keeps_boundary(int kept) const {
-  if (!star_.is_on_boundary()) return true;
-  if ((star_.adjacent[static_cast<std::size_t>(star_.outside)] >> kept & 1) == 0) return false;
-  const Vec3d& at = link_[static_cast<std::size_t>(kept)];
-  for (int i = 0; i < star_.n_triangles; ++i) {
-    if (!star_.has(i, star_.outside) || star_.has(i, kept)) continue;
-    std::array<Vec3d, 2> edge;
-    std::size_t n = 0;
-    for (const std::uint8_t v : star_.triangles[static_cast<std::size_t>(i)])
-      if (v != star_.outside) edge[n++] = link_[v];
-    const Vec3d normal = cross(edge[0], edge[1]);
-    if (!(std::abs(dot(normal, at)) <= kCoplanar * length(normal) * length(at))) return false;
-  }
-  return true;
-}
-
 void BlockCollapser::gather_link() {
   const Vec3d& centre = positions_[star_.vertex];
   double largest = 0;
@@ -218,12 +198,14 @@ void BlockCollapser::gather_samples() {
 void BlockCollapser::find_choices() {
   choices_.clear();
   if (is_extremum()) return;
+  find_interfaces_of(star_, interfaces_);
+  if (interfaces_.kind == Interfaces::Kind::corner) return;
   gather_link();
   gather_samples();
   lanes_.fill(star_, link_, covered_.link_values, state_.n_fields);
   double least = std::numeric_limits<double>::infinity();
   for (int kept = 0; kept < star_.n_link; ++kept) {
-    if (kept == star_.outside || !keeps_boundary(kept)) continue;
+    if (kept == star_.outside || !stays_in_place(kept)) continue;
     if (!make_fan_to(kept)) continue;
     const double gone = std::max(1, n_cells_beside(kept));
     const double error =
@@ -245,7 +227,8 @@ bool BlockCollapser::collapse_best(float key, float limit) {
       if (known < limit) queue_.set(star_.vertex, known);
       return false;
     }
-    if (gatherer_.may_collapse(star_, best->kept, rules_.max_link) && collapse(best->kept))
+    if (gatherer_.may_collapse(star_, best->kept, rules_.max_link) && keeps_regions(best->kept) &&
+        collapse(best->kept))
       return true;
     *best = choices_.back();
   }

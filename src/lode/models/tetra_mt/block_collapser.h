@@ -8,6 +8,7 @@
 #include "lode/models/tetra_mt/build_state.h"
 #include "lode/models/tetra_mt/collapse_queue.h"
 #include "lode/models/tetra_mt/fan.h"
+#include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
 #include "lode/models/tetra_mt/star.h"
 
@@ -51,7 +52,9 @@ class BlockCollapser {
   [[nodiscard]] std::uint32_t global(std::uint32_t vertex) const { return vertices_[vertex]; }
   [[nodiscard]] bool is_inner() const;
   [[nodiscard]] bool is_extremum() const;
-  [[nodiscard]] bool keeps_boundary(int kept) const;
+  void find_interfaces_of(const Star& star, Interfaces& found) const;
+  [[nodiscard]] bool stays_in_place(int kept) const;
+  [[nodiscard]] bool keeps_regions(int kept);
   void gather_link();
   void gather_samples();
   [[nodiscard]] int n_cells_beside(int kept) const;
@@ -86,6 +89,9 @@ class BlockCollapser {
   std::vector<std::uint32_t> samples_;     ///< By slot: the first.
   std::vector<std::uint8_t> has_changed_;  ///< By slot.
   Star star_;
+  Interfaces interfaces_;  ///< Of the star.
+  Star other_;             ///< That of a vertex to go into, and its interfaces.
+  Interfaces other_interfaces_;
   std::array<Vec3d, Star::kMaxLink> link_;  ///< Relative to the star's vertex, times scale_.
   double scale_ = 1;  ///< A power of two that makes the star about as large as 1.
   StarLanes lanes_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lode/models/tetra_mt/interfaces.h"
+
 namespace lode::tetra_mt {
 
 BuildState::BuildState(const TetraMesh& reference)
@@ -20,6 +22,16 @@ BuildState::BuildState(const TetraMesh& reference)
     const double range = field.values.empty() ? 0 : *high - *low;
     scales.push_back(range > 0 ? 1 / range : 0);
   }
+}
+
+Result<void> BuildState::close(Threads threads) {
+  LODE_CHECK(close_boundary(outside, tetrahedra, threads));
+  first_sample.assign(tetrahedra.size(), kNone);
+  const auto is_other = [&](std::uint32_t region) { return region != mesh.regions.front(); };
+  if (!std::ranges::any_of(mesh.regions, is_other)) return {};
+  labels = mesh.regions;
+  labels.resize(tetrahedra.size(), kOutsideLabel);
+  return {};
 }
 
 }  // namespace lode::tetra_mt

@@ -26,10 +26,14 @@ struct CollapseFacts {
 /// What becomes of a mesh as its edges collapse.
 struct BuildState {
   explicit BuildState(const TetraMesh& reference);
+  /// Closes the mesh. Fails when a face has more than two tetrahedra.
+  [[nodiscard]] Result<void> close(Threads threads);
 
   const TetraMesh& mesh;
-  std::uint32_t outside;                    ///< The vertex outside; all others are before it.
-  std::vector<Tetrahedron> tetrahedra;      ///< By slot; those that went have no first corner.
+  std::uint32_t outside;                ///< The vertex outside; all others are before it.
+  std::vector<Tetrahedron> tetrahedra;  ///< By slot; those that went have no first corner.
+  /// By slot: a region, or kOutsideLabel; empty where there is one region. A collapse keeps them.
+  std::vector<std::uint32_t> labels;
   std::vector<std::uint32_t> first_sample;  ///< By slot: of those it covers, kNone where none.
   std::vector<std::uint32_t> next_sample;   ///< By removed vertex: the next one there.
   std::size_t n_fields;

@@ -139,6 +139,12 @@ Result<void> check_mesh(const TetraMesh& mesh) {
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
     for (const std::uint32_t v : mesh.tetrahedra[i])
       if (v >= n) return fail("tetrahedron {}: expected corners below {}, got {}", i, n, v);
+  if (!mesh.regions.empty() && mesh.regions.size() != mesh.tetrahedra.size())
+    return fail("expected no regions or {}, got {}", mesh.tetrahedra.size(), mesh.regions.size());
+  for (std::size_t i = 0; i < mesh.regions.size(); ++i)
+    if (mesh.regions[i] >= mesh.region_ids.size())
+      return fail("tetrahedron {}: expected a region below {}, got {}", i, mesh.region_ids.size(),
+                  mesh.regions[i]);
   for (const MeshField& field : mesh.fields) {
     if (field.values.size() != n)
       return fail("field {}: expected {} values, got {}", field.name, n, field.values.size());
@@ -162,12 +168,14 @@ Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfE
                                               Progress& progress) {
   LODE_CHECK(check_mesh(mesh));
   BuildState state(mesh);
-  LODE_CHECK(close_boundary(state.outside, state.tetrahedra, options.threads));
-  state.first_sample.assign(state.tetrahedra.size(), kNone);
+  LODE_CHECK(state.close(options.threads));
   LODE_CHECK(Rounds(options, state).run(progress));
   HalfEdgeCollapses result;
-  for (const Tetrahedron& t : state.tetrahedra)
-    if (t[0] != kNone && std::ranges::find(t, state.outside) == t.end()) result.base.push_back(t);
+  for (std::size_t slot = 0; slot < mesh.tetrahedra.size(); ++slot) {
+    if (state.tetrahedra[slot][0] == kNone) continue;
+    result.base.push_back(state.tetrahedra[slot]);
+    if (!state.labels.empty()) result.base_regions.push_back(state.labels[slot]);
+  }
   result.collapses = std::move(state.collapses);
   result.facts = std::move(state.facts);
   result.errors = std::move(state.errors);

@@ -20,6 +20,8 @@ struct HalfEdgeCollapses {
   std::vector<Collapse> collapses;   ///< In an order that can be done again.
   std::vector<CollapseFacts> facts;  ///< By collapse and field.
   std::vector<Tetrahedron> base;     ///< Of the mesh's vertices.
+  /// By tetrahedron of the base, as the mesh's; empty where there is one region.
+  std::vector<std::uint32_t> base_regions;
   /// By vertex and field: F - F' on the base, as shares of the fields' ranges; 0 for its vertices.
   std::vector<float> errors;
 };
@@ -28,11 +30,12 @@ struct HalfEdgeCollapses {
 /// first whose going adds least to the squared error at all samples, for each cell that goes with
 /// it (Cignoni, De Floriani, Magillo, Puppo, Scopigno 2004, section 4.2; half edges: Danovaro, De
 /// Floriani 2005). The mesh stays what it is, topologically; its boundary stays where it is, but
-/// for a millionth of an edge; no tetrahedron that comes is flat or turned round; the fields'
-/// ranges stay, as no vertex goes whose value is above or below all beside it. In rounds: each has
-/// a limit, and blocks in space in which all up to that go; then blocks elsewhere. The same comes
-/// of any number of threads. Fails when a face has more than two tetrahedra, or a value is not
-/// finite.
+/// for a millionth of an edge, and so does each region: what lies between two goes along itself
+/// alone, lines in which three or more meet along these; no tetrahedron that comes is flat or
+/// turned round; the fields' ranges stay, as no vertex goes whose value is above or below all
+/// beside it. In rounds: each has a limit, and blocks in space in which all up to that go; then
+/// blocks elsewhere. The same comes of any number of threads. Fails when a face has more than two
+/// tetrahedra, a value is not finite, or a region has no id.
 [[nodiscard]] Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh,
                                                             const HalfEdgeOptions& options,
                                                             Progress& progress);
