@@ -200,19 +200,25 @@ void BlockCollapser::find_choices() {
   if (is_extremum()) return;
   find_interfaces_of(star_, interfaces_);
   if (interfaces_.kind == Interfaces::Kind::corner) return;
+  deviation_ = 0;
+  if (interfaces_.kind != Interfaces::Kind::none)
+    for (int i = 0; i < star_.n_triangles; ++i) deviation_ = std::max(deviation_, deviation(i));
   gather_link();
   gather_samples();
+  gather_boundary();
   lanes_.fill(star_, link_, covered_.link_values, state_.n_fields);
   double least = std::numeric_limits<double>::infinity();
   for (int kept = 0; kept < star_.n_link; ++kept) {
-    if (kept == star_.outside || !stays_in_place(kept)) continue;
+    if (kept == star_.outside) continue;
+    const float moved = moved_by(kept);
+    if (moved == kNever) continue;
     if (!make_fan_to(kept)) continue;
     const double gone = std::max(1, n_cells_beside(kept));
     const double error =
         squared_error_of(fan_, lanes_.n, covered_, least * gone + covered_.squared_error);
     const double increase = std::max(error - covered_.squared_error, 0.0) / gone;
     least = std::min(least, increase);
-    choices_.push_back({kept, static_cast<float>(increase)});
+    choices_.push_back({kept, static_cast<float>(increase), moved});
   }
 }
 
@@ -228,7 +234,7 @@ bool BlockCollapser::collapse_best(float key, float limit) {
       return false;
     }
     if (gatherer_.may_collapse(star_, best->kept, rules_.max_link) && keeps_regions(best->kept) &&
-        collapse(best->kept))
+        collapse(*best))
       return true;
     *best = choices_.back();
   }

@@ -17,6 +17,12 @@ namespace lode::tetra_mt {
 struct CollapseRules {
   float discount = 0.7F;  ///< What is beside a collapse is looked at again at so much of its key.
   int max_link = 32;      ///< Vertices beside both ends of an edge that collapses.
+  /// How far the boundary, and what lies between regions, may be from the reference's, or that from
+  /// it, in the mesh's unit. What collapses do is added up or, of the boundary, measured at its
+  /// vertices that went, with what edges' bends may add between them, where that is less. 0: all
+  /// stays in its planes, but for a millionth of the mesh's size, or for 64 roundings of positions
+  /// where these are narrow.
+  double boundary_tolerance = 0;
 };
 
 /// Collapses edges among a block's vertices. Those with others beside them stay, so that no two
@@ -47,13 +53,22 @@ class BlockCollapser {
   struct Choice {
     int kept;        ///< In its link.
     float increase;  ///< Of squared errors, for each cell that goes; at least 0.
+    float moved;     ///< How far the boundary, or an interface, is from the reference's then.
   };
 
   [[nodiscard]] std::uint32_t global(std::uint32_t vertex) const { return vertices_[vertex]; }
+  [[nodiscard]] float& deviation(int triangle) {
+    return state_.deviations[slots_[star_.slots[static_cast<std::size_t>(triangle)]]];
+  }
   [[nodiscard]] bool is_inner() const;
   [[nodiscard]] bool is_extremum() const;
   void find_interfaces_of(const Star& star, Interfaces& found) const;
-  [[nodiscard]] bool stays_in_place(int kept) const;
+  [[nodiscard]] float moved_by(int kept) const;
+  [[nodiscard]] double deviation_of(int kept, double limit) const;
+  void note_deviations(int kept, float moved);
+  void gather_boundary();
+  [[nodiscard]] double measured_of(int kept, double limit) const;
+  void move_boundary(int kept);
   [[nodiscard]] bool keeps_regions(int kept);
   void gather_link();
   void gather_samples();
@@ -72,7 +87,7 @@ class BlockCollapser {
                                 std::size_t field) const;
   void find_choices();
   [[nodiscard]] bool collapse_best(float key, float limit);
-  [[nodiscard]] bool collapse(int kept);
+  [[nodiscard]] bool collapse(const Choice& choice);
   [[nodiscard]] bool cover_samples(int kept);
   void note_facts(std::span<const double> errors);
   void look_again_beside(float key, float limit);
@@ -90,7 +105,11 @@ class BlockCollapser {
   std::vector<std::uint8_t> has_changed_;  ///< By slot.
   Star star_;
   Interfaces interfaces_;  ///< Of the star.
-  Star other_;             ///< That of a vertex to go into, and its interfaces.
+  float deviation_ = 0;    ///< Of these from the reference's.
+  /// Vertices of the reference's boundary that went into the star's faces outside, and its own.
+  std::vector<std::uint32_t> on_boundary_;
+  std::vector<Vec3d> boundary_points_;  ///< Likewise, in the star's unit.
+  Star other_;                          ///< That of a vertex to go into, and its interfaces.
   Interfaces other_interfaces_;
   std::array<Vec3d, Star::kMaxLink> link_;  ///< Relative to the star's vertex, times scale_.
   double scale_ = 1;  ///< A power of two that makes the star about as large as 1.

@@ -1,5 +1,6 @@
 // What a collapse does, once it is chosen.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -10,10 +11,22 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Of a sample that the boundary has left outside: none below 0, and all four 1 together. What the
+/// tetrahedron is outside itself says nothing; thin ones would say anything.
+void clamp_weights(std::array<double, 3>& weights) {
+  double sum = std::max(0.0, 1 - (weights[0] + weights[1] + weights[2]));
+  for (double& w : weights) {
+    w = std::max(w, 0.0);
+    sum += w;
+  }
+  for (double& w : weights) w /= sum;
+}
+
 }  // namespace
 
 /// False, and nothing done, where rounding leaves open what covers a sample.
-bool BlockCollapser::collapse(int place) {
+bool BlockCollapser::collapse(const Choice& choice) {
+  const int place = choice.kept;
   if (!make_fan_to(place) || !cover_samples(place)) return false;
   for (int i = 0; i < star_.n_triangles; ++i) {
     const std::uint32_t slot = star_.slots[static_cast<std::size_t>(i)];
@@ -30,6 +43,8 @@ bool BlockCollapser::collapse(int place) {
       state_.errors_of(sample)[f] = static_cast<float>(new_errors_[s * n + f] * state_.scales[f]);
   }
   note_facts(new_errors_);
+  note_deviations(place, choice.moved);
+  move_boundary(place);
   const std::uint32_t kept = star_.link[static_cast<std::size_t>(place)];
   n_gone_ += live_.collapse(star_.vertex, kept);
   state_.is_there[global(star_.vertex)] = 0;
@@ -42,8 +57,9 @@ bool BlockCollapser::cover_samples(int place) {
   covers_.clear();
   new_errors_.clear();
   for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
-    const auto cover = find_cover(place, s);
+    auto cover = find_cover(place, s);
     if (!cover) return false;
+    if (rules_.boundary_tolerance > 0 && cover->least < 0) clamp_weights(cover->weights);
     covers_.push_back(*cover);
     for (std::size_t f = 0; f < state_.n_fields; ++f) {
       const double error = error_of(*cover, place, covered_.samples[s], f);

@@ -1,10 +1,21 @@
 #include "lode/models/tetra_mt/build_state.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lode/models/tetra_mt/interfaces.h"
 
 namespace lode::tetra_mt {
+namespace {
+
+/// Roundings of positions, each of half a unit in the last place of a float32: those in a step that
+/// count as none, and those that all steps may add up to.
+constexpr double kStepRoundings = 4;
+constexpr double kRoundings = 64;
+/// And of the mesh's size.
+constexpr double kSizeShare = 1e-6;
+
+}  // namespace
 
 BuildState::BuildState(const TetraMesh& reference)
     : mesh(reference),
@@ -27,11 +38,56 @@ BuildState::BuildState(const TetraMesh& reference)
 Result<void> BuildState::close(Threads threads) {
   LODE_CHECK(close_boundary(outside, tetrahedra, threads));
   first_sample.assign(tetrahedra.size(), kNone);
+  deviations.assign(tetrahedra.size(), 0);
   const auto is_other = [&](std::uint32_t region) { return region != mesh.regions.front(); };
   if (!std::ranges::any_of(mesh.regions, is_other)) return {};
   labels = mesh.regions;
   labels.resize(tetrahedra.size(), kOutsideLabel);
   return {};
+}
+
+void BuildState::set_limits(double tolerance) {
+  if (mesh.positions.empty()) return;
+  Vec3d lower = mesh.positions[0];
+  Vec3d upper = lower;
+  for (const Vec3d& p : mesh.positions)
+    for (std::size_t i = 0; i < 3; ++i) {
+      lower[i] = std::min(lower[i], p[i]);
+      upper[i] = std::max(upper[i], p[i]);
+    }
+  Vec3d farthest;
+  for (std::size_t i = 0; i < 3; ++i)
+    farthest[i] = std::max(std::abs(lower[i]), std::abs(upper[i]));
+  const double rounding = mesh.has_narrow_positions ? 0x1p-24 * length(farthest) : 0;
+  limits.step = std::max(tolerance, kStepRoundings * rounding);
+  limits.total = std::max({tolerance, kRoundings * rounding, kSizeShare * length(upper - lower)});
+  if (tolerance > 0) follow_boundary();
+}
+
+void BuildState::follow_boundary() {
+  first_on_boundary.assign(tetrahedra.size(), kNone);
+  next_on_boundary.assign(outside, kNone);
+  boundary_edges.assign(outside, 0);
+  for (std::size_t slot = mesh.tetrahedra.size(); slot < tetrahedra.size(); ++slot)
+    for (const std::uint32_t a : tetrahedra[slot])
+      for (const std::uint32_t b : tetrahedra[slot])
+        if (a != outside && b != outside)
+          boundary_edges[a] = std::max(
+              boundary_edges[a], static_cast<float>(length(mesh.positions[b] - mesh.positions[a])));
+}
+
+double BuildState::volume() const {
+  double six_volumes = 0;
+  for (std::size_t slot = mesh.tetrahedra.size(); slot < tetrahedra.size(); ++slot) {
+    const Tetrahedron& t = tetrahedra[slot];
+    if (t[0] == kNone) continue;
+    const auto place = static_cast<std::size_t>(std::ranges::find(t, outside) - t.begin());
+    const auto face = others(t, place);
+    const Vec3d& centre = mesh.positions[0];
+    six_volumes += dot(cross(mesh.positions[face[0]] - centre, mesh.positions[face[1]] - centre),
+                       mesh.positions[face[2]] - centre);
+  }
+  return -six_volumes / 6;
 }
 
 }  // namespace lode::tetra_mt

@@ -23,19 +23,39 @@ struct CollapseFacts {
   double high;
 };
 
+/// By how much the boundary, and what lies between regions, may move.
+struct BoundaryLimits {
+  double step = 0;   ///< In a collapse that is not along planes.
+  double total = 0;  ///< In all.
+};
+
 /// What becomes of a mesh as its edges collapse.
 struct BuildState {
   explicit BuildState(const TetraMesh& reference);
   /// Closes the mesh. Fails when a face has more than two tetrahedra.
   [[nodiscard]] Result<void> close(Threads threads);
+  /// `tolerance`: what is asked for. Steps of some roundings of narrow positions are none; and all
+  /// may add up to more of them, or to a millionth of the mesh's size.
+  void set_limits(double tolerance);
+  /// That the closed mesh encloses now.
+  [[nodiscard]] double volume() const;
+  void follow_boundary();
 
   const TetraMesh& mesh;
   std::uint32_t outside;                ///< The vertex outside; all others are before it.
   std::vector<Tetrahedron> tetrahedra;  ///< By slot; those that went have no first corner.
   /// By slot: a region, or kOutsideLabel; empty where there is one region. A collapse keeps them.
   std::vector<std::uint32_t> labels;
-  std::vector<std::uint32_t> first_sample;  ///< By slot: of those it covers, kNone where none.
-  std::vector<std::uint32_t> next_sample;   ///< By removed vertex: the next one there.
+  /// By slot: how far any face of it between regions or on the boundary is from the reference's,
+  /// or they from it, at most, where the tetrahedron across says no more.
+  std::vector<float> deviations;
+  BoundaryLimits limits;
+  // Where a tolerance lets the boundary move; else empty.
+  std::vector<std::uint32_t> first_on_boundary;  ///< By slot outside: of vertices that went there.
+  std::vector<std::uint32_t> next_on_boundary;   ///< By removed vertex.
+  std::vector<float> boundary_edges;             ///< By vertex: the reference's longest at it.
+  std::vector<std::uint32_t> first_sample;       ///< By slot: of those it covers, kNone where none.
+  std::vector<std::uint32_t> next_sample;        ///< By removed vertex: the next one there.
   std::size_t n_fields;
   std::vector<double> scales;  ///< By field: what makes its range 1; 0 where it has none.
   std::vector<float> errors;   ///< F - F' of removed vertices, by vertex and field, so scaled.

@@ -167,8 +167,13 @@ Result<void> check_mesh(const TetraMesh& mesh) {
 Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfEdgeOptions& options,
                                               Progress& progress) {
   LODE_CHECK(check_mesh(mesh));
+  const double tolerance = options.rules.boundary_tolerance;
+  if (!(tolerance >= 0 && std::isfinite(tolerance)))
+    return fail("boundary tolerance: expected a distance of at least 0, got {}", tolerance);
   BuildState state(mesh);
   LODE_CHECK(state.close(options.threads));
+  state.set_limits(tolerance);
+  const double volume = state.volume();
   LODE_CHECK(Rounds(options, state).run(progress));
   HalfEdgeCollapses result;
   for (std::size_t slot = 0; slot < mesh.tetrahedra.size(); ++slot) {
@@ -176,6 +181,11 @@ Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfE
     result.base.push_back(state.tetrahedra[slot]);
     if (!state.labels.empty()) result.base_regions.push_back(state.labels[slot]);
   }
+  for (std::size_t slot = 0; slot < state.tetrahedra.size(); ++slot)
+    if (state.tetrahedra[slot][0] != kNone)
+      result.boundary_deviation =
+          std::max(result.boundary_deviation, static_cast<double>(state.deviations[slot]));
+  result.volume_change = state.volume() - volume;
   result.collapses = std::move(state.collapses);
   result.facts = std::move(state.facts);
   result.errors = std::move(state.errors);

@@ -24,15 +24,20 @@ struct HalfEdgeCollapses {
   std::vector<std::uint32_t> base_regions;
   /// By vertex and field: F - F' on the base, as shares of the fields' ranges; 0 for its vertices.
   std::vector<float> errors;
+  /// No point of the base's boundary, or of what lies between its regions, is farther from the
+  /// reference's, nor any of these from the base's; in the mesh's unit. At most
+  /// CollapseRules::boundary_tolerance, or what that says of 0.
+  double boundary_deviation = 0;
+  double volume_change = 0;  ///< The base's volume less the reference's.
 };
 
 /// Collapses edges into one of their ends until few cells are left, or none may go: the vertex
 /// first whose going adds least to the squared error at all samples, for each cell that goes with
 /// it (Cignoni, De Floriani, Magillo, Puppo, Scopigno 2004, section 4.2; half edges: Danovaro, De
 /// Floriani 2005). The mesh stays what it is, topologically; its boundary stays where it is, but
-/// for a millionth of an edge, and so does each region: what lies between two goes along itself
-/// alone, lines in which three or more meet along these; no tetrahedron that comes is flat or
-/// turned round; the fields' ranges stay, as no vertex goes whose value is above or below all
+/// for CollapseRules::boundary_tolerance, and so does each region: what lies between two goes along
+/// itself alone, lines in which three or more meet along these; no tetrahedron that comes is flat
+/// or turned round; the fields' ranges stay, as no vertex goes whose value is above or below all
 /// beside it. In rounds: each has a limit, and blocks in space in which all up to that go; then
 /// blocks elsewhere. The same comes of any number of threads. Fails when a face has more than two
 /// tetrahedra, a value is not finite, or a region has no id.
