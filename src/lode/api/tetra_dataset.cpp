@@ -71,6 +71,21 @@ Vec3d origin_of(const HierarchyHead& head) {
   return is_far ? head.lower : Vec3d();
 }
 
+/// Slots of the cells of a cut by their last vertex: as vertices are numbered along a curve in
+/// space, cells that are near come near, whatever the order in which they were made.
+std::vector<std::uint32_t> sorted_cells(const TetraCut& cut, std::uint32_t n_vertices) {
+  std::vector<std::uint32_t> begins(std::size_t{n_vertices} + 1, 0);
+  for (const TetraCut::Cell& cell : cut.slots())
+    if (cut.is_inside(cell)) ++begins[std::ranges::max(cell.corners) + std::size_t{1}];
+  for (std::size_t v = 1; v < begins.size(); ++v) begins[v] += begins[v - 1];
+  std::vector<std::uint32_t> slots(begins.back());
+  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
+    const TetraCut::Cell& cell = cut.slots()[slot];
+    if (cut.is_inside(cell)) slots[begins[std::ranges::max(cell.corners)]++] = slot;
+  }
+  return slots;
+}
+
 /// Cells of a cut, their vertices numbered in the order of the hierarchy's: whose numbers it
 /// returns.
 std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const TetraCut& cut,
@@ -78,8 +93,8 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
   mesh = {};
   std::vector<std::uint32_t> vertex_ids;
   std::vector<std::uint32_t> numbers(hierarchy.head().n_vertices(), kNone);
-  for (const TetraCut::Cell& cell : cut.slots()) {
-    if (!cut.is_inside(cell)) continue;
+  for (const std::uint32_t slot : sorted_cells(cut, hierarchy.head().n_vertices())) {
+    const TetraCut::Cell& cell = cut.slots()[slot];
     mesh.tetrahedra.push_back(cell.corners);
     mesh.errors.push_back(cell.maker == kNone ? 0 : hierarchy.facts(cell.maker, 0).error);
     for (const std::uint32_t v : cell.corners) numbers[v] = 0;
