@@ -20,6 +20,26 @@ class Lens {
   /// The same at another place.
   [[nodiscard]] float pixel_size_at(const Vec3f& position) const;
 
+  [[nodiscard]] const Vec3d& eye() const { return eye_; }
+
+  /// How far right and up a ray goes for each unit that it goes forward.
+  struct Slopes {
+    double right;
+    double up;
+  };
+  /// Of the ray through a point of the picture (pixels from its upper left corner).
+  [[nodiscard]] Slopes slopes_at(double x, double y) const {
+    return {(x - center_x_) * slope_per_px_, (center_y_ - y) * slope_per_px_};
+  }
+  struct Point {
+    double x;
+    double y;
+  };
+  /// The other way round.
+  [[nodiscard]] Point point_at(const Slopes& slopes) const {
+    return {center_x_ + slopes.right / slope_per_px_, center_y_ - slopes.up / slope_per_px_};
+  }
+
   struct Ray {
     Vec3f origin;
     Vec3f direction;

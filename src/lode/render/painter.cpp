@@ -10,8 +10,17 @@ constexpr int kSkyRaysPerSample = 2;
 constexpr float kSkyReach = 0.6f;      // Normalised: how far away a thing may be and still darken.
 constexpr float kReflectance = 0.45f;  // Of the walls of a hollow: light that bounces back out.
 constexpr float kPixelFilterRadius = 0.8f;
+constexpr int kSampleTile = 16;
 
 }  // namespace
+
+Lens::Point sample_point(int x, int y, std::uint32_t i, int samples_per_pixel) {
+  if (samples_per_pixel == 1) return {x + 0.5, y + 0.5};
+  const PixelSequence points(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), 0);
+  const std::array<float, 3> u = points.at(i);
+  return {x + 0.5 + double{tent_offset(u[0], kPixelFilterRadius)},
+          y + 0.5 + double{tent_offset(u[1], kPixelFilterRadius)}};
+}
 
 float Painter::open_sky(const SceneHit& hit, const PixelSequence& sky, std::uint32_t sample) const {
   if (options_.ambient_occlusion <= 0) return 1;
@@ -50,16 +59,13 @@ void Painter::add_lit(PixelData& pixel, const SceneHit& hit, const Vec3f& view,
 PixelData Painter::sample_pixel(int x, int y) const {
   const auto column = static_cast<std::uint32_t>(x);
   const auto row = static_cast<std::uint32_t>(y);
-  const PixelSequence lens_points(column, row, 0);
   const PixelSequence lamp_points(column, row, 1);
   const PixelSequence sky_points(column, row, 2);
   const auto n = static_cast<std::uint32_t>(options_.samples_per_pixel);
   PixelData pixel{};
   for (std::uint32_t i = 0; i < n; ++i) {
-    const std::array<float, 3> u = lens_points.at(i);
-    const auto ray =
-        lens_.ray_through(x + 0.5 + double{tent_offset(u[0], kPixelFilterRadius)},
-                          y + 0.5 + double{tent_offset(u[1], kPixelFilterRadius)}, radius_);
+    const Lens::Point point = sample_point(x, y, i, options_.samples_per_pixel);
+    const auto ray = lens_.ray_through(point.x, point.y, radius_);
     if (!ray) continue;
     const auto hit = scene_.intersect(ray->origin, ray->direction);
     if (!hit) continue;
@@ -81,22 +87,37 @@ PixelData Painter::sample_pixel(int x, int y) const {
   return pixel;
 }
 
-Color Painter::background_at(int y) const {
-  const float f = (static_cast<float>(y) + 0.5f) / static_cast<float>(options_.height);
+Color background_at(const RenderOptions& options, int y) {
+  const float f = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.height);
   const auto blend = [f](std::uint8_t a, std::uint8_t b) {
     const float from = static_cast<float>(a);
     return static_cast<std::uint8_t>(std::lround(from + (static_cast<float>(b) - from) * f));
   };
-  const Color& top = options_.background.top;
-  const Color& bottom = options_.background.bottom;
+  const Color& top = options.background.top;
+  const Color& bottom = options.background.bottom;
   return {blend(top.r, bottom.r), blend(top.g, bottom.g), blend(top.b, bottom.b),
           blend(top.a, bottom.a)};
 }
 
-Color Painter::finish_pixel(const PixelRows& rows, int x, int y, int y_begin, int y_end) const {
+void Painter::sample_rows(PixelRows& rows, int y_begin, int y_end, Progress& progress) const {
+  const int tiles_x = (rows.width() + kSampleTile - 1) / kSampleTile;
+  const int tiles_y = (y_end - y_begin + kSampleTile - 1) / kSampleTile;
+  const auto n_tiles = static_cast<std::size_t>(tiles_x) * static_cast<std::size_t>(tiles_y);
+  parallel_for(n_tiles, options_.threads, 1, [&](std::size_t tile, int) {
+    if (progress.is_cancelled()) return;
+    const int x0 = static_cast<int>(tile) % tiles_x * kSampleTile;
+    const int y0 = y_begin + static_cast<int>(tile) / tiles_x * kSampleTile;
+    for (int y = y0; y < std::min(y0 + kSampleTile, y_end); ++y) {
+      for (int x = x0; x < std::min(x0 + kSampleTile, rows.width()); ++x) {
+        rows.at(x, y) = sample_pixel(x, y);
+      }
+    }
+  });
+}
+
+Vec3f Painter::surface_light(const PixelRows& rows, int x, int y, int y_begin, int y_end) const {
   const PixelData& pixel = rows.at(x, y);
-  const Color backdrop = background_at(y);
-  if (pixel.coverage <= 0) return backdrop;
+  if (pixel.coverage <= 0) return {};
   Visibility seen;
   if (pixel.sky_coverage > 0) {
     const Vec3f position = pixel.position * (1 / pixel.sky_coverage);
@@ -108,12 +129,18 @@ Color Painter::finish_pixel(const PixelRows& rows, int x, int y, int y_begin, in
   const auto strength = static_cast<float>(options_.ambient_occlusion);
   const float sky = 1 - strength * (1 - bounced);
   const float key = 1 - static_cast<float>(options_.shadow) * (1 - seen.key);
-  const Vec3f light = (pixel.flat + pixel.sky * sky + pixel.key * key) * (1 / pixel.coverage);
+  return tone_map((pixel.flat + pixel.sky * sky + pixel.key * key) * (1 / pixel.coverage));
+}
 
+Color Painter::finish_pixel(const PixelRows& rows, int x, int y, int y_begin, int y_end) const {
+  const PixelData& pixel = rows.at(x, y);
+  const Color backdrop = background_at(options_, y);
+  if (pixel.coverage <= 0) return backdrop;
   const float backdrop_share =
       (1 - pixel.coverage) * (static_cast<float>(backdrop.a) * (1.0f / 255));
   const float alpha = pixel.coverage + backdrop_share;
-  const Vec3f sum = tone_map(light) * pixel.coverage + to_linear(backdrop) * backdrop_share;
+  const Vec3f sum = surface_light(rows, x, y, y_begin, y_end) * pixel.coverage +
+                    to_linear(backdrop) * backdrop_share;
   return to_srgb(sum * (1 / alpha), alpha);
 }
 

@@ -9,79 +9,14 @@
 #include "lode/render/painter.h"
 #include "lode/render/pixel_filter.h"
 #include "lode/render/ray_scene.h"
+#include "lode/render/render_checks.h"
 #include "lode/render/surface_colors.h"
 
 namespace lode {
 namespace {
 
-constexpr int kMaxSide = 16384;
-constexpr int kBandRows = 128;
-constexpr int kTile = 16;
-constexpr double kMaxCoordinate = 1e150;  // Its square is still a double.
-
 bool is_finite(const Vec3d& a) {
   return std::isfinite(a[0]) && std::isfinite(a[1]) && std::isfinite(a[2]);
-}
-
-Result<void> check_options(const RenderOptions& options) {
-  if (options.width < 1 || options.width > kMaxSide || options.height < 1 ||
-      options.height > kMaxSide) {
-    return fail("picture size: expected 1 to {} pixels a side, got {} x {}", kMaxSide,
-                options.width, options.height);
-  }
-  if (options.samples_per_pixel < 1 || options.samples_per_pixel > 4096) {
-    return fail("samples per pixel: expected 1 to 4096, got {}", options.samples_per_pixel);
-  }
-  if (!(options.ambient_occlusion >= 0 && options.ambient_occlusion <= 1)) {
-    return fail("ambient occlusion: expected 0 to 1, got {}", options.ambient_occlusion);
-  }
-  if (!(options.shadow >= 0 && options.shadow <= 1)) {
-    return fail("shadow: expected 0 to 1, got {}", options.shadow);
-  }
-  if (!(options.line_width_px > 0 && options.line_width_px <= 1000)) {
-    return fail("line width: expected above 0 and at most 1000 pixels, got {}",
-                options.line_width_px);
-  }
-  if (options.camera) return check_camera(*options.camera);
-  return {};
-}
-
-Result<void> check_bounds(const Box3d& bounds) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!(bounds.lower[i] >= -kMaxCoordinate && bounds.upper[i] <= kMaxCoordinate &&
-          bounds.lower[i] <= bounds.upper[i])) {
-      return fail("bounds: expected lower <= upper and numbers up to {}, got {}..{} on axis {}",
-                  kMaxCoordinate, bounds.lower[i], bounds.upper[i], i);
-    }
-  }
-  return {};
-}
-
-Box3d union_of(const Box3d& a, const Box3d& b) {
-  Box3d both = a;
-  for (std::size_t i = 0; i < 3; ++i) {
-    both.lower[i] = std::min(a.lower[i], b.lower[i]);
-    both.upper[i] = std::max(a.upper[i], b.upper[i]);
-  }
-  return both;
-}
-
-// Samples the rows y_begin <= y < y_end, tile by tile.
-void sample_rows(const Painter& painter, PixelRows& rows, int y_begin, int y_end, Threads threads,
-                 Progress& progress) {
-  const int tiles_x = (rows.width() + kTile - 1) / kTile;
-  const int tiles_y = (y_end - y_begin + kTile - 1) / kTile;
-  const auto n_tiles = static_cast<std::size_t>(tiles_x) * static_cast<std::size_t>(tiles_y);
-  parallel_for(n_tiles, threads, 1, [&](std::size_t tile, int) {
-    if (progress.is_cancelled()) return;
-    const int x0 = static_cast<int>(tile) % tiles_x * kTile;
-    const int y0 = y_begin + static_cast<int>(tile) / tiles_x * kTile;
-    for (int y = y0; y < std::min(y0 + kTile, y_end); ++y) {
-      for (int x = x0; x < std::min(x0 + kTile, rows.width()); ++x) {
-        rows.at(x, y) = painter.sample_pixel(x, y);
-      }
-    }
-  });
 }
 
 // Bands of rows, each sampled a filter radius ahead of where it is finished.
@@ -89,12 +24,12 @@ Result<Image> paint(const Painter& painter, const RenderOptions& options, Progre
   const int height = options.height;
   Image image{.width = options.width, .height = height, .pixels = {}};
   image.pixels.resize(static_cast<std::size_t>(options.width) * static_cast<std::size_t>(height));
-  PixelRows rows(options.width, std::min(height, kBandRows + 2 * kFilterRadius));
+  PixelRows rows(options.width, std::min(height, kPictureBandRows + 2 * kFilterRadius));
   int sampled = 0;
-  for (int y0 = 0; y0 < height; y0 += kBandRows) {
-    const int y1 = std::min(y0 + kBandRows, height);
+  for (int y0 = 0; y0 < height; y0 += kPictureBandRows) {
+    const int y1 = std::min(y0 + kPictureBandRows, height);
     const int ahead = std::min(y1 + kFilterRadius, height);
-    sample_rows(painter, rows, sampled, ahead, options.threads, progress);
+    painter.sample_rows(rows, sampled, ahead, progress);
     sampled = ahead;
     if (progress.is_cancelled()) return cancelled_error();
     parallel_for(static_cast<std::size_t>(y1 - y0), options.threads, 4, [&](std::size_t i, int) {
@@ -140,8 +75,8 @@ Camera framing_camera(const Surface& surface, const Box3d& bounds, const RenderO
 
 Result<Image> render_surface(const Surface& surface, const Box3d& bounds,
                              const RenderOptions& options, Progress& progress) try {
-  LODE_CHECK(check_options(options));
-  LODE_CHECK(check_bounds(bounds));
+  LODE_CHECK(check_render_options(options));
+  LODE_CHECK(check_render_bounds(bounds));
   const Camera camera = options.camera ? *options.camera : framing_camera(surface, bounds, options);
   const Normalization normalization =
       normalization_of(union_of(bounds, bounds_of(surface, bounds)));
