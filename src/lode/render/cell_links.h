@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lode/core/mesh.h"
+#include "lode/core/parallel.h"
+#include "lode/core/result.h"
+
+namespace lode {
+
+/// A tetrahedron, and what is across each of its faces.
+struct LinkedCell {
+  std::array<std::uint32_t, 4> corners;
+  /// By the corner that the face does not have: a cell, or kOuter + the number of an outer face.
+  std::array<std::uint32_t, 4> across;
+};
+
+/// Which cells of a mesh share faces. A face is outer where it has one cell, or more than two.
+struct CellLinks {
+  static constexpr std::uint32_t kOuter = std::uint32_t{1} << 31;
+
+  struct OuterFace {
+    std::array<std::uint32_t, 3> corners;
+    std::uint32_t cell;
+  };
+  std::vector<LinkedCell> cells;
+  std::vector<OuterFace> outer_faces;  ///< By cell, then by the corner across.
+};
+
+/// O(cells). Fails on corners that are no vertex, cells with a corner twice, and above 2^29 cells.
+[[nodiscard]] Result<CellLinks> link_cells(const SimplexMesh& mesh, Threads threads);
+
+}  // namespace lode

@@ -1,0 +1,77 @@
+#include "lode/render/light_integral.h"
+
+namespace lode {
+
+LightRamps::LightRamps(const TransferFunction& function) : first_(function.knots.front().value) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto& knots = function.knots;
+  const double width = knots.back().value - first_;
+  scale_ = width > 0 && std::isfinite(1 / width) ? 1 / width : 1;
+  ramps_.reserve(knots.size() + 1);
+  const auto add_constant = [&](const TransferKnot& knot, double lower, double upper) {
+    const double origin = level(knot.value);
+    ramps_.push_back({lower, upper, origin, knot.extinction, 0, knot.color, {}});
+  };
+  add_constant(knots.front(), -kInfinity, 0);
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const TransferKnot& a = knots[i - 1];
+    const TransferKnot& b = knots[i];
+    const double lower = level(a.value);
+    const double upper = level(b.value);
+    const double slope = 1 / (upper - lower);
+    ramps_.push_back({lower, upper, lower, a.extinction, (b.extinction - a.extinction) * slope,
+                      a.color, (b.color - a.color) * slope});
+  }
+  add_constant(knots.back(), level(knots.back().value), kInfinity);
+}
+
+const LightRamp* LightRamps::at(double level) const {
+  const auto after = std::ranges::lower_bound(ramps_, level, {}, &LightRamp::upper);
+  return after == ramps_.end() ? &ramps_.back() : &*after;
+}
+
+void LightIntegral::step_ramp(std::ptrdiff_t by) {
+  light_ = light();
+  weight_ = level_weight_ = 0;
+  ramp_ += by;
+}
+
+// Slices of an optical depth of kThin each; the last has what is left.
+void LightIntegral::add_thick(double near, double far, double h0, double h1, double length) {
+  const double rise = (far - near) / length;
+  double left = length;
+  double extinction = near;
+  for (double from = h0; !is_opaque();) {
+    const double depth = 0.5 * (extinction + far) * left;
+    if (depth <= kThin) return add_thin(depth, 0.5 * (far - extinction) * left, from, h1);
+    const double root = std::sqrt(std::max(0.0, extinction * extinction + 2 * rise * kThin));
+    const double step = std::min(left, 2 * kThin / (extinction + root));
+    const double next = std::max(0.0, extinction + rise * step);
+    const double to = from + (h1 - from) * (step / left);
+    add_thin(kThin, 0.5 * (next - extinction) * step, from, to);
+    left -= step;
+    extinction = next;
+    from = to;
+  }
+}
+
+void LightIntegral::add_across_knots(double from, double to, double length) {
+  const double per_level = length / std::abs(to - from);
+  while (to > ramp_->upper) {
+    const double cut = std::max(from, ramp_->upper);
+    add_piece(from, cut, (cut - from) * per_level);
+    step_ramp(1);
+    from = cut;
+    if (is_opaque()) return;
+  }
+  while (to < ramp_->lower) {
+    const double cut = std::min(from, ramp_->lower);
+    add_piece(from, cut, (from - cut) * per_level);
+    step_ramp(-1);
+    from = cut;
+    if (is_opaque()) return;
+  }
+  add_piece(from, to, std::abs(to - from) * per_level);
+}
+
+}  // namespace lode
