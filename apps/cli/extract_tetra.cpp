@@ -1,86 +1,13 @@
 #include "extract_tetra.h"
 
-#include <array>
-#include <utility>
-
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
+#include "tetra_input.h"
 #include "text.h"
 
 namespace lode::cli {
 namespace {
-
-Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
-  if (reading.field.empty()) {
-    if (reading.component.empty()) return TetraOptions();
-    return fail("--component: expected --field with it, got none");
-  }
-  std::string field = reading.field;
-  if (!reading.component.empty() && reading.component != "magnitude")
-    field += ":" + reading.component;
-  return TetraOptions{.fields = {std::move(field)}};
-}
-
-/// What was made of the file's cells, as far as a user may wonder at it.
-void add_counts(const TetraReport& report, Table& table, Json& json) {
-  struct Count {
-    const char* key;
-    const char* name;
-    std::uint64_t n;
-  };
-  const std::array<Count, 12> counts{
-      {{"ghost_cells", "ghost cells left out", report.n_ghost_cells},
-       {"hidden_cells", "hidden cells left out", report.n_hidden_cells},
-       {"lower_cells", "points, lines and faces left out", report.n_lower_cells},
-       {"unused_points", "unused points left out", report.n_unused_points},
-       {"coincident_points", "points at another's place", report.n_coincident_points},
-       {"new_points", "centres of polyhedra", report.n_new_points},
-       {"repeating", "cells with a corner twice left out", report.n_repeating},
-       {"zero_volume", "cells without volume", report.n_zero_volume},
-       {"left_handed", "left-handed cells turned", report.n_left_handed},
-       {"turned_wedges", "wedges turned", report.n_turned_wedges},
-       {"inverted", "inverted cells", report.n_inverted},
-       {"components", "components", report.n_components}}};
-  for (const Count& count : counts) {
-    json[count.key] = count.n;
-    const std::uint64_t usual = std::string_view(count.key) == "components" ? 1 : 0;
-    if (count.n > usual) table.add({count.name, format_count(count.n)});
-  }
-}
-
-/// A dataset, and what came of the file's cells.
-struct TetraInput {
-  TetraDataset dataset;
-  TetraReport report;
-  double seconds = 0;
-};
-
-Result<TetraInput> build_input(const MeshJob& job, Session& session) {
-  const Stopwatch watch;
-  LODE_TRY(const TetraOptions options, to_tetra_options(job.reading));
-  LODE_TRY(CellMesh cells, read_cell_mesh(job.input, {}));
-  session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", job.input));
-  LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
-  if (made.mesh.fields.size() != 1) {
-    std::string names;
-    for (const MeshField& field : made.mesh.fields)
-      names += (names.empty() ? "" : ", ") + field.name;
-    return fail("{}: expected --field to name one of its fields ({}), got none", job.input,
-                names.empty() ? "there are none" : names);
-  }
-  if (made.mesh.region_ids.size() > 1)
-    session.warn(
-        fmt::format("{}: its {} regions are left out of what is written: faces between them stay",
-                    job.input, made.mesh.region_ids.size()));
-  TetraReport report = made.report;
-  auto built = TetraDataset::build(made.mesh, {.threads = session.threads()}, session.progress());
-  if (!built) {
-    if (session.progress().is_cancelled()) return built.error();
-    return fail("{}: {}", job.input, built.error().message);
-  }
-  return TetraInput{std::move(*built), std::move(report), watch.seconds()};
-}
 
 /// What meshes and surfaces report alike.
 struct TetraAnswer {
@@ -137,7 +64,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
                                   format_number(info.range_max))});
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
-  add_counts(input.report, table, json["reading"]);
+  add_cell_counts(input.report, table, json["reading"]);
   table.add({"base", fmt::format("{} cells, error {} at samples", format_count(info.n_base_cells),
                                  format_number(info.base_error))});
   table.add(
@@ -209,7 +136,7 @@ void warn_of_threshold(Session& session, const MeshJob& job, bool is_empty) {
 }
 
 Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
-  LODE_TRY(const TetraInput input, build_input(job, session));
+  LODE_TRY(const TetraInput input, build_tetra_input(job.input, job.reading, session));
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report,
            input.dataset.extract_mesh(wanted.mesh, mesh, session.progress()));
@@ -255,7 +182,7 @@ void warn_of_surface(Session& session, const MeshJob& job, const Surface& surfac
 }
 
 Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Session& session) {
-  LODE_TRY(const TetraInput input, build_input(job, session));
+  LODE_TRY(const TetraInput input, build_tetra_input(job.input, job.reading, session));
   Surface surface;
   LODE_TRY(const TetraSurfaceReport report,
            make_surface(input.dataset, job, wanted, surface, session.progress()));
@@ -306,13 +233,7 @@ Result<void> check_tetra_job(const MeshJob& job) {
     return fail("{}: expected no --view and no deadline with a mesh of cells", job.input);
   LODE_TRY(const TetraJob wanted, to_tetra_job(job, {}));
   LODE_CHECK(check_tetra_output(job, wanted));
-  LODE_CHECK(to_tetra_options(job.reading));
-  ReadingArguments others = job.reading;
-  others.field.clear();
-  others.component.clear();
-  if (!others.is_empty() || others.salvage)
-    return fail("{}: expected no options of reading but --field and --component, got others",
-                job.input);
+  LODE_CHECK(check_tetra_reading(job.reading, job.input));
   if (!job.memory_limit.empty())
     return fail("--memory-limit: expected none with a mesh of cells, which is built in memory");
   return check_paths_differ({job.input}, {job.output});
