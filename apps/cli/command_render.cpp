@@ -9,6 +9,7 @@
 #include "parse.h"
 #include "render_path.h"
 #include "render_progressive.h"
+#include "render_tetra.h"
 #include "stopwatch.h"
 #include "text.h"
 
@@ -31,6 +32,7 @@ struct RenderArguments {
   ProgressiveArguments progressive;
   PathArguments path;
   ReadingArguments reading;
+  TetraPictureArguments tetra;
 
   [[nodiscard]] std::vector<std::string> inputs() const {
     return camera.empty() ? std::vector{input} : std::vector{input, camera};
@@ -76,7 +78,25 @@ Result<RenderOptions> to_render_options(const RenderArguments& arguments) {
   return options;
 }
 
+TetraPictureJob tetra_job(const RenderArguments& arguments, const RenderOptions& options) {
+  return {arguments.input,          arguments.output,  arguments.camera, arguments.save_camera,
+          arguments.extraction,     arguments.reading, arguments.tetra,  options,
+          arguments.samples.empty()};
+}
+
+Result<void> check_tetra_render(const RenderArguments& arguments) {
+  if (arguments.progressive.is_wanted() || arguments.path.is_wanted())
+    return fail("{}: expected no --progressive or --camera-path with a mesh of cells",
+                arguments.input);
+  LODE_TRY(const RenderOptions options, to_render_options(arguments));
+  return check_tetra_picture(tetra_job(arguments, options));
+}
+
 Result<void> check_render(const RenderArguments& arguments) {
+  if (is_cell_mesh_path(arguments.input)) return check_tetra_render(arguments);
+  if (!arguments.tetra.is_empty())
+    return fail("--opacity, --section, --max-cells: expected a mesh of cells with them, got {}",
+                arguments.input);
   LODE_TRY(const ExtractOptions extraction, to_extract_options(arguments.extraction));
   if (extraction.isovalues.empty())
     return fail("--isovalue: expected at least one value, got none");
@@ -96,16 +116,6 @@ struct Rendering {
   Json frames{};  ///< With --progressive.
   Json path{};    ///< With --camera-path.
 };
-
-Json camera_json(const Camera& camera) {
-  const auto vector = [](const Vec3d& v) { return Json::array({v[0], v[1], v[2]}); };
-  Json json;
-  json["eye"] = vector(camera.eye);
-  json["target"] = vector(camera.target);
-  json["up"] = vector(camera.up);
-  json["field_of_view_deg"] = camera.field_of_view_deg;
-  return json;
-}
 
 Json rendering_json(const RenderArguments& arguments, const ExtractOptions& options,
                     const Input& input, const Rendering& rendering) {
@@ -185,6 +195,8 @@ Result<void> draw(const RenderArguments& arguments, const Surface& surface,
 
 Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   LODE_TRY(RenderOptions options, to_render_options(arguments));
+  if (is_cell_mesh_path(arguments.input))
+    return run_tetra_picture(tetra_job(arguments, options), session);
   LODE_TRY(ExtractOptions extraction, to_extract_options(arguments.extraction));
   options.threads = extraction.threads = session.threads();
   if (!arguments.camera.empty()) {
@@ -233,12 +245,24 @@ void add_picture_options(CLI::App& app, RenderArguments& arguments) {
 
 }  // namespace
 
+Json camera_json(const Camera& camera) {
+  const auto vector = [](const Vec3d& v) { return Json::array({v[0], v[1], v[2]}); };
+  Json json;
+  json["eye"] = vector(camera.eye);
+  json["target"] = vector(camera.target);
+  json["up"] = vector(camera.up);
+  json["field_of_view_deg"] = camera.field_of_view_deg;
+  return json;
+}
+
 Command add_render_command(CLI::App& program) {
   auto arguments = std::make_shared<RenderArguments>();
-  CLI::App* app = program.add_subcommand("render", "Draw isosurfaces to a PNG picture");
+  CLI::App* app = program.add_subcommand(
+      "render", "Draw isosurfaces, or the volume of a mesh, to a PNG picture");
   app->footer(
-      "Example:\n  lode render scan.lode bone.png --isovalue 1200 --max-error 10 --size 1600x1200");
-  app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
+      "Example:\n  lode render scan.lode bone.png --isovalue 1200 --max-error 10 --size 1600x1200\n"
+      "  lode render wing.vtu wing.png --opacity viridis-smoke --isovalue 2.1 --max-cells 200000");
+  app->add_option("file", arguments->input, ".lode file, or a volume or mesh to build in memory")
       ->type_name("FILE")
       ->required();
   app->add_option("output", arguments->output, "Picture to write")
@@ -248,6 +272,7 @@ Command add_render_command(CLI::App& program) {
   add_extraction_options(*app, arguments->extraction);
   add_frame_options(*app, arguments->progressive);
   add_path_options(*app, arguments->path);
+  add_tetra_picture_options(*app, arguments->tetra);
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_render(*arguments); },
           [arguments](Session& session) { return run_render(*arguments, session); }};

@@ -6,6 +6,7 @@
 
 #include "lode/api/dataset.h"
 #include "lode/api/file_build.h"
+#include "lode/api/mesh_picture.h"
 #include "lode/api/tetra_dataset.h"
 #include "lode/io/mesh_reader.h"
 #include "lode/io/mesh_vtu.h"

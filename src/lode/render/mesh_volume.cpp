@@ -27,6 +27,8 @@ Result<void> check_vertices(const SimplexMesh& mesh) {
   return {};
 }
 
+}  // namespace
+
 Box3d bounds_of_cells(const SimplexMesh& mesh) {
   if (mesh.tetrahedra.empty()) return {};
   const Vec3d& first = mesh.positions[mesh.tetrahedra.front()[0]];
@@ -41,8 +43,6 @@ Box3d bounds_of_cells(const SimplexMesh& mesh) {
   }
   return box;
 }
-
-}  // namespace
 
 Result<MeshVolume> MeshVolume::build(const SimplexMesh& mesh, Threads threads) try {
   LODE_CHECK(check_vertices(mesh));

@@ -8,6 +8,9 @@
 
 namespace lode {
 
+/// Round the vertices that cells use; a point at 0 without cells. Corners must be vertices.
+[[nodiscard]] Box3d bounds_of_cells(const SimplexMesh& mesh);
+
 /// A mesh of tetrahedra made ready for rays, whatever the view and the transfer function. Refers
 /// to the mesh, which must outlive it. Const members may be called from any thread.
 class MeshVolume {
@@ -19,7 +22,6 @@ class MeshVolume {
 
   [[nodiscard]] const SimplexMesh& mesh() const { return *mesh_; }
   [[nodiscard]] const CellLinks& links() const { return links_; }
-  /// Round the vertices that cells use; around 0 without cells.
   [[nodiscard]] const Box3d& bounds() const { return bounds_; }
 
  private:

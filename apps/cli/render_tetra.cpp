@@ -1,0 +1,192 @@
+#include "render_tetra.h"
+
+#include <cmath>
+
+#include "outputs.h"
+#include "parse.h"
+#include "query_options.h"
+#include "stopwatch.h"
+#include "tetra_input.h"
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+constexpr int kVolumeSamples = 4;  // A volume alone has soft edges but for its border.
+
+/// A point and a normal as elsewhere, or A,B,C,D: where A x + B y + C z = D.
+Result<SectionPlane> parse_plane(const std::string& text) {
+  SectionPlane plane;
+  const std::size_t colon = text.find(':');
+  if (colon != std::string::npos) {
+    LODE_TRY(plane.point, parse_vector("--section", text.substr(0, colon)));
+    LODE_TRY(plane.normal, parse_vector("--section", text.substr(colon + 1)));
+  } else {
+    LODE_TRY(const auto n, parse_numbers("--section", text));
+    if (n.size() != 4)
+      return fail("--section: expected a plane as A,B,C,D or X,Y,Z:NX,NY,NZ, got '{}'", text);
+    plane.normal = {{n[0], n[1], n[2]}};
+    plane.point = plane.normal * (n[3] / dot(plane.normal, plane.normal));
+  }
+  for (const double number : plane.point.v)
+    if (!std::isfinite(number)) return fail("--section: expected a normal, got '{}'", text);
+  if (!(length(plane.normal) > 0) || !std::isfinite(length(plane.normal)))
+    return fail("--section: expected a normal whose length is a number above 0, got '{}'", text);
+  return plane;
+}
+
+/// What of the file is wanted: all of the mesh where the volume or a section is shown, else what
+/// the isosurfaces need.
+Result<MeshOptions> to_query(const TetraPictureJob& job) {
+  QueryArguments query;
+  query.max_cells = job.picture.max_cells;
+  LODE_TRY(MeshOptions options, to_mesh_options(query, job.extraction, "mesh of cells"));
+  if (!job.picture.opacity.empty() || !job.picture.sections.empty()) options.query.isovalues = {};
+  return options;
+}
+
+/// But for the transfer function, which may need the mesh.
+Result<MeshPictureOptions> to_picture(const TetraPictureJob& job) {
+  MeshPictureOptions options;
+  LODE_TRY(const ExtractOptions extraction, to_extract_options(job.extraction));
+  options.render = job.options;
+  if (job.is_default_samples && extraction.isovalues.empty() && job.picture.sections.empty())
+    options.render.samples_per_pixel = kVolumeSamples;
+  options.isovalues = extraction.isovalues;
+  for (const std::string& text : job.picture.sections) {
+    LODE_TRY(const SectionPlane plane, parse_plane(text));
+    options.sections.push_back(plane);
+  }
+  return options;
+}
+
+std::vector<std::string> outputs_of(const TetraPictureJob& job) {
+  return job.save_camera.empty() ? std::vector{job.output}
+                                 : std::vector{job.output, job.save_camera};
+}
+
+/// How the picture came to be.
+struct TetraPicture {
+  MeshReport mesh;
+  MeshPictureReport picture;
+};
+
+Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
+                        const TetraPicture& made, const Session& session) {
+  const TetraInfo& info = input.dataset.describe();
+  Outcome outcome;
+  Json& json = outcome.json;
+  json["command"] = "render";
+  json["input"] = job.input;
+  json["outputs"] = outputs_of(job);
+  json["model"] = "tetra_mt";
+  json["built_in_memory"] = true;
+  json["field"] = info.field;
+  json["max_error"] = made.mesh.max_error;
+  json["achieved_error"] = made.mesh.achieved_error;
+  json["error_kind"] = "at samples";
+  json["cells"] = made.mesh.n_cells;
+  json["reference_cells"] = info.n_cells;
+  json["triangles"] = made.picture.n_triangles;
+  json["section_triangles"] = made.picture.n_section_triangles;
+  json["budget_met"] = made.mesh.budget_met;
+  json["camera"] = camera_json(made.picture.camera);
+  json["seconds"] = {
+      {"open", input.seconds}, {"extract", made.mesh.seconds}, {"render", made.picture.seconds}};
+  Table table;
+  table.add({"field", fmt::format("{}, {} to {}", info.field, format_number(info.range_min),
+                                  format_number(info.range_max))});
+  add_cell_counts(input.report, table, json["reading"]);
+  table.add({"max error", format_number(made.mesh.max_error)});
+  table.add({"achieved error", format_number(made.mesh.achieved_error) + " at samples"});
+  table.add({"cells",
+             fmt::format("{} of {}", format_count(made.mesh.n_cells), format_count(info.n_cells))});
+  if (made.picture.n_triangles > 0)
+    table.add({"triangles", format_count(made.picture.n_triangles)});
+  if (made.picture.n_section_triangles > 0)
+    table.add({"triangles of sections", format_count(made.picture.n_section_triangles)});
+  table.add({"size", fmt::format("{}x{} pixels", job.options.width, job.options.height)});
+  table.add({"read and build", format_seconds(input.seconds)});
+  table.add({"extract", format_seconds(made.mesh.seconds)});
+  table.add({"render", format_seconds(made.picture.seconds)});
+  for (const std::string& path : outputs_of(job)) table.add({"output", path});
+  outcome.text = table.to_string();
+  json["warnings"] = session.warnings();
+  return outcome;
+}
+
+Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& input,
+                                  Session& session) {
+  LODE_TRY(MeshOptions query, to_query(job));
+  LODE_TRY(MeshPictureOptions options, to_picture(job));
+  if (!job.camera.empty()) {
+    LODE_TRY(options.render.camera, read_camera(job.camera));
+  }
+  options.render.threads = session.threads();
+  TetraPicture made;
+  SimplexMesh mesh;
+  LODE_TRY(made.mesh, input.dataset.extract_mesh(query, mesh, session.progress()));
+  if (!made.mesh.budget_met)
+    session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
+                             made.mesh.n_cut_cells));
+  const TetraInfo& info = input.dataset.describe();
+  options.colors = {info.range_min, info.range_max};
+  if (!job.picture.opacity.empty()) {
+    LODE_TRY(options.opacity, to_transfer_function(job.picture.opacity, mesh, options.colors));
+  }
+  LODE_TRY(const Image image, draw_mesh(mesh, options, made.picture, session.progress()));
+  for (const double isovalue : made.picture.unmet)
+    session.warn(fmt::format("no surface at isovalue {}: it meets no cell", isovalue));
+  OutputSet outputs(outputs_of(job));
+  LODE_CHECK(write_png(image, job.output));
+  outputs.add(job.output);
+  if (!job.save_camera.empty()) LODE_CHECK(write_camera(made.picture.camera, job.save_camera));
+  outputs.keep();
+  return made;
+}
+
+}  // namespace
+
+void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) {
+  const auto add = [&](const char* name, auto& value, const char* type, const char* help) {
+    app.add_option(name, value, help)
+        ->type_name(type)
+        ->allow_extra_args(false)
+        ->group("Meshes of cells");
+  };
+  add("--opacity", arguments.opacity, "PRESET|FILE",
+      "Direct volume rendering: viridis-smoke, smoke, bands, solid, clear-middle, or a file of "
+      "lines 'value red green blue extinction'");
+  add("--section", arguments.sections, "A,B,C,D",
+      "Show the plane A x + B y + C z = D, or X,Y,Z:NX,NY,NZ; may be repeated");
+  add("--max-cells", arguments.max_cells, "N",
+      "At most N tetrahedra; without --max-error, as accurate as they allow");
+}
+
+Result<void> check_tetra_picture(const TetraPictureJob& job) {
+  LODE_CHECK(to_query(job));
+  LODE_TRY(const MeshPictureOptions options, to_picture(job));
+  if (options.isovalues.empty() && options.sections.empty() && job.picture.opacity.empty())
+    return fail("{}: expected --isovalue, --opacity or --section, got none", job.input);
+  LODE_CHECK(check_extension(job.output, ".png"));
+  LODE_CHECK(check_tetra_reading(job.reading, job.input));
+  std::vector<std::string> inputs{job.input};
+  if (!job.camera.empty()) inputs.push_back(job.camera);
+  if (!job.picture.opacity.empty() && !is_transfer_preset(job.picture.opacity)) {
+    // A misspelt preset is told as such; what the file holds is looked at before the work starts.
+    if (const auto file = read_transfer_function(job.picture.opacity); !file)
+      return fail("--opacity: expected a preset or a file of knots; {}; {}", file.error().message,
+                  transfer_preset(job.picture.opacity, {}).error().message);
+    inputs.push_back(job.picture.opacity);
+  }
+  return check_paths_differ(inputs, outputs_of(job));
+}
+
+Result<Outcome> run_tetra_picture(const TetraPictureJob& job, Session& session) {
+  for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
+  LODE_TRY(const TetraInput input, build_tetra_input(job.input, job.reading, session));
+  LODE_TRY(const TetraPicture made, draw_picture(job, input, session));
+  return picture_outcome(job, input, made, session);
+}
+
+}  // namespace lode::cli

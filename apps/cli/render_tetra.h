@@ -1,0 +1,47 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "extraction_options.h"
+#include "input.h"
+#include "lode/api/mesh_picture.h"
+
+namespace lode::cli {
+
+/// The options of `lode render` that only meshes of cells have, as typed.
+struct TetraPictureArguments {
+  std::string opacity;
+  std::vector<std::string> sections;
+  std::string max_cells;
+
+  [[nodiscard]] bool is_empty() const {
+    return opacity.empty() && sections.empty() && max_cells.empty();
+  }
+};
+
+void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments);
+
+/// The arguments of `lode render` for a mesh of cells.
+struct TetraPictureJob {
+  const std::string& input;
+  const std::string& output;
+  const std::string& camera;       ///< A file, or empty.
+  const std::string& save_camera;  ///< The same.
+  const ExtractionArguments& extraction;
+  const ReadingArguments& reading;
+  const TetraPictureArguments& picture;
+  RenderOptions options;  ///< All but the camera.
+  bool is_default_samples = true;
+};
+
+/// Looks at the arguments alone.
+[[nodiscard]] Result<void> check_tetra_picture(const TetraPictureJob& job);
+/// Builds the hierarchy of a mesh of cells in memory, and draws the mesh of a query: its volume,
+/// isosurfaces and sections.
+[[nodiscard]] Result<Outcome> run_tetra_picture(const TetraPictureJob& job, Session& session);
+
+[[nodiscard]] Json camera_json(const Camera& camera);
+
+}  // namespace lode::cli

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lode/api/query.h"
+#include "lode/core/mesh.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/mappers/section.h"
+#include "lode/render/image.h"
+#include "lode/render/surface_renderer.h"
+#include "lode/render/transfer_function.h"
+
+namespace lode {
+
+/// What a picture of a mesh of tetrahedra shows, all of the same mesh, so that it fits together.
+struct MeshPictureOptions {
+  std::optional<TransferFunction> opacity;  ///< Direct volume rendering; unset: none.
+  std::vector<double> isovalues;            ///< Opaque surfaces in it.
+  std::vector<SectionPlane> sections;       ///< The same, coloured by value.
+  Range colors{0, 1};  ///< Of sections without opacity: values of the darkest and lightest colour.
+  RenderOptions render;
+};
+
+struct MeshPictureReport {
+  std::uint64_t n_triangles = 0;          ///< Of isosurfaces.
+  std::uint64_t n_section_triangles = 0;  ///< Of sections.
+  std::vector<double> unmet{};            ///< Isovalues that no cell has.
+  Camera camera;                          ///< That was used.
+  double seconds = 0;
+};
+
+/// A preset by its name, fitted to a range of values and the diagonal of the mesh's box, or else a
+/// file of knots.
+[[nodiscard]] Result<TransferFunction> to_transfer_function(const std::string& preset_or_path,
+                                                            const SimplexMesh& mesh,
+                                                            const Range& range);
+
+/// Draws a mesh; see render_volume(). Without a camera a three-quarter view of all of it, whatever
+/// is shown. Isosurfaces have render.color or distinct colours.
+[[nodiscard]] Result<Image> draw_mesh(const SimplexMesh& mesh, const MeshPictureOptions& options,
+                                      MeshPictureReport& report, Progress& progress);
+
+}  // namespace lode

@@ -1,0 +1,114 @@
+// Pictures of meshes of cells through the program.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+/// 8^3 cubes with a saddle on a slope, as legacy VTK.
+std::string hexahedra() {
+  constexpr int kPoints = 9;
+  constexpr int kCells = kPoints - 1;
+  std::string points;
+  std::string values;
+  std::string cells;
+  const auto id = [](int x, int y, int z) { return (z * kPoints + y) * kPoints + x; };
+  for (int z = 0; z < kPoints; ++z)
+    for (int y = 0; y < kPoints; ++y)
+      for (int x = 0; x < kPoints; ++x) {
+        points += fmt::format("{} {} {}\n", x, y, z);
+        values += fmt::format("{}\n", x + (y - 4) * (z - 4) * 0.3);
+        if (x == kCells || y == kCells || z == kCells) continue;
+        cells += fmt::format("8 {} {} {} {} {} {} {} {}\n", id(x, y, z), id(x + 1, y, z),
+                             id(x + 1, y + 1, z), id(x, y + 1, z), id(x, y, z + 1),
+                             id(x + 1, y, z + 1), id(x + 1, y + 1, z + 1), id(x, y + 1, z + 1));
+      }
+  const int n = kCells * kCells * kCells;
+  std::string text = fmt::format(
+      "# vtk DataFile Version 3.0\nhexahedra\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {} float\n"
+      "{}CELLS {} {}\n{}CELL_TYPES {}\n",
+      kPoints * kPoints * kPoints, points, n, 9 * n, cells, n);
+  for (int i = 0; i < n; ++i) text += "12\n";
+  return text + fmt::format("POINT_DATA {}\nSCALARS wave float\nLOOKUP_TABLE default\n{}",
+                            kPoints * kPoints * kPoints, values);
+}
+
+class cli_render_tetra : public testing::Test {
+ protected:
+  cli_render_tetra() { write_bytes(input_, hexahedra()); }
+
+  [[nodiscard]] Finished render(std::vector<std::string> options) const {
+    options.insert(options.begin(), {"render", input_, output_, "--size", "60x50", "--json"});
+    return run_lode(options);
+  }
+  /// The report; the picture must be there.
+  [[nodiscard]] nlohmann::json report(const std::vector<std::string>& options) const {
+    const Finished run = render(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(read_bytes(output_).substr(1, 3), "PNG");
+    return run.json();
+  }
+  void expect_refused(const std::vector<std::string>& options, const char* message) const {
+    const Finished run = render(options);
+    EXPECT_NE(run.exit_code, 0);
+    EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+  }
+
+  Scratch scratch_;
+  std::string input_ = scratch_ / "in.vtk";
+  std::string output_ = scratch_ / "out.png";
+};
+
+TEST_F(cli_render_tetra, draws_the_volume_of_a_budget_with_surfaces_in_it) {
+  const nlohmann::json json = report({"--opacity", "viridis-smoke", "--isovalue", "4.1",
+                                      "--section", "0,0,1,3.5", "--max-cells", "900"});
+  EXPECT_EQ(json.at("model"), "tetra_mt");
+  EXPECT_LE(json.at("cells"), 900);
+  EXPECT_GT(json.at("cells"), 600);
+  EXPECT_GT(json.at("triangles"), 0);
+  EXPECT_GT(json.at("section_triangles"), 0);
+}
+
+TEST_F(cli_render_tetra, draws_isosurfaces_and_sections_alone) {
+  EXPECT_GT(report({"--isovalue", "4.1"}).at("triangles"), 0);
+  const nlohmann::json section = report({"--section", "4,4,4:1,1,0.5", "--max-error", "0"});
+  EXPECT_GT(section.at("section_triangles"), 100);
+  EXPECT_EQ(section.at("cells"), section.at("reference_cells"));
+  EXPECT_FALSE(report({"--isovalue", "1e4"}).at("warnings").empty());
+}
+
+TEST_F(cli_render_tetra, reads_transfer_functions_from_files_and_looks_through_saved_cameras) {
+  const std::string knots = scratch_ / "knots.txt";
+  write_bytes(knots, "0 1 0 0 0.1\n5 1 1 1 2 # bright\n");
+  const std::string camera = scratch_ / "camera.json";
+  const nlohmann::json first = report({"--opacity", knots, "--save-camera", camera});
+  const std::string picture = read_bytes(output_);
+  EXPECT_EQ(report({"--opacity", knots, "--camera", camera, "--threads", "3"}).at("camera"),
+            first.at("camera"));
+  EXPECT_EQ(read_bytes(output_), picture);
+}
+
+TEST_F(cli_render_tetra, says_what_it_does_not_draw) {
+  expect_refused({}, "expected --isovalue, --opacity or --section");
+  expect_refused({"--opacity", "fog"}, "expected one of viridis-smoke, smoke");
+  expect_refused({"--opacity", "smoke", "--section", "0,0,0,1"}, "--section: expected a normal");
+  expect_refused({"--opacity", "smoke", "--section", "0,0,1"}, "A,B,C,D");
+  expect_refused({"--opacity", "smoke", "--clip", "0,1,0,1,0,1"}, "--clip");
+  expect_refused({"--opacity", "smoke", "--nodata", "1"}, "--field and --component");
+  expect_refused({"--opacity", "smoke", "--field", "other"}, "other");
+  expect_refused({"--opacity", "smoke", "--max-cells", "none"}, "--max-cells");
+  const std::string broken = scratch_ / "broken.txt";
+  write_bytes(broken, "1 0 0 0 1\n0 0 0 0 1\n");
+  expect_refused({"--opacity", broken}, "expected ascending values");
+  const std::string ball = scratch_ / "ball.nrrd";
+  write_ball(ball);
+  const Finished run = run_lode({"render", ball, output_, "--isovalue", "9", "--opacity", "smoke"});
+  EXPECT_NE(run.err.find("expected a mesh of cells"), std::string::npos) << run.err;
+}
+
+}  // namespace
+}  // namespace lode::test
