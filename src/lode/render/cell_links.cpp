@@ -20,6 +20,10 @@ struct SortedFace {
   std::uint32_t largest;
 };
 
+std::uint64_t pair_of(std::uint32_t low, std::uint32_t high) {
+  return low | std::uint64_t{high} << 32;
+}
+
 SortedFace face_across(const std::array<std::uint32_t, 4>& cell, std::size_t corner) {
   std::uint32_t a = cell[(corner + 1) % 4];
   std::uint32_t b = cell[(corner + 2) % 4];
@@ -73,8 +77,11 @@ FaceUses collect_faces(const SimplexMesh& mesh) {
   return faces;
 }
 
+/// By corner, see LinkedCell.
+using Across = std::array<std::uint32_t, 4>;
+
 /// Links the faces of one smallest corner that have exactly two cells.
-void link_faces(FaceUse* begin, FaceUse* end, std::vector<LinkedCell>& cells) {
+void link_faces(FaceUse* begin, FaceUse* end, std::vector<Across>& across) {
   std::sort(begin, end, [](const FaceUse& a, const FaceUse& b) {
     return std::pair(a.middle, a.largest) < std::pair(b.middle, b.largest);
   });
@@ -82,8 +89,8 @@ void link_faces(FaceUse* begin, FaceUse* end, std::vector<LinkedCell>& cells) {
     const FaceUse* next = face + 1;
     while (next != end && next->middle == face->middle && next->largest == face->largest) ++next;
     if (next - face == 2) {
-      cells[face[0].cell_corner / 4].across[face[0].cell_corner % 4] = face[1].cell_corner / 4;
-      cells[face[1].cell_corner / 4].across[face[1].cell_corner % 4] = face[0].cell_corner / 4;
+      across[face[0].cell_corner / 4][face[0].cell_corner % 4] = face[1].cell_corner / 4;
+      across[face[1].cell_corner / 4][face[1].cell_corner % 4] = face[0].cell_corner / 4;
     }
     face = next;
   }
@@ -94,25 +101,24 @@ void link_faces(FaceUse* begin, FaceUse* end, std::vector<LinkedCell>& cells) {
 Result<CellLinks> link_cells(const SimplexMesh& mesh, Threads threads) {
   LODE_CHECK(check_cells(mesh));
   CellLinks links;
-  links.cells.resize(mesh.tetrahedra.size());
-  for (std::size_t t = 0; t < links.cells.size(); ++t) {
-    links.cells[t].corners = mesh.tetrahedra[t];
-    links.cells[t].across.fill(CellLinks::kOuter);
-  }
+  std::vector<Across> across(mesh.tetrahedra.size());
+  for (Across& cell : across) cell.fill(CellLinks::kOuter);
   FaceUses faces = collect_faces(mesh);
   parallel_for(mesh.positions.size(), threads, 4096, [&](std::size_t v, int) {
-    link_faces(faces.uses.data() + faces.first[v], faces.uses.data() + faces.first[v + 1],
-               links.cells);
+    link_faces(faces.uses.data() + faces.first[v], faces.uses.data() + faces.first[v + 1], across);
   });
+  links.cells.resize(mesh.tetrahedra.size());
   for (std::size_t t = 0; t < links.cells.size(); ++t) {
-    LinkedCell& cell = links.cells[t];
+    const auto& corners = mesh.tetrahedra[t];
     for (std::size_t i = 0; i < 4; ++i) {
-      if (cell.across[i] != CellLinks::kOuter) continue;
-      cell.across[i] = CellLinks::kOuter + static_cast<std::uint32_t>(links.outer_faces.size());
+      if (across[t][i] != CellLinks::kOuter) continue;
+      across[t][i] += static_cast<std::uint32_t>(links.outer_faces.size());
       links.outer_faces.push_back(
-          {{cell.corners[(i + 1) % 4], cell.corners[(i + 2) % 4], cell.corners[(i + 3) % 4]},
+          {{corners[(i + 1) % 4], corners[(i + 2) % 4], corners[(i + 3) % 4]},
            static_cast<std::uint32_t>(t)});
     }
+    links.cells[t] = {{pair_of(corners[0], corners[1]), pair_of(corners[2], corners[3]),
+                       pair_of(across[t][0], across[t][1]), pair_of(across[t][2], across[t][3])}};
   }
   return links;
 }

@@ -10,11 +10,15 @@
 
 namespace lode {
 
-/// A tetrahedron, and what is across each of its faces.
+/// A tetrahedron, and what is across each of its faces, as four words of two numbers, the first in
+/// the lower half: corners 0 and 1, 2 and 3; across corner 0 and 1, 2 and 3.
 struct LinkedCell {
-  std::array<std::uint32_t, 4> corners;
-  /// By the corner that the face does not have: a cell, or kOuter + the number of an outer face.
-  std::array<std::uint32_t, 4> across;
+  std::array<std::uint64_t, 4> words;
+
+  /// Across the face that does not have corner i: a cell, or kOuter + the number of an outer face.
+  [[nodiscard]] std::uint32_t across(std::size_t i) const {
+    return static_cast<std::uint32_t>(words[2 + i / 2] >> 32 * (i % 2));
+  }
 };
 
 /// Which cells of a mesh share faces. A face is outer where it has one cell, or more than two.

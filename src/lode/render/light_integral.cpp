@@ -31,9 +31,9 @@ const LightRamp* LightRamps::at(double level) const {
 }
 
 void LightIntegral::step_ramp(std::ptrdiff_t by) {
-  light_ = light();
-  weight_ = level_weight_ = 0;
-  ramp_ += by;
+  state_.light = light();
+  state_.weight = state_.level_weight = 0;
+  state_.ramp += by;
 }
 
 // Slices of an optical depth of kThin each; the last has what is left.
@@ -57,15 +57,15 @@ void LightIntegral::add_thick(double near, double far, double h0, double h1, dou
 
 void LightIntegral::add_across_knots(double from, double to, double length) {
   const double per_level = length / std::abs(to - from);
-  while (to > ramp_->upper) {
-    const double cut = std::max(from, ramp_->upper);
+  while (to > state_.ramp->upper) {
+    const double cut = std::max(from, state_.ramp->upper);
     add_piece(from, cut, (cut - from) * per_level);
     step_ramp(1);
     from = cut;
     if (is_opaque()) return;
   }
-  while (to < ramp_->lower) {
-    const double cut = std::min(from, ramp_->lower);
+  while (to < state_.ramp->lower) {
+    const double cut = std::min(from, state_.ramp->lower);
     add_piece(from, cut, (from - cut) * per_level);
     step_ramp(-1);
     from = cut;

@@ -45,41 +45,56 @@ class LightRamps {
 /// On a piece of length 1 on one ramp q(x) = t x + b (x^2 - x), with t its whole optical depth
 /// and b half the difference of extinctions, |b| <= t. By parts the ends' colours have weights 1 -
 /// M and M - exp(-t), M the integral of exp(-q). Of exp(b (x - x^2)) terms to b^3 are kept, of
-/// exp(-t x) those to t^6; pieces with t > 0.3 are cut, and those below 1/32 take fewer terms, so M
+/// exp(-t x) those to t^6; pieces with t > 0.3 are cut, so M
 /// is off by less than 1e-5 t.
 class LightIntegral {
  public:
   /// Behind less than this nothing is added any more.
   static constexpr double kOpaque = 2e-5;
+  /// Pieces of more optical depth are cut.
+  static constexpr double kThin = 0.3;
+
+  struct State {
+    double transmittance = 1;
+    double weight = 0;        ///< Of what was added on the ramp.
+    double level_weight = 0;  ///< The same, times h.
+    Vec3d light;              ///< Of the ramps before.
+    const LightRamp* ramp = nullptr;
+  };
+
+  LightIntegral() = default;
+  explicit LightIntegral(const State& state) : state_(state) {}
+  [[nodiscard]] const State& state() const { return state_; }
 
   void start(const LightRamps& ramps, double level) {
-    light_ = light();
-    weight_ = level_weight_ = 0;
-    ramp_ = ramps.at(level);
+    state_.light = light();
+    state_.weight = state_.level_weight = 0;
+    state_.ramp = ramps.at(level);
   }
   /// `from` and `to`: levels at the ends of a segment on which the field is linear, `length` in
   /// world units. `from`: the level of start(), then the `to` before.
   void add(double from, double to, double length) {
-    if (to >= ramp_->lower && to <= ramp_->upper) {
+    if (to >= state_.ramp->lower && to <= state_.ramp->upper) {
       add_piece(from, to, length);
     } else {
       add_across_knots(from, to, length);
     }
   }
-  [[nodiscard]] double transmittance() const { return transmittance_; }
-  [[nodiscard]] bool is_opaque() const { return transmittance_ < kOpaque; }
+  [[nodiscard]] double transmittance() const { return state_.transmittance; }
+  [[nodiscard]] bool is_opaque() const { return state_.transmittance < kOpaque; }
   /// Linear light.
   [[nodiscard]] Vec3d light() const {
-    return ramp_ == nullptr ? light_
-                            : light_ + ramp_->color * weight_ + ramp_->color_slope * level_weight_;
+    return state_.ramp == nullptr ? state_.light
+                                  : state_.light + state_.ramp->color * state_.weight +
+                                        state_.ramp->color_slope * state_.level_weight;
   }
 
  private:
   void add_piece(double from, double to, double length) {
-    const double h0 = from - ramp_->origin;
-    const double h1 = to - ramp_->origin;
-    const double near = std::max(0.0, ramp_->extinction + ramp_->extinction_slope * h0);
-    const double far = std::max(0.0, ramp_->extinction + ramp_->extinction_slope * h1);
+    const double h0 = from - state_.ramp->origin;
+    const double h1 = to - state_.ramp->origin;
+    const double near = std::max(0.0, state_.ramp->extinction + state_.ramp->extinction_slope * h0);
+    const double far = std::max(0.0, state_.ramp->extinction + state_.ramp->extinction_slope * h1);
     const double depth = 0.5 * (near + far) * length;
     if (depth <= kThin) {
       add_thin(depth, 0.5 * (far - near) * length, h0, h1);
@@ -89,12 +104,6 @@ class LightIntegral {
   }
 
   void add_thin(double t, double b, double h0, double h1) {
-    if (t <= kVeryThin) {
-      const double t2 = t * t;
-      const double mean = 1 - 0.5 * t + t2 * (1.0 / 6 - t * (1.0 / 24));
-      const double m = mean + b * (1.0 / 6 - t * (1.0 / 12) + (t2 * (1.0 / 40) + b * (1.0 / 60)));
-      return add_weights(t * mean, 1 - m, h0, h1);
-    }
     const double mean =  // Of exp(-t x).
         1 - t * (1.0 / 2 - t * (1.0 / 6 - t * (1.0 / 24 - t * (1.0 / 120 - t * (1.0 / 720)))));
     const double first = 1.0 / 6 - t * (1.0 / 12 - t * (1.0 / 40 - t * (1.0 / 180)));
@@ -104,24 +113,17 @@ class LightIntegral {
   }
 
   void add_weights(double absorbed, double near_weight, double h0, double h1) {
-    const double shone = transmittance_ * absorbed;
-    level_weight_ += shone * h1 + transmittance_ * near_weight * (h0 - h1);
-    weight_ += shone;
-    transmittance_ -= shone;
+    const double shone = state_.transmittance * absorbed;
+    state_.level_weight += shone * h1 + state_.transmittance * near_weight * (h0 - h1);
+    state_.weight += shone;
+    state_.transmittance -= shone;
   }
 
   [[gnu::noinline]] void add_thick(double near, double far, double h0, double h1, double length);
   [[gnu::noinline]] void add_across_knots(double from, double to, double length);
   void step_ramp(std::ptrdiff_t by);
 
-  static constexpr double kThin = 0.3;
-  static constexpr double kVeryThin = 1.0 / 32;
-
-  double transmittance_ = 1;
-  double weight_ = 0;        ///< Of what was added on the ramp.
-  double level_weight_ = 0;  ///< The same, times h.
-  Vec3d light_;              ///< Of the ramps before.
-  const LightRamp* ramp_ = nullptr;
+  State state_;
 };
 
 }  // namespace lode

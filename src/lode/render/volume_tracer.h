@@ -4,8 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "lode/render/cell_walk.h"
+#include "lode/render/face_meeting.h"
 #include "lode/render/light_integral.h"
+#include "lode/render/ray_lanes.h"
 #include "lode/render/volume_view.h"
 
 namespace lode {
@@ -23,15 +24,15 @@ struct RayLight {
   double transmittance = 1;  ///< How much of the light from behind passes.
 };
 
-/// Sends rays through a volume, many side by side so that they need not wait for memory. Has
-/// scratch memory: one for each thread.
+/// Sends rays through a volume, many side by side. Has scratch memory: one for each
+/// thread.
 class VolumeTracer {
  public:
   /// Both must outlive it.
   VolumeTracer(const VolumeView& view, const LightRamps& ramps) : view_(view), ramps_(ramps) {}
 
-  /// `rays`: all through one tile of the view or at most kTileMargin from it. Every ray has the
-  /// same light whatever its company. `light` has as many elements.
+  /// `rays`: at most RayLanes::kCapacity, all through one tile of the view or at most kTileMargin
+  /// from it. Every ray has the same light whatever its company. `light` has as many elements.
   void trace(int tile_x, int tile_y, std::span<const VolumeRay> rays, std::span<RayLight> light);
 
  private:
@@ -40,32 +41,29 @@ class VolumeTracer {
     double depth;
     std::uint32_t face;
   };
-  struct Walker {
-    CellWalk walk;
-    LightIntegral integral;
-    SightLine line;
-    double world_per_depth;
-    double begin;
-    double end;
-    double depth;  ///< The largest so far.
-    double level;
-    std::size_t ray;
+  /// What of a ray on its way is not in its lane.
+  struct Traveller {
+    std::size_t ray;  ///< Its place among those given.
     std::size_t next_hit;
     std::size_t end_hit;
+    Vec3d light;
+    const LightRamp* ramp;
   };
-  void find_hits(int tile_x, int tile_y, const VolumeRay& ray, Walker& walker);
-  [[gnu::noinline]] bool start_walk(Walker& walker);
-  bool advance(Walker& walker);
-  void advance_all(std::span<RayLight> light);
-  void add_segment(Walker& walker);
-  [[gnu::noinline]] void add_clipped(Walker& walker, double from, double level, double to,
-                                     double to_level);
-  [[gnu::noinline]] void leave(Walker& walker);
+  void find_hits(int tile_x, int tile_y, const VolumeRay& ray, const SightLine& line);
+  void start_ray(std::size_t lane, const VolumeRay& ray, const SightLine& line);
+  bool start_walk(std::size_t lane);
+  void mark_left(std::size_t lane);
+  void set_integral(std::size_t lane, const LightIntegral& integral);
+  [[nodiscard]] LightIntegral integral_of(std::size_t lane) const;
+  void add_segment(std::size_t lane);
+  bool continue_ray(std::size_t lane);
+  void move_lane(std::size_t from, std::size_t to);
 
   const VolumeView& view_;
   const LightRamps& ramps_;
   std::vector<Hit> hits_;
-  std::vector<Walker> walkers_;
+  RayLanes lanes_{};
+  std::array<Traveller, RayLanes::kCapacity> travellers_{};
 };
 
 }  // namespace lode
