@@ -95,8 +95,11 @@ Result<void> check_tetra_render(const RenderArguments& arguments) {
 Result<void> check_render(const RenderArguments& arguments) {
   if (is_cell_mesh_path(arguments.input)) return check_tetra_render(arguments);
   if (!arguments.tetra.is_empty())
-    return fail("--opacity, --section, --max-cells: expected a mesh of cells with them, got {}",
-                arguments.input);
+    return fail(
+        "{}: expected a mesh of cells with --opacity, --section, --boundary, --wireframe, --points "
+        "or "
+        "--max-cells, got a volume",
+        arguments.input);
   LODE_TRY(const ExtractOptions extraction, to_extract_options(arguments.extraction));
   if (extraction.isovalues.empty())
     return fail("--isovalue: expected at least one value, got none");

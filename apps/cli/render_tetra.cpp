@@ -12,6 +12,8 @@
 namespace lode::cli {
 namespace {
 
+constexpr double kBoundaryOpacity = 0.12;
+constexpr double kWireWidth = 1;
 constexpr int kVolumeSamples = 4;  // A volume alone has soft edges but for its border.
 
 /// A point and a normal as elsewhere, or A,B,C,D: where A x + B y + C z = D.
@@ -41,7 +43,7 @@ Result<MeshOptions> to_query(const TetraPictureJob& job) {
   QueryArguments query;
   query.max_cells = job.picture.max_cells;
   LODE_TRY(MeshOptions options, to_mesh_options(query, job.extraction, "mesh of cells"));
-  if (!job.picture.opacity.empty() || !job.picture.sections.empty()) options.query.isovalues = {};
+  if (job.picture.is_of_mesh()) options.query.isovalues = {};
   return options;
 }
 
@@ -50,9 +52,14 @@ Result<MeshPictureOptions> to_picture(const TetraPictureJob& job) {
   MeshPictureOptions options;
   LODE_TRY(const ExtractOptions extraction, to_extract_options(job.extraction));
   options.render = job.options;
-  if (job.is_default_samples && extraction.isovalues.empty() && job.picture.sections.empty())
+  if (job.is_default_samples && extraction.isovalues.empty() && job.picture.sections.empty() &&
+      !job.picture.has_wireframe && !job.picture.has_points)
     options.render.samples_per_pixel = kVolumeSamples;
   options.isovalues = extraction.isovalues;
+  options.has_wireframe = job.picture.has_wireframe;
+  options.has_points = job.picture.has_points;
+  options.boundary_opacity = job.picture.has_boundary ? kBoundaryOpacity : 0;
+  if (options.has_wireframe) options.render.line_width_px = kWireWidth;
   for (const std::string& text : job.picture.sections) {
     LODE_TRY(const SectionPlane plane, parse_plane(text));
     options.sections.push_back(plane);
@@ -89,6 +96,7 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   json["reference_cells"] = info.n_cells;
   json["triangles"] = made.picture.n_triangles;
   json["section_triangles"] = made.picture.n_section_triangles;
+  json["lines"] = made.picture.n_lines;
   json["budget_met"] = made.mesh.budget_met;
   json["camera"] = camera_json(made.picture.camera);
   json["seconds"] = {
@@ -159,6 +167,12 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
       "lines 'value red green blue extinction'");
   add("--section", arguments.sections, "A,B,C,D",
       "Show the plane A x + B y + C z = D, or X,Y,Z:NX,NY,NZ; may be repeated");
+  const auto add_flag = [&](const char* name, bool& value, const char* help) {
+    app.add_flag(name, value, help)->group("Meshes of cells");
+  };
+  add_flag("--boundary", arguments.has_boundary, "Show the mesh's boundary as a thin film");
+  add_flag("--wireframe", arguments.has_wireframe, "Show all edges of the mesh");
+  add_flag("--points", arguments.has_points, "Show all vertices of the mesh");
   add("--max-cells", arguments.max_cells, "N",
       "At most N tetrahedra; without --max-error, as accurate as they allow");
 }
@@ -166,8 +180,11 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
 Result<void> check_tetra_picture(const TetraPictureJob& job) {
   LODE_CHECK(to_query(job));
   LODE_TRY(const MeshPictureOptions options, to_picture(job));
-  if (options.isovalues.empty() && options.sections.empty() && job.picture.opacity.empty())
-    return fail("{}: expected --isovalue, --opacity or --section, got none", job.input);
+  if (options.isovalues.empty() && !job.picture.is_of_mesh())
+    return fail(
+        "{}: expected --isovalue, --opacity, --section, --boundary, --wireframe or --points, got "
+        "none",
+        job.input);
   LODE_CHECK(check_extension(job.output, ".png"));
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
   std::vector<std::string> inputs{job.input};

@@ -15,10 +15,15 @@ struct TetraPictureArguments {
   std::string opacity;
   std::vector<std::string> sections;
   std::string max_cells;
+  bool has_boundary = false;
+  bool has_wireframe = false;
+  bool has_points = false;
 
-  [[nodiscard]] bool is_empty() const {
-    return opacity.empty() && sections.empty() && max_cells.empty();
+  /// Whether all of the mesh is shown, and not isosurfaces alone.
+  [[nodiscard]] bool is_of_mesh() const {
+    return !opacity.empty() || !sections.empty() || has_boundary || has_wireframe || has_points;
   }
+  [[nodiscard]] bool is_empty() const { return !is_of_mesh() && max_cells.empty(); }
 };
 
 void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments);

@@ -78,6 +78,10 @@ TEST_F(cli_render_tetra, draws_isosurfaces_and_sections_alone) {
   const nlohmann::json section = report({"--section", "4,4,4:1,1,0.5", "--max-error", "0"});
   EXPECT_GT(section.at("section_triangles"), 100);
   EXPECT_EQ(section.at("cells"), section.at("reference_cells"));
+  const nlohmann::json lines =
+      report({"--wireframe", "--points", "--boundary", "--max-error", "0"});
+  EXPECT_GT(lines.at("lines"), 9 * 9 * 9 * 7 - 1000);
+  EXPECT_GT(report({"--boundary"}).at("cells"), 0);
   EXPECT_FALSE(report({"--isovalue", "1e4"}).at("warnings").empty());
 }
 
@@ -93,7 +97,7 @@ TEST_F(cli_render_tetra, reads_transfer_functions_from_files_and_looks_through_s
 }
 
 TEST_F(cli_render_tetra, says_what_it_does_not_draw) {
-  expect_refused({}, "expected --isovalue, --opacity or --section");
+  expect_refused({}, "expected --isovalue, --opacity, --section");
   expect_refused({"--opacity", "fog"}, "expected one of viridis-smoke, smoke");
   expect_refused({"--opacity", "smoke", "--section", "0,0,0,1"}, "--section: expected a normal");
   expect_refused({"--opacity", "smoke", "--section", "0,0,1"}, "A,B,C,D");

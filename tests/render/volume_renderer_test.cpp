@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 
+#include "tests/models/all_targets.h"
 #include "tests/render/shapes.h"
 #include "tests/render/tetra_fixtures.h"
 
@@ -27,7 +28,7 @@ Image rendered(const SimplexMesh& mesh, const TransferFunction& function,
   Progress progress;
   const auto volume = MeshVolume::build(mesh, options.threads);
   EXPECT_TRUE(volume);
-  auto image = render_volume(*volume, function, opaque, options, progress);
+  auto image = render_volume({*volume, function, opaque}, options, progress);
   EXPECT_TRUE(image) << image.error().message;
   return image ? *image : Image{};
 }
@@ -98,20 +99,47 @@ TEST(volume_renderer, transparent_backdrops_keep_what_the_volume_lets_through) {
   EXPECT_EQ(image.at(0, 0), (Color{0, 0, 0, 0}));
 }
 
+TEST(volume_renderer, has_the_same_pixels_for_all_vectors_of_the_processor) {
+  SimplexMesh mesh = cube_mesh(6);
+  shake(mesh, 6, 6);
+  const Image best = rendered(mesh, kSmoke, {}, small_picture());
+  for_each_target([&] { EXPECT_EQ(rendered(mesh, kSmoke, {}, small_picture()), best); });
+}
+
+TEST(volume_renderer, boundaries_are_films_denser_where_met_aslant) {
+  const SimplexMesh mesh = cube_mesh(3);
+  const auto volume = MeshVolume::build(mesh, {});
+  ASSERT_TRUE(volume);
+  RenderOptions options = small_picture();
+  options.camera = Camera{{{0.5, -3, 0.5}}, {{0.5, 0.5, 0.5}}, {{0, 0, 1}}, 40};
+  options.background = {Color{0, 0, 0, 0}, Color{0, 0, 0, 0}};
+  const TransferFunction clear{{TransferKnot{}}};
+  Progress progress;
+  const auto image = render_volume({*volume, clear, {}, 0.2}, options, progress);
+  ASSERT_TRUE(image);
+  // Two films straight through.
+  EXPECT_NEAR(image->at(45, 35).a, 255 * (1 - 0.8 * 0.8), 1);
+  int densest = 0;
+  for (const Color& pixel : image->pixels) densest = std::max<int>(densest, pixel.a);
+  EXPECT_GT(densest, 110);
+  EXPECT_EQ(image->at(1, 1).a, 0);
+}
+
 TEST(volume_renderer, what_cannot_be_drawn_is_refused) {
   const SimplexMesh mesh = cube_mesh(1);
   const auto volume = MeshVolume::build(mesh, {});
   ASSERT_TRUE(volume);
   Progress progress;
-  EXPECT_FALSE(render_volume(*volume, {}, {}, {}, progress));
+  EXPECT_FALSE(render_volume({*volume, {}, {}}, {}, progress));
+  EXPECT_FALSE(render_volume({*volume, kSmoke, {}, 1.5}, small_picture(), progress));
   RenderOptions options = small_picture();
   options.width = 0;
-  EXPECT_FALSE(render_volume(*volume, kSmoke, {}, options, progress));
+  EXPECT_FALSE(render_volume({*volume, kSmoke, {}}, options, progress));
   OpaqueSurface broken = ball();
   broken.surface.triangles.push_back({0, 1, 1u << 30});
-  EXPECT_FALSE(render_volume(*volume, kSmoke, broken, small_picture(), progress));
+  EXPECT_FALSE(render_volume({*volume, kSmoke, broken}, small_picture(), progress));
   progress.cancel();
-  EXPECT_FALSE(render_volume(*volume, kSmoke, {}, small_picture(), progress));
+  EXPECT_FALSE(render_volume({*volume, kSmoke, {}}, small_picture(), progress));
 }
 
 TEST(volume_renderer, extreme_cameras_and_functions_give_pictures) {

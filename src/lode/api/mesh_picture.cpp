@@ -1,6 +1,7 @@
 #include "lode/api/mesh_picture.h"
 
 #include <algorithm>
+#include <array>
 #include <new>
 
 #include "lode/core/out_of_memory.h"
@@ -11,6 +12,8 @@
 
 namespace lode {
 namespace {
+
+constexpr Color kLineColor{58, 64, 76};
 
 /// Positions of surfaces are relative to the middle of the mesh, where float32 is finest.
 Vec3d middle_of(const Box3d& box) { return box.lower * 0.5 + box.upper * 0.5; }
@@ -54,6 +57,43 @@ void add_section(const SimplexMesh& mesh, const SectionPlane& plane,
     all.triangles.push_back({first + a, first + b, first + c});
 }
 
+/// By its two vertices, the smaller first, each edge once.
+std::vector<std::array<std::uint32_t, 2>> edges_of(const SimplexMesh& mesh) {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  edges.reserve(6 * mesh.tetrahedra.size());
+  for (const auto& cell : mesh.tetrahedra)
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        edges.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
+  std::ranges::sort(edges);
+  edges.erase(std::ranges::unique(edges).begin(), edges.end());
+  return edges;
+}
+
+/// Edges are lines, and vertices lines too short to see.
+void add_lines(const SimplexMesh& mesh, const MeshPictureOptions& options, OpaqueSurface& opaque) {
+  Surface& all = opaque.surface;
+  const auto first = static_cast<std::uint32_t>(all.positions.size());
+  const auto n = static_cast<std::uint32_t>(mesh.positions.size());
+  opaque.colors.per_vertex.resize(all.positions.size(), opaque.colors.uniform);
+  for (const Vec3d& p : mesh.positions) all.positions.push_back(to_vec3f(p - all.origin));
+  opaque.colors.per_vertex.resize(all.positions.size(), to_linear(kLineColor));
+  const auto edges = edges_of(mesh);
+  if (options.has_wireframe)
+    for (const auto& [a, b] : edges) all.lines.push_back({first + a, first + b});
+  if (!options.has_points) return;
+  std::vector<bool> is_used(n);
+  for (const auto& cell : mesh.tetrahedra)
+    for (const std::uint32_t v : cell) is_used[v] = true;
+  const float step = static_cast<float>(rounding_margin(mesh, all.origin));
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (!is_used[v]) continue;
+    all.lines.push_back({first + v, static_cast<std::uint32_t>(all.positions.size())});
+    all.positions.push_back(all.positions[first + v] + Vec3f{{step, 0, 0}});
+    opaque.colors.per_vertex.push_back(to_linear(kLineColor));
+  }
+}
+
 }  // namespace
 
 Result<TransferFunction> to_transfer_function(const std::string& preset_or_path,
@@ -69,7 +109,8 @@ Result<Image> draw_mesh(const SimplexMesh& mesh, const MeshPictureOptions& optio
   const Stopwatch watch;
   const SimplexMesh nothing;
   LODE_TRY(const MeshVolume volume,
-           MeshVolume::build(options.opacity ? mesh : nothing, options.render.threads));
+           MeshVolume::build(options.opacity || options.boundary_opacity > 0 ? mesh : nothing,
+                             options.render.threads));
   const Box3d bounds = bounds_of_cells(mesh);
   RenderOptions render = options.render;
   if (!render.camera)
@@ -81,9 +122,13 @@ Result<Image> draw_mesh(const SimplexMesh& mesh, const MeshPictureOptions& optio
   add_isosurfaces(mesh, options, opaque, report);
   for (const SectionPlane& plane : options.sections) add_section(mesh, plane, options, opaque);
   report.n_section_triangles = opaque.surface.triangles.size() - report.n_triangles;
+  if (options.has_wireframe || options.has_points) add_lines(mesh, options, opaque);
+  report.n_lines = opaque.surface.lines.size();
   opaque.surface.isovalues.clear();
   const TransferFunction clear{{TransferKnot{}}};
-  auto image = render_volume(volume, options.opacity.value_or(clear), opaque, render, progress);
+  const TransferFunction function = options.opacity.value_or(clear);
+  auto image =
+      render_volume({volume, function, opaque, options.boundary_opacity}, render, progress);
   report.seconds = watch.seconds();
   return image;
 } catch (const std::bad_alloc&) {

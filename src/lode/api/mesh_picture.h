@@ -21,6 +21,9 @@ struct MeshPictureOptions {
   std::optional<TransferFunction> opacity;  ///< Direct volume rendering; unset: none.
   std::vector<double> isovalues;            ///< Opaque surfaces in it.
   std::vector<SectionPlane> sections;       ///< The same, coloured by value.
+  bool has_wireframe = false;   ///< All edges of the mesh, as lines of render.line_width_px.
+  bool has_points = false;      ///< All its vertices, as dots so wide.
+  double boundary_opacity = 0;  ///< 0..1; see VolumePicture.
   Range colors{0, 1};  ///< Of sections without opacity: values of the darkest and lightest colour.
   RenderOptions render;
 };
@@ -28,6 +31,7 @@ struct MeshPictureOptions {
 struct MeshPictureReport {
   std::uint64_t n_triangles = 0;          ///< Of isosurfaces.
   std::uint64_t n_section_triangles = 0;  ///< Of sections.
+  std::uint64_t n_lines = 0;              ///< Of the wireframe, and dots.
   std::vector<double> unmet{};            ///< Isovalues that no cell has.
   Camera camera;                          ///< That was used.
   double seconds = 0;

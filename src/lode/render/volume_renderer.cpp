@@ -13,6 +13,8 @@
 namespace lode {
 namespace {
 
+constexpr Color kFilmColor{120, 128, 140};
+
 /// Means over a pixel's samples.
 struct VolumePixel {
   Vec3f light;       ///< Of the volume.
@@ -26,6 +28,7 @@ struct VolumeScene {
   const LightRamps& ramps;
   const Lens& lens;
   const RayScene* opaque;  ///< May be null.
+  BoundaryFilm film;
   const RenderOptions& options;
   double radius;
 };
@@ -112,7 +115,7 @@ void trace_band(const VolumeScene& scene, int y_begin, std::span<VolumePixel> pi
   };
   std::vector<Worker> workers(
       static_cast<std::size_t>(n_workers(scene.options.threads)),
-      {VolumeBand(scene, y_begin, pixels), VolumeTracer(scene.view, scene.ramps)});
+      {VolumeBand(scene, y_begin, pixels), VolumeTracer(scene.view, scene.ramps, scene.film)});
   const auto n_rows = static_cast<int>(pixels.size()) / scene.options.width;
   const int n_tiles_x = scene.view.n_tiles_x();
   const int tile_rows = (n_rows + VolumeView::kTile - 1) / VolumeView::kTile;
@@ -178,20 +181,19 @@ Box3d bounds_of(const MeshVolume& volume, const OpaqueSurface& opaque) {
 
 }  // namespace
 
-Camera framing_camera(const MeshVolume& volume, const OpaqueSurface& opaque,
-                      const RenderOptions& options) {
-  return default_camera(bounds_of(volume, opaque), options.axes,
-                        static_cast<double>(options.width) / options.height);
-}
-
-Result<Image> render_volume(const MeshVolume& volume, const TransferFunction& function,
-                            const OpaqueSurface& opaque, const RenderOptions& options,
+Result<Image> render_volume(const VolumePicture& picture, const RenderOptions& options,
                             Progress& progress) try {
+  const auto& [volume, function, opaque, boundary_opacity] = picture;
   LODE_CHECK(check_render_options(options));
   LODE_CHECK(check_transfer_function(function));
+  if (!(boundary_opacity >= 0 && boundary_opacity <= 1))
+    return fail("boundary: expected an opacity from 0 to 1, got {}", boundary_opacity);
   const Box3d bounds = bounds_of(volume, opaque);
   LODE_CHECK(check_render_bounds(bounds));
-  const Camera camera = options.camera ? *options.camera : framing_camera(volume, opaque, options);
+  const Camera camera = options.camera
+                            ? *options.camera
+                            : default_camera(bounds, options.axes,
+                                             static_cast<double>(options.width) / options.height);
   const Normalization normalization = normalization_of(bounds);
   const Lens lens(camera, normalization, options.width, options.height);
   const double line_radius = std::min(lens.pixel_size() * options.line_width_px / 2, 0.1);
@@ -207,7 +209,8 @@ Result<Image> render_volume(const MeshVolume& volume, const TransferFunction& fu
   const LightRamps ramps(function);
   const VolumeView view(volume, ramps, lens, normalization, {options.width, options.height},
                         options.threads);
-  return paint_volume({view, ramps, lens, scene ? &*scene : nullptr, options, radius},
+  const BoundaryFilm film{boundary_opacity, widened(to_linear(kFilmColor))};
+  return paint_volume({view, ramps, lens, scene ? &*scene : nullptr, film, options, radius},
                       painter ? &*painter : nullptr, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("draw the picture");

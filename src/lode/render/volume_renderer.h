@@ -19,23 +19,25 @@ struct OpaqueSurface {
   SurfaceColors colors;
 };
 
+/// What a picture of a volume shows.
+struct VolumePicture {
+  const MeshVolume& volume;
+  const TransferFunction& function;
+  const OpaqueSurface& opaque;
+  double boundary_opacity = 0;  ///< Of the mesh's boundary as a grey film, see BoundaryFilm.
+};
+
 /// Direct volume rendering, emission and absorption, by casting rays through the cells: the field
 /// is linear along a ray in each cell, each segment is cut at the transfer function's knots, and a
 /// ray's light is within 1e-4 of its integral (colours up to 1; see LightIntegral). Domains may
 /// have any shape, and the camera may be inside.
 ///
-/// `opaque` stops the rays and shows through what is before it, lit as by render_surface().
-/// options' camera: unset, a three-quarter view of the volume and the surface. Time is proportional
-/// to samples_per_pixel; a single sample is the pixel's middle. The same input gives the same
-/// pixels for any number of threads. Fails as render_surface() does, on transfer functions that
-/// check_transfer_function() refuses, and when cancelled.
-[[nodiscard]] Result<Image> render_volume(const MeshVolume& volume,
-                                          const TransferFunction& function,
-                                          const OpaqueSurface& opaque, const RenderOptions& options,
-                                          Progress& progress);
-
-/// The camera of render_volume() where options has none.
-[[nodiscard]] Camera framing_camera(const MeshVolume& volume, const OpaqueSurface& opaque,
-                                    const RenderOptions& options);
+/// What is opaque stops the rays and shows through what is before it, lit as by render_surface().
+/// options' camera: unset, a three-quarter view of the volume and the surface. Time is
+/// proportional to samples_per_pixel; a single sample is the pixel's middle. The same input gives
+/// the same pixels for any number of threads. Fails as render_surface() does, on transfer functions
+/// that check_transfer_function() refuses, a boundary_opacity outside 0..1, and when cancelled.
+[[nodiscard]] Result<Image> render_volume(const VolumePicture& picture,
+                                          const RenderOptions& options, Progress& progress);
 
 }  // namespace lode

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "lode/core/expects.h"
 
@@ -9,6 +10,7 @@ namespace lode {
 namespace {
 
 constexpr std::uint32_t kUsed = 0xffffffffU;
+constexpr double kLeastCosine = 0.1;
 
 /// Whether a line comes near the ball of radius 1 that holds the volume; not where it is too far
 /// for numbers.
@@ -94,17 +96,33 @@ bool VolumeTracer::start_walk(std::size_t lane) {
     LightIntegral integral = integral_of(lane);
     integral.start(ramps_, met.level);
     set_integral(lane, integral);
+    add_film(lane, hit.face, met.depth);
     return true;
   }
   return false;
 }
 
 /// No other walk of the ray starts at the outer face where this one ends.
-void VolumeTracer::mark_left(std::size_t lane) {
-  const auto face = static_cast<std::uint32_t>(lanes_.next[lane] - CellLinks::kOuter);
+void VolumeTracer::mark_left(std::size_t lane, std::uint32_t face) {
   const Traveller& traveller = travellers_[lane];
   for (std::size_t i = traveller.next_hit; i < traveller.end_hit; ++i)
     if (hits_[i].face == face) hits_[i].face = kUsed;
+}
+
+void VolumeTracer::add_film(std::size_t lane, std::uint32_t face, double depth) {
+  if (!(film_.opacity > 0) || depth < lanes_.begin[lane] || depth > lanes_.end[lane]) return;
+  std::array<Vec3d, 3> corners;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const ViewVertex& v = view_.vertices()[view_.links().outer_faces[face].corners[i]];
+    corners[i] = {{v.right, v.up, v.depth}};
+  }
+  const Vec3d normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
+  const Vec3d sight = normalized(Vec3d{{lanes_.right_slope[lane], lanes_.up_slope[lane], 1}});
+  const double cosine = std::max(kLeastCosine, std::abs(dot(normal, sight)));
+  const double passes = std::pow(1 - std::min(film_.opacity, 1.0), 1 / cosine);
+  Vec3d& light = travellers_[lane].light;
+  light = light + film_.color * (lanes_.transmittance[lane] * (1 - passes));
+  lanes_.transmittance[lane] *= passes;
 }
 
 /// The segment that step_lanes() has left open, cut at the ray's ends.
@@ -139,7 +157,9 @@ bool VolumeTracer::continue_ray(std::size_t lane) {
   if (lanes_.transmittance[lane] < LightIntegral::kOpaque) return false;
   if (lanes_.depth[lane] >= lanes_.end[lane]) return false;
   if (lanes_.next[lane] < CellLinks::kOuter) return true;
-  mark_left(lane);
+  const auto face = static_cast<std::uint32_t>(lanes_.next[lane] - CellLinks::kOuter);
+  mark_left(lane, face);
+  add_film(lane, face, lanes_.depth[lane]);
   return start_walk(lane);
 }
 

@@ -24,12 +24,20 @@ struct RayLight {
   double transmittance = 1;  ///< How much of the light from behind passes.
 };
 
+/// The boundary of a mesh as a film: what passes straight through it is 1 - opacity, less where it
+/// is met aslant, so that outlines show.
+struct BoundaryFilm {
+  double opacity = 0;  ///< 0 (none) .. 1.
+  Vec3d color;         ///< Linear light.
+};
+
 /// Sends rays through a volume, many side by side. Has scratch memory: one for each
 /// thread.
 class VolumeTracer {
  public:
-  /// Both must outlive it.
-  VolumeTracer(const VolumeView& view, const LightRamps& ramps) : view_(view), ramps_(ramps) {}
+  /// `view` and `ramps` must outlive it.
+  VolumeTracer(const VolumeView& view, const LightRamps& ramps, const BoundaryFilm& film = {})
+      : view_(view), ramps_(ramps), film_(film) {}
 
   /// `rays`: at most RayLanes::kCapacity, all through one tile of the view or at most kTileMargin
   /// from it. Every ray has the same light whatever its company. `light` has as many elements.
@@ -52,7 +60,8 @@ class VolumeTracer {
   void find_hits(int tile_x, int tile_y, const VolumeRay& ray, const SightLine& line);
   void start_ray(std::size_t lane, const VolumeRay& ray, const SightLine& line);
   bool start_walk(std::size_t lane);
-  void mark_left(std::size_t lane);
+  void mark_left(std::size_t lane, std::uint32_t face);
+  void add_film(std::size_t lane, std::uint32_t face, double depth);
   void set_integral(std::size_t lane, const LightIntegral& integral);
   [[nodiscard]] LightIntegral integral_of(std::size_t lane) const;
   void add_segment(std::size_t lane);
@@ -61,6 +70,7 @@ class VolumeTracer {
 
   const VolumeView& view_;
   const LightRamps& ramps_;
+  BoundaryFilm film_;
   std::vector<Hit> hits_;
   RayLanes lanes_{};
   std::array<Traveller, RayLanes::kCapacity> travellers_{};
