@@ -46,30 +46,28 @@ std::span<const VolumeView::TileFace> VolumeView::faces_in(int tile_x, int tile_
   return {faces_.data() + first_[tile], faces_.data() + first_[tile + 1]};
 }
 
-// The face's picture where all of it is before the eye, else no limits.
-VolumeView::TileFace VolumeView::box_of(std::uint32_t face, bool& is_in_front) const {
+// The face's picture where all of it is before the eye or all of it behind, else no limits.
+VolumeView::TileFace VolumeView::box_of(std::uint32_t face) const {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr double kNearest = 1e-9;
   constexpr double kFarthest = 1e9;  // Pixels: float and int hold it.
+  const TileFace unlimited{face, {-kInfinity, kInfinity, -kInfinity, kInfinity}};
   TileFace result{face, {kInfinity, -kInfinity, kInfinity, -kInfinity}};
+  double side = 0;
   for (const std::uint32_t corner : links().outer_faces[face].corners) {
     const ViewVertex& v = vertices_[corner];
     const double distance = v.depth - eye_[2];
-    is_in_front = distance > kNearest;
-    if (is_in_front) {
-      const Lens::Point p =
-          lens_.point_at({(v.right - eye_[0]) / distance, (v.up - eye_[1]) / distance});
-      is_in_front = std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest;
-      if (!is_in_front) break;
-      const auto x = static_cast<float>(p.x);
-      const auto y = static_cast<float>(p.y);
-      const float slack = 0.01f + 1e-6f * std::max(std::abs(x), std::abs(y));
-      result.box = {std::min(result.box[0], x - slack), std::max(result.box[1], x + slack),
-                    std::min(result.box[2], y - slack), std::max(result.box[3], y + slack)};
-    }
-    if (!is_in_front) break;
+    if (!(std::abs(distance) > kNearest) || distance * side < 0) return unlimited;
+    side = distance;
+    const Lens::Point p =
+        lens_.point_at({(v.right - eye_[0]) / distance, (v.up - eye_[1]) / distance});
+    if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest)) return unlimited;
+    const auto x = static_cast<float>(p.x);
+    const auto y = static_cast<float>(p.y);
+    const float slack = 0.01f + 1e-6f * std::max(std::abs(x), std::abs(y));
+    result.box = {std::min(result.box[0], x - slack), std::max(result.box[1], x + slack),
+                  std::min(result.box[2], y - slack), std::max(result.box[3], y + slack)};
   }
-  if (!is_in_front) result.box = {-kInfinity, kInfinity, -kInfinity, kInfinity};
   return result;
 }
 
@@ -83,42 +81,59 @@ VolumeView::TileRange VolumeView::tiles_of(const TileFace& face) const {
           tile(top - kMargin, n_tiles_y_), tile(bottom + kMargin + kTile, n_tiles_y_)};
 }
 
-// Lines through a tile make a double pyramid. Outside it are four convex parts, one beyond each
-// side (before the eye and behind it they change places): what is all in one of them is not met.
-bool VolumeView::may_meet(std::uint32_t face, int tile_x, int tile_y) const {
+// Lines through a column of tiles make a double wedge. Beside it are two convex parts (before the
+// eye and behind it they change places): what is all in one of them is not met.
+bool VolumeView::may_meet_column(std::uint32_t face, int column) const {
   constexpr double kMargin = kTileMargin + 0.01;
-  const SightLine low = line_through(tile_x * kTile - kMargin, tile_y * kTile - kMargin);
-  const SightLine high =
-      line_through((tile_x + 1) * kTile + kMargin, (tile_y + 1) * kTile + kMargin);
-  std::array<bool, 4> is_beyond{true, true, true, true};
+  const SightLine low = line_through(column * kTile - kMargin, 0);
+  const SightLine high = line_through((column + 1) * kTile + kMargin, 0);
+  bool is_left = true;
+  bool is_right = true;
   for (const std::uint32_t corner : links().outer_faces[face].corners) {
     const ViewVertex& v = vertices_[corner];
-    const double right_of_low = v.right - low.right - low.right_slope * v.depth;
-    const double right_of_high = v.right - high.right - high.right_slope * v.depth;
-    const double above_low = v.up - low.up - low.up_slope * v.depth;
-    const double above_high = v.up - high.up - high.up_slope * v.depth;
-    is_beyond[0] &= right_of_low < 0 && right_of_high < 0;
-    is_beyond[1] &= right_of_low > 0 && right_of_high > 0;
-    is_beyond[2] &= above_low < 0 && above_high < 0;
-    is_beyond[3] &= above_low > 0 && above_high > 0;
+    const double of_low = v.right - low.right - low.right_slope * v.depth;
+    const double of_high = v.right - high.right - high.right_slope * v.depth;
+    is_left &= of_low < 0 && of_high < 0;
+    is_right &= of_low > 0 && of_high > 0;
   }
-  return std::ranges::none_of(is_beyond, [](bool is) { return is; });
+  return !is_left && !is_right;
+}
+
+bool VolumeView::may_meet_row(std::uint32_t face, int row) const {
+  constexpr double kMargin = kTileMargin + 0.01;
+  const SightLine low = line_through(0, row * kTile - kMargin);
+  const SightLine high = line_through(0, (row + 1) * kTile + kMargin);
+  bool is_above = true;
+  bool is_below = true;
+  for (const std::uint32_t corner : links().outer_faces[face].corners) {
+    const ViewVertex& v = vertices_[corner];
+    const double of_low = v.up - low.up - low.up_slope * v.depth;
+    const double of_high = v.up - high.up - high.up_slope * v.depth;
+    is_above &= of_low > 0 && of_high > 0;
+    is_below &= of_low < 0 && of_high < 0;
+  }
+  return !is_above && !is_below;
 }
 
 void VolumeView::fill_tiles() {
   const auto n_faces = static_cast<std::uint32_t>(links().outer_faces.size());
+  std::vector<int> columns;
+  std::vector<int> rows;
   const auto for_each_tile = [&](const auto& visit) {
     for (std::uint32_t f = 0; f < n_faces; ++f) {
-      bool is_in_front = false;
-      const TileFace face = box_of(f, is_in_front);
+      const TileFace face = box_of(f);
       const TileRange range = tiles_of(face);
-      for (int y = range.y0; y < range.y1; ++y) {
-        for (int x = range.x0; x < range.x1; ++x) {
-          if (is_in_front || may_meet(f, x, y))
-            visit(face, static_cast<std::size_t>(y) * static_cast<std::size_t>(n_tiles_x_) +
-                            static_cast<std::size_t>(x));
-        }
-      }
+      const bool is_limited = std::isfinite(face.box[0]);
+      columns.clear();
+      rows.clear();
+      for (int x = range.x0; x < range.x1; ++x)
+        if (is_limited || may_meet_column(f, x)) columns.push_back(x);
+      for (int y = range.y0; y < range.y1; ++y)
+        if (is_limited || may_meet_row(f, y)) rows.push_back(y);
+      for (const int y : rows)
+        for (const int x : columns)
+          visit(face, static_cast<std::size_t>(y) * static_cast<std::size_t>(n_tiles_x_) +
+                          static_cast<std::size_t>(x));
     }
   };
   const std::size_t n_tiles =

@@ -59,9 +59,10 @@ class VolumeView {
     int x0, x1, y0, y1;  ///< x0 <= x < x1.
   };
   void place_vertices(const LightRamps& ramps, const Normalization& normalization, Threads threads);
-  [[nodiscard]] TileFace box_of(std::uint32_t face, bool& is_in_front) const;
+  [[nodiscard]] TileFace box_of(std::uint32_t face) const;
   [[nodiscard]] TileRange tiles_of(const TileFace& face) const;
-  [[nodiscard]] bool may_meet(std::uint32_t face, int tile_x, int tile_y) const;
+  [[nodiscard]] bool may_meet_column(std::uint32_t face, int column) const;
+  [[nodiscard]] bool may_meet_row(std::uint32_t face, int row) const;
   void fill_tiles();
 
   const MeshVolume& volume_;
