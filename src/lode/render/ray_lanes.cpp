@@ -227,7 +227,10 @@ HWY_INLINE LaneMask integrate(const LaneBlock& block, Doubles met_depth, Doubles
   const Doubles to = hn::Max(from, met_depth);
   block.store(to, lanes.to_depth);
   block.store(met_level, lanes.to_level);
-  const Doubles length = hn::Mul(hn::Sub(to, from), block.load(lanes.world_per_depth));
+  const Doubles begin = block.load(lanes.begin);
+  const LaneMask is_behind = hn::Le(to, begin);  // The eye.
+  const Doubles length = hn::Mul(hn::IfThenElse(is_behind, zero, hn::Sub(to, from)),
+                                 block.load(lanes.world_per_depth));
   const Doubles origin = block.load(lanes.origin);
   const Doubles extinction = block.load(lanes.extinction);
   const Doubles slope = block.load(lanes.extinction_slope);
@@ -241,7 +244,7 @@ HWY_INLINE LaneMask integrate(const LaneBlock& block, Doubles met_depth, Doubles
   const LaneMask is_on_ramp = hn::And(hn::Ge(met_level, block.load(lanes.lower)),
                                       hn::Le(met_level, block.load(lanes.upper)));
   const LaneMask is_within =
-      hn::And(hn::Ge(from, block.load(lanes.begin)), hn::Le(to, block.load(lanes.end)));
+      hn::And(hn::Or(is_behind, hn::Ge(from, begin)), hn::Le(to, block.load(lanes.end)));
   const LaneMask is_thin =
       hn::And(block.is_active,
               hn::And(hn::And(is_on_ramp, is_within), hn::Le(t, hn::Set(d, LightIntegral::kThin))));
