@@ -66,7 +66,7 @@ std::vector<std::array<std::uint32_t, 2>> edges_of(const SimplexMesh& mesh) {
       for (std::size_t j = 0; j < i; ++j)
         edges.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
   std::ranges::sort(edges);
-  edges.erase(std::ranges::unique(edges).begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   return edges;
 }
 

@@ -75,6 +75,39 @@ HWY_INLINE Doubles cut(Doubles a) {
   return hn::And(a, hn::BitCast(d, hn::Set(WordTag(), ~kCutBits)));
 }
 
+/// The corners of the cells, and the one that the face does not have.
+struct LaneApex {
+  Words corners01;
+  Words corners23;
+  Words id;
+  Doubles u;
+  Doubles v;
+  Doubles depth;
+  Doubles level;
+};
+
+HWY_INLINE LaneApex find_apex(const LaneBlock& block, Words cell) {
+  const LaneTag d;
+  const WordTag w;
+  RayLanes& lanes = block.lanes;
+  LaneApex apex;
+  apex.corners01 = gather(w, block.cells, cell, 0);
+  apex.corners23 = gather(w, block.cells, cell, 1);
+  const Words pairs = hn::Xor(apex.corners01, apex.corners23);
+  const Words of_face =
+      hn::Xor(block.load(lanes.corners[0]),
+              hn::Xor(block.load(lanes.corners[1]), block.load(lanes.corners[2])));
+  apex.id = block.only_active(hn::Xor(low_half(hn::Xor(pairs, high_half(pairs))), of_face));
+  const Words vertex = hn::ShiftLeft<2>(apex.id);
+  apex.depth = gather(d, block.vertices, vertex, 2);
+  apex.level = gather(d, block.vertices, vertex, 3);
+  apex.u = cut(hn::Sub(hn::Sub(gather(d, block.vertices, vertex, 0), block.load(lanes.right)),
+                       hn::Mul(block.load(lanes.right_slope), apex.depth)));
+  apex.v = cut(hn::Sub(hn::Sub(gather(d, block.vertices, vertex, 1), block.load(lanes.up)),
+                       hn::Mul(block.load(lanes.up_slope), apex.depth)));
+  return apex;
+}
+
 /// Signs of `sides` where they are zero: 1 or -1 in their place.
 HWY_NOINLINE void break_ties(const LaneBlock& block, std::size_t corner, const double* u,
                              const double* v, const std::uint64_t* apex, double* sides) {
@@ -88,8 +121,8 @@ HWY_NOINLINE void break_ties(const LaneBlock& block, std::size_t corner, const d
   }
 }
 
-HWY_INLINE LaneMask negatives(const LaneBlock& block, std::size_t corner, Doubles sides, Doubles u,
-                              Doubles v, Words apex) {
+HWY_INLINE LaneMask negatives(const LaneBlock& block, std::size_t corner, Doubles sides,
+                              const LaneApex& apex) {
   const LaneTag d;
   const Doubles zero = hn::Zero(d);
   if (HWY_UNLIKELY(!hn::AllFalse(d, hn::And(hn::Eq(sides, zero), block.is_active)))) {
@@ -98,87 +131,83 @@ HWY_INLINE LaneMask negatives(const LaneBlock& block, std::size_t corner, Double
     HWY_ALIGN std::array<double, 8> v_row;
     HWY_ALIGN std::array<std::uint64_t, 8> apex_row;
     hn::Store(sides, d, side_row.data());
-    hn::Store(u, d, u_row.data());
-    hn::Store(v, d, v_row.data());
-    hn::Store(apex, WordTag(), apex_row.data());
+    hn::Store(apex.u, d, u_row.data());
+    hn::Store(apex.v, d, v_row.data());
+    hn::Store(apex.id, WordTag(), apex_row.data());
     break_ties(block, corner, u_row.data(), v_row.data(), apex_row.data(), side_row.data());
     sides = hn::Load(d, side_row.data());
   }
   return hn::Lt(sides, zero);
 }
 
+/// By corner of the face: the edge from it to the apex, and whether the next face does not have it.
+struct LaneSides {
+  std::array<Doubles, 3> edges;
+  std::array<LaneMask, 3> leaves;
+};
+
+HWY_INLINE LaneSides find_sides(const LaneBlock& block, const LaneApex& apex) {
+  RayLanes& lanes = block.lanes;
+  LaneSides sides;
+  std::array<LaneMask, 3> negative;
+  for (std::size_t i = 0; i < 3; ++i) {
+    sides.edges[i] =
+        hn::Sub(hn::Mul(block.load(lanes.u[i]), apex.v), hn::Mul(apex.u, block.load(lanes.v[i])));
+    negative[i] = negatives(block, i, sides.edges[i], apex);
+  }
+  // A negative side follows the corner that leaves, then a positive one. All alike cannot be.
+  sides.leaves[1] = hn::AndNot(negative[0], negative[2]);
+  sides.leaves[2] = hn::AndNot(negative[1], negative[0]);
+  sides.leaves[0] = hn::Not(hn::Or(sides.leaves[1], sides.leaves[2]));
+  return sides;
+}
+
+/// Sets what is across the face without the corner that leaves.
+HWY_INLINE void find_next(const LaneBlock& block, Words cell, const LaneApex& apex,
+                          const LaneSides& sides) {
+  const WordTag w;
+  RayLanes& lanes = block.lanes;
+  const Words gone =
+      choose(sides.leaves[2], block.load(lanes.corners[2]),
+             choose(sides.leaves[1], block.load(lanes.corners[1]), block.load(lanes.corners[0])));
+  const auto is1 = hn::Eq(high_half(apex.corners01), gone);
+  const auto is2 = hn::Eq(low_half(apex.corners23), gone);
+  const auto is3 = hn::Eq(high_half(apex.corners23), gone);
+  const Words word = hn::IfThenElseZero(hn::Or(is2, is3), hn::Set(w, 1));
+  const Words across = gather(w, block.cells, hn::Add(cell, word), 2);
+  block.store(hn::IfThenElse(hn::Or(is1, is3), high_half(across), low_half(across)), lanes.next);
+}
+
 /// Through the cells to their other faces; where these are met comes back.
 HWY_INLINE void walk(const LaneBlock& block, Doubles& met_depth, Doubles& met_level) {
   const LaneTag d;
-  const WordTag w;
   RayLanes& lanes = block.lanes;
   const Words cell = hn::ShiftLeft<2>(block.only_active(block.load(lanes.next)));
-  const Words corners01 = gather(w, block.cells, cell, 0);
-  const Words corners23 = gather(w, block.cells, cell, 1);
-  const Words k0 = block.load(lanes.corners[0]);
-  const Words k1 = block.load(lanes.corners[1]);
-  const Words k2 = block.load(lanes.corners[2]);
-  const Words pairs = hn::Xor(corners01, corners23);
-  const Words apex = block.only_active(
-      hn::Xor(low_half(hn::Xor(pairs, high_half(pairs))), hn::Xor(k0, hn::Xor(k1, k2))));
-  const Words vertex = hn::ShiftLeft<2>(apex);
-  const Doubles depth = gather(d, block.vertices, vertex, 2);
-  const Doubles level = gather(d, block.vertices, vertex, 3);
-  const Doubles u =
-      cut(hn::Sub(hn::Sub(gather(d, block.vertices, vertex, 0), block.load(lanes.right)),
-                  hn::Mul(block.load(lanes.right_slope), depth)));
-  const Doubles v = cut(hn::Sub(hn::Sub(gather(d, block.vertices, vertex, 1), block.load(lanes.up)),
-                                hn::Mul(block.load(lanes.up_slope), depth)));
-  // On which side of the line from each corner to the apex.
-  const auto side_of = [&](std::size_t i) {
-    return hn::Sub(hn::Mul(block.load(lanes.u[i]), v), hn::Mul(u, block.load(lanes.v[i])));
-  };
-  const Doubles side0 = side_of(0);
-  const Doubles side1 = side_of(1);
-  const Doubles side2 = side_of(2);
-  const LaneMask negative0 = negatives(block, 0, side0, u, v, apex);
-  const LaneMask negative1 = negatives(block, 1, side1, u, v, apex);
-  const LaneMask negative2 = negatives(block, 2, side2, u, v, apex);
-  // The corner that the next face does not have: a negative side follows it, then a positive one.
-  // All alike cannot be.
-  const LaneMask leaves1 = hn::AndNot(negative0, negative2);
-  const LaneMask leaves2 = hn::AndNot(negative1, negative0);
-  const LaneMask leaves0 = hn::Not(hn::Or(leaves1, leaves2));
-  const Words gone = choose(leaves2, k2, choose(leaves1, k1, k0));
-  const auto is1 = hn::Eq(high_half(corners01), gone);
-  const auto is2 = hn::Eq(low_half(corners23), gone);
-  const auto is3 = hn::Eq(high_half(corners23), gone);
-  const Words one = hn::Set(w, 1);
-  const Words across =
-      gather(w, block.cells, hn::Add(cell, hn::IfThenElseZero(hn::Or(is2, is3), one)), 2);
-  block.store(hn::IfThenElse(hn::Or(is1, is3), high_half(across), low_half(across)), lanes.next);
-  const Doubles edge0 = hn::IfThenElse(leaves1, hn::Neg(side2),
-                                       hn::IfThenElse(leaves2, side1, block.load(lanes.edges[0])));
-  const Doubles edge1 = hn::IfThenElse(leaves2, hn::Neg(side0),
-                                       hn::IfThenElse(leaves0, side2, block.load(lanes.edges[1])));
-  const Doubles edge2 = hn::IfThenElse(leaves0, hn::Neg(side1),
-                                       hn::IfThenElse(leaves1, side0, block.load(lanes.edges[2])));
-  block.store(edge0, lanes.edges[0]);
-  block.store(edge1, lanes.edges[1]);
-  block.store(edge2, lanes.edges[2]);
-  const auto replace = [&](std::size_t i, LaneMask leaves, Words corner, Doubles edge,
-                           Doubles& depth_sum, Doubles& level_sum) {
-    block.store(choose(leaves, apex, corner), lanes.corners[i]);
-    block.store(hn::IfThenElse(leaves, u, block.load(lanes.u[i])), lanes.u[i]);
-    block.store(hn::IfThenElse(leaves, v, block.load(lanes.v[i])), lanes.v[i]);
-    const Doubles its_depth = hn::IfThenElse(leaves, depth, block.load(lanes.depths[i]));
-    const Doubles its_level = hn::IfThenElse(leaves, level, block.load(lanes.levels[i]));
-    block.store(its_depth, lanes.depths[i]);
-    block.store(its_level, lanes.levels[i]);
-    depth_sum = hn::Add(depth_sum, hn::Mul(edge, its_depth));
-    level_sum = hn::Add(level_sum, hn::Mul(edge, its_level));
-  };
+  const LaneApex apex = find_apex(block, cell);
+  const LaneSides sides = find_sides(block, apex);
+  find_next(block, cell, apex, sides);
+  Doubles sum = hn::Zero(d);
   Doubles depth_sum = hn::Zero(d);
   Doubles level_sum = hn::Zero(d);
-  replace(0, leaves0, k0, edge0, depth_sum, level_sum);
-  replace(1, leaves1, k1, edge1, depth_sum, level_sum);
-  replace(2, leaves2, k2, edge2, depth_sum, level_sum);
-  const Doubles sum = hn::Add(hn::Add(edge0, edge1), edge2);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    const std::size_t k = (i + 2) % 3;
+    const LaneMask leaves = sides.leaves[i];
+    const Doubles edge =
+        hn::IfThenElse(sides.leaves[j], hn::Neg(sides.edges[k]),
+                       hn::IfThenElse(sides.leaves[k], sides.edges[j], block.load(lanes.edges[i])));
+    block.store(edge, lanes.edges[i]);
+    block.store(choose(leaves, apex.id, block.load(lanes.corners[i])), lanes.corners[i]);
+    block.store(hn::IfThenElse(leaves, apex.u, block.load(lanes.u[i])), lanes.u[i]);
+    block.store(hn::IfThenElse(leaves, apex.v, block.load(lanes.v[i])), lanes.v[i]);
+    const Doubles depth = hn::IfThenElse(leaves, apex.depth, block.load(lanes.depths[i]));
+    const Doubles level = hn::IfThenElse(leaves, apex.level, block.load(lanes.levels[i]));
+    block.store(depth, lanes.depths[i]);
+    block.store(level, lanes.levels[i]);
+    sum = hn::Add(sum, edge);
+    depth_sum = hn::Add(depth_sum, hn::Mul(edge, depth));
+    level_sum = hn::Add(level_sum, hn::Mul(edge, level));
+  }
   const LaneMask has_area = hn::Gt(sum, hn::Zero(d));
   const Doubles share = hn::Div(hn::Set(d, 1.0), sum);
   met_depth = hn::IfThenElse(has_area, hn::Mul(depth_sum, share), block.load(lanes.depth));

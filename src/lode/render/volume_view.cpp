@@ -5,6 +5,11 @@
 #include <limits>
 
 namespace lode {
+namespace {
+
+constexpr double kMeetMargin = VolumeView::kTileMargin + 0.01;  // Pixels; rounding included.
+
+}  // namespace
 
 VolumeView::VolumeView(const MeshVolume& volume, const LightRamps& ramps, const Lens& lens,
                        const Normalization& normalization, std::array<int, 2> size, Threads threads)
@@ -72,21 +77,20 @@ VolumeView::TileFace VolumeView::box_of(std::uint32_t face) const {
 }
 
 VolumeView::TileRange VolumeView::tiles_of(const TileFace& face) const {
-  constexpr auto kMargin = static_cast<float>(kTileMargin);
+  constexpr auto kReach = static_cast<float>(kTileMargin);
   const auto tile = [&](float pixel, int n) {
     return static_cast<int>(std::clamp(std::floor(pixel / kTile), 0.0f, static_cast<float>(n)));
   };
   const auto& [left, right, top, bottom] = face.box;
-  return {tile(left - kMargin, n_tiles_x_), tile(right + kMargin + kTile, n_tiles_x_),
-          tile(top - kMargin, n_tiles_y_), tile(bottom + kMargin + kTile, n_tiles_y_)};
+  return {tile(left - kReach, n_tiles_x_), tile(right + kReach + kTile, n_tiles_x_),
+          tile(top - kReach, n_tiles_y_), tile(bottom + kReach + kTile, n_tiles_y_)};
 }
 
 // Lines through a column of tiles make a double wedge. Beside it are two convex parts (before the
 // eye and behind it they change places): what is all in one of them is not met.
 bool VolumeView::may_meet_column(std::uint32_t face, int column) const {
-  constexpr double kMargin = kTileMargin + 0.01;
-  const SightLine low = line_through(column * kTile - kMargin, 0);
-  const SightLine high = line_through((column + 1) * kTile + kMargin, 0);
+  const SightLine low = line_through(column * kTile - kMeetMargin, 0);
+  const SightLine high = line_through((column + 1) * kTile + kMeetMargin, 0);
   bool is_left = true;
   bool is_right = true;
   for (const std::uint32_t corner : links().outer_faces[face].corners) {
@@ -100,9 +104,8 @@ bool VolumeView::may_meet_column(std::uint32_t face, int column) const {
 }
 
 bool VolumeView::may_meet_row(std::uint32_t face, int row) const {
-  constexpr double kMargin = kTileMargin + 0.01;
-  const SightLine low = line_through(0, row * kTile - kMargin);
-  const SightLine high = line_through(0, (row + 1) * kTile + kMargin);
+  const SightLine low = line_through(0, row * kTile - kMeetMargin);
+  const SightLine high = line_through(0, (row + 1) * kTile + kMeetMargin);
   bool is_above = true;
   bool is_below = true;
   for (const std::uint32_t corner : links().outer_faces[face].corners) {
