@@ -125,7 +125,7 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
 
 Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& input,
                                   Session& session) {
-  LODE_TRY(MeshOptions query, to_query(job));
+  LODE_TRY(const MeshOptions query, to_query(job));
   LODE_TRY(MeshPictureOptions options, to_picture(job));
   if (!job.camera.empty()) {
     LODE_TRY(options.render.camera, read_camera(job.camera));
@@ -133,7 +133,9 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
   options.render.threads = session.threads();
   TetraPicture made;
   SimplexMesh mesh;
-  LODE_TRY(made.mesh, input.dataset.extract_mesh(query, mesh, session.progress()));
+  LODE_TRY(made.mesh, input.dataset.extract_mesh(
+                          {.query = query.query, .threshold = {}, .threads = session.threads()},
+                          mesh, session.progress()));
   if (!made.mesh.budget_met)
     session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
                              made.mesh.n_cut_cells));

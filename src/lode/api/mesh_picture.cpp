@@ -27,10 +27,12 @@ Vec3f section_color(const MeshPictureOptions& options, double value) {
 void add_isosurfaces(const SimplexMesh& mesh, const MeshPictureOptions& options,
                      OpaqueSurface& opaque, MeshPictureReport& report) {
   Surface& surface = opaque.surface;
-  const double margin = rounding_margin(mesh, surface.origin);
+  const MeshIsosurfaceOptions marching{.margin = rounding_margin(mesh.positions, surface.origin),
+                                       .gradients = {},
+                                       .threads = options.render.threads};
   for (const double isovalue : options.isovalues) {
     const std::size_t before = surface.triangles.size();
-    add_isosurface(mesh, isovalue, margin, surface);
+    add_isosurface(mesh, isovalue, marching, surface);
     if (surface.triangles.size() == before) report.unmet.push_back(isovalue);
   }
   report.n_triangles = surface.triangles.size();
@@ -41,13 +43,9 @@ void add_isosurfaces(const SimplexMesh& mesh, const MeshPictureOptions& options,
 void add_section(const SimplexMesh& mesh, const SectionPlane& plane,
                  const MeshPictureOptions& options, OpaqueSurface& opaque) {
   Surface& all = opaque.surface;
-  const double snap = rounding_margin(mesh, all.origin);
-  const LatticeFrame frame{
-      .surface_origin = all.origin,
-      .origin = {},
-      .to_world = {{Vec3d{{snap, 0, 0}}, Vec3d{{0, snap, 0}}, Vec3d{{0, 0, snap}}}},
-      .margin = 1};
-  const Surface section = cut_section(mesh, plane, frame);
+  const double margin = rounding_margin(mesh.positions, all.origin);
+  const Surface section =
+      cut_section(mesh, plane, section_rounding(all.origin, margin, plane.normal));
   opaque.colors.per_vertex.resize(all.positions.size(), opaque.colors.uniform);
   const auto first = static_cast<std::uint32_t>(all.positions.size());
   all.positions.insert(all.positions.end(), section.positions.begin(), section.positions.end());
@@ -85,7 +83,7 @@ void add_lines(const SimplexMesh& mesh, const MeshPictureOptions& options, Opaqu
   std::vector<bool> is_used(n);
   for (const auto& cell : mesh.tetrahedra)
     for (const std::uint32_t v : cell) is_used[v] = true;
-  const float step = static_cast<float>(rounding_margin(mesh, all.origin));
+  const float step = static_cast<float>(rounding_margin(mesh.positions, all.origin));
   for (std::uint32_t v = 0; v < n; ++v) {
     if (!is_used[v]) continue;
     all.lines.push_back({first + v, static_cast<std::uint32_t>(all.positions.size())});
