@@ -205,6 +205,51 @@ TEST(half_edge, takes_components_one_by_one) {
   expect_simpler(mesh, collapsed(mesh, 0));
 }
 
+std::uint64_t n_refused(const HalfEdgeCollapses& result, const std::set<Refusal>& by) {
+  std::uint64_t n = 0;
+  for (const Refusal refusal : by) n += result.refusals[refusal];
+  return n;
+}
+
+TEST(half_edge, says_why_vertices_stay) {
+  const std::set<Refusal> all{Refusal::non_manifold, Refusal::extremum, Refusal::boundary,
+                              Refusal::regions,      Refusal::shape,    Refusal::topology,
+                              Refusal::crowded,      Refusal::rounding, Refusal::limit};
+  const auto counted = [&](const TetraMesh& mesh, std::uint64_t base_cells) {
+    HalfEdgeCollapses result = collapsed(mesh, base_cells);
+    EXPECT_EQ(n_refused(result, all), vertices_of(result.base).size());
+    return result;
+  };
+  // A box: corners of the boundary, and nothing else.
+  TetraMesh box = noise_mesh(7, Cut::in_five, 1);
+  std::ranges::fill(box.fields[0].values, 1);
+  EXPECT_EQ(counted(box, 0).refusals[Refusal::boundary], 8U);
+  // Vertices that no collapse has come to yet.
+  const HalfEdgeCollapses early = counted(noise_mesh(13, Cut::in_five, 3), 8000);
+  EXPECT_GT(n_refused(early, {Refusal::limit}), vertices_of(early.base).size() / 2);
+  // One value above all others, inside.
+  TetraMesh peak = noise_mesh(7, Cut::in_six, 1);
+  std::ranges::fill(peak.fields[0].values, 0);
+  peak.fields[0].values[(3 * 7 + 3) * 7 + 3] = 1;
+  EXPECT_EQ(counted(peak, 0).refusals[Refusal::extremum], 1U);
+  // Two blocks with an edge in common: its vertices, but for its ends in corners.
+  const TetraMesh edge = part_of_grid(9, [](const Vec3d& p) { return (p[0] < 4) == (p[1] < 4); });
+  EXPECT_EQ(counted(edge, 0).refusals[Refusal::non_manifold], 9U);
+  // Two regions that touch at a vertex.
+  for (const auto& t : box.tetrahedra) {
+    bool is_first = true;
+    bool is_last = true;
+    for (const std::uint32_t v : t)
+      for (const double c : box.positions[v].v) {
+        is_first = is_first && c < 0.51;
+        is_last = is_last && c > 0.49;
+      }
+    box.regions.push_back(is_first || is_last ? 1 : 0);
+  }
+  box.region_ids = {3, 4};
+  EXPECT_GE(counted(box, 0).refusals[Refusal::regions], 1U);
+}
+
 TEST(half_edge, refuses_what_is_no_mesh) {
   Progress progress;
   const auto message = [&](const TetraMesh& mesh) {

@@ -195,11 +195,10 @@ void BlockCollapser::gather_samples() {
   }
 }
 
-void BlockCollapser::find_choices() {
-  choices_.clear();
-  if (is_extremum()) return;
+/// What choices are made from; false where interfaces let it go nowhere.
+bool BlockCollapser::look_at_star() {
   find_interfaces_of(star_, interfaces_);
-  if (interfaces_.kind == Interfaces::Kind::corner) return;
+  if (interfaces_.kind == Interfaces::Kind::corner) return false;
   deviation_ = 0;
   if (interfaces_.kind != Interfaces::Kind::none)
     for (int i = 0; i < star_.n_triangles; ++i) deviation_ = std::max(deviation_, deviation(i));
@@ -207,6 +206,12 @@ void BlockCollapser::find_choices() {
   gather_samples();
   gather_boundary();
   lanes_.fill(star_, link_, covered_.link_values, state_.n_fields);
+  return true;
+}
+
+void BlockCollapser::find_choices() {
+  choices_.clear();
+  if (is_extremum() || !look_at_star()) return;
   double least = std::numeric_limits<double>::infinity();
   for (int kept = 0; kept < star_.n_link; ++kept) {
     if (kept == star_.outside) continue;

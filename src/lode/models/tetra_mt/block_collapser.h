@@ -10,6 +10,7 @@
 #include "lode/models/tetra_mt/fan.h"
 #include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
+#include "lode/models/tetra_mt/refusals.h"
 #include "lode/models/tetra_mt/star.h"
 
 namespace lode::tetra_mt {
@@ -40,6 +41,9 @@ class BlockCollapser {
   void run(float limit, std::uint64_t n_cells);
   /// Finds the keys of all, and which are locked.
   void find_keys();
+
+  /// Of a block of all vertices.
+  [[nodiscard]] RefusalCounts count_refusals();
 
   [[nodiscard]] std::span<const Collapse> collapses() const { return collapses_; }
   /// By collapse and field.
@@ -85,6 +89,10 @@ class BlockCollapser {
   [[nodiscard]] std::optional<Cover> find_cover(int kept, std::size_t sample) const;
   [[nodiscard]] double error_of(const Cover& cover, int kept, std::uint32_t sample,
                                 std::size_t field) const;
+  [[nodiscard]] Refusal refusal_of(std::uint32_t vertex);
+  [[nodiscard]] Refusal refusal_to(int kept);
+  [[nodiscard]] bool is_on_domain_boundary_alone() const;
+  [[nodiscard]] bool look_at_star();
   void find_choices();
   [[nodiscard]] bool collapse_best(float key, float limit);
   [[nodiscard]] bool collapse(const Choice& choice);

@@ -133,6 +133,21 @@ class Rounds {
   std::vector<std::vector<std::uint32_t>> slots_;  ///< By block.
 };
 
+/// Of all vertices that are left. Where they are there as no more cells had to go, it takes too
+/// long to ask for their samples, which hardly ever refuse.
+RefusalCounts count_refusals(BuildState& state, const HalfEdgeOptions& options) {
+  if (static_cast<double>(state.n_cells) <= kNearBase * static_cast<double>(options.base_cells))
+    std::ranges::fill(state.first_sample, kNone);
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < state.outside; ++v)
+    if (state.is_there[v] != 0) vertices.push_back(v);
+  std::vector<std::uint32_t> slots;
+  for (std::uint32_t slot = 0; slot < state.tetrahedra.size(); ++slot)
+    if (state.tetrahedra[slot][0] != kNone) slots.push_back(slot);
+  std::vector<std::uint32_t> places(state.outside + std::size_t{1});
+  return BlockCollapser(state, vertices, slots, places, options.rules).count_refusals();
+}
+
 Result<void> check_mesh(const TetraMesh& mesh) {
   const std::size_t n = mesh.positions.size();
   if (n >= kNone) return fail("expected fewer than {} vertices, got {}", kNone, n);
@@ -176,6 +191,7 @@ Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfE
   const double volume = state.volume();
   LODE_CHECK(Rounds(options, state).run(progress));
   HalfEdgeCollapses result;
+  result.refusals = count_refusals(state, options);
   for (std::size_t slot = 0; slot < mesh.tetrahedra.size(); ++slot) {
     if (state.tetrahedra[slot][0] == kNone) continue;
     result.base.push_back(state.tetrahedra[slot]);

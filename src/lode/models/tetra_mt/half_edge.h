@@ -28,6 +28,7 @@ struct HalfEdgeCollapses {
   /// reference's, nor any of these from the base's; in the mesh's unit. At most
   /// CollapseRules::boundary_tolerance, or what that says of 0.
   double boundary_deviation = 0;
+  RefusalCounts refusals;    ///< Of the base's vertices.
   double volume_change = 0;  ///< The base's volume less the reference's.
 };
 
