@@ -73,6 +73,7 @@ TEST(transfer_function, files_that_say_nothing_usable_are_refused_by_line) {
   refused("1 0 nan 0 1", "expected colours");
   refused("inf 0 0 0 1", "expected finite values");
   refused("-1e308 0 0 0 1\n1e308 0 0 0 1", "differences");
+  refused("0 0 0 0 1\n1e-300 0 0 0 1", "apart");
   refused("0 0 0 0 1\n1e-20 0 0 0 1\n1 0 0 0 1", "ascending");
   refused(std::string("\x89PNG\0\r\n", 7), "expected a number");
 }

@@ -160,6 +160,8 @@ TEST(volume_renderer, extreme_cameras_and_functions_give_pictures) {
   for (double& value : mesh.values) value *= 1e140;
   options.camera.reset();
   rendered(mesh, kSmoke, {}, options);
+  rendered(mesh, {{{0, {{1, 1, 1}}, 1e100}, {1e-280, {{0, 0, 0}}, 0}}}, {}, options);
+  rendered(mesh, {{{-1e300, {{1, 1, 1}}, 0}, {1e300, {{0, 0, 0}}, 1e100}}}, {}, options);
   for (Vec3d& p : mesh.positions) p = {{1, 2, 3}};
   rendered(mesh, kSmoke, {}, options);
 }

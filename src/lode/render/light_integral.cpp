@@ -43,7 +43,7 @@ void LightIntegral::add_thick(double near, double far, double h0, double h1, dou
   double extinction = near;
   for (double from = h0; !is_opaque();) {
     const double depth = 0.5 * (extinction + far) * left;
-    if (depth <= kThin) return add_thin(depth, 0.5 * (far - extinction) * left, from, h1);
+    if (!(depth > kThin)) return add_thin(depth, 0.5 * (far - extinction) * left, from, h1);
     const double root = std::sqrt(std::max(0.0, extinction * extinction + 2 * rise * kThin));
     const double step = std::min(left, 2 * kThin / (extinction + root));
     const double next = std::max(0.0, extinction + rise * step);
@@ -56,22 +56,17 @@ void LightIntegral::add_thick(double near, double far, double h0, double h1, dou
 }
 
 void LightIntegral::add_across_knots(double from, double to, double length) {
-  const double per_level = length / std::abs(to - from);
-  while (to > state_.ramp->upper) {
-    const double cut = std::max(from, state_.ramp->upper);
-    add_piece(from, cut, (cut - from) * per_level);
-    step_ramp(1);
+  const double whole = to - from;  // Not zero: only one of its ends is on the ramp.
+  while (to > state_.ramp->upper || to < state_.ramp->lower) {
+    const bool is_up = to > state_.ramp->upper;
+    const double cut =
+        is_up ? std::max(from, state_.ramp->upper) : std::min(from, state_.ramp->lower);
+    add_piece(from, cut, length * ((cut - from) / whole));
+    step_ramp(is_up ? 1 : -1);
     from = cut;
     if (is_opaque()) return;
   }
-  while (to < state_.ramp->lower) {
-    const double cut = std::min(from, state_.ramp->lower);
-    add_piece(from, cut, (from - cut) * per_level);
-    step_ramp(-1);
-    from = cut;
-    if (is_opaque()) return;
-  }
-  add_piece(from, to, std::abs(to - from) * per_level);
+  add_piece(from, to, length * ((to - from) / whole));
 }
 
 }  // namespace lode

@@ -28,7 +28,10 @@ class LightRamps {
   /// Precondition: check_transfer_function(function) holds.
   explicit LightRamps(const TransferFunction& function);
 
-  [[nodiscard]] double level(double value) const { return (value - first_) * scale_; }
+  /// Far beyond the knots it is cut, so that differences of levels are numbers.
+  [[nodiscard]] double level(double value) const {
+    return std::clamp((value - first_) * scale_, -1e100, 1e100);
+  }
   /// The ramp that a level is on; of two, any.
   [[nodiscard]] const LightRamp* at(double level) const;
 
@@ -45,8 +48,7 @@ class LightRamps {
 /// On a piece of length 1 on one ramp q(x) = t x + b (x^2 - x), with t its whole optical depth
 /// and b half the difference of extinctions, |b| <= t. By parts the ends' colours have weights 1 -
 /// M and M - exp(-t), M the integral of exp(-q). Of exp(b (x - x^2)) terms to b^3 are kept, of
-/// exp(-t x) those to t^6; pieces with t > 0.3 are cut, so M
-/// is off by less than 1e-5 t.
+/// exp(-t x) those to t^6; pieces with t > 0.3 are cut, so M is off by less than 1e-5 t.
 class LightIntegral {
  public:
   /// Behind less than this nothing is added any more.
@@ -96,10 +98,10 @@ class LightIntegral {
     const double near = std::max(0.0, state_.ramp->extinction + state_.ramp->extinction_slope * h0);
     const double far = std::max(0.0, state_.ramp->extinction + state_.ramp->extinction_slope * h1);
     const double depth = 0.5 * (near + far) * length;
-    if (depth <= kThin) {
-      add_thin(depth, 0.5 * (far - near) * length, h0, h1);
-    } else {
+    if (depth > kThin) {
       add_thick(near, far, h0, h1, length);
+    } else {
+      add_thin(depth, 0.5 * (far - near) * length, h0, h1);
     }
   }
 

@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t kMaxKnots = 65536;
 constexpr double kMaxLight = 1e6;
 constexpr double kMaxExtinction = 1e100;
+constexpr double kLeastWidth = 1e-290;  // Its inverse is still a double.
 
 Result<void> check_knot(const TransferKnot& knot, std::size_t i) {
   if (!std::isfinite(knot.value))
@@ -128,6 +129,9 @@ Result<void> check_transfer_function(const TransferFunction& function) {
       return fail("transfer function: expected ascending values, knot {} has {} after {}", i,
                   knots[i].value, knots[i - 1].value);
   }
+  if (knots.size() > 1 && width < kLeastWidth)
+    return fail("transfer function: expected values at least {} apart, got {} and {}", kLeastWidth,
+                knots.front().value, knots.back().value);
   return {};
 }
 
