@@ -5,6 +5,7 @@
 #include <memory>
 #include <system_error>
 
+#include "build_tetra.h"
 #include "command.h"
 #include "describe.h"
 #include "input.h"
@@ -20,7 +21,10 @@ struct BuildArguments {
   std::string memory_limit;
   bool resumes = false;
   bool leaves_nothing = false;
+  std::string base_cells;
   ReadingArguments reading;
+
+  [[nodiscard]] TetraBuildJob tetra() const { return {input, output, base_cells, reading}; }
 };
 
 bool holds_bytes(const std::string& path) {
@@ -29,7 +33,20 @@ bool holds_bytes(const std::string& path) {
          std::filesystem::file_size(path, status) > 0;
 }
 
+/// Of a mesh of cells, which is built in memory at once.
+Result<void> check_mesh_build(const BuildArguments& arguments) {
+  if (!arguments.memory_limit.empty() || arguments.resumes || arguments.leaves_nothing)
+    return fail(
+        "{}: expected no --memory-limit, --resume or --no-resume with a mesh of cells, which is "
+        "built in memory",
+        arguments.input);
+  return check_tetra_build(arguments.tetra());
+}
+
 Result<void> check_build(const BuildArguments& arguments) {
+  if (is_cell_mesh_path(arguments.input)) return check_mesh_build(arguments);
+  if (!arguments.base_cells.empty())
+    return fail("--base-cells: expected a mesh of cells, got {}", arguments.input);
   // What is no file, or empty, is left to the reader, which says so.
   if (is_lode_path(arguments.input) && holds_bytes(arguments.input))
     return fail("{}: expected a file of another format to build from, got a .lode file",
@@ -104,6 +121,7 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
 }
 
 Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
+  if (is_cell_mesh_path(arguments.input)) return run_tetra_build(arguments.tetra(), session);
   LODE_TRY(ReadOptions options, to_read_options(arguments.reading, session.threads()));
   LODE_CHECK(check_writable(arguments.output));
   FileBuildOptions build{
@@ -119,7 +137,7 @@ Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
   options.memory_limit = static_cast<std::size_t>(build.memory_limit / 8);
   options.cache_limit = static_cast<std::size_t>(build.memory_limit / 4);
   options.spool_directory = std::filesystem::absolute(arguments.output).parent_path().string();
-  LODE_TRY(auto source, open_foreign_volume(arguments.input, options));
+  LODE_TRY(auto source, open_volume(arguments.input, options));
   bool has_part = false;
   build.has_part = &has_part;
   auto report =
@@ -139,9 +157,14 @@ Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
 
 Command add_build_command(CLI::App& program) {
   auto arguments = std::make_shared<BuildArguments>();
-  CLI::App* app = program.add_subcommand("build", "Turn a volume into a .lode file");
-  app->footer("Example:\n  lode build scan.nrrd scan.lode");
-  app->add_option("input", arguments->input, "Volume to read")->type_name("IN")->required();
+  CLI::App* app =
+      program.add_subcommand("build", "Turn a volume or a mesh of cells into a .lode file");
+  app->footer(
+      "Examples:\n  lode build scan.nrrd scan.lode\n"
+      "  lode build wing.vtu wing.lode --field Density");
+  app->add_option("input", arguments->input, "Volume, or mesh of cells, to read")
+      ->type_name("IN")
+      ->required();
   app->add_option("output", arguments->output, "File to write")->type_name("OUT.lode")->required();
   app->add_option("--memory-limit", arguments->memory_limit,
                   "Memory to use, such as 512M or 4G (default: a quarter of the machine's)")
@@ -151,6 +174,9 @@ Command add_build_command(CLI::App& program) {
                     "Go on from OUT.lode.part, which a build that was stopped has left");
   app->add_flag("--no-resume", arguments->leaves_nothing, "Leave nothing if the build is stopped")
       ->excludes(resume);
+  app->add_option("--base-cells", arguments->base_cells,
+                  "Of a mesh: where to stop collapsing (default: a hundredth of its cells)")
+      ->type_name("N");
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_build(*arguments); },
           [arguments](Session& session) { return run_build(*arguments, session); }};

@@ -13,6 +13,7 @@
 #include "parse.h"
 #include "salvage.h"
 #include "simplify_options.h"
+#include "tetra_input.h"
 #include "text.h"
 
 namespace lode::cli {
@@ -89,7 +90,7 @@ Result<void> check_extract(const ExtractArguments& arguments) {
     return fail(
         "{}: expected no --mesh, --section, focus, budget, deadline or --progressive with it",
         arguments.simplify.name());
-  if (is_cell_mesh_path(arguments.input)) {
+  if (holds_tetrahedra(arguments.input)) {
     if (arguments.simplify.is_wanted() || !arguments.simplify.max_distance.empty() ||
         arguments.progressive.is_wanted())
       return fail(
@@ -316,7 +317,7 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
 }
 
 Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session) {
-  if (is_cell_mesh_path(arguments.input)) return run_tetra_job(arguments.mesh_job(), session);
+  if (holds_tetrahedra(arguments.input)) return run_tetra_job(arguments.mesh_job(), session);
   auto outcome = arguments.query.is_wanted()    ? run_mesh_job(arguments.mesh_job(), session)
                  : arguments.query.is_focused() ? run_focused_job(arguments.mesh_job(), session)
                                                 : run_plain(arguments, session);

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "build_tetra.h"
 #include "command.h"
 #include "describe.h"
 #include "input.h"
@@ -99,11 +100,12 @@ Result<void> add_samples(Outcome& outcome, VolumeSource& source, Session& sessio
 }
 
 Result<Outcome> run_info(const InfoArguments& arguments, Session& session) {
+  if (holds_tetrahedra(arguments.input))
+    return tetra_info(arguments.input, arguments.reading, session);
   if (is_lode_path(arguments.input)) {
     LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
     return report_lode(arguments.input, input.info);
   }
-  LODE_CHECK(expect_no_mesh(arguments.input));
   LODE_TRY(const ReadOptions options, to_read_options(arguments.reading, session.threads()));
   LODE_TRY(const FileDescription file, describe_volume(arguments.input, options));
   Outcome outcome = report_header(arguments.input, file);

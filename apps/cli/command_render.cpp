@@ -11,6 +11,7 @@
 #include "render_progressive.h"
 #include "render_tetra.h"
 #include "stopwatch.h"
+#include "tetra_input.h"
 #include "text.h"
 
 namespace lode::cli {
@@ -93,7 +94,7 @@ Result<void> check_tetra_render(const RenderArguments& arguments) {
 }
 
 Result<void> check_render(const RenderArguments& arguments) {
-  if (is_cell_mesh_path(arguments.input)) return check_tetra_render(arguments);
+  if (holds_tetrahedra(arguments.input)) return check_tetra_render(arguments);
   if (!arguments.tetra.is_empty())
     return fail(
         "{}: expected a mesh of cells with --opacity, --section, --boundary, --wireframe, --points "
@@ -198,7 +199,7 @@ Result<void> draw(const RenderArguments& arguments, const Surface& surface,
 
 Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   LODE_TRY(RenderOptions options, to_render_options(arguments));
-  if (is_cell_mesh_path(arguments.input))
+  if (holds_tetrahedra(arguments.input))
     return run_tetra_picture(tetra_job(arguments, options), session);
   LODE_TRY(ExtractOptions extraction, to_extract_options(arguments.extraction));
   options.threads = extraction.threads = session.threads();

@@ -46,7 +46,6 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   json["input"] = job.input;
   json["outputs"] = Json::array({job.output});
   json["model"] = "tetra_mt";
-  json["built_in_memory"] = true;
   json["field"] = info.field;
   json["max_error"] = made.max_error;
   json["max_error_is_default"] = made.is_default;
@@ -64,7 +63,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
                                   format_number(info.range_max))});
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
-  add_cell_counts(input.report, table, json["reading"]);
+  add_reading(input, table, json);
   table.add({"base", fmt::format("{} cells, error {} at samples", format_count(info.n_base_cells),
                                  format_number(info.base_error))});
   table.add(
@@ -80,7 +79,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
                value.is_number_float() ? format_number(value.get<double>()) + " at samples"
                                        : format_count(value.get<std::uint64_t>())});
   table.add({"extract", format_seconds(made.seconds)});
-  table.add({"read and build", format_seconds(input.seconds)});
+  table.add({input.was_built() ? "read and build" : "open", format_seconds(input.seconds)});
   table.add({"write", format_seconds(made.write_seconds)});
   table.add({"output", job.output});
   outcome.text = table.to_string();
@@ -136,7 +135,7 @@ void warn_of_threshold(Session& session, const MeshJob& job, bool is_empty) {
 }
 
 Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
-  LODE_TRY(const TetraInput input, build_tetra_input(job.input, job.reading, session));
+  LODE_TRY(const TetraInput input, open_tetra_input(job.input, job.reading, session));
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report,
            input.dataset.extract_mesh(wanted.mesh, mesh, session.progress()));
@@ -182,7 +181,7 @@ void warn_of_surface(Session& session, const MeshJob& job, const Surface& surfac
 }
 
 Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Session& session) {
-  LODE_TRY(const TetraInput input, build_tetra_input(job.input, job.reading, session));
+  LODE_TRY(const TetraInput input, open_tetra_input(job.input, job.reading, session));
   Surface surface;
   LODE_TRY(const TetraSurfaceReport report,
            make_surface(input.dataset, job, wanted, surface, session.progress()));

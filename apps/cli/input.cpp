@@ -67,8 +67,9 @@ bool is_same_file(const std::string& a, const std::string& b) {
 
 Result<void> expect_no_mesh(const std::string& path) {
   if (is_cell_mesh_path(path))
-    return fail("{}: expected a regular volume, got a mesh of cells, which only extract takes yet",
-                path);
+    return fail(
+        "{}: expected a regular volume, got a mesh of cells, which this command does not take",
+        path);
   return {};
 }
 

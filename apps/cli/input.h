@@ -46,7 +46,7 @@ struct Input {
   bool was_built = false;   ///< From a foreign file, in memory.
 };
 
-/// Fails on a mesh of cells, saying which command takes it.
+/// Fails on a mesh of cells, naming it.
 [[nodiscard]] Result<void> expect_no_mesh(const std::string& path);
 
 /// open_volume() after expect_no_mesh().

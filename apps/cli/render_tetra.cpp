@@ -87,7 +87,6 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   json["input"] = job.input;
   json["outputs"] = outputs_of(job);
   json["model"] = "tetra_mt";
-  json["built_in_memory"] = true;
   json["field"] = info.field;
   json["max_error"] = made.mesh.max_error;
   json["achieved_error"] = made.mesh.achieved_error;
@@ -104,7 +103,7 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   Table table;
   table.add({"field", fmt::format("{}, {} to {}", info.field, format_number(info.range_min),
                                   format_number(info.range_max))});
-  add_cell_counts(input.report, table, json["reading"]);
+  add_reading(input, table, json);
   table.add({"max error", format_number(made.mesh.max_error)});
   table.add({"achieved error", format_number(made.mesh.achieved_error) + " at samples"});
   table.add({"cells",
@@ -114,7 +113,7 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   if (made.picture.n_section_triangles > 0)
     table.add({"triangles of sections", format_count(made.picture.n_section_triangles)});
   table.add({"size", fmt::format("{}x{} pixels", job.options.width, job.options.height)});
-  table.add({"read and build", format_seconds(input.seconds)});
+  table.add({input.was_built() ? "read and build" : "open", format_seconds(input.seconds)});
   table.add({"extract", format_seconds(made.mesh.seconds)});
   table.add({"render", format_seconds(made.picture.seconds)});
   for (const std::string& path : outputs_of(job)) table.add({"output", path});
@@ -203,7 +202,7 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
 
 Result<Outcome> run_tetra_picture(const TetraPictureJob& job, Session& session) {
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
-  LODE_TRY(const TetraInput input, build_tetra_input(job.input, job.reading, session));
+  LODE_TRY(const TetraInput input, open_tetra_input(job.input, job.reading, session));
   LODE_TRY(const TetraPicture made, draw_picture(job, input, session));
   return picture_outcome(job, input, made, session);
 }

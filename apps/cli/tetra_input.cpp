@@ -22,6 +22,7 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
 }  // namespace
 
 Result<void> check_tetra_reading(const ReadingArguments& reading, const std::string& path) {
+  if (is_lode_path(path)) return check_reading_options(reading, path);
   LODE_CHECK(to_tetra_options(reading));
   ReadingArguments others = reading;
   others.field.clear();
@@ -31,12 +32,10 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   return {};
 }
 
-Result<TetraInput> build_tetra_input(const std::string& path, const ReadingArguments& reading,
-                                     Session& session) {
-  const Stopwatch watch;
+Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const ReadingArguments& reading,
+                                          Session& session) {
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));
   LODE_TRY(CellMesh cells, read_cell_mesh(path, {}));
-  session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
   LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
   if (made.mesh.fields.size() != 1) {
     std::string names;
@@ -49,6 +48,18 @@ Result<TetraInput> build_tetra_input(const std::string& path, const ReadingArgum
     session.warn(
         fmt::format("{}: its {} regions are left out of what is written: faces between them stay",
                     path, made.mesh.region_ids.size()));
+  return made;
+}
+
+Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArguments& reading,
+                                    Session& session) {
+  const Stopwatch watch;
+  if (is_lode_path(path)) {
+    LODE_TRY(TetraDataset dataset, TetraDataset::open(path));
+    return TetraInput{std::move(dataset), std::nullopt, watch.seconds()};
+  }
+  session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
+  LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(path, reading, session));
   TetraReport report = made.report;
   auto built = TetraDataset::build(made.mesh, {.threads = session.threads()}, session.progress());
   if (!built) {
@@ -56,6 +67,16 @@ Result<TetraInput> build_tetra_input(const std::string& path, const ReadingArgum
     return fail("{}: {}", path, built.error().message);
   }
   return TetraInput{std::move(*built), std::move(report), watch.seconds()};
+}
+
+void add_reading(const TetraInput& input, Table& table, Json& json) {
+  json["built_in_memory"] = input.was_built();
+  if (input.report) return add_cell_counts(*input.report, table, json["reading"]);
+  const TetraReads reads = input.dataset.reads();
+  json["bytes_read"] = reads.n_bytes;
+  json["file_bytes"] = reads.file_size;
+  table.add({"read",
+             fmt::format("{} of {}", format_bytes(reads.n_bytes), format_bytes(reads.file_size))});
 }
 
 void add_cell_counts(const TetraReport& report, Table& table, Json& json) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "input.h"
@@ -7,23 +8,33 @@
 
 namespace lode::cli {
 
-/// A mesh of cells ready for queries, and what came of the file's cells.
+/// A mesh of cells ready for queries.
 struct TetraInput {
   TetraDataset dataset;
-  TetraReport report;
-  double seconds = 0;  ///< Reading and building.
+  std::optional<TetraReport> report;  ///< What came of a foreign file's cells.
+  double seconds = 0;                 ///< Opening, or reading and building.
+
+  [[nodiscard]] bool was_built() const { return report.has_value(); }
 };
 
 /// Refuses options of reading that meshes of cells do not have.
 [[nodiscard]] Result<void> check_tetra_reading(const ReadingArguments& reading,
                                                const std::string& path);
 
-/// Builds the hierarchy of a file's cells in memory and says so on stderr; warns of regions.
-[[nodiscard]] Result<TetraInput> build_tetra_input(const std::string& path,
-                                                   const ReadingArguments& reading,
-                                                   Session& session);
+/// The tetrahedra of a foreign file, with the one field that is wanted; warns of regions.
+[[nodiscard]] Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path,
+                                                        const ReadingArguments& reading,
+                                                        Session& session);
+
+/// Opens a .lode file, or builds the hierarchy of a foreign file's cells in memory and says so on
+/// stderr.
+[[nodiscard]] Result<TetraInput> open_tetra_input(const std::string& path,
+                                                  const ReadingArguments& reading,
+                                                  Session& session);
 
 /// What was made of the file's cells, as far as a user may wonder at it.
 void add_cell_counts(const TetraReport& report, Table& table, Json& json);
+/// The same, or how much of a .lode file was read.
+void add_reading(const TetraInput& input, Table& table, Json& json);
 
 }  // namespace lode::cli

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -266,6 +267,39 @@ TEST_F(cli_tetra, warns_that_regions_are_left_out) {
   EXPECT_NE(run.err.find("its 2 regions are left out"), std::string::npos) << run.err;
 }
 
+TEST_F(cli_tetra, answers_out_of_files_as_out_of_memory) {
+  const std::string model = scratch_ / "wave.lode";
+  const Finished build = run_lode({"build", input_, model, "--json"});
+  ASSERT_EQ(build.exit_code, 0) << build.err;
+  EXPECT_EQ(build.json().at("cells"), 12 * 12 * 12 * 6);
+  EXPECT_EQ(build.json().at("file_bytes"), std::filesystem::file_size(model));
+  const Finished info = run_lode({"info", model, "--json"});
+  ASSERT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_EQ(info.json().at("field"), "wave");
+  EXPECT_EQ(info.json().at("base_cells"), build.json().at("base_cells"));
+  EXPECT_EQ(run_lode({"info", input_, "--json"}).json().at("tetrahedra"), 12 * 12 * 12 * 6);
+  const auto bytes = [&](const std::string& from, std::vector<std::string> options) {
+    options.insert(options.begin(), {"extract", from, output_});
+    const Finished run = run_lode(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    std::ifstream file(output_, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"--mesh", "--max-error", "0.2"},
+        {"--mesh", "--max-error", "0", "--box", "0,3,0,3,0,3"},
+        {"--mesh", "--max-cells", "3000"}})
+    EXPECT_EQ(bytes(input_, options), bytes(model, options));
+  output_ = scratch_ / "out.ply";
+  EXPECT_EQ(bytes(input_, {"--isovalue", "8", "--max-error", "0.1"}),
+            bytes(model, {"--isovalue", "8", "--max-error", "0.1"}));
+  EXPECT_EQ(run_lode({"extract", model, output_, "--field", "wave", "--mesh"}).exit_code, 2);
+  std::filesystem::resize_file(model, std::filesystem::file_size(model) - 100);
+  const Finished cut = run_lode({"info", model});
+  EXPECT_EQ(cut.exit_code, 1);
+  EXPECT_NE(cut.err.find("wave.lode"), std::string::npos) << cut.err;
+}
+
 TEST_F(cli_tetra, writes_what_vtk_reads) {
   ASSERT_TRUE(has_vtk()) << kVtkMissing;
   const nlohmann::json json = report({"--max-error", "0.5"});
@@ -324,8 +358,10 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   refused({"extract", input_, output_, "--mesh", "--nodata", "3"}, "--field and --component");
   refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");
   refused({"extract", input_, input_, "--mesh"}, "expected an output that is not an input");
-  refused({"info", input_}, "which only extract takes yet");
-  refused({"build", input_, scratch_ / "out.lode"}, "which only extract takes yet");
+  refused({"count", input_, "--isovalue", "3"}, "which this command does not take");
+  refused({"build", input_, scratch_ / "out.lode", "--memory-limit", "1G"}, "--memory-limit");
+  refused({"build", input_, scratch_ / "out.vtu"}, "expected an output that ends in .lode");
+  refused({"build", input_, scratch_ / "out.lode", "--base-cells", "few"}, "--base-cells");
   const std::string broken = scratch_ / "broken.vtu";
   std::ofstream(broken) << "<VTKFile type=\"UnstructuredGrid\"";
   refused({"extract", broken, output_, "--mesh"}, "broken.vtu");

@@ -66,6 +66,10 @@ bool is_cell_mesh_path(const std::string& path) {
          head.find("DATASET STRUCTURED_GRID") != std::string::npos;
 }
 
+bool holds_tetrahedra(const std::string& path) {
+  return is_cell_mesh_path(path) || (is_lode_path(path) && TetraDataset::is_model_of(path));
+}
+
 Result<Surface> read_surface(const std::string& path) try {
   LODE_TRY(Surface surface, io::read_surface(path));
   if (has_extension(path, ".stl")) split_pinched_vertices(surface);

@@ -49,6 +49,8 @@ using io::write_vtu;
 /// Whether `path` is read as a mesh of cells: it is named .vtu, .vts, .msh or .mesh, or is a legacy
 /// .vtk file whose header says so.
 [[nodiscard]] bool is_cell_mesh_path(const std::string& path);
+/// Whether a path is a mesh of cells by its name, or a .lode file of the model tetra_mt.
+[[nodiscard]] bool holds_tetrahedra(const std::string& path);
 
 /// As io::read_surface; where a format without indices (STL) made one vertex of two with equal
 /// coordinates, each fan of triangles has its own again.

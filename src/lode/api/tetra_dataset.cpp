@@ -224,6 +224,8 @@ Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const st
   return out_of_memory("build the hierarchy");
 }
 
+bool TetraDataset::is_model_of(const std::string& path) { return tetra_mt::is_model_of(path); }
+
 Result<TetraDataset> TetraDataset::open(const std::string& path) try {
   LODE_TRY(auto opened, tetra_mt::open(path));
   return TetraDataset(std::make_unique<Impl>(std::move(opened.hierarchy), std::move(opened.reads)));

@@ -63,6 +63,8 @@ class TetraDataset {
                                                           const std::string& path,
                                                           const TetraBuildOptions& options,
                                                           Progress& progress);
+  /// Whether a file is a .lode file of this model; also false where it cannot be read.
+  [[nodiscard]] static bool is_model_of(const std::string& path);
   /// Of a .lode file; reads its base.
   [[nodiscard]] static Result<TetraDataset> open(const std::string& path);
   TetraDataset(TetraDataset&&) noexcept;

@@ -155,6 +155,11 @@ Result<PageContent> read_page(const store::Reader& reader, std::span<const std::
 
 }  // namespace
 
+bool is_model_of(const std::string& path) {
+  const auto reader = store::Reader::open(path);
+  return reader && reader->model() == kModelName;
+}
+
 Result<OpenedHierarchy> open(const std::string& path) {
   LODE_TRY(auto opened, store::Reader::open(path));
   const auto reader = std::make_shared<const store::Reader>(std::move(opened));

@@ -28,6 +28,9 @@ struct OpenedHierarchy {
                                          const std::string& path, Threads threads,
                                          Progress& progress);
 
+/// Whether a file is a .lode file of this model; also false where it cannot be read.
+[[nodiscard]] bool is_model_of(const std::string& path);
+
 /// Reads what is there from the beginning, the base; pages are read when they are looked at. Fails
 /// on all that is not as docs/format.md says, naming the file and what was expected.
 [[nodiscard]] Result<OpenedHierarchy> open(const std::string& path);

@@ -1,0 +1,156 @@
+#include "build_tetra.h"
+
+#include <limits>
+
+#include "outputs.h"
+#include "parse.h"
+#include "stopwatch.h"
+#include "tetra_input.h"
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+/// None: as many as TetraBuildOptions has.
+Result<std::optional<std::uint64_t>> parse_base_cells(const std::string& text) {
+  if (text.empty()) return std::optional<std::uint64_t>();
+  LODE_TRY(const std::int64_t n,
+           parse_integer("--base-cells", text, 0, std::numeric_limits<std::int64_t>::max()));
+  return std::optional(static_cast<std::uint64_t>(n));
+}
+
+void add_info(const TetraInfo& info, Table& table, Json& json) {
+  json["model"] = "tetra_mt";
+  json["field"] = info.field;
+  json["sample_type"] = name_of(info.type);
+  json["range"] = {info.range_min, info.range_max};
+  json["cells"] = info.n_cells;
+  json["vertices"] = info.n_vertices;
+  json["nodes"] = info.n_nodes;
+  json["base_cells"] = info.n_base_cells;
+  json["base_error"] = info.base_error;
+  json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
+  table.add({"model", "tetra_mt"});
+  table.add({"field", fmt::format("{}, {}", info.field, name_of(info.type))});
+  table.add({"value range", fmt::format("{} to {}", format_number(info.range_min),
+                                        format_number(info.range_max))});
+  table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
+                                      format_count(info.n_vertices))});
+  table.add({"base", fmt::format("{} cells, error {} at samples", format_count(info.n_base_cells),
+                                 format_number(info.base_error))});
+  table.add({"nodes", format_count(info.n_nodes)});
+  const auto corner = [](const Vec3d& p) {
+    return fmt::format("({}, {}, {})", format_number(p[0]), format_number(p[1]),
+                       format_number(p[2]));
+  };
+  table.add({"bounds", corner(info.bounds.lower) + " to " + corner(info.bounds.upper)});
+}
+
+/// Cells as the file has them, before they are split.
+Result<Outcome> foreign_info(const std::string& path) {
+  LODE_TRY(CellMesh cells, read_cell_mesh(path, {}));
+  Outcome outcome;
+  Json& json = outcome.json;
+  json["command"] = "info";
+  json["input"] = path;
+  json["points"] = cells.points.size();
+  json["cells"] = cells.n_cells();
+  Table table;
+  table.add({"file", path});
+  table.add({"points", format_count(cells.points.size())});
+  table.add({"cells", format_count(cells.n_cells())});
+  const auto add_fields = [&](const char* name, const std::vector<MeshField>& fields) {
+    Json list = Json::array();
+    for (const MeshField& field : fields) {
+      list.push_back({{"name", field.name},
+                      {"type", name_of(field.type)},
+                      {"components", field.n_components}});
+      table.add({name, fmt::format("{}, {}{}", field.name, name_of(field.type),
+                                   field.n_components > 1
+                                       ? fmt::format(", {} components", field.n_components)
+                                       : "")});
+    }
+    json[std::string(name) + "s"] = std::move(list);
+  };
+  add_fields("point field", cells.point_fields);
+  add_fields("cell field", cells.cell_fields);
+  LODE_TRY(const TetrahedraOutcome made, to_tetrahedra(std::move(cells), {}));
+  json["tetrahedra"] = made.mesh.tetrahedra.size();
+  json["regions"] = made.mesh.region_ids.size();
+  table.add({"as tetrahedra", format_count(made.mesh.tetrahedra.size())});
+  if (made.mesh.region_ids.size() > 1)
+    table.add({"regions", format_count(made.mesh.region_ids.size())});
+  add_cell_counts(made.report, table, json["reading"]);
+  outcome.text = table.to_string();
+  return outcome;
+}
+
+}  // namespace
+
+Result<void> check_tetra_build(const TetraBuildJob& job) {
+  if (!is_lode_path(job.output))
+    return fail("{}: expected an output that ends in .lode", job.output);
+  LODE_CHECK(parse_base_cells(job.base_cells));
+  LODE_CHECK(check_tetra_reading(job.reading, job.input));
+  return check_paths_differ({job.input}, {job.output});
+}
+
+Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
+  const Stopwatch watch;
+  LODE_CHECK(check_writable(job.output));
+  LODE_TRY(const auto base_cells, parse_base_cells(job.base_cells));
+  LODE_TRY(const TetrahedraOutcome made, read_tetra_mesh(job.input, job.reading, session));
+  const double read_seconds = watch.seconds();
+  TetraBuildOptions options{.threads = session.threads()};
+  if (base_cells && !made.mesh.tetrahedra.empty())
+    options.base_share =
+        static_cast<double>(*base_cells) / static_cast<double>(made.mesh.tetrahedra.size());
+  auto built = TetraDataset::build_file(made.mesh, job.output, options, session.progress());
+  if (!built) {
+    if (session.progress().is_cancelled() || built.error().message.starts_with(job.output))
+      return built.error();
+    return fail("{}: {}", job.input, built.error().message);
+  }
+  Outcome outcome;
+  Json& json = outcome.json;
+  json["command"] = "build";
+  json["input"] = job.input;
+  json["output"] = job.output;
+  Table table;
+  add_info(built->info, table, json);
+  add_cell_counts(made.report, table, json["reading"]);
+  const double n = static_cast<double>(std::max<std::uint64_t>(built->info.n_vertices, 1));
+  json["file_bytes"] = built->file_bytes;
+  json["seconds"] = {{"total", watch.seconds()},
+                     {"read", read_seconds},
+                     {"build", built->build_seconds},
+                     {"write", built->write_seconds}};
+  json["warnings"] = session.warnings();
+  table.add({"file size", fmt::format("{} ({:.1f} bytes a vertex)", format_bytes(built->file_bytes),
+                                      static_cast<double>(built->file_bytes) / n)});
+  table.add({"time", fmt::format("{} to read, {} to build, {} to write",
+                                 format_seconds(read_seconds), format_seconds(built->build_seconds),
+                                 format_seconds(built->write_seconds))});
+  table.add({"output", job.output});
+  outcome.text = table.to_string();
+  return outcome;
+}
+
+Result<Outcome> tetra_info(const std::string& path, const ReadingArguments& reading,
+                           Session& session) {
+  LODE_CHECK(check_tetra_reading(reading, path));
+  if (!is_lode_path(path)) return foreign_info(path);
+  LODE_TRY(const TetraInput input, open_tetra_input(path, reading, session));
+  Outcome outcome;
+  outcome.json["command"] = "info";
+  outcome.json["input"] = path;
+  Table table;
+  table.add({"file", path});
+  add_info(input.dataset.describe(), table, outcome.json);
+  outcome.json["file_bytes"] = input.dataset.reads().file_size;
+  table.add({"file size", format_bytes(input.dataset.reads().file_size)});
+  outcome.text = table.to_string();
+  return outcome;
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "input.h"
+
+namespace lode::cli {
+
+/// A mesh of cells and the file that its hierarchy goes to.
+struct TetraBuildJob {
+  std::string input;
+  std::string output;
+  std::string base_cells;  ///< As given; empty: a hundredth.
+  ReadingArguments reading;
+};
+
+/// Looks at the arguments alone.
+[[nodiscard]] Result<void> check_tetra_build(const TetraBuildJob& job);
+/// Builds the hierarchy in memory and writes it.
+[[nodiscard]] Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session);
+
+/// What a mesh of cells, or the hierarchy of one in a .lode file, has.
+[[nodiscard]] Result<Outcome> tetra_info(const std::string& path, const ReadingArguments& reading,
+                                         Session& session);
+
+}  // namespace lode::cli
