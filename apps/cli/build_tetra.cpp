@@ -29,6 +29,7 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["nodes"] = info.n_nodes;
   json["base_cells"] = info.n_base_cells;
   json["base_error"] = info.base_error;
+  json["regions"] = info.regions;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
   table.add({"model", "tetra_mt"});
   table.add({"field", fmt::format("{}, {}", info.field, name_of(info.type))});
@@ -99,7 +100,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   const Stopwatch watch;
   LODE_CHECK(check_writable(job.output));
   LODE_TRY(const auto base_cells, parse_base_cells(job.base_cells));
-  LODE_TRY(const TetrahedraOutcome made, read_tetra_mesh(job.input, job.reading, session));
+  LODE_TRY(const TetrahedraOutcome made, read_tetra_mesh(job.input, job.reading));
   const double read_seconds = watch.seconds();
   TetraBuildOptions options{.threads = session.threads()};
   if (base_cells && !made.mesh.tetrahedra.empty())

@@ -105,6 +105,7 @@ Result<TetraJob> section_job(const MeshJob& job) {
   made.sections.field_ranges = one.field_ranges;
   made.sections.max_error = one.max_error;
   made.sections.budget = one.budget;
+  LODE_TRY(made.sections.regions, to_regions(job.query));
   made.is_default = !one.max_error;
   return made;
 }
@@ -120,8 +121,10 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
                                                                               : kMeshOfCells));
   TetraJob made;
   LODE_TRY(const ExtractOptions surface, to_extract_options(job.extraction));
-  made.surface = {.query = options.query, .normals = surface.normals, .threads = threads};
-  made.mesh = {.query = options.query, .threshold = {}, .threads = threads};
+  LODE_TRY(const auto regions, to_regions(job.query));
+  made.surface = {
+      .query = options.query, .normals = surface.normals, .regions = regions, .threads = threads};
+  made.mesh = {.query = options.query, .threshold = {}, .regions = regions, .threads = threads};
   LODE_TRY(made.mesh.threshold, to_threshold(job.query));
   made.is_default = !options.query.max_error;
   return made;
@@ -152,7 +155,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   counts["largest_error"] = report.largest_error;
   counts["cells"] = report.n_cells;
   counts["vertices"] = report.n_vertices;
-  if (wanted.mesh.threshold) counts["left_out"] = report.n_left_out;
+  if (wanted.mesh.threshold || !job.query.regions.empty()) counts["left_out"] = report.n_left_out;
   return tetra_outcome(job, input, made, counts, session);
 }
 
@@ -202,7 +205,7 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Se
   if (!job.query.sections.empty()) counts["lines"] = report.n_lines;
   counts["vertices"] = report.n_vertices;
   counts["cut_cells"] = report.n_cut_cells;
-  if (wanted.mesh.threshold) counts["left_out"] = report.n_left_out;
+  if (wanted.mesh.threshold || !job.query.regions.empty()) counts["left_out"] = report.n_left_out;
   return tetra_outcome(job, input, made, counts, session);
 }
 

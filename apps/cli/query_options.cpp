@@ -124,6 +124,8 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "With --mesh or --boundary of a mesh of cells: only cells whose values lie from A to B at "
       "all "
       "corners; without another focus accurate where the field may be in it");
+  add("--region", arguments.regions, "ID",
+      "Only cells of a region (block, material, zone) of a mesh of cells; may be repeated");
   add("--field-range", arguments.field_ranges, "A:B",
       "Accurate where the field may be from A to B; may be repeated");
   group = "Focus and budget";
@@ -211,6 +213,15 @@ Result<std::vector<SectionPlane>> to_planes(const QueryArguments& arguments) {
     planes.push_back(plane);
   }
   return planes;
+}
+
+Result<std::vector<std::int64_t>> to_regions(const QueryArguments& arguments) {
+  std::vector<std::int64_t> regions;
+  for (const std::string& text : arguments.regions) {
+    LODE_TRY(const std::int64_t id, parse_integer("--region", text, INT64_MIN, INT64_MAX));
+    regions.push_back(id);
+  }
+  return regions;
 }
 
 Result<std::optional<Range>> to_threshold(const QueryArguments& arguments) {

@@ -18,6 +18,7 @@ struct QueryArguments {
   bool is_boundary = false;
   std::vector<std::string> sections;
   std::string threshold;
+  std::vector<std::string> regions;
   std::vector<std::string> field_ranges;
   std::vector<std::string> boxes;
   std::vector<std::string> balls;
@@ -55,6 +56,7 @@ void add_query_options(CLI::App& app, QueryArguments& arguments);
 [[nodiscard]] Result<SectionOptions> to_section_options(const QueryArguments& arguments,
                                                         const ExtractionArguments& extraction);
 [[nodiscard]] Result<std::vector<SectionPlane>> to_planes(const QueryArguments& arguments);
+[[nodiscard]] Result<std::vector<std::int64_t>> to_regions(const QueryArguments& arguments);
 /// None where none is asked for.
 [[nodiscard]] Result<std::optional<Range>> to_threshold(const QueryArguments& arguments);
 

@@ -132,9 +132,10 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
   options.render.threads = session.threads();
   TetraPicture made;
   SimplexMesh mesh;
-  LODE_TRY(made.mesh, input.dataset.extract_mesh(
-                          {.query = query.query, .threshold = {}, .threads = session.threads()},
-                          mesh, session.progress()));
+  LODE_TRY(made.mesh,
+           input.dataset.extract_mesh(
+               {.query = query.query, .threshold = {}, .regions = {}, .threads = session.threads()},
+               mesh, session.progress()));
   if (!made.mesh.budget_met)
     session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
                              made.mesh.n_cut_cells));

@@ -32,8 +32,8 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   return {};
 }
 
-Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const ReadingArguments& reading,
-                                          Session& session) {
+Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path,
+                                          const ReadingArguments& reading) {
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));
   LODE_TRY(CellMesh cells, read_cell_mesh(path, {}));
   LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
@@ -44,10 +44,6 @@ Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const Reading
     return fail("{}: expected --field to name one of its fields ({}), got none", path,
                 names.empty() ? "there are none" : names);
   }
-  if (made.mesh.region_ids.size() > 1)
-    session.warn(
-        fmt::format("{}: its {} regions are left out of what is written: faces between them stay",
-                    path, made.mesh.region_ids.size()));
   return made;
 }
 
@@ -59,7 +55,7 @@ Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArgume
     return TetraInput{std::move(dataset), std::nullopt, watch.seconds()};
   }
   session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
-  LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(path, reading, session));
+  LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(path, reading));
   TetraReport report = made.report;
   auto built = TetraDataset::build(made.mesh, {.threads = session.threads()}, session.progress());
   if (!built) {

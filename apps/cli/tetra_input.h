@@ -21,10 +21,9 @@ struct TetraInput {
 [[nodiscard]] Result<void> check_tetra_reading(const ReadingArguments& reading,
                                                const std::string& path);
 
-/// The tetrahedra of a foreign file, with the one field that is wanted; warns of regions.
+/// The tetrahedra of a foreign file, with the one field that is wanted.
 [[nodiscard]] Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path,
-                                                        const ReadingArguments& reading,
-                                                        Session& session);
+                                                        const ReadingArguments& reading);
 
 /// Opens a .lode file, or builds the hierarchy of a foreign file's cells in memory and says so on
 /// stderr.

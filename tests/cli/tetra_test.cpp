@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 
 #include "lode/api/files.h"
@@ -246,7 +247,8 @@ TEST_F(cli_tetra, writes_the_boundary_and_what_is_within_a_threshold) {
   }
   // What may be in the threshold is at full resolution.
   SimplexMesh reference = waves(13);
-  keep_cells_within(reference, 2, 9);
+  std::vector<std::uint32_t> ids;
+  keep_cells_within(reference, 2, 9, ids);
   EXPECT_EQ(warm.at("cells"), reference.n_cells());
   boundary({"--max-error", "0", "--threshold", "2:9"});
   EXPECT_EQ(oracles::sorted_triangles(read_surface(ply).value()),
@@ -256,15 +258,52 @@ TEST_F(cli_tetra, writes_the_boundary_and_what_is_within_a_threshold) {
   EXPECT_EQ(none.at("warnings").size(), 1U);
 }
 
-TEST_F(cli_tetra, warns_that_regions_are_left_out) {
-  const std::string regions = scratch_ / "regions.msh";
-  std::ofstream(regions) << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n"
-                            "3 0 1 0\n4 0 0 1\n5 0 0 -1\n$EndNodes\n$Elements\n2\n"
-                            "1 4 2 7 7 1 2 3 4\n2 4 2 9 9 1 3 2 5\n$EndElements\n$NodeData\n1\n"
-                            "\"heat\"\n0\n3\n0\n1\n5\n1 0\n2 1\n3 2\n4 3\n5 4\n$EndNodeData\n";
-  const Finished run = run_lode({"extract", regions, output_, "--mesh"});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.err.find("its 2 regions are left out"), std::string::npos) << run.err;
+TEST_F(cli_tetra, keeps_regions_apart_and_writes_them) {
+  SimplexMesh mesh = waves(13);
+  // A material in a corner; the rest is another one.
+  for (const auto& cell : mesh.tetrahedra) {
+    Vec3d centre;
+    for (const std::uint32_t v : cell) centre = centre + mesh.positions[v] * 0.25;
+    mesh.regions.push_back(centre[0] < 6 && centre[1] < 4 && centre[2] < 8 ? 40 : -2);
+  }
+  Progress progress;
+  ASSERT_TRUE(write_vtu(input_, mesh, {.value_name = "wave"}, progress));
+  const std::string model = scratch_ / "wave.lode";
+  const Finished build = run_lode({"build", input_, model, "--json"});
+  ASSERT_EQ(build.exit_code, 0) << build.err;
+  EXPECT_EQ(build.json().at("regions"), nlohmann::json({-2, 40}));
+  const auto volumes = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words{"extract", model, output_, "--mesh"};
+    words.insert(words.end(), options.begin(), options.end());
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    auto cells = read_cell_mesh(output_, {});
+    EXPECT_TRUE(cells);
+    const auto made =
+        to_tetrahedra(std::move(*cells), {.fields = std::vector<std::string>{"wave"}});
+    EXPECT_TRUE(made);
+    std::map<std::int64_t, double> sums;
+    for (std::size_t i = 0; i < made->mesh.tetrahedra.size(); ++i) {
+      const auto& [a, b, c, d] = made->mesh.tetrahedra[i];
+      const auto& p = made->mesh.positions;
+      const std::size_t place = made->mesh.regions.empty() ? 0 : made->mesh.regions[i];
+      sums[made->mesh.region_ids.at(place)] +=
+          dot(cross(p[b] - p[a], p[c] - p[a]), p[d] - p[a]) / 6;
+    }
+    return sums;
+  };
+  for (const char* const tolerance : {"0", "0.4", "2", "1000"}) {
+    const auto found = volumes({"--max-error", tolerance});
+    ASSERT_EQ(found.size(), 2U);
+    EXPECT_NEAR(found.at(40), 6 * 4 * 8, 1e-6);
+    EXPECT_NEAR(found.at(-2), 12 * 12 * 12 - 6 * 4 * 8, 1e-6);
+  }
+  const auto one = volumes({"--max-error", "0.4", "--region", "40"});
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_NEAR(one.begin()->second, 6 * 4 * 8, 1e-6);
+  const Finished none = run_lode({"extract", model, output_, "--mesh", "--region", "5"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.err.find("expected one of -2, 40, got 5"), std::string::npos) << none.err;
 }
 
 TEST_F(cli_tetra, answers_out_of_files_as_out_of_memory) {

@@ -66,11 +66,31 @@ TEST(mesh_boundary, leaves_out_faces_of_more_than_two_cells) {
   EXPECT_EQ(mesh_boundary(mesh, {}, {}).triangles.size(), 9U);
 }
 
+TEST(keep_regions, keeps_their_cells_and_what_belongs_to_their_vertices) {
+  SimplexMesh mesh = test::grid_of(5, [](const Vec3d& p) { return p[2]; });
+  for (const auto& cell : mesh.tetrahedra) {
+    double z = 0;
+    for (const std::uint32_t v : cell) z += mesh.positions[v][2] / 4;
+    mesh.regions.push_back(z < 0.25 ? -7 : z < 0.5 ? 3 : 12);
+  }
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) ids.push_back(v + 100);
+  SimplexMesh part = mesh;
+  EXPECT_EQ(keep_regions(part, std::vector<std::int64_t>{-7, 12}, ids), 96U);
+  EXPECT_EQ(part.tetrahedra.size(), 288U);
+  EXPECT_EQ(part.regions.size(), 288U);
+  EXPECT_EQ(std::ranges::count(part.regions, 3), 0);
+  ASSERT_EQ(ids.size(), part.positions.size());
+  for (std::size_t v = 0; v < ids.size(); ++v)
+    EXPECT_EQ(part.positions[v], mesh.positions[ids[v] - 100]);
+}
+
 TEST(keep_cells_within, keeps_those_whose_corners_all_are) {
   const SimplexMesh mesh = test::grid_of(5, [](const Vec3d& p) { return p[2]; });
   SimplexMesh part = mesh;
+  std::vector<std::uint32_t> ids;
   // Two of four layers; samples at the ends are within.
-  EXPECT_EQ(keep_cells_within(part, 0.25, 0.75), 192U);
+  EXPECT_EQ(keep_cells_within(part, 0.25, 0.75, ids), 192U);
   EXPECT_EQ(part.tetrahedra.size(), 192U);
   EXPECT_EQ(part.errors.size(), 192U);
   EXPECT_EQ(part.positions.size(), 75U);
@@ -78,10 +98,10 @@ TEST(keep_cells_within, keeps_those_whose_corners_all_are) {
   EXPECT_EQ(std::ranges::max(part.values), 0.75);
   EXPECT_NEAR(six_volumes(mesh_boundary(part, {}, {})), 3, 1e-6);
   SimplexMesh all = mesh;
-  EXPECT_EQ(keep_cells_within(all, 0, 1), 0U);
+  EXPECT_EQ(keep_cells_within(all, 0, 1, ids), 0U);
   EXPECT_EQ(all.tetrahedra, mesh.tetrahedra);
   SimplexMesh none = mesh;
-  EXPECT_EQ(keep_cells_within(none, 0.3, 0.7), 384U);
+  EXPECT_EQ(keep_cells_within(none, 0.3, 0.7, ids), 384U);
   EXPECT_TRUE(none.is_empty());
   EXPECT_TRUE(none.positions.empty());
 }

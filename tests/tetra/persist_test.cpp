@@ -10,6 +10,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "lode/models/tetra_mt/page_blocks.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
@@ -199,6 +200,48 @@ TEST_F(tetra_file, answers_as_memory_does_and_reads_what_it_needs) {
   for (std::uint32_t v = 0; v < hierarchy_.positions.size(); ++v) {
     EXPECT_EQ(opened->hierarchy.position(v), hierarchy_.positions[v]);
     EXPECT_EQ(opened->hierarchy.value(v, 0), hierarchy_.fields[0].values[v]);
+  }
+}
+
+/// By its corners' positions, each tetrahedron's region.
+std::map<std::array<Vec3d, 4>, std::int64_t> regions_by_corners(const TetraMesh& mesh) {
+  std::map<std::array<Vec3d, 4>, std::int64_t> regions;
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
+    std::array<Vec3d, 4> corners;
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = mesh.positions[mesh.tetrahedra[i][k]];
+    std::ranges::sort(corners, {}, [](const Vec3d& p) { return p.v; });
+    regions[corners] = mesh.region_ids[mesh.regions[i]];
+  }
+  return regions;
+}
+
+TEST_F(tetra_file, keeps_regions_through_refining_and_coarsening) {
+  TetraMesh mesh = noise();
+  mesh.region_ids = {-5, 0, 7};
+  Random random(12);
+  for (const Tetrahedron& t : mesh.tetrahedra) {
+    Vec3d centre;
+    for (const std::uint32_t v : t) centre = centre + mesh.positions[v] * 0.25;
+    const bool is_inner = length(centre - Vec3d{{0.5, 0.5, 0.5}}) < 0.3;
+    mesh.regions.push_back(is_inner ? 2U : centre[0] < 0.5 ? 0U : 1U);
+  }
+  const Hierarchy hierarchy = hierarchy_of(mesh, 300);
+  Progress progress;
+  ASSERT_TRUE(save(hierarchy, mesh.tetrahedra.size(), path_, {2}, progress));
+  const auto opened = open(path_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  TetraCut cut(opened->hierarchy);
+  for (int round = 0; round < 2; ++round) {
+    for (const std::uint32_t node : hierarchy.order) cut.apply(NodeId{node});
+    TetraMesh found{.positions = hierarchy.positions, .region_ids = mesh.region_ids};
+    for (const TetraCut::Cell& cell : cut.slots()) {
+      if (!cut.is_inside(cell)) continue;
+      found.tetrahedra.push_back(cell.corners);
+      found.regions.push_back(cell.region);
+    }
+    // Compared as maps: whoever is of another region differs.
+    EXPECT_TRUE(regions_by_corners(found) == regions_by_corners(mesh));
+    for (std::size_t i = hierarchy.order.size(); i-- > 0;) cut.undo(NodeId{hierarchy.order[i]});
   }
 }
 

@@ -1,15 +1,19 @@
 #include "lode/api/tetra_dataset.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <functional>
 #include <mutex>
 #include <new>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
+#include "lode/mappers/mesh_boundary.h"
 #include "lode/mappers/mesh_gradients.h"
 #include "lode/mappers/mesh_isosurface.h"
 #include "lode/models/tetra_mt/persist.h"
@@ -97,6 +101,8 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
     const TetraCut::Cell& cell = cut.slots()[slot];
     mesh.tetrahedra.push_back(cell.corners);
     mesh.errors.push_back(cell.maker == kNone ? 0 : hierarchy.facts(cell.maker, 0).error);
+    if (hierarchy.head().shape.n_regions > 1)
+      mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
     for (const std::uint32_t v : cell.corners) numbers[v] = 0;
   }
   for (std::uint32_t v = 0; v < numbers.size(); ++v) {
@@ -139,7 +145,8 @@ TetraInfo info_of(const HierarchyHead& head) {
           .range_min = field.scale.knots().front(),
           .range_max = field.scale.knots().back(),
           .base_error = field.base_error,
-          .bounds = {head.lower, head.upper}};
+          .bounds = {head.lower, head.upper},
+          .regions = head.region_ids};
 }
 
 Result<Hierarchy> make_hierarchy_of(const TetraMesh& mesh, const TetraBuildOptions& options,
@@ -167,7 +174,9 @@ class TetraDataset::Impl {
             rounding_margin(std::array{info.bounds.lower, info.bounds.upper}, surface_origin)) {}
 
   /// The mesh of a query's cut, without gradients.
-  [[nodiscard]] Result<TetraCutMesh> make_mesh(const Query& wanted, Progress& progress) const;
+  [[nodiscard]] Result<TetraCutMesh> make_mesh(const Query& wanted,
+                                               std::span<const std::int64_t> regions,
+                                               Progress& progress) const;
   /// By vertex of the hierarchy; found once.
   [[nodiscard]] const std::vector<Vec3f>& gradients(Threads threads) const {
     std::call_once(gradients_found_, [&] { gradients_ = reference_gradients(hierarchy, threads); });
@@ -233,8 +242,15 @@ Result<TetraDataset> TetraDataset::open(const std::string& path) try {
   return out_of_memory("open the file");
 }
 
-Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, Progress& progress) const {
+Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted,
+                                                   std::span<const std::int64_t> regions,
+                                                   Progress& progress) const {
   LODE_TRY(const Query query, complete_query(info, wanted));
+  for (const std::int64_t region : regions)
+    if (std::ranges::find(info.regions, region) == info.regions.end())
+      return fail("regions: expected one of {}, got {}",
+                  info.regions.empty() ? "none" : fmt::format("{}", fmt::join(info.regions, ", ")),
+                  region);
   TetraCut cut(hierarchy);
   Engine<TetraCut> engine(cut);
   engine.set_query(demand_of(query, 2 * surface_margin), query.budget);
@@ -249,13 +265,15 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, Progress
   made.report.achieved_error = engine.largest([](const NodeFacts& facts) { return facts.error; });
   made.report.n_cut_cells = standing.n_cells;
   made.report.budget_met = standing.budget_met;
+  if (!regions.empty() && info.regions.size() > 1)
+    made.report.n_left_out = keep_regions(made.mesh, regions, made.vertex_ids);
   return made;
 }
 
 Result<MeshReport> TetraDataset::extract_mesh(const TetraMeshOptions& options, SimplexMesh& mesh,
                                               Progress& progress) const try {
   const Stopwatch watch;
-  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), progress));
+  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), options.regions, progress));
   apply_threshold(options, cut);
   mesh = std::move(cut.mesh);
   cut.report.seconds = watch.seconds();
@@ -269,7 +287,7 @@ Result<TetraSurfaceReport> TetraDataset::extract_surface(const TetraSurfaceOptio
     try {
   const Stopwatch watch;
   if (options.query.isovalues.empty()) return fail("isosurfaces: expected isovalues, got none");
-  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(options.query, progress));
+  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(options.query, options.regions, progress));
   if (options.normals == Normals::on) {
     const std::vector<Vec3f>& all = impl_->gradients(options.threads);
     LODE_CHECK(impl_->hierarchy.check());
@@ -288,7 +306,7 @@ Result<TetraSurfaceReport> TetraDataset::extract_section(const TetraSectionOptio
     try {
   const Stopwatch watch;
   LODE_CHECK(check_planes(options.planes));
-  LODE_TRY(const TetraCutMesh cut, impl_->make_mesh(query_of(options), progress));
+  LODE_TRY(const TetraCutMesh cut, impl_->make_mesh(query_of(options), options.regions, progress));
   TetraSurfaceReport report = make_sections(cut, options, surface);
   report.seconds = watch.seconds();
   return report;
@@ -300,7 +318,7 @@ Result<TetraSurfaceReport> TetraDataset::extract_boundary(const TetraMeshOptions
                                                           Surface& surface,
                                                           Progress& progress) const try {
   const Stopwatch watch;
-  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), progress));
+  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), options.regions, progress));
   apply_threshold(options, cut);
   TetraSurfaceReport report = make_boundary(cut, options.threads, surface);
   report.seconds = watch.seconds();

@@ -33,6 +33,7 @@ struct TetraInfo {
   double range_max = 0;
   double base_error = 0;  ///< Largest |F - F'| at vertices of the reference on the base.
   Box3d bounds{};         ///< Of all vertices.
+  std::vector<std::int64_t> regions{};  ///< As the file numbers them, ascending.
 };
 
 /// What has been read of a file since it was opened; nothing in memory.

@@ -83,9 +83,8 @@ Query query_of(const TetraSectionOptions& options) {
 
 void apply_threshold(const TetraMeshOptions& options, TetraCutMesh& cut) {
   if (options.threshold) {
-    cut.report.n_left_out =
-        keep_cells_within(cut.mesh, options.threshold->low, options.threshold->high);
-    cut.vertex_ids.clear();
+    cut.report.n_left_out += keep_cells_within(cut.mesh, options.threshold->low,
+                                               options.threshold->high, cut.vertex_ids);
   }
   cut.report.n_cells = cut.mesh.n_cells();
   cut.report.n_vertices = cut.mesh.positions.size();

@@ -18,12 +18,14 @@ struct TetraMeshOptions {
   Query query;
   /// Only cells of the cut whose values lie in it everywhere, that is at all corners.
   std::optional<Range> threshold{};
+  std::vector<std::int64_t> regions{};  ///< Only their cells; empty: all.
   Threads threads{};
 };
 
 struct TetraSurfaceOptions {
   Query query;
   Normals normals = Normals::on;
+  std::vector<std::int64_t> regions{};  ///< Likewise.
   Threads threads{};
 };
 
@@ -33,6 +35,7 @@ struct TetraSectionOptions {
   std::vector<Range> field_ranges;    ///< Likewise.
   std::optional<double> max_error{};  ///< Likewise.
   Budget budget{};
+  std::vector<std::int64_t> regions{};
 };
 
 /// Of isosurfaces, sections and boundaries of meshes of tetrahedra.
@@ -43,7 +46,7 @@ struct TetraSurfaceReport {
   std::uint64_t n_lines = 0;
   std::uint64_t n_vertices = 0;
   std::uint64_t n_cut_cells = 0;
-  std::uint64_t n_left_out = 0;  ///< Cells of the cut that the threshold leaves out.
+  std::uint64_t n_left_out = 0;  ///< Cells of the cut that threshold or regions leave out.
   std::vector<double> unmet{};   ///< Isovalues that nothing of the answer has.
   bool budget_met = true;
   double seconds = 0;
@@ -66,8 +69,7 @@ struct TetraCutMesh {
   MeshReport report{};                      ///< Of tolerance and budget; other counts are to come.
 };
 
-/// Leaves out what the options' threshold does, after which vertices have no ids, and fills in the
-/// report's counts and largest error.
+/// Leaves out what the options' threshold does, and fills in the report's counts and largest error.
 void apply_threshold(const TetraMeshOptions& options, TetraCutMesh& cut);
 
 /// What TetraDataset makes of it, in place of what `surface` holds; seconds are not filled in.

@@ -19,6 +19,7 @@ struct VtuLayout {
   std::string value_name;
   VtkXmlArray values;
   VtkXmlArray errors;
+  VtkXmlArray regions;  ///< Of no bytes, and then left out, where there is one.
   VtkXmlArray points;
   VtkXmlArray connectivity;
   VtkXmlArray offsets;
@@ -42,6 +43,7 @@ VtuLayout make_vtu_layout(const SimplexMesh& mesh, const MeshWriteOptions& optio
                                mesh.has_narrow_values ? "Float32" : "Float64", layout.value_name),
                    n * (mesh.has_narrow_values ? sizeof(float) : sizeof(double))};
   layout.errors = {R"(type="Float32" Name="error")", mesh.errors.size() * sizeof(float)};
+  layout.regions = {R"(type="Int64" Name="RegionId")", mesh.regions.size() * sizeof(std::int64_t)};
   layout.points = {R"(type="Float64" Name="Points" NumberOfComponents="3")", n * sizeof(Vec3d)};
   layout.connectivity = {fmt::format(R"(type="{}" Name="connectivity")", index),
                          mesh.n_cells() * n_corners_per_cell(mesh) * index_bytes};
@@ -52,8 +54,9 @@ VtuLayout make_vtu_layout(const SimplexMesh& mesh, const MeshWriteOptions& optio
 }
 
 std::uint64_t vtu_bytes(const VtuLayout& layout) {
-  return layout.values.n_bytes + layout.errors.n_bytes + layout.points.n_bytes +
-         layout.connectivity.n_bytes + layout.offsets.n_bytes + layout.types.n_bytes;
+  return layout.values.n_bytes + layout.errors.n_bytes + layout.regions.n_bytes +
+         layout.points.n_bytes + layout.connectivity.n_bytes + layout.offsets.n_bytes +
+         layout.types.n_bytes;
 }
 
 std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout) {
@@ -62,7 +65,9 @@ std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout) {
                                 mesh.positions.size(), mesh.n_cells());
   xml += fmt::format("<PointData Scalars=\"{}\">\n", layout.value_name);
   xml += describe_array(layout.values, offset) + "</PointData>\n<CellData>\n";
-  xml += describe_array(layout.errors, offset) + "</CellData>\n<Points>\n";
+  xml += describe_array(layout.errors, offset);
+  if (!mesh.regions.empty()) xml += describe_array(layout.regions, offset);
+  xml += "</CellData>\n<Points>\n";
   xml += describe_array(layout.points, offset) + "</Points>\n<Cells>\n";
   for (const VtkXmlArray* array : {&layout.connectivity, &layout.offsets, &layout.types})
     xml += describe_array(*array, offset);
@@ -121,6 +126,7 @@ Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
   LODE_EXPECTS(mesh.triangles.empty() || mesh.tetrahedra.empty());
   LODE_EXPECTS(mesh.values.size() == mesh.positions.size());
   LODE_EXPECTS(mesh.errors.size() == mesh.n_cells());
+  LODE_EXPECTS(mesh.regions.empty() || mesh.regions.size() == mesh.n_cells());
   const VtuLayout layout = make_vtu_layout(mesh, options);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, vtu_bytes(layout), progress));
   LODE_CHECK(file.write(vtk_xml_head("UnstructuredGrid", options.comment, options.frame)));
@@ -129,6 +135,10 @@ Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
   LODE_CHECK(write_values(file, mesh));
   LODE_CHECK(write_array_size(file, layout.errors));
   LODE_CHECK(write_array(file, std::span(mesh.errors)));
+  if (!mesh.regions.empty()) {
+    LODE_CHECK(write_array_size(file, layout.regions));
+    LODE_CHECK(write_array(file, std::span(mesh.regions)));
+  }
   LODE_CHECK(write_array_size(file, layout.points));
   LODE_CHECK(write_array(file, std::span(mesh.positions)));
   LODE_CHECK(needs_wide_indices(mesh) ? write_cells<std::int64_t>(file, mesh, layout)

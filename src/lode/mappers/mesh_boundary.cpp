@@ -83,6 +83,38 @@ std::uint32_t number_kept(std::vector<std::uint32_t>& numbers) {
   return n;
 }
 
+/// `is_kept`: of a cell, by its place.
+template <typename IsKept>
+std::uint64_t keep_cells(SimplexMesh& mesh, const IsKept& is_kept,
+                         std::vector<std::uint32_t>& vertex_ids) {
+  std::vector<std::uint32_t> numbers(mesh.positions.size(), kNotKept);
+  std::size_t n = 0;
+  for (std::size_t at = 0; at < mesh.tetrahedra.size(); ++at) {
+    if (!is_kept(at)) continue;
+    for (const std::uint32_t v : mesh.tetrahedra[at]) numbers[v] = 0;
+    mesh.errors[n] = mesh.errors[at];
+    if (!mesh.regions.empty()) mesh.regions[n] = mesh.regions[at];
+    mesh.tetrahedra[n++] = mesh.tetrahedra[at];
+  }
+  const std::uint64_t n_left_out = mesh.tetrahedra.size() - n;
+  mesh.tetrahedra.resize(n);
+  mesh.errors.resize(n);
+  if (!mesh.regions.empty()) mesh.regions.resize(n);
+  const std::uint32_t n_vertices = number_kept(numbers);
+  for (std::size_t v = 0; v < numbers.size(); ++v) {
+    if (numbers[v] == kNotKept) continue;
+    mesh.positions[numbers[v]] = mesh.positions[v];
+    mesh.values[numbers[v]] = mesh.values[v];
+    if (!vertex_ids.empty()) vertex_ids[numbers[v]] = vertex_ids[v];
+  }
+  mesh.positions.resize(n_vertices);
+  mesh.values.resize(n_vertices);
+  if (!vertex_ids.empty()) vertex_ids.resize(n_vertices);
+  for (auto& cell : mesh.tetrahedra)
+    for (std::uint32_t& v : cell) v = numbers[v];
+  return n_left_out;
+}
+
 }  // namespace
 
 Surface mesh_boundary(const SimplexMesh& mesh, const Vec3d& origin, Threads threads) {
@@ -114,33 +146,22 @@ Surface mesh_boundary(const SimplexMesh& mesh, const Vec3d& origin, Threads thre
   return surface;
 }
 
-std::uint64_t keep_cells_within(SimplexMesh& mesh, double low, double high) {
-  std::vector<std::uint32_t> numbers(mesh.positions.size(), kNotKept);
+std::uint64_t keep_cells_within(SimplexMesh& mesh, double low, double high,
+                                std::vector<std::uint32_t>& vertex_ids) {
   const auto is_within = [&](std::uint32_t v) {
     return low <= mesh.values[v] && mesh.values[v] <= high;
   };
-  std::size_t n = 0;
-  for (std::size_t at = 0; at < mesh.tetrahedra.size(); ++at) {
-    const auto cell = mesh.tetrahedra[at];
-    if (!std::ranges::all_of(cell, is_within)) continue;
-    for (const std::uint32_t v : cell) numbers[v] = 0;
-    mesh.errors[n] = mesh.errors[at];
-    mesh.tetrahedra[n++] = cell;
-  }
-  const std::uint64_t n_left_out = mesh.tetrahedra.size() - n;
-  mesh.tetrahedra.resize(n);
-  mesh.errors.resize(n);
-  const std::uint32_t n_vertices = number_kept(numbers);
-  for (std::size_t v = 0; v < numbers.size(); ++v) {
-    if (numbers[v] == kNotKept) continue;
-    mesh.positions[numbers[v]] = mesh.positions[v];
-    mesh.values[numbers[v]] = mesh.values[v];
-  }
-  mesh.positions.resize(n_vertices);
-  mesh.values.resize(n_vertices);
-  for (auto& cell : mesh.tetrahedra)
-    for (std::uint32_t& v : cell) v = numbers[v];
-  return n_left_out;
+  return keep_cells(
+      mesh, [&](std::size_t at) { return std::ranges::all_of(mesh.tetrahedra[at], is_within); },
+      vertex_ids);
+}
+
+std::uint64_t keep_regions(SimplexMesh& mesh, std::span<const std::int64_t> regions,
+                           std::vector<std::uint32_t>& vertex_ids) {
+  return keep_cells(
+      mesh,
+      [&](std::size_t at) { return std::ranges::find(regions, mesh.regions[at]) != regions.end(); },
+      vertex_ids);
 }
 
 }  // namespace lode

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "lode/core/mesh.h"
 #include "lode/core/parallel.h"
 #include "lode/core/surface.h"
@@ -14,7 +18,12 @@ namespace lode {
 [[nodiscard]] Surface mesh_boundary(const SimplexMesh& mesh, const Vec3d& origin, Threads threads);
 
 /// Keeps the cells whose values lie from `low` to `high` everywhere, that is at all four corners,
-/// and the vertices that these have, in their order. Returns how many cells are left out. O(cells).
-std::uint64_t keep_cells_within(SimplexMesh& mesh, double low, double high);
+/// and the vertices that these have, in their order; of `vertex_ids`, unless it is empty, what
+/// belongs to these. Returns how many cells are left out. O(cells).
+std::uint64_t keep_cells_within(SimplexMesh& mesh, double low, double high,
+                                std::vector<std::uint32_t>& vertex_ids);
+/// The same of the cells of some regions. Expects the mesh to have regions.
+std::uint64_t keep_regions(SimplexMesh& mesh, std::span<const std::int64_t> regions,
+                           std::vector<std::uint32_t>& vertex_ids);
 
 }  // namespace lode

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "lode/store/bytes.h"
 
@@ -72,6 +73,8 @@ std::vector<std::byte> encode_head(const HierarchyHead& head) {
   out.write(static_cast<std::uint64_t>(head.roots.size()));
   for (const Vec3d* corner : {&head.lower, &head.upper})
     for (const double x : corner->v) out.write(x);
+  out.write(static_cast<std::uint32_t>(head.region_ids.size()));
+  for (const std::int64_t id : head.region_ids) out.write(id);
   out.write(head.shape.n_fields);
   for (const HierarchyHead::Field& field : head.fields) {
     out.write_string(field.name);
@@ -98,6 +101,11 @@ Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::s
     for (double& x : corner->v) {
       LODE_TRY(x, in.read<double>());
     }
+  LODE_TRY(const auto n_regions, in.read<std::uint32_t>());
+  LODE_TRY(head.region_ids, in.read_all<std::int64_t>(n_regions));
+  if (std::ranges::adjacent_find(head.region_ids, std::greater_equal()) != head.region_ids.end())
+    return fail("{}: metadata: expected regions that ascend", path);
+  head.shape.n_regions = std::max(1U, n_regions);
   LODE_TRY(head.shape.n_fields, in.read<std::uint32_t>());
   if (head.shape.n_fields < 1 || head.shape.n_fields > kMaxFields)
     return fail("{}: metadata: expected 1 to {} fields, got {}", path, kMaxFields,

@@ -53,6 +53,7 @@ class HierarchyMaker {
     bool has_target;
     FaceKey key;
     std::uint32_t maker;
+    std::uint32_t slot;
   };
 
   [[nodiscard]] std::uint32_t n_nodes() const {
@@ -62,6 +63,11 @@ class HierarchyMaker {
   [[nodiscard]] Result<void> collapse_again(LiveTetrahedra& live);
   [[nodiscard]] Result<void> gather_brought(const LiveTetrahedra& live, std::uint32_t vertex,
                                             std::uint32_t target);
+  /// Of a slot; kNone of tetrahedra to the vertex outside.
+  [[nodiscard]] std::uint32_t region(std::uint32_t slot) const {
+    return slot < mesh_.regions.size() ? mesh_.regions[slot] : kNone;
+  }
+  void note_regions();
   void note_node();
   void take_base(const LiveTetrahedra& live);
   void find_parents();
@@ -93,6 +99,7 @@ void HierarchyMaker::number_vertices() {
     numbers_[vertices[i]] = i;
     result_.positions.push_back(mesh_.positions[vertices[i]]);
   }
+  result_.region_ids = mesh_.region_ids;
   for (const MeshField& field : mesh_.fields) {
     MeshField& to = result_.fields.emplace_back(
         MeshField{.name = field.name, .type = field.type, .n_components = 1, .values = {}});
@@ -121,6 +128,7 @@ Result<void> HierarchyMaker::collapse_again(LiveTetrahedra& live) {
   boxes_.resize(n_nodes());
   result_.child_begins.push_back(0);
   result_.maker_begins.push_back(0);
+  result_.region_begins.push_back(0);
   for (std::uint32_t i = 0; i < n_nodes(); ++i) {
     const std::uint32_t node = nodes_[i];
     const std::uint32_t vertex = result_.n_base_vertices + node;
@@ -132,11 +140,13 @@ Result<void> HierarchyMaker::collapse_again(LiveTetrahedra& live) {
       for (const std::uint32_t v : live.corners(slot))
         if (v != live.outside()) grow(boxes_[node], {result_.positions[v], result_.positions[v]});
     for (const std::uint32_t slot : live.star(vertex)) makers_[slot] = node;
+    note_regions();
     live.collapse(vertex, target);
     note_node();
   }
   sort_lists(nodes_, result_.child_begins, result_.children);
   sort_lists(nodes_, result_.maker_begins, result_.makers);
+  sort_lists(nodes_, result_.region_begins, result_.regions);
   return {};
 }
 
@@ -148,7 +158,7 @@ Result<void> HierarchyMaker::gather_brought(const LiveTetrahedra& live, std::uin
     std::size_t n = 0;
     for (const std::uint32_t v : live.corners(slot))
       if (v != vertex && v != target) rest[n++] = v;
-    brought_.push_back({n == 2, face_key(rest[0], rest[1], rest[2]), makers_[slot]});
+    brought_.push_back({n == 2, face_key(rest[0], rest[1], rest[2]), makers_[slot], slot});
   }
   std::ranges::sort(brought_, [](const Brought& a, const Brought& b) {
     return std::pair(a.has_target, a.key) < std::pair(b.has_target, b.key);
@@ -175,12 +185,28 @@ void HierarchyMaker::note_node() {
   result_.maker_begins.push_back(result_.makers.size());
 }
 
+/// A collapse leaves tetrahedra their slots, which are the mesh's: so their regions are known.
+void HierarchyMaker::note_regions() {
+  std::uint32_t common = kNone;  // of those with a face, which stay
+  for (const Brought& b : brought_)
+    if (!b.has_target && common == kNone) common = region(b.slot);
+  const bool is_common = std::ranges::all_of(brought_, [&](const Brought& b) {
+    return region(b.slot) == common || region(b.slot) == kNone;
+  });
+  if (!mesh_.regions.empty() && !is_common)
+    for (const Brought& b : brought_)
+      if (b.has_target) result_.regions.push_back(region(b.slot) == kNone ? 0 : region(b.slot));
+  result_.region_begins.push_back(result_.regions.size());
+}
+
 void HierarchyMaker::take_base(const LiveTetrahedra& live) {
   for (std::uint32_t slot = 0; slot < live.n_slots(); ++slot) {
     if (live.is_gone(slot)) continue;
     const Tetrahedron& t = live.corners(slot);
     result_.base.push_back(t);
     result_.base_makers.push_back(makers_[slot]);
+    if (result_.region_ids.size() > 1)
+      result_.base_regions.push_back(region(slot) == kNone ? 0 : region(slot));
     if (std::ranges::find(t, live.outside()) == t.end()) ++result_.n_base_cells;
   }
 }

@@ -23,7 +23,8 @@ namespace lode::tetra_mt {
 /// target that it has made: a cut knows of each tetrahedron whose it is. What comes are those
 /// tetrahedra with the new vertex in the target's place, and one for each edge of the outline of
 /// their faces across from the target. Whose these are is stored: those with a face across first,
-/// then those with an edge, each by face_key().
+/// then those with an edge, each by face_key(). A tetrahedron whose corner changes keeps its
+/// region; those of edges have the region of these, or it is stored.
 struct Hierarchy {
   std::uint32_t n_base_vertices = 0;
   std::vector<Vec3d> positions;   ///< By vertex.
@@ -31,6 +32,9 @@ struct Hierarchy {
   std::vector<Tetrahedron> base;  ///< With those to the vertex outside, number positions.size().
   std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
   std::uint64_t n_base_cells = 0;          ///< Without those to the vertex outside.
+  std::vector<std::int64_t> region_ids;    ///< The mesh's.
+  /// By tetrahedron of the base, places in region_ids; empty where there is one at most.
+  std::vector<std::uint32_t> base_regions;
 
   std::vector<std::uint32_t> order;      ///< Nodes as they may be applied: the collapses reversed.
   std::vector<std::uint32_t> targets;    ///< By node: the vertex that its own went into.
@@ -46,6 +50,11 @@ struct Hierarchy {
   /// By node and tetrahedron that it brings: which of its children has made it, or kReference.
   std::vector<std::uint8_t> makers;
 
+  std::vector<std::uint64_t> region_begins;
+  /// By node and tetrahedron that it brings with an edge, in the order of makers: its region. None
+  /// of nodes whose tetrahedra are all of the region of those that they replace.
+  std::vector<std::uint32_t> regions;
+
   static constexpr std::uint8_t kReference = 0xFF;
 
   [[nodiscard]] std::uint32_t n_nodes() const { return static_cast<std::uint32_t>(targets.size()); }
@@ -59,6 +68,10 @@ struct Hierarchy {
   [[nodiscard]] std::span<const std::uint32_t> parents_of(std::uint32_t node) const {
     return std::span(parents).subspan(parent_begins[node],
                                       parent_begins[node + 1] - parent_begins[node]);
+  }
+  [[nodiscard]] std::span<const std::uint32_t> regions_of(std::uint32_t node) const {
+    return std::span(regions).subspan(region_begins[node],
+                                      region_begins[node + 1] - region_begins[node]);
   }
   [[nodiscard]] std::span<const std::uint8_t> makers_of(std::uint32_t node) const {
     return std::span(makers).subspan(maker_begins[node],

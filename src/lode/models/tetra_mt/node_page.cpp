@@ -103,7 +103,13 @@ class NodePage::Packer {
     bits.write(content_.n_discovered[i], bits_for(children.size()));
     for (const std::uint32_t child : children) write_vertex(shape_.n_base_vertices + child, bits);
     for (const std::uint32_t parent : parents) write_vertex(shape_.n_base_vertices + parent, bits);
-    if (children.empty()) return;
+    if (!children.empty()) write_makers(i, bits);
+    if (page_.n_region_bits_ == 0) return;
+    bits.write(content_.regions[i].empty() ? 0 : 1, 1);
+    for (const std::uint32_t region : content_.regions[i]) bits.write(region, page_.n_region_bits_);
+  }
+  void write_makers(std::uint32_t i, BitWriter& bits) const {
+    const auto children = content_.children[i];
     const auto makers = content_.makers[i];
     const bool has_reference = std::ranges::find(makers, children.size()) != makers.end();
     bits.write(has_reference ? 1 : 0, 1);
@@ -121,7 +127,8 @@ NodePage::NodePage(const PageContent& content, std::uint32_t number, const PageS
     : own_(shape.n_base_vertices + number * kPageNodes),
       first_(shape.n_base_vertices),
       has_narrow_positions_(shape.has_narrow_positions),
-      has_narrow_values_(shape.has_narrow_values) {
+      has_narrow_values_(shape.has_narrow_values),
+      n_region_bits_(shape.n_regions > 1 ? bits_for(shape.n_regions - 1) : 0) {
   for (const Vec3d& p : content.positions) add_words(p.v, has_narrow_positions_, words_);
   values_begin_ = static_cast<std::uint32_t>(words_.size());
   add_words(content.values, has_narrow_values_, words_);

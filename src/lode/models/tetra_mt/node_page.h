@@ -15,6 +15,7 @@ struct PageShape {
   std::uint32_t n_base_vertices = 0;
   std::uint32_t n_nodes = 0;
   std::uint32_t n_fields = 1;
+  std::uint32_t n_regions = 1;
   bool has_narrow_positions = false;  ///< float32 holds them.
   bool has_narrow_values = false;
 
@@ -68,6 +69,9 @@ class NodePage {
     /// After all of them; then for each tetrahedron a place among the children, or n_children().
     void start_makers();
     [[nodiscard]] std::uint32_t next_maker() { return bits_.read(n_maker_bits_); }
+    /// After those: whether there are regions, and then each of the tetrahedra with an edge.
+    [[nodiscard]] bool start_regions() { return page_->n_region_bits_ > 0 && bits_.read(1) != 0; }
+    [[nodiscard]] std::uint32_t next_region() { return bits_.read(page_->n_region_bits_); }
 
    private:
     const NodePage* page_;
@@ -135,6 +139,7 @@ class NodePage {
   bool has_narrow_positions_;
   bool has_narrow_values_;
   int n_page_bits_ = 0;
+  int n_region_bits_;  ///< 0 where there is one region.
 };
 
 }  // namespace lode::tetra_mt

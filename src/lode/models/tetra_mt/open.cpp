@@ -99,7 +99,18 @@ class BaseReader {
       if (maker >= head_.shape.n_nodes && maker != kNone)
         return fail("{}: expected one of {} nodes, got {}", in.what(), head_.shape.n_nodes, maker);
     head_.base_makers.insert(head_.base_makers.end(), makers.begin(), makers.end());
+    LODE_CHECK(read_regions(in, n));
     return check_corners(in, first);
+  }
+  Result<void> read_regions(StreamReader& in, std::size_t n) {
+    if (head_.shape.n_regions == 1) return {};
+    LODE_TRY(const auto regions, take_numbers(in, n));
+    for (const std::uint32_t region : regions)
+      if (region >= head_.shape.n_regions)
+        return fail("{}: expected one of {} regions, got {}", in.what(), head_.shape.n_regions,
+                    region);
+    head_.base_regions.insert(head_.base_regions.end(), regions.begin(), regions.end());
+    return {};
   }
   Result<void> check_corners(const StreamReader& in, std::size_t first) const {
     for (std::size_t i = first; i < head_.base.size(); ++i) {

@@ -23,6 +23,7 @@ PageContent empty_content(const PageShape& shape) {
   content.children.begins.resize(kPageNodes + 1);
   content.parents.begins.resize(kPageNodes + 1);
   content.makers.begins.resize(kPageNodes + 1);
+  content.regions.begins.resize(kPageNodes + 1);
   return content;
 }
 
@@ -54,6 +55,7 @@ HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
   head.shape = {.n_base_vertices = hierarchy.n_base_vertices,
                 .n_nodes = hierarchy.n_nodes(),
                 .n_fields = static_cast<std::uint32_t>(hierarchy.fields.size()),
+                .n_regions = std::max(1U, static_cast<std::uint32_t>(hierarchy.region_ids.size())),
                 .has_narrow_positions = true,
                 .has_narrow_values = true};
   head.n_cells = n_cells;
@@ -84,6 +86,8 @@ HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
   }
   head.base = hierarchy.base;
   head.base_makers = hierarchy.base_makers;
+  head.region_ids = hierarchy.region_ids;
+  head.base_regions = hierarchy.base_regions;
   return head;
 }
 
@@ -107,6 +111,9 @@ PageContent content_of(const Hierarchy& hierarchy, const HierarchyHead& head,
     const auto parents = hierarchy.parents_of(node);
     content.parents.items.insert(content.parents.items.end(), parents.begin(), parents.end());
     content.parents.end_list();
+    const auto regions = hierarchy.regions_of(node);
+    content.regions.items.insert(content.regions.items.end(), regions.begin(), regions.end());
+    content.regions.end_list();
   }
   return content;
 }

@@ -35,6 +35,9 @@ struct HierarchyHead {
   std::vector<double> base_values;         ///< By vertex and field.
   std::vector<Tetrahedron> base;           ///< With those to the vertex outside.
   std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
+  std::vector<std::int64_t> region_ids;    ///< As the file numbers them, ascending.
+  /// By tetrahedron of the base, places in region_ids; empty where there is one at most.
+  std::vector<std::uint32_t> base_regions;
 
   [[nodiscard]] std::uint32_t n_vertices() const { return shape.n_base_vertices + shape.n_nodes; }
   [[nodiscard]] std::uint32_t outside() const { return n_vertices(); }

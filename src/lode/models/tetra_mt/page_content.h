@@ -50,6 +50,10 @@ struct PageContent {
   /// there are where it is of the reference mesh. None where there are no children.
   Lists<std::uint8_t> makers;
 
+  /// By tetrahedron that a node brings with an edge, or none where all are of the region of those
+  /// it replaces: PageShape::n_regions.
+  Lists<std::uint32_t> regions;
+
   [[nodiscard]] std::size_t n_nodes() const { return targets.size(); }
   friend bool operator==(const PageContent&, const PageContent&) = default;
 };

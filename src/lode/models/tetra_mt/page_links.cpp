@@ -99,6 +99,7 @@ class LinkEncoder {
     write_counts(out);
     for (const Wanted& kind : {targets_, children_, parents_}) write(kind, out);
     out.add(content_.makers.items);
+    if (shape_.n_regions > 1) write_regions(out);
     return std::move(out).take();
   }
 
@@ -140,6 +141,13 @@ class LinkEncoder {
         column[i] = static_cast<std::uint8_t>(content_.boxes[i] >> at & ((1U << n) - 1));
       out.add(column);
     }
+  }
+  void write_regions(StreamWriter& out) const {
+    std::vector<std::uint8_t> counts;
+    for (std::size_t i = 0; i < content_.n_nodes(); ++i)
+      counts.push_back(static_cast<std::uint8_t>(content_.regions[i].size()));
+    out.add(counts);
+    out.add_planes(std::span<const std::uint32_t>(content_.regions.items));
   }
   void write_counts(StreamWriter& out) const {
     std::vector<std::uint8_t> n_children;
@@ -212,7 +220,8 @@ class LinkDecoder {
     LODE_TRY(const auto parents, read_links(n_parents, false));
     LODE_CHECK(check_children());
     LODE_CHECK(join_parents(parents));
-    return read_makers(n_makers);
+    LODE_CHECK(read_makers(n_makers));
+    return read_regions();
   }
 
  private:
@@ -322,6 +331,25 @@ class LinkDecoder {
         if (maker > content_.children[i].size())
           return fail("{}: node {}: expected places of {} children, got {}", in_.what(), i,
                       content_.children[i].size(), maker);
+    return {};
+  }
+
+  Result<void> read_regions() {
+    const std::size_t n = content_.n_nodes();
+    content_.regions.begins.assign(n + 1, 0);
+    if (shape_.n_regions == 1) return {};
+    LODE_TRY(const auto counts, in_.read(n));
+    for (std::size_t i = 0; i < n; ++i) {
+      if (counts[i] > kMaxBrought)
+        return fail("{}: node {}: expected up to {} regions, got {}", in_.what(), i, kMaxBrought,
+                    counts[i]);
+      content_.regions.begins[i + 1] = content_.regions.begins[i] + counts[i];
+    }
+    LODE_TRY(content_.regions.items,
+             in_.read_planes<std::uint32_t>(content_.regions.begins.back()));
+    for (const std::uint32_t region : content_.regions.items)
+      if (region >= shape_.n_regions)
+        return fail("{}: expected one of {} regions, got {}", in_.what(), shape_.n_regions, region);
     return {};
   }
 

@@ -48,6 +48,7 @@ std::vector<std::byte> encode_tetrahedra(const HierarchyHead& head, std::size_t 
     add_numbers(column, out);
   }
   add_numbers(std::span(head.base_makers).subspan(first, n), out);
+  if (head.shape.n_regions > 1) add_numbers(std::span(head.base_regions).subspan(first, n), out);
   return std::move(out).take();
 }
 

@@ -33,7 +33,8 @@ TetraCut::TetraCut(const PackedHierarchy& hierarchy, std::size_t field)
       stars_(count_base(hierarchy.head())) {
   const HierarchyHead& head = hierarchy.head();
   for (std::uint32_t slot = 0; slot < head.base.size(); ++slot) {
-    cells_.push_back({head.base[slot], head.base_makers[slot]});
+    const std::uint32_t region = head.base_regions.empty() ? 0 : head.base_regions[slot];
+    cells_.push_back({head.base[slot], head.base_makers[slot], region});
     for (const std::uint32_t v : head.base[slot])
       if (v != outside_) stars_.add(v, slot);
   }
@@ -110,6 +111,17 @@ void TetraCut::place(std::uint32_t slot, const Cell& cell) {
     if (v != outside_) stars_.add(v, slot);
 }
 
+/// Of the tetrahedra with an edge, once they are in their places.
+void TetraCut::find_regions(NodePage::Links& links) {
+  const bool is_stored = links.start_regions();
+  std::uint32_t common = 0;
+  for (const Coming& face : region_)
+    if (is_inside(cells_[face.slot])) common = cells_[face.slot].region;
+  for (const Coming& edge : outline_)
+    cells_[edge.slot].region =
+        is_stored ? std::min(links.next_region(), hierarchy_->head().shape.n_regions - 1) : common;
+}
+
 std::uint64_t TetraCut::apply(NodeId id) {
   const std::uint32_t node = index(id);
   const std::uint32_t vertex = hierarchy_->head().shape.n_base_vertices + node;
@@ -136,10 +148,12 @@ std::uint64_t TetraCut::apply(NodeId id) {
     stars_.add(vertex, face.slot);
   }
   std::uint64_t n_new = 0;
-  for (const Coming& edge : outline_) {
-    place(take_slot(), {{vertex, edge.rest[0], edge.rest[1], target}, next_maker()});
+  for (Coming& edge : outline_) {
+    edge.slot = take_slot();
+    place(edge.slot, {{vertex, edge.rest[0], edge.rest[1], target}, next_maker(), 0});
     if (edge.rest[0] != outside_ && edge.rest[1] != outside_) ++n_new;
   }
+  if (hierarchy_->head().shape.n_regions > 1) find_regions(links);
   return n_new;
 }
 

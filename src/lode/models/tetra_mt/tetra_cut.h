@@ -15,8 +15,9 @@ namespace lode::tetra_mt {
 class TetraCut {
  public:
   struct alignas(32) Cell {
-    Tetrahedron corners;  ///< Those of one that is gone begin with kNone.
-    std::uint32_t maker;  ///< The node that made it, kNone for the reference mesh's.
+    Tetrahedron corners;   ///< Those of one that is gone begin with kNone.
+    std::uint32_t maker;   ///< The node that made it, kNone for the reference mesh's.
+    std::uint32_t region;  ///< Place in HierarchyHead::region_ids; any where it is outside.
   };
 
   explicit TetraCut(const PackedHierarchy& hierarchy, std::size_t field = 0);
@@ -58,6 +59,7 @@ class TetraCut {
   void take_region(std::uint32_t node, std::uint32_t target);
   void find_outline();
   void place(std::uint32_t slot, const Cell& cell);
+  void find_regions(NodePage::Links& links);
   std::uint32_t take_slot();
 
   const PackedHierarchy* hierarchy_;
