@@ -1,5 +1,6 @@
 #include "build_tetra.h"
 
+#include <cmath>
 #include <limits>
 
 #include "outputs.h"
@@ -19,6 +20,14 @@ Result<std::optional<std::uint64_t>> parse_base_cells(const std::string& text) {
   return std::optional(static_cast<std::uint64_t>(n));
 }
 
+Result<double> parse_boundary_tolerance(const std::string& text) {
+  if (text.empty()) return 0;
+  LODE_TRY(const double distance, parse_number("--boundary-tolerance", text));
+  if (!(distance >= 0) || !std::isfinite(distance))
+    return fail("--boundary-tolerance: expected a distance >= 0, got {}", text);
+  return distance;
+}
+
 void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["model"] = "tetra_mt";
   json["field"] = info.field;
@@ -30,6 +39,7 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["base_cells"] = info.n_base_cells;
   json["base_error"] = info.base_error;
   json["regions"] = info.regions;
+  json["boundary_deviation"] = info.boundary_deviation;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
   table.add({"model", "tetra_mt"});
   table.add({"field", fmt::format("{}, {}", info.field, name_of(info.type))});
@@ -92,6 +102,7 @@ Result<void> check_tetra_build(const TetraBuildJob& job) {
   if (!is_lode_path(job.output))
     return fail("{}: expected an output that ends in .lode", job.output);
   LODE_CHECK(parse_base_cells(job.base_cells));
+  LODE_CHECK(parse_boundary_tolerance(job.boundary_tolerance));
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
   return check_paths_differ({job.input}, {job.output});
 }
@@ -103,6 +114,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   LODE_TRY(const TetrahedraOutcome made, read_tetra_mesh(job.input, job.reading));
   const double read_seconds = watch.seconds();
   TetraBuildOptions options{.threads = session.threads()};
+  LODE_TRY(options.boundary_tolerance, parse_boundary_tolerance(job.boundary_tolerance));
   if (base_cells && !made.mesh.tetrahedra.empty())
     options.base_share =
         static_cast<double>(*base_cells) / static_cast<double>(made.mesh.tetrahedra.size());
@@ -121,6 +133,14 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   add_info(built->info, table, json);
   add_cell_counts(made.report, table, json["reading"]);
   const double n = static_cast<double>(std::max<std::uint64_t>(built->info.n_vertices, 1));
+  json["volume_change"] = built->volume_change;
+  std::string kept;
+  for (const auto& [rule, n_kept] : built->refusals) {
+    json["base_vertices_kept"][rule] = n_kept;
+    kept += fmt::format("{}{} {}", kept.empty() ? "" : ", ", format_count(n_kept), rule);
+  }
+  if (!kept.empty()) table.add({"base vertices kept", kept});
+  table.add({"boundary moved", format_number(built->info.boundary_deviation) + " at most"});
   json["file_bytes"] = built->file_bytes;
   json["seconds"] = {{"total", watch.seconds()},
                      {"read", read_seconds},

@@ -10,7 +10,8 @@ namespace lode::cli {
 struct TetraBuildJob {
   std::string input;
   std::string output;
-  std::string base_cells;  ///< As given; empty: a hundredth.
+  std::string base_cells;          ///< As given; empty: a hundredth.
+  std::string boundary_tolerance;  ///< The same; empty: 0.
   ReadingArguments reading;
 };
 

@@ -22,9 +22,12 @@ struct BuildArguments {
   bool resumes = false;
   bool leaves_nothing = false;
   std::string base_cells;
+  std::string boundary_tolerance;
   ReadingArguments reading;
 
-  [[nodiscard]] TetraBuildJob tetra() const { return {input, output, base_cells, reading}; }
+  [[nodiscard]] TetraBuildJob tetra() const {
+    return {input, output, base_cells, boundary_tolerance, reading};
+  }
 };
 
 bool holds_bytes(const std::string& path) {
@@ -45,8 +48,9 @@ Result<void> check_mesh_build(const BuildArguments& arguments) {
 
 Result<void> check_build(const BuildArguments& arguments) {
   if (is_cell_mesh_path(arguments.input)) return check_mesh_build(arguments);
-  if (!arguments.base_cells.empty())
-    return fail("--base-cells: expected a mesh of cells, got {}", arguments.input);
+  if (!arguments.base_cells.empty() || !arguments.boundary_tolerance.empty())
+    return fail("{}: expected a mesh of cells with --base-cells and --boundary-tolerance",
+                arguments.input);
   // What is no file, or empty, is left to the reader, which says so.
   if (is_lode_path(arguments.input) && holds_bytes(arguments.input))
     return fail("{}: expected a file of another format to build from, got a .lode file",
@@ -177,6 +181,10 @@ Command add_build_command(CLI::App& program) {
   app->add_option("--base-cells", arguments->base_cells,
                   "Of a mesh: where to stop collapsing (default: a hundredth of its cells)")
       ->type_name("N");
+  app->add_option("--boundary-tolerance", arguments->boundary_tolerance,
+                  "Of a mesh: how far its boundary, and what lies between its regions, may move "
+                  "(default: 0, they stay in their planes)")
+      ->type_name("D");
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_build(*arguments); },
           [arguments](Session& session) { return run_build(*arguments, session); }};

@@ -146,19 +146,36 @@ TetraInfo info_of(const HierarchyHead& head) {
           .range_max = field.scale.knots().back(),
           .base_error = field.base_error,
           .bounds = {head.lower, head.upper},
+          .boundary_deviation = head.boundary_deviation,
           .regions = head.region_ids};
+}
+
+Result<tetra_mt::HalfEdgeCollapses> collapse(const TetraMesh& mesh,
+                                             const TetraBuildOptions& options, Progress& progress) {
+  if (mesh.fields.size() != 1) return fail("expected one field, got {}", mesh.fields.size());
+  const auto base_cells = static_cast<std::uint64_t>(std::clamp(options.base_share, 0.0, 1.0) *
+                                                     static_cast<double>(mesh.tetrahedra.size()));
+  return tetra_mt::collapse_half_edges(mesh,
+                                       {.base_cells = base_cells,
+                                        .rules = {.boundary_tolerance = options.boundary_tolerance},
+                                        .threads = options.threads},
+                                       progress);
 }
 
 Result<Hierarchy> make_hierarchy_of(const TetraMesh& mesh, const TetraBuildOptions& options,
                                     Progress& progress) {
-  if (mesh.fields.size() != 1) return fail("expected one field, got {}", mesh.fields.size());
-  const auto base_cells = static_cast<std::uint64_t>(std::clamp(options.base_share, 0.0, 1.0) *
-                                                     static_cast<double>(mesh.tetrahedra.size()));
-  LODE_TRY(
-      const auto collapses,
-      tetra_mt::collapse_half_edges(
-          mesh, {.base_cells = base_cells, .rules = {}, .threads = options.threads}, progress));
+  LODE_TRY(const auto collapses, collapse(mesh, options, progress));
   return tetra_mt::make_hierarchy(mesh, collapses, options.threads);
+}
+
+std::vector<std::pair<std::string, std::uint64_t>> named(const tetra_mt::RefusalCounts& counts) {
+  constexpr std::array<const char*, tetra_mt::RefusalCounts::kSize> kNames{
+      "non-manifold", "extremum", "boundary", "regions", "shape",
+      "topology",     "crowded",  "rounding", "limit"};
+  std::vector<std::pair<std::string, std::uint64_t>> result;
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    if (counts.counts[i] > 0) result.emplace_back(kNames[i], counts.counts[i]);
+  return result;
 }
 
 }  // namespace
@@ -220,8 +237,12 @@ Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const st
                                                  const TetraBuildOptions& options,
                                                  Progress& progress) try {
   Stopwatch watch;
-  LODE_TRY(const auto hierarchy, make_hierarchy_of(mesh, options, progress));
+  LODE_TRY(auto collapses, collapse(mesh, options, progress));
   TetraFileReport report;
+  report.volume_change = collapses.volume_change;
+  report.refusals = named(collapses.refusals);
+  LODE_TRY(const auto hierarchy, tetra_mt::make_hierarchy(mesh, collapses, options.threads));
+  collapses = {};
   report.build_seconds = watch.seconds();
   report.info = info_of(head_of(hierarchy, mesh.tetrahedra.size()));
   const Stopwatch write_watch;

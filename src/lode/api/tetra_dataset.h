@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lode/api/tetra_extraction.h"
@@ -19,6 +20,9 @@ namespace lode {
 struct TetraBuildOptions {
   /// Of the cells, how many are left in the base; more where none may go.
   double base_share = 0.01;
+  /// How far the boundary, and what lies between regions, may move; the mesh's unit. 0: they stay
+  /// in their planes (CollapseRules::boundary_tolerance).
+  double boundary_tolerance = 0;
   Threads threads{};
 };
 
@@ -31,8 +35,9 @@ struct TetraInfo {
   ScalarType type = ScalarType::float64;
   double range_min = 0;  ///< Of the field; both 0 where there is no vertex.
   double range_max = 0;
-  double base_error = 0;  ///< Largest |F - F'| at vertices of the reference on the base.
-  Box3d bounds{};         ///< Of all vertices.
+  double base_error = 0;          ///< Largest |F - F'| at vertices of the reference on the base.
+  Box3d bounds{};                 ///< Of all vertices.
+  double boundary_deviation = 0;  ///< Of cuts' boundaries; the mesh's unit.
   std::vector<std::int64_t> regions{};  ///< As the file numbers them, ascending.
 };
 
@@ -45,6 +50,9 @@ struct TetraReads {
 struct TetraFileReport {
   TetraInfo info;
   std::uint64_t file_bytes = 0;
+  double volume_change = 0;  ///< The base's volume less the reference's.
+  /// Vertices of the base by the rule that keeps them there; docs/models/tetra_mt.md.
+  std::vector<std::pair<std::string, std::uint64_t>> refusals;
   double build_seconds = 0;
   double write_seconds = 0;
 };

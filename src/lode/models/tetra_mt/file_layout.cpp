@@ -73,6 +73,7 @@ std::vector<std::byte> encode_head(const HierarchyHead& head) {
   out.write(static_cast<std::uint64_t>(head.roots.size()));
   for (const Vec3d* corner : {&head.lower, &head.upper})
     for (const double x : corner->v) out.write(x);
+  out.write(head.boundary_deviation);
   out.write(static_cast<std::uint32_t>(head.region_ids.size()));
   for (const std::int64_t id : head.region_ids) out.write(id);
   out.write(head.shape.n_fields);
@@ -101,6 +102,9 @@ Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::s
     for (double& x : corner->v) {
       LODE_TRY(x, in.read<double>());
     }
+  LODE_TRY(head.boundary_deviation, in.read<double>());
+  if (!(head.boundary_deviation >= 0))
+    return fail("{}: metadata: expected a distance >= 0, got {}", path, head.boundary_deviation);
   LODE_TRY(const auto n_regions, in.read<std::uint32_t>());
   LODE_TRY(head.region_ids, in.read_all<std::int64_t>(n_regions));
   if (std::ranges::adjacent_find(head.region_ids, std::greater_equal()) != head.region_ids.end())

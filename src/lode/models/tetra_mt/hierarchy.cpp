@@ -100,6 +100,7 @@ void HierarchyMaker::number_vertices() {
     result_.positions.push_back(mesh_.positions[vertices[i]]);
   }
   result_.region_ids = mesh_.region_ids;
+  result_.boundary_deviation = collapses_.boundary_deviation;
   for (const MeshField& field : mesh_.fields) {
     MeshField& to = result_.fields.emplace_back(
         MeshField{.name = field.name, .type = field.type, .n_components = 1, .values = {}});

@@ -29,6 +29,7 @@ struct HierarchyHead {
   std::uint64_t n_base_cells = 0;  ///< Without those to the vertex outside.
   Vec3d lower;                     ///< Of all positions.
   Vec3d upper;
+  double boundary_deviation = 0;  ///< Hierarchy's.
   std::vector<Field> fields;
   std::vector<std::uint32_t> roots;  ///< Nodes without parents, ascending.
   std::vector<Vec3d> base_positions;
