@@ -12,6 +12,7 @@
 #include <fstream>
 #include <map>
 
+#include "lode/models/tetra_mt/gradient_codes.h"
 #include "lode/models/tetra_mt/page_blocks.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
@@ -35,6 +36,13 @@ Hierarchy hierarchy_of(const TetraMesh& mesh, std::uint64_t base_cells) {
   auto hierarchy = make_hierarchy(mesh, *collapses, {2});
   EXPECT_TRUE(hierarchy);
   return std::move(*hierarchy);
+}
+
+/// Any.
+std::vector<std::uint32_t> codes_of(const Hierarchy& hierarchy) {
+  std::vector<std::uint32_t> codes;
+  for (std::uint32_t v = 0; v < hierarchy.positions.size(); ++v) codes.push_back(v * 2654435761U);
+  return codes;
 }
 
 TetraMesh noise() { return oracles::noise_mesh(17, oracles::Cut::in_five, 5); }
@@ -72,6 +80,37 @@ TEST(value_scale, codes_are_outside_of_values_and_close_also_beside_outliers) {
     EXPECT_LE(scale.error(scale.error_code(error)), error * 1.008F);
   }
   EXPECT_GT(scale.error(scale.error_code(1e-9F)), 0);
+}
+
+TEST(gradient_codes, point_where_gradients_do) {
+  Random random(2);
+  for (int trial = 0; trial < 20'000; ++trial) {
+    const double size = std::exp2(random.uniform(-60, 0));
+    Vec3f g;
+    for (std::size_t i = 0; i < 3; ++i) g[i] = static_cast<float>(size * random.uniform(-1, 1));
+    if (trial % 5 == 0) g[trial % 3] = 0;
+    if (trial % 7 == 0) g[trial / 3 % 3] = 0;
+    const Vec3f found = gradient_of(gradient_code(g));
+    const Vec3d wide_wanted{{g[0], g[1], g[2]}};
+    const Vec3d wide_found{{found[0], found[1], found[2]}};
+    if (length(wide_wanted) == 0) {
+      EXPECT_EQ(found, Vec3f());
+      continue;
+    }
+    const Vec3d off = normalized(wide_wanted) - normalized(wide_found);
+    EXPECT_LT(length(off), 1.7e-3);
+    if (length(wide_wanted) > 0x1p-60) {
+      EXPECT_GE(length(wide_wanted), 0.999 * length(wide_found));
+      EXPECT_LE(length(wide_wanted), 1.251 * length(wide_found));
+    }
+  }
+  EXPECT_EQ(gradient_of(gradient_code({})), Vec3f());
+  for (std::size_t i = 0; i < 3; ++i)
+    for (const float sign : {-1.0F, 1.0F}) {
+      Vec3f axis;
+      axis[i] = sign;
+      EXPECT_EQ(gradient_of(gradient_code(axis)), axis);
+    }
 }
 
 TEST(box_codes, hold_boxes_closely_and_nest) {
@@ -159,7 +198,8 @@ class tetra_file : public testing::Test {
  protected:
   tetra_file() : mesh_(noise()), hierarchy_(hierarchy_of(mesh_, 300)) {
     Progress progress;
-    EXPECT_TRUE(save(hierarchy_, mesh_.tetrahedra.size(), path_, {2}, progress));
+    EXPECT_TRUE(
+        save(hierarchy_, mesh_.tetrahedra.size(), codes_of(hierarchy_), path_, {2}, progress));
   }
 
   ~tetra_file() override {
@@ -201,6 +241,18 @@ TEST_F(tetra_file, answers_as_memory_does_and_reads_what_it_needs) {
     EXPECT_EQ(opened->hierarchy.position(v), hierarchy_.positions[v]);
     EXPECT_EQ(opened->hierarchy.value(v, 0), hierarchy_.fields[0].values[v]);
   }
+  const PageShape& shape = opened->hierarchy.head().shape;
+  const std::vector<std::uint32_t> codes = codes_of(hierarchy_);
+  std::vector<std::uint32_t> found(codes.size());
+  for (std::uint32_t v = 0; v < codes.size(); ++v) {
+    const VertexRange range = vertices_of(shape, page_of(shape, v));
+    ASSERT_LT(v - range.first, range.n);
+    if (v != range.first) continue;
+    const auto page = opened->gradients(page_of(shape, v));
+    ASSERT_TRUE(page);
+    std::ranges::copy(*page, found.begin() + v);
+  }
+  EXPECT_EQ(found, codes);
 }
 
 /// By its corners' positions, each tetrahedron's region.
@@ -227,7 +279,7 @@ TEST_F(tetra_file, keeps_regions_through_refining_and_coarsening) {
   }
   const Hierarchy hierarchy = hierarchy_of(mesh, 300);
   Progress progress;
-  ASSERT_TRUE(save(hierarchy, mesh.tetrahedra.size(), path_, {2}, progress));
+  ASSERT_TRUE(save(hierarchy, mesh.tetrahedra.size(), codes_of(hierarchy), path_, {2}, progress));
   const auto opened = open(path_);
   ASSERT_TRUE(opened) << opened.error().message;
   TetraCut cut(opened->hierarchy);
@@ -251,7 +303,7 @@ TEST_F(tetra_file, keeps_doubles) {
   for (double& value : mesh.fields[0].values) value /= 7;
   const Hierarchy hierarchy = hierarchy_of(mesh, 500);
   Progress progress;
-  ASSERT_TRUE(save(hierarchy, mesh.tetrahedra.size(), path_, {2}, progress));
+  ASSERT_TRUE(save(hierarchy, mesh.tetrahedra.size(), codes_of(hierarchy), path_, {2}, progress));
   const auto opened = open(path_);
   ASSERT_TRUE(opened);
   for (std::uint32_t v = 0; v < hierarchy.positions.size(); ++v) {

@@ -16,6 +16,7 @@
 #include "lode/mappers/mesh_boundary.h"
 #include "lode/mappers/mesh_gradients.h"
 #include "lode/mappers/mesh_isosurface.h"
+#include "lode/models/tetra_mt/gradient_codes.h"
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
@@ -120,18 +121,19 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
   return vertex_ids;
 }
 
-/// Of all vertices, on the mesh of all nodes.
-std::vector<Vec3f> reference_gradients(const PackedHierarchy& hierarchy, Threads threads) {
-  TetraCut cut(hierarchy);
-  Engine<TetraCut> engine(cut);
-  engine.set_query(uniform_demand(0));
-  engine.run([&] { return cut.is_damaged(); });
-  SimplexMesh mesh;
-  const std::vector<std::uint32_t> vertex_ids = fill_mesh(hierarchy, cut, mesh);
-  const std::vector<Vec3f> found = vertex_gradients(mesh, threads);
-  std::vector<Vec3f> gradients(hierarchy.head().n_vertices());
-  for (std::size_t v = 0; v < found.size(); ++v) gradients[vertex_ids[v]] = found[v];
-  return gradients;
+/// By vertex of the hierarchy: gradient_code() on the mesh.
+std::vector<std::uint32_t> gradient_codes(const TetraMesh& mesh, const Hierarchy& hierarchy,
+                                          Threads threads) {
+  SimplexMesh all;
+  all.positions = mesh.positions;
+  all.values = mesh.fields[0].values;
+  all.tetrahedra = mesh.tetrahedra;
+  const std::vector<Vec3f> gradients = vertex_gradients(all, threads);
+  std::vector<std::uint32_t> codes(hierarchy.mesh_vertices.size());
+  parallel_for(codes.size(), threads, tetra_mt::kPageNodes, [&](std::size_t v, int) {
+    codes[v] = tetra_mt::gradient_code(gradients[hierarchy.mesh_vertices[v]]);
+  });
+  return codes;
 }
 
 TetraInfo info_of(const HierarchyHead& head) {
@@ -182,23 +184,24 @@ std::vector<std::pair<std::string, std::uint64_t>> named(const tetra_mt::Refusal
 
 class TetraDataset::Impl {
  public:
-  explicit Impl(PackedHierarchy packed, std::function<tetra_mt::FileReads()> reads_of = {})
+  using GradientSource = std::function<Result<std::vector<std::uint32_t>>(std::uint32_t page)>;
+
+  Impl(PackedHierarchy packed, GradientSource source,
+       std::function<tetra_mt::FileReads()> reads_of = {})
       : hierarchy(std::move(packed)),
         reads(std::move(reads_of)),
         info(info_of(hierarchy.head())),
         surface_origin(origin_of(hierarchy.head())),
         surface_margin(
-            rounding_margin(std::array{info.bounds.lower, info.bounds.upper}, surface_origin)) {}
+            rounding_margin(std::array{info.bounds.lower, info.bounds.upper}, surface_origin)),
+        source_(std::move(source)) {}
 
   /// The mesh of a query's cut, without gradients.
   [[nodiscard]] Result<TetraCutMesh> make_mesh(const Query& wanted,
                                                std::span<const std::int64_t> regions,
                                                Progress& progress) const;
-  /// By vertex of the hierarchy; found once.
-  [[nodiscard]] const std::vector<Vec3f>& gradients(Threads threads) const {
-    std::call_once(gradients_found_, [&] { gradients_ = reference_gradients(hierarchy, threads); });
-    return gradients_;
-  }
+  /// Of vertices of the hierarchy, ascending.
+  [[nodiscard]] Result<std::vector<Vec3f>> gradients(std::span<const std::uint32_t> vertices) const;
 
   PackedHierarchy hierarchy;
   std::function<tetra_mt::FileReads()> reads;  ///< None in memory.
@@ -207,8 +210,11 @@ class TetraDataset::Impl {
   double surface_margin;
 
  private:
-  mutable std::once_flag gradients_found_;
-  mutable std::vector<Vec3f> gradients_;
+  [[nodiscard]] Result<void> load_gradients(std::uint32_t page) const;
+
+  GradientSource source_;
+  mutable std::mutex mutex_;
+  mutable std::vector<std::vector<std::uint32_t>> pages_;  ///< Codes, of those looked at so far.
 };
 
 TetraDataset::TetraDataset(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -227,8 +233,14 @@ TetraReads TetraDataset::reads() const {
 Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuildOptions& options,
                                          Progress& progress) try {
   LODE_TRY(const auto hierarchy, make_hierarchy_of(mesh, options, progress));
-  return TetraDataset(std::make_unique<Impl>(
-      PackedHierarchy::pack(hierarchy, mesh.tetrahedra.size(), options.threads)));
+  auto codes = gradient_codes(mesh, hierarchy, options.threads);
+  auto packed = PackedHierarchy::pack(hierarchy, mesh.tetrahedra.size(), options.threads);
+  auto source = [codes = std::move(codes), shape = packed.head().shape](std::uint32_t page) {
+    const tetra_mt::VertexRange range = vertices_of(shape, page);
+    const auto begin = codes.begin() + static_cast<std::ptrdiff_t>(range.first);
+    return Result(std::vector<std::uint32_t>(begin, begin + range.n));
+  };
+  return TetraDataset(std::make_unique<Impl>(std::move(packed), std::move(source)));
 } catch (const std::bad_alloc&) {
   return out_of_memory("build the hierarchy");
 }
@@ -246,8 +258,9 @@ Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const st
   report.build_seconds = watch.seconds();
   report.info = info_of(head_of(hierarchy, mesh.tetrahedra.size()));
   const Stopwatch write_watch;
-  LODE_TRY(report.file_bytes,
-           tetra_mt::save(hierarchy, mesh.tetrahedra.size(), path, options.threads, progress));
+  LODE_TRY(report.file_bytes, tetra_mt::save(hierarchy, mesh.tetrahedra.size(),
+                                             gradient_codes(mesh, hierarchy, options.threads), path,
+                                             options.threads, progress));
   report.write_seconds = write_watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
@@ -258,9 +271,31 @@ bool TetraDataset::is_model_of(const std::string& path) { return tetra_mt::is_mo
 
 Result<TetraDataset> TetraDataset::open(const std::string& path) try {
   LODE_TRY(auto opened, tetra_mt::open(path));
-  return TetraDataset(std::make_unique<Impl>(std::move(opened.hierarchy), std::move(opened.reads)));
+  return TetraDataset(std::make_unique<Impl>(std::move(opened.hierarchy),
+                                             std::move(opened.gradients), std::move(opened.reads)));
 } catch (const std::bad_alloc&) {
   return out_of_memory("open the file");
+}
+
+Result<void> TetraDataset::Impl::load_gradients(std::uint32_t page) const {
+  if (page >= pages_.size()) pages_.resize(page + std::size_t{1});
+  if (!pages_[page].empty()) return {};
+  LODE_TRY(pages_[page], source_(page));
+  return {};
+}
+
+Result<std::vector<Vec3f>> TetraDataset::Impl::gradients(
+    std::span<const std::uint32_t> vertices) const {
+  const std::lock_guard lock(mutex_);
+  const tetra_mt::PageShape& shape = hierarchy.head().shape;
+  std::vector<Vec3f> found;
+  found.reserve(vertices.size());
+  for (const std::uint32_t v : vertices) {
+    const std::uint32_t page = page_of(shape, v);
+    LODE_CHECK(load_gradients(page));
+    found.push_back(tetra_mt::gradient_of(pages_[page][v - vertices_of(shape, page).first]));
+  }
+  return found;
 }
 
 Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted,
@@ -310,10 +345,7 @@ Result<TetraSurfaceReport> TetraDataset::extract_surface(const TetraSurfaceOptio
   if (options.query.isovalues.empty()) return fail("isosurfaces: expected isovalues, got none");
   LODE_TRY(TetraCutMesh cut, impl_->make_mesh(options.query, options.regions, progress));
   if (options.normals == Normals::on) {
-    const std::vector<Vec3f>& all = impl_->gradients(options.threads);
-    LODE_CHECK(impl_->hierarchy.check());
-    cut.gradients.reserve(cut.vertex_ids.size());
-    for (const std::uint32_t v : cut.vertex_ids) cut.gradients.push_back(all[v]);
+    LODE_TRY(cut.gradients, impl_->gradients(cut.vertex_ids));
   }
   TetraSurfaceReport report = make_isosurfaces(cut, options, surface);
   report.seconds = watch.seconds();

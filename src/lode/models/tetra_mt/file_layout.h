@@ -16,6 +16,7 @@ enum class Kind : std::uint32_t {
   roots = 3,
   links = 4,
   field = 5,
+  gradients = 6,
 };
 
 /// Vertices, tetrahedra or roots of the base in a block.

@@ -99,6 +99,7 @@ void HierarchyMaker::number_vertices() {
     numbers_[vertices[i]] = i;
     result_.positions.push_back(mesh_.positions[vertices[i]]);
   }
+  result_.mesh_vertices = vertices;
   result_.region_ids = mesh_.region_ids;
   result_.boundary_deviation = collapses_.boundary_deviation;
   for (const MeshField& field : mesh_.fields) {

@@ -37,6 +37,7 @@ struct Hierarchy {
   /// By tetrahedron of the base, places in region_ids; empty where there is one at most.
   std::vector<std::uint32_t> base_regions;
 
+  std::vector<std::uint32_t> mesh_vertices;  ///< By vertex: the mesh's that it is.
   std::vector<std::uint32_t> order;      ///< Nodes as they may be applied: the collapses reversed.
   std::vector<std::uint32_t> targets;    ///< By node: the vertex that its own went into.
   std::vector<StoredFacts> facts;        ///< By node and field: nested along discovery.

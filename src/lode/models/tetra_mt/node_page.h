@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -19,8 +20,25 @@ struct PageShape {
   bool has_narrow_positions = false;  ///< float32 holds them.
   bool has_narrow_values = false;
 
+  /// Of nodes.
   [[nodiscard]] std::uint32_t n_pages() const { return n_pages_of(n_nodes); }
 };
+
+/// Vertices of a page: of nodes, or, numbered after those, of the base's.
+struct VertexRange {
+  std::uint32_t first = 0;
+  std::uint32_t n = 0;
+};
+[[nodiscard]] inline VertexRange vertices_of(const PageShape& shape, std::uint32_t page) {
+  const bool is_of_nodes = page < shape.n_pages();
+  const std::uint32_t at = (is_of_nodes ? page : page - shape.n_pages()) * kPageNodes;
+  const std::uint32_t n = is_of_nodes ? shape.n_nodes : shape.n_base_vertices;
+  return {(is_of_nodes ? shape.n_base_vertices : 0) + at, std::min(kPageNodes, n - at)};
+}
+[[nodiscard]] inline std::uint32_t page_of(const PageShape& shape, std::uint32_t vertex) {
+  return vertex < shape.n_base_vertices ? shape.n_pages() + vertex / kPageNodes
+                                        : (vertex - shape.n_base_vertices) / kPageNodes;
+}
 
 /// A page in memory, packed: for each node its position and values, 36 bits of facts for each
 /// field, 22 of its box, and its links. A link to a node or vertex of the page takes 10 bits; one

@@ -164,6 +164,16 @@ Result<PageContent> read_page(const store::Reader& reader, std::span<const std::
   return content;
 }
 
+Result<std::vector<std::uint32_t>> read_gradients(const store::Reader& reader, std::uint32_t page,
+                                                  const PageShape& shape) {
+  const auto key = key_of(Kind::gradients, page);
+  LODE_TRY(const auto bytes, read_block(reader, key));
+  StreamReader in(bytes, reader.path() + ": " + store::describe(key));
+  LODE_TRY(auto gradients, in.read_planes<std::uint32_t>(vertices_of(shape, page).n));
+  LODE_CHECK(in.expect_end());
+  return gradients;
+}
+
 }  // namespace
 
 bool is_model_of(const std::string& path) {
@@ -185,7 +195,11 @@ Result<OpenedHierarchy> open(const std::string& path) {
     const std::size_t n_parts = 1 + shape.n_fields;
     return read_page(*reader, std::span(places).subspan(number * n_parts, n_parts), number, shape);
   };
-  return OpenedHierarchy{PackedHierarchy(std::move(head), std::move(load)), [reader] {
+  auto gradients = [reader, shape](std::uint32_t page) {
+    return read_gradients(*reader, page, shape);
+  };
+  return OpenedHierarchy{PackedHierarchy(std::move(head), std::move(load)), std::move(gradients),
+                         [reader] {
                            return FileReads{reader->reads().n_bytes, reader->file_size()};
                          }};
 }

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <functional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "lode/core/progress.h"
 #include "lode/models/tetra_mt/packed_hierarchy.h"
@@ -20,11 +23,15 @@ struct FileReads {
 /// A hierarchy whose pages come from a file.
 struct OpenedHierarchy {
   PackedHierarchy hierarchy;
+  /// Of the vertices of a page of nodes, or, numbered after those, of the base's vertices.
+  std::function<Result<std::vector<std::uint32_t>>(std::uint32_t page)> gradients;
   std::function<FileReads()> reads;
 };
 
 /// Writes a hierarchy as docs/format.md says, whole or not at all. Returns the size of the file.
+/// `gradients`: gradient_code() of the first field's, by vertex.
 [[nodiscard]] Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
+                                         std::span<const std::uint32_t> gradients,
                                          const std::string& path, Threads threads,
                                          Progress& progress);
 

@@ -71,10 +71,24 @@ Result<void> append_base(const HierarchyHead& head, store::Writer& writer) {
   });
 }
 
+/// After all else, as only surfaces with normals ask for them.
+Result<void> append_gradients(const PageShape& shape, std::span<const std::uint32_t> gradients,
+                              store::Writer& writer) {
+  const std::uint32_t n_pages = shape.n_pages() + n_pages_of(shape.n_base_vertices);
+  for (std::uint32_t page = 0; page < n_pages; ++page) {
+    const VertexRange range = vertices_of(shape, page);
+    StreamWriter out;
+    out.add_planes(gradients.subspan(range.first, range.n));
+    LODE_CHECK(writer.append(key_of(Kind::gradients, page), as_block(std::move(out).take())));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
-                           const std::string& path, Threads threads, Progress& progress) {
+                           std::span<const std::uint32_t> gradients, const std::string& path,
+                           Threads threads, Progress& progress) {
   constexpr std::size_t kPagesAtOnce = 256;
   const HierarchyHead head = head_of(hierarchy, n_cells);
   LODE_TRY(auto writer, store::Writer::create(path, kModelName, encode_head(head)));
@@ -101,6 +115,7 @@ Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
     if (progress.is_cancelled()) return cancelled_error();
     progress.report("writing", static_cast<double>(first + n) / static_cast<double>(n_pages));
   }
+  LODE_CHECK(append_gradients(head.shape, gradients, writer));
   return writer.finish(progress);
 }
 
