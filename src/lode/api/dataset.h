@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "lode/api/verify_report.h"
 #include "lode/core/box.h"
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
@@ -194,26 +195,6 @@ struct MeshReport;
 struct SectionOptions;
 struct SectionReport;
 struct SimplexMesh;
-
-/// What a verification looked at, and the first thing that failed (empty: all holds).
-struct VerifyReport {
-  struct Check {
-    std::string name;         ///< "no self-intersection", ...
-    std::uint64_t count = 0;  ///< How many things were checked.
-    bool passed = true;
-    std::string detail;  ///< Measured worst value, or the worst offender.
-  };
-  std::vector<Check> checks;
-
-  void add(std::string name, std::uint64_t count, std::uint64_t failures, std::string detail) {
-    checks.push_back({std::move(name), count, failures == 0, std::move(detail)});
-  }
-  [[nodiscard]] bool passed() const {
-    for (const Check& check : checks)
-      if (!check.passed) return false;
-    return true;
-  }
-};
 
 /// The one door: a multiresolution model, in memory or opened from a .lode file.
 class Dataset {

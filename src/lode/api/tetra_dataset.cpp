@@ -1,5 +1,6 @@
 #include "lode/api/tetra_dataset.h"
 
+#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <span>
 #include <utility>
 
+#include "lode/api/tetra_verification.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/mesh_boundary.h"
@@ -20,6 +22,7 @@
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
+#include "lode/store/reader.h"
 
 namespace lode {
 namespace {
@@ -378,6 +381,32 @@ Result<TetraSurfaceReport> TetraDataset::extract_boundary(const TetraMeshOptions
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the boundary");
+}
+
+Result<VerifyReport> TetraDataset::verify(const TetraVerifyOptions& options,
+                                          Progress& progress) const try {
+  return verify_hierarchy(impl_->hierarchy, options, progress);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("check the hierarchy");
+}
+
+Result<VerifyReport> TetraDataset::verify_against(const TetraMesh& original,
+                                                  Progress& progress) const try {
+  return compare_with_original(impl_->hierarchy, original, progress);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("compare the hierarchy with the data");
+}
+
+Result<VerifyReport> verify_tetra_file(const std::string& path, Threads threads,
+                                       Progress& progress) try {
+  LODE_TRY(const auto reader, store::Reader::open(path));
+  LODE_CHECK(reader.check_all(threads, progress));
+  VerifyReport report;
+  report.add("every byte of the file", reader.file_size(), 0,
+             fmt::format("{} blocks", reader.blocks().size()));
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("check the file", path);
 }
 
 }  // namespace lode

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lode/api/tetra_extraction.h"
+#include "lode/api/verify_report.h"
 #include "lode/core/box.h"
 #include "lode/core/mesh.h"
 #include "lode/core/progress.h"
@@ -23,6 +24,12 @@ struct TetraBuildOptions {
   /// How far the boundary, and what lies between regions, may move; the mesh's unit. 0: they stay
   /// in their planes (CollapseRules::boundary_tolerance).
   double boundary_tolerance = 0;
+  Threads threads{};
+};
+
+struct TetraVerifyOptions {
+  std::uint32_t n_random_cuts = 8;  ///< The first is the base.
+  std::uint64_t seed = 1;           ///< Of their nodes, and of the order in which all are applied.
   Threads threads{};
 };
 
@@ -104,11 +111,22 @@ class TetraDataset {
   [[nodiscard]] Result<TetraSurfaceReport> extract_boundary(const TetraMeshOptions& options,
                                                             Surface& surface,
                                                             Progress& progress) const;
+  /// What verify_hierarchy() finds.
+  [[nodiscard]] Result<VerifyReport> verify(const TetraVerifyOptions& options,
+                                            Progress& progress) const;
+  /// What compare_with_original() finds.
+  [[nodiscard]] Result<VerifyReport> verify_against(const TetraMesh& original,
+                                                    Progress& progress) const;
 
  private:
   class Impl;
   explicit TetraDataset(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// Checks every byte of a .lode file of tetrahedra: checksums, and that all blocks decode. Fails on
+/// the first fault, naming the file.
+[[nodiscard]] Result<VerifyReport> verify_tetra_file(const std::string& path, Threads threads,
+                                                     Progress& progress);
 
 }  // namespace lode

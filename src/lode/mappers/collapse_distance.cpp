@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "lode/mappers/point_triangle.h"
+#include "lode/core/point_triangle.h"
 
 namespace lode::simplification {
 namespace {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lode/core/point_triangle.h"
 #include "lode/mappers/collapse_block.h"
-#include "lode/mappers/point_triangle.h"
 
 namespace lode::simplification {
 

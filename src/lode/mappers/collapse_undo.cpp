@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lode/mappers/point_triangle.h"
+#include "lode/core/point_triangle.h"
 
 namespace lode::simplification {
 

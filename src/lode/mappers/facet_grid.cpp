@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lode/core/point_triangle.h"
 #include "lode/mappers/collapse_mesh.h"
 #include "lode/mappers/collapse_pieces.h"
-#include "lode/mappers/point_triangle.h"
 
 namespace lode {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "lode/core/point_triangle.h"
 #include "lode/mappers/collapse_mesh.h"
 #include "lode/mappers/collapse_pieces.h"
 #include "lode/mappers/facet_grid.h"
-#include "lode/mappers/point_triangle.h"
 
 namespace lode {
 namespace {

@@ -1,0 +1,126 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lode/api/tetra_cut_shape.h"
+#include "lode/api/tetra_verification.h"
+#include "lode/refine/engine.h"
+#include "lode/refine/focus.h"
+
+namespace lode {
+namespace {
+
+using tetra_mt::PackedHierarchy;
+using tetra_mt::TetraCut;
+using tetra_mt::Tetrahedron;
+
+/// A vertex as bits, so that 0 and -0 differ.
+using VertexBits = std::array<std::uint64_t, 4>;
+
+std::vector<VertexBits> bits_of(std::span<const Vec3d> positions, std::span<const double> values) {
+  std::vector<VertexBits> bits(positions.size());
+  for (std::size_t v = 0; v < bits.size(); ++v) {
+    for (std::size_t i = 0; i < 3; ++i) bits[v][i] = std::bit_cast<std::uint64_t>(positions[v][i]);
+    bits[v][3] = std::bit_cast<std::uint64_t>(values[v]);
+  }
+  return bits;
+}
+
+std::vector<VertexBits> used_by(std::span<const Tetrahedron> cells,
+                                const std::vector<VertexBits>& vertices) {
+  std::vector<bool> is_used(vertices.size(), false);
+  for (const Tetrahedron& t : cells)
+    for (const std::uint32_t v : t) is_used[v] = true;
+  std::vector<VertexBits> used;
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    if (is_used[v]) used.push_back(vertices[v]);
+  return used;
+}
+
+/// Numbers that vertices of both meshes have by their bits alone; equal ones the same.
+std::vector<std::uint32_t> ranks_of(const std::vector<VertexBits>& vertices,
+                                    const std::vector<VertexBits>& sorted) {
+  std::vector<std::uint32_t> ranks;
+  ranks.reserve(vertices.size());
+  for (const VertexBits& bits : vertices)
+    ranks.push_back(
+        static_cast<std::uint32_t>(std::ranges::lower_bound(sorted, bits) - sorted.begin()));
+  return ranks;
+}
+
+/// By ranks, ascending but for the last two where they are turned the other way.
+std::vector<Tetrahedron> ranked_cells(std::span<const Tetrahedron> cells,
+                                      const std::vector<std::uint32_t>& ranks) {
+  std::vector<Tetrahedron> result;
+  result.reserve(cells.size());
+  for (Tetrahedron t : cells) {
+    for (std::uint32_t& v : t) v = ranks[v];
+    bool is_odd = false;
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t k = 0; k + 1 < 4; ++k)
+        if (t[k] > t[k + 1]) {
+          std::swap(t[k], t[k + 1]);
+          is_odd = !is_odd;
+        }
+    // Two corners that count as equal can be swapped: such a cell has no side.
+    if (is_odd && std::ranges::adjacent_find(t) == t.end()) std::swap(t[2], t[3]);
+    result.push_back(t);
+  }
+  std::ranges::sort(result);
+  return result;
+}
+
+/// Elements of sorted lists that only one of them has.
+template <typename T>
+std::uint64_t count_differences(const std::vector<T>& a, const std::vector<T>& b) {
+  std::vector<T> different;
+  std::ranges::set_symmetric_difference(a, b, std::back_inserter(different));
+  return different.size();
+}
+
+std::string difference_text(std::uint64_t n, std::uint64_t ours, std::uint64_t theirs) {
+  return n == 0 ? ""
+                : fmt::format("{} are in one of both only: the model has {}, the original {}", n,
+                              ours, theirs);
+}
+
+}  // namespace
+
+Result<VerifyReport> compare_with_original(const PackedHierarchy& hierarchy,
+                                           const TetraMesh& original, Progress& progress) {
+  if (original.fields.size() != 1)
+    return fail("expected one field, got {}", original.fields.size());
+  progress.report("comparing with the original", 0);
+  TetraCut cut(hierarchy);
+  Engine<TetraCut> engine(cut);
+  engine.set_query(uniform_demand(0));
+  engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
+  if (progress.is_cancelled()) return cancelled_error();
+  LODE_CHECK(cut.check());
+  const TetraVertices vertices(hierarchy);
+  LODE_CHECK(hierarchy.check());
+  const auto ours = bits_of(vertices.positions, vertices.values);
+  const auto theirs = bits_of(original.positions, original.fields[0].values);
+  auto our_vertices = ours;
+  auto their_vertices = used_by(original.tetrahedra, theirs);
+  std::ranges::sort(our_vertices);
+  std::ranges::sort(their_vertices);
+  VerifyReport report;
+  const std::uint64_t n_vertices = count_differences(our_vertices, their_vertices);
+  report.add("vertices and values equal the original's", their_vertices.size(), n_vertices,
+             difference_text(n_vertices, ours.size(), their_vertices.size()));
+  if (n_vertices > 0) return report;
+  const auto our_cells = ranked_cells(cut.cells(), ranks_of(ours, our_vertices));
+  const auto their_cells = ranked_cells(original.tetrahedra, ranks_of(theirs, our_vertices));
+  const std::uint64_t n_cells = count_differences(our_cells, their_cells);
+  report.add("tetrahedra equal the original's", their_cells.size(), n_cells,
+             difference_text(n_cells, our_cells.size(), their_cells.size()));
+  return report;
+}
+
+}  // namespace lode

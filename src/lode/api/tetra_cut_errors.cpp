@@ -1,0 +1,175 @@
+#include "lode/api/tetra_cut_errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lode/locate/cell_locator.h"
+
+namespace lode {
+namespace {
+
+using tetra_mt::kNone;
+using tetra_mt::PackedHierarchy;
+
+/// What a cell states of the field.
+struct StatedFacts {
+  double error = 0;
+  Range range{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+};
+
+std::vector<StatedFacts> stated_by(const PackedHierarchy& hierarchy, const TetraCells& cells) {
+  const double reference = hierarchy.head().fields[0].scale.knots()[0];
+  std::vector<StatedFacts> stated(cells.makers.size());
+  for (std::size_t i = 0; i < stated.size(); ++i) {
+    if (cells.makers[i] == kNone) continue;
+    const NodeFacts facts = without_bounds(hierarchy.facts(cells.makers[i], 0), reference);
+    stated[i] = {facts.error, facts.range};
+  }
+  return stated;
+}
+
+/// What one vertex finds: of all cells there the one that is best for the model.
+struct VertexFinding {
+  bool is_looked_at = false;
+  bool is_outside = false;
+  bool is_in_range = false;
+  bool is_within_stated = false;
+  double error = std::numeric_limits<double>::infinity();  ///< The least.
+  double stated = 0;                                       ///< The largest.
+  double distance = 0;
+};
+
+class VertexSearch {
+ public:
+  VertexSearch(const TetraVertices& vertices, const TetraCells& cells, const CellLocator& locator,
+               const std::vector<StatedFacts>& stated)
+      : vertices_(vertices),
+        cells_(cells),
+        locator_(locator),
+        stated_(stated),
+        allowance_(vertices.boundary_allowance()) {}
+
+  [[nodiscard]] VertexFinding find(std::uint32_t vertex) const {
+    VertexFinding finding;
+    finding.is_looked_at = true;
+    const Vec3d& p = vertices_.positions[vertex];
+    locator_.visit_near(p, 0, [&](std::uint32_t cell) { look_inside(vertex, cell, finding); });
+    if (std::isfinite(finding.error)) return finding;
+    finding.is_outside = true;
+    locator_.visit_near(p, 2 * allowance_,
+                        [&](std::uint32_t cell) { look_beside(vertex, cell, finding); });
+    finding.distance = locator_.distance_to_nearest(p);
+    return finding;
+  }
+
+ private:
+  /// A point so little outside, as a share of the cell's height, may only have been rounded there.
+  static constexpr double kSlack = 1e-9;
+
+  void look_inside(std::uint32_t vertex, std::uint32_t cell, VertexFinding& finding) const {
+    const CellWeights found = locator_.weights_in(cell, vertices_.positions[vertex]);
+    const double slack = kSlack + found.rounding;
+    if (!std::isfinite(slack) || found.least() < -slack) return;
+    offer(vertex, cell, found.weights, slack, finding);
+  }
+  void look_beside(std::uint32_t vertex, std::uint32_t cell, VertexFinding& finding) const {
+    const Vec3d& p = vertices_.positions[vertex];
+    if (locator_.distance_to_faces(cell, p) > 2 * allowance_) return;
+    const CellWeights found = locator_.weights_in(cell, p);
+    if (!std::isfinite(found.rounding)) return;
+    offer(vertex, cell, found.clamped(), found.rounding + std::max(0.0, -found.least()), finding);
+  }
+  /// `slack`: by how much each weight may be off.
+  void offer(std::uint32_t vertex, std::uint32_t cell, const std::array<double, 4>& weights,
+             double slack, VertexFinding& finding) const {
+    const double value = vertices_.values[vertex];
+    double there = 0;
+    double low = value;
+    double high = value;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double corner = vertices_.values[cells_.corners[cell][k]];
+      // Relative to the vertex's: rounding is that of what differs.
+      there += weights[k] * (corner - value);
+      low = std::min(low, corner);
+      high = std::max(high, corner);
+    }
+    const double error = std::abs(there);
+    const StatedFacts& stated = stated_[cell];
+    finding.error = std::min(finding.error, error);
+    finding.stated = std::max(finding.stated, stated.error);
+    finding.is_within_stated =
+        finding.is_within_stated || error <= stated.error + 4 * slack * (high - low);
+    finding.is_in_range =
+        finding.is_in_range || (stated.range.low <= value && value <= stated.range.high);
+  }
+
+  const TetraVertices& vertices_;
+  const TetraCells& cells_;
+  const CellLocator& locator_;
+  const std::vector<StatedFacts>& stated_;
+  double allowance_;
+};
+
+void add_finding(const VertexFinding& finding, std::size_t vertex, double allowance,
+                 TetraCutErrors& errors) {
+  ++errors.n_vertices;
+  const bool is_found = std::isfinite(finding.error);
+  const bool is_far = finding.is_outside && !(is_found && finding.distance <= allowance);
+  errors.n_outside += finding.is_outside ? 1 : 0;
+  errors.n_far_outside += is_far ? 1 : 0;
+  errors.farthest_outside = std::max(errors.farthest_outside, finding.distance);
+  errors.n_above_stated += is_found && !finding.is_within_stated ? 1 : 0;
+  errors.n_out_of_range += is_found && !finding.is_in_range ? 1 : 0;
+  if (is_found) errors.largest = std::max(errors.largest, finding.error);
+  errors.largest_stated = std::max(errors.largest_stated, finding.stated);
+  if (!errors.first.empty()) return;
+  if (is_far)
+    errors.first = fmt::format("vertex {} is {:.3g} outside", vertex, finding.distance);
+  else if (is_found && !finding.is_within_stated)
+    errors.first = fmt::format("vertex {}: |F - F'| {:.6g}, stated {:.6g}", vertex, finding.error,
+                               finding.stated);
+  else if (is_found && !finding.is_in_range)
+    errors.first = fmt::format("vertex {}: its value is not in the range stated", vertex);
+}
+
+}  // namespace
+
+void TetraCutErrors::append(const TetraCutErrors& later) {
+  n_vertices += later.n_vertices;
+  n_above_stated += later.n_above_stated;
+  n_out_of_range += later.n_out_of_range;
+  n_outside += later.n_outside;
+  n_far_outside += later.n_far_outside;
+  largest = std::max(largest, later.largest);
+  largest_stated = std::max(largest_stated, later.largest_stated);
+  farthest_outside = std::max(farthest_outside, later.farthest_outside);
+  if (first.empty()) first = later.first;
+}
+
+Result<TetraCutErrors> measure_errors(const PackedHierarchy& hierarchy,
+                                      const TetraVertices& vertices, const TetraCells& cells,
+                                      Threads threads) {
+  const std::vector<StatedFacts> stated = stated_by(hierarchy, cells);
+  LODE_CHECK(hierarchy.check());
+  std::vector<bool> is_there(vertices.positions.size(), false);
+  for (const auto& t : cells.corners)
+    for (const std::uint32_t v : t) is_there[v] = true;
+  const CellLocator locator(vertices.positions, cells.corners, threads);
+  const VertexSearch search(vertices, cells, locator, stated);
+  std::vector<VertexFinding> findings(vertices.positions.size());
+  parallel_for(findings.size(), threads, 256, [&](std::size_t v, int) {
+    if (!is_there[v]) findings[v] = search.find(static_cast<std::uint32_t>(v));
+  });
+  TetraCutErrors errors;
+  for (const StatedFacts& facts : stated)
+    errors.largest_stated = std::max(errors.largest_stated, facts.error);
+  for (std::size_t v = 0; v < findings.size(); ++v)
+    if (findings[v].is_looked_at)
+      add_finding(findings[v], v, vertices.boundary_allowance(), errors);
+  return errors;
+}
+
+}  // namespace lode

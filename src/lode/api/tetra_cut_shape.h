@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/core/surface.h"
+#include "lode/models/tetra_mt/tetra_cut.h"
+
+namespace lode {
+
+/// All vertices of a hierarchy, as verification looks at them.
+struct TetraVertices {
+  std::vector<Vec3d> positions;
+  std::vector<double> values;
+  bool has_narrow_positions = false;
+  double size = 0;      ///< Of the box round all, along its diagonal.
+  double farthest = 0;  ///< From the origin.
+
+  /// Of a hierarchy and its first field.
+  explicit TetraVertices(const tetra_mt::PackedHierarchy& hierarchy);
+  /// How far the boundary of any cut may be from the reference's: what docs/models/tetra_mt.md
+  /// says.
+  [[nodiscard]] double boundary_allowance() const;
+};
+
+/// The tetrahedra of a cut, by the hierarchy's numbers of vertices.
+struct TetraCells {
+  std::vector<tetra_mt::Tetrahedron> corners;
+  std::vector<std::uint32_t> makers;  ///< By cell: its node, or kNone for the reference's.
+
+  explicit TetraCells(const tetra_mt::TetraCut& cut);
+};
+
+/// What the mesh of a cut is, as a mesh and in space.
+struct TetraCutShape {
+  std::uint64_t n_faces = 0;
+  std::uint64_t n_crowded_faces = 0;  ///< Of more than two cells, or of two on the same side.
+  std::uint64_t n_bad_made = 0;       ///< Cells that nodes made without positive volume,
+  std::uint64_t n_bad_reference = 0;  ///< and those of the reference's.
+  double volume = 0;                  ///< Of all, the negative too.
+  double area = 0;                    ///< Of the outer faces, those of one cell.
+  std::vector<std::array<std::uint32_t, 3>> outer;  ///< Counter-clockwise seen from outside.
+};
+[[nodiscard]] TetraCutShape shape_of(const TetraVertices& vertices, const TetraCells& cells);
+
+/// The outer faces in floats: exactly, where positions are.
+[[nodiscard]] Surface outer_surface(const TetraVertices& vertices, const TetraCutShape& shape);
+
+}  // namespace lode

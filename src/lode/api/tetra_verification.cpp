@@ -1,0 +1,257 @@
+#include "lode/api/tetra_verification.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "lode/api/tetra_cut_errors.h"
+#include "lode/api/tetra_cut_shape.h"
+#include "lode/mappers/self_intersections.h"
+#include "lode/mappers/surface_distance.h"
+#include "lode/models/tetra_mt/random_cut.h"
+#include "lode/models/tetra_mt/structure_check.h"
+#include "lode/refine/engine.h"
+#include "lode/refine/focus.h"
+
+namespace lode {
+namespace {
+
+using tetra_mt::PackedHierarchy;
+using tetra_mt::StructureFinding;
+using tetra_mt::StructureFindings;
+using tetra_mt::TetraCut;
+
+void add_structure(const StructureFindings& found, VerifyReport& report) {
+  const auto add = [&](const char* name, const StructureFinding& finding) {
+    report.add(name, finding.n_checked, finding.n_wrong,
+               finding.n_wrong == 0
+                   ? ""
+                   : fmt::format("{} wrong; first: {}", finding.n_wrong, finding.first));
+  };
+  add("nodes discovered once, from the roots", found.discovery);
+  add("parents and children name each other", found.links);
+  add("stored values nested", found.nesting);
+  if (found.refinement.n_checked > 0) add("nodes apply and undo in any order", found.refinement);
+}
+
+/// One thing that is checked of several cuts.
+struct CutCheck {
+  std::uint64_t count = 0;
+  std::uint64_t n_wrong = 0;
+  std::string worst;  ///< Of what is wrong the first.
+
+  void add(std::uint64_t n, std::uint64_t wrong, const std::string& what) {
+    count += n;
+    if (wrong > 0 && n_wrong == 0) worst = what;
+    n_wrong += wrong;
+  }
+};
+
+/// Cuts of one hierarchy, held against its mesh of all nodes.
+class CutVerifier {
+ public:
+  CutVerifier(const PackedHierarchy& hierarchy, Threads threads, Progress& progress)
+      : hierarchy_(hierarchy), threads_(threads), progress_(progress), vertices_(hierarchy) {}
+
+  [[nodiscard]] Result<void> find_reference();
+  [[nodiscard]] Result<void> look_at(const TetraCut& cut, const std::string& name);
+  /// At a tolerance that is a share of the base's error; nothing: the base.
+  [[nodiscard]] Result<void> measure(std::optional<double> share, VerifyReport& report);
+  void add_to(VerifyReport& report) const;
+
+ private:
+  [[nodiscard]] Result<void> compare_boundary(const TetraCutShape& shape, const std::string& name);
+  void check_volume(const TetraCutShape& shape, const std::string& name);
+  void check_outer_faces(const TetraCutShape& shape, const std::string& name);
+
+  const PackedHierarchy& hierarchy_;
+  Threads threads_;
+  Progress& progress_;
+  TetraVertices vertices_;
+  TetraCutShape reference_;
+  Surface reference_surface_;
+  std::uint64_t n_reference_meetings_ = 0;  ///< Of pairs of its outer faces.
+  std::vector<bool> is_outer_;              ///< By vertex, of the reference.
+  CutCheck conforming_;
+  CutCheck turned_;
+  CutCheck volume_;
+  CutCheck boundary_;
+  CutCheck sheets_;
+  TetraCutErrors errors_;
+  std::uint64_t n_meetings_ = 0;  ///< The most of a cut.
+  double volume_off_ = 0;         ///< The largest share by which a cut's is.
+  double boundary_off_ = 0;       ///< What is proven of the farthest point.
+};
+
+Result<void> CutVerifier::find_reference() {
+  TetraCut cut(hierarchy_);
+  Engine<TetraCut> engine(cut);
+  engine.set_query(uniform_demand(0));
+  engine.run([&] { return progress_.is_cancelled() || cut.is_damaged(); });
+  if (progress_.is_cancelled()) return cancelled_error();
+  LODE_CHECK(cut.check());
+  reference_ = shape_of(vertices_, TetraCells(cut));
+  reference_surface_ = outer_surface(vertices_, reference_);
+  LODE_TRY(const auto meetings, check_self_intersections(reference_surface_, threads_, progress_));
+  n_reference_meetings_ = meetings.n_intersections;
+  is_outer_.assign(vertices_.positions.size(), false);
+  for (const auto& triangle : reference_.outer)
+    for (const std::uint32_t v : triangle) is_outer_[v] = true;
+  return {};
+}
+
+void CutVerifier::check_outer_faces(const TetraCutShape& shape, const std::string& name) {
+  const std::uint64_t n_cracks =
+      static_cast<std::uint64_t>(std::ranges::count_if(shape.outer, [&](const auto& triangle) {
+        return !std::ranges::all_of(triangle, [&](std::uint32_t v) { return is_outer_[v]; });
+      }));
+  const bool is_crowded = shape.n_crowded_faces > reference_.n_crowded_faces;
+  conforming_.add(shape.n_faces, n_cracks + (is_crowded ? shape.n_crowded_faces : 0),
+                  fmt::format("{}: {} faces of one cell inside, {} of more than two", name,
+                              n_cracks, shape.n_crowded_faces));
+}
+
+/// By no more than the boundary's area times what it may move by, and rounding.
+void CutVerifier::check_volume(const TetraCutShape& shape, const std::string& name) {
+  constexpr double kRounding = 1e-12;
+  const double off = std::abs(shape.volume - reference_.volume);
+  const double allowed = std::max(shape.area, reference_.area) * vertices_.boundary_allowance() +
+                         kRounding * vertices_.size * vertices_.size * vertices_.size;
+  const double share = reference_.volume > 0 ? off / reference_.volume : off;
+  volume_off_ = std::max(volume_off_, share);
+  volume_.add(1, off <= allowed ? 0 : 1,
+              fmt::format("{}: {:.9g} instead of {:.9g}", name, shape.volume, reference_.volume));
+}
+
+/// What is a hundredth of the domain off is found for sure; what is less, at the vertices of both
+/// and wherever triangles are cut. More pieces cost more than all other checks.
+Result<void> CutVerifier::compare_boundary(const TetraCutShape& shape, const std::string& name) {
+  const Surface surface = outer_surface(vertices_, shape);
+  LODE_TRY(const auto meetings, check_self_intersections(surface, threads_, progress_));
+  n_meetings_ = std::max(n_meetings_, meetings.n_intersections);
+  const bool is_clean = n_reference_meetings_ == 0 && vertices_.has_narrow_positions;
+  sheets_.add(meetings.n_simplices, is_clean ? meetings.n_intersections : 0,
+              fmt::format("{}: {} pairs of outer faces meet where they should not", name,
+                          meetings.n_intersections));
+  constexpr double kAccuracy = 1e-2;
+  const double rounding = vertices_.has_narrow_positions ? 0 : 0x1p-23 * vertices_.size;
+  const double allowed = vertices_.boundary_allowance() + 2 * rounding;
+  LODE_TRY(
+      const SurfaceDistance distance,
+      measure_distance(surface, reference_surface_,
+                       {.accuracy = kAccuracy * vertices_.size, .threads = threads_}, progress_));
+  boundary_off_ = std::max(boundary_off_, distance.lower());
+  boundary_.add(surface.triangles.size(), distance.lower() <= allowed ? 0 : 1,
+                fmt::format("{}: {:.6g} off, {:.6g} allowed", name, distance.lower(), allowed));
+  return {};
+}
+
+Result<void> CutVerifier::look_at(const TetraCut& cut, const std::string& name) {
+  LODE_CHECK(cut.check());
+  const TetraCells cells(cut);
+  const TetraCutShape shape = shape_of(vertices_, cells);
+  check_outer_faces(shape, name);
+  const std::uint64_t n_more = shape.n_bad_reference > reference_.n_bad_reference ? 1 : 0;
+  turned_.add(cells.corners.size(), shape.n_bad_made + n_more,
+              fmt::format("{}: {} cells of collapses and {} of the reference's have no positive "
+                          "volume",
+                          name, shape.n_bad_made, shape.n_bad_reference));
+  check_volume(shape, name);
+  LODE_CHECK(compare_boundary(shape, name));
+  LODE_TRY(TetraCutErrors errors, measure_errors(hierarchy_, vertices_, cells, threads_));
+  if (!errors.first.empty()) errors.first = name + ": " + errors.first;
+  errors_.append(errors);
+  if (progress_.is_cancelled()) return cancelled_error();
+  return {};
+}
+
+void CutVerifier::add_to(VerifyReport& report) const {
+  const auto add = [&](const char* name, const CutCheck& check, const std::string& measured) {
+    report.add(name, check.count, check.n_wrong, check.n_wrong == 0 ? measured : check.worst);
+  };
+  const auto unless_zero = [](std::uint64_t n, const std::string& text) {
+    return n == 0 ? std::string() : text;
+  };
+  add("faces of random cuts have two cells, or are outer ones", conforming_,
+      unless_zero(reference_.n_crowded_faces,
+                  fmt::format("the reference has {} of more", reference_.n_crowded_faces)));
+  add("no cell of random cuts is flat or turned round", turned_,
+      unless_zero(reference_.n_bad_reference,
+                  fmt::format("but {} of the reference's", reference_.n_bad_reference)));
+  add("volume of random cuts", volume_, fmt::format("{:.3g} of it off at most", volume_off_));
+  add("boundary of random cuts where it was", boundary_,
+      fmt::format("{:.3g} off at most, {:.3g} allowed", boundary_off_,
+                  vertices_.boundary_allowance()));
+  add("no sheets of the boundary meet", sheets_,
+      unless_zero(n_reference_meetings_ + n_meetings_,
+                  fmt::format("{} pairs of outer faces do in the reference, up to {} in cuts",
+                              n_reference_meetings_, n_meetings_)));
+  const auto of_errors = [&](const char* name, std::uint64_t n_wrong, const std::string& measured) {
+    report.add(
+        name, errors_.n_vertices, n_wrong,
+        n_wrong == 0 ? measured : fmt::format("{} wrong; first: {}", n_wrong, errors_.first));
+  };
+  of_errors(
+      "vertices left out lie in random cuts", errors_.n_far_outside,
+      unless_zero(errors_.n_outside, fmt::format("{} outside, by up to {:.3g}", errors_.n_outside,
+                                                 errors_.farthest_outside)));
+  of_errors("errors at vertices <= stored errors", errors_.n_above_stated,
+            fmt::format("largest {:.6g}, stored {:.6g}", errors_.largest, errors_.largest_stated));
+  of_errors("values of vertices in stored ranges", errors_.n_out_of_range, "");
+}
+
+Result<void> CutVerifier::measure(std::optional<double> share, VerifyReport& report) {
+  const tetra_mt::HierarchyHead::Field& field = hierarchy_.head().fields[0];
+  TetraCut cut(hierarchy_);
+  Engine<TetraCut> engine(cut);
+  if (share) engine.set_query(uniform_demand(*share * field.base_error));
+  engine.run([&] { return progress_.is_cancelled() || cut.is_damaged(); });
+  if (progress_.is_cancelled()) return cancelled_error();
+  LODE_CHECK(cut.check());
+  const double achieved =
+      share ? engine.largest([](const NodeFacts& facts) { return facts.error; }) : field.base_error;
+  const TetraCells cells(cut);
+  LODE_TRY(const TetraCutErrors errors, measure_errors(hierarchy_, vertices_, cells, threads_));
+  constexpr double kRounding = 1e-9;  // Of F', as a share of the range.
+  const auto& knots = field.scale.knots();
+  const bool is_kept = errors.largest <= achieved + kRounding * (knots.back() - knots.front()) &&
+                       (!share || achieved <= *share * field.base_error);
+  report.add(share ? fmt::format("errors at {} of the base's", *share) : "errors of the base",
+             errors.n_vertices, errors.n_above_stated + (is_kept ? 0 : 1),
+             fmt::format("largest {:.6g}, stated {:.6g}, {} cells", errors.largest, achieved,
+                         cells.corners.size()));
+  return {};
+}
+
+}  // namespace
+
+Result<VerifyReport> verify_hierarchy(const PackedHierarchy& hierarchy,
+                                      const TetraVerifyOptions& options, Progress& progress) {
+  VerifyReport report;
+  LODE_TRY(const StructureFindings found, check_structure(hierarchy, options.seed, progress));
+  add_structure(found, report);
+  if (found.discovery.n_wrong + found.links.n_wrong + found.refinement.n_wrong > 0) return report;
+  CutVerifier verifier(hierarchy, options.threads, progress);
+  LODE_CHECK(verifier.find_reference());
+  const std::uint32_t n_nodes = hierarchy.head().shape.n_nodes;
+  for (std::uint32_t k = 0; k < options.n_random_cuts; ++k) {
+    progress.report("checking random cuts", static_cast<double>(k) / options.n_random_cuts);
+    TetraCut cut(hierarchy);
+    // None for the base; then from a few up to a quarter of all, which need about as many more.
+    if (k > 0) apply_at_random(hierarchy, n_nodes >> (2 + 2 * (k % 4)), options.seed + k, cut);
+    LODE_CHECK(verifier.look_at(cut, k == 0 ? "base" : fmt::format("random cut {}", k)));
+  }
+  verifier.add_to(report);
+  LODE_CHECK(verifier.measure({}, report));
+  for (const double share : {0.3, 0.1, 0.03, 0.01}) {
+    progress.report("checking tolerances", 0.5);
+    LODE_CHECK(verifier.measure(share, report));
+  }
+  return report;
+}
+
+}  // namespace lode
