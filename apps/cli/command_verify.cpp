@@ -9,6 +9,7 @@
 #include "simplify_options.h"
 #include "stopwatch.h"
 #include "text.h"
+#include "verify_tetra.h"
 
 namespace lode::cli {
 namespace {
@@ -28,7 +29,17 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
   return options;
 }
 
+[[nodiscard]] TetraVerifyJob tetra_job(const VerifyArguments& arguments) {
+  return {arguments.input, arguments.original, arguments.reading};
+}
+
 Result<void> check_verify(const VerifyArguments& arguments) {
+  if (holds_tetrahedra(arguments.input)) {
+    if (!arguments.surface.empty())
+      return fail("--surface: expected a volume or its .lode file with it, got the mesh '{}'",
+                  arguments.input);
+    return check_tetra_verify(tetra_job(arguments));
+  }
   LODE_TRY(const ExtractOptions options, options_of(arguments));
   if ((options.max_distance || options.simplify_distance) && arguments.surface.empty())
     return fail("{}: expected --surface FILE with it, got none",
@@ -110,11 +121,15 @@ Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& repo
 Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   const Stopwatch watch;
   VerifyReport report;
-  if (is_lode_path(arguments.input)) {
+  const bool is_tetra = holds_tetrahedra(arguments.input);
+  if (is_tetra) {
+    LODE_TRY(report, verify_tetra(tetra_job(arguments), session));
+  } else if (is_lode_path(arguments.input)) {
     LODE_TRY(report, verify_file(arguments.input, session.threads(), session.progress()));
   }
   const bool needs_model = !arguments.original.empty() || !arguments.surface.empty();
-  if (needs_model && report.passed()) LODE_CHECK(verify_model(arguments, session, report));
+  if (!is_tetra && needs_model && report.passed())
+    LODE_CHECK(verify_model(arguments, session, report));
   for (const VerifyReport::Check& check : report.checks) {
     if (check.passed) continue;
     session.fail(fmt::format("{}: failed: {}{}{}",
@@ -129,19 +144,25 @@ Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
 
 Command add_verify_command(CLI::App& program) {
   auto arguments = std::make_shared<VerifyArguments>();
-  CLI::App* app = program.add_subcommand("verify", "Check a .lode file, or a surface made from it");
+  CLI::App* app =
+      program.add_subcommand("verify", "Check a .lode file, a mesh's hierarchy, or a surface");
   app->footer(
       "Reads and checks every byte of FILE; --against recomputes its errors from the original\n"
-      "data; --surface checks a surface, given the options it was extracted with.\n\n"
+      "data; --surface checks a surface, given the options it was extracted with.\n"
+      "Of meshes of tetrahedra, or .lode files made from them: nodes and their order, random "
+      "cuts,\n"
+      "and all stated errors and ranges; --against compares every vertex, value and cell.\n\n"
       "Examples:\n  lode verify scan.lode --against scan.nrrd\n"
+      "  lode verify mesh.vtu\n  lode verify mesh.lode --against mesh.vtu\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-error 10\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --simplify --max-distance 0.5");
-  app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
+  app->add_option("file", arguments->input, ".lode file, or a volume or mesh to build in memory")
       ->type_name("FILE")
       ->required();
-  app->add_option("--against", arguments->original, "Original data of FILE")->type_name("ORIGINAL");
+  app->add_option("--against,--original", arguments->original, "Original data of FILE")
+      ->type_name("ORIGINAL");
   app->add_option("--surface", arguments->surface, "Surface to check")->type_name("SURFACE");
   app->add_flag(
       "--simplify,--remove-slivers", arguments->simplify.simplifies,

@@ -1,0 +1,61 @@
+#include "verify_tetra.h"
+
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "tetra_input.h"
+
+namespace lode::cli {
+namespace {
+
+/// Of a .lode file, or built in memory.
+Result<TetraDataset> open_verified(const TetraVerifyJob& job, Session& session) {
+  if (is_lode_path(job.input)) return TetraDataset::open(job.input);
+  LODE_TRY(TetraInput input, build_tetra_input(job.input, job.reading, session));
+  return std::move(input.dataset);
+}
+
+/// The mesh that a model was made from, with the model's field unless another is named.
+Result<TetraMesh> read_original(const TetraVerifyJob& job, const TetraInfo& info) {
+  std::string field = job.reading.field.empty() ? info.field : job.reading.field;
+  if (!job.reading.component.empty() && job.reading.component != "magnitude")
+    field += ":" + job.reading.component;
+  LODE_TRY(CellMesh cells, read_cell_mesh(job.original, {}));
+  LODE_TRY(TetrahedraOutcome made,
+           to_tetrahedra(std::move(cells), TetraOptions{.fields = {std::move(field)}}));
+  return std::move(made.mesh);
+}
+
+void append_checks(VerifyReport& report, VerifyReport more) {
+  report.checks.insert(report.checks.end(), std::make_move_iterator(more.checks.begin()),
+                       std::make_move_iterator(more.checks.end()));
+}
+
+}  // namespace
+
+Result<void> check_tetra_verify(const TetraVerifyJob& job) {
+  if (!job.original.empty() && !is_cell_mesh_path(job.original))
+    return fail("--against: expected the mesh of cells that it was made from, got '{}'",
+                job.original);
+  if (is_lode_path(job.input) && job.original.empty() && !job.reading.is_empty())
+    return fail("{}: expected no options of reading with a .lode file, got some", job.input);
+  return check_tetra_reading(job.reading, job.original.empty() ? job.input : job.original);
+}
+
+Result<VerifyReport> verify_tetra(const TetraVerifyJob& job, Session& session) {
+  VerifyReport report;
+  if (is_lode_path(job.input)) {
+    LODE_TRY(report, verify_tetra_file(job.input, session.threads(), session.progress()));
+  }
+  LODE_TRY(const TetraDataset dataset, open_verified(job, session));
+  LODE_TRY(VerifyReport more, dataset.verify({.threads = session.threads()}, session.progress()));
+  append_checks(report, std::move(more));
+  if (job.original.empty()) return report;
+  LODE_TRY(const TetraMesh original, read_original(job, dataset.describe()));
+  LODE_TRY(VerifyReport compared, dataset.verify_against(original, session.progress()));
+  append_checks(report, std::move(compared));
+  return report;
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,86 @@
+// `lode verify` of meshes of tetrahedra, and of files made from them.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "lode/api/files.h"
+#include "tests/cli/program.h"
+#include "tests/oracles/tetra_grids.h"
+
+namespace lode::test {
+namespace {
+
+class cli_verify_tetra : public testing::Test {
+ protected:
+  cli_verify_tetra() {
+    write(mesh_, 3);
+    write(other_, 4);
+    const auto cells = read_cell_mesh(mesh_, {});
+    EXPECT_TRUE(cells);
+    const auto made = to_tetrahedra(CellMesh(*cells), {});
+    EXPECT_TRUE(made);
+    Progress progress;
+    EXPECT_TRUE(TetraDataset::build_file(made->mesh, lode_, {}, progress));
+  }
+  static void write(const std::string& path, std::uint64_t seed) {
+    const TetraMesh noise = oracles::noise_mesh(9, oracles::Cut::in_five, seed);
+    SimplexMesh mesh;
+    mesh.positions = noise.positions;
+    mesh.values = noise.fields[0].values;
+    mesh.tetrahedra = noise.tetrahedra;
+    mesh.errors.assign(mesh.tetrahedra.size(), 0);
+    Progress progress;
+    EXPECT_TRUE(write_vtu(path, mesh, {.value_name = "noise"}, progress));
+  }
+
+  Scratch scratch_;
+  std::string mesh_ = scratch_ / "noise.vtu";
+  std::string other_ = scratch_ / "other.vtu";
+  std::string lode_ = scratch_ / "noise.lode";
+};
+
+TEST_F(cli_verify_tetra, passes_what_was_made_from_the_original) {
+  const Finished file = run_lode({"verify", lode_, "--against", mesh_});
+  EXPECT_EQ(file.exit_code, 0) << file.err;
+  EXPECT_EQ(file.err, "");
+  const Finished built = run_lode({"verify", mesh_, "--json"});
+  EXPECT_EQ(built.exit_code, 0) << built.err;
+  EXPECT_NE(built.err.find("building its hierarchy in memory"), std::string::npos);
+  const Finished machine = run_lode({"verify", lode_, "--original", mesh_, "--json"});
+  EXPECT_EQ(machine.err, "");
+  const nlohmann::json json = machine.json();
+  EXPECT_EQ(json.at("passed"), true);
+  EXPECT_EQ(json.at("against"), mesh_);
+  // Every byte before, the original after what is checked of any hierarchy.
+  EXPECT_EQ(json.at("checks").size(), built.json().at("checks").size() + 3);
+  EXPECT_EQ(json.at("checks")[0].at("name"), "every byte of the file");
+  for (const auto& check : json.at("checks")) EXPECT_EQ(check.at("passed"), true);
+}
+
+TEST_F(cli_verify_tetra, fails_against_other_data) {
+  const Finished run = run_lode({"verify", lode_, "--against", other_});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("vertices and values equal the original's"), std::string::npos) << run.err;
+}
+
+TEST_F(cli_verify_tetra, fails_on_flipped_bytes) {
+  const std::string bytes = read_bytes(lode_);
+  for (std::size_t at = 16; at < bytes.size(); at += bytes.size() / 11) {
+    std::string flipped = bytes;
+    flipped[at] = static_cast<char>(flipped[at] ^ 0x10);
+    write_bytes(scratch_ / "flipped.lode", flipped);
+    const Finished run = run_lode({"verify", scratch_ / "flipped.lode"});
+    EXPECT_EQ(run.exit_code, 1) << "byte " << at;
+    EXPECT_NE(run.err.find("flipped.lode"), std::string::npos) << run.err;
+  }
+}
+
+TEST_F(cli_verify_tetra, refuses_what_does_not_go_with_meshes) {
+  EXPECT_EQ(run_lode({"verify", lode_, "--surface", "a.ply", "--isovalue", "0"}).exit_code, 2);
+  EXPECT_EQ(run_lode({"verify", lode_, "--against", lode_}).exit_code, 2);
+  EXPECT_EQ(run_lode({"verify", lode_, "--field", "noise"}).exit_code, 2);
+  EXPECT_EQ(run_lode({"verify", mesh_, "--nodata", "1"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace lode::test
