@@ -6,18 +6,21 @@
 
 #include "tests/contract/diamond_contract.h"
 #include "tests/contract/split_contract.h"
+#include "tests/contract/tetra_contract.h"
 
 namespace lode::test {
 
 /// Those that can be saved and opened.
 using StoredModels = ::testing::Types<  //
     DiamondContract<2>,                 //
-    DiamondContract<3>>;
+    DiamondContract<3>,                 //
+    TetraContract>;
 
 /// All that the engine refines.
 using AllModels = ::testing::Types<  //
     DiamondContract<2>,              //
     DiamondContract<3>,              //
+    TetraContract,                   //
     SplitTableContract,              //
     SplitLabelsContract>;
 
