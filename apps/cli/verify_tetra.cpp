@@ -9,13 +9,6 @@
 namespace lode::cli {
 namespace {
 
-/// Of a .lode file, or built in memory.
-Result<TetraDataset> open_verified(const TetraVerifyJob& job, Session& session) {
-  if (is_lode_path(job.input)) return TetraDataset::open(job.input);
-  LODE_TRY(TetraInput input, build_tetra_input(job.input, job.reading, session));
-  return std::move(input.dataset);
-}
-
 /// The mesh that a model was made from, with the model's field unless another is named.
 Result<TetraMesh> read_original(const TetraVerifyJob& job, const TetraInfo& info) {
   std::string field = job.reading.field.empty() ? info.field : job.reading.field;
@@ -48,7 +41,10 @@ Result<VerifyReport> verify_tetra(const TetraVerifyJob& job, Session& session) {
   if (is_lode_path(job.input)) {
     LODE_TRY(report, verify_tetra_file(job.input, session.threads(), session.progress()));
   }
-  LODE_TRY(const TetraDataset dataset, open_verified(job, session));
+  ReadingArguments reading = job.reading;
+  if (is_lode_path(job.input)) reading = {};  // the original's
+  LODE_TRY(const TetraInput input, open_tetra_input(job.input, reading, session));
+  const TetraDataset& dataset = input.dataset;
   LODE_TRY(VerifyReport more, dataset.verify({.threads = session.threads()}, session.progress()));
   append_checks(report, std::move(more));
   if (job.original.empty()) return report;

@@ -39,7 +39,9 @@ class TetraContract {
 
   Result<void> save(const std::string& path) const {
     Progress progress;
-    LODE_CHECK(tetra_mt::save(*hierarchy_, packed_->head().n_cells, path, {2}, progress));
+    const std::vector<std::uint32_t> gradients(hierarchy_->positions.size());
+    LODE_CHECK(
+        tetra_mt::save(*hierarchy_, packed_->head().n_cells, gradients, path, {2}, progress));
     return {};
   }
   /// With all pages, so that whatever is wrong with the file is found here.

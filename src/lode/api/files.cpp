@@ -13,9 +13,7 @@
 #include "lode/core/stopwatch.h"
 #include "lode/io/surface_stream.h"
 #include "lode/mappers/surface_edits.h"
-#include "lode/models/tetra_mt/persist.h"
 #include "lode/store/header.h"
-#include "lode/store/reader.h"
 
 namespace lode {
 namespace {

@@ -52,9 +52,6 @@ using io::write_vtu;
 /// Whether a path is a mesh of cells by its name, or a .lode file of the model tetra_mt.
 [[nodiscard]] bool holds_tetrahedra(const std::string& path);
 
-/// Whether `path` is of tetrahedra: is_cell_mesh_path(), or a .lode file whose model is tetra_mt.
-[[nodiscard]] bool holds_tetrahedra(const std::string& path);
-
 /// As io::read_surface; where a format without indices (STL) made one vertex of two with equal
 /// coordinates, each fan of triangles has its own again.
 [[nodiscard]] Result<Surface> read_surface(const std::string& path);
