@@ -9,21 +9,18 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "bench/data_directory.h"
 #include "bench/peers/flying_edges.h"
 #include "bench/peers/quadric_decimation.h"
 #include "bench/report.h"
+#include "bench/tetra_cases.h"
 #include "bench/tetra_errors.h"
 #include "bench/tetra_surfaces.h"
 #include "lode/core/stopwatch.h"
-#include "lode/io/mesh_reader.h"
-#include "lode/io/tetrahedra.h"
 #include "lode/models/tetra_mt/half_edge.h"
 #include "lode/models/tetra_mt/hierarchy.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
@@ -46,13 +43,6 @@ constexpr std::array<double, 2> kShares{0.10, 0.05};  ///< Of the cells, to coll
 constexpr double kBaseShare = 0.01;
 constexpr std::uint64_t kNoiseSeed = 1;
 
-struct TetraCase {
-  std::string name;
-  std::string file{};  ///< Of LODE_DATA/tetra; none: noise.
-  std::string field{};
-  int noise_samples = 0;  ///< An axis.
-};
-
 struct Settings {
   std::string only;          ///< Only cases whose name contains this.
   bool is_surfaces = false;  ///< Nothing but isosurfaces.
@@ -66,22 +56,9 @@ struct Timed {
 };
 
 std::vector<TetraCase> tetra_cases() {
-  return {
-      {.name = "noise_64", .noise_samples = 64},
-      {.name = "blunt_fin", .file = "blunt_fin_187395tets.vtu", .field = "Density"},
-      {.name = "oxygen_post", .file = "oxygen_post_513375tets.vtu", .field = "StagnationEnergy"}};
-}
-
-Result<TetraMesh> load(const TetraCase& tetra_case) {
-  if (tetra_case.file.empty())
-    return oracles::noise_mesh(tetra_case.noise_samples, oracles::Cut::in_five, kNoiseSeed);
-  const std::filesystem::path path = data_directory() / "tetra" / tetra_case.file;
-  if (!std::filesystem::exists(path))
-    return fail("skipped: no tetra/{} (set LODE_DATA)", tetra_case.file);
-  LODE_TRY(CellMesh cells, io::read_cell_mesh(path.string(), {}));
-  LODE_TRY(io::TetrahedraOutcome outcome,
-           io::to_tetrahedra(std::move(cells), {.fields = {tetra_case.field}}));
-  return std::move(outcome.mesh);
+  std::vector<TetraCase> cases = real_tetra_cases();
+  cases.insert(cases.begin(), noise_case(oracles::Cut::in_five));
+  return cases;
 }
 
 double part_of(const TetraMesh& mesh, double share) {

@@ -20,7 +20,7 @@ namespace lode::oracles {
   return made;
 }
 
-/// Of a triangle: its corners' positions, from the smallest on.
+/// Of a triangle: its corners' positions, turned so that they come first of the three ways.
 using TriangleKey = std::array<std::array<float, 3>, 3>;
 
 /// What a surface is, bit for bit, however its vertices and triangles are numbered.
@@ -29,8 +29,9 @@ using TriangleKey = std::array<std::array<float, 3>, 3>;
   keys.reserve(surface.triangles.size());
   for (const auto& [a, b, c] : surface.triangles) {
     TriangleKey key{surface.positions[a].v, surface.positions[b].v, surface.positions[c].v};
-    std::rotate(key.begin(), std::ranges::min_element(key), key.end());
-    keys.push_back(key);
+    const TriangleKey second{key[1], key[2], key[0]};
+    const TriangleKey third{key[2], key[0], key[1]};
+    keys.push_back(std::min({key, second, third}));
   }
   std::ranges::sort(keys);
   return keys;
