@@ -37,14 +37,15 @@ Result<SectionPlane> parse_plane(const std::string& text) {
   return plane;
 }
 
-/// What of the file is wanted: all of the mesh where the volume or a section is shown, else what
-/// the isosurfaces need.
-Result<MeshOptions> to_query(const TetraPictureJob& job) {
-  QueryArguments query;
-  query.max_cells = job.picture.max_cells;
-  LODE_TRY(MeshOptions options, to_mesh_options(query, job.extraction, "mesh of cells"));
-  if (job.picture.is_of_mesh()) options.query.isovalues = {};
-  return options;
+/// What of the mesh is wanted for a picture.
+Result<Query> to_query(const TetraPictureJob& job, const MeshPictureOptions& picture) {
+  QueryArguments arguments;
+  arguments.max_cells = job.picture.max_cells;
+  LODE_TRY(const MeshOptions typed, to_mesh_options(arguments, job.extraction, "mesh of cells"));
+  Query query = query_of(picture);
+  query.max_error = typed.query.max_error;
+  query.budget = typed.query.budget;
+  return query;
 }
 
 /// But for the transfer function, which may need the mesh.
@@ -124,8 +125,14 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
 
 Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& input,
                                   Session& session) {
-  LODE_TRY(const MeshOptions query, to_query(job));
   LODE_TRY(MeshPictureOptions options, to_picture(job));
+  const TetraInfo& info = input.dataset.describe();
+  options.colors = {info.range_min, info.range_max};
+  if (!job.picture.opacity.empty()) {
+    LODE_TRY(options.opacity,
+             to_transfer_function(job.picture.opacity, info.bounds, options.colors));
+  }
+  LODE_TRY(const Query query, to_query(job, options));
   if (!job.camera.empty()) {
     LODE_TRY(options.render.camera, read_camera(job.camera));
   }
@@ -134,16 +141,11 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
   SimplexMesh mesh;
   LODE_TRY(made.mesh,
            input.dataset.extract_mesh(
-               {.query = query.query, .threshold = {}, .regions = {}, .threads = session.threads()},
-               mesh, session.progress()));
+               {.query = query, .threshold = {}, .regions = {}, .threads = session.threads()}, mesh,
+               session.progress()));
   if (!made.mesh.budget_met)
     session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
                              made.mesh.n_cut_cells));
-  const TetraInfo& info = input.dataset.describe();
-  options.colors = {info.range_min, info.range_max};
-  if (!job.picture.opacity.empty()) {
-    LODE_TRY(options.opacity, to_transfer_function(job.picture.opacity, mesh, options.colors));
-  }
   LODE_TRY(const Image image, draw_mesh(mesh, options, made.picture, session.progress()));
   for (const double isovalue : made.picture.unmet)
     session.warn(fmt::format("no surface at isovalue {}: it meets no cell", isovalue));
@@ -180,8 +182,8 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
 }
 
 Result<void> check_tetra_picture(const TetraPictureJob& job) {
-  LODE_CHECK(to_query(job));
   LODE_TRY(const MeshPictureOptions options, to_picture(job));
+  LODE_CHECK(to_query(job, options));
   if (options.isovalues.empty() && !job.picture.is_of_mesh())
     return fail(
         "{}: expected --isovalue, --opacity, --section, --boundary, --wireframe or --points, got "

@@ -146,6 +146,23 @@ TEST_F(demand, touches_opacity_between_its_ends) {
   EXPECT_FALSE(opaque.touches(facts));
 }
 
+TEST_F(demand, counts_errors_by_the_share_of_the_largest_opacity) {
+  FocusDemand opaque;
+  opaque.foci = {OpacityFocus{{{10, 0}, {20, 4}, {30, 1}}}};
+  opaque.inside = 3;
+  NodeFacts facts = node();
+  facts.error = 8;
+  facts.range = {11, 15};
+  EXPECT_DOUBLE_EQ(opaque(facts), 1);  // half as opaque as may be
+  facts.range = {40, 50};
+  EXPECT_DOUBLE_EQ(opaque(facts), 0);
+  facts.range = {0, 50};
+  EXPECT_DOUBLE_EQ(opaque(facts), 5);
+  opaque.outside = 6;
+  facts.range = {11, 15};
+  EXPECT_DOUBLE_EQ(opaque(facts), 2);
+}
+
 TEST_F(demand, measures_pixels_from_the_near_side_of_a_ball) {
   ViewFocus focus;
   focus.pixels_per_radian = 1000;

@@ -95,11 +95,24 @@ void add_lines(const SimplexMesh& mesh, const MeshPictureOptions& options, Opaqu
 }  // namespace
 
 Result<TransferFunction> to_transfer_function(const std::string& preset_or_path,
-                                              const SimplexMesh& mesh, const Range& range) {
+                                              const Box3d& bounds, const Range& range) {
   if (!is_transfer_preset(preset_or_path)) return read_transfer_function(preset_or_path);
-  const Box3d box = bounds_of_cells(mesh);
-  const double diagonal = length(box.upper - box.lower);
+  const double diagonal = length(bounds.upper - bounds.lower);
   return transfer_preset(preset_or_path, {range.low, range.high, diagonal > 0 ? diagonal : 1});
+}
+
+Query query_of(const MeshPictureOptions& options) {
+  Query query;
+  if (options.sections.empty()) {
+    query.isovalues = options.isovalues;
+    if (options.opacity)
+      for (const TransferKnot& knot : options.opacity->knots)
+        query.opacity.push_back({knot.value, knot.extinction});
+  } else if (!options.opacity && options.isovalues.empty()) {
+    for (const SectionPlane& plane : options.sections)
+      query.sections.push_back({plane.point, plane.normal});
+  }
+  return query;
 }
 
 Result<Image> draw_mesh(const SimplexMesh& mesh, const MeshPictureOptions& options,

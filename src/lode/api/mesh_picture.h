@@ -40,8 +40,13 @@ struct MeshPictureReport {
 /// A preset by its name, fitted to a range of values and the diagonal of the mesh's box, or else a
 /// file of knots.
 [[nodiscard]] Result<TransferFunction> to_transfer_function(const std::string& preset_or_path,
-                                                            const SimplexMesh& mesh,
+                                                            const Box3d& bounds,
                                                             const Range& range);
+
+/// What of a mesh a picture needs, but for tolerance and budget: where it is not clear, all the
+/// more accurate the more opaque, and what isosurfaces need; what the planes need of sections
+/// alone; everywhere of both.
+[[nodiscard]] Query query_of(const MeshPictureOptions& options);
 
 /// Draws a mesh; see render_volume(). Without a camera a three-quarter view of all of it, whatever
 /// is shown. Isosurfaces have render.color or distinct colours.

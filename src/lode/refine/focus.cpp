@@ -65,6 +65,21 @@ bool touches_focus(const OpacityFocus& focus, const NodeFacts& node) {
   });
 }
 
+/// The largest opacity of the range's values, as a share of all there is; 1 of what is none.
+double weight_of(const Focus& focus, const NodeFacts& node) {
+  const auto* opacity = std::get_if<OpacityFocus>(&focus);
+  if (opacity == nullptr || opacity->points.empty() || node.range.is_empty()) return 1;
+  double all = 0;
+  double most =
+      std::max(opacity_at(*opacity, node.range.low), opacity_at(*opacity, node.range.high));
+  for (const auto& point : opacity->points) {
+    all = std::max(all, point.opacity);
+    if (node.range.low <= point.value && point.value <= node.range.high)
+      most = std::max(most, point.opacity);
+  }
+  return all > 0 ? most / all : 0;
+}
+
 bool touches_focus(const ViewFocus& focus, const NodeFacts& node) {
   return focus.shows(node.bounds);
 }
@@ -113,7 +128,9 @@ bool FocusDemand::touches(const NodeFacts& node) const { return evaluate(node).t
 Evaluation FocusDemand::evaluate(const NodeFacts& node) const {
   Evaluation result;
   bool is_inside = true;
+  double weight = 1;
   for (const Focus& focus : foci) {
+    weight *= weight_of(focus, node);
     if (lode::touches(focus, node)) continue;
     is_inside = false;
     // A view does not count: what is out of sight remains a candidate, so that a moved view finds
@@ -121,11 +138,13 @@ Evaluation FocusDemand::evaluate(const NodeFacts& node) const {
     result.touches = std::holds_alternative<ViewFocus>(focus);
     if (!result.touches) break;
   }
-  // The smaller tolerance inside: it would not be monotone otherwise.
-  const double tolerance = is_inside ? std::min(inside, outside) : outside;
-  if (outside != kEndless) result.touches = true;
-  if (tolerance == kEndless) return result;
-  result.demand = excess(measure(node), tolerance);
+  if (outside != kEndless) {
+    result.touches = true;
+    // Inside, too: it would not be monotone otherwise.
+    result.demand = excess(measure(node), outside);
+  }
+  if (is_inside && inside != kEndless)
+    result.demand = std::max(result.demand, excess(weight * measure(node), inside));
   if (is_inside && ends_at_border && node.is_at_border)
     result.demand = std::max(result.demand, kLast);
   return result;

@@ -44,7 +44,9 @@ struct SectionFocus {
   friend bool operator==(const SectionFocus&, const SectionFocus&) = default;
 };
 /// Where an opacity function is above zero for some value of the range: piecewise linear between
-/// control points, constant beyond them.
+/// control points, constant beyond them. Errors count as much as the range's largest opacity is of
+/// all there is (the paper's transfer function error, in units of the tolerance): a tolerance holds
+/// where the function is most opaque, and where it is half as opaque twice that.
 struct OpacityFocus {
   struct Point {
     double value = 0;
