@@ -66,7 +66,7 @@ std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
 }
 
 Result<void> check_extract(const ExtractArguments& arguments) {
-  LODE_CHECK(check_unused(arguments.query));
+  LODE_CHECK(check_unused(arguments.query, holds_tetrahedra(arguments.input)));
   if (arguments.reading.salvage && !arguments.memory_limit.empty())
     return fail("--salvage: expected no --memory-limit with it: all of the file is loaded");
   if (!arguments.memory_limit.empty()) {

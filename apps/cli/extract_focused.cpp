@@ -9,16 +9,6 @@
 namespace lode::cli {
 namespace {
 
-Result<View> read_view(const QueryArguments& query) {
-  View view;
-  LODE_TRY(view.camera, read_camera(query.view));
-  if (query.view_size.empty()) return view;
-  LODE_TRY(const auto size, parse_dims("--view-size", query.view_size, 16384));
-  view.width = static_cast<int>(size[0]);
-  view.height = static_cast<int>(size[1]);
-  return view;
-}
-
 std::string_view what_ended(const Standing& standing) {
   if (!standing.is_settled) return "the deadline";
   return standing.memory_met ? "the end of --max-cells" : "the memory limit";

@@ -15,14 +15,15 @@ struct TetraAnswer {
   bool is_default = false;  ///< The tolerance.
   double achieved_error = 0;
   bool budget_met = true;
+  bool is_settled = true;
   double seconds = 0;
   double write_seconds = 0;
 };
 
 template <typename Report>
 TetraAnswer to_answer(const Report& report, bool is_default) {
-  return {report.max_error,  is_default,     report.achieved_error,
-          report.budget_met, report.seconds, 0};
+  return {report.max_error, is_default, report.achieved_error, report.budget_met, report.is_settled,
+          report.seconds,   0};
 }
 
 void warn_of_budget(Session& session, bool is_met, std::uint64_t n_cells) {
@@ -56,6 +57,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   json["reference_vertices"] = info.n_vertices;
   json["base_cells"] = info.n_base_cells;
   json["budget_met"] = made.budget_met;
+  json["is_settled"] = made.is_settled;
   json["seconds"] = {
       {"total", made.seconds}, {"open", input.seconds}, {"write", made.write_seconds}};
   Table table;
@@ -71,6 +73,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
        format_number(made.max_error) +
            (made.is_default && made.max_error > 0 ? " (default: 0.5 % of the value range)" : "")});
   table.add({"achieved error", format_number(made.achieved_error) + " at samples"});
+  if (!made.is_settled) table.add({"deadline", "reached: as accurate as it allows"});
   for (const auto& [name, value] : counts.items())
     table.add({name == "largest_error" ? "error anywhere"
                : name == "cut_cells"   ? "cells of the cut"
@@ -106,25 +109,44 @@ Result<TetraJob> section_job(const MeshJob& job) {
   made.sections.max_error = one.max_error;
   made.sections.budget = one.budget;
   LODE_TRY(made.sections.regions, to_regions(job.query));
+  LODE_TRY(made.sections.deadline_s, to_deadline(job.query));
   made.is_default = !one.max_error;
   return made;
 }
 
 Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
-  if (!job.query.sections.empty() && !job.query.is_mesh) return section_job(job);
+  if (!job.query.max_error_px.empty())
+    return fail(
+        "--max-error-px: expected --max-error with a mesh of cells, whose errors are of the "
+        "field alone");
+  const bool is_section = !job.query.sections.empty() && !job.query.is_mesh;
+  if (is_section && !job.query.view.empty())
+    return fail("--view: expected no --section with it, which is fine along its plane");
+  if (is_section) return section_job(job);
   ExtractionArguments extraction = job.extraction;
   // Only isosurfaces have normals.
   if (!job.query.is_wanted()) extraction.normals = "on";
-  LODE_TRY(const MeshOptions options, to_mesh_options(job.query, extraction,
-                                                      job.query.is_mesh       ? "--mesh"
-                                                      : job.query.is_boundary ? "--boundary"
-                                                                              : kMeshOfCells));
+  LODE_TRY(MeshOptions options, to_mesh_options(job.query, extraction,
+                                                job.query.is_mesh       ? "--mesh"
+                                                : job.query.is_boundary ? "--boundary"
+                                                                        : kMeshOfCells));
+  if (!job.query.view.empty()) {
+    LODE_TRY(options.query.view, read_view(job.query));
+  }
+  LODE_TRY(const auto deadline_s, to_deadline(job.query));
   TetraJob made;
   LODE_TRY(const ExtractOptions surface, to_extract_options(job.extraction));
   LODE_TRY(const auto regions, to_regions(job.query));
-  made.surface = {
-      .query = options.query, .normals = surface.normals, .regions = regions, .threads = threads};
-  made.mesh = {.query = options.query, .threshold = {}, .regions = regions, .threads = threads};
+  made.surface = {.query = options.query,
+                  .deadline_s = deadline_s,
+                  .normals = surface.normals,
+                  .regions = regions,
+                  .threads = threads};
+  made.mesh = {.query = options.query,
+               .deadline_s = deadline_s,
+               .threshold = {},
+               .regions = regions,
+               .threads = threads};
   LODE_TRY(made.mesh.threshold, to_threshold(job.query));
   made.is_default = !options.query.max_error;
   return made;
@@ -231,14 +253,13 @@ Result<void> check_tetra_output(const MeshJob& job, const TetraJob& wanted) {
 }  // namespace
 
 Result<void> check_tetra_job(const MeshJob& job) {
-  if (!job.query.view.empty() || !job.query.deadline_ms.empty())
-    return fail("{}: expected no --view and no deadline with a mesh of cells", job.input);
   LODE_TRY(const TetraJob wanted, to_tetra_job(job, {}));
   LODE_CHECK(check_tetra_output(job, wanted));
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
   if (!job.memory_limit.empty())
     return fail("--memory-limit: expected none with a mesh of cells, which is built in memory");
-  return check_paths_differ({job.input}, {job.output});
+  if (job.query.view.empty()) return check_paths_differ({job.input}, {job.output});
+  return check_paths_differ({job.input, job.query.view}, {job.output});
 }
 
 Result<Outcome> run_tetra_job(const MeshJob& job, Session& session) {

@@ -133,7 +133,7 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "Accurate in a box; may be repeated (crops nothing)");
   add("--ball", arguments.balls, "X,Y,Z,R", "Accurate in a ball; may be repeated");
   add("--view", arguments.view, "CAMERA.json",
-      "Surface accurate where a camera sees it (as render --save-camera writes them)");
+      "Accurate where a camera sees it (as render --save-camera writes them)");
   add("--view-size", arguments.view_size, "WxH", "Pixels of the view (default: 1920x1080)");
   add("--max-error-px", arguments.max_error_px, "P",
       "Tolerance in pixels of the view, by an estimate of distances");
@@ -142,17 +142,35 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
   add("--max-cells", arguments.max_cells, "N",
       "At most N simplices, before clipping; without --max-error, as accurate as they allow");
   add("--deadline-ms", arguments.deadline_ms, "T",
-      "The best surface that is ready T milliseconds after the file is open");
+      "The best answer that is ready T milliseconds after the file is open");
 }
 
-Result<void> check_unused(const QueryArguments& arguments) {
+Result<View> read_view(const QueryArguments& arguments) {
+  View view;
+  LODE_TRY(view.camera, read_camera(arguments.view));
+  if (arguments.view_size.empty()) return view;
+  LODE_TRY(const auto size, parse_dims("--view-size", arguments.view_size, 16384));
+  view.width = static_cast<int>(size[0]);
+  view.height = static_cast<int>(size[1]);
+  return view;
+}
+
+Result<std::optional<double>> to_deadline(const QueryArguments& arguments) {
+  LODE_TRY(const auto deadline_ms, parse_limit("--deadline-ms", arguments.deadline_ms));
+  return deadline_ms ? std::optional(*deadline_ms / 1000) : std::nullopt;
+}
+
+Result<void> check_unused(const QueryArguments& arguments, bool is_of_cells) {
   if (arguments.is_boundary && arguments.is_mesh)
     return fail("--boundary: expected no --mesh with it, got both");
   if (arguments.is_boundary && !arguments.sections.empty())
     return fail("--boundary: expected no --section with it, got both");
   if (!arguments.threshold.empty() && !arguments.is_mesh && !arguments.is_boundary)
     return fail("--threshold: expected --mesh or --boundary with it, got neither");
+  if (!arguments.view_size.empty() && arguments.view.empty())
+    return fail("--view-size: expected --view with it");
   if (arguments.is_wanted()) {
+    if (is_of_cells) return {};
     for (const auto& [name, is_set] : {std::pair{"--view", !arguments.view.empty()},
                                        {"--max-error-px", !arguments.max_error_px.empty()},
                                        {"--deadline-ms", !arguments.deadline_ms.empty()}})
@@ -161,8 +179,6 @@ Result<void> check_unused(const QueryArguments& arguments) {
   }
   if (!arguments.field_ranges.empty())
     return fail("--field-range: expected --mesh or --section with it");
-  if (!arguments.view_size.empty() && arguments.view.empty())
-    return fail("--view-size: expected --view with it");
   return {};
 }
 
@@ -179,7 +195,7 @@ Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
   LODE_TRY(const auto outside, parse_limit("--max-error-outside", arguments.max_error_outside));
   if (!outside) return MeshOptions{query};
   if (query.isovalues.empty() && query.field_ranges.empty() && query.boxes.empty() &&
-      query.balls.empty())
+      query.balls.empty() && arguments.view.empty())
     return fail("--max-error-outside: expected --isovalue, --field-range, --box or --ball with it");
   query.max_error_outside = outside;
   return MeshOptions{query};
@@ -259,8 +275,7 @@ Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,
   if (query.max_error_outside && arguments.view.empty() && query.boxes.empty() &&
       query.balls.empty())
     return fail("--max-error-outside: expected --box, --ball or --view with it");
-  LODE_TRY(const auto deadline, parse_limit("--deadline-ms", arguments.deadline_ms));
-  if (deadline) options.deadline_s = *deadline / 1000;
+  LODE_TRY(options.deadline_s, to_deadline(arguments));
   return options;
 }
 

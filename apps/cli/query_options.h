@@ -41,8 +41,14 @@ struct QueryArguments {
 
 void add_query_options(CLI::App& app, QueryArguments& arguments);
 
-/// Refuses options that the wanted kind of answer does not have.
-[[nodiscard]] Result<void> check_unused(const QueryArguments& arguments);
+/// Refuses options that the wanted kind of answer does not have. Meshes of cells have views and
+/// deadlines of all kinds.
+[[nodiscard]] Result<void> check_unused(const QueryArguments& arguments, bool is_of_cells);
+
+/// The camera of --view, from its file.
+[[nodiscard]] Result<View> read_view(const QueryArguments& arguments);
+/// Of --deadline-ms, in seconds.
+[[nodiscard]] Result<std::optional<double>> to_deadline(const QueryArguments& arguments);
 
 /// But for the view, whose camera is in a file.
 [[nodiscard]] Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,

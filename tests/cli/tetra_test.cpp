@@ -409,5 +409,20 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   refused({"extract", empty, output_, "--mesh"}, "empty.msh");
 }
 
+TEST_F(cli_tetra, takes_views_and_deadlines) {
+  const std::string camera = scratch_ / "camera.json";
+  std::ofstream(camera) << R"({"eye": [-9, -9, -9], "target": [0, 0, 0], "up": [0, 0, 1],
+                               "field_of_view_deg": 8})";
+  const nlohmann::json seen = report({"--max-error", "0", "--view", camera});
+  EXPECT_EQ(seen.at("achieved_error"), 0);
+  EXPECT_LT(seen.at("cells"), 12 * 12 * 12 * 6);
+  const nlohmann::json base = report({"--deadline-ms", "0"});
+  EXPECT_EQ(base.at("is_settled"), false);
+  EXPECT_EQ(base.at("cells"), base.at("base_cells"));
+  const Finished pixels = extract({"--view", camera, "--max-error-px", "1"});
+  EXPECT_EQ(pixels.exit_code, 2);
+  EXPECT_NE(pixels.err.find("--max-error-px: expected --max-error"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace lode::test

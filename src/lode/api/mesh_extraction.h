@@ -37,6 +37,7 @@ struct MeshReport {
   std::uint64_t n_left_out = 0;
   bool budget_met = true;  ///< False: even the unrefined base has more cells.
   bool memory_met = true;  ///< False: memory ended refinement first; see achieved_error.
+  bool is_settled = true;  ///< False: a deadline did.
   double seconds = 0;
 };
 

@@ -36,12 +36,16 @@ using tetra_mt::TetraCut;
 /// As for volumes.
 constexpr double kShareOfRange = 0.005;
 
-Result<Query> complete_query(const TetraInfo& info, Query query) {
-  if (query.view || query.max_error_px)
-    return fail("meshes: expected a tolerance in field units and no view, got a view or pixels");
+Result<Query> complete_query(const TetraInfo& info, Query query,
+                             const std::optional<double>& deadline_s) {
+  if (query.max_error_px)
+    return fail("meshes: expected a tolerance in field units, got pixels, of which they know none");
+  if (deadline_s && !(*deadline_s >= 0))
+    return fail("deadline: expected a number >= 0, got {}", *deadline_s);
   if (!query.max_error)
-    query.max_error =
-        query.budget.is_limited() ? 0 : kShareOfRange * (info.range_max - info.range_min);
+    query.max_error = query.budget.is_limited() || deadline_s
+                          ? 0
+                          : kShareOfRange * (info.range_max - info.range_min);
   LODE_CHECK(check_query(query));
   return query;
 }
@@ -60,6 +64,14 @@ struct WidenedDemand {
     return node;
   }
 };
+
+/// What making a surface or mesh of a cut takes at most, so that a deadline is kept: errors of its
+/// cells may be on any page that has not been read.
+double finishing_seconds(const PackedHierarchy& hierarchy, std::uint64_t n_cells) {
+  const std::uint32_t n_unread = hierarchy.head().shape.n_pages() - hierarchy.n_pages_loaded();
+  return 1e-3 + 4e-7 * static_cast<double>(n_cells) + 1e-8 * hierarchy.head().n_vertices() +
+         2.5e-4 * n_unread;
+}
 
 /// `widening`: how much sections are.
 Demand demand_of(Query query, double widening) {
@@ -201,6 +213,7 @@ class TetraDataset::Impl {
 
   /// The mesh of a query's cut, without gradients.
   [[nodiscard]] Result<TetraCutMesh> make_mesh(const Query& wanted,
+                                               const std::optional<double>& deadline_s,
                                                std::span<const std::int64_t> regions,
                                                Progress& progress) const;
   /// Of vertices of the hierarchy, ascending.
@@ -302,9 +315,11 @@ Result<std::vector<Vec3f>> TetraDataset::Impl::gradients(
 }
 
 Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted,
+                                                   const std::optional<double>& deadline_s,
                                                    std::span<const std::int64_t> regions,
                                                    Progress& progress) const {
-  LODE_TRY(const Query query, complete_query(info, wanted));
+  const Stopwatch watch;
+  LODE_TRY(const Query query, complete_query(info, wanted, deadline_s));
   for (const std::int64_t region : regions)
     if (std::ranges::find(info.regions, region) == info.regions.end())
       return fail("regions: expected one of {}, got {}",
@@ -313,7 +328,15 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted,
   TetraCut cut(hierarchy);
   Engine<TetraCut> engine(cut);
   engine.set_query(demand_of(query, 2 * surface_margin), query.budget);
-  engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
+  const auto is_late = [&] {
+    return watch.seconds() + finishing_seconds(hierarchy, engine.n_cells()) >= *deadline_s;
+  };
+  constexpr unsigned kStepsPerLook = 16;
+  unsigned n_looks = 0;
+  engine.run([&] {
+    return progress.is_cancelled() || cut.is_damaged() ||
+           (deadline_s && n_looks++ % kStepsPerLook == 0 && is_late());
+  });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());
   const Standing standing = engine.standing();
@@ -321,9 +344,14 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted,
   made.vertex_ids = fill_mesh(hierarchy, cut, made.mesh);
   LODE_CHECK(cut.check());
   made.report.max_error = *query.max_error;
-  made.report.achieved_error = engine.largest([](const NodeFacts& facts) { return facts.error; });
+  // What is out of sight remains a candidate.
+  const auto view = query.view ? std::optional(to_view_focus(*query.view)) : std::nullopt;
+  made.report.achieved_error = engine.largest([&](const NodeFacts& facts) {
+    return !view || view->shows(facts.bounds) ? facts.error : 0.0;
+  });
   made.report.n_cut_cells = standing.n_cells;
   made.report.budget_met = standing.budget_met;
+  made.report.is_settled = standing.is_settled;
   if (!regions.empty() && info.regions.size() > 1)
     made.report.n_left_out = keep_regions(made.mesh, regions, made.vertex_ids);
   return made;
@@ -332,7 +360,8 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted,
 Result<MeshReport> TetraDataset::extract_mesh(const TetraMeshOptions& options, SimplexMesh& mesh,
                                               Progress& progress) const try {
   const Stopwatch watch;
-  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), options.regions, progress));
+  LODE_TRY(TetraCutMesh cut,
+           impl_->make_mesh(query_of(options), options.deadline_s, options.regions, progress));
   apply_threshold(options, cut);
   mesh = std::move(cut.mesh);
   cut.report.seconds = watch.seconds();
@@ -346,7 +375,8 @@ Result<TetraSurfaceReport> TetraDataset::extract_surface(const TetraSurfaceOptio
     try {
   const Stopwatch watch;
   if (options.query.isovalues.empty()) return fail("isosurfaces: expected isovalues, got none");
-  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(options.query, options.regions, progress));
+  LODE_TRY(TetraCutMesh cut,
+           impl_->make_mesh(options.query, options.deadline_s, options.regions, progress));
   if (options.normals == Normals::on) {
     LODE_TRY(cut.gradients, impl_->gradients(cut.vertex_ids));
   }
@@ -362,7 +392,8 @@ Result<TetraSurfaceReport> TetraDataset::extract_section(const TetraSectionOptio
     try {
   const Stopwatch watch;
   LODE_CHECK(check_planes(options.planes));
-  LODE_TRY(const TetraCutMesh cut, impl_->make_mesh(query_of(options), options.regions, progress));
+  LODE_TRY(const TetraCutMesh cut,
+           impl_->make_mesh(query_of(options), options.deadline_s, options.regions, progress));
   TetraSurfaceReport report = make_sections(cut, options, surface);
   report.seconds = watch.seconds();
   return report;
@@ -374,7 +405,8 @@ Result<TetraSurfaceReport> TetraDataset::extract_boundary(const TetraMeshOptions
                                                           Surface& surface,
                                                           Progress& progress) const try {
   const Stopwatch watch;
-  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), options.regions, progress));
+  LODE_TRY(TetraCutMesh cut,
+           impl_->make_mesh(query_of(options), options.deadline_s, options.regions, progress));
   apply_threshold(options, cut);
   TetraSurfaceReport report = make_boundary(cut, options.threads, surface);
   report.seconds = watch.seconds();

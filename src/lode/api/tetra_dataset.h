@@ -90,7 +90,7 @@ class TetraDataset {
   [[nodiscard]] const TetraInfo& describe() const;
   [[nodiscard]] TetraReads reads() const;
   /// The mesh of a query's cut, with its field and by cell the error at samples; conforming, its
-  /// vertices the reference's. Without max_error as for volumes. Views are refused. With a
+  /// vertices the reference's. Without max_error as for volumes. With a
   /// threshold only some of its cells, and report.n_left_out says how many are not there.
   [[nodiscard]] Result<MeshReport> extract_mesh(const TetraMeshOptions& options, SimplexMesh& mesh,
                                                 Progress& progress) const;

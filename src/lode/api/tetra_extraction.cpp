@@ -38,7 +38,8 @@ TetraSurfaceReport begin(const TetraCutMesh& cut, Surface& surface) {
   return {.max_error = cut.report.max_error,
           .n_cut_cells = cut.report.n_cut_cells,
           .n_left_out = cut.report.n_left_out,
-          .budget_met = cut.report.budget_met};
+          .budget_met = cut.report.budget_met,
+          .is_settled = cut.report.is_settled};
 }
 
 double largest_of(const std::vector<float>& errors) {

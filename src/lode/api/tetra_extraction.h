@@ -14,8 +14,11 @@
 namespace lode {
 
 struct TetraMeshOptions {
-  /// As in MeshOptions. Without a focus, that is where the field may have a value of the threshold.
+  /// As in MeshOptions, and with a view: accurate in what it shows. Without a focus, that is where
+  /// the field may have a value of the threshold.
   Query query;
+  /// For the best answer that is ready after so many seconds; without max_error that is 0 then.
+  std::optional<double> deadline_s{};
   /// Only cells of the cut whose values lie in it everywhere, that is at all corners.
   std::optional<Range> threshold{};
   std::vector<std::int64_t> regions{};  ///< Only their cells; empty: all.
@@ -24,6 +27,7 @@ struct TetraMeshOptions {
 
 struct TetraSurfaceOptions {
   Query query;
+  std::optional<double> deadline_s{};  ///< Likewise.
   Normals normals = Normals::on;
   std::vector<std::int64_t> regions{};  ///< Likewise.
   Threads threads{};
@@ -35,6 +39,7 @@ struct TetraSectionOptions {
   std::vector<Range> field_ranges;    ///< Likewise.
   std::optional<double> max_error{};  ///< Likewise.
   Budget budget{};
+  std::optional<double> deadline_s{};
   std::vector<std::int64_t> regions{};
 };
 
@@ -49,6 +54,7 @@ struct TetraSurfaceReport {
   std::uint64_t n_left_out = 0;  ///< Cells of the cut that threshold or regions leave out.
   std::vector<double> unmet{};   ///< Isovalues that nothing of the answer has.
   bool budget_met = true;
+  bool is_settled = true;  ///< False: the deadline ended refinement.
   double seconds = 0;
 };
 

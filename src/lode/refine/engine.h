@@ -62,6 +62,7 @@ class Engine {
             memory_.hopeless.empty() && !(memory_.blocked_demand > 0),
             is_nested_};
   }
+  [[nodiscard]] std::uint64_t n_cells() const { return n_cells_; }
   [[nodiscard]] const Cut& cut() const { return cut_; }
   /// The largest measure(facts) of a candidate: what the answer achieves in any unit.
   template <typename Measure>

@@ -126,11 +126,13 @@ struct PackedHierarchy::Pages {
   std::unique_ptr<const NodePage> empty;  ///< Instead of what cannot be loaded.
   std::mutex mutex;                       ///< For what follows, and loading.
   std::optional<Error> failure;
+  std::atomic<std::uint32_t> n_loaded{0};
 
   explicit Pages(std::uint32_t n) : loaded(n), owned(n) {}
   void put(std::uint32_t number, std::unique_ptr<const NodePage> page) {
     owned[number] = std::move(page);
     loaded[number].store(owned[number].get(), std::memory_order_release);
+    ++n_loaded;
   }
 };
 
@@ -217,10 +219,6 @@ std::size_t PackedHierarchy::n_page_bytes() const {
   return n;
 }
 
-std::uint32_t PackedHierarchy::n_pages_loaded() const {
-  const std::lock_guard lock(pages_->mutex);
-  return static_cast<std::uint32_t>(
-      std::ranges::count_if(pages_->owned, [](const auto& page) { return page != nullptr; }));
-}
+std::uint32_t PackedHierarchy::n_pages_loaded() const { return pages_->n_loaded; }
 
 }  // namespace lode::tetra_mt

@@ -1,0 +1,117 @@
+// Queries of TetraDataset: what a camera shows, and what is ready in time.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "lode/api/tetra_dataset.h"
+#include "tests/oracles/tetra_grids.h"
+
+namespace lode::test {
+namespace {
+
+/// A cell by its corners' positions, in order.
+using CellKey = std::array<std::array<double, 3>, 4>;
+
+CellKey key_of(const std::vector<Vec3d>& positions, const std::array<std::uint32_t, 4>& cell) {
+  CellKey key;
+  for (std::size_t i = 0; i < 4; ++i) key[i] = positions[cell[i]].v;
+  std::ranges::sort(key);
+  return key;
+}
+
+class tetra_queries : public testing::Test {
+ protected:
+  static TetraDataset build(const TetraMesh& mesh) {
+    Progress progress;
+    auto dataset = TetraDataset::build(mesh, {.threads = {2}}, progress);
+    EXPECT_TRUE(dataset);
+    return std::move(*dataset);
+  }
+  [[nodiscard]] MeshReport extract(const TetraMeshOptions& options) {
+    Progress progress;
+    const auto report = dataset_.extract_mesh(options, cut_, progress);
+    EXPECT_TRUE(report) << report.error().message;
+    return report ? *report : MeshReport{};
+  }
+
+  TetraMesh mesh_ = oracles::noise_mesh(17, oracles::Cut::in_five, 3);
+  TetraDataset dataset_ = build(mesh_);
+  SimplexMesh cut_;
+};
+
+/// From outside into a corner of the cube.
+View corner_view() {
+  View view;
+  view.camera.eye = {{-1, -1, -1}};
+  view.camera.target = {{0.1, 0.1, 0.3}};
+  view.camera.field_of_view_deg = 10;
+  view.width = view.height = 100;
+  return view;
+}
+
+TEST_F(tetra_queries, all_that_a_camera_shows_is_the_reference) {
+  TetraMeshOptions options;
+  options.query.view = corner_view();
+  options.query.max_error = 0;
+  const MeshReport report = extract(options);
+  EXPECT_EQ(report.achieved_error, 0);
+  EXPECT_LT(cut_.n_cells(), mesh_.tetrahedra.size());
+  std::set<CellKey> cells;
+  for (const auto& cell : cut_.tetrahedra) cells.insert(key_of(cut_.positions, cell));
+  const ViewFocus seen = to_view_focus(corner_view());
+  std::size_t n_seen = 0;
+  for (const auto& cell : mesh_.tetrahedra) {
+    const bool is_seen = std::ranges::any_of(cell, [&](std::uint32_t v) {
+      return seen.shows({mesh_.positions[v], 0});
+    });
+    if (!is_seen) continue;
+    ++n_seen;
+    ASSERT_TRUE(cells.contains(key_of(mesh_.positions, cell)));
+  }
+  EXPECT_GT(n_seen, 100);
+}
+
+TEST_F(tetra_queries, what_is_out_of_sight_has_its_own_tolerance) {
+  TetraMeshOptions options;
+  options.query.view = corner_view();
+  options.query.max_error = 0.01;
+  const MeshReport any = extract(options);
+  EXPECT_LE(any.achieved_error, 0.01);
+  EXPECT_GT(any.largest_error, 0.2);
+  options.query.max_error_outside = 0.2;
+  const MeshReport some = extract(options);
+  EXPECT_LE(some.achieved_error, 0.01);
+  EXPECT_LE(some.largest_error, 0.2);
+  EXPECT_GT(some.n_cells, any.n_cells);
+}
+
+TEST_F(tetra_queries, a_deadline_gives_what_is_ready) {
+  TetraMeshOptions options;
+  options.deadline_s = 0;
+  const MeshReport base = extract(options);
+  EXPECT_FALSE(base.is_settled);
+  EXPECT_EQ(base.n_cells, dataset_.describe().n_base_cells);
+  EXPECT_EQ(base.max_error, 0);
+  options.deadline_s = 1e6;
+  const MeshReport all = extract(options);
+  EXPECT_TRUE(all.is_settled);
+  EXPECT_EQ(all.n_cells, mesh_.tetrahedra.size());
+  EXPECT_EQ(all.achieved_error, 0);
+}
+
+TEST_F(tetra_queries, refuses_pixels_and_deadlines_that_are_none) {
+  Progress progress;
+  TetraMeshOptions options;
+  options.query.view = corner_view();
+  options.query.max_error_px = 1;
+  EXPECT_FALSE(dataset_.extract_mesh(options, cut_, progress));
+  options = {};
+  options.deadline_s = -1;
+  EXPECT_FALSE(dataset_.extract_mesh(options, cut_, progress));
+}
+
+}  // namespace
+}  // namespace lode::test
