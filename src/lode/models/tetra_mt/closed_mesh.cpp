@@ -44,6 +44,27 @@ SortedFaces sort_faces(std::uint32_t n_vertices, std::span<const Tetrahedron> te
   return result;
 }
 
+/// Those with the same smallest corner, each; then equal ones are side by side.
+void sort_within(SortedFaces& sorted, Threads threads) {
+  parallel_for(sorted.begins.size() - 1, threads, 1024, [&](std::size_t v, int) {
+    std::sort(sorted.faces.begin() + static_cast<std::ptrdiff_t>(sorted.begins[v]),
+              sorted.faces.begin() + static_cast<std::ptrdiff_t>(sorted.begins[v + 1]),
+              [](const Face& a, const Face& b) {
+                return std::pair(a.middle, a.largest) < std::pair(b.middle, b.largest);
+              });
+  });
+}
+
+/// The end of the faces that are equal to the one at a place.
+std::uint64_t end_of_equal(const SortedFaces& sorted, std::uint64_t first, std::uint64_t end) {
+  const Face& face = sorted.faces[first];
+  std::uint64_t next = first + 1;
+  while (next < end && sorted.faces[next].middle == face.middle &&
+         sorted.faces[next].largest == face.largest)
+    ++next;
+  return next;
+}
+
 /// The one across the face that lacks a corner, with the vertex outside in its place.
 Tetrahedron across(const Tetrahedron& t, std::uint32_t place, std::uint32_t outside) {
   const auto face = others(t, place);
@@ -56,21 +77,12 @@ Result<void> close_boundary(std::uint32_t n_vertices, std::vector<Tetrahedron>& 
                             Threads threads) {
   SortedFaces sorted = sort_faces(n_vertices, tetrahedra);
   std::vector<Tetrahedron> outer;
-  parallel_for(n_vertices, threads, 1024, [&](std::size_t v, int) {
-    std::sort(sorted.faces.begin() + static_cast<std::ptrdiff_t>(sorted.begins[v]),
-              sorted.faces.begin() + static_cast<std::ptrdiff_t>(sorted.begins[v + 1]),
-              [](const Face& a, const Face& b) {
-                return std::pair(a.middle, a.largest) < std::pair(b.middle, b.largest);
-              });
-  });
+  sort_within(sorted, threads);
   for (std::uint32_t v = 0; v < n_vertices; ++v) {
     const auto end = sorted.begins[v + std::size_t{1}];
     for (std::uint64_t i = sorted.begins[v]; i < end;) {
       const Face& face = sorted.faces[i];
-      std::uint64_t next = i + 1;
-      while (next < end && sorted.faces[next].middle == face.middle &&
-             sorted.faces[next].largest == face.largest)
-        ++next;
+      const std::uint64_t next = end_of_equal(sorted, i, end);
       if (next - i > 2)
         return fail("expected faces of one or two tetrahedra, got one of {}: corners {}, {} and {}",
                     next - i, v, face.middle, face.largest);
@@ -81,6 +93,30 @@ Result<void> close_boundary(std::uint32_t n_vertices, std::vector<Tetrahedron>& 
   }
   tetrahedra.insert(tetrahedra.end(), outer.begin(), outer.end());
   return {};
+}
+
+std::vector<std::array<std::uint32_t, 4>> find_across(std::span<const Tetrahedron> tetrahedra) {
+  std::uint32_t n_smallest = 0;
+  for (const Tetrahedron& t : tetrahedra)
+    for (std::size_t place = 0; place < 4; ++place)
+      n_smallest = std::max(n_smallest, std::ranges::min(others(t, place)) + 1);
+  SortedFaces sorted = sort_faces(n_smallest, tetrahedra);
+  sort_within(sorted, {1});
+  std::vector<std::array<std::uint32_t, 4>> across(tetrahedra.size(), {kNone, kNone, kNone, kNone});
+  for (std::size_t v = 0; v + 1 < sorted.begins.size(); ++v) {
+    const std::uint64_t end = sorted.begins[v + 1];
+    for (std::uint64_t i = sorted.begins[v]; i < end;) {
+      const std::uint64_t next = end_of_equal(sorted, i, end);
+      const Face& a = sorted.faces[i];
+      const Face& b = sorted.faces[next - 1];
+      if (next - i == 2) {
+        across[a.tetrahedron][a.place] = b.tetrahedron;
+        across[b.tetrahedron][b.place] = a.tetrahedron;
+      }
+      i = next;
+    }
+  }
+  return across;
 }
 
 }  // namespace lode::tetra_mt

@@ -60,7 +60,9 @@ class NodePage::Packer {
       if (length >= kLong)
         bits.write(static_cast<std::uint32_t>(length) + kLengthBits / 8, kLengthBits);
       bits.append(std::move(node));
+      page_.has_long_ = page_.has_long_ || length >= kLong;
     }
+    page_.lengths_.resize((page_.lengths_.size() + kGroup - 1) / kGroup * kGroup);
     page_.bits_ = std::move(bits).take();
   }
 

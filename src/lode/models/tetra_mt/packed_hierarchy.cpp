@@ -163,6 +163,11 @@ const NodePage& PackedHierarchy::page_of(std::uint32_t node) const {
   return page != nullptr ? *page : load(node / kPageNodes);
 }
 
+void PackedHierarchy::prefetch(std::uint32_t node) const {
+  const NodePage* page = pages_->loaded[node / kPageNodes].load(std::memory_order_acquire);
+  if (page != nullptr) page->prefetch(node % kPageNodes);
+}
+
 const NodePage& PackedHierarchy::load(std::uint32_t number) const {
   const std::lock_guard lock(pages_->mutex);
   const NodePage* page = pages_->loaded[number].load(std::memory_order_relaxed);

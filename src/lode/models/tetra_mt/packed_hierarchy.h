@@ -70,6 +70,9 @@ class PackedHierarchy {
     return page_of(node).links(node % kPageNodes);
   }
 
+  /// Asks the memory for what is read of a node, if its page is there.
+  void prefetch(std::uint32_t node) const;
+
   /// Fails where a page could not be loaded: nodes of such are as if they had nothing.
   [[nodiscard]] Result<void> check() const;
   /// Of the pages that are in memory.

@@ -1,26 +1,35 @@
 #include "lode/models/tetra_mt/tetra_cut.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace lode::tetra_mt {
 namespace {
 
-std::vector<std::uint32_t> count_base(const HierarchyHead& head) {
-  std::vector<std::uint32_t> counts(head.n_vertices(), 0);
-  for (const Tetrahedron& t : head.base)
-    for (const std::uint32_t v : t)
-      if (v != head.outside()) ++counts[v];
-  return counts;
+/// Of those corners that are a vertex, a bit each.
+unsigned places_of(const Tetrahedron& corners, std::uint32_t vertex) {
+  unsigned places = 0;
+  for (std::size_t i = 0; i < 4; ++i) places |= (corners[i] == vertex ? 1U : 0U) << i;
+  return places;
 }
 
-template <typename Coming>
-void sort_by_key(std::vector<Coming>& coming) {
-  for (std::size_t i = 1; i < coming.size(); ++i) {
-    const Coming one = coming[i];
+/// The first of some; 0 of none.
+std::uint32_t first_of(unsigned places) {
+  return static_cast<std::uint32_t>(std::countr_zero(places | 16U)) & 3U;
+}
+
+/// Few at a time.
+template <typename Placed>
+void sort_few(std::vector<Placed>& items) {
+  for (std::size_t i = 1; i < items.size(); ++i) {
+    const Placed one = items[i];
     std::size_t at = i;
-    for (; at > 0 && coming[at - 1].key > one.key; --at) coming[at] = coming[at - 1];
-    coming[at] = one;
+    const auto is_after = [&one](const Placed& other) {
+      return other.first > one.first || (other.first == one.first && other.last > one.last);
+    };
+    for (; at > 0 && is_after(items[at - 1]); --at) items[at] = items[at - 1];
+    items[at] = one;
   }
 }
 
@@ -30,13 +39,15 @@ TetraCut::TetraCut(const PackedHierarchy& hierarchy, std::size_t field)
     : hierarchy_(&hierarchy),
       field_(field),
       outside_(hierarchy.head().outside()),
-      stars_(count_base(hierarchy.head())) {
+      slot_of_(hierarchy.head().shape.n_nodes, kNone) {
   const HierarchyHead& head = hierarchy.head();
+  const auto across = find_across(head.base);
+  cells_.reserve(head.base.size());
   for (std::uint32_t slot = 0; slot < head.base.size(); ++slot) {
     const std::uint32_t region = head.base_regions.empty() ? 0 : head.base_regions[slot];
-    cells_.push_back({head.base[slot], head.base_makers[slot], region});
-    for (const std::uint32_t v : head.base[slot])
-      if (v != outside_) stars_.add(v, slot);
+    const std::uint32_t maker = head.base_makers[slot];
+    cells_.push_back({head.base[slot], across[slot], maker, region, 0, {}});
+    if (maker != kNone) slot_of_[maker] = slot;
   }
 }
 
@@ -57,47 +68,68 @@ void TetraCut::add_parents(NodeId node, std::vector<NodeId>& out) const {
   for (std::uint32_t k = links.n_parents(); k > 0; --k) out.push_back(NodeId{links.next_node()});
 }
 
-/// What the target has round it because of the node, and takes it away from there.
-void TetraCut::take_region(std::uint32_t node, std::uint32_t target) {
-  region_.clear();
-  stars_.remove_if(target, [&](std::uint32_t slot) {
-    const Cell& cell = cells_[slot];
-    if (cell.maker != node) return false;
-    const Tetrahedron& t = cell.corners;
-    std::size_t at = 0;
-    while (t[at] != target) ++at;
-    const auto face = others(t, at);
-    region_.push_back({face_key(face[0], face[1], face[2]), face, slot});
-    return true;
-  });
+TetraCut::Placed TetraCut::placed(std::uint32_t a, std::uint32_t b, std::uint32_t c,
+                                  std::size_t place) {
+  const FaceKey key = face_key(a, b, c);
+  return {key.first, std::uint64_t{key.last} << 32 | place};
 }
 
-/// Edges of the faces across from the target that only one of them has.
-void TetraCut::find_outline() {
-  edges_.clear();
-  for (const Coming& face : region_)
+void TetraCut::start_visit() {
+  if (++n_visits_ != 0) return;
+  for (Cell& cell : cells_) cell.visit = 0;
+  n_visits_ = 1;
+}
+
+/// What is beside a slot, and will be looked at soon.
+void TetraCut::fetch_beside(const Cell& cell) const {
+  for (const std::uint32_t next : cell.across)
+    __builtin_prefetch(&cells_[next == kNone ? 0 : next], 1);
+}
+
+/// Marks a slot as seen if it is one of those wanted. Returns whether it is for the first time.
+bool TetraCut::visit(std::uint32_t slot, bool is_wanted) {
+  Cell& cell = cells_[slot];
+  const bool is_new = is_wanted && cell.visit != n_visits_;
+  cell.visit = is_wanted ? n_visits_ : cell.visit;
+  return is_new;
+}
+
+/// What the target has round it because of the node, from one to the next, and its outline. What
+/// comes is written anyway, and counted if it counts: which it is no processor can guess.
+void TetraCut::find_region(std::uint32_t node, std::uint32_t target) {
+  start_visit();
+  std::size_t n_region = 0;
+  std::size_t n_outline = 0;
+  const auto add = [&](std::uint32_t slot) {
+    const Cell& cell = cells_[slot];
+    const unsigned places = places_of(cell.corners, target);
+    const bool is_of_node = cell.maker == node && places != 0;
+    region_.items[n_region] = {slot, first_of(places)};
+    const bool is_new = visit(slot, is_of_node);
+    n_region += is_new ? 1 : 0;
+    if (is_new) fetch_beside(cell);
+    return is_of_node;
+  };
+  if (slot_of_[node] != kNone) add(slot_of_[node]);
+  for (std::size_t i = 0; i < n_region && n_region + n_outline <= kMaxBrought; ++i) {
+    const auto [slot, place] = region_.items[i];
+    const Cell& cell = cells_[slot];
+    const auto& at = kOtherPlaces[place];
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t a = face.rest[k];
-      const std::uint64_t b = face.rest[(k + 1) % 3];
-      const auto reverse = std::ranges::find(edges_, a << 32 | b);
-      if (reverse != edges_.end()) {
-        *reverse = edges_.back();
-        edges_.pop_back();
-      } else {
-        edges_.push_back(b << 32 | a);
-      }
+      const std::uint32_t next = cell.across[at[k]];
+      // A face has its edges turned one way, what is beyond them the other.
+      outline_.items[n_outline] = {
+          cell.corners[at[(k + 2) % 3]], cell.corners[at[(k + 1) % 3]], slot, at[k], next, kNone};
+      n_outline += next == kNone || !add(next) ? 1 : 0;
     }
-  outline_.clear();
-  for (const std::uint64_t edge : edges_) {
-    const auto a = static_cast<std::uint32_t>(edge >> 32);
-    const auto b = static_cast<std::uint32_t>(edge);
-    outline_.push_back({face_key(a, b, kNone), {a, b, kNone}, kNone});
   }
+  region_.n = n_region;
+  outline_.n = n_outline;
 }
 
 std::uint32_t TetraCut::take_slot() {
   if (free_.empty()) {
-    cells_.emplace_back();
+    cells_.push_back({});
     return static_cast<std::uint32_t>(cells_.size() - 1);
   }
   const std::uint32_t slot = free_.back();
@@ -105,20 +137,48 @@ std::uint32_t TetraCut::take_slot() {
   return slot;
 }
 
-void TetraCut::place(std::uint32_t slot, const Cell& cell) {
-  cells_[slot] = cell;
-  for (const std::uint32_t v : cell.corners)
-    if (v != outside_) stars_.add(v, slot);
+/// Where something is across, something else.
+void TetraCut::set_across(std::uint32_t slot, std::uint32_t from, std::uint32_t to) {
+  if (slot == kNone) return;
+  for (std::uint32_t& next : cells_[slot].across) next = next == from ? to : next;
+}
+
+/// Between what is replaced, which has the vertex now, and what is beyond.
+void TetraCut::place_edges(std::uint32_t vertex, std::uint32_t target) {
+  for (const Placed& next : order_) {
+    Edge& edge = outline_.items[static_cast<std::uint32_t>(next.last)];
+    edge.slot = take_slot();
+    Cell& cell = cells_[edge.slot];
+    cell.corners = {vertex, edge.first, edge.second, target};
+    cell.across = {edge.outer, kNone, kNone, edge.inner};
+    cells_[edge.inner].across[edge.corner] = edge.slot;
+    set_across(edge.outer, edge.inner, edge.slot);
+  }
+}
+
+/// Those that come at edges, round the outline.
+void TetraCut::join_edges() {
+  for (const Edge& edge : outline_) {
+    const auto* const next = std::find_if(outline_.begin(), outline_.end(), [&](const Edge& other) {
+      return other.first == edge.second;
+    });
+    if (next == outline_.end()) {
+      is_damaged_ = true;
+      continue;
+    }
+    cells_[edge.slot].across[1] = next->slot;
+    cells_[next->slot].across[2] = edge.slot;
+  }
 }
 
 /// Of the tetrahedra with an edge, once they are in their places.
 void TetraCut::find_regions(NodePage::Links& links) {
   const bool is_stored = links.start_regions();
   std::uint32_t common = 0;
-  for (const Coming& face : region_)
+  for (const Face& face : region_)
     if (is_inside(cells_[face.slot])) common = cells_[face.slot].region;
-  for (const Coming& edge : outline_)
-    cells_[edge.slot].region =
+  for (const Placed& next : order_)
+    cells_[outline_.items[static_cast<std::uint32_t>(next.last)].slot].region =
         is_stored ? std::min(links.next_region(), hierarchy_->head().shape.n_regions - 1) : common;
 }
 
@@ -127,64 +187,97 @@ std::uint64_t TetraCut::apply(NodeId id) {
   const std::uint32_t vertex = hierarchy_->head().shape.n_base_vertices + node;
   NodePage::Links links = hierarchy_->links(node);
   const std::uint32_t target = links.target();
+  n_asked_ = 0;
+  find_region(node, target);
+  is_damaged_ = is_damaged_ || region_.is_empty() || region_.n + outline_.n > kMaxBrought;
+  if (region_.is_empty()) return 0;
   children_.clear();
   for (std::uint32_t k = links.n_children(); k > 0; --k) children_.push_back(links.next_node());
   children_.push_back(kNone);
   links.skip_nodes(links.n_parents());
   links.start_makers();
-  const auto next_maker = [&] {
-    return children_[std::min<std::size_t>(links.next_maker(), children_.size() - 1)];
+  const auto set_maker = [&](std::uint32_t slot) {
+    const std::size_t place = std::min<std::size_t>(links.next_maker(), children_.size() - 1);
+    cells_[slot].maker = children_[place];
+    if (children_[place] != kNone) slot_of_[children_[place]] = slot;
   };
-  n_asked_ = 0;
-  take_region(node, target);
-  find_outline();
-  is_damaged_ = is_damaged_ || region_.empty() || region_.size() + outline_.size() > kMaxBrought;
-  sort_by_key(region_);
-  sort_by_key(outline_);
-  for (const Coming& face : region_) {
-    Cell& cell = cells_[face.slot];
-    std::ranges::replace(cell.corners, target, vertex);
-    cell.maker = next_maker();
-    stars_.add(vertex, face.slot);
+  order_.clear();
+  for (std::size_t i = 0; i < region_.n; ++i) {
+    const auto& [slot, place] = region_.items[i];
+    const auto face = others(cells_[slot].corners, place);
+    order_.push_back(placed(face[0], face[1], face[2], i));
   }
+  sort_few(order_);
+  for (const Placed& next : order_) {
+    const Face& face = region_.items[static_cast<std::uint32_t>(next.last)];
+    cells_[face.slot].corners[face.place] = vertex;
+    set_maker(face.slot);
+  }
+  order_.clear();
+  for (std::size_t i = 0; i < outline_.n; ++i)
+    order_.push_back(placed(outline_.items[i].first, outline_.items[i].second, kNone, i));
+  sort_few(order_);
+  place_edges(vertex, target);
+  join_edges();
   std::uint64_t n_new = 0;
-  for (Coming& edge : outline_) {
-    edge.slot = take_slot();
-    place(edge.slot, {{vertex, edge.rest[0], edge.rest[1], target}, next_maker(), 0});
-    if (edge.rest[0] != outside_ && edge.rest[1] != outside_) ++n_new;
+  for (const Placed& next : order_) {
+    const Edge& edge = outline_.items[static_cast<std::uint32_t>(next.last)];
+    set_maker(edge.slot);
+    if (edge.first != outside_ && edge.second != outside_) ++n_new;
   }
   if (hierarchy_->head().shape.n_regions > 1) find_regions(links);
+  slot_of_[node] = region_.items[0].slot;
   return n_new;
+}
+
+/// All that has a vertex, from one to the next.
+void TetraCut::find_star(std::uint32_t slot, std::uint32_t vertex) {
+  start_visit();
+  region_.n = 0;
+  const auto add = [&](std::uint32_t next) {
+    const unsigned places = places_of(cells_[next].corners, vertex);
+    region_.items[region_.n] = {next, first_of(places)};
+    const bool is_new = visit(next, places != 0);
+    region_.n += is_new ? 1 : 0;
+    if (is_new) fetch_beside(cells_[next]);
+  };
+  if (slot != kNone) add(slot);
+  for (std::size_t i = 0; i < region_.n && region_.n <= kMaxBrought; ++i) {
+    const Cell& cell = cells_[region_.items[i].slot];
+    for (const std::uint8_t k : kOtherPlaces[region_.items[i].place])
+      if (cell.across[k] != kNone) add(cell.across[k]);
+  }
 }
 
 std::uint64_t TetraCut::undo(NodeId id) {
   const std::uint32_t node = index(id);
   const std::uint32_t vertex = hierarchy_->head().shape.n_base_vertices + node;
   const std::uint32_t target = hierarchy_->links(node).target();
-  std::uint64_t n_gone = 0;
-  for (const std::uint32_t slot : stars_.of(vertex)) {
+  find_star(slot_of_[node], vertex);
+  gone_.n = 0;
+  std::uint32_t left = kNone;
+  for (const auto& [slot, place] : region_) {
     Cell& cell = cells_[slot];
-    if (std::ranges::find(cell.corners, target) == cell.corners.end()) {
-      std::ranges::replace(cell.corners, vertex, target);
-      cell.maker = node;
-      continue;
-    }
-    bool is_outer = false;
-    for (const std::uint32_t v : cell.corners) {
-      is_outer = is_outer || v == outside_;
-      if (v != vertex && v != outside_) stars_.remove(v, slot);
-    }
+    const unsigned of_target = places_of(cell.corners, target);
+    gone_.items[gone_.n] = {slot, place, first_of(of_target)};
+    gone_.n += of_target != 0 ? 1 : 0;
+    cell.corners[place] = target;
+    cell.maker = node;
+    left = of_target != 0 ? left : slot;
+  }
+  slot_of_[node] = left;
+  std::uint64_t n_inside = 0;
+  for (const auto& [slot, of_vertex, of_target] : gone_) {
+    Cell& cell = cells_[slot];
+    const std::uint32_t inner = cell.across[of_target];
+    const std::uint32_t outer = cell.across[of_vertex];
+    set_across(inner, slot, outer);
+    set_across(outer, slot, inner);
+    n_inside += places_of(cell.corners, outside_) == 0 ? 1 : 0;
     cell.corners[0] = kNone;
     free_.push_back(slot);
-    if (!is_outer) ++n_gone;
   }
-  const std::size_t n = stars_.of(vertex).size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::uint32_t slot = stars_.of(vertex)[i];
-    if (cells_[slot].corners[0] != kNone) stars_.add(target, slot);
-  }
-  stars_.end(vertex);
-  return n_gone;
+  return n_inside;
 }
 
 bool TetraCut::is_inside(const Cell& cell) const {

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "lode/core/uninitialized_array.h"
 #include "lode/models/tetra_mt/packed_hierarchy.h"
-#include "lode/models/tetra_mt/slot_lists.h"
 #include "lode/refine/model.h"
 
 namespace lode::tetra_mt {
@@ -14,11 +15,17 @@ namespace lode::tetra_mt {
 /// first none. The hierarchy must outlive it. `field`: whose facts nodes have.
 class TetraCut {
  public:
-  struct alignas(32) Cell {
-    Tetrahedron corners;   ///< Those of one that is gone begin with kNone.
+  struct Cell {
+    Tetrahedron corners;  ///< Those of one that is gone begin with kNone.
+    /// By corner, the slot across from it; kNone where a face has more than two tetrahedra, which
+    /// are of the vertex outside, at edges where the boundary is no manifold.
+    std::array<std::uint32_t, 4> across;
     std::uint32_t maker;   ///< The node that made it, kNone for the reference mesh's.
     std::uint32_t region;  ///< Place in HierarchyHead::region_ids; any where it is outside.
+    std::uint32_t visit;   ///< The last one that came here.
+    std::array<std::uint32_t, 5> unused;
   };
+  static_assert(sizeof(Cell) == 64, "one line of the cache");
 
   explicit TetraCut(const PackedHierarchy& hierarchy, std::size_t field = 0);
 
@@ -33,6 +40,12 @@ class TetraCut {
     return hierarchy_->head().fields[field_].scale.knots()[0];
   }
   [[nodiscard]] std::uint64_t n_base_cells() const { return hierarchy_->head().n_base_cells; }
+  /// Asks the memory for what applying a node soon will need.
+  void prefetch(NodeId node) const {
+    hierarchy_->prefetch(index(node));
+    const std::uint32_t slot = slot_of_[index(node)];
+    if (slot != kNone) __builtin_prefetch(&cells_[slot], 1);
+  }
   std::uint64_t apply(NodeId node);
   std::uint64_t undo(NodeId node);
 
@@ -48,31 +61,71 @@ class TetraCut {
   [[nodiscard]] bool is_damaged() const { return is_damaged_; }
 
  private:
-  /// A tetrahedron to come, by what it has beside the new vertex and, for an edge, the target.
-  struct Coming {
-    FaceKey key;
-    std::array<std::uint32_t, 3> rest;  ///< Turned as it is to be.
-    std::uint32_t slot;                 ///< Of what it replaces; kNone for an edge's.
+  /// What is put in order by vertices: a face, or an edge and kNone.
+  struct Placed {
+    std::uint64_t first;  ///< The smallest corner, and the next one.
+    std::uint64_t last;   ///< The largest, and the place in region_ or outline_.
+  };
+  /// A tetrahedron that a node replaces.
+  struct Face {
+    std::uint32_t slot;
+    std::uint32_t place;  ///< Of the target among the corners.
+  };
+  /// A tetrahedron that goes, and places of two of its corners.
+  struct Gone {
+    std::uint32_t slot;
+    std::uint32_t of_vertex;
+    std::uint32_t of_target;
+  };
+  /// What a node replaces or brings, and room for what may prove too much.
+  template <typename Item>
+  struct Few {
+    std::array<Item, kMaxBrought + 4> items;
+    std::size_t n = 0;
+
+    [[nodiscard]] const Item* begin() const { return items.data(); }
+    [[nodiscard]] const Item* end() const { return items.data() + n; }
+    [[nodiscard]] bool is_empty() const { return n == 0; }
+  };
+  /// A tetrahedron that comes at an edge of the outline.
+  struct Edge {
+    std::uint32_t first;  ///< Turned as it is to be.
+    std::uint32_t second;
+    std::uint32_t inner;   ///< What is replaced at it,
+    std::uint32_t corner;  ///< there across from this corner,
+    std::uint32_t outer;   ///< what is beyond, or kNone,
+    std::uint32_t slot;    ///< and itself.
   };
 
   [[nodiscard]] static std::uint32_t index(NodeId node) { return static_cast<std::uint32_t>(node); }
-  void take_region(std::uint32_t node, std::uint32_t target);
-  void find_outline();
-  void place(std::uint32_t slot, const Cell& cell);
+  [[nodiscard]] static Placed placed(std::uint32_t a, std::uint32_t b, std::uint32_t c,
+                                     std::size_t place);
+  void start_visit();
+  bool visit(std::uint32_t slot, bool is_wanted);
+  void fetch_beside(const Cell& cell) const;
+  void find_region(std::uint32_t node, std::uint32_t target);
+  void find_star(std::uint32_t slot, std::uint32_t vertex);
+  void set_across(std::uint32_t slot, std::uint32_t from, std::uint32_t to);
+  void place_edges(std::uint32_t vertex, std::uint32_t target);
+  void join_edges();
   void find_regions(NodePage::Links& links);
   std::uint32_t take_slot();
 
   const PackedHierarchy* hierarchy_;
   std::size_t field_;
   std::uint32_t outside_;
-  std::vector<Cell> cells_;
+  UninitializedArray<Cell> cells_;
   std::vector<std::uint32_t> free_;
-  SlotLists stars_;
+  /// By node: a tetrahedron that it made, where there is one; when it is applied, one that it
+  /// brought.
+  std::vector<std::uint32_t> slot_of_;
+  std::uint32_t n_visits_ = 0;
   bool is_damaged_ = false;
   mutable std::uint64_t n_asked_ = 0;  ///< For parents, since a node was applied.
-  std::vector<Coming> region_;
-  std::vector<Coming> outline_;
-  std::vector<std::uint64_t> edges_;     ///< First and second corner, of faces or as outlines go.
+  Few<Face> region_;
+  Few<Edge> outline_;
+  Few<Gone> gone_;
+  std::vector<Placed> order_;            ///< Of region_ or outline_.
   std::vector<std::uint32_t> children_;  ///< Of the node being applied, and kNone.
 };
 
