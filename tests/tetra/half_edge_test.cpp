@@ -96,6 +96,16 @@ TEST(half_edge, goes_in_blocks_and_is_the_same_for_any_number_of_threads) {
   EXPECT_EQ(one.base, three.base);
   EXPECT_EQ(pairs(one), pairs(three));
   EXPECT_EQ(one.errors, three.errors);
+  const auto first = make_hierarchy(mesh, one, {1});
+  const auto second = make_hierarchy(mesh, three, {3});
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->base, second->base);
+  EXPECT_EQ(first->base_makers, second->base_makers);
+  EXPECT_EQ(first->targets, second->targets);
+  EXPECT_EQ(first->children, second->children);
+  EXPECT_EQ(first->makers, second->makers);
+  EXPECT_EQ(first->facts, second->facts);
+  EXPECT_EQ(first->boxes, second->boxes);
   EXPECT_LT(one.base.size(), 10'100U);
   EXPECT_GT(one.base.size(), 9'000U);
   expect_simpler(mesh, one);

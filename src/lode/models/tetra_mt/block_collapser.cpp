@@ -60,7 +60,10 @@ BlockCollapser::BlockCollapser(BuildState& state, std::span<const std::uint32_t>
     for (std::size_t f = 0; f < state.n_fields; ++f)
       values_.push_back(state.value(vertices_[i], f));
   }
-  for (const std::uint32_t slot : slots) samples_.push_back(state.first_sample[slot]);
+  for (const std::uint32_t slot : slots) {
+    samples_.push_back(state.first_sample[slot]);
+    makers_.push_back(state.makers[slot]);
+  }
   covered_.n_fields = state.n_fields;
   fan_.kept_value.resize(state.n_fields);
   fan_.gradients.resize(state.n_fields);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lode/models/tetra_mt/build_state.h"
@@ -48,6 +49,8 @@ class BlockCollapser {
   [[nodiscard]] std::span<const Collapse> collapses() const { return collapses_; }
   /// By collapse and field.
   [[nodiscard]] std::span<const CollapseFacts> facts() const { return facts_; }
+  /// Of the collapses; once.
+  [[nodiscard]] CollapseStars take_stars() { return std::move(stars_); }
   [[nodiscard]] std::uint64_t n_cells_gone() const { return n_gone_; }
   /// Puts what has changed into the state.
   void write_back();
@@ -98,6 +101,7 @@ class BlockCollapser {
   [[nodiscard]] bool collapse(const Choice& choice);
   [[nodiscard]] bool cover_samples(int kept);
   void note_facts(std::span<const double> errors);
+  void note_star();
   void look_again_beside(float key, float limit);
 
   BuildState& state_;
@@ -110,6 +114,7 @@ class BlockCollapser {
   std::vector<Vec3d> positions_;           ///< By own and other vertex.
   std::vector<double> values_;             ///< Likewise, and by field.
   std::vector<std::uint32_t> samples_;     ///< By slot: the first.
+  std::vector<std::uint32_t> makers_;      ///< By slot.
   std::vector<std::uint8_t> has_changed_;  ///< By slot.
   Star star_;
   Interfaces interfaces_;  ///< Of the star.
@@ -127,6 +132,7 @@ class BlockCollapser {
   std::vector<Choice> choices_;
   std::vector<Collapse> collapses_;
   std::vector<CollapseFacts> facts_;
+  CollapseStars stars_;
   std::vector<Cover> covers_;       ///< Of a collapse, by sample.
   std::vector<double> new_errors_;  ///< And by field.
   std::uint64_t n_gone_ = 0;

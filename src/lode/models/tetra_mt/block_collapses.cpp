@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "lode/models/tetra_mt/block_collapser.h"
 
@@ -43,6 +44,7 @@ bool BlockCollapser::collapse(const Choice& choice) {
       state_.errors_of(sample)[f] = static_cast<float>(new_errors_[s * n + f] * state_.scales[f]);
   }
   note_facts(new_errors_);
+  note_star();
   note_deviations(place, choice.moved);
   move_boundary(place);
   const std::uint32_t kept = star_.link[static_cast<std::size_t>(place)];
@@ -148,6 +150,32 @@ void BlockCollapser::note_facts(std::span<const double> errors) {
   }
 }
 
+/// And whose its tetrahedra are from now on.
+void BlockCollapser::note_star() {
+  const std::size_t first = stars_.children.size();
+  for (int i = 0; i < star_.n_link; ++i)
+    stars_.link.push_back(global(star_.link[static_cast<std::size_t>(i)]));
+  for (int i = 0; i < star_.n_triangles; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const std::uint32_t slot = star_.slots[at];
+    stars_.triangles.push_back(star_.triangles[at]);
+    if (!state_.labels.empty()) stars_.labels.push_back(state_.labels[slots_[slot]]);
+    const std::uint32_t maker = std::exchange(makers_[slot], global(star_.vertex));
+    if (maker == kNone) {
+      stars_.makers.push_back(CollapseStars::kReference);
+      continue;
+    }
+    const auto begin = stars_.children.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto place = std::find(begin, stars_.children.end(), maker) - begin;
+    if (first + static_cast<std::size_t>(place) == stars_.children.size())
+      stars_.children.push_back(maker);
+    stars_.makers.push_back(static_cast<std::uint8_t>(place));
+  }
+  stars_.sizes.push_back({static_cast<std::uint8_t>(star_.n_link),
+                          static_cast<std::uint8_t>(star_.n_triangles),
+                          static_cast<std::uint8_t>(stars_.children.size() - first)});
+}
+
 void BlockCollapser::write_back() {
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     if (has_changed_[i] == 0) continue;
@@ -159,6 +187,7 @@ void BlockCollapser::write_back() {
     }
     for (std::size_t k = 0; k < 4; ++k) to[k] = global(from[k]);
     state_.first_sample[slots_[i]] = samples_[i];
+    state_.makers[slots_[i]] = makers_[i];
   }
 }
 

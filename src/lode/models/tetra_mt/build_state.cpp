@@ -39,6 +39,7 @@ Result<void> BuildState::close(Threads threads) {
   LODE_CHECK(close_boundary(outside, tetrahedra, threads));
   first_sample.assign(tetrahedra.size(), kNone);
   deviations.assign(tetrahedra.size(), 0);
+  makers.assign(tetrahedra.size(), kNone);
   const auto is_other = [&](std::uint32_t region) { return region != mesh.regions.front(); };
   if (!std::ranges::any_of(mesh.regions, is_other)) return {};
   labels = mesh.regions;

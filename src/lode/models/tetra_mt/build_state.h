@@ -7,6 +7,7 @@
 
 #include "lode/core/tetra_mesh.h"
 #include "lode/models/tetra_mt/closed_mesh.h"
+#include "lode/models/tetra_mt/collapse_stars.h"
 
 namespace lode::tetra_mt {
 
@@ -49,6 +50,7 @@ struct BuildState {
   /// By slot: how far any face of it between regions or on the boundary is from the reference's,
   /// or they from it, at most, where the tetrahedron across says no more.
   std::vector<float> deviations;
+  std::vector<std::uint32_t> makers;  ///< By slot: the vertex whose collapse made it, or kNone.
   BoundaryLimits limits;
   // Where a tolerance lets the boundary move; else empty.
   std::vector<std::uint32_t> first_on_boundary;  ///< By slot outside: of vertices that went there.
@@ -64,6 +66,7 @@ struct BuildState {
   std::vector<std::uint8_t> is_locked;  ///< By vertex: its link is no sphere.
   std::vector<Collapse> collapses;      ///< In an order that can be done again.
   std::vector<CollapseFacts> facts;     ///< By collapse and field.
+  std::vector<CollapseStars> stars;     ///< Of the collapses, in pieces.
   std::uint64_t n_cells = 0;            ///< Without those to the vertex outside.
 
   [[nodiscard]] double value(std::uint32_t vertex, std::size_t field) const {

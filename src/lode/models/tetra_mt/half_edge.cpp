@@ -92,6 +92,7 @@ class Rounds {
     const float limit = find_limit(share);
     std::vector<std::vector<Collapse>> collapses(blocks_.size());
     std::vector<std::vector<CollapseFacts>> facts(blocks_.size());
+    std::vector<CollapseStars> stars(blocks_.size());
     std::vector<std::uint64_t> n_gone(blocks_.size(), 0);
     visit_blocks([&](std::size_t b, BlockCollapser& block) {
       // No block may take more than its part of what is left to go.
@@ -102,11 +103,13 @@ class Rounds {
       n_gone[b] = block.n_cells_gone();
       collapses[b].assign(block.collapses().begin(), block.collapses().end());
       facts[b].assign(block.facts().begin(), block.facts().end());
+      stars[b] = block.take_stars();
     });
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       state_.n_cells -= n_gone[b];
       state_.collapses.insert(state_.collapses.end(), collapses[b].begin(), collapses[b].end());
       state_.facts.insert(state_.facts.end(), facts[b].begin(), facts[b].end());
+      if (!collapses[b].empty()) state_.stars.push_back(std::move(stars[b]));
     }
     const double gone = (before - static_cast<double>(state_.n_cells)) / before;
     gain_ = std::clamp(gone / share, gain_ / 2, gain_ * 2);
@@ -189,13 +192,23 @@ Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfE
   LODE_CHECK(state.close(options.threads));
   state.set_limits(tolerance);
   const double volume = state.volume();
+  std::vector<Tetrahedron> outer(
+      state.tetrahedra.begin() + static_cast<std::ptrdiff_t>(mesh.tetrahedra.size()),
+      state.tetrahedra.end());
   LODE_CHECK(Rounds(options, state).run(progress));
   HalfEdgeCollapses result;
   result.refusals = count_refusals(state, options);
   for (std::size_t slot = 0; slot < mesh.tetrahedra.size(); ++slot) {
     if (state.tetrahedra[slot][0] == kNone) continue;
     result.base.push_back(state.tetrahedra[slot]);
+    result.base_makers.push_back(state.makers[slot]);
     if (!state.labels.empty()) result.base_regions.push_back(state.labels[slot]);
+  }
+  for (std::size_t i = 0; i < outer.size(); ++i) {
+    const std::size_t slot = mesh.tetrahedra.size() + i;
+    if (state.tetrahedra[slot][0] != kNone)
+      result.outer_base.push_back(
+          {state.tetrahedra[slot], {outer[i][1], outer[i][2], outer[i][3]}, state.makers[slot]});
   }
   for (std::size_t slot = 0; slot < state.tetrahedra.size(); ++slot)
     if (state.tetrahedra[slot][0] != kNone)
@@ -204,6 +217,7 @@ Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfE
   result.volume_change = state.volume() - volume;
   result.collapses = std::move(state.collapses);
   result.facts = std::move(state.facts);
+  result.stars = std::move(state.stars);
   result.errors = std::move(state.errors);
   return result;
 }

@@ -19,7 +19,11 @@ struct HalfEdgeOptions {
 struct HalfEdgeCollapses {
   std::vector<Collapse> collapses;   ///< In an order that can be done again.
   std::vector<CollapseFacts> facts;  ///< By collapse and field.
+  std::vector<CollapseStars> stars;  ///< Of the collapses, in pieces.
   std::vector<Tetrahedron> base;     ///< Of the mesh's vertices.
+  /// By tetrahedron of the base: the vertex whose collapse made it, or kNone.
+  std::vector<std::uint32_t> base_makers;
+  std::vector<OuterTetrahedron> outer_base;
   /// By tetrahedron of the base, as the mesh's; empty where there is one region.
   std::vector<std::uint32_t> base_regions;
   /// By vertex and field: F - F' on the base, as shares of the fields' ranges; 0 for its vertices.

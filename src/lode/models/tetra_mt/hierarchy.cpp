@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "lode/models/tetra_mt/box_codes.h"
-#include "lode/models/tetra_mt/live_tetrahedra.h"
+#include "lode/models/tetra_mt/brought_tetrahedra.h"
 #include "lode/models/tetra_mt/node_order.h"
 
 namespace lode::tetra_mt {
@@ -25,7 +25,7 @@ void grow(Box3d& box, const Box3d& other) {
   }
 }
 
-/// Does the collapses again, with vertices numbered as the hierarchy does.
+/// Makes a hierarchy of collapses and the stars that they had.
 class HierarchyMaker {
  public:
   HierarchyMaker(const TetraMesh& mesh, const HalfEdgeCollapses& collapses)
@@ -33,14 +33,11 @@ class HierarchyMaker {
 
   Result<Hierarchy> run(Threads threads) {
     number_vertices();
-    std::vector<Tetrahedron> tetrahedra = mesh_.tetrahedra;
-    for (Tetrahedron& t : tetrahedra)
-      for (std::uint32_t& v : t) v = numbers_[v];
-    LODE_CHECK(close_boundary(result_.outside(), tetrahedra, threads));
-    makers_.assign(tetrahedra.size(), kNone);
-    LiveTetrahedra live(result_.outside(), result_.outside(), std::move(tetrahedra));
-    LODE_CHECK(collapse_again(live));
-    take_base(live);
+    {
+      BroughtTetrahedra brought(mesh_, collapses_, numbers_, nodes_, result_, threads);
+      LODE_CHECK(brought.run());
+      boxes_ = brought.take_boxes();
+    }
     find_parents();
     find_facts();
     find_boxes();
@@ -48,28 +45,10 @@ class HierarchyMaker {
   }
 
  private:
-  /// A tetrahedron that a node brings.
-  struct Brought {
-    bool has_target;
-    FaceKey key;
-    std::uint32_t maker;
-    std::uint32_t slot;
-  };
-
   [[nodiscard]] std::uint32_t n_nodes() const {
     return static_cast<std::uint32_t>(collapses_.collapses.size());
   }
   void number_vertices();
-  [[nodiscard]] Result<void> collapse_again(LiveTetrahedra& live);
-  [[nodiscard]] Result<void> gather_brought(const LiveTetrahedra& live, std::uint32_t vertex,
-                                            std::uint32_t target);
-  /// Of a slot; kNone of tetrahedra to the vertex outside.
-  [[nodiscard]] std::uint32_t region(std::uint32_t slot) const {
-    return slot < mesh_.regions.size() ? mesh_.regions[slot] : kNone;
-  }
-  void note_regions();
-  void note_node();
-  void take_base(const LiveTetrahedra& live);
   void find_parents();
   void find_facts();
   void find_boxes();
@@ -78,9 +57,7 @@ class HierarchyMaker {
   const HalfEdgeCollapses& collapses_;
   std::vector<std::uint32_t> numbers_;  ///< Of the mesh's vertices in the hierarchy.
   std::vector<std::uint32_t> nodes_;    ///< By collapse.
-  std::vector<std::uint32_t> makers_;   ///< By slot.
   std::vector<Box3d> boxes_;            ///< By node: of its tetrahedra, then of all it discovers.
-  std::vector<Brought> brought_;
   Hierarchy result_;
 };
 
@@ -106,110 +83,6 @@ void HierarchyMaker::number_vertices() {
     MeshField& to = result_.fields.emplace_back(
         MeshField{.name = field.name, .type = field.type, .n_components = 1, .values = {}});
     for (const std::uint32_t v : vertices) to.values.push_back(field.values[v]);
-  }
-}
-
-/// From lists in the order of the collapses to lists by node.
-template <typename Item>
-void sort_lists(std::span<const std::uint32_t> nodes, std::vector<std::uint64_t>& begins,
-                std::vector<Item>& items) {
-  const std::vector<std::uint64_t> old_begins = begins;
-  const std::vector<Item> old = items;
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    begins[nodes[i] + std::size_t{1}] = old_begins[i + 1] - old_begins[i];
-  for (std::size_t i = 1; i < begins.size(); ++i) begins[i] += begins[i - 1];
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    std::copy(old.begin() + static_cast<std::ptrdiff_t>(old_begins[i]),
-              old.begin() + static_cast<std::ptrdiff_t>(old_begins[i + 1]),
-              items.begin() + static_cast<std::ptrdiff_t>(begins[nodes[i]]));
-}
-
-/// From the last node to the first one.
-Result<void> HierarchyMaker::collapse_again(LiveTetrahedra& live) {
-  result_.targets.resize(n_nodes());
-  boxes_.resize(n_nodes());
-  result_.child_begins.push_back(0);
-  result_.maker_begins.push_back(0);
-  result_.region_begins.push_back(0);
-  for (std::uint32_t i = 0; i < n_nodes(); ++i) {
-    const std::uint32_t node = nodes_[i];
-    const std::uint32_t vertex = result_.n_base_vertices + node;
-    const std::uint32_t target = numbers_[collapses_.collapses[i].kept];
-    result_.targets[node] = target;
-    LODE_CHECK(gather_brought(live, vertex, target));
-    boxes_[node] = {result_.positions[vertex], result_.positions[vertex]};
-    for (const std::uint32_t slot : live.star(vertex))
-      for (const std::uint32_t v : live.corners(slot))
-        if (v != live.outside()) grow(boxes_[node], {result_.positions[v], result_.positions[v]});
-    for (const std::uint32_t slot : live.star(vertex)) makers_[slot] = node;
-    note_regions();
-    live.collapse(vertex, target);
-    note_node();
-  }
-  sort_lists(nodes_, result_.child_begins, result_.children);
-  sort_lists(nodes_, result_.maker_begins, result_.makers);
-  sort_lists(nodes_, result_.region_begins, result_.regions);
-  return {};
-}
-
-Result<void> HierarchyMaker::gather_brought(const LiveTetrahedra& live, std::uint32_t vertex,
-                                            std::uint32_t target) {
-  brought_.clear();
-  for (const std::uint32_t slot : live.star(vertex)) {
-    std::array<std::uint32_t, 3> rest{kNone, kNone, kNone};
-    std::size_t n = 0;
-    for (const std::uint32_t v : live.corners(slot))
-      if (v != vertex && v != target) rest[n++] = v;
-    brought_.push_back({n == 2, face_key(rest[0], rest[1], rest[2]), makers_[slot], slot});
-  }
-  std::ranges::sort(brought_, [](const Brought& a, const Brought& b) {
-    return std::pair(a.has_target, a.key) < std::pair(b.has_target, b.key);
-  });
-  for (std::size_t i = 1; i < brought_.size(); ++i)
-    if (brought_[i].key == brought_[i - 1].key)
-      return fail("vertex {}: expected different tetrahedra, got two of the same corners", vertex);
-  return {};
-}
-
-void HierarchyMaker::note_node() {
-  const std::size_t first = result_.children.size();
-  for (const Brought& b : brought_)
-    if (b.maker != kNone) result_.children.push_back(b.maker);
-  const auto begin = result_.children.begin() + static_cast<std::ptrdiff_t>(first);
-  std::sort(begin, result_.children.end());
-  result_.children.erase(std::unique(begin, result_.children.end()), result_.children.end());
-  for (const Brought& b : brought_) {
-    const auto at = std::lower_bound(begin, result_.children.end(), b.maker);
-    result_.makers.push_back(b.maker == kNone ? Hierarchy::kReference
-                                              : static_cast<std::uint8_t>(at - begin));
-  }
-  result_.child_begins.push_back(result_.children.size());
-  result_.maker_begins.push_back(result_.makers.size());
-}
-
-/// A collapse leaves tetrahedra their slots, which are the mesh's: so their regions are known.
-void HierarchyMaker::note_regions() {
-  std::uint32_t common = kNone;  // of those with a face, which stay
-  for (const Brought& b : brought_)
-    if (!b.has_target && common == kNone) common = region(b.slot);
-  const bool is_common = std::ranges::all_of(brought_, [&](const Brought& b) {
-    return region(b.slot) == common || region(b.slot) == kNone;
-  });
-  if (!mesh_.regions.empty() && !is_common)
-    for (const Brought& b : brought_)
-      if (b.has_target) result_.regions.push_back(region(b.slot) == kNone ? 0 : region(b.slot));
-  result_.region_begins.push_back(result_.regions.size());
-}
-
-void HierarchyMaker::take_base(const LiveTetrahedra& live) {
-  for (std::uint32_t slot = 0; slot < live.n_slots(); ++slot) {
-    if (live.is_gone(slot)) continue;
-    const Tetrahedron& t = live.corners(slot);
-    result_.base.push_back(t);
-    result_.base_makers.push_back(makers_[slot]);
-    if (result_.region_ids.size() > 1)
-      result_.base_regions.push_back(region(slot) == kNone ? 0 : region(slot));
-    if (std::ranges::find(t, live.outside()) == t.end()) ++result_.n_base_cells;
   }
 }
 
