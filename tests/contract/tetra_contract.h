@@ -26,7 +26,7 @@ class TetraContract {
   /// A node may be needed that has less error than any that needs it.
   static constexpr bool kIsNestedAlongParents = false;
 
-  /// Noise from 0 to 125 in a cube with a cavity.
+  /// Noise from 0 to 125 in a cube with a cavity, behind another field.
   static TetraContract make(std::uint32_t seed, Threads threads) {
     Progress progress;
     const TetraMesh mesh = holed_cube(seed);
@@ -39,7 +39,9 @@ class TetraContract {
 
   Result<void> save(const std::string& path) const {
     Progress progress;
-    const std::vector<std::uint32_t> gradients(hierarchy_->positions.size());
+    const auto gradients = [&](std::size_t) {
+      return std::vector<std::uint32_t>(hierarchy_->positions.size());
+    };
     LODE_CHECK(
         tetra_mt::save(*hierarchy_, packed_->head().n_cells, gradients, path, {2}, progress));
     return {};
@@ -47,13 +49,17 @@ class TetraContract {
   /// With all pages, so that whatever is wrong with the file is found here.
   static Result<TetraContract> open(const std::string& path) {
     LODE_TRY(auto opened, tetra_mt::open(path));
-    for (std::uint32_t node = 0; node < opened.hierarchy.head().shape.n_nodes; ++node)
+    for (std::uint32_t node = 0; node < opened.hierarchy.head().shape.n_nodes; ++node) {
       static_cast<void>(opened.hierarchy.links(node));
+      static_cast<void>(opened.hierarchy.facts(node, kField));
+    }
     LODE_CHECK(opened.hierarchy.check());
     return TetraContract({}, std::move(opened.hierarchy));
   }
 
-  [[nodiscard]] tetra_mt::TetraCut refinable() const { return tetra_mt::TetraCut(*packed_); }
+  [[nodiscard]] tetra_mt::TetraCut refinable() const {
+    return tetra_mt::TetraCut(*packed_, kField);
+  }
 
   /// The mesh of the cut that the model stands at.
   [[nodiscard]] Mesh mesh(const tetra_mt::TetraCut& opened, const Cut& /*cut*/) const {
@@ -93,6 +99,7 @@ class TetraContract {
   }
 
  private:
+  static constexpr std::size_t kField = 1;
   static constexpr int kSteps = 6;
   static constexpr double kStep = 3;
   static constexpr double kEnd = kSteps * kStep;
@@ -120,11 +127,14 @@ class TetraContract {
       }
       return true;
     });
+    mesh.fields.insert(mesh.fields.begin(), mesh.fields[0]);
+    for (double& value : mesh.fields[0].values) value = std::sin(value / 9);
+    mesh.fields[0].name = "other";
     return mesh;
   }
 
   [[nodiscard]] MeshVertex vertex(std::uint32_t v) const {
-    return {packed_->position(v).v, packed_->value(v, 0)};
+    return {packed_->position(v).v, packed_->value(v, kField)};
   }
 
   std::shared_ptr<const tetra_mt::Hierarchy> hierarchy_;  ///< None of a file's.

@@ -39,10 +39,13 @@ Hierarchy hierarchy_of(const TetraMesh& mesh, std::uint64_t base_cells) {
 }
 
 /// Any.
-std::vector<std::uint32_t> codes_of(const Hierarchy& hierarchy) {
-  std::vector<std::uint32_t> codes;
-  for (std::uint32_t v = 0; v < hierarchy.positions.size(); ++v) codes.push_back(v * 2654435761U);
-  return codes;
+GradientsOf codes_of(const Hierarchy& hierarchy) {
+  return [n = hierarchy.positions.size()](std::size_t field) {
+    std::vector<std::uint32_t> codes;
+    for (std::uint32_t v = 0; v < n; ++v)
+      codes.push_back((v + static_cast<std::uint32_t>(field)) * 2654435761U);
+    return codes;
+  };
 }
 
 TetraMesh noise() { return oracles::noise_mesh(17, oracles::Cut::in_five, 5); }
@@ -161,14 +164,26 @@ TEST(tetra_pages, come_back_from_their_bytes) {
   const HierarchyHead head = head_of(hierarchy, mesh.tetrahedra.size());
   ASSERT_GT(head.shape.n_pages(), 3U);
   for (std::uint32_t page = 0; page < head.shape.n_pages(); ++page) {
-    const PageContent content = content_of(hierarchy, head, page);
+    const PageContent content = content_of(hierarchy, page);
     PageContent found;
     const auto links = encode_links(content, page, head.shape);
-    const auto field = encode_field(content, 0, head.shape);
     const auto decoded = decode_links(links, "page", page, head.shape, found);
     ASSERT_TRUE(decoded) << decoded.error().message;
-    ASSERT_TRUE(decode_field(field, "page", 0, head.shape, found));
     EXPECT_EQ(found, content);
+    const NumberedField field = field_of(hierarchy, 0);
+    const FieldContent values =
+        content_of(field, base_of(field, head.shape).scale, head.shape, page);
+    ASSERT_EQ(values.values.size(), content.n_nodes());
+    const auto bytes = encode_field(values, head.fields[0].has_narrow_values);
+    const auto again =
+        decode_field(bytes, "page", content.n_nodes(), head.fields[0].has_narrow_values);
+    ASSERT_TRUE(again);
+    EXPECT_EQ(*again, values);
+    const FieldPage packed(values, head.fields[0].has_narrow_values);
+    for (std::uint32_t i = 0; i < content.n_nodes(); ++i) {
+      EXPECT_EQ(packed.value(i), values.values[i]);
+      EXPECT_EQ(packed.facts(i), values.facts[i]);
+    }
   }
 }
 
@@ -176,7 +191,7 @@ TEST(tetra_pages, come_back_from_their_bytes) {
 TEST(tetra_pages, refuse_bytes_that_are_not_theirs) {
   const Hierarchy hierarchy = hierarchy_of(noise(), 300);
   const HierarchyHead head = head_of(hierarchy, 1);
-  const PageContent content = content_of(hierarchy, head, 1);
+  const PageContent content = content_of(hierarchy, 1);
   const auto links = encode_links(content, 1, head.shape);
   Random random(1);
   int n_refused = 0;
@@ -242,17 +257,75 @@ TEST_F(tetra_file, answers_as_memory_does_and_reads_what_it_needs) {
     EXPECT_EQ(opened->hierarchy.value(v, 0), hierarchy_.fields[0].values[v]);
   }
   const PageShape& shape = opened->hierarchy.head().shape;
-  const std::vector<std::uint32_t> codes = codes_of(hierarchy_);
+  const std::vector<std::uint32_t> codes = codes_of(hierarchy_)(0);
   std::vector<std::uint32_t> found(codes.size());
   for (std::uint32_t v = 0; v < codes.size(); ++v) {
     const VertexRange range = vertices_of(shape, page_of(shape, v));
     ASSERT_LT(v - range.first, range.n);
     if (v != range.first) continue;
-    const auto page = opened->gradients(page_of(shape, v));
+    const auto page = opened->gradients(0, page_of(shape, v));
     ASSERT_TRUE(page);
     std::ranges::copy(*page, found.begin() + v);
   }
   EXPECT_EQ(found, codes);
+}
+
+/// One of floats, one of doubles, one of a single value.
+TetraMesh with_three_fields(TetraMesh mesh) {
+  for (const char* const name : {"wide", "level"}) {
+    mesh.fields.push_back(mesh.fields[0]);
+    mesh.fields.back().name = name;
+  }
+  for (double& value : mesh.fields[1].values) value = std::sin(7 * value) / 3;
+  std::ranges::fill(mesh.fields[2].values, -2.5);
+  return mesh;
+}
+
+TEST_F(tetra_file, keeps_fields_apart_and_reads_those_that_are_asked_for) {
+  const TetraMesh mesh = with_three_fields(mesh_);
+  const Hierarchy hierarchy = hierarchy_of(mesh, 600);
+  Progress progress;
+  ASSERT_TRUE(save(hierarchy, mesh.tetrahedra.size(), codes_of(hierarchy), path_, {2}, progress));
+  const auto memory = PackedHierarchy::pack(hierarchy, mesh.tetrahedra.size(), {2});
+  std::uint64_t n_read = 0;
+  for (const std::size_t field : {1U, 0U, 2U}) {
+    const auto opened = open(path_);
+    ASSERT_TRUE(opened) << opened.error().message;
+    EXPECT_EQ(opened->hierarchy.head().fields.size(), 3U);
+    EXPECT_EQ(opened->hierarchy.head().fields[field].name, mesh.fields[field].name);
+    TetraCut ours(opened->hierarchy, field);
+    TetraCut theirs(memory, field);
+    Engine<TetraCut> engine(ours);
+    Engine<TetraCut> other(theirs);
+    for (const double share : {0.5, 0.0}) {
+      const double tolerance = share * memory.head().fields[field].base_error;
+      engine.set_query(uniform_demand(tolerance));
+      other.set_query(uniform_demand(tolerance));
+      engine.finish();
+      other.finish();
+      EXPECT_EQ(engine.cut().applied(), other.cut().applied());
+    }
+    const auto is_whole = opened->hierarchy.check();
+    ASSERT_TRUE(is_whole) << is_whole.error().message;
+    EXPECT_EQ(opened->hierarchy.n_pages_loaded(), memory.head().shape.n_pages());
+    for (std::size_t f = 0; f < 3; ++f)
+      EXPECT_EQ(opened->hierarchy.n_field_pages_loaded(f),
+                f == field ? memory.head().shape.n_pages() : 0U);
+    if (field == 2) {
+      EXPECT_LT(opened->reads().n_bytes, n_read);
+    }
+    n_read = opened->reads().n_bytes;
+    for (std::uint32_t v = 0; v < hierarchy.positions.size(); ++v) {
+      EXPECT_EQ(opened->hierarchy.value(v, field), hierarchy.fields[field].values[v]);
+      if (v % 100 == 0) {
+        EXPECT_EQ(
+            opened->gradients(field, page_of(memory.head().shape, v)).value()[0],
+            codes_of(hierarchy)(
+                field)[vertices_of(memory.head().shape, page_of(memory.head().shape, v)).first]);
+      }
+    }
+    EXPECT_EQ(opened->mesh_vertices().value(), hierarchy.mesh_vertices);
+  }
 }
 
 /// By its corners' positions, each tetrahedron's region.

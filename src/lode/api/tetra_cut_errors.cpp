@@ -21,7 +21,7 @@ struct StatedFacts {
 };
 
 std::vector<StatedFacts> stated_by(const PackedHierarchy& hierarchy, const TetraCells& cells) {
-  const double reference = hierarchy.head().fields[0].scale.knots()[0];
+  const double reference = hierarchy.head().fields[0].low;
   std::vector<StatedFacts> stated(cells.makers.size());
   for (std::size_t i = 0; i < stated.size(); ++i) {
     if (cells.makers[i] == kNone) continue;

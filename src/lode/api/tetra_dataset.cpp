@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <new>
 #include <optional>
@@ -137,11 +138,11 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
 }
 
 /// By vertex of the hierarchy: gradient_code() on the mesh.
-std::vector<std::uint32_t> gradient_codes(const TetraMesh& mesh, const Hierarchy& hierarchy,
-                                          Threads threads) {
+std::vector<std::uint32_t> gradient_codes(const TetraMesh& mesh, std::size_t field,
+                                          const Hierarchy& hierarchy, Threads threads) {
   SimplexMesh all;
   all.positions = mesh.positions;
-  all.values = mesh.fields[0].values;
+  all.values = mesh.fields[field].values;
   all.tetrahedra = mesh.tetrahedra;
   const std::vector<Vec3f> gradients = vertex_gradients(all, threads);
   std::vector<std::uint32_t> codes(hierarchy.mesh_vertices.size());
@@ -159,8 +160,8 @@ TetraInfo info_of(const HierarchyHead& head) {
           .n_nodes = head.shape.n_nodes,
           .field = field.name,
           .type = field.type,
-          .range_min = field.scale.knots().front(),
-          .range_max = field.scale.knots().back(),
+          .range_min = field.low,
+          .range_max = field.high,
           .base_error = field.base_error,
           .bounds = {head.lower, head.upper},
           .boundary_deviation = head.boundary_deviation,
@@ -199,7 +200,8 @@ std::vector<std::pair<std::string, std::uint64_t>> named(const tetra_mt::Refusal
 
 class TetraDataset::Impl {
  public:
-  using GradientSource = std::function<Result<std::vector<std::uint32_t>>(std::uint32_t page)>;
+  using GradientSource =
+      std::function<Result<std::vector<std::uint32_t>>(std::size_t field, std::uint32_t page)>;
 
   Impl(PackedHierarchy packed, GradientSource source,
        std::function<tetra_mt::FileReads()> reads_of = {})
@@ -217,7 +219,8 @@ class TetraDataset::Impl {
                                                std::span<const std::int64_t> regions,
                                                Progress& progress) const;
   /// Of vertices of the hierarchy, ascending.
-  [[nodiscard]] Result<std::vector<Vec3f>> gradients(std::span<const std::uint32_t> vertices) const;
+  [[nodiscard]] Result<std::vector<Vec3f>> gradients(std::span<const std::uint32_t> vertices,
+                                                     std::size_t field) const;
 
   PackedHierarchy hierarchy;
   std::function<tetra_mt::FileReads()> reads;  ///< None in memory.
@@ -226,11 +229,13 @@ class TetraDataset::Impl {
   double surface_margin;
 
  private:
-  [[nodiscard]] Result<void> load_gradients(std::uint32_t page) const;
+  [[nodiscard]] Result<const std::vector<std::uint32_t>*> load_gradients(std::size_t field,
+                                                                         std::uint32_t page) const;
 
   GradientSource source_;
   mutable std::mutex mutex_;
-  mutable std::vector<std::vector<std::uint32_t>> pages_;  ///< Codes, of those looked at so far.
+  /// Codes by field and page, of those looked at so far.
+  mutable std::map<std::pair<std::size_t, std::uint32_t>, std::vector<std::uint32_t>> pages_;
 };
 
 TetraDataset::TetraDataset(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -249,11 +254,14 @@ TetraReads TetraDataset::reads() const {
 Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuildOptions& options,
                                          Progress& progress) try {
   LODE_TRY(const auto hierarchy, make_hierarchy_of(mesh, options, progress));
-  auto codes = gradient_codes(mesh, hierarchy, options.threads);
+  std::vector<std::vector<std::uint32_t>> codes;
+  for (std::size_t f = 0; f < mesh.fields.size(); ++f)
+    codes.push_back(gradient_codes(mesh, f, hierarchy, options.threads));
   auto packed = PackedHierarchy::pack(hierarchy, mesh.tetrahedra.size(), options.threads);
-  auto source = [codes = std::move(codes), shape = packed.head().shape](std::uint32_t page) {
+  auto source = [codes = std::move(codes), shape = packed.head().shape](std::size_t field,
+                                                                        std::uint32_t page) {
     const tetra_mt::VertexRange range = vertices_of(shape, page);
-    const auto begin = codes.begin() + static_cast<std::ptrdiff_t>(range.first);
+    const auto begin = codes[field].begin() + static_cast<std::ptrdiff_t>(range.first);
     return Result(std::vector<std::uint32_t>(begin, begin + range.n));
   };
   return TetraDataset(std::make_unique<Impl>(std::move(packed), std::move(source)));
@@ -274,8 +282,10 @@ Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const st
   report.build_seconds = watch.seconds();
   report.info = info_of(head_of(hierarchy, mesh.tetrahedra.size()));
   const Stopwatch write_watch;
-  LODE_TRY(report.file_bytes, tetra_mt::save(hierarchy, mesh.tetrahedra.size(),
-                                             gradient_codes(mesh, hierarchy, options.threads), path,
+  const auto gradients = [&](std::size_t field) {
+    return gradient_codes(mesh, field, hierarchy, options.threads);
+  };
+  LODE_TRY(report.file_bytes, tetra_mt::save(hierarchy, mesh.tetrahedra.size(), gradients, path,
                                              options.threads, progress));
   report.write_seconds = write_watch.seconds();
   return report;
@@ -293,23 +303,29 @@ Result<TetraDataset> TetraDataset::open(const std::string& path) try {
   return out_of_memory("open the file");
 }
 
-Result<void> TetraDataset::Impl::load_gradients(std::uint32_t page) const {
-  if (page >= pages_.size()) pages_.resize(page + std::size_t{1});
-  if (!pages_[page].empty()) return {};
-  LODE_TRY(pages_[page], source_(page));
-  return {};
+Result<const std::vector<std::uint32_t>*> TetraDataset::Impl::load_gradients(
+    std::size_t field, std::uint32_t page) const {
+  auto& codes = pages_[{field, page}];
+  if (codes.empty()) {
+    LODE_TRY(codes, source_(field, page));
+  }
+  return &codes;
 }
 
-Result<std::vector<Vec3f>> TetraDataset::Impl::gradients(
-    std::span<const std::uint32_t> vertices) const {
+Result<std::vector<Vec3f>> TetraDataset::Impl::gradients(std::span<const std::uint32_t> vertices,
+                                                         std::size_t field) const {
   const std::lock_guard lock(mutex_);
   const tetra_mt::PageShape& shape = hierarchy.head().shape;
   std::vector<Vec3f> found;
   found.reserve(vertices.size());
+  std::uint32_t page = kNone;
+  const std::vector<std::uint32_t>* codes = nullptr;
   for (const std::uint32_t v : vertices) {
-    const std::uint32_t page = page_of(shape, v);
-    LODE_CHECK(load_gradients(page));
-    found.push_back(tetra_mt::gradient_of(pages_[page][v - vertices_of(shape, page).first]));
+    if (codes == nullptr || page_of(shape, v) != page) {
+      page = page_of(shape, v);
+      LODE_TRY(codes, load_gradients(field, page));
+    }
+    found.push_back(tetra_mt::gradient_of((*codes)[v - vertices_of(shape, page).first]));
   }
   return found;
 }
@@ -378,7 +394,7 @@ Result<TetraSurfaceReport> TetraDataset::extract_surface(const TetraSurfaceOptio
   LODE_TRY(TetraCutMesh cut,
            impl_->make_mesh(options.query, options.deadline_s, options.regions, progress));
   if (options.normals == Normals::on) {
-    LODE_TRY(cut.gradients, impl_->gradients(cut.vertex_ids));
+    LODE_TRY(cut.gradients, impl_->gradients(cut.vertex_ids, 0));
   }
   TetraSurfaceReport report = make_isosurfaces(cut, options, surface);
   report.seconds = watch.seconds();

@@ -217,8 +217,7 @@ Result<void> CutVerifier::measure(std::optional<double> share, VerifyReport& rep
   const TetraCells cells(cut);
   LODE_TRY(const TetraCutErrors errors, measure_errors(hierarchy_, vertices_, cells, threads_));
   constexpr double kRounding = 1e-9;  // Of F', as a share of the range.
-  const auto& knots = field.scale.knots();
-  const bool is_kept = errors.largest <= achieved + kRounding * (knots.back() - knots.front()) &&
+  const bool is_kept = errors.largest <= achieved + kRounding * (field.high - field.low) &&
                        (!share || achieved <= *share * field.base_error);
   report.add(share ? fmt::format("errors at {} of the base's", *share) : "errors of the base",
              errors.n_vertices, errors.n_above_stated + (is_kept ? 0 : 1),

@@ -84,9 +84,10 @@ StoredFacts to_facts(const FactCodes& codes, const ValueScale& scale) {
 FactCodes to_codes(const StoredFacts& facts, double range_reference, const ValueScale& scale) {
   const NodeFacts known = without_bounds(facts, range_reference);
   const auto& knots = scale.knots();
-  return {scale.error_code(facts.error),
-          scale.code_below(std::clamp(known.range.low, knots.front(), knots.back())),
-          scale.code_above(std::clamp(known.range.high, knots.front(), knots.back()))};
+  const auto low = scale.code_below(std::clamp(known.range.low, knots.front(), knots.back()));
+  const auto high = scale.code_above(std::clamp(known.range.high, knots.front(), knots.back()));
+  // Of a value that several codes stand for, the last one is below and the first one above it.
+  return {scale.error_code(facts.error), std::min(low, high), high};
 }
 
 }  // namespace lode::tetra_mt

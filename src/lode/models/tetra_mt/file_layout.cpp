@@ -9,8 +9,6 @@
 namespace lode::tetra_mt {
 namespace {
 
-constexpr std::uint32_t kMaxFields = 4096;
-
 Result<bool> read_flag(store::ByteReader& in, const std::string& path) {
   LODE_TRY(const auto flag, in.read<std::uint8_t>());
   if (flag > 1) return fail("{}: metadata: expected 0 or 1, got {}", path, flag);
@@ -24,18 +22,22 @@ Result<HierarchyHead::Field> read_field(store::ByteReader& in, const std::string
   field.type = static_cast<ScalarType>(type);
   if (!is_valid(field.type))
     return fail("{}: metadata: expected a sample type 1..10, got {}", path, type);
+  LODE_TRY(field.has_narrow_values, read_flag(in, path));
+  LODE_TRY(const bool has_time, read_flag(in, path));
+  LODE_TRY(const double time, in.read<double>());
+  if (!std::isfinite(time) || (!has_time && time != 0))
+    return fail("{}: metadata: expected a finite time of {}, or 0 for none, got {}", path,
+                field.name, time);
+  if (has_time) field.time = time;
   LODE_TRY(field.base_error, in.read<double>());
   if (!(field.base_error >= 0))
     return fail("{}: metadata: expected an error >= 0, got {}", path, field.base_error);
-  ValueScale::Knots knots;
-  for (double& knot : knots) {
-    LODE_TRY(knot, in.read<double>());
-  }
-  const bool is_range = std::ranges::is_sorted(knots) && std::isfinite(knots.front()) &&
-                        std::isfinite(knots.back() - knots.front());
-  if (!is_range || std::ranges::any_of(knots, [](double x) { return std::isnan(x); }))
-    return fail("{}: metadata: expected finite values of {} that ascend", path, field.name);
-  field.scale = ValueScale(knots);
+  LODE_TRY(field.low, in.read<double>());
+  LODE_TRY(field.high, in.read<double>());
+  if (!(field.low <= field.high) || !std::isfinite(field.low) ||
+      !std::isfinite(field.high - field.low))
+    return fail("{}: metadata: expected a finite range of {}, got {} to {}", path, field.name,
+                field.low, field.high);
   return field;
 }
 
@@ -63,10 +65,10 @@ Result<void> check_counts(const HierarchyHead& head, const BaseCounts& counts,
 
 std::vector<std::byte> encode_head(const HierarchyHead& head) {
   store::ByteWriter out;
+  out.write(kLayout);
   out.write(head.shape.n_base_vertices);
   out.write(head.shape.n_nodes);
   out.write(static_cast<std::uint8_t>(head.shape.has_narrow_positions ? 1 : 0));
-  out.write(static_cast<std::uint8_t>(head.shape.has_narrow_values ? 1 : 0));
   out.write(head.n_cells);
   out.write(head.n_base_cells);
   out.write(static_cast<std::uint64_t>(head.base.size()));
@@ -76,12 +78,14 @@ std::vector<std::byte> encode_head(const HierarchyHead& head) {
   out.write(head.boundary_deviation);
   out.write(static_cast<std::uint32_t>(head.region_ids.size()));
   for (const std::int64_t id : head.region_ids) out.write(id);
-  out.write(head.shape.n_fields);
+  out.write(static_cast<std::uint32_t>(head.fields.size()));
   for (const HierarchyHead::Field& field : head.fields) {
     out.write_string(field.name);
     out.write(static_cast<std::uint8_t>(field.type));
-    out.write(field.base_error);
-    for (const double knot : field.scale.knots()) out.write(knot);
+    out.write(static_cast<std::uint8_t>(field.has_narrow_values ? 1 : 0));
+    out.write(static_cast<std::uint8_t>(field.time ? 1 : 0));
+    for (const double x : {field.time.value_or(0), field.base_error, field.low, field.high})
+      out.write(x);
   }
   return std::move(out).take();
 }
@@ -90,10 +94,13 @@ Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::s
                                   BaseCounts& counts) {
   store::ByteReader in(bytes, path + ": metadata");
   HierarchyHead head;
+  LODE_TRY(const auto layout, in.read<std::uint32_t>());
+  if (layout != kLayout)
+    return fail("{}: expected layout {} of tetrahedra, got {}: build the file again", path, kLayout,
+                layout);
   LODE_TRY(head.shape.n_base_vertices, in.read<std::uint32_t>());
   LODE_TRY(head.shape.n_nodes, in.read<std::uint32_t>());
   LODE_TRY(head.shape.has_narrow_positions, read_flag(in, path));
-  LODE_TRY(head.shape.has_narrow_values, read_flag(in, path));
   LODE_TRY(head.n_cells, in.read<std::uint64_t>());
   LODE_TRY(head.n_base_cells, in.read<std::uint64_t>());
   LODE_TRY(counts.n_tetrahedra, in.read<std::uint64_t>());
@@ -110,11 +117,10 @@ Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::s
   if (std::ranges::adjacent_find(head.region_ids, std::greater_equal()) != head.region_ids.end())
     return fail("{}: metadata: expected regions that ascend", path);
   head.shape.n_regions = std::max(1U, n_regions);
-  LODE_TRY(head.shape.n_fields, in.read<std::uint32_t>());
-  if (head.shape.n_fields < 1 || head.shape.n_fields > kMaxFields)
-    return fail("{}: metadata: expected 1 to {} fields, got {}", path, kMaxFields,
-                head.shape.n_fields);
-  for (std::uint32_t f = 0; f < head.shape.n_fields; ++f) {
+  LODE_TRY(const auto n_fields, in.read<std::uint32_t>());
+  if (n_fields < 1 || n_fields > kMaxFields)
+    return fail("{}: metadata: expected 1 to {} fields, got {}", path, kMaxFields, n_fields);
+  for (std::uint32_t f = 0; f < n_fields; ++f) {
     LODE_TRY(auto field, read_field(in, path));
     head.fields.push_back(std::move(field));
   }

@@ -3,10 +3,13 @@
 // What save() and open() agree on; docs/format.md, section 7.
 
 #include <cstdint>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "lode/models/tetra_mt/packed_hierarchy.h"
 #include "lode/store/format.h"
+#include "lode/store/writer.h"
 
 namespace lode::tetra_mt {
 
@@ -17,7 +20,12 @@ enum class Kind : std::uint32_t {
   links = 4,
   field = 5,
   gradients = 6,
+  base_field = 7,
+  mesh_vertices = 8,
 };
+
+/// Of the metadata and the blocks; files of another one are refused.
+inline constexpr std::uint32_t kLayout = 2;
 
 /// Vertices, tetrahedra or roots of the base in a block.
 inline constexpr std::uint32_t kBasePart = 1U << 16;
@@ -26,6 +34,8 @@ inline constexpr std::uint32_t kBasePart = 1U << 16;
                                             std::uint32_t field = 0) {
   return {static_cast<std::uint32_t>(kind), field, {{static_cast<std::int32_t>(number), 0, 0}}};
 }
+
+inline constexpr std::uint32_t kMaxFields = 4096;
 
 /// How many the blocks of the base have.
 struct BaseCounts {
@@ -37,5 +47,12 @@ struct BaseCounts {
 /// All but the base's vertices, tetrahedra and roots. Fails on what no hierarchy has.
 [[nodiscard]] Result<HierarchyHead> decode_head(std::span<const std::byte> bytes,
                                                 const std::string& path, BaseCounts& counts);
+
+/// Writes the blocks of one more field, whose number is that of the head's so far, and tells the
+/// head of it. `gradients`: gradient_code()s by vertex.
+[[nodiscard]] Result<void> append_field(const NumberedField& field,
+                                        std::span<const std::uint32_t> gradients,
+                                        HierarchyHead& head, Threads threads,
+                                        store::Writer& writer);
 
 }  // namespace lode::tetra_mt

@@ -47,9 +47,6 @@ class NodePage::Packer {
   void run() {
     list_pages();
     BitWriter bits;
-    for (const FactCodes& codes : content_.facts)
-      for (const std::uint16_t code : {codes.error, codes.low, codes.high})
-        bits.write(code, FactCodes::kBits);
     for (std::uint32_t i = 0; i < content_.n_nodes(); ++i) {
       const std::size_t begin = bits.align();
       if (i % kGroup == 0) page_.begins_.push_back(static_cast<std::uint32_t>(begin));
@@ -129,11 +126,8 @@ NodePage::NodePage(const PageContent& content, std::uint32_t number, const PageS
     : own_(shape.n_base_vertices + number * kPageNodes),
       first_(shape.n_base_vertices),
       has_narrow_positions_(shape.has_narrow_positions),
-      has_narrow_values_(shape.has_narrow_values),
       n_region_bits_(shape.n_regions > 1 ? bits_for(shape.n_regions - 1) : 0) {
   for (const Vec3d& p : content.positions) add_words(p.v, has_narrow_positions_, words_);
-  values_begin_ = static_cast<std::uint32_t>(words_.size());
-  add_words(content.values, has_narrow_values_, words_);
   Packer(*this, content, shape).run();
   words_.shrink_to_fit();
   begins_.shrink_to_fit();

@@ -15,10 +15,8 @@ namespace lode::tetra_mt {
 struct PageShape {
   std::uint32_t n_base_vertices = 0;
   std::uint32_t n_nodes = 0;
-  std::uint32_t n_fields = 1;
   std::uint32_t n_regions = 1;
   bool has_narrow_positions = false;  ///< float32 holds them.
-  bool has_narrow_values = false;
 
   /// Of nodes.
   [[nodiscard]] std::uint32_t n_pages() const { return n_pages_of(n_nodes); }
@@ -40,10 +38,9 @@ struct VertexRange {
                                         : (vertex - shape.n_base_vertices) / kPageNodes;
 }
 
-/// A page in memory, packed: for each node its position and values, 36 bits of facts for each
-/// field, 22 of its box, and its links. A link to a node or vertex of the page takes 10 bits; one
-/// to another page 14 where that is one of the eight with most links, else as many as the number
-/// of such pages asks for.
+/// A page in memory, packed: for each node its position, 22 bits of its box, and its links. A link
+/// to a node or vertex of the page takes 10 bits; one to another page 14 where that is one of the
+/// eight with most links, else as many as the number of such pages asks for.
 class NodePage {
  public:
   /// `content` is as PageContent says: sorted, with numbers that `shape` has.
@@ -53,18 +50,6 @@ class NodePage {
     const std::size_t at = std::size_t{3} * i;
     if (has_narrow_positions_) return {{narrow(at), narrow(at + 1), narrow(at + 2)}};
     return {{wide(2 * at), wide(2 * at + 2), wide(2 * at + 4)}};
-  }
-  /// `at`: node times fields plus field.
-  [[nodiscard]] double value(std::size_t at) const {
-    return has_narrow_values_ ? narrow(values_begin_ + at) : wide(values_begin_ + 2 * at);
-  }
-  [[nodiscard]] FactCodes facts(std::size_t at) const {
-    BitReader bits(bits_.data(), 0);
-    bits.skip(3 * FactCodes::kBits * at);
-    const std::uint32_t error = bits.read(FactCodes::kBits);
-    const std::uint32_t low = bits.read(FactCodes::kBits);
-    return {static_cast<std::uint16_t>(error), static_cast<std::uint16_t>(low),
-            static_cast<std::uint16_t>(bits.read(FactCodes::kBits))};
   }
   [[nodiscard]] std::uint32_t box(std::uint32_t i) const {
     return BitReader(bits_.data(), begin_of(i)).read(BoxCodes::kBits);
@@ -103,10 +88,7 @@ class NodePage {
 
   [[nodiscard]] Links links(std::uint32_t i) const { return {*this, i}; }
   /// Asks the memory for what is read of a node.
-  void prefetch(std::uint32_t i) const {
-    __builtin_prefetch(&bits_[std::size_t{3} * FactCodes::kBits * i / 8]);
-    __builtin_prefetch(&bits_[begin_of(i)]);
-  }
+  void prefetch(std::uint32_t i) const { __builtin_prefetch(&bits_[begin_of(i)]); }
   [[nodiscard]] std::size_t n_bytes() const;
 
  private:
@@ -158,17 +140,15 @@ class NodePage {
     bits.skip(kPageBits);
   }
 
-  std::vector<std::uint32_t> words_;  ///< Of positions, then of values.
-  std::vector<std::uint8_t> bits_;    ///< Of facts, then of boxes and links.
+  std::vector<std::uint32_t> words_;  ///< Of positions.
+  std::vector<std::uint8_t> bits_;    ///< Of boxes and links.
   std::vector<std::uint32_t> begins_;
   std::vector<std::uint8_t> lengths_;  ///< Bytes of a node's box and links; whole groups.
   /// First vertices of other pages that links lead to, those with most links first.
   std::vector<std::uint32_t> pages_;
   std::uint32_t own_;    ///< The page's first vertex.
   std::uint32_t first_;  ///< The first vertex that is a node's.
-  std::uint32_t values_begin_ = 0;
   bool has_narrow_positions_;
-  bool has_narrow_values_;
   bool has_long_ = false;  ///< Lengths.
   int n_page_bits_ = 0;
   int n_region_bits_;  ///< 0 where there is one region.

@@ -6,7 +6,6 @@
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/page_blocks.h"
 #include "lode/models/tetra_mt/persist.h"
-#include "lode/store/elements.h"
 #include "lode/store/reader.h"
 
 namespace lode::tetra_mt {
@@ -16,13 +15,6 @@ Result<std::vector<std::byte>> read_block(const store::Reader& reader, const sto
   const auto at = reader.find(key);
   if (!at) return fail("{}: expected {}, found none", reader.path(), store::describe(key));
   return reader.read_block(*at);
-}
-
-Result<std::vector<std::uint32_t>> take_numbers(StreamReader& in, std::size_t n) {
-  LODE_TRY(auto numbers, in.read_planes<std::uint32_t>(n));
-  std::uint32_t last = 0;
-  for (std::uint32_t& number : numbers) last = number = last + store::unzigzag(number);
-  return numbers;
 }
 
 class BaseReader {
@@ -53,7 +45,7 @@ class BaseReader {
     constexpr std::uint64_t kPerByte = 64;
     constexpr std::uint64_t kAlways = std::uint64_t{64} << 20;
     const std::uint64_t n_bytes =
-        head_.shape.n_base_vertices * (sizeof(Vec3d) + sizeof(double) * head_.shape.n_fields) +
+        head_.shape.n_base_vertices * (sizeof(Vec3d) + sizeof(double)) +
         counts_.n_tetrahedra * (sizeof(Tetrahedron) + sizeof(std::uint32_t)) +
         counts_.n_roots * sizeof(std::uint32_t);
     if (n_bytes <= kPerByte * reader_.file_size() + kAlways) return {};
@@ -76,16 +68,13 @@ class BaseReader {
     for (std::size_t i = 0; i < n; ++i)
       head_.base_positions.push_back(
           {{coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]}});
-    LODE_TRY(const auto values,
-             read_numbers(in, n, head_.shape.n_fields, head_.shape.has_narrow_values));
-    head_.base_values.insert(head_.base_values.end(), values.begin(), values.end());
     return {};
   }
   Result<void> read_tetrahedra(StreamReader& in, std::size_t n) {
     const std::size_t first = head_.base.size();
     head_.base.resize(first + n);
     for (std::size_t corner = 0; corner < 4; ++corner) {
-      LODE_TRY(const auto column, take_numbers(in, n));
+      LODE_TRY(const auto column, read_differences_of(in, n));
       for (std::size_t i = 0; i < n; ++i) {
         const std::uint32_t v = column[i];
         if (v >= head_.shape.n_base_vertices && v != head_.outside())
@@ -94,7 +83,7 @@ class BaseReader {
         head_.base[first + i][corner] = v;
       }
     }
-    LODE_TRY(const auto makers, take_numbers(in, n));
+    LODE_TRY(const auto makers, read_differences_of(in, n));
     for (const std::uint32_t maker : makers)
       if (maker >= head_.shape.n_nodes && maker != kNone)
         return fail("{}: expected one of {} nodes, got {}", in.what(), head_.shape.n_nodes, maker);
@@ -104,7 +93,7 @@ class BaseReader {
   }
   Result<void> read_regions(StreamReader& in, std::size_t n) {
     if (head_.shape.n_regions == 1) return {};
-    LODE_TRY(const auto regions, take_numbers(in, n));
+    LODE_TRY(const auto regions, read_differences_of(in, n));
     for (const std::uint32_t region : regions)
       if (region >= head_.shape.n_regions)
         return fail("{}: expected one of {} regions, got {}", in.what(), head_.shape.n_regions,
@@ -123,7 +112,7 @@ class BaseReader {
     return {};
   }
   Result<void> read_roots(StreamReader& in, std::size_t n) {
-    LODE_TRY(const auto roots, take_numbers(in, n));
+    LODE_TRY(const auto roots, read_differences_of(in, n));
     for (const std::uint32_t root : roots) {
       if (root >= head_.shape.n_nodes || (!head_.roots.empty() && root <= head_.roots.back()))
         return fail("{}: expected nodes that ascend, up to {}, got {}", in.what(),
@@ -138,41 +127,112 @@ class BaseReader {
   HierarchyHead& head_;
 };
 
-/// Where each page's blocks are: its links, then its fields.
-Result<std::vector<std::size_t>> find_pages(const store::Reader& reader, const PageShape& shape) {
-  std::vector<std::size_t> places;
-  for (std::uint32_t page = 0; page < shape.n_pages(); ++page)
-    for (std::uint32_t part = 0; part <= shape.n_fields; ++part) {
-      const auto key = part == 0 ? key_of(Kind::links, page) : key_of(Kind::field, page, part - 1);
-      const auto at = reader.find(key);
-      if (!at) return fail("{}: expected {}, found none", reader.path(), store::describe(key));
-      places.push_back(*at);
+/// Reads what a file has once its base is known.
+class PageSource {
+ public:
+  PageSource(std::shared_ptr<const store::Reader> reader, const HierarchyHead& head)
+      : reader_(std::move(reader)), shape_(head.shape) {
+    for (const HierarchyHead::Field& field : head.fields) {
+      fields_.push_back(field);
+      fields_.back().name.clear();
     }
-  return places;
-}
-
-Result<PageContent> read_page(const store::Reader& reader, std::span<const std::size_t> blocks,
-                              std::uint32_t number, const PageShape& shape) {
-  PageContent content;
-  for (std::size_t part = 0; part < blocks.size(); ++part) {
-    LODE_TRY(const auto bytes, reader.read_block(blocks[part]));
-    const std::string what =
-        reader.path() + ": " + store::describe(reader.blocks()[blocks[part]].key);
-    LODE_CHECK(part == 0 ? decode_links(bytes, what, number, shape, content)
-                         : decode_field(bytes, what, part - 1, shape, content));
   }
-  return content;
-}
 
-Result<std::vector<std::uint32_t>> read_gradients(const store::Reader& reader, std::uint32_t page,
-                                                  const PageShape& shape) {
-  const auto key = key_of(Kind::gradients, page);
-  LODE_TRY(const auto bytes, read_block(reader, key));
-  StreamReader in(bytes, reader.path() + ": " + store::describe(key));
-  LODE_TRY(auto gradients, in.read_planes<std::uint32_t>(vertices_of(shape, page).n));
-  LODE_CHECK(in.expect_end());
-  return gradients;
-}
+  /// That all blocks are there.
+  [[nodiscard]] Result<void> check() const {
+    for (std::uint32_t page = 0; page < shape_.n_pages(); ++page) {
+      LODE_CHECK(expect(key_of(Kind::links, page)));
+      for (std::uint32_t f = 0; f < fields_.size(); ++f)
+        LODE_CHECK(expect(key_of(Kind::field, page, f)));
+    }
+    return {};
+  }
+  [[nodiscard]] Result<PageContent> links(std::uint32_t page) const {
+    const auto key = key_of(Kind::links, page);
+    LODE_TRY(const auto bytes, read_block(*reader_, key));
+    PageContent content;
+    LODE_CHECK(decode_links(bytes, name_of(key), page, shape_, content));
+    return content;
+  }
+  [[nodiscard]] Result<FieldContent> field(std::size_t number, std::uint32_t page) const {
+    const auto key = key_of(Kind::field, page, static_cast<std::uint32_t>(number));
+    LODE_TRY(const auto bytes, read_block(*reader_, key));
+    return decode_field(bytes, name_of(key), vertices_of(shape_, page).n,
+                        fields_[number].has_narrow_values);
+  }
+  [[nodiscard]] Result<FieldBase> base(std::size_t number) const {
+    FieldBase base;
+    const std::size_t n_base = shape_.n_base_vertices;
+    for (std::size_t first = 0; first == 0 || first < n_base; first += kBasePart) {
+      const auto key = key_of(Kind::base_field, static_cast<std::uint32_t>(first / kBasePart),
+                              static_cast<std::uint32_t>(number));
+      LODE_TRY(const auto bytes, read_block(*reader_, key));
+      StreamReader in(bytes, name_of(key));
+      if (first == 0) {
+        LODE_TRY(base.scale, read_scale(in, fields_[number]));
+      }
+      LODE_TRY(const auto values, read_numbers(in, std::min<std::size_t>(kBasePart, n_base - first),
+                                               1, fields_[number].has_narrow_values));
+      base.values.insert(base.values.end(), values.begin(), values.end());
+      LODE_CHECK(in.expect_end());
+    }
+    return base;
+  }
+  [[nodiscard]] Result<std::vector<std::uint32_t>> gradients(std::size_t field,
+                                                             std::uint32_t page) const {
+    const auto key = key_of(Kind::gradients, page, static_cast<std::uint32_t>(field));
+    LODE_TRY(const auto bytes, read_block(*reader_, key));
+    StreamReader in(bytes, name_of(key));
+    LODE_TRY(auto gradients, in.read_planes<std::uint32_t>(vertices_of(shape_, page).n));
+    LODE_CHECK(in.expect_end());
+    return gradients;
+  }
+  [[nodiscard]] Result<std::vector<std::uint32_t>> mesh_vertices() const {
+    std::vector<std::uint32_t> numbers(std::size_t{shape_.n_base_vertices} + shape_.n_nodes);
+    std::vector<bool> is_seen(numbers.size(), false);
+    const std::uint32_t n_pages = shape_.n_pages() + n_pages_of(shape_.n_base_vertices);
+    for (std::uint32_t page = 0; page < n_pages; ++page) {
+      const auto key = key_of(Kind::mesh_vertices, page);
+      LODE_TRY(const auto bytes, read_block(*reader_, key));
+      StreamReader in(bytes, name_of(key));
+      const VertexRange range = vertices_of(shape_, page);
+      LODE_TRY(const auto found, read_differences_of(in, range.n));
+      LODE_CHECK(in.expect_end());
+      for (std::uint32_t i = 0; i < range.n; ++i) {
+        if (found[i] >= numbers.size() || is_seen[found[i]])
+          return fail("{}: expected numbers of {} vertices, each once, got {}", in.what(),
+                      numbers.size(), found[i]);
+        is_seen[found[i]] = true;
+        numbers[range.first + i] = found[i];
+      }
+    }
+    return numbers;
+  }
+
+ private:
+  [[nodiscard]] std::string name_of(const store::BlockKey& key) const {
+    return reader_->path() + ": " + store::describe(key);
+  }
+  [[nodiscard]] Result<void> expect(const store::BlockKey& key) const {
+    if (!reader_->find(key))
+      return fail("{}: expected {}, found none", reader_->path(), store::describe(key));
+    return {};
+  }
+  [[nodiscard]] static Result<ValueScale> read_scale(StreamReader& in,
+                                                     const HierarchyHead::Field& field) {
+    LODE_TRY(const auto numbers, read_numbers(in, ValueScale::kKnots, 1, false));
+    ValueScale::Knots knots;
+    std::ranges::copy(numbers, knots.begin());
+    if (!std::ranges::is_sorted(knots) || knots.front() != field.low || knots.back() != field.high)
+      return fail("{}: expected knots that ascend from {} to {}, got {} to {}", in.what(),
+                  field.low, field.high, knots.front(), knots.back());
+    return ValueScale(knots);
+  }
+
+  std::shared_ptr<const store::Reader> reader_;
+  PageShape shape_;
+  std::vector<HierarchyHead::Field> fields_;
+};
 
 }  // namespace
 
@@ -189,19 +249,19 @@ Result<OpenedHierarchy> open(const std::string& path) {
   BaseCounts counts;
   LODE_TRY(HierarchyHead head, decode_head(reader->metadata(), path, counts));
   LODE_CHECK(BaseReader(*reader, counts, head).run());
-  LODE_TRY(auto places, find_pages(*reader, head.shape));
-  const PageShape shape = head.shape;
-  auto load = [reader, places = std::move(places), shape](std::uint32_t number) {
-    const std::size_t n_parts = 1 + shape.n_fields;
-    return read_page(*reader, std::span(places).subspan(number * n_parts, n_parts), number, shape);
-  };
-  auto gradients = [reader, shape](std::uint32_t page) {
-    return read_gradients(*reader, page, shape);
-  };
-  return OpenedHierarchy{PackedHierarchy(std::move(head), std::move(load)), std::move(gradients),
-                         [reader] {
-                           return FileReads{reader->reads().n_bytes, reader->file_size()};
-                         }};
+  const auto source = std::make_shared<const PageSource>(reader, head);
+  LODE_CHECK(source->check());
+  PackedHierarchy::Load load{
+      [source](std::uint32_t page) { return source->links(page); },
+      [source](std::size_t field) { return source->base(field); },
+      [source](std::size_t field, std::uint32_t page) { return source->field(field, page); }};
+  return OpenedHierarchy{
+      PackedHierarchy(std::move(head), std::move(load)),
+      [source](std::size_t field, std::uint32_t page) { return source->gradients(field, page); },
+      [source] { return source->mesh_vertices(); },
+      [reader] {
+        return FileReads{reader->reads().n_bytes, reader->file_size()};
+      }};
 }
 
 }  // namespace lode::tetra_mt

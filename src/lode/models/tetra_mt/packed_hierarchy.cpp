@@ -1,10 +1,12 @@
 #include "lode/models/tetra_mt/packed_hierarchy.h"
 
 #include <algorithm>
-#include <atomic>
 #include <mutex>
 #include <optional>
+#include <type_traits>
 #include <utility>
+
+#include "lode/models/tetra_mt/once_slots.h"
 
 namespace lode::tetra_mt {
 namespace {
@@ -12,11 +14,9 @@ namespace {
 bool is_narrow(double x) { return static_cast<double>(static_cast<float>(x)) == x; }
 
 /// What stands for a page that could not be loaded.
-PageContent empty_content(const PageShape& shape) {
+PageContent empty_content() {
   PageContent content;
   content.positions.resize(kPageNodes);
-  content.values.resize(std::size_t{kPageNodes} * shape.n_fields);
-  content.facts.resize(std::size_t{kPageNodes} * shape.n_fields);
   content.boxes.resize(kPageNodes);
   content.targets.resize(kPageNodes);
   content.n_discovered.resize(kPageNodes);
@@ -54,10 +54,8 @@ HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
   HierarchyHead head;
   head.shape = {.n_base_vertices = hierarchy.n_base_vertices,
                 .n_nodes = hierarchy.n_nodes(),
-                .n_fields = static_cast<std::uint32_t>(hierarchy.fields.size()),
                 .n_regions = std::max(1U, static_cast<std::uint32_t>(hierarchy.region_ids.size())),
-                .has_narrow_positions = true,
-                .has_narrow_values = true};
+                .has_narrow_positions = true};
   head.n_cells = n_cells;
   head.n_base_cells = hierarchy.n_base_cells;
   if (!hierarchy.positions.empty()) head.lower = head.upper = hierarchy.positions.front();
@@ -67,23 +65,12 @@ HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
       head.upper[i] = std::max(head.upper[i], p[i]);
       head.shape.has_narrow_positions = head.shape.has_narrow_positions && is_narrow(p[i]);
     }
-  for (std::size_t f = 0; f < hierarchy.fields.size(); ++f) {
-    const MeshField& field = hierarchy.fields[f];
-    head.fields.push_back({field.name, field.type, ValueScale::of(field.values)});
-    for (const std::uint32_t maker : hierarchy.base_makers)
-      if (maker != kNone)
-        head.fields[f].base_error = std::max(
-            head.fields[f].base_error,
-            static_cast<double>(hierarchy.facts[maker * hierarchy.fields.size() + f].error));
-    head.shape.has_narrow_values =
-        head.shape.has_narrow_values && std::ranges::all_of(field.values, is_narrow);
-  }
+  for (std::size_t f = 0; f < hierarchy.fields.size(); ++f)
+    head.fields.push_back(head_of(field_of(hierarchy, f), hierarchy.base_makers));
   for (std::uint32_t node = 0; node < hierarchy.n_nodes(); ++node)
     if (hierarchy.parents_of(node).empty()) head.roots.push_back(node);
-  for (std::uint32_t v = 0; v < hierarchy.n_base_vertices; ++v) {
-    head.base_positions.push_back(hierarchy.positions[v]);
-    for (const MeshField& field : hierarchy.fields) head.base_values.push_back(field.values[v]);
-  }
+  head.base_positions.assign(hierarchy.positions.begin(),
+                             hierarchy.positions.begin() + hierarchy.n_base_vertices);
   head.base = hierarchy.base;
   head.base_makers = hierarchy.base_makers;
   head.region_ids = hierarchy.region_ids;
@@ -92,20 +79,12 @@ HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
   return head;
 }
 
-PageContent content_of(const Hierarchy& hierarchy, const HierarchyHead& head,
-                       std::uint32_t number) {
-  const std::size_t n_fields = hierarchy.fields.size();
+PageContent content_of(const Hierarchy& hierarchy, std::uint32_t number) {
   const std::uint32_t first = number * kPageNodes;
   PageContent content;
   for (std::uint32_t node = first; node < hierarchy.n_nodes() && node - first < kPageNodes;
        ++node) {
-    const std::uint32_t vertex = hierarchy.n_base_vertices + node;
-    content.positions.push_back(hierarchy.positions[vertex]);
-    for (std::size_t f = 0; f < n_fields; ++f) {
-      content.values.push_back(hierarchy.fields[f].values[vertex]);
-      content.facts.push_back(to_codes(hierarchy.facts[node * n_fields + f],
-                                       hierarchy.range_references[f], head.fields[f].scale));
-    }
+    content.positions.push_back(hierarchy.positions[hierarchy.n_base_vertices + node]);
     content.boxes.push_back(hierarchy.boxes[node]);
     content.targets.push_back(hierarchy.targets[node]);
     add_children(hierarchy, node, content);
@@ -119,20 +98,79 @@ PageContent content_of(const Hierarchy& hierarchy, const HierarchyHead& head,
   return content;
 }
 
+NumberedField field_of(const Hierarchy& hierarchy, std::size_t field) {
+  const MeshField& from = hierarchy.fields[field];
+  NumberedField made{.name = from.name,
+                     .type = from.type,
+                     .values = from.values,
+                     .facts = {},
+                     .range_reference = hierarchy.range_references[field]};
+  made.facts.reserve(hierarchy.n_nodes());
+  for (std::size_t node = 0; node < hierarchy.n_nodes(); ++node)
+    made.facts.push_back(hierarchy.facts[node * hierarchy.fields.size() + field]);
+  return made;
+}
+
+HierarchyHead::Field head_of(const NumberedField& field,
+                             std::span<const std::uint32_t> base_makers) {
+  HierarchyHead::Field head{.name = field.name, .type = field.type, .time = field.time};
+  head.has_narrow_values = std::ranges::all_of(field.values, is_narrow);
+  if (!field.values.empty()) {
+    const auto [low, high] = std::ranges::minmax(field.values);
+    head.low = low;
+    head.high = high;
+  }
+  for (const std::uint32_t maker : base_makers)
+    if (maker != kNone)
+      head.base_error = std::max(head.base_error, static_cast<double>(field.facts[maker].error));
+  return head;
+}
+
+FieldBase base_of(const NumberedField& field, const PageShape& shape) {
+  return {ValueScale::of(field.values),
+          {field.values.begin(), field.values.begin() + shape.n_base_vertices}};
+}
+
+FieldContent content_of(const NumberedField& field, const ValueScale& scale, const PageShape& shape,
+                        std::uint32_t number) {
+  const VertexRange range = vertices_of(shape, number);
+  FieldContent content;
+  for (std::uint32_t v = range.first; v - range.first < range.n; ++v) {
+    content.values.push_back(field.values[v]);
+    content.facts.push_back(
+        to_codes(field.facts[v - shape.n_base_vertices], field.range_reference, scale));
+  }
+  return content;
+}
+
+struct PackedHierarchy::FieldPages {
+  FieldPages(std::size_t field, std::size_t n_pages) : number(field), pages(n_pages) {}
+
+  std::size_t number;
+  OnceSlots<FieldBase> base{1};
+  OnceSlots<FieldPage> pages;
+  std::unique_ptr<const FieldPage> empty;  ///< Instead of what cannot be loaded;
+  FieldBase empty_base;                    ///< likewise.
+};
+
 struct PackedHierarchy::Pages {
   Load load;
-  std::vector<std::atomic<const NodePage*>> loaded;
-  std::vector<std::unique_ptr<const NodePage>> owned;
+  OnceSlots<NodePage> nodes;
+  std::vector<std::unique_ptr<FieldPages>> fields;
   std::unique_ptr<const NodePage> empty;  ///< Instead of what cannot be loaded.
   std::mutex mutex;                       ///< For what follows, and loading.
   std::optional<Error> failure;
-  std::atomic<std::uint32_t> n_loaded{0};
 
-  explicit Pages(std::uint32_t n) : loaded(n), owned(n) {}
-  void put(std::uint32_t number, std::unique_ptr<const NodePage> page) {
-    owned[number] = std::move(page);
-    loaded[number].store(owned[number].get(), std::memory_order_release);
-    ++n_loaded;
+  explicit Pages(std::size_t n) : nodes(n) {}
+
+  /// What loading gives, or notes that it failed.
+  template <typename LoadOne>
+  auto try_load(const LoadOne& load_one) -> std::optional<std::decay_t<decltype(*load_one())>> {
+    if (failure) return std::nullopt;
+    auto content = load_one();
+    if (content) return std::move(*content);
+    failure = content.error();
+    return std::nullopt;
   }
 };
 
@@ -141,6 +179,8 @@ PackedHierarchy::PackedHierarchy(HierarchyHead head, Load load)
       box_codes_(head_->lower, head_->upper),
       pages_(std::make_unique<Pages>(head_->shape.n_pages())) {
   pages_->load = std::move(load);
+  for (std::size_t f = 0; f < head_->fields.size(); ++f)
+    pages_->fields.push_back(std::make_unique<FieldPages>(f, head_->shape.n_pages()));
 }
 PackedHierarchy::PackedHierarchy(PackedHierarchy&&) noexcept = default;
 PackedHierarchy& PackedHierarchy::operator=(PackedHierarchy&&) noexcept = default;
@@ -149,41 +189,78 @@ PackedHierarchy::~PackedHierarchy() = default;
 PackedHierarchy PackedHierarchy::pack(const Hierarchy& hierarchy, std::uint64_t n_cells,
                                       Threads threads) {
   PackedHierarchy packed(head_of(hierarchy, n_cells), {});
-  parallel_for(packed.head().shape.n_pages(), threads, 1, [&](std::size_t i, int) {
+  const PageShape& shape = packed.head().shape;
+  parallel_for(shape.n_pages(), threads, 1, [&](std::size_t i, int) {
     const auto number = static_cast<std::uint32_t>(i);
-    packed.pages_->put(
-        number, std::make_unique<const NodePage>(content_of(hierarchy, packed.head(), number),
-                                                 number, packed.head().shape));
+    packed.pages_->nodes.put(i, NodePage(content_of(hierarchy, number), number, shape));
   });
+  for (const auto& pages : packed.pages_->fields) {
+    const NumberedField field = field_of(hierarchy, pages->number);
+    const FieldBase& base = pages->base.put(0, tetra_mt::base_of(field, shape));
+    const bool is_narrow_field = packed.head().fields[pages->number].has_narrow_values;
+    parallel_for(shape.n_pages(), threads, 1, [&](std::size_t i, int) {
+      const auto content = content_of(field, base.scale, shape, static_cast<std::uint32_t>(i));
+      pages->pages.put(i, FieldPage(content, is_narrow_field));
+    });
+  }
   return packed;
 }
 
 const NodePage& PackedHierarchy::page_of(std::uint32_t node) const {
-  const NodePage* page = pages_->loaded[node / kPageNodes].load(std::memory_order_acquire);
+  const NodePage* page = pages_->nodes.at(node / kPageNodes);
   return page != nullptr ? *page : load(node / kPageNodes);
 }
 
-void PackedHierarchy::prefetch(std::uint32_t node) const {
-  const NodePage* page = pages_->loaded[node / kPageNodes].load(std::memory_order_acquire);
+const FieldPage& PackedHierarchy::page_of(std::uint32_t node, const FieldPages& field) const {
+  const FieldPage* page = field.pages.at(node / kPageNodes);
+  return page != nullptr ? *page : load(node / kPageNodes, field.number);
+}
+
+const FieldBase& PackedHierarchy::base_of(const FieldPages& field) const {
+  const FieldBase* base = field.base.at(0);
+  return base != nullptr ? *base : load_base(field.number);
+}
+
+void PackedHierarchy::prefetch(std::uint32_t node, std::size_t field) const {
+  const NodePage* const page = pages_->nodes.at(node / kPageNodes);
   if (page != nullptr) page->prefetch(node % kPageNodes);
+  const FieldPage* const facts = pages_->fields[field]->pages.at(node / kPageNodes);
+  if (facts != nullptr) facts->prefetch(node % kPageNodes);
 }
 
 const NodePage& PackedHierarchy::load(std::uint32_t number) const {
   const std::lock_guard lock(pages_->mutex);
-  const NodePage* page = pages_->loaded[number].load(std::memory_order_relaxed);
-  if (page != nullptr) return *page;
+  if (const NodePage* const page = pages_->nodes.at(number)) return *page;
   const PageShape& shape = head_->shape;
-  if (!pages_->failure) {
-    auto content = pages_->load(number);
-    if (content) {
-      pages_->put(number, std::make_unique<const NodePage>(*content, number, shape));
-      return *pages_->owned[number];
-    }
-    pages_->failure = content.error();
-  }
+  if (const auto content = pages_->try_load([&] { return pages_->load.links(number); }))
+    return pages_->nodes.put(number, NodePage(*content, number, shape));
   if (pages_->empty == nullptr)
-    pages_->empty = std::make_unique<const NodePage>(empty_content(shape), 0, shape);
+    pages_->empty = std::make_unique<const NodePage>(empty_content(), 0, shape);
   return *pages_->empty;
+}
+
+const FieldPage& PackedHierarchy::load(std::uint32_t number, std::size_t field) const {
+  const std::lock_guard lock(pages_->mutex);
+  FieldPages& pages = *pages_->fields[field];
+  if (const FieldPage* const page = pages.pages.at(number)) return *page;
+  const bool is_narrow_field = head_->fields[field].has_narrow_values;
+  if (const auto content = pages_->try_load([&] { return pages_->load.field(field, number); }))
+    return pages.pages.put(number, FieldPage(*content, is_narrow_field));
+  if (pages.empty == nullptr) {
+    const FieldContent nothing{std::vector<double>(kPageNodes), std::vector<FactCodes>(kPageNodes)};
+    pages.empty = std::make_unique<const FieldPage>(nothing, is_narrow_field);
+  }
+  return *pages.empty;
+}
+
+const FieldBase& PackedHierarchy::load_base(std::size_t field) const {
+  const std::lock_guard lock(pages_->mutex);
+  FieldPages& pages = *pages_->fields[field];
+  if (const FieldBase* const base = pages.base.at(0)) return *base;
+  if (auto base = pages_->try_load([&] { return pages_->load.base(field); }))
+    return pages.base.put(0, std::move(*base));
+  pages.empty_base.values.resize(head_->shape.n_base_vertices);
+  return pages.empty_base;
 }
 
 Result<void> PackedHierarchy::check() const {
@@ -199,15 +276,15 @@ Vec3d PackedHierarchy::position(std::uint32_t vertex) const {
 }
 
 double PackedHierarchy::value(std::uint32_t vertex, std::size_t field) const {
+  const FieldPages& pages = *pages_->fields[field];
   const std::uint32_t n_base = head_->shape.n_base_vertices;
-  const std::size_t n_fields = head_->shape.n_fields;
-  if (vertex < n_base) return head_->base_values[vertex * n_fields + field];
-  return page_of(vertex - n_base).value((vertex - n_base) % kPageNodes * n_fields + field);
+  if (vertex < n_base) return base_of(pages).values[vertex];
+  return page_of(vertex - n_base, pages).value((vertex - n_base) % kPageNodes);
 }
 
 StoredFacts PackedHierarchy::facts(std::uint32_t node, std::size_t field) const {
-  return to_facts(page_of(node).facts(node % kPageNodes * head_->shape.n_fields + field),
-                  head_->fields[field].scale);
+  const FieldPages& pages = *pages_->fields[field];
+  return to_facts(page_of(node, pages).facts(node % kPageNodes), base_of(pages).scale);
 }
 
 Bounds PackedHierarchy::bounds(std::uint32_t node) const {
@@ -217,13 +294,22 @@ Bounds PackedHierarchy::bounds(std::uint32_t node) const {
 }
 
 std::size_t PackedHierarchy::n_page_bytes() const {
-  const std::lock_guard lock(pages_->mutex);
   std::size_t n = 0;
-  for (const auto& page : pages_->owned)
-    if (page != nullptr) n += page->n_bytes() + sizeof(page) + sizeof(pages_->loaded[0]);
+  const auto add = [&](const auto& slots) {
+    for (std::size_t i = 0; i < slots.size(); ++i)
+      if (const auto* const page = slots.at(i)) n += page->n_bytes() + sizeof(page);
+  };
+  add(pages_->nodes);
+  for (const auto& field : pages_->fields) add(field->pages);
   return n;
 }
 
-std::uint32_t PackedHierarchy::n_pages_loaded() const { return pages_->n_loaded; }
+std::uint32_t PackedHierarchy::n_pages_loaded() const {
+  return static_cast<std::uint32_t>(pages_->nodes.n_there());
+}
+
+std::uint32_t PackedHierarchy::n_field_pages_loaded(std::size_t field) const {
+  return static_cast<std::uint32_t>(pages_->fields[field]->pages.n_there());
+}
 
 }  // namespace lode::tetra_mt

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include "lode/core/parallel.h"
 #include "lode/core/result.h"
 #include "lode/core/scalar_type.h"
+#include "lode/models/tetra_mt/field_page.h"
 #include "lode/models/tetra_mt/hierarchy.h"
 #include "lode/models/tetra_mt/node_page.h"
 
@@ -20,8 +23,11 @@ struct HierarchyHead {
   struct Field {
     std::string name;
     ScalarType type = ScalarType::float64;
-    ValueScale scale;
+    bool has_narrow_values = false;  ///< float32 holds them.
+    double low = 0;                  ///< Of all vertices.
+    double high = 0;
     double base_error = 0;  ///< Largest |F - F'| at samples on the base, rounded up.
+    std::optional<double> time{};
   };
 
   PageShape shape;
@@ -33,7 +39,6 @@ struct HierarchyHead {
   std::vector<Field> fields;
   std::vector<std::uint32_t> roots;  ///< Nodes without parents, ascending.
   std::vector<Vec3d> base_positions;
-  std::vector<double> base_values;         ///< By vertex and field.
   std::vector<Tetrahedron> base;           ///< With those to the vertex outside.
   std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
   std::vector<std::int64_t> region_ids;    ///< As the file numbers them, ascending.
@@ -44,12 +49,22 @@ struct HierarchyHead {
   [[nodiscard]] std::uint32_t outside() const { return n_vertices(); }
 };
 
-/// A Hierarchy in pages: all in memory, or each from a file when it is looked at first, to stay.
-/// Const members are safe from many threads.
+/// What of a field is in memory once anything is asked of it.
+struct FieldBase {
+  ValueScale scale;            ///< Of all its values: from Field::low to high.
+  std::vector<double> values;  ///< By vertex of the base.
+};
+
+/// A Hierarchy in pages, and in these field by field: all in memory, or each from a file when it is
+/// looked at first, to stay. Const members are safe from many threads.
 class PackedHierarchy {
  public:
-  /// What page `number` has, checked against the head; called by one thread at a time.
-  using Load = std::function<Result<PageContent>(std::uint32_t number)>;
+  /// What pages have, checked against the head; called by one thread at a time.
+  struct Load {
+    std::function<Result<PageContent>(std::uint32_t page)> links;
+    std::function<Result<FieldBase>(std::size_t field)> base;
+    std::function<Result<FieldContent>(std::size_t field, std::uint32_t page)> field;
+  };
 
   /// All of it, in memory. `n_cells`: of the reference mesh.
   [[nodiscard]] static PackedHierarchy pack(const Hierarchy& hierarchy, std::uint64_t n_cells,
@@ -70,20 +85,27 @@ class PackedHierarchy {
     return page_of(node).links(node % kPageNodes);
   }
 
-  /// Asks the memory for what is read of a node, if its page is there.
-  void prefetch(std::uint32_t node) const;
+  /// Asks the memory for what is read of a node, if its pages are there.
+  void prefetch(std::uint32_t node, std::size_t field) const;
 
-  /// Fails where a page could not be loaded: nodes of such are as if they had nothing.
+  /// Fails where something could not be loaded: nodes of such pages are as if they had nothing.
   [[nodiscard]] Result<void> check() const;
   /// Of the pages that are in memory.
   [[nodiscard]] std::size_t n_page_bytes() const;
+  /// Without those of fields.
   [[nodiscard]] std::uint32_t n_pages_loaded() const;
+  [[nodiscard]] std::uint32_t n_field_pages_loaded(std::size_t field) const;
 
  private:
   struct Pages;
+  struct FieldPages;
 
   [[nodiscard]] const NodePage& page_of(std::uint32_t node) const;
+  [[nodiscard]] const FieldPage& page_of(std::uint32_t node, const FieldPages& field) const;
+  [[nodiscard]] const FieldBase& base_of(const FieldPages& field) const;
   const NodePage& load(std::uint32_t number) const;
+  const FieldPage& load(std::uint32_t number, std::size_t field) const;
+  const FieldBase& load_base(std::size_t field) const;
 
   std::unique_ptr<const HierarchyHead> head_;
   BoxCodes box_codes_;
@@ -94,7 +116,24 @@ class PackedHierarchy {
 [[nodiscard]] HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells);
 
 /// What a page of a hierarchy has.
-[[nodiscard]] PageContent content_of(const Hierarchy& hierarchy, const HierarchyHead& head,
-                                     std::uint32_t number);
+[[nodiscard]] PageContent content_of(const Hierarchy& hierarchy, std::uint32_t number);
+
+/// A field by the numbers of a hierarchy.
+struct NumberedField {
+  std::string name;
+  ScalarType type = ScalarType::float64;
+  std::optional<double> time{};
+  std::vector<double> values;      ///< By vertex.
+  std::vector<StoredFacts> facts;  ///< By node: nested along discovery;
+  double range_reference = 0;      ///< what their ranges are above.
+};
+
+[[nodiscard]] NumberedField field_of(const Hierarchy& hierarchy, std::size_t field);
+[[nodiscard]] HierarchyHead::Field head_of(const NumberedField& field,
+                                           std::span<const std::uint32_t> base_makers);
+[[nodiscard]] FieldBase base_of(const NumberedField& field, const PageShape& shape);
+/// What a page has for it. `scale`: base_of()'s.
+[[nodiscard]] FieldContent content_of(const NumberedField& field, const ValueScale& scale,
+                                      const PageShape& shape, std::uint32_t number);
 
 }  // namespace lode::tetra_mt

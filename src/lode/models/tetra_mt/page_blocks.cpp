@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <map>
+#include <utility>
 
 #include "lode/models/tetra_mt/byte_streams.h"
 #include "lode/store/elements.h"
@@ -59,31 +59,42 @@ Result<std::vector<double>> read_numbers(StreamReader& in, std::size_t n, std::s
   return read_differences<std::uint64_t, double>(in, n, stride);
 }
 
-std::vector<std::byte> encode_field(const PageContent& content, std::size_t field,
-                                    const PageShape& shape) {
-  std::vector<double> values;
+void write_differences_of(std::span<const std::uint32_t> numbers, StreamWriter& out) {
+  std::vector<std::uint32_t> column;
+  std::uint32_t last = 0;
+  for (const std::uint32_t number : numbers)
+    column.push_back(store::zigzag(number - std::exchange(last, number)));
+  out.add_planes(std::span<const std::uint32_t>(column));
+}
+
+Result<std::vector<std::uint32_t>> read_differences_of(StreamReader& in, std::size_t n) {
+  LODE_TRY(auto numbers, in.read_planes<std::uint32_t>(n));
+  std::uint32_t last = 0;
+  for (std::uint32_t& number : numbers) last = number = last + store::unzigzag(number);
+  return numbers;
+}
+
+std::vector<std::byte> encode_field(const FieldContent& content, bool is_narrow) {
   std::vector<std::uint16_t> errors;
   std::vector<std::uint16_t> lows;
   std::vector<std::uint16_t> widths;
-  for (std::size_t at = field; at < content.values.size(); at += shape.n_fields) {
-    const FactCodes& codes = content.facts[at];
-    values.push_back(content.values[at]);
+  for (const FactCodes& codes : content.facts) {
     errors.push_back(codes.error);
     lows.push_back(codes.low);
     widths.push_back(static_cast<std::uint16_t>(codes.high - codes.low));
   }
   StreamWriter out;
-  write_numbers(values, 1, shape.has_narrow_values, out);
+  write_numbers(content.values, 1, is_narrow, out);
   for (const auto* column : {&errors, &lows, &widths})
     out.add_planes(std::span<const std::uint16_t>(*column));
   return std::move(out).take();
 }
 
-Result<void> decode_field(std::span<const std::byte> bytes, const std::string& what,
-                          std::size_t field, const PageShape& shape, PageContent& content) {
-  const std::size_t n = content.values.size() / shape.n_fields;
+Result<FieldContent> decode_field(std::span<const std::byte> bytes, const std::string& what,
+                                  std::size_t n, bool is_narrow) {
   StreamReader in(bytes, what);
-  LODE_TRY(const auto values, read_numbers(in, n, 1, shape.has_narrow_values));
+  FieldContent content;
+  LODE_TRY(content.values, read_numbers(in, n, 1, is_narrow));
   LODE_TRY(const auto errors, in.read_planes<std::uint16_t>(n));
   LODE_TRY(const auto lows, in.read_planes<std::uint16_t>(n));
   LODE_TRY(const auto widths, in.read_planes<std::uint16_t>(n));
@@ -91,11 +102,10 @@ Result<void> decode_field(std::span<const std::byte> bytes, const std::string& w
     if (lows[i] > ValueScale::kLargest || widths[i] > ValueScale::kLargest - lows[i])
       return fail("{}: expected ranges of codes up to {}, got {} and {} more", what,
                   ValueScale::kLargest, lows[i], widths[i]);
-    const std::size_t at = i * shape.n_fields + field;
-    content.values[at] = values[i];
-    content.facts[at] = {errors[i], lows[i], static_cast<std::uint16_t>(lows[i] + widths[i])};
+    content.facts.push_back({errors[i], lows[i], static_cast<std::uint16_t>(lows[i] + widths[i])});
   }
-  return in.expect_end();
+  LODE_CHECK(in.expect_end());
+  return content;
 }
 
 }  // namespace lode::tetra_mt

@@ -15,18 +15,22 @@ namespace lode::tetra_mt {
 [[nodiscard]] std::vector<std::byte> encode_links(const PageContent& content, std::uint32_t number,
                                                   const PageShape& shape);
 /// and what they have for one.
-[[nodiscard]] std::vector<std::byte> encode_field(const PageContent& content, std::size_t field,
-                                                  const PageShape& shape);
+[[nodiscard]] std::vector<std::byte> encode_field(const FieldContent& content, bool is_narrow);
 
 /// Fills what encode_links() wrote. Fails on whatever NodePage does not expect. what: the block,
 /// for messages.
 [[nodiscard]] Result<void> decode_links(std::span<const std::byte> bytes, const std::string& what,
                                         std::uint32_t number, const PageShape& shape,
                                         PageContent& content);
-/// Into the places of the field, which are there.
-[[nodiscard]] Result<void> decode_field(std::span<const std::byte> bytes, const std::string& what,
-                                        std::size_t field, const PageShape& shape,
-                                        PageContent& content);
+/// What encode_field() wrote of n nodes.
+[[nodiscard]] Result<FieldContent> decode_field(std::span<const std::byte> bytes,
+                                                const std::string& what, std::size_t n,
+                                                bool is_narrow);
+
+/// As coded differences from the one before.
+void write_differences_of(std::span<const std::uint32_t> numbers, class StreamWriter& out);
+[[nodiscard]] Result<std::vector<std::uint32_t>> read_differences_of(class StreamReader& in,
+                                                                     std::size_t n);
 
 /// Positions or values as columns: bits of float32 where they are narrow, or float64; differences
 /// from the one before, coded as blocks with codec 3 are.

@@ -36,11 +36,9 @@ struct Lists {
   friend bool operator==(const Lists&, const Lists&) = default;
 };
 
-/// What a page has, spread out; by node, from the page's first on.
+/// What a page has for all fields, spread out; by node, from the page's first on.
 struct PageContent {
   std::vector<Vec3d> positions;
-  std::vector<double> values;              ///< And by field.
-  std::vector<FactCodes> facts;            ///< And by field.
   std::vector<std::uint32_t> boxes;        ///< BoxCodes round all it discovers.
   std::vector<std::uint32_t> targets;      ///< Vertices.
   std::vector<std::uint8_t> n_discovered;  ///< How many of the children it discovers: the first.
@@ -56,6 +54,14 @@ struct PageContent {
 
   [[nodiscard]] std::size_t n_nodes() const { return targets.size(); }
   friend bool operator==(const PageContent&, const PageContent&) = default;
+};
+
+/// What it has for one field.
+struct FieldContent {
+  std::vector<double> values;
+  std::vector<FactCodes> facts;
+
+  friend bool operator==(const FieldContent&, const FieldContent&) = default;
 };
 
 }  // namespace lode::tetra_mt

@@ -373,8 +373,6 @@ Result<void> decode_links(std::span<const std::byte> bytes, const std::string& w
   StreamReader in(bytes, what);
   content = {};
   LODE_CHECK(LinkDecoder(in, number, shape, content).run());
-  content.values.resize(content.n_nodes() * shape.n_fields);
-  content.facts.resize(content.n_nodes() * shape.n_fields);
   return in.expect_end();
 }
 

@@ -23,17 +23,21 @@ struct FileReads {
 /// A hierarchy whose pages come from a file.
 struct OpenedHierarchy {
   PackedHierarchy hierarchy;
-  /// Of the vertices of a page of nodes, or, numbered after those, of the base's vertices.
-  std::function<Result<std::vector<std::uint32_t>>(std::uint32_t page)> gradients;
+  /// Of a field, at the vertices of a page of nodes, or, numbered after those, of the base's.
+  std::function<Result<std::vector<std::uint32_t>>(std::size_t field, std::uint32_t page)>
+      gradients;
+  /// By vertex: its number in the mesh that was read.
+  std::function<Result<std::vector<std::uint32_t>>()> mesh_vertices;
   std::function<FileReads()> reads;
 };
 
+/// gradient_code() of a field's gradients, by vertex.
+using GradientsOf = std::function<std::vector<std::uint32_t>(std::size_t field)>;
+
 /// Writes a hierarchy as docs/format.md says, whole or not at all. Returns the size of the file.
-/// `gradients`: gradient_code() of the first field's, by vertex.
 [[nodiscard]] Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
-                                         std::span<const std::uint32_t> gradients,
-                                         const std::string& path, Threads threads,
-                                         Progress& progress);
+                                         const GradientsOf& gradients, const std::string& path,
+                                         Threads threads, Progress& progress);
 
 /// Whether a file is a .lode file of this model; also false where it cannot be read.
 [[nodiscard]] bool is_model_of(const std::string& path);

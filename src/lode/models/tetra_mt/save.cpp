@@ -5,7 +5,6 @@
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/page_blocks.h"
 #include "lode/models/tetra_mt/persist.h"
-#include "lode/store/elements.h"
 #include "lode/store/writer.h"
 
 namespace lode::tetra_mt {
@@ -16,25 +15,13 @@ store::EncodedBlock as_block(const std::vector<std::byte>& bytes) {
   return store::encode_block_as(store::Codec::none, {.raw = bytes, .size = 1});
 }
 
-/// As differences from the one before.
-void add_numbers(std::span<const std::uint32_t> numbers, StreamWriter& out) {
-  std::vector<std::uint32_t> column;
-  std::uint32_t last = 0;
-  for (const std::uint32_t number : numbers)
-    column.push_back(store::zigzag(number - std::exchange(last, number)));
-  out.add_planes(std::span<const std::uint32_t>(column));
-}
-
 std::vector<std::byte> encode_vertices(const HierarchyHead& head, std::size_t first,
                                        std::size_t n) {
-  const std::size_t n_fields = head.shape.n_fields;
   std::vector<double> coordinates;
   for (const Vec3d& p : std::span(head.base_positions).subspan(first, n))
     coordinates.insert(coordinates.end(), p.v.begin(), p.v.end());
   StreamWriter out;
   write_numbers(coordinates, 3, head.shape.has_narrow_positions, out);
-  write_numbers(std::span(head.base_values).subspan(first * n_fields, n * n_fields), n_fields,
-                head.shape.has_narrow_values, out);
   return std::move(out).take();
 }
 
@@ -45,10 +32,11 @@ std::vector<std::byte> encode_tetrahedra(const HierarchyHead& head, std::size_t 
   for (std::size_t corner = 0; corner < 4; ++corner) {
     column.clear();
     for (const Tetrahedron& t : std::span(head.base).subspan(first, n)) column.push_back(t[corner]);
-    add_numbers(column, out);
+    write_differences_of(column, out);
   }
-  add_numbers(std::span(head.base_makers).subspan(first, n), out);
-  if (head.shape.n_regions > 1) add_numbers(std::span(head.base_regions).subspan(first, n), out);
+  write_differences_of(std::span(head.base_makers).subspan(first, n), out);
+  if (head.shape.n_regions > 1)
+    write_differences_of(std::span(head.base_regions).subspan(first, n), out);
   return std::move(out).take();
 }
 
@@ -66,56 +54,97 @@ Result<void> append_base(const HierarchyHead& head, store::Writer& writer) {
                     [&](auto first, auto n) { return encode_tetrahedra(head, first, n); }));
   return append(Kind::roots, head.roots.size(), [&](auto first, auto n) {
     StreamWriter out;
-    add_numbers(std::span(head.roots).subspan(first, n), out);
+    write_differences_of(std::span(head.roots).subspan(first, n), out);
     return std::move(out).take();
   });
 }
 
-/// After all else, as only surfaces with normals ask for them.
-Result<void> append_gradients(const PageShape& shape, std::span<const std::uint32_t> gradients,
-                              store::Writer& writer) {
+/// `encode(page, out)`: what a page of nodes, or of the base's vertices, has.
+template <typename Encode>
+Result<void> append_vertex_pages(const PageShape& shape, Kind kind, std::uint32_t level,
+                                 const Encode& encode, store::Writer& writer) {
   const std::uint32_t n_pages = shape.n_pages() + n_pages_of(shape.n_base_vertices);
   for (std::uint32_t page = 0; page < n_pages; ++page) {
-    const VertexRange range = vertices_of(shape, page);
     StreamWriter out;
-    out.add_planes(gradients.subspan(range.first, range.n));
-    LODE_CHECK(writer.append(key_of(Kind::gradients, page), as_block(std::move(out).take())));
+    encode(vertices_of(shape, page), out);
+    LODE_CHECK(writer.append(key_of(kind, page, level), as_block(std::move(out).take())));
   }
   return {};
 }
 
-}  // namespace
-
-Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
-                           std::span<const std::uint32_t> gradients, const std::string& path,
-                           Threads threads, Progress& progress) {
+Result<void> append_links(const Hierarchy& hierarchy, const PageShape& shape, Threads threads,
+                          Progress& progress, store::Writer& writer) {
   constexpr std::size_t kPagesAtOnce = 256;
-  const HierarchyHead head = head_of(hierarchy, n_cells);
-  LODE_TRY(auto writer, store::Writer::create(path, kModelName, encode_head(head)));
-  LODE_CHECK(append_base(head, writer));
-  const std::size_t n_pages = head.shape.n_pages();
-  const std::size_t n_fields = head.shape.n_fields;
-  std::vector<store::EncodedBlock> blocks(kPagesAtOnce * (1 + n_fields));
+  const std::size_t n_pages = shape.n_pages();
+  std::vector<store::EncodedBlock> blocks(kPagesAtOnce);
   for (std::size_t first = 0; first < n_pages; first += kPagesAtOnce) {
     const std::size_t n = std::min(kPagesAtOnce, n_pages - first);
     parallel_for(n, threads, 1, [&](std::size_t i, int) {
       const auto number = static_cast<std::uint32_t>(first + i);
-      const PageContent content = content_of(hierarchy, head, number);
-      blocks[i * (1 + n_fields)] = as_block(encode_links(content, number, head.shape));
-      for (std::size_t f = 0; f < n_fields; ++f)
-        blocks[i * (1 + n_fields) + 1 + f] = as_block(encode_field(content, f, head.shape));
+      blocks[i] = as_block(encode_links(content_of(hierarchy, number), number, shape));
     });
-    for (std::size_t i = 0; i < n * (1 + n_fields); ++i) {
-      const auto number = static_cast<std::uint32_t>(first + i / (1 + n_fields));
-      const auto part = static_cast<std::uint32_t>(i % (1 + n_fields));
-      const auto key =
-          part == 0 ? key_of(Kind::links, number) : key_of(Kind::field, number, part - 1);
-      LODE_CHECK(writer.append(key, blocks[i]));
-    }
+    for (std::size_t i = 0; i < n; ++i)
+      LODE_CHECK(
+          writer.append(key_of(Kind::links, static_cast<std::uint32_t>(first + i)), blocks[i]));
     if (progress.is_cancelled()) return cancelled_error();
     progress.report("writing", static_cast<double>(first + n) / static_cast<double>(n_pages));
   }
-  LODE_CHECK(append_gradients(head.shape, gradients, writer));
+  return append_vertex_pages(
+      shape, Kind::mesh_vertices, 0,
+      [&](const VertexRange& range, StreamWriter& out) {
+        write_differences_of(std::span(hierarchy.mesh_vertices).subspan(range.first, range.n), out);
+      },
+      writer);
+}
+
+}  // namespace
+
+Result<void> append_field(const NumberedField& field, std::span<const std::uint32_t> gradients,
+                          HierarchyHead& head, Threads threads, store::Writer& writer) {
+  const auto number = static_cast<std::uint32_t>(head.fields.size());
+  if (number >= kMaxFields)
+    return fail("{}: expected up to {} fields, got more", field.name, kMaxFields);
+  const PageShape& shape = head.shape;
+  head.fields.push_back(head_of(field, head.base_makers));
+  const bool is_narrow = head.fields.back().has_narrow_values;
+  const FieldBase base = base_of(field, shape);
+  const std::size_t n_base = base.values.size();
+  for (std::size_t first = 0; first == 0 || first < n_base; first += kBasePart) {
+    StreamWriter out;
+    if (first == 0) write_numbers(base.scale.knots(), 1, false, out);
+    write_numbers(
+        std::span(base.values).subspan(first, std::min<std::size_t>(kBasePart, n_base - first)), 1,
+        is_narrow, out);
+    const auto part = static_cast<std::uint32_t>(first / kBasePart);
+    LODE_CHECK(
+        writer.append(key_of(Kind::base_field, part, number), as_block(std::move(out).take())));
+  }
+  std::vector<store::EncodedBlock> blocks(shape.n_pages());
+  parallel_for(blocks.size(), threads, 1, [&](std::size_t i, int) {
+    const auto content = content_of(field, base.scale, shape, static_cast<std::uint32_t>(i));
+    blocks[i] = as_block(encode_field(content, is_narrow));
+  });
+  for (std::uint32_t page = 0; page < blocks.size(); ++page)
+    LODE_CHECK(writer.append(key_of(Kind::field, page, number), blocks[page]));
+  return append_vertex_pages(
+      shape, Kind::gradients, number,
+      [&](const VertexRange& range, StreamWriter& out) {
+        out.add_planes(gradients.subspan(range.first, range.n));
+      },
+      writer);
+}
+
+Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
+                           const GradientsOf& gradients, const std::string& path, Threads threads,
+                           Progress& progress) {
+  HierarchyHead head = head_of(hierarchy, n_cells);
+  head.fields.clear();
+  LODE_TRY(auto writer, store::Writer::create(path, kModelName, {}));
+  LODE_CHECK(append_base(head, writer));
+  LODE_CHECK(append_links(hierarchy, head.shape, threads, progress, writer));
+  for (std::size_t f = 0; f < hierarchy.fields.size(); ++f)
+    LODE_CHECK(append_field(field_of(hierarchy, f), gradients(f), head, threads, writer));
+  writer.set_metadata(encode_head(head));
   return writer.finish(progress);
 }
 

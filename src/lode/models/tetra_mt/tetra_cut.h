@@ -36,13 +36,11 @@ class TetraCut {
     return hierarchy_->facts(index(node), field_);
   }
   [[nodiscard]] Bounds bounds(NodeId node) const { return hierarchy_->bounds(index(node)); }
-  [[nodiscard]] double range_reference() const {
-    return hierarchy_->head().fields[field_].scale.knots()[0];
-  }
+  [[nodiscard]] double range_reference() const { return hierarchy_->head().fields[field_].low; }
   [[nodiscard]] std::uint64_t n_base_cells() const { return hierarchy_->head().n_base_cells; }
   /// Asks the memory for what applying a node soon will need.
   void prefetch(NodeId node) const {
-    hierarchy_->prefetch(index(node));
+    hierarchy_->prefetch(index(node), field_);
     const std::uint32_t slot = slot_of_[index(node)];
     if (slot != kNone) __builtin_prefetch(&cells_[slot], 1);
   }
