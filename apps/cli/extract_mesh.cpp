@@ -118,11 +118,11 @@ Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
   warn_of_shortcomings(session, made);
   if (mesh.is_empty()) session.warn("the mesh is empty: the data has no cell without a hole");
   const Stopwatch watch;
-  LODE_CHECK(write_vtu(job.output, mesh,
-                       {.comment = comment_of("mesh", input, made),
-                        .frame = input.info.volume.grid.frame,
-                        .value_name = input.info.volume.field_name},
-                       session.progress()));
+  LODE_CHECK(write_mesh(job.output, mesh,
+                        {.comment = comment_of("mesh", input, made),
+                         .frame = input.info.volume.grid.frame,
+                         .value_name = input.info.volume.field_name},
+                        session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
   counts["largest_error"] = report.largest_error;

@@ -168,7 +168,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   warn_of_threshold(session, job, mesh.is_empty());
   TetraAnswer made = to_answer(report, wanted.is_default);
   const Stopwatch watch;
-  LODE_CHECK(write_vtu(
+  LODE_CHECK(write_mesh(
       job.output, mesh,
       {.comment = tetra_comment("mesh", made), .value_name = input.dataset.describe().field},
       session.progress()));

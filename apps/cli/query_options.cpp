@@ -112,7 +112,8 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
     app.add_option(name, value, help)->type_name(type)->allow_extra_args(false)->group(group);
   };
   app.add_flag("--mesh", arguments.is_mesh,
-               "Write the tetrahedra (triangles of 2D data) with values and errors, as .vtu")
+               "Write the tetrahedra (triangles of 2D data) with values and errors, as .vtu, .vtk, "
+               ".msh (Gmsh) or .e, .exo, .ex2 (Exodus II)")
       ->group(group);
   app.add_flag("--boundary", arguments.is_boundary,
                "Write the outer faces of a mesh of cells: triangles with values and errors")

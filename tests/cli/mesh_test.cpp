@@ -37,6 +37,29 @@ TEST_F(cli_mesh, writes_what_it_reports_and_vtk_reads_it) {
   }
 }
 
+TEST_F(cli_mesh, is_the_same_in_every_format) {
+  const Words options{"--mesh", "--max-error", "7"};
+  EXPECT_GT(report("m.vtu", options).at("cells"), 100);
+  const auto expected = read_cell_mesh(file("m.vtu"), {});
+  ASSERT_TRUE(expected);
+  for (const char* const name : {"m.vtk", "m.msh"}) {
+    const nlohmann::json json = report(name, options);
+    const auto seen = read_cell_mesh(file(name), {});
+    ASSERT_TRUE(seen) << seen.error().message;
+    EXPECT_EQ(json.at("cells"), seen->n_cells());
+    EXPECT_EQ(seen->points, expected->points);
+    EXPECT_EQ(seen->corners, expected->corners);
+    EXPECT_EQ(seen->point_fields.at(0).values, expected->point_fields.at(0).values);
+    EXPECT_EQ(seen->cell_fields.at(0).values, expected->cell_fields.at(0).values);
+  }
+  ASSERT_TRUE(has_vtk()) << kVtkMissing;
+  const nlohmann::json json = report("m.e", options);
+  const auto seen =
+      nlohmann::json::parse(run_oracle(LODE_MESH_CONTENT, file("m.e")), nullptr, false);
+  EXPECT_EQ(seen.at("cells").size(), json.at("cells"));
+  EXPECT_EQ(seen.at("points").size(), expected->points.size());
+}
+
 TEST_F(cli_mesh, takes_foci_and_budgets) {
   const auto cells = [&](const std::vector<std::string>& options) {
     std::vector<std::string> all{"--mesh"};

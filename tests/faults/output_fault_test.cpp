@@ -97,10 +97,11 @@ TEST_F(fault_output, of_meshes_is_whole_or_the_old_one) {
   mesh.values = {1, 2, 3, 4};
   mesh.tetrahedra = {{0, 1, 2, 3}};
   mesh.errors = {0.5F};
-  expect_writes("a.vtu", [&](const std::string& path) {
-    Progress progress;
-    return write_vtu(path, mesh, {}, progress);
-  });
+  for (const char* const name : {"a.vtu", "a.vtk", "a.msh", "a.e"})
+    expect_writes(name, [&](const std::string& path) {
+      Progress progress;
+      return write_mesh(path, mesh, {}, progress);
+    });
 }
 
 TEST_F(fault_output, of_pictures_texts_and_cameras_is_whole_or_the_old_one) {

@@ -14,7 +14,8 @@ lode_test(io_surface_test
 target_compile_definitions(io_surface_test PRIVATE
   LODE_SURFACE_ORACLE="${CMAKE_CURRENT_LIST_DIR}/surface_oracle.py")
 lode_test(io_mesh_test
-  SOURCES mesh_vtu_test.cpp
+  SOURCES mesh_file_test.cpp mesh_vtu_test.cpp
   DEPENDS lode_io nlohmann_json::nlohmann_json)
 target_compile_definitions(io_mesh_test PRIVATE
+  LODE_MESH_CONTENT="${CMAKE_CURRENT_LIST_DIR}/mesh_content.py"
   LODE_MESH_ORACLE="${CMAKE_CURRENT_LIST_DIR}/mesh_oracle.py")

@@ -8,6 +8,7 @@
 #include "lode/api/file_build.h"
 #include "lode/api/mesh_picture.h"
 #include "lode/api/tetra_dataset.h"
+#include "lode/io/mesh_file.h"
 #include "lode/io/mesh_reader.h"
 #include "lode/io/mesh_vtu.h"
 #include "lode/io/surface_file.h"
@@ -40,6 +41,7 @@ using io::TetrahedraOutcome;
 using io::TetraOptions;
 using io::TetraReport;
 using io::to_tetrahedra;
+using io::write_mesh;
 using io::write_surface;
 using io::write_vtu;
 

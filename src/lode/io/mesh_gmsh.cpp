@@ -1,12 +1,15 @@
 #include "lode/io/mesh_gmsh.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lode/io/mesh_gmsh_input.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
 namespace {
+
+constexpr const char* kRegionField = "RegionId";
 
 Result<void> read_section(const std::string& name, GmshInput& input) {
   if (name == "$MeshFormat") return read_gmsh_format(input);
@@ -18,11 +21,20 @@ Result<void> read_section(const std::string& name, GmshInput& input) {
   return {};
 }
 
-/// Takes the field of groups out where no element has one.
-void finish_groups(CellMesh& mesh) {
-  const std::vector<double>& groups = mesh.cell_fields[0].values;
-  if (std::all_of(groups.begin(), groups.end(), [](double group) { return group == 0; }))
-    mesh.cell_fields.erase(mesh.cell_fields.begin());
+/// Physical groups become the first field, unless values of elements say what RegionId is, in whole
+/// numbers: groups cannot have all of these.
+void finish_groups(GmshInput& input) {
+  std::vector<MeshField>& fields = input.mesh.cell_fields;
+  const auto named = std::find_if(fields.begin(), fields.end(), [](const MeshField& field) {
+    return field.name == kRegionField && std::all_of(field.values.begin(), field.values.end(),
+                                                     [](double x) { return x == std::trunc(x); });
+  });
+  const std::vector<double>& groups = input.element_groups;
+  if (named != fields.end())
+    named->type = ScalarType::int64;
+  else if (std::any_of(groups.begin(), groups.end(), [](double group) { return group != 0; }))
+    fields.insert(fields.begin(),
+                  {kRegionField, ScalarType::int32, 1, std::move(input.element_groups)});
 }
 
 /// Values of elements are as many as these were when their section came.
@@ -46,7 +58,6 @@ Result<CellMesh> read_gmsh_mesh(const std::string& path, const MeshReadOptions& 
   input.budget = MeshBudget::of(input.text.n_left(), options.memory_limit);
   input.mesh.path = path;
   input.mesh.begins = {0};
-  input.mesh.cell_fields = {{"RegionId", ScalarType::int32, 1, {}}};
   for (std::string name(input.text.word()); !name.empty(); name = input.text.word()) {
     if (!name.starts_with('$'))
       return fail("{}: expected a section before byte {}, got {}", path, input.text.position(),
@@ -57,7 +68,7 @@ Result<CellMesh> read_gmsh_mesh(const std::string& path, const MeshReadOptions& 
       return fail("{}: expected {} behind byte {}, got none", path, end, input.text.position());
   }
   LODE_CHECK(check_field_sizes(input.mesh));
-  finish_groups(input.mesh);
+  finish_groups(input);
   return std::move(input.mesh);
 }
 

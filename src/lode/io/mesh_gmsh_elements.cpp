@@ -70,7 +70,7 @@ Result<void> add_element(const GmshElement& element, const GmshKind& kind, GmshI
     std::swap(mesh.corners[mesh.corners.size() - 1], mesh.corners[mesh.corners.size() - 2]);
   mesh.begins.push_back(mesh.corners.size());
   mesh.types.push_back(kind.vtk_type);
-  mesh.cell_fields[0].values.push_back(static_cast<double>(element.group));
+  input.element_groups.push_back(static_cast<double>(element.group));
   return {};
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "lode/core/flat_index.h"
 #include "lode/io/mesh_numbers.h"
@@ -24,6 +25,7 @@ struct GmshInput {
   MeshBudget budget{};   ///< Of fields, whose data may be sparse.
   /// By dimension and tag of an entity: its first physical group.
   std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> groups{};
+  std::vector<double> element_groups{};  ///< By element; 0: none.
 
   /// A number that binary files hold in 4 bytes.
   [[nodiscard]] Result<std::int64_t> whole(std::string_view what);
@@ -42,7 +44,6 @@ struct GmshInput {
 
 [[nodiscard]] Result<void> read_gmsh_nodes(GmshInput& input);
 
-/// Whose physical groups become the first cell field.
 [[nodiscard]] Result<void> read_gmsh_elements(GmshInput& input);
 
 /// $NodeData and $ElementData, behind all nodes and elements.

@@ -17,11 +17,12 @@ struct MeshReadOptions {
 /// Reads an unstructured or curvilinear mesh with all numeric fields of its points and cells: VTK
 /// XML (.vtu, and .vts as hexahedra; pieces are joined, the points between them stay double),
 /// legacy VTK (.vtk: UNSTRUCTURED_GRID, and STRUCTURED_GRID as hexahedra), Gmsh (.msh 2.2 and 4.1)
-/// and MEDIT (.mesh, text), whose groups become the field RegionId. The extension must be a
-/// known one; which of the forms it is follows from the content. Cells that vtkGhostType or
-/// vtkGhostLevels mark as copies or hidden are left out and counted, as are those of hidden points
-/// of a curvilinear grid. The mesh is valid: corners are points, cells have as many as their type
-/// says, positions are finite, types are VTK's. Fails, naming the file, on anything else.
+/// and MEDIT (.mesh, text), whose groups become the field RegionId where no other is named so. The
+/// extension must be a known one; which of the forms it is follows from the content. Cells that
+/// vtkGhostType or vtkGhostLevels mark as copies or hidden are left out and counted, as are those
+/// of hidden points of a curvilinear grid. The mesh is valid: corners are points, cells have as
+/// many as their type says, positions are finite, types are VTK's. Fails, naming the file, on
+/// anything else.
 [[nodiscard]] Result<CellMesh> read_cell_mesh(const std::string& path,
                                               const MeshReadOptions& options);
 

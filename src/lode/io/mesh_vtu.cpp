@@ -1,6 +1,5 @@
 #include "lode/io/mesh_vtu.h"
 
-#include <algorithm>
 #include <array>
 #include <limits>
 #include <new>
@@ -111,15 +110,6 @@ Result<void> write_cells(SurfaceOutput& file, const SimplexMesh& mesh, const Vtu
 }
 
 }  // namespace
-
-Result<void> check_mesh_path(const std::string& path) {
-  const std::string end = path.substr(path.size() - std::min<std::size_t>(4, path.size()));
-  std::string lower = end;
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  if (lower == ".vtu" && path.size() > 4) return {};
-  return fail("{}: expected a mesh file that ends in .vtu", path);
-}
 
 Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
                        const MeshWriteOptions& options, Progress& progress) try {

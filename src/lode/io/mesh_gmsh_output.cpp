@@ -1,0 +1,175 @@
+#include "lode/io/mesh_gmsh_output.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "lode/core/box.h"
+#include "lode/io/mesh_blocks.h"
+#include "lode/io/surface_output.h"
+#include "lode/io/vtk_xml_output.h"
+
+namespace lode::io {
+namespace {
+
+/// A mesh on its way into a .msh file.
+struct GmshOutput {
+  SurfaceOutput file;
+  const SimplexMesh& mesh;
+  const MeshBlocks& blocks;
+
+  [[nodiscard]] bool is_solid() const { return n_simplex_corners(mesh) == 4; }
+  [[nodiscard]] std::int32_t dimension() const { return is_solid() ? 3 : 2; }
+  [[nodiscard]] Result<void> text(std::string_view text) { return file.write(text); }
+  template <typename T>
+  [[nodiscard]] Result<void> number(T value) {
+    return file.write(std::as_bytes(std::span(&value, 1)));
+  }
+};
+
+Result<void> write_gmsh_head(const MeshWriteOptions& options, GmshOutput& out) {
+  LODE_CHECK(out.text("$MeshFormat\n4.1 1 8\n"));
+  LODE_CHECK(out.number(std::int32_t{1}));
+  LODE_CHECK(out.text("\n$EndMeshFormat\n"));
+  std::string comment = to_one_line(options.comment);
+  std::replace(comment.begin(), comment.end(), '$', '_');
+  LODE_CHECK(out.text(
+      fmt::format("$Comments\n{}; frame {}\n$EndComments\n", comment, name_of(options.frame))));
+  if (out.mesh.regions.empty()) return {};
+  LODE_CHECK(out.text(fmt::format("$PhysicalNames\n{}\n", out.blocks.blocks().size())));
+  for (const MeshBlock& block : out.blocks.blocks())
+    LODE_CHECK(out.text(fmt::format("{} {} \"{}\"\n", out.dimension(), block.tag, block.name)));
+  return out.text("$EndPhysicalNames\n");
+}
+
+/// Round the cells of a block, which has some.
+Box3d bounds_of(const SimplexMesh& mesh, const MeshBlock& block) {
+  const Vec3d& first = mesh.positions[simplex_corners(mesh, block.cells.front()).front()];
+  Box3d box{first, first};
+  for (const std::uint32_t cell : block.cells)
+    for (const std::uint32_t v : simplex_corners(mesh, cell))
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = std::min(box.lower[axis], mesh.positions[v][axis]);
+        box.upper[axis] = std::max(box.upper[axis], mesh.positions[v][axis]);
+      }
+  return box;
+}
+
+/// One for each block, numbered from 1, of no known boundary.
+Result<void> write_gmsh_entities(GmshOutput& out) {
+  LODE_CHECK(out.text("$Entities\n"));
+  const std::uint64_t n = out.blocks.blocks().size();
+  for (const std::uint64_t count :
+       {std::uint64_t{0}, std::uint64_t{0}, out.is_solid() ? 0 : n, out.is_solid() ? n : 0})
+    LODE_CHECK(out.number(count));
+  std::int32_t entity = 0;
+  for (const MeshBlock& block : out.blocks.blocks()) {
+    LODE_CHECK(out.number(++entity));
+    const Box3d box = bounds_of(out.mesh, block);
+    LODE_CHECK(out.number(box.lower));
+    LODE_CHECK(out.number(box.upper));
+    const bool has_group = !out.mesh.regions.empty();
+    LODE_CHECK(out.number(std::uint64_t{has_group ? 1U : 0U}));
+    if (has_group) LODE_CHECK(out.number(block.tag));
+    LODE_CHECK(out.number(std::uint64_t{0}));
+  }
+  return out.text("\n$EndEntities\n");
+}
+
+/// How many blocks, how many in all, and the first and last tag.
+Result<void> write_gmsh_counts(std::uint64_t n_blocks, std::uint64_t n, GmshOutput& out) {
+  for (const std::uint64_t count : {n_blocks, n, std::uint64_t{n > 0 ? 1U : 0U}, n})
+    LODE_CHECK(out.number(count));
+  return {};
+}
+
+/// All of them belong to the first entity: vertices between regions are nobody's own.
+Result<void> write_gmsh_nodes(GmshOutput& out) {
+  const std::uint64_t n = out.mesh.positions.size();
+  LODE_CHECK(out.text("$Nodes\n"));
+  LODE_CHECK(write_gmsh_counts(n > 0 ? 1 : 0, n, out));
+  if (n > 0) {
+    for (const std::int32_t number : {out.dimension(), 1, 0}) LODE_CHECK(out.number(number));
+    LODE_CHECK(out.number(n));
+    LODE_CHECK(write_records(out.file, n, sizeof(std::uint64_t),
+                             [](std::size_t i, std::byte* to) { put(to, std::uint64_t{i + 1}); }));
+    LODE_CHECK(write_array(out.file, std::span(out.mesh.positions)));
+  }
+  return out.text("\n$EndNodes\n");
+}
+
+Result<void> write_gmsh_elements(GmshOutput& out) {
+  constexpr std::int32_t kTriangle = 2;
+  constexpr std::int32_t kTetrahedron = 4;
+  const std::size_t n_corners = n_simplex_corners(out.mesh);
+  LODE_CHECK(out.text("$Elements\n"));
+  LODE_CHECK(write_gmsh_counts(out.blocks.blocks().size(), out.mesh.n_cells(), out));
+  std::int32_t entity = 0;
+  std::uint64_t n_before = 0;
+  for (const MeshBlock& block : out.blocks.blocks()) {
+    for (const std::int32_t number :
+         {out.dimension(), ++entity, out.is_solid() ? kTetrahedron : kTriangle})
+      LODE_CHECK(out.number(number));
+    LODE_CHECK(out.number(std::uint64_t{block.cells.size()}));
+    LODE_CHECK(write_records(out.file, block.cells.size(), (n_corners + 1) * sizeof(std::uint64_t),
+                             [&](std::size_t i, std::byte* to) {
+                               put(to, n_before + i + 1);
+                               for (const std::uint32_t v :
+                                    simplex_corners(out.mesh, block.cells[i]))
+                                 put(to, std::uint64_t{v} + 1);
+                             }));
+    n_before += block.cells.size();
+  }
+  return out.text("\n$EndElements\n");
+}
+
+/// $NodeData or $ElementData: `value_of(i)` of what has the tag i + 1.
+template <typename ValueOf>
+Result<void> write_gmsh_data(std::string_view section, std::string_view name, std::size_t n,
+                             const ValueOf& value_of, GmshOutput& out) {
+  LODE_CHECK(out.text(fmt::format("${}\n1\n\"{}\"\n1\n0\n3\n0\n1\n{}\n", section, name, n)));
+  LODE_CHECK(write_records(out.file, n, sizeof(std::int32_t) + sizeof(double),
+                           [&](std::size_t i, std::byte* to) {
+                             put(to, static_cast<std::int32_t>(i + 1));
+                             put(to, static_cast<double>(value_of(i)));
+                           }));
+  return out.text(fmt::format("\n$End{}\n", section));
+}
+
+Result<void> write_gmsh_fields(const MeshWriteOptions& options, GmshOutput& out) {
+  const SimplexMesh& mesh = out.mesh;
+  LODE_CHECK(write_gmsh_data(
+      "NodeData", vtk_array_name(options.value_name), mesh.values.size(),
+      [&](std::size_t i) { return mesh.values[i]; }, out));
+  const std::span<const std::uint32_t> cells = out.blocks.cells();
+  LODE_CHECK(write_gmsh_data(
+      "ElementData", "error", cells.size(), [&](std::size_t i) { return mesh.errors[cells[i]]; },
+      out));
+  if (mesh.regions.empty() || out.blocks.has_region_tags()) return {};
+  return write_gmsh_data(
+      "ElementData", "RegionId", cells.size(),
+      [&](std::size_t i) { return mesh.regions[cells[i]]; }, out);
+}
+
+}  // namespace
+
+Result<void> write_gmsh_mesh(const std::string& path, const SimplexMesh& mesh,
+                             const MeshWriteOptions& options, Progress& progress) {
+  constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
+  if (mesh.positions.size() > kMax || mesh.n_cells() > kMax)
+    return fail("{}: expected a mesh that Gmsh can number in 32 bits, got {} cells; .vtu can", path,
+                mesh.n_cells());
+  const MeshBlocks blocks(mesh);
+  const std::size_t n_bytes =
+      mesh.positions.size() * (sizeof(Vec3d) + sizeof(std::uint64_t) + sizeof(double)) +
+      mesh.n_cells() * (n_simplex_corners(mesh) + 2) * sizeof(std::uint64_t);
+  LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress));
+  GmshOutput out{std::move(file), mesh, blocks};
+  LODE_CHECK(write_gmsh_head(options, out));
+  LODE_CHECK(write_gmsh_entities(out));
+  LODE_CHECK(write_gmsh_nodes(out));
+  LODE_CHECK(write_gmsh_elements(out));
+  LODE_CHECK(write_gmsh_fields(options, out));
+  return out.file.commit();
+}
+
+}  // namespace lode::io
