@@ -118,7 +118,7 @@ CellMesh torn_mesh() {
   mesh.points.insert(mesh.points.end(), {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1.1, 0}}});
   add_cell(mesh, CellType::tetrahedron, {5, 7, 6, 4});
   mesh.point_fields = {{"f", ScalarType::float32, 1, {0, 1, 2, 3, 4, 0, 1.25, 2}},
-                       {"g", ScalarType::float32, 1, {0, 0, 0, 0, 0, 7, 0, 0}}};
+                       {"g", ScalarType::int32, 1, {0, 0, 0, 0, 0, 7, 0, 0}}};
   return mesh;
 }
 
@@ -138,8 +138,20 @@ TEST(welded_points, are_those_at_one_place_with_one_value) {
   EXPECT_EQ(welded(0.11, 0.25, "f").n_welded_points, 3U);
   EXPECT_EQ(welded(0.11, 0.25, "f").n_components, 1U);
   EXPECT_EQ(welded(0.09, 0.25, "f").n_welded_points, 2U);
-  EXPECT_EQ(welded(0, 0, "g").n_weld_refusals, 1U);
+  EXPECT_EQ(welded(0, 0, "g").n_weld_refusals, 2U);
   EXPECT_EQ(welded(0, 0, "g").n_unused_points, 0U);
+}
+
+TEST(welded_points, agree_in_fields_that_are_not_chosen) {
+  CellMesh mesh = torn_mesh();
+  mesh.point_fields[1].type = ScalarType::float64;
+  const auto welded = [&](double values) {
+    return tetrahedra_of(mesh, {.fields = {"f"}, .weld_distance = 0, .weld_values = values}).report;
+  };
+  EXPECT_EQ(welded(0).n_welded_points, 0U);
+  EXPECT_EQ(welded(0).n_weld_refusals, 2U);
+  EXPECT_EQ(welded(0.25).n_welded_points, 1U);
+  EXPECT_EQ(welded(7).n_welded_points, 2U);
 }
 
 TEST(welded_points, take_the_smallest_id_that_agrees) {

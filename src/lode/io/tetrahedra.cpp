@@ -80,10 +80,15 @@ std::vector<std::uint8_t> used_points(const CellMesh& mesh) {
   return is_used;
 }
 
-std::vector<MeshField> fields_of_points(const ChosenFields& chosen) {
+/// What points to be welded must have alike: all that is measured, chosen or not, as other fields
+/// may come to the same vertices later. Whole numbers, which may number the points, only if chosen.
+std::vector<MeshField> fields_to_agree(const CellMesh& mesh, const ChosenFields& chosen) {
   std::vector<MeshField> fields;
+  for (const MeshField& field : mesh.point_fields)
+    if (is_floating(field.type)) fields.push_back(field);
   for (std::size_t i = 0; i < chosen.fields.size(); ++i)
-    if (chosen.is_of_cells[i] == 0) fields.push_back(chosen.fields[i]);
+    if (chosen.is_of_cells[i] == 0 && !is_floating(chosen.fields[i].type))
+      fields.push_back(chosen.fields[i]);
   return fields;
 }
 
@@ -96,7 +101,8 @@ Result<void> weld(const TetraOptions& options, const ChosenFields& chosen, CellM
     return fail(
         "{}: expected a distance and a difference of values from 0 for welding, got {} and {}",
         mesh.path, rule.distance, rule.values);
-  const Weld result = weld_points(mesh.points, fields_of_points(chosen), used_points(mesh), rule);
+  const Weld result =
+      weld_points(mesh.points, fields_to_agree(mesh, chosen), used_points(mesh), rule);
   for (std::uint32_t& corner : mesh.corners) corner = result.ids[corner];
   for (std::size_t at = 0; at < mesh.faces.size();) {
     const std::size_t end = at + 1 + mesh.faces[at];

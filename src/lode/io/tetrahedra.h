@@ -24,8 +24,9 @@ struct TetraOptions {
   /// Of the cells, of whole numbers. None: the first of Material #, MaterialId, RegionId, ObjectId,
   /// ElementBlockIds, BlockId and ZoneId (any case) that is of an integer type.
   std::optional<std::string> region_field{};
-  /// Points become one that are so close (0: at one place) and whose chosen fields differ by no
-  /// more than weld_values. None: all stay apart.
+  /// Points become one that are so close (0: at one place) and whose fields, chosen or not, differ
+  /// by no more than weld_values in any component; fields of whole numbers count only if chosen.
+  /// None: all stay apart.
   std::optional<double> weld_distance{};
   double weld_values = 0;
 };
