@@ -8,6 +8,7 @@
 #include "stopwatch.h"
 #include "tetra_input.h"
 #include "text.h"
+#include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
@@ -58,8 +59,9 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
 }
 
 /// Cells as the file has them, before they are split.
-Result<Outcome> foreign_info(const std::string& path) {
-  LODE_TRY(CellMesh cells, read_cell_mesh(path, {}));
+Result<Outcome> foreign_info(const std::string& path, const ReadingArguments& reading,
+                             Session& session) {
+  LODE_TRY(CellMesh cells, read_cells(path, reading, session));
   Outcome outcome;
   Json& json = outcome.json;
   json["command"] = "info";
@@ -85,7 +87,8 @@ Result<Outcome> foreign_info(const std::string& path) {
   };
   add_fields("point field", cells.point_fields);
   add_fields("cell field", cells.cell_fields);
-  LODE_TRY(const TetrahedraOutcome made, to_tetrahedra(std::move(cells), {}));
+  LODE_TRY(const TetraOptions options, to_tetra_options(reading));
+  LODE_TRY(const TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
   json["tetrahedra"] = made.mesh.tetrahedra.size();
   json["regions"] = made.mesh.region_ids.size();
   table.add({"as tetrahedra", format_count(made.mesh.tetrahedra.size())});
@@ -111,7 +114,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   const Stopwatch watch;
   LODE_CHECK(check_writable(job.output));
   LODE_TRY(const auto base_cells, parse_base_cells(job.base_cells));
-  LODE_TRY(const TetrahedraOutcome made, read_tetra_mesh(job.input, job.reading));
+  LODE_TRY(const TetrahedraOutcome made, read_tetra_mesh(job.input, job.reading, session));
   const double read_seconds = watch.seconds();
   TetraBuildOptions options{.threads = session.threads()};
   LODE_TRY(options.boundary_tolerance, parse_boundary_tolerance(job.boundary_tolerance));
@@ -160,7 +163,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
 Result<Outcome> tetra_info(const std::string& path, const ReadingArguments& reading,
                            Session& session) {
   LODE_CHECK(check_tetra_reading(reading, path));
-  if (!is_lode_path(path)) return foreign_info(path);
+  if (!is_lode_path(path)) return foreign_info(path, reading, session);
   LODE_TRY(const TetraInput input, open_tetra_input(path, reading, session));
   Outcome outcome;
   outcome.json["command"] = "info";

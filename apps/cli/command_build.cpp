@@ -11,6 +11,7 @@
 #include "input.h"
 #include "parse.h"
 #include "text.h"
+#include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
@@ -47,7 +48,7 @@ Result<void> check_mesh_build(const BuildArguments& arguments) {
 }
 
 Result<void> check_build(const BuildArguments& arguments) {
-  if (is_cell_mesh_path(arguments.input)) return check_mesh_build(arguments);
+  if (is_cells_path(arguments.input)) return check_mesh_build(arguments);
   if (!arguments.base_cells.empty() || !arguments.boundary_tolerance.empty())
     return fail("{}: expected a mesh of cells with --base-cells and --boundary-tolerance",
                 arguments.input);
@@ -125,7 +126,7 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
 }
 
 Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
-  if (is_cell_mesh_path(arguments.input)) return run_tetra_build(arguments.tetra(), session);
+  if (is_cells_path(arguments.input)) return run_tetra_build(arguments.tetra(), session);
   LODE_TRY(ReadOptions options, to_read_options(arguments.reading, session.threads()));
   LODE_CHECK(check_writable(arguments.output));
   FileBuildOptions build{

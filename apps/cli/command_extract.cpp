@@ -15,6 +15,7 @@
 #include "simplify_options.h"
 #include "tetra_input.h"
 #include "text.h"
+#include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
@@ -90,7 +91,7 @@ Result<void> check_extract(const ExtractArguments& arguments) {
     return fail(
         "{}: expected no --mesh, --section, focus, budget, deadline or --progressive with it",
         arguments.simplify.name());
-  if (holds_tetrahedra(arguments.input)) {
+  if (holds_cells(arguments.input)) {
     if (arguments.simplify.is_wanted() || !arguments.simplify.max_distance.empty() ||
         arguments.progressive.is_wanted())
       return fail(
@@ -317,7 +318,7 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
 }
 
 Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session) {
-  if (holds_tetrahedra(arguments.input)) return run_tetra_job(arguments.mesh_job(), session);
+  if (holds_cells(arguments.input)) return run_tetra_job(arguments.mesh_job(), session);
   auto outcome = arguments.query.is_wanted()    ? run_mesh_job(arguments.mesh_job(), session)
                  : arguments.query.is_focused() ? run_focused_job(arguments.mesh_job(), session)
                                                 : run_plain(arguments, session);

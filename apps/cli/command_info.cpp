@@ -7,7 +7,9 @@
 #include "describe.h"
 #include "input.h"
 #include "sample_range.h"
+#include "tetra_input.h"
 #include "text.h"
+#include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
@@ -100,8 +102,7 @@ Result<void> add_samples(Outcome& outcome, VolumeSource& source, Session& sessio
 }
 
 Result<Outcome> run_info(const InfoArguments& arguments, Session& session) {
-  if (holds_tetrahedra(arguments.input))
-    return tetra_info(arguments.input, arguments.reading, session);
+  if (holds_cells(arguments.input)) return tetra_info(arguments.input, arguments.reading, session);
   if (is_lode_path(arguments.input)) {
     LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
     return report_lode(arguments.input, input.info);
@@ -127,7 +128,12 @@ Command add_info_command(CLI::App& program) {
   app->footer("Example:\n  lode info scan.nrrd");
   app->add_option("file", arguments->input, "File to look at")->type_name("FILE")->required();
   add_reading_options(*app, arguments->reading);
-  return {app, [arguments] { return check_reading_options(arguments->reading, arguments->input); },
+  return {app,
+          [arguments] {
+            return holds_cells(arguments->input)
+                       ? check_tetra_reading(arguments->reading, arguments->input)
+                       : check_reading_options(arguments->reading, arguments->input);
+          },
           [arguments](Session& session) { return run_info(*arguments, session); }};
 }
 

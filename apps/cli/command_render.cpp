@@ -13,6 +13,7 @@
 #include "stopwatch.h"
 #include "tetra_input.h"
 #include "text.h"
+#include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
@@ -94,7 +95,7 @@ Result<void> check_tetra_render(const RenderArguments& arguments) {
 }
 
 Result<void> check_render(const RenderArguments& arguments) {
-  if (holds_tetrahedra(arguments.input)) return check_tetra_render(arguments);
+  if (holds_cells(arguments.input)) return check_tetra_render(arguments);
   if (!arguments.tetra.is_empty())
     return fail(
         "{}: expected a mesh of cells with --opacity, --section, --boundary, --wireframe, --points "
@@ -199,7 +200,7 @@ Result<void> draw(const RenderArguments& arguments, const Surface& surface,
 
 Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   LODE_TRY(RenderOptions options, to_render_options(arguments));
-  if (holds_tetrahedra(arguments.input))
+  if (holds_cells(arguments.input))
     return run_tetra_picture(tetra_job(arguments, options), session);
   LODE_TRY(ExtractOptions extraction, to_extract_options(arguments.extraction));
   options.threads = extraction.threads = session.threads();

@@ -10,6 +10,7 @@
 #include "stopwatch.h"
 #include "text.h"
 #include "verify_tetra.h"
+#include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
@@ -34,7 +35,7 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
 }
 
 Result<void> check_verify(const VerifyArguments& arguments) {
-  if (holds_tetrahedra(arguments.input)) {
+  if (holds_cells(arguments.input)) {
     if (!arguments.surface.empty())
       return fail("--surface: expected a volume or its .lode file with it, got the mesh '{}'",
                   arguments.input);
@@ -121,7 +122,7 @@ Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& repo
 Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   const Stopwatch watch;
   VerifyReport report;
-  const bool is_tetra = holds_tetrahedra(arguments.input);
+  const bool is_tetra = holds_cells(arguments.input);
   if (is_tetra) {
     LODE_TRY(report, verify_tetra(tetra_job(arguments), session));
   } else if (is_lode_path(arguments.input)) {

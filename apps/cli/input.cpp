@@ -7,6 +7,7 @@
 #include "parse.h"
 #include "salvage.h"
 #include "stopwatch.h"
+#include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
@@ -66,7 +67,7 @@ bool is_same_file(const std::string& a, const std::string& b) {
 }  // namespace
 
 Result<void> expect_no_mesh(const std::string& path) {
-  if (is_cell_mesh_path(path))
+  if (is_cells_path(path))
     return fail(
         "{}: expected a regular volume, got a mesh of cells, which this command does not take",
         path);
@@ -81,7 +82,14 @@ Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& pat
 
 bool ReadingArguments::is_empty() const {
   return field.empty() && component.empty() && time.empty() && nodata.empty() && dims.empty() &&
-         type.empty() && spacing.empty() && origin.empty() && byte_order.empty();
+         type.empty() && spacing.empty() && origin.empty() && byte_order.empty() && weld.empty() &&
+         weld_values.empty() && linearise.empty();
+}
+
+std::string ReadingArguments::component_number() const {
+  if (component == "x") return "0";
+  if (component == "y") return "1";
+  return component == "z" ? "2" : component;
 }
 
 void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
@@ -90,25 +98,34 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
     app.add_option(name, value, help)->type_name(type)->group("Reading other formats");
   };
   add("--field", arguments.field, "NAME", "Array to read, where a file holds several");
-  add("--component", arguments.component, "N|magnitude",
-      "Which scalar of a vector, or channel, from 0");
-  add("--time", arguments.time, "N", "Time step, from 0");
+  add("--component", arguments.component, "N|x|y|z|magnitude",
+      "Which scalar of a vector, or channel, from 0 (default of meshes of cells: magnitude)");
+  add("--time", arguments.time, "N",
+      "Time step, from 0 (default of what lode-vtk-import reads: the last)");
   add("--nodata", arguments.nodata, "V", "Samples with this value are holes");
   add("--dims", arguments.dims, "XxYxZ", "Samples per axis of a raw file");
   add("--type", arguments.type, "TYPE", "uint8, int16, float32, ... of a raw file");
   add("--spacing", arguments.spacing, "X,Y,Z", "Distance of samples in a raw file");
   add("--origin", arguments.origin, "X,Y,Z", "Position of the first sample of a raw file");
   add("--byte-order", arguments.byte_order, "ORDER", "little (default) or big, of a raw file");
+  add("--weld", arguments.weld, "DISTANCE",
+      "Of a mesh of cells: points that are so close become one (0: those at one place)");
+  add("--weld-values", arguments.weld_values, "V",
+      "... where all fields differ by no more than this (default: 0); others stay apart");
+  add("--linearise", arguments.linearise, "corners",
+      "Of a mesh of cells: a quadratic tetrahedron becomes the one of its corners, not eight");
 }
 
 Result<ReadOptions> to_read_options(const ReadingArguments& arguments, Threads threads) {
+  if (!arguments.weld.empty() || !arguments.weld_values.empty() || !arguments.linearise.empty())
+    return fail("--weld, --weld-values and --linearise: expected a mesh of cells with them");
   ReadOptions options;
   options.threads = threads;
   if (!arguments.field.empty()) options.field = arguments.field;
   if (arguments.component == "magnitude") {
     options.component = Magnitude{};
   } else if (!arguments.component.empty()) {
-    LODE_TRY(const auto n, parse_integer("--component", arguments.component, 0, kMaxInt));
+    LODE_TRY(const auto n, parse_integer("--component", arguments.component_number(), 0, kMaxInt));
     options.component = static_cast<int>(n);
   }
   if (!arguments.time.empty()) {

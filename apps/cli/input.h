@@ -23,10 +23,15 @@ struct ReadingArguments {
   std::string spacing;
   std::string origin;
   std::string byte_order;
+  std::string weld;  ///< This and the next two are of meshes of cells.
+  std::string weld_values;
+  std::string linearise;
   bool salvage = false;
 
   /// Of those.
   [[nodiscard]] bool is_empty() const;
+  /// --component as the number that an axis stands for, "magnitude", or as it is.
+  [[nodiscard]] std::string component_number() const;
 };
 
 void add_reading_options(CLI::App& app, ReadingArguments& arguments);

@@ -1,25 +1,63 @@
 #include "tetra_input.h"
 
 #include <array>
+#include <cmath>
 #include <utility>
 
+#include "parse.h"
 #include "stopwatch.h"
+#include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
 
-Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
-  if (reading.field.empty()) {
-    if (reading.component.empty()) return TetraOptions();
-    return fail("--component: expected --field with it, got none");
+constexpr std::int64_t kMaxStep = 1'000'000'000;
+
+Result<double> parse_weld(const char* name, const std::string& text) {
+  LODE_TRY(const double number, parse_number(name, text));
+  if (number >= 0 && std::isfinite(number)) return number;
+  return fail("{}: expected a number >= 0, got {}", name, text);
+}
+
+Result<void> add_welding(const ReadingArguments& reading, TetraOptions& options) {
+  if (!reading.weld.empty()) {
+    LODE_TRY(options.weld_distance, parse_weld("--weld", reading.weld));
   }
-  std::string field = reading.field;
-  if (!reading.component.empty() && reading.component != "magnitude")
-    field += ":" + reading.component;
-  return TetraOptions{.fields = {std::move(field)}};
+  if (reading.weld_values.empty()) return {};
+  if (reading.weld.empty()) return fail("--weld-values: expected --weld with it, got none");
+  LODE_TRY(options.weld_values, parse_weld("--weld-values", reading.weld_values));
+  return {};
+}
+
+/// What means over cells did to the peaks of their fields.
+void add_averaged(const TetraReport& report, Table& table, Json& json) {
+  json["averaged"] = Json::array();
+  for (const AveragedField& field : report.averaged) {
+    json["averaged"].push_back(
+        {{"field", field.name}, {"cell_peak", field.cell_peak}, {"point_peak", field.point_peak}});
+    table.add({"cells to points",
+               fmt::format("{}: largest size {} at cells, {} at points", field.name,
+                           format_number(field.cell_peak), format_number(field.point_peak))});
+  }
 }
 
 }  // namespace
+
+Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
+  TetraOptions options;
+  LODE_CHECK(add_welding(reading, options));
+  if (!reading.linearise.empty() && reading.linearise != "corners")
+    return fail("--linearise: expected 'corners', got '{}'", reading.linearise);
+  if (!reading.linearise.empty()) options.quadratic = QuadraticCells::corners;
+  if (reading.field.empty() && !reading.component.empty())
+    return fail("--component: expected --field with it, got none");
+  if (reading.field.empty()) return options;
+  std::string field = reading.field;
+  if (!reading.component.empty() && reading.component != "magnitude")
+    field += ":" + reading.component_number();
+  options.fields = {std::move(field)};
+  return options;
+}
 
 Result<void> check_tetra_reading(const ReadingArguments& reading, const std::string& path) {
   if (is_lode_path(path)) return check_reading_options(reading, path);
@@ -27,15 +65,25 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   ReadingArguments others = reading;
   others.field.clear();
   others.component.clear();
+  others.weld.clear();
+  others.weld_values.clear();
+  others.linearise.clear();
+  if (needs_vtk_import(path) && !others.time.empty()) {
+    LODE_CHECK(parse_integer("--time", others.time, 0, kMaxStep));
+    others.time.clear();
+  }
   if (!others.is_empty() || others.salvage)
-    return fail("{}: expected no options of reading but --field and --component, got others", path);
+    return fail(
+        "{}: expected no options of reading but --field, --component, --weld, --weld-values and "
+        "--linearise, got others",
+        path);
   return {};
 }
 
-Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path,
-                                          const ReadingArguments& reading) {
+Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const ReadingArguments& reading,
+                                          Session& session) {
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));
-  LODE_TRY(CellMesh cells, read_cell_mesh(path, {}));
+  LODE_TRY(CellMesh cells, read_cells(path, reading, session));
   LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
   if (made.mesh.fields.size() != 1) {
     std::string names;
@@ -55,7 +103,7 @@ Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArgume
     return TetraInput{std::move(dataset), std::nullopt, watch.seconds()};
   }
   session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
-  LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(path, reading));
+  LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(path, reading, session));
   TetraReport report = made.report;
   auto built = TetraDataset::build(made.mesh, {.threads = session.threads()}, session.progress());
   if (!built) {
@@ -81,10 +129,12 @@ void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
     const char* name;
     std::uint64_t n;
   };
-  const std::array<Count, 12> counts{
+  const std::array<Count, 15> counts{
       {{"ghost_cells", "ghost cells left out", report.n_ghost_cells},
        {"hidden_cells", "hidden cells left out", report.n_hidden_cells},
        {"lower_cells", "points, lines and faces left out", report.n_lower_cells},
+       {"welded_points", "points welded", report.n_welded_points},
+       {"weld_refusals", "not welded, as values differ", report.n_weld_refusals},
        {"unused_points", "unused points left out", report.n_unused_points},
        {"coincident_points", "points at another's place", report.n_coincident_points},
        {"new_points", "centres of polyhedra", report.n_new_points},
@@ -93,12 +143,14 @@ void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
        {"left_handed", "left-handed cells turned", report.n_left_handed},
        {"turned_wedges", "wedges turned", report.n_turned_wedges},
        {"inverted", "inverted cells", report.n_inverted},
+       {"nonfinite_values", "values that are not finite", report.n_nonfinite_values},
        {"components", "components", report.n_components}}};
   for (const Count& count : counts) {
     json[count.key] = count.n;
     const std::uint64_t usual = std::string_view(count.key) == "components" ? 1 : 0;
     if (count.n > usual) table.add({count.name, format_count(count.n)});
   }
+  add_averaged(report, table, json);
 }
 
 }  // namespace lode::cli

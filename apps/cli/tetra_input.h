@@ -21,9 +21,13 @@ struct TetraInput {
 [[nodiscard]] Result<void> check_tetra_reading(const ReadingArguments& reading,
                                                const std::string& path);
 
+/// How cells become tetrahedra. Fails on what cannot be meant.
+[[nodiscard]] Result<TetraOptions> to_tetra_options(const ReadingArguments& reading);
+
 /// The tetrahedra of a foreign file, with the one field that is wanted.
 [[nodiscard]] Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path,
-                                                        const ReadingArguments& reading);
+                                                        const ReadingArguments& reading,
+                                                        Session& session);
 
 /// Opens a .lode file, or builds the hierarchy of a foreign file's cells in memory and says so on
 /// stderr.

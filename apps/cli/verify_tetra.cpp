@@ -5,18 +5,18 @@
 #include <utility>
 
 #include "tetra_input.h"
+#include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
 
 /// The mesh that a model was made from, with the model's field unless another is named.
-Result<TetraMesh> read_original(const TetraVerifyJob& job, const TetraInfo& info) {
-  std::string field = job.reading.field.empty() ? info.field : job.reading.field;
-  if (!job.reading.component.empty() && job.reading.component != "magnitude")
-    field += ":" + job.reading.component;
-  LODE_TRY(CellMesh cells, read_cell_mesh(job.original, {}));
-  LODE_TRY(TetrahedraOutcome made,
-           to_tetrahedra(std::move(cells), TetraOptions{.fields = {std::move(field)}}));
+Result<TetraMesh> read_original(const TetraVerifyJob& job, const TetraInfo& info,
+                                Session& session) {
+  LODE_TRY(TetraOptions options, to_tetra_options(job.reading));
+  if (options.fields.empty()) options.fields = {info.field};
+  LODE_TRY(CellMesh cells, read_cells(job.original, job.reading, session));
+  LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
   return std::move(made.mesh);
 }
 
@@ -28,7 +28,7 @@ void append_checks(VerifyReport& report, VerifyReport more) {
 }  // namespace
 
 Result<void> check_tetra_verify(const TetraVerifyJob& job) {
-  if (!job.original.empty() && !is_cell_mesh_path(job.original))
+  if (!job.original.empty() && !is_cells_path(job.original))
     return fail("--against: expected the mesh of cells that it was made from, got '{}'",
                 job.original);
   if (is_lode_path(job.input) && job.original.empty() && !job.reading.is_empty())
@@ -48,7 +48,7 @@ Result<VerifyReport> verify_tetra(const TetraVerifyJob& job, Session& session) {
   LODE_TRY(VerifyReport more, dataset.verify({.threads = session.threads()}, session.progress()));
   append_checks(report, std::move(more));
   if (job.original.empty()) return report;
-  LODE_TRY(const TetraMesh original, read_original(job, dataset.describe()));
+  LODE_TRY(const TetraMesh original, read_original(job, dataset.describe(), session));
   LODE_TRY(VerifyReport compared, dataset.verify_against(original, session.progress()));
   append_checks(report, std::move(compared));
   return report;

@@ -339,6 +339,76 @@ TEST_F(cli_tetra, answers_out_of_files_as_out_of_memory) {
   EXPECT_NE(cut.err.find("wave.lode"), std::string::npos) << cut.err;
 }
 
+/// Two tetrahedra at one face, whose corners each has for itself: of these one agrees in both
+/// fields, one differs by 0.25 in f, one by 3 in the second component of v.
+constexpr const char* kTorn = R"(# vtk DataFile Version 3.0
+torn
+ASCII
+DATASET UNSTRUCTURED_GRID
+POINTS 8 double
+0 0 0  1 0 0  0 1 0  0 0 1  0 0 0  1 0 0  0 1 0  0 0 -1
+CELLS 2 10
+4 0 1 2 3
+4 4 6 5 7
+CELL_TYPES 2
+10 10
+POINT_DATA 8
+SCALARS f double 1
+LOOKUP_TABLE default
+0 1 2 3 0 1.25 2 5
+VECTORS v double
+1 2 2  1 2 2  1 2 2  1 2 2  1 2 2  1 2 2  1 5 2  1 2 2
+)";
+
+TEST_F(cli_tetra, welds_points_where_all_fields_agree) {
+  write_bytes(scratch_ / "torn.vtk", kTorn);
+  const auto reading = [&](Words options) {
+    options.insert(options.begin(), {"build", scratch_ / "torn.vtk", scratch_ / "torn.lode",
+                                     "--field", "f", "--json"});
+    const Finished run = run_lode(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const nlohmann::json counts = run.json().at("reading");
+    return Index3{
+        {counts.at("welded_points"), counts.at("weld_refusals"), counts.at("coincident_points")}};
+  };
+  EXPECT_EQ(reading({}), (Index3{{0, 0, 3}}));
+  EXPECT_EQ(reading({"--weld", "0"}), (Index3{{1, 2, 2}}));
+  EXPECT_EQ(reading({"--weld", "0", "--weld-values", "0.25"}), (Index3{{2, 1, 1}}));
+  EXPECT_EQ(reading({"--weld", "0.5", "--weld-values", "3"}), (Index3{{3, 0, 0}}));
+  const Finished verified =
+      run_lode({"verify", scratch_ / "torn.lode", "--against", scratch_ / "torn.vtk", "--weld",
+                "0.5", "--weld-values", "3"});
+  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  EXPECT_NE(
+      run_lode({"verify", scratch_ / "torn.lode", "--against", scratch_ / "torn.vtk"}).exit_code,
+      0);
+  for (const auto& [options, message] : {std::pair{Words{"--weld", "-1"}, "--weld"},
+                                         {Words{"--weld-values", "1"}, "--weld with it"},
+                                         {Words{"--linearise", "no"}, "'corners'"},
+                                         {Words{"--weld", "inf"}, "--weld"}}) {
+    Words words{"info", scratch_ / "torn.vtk"};
+    words.insert(words.end(), options.begin(), options.end());
+    expect_refusal(run_lode(words), 2, {message});
+  }
+}
+
+TEST_F(cli_tetra, takes_components_of_vectors_or_their_magnitude) {
+  write_bytes(scratch_ / "torn.vtk", kTorn);
+  const auto largest = [&](const char* component) {
+    Words words{"build", scratch_ / "torn.vtk", scratch_ / "v.lode", "--field", "v", "--json"};
+    if (*component != 0) words.insert(words.end(), {"--component", component});
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json().at("range")[1].get<double>();
+  };
+  EXPECT_EQ(largest("x"), 1);
+  EXPECT_EQ(largest("y"), 5);
+  EXPECT_EQ(largest("1"), 5);
+  EXPECT_EQ(largest("z"), 2);
+  EXPECT_NEAR(largest("magnitude"), std::sqrt(30), 1e-12);
+  EXPECT_NEAR(largest(""), std::sqrt(30), 1e-12);
+}
+
 TEST_F(cli_tetra, writes_what_vtk_reads) {
   ASSERT_TRUE(has_vtk()) << kVtkMissing;
   const nlohmann::json json = report({"--max-error", "0.5"});
@@ -394,7 +464,8 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   refused({"extract", input_, scratch_ / "out.stl", "--isovalue", "3", "--isovalue", "4"},
           "expected one isovalue");
   refused({"extract", input_, output_, "--mesh", "--memory-limit", "1G"}, "--memory-limit");
-  refused({"extract", input_, output_, "--mesh", "--nodata", "3"}, "--field and --component");
+  refused({"extract", input_, output_, "--mesh", "--nodata", "3"},
+          "no options of reading but --field, --component");
   refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");
   refused({"extract", input_, input_, "--mesh"}, "expected an output that is not an input");
   refused({"count", input_, "--isovalue", "3"}, "which this command does not take");

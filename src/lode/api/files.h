@@ -21,6 +21,7 @@
 namespace lode {
 
 // The door's part of io, documented there. That of render is in this namespace already.
+using io::AveragedField;
 using io::ByteOrder;
 using io::can_hold_isovalues;
 using io::can_hold_lines;
@@ -33,6 +34,7 @@ using io::FileDescription;
 using io::Magnitude;
 using io::MeshWriteOptions;
 using io::open_volume;
+using io::QuadraticCells;
 using io::RawLayout;
 using io::read_cell_mesh;
 using io::ReadOptions;

@@ -1,0 +1,204 @@
+#include "vtk_import.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+constexpr const char* kImporter = "lode-vtk-import";
+constexpr std::array kImported{".e",    ".exo",   ".ex2",  ".g",   ".cgns",
+                               ".case", ".encas", ".foam", ".xyz", ".p3d"};
+
+bool is_foam_case(const std::string& path) {
+  std::error_code status;
+  return std::filesystem::is_directory(path, status) &&
+         std::filesystem::exists(std::filesystem::path(path) / "system" / "controlDict", status);
+}
+
+/// Beside this program, else the first in PATH; none where it is nowhere.
+std::optional<std::string> find_importer() {
+  std::error_code status;
+  const auto own = std::filesystem::read_symlink("/proc/self/exe", status);
+  std::vector<std::filesystem::path> folders;
+  if (!status) folders.push_back(own.parent_path());
+  const char* const path = std::getenv("PATH");
+  std::istringstream list(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(list, folder, ':');)
+    if (!folder.empty()) folders.emplace_back(folder);
+  for (const std::filesystem::path& folder : folders) {
+    const std::string program = (folder / kImporter).string();
+    if (std::filesystem::is_regular_file(program, status) && ::access(program.c_str(), X_OK) == 0)
+      return program;
+  }
+  return {};
+}
+
+/// A directory of our own, which goes with what is in it.
+class TemporaryFolder {
+ public:
+  static Result<TemporaryFolder> create() {
+    std::error_code status;
+    std::string name =
+        (std::filesystem::temp_directory_path(status) / "lode-import-XXXXXX").string();
+    if (status || ::mkdtemp(name.data()) == nullptr)
+      return fail("{}: expected a directory for temporary files (TMPDIR), cannot make one", name);
+    return TemporaryFolder(std::move(name));
+  }
+  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  TemporaryFolder& operator=(TemporaryFolder&&) = delete;
+  ~TemporaryFolder() {
+    std::error_code status;
+    if (!path_.empty()) std::filesystem::remove_all(path_, status);
+  }
+
+  [[nodiscard]] std::string file(const char* name) const { return path_ + "/" + name; }
+
+ private:
+  explicit TemporaryFolder(std::string path) : path_(std::move(path)) {}
+
+  std::string path_;
+};
+
+/// A program that runs, and what it writes to stderr; what is left of it is ended with this.
+class Child {
+ public:
+  static Result<Child> start(const std::vector<std::string>& words) {
+    std::array<int, 2> ends{-1, -1};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+      return fail("{}: cannot be started: {}", words[0], std::strerror(errno));
+    posix_spawn_file_actions_t actions;
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+    std::vector<char*> argv;
+    for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    pid_t process = -1;
+    const int status =
+        ::posix_spawn(&process, words[0].c_str(), &actions, nullptr, argv.data(), environ);
+    ::posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+    if (status == 0) return Child(process, ends[0]);
+    ::close(ends[0]);
+    return fail("{}: cannot be started: {}", words[0], std::strerror(status));
+  }
+  Child(Child&& other) noexcept
+      : process_(std::exchange(other.process_, -1)), errors_(std::exchange(other.errors_, -1)) {}
+  Child& operator=(Child&&) = delete;
+  ~Child() {
+    if (process_ > 0) {
+      ::kill(process_, SIGKILL);
+      wait();
+    }
+    if (errors_ >= 0) ::close(errors_);
+  }
+
+  /// All that it says; an error once cancelled.
+  [[nodiscard]] Result<std::string> read_all(const Progress& progress) const {
+    constexpr int kPatienceMs = 100;
+    std::string text;
+    std::array<char, 4096> part{};
+    while (true) {
+      if (progress.is_cancelled()) return cancelled_error();
+      pollfd stream{errors_, POLLIN, 0};
+      if (::poll(&stream, 1, kPatienceMs) <= 0) continue;
+      const ssize_t n = ::read(errors_, part.data(), part.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return text;
+      text.append(part.data(), static_cast<std::size_t>(n));
+    }
+  }
+  /// Its exit status, as a shell says it.
+  int wait() {
+    int status = 0;
+    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    }
+    process_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+ private:
+  Child(pid_t process, int errors) : process_(process), errors_(errors) {}
+
+  pid_t process_ = -1;
+  int errors_ = -1;
+};
+
+/// Runs it. Its lines are notes; of a failure the last one is the message.
+Result<void> run_importer(const std::string& path, const std::vector<std::string>& words,
+                          Session& session) {
+  LODE_TRY(Child child, Child::start(words));
+  LODE_TRY(const std::string said, child.read_all(session.progress()));
+  const int exit_code = child.wait();
+  std::vector<std::string> lines;
+  std::istringstream stream(said);
+  for (std::string line; std::getline(stream, line);)
+    if (!line.empty()) lines.push_back(line);
+  if (exit_code == 0) {
+    for (const std::string& line : lines) session.note(fmt::format("{}: {}", path, line));
+    return {};
+  }
+  if (exit_code == 1 && !lines.empty()) return fail("{}: {}", path, lines.back());
+  return fail("{}: {} ended with exit code {}: {}", path, kImporter, exit_code,
+              lines.empty() ? "it said nothing" : lines.back());
+}
+
+}  // namespace
+
+bool needs_vtk_import(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return std::ranges::find(kImported, extension) != kImported.end() || is_foam_case(path);
+}
+
+bool is_cells_path(const std::string& path) {
+  return is_cell_mesh_path(path) || needs_vtk_import(path);
+}
+
+bool holds_cells(const std::string& path) {
+  return holds_tetrahedra(path) || needs_vtk_import(path);
+}
+
+Result<CellMesh> read_cells(const std::string& path, const ReadingArguments& reading,
+                            Session& session) {
+  if (!needs_vtk_import(path)) return read_cell_mesh(path, {});
+  const auto importer = find_importer();
+  if (!importer)
+    return fail(
+        "{}: expected the program {}, which reads such files, beside lode or in PATH, found none; "
+        "install libvtk9-dev and build again",
+        path, kImporter);
+  LODE_TRY(const TemporaryFolder folder, TemporaryFolder::create());
+  const std::string grid = folder.file("grid.vtu");
+  // What starts with a dash would be an option.
+  std::vector<std::string> words{*importer, std::filesystem::absolute(path).string(), grid};
+  if (!reading.time.empty()) words.insert(words.end(), {"--step", reading.time});
+  LODE_CHECK(run_importer(path, words, session));
+  auto cells = read_cell_mesh(grid, {});
+  if (!cells) return fail("{}: as {} gives it: {}", path, kImporter, cells.error().message);
+  cells->path = path;
+  return cells;
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,247 @@
+"""Makes the small files that tests of lode-vtk-import read, one of each format.
+
+make_fixtures.py FOLDER  writes blocks.e (by VTK), ensight.case, foam/, plot3d.xyz with .q, and
+                         blocks.cgns (out of blocks.cgns.gz, see make_cgns.c)
+
+All fill [0, 4] x [0, 2] x [0, 2] with 4 x 2 x 2 hexahedra, in two blocks that meet at x = 2 (foam:
+one), with f = x + 2 y + 4 z + 100 step at points (foam: p = f at cells' centres).
+"""
+import gzip
+import os
+import struct
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SIDES = ((0, 3, 3, 3), (2, 3, 3, 3))  # where a block begins in x, and its points an axis
+
+
+def value(p, step=0):
+    return p[0] + 2 * p[1] + 4 * p[2] + 100 * step
+
+
+def points_of(block):
+    first, n_x, n_y, n_z = block
+    return [(float(first + x), float(y), float(z))
+            for z in range(n_z) for y in range(n_y) for x in range(n_x)]
+
+
+def hexahedra_of(block):
+    _, n_x, n_y, n_z = block
+    cells = []
+    for z in range(n_z - 1):
+        for y in range(n_y - 1):
+            for x in range(n_x - 1):
+                a = (z * n_y + y) * n_x + x
+                below = [a, a + 1, a + n_x + 1, a + n_x]
+                cells.append(below + [i + n_x * n_y for i in below])
+    return cells
+
+
+def write(path, text):
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, "w", encoding="ascii") as file:
+        file.write(text)
+
+
+def write_ensight(folder):
+    """Two steps; the second part of three is a surface."""
+    write(os.path.join(folder, "ensight.case"), """FORMAT
+type: ensight gold
+GEOMETRY
+model: ensight.geo
+VARIABLE
+scalar per node: f ensight.f**
+scalar per element: g ensight.g
+TIME
+time set: 1
+number of steps: 2
+filename start number: 0
+filename increment: 1
+time values: 0.0 0.5
+""")
+    number = "{:10d}\n".format
+    real = "{:12.5e}\n".format
+    geometry = "two blocks\nand a wall\nnode id assign\nelement id assign\n"
+    fields = ["f\n", "f\n"]
+    cells = "g\n"
+    parts = [("inlet", SIDES[0]), ("wall", (0, 3, 3, 1)), ("outlet", SIDES[1])]
+    for i, (name, block) in enumerate(parts):
+        points = points_of(block)
+        is_wall = block[3] == 1
+        hexahedra = [[0, 1, 4, 3], [1, 2, 5, 4]] if is_wall else hexahedra_of(block)
+        kind = "quad4" if is_wall else "hexa8"
+        part = "part\n" + number(i + 1)
+        geometry += part + name + "\ncoordinates\n" + number(len(points))
+        for axis in range(3):
+            geometry += "".join(real(p[axis]) for p in points)
+        geometry += kind + "\n" + number(len(hexahedra))
+        geometry += "".join("".join(f"{c + 1:10d}" for c in cell) + "\n" for cell in hexahedra)
+        for step in range(2):
+            fields[step] += part + "coordinates\n" + "".join(real(value(p, step)) for p in points)
+        cells += part + kind + "\n" + "".join(real(i + 1) for _ in hexahedra)
+    write(os.path.join(folder, "ensight.geo"), geometry)
+    write(os.path.join(folder, "ensight.g"), cells)
+    for step in range(2):
+        write(os.path.join(folder, f"ensight.f{step:02d}"), fields[step])
+
+
+def foam_file(kind, name, body):
+    return ("FoamFile\n{\n    version 2.0;\n    format ascii;\n"
+            f"    class {kind};\n    object {name};\n}}\n{body}\n")
+
+
+def foam_list(items):
+    return f"{len(items)}\n(\n" + "\n".join(items) + "\n)"
+
+
+def foam_faces(block):
+    """Faces inside first, by owner and neighbour, then those of the boundary: corners, cells. That
+    between the first two cells is two triangles, so that these are polyhedra."""
+    sides = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (3, 7, 6, 2), (0, 4, 7, 3), (1, 2, 6, 5)]
+    found = {}
+    for i, cell in enumerate(hexahedra_of(block)):
+        for side in sides:
+            corners = [cell[k] for k in side]
+            found.setdefault(tuple(sorted(corners)), []).append((i, corners))
+    faces = [(cells[0][1], [owner for owner, _ in cells]) for cells in found.values()]
+    (a, b, c, d), pair = next(face for face in faces if face[1] == [0, 1])
+    faces.remove(([a, b, c, d], pair))
+    faces += [([a, b, c], pair), ([a, c, d], pair)]
+    return (sorted((f for f in faces if len(f[1]) == 2), key=lambda f: f[1]),
+            sorted((f for f in faces if len(f[1]) == 1), key=lambda f: f[1]))
+
+
+def write_foam(folder):
+    """A case of two times."""
+    case = os.path.join(folder, "foam")
+    block = (0, 5, 3, 3)
+    mesh = os.path.join(case, "constant", "polyMesh")
+    inner, outer = foam_faces(block)
+    write(os.path.join(case, "system", "controlDict"), foam_file("dictionary", "controlDict", """
+application icoFoam;
+startFrom startTime;
+startTime 0;
+stopAt endTime;
+endTime 1;
+deltaT 1;
+writeControl timeStep;
+writeInterval 1;
+"""))
+    write(os.path.join(mesh, "points"), foam_file("vectorField", "points", foam_list(
+        ["({} {} {})".format(*p) for p in points_of(block)])))
+    write(os.path.join(mesh, "faces"), foam_file("faceList", "faces", foam_list(
+        ["{}({})".format(len(corners), " ".join(map(str, corners)))
+         for corners, _ in inner + outer])))
+    write(os.path.join(mesh, "owner"), foam_file("labelList", "owner", foam_list(
+        [str(cells[0]) for _, cells in inner + outer])))
+    write(os.path.join(mesh, "neighbour"), foam_file("labelList", "neighbour", foam_list(
+        [str(cells[1]) for _, cells in inner])))
+    write(os.path.join(mesh, "boundary"), foam_file("polyBoundaryMesh", "boundary", f"""1
+(
+walls
+{{
+    type wall;
+    nFaces {len(outer)};
+    startFace {len(inner)};
+}}
+)"""))
+    points = points_of(block)
+    centres = [[sum(points[c][k] for c in cell) / 8 for k in range(3)]
+               for cell in hexahedra_of(block)]
+    for step in range(2):
+        values = [str(value(centre, step)) for centre in centres]
+        write(os.path.join(case, str(step), "p"), foam_file("volScalarField", "p", f"""
+dimensions [0 2 -2 0 0 0 0];
+internalField nonuniform List<scalar> {foam_list(values)};
+boundaryField {{ walls {{ type zeroGradient; }} }}"""))
+
+
+def write_plot3d(folder):
+    """Binary, several blocks, blanking: the last point of the second block is blanked. f is the
+    density."""
+    grid = struct.pack("<i", 2)
+    solution = struct.pack("<i", 2)
+    for block in SIDES:
+        grid += struct.pack("<3i", *block[1:])
+        solution += struct.pack("<3i", *block[1:])
+    for i, block in enumerate(SIDES):
+        points = points_of(block)
+        n = len(points)
+        for axis in range(3):
+            grid += struct.pack(f"<{n}f", *(p[axis] for p in points))
+        grid += struct.pack(f"<{n}i", *([1] * (n - 1) + [1 - i]))
+        solution += struct.pack("<4f", 0.5, 0, 1000, 0)
+        solution += struct.pack(f"<{n}f", *(value(p) + 1 for p in points))
+        for _ in range(4):
+            solution += struct.pack(f"<{n}f", *(1.0 for _ in points))
+    for name, data in (("plot3d.xyz", grid), ("plot3d.q", solution)):
+        with open(os.path.join(folder, name), "wb") as file:
+            file.write(data)
+
+
+def write_exodus(folder):
+    """Two blocks of ids 10 and 20 that share points, two steps; VTK writes it."""
+    import vtk
+    from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
+
+    class Steps(VTKPythonAlgorithmBase):
+        def __init__(self):
+            super().__init__(nInputPorts=0, outputType="vtkUnstructuredGrid")
+
+        def RequestInformation(self, request, inputs, outputs):
+            about = outputs.GetInformationObject(0)
+            key = vtk.vtkStreamingDemandDrivenPipeline
+            about.Set(key.TIME_STEPS(), [0.0, 0.5], 2)
+            about.Set(key.TIME_RANGE(), [0.0, 0.5], 2)
+            return 1
+
+        def RequestData(self, request, inputs, outputs):
+            about = outputs.GetInformationObject(0)
+            key = vtk.vtkStreamingDemandDrivenPipeline.UPDATE_TIME_STEP()
+            time = about.Get(key) if about.Has(key) else 0.0
+            grid = vtk.vtkUnstructuredGrid.GetData(outputs, 0)
+            block = (0, 5, 3, 3)
+            points = vtk.vtkPoints()
+            points.SetDataTypeToDouble()
+            field = vtk.vtkDoubleArray()
+            field.SetName("f")
+            for p in points_of(block):
+                points.InsertNextPoint(p)
+                field.InsertNextValue(value(p, 1 if time == 0.5 else 0))
+            grid.Allocate(16)
+            grid.SetPoints(points)
+            grid.GetPointData().AddArray(field)
+            ids = vtk.vtkIntArray()
+            ids.SetName("ElementBlockIds")
+            for cell in hexahedra_of(block):
+                grid.InsertNextCell(vtk.VTK_HEXAHEDRON, 8, cell)
+                ids.InsertNextValue(10 if points.GetPoint(cell[0])[0] < 2 else 20)
+            grid.GetCellData().AddArray(ids)
+            grid.GetInformation().Set(vtk.vtkDataObject.DATA_TIME_STEP(), time)
+            return 1
+
+    source = Steps()
+    writer = vtk.vtkExodusIIWriter()
+    writer.SetInputConnection(source.GetOutputPort())
+    writer.SetFileName(os.path.join(folder, "blocks.e"))
+    writer.SetBlockIdArrayName("ElementBlockIds")
+    writer.WriteAllTimeStepsOn()
+    writer.WriteOutBlockIdArrayOff()
+    writer.WriteOutGlobalElementIdArrayOff()
+    writer.WriteOutGlobalNodeIdArrayOff()
+    writer.Write()
+
+
+def main():
+    folder = sys.argv[1]
+    write_ensight(folder)
+    write_foam(folder)
+    write_plot3d(folder)
+    write_exodus(folder)
+    with gzip.open(os.path.join(HERE, "blocks.cgns.gz")) as packed:
+        with open(os.path.join(folder, "blocks.cgns"), "wb") as file:
+            file.write(packed.read())
+
+
+if __name__ == "__main__":
+    main()
