@@ -220,5 +220,19 @@ TEST_F(other_importer, that_fails_or_dies_or_lies_leaves_an_error) {
   EXPECT_NE(said().find("as lode-vtk-import gives it: "), std::string::npos);
 }
 
+TEST_F(other_importer, that_takes_long_is_ended_with_lode) {
+  write_importer("echo $$ > ../pid; exec /bin/sleep 50");
+  std::filesystem::create_directories(scratch_ / "tmp");
+  const std::string text = output_of("cd " + (scratch_ / "tmp") +
+                                     " && TMPDIR=. /usr/bin/timeout -s TERM 0.5 ../lode info " +
+                                     "../a.cgns 2>&1; echo \"exit $?\"");
+  EXPECT_NE(text.find("lode: stopped; "), std::string::npos) << text;
+  EXPECT_NE(text.find("exit 124"), std::string::npos) << text;  // what timeout says
+  EXPECT_TRUE(std::filesystem::is_empty(scratch_ / "tmp"));
+  const std::string pid = read_bytes(scratch_ / "pid");
+  ASSERT_FALSE(pid.empty());
+  EXPECT_FALSE(std::filesystem::exists("/proc/" + pid.substr(0, pid.find('\n'))));
+}
+
 }  // namespace
 }  // namespace lode::test
