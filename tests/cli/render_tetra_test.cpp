@@ -106,7 +106,7 @@ TEST_F(cli_render_tetra, says_what_it_does_not_draw) {
   expect_refused({"--opacity", "smoke", "--section", "0,0,0,1"}, "--section: expected a normal");
   expect_refused({"--opacity", "smoke", "--section", "0,0,1"}, "A,B,C,D");
   expect_refused({"--opacity", "smoke", "--clip", "0,1,0,1,0,1"}, "--clip");
-  expect_refused({"--opacity", "smoke", "--nodata", "1"}, "--field and --component");
+  expect_refused({"--opacity", "smoke", "--nodata", "1"}, "no options of reading but --field");
   expect_refused({"--opacity", "smoke", "--field", "other"}, "other");
   expect_refused({"--opacity", "smoke", "--max-cells", "none"}, "--max-cells");
   const std::string broken = scratch_ / "broken.txt";

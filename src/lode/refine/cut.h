@@ -11,8 +11,9 @@
 namespace lode {
 
 /// A consistent set of applied nodes, and the candidates beyond it: found by an applied node, in
-/// focus, not applied themselves. 32 bytes a node in pages that never move, found through an open
-/// hash table of 4-byte entries, at most 5/8 full.
+/// focus, not applied themselves. 32 bytes a node in pages that never move. Nodes are found through
+/// an open hash table of 4-byte entries, at most 5/8 full; or, where their ids are small numbers,
+/// by these, in pages that are there once one of their nodes is.
 class Cut {
  public:
   using Place = std::uint32_t;
@@ -41,6 +42,8 @@ class Cut {
   static_assert(sizeof(Entry) == 32);
 
   Cut();
+  /// Of ids below n_ids.
+  explicit Cut(std::uint32_t n_ids);
 
   [[nodiscard]] bool contains(NodeId id) const {
     const Place at = find(id);
@@ -53,14 +56,22 @@ class Cut {
   // For the engine and one_shot().
 
   [[nodiscard]] Place find(NodeId id) const {
+    if (is_by_id_) {
+      const auto at = static_cast<Place>(id);
+      return (*this)[at].state == State::empty ? kNowhere : at;
+    }
     for (std::size_t i = slot_of(id);; i = (i + 1) & mask_) {
       const Place at = slots_[i];
       if (at == kNowhere || (*this)[at].id == id) return at;
     }
   }
-  [[nodiscard]] Entry& operator[](Place at) { return pages_[at / kPageSize].get()[at % kPageSize]; }
+  [[nodiscard]] Entry& operator[](Place at) { return pages_[at >> page_bits_][at & page_mask_]; }
   [[nodiscard]] const Entry& operator[](Place at) const {
-    return pages_[at / kPageSize].get()[at % kPageSize];
+    return pages_[at >> page_bits_][at & page_mask_];
+  }
+  /// Asks the memory for a node's entry.
+  void prefetch(NodeId id) const {
+    if (is_by_id_) __builtin_prefetch(&(*this)[static_cast<Place>(id)], 1);
   }
   /// Adds a candidate, which must not be there.
   Place insert(NodeId id, const StoredFacts& facts);
@@ -75,13 +86,16 @@ class Cut {
   [[nodiscard]] std::size_t n_places() const { return n_places_; }
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t n_bytes() const {
-    const std::size_t n_entries = pages_.size() < 2 ? n_places_ : pages_.size() * kPageSize;
-    return n_entries * sizeof(Entry) + (slots_.capacity() + free_.capacity()) * sizeof(Place);
+    const std::size_t n_kept = kept_.size() << page_bits_;
+    const std::size_t n_entries = !is_by_id_ && kept_.size() < 2 ? n_places_ : n_kept;
+    return n_entries * sizeof(Entry) + pages_.capacity() * sizeof(Entry*) +
+           (slots_.capacity() + free_.capacity()) * sizeof(Place);
   }
 
  private:
-  /// 2 MiB; of the first page only what is used costs memory.
-  static constexpr std::size_t kPageSize = 65536;
+  /// Of entries: 2 MiB; of the first page only what is used costs memory. By id 16 KiB.
+  static constexpr int kPageBits = 16;
+  static constexpr int kPageBitsById = 9;
 
   [[nodiscard]] std::size_t slot_of(NodeId id) const {
     auto bits = static_cast<std::uint64_t>(id);
@@ -91,10 +105,17 @@ class Cut {
   struct Free {
     void operator()(Entry* page) const noexcept { free_large(page); }
   };
-  void add_page();
+  [[nodiscard]] std::size_t page_size() const { return std::size_t{1} << page_bits_; }
+  [[nodiscard]] static Entry* nothing();
+  Place take_place(NodeId id);
+  void add_page(std::size_t number);
   void grow();
 
-  std::vector<std::unique_ptr<Entry, Free>> pages_;
+  std::vector<Entry*> pages_;  ///< Those not kept are one of empty entries.
+  std::vector<std::unique_ptr<Entry, Free>> kept_;
+  int page_bits_ = kPageBits;
+  Place page_mask_ = (Place{1} << kPageBits) - 1;
+  bool is_by_id_ = false;
   std::vector<Place> free_;
   UninitializedArray<Place> slots_;
   std::size_t mask_ = 0;

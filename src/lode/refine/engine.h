@@ -31,7 +31,7 @@ template <RefinableModel M>
 class Engine {
  public:
   /// `model` is at its base and must outlive the engine.
-  explicit Engine(M& model) : model_(model), n_cells_(model.n_base_cells()) {}
+  explicit Engine(M& model) : model_(model), cut_(cut_for(model)), n_cells_(model.n_base_cells()) {}
 
   void set_query(Demand demand, Budget budget = {}, FocusChange focus = FocusChange::changed);
 
@@ -89,6 +89,12 @@ class Engine {
   };
   static constexpr std::size_t kEvaluationsPerStep = 1024;
 
+  [[nodiscard]] static Cut cut_for(const M& model) {
+    if constexpr (requires { model.n_nodes(); })
+      return Cut(model.n_nodes());
+    else
+      return Cut();
+  }
   [[nodiscard]] NodeFacts facts(NodeId id, const StoredFacts& stored) const {
     NodeFacts result = without_bounds(stored, model_.range_reference());
     if (demand_.uses_bounds()) result.bounds = model_.bounds(id);

@@ -24,7 +24,10 @@ void Engine<M>::find_children(NodeId id) {
   children_.clear();
   model_.add_children(id, children_);
   if constexpr (requires { model_.prefetch(id); })
-    for (const NodeId child : children_) model_.prefetch(child);
+    for (const NodeId child : children_) {
+      model_.prefetch(child);
+      cut_.prefetch(child);
+    }
 }
 
 /// Leaves the places of a node's parents in parent_places_; those that are missing go on the

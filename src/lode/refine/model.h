@@ -111,6 +111,7 @@ struct NodeFacts {
 ///   know it always; label-encoded ones find it in the mesh of the nodes applied so far.
 /// - facts, bounds: nested along add_children.
 /// - apply, undo: return how many simplices the mesh has gained or lost by it.
+/// One that has `n_nodes()`, a std::uint32_t, says that its ids are below: a cut finds them faster.
 template <typename M>
 concept RefinableModel = requires(M& model, const M& fixed, NodeId node, std::vector<NodeId>& out) {
   fixed.add_base(out);

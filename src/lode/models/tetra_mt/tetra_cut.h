@@ -37,6 +37,7 @@ class TetraCut {
   }
   [[nodiscard]] Bounds bounds(NodeId node) const { return hierarchy_->bounds(index(node)); }
   [[nodiscard]] double range_reference() const { return hierarchy_->head().fields[field_].low; }
+  [[nodiscard]] std::uint32_t n_nodes() const { return hierarchy_->head().shape.n_nodes; }
   [[nodiscard]] std::uint64_t n_base_cells() const { return hierarchy_->head().n_base_cells; }
   /// Asks the memory for what applying a node soon will need.
   void prefetch(NodeId node) const {
