@@ -87,8 +87,15 @@ class NodePage {
   };
 
   [[nodiscard]] Links links(std::uint32_t i) const { return {*this, i}; }
-  /// Asks the memory for what is read of a node.
-  void prefetch(std::uint32_t i) const { __builtin_prefetch(&bits_[begin_of(i)]); }
+  /// Asks the memory for what is read of a node, about.
+  void prefetch(std::uint32_t i) const {
+    const std::uint32_t group = i / kGroup;
+    const std::size_t begin = begins_[group];
+    const std::size_t end = group + 1 < begins_.size() ? begins_[group + 1] : begin;
+    const std::size_t at = begin + (end - begin) * (i % kGroup) / kGroup;
+    __builtin_prefetch(&bits_[at]);
+    __builtin_prefetch(&lengths_[std::size_t{group} * kGroup]);
+  }
   [[nodiscard]] std::size_t n_bytes() const;
 
  private:

@@ -56,14 +56,14 @@ void TetraCut::add_base(std::vector<NodeId>& out) const {
 }
 
 void TetraCut::add_children(NodeId node, std::vector<NodeId>& out) const {
-  NodePage::Links links = hierarchy_->links(index(node));
+  NodePage::Links links = links_of(index(node));
   for (std::uint32_t k = links.n_discovered(); k > 0; --k) out.push_back(NodeId{links.next_node()});
 }
 
 /// A chain of nodes that wait for one another has no end, nor do those that ask for them.
 void TetraCut::add_parents(NodeId node, std::vector<NodeId>& out) const {
   if (++n_asked_ > std::uint64_t{hierarchy_->head().shape.n_nodes} * kMaxBrought) return;
-  NodePage::Links links = hierarchy_->links(index(node));
+  NodePage::Links links = links_of(index(node));
   links.skip_nodes(links.n_children());
   for (std::uint32_t k = links.n_parents(); k > 0; --k) out.push_back(NodeId{links.next_node()});
 }
@@ -185,7 +185,7 @@ void TetraCut::find_regions(NodePage::Links& links) {
 std::uint64_t TetraCut::apply(NodeId id) {
   const std::uint32_t node = index(id);
   const std::uint32_t vertex = hierarchy_->head().shape.n_base_vertices + node;
-  NodePage::Links links = hierarchy_->links(node);
+  NodePage::Links links = links_of(node);
   const std::uint32_t target = links.target();
   n_asked_ = 0;
   find_region(node, target);
@@ -252,7 +252,7 @@ void TetraCut::find_star(std::uint32_t slot, std::uint32_t vertex) {
 std::uint64_t TetraCut::undo(NodeId id) {
   const std::uint32_t node = index(id);
   const std::uint32_t vertex = hierarchy_->head().shape.n_base_vertices + node;
-  const std::uint32_t target = hierarchy_->links(node).target();
+  const std::uint32_t target = links_of(node).target();
   find_star(slot_of_[node], vertex);
   gone_.n = 0;
   std::uint32_t left = kNone;

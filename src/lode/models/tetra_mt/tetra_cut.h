@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -96,6 +97,12 @@ class TetraCut {
     std::uint32_t slot;    ///< and itself.
   };
 
+  /// At their begin. Children, parents and more of one node are asked for one after the other.
+  [[nodiscard]] NodePage::Links links_of(std::uint32_t node) const {
+    if (!links_ || links_of_ != node) links_ = hierarchy_->links(node);
+    links_of_ = node;
+    return *links_;
+  }
   [[nodiscard]] static std::uint32_t index(NodeId node) { return static_cast<std::uint32_t>(node); }
   [[nodiscard]] static Placed placed(std::uint32_t a, std::uint32_t b, std::uint32_t c,
                                      std::size_t place);
@@ -119,6 +126,8 @@ class TetraCut {
   /// brought.
   std::vector<std::uint32_t> slot_of_;
   std::uint32_t n_visits_ = 0;
+  mutable std::optional<NodePage::Links> links_;
+  mutable std::uint32_t links_of_ = kNone;
   bool is_damaged_ = false;
   mutable std::uint64_t n_asked_ = 0;  ///< For parents, since a node was applied.
   Few<Face> region_;
