@@ -88,7 +88,7 @@ class Cut {
   [[nodiscard]] std::size_t n_bytes() const {
     const std::size_t n_kept = kept_.size() << page_bits_;
     const std::size_t n_entries = !is_by_id_ && kept_.size() < 2 ? n_places_ : n_kept;
-    return n_entries * sizeof(Entry) + pages_.capacity() * sizeof(Entry*) +
+    return n_entries * sizeof(Entry) + pages_.capacity() * sizeof(void*) +
            (slots_.capacity() + free_.capacity()) * sizeof(Place);
   }
 

@@ -297,7 +297,7 @@ std::size_t PackedHierarchy::n_page_bytes() const {
   std::size_t n = 0;
   const auto add = [&](const auto& slots) {
     for (std::size_t i = 0; i < slots.size(); ++i)
-      if (const auto* const page = slots.at(i)) n += page->n_bytes() + sizeof(page);
+      if (const auto* const page = slots.at(i)) n += page->n_bytes() + sizeof(void*);
   };
   add(pages_->nodes);
   for (const auto& field : pages_->fields) add(field->pages);
