@@ -68,6 +68,7 @@ struct Command {
 [[nodiscard]] Command add_build_command(CLI::App& program);
 [[nodiscard]] Command add_count_command(CLI::App& program);
 [[nodiscard]] Command add_extract_command(CLI::App& program);
+[[nodiscard]] Command add_probe_command(CLI::App& program);
 [[nodiscard]] Command add_verify_command(CLI::App& program);
 [[nodiscard]] Command add_render_command(CLI::App& program);
 

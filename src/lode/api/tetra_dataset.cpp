@@ -13,6 +13,7 @@
 #include <span>
 #include <utility>
 
+#include "lode/api/tetra_probe.h"
 #include "lode/api/tetra_verification.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
@@ -49,6 +50,15 @@ Result<Query> complete_query(const TetraInfo& info, Query query,
                           : kShareOfRange * (info.range_max - info.range_min);
   LODE_CHECK(check_query(query));
   return query;
+}
+
+Result<void> check_regions(const TetraInfo& info, std::span<const std::int64_t> regions) {
+  for (const std::int64_t region : regions)
+    if (std::ranges::find(info.regions, region) == info.regions.end())
+      return fail("regions: expected one of {}, got {}",
+                  info.regions.empty() ? "none" : fmt::format("{}", fmt::join(info.regions, ", ")),
+                  region);
+  return {};
 }
 
 /// A demand with bounds a little wider than they are: mesh vertices near a section count as in it.
@@ -336,11 +346,7 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted,
                                                    Progress& progress) const {
   const Stopwatch watch;
   LODE_TRY(const Query query, complete_query(info, wanted, deadline_s));
-  for (const std::int64_t region : regions)
-    if (std::ranges::find(info.regions, region) == info.regions.end())
-      return fail("regions: expected one of {}, got {}",
-                  info.regions.empty() ? "none" : fmt::format("{}", fmt::join(info.regions, ", ")),
-                  region);
+  LODE_CHECK(check_regions(info, regions));
   TetraCut cut(hierarchy);
   Engine<TetraCut> engine(cut);
   engine.set_query(demand_of(query, 2 * surface_margin), query.budget);
@@ -429,6 +435,39 @@ Result<TetraSurfaceReport> TetraDataset::extract_boundary(const TetraMeshOptions
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("extract the boundary");
+}
+
+Result<ProbeReport> TetraDataset::probe(std::span<const Vec3d> points, const ProbeOptions& options,
+                                        std::vector<ProbedPoint>& found, Progress& progress) const
+    try {
+  const Stopwatch watch;
+  LODE_TRY(ProbeReport report, probe_hierarchy(impl_->hierarchy, points, options, found, progress));
+  report.seconds = watch.seconds();
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("probe the field");
+}
+
+Result<ProbeReport> TetraDataset::probe_line(const ProbedLine& line, const ProbeOptions& options,
+                                             std::vector<ProbedLinePoint>& found,
+                                             Progress& progress) const try {
+  const Stopwatch watch;
+  LODE_TRY(ProbeReport report, probe_hierarchy(impl_->hierarchy, line, options, found, progress));
+  report.seconds = watch.seconds();
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("probe the field");
+}
+
+Result<IntegralReport> TetraDataset::integrate(const IntegralOptions& options,
+                                               Progress& progress) const try {
+  const Stopwatch watch;
+  LODE_CHECK(check_regions(impl_->info, options.regions));
+  LODE_TRY(IntegralReport report, integrate_hierarchy(impl_->hierarchy, options, progress));
+  report.probe.seconds = watch.seconds();
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("integrate the field");
 }
 
 Result<VerifyReport> TetraDataset::verify(const TetraVerifyOptions& options,

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "lode/api/probe.h"
 #include "lode/api/tetra_extraction.h"
 #include "lode/api/verify_report.h"
 #include "lode/core/box.h"
@@ -111,6 +113,19 @@ class TetraDataset {
   [[nodiscard]] Result<TetraSurfaceReport> extract_boundary(const TetraMeshOptions& options,
                                                             Surface& surface,
                                                             Progress& progress) const;
+  /// F' of a cut that is accurate at these points, one answer each, and proven bounds of F: at a
+  /// max_error of 0 those of rounding. Of a file little more is read than is near them.
+  [[nodiscard]] Result<ProbeReport> probe(std::span<const Vec3d> points,
+                                          const ProbeOptions& options,
+                                          std::vector<ProbedPoint>& found,
+                                          Progress& progress) const;
+  /// The same along a line.
+  [[nodiscard]] Result<ProbeReport> probe_line(const ProbedLine& line, const ProbeOptions& options,
+                                               std::vector<ProbedLinePoint>& found,
+                                               Progress& progress) const;
+  /// Volume, integral, mean and extremes over the domain, or what of it is in a box and in regions.
+  [[nodiscard]] Result<IntegralReport> integrate(const IntegralOptions& options,
+                                                 Progress& progress) const;
   /// What verify_hierarchy() finds.
   [[nodiscard]] Result<VerifyReport> verify(const TetraVerifyOptions& options,
                                             Progress& progress) const;

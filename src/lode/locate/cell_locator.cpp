@@ -108,6 +108,11 @@ void CellLocator::join_boxes(Threads threads) {
   }
 }
 
+std::array<Vec3d, 4> CellLocator::corners_of(std::uint32_t cell) const {
+  const Cell& t = cells_[cell];
+  return {positions_[t[0]], positions_[t[1]], positions_[t[2]], positions_[t[3]]};
+}
+
 /// Each determinant is off by a few roundings of the product of its vectors' lengths.
 CellWeights CellLocator::weights_in(std::uint32_t cell, const Vec3d& p) const {
   std::array<Vec3d, 4> c;

@@ -36,6 +36,10 @@ class CellLocator {
   /// the same order.
   template <typename Visit>
   void visit_near(const Vec3d& p, double reach, const Visit& visit) const;
+  /// The same for each cell whose box, and those that hold it, meets(box) says true of.
+  template <typename Meets, typename Visit>
+  void visit_where(const Meets& meets, const Visit& visit) const;
+  [[nodiscard]] std::array<Vec3d, 4> corners_of(std::uint32_t cell) const;
   [[nodiscard]] CellWeights weights_in(std::uint32_t cell, const Vec3d& p) const;
   /// The distance from p to the cell's faces: 0 where it is on one, also where it is inside.
   [[nodiscard]] double distance_to_faces(std::uint32_t cell, const Vec3d& p) const;
@@ -57,15 +61,20 @@ class CellLocator {
 
 template <typename Visit>
 void CellLocator::visit_near(const Vec3d& p, double reach, const Visit& visit) const {
-  struct Place {
-    std::size_t level;
-    std::size_t at;
-  };
   const auto is_near = [&](const Box3d& box) {
     bool is = true;
     for (std::size_t i = 0; i < 3; ++i)
       is = is && box.lower[i] - reach <= p[i] && p[i] <= box.upper[i] + reach;
     return is;
+  };
+  visit_where(is_near, visit);
+}
+
+template <typename Meets, typename Visit>
+void CellLocator::visit_where(const Meets& meets, const Visit& visit) const {
+  struct Place {
+    std::size_t level;
+    std::size_t at;
   };
   // At each level of at most 17 all four branches of one place wait.
   std::array<Place, 80> open;
@@ -73,7 +82,7 @@ void CellLocator::visit_near(const Vec3d& p, double reach, const Visit& visit) c
   if (!order_.empty()) open[n++] = {levels_.size() - 1, 0};
   while (n > 0) {
     const Place place = open[--n];
-    if (!is_near(levels_[place.level][place.at])) continue;
+    if (!meets(levels_[place.level][place.at])) continue;
     if (place.level == 0) {
       visit(order_[place.at]);
       continue;

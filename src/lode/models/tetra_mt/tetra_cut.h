@@ -49,6 +49,7 @@ class TetraCut {
   std::uint64_t apply(NodeId node);
   std::uint64_t undo(NodeId node);
 
+  [[nodiscard]] const HierarchyHead& head() const { return hierarchy_->head(); }
   /// By slot, with those to the vertex outside.
   [[nodiscard]] std::span<const Cell> slots() const { return cells_; }
   /// Neither gone nor to the vertex outside.

@@ -1,0 +1,161 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "command.h"
+#include "outputs.h"
+#include "probe_options.h"
+#include "probe_output.h"
+#include "stopwatch.h"
+#include "tetra_input.h"
+#include "text.h"
+
+namespace lode::cli {
+namespace {
+
+Result<void> check_probe_arguments(const ProbeArguments& arguments) {
+  LODE_TRY(const ProbeJob job, to_probe_job(arguments, {}));
+  if (!arguments.output.empty()) LODE_CHECK(check_extension(arguments.output, ".csv"));
+  if (!holds_tetrahedra(arguments.input))
+    return fail(
+        "{}: expected a mesh of cells, or a .lode file made from one: volumes cannot be "
+        "probed yet",
+        arguments.input);
+  LODE_CHECK(check_tetra_reading(arguments.reading, arguments.input));
+  std::vector<std::string> inputs{arguments.input};
+  if (!arguments.points_file.empty()) inputs.push_back(arguments.points_file);
+  return check_paths_differ(inputs, arguments.output.empty()
+                                        ? std::vector<std::string>{}
+                                        : std::vector<std::string>{arguments.output});
+}
+
+Result<ProbeAnswer> answer_of(const TetraDataset& dataset, const ProbeJob& job,
+                              Progress& progress) {
+  ProbeAnswer answer;
+  answer.has_regions = dataset.describe().regions.size() > 1;
+  switch (job.kind) {
+    case ProbeKind::points: {
+      LODE_TRY(answer.report, dataset.probe(job.points, job.options, answer.points, progress));
+      break;
+    }
+    case ProbeKind::line: {
+      LODE_TRY(answer.report, dataset.probe_line(job.line, job.options, answer.line, progress));
+      break;
+    }
+    case ProbeKind::integral: {
+      LODE_TRY(answer.integral, dataset.integrate(job.integral, progress));
+      answer.report = answer.integral->probe;
+    }
+  }
+  return answer;
+}
+
+void warn_of_answer(Session& session, const ProbeAnswer& answer) {
+  if (answer.integral && answer.integral->is_empty)
+    session.warn("the integral is empty: the region has no part of a cell");
+  if (!answer.points.empty() && answer.report.n_outside > 0)
+    session.warn(
+        fmt::format("{} of {} points are outside", answer.report.n_outside, answer.points.size()));
+  if (!answer.integral && answer.points.empty() && answer.line.empty())
+    session.warn("the line meets no cell");
+}
+
+Json head_json(const ProbeArguments& arguments, const TetraInput& input,
+               const ProbeAnswer& answer) {
+  const TetraInfo& info = input.dataset.describe();
+  Json json;
+  json["command"] = "probe";
+  json["input"] = arguments.input;
+  json["outputs"] = arguments.output.empty() ? Json::array() : Json::array({arguments.output});
+  json["model"] = "tetra_mt";
+  json["field"] = info.field;
+  json["max_error"] = answer.report.max_error;
+  json["achieved_error"] = answer.report.achieved_error;
+  json["error_kind"] = "at samples";
+  json["boundary_deviation"] = info.boundary_deviation;
+  return json;
+}
+
+/// What holds for all rows.
+Table head_table(const ProbeArguments& arguments, const TetraInput& input,
+                 const ProbeAnswer& answer, Json& json) {
+  const TetraInfo& info = input.dataset.describe();
+  Table table;
+  table.add({"field", fmt::format("{}, {} to {}", info.field, format_number(info.range_min),
+                                  format_number(info.range_max))});
+  add_reading(input, table, json);
+  const std::string suffix = error_suffix(answer.report.error_place);
+  table.add({"max error", answer.report.max_error == 0 ? std::string("0: full resolution")
+                                                       : format_number(answer.report.max_error)});
+  if (answer.report.max_error > 0)
+    table.add({"achieved error", format_number(answer.report.achieved_error) + suffix});
+  if (answer.integral && !answer.integral->is_empty) {
+    const IntegralReport& report = *answer.integral;
+    table.add({"cells", fmt::format("{}, {} of them whole", format_count(report.n_cells),
+                                    format_count(report.n_whole))});
+    table.add({"rounding", fmt::format("at most {:.3g} of the volume, {:.3g} of the integral",
+                                       report.volume_rounding, report.integral_rounding)});
+    if (report.integral_estimate > 0)
+      table.add({"integral off by",
+                 format_number(report.integral_estimate) + " by errors at samples, an estimate"});
+  }
+  if (answer.report.max_error > 0 && info.boundary_deviation > 0)
+    table.add({"boundary", fmt::format("off by up to {}", format_number(info.boundary_deviation))});
+  table.add({"cells of the cut", format_count(answer.report.n_cut_cells)});
+  table.add({"probe", format_seconds(answer.report.seconds)});
+  table.add({input.was_built() ? "read and build" : "open", format_seconds(input.seconds)});
+  if (!arguments.output.empty()) table.add({"output", arguments.output});
+  return table;
+}
+
+Result<Outcome> run_probe(const ProbeArguments& arguments, Session& session) {
+  LODE_TRY(ProbeJob job, to_probe_job(arguments, session.threads()));
+  if (!arguments.output.empty()) LODE_CHECK(check_writable(arguments.output));
+  if (!arguments.points_file.empty()) {
+    LODE_TRY(const std::vector<Vec3d> more, read_points(arguments.points_file));
+    job.points.insert(job.points.end(), more.begin(), more.end());
+  }
+  LODE_TRY(const TetraInput input, open_tetra_input(arguments.input, arguments.reading, session));
+  LODE_TRY(const ProbeAnswer answer, answer_of(input.dataset, job, session.progress()));
+  warn_of_answer(session, answer);
+  if (!arguments.output.empty())
+    LODE_CHECK(write_text(arguments.output, probe_csv(answer), session.progress()));
+  Outcome outcome;
+  outcome.json = head_json(arguments, input, answer);
+  const Table head = head_table(arguments, input, answer, outcome.json);
+  outcome.json.update(probe_json(answer));
+  outcome.json["cut_cells"] = answer.report.n_cut_cells;
+  outcome.json["outside"] = answer.report.n_outside;
+  outcome.json["seconds"] = {{"total", answer.report.seconds}, {"open", input.seconds}};
+  outcome.json["warnings"] = session.warnings();
+  const std::string rows = probe_table(answer);
+  outcome.text = head.to_string() + (rows.empty() ? "" : '\n' + rows);
+  return outcome;
+}
+
+}  // namespace
+
+Command add_probe_command(CLI::App& program) {
+  auto arguments = std::make_shared<ProbeArguments>();
+  CLI::App* app = program.add_subcommand(
+      "probe", "Show values at points and along lines, and integrals, with their bounds");
+  app->footer(
+      "Of a mesh of cells, or a .lode file made from one. `low` and `high` are proven bounds of "
+      "the\n"
+      "field that was read; at full resolution they are those of rounding. `error` is what the\n"
+      "cell states: the largest difference at the mesh's own vertices.\n\n"
+      "Examples:\n  lode probe wing.lode --point 1,0.5,2 --point 3,0,0\n"
+      "  lode probe wing.lode --points sensors.csv -o values.csv\n"
+      "  lode probe wing.lode --line 0,0,0:10,0,0 --max-error 0.01\n"
+      "  lode probe wing.lode --integral --box 0,1,0,1,0,2\n"
+      "  lode probe wing.vtu --integral --region 4 --json");
+  app->add_option("file", arguments->input, ".lode file, or a mesh to build in memory")
+      ->type_name("FILE")
+      ->required();
+  add_probe_options(*app, *arguments);
+  add_reading_options(*app, arguments->reading);
+  return {app, [arguments] { return check_probe_arguments(*arguments); },
+          [arguments](Session& session) { return run_probe(*arguments, session); }};
+}
+
+}  // namespace lode::cli

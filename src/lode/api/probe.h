@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lode/core/box.h"
+#include "lode/core/parallel.h"
+
+namespace lode {
+
+/// A number, and bounds that contain the true one, rounded outward.
+struct BoundedNumber {
+  double value = 0;
+  double low = 0;
+  double high = 0;
+};
+
+/// Where stated errors hold: at samples, that is vertices of the reference mesh, or everywhere.
+enum class ErrorPlace : std::uint8_t { at_samples, everywhere };
+
+struct ProbeOptions {
+  double max_error = 0;  ///< Tolerance near what is probed, field units; 0: full resolution.
+  Threads threads{};
+};
+
+/// The field at a point. Where it is outside of all cells there is nothing but the point.
+struct ProbedPoint {
+  Vec3d point;  ///< World units.
+  bool is_inside = false;
+  bool is_exact = false;    ///< F' is F there: bounds are those of rounding.
+  BoundedNumber value{};    ///< F' of the cut, and bounds of F.
+  double error = 0;         ///< Stated by the cell: largest |F - F'|, see ErrorPlace.
+  std::int64_t region = 0;  ///< Where the data has several.
+};
+
+struct ProbedLine {
+  Vec3d begin;
+  Vec3d end;
+  /// 0: where the line meets faces of cells, in between which F' is linear; else that many points
+  /// at equal distances, both ends among them.
+  std::uint32_t n_points = 0;
+};
+
+struct ProbedLinePoint {
+  ProbedPoint at;
+  double distance = 0;     ///< From the line's begin, world units.
+  std::uint32_t part = 0;  ///< Counts the line's parts inside.
+};
+
+struct ProbeReport {
+  double max_error = 0;
+  double achieved_error = 0;  ///< Of what is probed, see ErrorPlace; 0 at full resolution.
+  ErrorPlace error_place = ErrorPlace::everywhere;
+  std::uint64_t n_cut_cells = 0;
+  std::uint64_t n_outside = 0;  ///< Points.
+  double seconds = 0;
+};
+
+struct IntegralOptions {
+  std::optional<Box3d> box{};           ///< Cells are cut exactly at it; none: the whole domain.
+  std::vector<std::int64_t> regions{};  ///< Only their cells; empty: all.
+  double max_error = 0;                 ///< As in ProbeOptions.
+  Threads threads{};
+};
+
+/// Of F over a region, with F' of the cut for values. Nothing but the counts where the region holds
+/// nothing of the domain.
+struct IntegralReport {
+  ProbeReport probe;
+  BoundedNumber volume;    ///< World units cubed.
+  BoundedNumber integral;  ///< Field units times these.
+  BoundedNumber mean;
+  BoundedNumber minimum;
+  BoundedNumber maximum;
+  /// What rounding of doubles may have put volume and integral off by: in the bounds.
+  double volume_rounding = 0;
+  double integral_rounding = 0;
+  /// Errors that cells state times their volumes; where they hold at samples only an estimate of
+  /// what the integral is off by.
+  double integral_estimate = 0;
+  std::uint64_t n_cells = 0;  ///< That have a part in the region,
+  std::uint64_t n_whole = 0;  ///< or all of theirs.
+  bool is_empty = true;
+};
+
+}  // namespace lode

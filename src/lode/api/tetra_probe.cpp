@@ -1,0 +1,200 @@
+#include "lode/api/tetra_probe.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "lode/api/probe_cells.h"
+#include "lode/api/probe_focus.h"
+#include "lode/locate/cell_locator.h"
+#include "lode/models/tetra_mt/tetra_cut.h"
+#include "lode/refine/engine.h"
+
+namespace lode {
+namespace {
+
+using tetra_mt::HierarchyHead;
+using tetra_mt::kNone;
+using tetra_mt::PackedHierarchy;
+using tetra_mt::TetraCut;
+
+/// What candidates say of F. A cell of the reference that a cut has not got is brought by one node
+/// that is not applied. All its corners are in the range, and itself in the bounds, that this node
+/// states, and so in those of the one candidate that comes before it along discovery, as both are
+/// nested. So at any point F is in one of the ranges of candidates whose bounds hold the point, or
+/// the cut's cell there is the reference's.
+class CandidateRanges {
+ public:
+  CandidateRanges(const Engine<TetraCut>& engine, const TetraCut& cut, const Range& all)
+      : all_(all) {
+    const Cut& nodes = engine.cut();
+    const HierarchyHead& head = cut.head();
+    const double slack = bounds_slack({head.lower, head.upper});
+    for (std::size_t at = 0; at < nodes.n_places(); ++at) {
+      const Cut::Entry& entry = nodes[static_cast<Cut::Place>(at)];
+      if (entry.state != Cut::State::candidate) continue;
+      const Box3d box = box_of(cut.bounds(entry.id), slack);
+      const auto first = static_cast<std::uint32_t>(corners_.size());
+      corners_.insert(corners_.end(), {box.lower, box.upper});
+      boxes_.push_back({first, first + 1, first, first + 1});
+      ranges_.push_back(without_bounds(entry.facts(), cut.range_reference()).range);
+      error_ = std::max(error_, static_cast<double>(entry.error));
+    }
+    locator_ = std::make_unique<const CellLocator>(corners_, boxes_, Threads{1});
+  }
+
+  [[nodiscard]] Range range_in(const Box3d& where) const {
+    Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    const auto meets = [&](const Box3d& box) {
+      bool is = true;
+      for (std::size_t i = 0; i < 3; ++i)
+        is = is && box.lower[i] <= where.upper[i] && where.lower[i] <= box.upper[i];
+      return is;
+    };
+    locator_->visit_where(meets, [&](std::uint32_t at) {
+      range.low = std::min(range.low, ranges_[at].low);
+      range.high = std::max(range.high, ranges_[at].high);
+    });
+    if (range.is_empty()) return all_;
+    return {std::max(range.low, all_.low), std::min(range.high, all_.high)};
+  }
+  /// The largest: what the query achieves where it looks.
+  [[nodiscard]] double error() const { return error_; }
+
+ private:
+  Range all_;
+  std::vector<Vec3d> corners_;
+  std::vector<CellLocator::Cell> boxes_;
+  std::vector<Range> ranges_;
+  double error_ = 0;
+  std::unique_ptr<const CellLocator> locator_;
+};
+
+/// Slots of cells of a cut that are where is looked, by their last vertex: near ones are near.
+std::vector<std::uint32_t> slots_near(const PackedHierarchy& hierarchy, const TetraCut& cut,
+                                      const MeetsBox& where) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
+    const TetraCut::Cell& cell = cut.slots()[slot];
+    if (!cut.is_inside(cell)) continue;
+    Box3d box;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vec3d p = hierarchy.position(cell.corners[k]);
+      if (k == 0) box = {p, p};
+      for (std::size_t i = 0; i < 3; ++i) {
+        box.lower[i] = std::min(box.lower[i], p[i]);
+        box.upper[i] = std::max(box.upper[i], p[i]);
+      }
+    }
+    if (where(box)) found.emplace_back(std::ranges::max(cell.corners), slot);
+  }
+  std::ranges::sort(found);
+  std::vector<std::uint32_t> slots;
+  slots.reserve(found.size());
+  for (const auto& [vertex, slot] : found) slots.push_back(slot);
+  return slots;
+}
+
+void fill_cells(const PackedHierarchy& hierarchy, const TetraCut& cut,
+                const std::vector<std::uint32_t>& slots, ProbeCells& cells) {
+  SimplexMesh& mesh = cells.mesh;
+  std::vector<std::uint32_t> vertices;
+  for (const std::uint32_t slot : slots) {
+    const TetraCut::Cell& cell = cut.slots()[slot];
+    mesh.tetrahedra.push_back(cell.corners);
+    const bool is_exact = cell.maker == kNone;
+    cells.is_exact.push_back(is_exact ? 1 : 0);
+    mesh.errors.push_back(is_exact ? 0 : hierarchy.facts(cell.maker, 0).error);
+    if (hierarchy.head().shape.n_regions > 1)
+      mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
+    vertices.insert(vertices.end(), cell.corners.begin(), cell.corners.end());
+  }
+  std::ranges::sort(vertices);
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  for (const std::uint32_t v : vertices) {
+    mesh.positions.push_back(hierarchy.position(v));
+    mesh.values.push_back(hierarchy.value(v, 0));
+  }
+  for (auto& t : mesh.tetrahedra)
+    for (std::uint32_t& v : t)
+      v = static_cast<std::uint32_t>(std::ranges::lower_bound(vertices, v) - vertices.begin());
+}
+
+/// The cells of a cut that is fine where is looked, and those there only.
+Result<ProbeCells> cells_near(const PackedHierarchy& hierarchy, const MeetsBox& where,
+                              double max_error, Progress& progress, ProbeReport& report) {
+  const HierarchyHead& head = hierarchy.head();
+  TetraCut cut(hierarchy);
+  Engine<TetraCut> engine(cut);
+  engine.set_query(probe_demand(where, max_error, bounds_slack({head.lower, head.upper})));
+  engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
+  if (progress.is_cancelled()) return cancelled_error();
+  LODE_CHECK(cut.check());
+  const Range all{head.fields[0].low, head.fields[0].high};
+  const auto ranges = std::make_shared<const CandidateRanges>(engine, cut, all);
+  ProbeCells cells{.error_place = ErrorPlace::at_samples};
+  fill_cells(hierarchy, cut, slots_near(hierarchy, cut, where), cells);
+  LODE_CHECK(cut.check());
+  cells.range_in = [ranges](const Box3d& box) { return ranges->range_in(box); };
+  cells.largest_value = std::max(std::abs(all.low), std::abs(all.high));
+  cells.boundary_deviation = head.boundary_deviation;
+  report = {.max_error = max_error,
+            .achieved_error = ranges->error(),
+            .error_place = ErrorPlace::at_samples,
+            .n_cut_cells = engine.standing().n_cells};
+  return cells;
+}
+
+std::uint64_t count_outside(std::span<const ProbedPoint> points) {
+  return static_cast<std::uint64_t>(
+      std::ranges::count_if(points, [](const ProbedPoint& p) { return !p.is_inside; }));
+}
+
+}  // namespace
+
+Result<ProbeReport> probe_hierarchy(const PackedHierarchy& hierarchy, std::span<const Vec3d> points,
+                                    const ProbeOptions& options, std::vector<ProbedPoint>& found,
+                                    Progress& progress) {
+  LODE_CHECK(check_probe(points, options.max_error));
+  ProbeReport report;
+  LODE_TRY(const ProbeCells cells,
+           cells_near(hierarchy, meets_points(points), options.max_error, progress, report));
+  found = probe_points_in(cells, points, options.threads);
+  report.n_outside = count_outside(found);
+  return report;
+}
+
+Result<ProbeReport> probe_hierarchy(const PackedHierarchy& hierarchy, const ProbedLine& line,
+                                    const ProbeOptions& options,
+                                    std::vector<ProbedLinePoint>& found, Progress& progress) {
+  LODE_CHECK(check_probe({}, options.max_error));
+  LODE_CHECK(check_line(line));
+  ProbeReport report;
+  if (line.n_points > 0) {
+    std::vector<ProbedPoint> points;
+    LODE_TRY(report, probe_hierarchy(hierarchy, points_on(line), options, points, progress));
+    found = on_line(line, points);
+    return report;
+  }
+  LODE_TRY(const ProbeCells cells, cells_near(hierarchy, meets_segment(line.begin, line.end),
+                                              options.max_error, progress, report));
+  found = probe_line_in(cells, line.begin, line.end, options.threads);
+  return report;
+}
+
+Result<IntegralReport> integrate_hierarchy(const PackedHierarchy& hierarchy,
+                                           const IntegralOptions& options, Progress& progress) {
+  LODE_CHECK(check_integral(options));
+  ProbeReport probe;
+  LODE_TRY(const ProbeCells cells,
+           cells_near(hierarchy, options.box ? meets_box(*options.box) : meets_all(),
+                      options.max_error, progress, probe));
+  IntegralReport report = integrate_cells(cells, options);
+  report.probe = probe;
+  return report;
+}
+
+}  // namespace lode

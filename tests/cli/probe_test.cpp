@@ -1,0 +1,205 @@
+// `lode probe`: values at points and along lines, and integrals.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "lode/api/files.h"
+#include "tests/cli/program.h"
+#include "tests/io/vtk_oracle.h"
+#include "tests/oracles/random.h"
+#include "tests/oracles/tetra_grids.h"
+
+namespace lode::test {
+namespace {
+
+class cli_probe : public testing::Test {
+ protected:
+  cli_probe() {
+    const TetraMesh noise = oracles::noise_mesh(10, oracles::Cut::in_five, 3);
+    SimplexMesh mesh;
+    mesh.positions = noise.positions;
+    mesh.values = noise.fields[0].values;
+    mesh.tetrahedra = noise.tetrahedra;
+    mesh.errors.assign(mesh.tetrahedra.size(), 0);
+    for (const auto& t : mesh.tetrahedra)
+      mesh.regions.push_back(mesh.positions[t[0]][0] < 0.5 ? 2 : 5);
+    Progress progress;
+    EXPECT_TRUE(write_vtu(mesh_, mesh, {.value_name = "noise"}, progress));
+    const Finished build = run_lode({"build", mesh_, lode_, "--field", "noise"});
+    EXPECT_EQ(build.exit_code, 0) << build.err;
+  }
+
+  [[nodiscard]] nlohmann::json report(std::vector<std::string> options) const {
+    options.insert(options.begin(), {"probe", lode_});
+    options.emplace_back("--json");
+    const Finished run = run_lode(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json();
+  }
+
+  Scratch scratch_;
+  std::string mesh_ = scratch_ / "noise.vtu";
+  std::string lode_ = scratch_ / "noise.lode";
+};
+
+std::vector<std::vector<std::string>> rows_of(const std::string& path) {
+  std::vector<std::vector<std::string>> rows;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream text(line);
+    auto& row = rows.emplace_back();
+    for (std::string cell; std::getline(text, cell, ',');) row.push_back(cell);
+  }
+  return rows;
+}
+
+TEST_F(cli_probe, gives_what_vtk_gives) {
+  ASSERT_TRUE(has_vtk()) << kVtkMissing;
+  oracles::Random random(4);
+  const std::string path = scratch_ / "points.csv";
+  std::ofstream points(path);
+  for (int i = 0; i < 200; ++i)
+    points << random.uniform(-0.1, 1.1) << ',' << random.uniform(-0.1, 1.1) << ','
+           << random.uniform(-0.1, 1.1) << '\n';
+  points.close();
+  const std::string output = scratch_ / "out.csv";
+  const nlohmann::json json = report({"--points", path, "-o", output});
+  const nlohmann::json integral = report({"--integral"});
+  std::istringstream seen(run_oracle(std::string(LODE_PROBE_ORACLE), mesh_ + " " + path));
+  const auto rows = rows_of(output);
+  ASSERT_EQ(rows.size(), 201U);
+  EXPECT_EQ(rows[0], (std::vector<std::string>{"x", "y", "z", "status", "value", "low", "high",
+                                               "error", "region"}));
+  ASSERT_EQ(json.at("points").size(), 200U);
+  int n_outside = 0;
+  for (std::size_t i = 0; i < 200; ++i) {
+    std::string value;
+    ASSERT_TRUE(std::getline(seen, value));
+    const nlohmann::json& point = json.at("points")[i];
+    EXPECT_EQ(point.at("status"), value == "outside" ? "outside" : "exact");
+    EXPECT_EQ(rows[i + 1][3], point.at("status"));
+    if (value == "outside") {
+      ++n_outside;
+      EXPECT_FALSE(point.contains("value"));
+      continue;
+    }
+    // VTK finds weights in doubles, and gives them back in the array's type.
+    EXPECT_NEAR(point.at("value").get<double>(), std::stod(value), 1e-6);
+    EXPECT_EQ(std::stod(rows[i + 1][4]), point.at("value").get<double>());
+    EXPECT_LE(point.at("low"), point.at("value"));
+    EXPECT_GE(point.at("high"), point.at("value"));
+  }
+  EXPECT_GT(n_outside, 20);
+  EXPECT_EQ(json.at("outside"), n_outside);
+  EXPECT_EQ(json.at("warnings").size(), 1U);
+  std::string word;
+  double volume = 0;
+  double sum = 0;
+  ASSERT_TRUE(seen >> word >> volume >> sum);
+  EXPECT_NEAR(integral.at("volume").at("value").get<double>(), volume, 1e-12);
+  EXPECT_NEAR(integral.at("integral").at("value").get<double>(), sum, 1e-7);
+}
+
+TEST_F(cli_probe, gives_the_same_of_mesh_and_file) {
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"--point", "0.3,0.4,0.5", "--max-error", "0.1"},
+        {"--line", "0,0,0:1,1,0.9"},
+        {"--line", "-1,0.2,0.2:2,0.2,0.2:17"},
+        {"--integral", "--box", "0,0.5,0.25,1,-3,0.7", "--max-error", "0.2"}}) {
+    const nlohmann::json of_file = report(options);
+    std::vector<std::string> words{"probe", mesh_, "--field", "noise", "--json"};
+    words.insert(words.end(), options.begin(), options.end());
+    const Finished built = run_lode(words);
+    ASSERT_EQ(built.exit_code, 0) << built.err;
+    for (const char* const key : {"points", "line", "integral", "volume", "maximum"})
+      EXPECT_EQ(of_file.value(key, nlohmann::json()), built.json().value(key, nlohmann::json()));
+    EXPECT_EQ(of_file.at("error_kind"), "at samples");
+    EXPECT_LE(of_file.at("achieved_error"), of_file.at("max_error"));
+  }
+}
+
+TEST_F(cli_probe, follows_lines_and_says_where_they_are_outside) {
+  const nlohmann::json knots = report({"--line", "-1,0.21,0.33:2,0.21,0.33"}).at("line");
+  ASSERT_GT(knots.size(), 9U);
+  EXPECT_NEAR(knots.front().at("distance").get<double>(), 1, 1e-15);
+  EXPECT_NEAR(knots.back().at("distance").get<double>(), 2, 1e-15);
+  for (const auto& knot : knots) EXPECT_EQ(knot.at("part"), 0);
+  const nlohmann::json points = report({"--line", "-1,0.21,0.33:2,0.21,0.33:7"}).at("line");
+  ASSERT_EQ(points.size(), 7U);
+  EXPECT_EQ(points[0].at("status"), "outside");
+  EXPECT_EQ(points[3].at("status"), "exact");
+  const Finished text = run_lode({"probe", lode_, "--line", "-1,0.21,0.33:2,0.21,0.33:7"});
+  EXPECT_NE(text.out.find("outside"), std::string::npos);
+  const nlohmann::json none = report({"--line", "3,3,3:4,4,4"});
+  EXPECT_TRUE(none.at("line").empty());
+  EXPECT_EQ(none.at("warnings")[0], "the line meets no cell");
+}
+
+TEST_F(cli_probe, integrates_over_regions_that_make_the_whole) {
+  const nlohmann::json whole = report({"--integral"});
+  EXPECT_NEAR(whole.at("volume").at("value").get<double>(), 1, 1e-14);
+  double volume = 0;
+  double integral = 0;
+  for (const char* const region : {"2", "5"}) {
+    const nlohmann::json part = report({"--integral", "--region", region});
+    volume += part.at("volume").at("value").get<double>();
+    integral += part.at("integral").at("value").get<double>();
+    EXPECT_LE(part.at("mean").at("low"), part.at("mean").at("high"));
+  }
+  EXPECT_NEAR(volume, 1, 1e-14);
+  EXPECT_NEAR(integral, whole.at("integral").at("value").get<double>(), 1e-14);
+  const nlohmann::json none = report({"--integral", "--box", "3,4,3,4,3,4"});
+  EXPECT_TRUE(none.at("integral").is_null());
+  EXPECT_EQ(none.at("warnings").size(), 1U);
+  const Finished unknown = run_lode({"probe", lode_, "--integral", "--region", "3"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_NE(unknown.err.find("expected one of 2, 5, got 3"), std::string::npos) << unknown.err;
+}
+
+TEST_F(cli_probe, reads_points_with_headings_and_refuses_what_are_none) {
+  const std::string path = scratch_ / "points.csv";
+  write_bytes(path, "x,y,z\r\n# a note\n0.5,0.5,0.5\r\n\n 0.25;0.25;0.25\n+1e-1 0.2\t0.3\n");
+  const nlohmann::json json = report({"--points", path, "--point", "0.5,0.5,0.5"});
+  ASSERT_EQ(json.at("points").size(), 4U);
+  EXPECT_EQ(json.at("points")[0], json.at("points")[1]);
+  EXPECT_EQ(json.at("points")[3].at("point")[0], 0.1);
+  for (const char* const text : {"", "x,y,z\n", "1,2\n", "1,2,3,4\n", "0,0,0\nnan,0,0\n",
+                                 "0,0,0\nx,y,z\n", "1,2,inf\n", "0,0,1e999\n", "0 0,0x1\n"}) {
+    write_bytes(path, text);
+    const Finished run = run_lode({"probe", lode_, "--points", path});
+    EXPECT_EQ(run.exit_code, 1) << text;
+    EXPECT_NE(run.err.find("points.csv"), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(run_lode({"probe", lode_, "--points", scratch_ / "none.csv"}).exit_code, 1);
+}
+
+TEST_F(cli_probe, refuses_what_has_no_answer) {
+  const auto refused = [&](std::vector<std::string> options, const char* word) {
+    options.insert(options.begin(), {"probe", lode_});
+    expect_refusal(run_lode(options), 2, {word});
+  };
+  refused({}, "--point");
+  refused({"--point", "1,2,3", "--integral"}, "several");
+  refused({"--point", "1,2"}, "--point");
+  refused({"--point", "1,2,nan"}, "--point");
+  refused({"--line", "1,2,3"}, "--line");
+  refused({"--line", "1,2,3:1,2,3"}, "different");
+  refused({"--line", "1,2,3:1,2,4:1"}, "--line");
+  refused({"--line", "1,2,3:1,2,4:9:9"}, "--line");
+  refused({"--integral", "--box", "0,1,0,1,1,1"}, "--box");
+  refused({"--integral", "--box", "0,1,0,1"}, "--box");
+  refused({"--point", "0,0,0", "--box", "0,1,0,1,0,1"}, "--box");
+  refused({"--point", "0,0,0", "--region", "2"}, "--region");
+  refused({"--integral", "--region", "two"}, "--region");
+  refused({"--integral", "--max-error", "-1"}, "--max-error");
+  refused({"--integral", "-o", "out.txt"}, ".csv");
+  refused({"--integral", "--field", "noise"}, "--field");
+  const Finished nowhere = run_lode({"probe", lode_, "--integral", "-o", "/none/such/out.csv"});
+  EXPECT_EQ(nowhere.exit_code, 1);
+}
+
+}  // namespace
+}  // namespace lode::test
