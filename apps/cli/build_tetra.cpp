@@ -39,6 +39,7 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["nodes"] = info.n_nodes;
   json["base_cells"] = info.n_base_cells;
   json["base_error"] = info.base_error;
+  json["error_kind"] = name_of(info.error_place);
   json["regions"] = info.regions;
   json["boundary_deviation"] = info.boundary_deviation;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
@@ -48,8 +49,8 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
                                         format_number(info.range_max))});
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
-  table.add({"base", fmt::format("{} cells, error {} at samples", format_count(info.n_base_cells),
-                                 format_number(info.base_error))});
+  table.add({"base", fmt::format("{} cells, error {} {}", format_count(info.n_base_cells),
+                                 format_number(info.base_error), name_of(info.error_place))});
   table.add({"nodes", format_count(info.n_nodes)});
   const auto corner = [](const Vec3d& p) {
     return fmt::format("({}, {}, {})", format_number(p[0]), format_number(p[1]),
@@ -105,7 +106,9 @@ Result<void> check_tetra_build(const TetraBuildJob& job) {
   if (!is_lode_path(job.output))
     return fail("{}: expected an output that ends in .lode", job.output);
   LODE_CHECK(parse_base_cells(job.base_cells));
-  LODE_CHECK(parse_boundary_tolerance(job.boundary_tolerance));
+  LODE_TRY(const double tolerance, parse_boundary_tolerance(job.boundary_tolerance));
+  if (job.is_everywhere && tolerance > 0)
+    return fail("--everywhere: expected no --boundary-tolerance with it, got {}", tolerance);
   LODE_CHECK(check_tetra_reading(job.reading, job.input));
   return check_paths_differ({job.input}, {job.output});
 }
@@ -118,6 +121,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   const double read_seconds = watch.seconds();
   TetraBuildOptions options{.threads = session.threads()};
   LODE_TRY(options.boundary_tolerance, parse_boundary_tolerance(job.boundary_tolerance));
+  if (job.is_everywhere) options.error_place = ErrorPlace::everywhere;
   if (base_cells && !made.mesh.tetrahedra.empty())
     options.base_share =
         static_cast<double>(*base_cells) / static_cast<double>(made.mesh.tetrahedra.size());

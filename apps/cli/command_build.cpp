@@ -24,10 +24,11 @@ struct BuildArguments {
   bool leaves_nothing = false;
   std::string base_cells;
   std::string boundary_tolerance;
+  bool is_everywhere = false;
   ReadingArguments reading;
 
   [[nodiscard]] TetraBuildJob tetra() const {
-    return {input, output, base_cells, boundary_tolerance, reading};
+    return {input, output, base_cells, boundary_tolerance, is_everywhere, reading};
   }
 };
 
@@ -49,9 +50,11 @@ Result<void> check_mesh_build(const BuildArguments& arguments) {
 
 Result<void> check_build(const BuildArguments& arguments) {
   if (is_cells_path(arguments.input)) return check_mesh_build(arguments);
-  if (!arguments.base_cells.empty() || !arguments.boundary_tolerance.empty())
-    return fail("{}: expected a mesh of cells with --base-cells and --boundary-tolerance",
-                arguments.input);
+  if (!arguments.base_cells.empty() || !arguments.boundary_tolerance.empty() ||
+      arguments.is_everywhere)
+    return fail(
+        "{}: expected a mesh of cells with --base-cells, --boundary-tolerance and --everywhere",
+        arguments.input);
   // What is no file, or empty, is left to the reader, which says so.
   if (is_lode_path(arguments.input) && holds_bytes(arguments.input))
     return fail("{}: expected a file of another format to build from, got a .lode file",
@@ -186,6 +189,9 @@ Command add_build_command(CLI::App& program) {
                   "Of a mesh: how far its boundary, and what lies between its regions, may move "
                   "(default: 0, they stay in their planes)")
       ->type_name("D");
+  app->add_flag("--everywhere", arguments->is_everywhere,
+                "Of a mesh: errors hold at all points (default: at its own vertices alone); takes "
+                "a few times as long");
   add_reading_options(*app, arguments->reading);
   return {app, [arguments] { return check_build(*arguments); },
           [arguments](Session& session) { return run_build(*arguments, session); }};

@@ -71,7 +71,7 @@ Json head_json(const ProbeArguments& arguments, const TetraInput& input,
   json["field"] = info.field;
   json["max_error"] = answer.report.max_error;
   json["achieved_error"] = answer.report.achieved_error;
-  json["error_kind"] = "at samples";
+  json["error_kind"] = name_of(info.error_place);
   json["boundary_deviation"] = info.boundary_deviation;
   return json;
 }
@@ -84,7 +84,7 @@ Table head_table(const ProbeArguments& arguments, const TetraInput& input,
   table.add({"field", fmt::format("{}, {} to {}", info.field, format_number(info.range_min),
                                   format_number(info.range_max))});
   add_reading(input, table, json);
-  const std::string suffix = error_suffix(answer.report.error_place);
+  const std::string suffix = std::string(" ") + name_of(answer.report.error_place);
   table.add({"max error", answer.report.max_error == 0 ? std::string("0: full resolution")
                                                        : format_number(answer.report.max_error)});
   if (answer.report.max_error > 0)
@@ -96,8 +96,10 @@ Table head_table(const ProbeArguments& arguments, const TetraInput& input,
     table.add({"rounding", fmt::format("at most {:.3g} of the volume, {:.3g} of the integral",
                                        report.volume_rounding, report.integral_rounding)});
     if (report.integral_estimate > 0)
-      table.add({"integral off by",
-                 format_number(report.integral_estimate) + " by errors at samples, an estimate"});
+      table.add({"integral off by", format_number(report.integral_estimate) +
+                                        (answer.report.error_place == ErrorPlace::everywhere
+                                             ? " at most"
+                                             : " by errors at samples, an estimate")});
   }
   if (answer.report.max_error > 0 && info.boundary_deviation > 0)
     table.add({"boundary", fmt::format("off by up to {}", format_number(info.boundary_deviation))});
@@ -143,7 +145,9 @@ Command add_probe_command(CLI::App& program) {
       "Of a mesh of cells, or a .lode file made from one. `low` and `high` are proven bounds of "
       "the\n"
       "field that was read; at full resolution they are those of rounding. `error` is what the\n"
-      "cell states: the largest difference at the mesh's own vertices.\n\n"
+      "cell states: the largest difference at the mesh's own vertices, or, of files that were "
+      "built\n"
+      "with --everywhere, at any point, and bounds are much closer.\n\n"
       "Examples:\n  lode probe wing.lode --point 1,0.5,2 --point 3,0,0\n"
       "  lode probe wing.lode --points sensors.csv -o values.csv\n"
       "  lode probe wing.lode --line 0,0,0:10,0,0 --max-error 0.01\n"

@@ -19,6 +19,7 @@ struct VerifyArguments {
   std::string input;
   std::string original;
   std::string surface;
+  bool is_exact = false;
   SimplifyArguments simplify;
   ExtractionArguments extraction;
   ReadingArguments reading;
@@ -31,7 +32,7 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
 }
 
 [[nodiscard]] TetraVerifyJob tetra_job(const VerifyArguments& arguments) {
-  return {arguments.input, arguments.original, arguments.reading};
+  return {arguments.input, arguments.original, arguments.is_exact, arguments.reading};
 }
 
 Result<void> check_verify(const VerifyArguments& arguments) {
@@ -41,6 +42,9 @@ Result<void> check_verify(const VerifyArguments& arguments) {
                   arguments.input);
     return check_tetra_verify(tetra_job(arguments));
   }
+  if (arguments.is_exact)
+    return fail("--exact: expected a mesh of cells or its .lode file with it, got '{}'",
+                arguments.input);
   LODE_TRY(const ExtractOptions options, options_of(arguments));
   if ((options.max_distance || options.simplify_distance) && arguments.surface.empty())
     return fail("{}: expected --surface FILE with it, got none",
@@ -164,6 +168,9 @@ Command add_verify_command(CLI::App& program) {
       ->required();
   app->add_option("--against,--original", arguments->original, "Original data of FILE")
       ->type_name("ORIGINAL");
+  app->add_flag("--exact", arguments->is_exact,
+                "Of meshes of tetrahedra: errors at all points of random cuts, in the overlay with "
+                "the mesh that was read (takes long)");
   app->add_option("--surface", arguments->surface, "Surface to check")->type_name("SURFACE");
   app->add_flag(
       "--simplify,--remove-slivers", arguments->simplify.simplifies,

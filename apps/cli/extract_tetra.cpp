@@ -32,15 +32,16 @@ void warn_of_budget(Session& session, bool is_met, std::uint64_t n_cells) {
         fmt::format("--max-cells is not met: the coarsest mesh has {} simplices", n_cells));
 }
 
-std::string tetra_comment(const char* kind, const TetraAnswer& made) {
-  return fmt::format("Lode {}: {}, max_error {}, achieved_error {} at samples", LODE_VERSION, kind,
-                     made.max_error, made.achieved_error);
+std::string tetra_comment(const char* kind, const TetraAnswer& made, ErrorPlace place) {
+  return fmt::format("Lode {}: {}, max_error {}, achieved_error {} {}", LODE_VERSION, kind,
+                     made.max_error, made.achieved_error, name_of(place));
 }
 
 /// `counts`: of the answer, shown by their names.
 Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAnswer& made,
                       const Json& counts, const Session& session) {
   const TetraInfo& info = input.dataset.describe();
+  const std::string place = name_of(info.error_place);
   Outcome outcome;
   Json& json = outcome.json;
   json["command"] = "extract";
@@ -51,7 +52,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   json["max_error"] = made.max_error;
   json["max_error_is_default"] = made.is_default;
   json["achieved_error"] = made.achieved_error;
-  json["error_kind"] = "at samples";
+  json["error_kind"] = place;
   json.update(counts);
   json["reference_cells"] = info.n_cells;
   json["reference_vertices"] = info.n_vertices;
@@ -66,20 +67,20 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
   add_reading(input, table, json);
-  table.add({"base", fmt::format("{} cells, error {} at samples", format_count(info.n_base_cells),
-                                 format_number(info.base_error))});
+  table.add({"base", fmt::format("{} cells, error {} {}", format_count(info.n_base_cells),
+                                 format_number(info.base_error), place)});
   table.add(
       {"max error",
        format_number(made.max_error) +
            (made.is_default && made.max_error > 0 ? " (default: 0.5 % of the value range)" : "")});
-  table.add({"achieved error", format_number(made.achieved_error) + " at samples"});
+  table.add({"achieved error", format_number(made.achieved_error) + ' ' + place});
   if (!made.is_settled) table.add({"deadline", "reached: as accurate as it allows"});
   for (const auto& [name, value] : counts.items())
     table.add({name == "largest_error" ? "error anywhere"
                : name == "cut_cells"   ? "cells of the cut"
                : name == "left_out"    ? "cells left out"
                                        : name,
-               value.is_number_float() ? format_number(value.get<double>()) + " at samples"
+               value.is_number_float() ? format_number(value.get<double>()) + ' ' + place
                                        : format_count(value.get<std::uint64_t>())});
   table.add({"extract", format_seconds(made.seconds)});
   table.add({input.was_built() ? "read and build" : "open", format_seconds(input.seconds)});
@@ -161,6 +162,7 @@ void warn_of_threshold(Session& session, const MeshJob& job, bool is_empty) {
 
 Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
   LODE_TRY(const TetraInput input, open_tetra_input(job.input, job.reading, session));
+  const TetraInfo& info = input.dataset.describe();
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report,
            input.dataset.extract_mesh(wanted.mesh, mesh, session.progress()));
@@ -170,7 +172,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   const Stopwatch watch;
   LODE_CHECK(write_mesh(
       job.output, mesh,
-      {.comment = tetra_comment("mesh", made), .value_name = input.dataset.describe().field},
+      {.comment = tetra_comment("mesh", made, info.error_place), .value_name = info.field},
       session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
@@ -207,6 +209,7 @@ void warn_of_surface(Session& session, const MeshJob& job, const Surface& surfac
 
 Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Session& session) {
   LODE_TRY(const TetraInput input, open_tetra_input(job.input, job.reading, session));
+  const TetraInfo& info = input.dataset.describe();
   Surface surface;
   LODE_TRY(const TetraSurfaceReport report,
            make_surface(input.dataset, job, wanted, surface, session.progress()));
@@ -219,7 +222,7 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Se
   const Stopwatch watch;
   LODE_CHECK(write_surface(
       job.output, surface,
-      {.comment = tetra_comment(kind, made), .value_name = input.dataset.describe().field},
+      {.comment = tetra_comment(kind, made, info.error_place), .value_name = info.field},
       session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;

@@ -79,10 +79,6 @@ std::string exact_number(double x) { return fmt::format("{}", x); }
 
 }  // namespace
 
-std::string error_suffix(ErrorPlace place) {
-  return place == ErrorPlace::at_samples ? " at samples" : "";
-}
-
 std::string probe_table(const ProbeAnswer& answer) {
   if (answer.integral) {
     if (answer.integral->is_empty) return "";

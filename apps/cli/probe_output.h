@@ -18,9 +18,6 @@ struct ProbeAnswer {
   bool has_regions = false;  ///< Several.
 };
 
-/// "at samples", or nothing where errors hold everywhere.
-[[nodiscard]] std::string error_suffix(ErrorPlace place);
-
 /// Rows for people, in as many digits as tables have; for programs, that read numbers back as they
 /// are; and to a file likewise, with a heading.
 [[nodiscard]] std::string probe_table(const ProbeAnswer& answer);

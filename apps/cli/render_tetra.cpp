@@ -91,7 +91,7 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   json["field"] = info.field;
   json["max_error"] = made.mesh.max_error;
   json["achieved_error"] = made.mesh.achieved_error;
-  json["error_kind"] = "at samples";
+  json["error_kind"] = name_of(info.error_place);
   json["cells"] = made.mesh.n_cells;
   json["reference_cells"] = info.n_cells;
   json["triangles"] = made.picture.n_triangles;
@@ -106,7 +106,8 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
                                   format_number(info.range_max))});
   add_reading(input, table, json);
   table.add({"max error", format_number(made.mesh.max_error)});
-  table.add({"achieved error", format_number(made.mesh.achieved_error) + " at samples"});
+  table.add({"achieved error",
+             format_number(made.mesh.achieved_error) + ' ' + name_of(info.error_place)});
   table.add({"cells",
              fmt::format("{} of {}", format_count(made.mesh.n_cells), format_count(info.n_cells))});
   if (made.picture.n_triangles > 0)

@@ -59,6 +59,10 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
   return options;
 }
 
+const char* name_of(ErrorPlace place) {
+  return place == ErrorPlace::everywhere ? "everywhere" : "at samples";
+}
+
 Result<void> check_tetra_reading(const ReadingArguments& reading, const std::string& path) {
   if (is_lode_path(path)) return check_reading_options(reading, path);
   LODE_CHECK(to_tetra_options(reading));

@@ -17,6 +17,9 @@ struct TetraInput {
   [[nodiscard]] bool was_built() const { return report.has_value(); }
 };
 
+/// "at samples" or "everywhere".
+[[nodiscard]] const char* name_of(ErrorPlace place);
+
 /// Refuses options of reading that meshes of cells do not have.
 [[nodiscard]] Result<void> check_tetra_reading(const ReadingArguments& reading,
                                                const std::string& path);

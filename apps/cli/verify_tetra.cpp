@@ -45,7 +45,9 @@ Result<VerifyReport> verify_tetra(const TetraVerifyJob& job, Session& session) {
   if (is_lode_path(job.input)) reading = {};  // the original's
   LODE_TRY(const TetraInput input, open_tetra_input(job.input, reading, session));
   const TetraDataset& dataset = input.dataset;
-  LODE_TRY(VerifyReport more, dataset.verify({.threads = session.threads()}, session.progress()));
+  LODE_TRY(
+      VerifyReport more,
+      dataset.verify({.is_exact = job.is_exact, .threads = session.threads()}, session.progress()));
   append_checks(report, std::move(more));
   if (job.original.empty()) return report;
   LODE_TRY(const TetraMesh original, read_original(job, dataset.describe(), session));

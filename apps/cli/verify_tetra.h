@@ -10,6 +10,7 @@ namespace lode::cli {
 struct TetraVerifyJob {
   std::string input;
   std::string original;  ///< What it was made from; or empty.
+  bool is_exact = false;
   ReadingArguments reading;
 };
 

@@ -1,6 +1,7 @@
 // `lode verify` of meshes of tetrahedra, and of files made from them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "lode/api/files.h"
@@ -55,6 +56,41 @@ TEST_F(cli_verify_tetra, passes_what_was_made_from_the_original) {
   EXPECT_EQ(json.at("checks").size(), built.json().at("checks").size() + 3);
   EXPECT_EQ(json.at("checks")[0].at("name"), "every byte of the file");
   for (const auto& check : json.at("checks")) EXPECT_EQ(check.at("passed"), true);
+}
+
+TEST_F(cli_verify_tetra, finds_errors_of_all_points_where_they_are_promised) {
+  const std::string model = scratch_ / "everywhere.lode";
+  const Finished build = run_lode({"build", mesh_, model, "--everywhere", "--json"});
+  ASSERT_EQ(build.exit_code, 0) << build.err;
+  EXPECT_EQ(build.json().at("error_kind"), "everywhere");
+  const nlohmann::json at_samples = run_lode({"info", lode_, "--json"}).json();
+  EXPECT_EQ(at_samples.at("error_kind"), "at samples");
+  EXPECT_GE(build.json().at("base_error"), at_samples.at("base_error"));
+  for (const std::string& file : {model, lode_}) {
+    const Finished verify = run_lode({"verify", file, "--exact", "--json"});
+    EXPECT_EQ(verify.exit_code, 0) << verify.err;
+    const nlohmann::json checks = verify.json().at("checks");
+    EXPECT_EQ(std::ranges::count_if(checks,
+                                    [&](const auto& check) {
+                                      return check.at("name") ==
+                                             (file == model
+                                                  ? "errors everywhere <= stored errors"
+                                                  : "errors everywhere, which are not stored");
+                                    }),
+              1);
+  }
+  EXPECT_EQ(run_lode({"build", mesh_, scratch_ / "no.lode", "--everywhere", "--boundary-tolerance",
+                      "0.1"})
+                .exit_code,
+            2);
+  // What is proven of an integral is closer, by far.
+  const auto width = [&](const std::string& file) {
+    const auto integral = run_lode({"probe", file, "--integral", "--max-error", "0.3", "--json"})
+                              .json()
+                              .at("integral");
+    return integral.at("high").get<double>() - integral.at("low").get<double>();
+  };
+  EXPECT_LT(width(model), 0.5 * width(lode_));
 }
 
 TEST_F(cli_verify_tetra, fails_against_other_data) {

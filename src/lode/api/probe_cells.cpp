@@ -41,21 +41,24 @@ class PointProbe {
                       .value = {made.value, made.low, made.high},
                       .error = static_cast<double>(mesh.errors[cell]),
                       .region = mesh.regions.empty() ? 0 : mesh.regions[cell]};
-    if (!point.is_exact) bound(p, distance, point);
+    if (!point.is_exact) bound(p, distance, made, point);
     return point;
   }
 
  private:
-  void bound(const Vec3d& p, double distance, ProbedPoint& point) const {
-    if (cells_.error_place == ErrorPlace::everywhere) {
-      point.value.low = next_below(point.value.low - point.error);
-      point.value.high = next_above(point.value.high + point.error);
-      return;
+  void bound(const Vec3d& p, double distance, const RoundedValue& made, ProbedPoint& point) const {
+    BoundedNumber& value = point.value;
+    if (cells_.range_in) {
+      const Vec3d reach{{distance, distance, distance}};
+      const Range range = cells_.range_in({p - reach, p + reach});
+      value.low = std::min(range.low, value.low);
+      value.high = std::max(range.high, value.high);
     }
-    const Vec3d reach{{distance, distance, distance}};
-    const Range range = cells_.range_in({p - reach, p + reach});
-    point.value.low = std::min(range.low, point.value.low);
-    point.value.high = std::max(range.high, point.value.high);
+    if (cells_.error_place == ErrorPlace::at_samples) return;
+    const double low = next_below(made.low - point.error);
+    const double high = next_above(made.high + point.error);
+    value.low = cells_.range_in ? std::max(value.low, low) : low;
+    value.high = cells_.range_in ? std::min(value.high, high) : high;
   }
 
   const ProbeCells& cells_;

@@ -15,12 +15,13 @@ namespace lode {
 
 /// Cells of a cut, and what is proven of F on each: what probing starts from, whatever the model.
 struct ProbeCells {
-  SimplexMesh mesh{};  ///< Tetrahedra; of the cut those near what is probed at least.
+  /// Tetrahedra; of the cut those near what is probed at least. At their vertices F' is F.
+  SimplexMesh mesh{};
   ErrorPlace error_place = ErrorPlace::everywhere;
   /// By cell: whether F' is F on it; empty: where its error is 0.
   std::vector<std::uint8_t> is_exact{};
-  /// A range that F is proven to keep on what cells that are not exact have in a box; none where
-  /// errors hold everywhere, which say more.
+  /// A range that F is proven to keep on what cells that are not exact have in a box; there may be
+  /// none where errors hold everywhere.
   std::function<Range(const Box3d&)> range_in{};
   /// Largest size of F, and by how much boundaries of cells that are not exact may be off.
   double largest_value = 0;

@@ -20,6 +20,7 @@
 #include "lode/mappers/mesh_boundary.h"
 #include "lode/mappers/mesh_gradients.h"
 #include "lode/mappers/mesh_isosurface.h"
+#include "lode/models/tetra_mt/everywhere_errors.h"
 #include "lode/models/tetra_mt/gradient_codes.h"
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
@@ -164,18 +165,20 @@ std::vector<std::uint32_t> gradient_codes(const TetraMesh& mesh, std::size_t fie
 
 TetraInfo info_of(const HierarchyHead& head) {
   const HierarchyHead::Field& field = head.fields[0];
-  return {.n_vertices = head.n_vertices(),
-          .n_cells = head.n_cells,
-          .n_base_cells = head.n_base_cells,
-          .n_nodes = head.shape.n_nodes,
-          .field = field.name,
-          .type = field.type,
-          .range_min = field.low,
-          .range_max = field.high,
-          .base_error = field.base_error,
-          .bounds = {head.lower, head.upper},
-          .boundary_deviation = head.boundary_deviation,
-          .regions = head.region_ids};
+  return {
+      .n_vertices = head.n_vertices(),
+      .n_cells = head.n_cells,
+      .n_base_cells = head.n_base_cells,
+      .n_nodes = head.shape.n_nodes,
+      .field = field.name,
+      .type = field.type,
+      .range_min = field.low,
+      .range_max = field.high,
+      .error_place = field.has_errors_everywhere ? ErrorPlace::everywhere : ErrorPlace::at_samples,
+      .base_error = field.base_error,
+      .bounds = {head.lower, head.upper},
+      .boundary_deviation = head.boundary_deviation,
+      .regions = head.region_ids};
 }
 
 Result<tetra_mt::HalfEdgeCollapses> collapse(const TetraMesh& mesh,
@@ -183,11 +186,21 @@ Result<tetra_mt::HalfEdgeCollapses> collapse(const TetraMesh& mesh,
   if (mesh.fields.size() != 1) return fail("expected one field, got {}", mesh.fields.size());
   const auto base_cells = static_cast<std::uint64_t>(std::clamp(options.base_share, 0.0, 1.0) *
                                                      static_cast<double>(mesh.tetrahedra.size()));
-  return tetra_mt::collapse_half_edges(mesh,
-                                       {.base_cells = base_cells,
-                                        .rules = {.boundary_tolerance = options.boundary_tolerance},
-                                        .threads = options.threads},
-                                       progress);
+  const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
+  if (is_everywhere && options.boundary_tolerance > 0)
+    return fail(
+        "boundary tolerance: expected 0 where errors hold everywhere, as nothing is known of what "
+        "is outside, got {}",
+        options.boundary_tolerance);
+  LODE_TRY(auto collapses, tetra_mt::collapse_half_edges(
+                               mesh,
+                               {.base_cells = base_cells,
+                                .rules = {.boundary_tolerance = options.boundary_tolerance},
+                                .threads = options.threads},
+                               progress));
+  if (is_everywhere)
+    LODE_CHECK(make_errors_hold_everywhere(mesh, collapses, options.threads, progress));
+  return collapses;
 }
 
 Result<Hierarchy> make_hierarchy_of(const TetraMesh& mesh, const TetraBuildOptions& options,

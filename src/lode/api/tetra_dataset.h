@@ -26,12 +26,16 @@ struct TetraBuildOptions {
   /// How far the boundary, and what lies between regions, may move; the mesh's unit. 0: they stay
   /// in their planes (CollapseRules::boundary_tolerance).
   double boundary_tolerance = 0;
+  /// Where errors hold. Everywhere takes a few times as long, and a boundary_tolerance of 0.
+  ErrorPlace error_place = ErrorPlace::at_samples;
   Threads threads{};
 };
 
 struct TetraVerifyOptions {
   std::uint32_t n_random_cuts = 8;  ///< The first is the base.
   std::uint64_t seed = 1;           ///< Of their nodes, and of the order in which all are applied.
+  /// Errors at all points of these, too, by the overlay with the reference mesh: takes long.
+  bool is_exact = false;
   Threads threads{};
 };
 
@@ -44,10 +48,11 @@ struct TetraInfo {
   ScalarType type = ScalarType::float64;
   double range_min = 0;  ///< Of the field; both 0 where there is no vertex.
   double range_max = 0;
-  double base_error = 0;          ///< Largest |F - F'| at vertices of the reference on the base.
-  Box3d bounds{};                 ///< Of all vertices.
-  double boundary_deviation = 0;  ///< Of cuts' boundaries; the mesh's unit.
-  std::vector<std::int64_t> regions{};  ///< As the file numbers them, ascending.
+  ErrorPlace error_place = ErrorPlace::at_samples;  ///< Of all errors.
+  double base_error = 0;                            ///< Largest |F - F'| on the base.
+  Box3d bounds{};                                   ///< Of all vertices.
+  double boundary_deviation = 0;                    ///< Of cuts' boundaries; the mesh's unit.
+  std::vector<std::int64_t> regions{};              ///< As the file numbers them, ascending.
 };
 
 /// What has been read of a file since it was opened; nothing in memory.
@@ -69,7 +74,8 @@ struct TetraFileReport {
 /// The door of tetrahedral meshes with a field: a Multi-Tessellation of half-edge collapses
 /// (docs/models/tetra_mt.md), in memory or in a file, of which parts are read when queries ask for
 /// them. F is linear on each tetrahedron of the reference mesh.
-/// Errors are of samples: largest at the reference's vertices; between them F' may be farther off.
+/// Errors hold at samples, the reference's vertices, between which F' may be farther off; or
+/// everywhere, where the hierarchy was built so.
 class TetraDataset {
  public:
   /// `mesh`: with one field, of finite values.
@@ -91,7 +97,7 @@ class TetraDataset {
 
   [[nodiscard]] const TetraInfo& describe() const;
   [[nodiscard]] TetraReads reads() const;
-  /// The mesh of a query's cut, with its field and by cell the error at samples; conforming, its
+  /// The mesh of a query's cut, with its field and by cell the error; conforming, its
   /// vertices the reference's. Without max_error as for volumes. With a
   /// threshold only some of its cells, and report.n_left_out says how many are not there.
   [[nodiscard]] Result<MeshReport> extract_mesh(const TetraMeshOptions& options, SimplexMesh& mesh,

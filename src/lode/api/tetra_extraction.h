@@ -46,7 +46,7 @@ struct TetraSectionOptions {
 /// Of isosurfaces, sections and boundaries of meshes of tetrahedra.
 struct TetraSurfaceReport {
   double max_error = 0;       ///< The tolerance asked for (or chosen), field units.
-  double achieved_error = 0;  ///< Largest error at samples of a cell that the surface comes from.
+  double achieved_error = 0;  ///< Largest error of a cell that the surface comes from.
   std::uint64_t n_triangles = 0;
   std::uint64_t n_lines = 0;
   std::uint64_t n_vertices = 0;

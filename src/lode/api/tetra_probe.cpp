@@ -135,7 +135,9 @@ Result<ProbeCells> cells_near(const PackedHierarchy& hierarchy, const MeetsBox& 
   LODE_CHECK(cut.check());
   const Range all{head.fields[0].low, head.fields[0].high};
   const auto ranges = std::make_shared<const CandidateRanges>(engine, cut, all);
-  ProbeCells cells{.error_place = ErrorPlace::at_samples};
+  const ErrorPlace place =
+      head.fields[0].has_errors_everywhere ? ErrorPlace::everywhere : ErrorPlace::at_samples;
+  ProbeCells cells{.error_place = place};
   fill_cells(hierarchy, cut, slots_near(hierarchy, cut, where), cells);
   LODE_CHECK(cut.check());
   cells.range_in = [ranges](const Box3d& box) { return ranges->range_in(box); };
@@ -143,7 +145,7 @@ Result<ProbeCells> cells_near(const PackedHierarchy& hierarchy, const MeetsBox& 
   cells.boundary_deviation = head.boundary_deviation;
   report = {.max_error = max_error,
             .achieved_error = ranges->error(),
-            .error_place = ErrorPlace::at_samples,
+            .error_place = place,
             .n_cut_cells = engine.standing().n_cells};
   return cells;
 }

@@ -10,6 +10,7 @@
 
 #include "lode/api/tetra_cut_errors.h"
 #include "lode/api/tetra_cut_shape.h"
+#include "lode/api/tetra_overlay_errors.h"
 #include "lode/mappers/self_intersections.h"
 #include "lode/mappers/surface_distance.h"
 #include "lode/models/tetra_mt/random_cut.h"
@@ -54,8 +55,13 @@ struct CutCheck {
 /// Cuts of one hierarchy, held against its mesh of all nodes.
 class CutVerifier {
  public:
-  CutVerifier(const PackedHierarchy& hierarchy, Threads threads, Progress& progress)
-      : hierarchy_(hierarchy), threads_(threads), progress_(progress), vertices_(hierarchy) {}
+  CutVerifier(const PackedHierarchy& hierarchy, const TetraVerifyOptions& options,
+              Progress& progress)
+      : hierarchy_(hierarchy),
+        threads_(options.threads),
+        is_exact_(options.is_exact),
+        progress_(progress),
+        vertices_(hierarchy) {}
 
   [[nodiscard]] Result<void> find_reference();
   [[nodiscard]] Result<void> look_at(const TetraCut& cut, const std::string& name);
@@ -67,11 +73,16 @@ class CutVerifier {
   [[nodiscard]] Result<void> compare_boundary(const TetraCutShape& shape, const std::string& name);
   void check_volume(const TetraCutShape& shape, const std::string& name);
   void check_outer_faces(const TetraCutShape& shape, const std::string& name);
+  void add_overlay_to(VerifyReport& report) const;
 
   const PackedHierarchy& hierarchy_;
   Threads threads_;
+  bool is_exact_;
   Progress& progress_;
   TetraVertices vertices_;
+  std::optional<TetraCells> reference_cells_;  ///< Where it is exact,
+  std::optional<TetraOverlay> overlay_;        ///< likewise,
+  TetraOverlayErrors overlay_errors_;          ///< and so are these.
   TetraCutShape reference_;
   Surface reference_surface_;
   std::uint64_t n_reference_meetings_ = 0;  ///< Of pairs of its outer faces.
@@ -94,7 +105,9 @@ Result<void> CutVerifier::find_reference() {
   engine.run([&] { return progress_.is_cancelled() || cut.is_damaged(); });
   if (progress_.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());
-  reference_ = shape_of(vertices_, TetraCells(cut));
+  const TetraCells cells(cut);
+  reference_ = shape_of(vertices_, cells);
+  if (is_exact_) overlay_.emplace(vertices_, reference_cells_.emplace(cells), threads_);
   reference_surface_ = outer_surface(vertices_, reference_);
   LODE_TRY(const auto meetings, check_self_intersections(reference_surface_, threads_, progress_));
   n_reference_meetings_ = meetings.n_intersections;
@@ -165,8 +178,29 @@ Result<void> CutVerifier::look_at(const TetraCut& cut, const std::string& name) 
   LODE_TRY(TetraCutErrors errors, measure_errors(hierarchy_, vertices_, cells, threads_));
   if (!errors.first.empty()) errors.first = name + ": " + errors.first;
   errors_.append(errors);
+  if (overlay_) {
+    LODE_TRY(TetraOverlayErrors exact, overlay_->measure(hierarchy_, cells, threads_));
+    if (!exact.first.empty()) exact.first = name + ": " + exact.first;
+    overlay_errors_.append(exact);
+  }
   if (progress_.is_cancelled()) return cancelled_error();
   return {};
+}
+
+void CutVerifier::add_overlay_to(VerifyReport& report) const {
+  const TetraOverlayErrors& errors = overlay_errors_;
+  const std::string measured =
+      fmt::format("largest {:.6g}, stored {:.6g}", errors.largest, errors.largest_stated);
+  if (hierarchy_.head().fields[0].has_errors_everywhere) {
+    report.add("errors everywhere <= stored errors", errors.n_cells, errors.n_above_stated,
+               errors.n_above_stated == 0
+                   ? measured
+                   : fmt::format("{} wrong; first: {}", errors.n_above_stated, errors.first));
+    return;
+  }
+  // Stored ones hold at samples: no promise is broken where this is more.
+  report.add("errors everywhere, which are not stored", errors.n_cells, 0,
+             fmt::format("{}; more than stored in {} cells", measured, errors.n_above_stated));
 }
 
 void CutVerifier::add_to(VerifyReport& report) const {
@@ -202,6 +236,7 @@ void CutVerifier::add_to(VerifyReport& report) const {
   of_errors("errors at vertices <= stored errors", errors_.n_above_stated,
             fmt::format("largest {:.6g}, stored {:.6g}", errors_.largest, errors_.largest_stated));
   of_errors("values of vertices in stored ranges", errors_.n_out_of_range, "");
+  if (is_exact_) add_overlay_to(report);
 }
 
 Result<void> CutVerifier::measure(std::optional<double> share, VerifyReport& report) {
@@ -234,7 +269,7 @@ Result<VerifyReport> verify_hierarchy(const PackedHierarchy& hierarchy,
   LODE_TRY(const StructureFindings found, check_structure(hierarchy, options.seed, progress));
   add_structure(found, report);
   if (found.discovery.n_wrong + found.links.n_wrong + found.refinement.n_wrong > 0) return report;
-  CutVerifier verifier(hierarchy, options.threads, progress);
+  CutVerifier verifier(hierarchy, options, progress);
   LODE_CHECK(verifier.find_reference());
   const std::uint32_t n_nodes = hierarchy.head().shape.n_nodes;
   for (std::uint32_t k = 0; k < options.n_random_cuts; ++k) {

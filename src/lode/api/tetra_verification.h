@@ -12,9 +12,9 @@ namespace lode {
 /// Checks a hierarchy by what it says of its reference mesh, which is that of all nodes: its nodes
 /// and their order; that random cuts conform, have no cell turned round and fill the same domain;
 /// and their stated errors and ranges, and those of uniform tolerances, by a search for each vertex
-/// of the reference. What is wrong with the reference itself counts as right. Where nodes do not
-/// fit together no cuts are looked at. Errors are those of the first field. Fails where pages
-/// cannot be loaded, or when cancelled.
+/// of the reference, and, where it is exact, in the overlay of both. What is wrong with the
+/// reference itself counts as right. Where nodes do not fit together no cuts are looked at. Errors
+/// are those of the first field. Fails where pages cannot be loaded, or when cancelled.
 [[nodiscard]] Result<VerifyReport> verify_hierarchy(const tetra_mt::PackedHierarchy& hierarchy,
                                                     const TetraVerifyOptions& options,
                                                     Progress& progress);

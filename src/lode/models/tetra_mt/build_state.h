@@ -19,8 +19,9 @@ struct Collapse {
 
 /// What is known of a collapse, for each field, in its unit.
 struct CollapseFacts {
-  double error;  ///< Largest |F - F'| at samples in the tetrahedra that came of it, rounded up.
-  double low;    ///< Of F at these samples, and at the tetrahedra's corners.
+  /// Largest |F - F'| at samples in the tetrahedra that came of it, rounded up.
+  double error;
+  double low;  ///< Of F at these samples, and at the tetrahedra's corners.
   double high;
 };
 

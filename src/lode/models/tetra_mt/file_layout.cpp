@@ -23,6 +23,7 @@ Result<HierarchyHead::Field> read_field(store::ByteReader& in, const std::string
   if (!is_valid(field.type))
     return fail("{}: metadata: expected a sample type 1..10, got {}", path, type);
   LODE_TRY(field.has_narrow_values, read_flag(in, path));
+  LODE_TRY(field.has_errors_everywhere, read_flag(in, path));
   LODE_TRY(const bool has_time, read_flag(in, path));
   LODE_TRY(const double time, in.read<double>());
   if (!std::isfinite(time) || (!has_time && time != 0))
@@ -83,6 +84,7 @@ std::vector<std::byte> encode_head(const HierarchyHead& head) {
     out.write_string(field.name);
     out.write(static_cast<std::uint8_t>(field.type));
     out.write(static_cast<std::uint8_t>(field.has_narrow_values ? 1 : 0));
+    out.write(static_cast<std::uint8_t>(field.has_errors_everywhere ? 1 : 0));
     out.write(static_cast<std::uint8_t>(field.time ? 1 : 0));
     for (const double x : {field.time.value_or(0), field.base_error, field.low, field.high})
       out.write(x);

@@ -17,10 +17,11 @@ struct HalfEdgeOptions {
 };
 
 struct HalfEdgeCollapses {
-  std::vector<Collapse> collapses;   ///< In an order that can be done again.
-  std::vector<CollapseFacts> facts;  ///< By collapse and field.
-  std::vector<CollapseStars> stars;  ///< Of the collapses, in pieces.
-  std::vector<Tetrahedron> base;     ///< Of the mesh's vertices.
+  std::vector<Collapse> collapses;     ///< In an order that can be done again.
+  std::vector<CollapseFacts> facts;    ///< By collapse and field.
+  bool has_errors_everywhere = false;  ///< make_errors_hold_everywhere() has been there.
+  std::vector<CollapseStars> stars;    ///< Of the collapses, in pieces.
+  std::vector<Tetrahedron> base;       ///< Of the mesh's vertices.
   /// By tetrahedron of the base: the vertex whose collapse made it, or kNone.
   std::vector<std::uint32_t> base_makers;
   std::vector<OuterTetrahedron> outer_base;

@@ -79,6 +79,7 @@ void HierarchyMaker::number_vertices() {
   result_.mesh_vertices = vertices;
   result_.region_ids = mesh_.region_ids;
   result_.boundary_deviation = collapses_.boundary_deviation;
+  result_.has_errors_everywhere = collapses_.has_errors_everywhere;
   for (const MeshField& field : mesh_.fields) {
     MeshField& to = result_.fields.emplace_back(
         MeshField{.name = field.name, .type = field.type, .n_components = 1, .values = {}});

@@ -33,6 +33,7 @@ struct Hierarchy {
   std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
   std::uint64_t n_base_cells = 0;          ///< Without those to the vertex outside.
   double boundary_deviation = 0;           ///< HalfEdgeCollapses': of the base, and so of any cut.
+  bool has_errors_everywhere = false;      ///< Likewise: facts' errors hold at all points.
   std::vector<std::int64_t> region_ids;    ///< The mesh's.
   /// By tetrahedron of the base, places in region_ids; empty where there is one at most.
   std::vector<std::uint32_t> base_regions;

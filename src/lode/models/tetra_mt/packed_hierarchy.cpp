@@ -104,7 +104,8 @@ NumberedField field_of(const Hierarchy& hierarchy, std::size_t field) {
                      .type = from.type,
                      .values = from.values,
                      .facts = {},
-                     .range_reference = hierarchy.range_references[field]};
+                     .range_reference = hierarchy.range_references[field],
+                     .has_errors_everywhere = hierarchy.has_errors_everywhere};
   made.facts.reserve(hierarchy.n_nodes());
   for (std::size_t node = 0; node < hierarchy.n_nodes(); ++node)
     made.facts.push_back(hierarchy.facts[node * hierarchy.fields.size() + field]);
@@ -115,6 +116,7 @@ HierarchyHead::Field head_of(const NumberedField& field,
                              std::span<const std::uint32_t> base_makers) {
   HierarchyHead::Field head{.name = field.name, .type = field.type, .time = field.time};
   head.has_narrow_values = std::ranges::all_of(field.values, is_narrow);
+  head.has_errors_everywhere = field.has_errors_everywhere;
   if (!field.values.empty()) {
     const auto [low, high] = std::ranges::minmax(field.values);
     head.low = low;

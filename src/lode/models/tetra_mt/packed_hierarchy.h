@@ -26,7 +26,8 @@ struct HierarchyHead {
     bool has_narrow_values = false;  ///< float32 holds them.
     double low = 0;                  ///< Of all vertices.
     double high = 0;
-    double base_error = 0;  ///< Largest |F - F'| at samples on the base, rounded up.
+    bool has_errors_everywhere = false;  ///< Else they hold at samples.
+    double base_error = 0;               ///< Largest |F - F'| on the base, rounded up.
     std::optional<double> time{};
   };
 
@@ -123,9 +124,10 @@ struct NumberedField {
   std::string name;
   ScalarType type = ScalarType::float64;
   std::optional<double> time{};
-  std::vector<double> values;      ///< By vertex.
-  std::vector<StoredFacts> facts;  ///< By node: nested along discovery;
-  double range_reference = 0;      ///< what their ranges are above.
+  std::vector<double> values;          ///< By vertex.
+  std::vector<StoredFacts> facts;      ///< By node: nested along discovery;
+  double range_reference = 0;          ///< what their ranges are above,
+  bool has_errors_everywhere = false;  ///< and whether their errors hold at all points.
 };
 
 [[nodiscard]] NumberedField field_of(const Hierarchy& hierarchy, std::size_t field);
