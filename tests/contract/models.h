@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/contract/diamond_contract.h"
+#include "tests/contract/midpoint_contract.h"
 #include "tests/contract/split_contract.h"
 #include "tests/contract/tetra_contract.h"
 
@@ -21,6 +22,7 @@ using AllModels = ::testing::Types<  //
     DiamondContract<2>,              //
     DiamondContract<3>,              //
     TetraContract,                   //
+    MidpointContract,                //
     SplitTableContract,              //
     SplitLabelsContract>;
 

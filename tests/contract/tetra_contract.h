@@ -26,7 +26,6 @@ class TetraContract {
   /// A node may be needed that has less error than any that needs it.
   static constexpr bool kIsNestedAlongParents = false;
 
-  /// Noise from 0 to 125 in a cube with a cavity, behind another field.
   static TetraContract make(std::uint32_t seed, Threads threads) {
     Progress progress;
     const TetraMesh mesh = holed_cube(seed);
@@ -73,7 +72,7 @@ class TetraContract {
   }
 
   /// Whether a face may belong to one cell only: it lies on a side of the cube, or of the cavity.
-  [[nodiscard]] bool may_end_at(const std::vector<MeshVertex>& face) const {
+  [[nodiscard]] static bool may_end_at(const std::vector<MeshVertex>& face) {
     const auto all = [&](const auto& holds) {
       return std::all_of(face.begin(), face.end(), holds);
     };
@@ -98,19 +97,7 @@ class TetraContract {
     return result;
   }
 
- private:
-  static constexpr std::size_t kField = 1;
-  static constexpr int kSteps = 6;
-  static constexpr double kStep = 3;
-  static constexpr double kEnd = kSteps * kStep;
-  static constexpr double kCavityBegin = 2 * kStep;
-  static constexpr double kCavityEnd = 4 * kStep;
-
-  TetraContract(std::shared_ptr<const tetra_mt::Hierarchy> hierarchy,
-                tetra_mt::PackedHierarchy packed)
-      : hierarchy_(std::move(hierarchy)),
-        packed_(std::make_unique<const tetra_mt::PackedHierarchy>(std::move(packed))) {}
-
+  /// Noise from 0 to 125 in a cube with a cavity, behind another field.
   static TetraMesh holed_cube(std::uint32_t seed) {
     TetraMesh mesh = oracles::noise_mesh(kSteps + 1, oracles::Cut::in_five, seed);
     for (Vec3d& p : mesh.positions)
@@ -132,6 +119,19 @@ class TetraContract {
     mesh.fields[0].name = "other";
     return mesh;
   }
+
+ private:
+  static constexpr std::size_t kField = 1;
+  static constexpr int kSteps = 6;
+  static constexpr double kStep = 3;
+  static constexpr double kEnd = kSteps * kStep;
+  static constexpr double kCavityBegin = 2 * kStep;
+  static constexpr double kCavityEnd = 4 * kStep;
+
+  TetraContract(std::shared_ptr<const tetra_mt::Hierarchy> hierarchy,
+                tetra_mt::PackedHierarchy packed)
+      : hierarchy_(std::move(hierarchy)),
+        packed_(std::make_unique<const tetra_mt::PackedHierarchy>(std::move(packed))) {}
 
   [[nodiscard]] MeshVertex vertex(std::uint32_t v) const {
     return {packed_->position(v).v, packed_->value(v, kField)};

@@ -51,7 +51,8 @@ double TetraOverlay::largest_in(const tetra_mt::Tetrahedron& cell) const {
       box.upper[i] = std::max(box.upper[i], p[i]);
     }
   }
-  const auto [low, high] = std::ranges::minmax(values);
+  const double low = std::ranges::min(values);
+  const double high = std::ranges::max(values);
   const double allowance = vertices_.boundary_allowance();
   const std::array<double, 4> heights = heights_of(cell);
   const auto meets = [&](const Box3d& other) {

@@ -156,23 +156,52 @@ bool ReferenceOverlay::largest_differences(const std::array<std::uint32_t, 3>& c
   return true;
 }
 
-namespace {
+/// What a face of a tetrahedron has in the plane, from one point to another, each between two
+/// corners or at one; and what of it is in the triangle.
+struct ReferenceOverlay::Segment {
+  struct End {
+    std::size_t from = 0;
+    std::size_t to = 0;
+    double share = 0;  ///< Of the second.
+    std::array<double, 3> weights{};
 
-/// A point in a triangle's plane on a tetrahedron's surface: between two corners of that, or at
-/// one.
-struct PlanePoint {
-  std::size_t from;
-  std::size_t to;
-  double share;  ///< Of the second.
-  std::array<double, 3> weights;
+    [[nodiscard]] double of(const double* corners) const {
+      return corners[from] + share * (corners[to] - corners[from]);
+    }
+  };
+  std::array<End, 2> ends{};
+  double begin = 0;  ///< Shares of the second end.
+  double end = 1;
+
+  [[nodiscard]] bool is_empty() const { return begin > end; }
+  /// Whether more of it than a rim of the triangle is inside.
+  [[nodiscard]] bool is_well_inside() const;
+  void cut_to_triangle();
 };
 
-}  // namespace
+bool ReferenceOverlay::Segment::is_well_inside() const {
+  bool is = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double a = ends[0].weights[i];
+    const double b = ends[1].weights[i];
+    is = is && (a + begin * (b - a) > 2 * kEdge || a + end * (b - a) > 2 * kEdge);
+  }
+  return is;
+}
 
-void ReferenceOverlay::visit(const Triangle& triangle, std::uint32_t tetrahedron,
-                             std::span<double> largest, Scratch& scratch) const {
-  const Tetrahedron& corners = mesh_.tetrahedra[tetrahedron];
-  const std::size_t n_fields = mesh_.fields.size();
+void ReferenceOverlay::Segment::cut_to_triangle() {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double a = ends[0].weights[i] + kEdge;
+    const double b = ends[1].weights[i] + kEdge;
+    if (a < 0 && b < 0) end = -1;
+    if (a < 0 && b >= 0) begin = std::max(begin, a / (a - b));
+    if (a >= 0 && b < 0) end = std::min(end, a / (a - b));
+  }
+}
+
+ReferenceOverlay::Meeting ReferenceOverlay::meet(const Triangle& triangle,
+                                                 const Tetrahedron& corners,
+                                                 std::span<double> differences) const {
   Meeting met{};
   for (std::size_t k = 0; k < 4; ++k) {
     const Vec3d to = mesh_.positions[corners[k]] - triangle.origin;
@@ -184,65 +213,61 @@ void ReferenceOverlay::visit(const Triangle& triangle, std::uint32_t tetrahedron
     met.distances[k] = distance;
     met.weights[k] = {1 - first - second, first, second};
     met.sides[k] = std::abs(distance) <= near ? 0 : distance > 0 ? 1 : -1;
-    for (std::size_t f = 0; f < n_fields; ++f) {
+    for (std::size_t f = 0; f < mesh_.fields.size(); ++f) {
       const std::vector<double>& values = mesh_.fields[f].values;
       const double origin = values[triangle.corners[0]];
-      scratch.differences[f * 4 + k] = (values[corners[k]] - origin) -
-                                       first * (values[triangle.corners[1]] - origin) -
-                                       second * (values[triangle.corners[2]] - origin);
+      differences[f * 4 + k] = (values[corners[k]] - origin) -
+                               first * (values[triangle.corners[1]] - origin) -
+                               second * (values[triangle.corners[2]] - origin);
     }
   }
-  const auto crossing = [&](std::size_t a, std::size_t b) {
-    PlanePoint point{a, b, met.distances[a] / (met.distances[a] - met.distances[b]), {}};
-    for (std::size_t i = 0; i < 3; ++i)
-      point.weights[i] = met.weights[a][i] + point.share * (met.weights[b][i] - met.weights[a][i]);
-    return point;
-  };
+  return met;
+}
+
+/// Of the face across from a corner; empty where it has nothing in the plane, or lies in it: then
+/// its edges are of other faces, too.
+ReferenceOverlay::Segment ReferenceOverlay::segment_of(const Meeting& met, std::size_t face) {
+  Segment segment;
+  std::size_t n = 0;
+  std::size_t n_in_plane = 0;
+  for (const std::uint8_t at : kOtherPlaces[face]) {
+    if (met.sides[at] != 0) continue;
+    if (n < 2) segment.ends[n++] = {at, at, 0, met.weights[at]};
+    ++n_in_plane;
+  }
+  for (std::size_t i = 0; i < 3 && n < 2; ++i) {
+    const std::size_t a = kOtherPlaces[face][i];
+    const std::size_t b = kOtherPlaces[face][(i + 1) % 3];
+    if (met.sides[a] * met.sides[b] >= 0) continue;
+    Segment::End& point = segment.ends[n++];
+    point = {a, b, met.distances[a] / (met.distances[a] - met.distances[b]), {}};
+    for (std::size_t k = 0; k < 3; ++k)
+      point.weights[k] = met.weights[a][k] + point.share * (met.weights[b][k] - met.weights[a][k]);
+  }
+  if (n == 1) segment.ends[1] = segment.ends[0];
+  if (n == 0 || n_in_plane == 3)
+    segment.end = -1;
+  else
+    segment.cut_to_triangle();
+  return segment;
+}
+
+void ReferenceOverlay::visit(const Triangle& triangle, std::uint32_t tetrahedron,
+                             std::span<double> largest, Scratch& scratch) const {
+  const Meeting met = meet(triangle, mesh_.tetrahedra[tetrahedron], scratch.differences);
+  // A flat one: what is behind it may be anything.
+  const bool is_in_plane = std::ranges::all_of(met.sides, [](int side) { return side == 0; });
   for (std::size_t k = 0; k < 4; ++k) {
-    // The face across from corner k, in the plane from one point to another.
-    std::array<PlanePoint, 3> points{};
-    std::size_t n = 0;
-    std::size_t n_in_plane = 0;
-    for (const std::uint8_t at : kOtherPlaces[k])
-      if (met.sides[at] == 0) {
-        points[n++] = {at, at, 0, met.weights[at]};
-        ++n_in_plane;
-      }
-    if (n_in_plane == 3) continue;  // Its edges are of other faces, too.
-    for (std::size_t i = 0; i < 3 && n_in_plane < 2; ++i) {
-      const std::size_t a = kOtherPlaces[k][i];
-      const std::size_t b = kOtherPlaces[k][(i + 1) % 3];
-      if (met.sides[a] * met.sides[b] < 0) points[n++] = crossing(a, b);
-    }
-    if (n == 0) continue;
-    if (n == 1) points[1] = points[0];
-    // What of it is in the triangle.
-    double begin = 0;
-    double end = 1;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double a = points[0].weights[i] + kEdge;
-      const double b = points[1].weights[i] + kEdge;
-      if (a < 0 && b < 0) end = -1;
-      if (a < 0 && b >= 0) begin = std::max(begin, a / (a - b));
-      if (a >= 0 && b < 0) end = std::min(end, a / (a - b));
-    }
-    if (begin > end) continue;
-    for (std::size_t f = 0; f < n_fields; ++f) {
-      const double* const d = &scratch.differences[f * 4];
-      const double a = d[points[0].from] + points[0].share * (d[points[0].to] - d[points[0].from]);
-      const double b = d[points[1].from] + points[1].share * (d[points[1].to] - d[points[1].from]);
-      largest[f] =
-          std::max({largest[f], std::abs(a + begin * (b - a)), std::abs(a + end * (b - a))});
+    const Segment segment = segment_of(met, k);
+    for (std::size_t f = 0; f < largest.size() && !segment.is_empty(); ++f) {
+      const double a = segment.ends[0].of(&scratch.differences[f * 4]);
+      const double b = segment.ends[1].of(&scratch.differences[f * 4]);
+      largest[f] = std::max(
+          {largest[f], std::abs(a + segment.begin * (b - a)), std::abs(a + segment.end * (b - a))});
     }
     const std::uint32_t across = across_[tetrahedron][k];
     if (across == kNone || scratch.seen[across] == scratch.n_triangles) continue;
-    bool is_inside = true;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double a = points[0].weights[i];
-      const double b = points[1].weights[i];
-      is_inside = is_inside && (a + begin * (b - a) > 2 * kEdge || a + end * (b - a) > 2 * kEdge);
-    }
-    if (!is_inside) continue;
+    if (!is_in_plane && (segment.is_empty() || !segment.is_well_inside())) continue;
     scratch.seen[across] = scratch.n_triangles;
     scratch.next.push_back(across);
   }

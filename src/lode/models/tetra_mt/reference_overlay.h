@@ -42,8 +42,12 @@ class ReferenceOverlay {
  private:
   struct Triangle;
   struct Meeting;
+  struct Segment;
 
   [[nodiscard]] std::uint32_t find_first(const Triangle& triangle) const;
+  [[nodiscard]] Meeting meet(const Triangle& triangle, const Tetrahedron& corners,
+                             std::span<double> differences) const;
+  [[nodiscard]] static Segment segment_of(const Meeting& met, std::size_t face);
   void add_all_near(const Triangle& triangle, std::vector<std::uint32_t>& found) const;
   void visit(const Triangle& triangle, std::uint32_t tetrahedron, std::span<double> largest,
              Scratch& scratch) const;

@@ -1,0 +1,39 @@
+#include "lode/models/tetra_mt/mesh_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lode/models/tetra_mt/closed_mesh.h"
+
+namespace lode::tetra_mt {
+
+Result<void> check_mesh(const TetraMesh& mesh) {
+  const std::size_t n = mesh.positions.size();
+  if (n >= kNone) return fail("expected fewer than {} vertices, got {}", kNone, n);
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+    for (const std::uint32_t v : mesh.tetrahedra[i])
+      if (v >= n) return fail("tetrahedron {}: expected corners below {}, got {}", i, n, v);
+  if (!mesh.regions.empty() && mesh.regions.size() != mesh.tetrahedra.size())
+    return fail("expected no regions or {}, got {}", mesh.tetrahedra.size(), mesh.regions.size());
+  for (std::size_t i = 0; i < mesh.regions.size(); ++i)
+    if (mesh.regions[i] >= mesh.region_ids.size())
+      return fail("tetrahedron {}: expected a region below {}, got {}", i, mesh.region_ids.size(),
+                  mesh.regions[i]);
+  for (const MeshField& field : mesh.fields) {
+    if (field.values.size() != n)
+      return fail("field {}: expected {} values, got {}", field.name, n, field.values.size());
+    for (std::size_t v = 0; v < n; ++v)
+      if (!std::isfinite(field.values[v]))
+        return fail("field {}: expected finite values, got {} at vertex {}", field.name,
+                    field.values[v], v);
+    if (n > 0) {
+      const auto [low, high] = std::ranges::minmax(field.values);
+      if (!std::isfinite(high - low))
+        return fail("field {}: expected a range that doubles hold, got {} to {}", field.name, low,
+                    high);
+    }
+  }
+  return {};
+}
+
+}  // namespace lode::tetra_mt

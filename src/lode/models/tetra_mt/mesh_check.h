@@ -1,0 +1,12 @@
+#pragma once
+
+#include "lode/core/result.h"
+#include "lode/core/tetra_mesh.h"
+
+namespace lode::tetra_mt {
+
+/// Whether edges of a mesh can be collapsed: corners and regions are there, and fields have finite
+/// values, one for each vertex, of a range that doubles hold.
+[[nodiscard]] Result<void> check_mesh(const TetraMesh& mesh);
+
+}  // namespace lode::tetra_mt

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lode/core/tetra_mesh.h"
+
+namespace lode::tetra_mt::midpoint {
+
+/// Position and value of a vertex in steps of Scales: 31 bits each.
+using Code = std::array<std::int32_t, 4>;
+
+/// Steps of a power of two between two numbers, of which there are fewer than 2^31.
+class Scale {
+ public:
+  Scale() = default;
+  /// Finite, and so is what is between them.
+  Scale(double low, double high);
+
+  /// The nearest step. Off by half a step, at most 2^-31 of what is between the ends, where these
+  /// are more than 2^-21 of themselves apart; else by rounding of doubles.
+  [[nodiscard]] std::int32_t code(double x) const;
+  /// Exact: no rounding.
+  [[nodiscard]] double value(std::int32_t code) const {
+    return static_cast<double>(first_ + code) * step_;
+  }
+  [[nodiscard]] double step() const { return step_; }
+
+ private:
+  double step_ = 1;
+  std::int64_t first_ = 0;
+};
+
+/// Of a mesh with one field.
+class Scales {
+ public:
+  Scales() = default;
+  explicit Scales(const TetraMesh& mesh);
+
+  [[nodiscard]] Code code(const Vec3d& position, double value) const {
+    return {axes_[0].code(position[0]), axes_[1].code(position[1]), axes_[2].code(position[2]),
+            axes_[3].code(value)};
+  }
+  [[nodiscard]] Vec3d position(const Code& code) const {
+    return {{axes_[0].value(code[0]), axes_[1].value(code[1]), axes_[2].value(code[2])}};
+  }
+  [[nodiscard]] double value(const Code& code) const { return axes_[3].value(code[3]); }
+  [[nodiscard]] const std::array<Scale, 4>& axes() const { return axes_; }
+
+ private:
+  std::array<Scale, 4> axes_;
+};
+
+/// Where an edge's new vertex lies, or which value it has: from its ends' two.
+enum class Place : std::uint8_t { middle, first, second };
+struct Placement {
+  Place position = Place::middle;
+  Place value = Place::middle;
+
+  friend bool operator==(const Placement&, const Placement&) = default;
+};
+
+/// The new vertex, and what tells the ends from it: the second end's code less the first's. Whole
+/// numbers go there and back without loss, halves are rounded down.
+[[nodiscard]] Code merged(const Code& first, const Code& second, Placement placement);
+[[nodiscard]] Code difference(const Code& first, const Code& second);
+struct Ends {
+  Code first;
+  Code second;
+};
+[[nodiscard]] Ends parted(const Code& middle, const Code& difference, Placement placement);
+
+}  // namespace lode::tetra_mt::midpoint

@@ -1,0 +1,149 @@
+// What the collapse of an edge does, once it is chosen.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "lode/models/tetra_mt/midpoint/edge_collapser.h"
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+/// False, and nothing done, where rounding leaves open what covers a sample.
+bool EdgeCollapser::collapse(const Choice& choice) {
+  for (int i = 0; i < star_.n_link; ++i)
+    link_places_[star_.link[static_cast<std::size_t>(i)]] = static_cast<std::uint8_t>(i);
+  const bool is_known = look_at_edge(choice.place);
+  for (int i = 0; i < star_.n_link; ++i)
+    link_places_[star_.link[static_cast<std::size_t>(i)]] = kNoPlace;
+  if (!is_known) return false;
+  const auto rule = rule_of(choice.place);
+  if (!rule) return false;
+  rule_ = *rule;
+  if (!keeps_regions(choice.place) || !make_fan_at(choice.place) || !cover_samples()) return false;
+  const std::uint32_t other = star_.link[static_cast<std::size_t>(choice.place)];
+  note_facts();
+  move_samples();
+  make_vertex(other);
+  n_gone_ += live_.collapse(other, star_.vertex);
+  state_.is_there[global(other)] = 0;
+  state_.keys[global(other)] = std::numeric_limits<float>::infinity();
+  queue_.remove(other);
+  collapses_.push_back({global(star_.vertex), global(other), rule_.placement});
+  return true;
+}
+
+/// By one lane. Weights are of the triangle's corners; products of lengths bound what they lose.
+EdgeCollapser::Cover EdgeCollapser::cover_by(std::size_t lane, std::uint32_t sample) const {
+  const auto& t = edge_.triangles[lane];
+  const Vec3d a = link_[t[0]] - at_;
+  const Vec3d b = link_[t[1]] - at_;
+  const Vec3d c = link_[t[2]] - at_;
+  const Vec3d d = (state_.mesh.positions[sample] - positions_[star_.vertex]) * scale_ - at_;
+  const Vec3d bc = cross(b, c);
+  const double volume = dot(bc, a);
+  Cover cover{
+      .lane = lane,
+      .weights = {dot(bc, d) / volume, dot(cross(c, a), d) / volume, dot(cross(a, b), d) / volume}};
+  const auto& w = cover.weights;
+  cover.least = std::min({w[0], w[1], w[2], 1 - (w[0] + w[1] + w[2])});
+  const double sizes = length(b) * length(c) + length(c) * length(a) + length(a) * length(b);
+  cover.rounding = 0x1p-48 * (1 + sizes * length(d) / volume);
+  return cover;
+}
+
+/// The lane that floats found, unless doubles say that the sample lies outside: then the best one.
+/// None where even doubles do not tell.
+std::optional<EdgeCollapser::Cover> EdgeCollapser::find_cover(std::size_t sample) const {
+  constexpr double kInside = -1e-9;
+  std::optional<Cover> best;
+  double least = -kUnbounded;
+  const auto look_at = [&](std::size_t lane) {
+    if (fan_.gaps[lane] != 0) return;
+    const Cover here = cover_by(lane, covered_.samples[sample]);
+    if (!(here.least > least)) return;
+    least = here.least;
+    best = here;
+  };
+  const std::size_t found = find_lane(fan_, lanes_.n, covered_, sample);
+  const auto n = static_cast<std::size_t>(edge_.n_triangles);
+  if (found < n) look_at(found);
+  for (std::size_t lane = 0; lane < n && !(least >= kInside); ++lane) look_at(lane);
+  return best;
+}
+
+/// F - F' in the field's unit, larger than it is by what doubles may round.
+double EdgeCollapser::error_of(const Cover& cover, std::uint32_t sample) const {
+  double made = 0;
+  double size = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double rise = values_[edge_.link[edge_.triangles[cover.lane][k]]] - value_;
+    made += cover.weights[k] * rise;
+    size = std::max(size, std::abs(rise));
+  }
+  const double error = state_.mesh.fields[0].values[sample] - value_ - made;
+  return error == 0 ? 0 : error + std::copysign(size * cover.rounding, error);
+}
+
+/// Finds which tetrahedra of the fan cover the samples, and with which errors.
+bool EdgeCollapser::cover_samples() {
+  covers_.clear();
+  new_errors_.clear();
+  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+    const auto cover = find_cover(s);
+    if (!cover) return false;
+    covers_.push_back(*cover);
+    new_errors_.push_back(error_of(*cover, covered_.samples[s]));
+    if (!std::isfinite(new_errors_.back())) return false;
+  }
+  return true;
+}
+
+void EdgeCollapser::move_samples() {
+  for (const Star* star : {&star_, &other_})
+    for (int i = 0; i < star->n_triangles; ++i) {
+      const std::uint32_t slot = star->slots[static_cast<std::size_t>(i)];
+      samples_[slot] = kNone;
+      has_changed_[slot] = 1;
+    }
+  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+    const std::uint32_t sample = covered_.samples[s];
+    std::uint32_t& first = samples_[edge_.slots[covers_[s].lane]];
+    state_.next_sample[sample] = first;
+    first = sample;
+    state_.errors[sample] = static_cast<float>(new_errors_[s] * state_.value_scale);
+  }
+}
+
+/// Both ends are in the edge's link or among the samples, but for the star's vertex.
+void EdgeCollapser::note_facts() {
+  const double own = values_[star_.vertex];
+  EdgeFacts facts{0, std::min(own, value_), std::max(own, value_)};
+  const auto widen = [&](double value) {
+    facts.low = std::min(facts.low, value);
+    facts.high = std::max(facts.high, value);
+  };
+  for (std::size_t s = 0; s < covered_.samples.size(); ++s) {
+    facts.error = std::max(facts.error, std::abs(new_errors_[s]));
+    widen(state_.mesh.fields[0].values[covered_.samples[s]]);
+  }
+  for (int i = 0; i < edge_.n_link; ++i)
+    if (i != edge_.outside) widen(values_[edge_.link[static_cast<std::size_t>(i)]]);
+  facts_.push_back(facts);
+}
+
+void EdgeCollapser::make_vertex(std::uint32_t other) {
+  const std::uint32_t slot = global(star_.vertex);
+  state_.codes[slot] = code_;
+  state_.positions[slot] = positions_[star_.vertex] = state_.scales.position(code_);
+  state_.values[slot] = values_[star_.vertex] = value_;
+  state_.is_reference[slot] = 0;
+  state_.is_reference[global(other)] = 0;
+  state_.deviations[slot] = rule_.moved;
+}
+
+}  // namespace lode::tetra_mt::midpoint

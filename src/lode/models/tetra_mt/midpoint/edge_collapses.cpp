@@ -1,0 +1,177 @@
+#include "lode/models/tetra_mt/midpoint/edge_collapses.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lode/models/tetra_mt/mesh_check.h"
+#include "lode/models/tetra_mt/midpoint/edge_collapser.h"
+#include "lode/models/tetra_mt/space_blocks.h"
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+/// As for half edges (half_edge.cpp): vertices, shares of what is left that go in a round, how near
+/// to the base is enough, and rounds without much effect after which nothing is left to do.
+constexpr std::size_t kBlockSize = 6000;
+constexpr double kRoundShare = 0.2;
+constexpr double kLastShare = 0.6;
+constexpr double kNearBase = 1.002;
+constexpr int kMaxIdle = 4;
+constexpr double kMuch = 1e-3;
+constexpr std::array<double, 5> kShares{0.5, 0.38, 0.62, 0.44, 0.56};
+
+class Rounds {
+ public:
+  Rounds(const EdgeCollapseOptions& options, State& state)
+      : options_(options),
+        state_(state),
+        places_(static_cast<std::size_t>(n_workers(options.threads)),
+                std::vector<std::uint32_t>(state.outside + std::size_t{1})) {}
+
+  Result<void> run(Progress& progress) {
+    const auto n_first = static_cast<double>(state_.n_cells);
+    const auto n_last = static_cast<double>(options_.base_cells);
+    find_keys();
+    int n_idle = 0;  // rounds in a row
+    for (int round = 0;
+         static_cast<double>(state_.n_cells) > kNearBase * n_last && n_idle < kMaxIdle; ++round) {
+      if (progress.is_cancelled()) return cancelled_error();
+      cut(round);
+      n_idle = collapse_round() > kMuch ? 0 : n_idle + 1;
+      progress.report("collapsing edges", (n_first - static_cast<double>(state_.n_cells)) /
+                                              std::max(n_first - n_last, 1.0));
+    }
+    return {};
+  }
+
+ private:
+  void cut(int round) {
+    std::vector<std::uint32_t> there;
+    for (std::uint32_t v = 0; v < state_.outside; ++v)
+      if (state_.is_there[v] != 0) there.push_back(v);
+    blocks_ = cut_in_blocks(state_.positions, std::move(there), kBlockSize,
+                            kShares[static_cast<std::size_t>(round) % kShares.size()]);
+    block_of_.assign(state_.outside + std::size_t{1}, kNone);
+    for (std::uint32_t b = 0; b < blocks_.size(); ++b)
+      for (const std::uint32_t v : blocks_.of(b)) block_of_[v] = b;
+    slots_.assign(blocks_.size(), {});
+    for (std::uint32_t slot = 0; slot < state_.tetrahedra.size(); ++slot) {
+      const Tetrahedron& t = state_.tetrahedra[slot];
+      if (t[0] == kNone) continue;
+      std::array<std::uint32_t, 4> of{};
+      for (std::size_t k = 0; k < 4; ++k) {
+        of[k] = block_of_[t[k]];
+        bool is_new = of[k] != kNone;
+        for (std::size_t j = 0; j < k; ++j) is_new = is_new && of[j] != of[k];
+        if (is_new) slots_[of[k]].push_back(slot);
+      }
+    }
+  }
+
+  /// Blocks with what is beside their vertices, as edges there belong to one block each.
+  void find_keys() {
+    cut(0);
+    std::vector<std::vector<std::uint32_t>> stars(state_.outside);
+    for (std::uint32_t slot = 0; slot < state_.tetrahedra.size(); ++slot)
+      for (const std::uint32_t v : state_.tetrahedra[slot])
+        if (v != state_.outside) stars[v].push_back(slot);
+    const auto visit = [&](const auto& what) {
+      parallel_for(blocks_.size(), options_.threads, 1, [&](std::size_t b, int worker) {
+        std::vector<std::uint32_t> vertices(blocks_.of(b).begin(), blocks_.of(b).end());
+        const std::size_t n = vertices.size();
+        for (const std::uint32_t slot : slots_[b])
+          for (const std::uint32_t v : state_.tetrahedra[slot])
+            if (v != state_.outside && block_of_[v] != b) vertices.push_back(v);
+        const auto beside = vertices.begin() + static_cast<std::ptrdiff_t>(n);
+        std::sort(beside, vertices.end());
+        vertices.erase(std::unique(beside, vertices.end()), vertices.end());
+        std::vector<std::uint32_t> slots = slots_[b];
+        for (std::size_t i = n; i < vertices.size(); ++i)
+          slots.insert(slots.end(), stars[vertices[i]].begin(), stars[vertices[i]].end());
+        std::ranges::sort(slots);
+        slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+        EdgeCollapser block(state_, vertices, slots, places_[static_cast<std::size_t>(worker)]);
+        what(block, n);
+      });
+    };
+    visit([](EdgeCollapser& block, std::size_t n) { block.find_locked(n); });
+    visit([](EdgeCollapser& block, std::size_t n) { block.find_keys(n); });
+  }
+
+  /// Returns which share of the cells has gone.
+  double collapse_round() {
+    const auto before = static_cast<double>(state_.n_cells);
+    const double left = before - static_cast<double>(options_.base_cells);
+    const double aim =
+        left < 0.01 * before ? left : std::min(kRoundShare * before, kLastShare * left);
+    const double share = std::min(0.9, aim / before / gain_);
+    const float limit = find_limit(share);
+    std::vector<std::vector<EdgeCollapse>> collapses(blocks_.size());
+    std::vector<std::vector<EdgeFacts>> facts(blocks_.size());
+    std::vector<std::uint64_t> n_gone(blocks_.size(), 0);
+    parallel_for(blocks_.size(), options_.threads, 1, [&](std::size_t b, int worker) {
+      EdgeCollapser block(state_, blocks_.of(b), slots_[b],
+                          places_[static_cast<std::size_t>(worker)]);
+      // No block may take more than its part of what is left to go.
+      const double part =
+          static_cast<double>(blocks_.of(b).size()) / static_cast<double>(blocks_.points.size());
+      block.run(limit, static_cast<std::uint64_t>(std::ceil(part * left)));
+      block.write_back();
+      n_gone[b] = block.n_cells_gone();
+      collapses[b].assign(block.collapses().begin(), block.collapses().end());
+      facts[b].assign(block.facts().begin(), block.facts().end());
+    });
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      state_.n_cells -= n_gone[b];
+      state_.collapses.insert(state_.collapses.end(), collapses[b].begin(), collapses[b].end());
+      state_.facts.insert(state_.facts.end(), facts[b].begin(), facts[b].end());
+    }
+    const double gone = (before - static_cast<double>(state_.n_cells)) / before;
+    gain_ = std::clamp(gone / share, gain_ / 2, gain_ * 2);
+    return gone;
+  }
+
+  /// The key that a share of the vertices which may go is below.
+  [[nodiscard]] float find_limit(double share) const {
+    std::vector<float> keys;
+    for (const std::uint32_t v : blocks_.points)
+      if (state_.is_locked[v] == 0 && std::isfinite(state_.keys[v])) keys.push_back(state_.keys[v]);
+    if (keys.empty()) return 0;
+    const auto at = static_cast<std::size_t>(share * static_cast<double>(keys.size()));
+    std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(at), keys.end());
+    return std::nextafter(keys[at], std::numeric_limits<float>::infinity());
+  }
+
+  EdgeCollapseOptions options_;
+  State& state_;
+  std::vector<std::vector<std::uint32_t>> places_;  ///< By worker.
+  double gain_ = 1.5;  ///< What share goes, against that of vertices that a limit lets.
+  SpaceBlocks blocks_;
+  std::vector<std::uint32_t> block_of_;            ///< By vertex.
+  std::vector<std::vector<std::uint32_t>> slots_;  ///< By block.
+};
+
+}  // namespace
+
+Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh, const EdgeCollapseOptions& options,
+                                     Progress& progress) {
+  LODE_CHECK(check_mesh(mesh));
+  if (mesh.fields.size() != 1)
+    return fail("midpoints: expected one field, got {}", mesh.fields.size());
+  State state(mesh);
+  LODE_CHECK(state.close(options.threads));
+  const double volume = state.volume();
+  LODE_CHECK(Rounds(options, state).run(progress));
+  EdgeCollapses result;
+  result.n_base_cells = state.n_cells;
+  result.volume_change = state.volume() - volume;
+  result.collapses = std::move(state.collapses);
+  result.facts = std::move(state.facts);
+  result.errors = std::move(state.errors);
+  return result;
+}
+
+}  // namespace lode::tetra_mt::midpoint

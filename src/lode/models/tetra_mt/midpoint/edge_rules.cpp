@@ -1,0 +1,95 @@
+// Where the vertex that an edge becomes may lie.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lode/models/tetra_mt/midpoint/edge_collapser.h"
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+/// How far from the faces' planes a vertex may be that goes along them, against its distance.
+constexpr double kCoplanar = 1e-6;
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+/// 1 where all beside a vertex have lower values, -1 where all have higher ones.
+int EdgeCollapser::extremum(const Star& star) const {
+  const double own = values_[star.vertex];
+  bool has_lower = false;
+  bool has_higher = false;
+  for (int i = 0; i < star.n_link; ++i) {
+    if (i == star.outside) continue;
+    const double value = values_[star.link[static_cast<std::size_t>(i)]];
+    has_lower = has_lower || value <= own;
+    has_higher = has_higher || value >= own;
+  }
+  return has_higher ? (has_lower ? 0 : -1) : 1;
+}
+
+void EdgeCollapser::find_interfaces_of(const Star& star, Interfaces& found) const {
+  if (state_.labels.empty()) {
+    find_boundary(star, found);
+    return;
+  }
+  std::array<std::uint32_t, Star::kMaxTriangles> labels;
+  const auto n = static_cast<std::size_t>(star.n_triangles);
+  for (std::size_t i = 0; i < n; ++i) labels[i] = state_.labels[slots_[star.slots[i]]];
+  find_interfaces(star, std::span(labels).first(n), found);
+}
+
+/// How far out of its faces' planes a vertex goes with its edge, 0 where it has no such faces;
+/// infinite where they do not let it.
+double EdgeCollapser::height(const Star& star, const Interfaces& interfaces, int kept) const {
+  if (!goes_along(interfaces, kept)) return kInfinite;
+  const auto way_to = [&](int place) {
+    const auto at = static_cast<std::size_t>(place);
+    return (positions_[star.link[at]] - positions_[star.vertex]) * scale_;
+  };
+  double largest = 0;
+  const Vec3d at = way_to(kept);
+  for (int i = 0; i < interfaces.n_faces; ++i) {
+    const auto& edge = interfaces.faces[static_cast<std::size_t>(i)].edge;
+    if (edge[0] == kept || edge[1] == kept) continue;
+    const Vec3d normal = cross(way_to(edge[0]), way_to(edge[1]));
+    const double volume = std::abs(dot(normal, at));
+    if (volume == 0) continue;
+    const double out = volume / length(normal);
+    if (!(out <= std::max(kCoplanar * length(at), state_.step_limit * scale_))) return kInfinite;
+    largest = std::max(largest, out);
+  }
+  return largest / scale_;
+}
+
+/// In the middle where both ends may go along the edge; else where the one is that may not.
+std::optional<EdgeCollapser::Rule> EdgeCollapser::rule_of(int place) const {
+  const int other_extremum = extremum(other_);
+  if (extremum_ * other_extremum < 0) return {};
+  Rule rule;
+  const std::uint32_t end = global(star_.link[static_cast<std::size_t>(place)]);
+  rule.moved = std::max(state_.deviations[global(star_.vertex)], state_.deviations[end]);
+  const double first = height(star_, interfaces_, place);
+  const double second = height(other_, other_interfaces_, place_in_other_);
+  double out = std::max(first, second);
+  if (out == kInfinite) {
+    rule.placement.position = second == kInfinite ? Place::second : Place::first;
+    out = std::min(first, second);
+  }
+  rule.moved += out;
+  if (!(rule.moved <= state_.deviation_limit)) return {};
+  rule.placement.value = extremum_ != 0        ? Place::first
+                         : other_extremum != 0 ? Place::second
+                                               : rule.placement.position;
+  return rule;
+}
+
+/// Expects the link condition of the mesh.
+bool EdgeCollapser::keeps_regions(int place) const {
+  if (state_.labels.empty()) return true;
+  return rule_.placement.position == Place::first
+             ? keeps_interfaces(other_, other_interfaces_, place_in_other_, star_, interfaces_)
+             : keeps_interfaces(star_, interfaces_, place, other_, other_interfaces_);
+}
+
+}  // namespace lode::tetra_mt::midpoint

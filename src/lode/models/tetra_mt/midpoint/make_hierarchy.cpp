@@ -1,0 +1,262 @@
+// Does the collapses again, and notes what undoes them.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "lode/models/tetra_mt/live_tetrahedra.h"
+#include "lode/models/tetra_mt/midpoint/edge_collapser.h"
+#include "lode/models/tetra_mt/midpoint/hierarchy.h"
+#include "lode/models/tetra_mt/midpoint/star_order.h"
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+Placement turned(Placement placement) {
+  const auto turn = [](Place place) {
+    return place == Place::middle ? place : place == Place::first ? Place::second : Place::first;
+  };
+  return {turn(placement.position), turn(placement.value)};
+}
+
+class HierarchyMaker {
+ public:
+  HierarchyMaker(const TetraMesh& mesh, const EdgeCollapses& collapses)
+      : mesh_(mesh), collapses_(collapses), n_(static_cast<std::uint32_t>(mesh.positions.size())) {}
+
+  Result<Hierarchy> run(Threads threads) {
+    if (std::uint64_t{n_} + collapses_.collapses.size() >= kNone)
+      return fail("expected fewer than {} vertices and collapses, got {}", kNone,
+                  std::uint64_t{n_} + collapses_.collapses.size());
+    describe();
+    start_leaves();
+    std::vector<Tetrahedron> tetrahedra = mesh_.tetrahedra;
+    LODE_CHECK(close_boundary(n_, tetrahedra, threads));
+    LiveTetrahedra live(n_, n_, std::move(tetrahedra));
+    for (std::uint32_t node = 0; node < n_nodes(); ++node) {
+      const EdgeCollapse& collapse = collapses_.collapses[node];
+      LODE_CHECK(note_star(live, node, collapse));
+      note_ends(node, collapse);
+      live.collapse(collapse.removed, collapse.kept);
+    }
+    take_base(live);
+    find_facts();
+    return std::move(made_);
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t n_nodes() const {
+    return static_cast<std::uint32_t>(collapses_.collapses.size());
+  }
+  /// Of a slot; kNone of tetrahedra to the vertex outside.
+  [[nodiscard]] std::uint32_t region(std::uint32_t slot) const {
+    return slot < mesh_.regions.size() ? mesh_.regions[slot] : kNone;
+  }
+  [[nodiscard]] std::uint32_t label(std::uint32_t vertex) const {
+    return vertex == n_ ? made_.outside() : labels_[vertex];
+  }
+  [[nodiscard]] Vec3d position(std::uint32_t vertex) const {
+    return made_.position(labels_[vertex], codes_[vertex]);
+  }
+  void describe();
+  void start_leaves();
+  [[nodiscard]] Result<void> note_star(const LiveTetrahedra& live, std::uint32_t node,
+                                       const EdgeCollapse& collapse);
+  void note_regions(const LiveTetrahedra& live, std::uint32_t node, const EdgeCollapse& collapse);
+  void note_ends(std::uint32_t node, const EdgeCollapse& collapse);
+  void take_base(const LiveTetrahedra& live);
+  void find_facts();
+
+  const TetraMesh& mesh_;
+  const EdgeCollapses& collapses_;
+  std::uint32_t n_;
+  std::vector<std::uint32_t> labels_;  ///< By slot: of the vertex there now,
+  std::vector<Code> codes_;            ///< and its code.
+  std::vector<StarTriangle> star_;
+  std::vector<Vec3d> centres_;  ///< By node: where its vertex lies,
+  std::vector<double> radii_;   ///< and how far what it changes reaches.
+  Hierarchy made_;
+};
+
+void HierarchyMaker::describe() {
+  const MeshField& field = mesh_.fields[0];
+  made_.n_vertices = n_;
+  made_.field = field.name;
+  made_.type = field.type;
+  made_.n_cells = mesh_.tetrahedra.size();
+  made_.region_ids = mesh_.region_ids;
+  made_.scales = Scales(mesh_);
+  made_.wide.assign(n_ + std::size_t{n_nodes()}, kNone);
+  made_.deep.resize(n_nodes());
+  made_.nodes.resize(n_nodes());
+  if (n_ == 0) return;
+  made_.low = std::ranges::min(field.values);
+  made_.high = std::ranges::max(field.values);
+  made_.box = {mesh_.positions[0], mesh_.positions[0]};
+  for (const Vec3d& p : mesh_.positions)
+    for (std::size_t i = 0; i < 3; ++i) {
+      made_.box.lower[i] = std::min(made_.box.lower[i], p[i]);
+      made_.box.upper[i] = std::max(made_.box.upper[i], p[i]);
+    }
+  for (const float error : collapses_.errors)
+    made_.base_error =
+        std::max(made_.base_error, std::abs(static_cast<double>(error)) * (made_.high - made_.low));
+}
+
+void HierarchyMaker::start_leaves() {
+  made_.exact.set_size(n_);
+  for (std::uint32_t v = 0; v < n_; ++v) {
+    const Vec3d& position = mesh_.positions[v];
+    const double value = mesh_.fields[0].values[v];
+    labels_.push_back(v);
+    codes_.push_back(made_.scales.code(position, value));
+    const Code& code = codes_.back();
+    if (made_.scales.position(code).v != position.v || made_.scales.value(code) != value)
+      made_.exact.add(v, {position, value});
+  }
+}
+
+/// Which tetrahedra come of which end. Those with both ends go.
+Result<void> HierarchyMaker::note_star(const LiveTetrahedra& live, std::uint32_t node,
+                                       const EdgeCollapse& collapse) {
+  star_.clear();
+  const std::uint32_t made = n_ + node;
+  const std::uint32_t first =
+      labels_[collapse.kept] > labels_[collapse.removed] ? collapse.kept : collapse.removed;
+  const std::uint32_t second = first == collapse.kept ? collapse.removed : collapse.kept;
+  const Placement placement =
+      first == collapse.kept ? collapse.placement : turned(collapse.placement);
+  centres_.push_back(made_.scales.position(merged(codes_[first], codes_[second], placement)));
+  double reach = std::max(length(position(first) - centres_.back()),
+                          length(position(second) - centres_.back()));
+  for (const std::uint32_t end : {first, second})
+    for (const std::uint32_t slot : live.star(end)) {
+      Tetrahedron t = live.corners(slot);
+      const bool is_between = std::ranges::find(t, end == first ? second : first) != t.end();
+      if (is_between) continue;
+      const auto at = static_cast<std::size_t>(std::ranges::find(t, end) - t.begin());
+      std::array<std::uint32_t, 3> face = others(t, at);
+      for (std::uint32_t& v : face) {
+        if (v != n_) reach = std::max(reach, length(position(v) - centres_.back()));
+        v = label(v);
+      }
+      star_.push_back({star_key(face), face, slot, end == second});
+    }
+  radii_.push_back(reach);
+  sort_star(star_);
+  if (star_.size() > kMaxStar)
+    return fail("vertex {}: expected at most {} tetrahedra, got {}", made, kMaxStar, star_.size());
+  NodeRecord& record = made_.nodes[node];
+  std::uint64_t mask = 0;
+  for (std::size_t i = 0; i < star_.size(); ++i) {
+    if (star_[i].is_second) mask |= std::uint64_t{1} << i;
+    if (i > 0 && star_[i].key == star_[i - 1].key)
+      return fail("vertex {}: expected different tetrahedra, got two of the same corners", made);
+  }
+  mask |= static_cast<std::uint64_t>(placement.position) << 60 |
+          static_cast<std::uint64_t>(placement.value) << 62;
+  record.mask = {static_cast<std::uint32_t>(mask), static_cast<std::uint32_t>(mask >> 32)};
+  if (mesh_.region_ids.size() > 1) note_regions(live, node, {first, second, placement});
+  return {};
+}
+
+/// Collapses leave tetrahedra their slots, which are the mesh's: so their regions are known.
+void HierarchyMaker::note_regions(const LiveTetrahedra& live, std::uint32_t node,
+                                  const EdgeCollapse& collapse) {
+  std::uint32_t common = kNone;
+  bool is_common = true;
+  const auto look_at = [&](std::uint32_t slot) {
+    if (common == kNone) common = region(slot);
+    is_common = is_common && (region(slot) == kNone || region(slot) == common);
+  };
+  for (const StarTriangle& triangle : star_) look_at(triangle.slot);
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> between;
+  for (const std::uint32_t slot : live.star(collapse.kept)) {
+    const Tetrahedron& t = live.corners(slot);
+    if (std::ranges::find(t, collapse.removed) == t.end()) continue;
+    look_at(slot);
+    std::array<std::uint32_t, 2> edge{};
+    std::size_t n = 0;
+    for (const std::uint32_t v : t)
+      if (v != collapse.kept && v != collapse.removed) edge[n++] = label(v);
+    between.emplace_back(edge_key(edge[0], edge[1]), region(slot) == kNone ? 0 : region(slot));
+  }
+  if (is_common) return;
+  std::ranges::sort(between);
+  made_.mixed_nodes.push_back(node);
+  if (made_.mixed_begins.empty()) made_.mixed_begins.push_back(0);
+  for (const auto& [edge, region_there] : between) made_.mixed_regions.push_back(region_there);
+  made_.mixed_begins.push_back(made_.mixed_regions.size());
+}
+
+void HierarchyMaker::note_ends(std::uint32_t node, const EdgeCollapse& collapse) {
+  const bool is_kept_first = labels_[collapse.kept] > labels_[collapse.removed];
+  const std::uint32_t first = is_kept_first ? collapse.kept : collapse.removed;
+  const std::uint32_t second = is_kept_first ? collapse.removed : collapse.kept;
+  made_.nodes[node].difference = difference(codes_[first], codes_[second]);
+  made_.deep[node] = labels_[first];
+  made_.wide[labels_[first]] = labels_[second];
+  made_.wide[labels_[second]] = n_ + node;
+  codes_[collapse.kept] = merged(codes_[first], codes_[second], made_.placement(node));
+  labels_[collapse.kept] = n_ + node;
+}
+
+void HierarchyMaker::take_base(const LiveTetrahedra& live) {
+  for (std::uint32_t slot = 0; slot < live.n_slots(); ++slot) {
+    if (live.is_gone(slot)) continue;
+    Tetrahedron t = live.corners(slot);
+    const bool is_outer = std::ranges::find(t, n_) != t.end();
+    for (std::uint32_t& v : t) v = label(v);
+    made_.base.push_back(t);
+    if (made_.region_ids.size() > 1)
+      made_.base_regions.push_back(region(slot) == kNone ? 0 : region(slot));
+    if (!is_outer) ++made_.n_base_cells;
+  }
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> there;
+  for (std::uint32_t v = 0; v < n_; ++v)
+    if (made_.wide[labels_[v]] == kNone) there.emplace_back(labels_[v], v);
+  std::ranges::sort(there);
+  for (const auto& [root, v] : there) {
+    made_.roots.push_back(root);
+    made_.root_codes.push_back(codes_[v]);
+  }
+}
+
+/// Nested along the forest: children have smaller labels, so they are known. Balls are those that
+/// codes say.
+void HierarchyMaker::find_facts() {
+  double largest_error = 0;
+  for (const EdgeFacts& facts : collapses_.facts)
+    largest_error = std::max(largest_error, facts.error);
+  const double diagonal = length(made_.box.upper - made_.box.lower);
+  made_.codes = NodeCodes(mesh_.fields[0].values, largest_error, 2 * diagonal);
+  const NodeCodes& codes = made_.codes;
+  std::vector<NodeCodes::Parts> parts(n_nodes());
+  for (std::uint32_t node = 0; node < n_nodes(); ++node) {
+    const EdgeFacts& own = collapses_.facts[node];
+    NodeCodes::Parts& all = parts[node];
+    all = {codes.error_code(own.error), codes.low_code(own.low), codes.high_code(own.high), 0};
+    double radius = radii_[node];
+    const auto [first, second] = made_.children(node);
+    for (const std::uint32_t child : {first, second}) {
+      if (made_.is_leaf(child)) continue;
+      const NodeCodes::Parts& below = parts[child - n_];
+      all.error = std::max(all.error, below.error);
+      all.low = std::min(all.low, below.low);
+      all.high = std::max(all.high, below.high);
+      radius = std::max(radius,
+                        length(centres_[child - n_] - centres_[node]) + codes.radius(below.radius));
+    }
+    all.radius = codes.radius_code(radius * (1 + 0x1p-40));
+    made_.nodes[node].facts = NodeCodes::word(all);
+  }
+}
+
+}  // namespace
+
+Result<Hierarchy> make_hierarchy(const TetraMesh& mesh, const EdgeCollapses& collapses,
+                                 Threads threads) {
+  return HierarchyMaker(mesh, collapses).run(threads);
+}
+
+}  // namespace lode::tetra_mt::midpoint

@@ -1,0 +1,255 @@
+#include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
+
+#include <algorithm>
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+/// By place of the base's vertices; none yet for the others that there can be.
+std::vector<std::uint32_t> count_corners(const Hierarchy& hierarchy) {
+  std::vector<std::uint32_t> counts(hierarchy.n_labels() + std::size_t{1}, 0);
+  for (const Tetrahedron& t : hierarchy.base)
+    for (const std::uint32_t v : t) ++counts[v];
+  std::vector<std::uint32_t> by_place;
+  for (const std::uint32_t root : hierarchy.roots) by_place.push_back(counts[root]);
+  // One more while a node is undone.
+  by_place.resize(std::max<std::size_t>(hierarchy.n_vertices, by_place.size()) + 1, 0);
+  return by_place;
+}
+
+}  // namespace
+
+MidpointCut::MidpointCut(const Hierarchy& hierarchy)
+    : hierarchy_(&hierarchy),
+      outside_(hierarchy.outside()),
+      places_(hierarchy.n_labels(), kNone),
+      stars_(count_corners(hierarchy)) {
+  for (std::size_t i = 0; i < hierarchy.roots.size(); ++i)
+    add_vertex(hierarchy.roots[i], hierarchy.root_codes[i]);
+  for (std::uint32_t slot = 0; slot < hierarchy.base.size(); ++slot) {
+    const std::uint32_t region = hierarchy.base_regions.empty() ? 0 : hierarchy.base_regions[slot];
+    cells_.emplace_back();
+    place(slot, {hierarchy.base[slot], region});
+  }
+}
+
+void MidpointCut::add_base(std::vector<NodeId>& out) const {
+  for (const std::uint32_t root : hierarchy_->roots)
+    if (!hierarchy_->is_leaf(root)) out.push_back(NodeId{root - hierarchy_->n_vertices});
+}
+
+void MidpointCut::add_children(NodeId node, std::vector<NodeId>& out) const {
+  const auto [first, second] = hierarchy_->children(index(node));
+  for (const std::uint32_t child : {first, second})
+    if (!hierarchy_->is_leaf(child)) out.push_back(NodeId{child - hierarchy_->n_vertices});
+}
+
+/// Calls visit(label), often more than once for the same.
+template <typename Visit>
+void MidpointCut::visit_beside(std::uint32_t label, const Visit& visit) const {
+  for (const std::uint32_t slot : star(label))
+    for (const std::uint32_t v : cells_[slot].corners)
+      if (v != label && v != outside_) visit(v);
+}
+
+void MidpointCut::add_parents(NodeId node, std::vector<NodeId>& out) const {
+  const std::uint32_t label = label_of(node);
+  const auto begin = static_cast<std::ptrdiff_t>(out.size());
+  const auto add = [&](std::uint32_t v) {
+    if (v != kNone) out.push_back(NodeId{v - hierarchy_->n_vertices});
+  };
+  if (!has_vertex(label)) return add(hierarchy_->parent(label));
+  visit_beside(label, [&](std::uint32_t v) {
+    if (v > label) add(v);
+  });
+  if (out.begin() + begin == out.end()) {
+    add(hierarchy_->parent(label));
+    visit_beside(label, [&](std::uint32_t v) { add(hierarchy_->parent(v)); });
+  }
+  std::sort(out.begin() + begin, out.end());
+  out.erase(std::unique(out.begin() + begin, out.end()), out.end());
+}
+
+Bounds MidpointCut::bounds(NodeId node) const {
+  const std::uint32_t label = label_of(node);
+  const Code code = has_vertex(label) ? vertices_[places_[label]].code : hierarchy_->code_of(label);
+  const NodeCodes::Parts parts = NodeCodes::parts(hierarchy_->nodes[index(node)].facts);
+  return {hierarchy_->scales.position(code), hierarchy_->codes.radius(parts.radius)};
+}
+
+void MidpointCut::add_vertex(std::uint32_t label, const Code& code) {
+  std::uint32_t at = static_cast<std::uint32_t>(vertices_.size());
+  if (free_vertices_.empty()) {
+    vertices_.emplace_back();
+  } else {
+    at = free_vertices_.back();
+    free_vertices_.pop_back();
+  }
+  vertices_[at] = {label, code};
+  places_[label] = at;
+}
+
+void MidpointCut::end_vertex(std::uint32_t label) {
+  stars_.end(places_[label]);
+  free_vertices_.push_back(places_[label]);
+  places_[label] = kNone;
+}
+
+std::uint32_t MidpointCut::take_slot() {
+  if (free_cells_.empty()) {
+    cells_.emplace_back();
+    return static_cast<std::uint32_t>(cells_.size() - 1);
+  }
+  const std::uint32_t slot = free_cells_.back();
+  free_cells_.pop_back();
+  return slot;
+}
+
+void MidpointCut::place(std::uint32_t slot, const Cell& cell) {
+  cells_[slot] = cell;
+  for (const std::uint32_t v : cell.corners)
+    if (v != outside_) stars_.add(places_[v], slot);
+}
+
+/// The tetrahedra round a vertex in their order, each with the end that it goes to.
+void MidpointCut::take_star(std::uint32_t label, std::uint32_t node) {
+  star_.clear();
+  for (const std::uint32_t slot : star(label)) {
+    const Tetrahedron& t = cells_[slot].corners;
+    std::size_t at = 0;
+    while (t[at] != label) ++at;
+    const auto face = others(t, at);
+    star_.push_back({star_key(face), face, slot, false});
+  }
+  sort_star(star_);
+  for (std::size_t i = 0; i < star_.size() && i < kMaxStar; ++i)
+    star_[i].is_second = hierarchy_->is_second(node, i);
+}
+
+/// The faces at the vertex that lie between tetrahedra of both ends, by the edges across from it.
+void MidpointCut::find_edges() {
+  between_.clear();
+  for (const StarTriangle& t : star_) {
+    if (t.is_second) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t.corners[k];
+      const std::uint32_t b = t.corners[(k + 1) % 3];
+      between_.push_back({edge_key(a, b), a, b, kNone});
+    }
+  }
+  // Edges of two of the first end's go, those of one are the outline.
+  std::ranges::sort(between_, {}, &Between::key);
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < between_.size(); ++i) {
+    if (i + 1 < between_.size() && between_[i].key == between_[i + 1].key) {
+      ++i;
+    } else {
+      between_[n++] = between_[i];
+    }
+  }
+  between_.resize(n);
+}
+
+std::uint64_t MidpointCut::apply(NodeId id) {
+  const std::uint32_t node = index(id);
+  const std::uint32_t label = label_of(id);
+  const auto [first, second] = hierarchy_->children(node);
+  take_star(label, node);
+  find_edges();
+  const Ends ends = parted(vertices_[places_[label]].code, hierarchy_->nodes[node].difference,
+                           hierarchy_->placement(node));
+  end_vertex(label);
+  add_vertex(first, ends.first);
+  add_vertex(second, ends.second);
+  std::uint32_t region = 0;
+  for (const StarTriangle& t : star_) {
+    Cell& cell = cells_[t.slot];
+    const std::uint32_t end = t.is_second ? second : first;
+    std::ranges::replace(cell.corners, label, end);
+    stars_.add(places_[end], t.slot);
+    if (is_inside(cell)) region = cell.region;
+  }
+  const auto regions = hierarchy_->regions_of(node);
+  std::uint64_t n_inside = 0;
+  for (std::size_t i = 0; i < between_.size(); ++i) {
+    const Between& edge = between_[i];
+    const Cell cell{{first, edge.b, edge.a, second}, i < regions.size() ? regions[i] : region};
+    place(take_slot(), cell);
+    if (is_inside(cell)) ++n_inside;
+  }
+  return n_inside;
+}
+
+std::uint64_t MidpointCut::undo(NodeId id) {
+  const std::uint32_t node = index(id);
+  const std::uint32_t label = label_of(id);
+  const auto [first, second] = hierarchy_->children(node);
+  const Code code = merged(vertices_[places_[first]].code, vertices_[places_[second]].code,
+                           hierarchy_->placement(node));
+  add_vertex(label, code);
+  std::uint64_t n_gone = 0;
+  for (const std::uint32_t end : {first, second}) {
+    const std::uint32_t other = end == first ? second : first;
+    for (const std::uint32_t slot : star(end)) {
+      Cell& cell = cells_[slot];
+      if (std::ranges::find(cell.corners, other) == cell.corners.end()) {
+        std::ranges::replace(cell.corners, end, label);
+        continue;
+      }
+      if (is_inside(cell)) ++n_gone;
+      for (const std::uint32_t v : cell.corners)
+        if (v != end && v != outside_) stars_.remove(places_[v], slot);
+      cell.corners[0] = kNone;
+      free_cells_.push_back(slot);
+    }
+    const std::size_t n = star(end).size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::uint32_t slot = star(end)[i];
+      if (cells_[slot].corners[0] != kNone) stars_.add(places_[label], slot);
+    }
+    end_vertex(end);
+  }
+  return n_gone;
+}
+
+bool MidpointCut::may_split(NodeId node) const {
+  const std::uint32_t label = label_of(node);
+  if (!has_vertex(label)) return false;
+  bool may = true;
+  visit_beside(label, [&](std::uint32_t v) { may = may && v < label; });
+  return may;
+}
+
+bool MidpointCut::may_collapse(NodeId node) const {
+  const std::uint32_t label = label_of(node);
+  const Hierarchy::Children ends = hierarchy_->children(index(node));
+  if (!has_vertex(ends.first) || !has_vertex(ends.second)) return false;
+  bool is_edge = false;
+  bool may = true;
+  const auto look_at = [&](std::uint32_t v) {
+    is_edge = is_edge || v == ends.second;
+    may = may && hierarchy_->parent(v) >= label;  // kNone is above all
+  };
+  visit_beside(ends.first, look_at);
+  visit_beside(ends.second, look_at);
+  return is_edge && may;
+}
+
+bool MidpointCut::is_inside(const Cell& cell) const {
+  const Tetrahedron& t = cell.corners;
+  return t[0] != kNone && std::ranges::find(t, outside_) == t.end();
+}
+
+std::vector<Tetrahedron> MidpointCut::cells() const {
+  std::vector<Tetrahedron> cells;
+  for (const Cell& cell : cells_)
+    if (is_inside(cell)) cells.push_back(cell.corners);
+  return cells;
+}
+
+std::uint32_t MidpointCut::maker(const Cell& cell) const {
+  const std::uint32_t last = std::ranges::max(cell.corners);
+  return hierarchy_->is_leaf(last) ? kNone : last - hierarchy_->n_vertices;
+}
+
+}  // namespace lode::tetra_mt::midpoint

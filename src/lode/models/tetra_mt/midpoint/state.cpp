@@ -1,0 +1,79 @@
+#include "lode/models/tetra_mt/midpoint/state.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lode/models/tetra_mt/interfaces.h"
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+/// As for half edges: roundings of float32 positions, and a share of the mesh's size.
+constexpr double kStepRoundings = 4;
+constexpr double kRoundings = 64;
+constexpr double kSizeShare = 1e-6;
+
+}  // namespace
+
+State::State(const TetraMesh& reference)
+    : mesh(reference),
+      scales(reference),
+      outside(static_cast<std::uint32_t>(reference.positions.size())),
+      tetrahedra(reference.tetrahedra),
+      next_sample(outside, kNone),
+      positions(reference.positions),
+      values(reference.fields[0].values),
+      is_reference(outside, 1),
+      deviations(outside, 0),
+      errors(outside, 0),
+      keys(outside, 0),
+      is_there(outside, 1),
+      is_locked(outside, 0),
+      n_cells(tetrahedra.size()) {
+  if (positions.empty()) return;
+  codes.reserve(outside);
+  Vec3d lower = positions[0];
+  Vec3d upper = lower;
+  for (std::uint32_t v = 0; v < outside; ++v) {
+    codes.push_back(scales.code(positions[v], values[v]));
+    for (std::size_t i = 0; i < 3; ++i) {
+      lower[i] = std::min(lower[i], positions[v][i]);
+      upper[i] = std::max(upper[i], positions[v][i]);
+    }
+  }
+  const auto [low, high] = std::ranges::minmax(values);
+  value_scale = high > low ? 1 / (high - low) : 0;
+  Vec3d farthest;
+  Vec3d steps;
+  for (std::size_t i = 0; i < 3; ++i) {
+    farthest[i] = std::max(std::abs(lower[i]), std::abs(upper[i]));
+    steps[i] = scales.axes()[i].step();
+  }
+  const double rounding =
+      length(steps) + (mesh.has_narrow_positions ? 0x1p-24 * length(farthest) : 0);
+  step_limit = kStepRoundings * rounding;
+  deviation_limit = std::max(kRoundings * rounding, kSizeShare * length(upper - lower));
+}
+
+Result<void> State::close(Threads threads) {
+  LODE_CHECK(close_boundary(outside, tetrahedra, threads));
+  first_sample.assign(tetrahedra.size(), kNone);
+  const auto is_other = [&](std::uint32_t region) { return region != mesh.regions.front(); };
+  if (!std::ranges::any_of(mesh.regions, is_other)) return {};
+  labels = mesh.regions;
+  labels.resize(tetrahedra.size(), kOutsideLabel);
+  return {};
+}
+
+double State::volume() const {
+  double six_volumes = 0;
+  for (std::size_t slot = 0; slot < mesh.tetrahedra.size(); ++slot) {
+    const Tetrahedron& t = tetrahedra[slot];
+    if (t[0] == kNone) continue;
+    const Vec3d& at = positions[t[0]];
+    six_volumes += dot(cross(positions[t[1]] - at, positions[t[2]] - at), positions[t[3]] - at);
+  }
+  return six_volumes / 6;
+}
+
+}  // namespace lode::tetra_mt::midpoint

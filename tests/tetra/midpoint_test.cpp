@@ -1,0 +1,539 @@
+// Edges collapse to their midpoints: hierarchies and their cuts, held against brute force.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "lode/models/tetra_mt/midpoint/edge_collapser.h"
+#include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
+#include "lode/refine/engine.h"
+#include "lode/refine/one_shot.h"
+#include "tests/oracles/random.h"
+#include "tests/oracles/tetra_grids.h"
+#include "tests/tetra/mesh_checks.h"
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+using oracles::Cut;
+using oracles::noise_mesh;
+using oracles::Random;
+
+EdgeCollapses collapsed(const TetraMesh& mesh, std::uint64_t base_cells, int threads = 2) {
+  Progress progress;
+  auto result = collapse_edges(mesh, {.base_cells = base_cells, .threads = {threads}}, progress);
+  EXPECT_TRUE(result) << (result ? "" : result.error().message);
+  return result ? std::move(*result) : EdgeCollapses{};
+}
+
+Hierarchy hierarchy_of(const TetraMesh& mesh, const EdgeCollapses& collapses) {
+  auto result = make_hierarchy(mesh, collapses, {2});
+  EXPECT_TRUE(result) << (result ? "" : result.error().message);
+  return result ? std::move(*result) : Hierarchy{};
+}
+
+/// All vertices that there ever are, by label; without cells.
+TetraMesh all_vertices(const Hierarchy& hierarchy) {
+  TetraMesh mesh;
+  mesh.fields.push_back({.name = "f", .type = {}, .n_components = 1, .values = {}});
+  for (std::uint32_t label = 0; label < hierarchy.n_labels(); ++label) {
+    const Code code = hierarchy.code_of(label);
+    mesh.positions.push_back(hierarchy.position(label, code));
+    mesh.fields[0].values.push_back(hierarchy.value(label, code));
+  }
+  return mesh;
+}
+
+struct Built {
+  TetraMesh reference;
+  EdgeCollapses collapses;
+  Hierarchy hierarchy;
+  TetraMesh vertices;
+};
+
+Built built(const TetraMesh& mesh, std::uint64_t base_cells) {
+  Built result{mesh, collapsed(mesh, base_cells), {}, {}};
+  result.hierarchy = hierarchy_of(mesh, result.collapses);
+  result.vertices = all_vertices(result.hierarchy);
+  return result;
+}
+
+/// A mesh with a cavity.
+TetraMesh holed_mesh(int n, Cut cut) {
+  TetraMesh mesh = noise_mesh(n, cut, 21);
+  std::erase_if(mesh.tetrahedra, [&](const auto& t) {
+    Vec3d centre;
+    for (const std::uint32_t v : t) centre = centre + mesh.positions[v] * 0.25;
+    return length(centre - Vec3d{{0.5, 0.5, 0.3}}) < 0.2;
+  });
+  return mesh;
+}
+
+std::set<std::uint32_t> used_vertices(const TetraMesh& mesh) {
+  std::set<std::uint32_t> used;
+  for (const auto& t : mesh.tetrahedra) used.insert(t.begin(), t.end());
+  return used;
+}
+
+void expect_valid(const Built& b, const MidpointCut& cut) {
+  const double volume = test::volume_of(b.reference, b.reference.tetrahedra);
+  EXPECT_NEAR(test::expect_conforming(b.vertices, cut.cells()), volume, 1e-6 * volume);
+}
+
+/// Positions and values as the cut itself says they are.
+void expect_reference(const Built& b, const MidpointCut& cut) {
+  EXPECT_EQ(test::normalised(cut.cells()), test::normalised(b.reference.tetrahedra));
+  for (const auto& t : cut.cells())
+    for (const std::uint32_t v : t) {
+      EXPECT_EQ(cut.position(v).v, b.reference.positions[v].v);
+      EXPECT_EQ(cut.value(v), b.reference.fields[0].values[v]);
+    }
+}
+
+/// Dependencies by the definition: a node depends on what made the tetrahedra that it replaces.
+std::vector<std::set<std::uint32_t>> brute_parents(const Built& b) {
+  using Cell = std::array<std::uint32_t, 4>;
+  const Hierarchy& h = b.hierarchy;
+  const auto sorted = [](Cell c) {
+    std::ranges::sort(c);
+    return c;
+  };
+  test::Tetrahedra closed = b.reference.tetrahedra;
+  EXPECT_TRUE(close_boundary(h.n_vertices, closed, {1}));
+  std::map<std::uint32_t, std::set<Cell>> stars;
+  std::map<Cell, std::uint32_t> makers;
+  const auto insert = [&](const Cell& c) {
+    for (const std::uint32_t v : c) EXPECT_TRUE(stars[v].insert(c).second);
+  };
+  for (Cell c : closed) {
+    std::ranges::replace(c, h.n_vertices, h.outside());
+    insert(sorted(c));
+  }
+  std::vector<std::set<std::uint32_t>> parents(h.n_nodes());
+  for (std::uint32_t node = 0; node < h.n_nodes(); ++node) {
+    const auto [first, second] = h.children(node);
+    const std::uint32_t made = h.n_vertices + node;
+    std::set<Cell> gone = stars[first];
+    gone.insert(stars[second].begin(), stars[second].end());
+    for (const Cell& c : gone) {
+      for (const std::uint32_t v : c) stars[v].erase(c);
+      if (const auto maker = makers.find(c); maker != makers.end())
+        parents[maker->second].insert(node);
+    }
+    for (Cell c : gone) {
+      if (std::ranges::count(c, first) + std::ranges::count(c, second) != 1) continue;
+      std::ranges::replace(c, first, made);
+      std::ranges::replace(c, second, made);
+      insert(sorted(c));
+      makers[sorted(c)] = node;
+    }
+  }
+  return parents;
+}
+
+TEST(midpoint_codes, go_to_the_middle_and_back_without_loss) {
+  Random random(3);
+  const auto any = [&] {
+    Code code;
+    for (std::int32_t& c : code) c = static_cast<std::int32_t>(random.below(0x80000000U));
+    return code;
+  };
+  for (int i = 0; i < 2000; ++i) {
+    Code a = any();
+    Code b = any();
+    if (i % 7 == 0) a = {0, 0x7FFFFFFF, 0, 1};
+    if (i % 7 == 0) b = {0x7FFFFFFF, 0, 1, 0};
+    for (const Place position : {Place::middle, Place::first, Place::second})
+      for (const Place value : {Place::middle, Place::first, Place::second}) {
+        const Code made = merged(a, b, {position, value});
+        const Ends ends = parted(made, difference(a, b), {position, value});
+        EXPECT_EQ(ends.first, a);
+        EXPECT_EQ(ends.second, b);
+        if (position != Place::middle) continue;
+        const std::int64_t sum = std::int64_t{a[0]} + b[0];
+        EXPECT_EQ(made[0], sum >> 1);
+      }
+  }
+}
+
+TEST(midpoint_codes, are_off_by_no_more_than_is_said) {
+  Random random(5);
+  for (int i = 0; i < 500; ++i) {
+    const double centre =
+        std::ldexp(random.uniform(-1, 1), static_cast<int>(random.below(600)) - 300);
+    const double width =
+        std::abs(centre) * std::ldexp(1.0, static_cast<int>(random.below(40)) - 20);
+    const Scale scale(centre - width, centre + width);
+    for (int k = 0; k <= 4; ++k) {
+      const double x = centre + width * (k / 2.0 - 1);
+      EXPECT_LE(std::abs(scale.value(scale.code(x)) - x), 0x1p-31 * 2 * width);
+    }
+  }
+  for (const double x : {0.0, 1e-320, -1e308, 5.0}) {
+    const Scale scale(x, x);
+    EXPECT_EQ(scale.value(scale.code(x)), x);
+  }
+}
+
+TEST(midpoint, refined_in_any_order_is_the_reference_and_coarsened_the_base) {
+  for (const Cut split : {Cut::in_five, Cut::in_six}) {
+    const Built b = built(holed_mesh(11, split), 100);
+    ASSERT_GT(b.hierarchy.n_nodes(), 800U);
+    EXPECT_EQ(b.hierarchy.n_base_cells, b.collapses.n_base_cells);
+    MidpointCut cut(b.hierarchy);
+    const auto base = test::normalised(cut.cells());
+    expect_valid(b, cut);
+    Random random(4);
+    for (int round = 0; round < 2; ++round) {
+      std::vector<std::uint32_t> left(b.hierarchy.n_nodes());
+      for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
+      std::vector<std::uint32_t> order;
+      std::uint64_t n_cells = b.hierarchy.n_base_cells;
+      while (!left.empty()) {
+        std::swap(left[random.below(left.size())], left.back());
+        if (!cut.may_split(NodeId{left.back()})) continue;
+        n_cells += cut.apply(NodeId{left.back()});
+        order.push_back(left.back());
+        left.pop_back();
+        if (order.size() % 300 != 0) continue;
+        EXPECT_EQ(cut.cells().size(), n_cells);
+        expect_valid(b, cut);
+      }
+      expect_reference(b, cut);
+      for (std::size_t i = order.size(); i-- > 0;) n_cells -= cut.undo(NodeId{order[i]});
+      EXPECT_EQ(test::normalised(cut.cells()), base);
+      EXPECT_EQ(n_cells, b.hierarchy.n_base_cells);
+    }
+  }
+}
+
+TEST(midpoint, labels_allow_what_brute_force_does) {
+  for (const Cut split : {Cut::in_five, Cut::in_six}) {
+    const Built b = built(holed_mesh(8, split), 60);
+    const auto parents = brute_parents(b);
+    const std::uint32_t n = b.hierarchy.n_nodes();
+    std::vector<std::set<std::uint32_t>> children(n);
+    for (std::uint32_t node = 0; node < n; ++node)
+      for (const std::uint32_t parent : parents[node]) children[parent].insert(node);
+    MidpointCut cut(b.hierarchy);
+    std::vector<bool> is_applied(n, false);
+    const auto has = [&](std::uint32_t node) { return is_applied[node]; };
+    Random random(9);
+    for (int step = 0; step < 1200; ++step) {
+      std::vector<std::uint32_t> splits;
+      std::vector<std::uint32_t> collapses;
+      for (std::uint32_t node = 0; node < n; ++node) {
+        if (!is_applied[node] && std::ranges::all_of(parents[node], has)) splits.push_back(node);
+        if (is_applied[node] && std::ranges::none_of(children[node], has))
+          collapses.push_back(node);
+        ASSERT_EQ(cut.may_split(NodeId{node}), !splits.empty() && splits.back() == node);
+        ASSERT_EQ(cut.may_collapse(NodeId{node}), !collapses.empty() && collapses.back() == node);
+      }
+      const bool is_up = step % 600 < 400;
+      const auto& possible = is_up ? splits : collapses;
+      if (possible.empty()) continue;
+      const std::uint32_t node = possible[random.below(possible.size())];
+      is_applied[node] = is_up;
+      if (!is_up) {
+        cut.undo(NodeId{node});
+        continue;
+      }
+      // The complete list names all that the node depends on, and ancestors only.
+      std::vector<NodeId> named;
+      cut.add_parents(NodeId{node}, named);
+      for (const NodeId parent : named) EXPECT_TRUE(has(static_cast<std::uint32_t>(parent)));
+      for (const std::uint32_t parent : parents[node])
+        EXPECT_TRUE(std::ranges::find(named, NodeId{parent}) != named.end());
+      cut.apply(NodeId{node});
+    }
+  }
+}
+
+TEST(midpoint, is_the_same_for_any_number_of_threads) {
+  const TetraMesh mesh = noise_mesh(30, Cut::in_five, 5);  // several blocks
+  const EdgeCollapses one = collapsed(mesh, 10'000, 1);
+  const EdgeCollapses three = collapsed(mesh, 10'000, 3);
+  ASSERT_EQ(one.collapses.size(), three.collapses.size());
+  for (std::size_t i = 0; i < one.collapses.size(); ++i) {
+    EXPECT_EQ(one.collapses[i].kept, three.collapses[i].kept);
+    EXPECT_EQ(one.collapses[i].removed, three.collapses[i].removed);
+    EXPECT_EQ(one.facts[i].error, three.facts[i].error);
+  }
+  EXPECT_EQ(one.errors, three.errors);
+  EXPECT_LT(one.n_base_cells, 10'100U);
+  EXPECT_GT(one.n_base_cells, 9'000U);
+}
+
+TEST(midpoint, engine_and_one_shot_find_the_same_and_errors_are_true) {
+  const Built b = built(holed_mesh(10, Cut::in_five), 100);
+  MidpointCut refined(b.hierarchy);
+  Engine<MidpointCut> engine(refined);
+  Random random(9);
+  for (int trial = 0; trial < 12; ++trial) {
+    const double tolerance = trial % 3 == 0 ? 0 : random.uniform(0, 0.3);
+    const double isovalue = random.uniform(-0.4, 0.4);
+    const bool is_uniform = trial % 4 == 1;
+    const Demand demand([=](const NodeFacts& facts) {
+      if (!is_uniform && !facts.range.crosses(isovalue)) return 0.0;
+      return tolerance == 0 ? 1 + facts.error : facts.error - tolerance;
+    });
+    engine.set_query(demand);
+    engine.finish();
+    MidpointCut direct(b.hierarchy);
+    const lode::Cut cut = one_shot(direct, demand);
+    EXPECT_EQ(cut.applied(), engine.cut().applied());
+    EXPECT_EQ(test::normalised(direct.cells()), test::normalised(refined.cells()));
+    expect_valid(b, refined);
+    if (!is_uniform) continue;
+    const std::vector<double>& values = b.reference.fields[0].values;
+    for (const std::uint32_t v : used_vertices(b.reference)) {
+      const test::Located found =
+          test::locate(b.vertices, direct.cells(), b.reference.positions[v], 0);
+      EXPECT_LE(std::abs(found.value - values[v]), tolerance + 1e-6);
+    }
+  }
+}
+
+TEST(midpoint, has_the_errors_that_a_search_finds) {
+  for (const Cut split : {Cut::in_five, Cut::in_six}) {
+    const Built b = built(noise_mesh(10, split, 3), 150);
+    const MidpointCut cut(b.hierarchy);
+    const std::vector<double>& values = b.reference.fields[0].values;
+    const auto [low, high] = std::ranges::minmax(values);
+    for (std::size_t v = 0; v < values.size(); ++v) {
+      const test::Located found =
+          test::locate(b.vertices, cut.cells(), b.reference.positions[v], 0);
+      EXPECT_GT(found.least_weight, -1e-4);
+      EXPECT_NEAR(static_cast<double>(b.collapses.errors[v]) * (high - low),
+                  values[v] - found.value, 1e-4 * (high - low));
+    }
+  }
+}
+
+TEST(midpoint, cells_of_an_isovalue_are_the_references) {
+  const Built b = built(holed_mesh(10, Cut::in_six), 100);
+  MidpointCut cut(b.hierarchy);
+  const double isovalue = 0.6;
+  static_cast<void>(one_shot(cut, Demand([=](const NodeFacts& facts) {
+                               return facts.range.crosses(isovalue) ? 1.0 : 0.0;
+                             })));
+  const auto crossed = [&](const TetraMesh& mesh, const test::Tetrahedra& cells) {
+    test::Tetrahedra found;
+    for (const auto& t : cells) {
+      int n_above = 0;
+      for (const std::uint32_t v : t) n_above += mesh.fields[0].values[v] >= isovalue ? 1 : 0;
+      if (n_above % 4 != 0) found.push_back(t);
+    }
+    return test::normalised(found);
+  };
+  EXPECT_EQ(crossed(b.vertices, cut.cells()), crossed(b.reference, b.reference.tetrahedra));
+  EXPECT_LT(cut.cells().size(), b.reference.tetrahedra.size());
+}
+
+/// Conforming, of the same volume and range, and refined the reference.
+Built expect_sound(const TetraMesh& mesh, std::uint64_t base_cells = 0) {
+  Built b = built(mesh, base_cells);
+  MidpointCut cut(b.hierarchy);
+  expect_valid(b, cut);
+  std::set<std::uint32_t> left;
+  for (const auto& t : cut.cells()) left.insert(t.begin(), t.end());
+  const auto range = [](const TetraMesh& of, const std::set<std::uint32_t>& vertices) {
+    double low = 0;
+    double high = 0;
+    for (const std::uint32_t v : vertices) {
+      const double value = of.fields[0].values[v];
+      low = v == *vertices.begin() ? value : std::min(low, value);
+      high = v == *vertices.begin() ? value : std::max(high, value);
+    }
+    return std::pair(low, high);
+  };
+  const auto [low, high] = range(b.vertices, left);
+  const auto [expected_low, expected_high] = range(mesh, used_vertices(mesh));
+  EXPECT_NEAR(low, expected_low, 0x1p-30 * (expected_high - expected_low));
+  EXPECT_NEAR(high, expected_high, 0x1p-30 * (expected_high - expected_low));
+  Engine<MidpointCut> engine(cut);
+  engine.set_query(Demand([](const NodeFacts&) { return 1.0; }));
+  engine.finish();
+  expect_reference(b, cut);
+  return b;
+}
+
+/// The cells of a grid that `keeps` says yes to.
+template <typename Keeps>
+TetraMesh part_of_grid(int n, const Keeps& keeps) {
+  TetraMesh mesh = noise_mesh(n, Cut::in_six, 11);
+  std::erase_if(mesh.tetrahedra, [&](const auto& t) {
+    Vec3d centre;
+    for (const std::uint32_t v : t) centre = centre + mesh.positions[v] * 0.25;
+    return !keeps(centre * (n - 1));
+  });
+  return mesh;
+}
+
+TEST(midpoint, keeps_cavities_handles_components_and_what_is_no_manifold) {
+  expect_sound(part_of_grid(9, [](const Vec3d& p) {
+    return p[0] < 3 || p[0] > 5 || p[1] < 3 || p[1] > 5 || p[2] < 3 || p[2] > 5;
+  }));
+  expect_sound(
+      part_of_grid(9, [](const Vec3d& p) { return p[0] < 3 || p[0] > 5 || p[1] < 3 || p[1] > 5; }));
+  expect_sound(part_of_grid(10, [](const Vec3d& p) {
+    return static_cast<int>(p[0]) % 2 == 0 && (p[1] < 4 || p[1] > 5);
+  }));
+  expect_sound(part_of_grid(9, [](const Vec3d& p) { return (p[0] < 4) == (p[1] < 4); }));
+  expect_sound(part_of_grid(9, [](const Vec3d& p) {
+    return (p[0] < 4 && p[1] < 4 && p[2] < 4) || (p[0] > 4 && p[1] > 4 && p[2] > 4);
+  }));
+}
+
+TEST(midpoint, takes_the_smallest_meshes_and_fields_without_range) {
+  TetraMesh mesh = noise_mesh(9, Cut::in_five, 1);
+  std::ranges::fill(mesh.fields[0].values, 3.5);
+  EXPECT_LT(expect_sound(mesh).hierarchy.n_base_cells, 20U);  // a box
+  mesh = noise_mesh(2, Cut::in_six, 1);
+  expect_sound(mesh);
+  mesh.tetrahedra.resize(2);
+  EXPECT_EQ(expect_sound(mesh).hierarchy.n_base_cells, 2U);
+  mesh.tetrahedra.resize(1);
+  EXPECT_EQ(expect_sound(mesh).hierarchy.n_base_cells, 1U);
+  mesh.tetrahedra.clear();
+  EXPECT_EQ(built(mesh, 0).hierarchy.n_base_cells, 0U);
+  TetraMesh empty;
+  empty.fields.emplace_back();
+  EXPECT_EQ(built(empty, 0).hierarchy.n_labels(), 0U);
+}
+
+TEST(midpoint, takes_a_single_layer_far_longer_than_thick) {
+  TetraMesh mesh = part_of_grid(20, [](const Vec3d& p) { return p[2] < 1; });
+  for (Vec3d& p : mesh.positions) p[2] *= 1e-4;
+  const Built b = expect_sound(mesh);
+  EXPECT_LT(b.hierarchy.n_base_cells, mesh.tetrahedra.size() / 2);
+}
+
+/// As in tetra_cut_test: at all vertices F' is as near as the cut of a tolerance promises.
+void expect_within(const TetraMesh& mesh, double tolerance) {
+  const Built b = built(mesh, 60);
+  MidpointCut cut(b.hierarchy);
+  static_cast<void>(
+      one_shot(cut, Demand([=](const NodeFacts& facts) { return facts.error - tolerance; })));
+  const auto cells = cut.cells();
+  EXPECT_LT(cells.size(), mesh.tetrahedra.size());
+  const std::vector<double>& values = mesh.fields[0].values;
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const test::Located found = test::locate(b.vertices, cells, mesh.positions[v], 0);
+    EXPECT_LE(std::abs(found.value - values[v]), tolerance * (1 + 1e-9));
+  }
+}
+
+TEST(midpoint, is_true_in_domains_and_ranges_of_all_sizes) {
+  const TetraMesh mesh = noise_mesh(8, Cut::in_six, 2);
+  for (const double scale : {1e-12, 1e17, 1e-100, 1e100}) {
+    TetraMesh scaled = mesh;
+    for (Vec3d& p : scaled.positions) {
+      p[0] = p[0] * p[0];  // graded
+      p = p * scale;
+    }
+    expect_within(scaled, 0.15);
+  }
+  for (const double thickness : {1e-2, 1e-4}) {
+    TetraMesh slab = mesh;
+    for (Vec3d& p : slab.positions) {
+      const double z = thickness * p[2];
+      p = {{0.8 * p[0] - 0.6 * z, p[1], 0.6 * p[0] + 0.8 * z}};
+    }
+    expect_within(slab, 0.15);
+  }
+  for (const double scale : {1e30, 1e-30}) {
+    TetraMesh scaled = mesh;
+    for (double& value : scaled.fields[0].values) value *= scale;
+    expect_within(scaled, 0.15 * scale);
+  }
+  TetraMesh moved = mesh;
+  for (double& value : moved.fields[0].values) value += 1e9;
+  expect_within(moved, 0.15);
+}
+
+TEST(midpoint, keeps_regions_and_what_lies_between_them) {
+  TetraMesh mesh = noise_mesh(10, Cut::in_six, 6);
+  mesh.region_ids = {3, 5, 9};
+  for (const auto& t : mesh.tetrahedra) {
+    Vec3d centre;
+    for (const std::uint32_t v : t) centre = centre + mesh.positions[v] * 0.25;
+    mesh.regions.push_back(centre[0] < 0.5 ? 0 : centre[1] < 0.34 ? 1 : 2);
+  }
+  const Built b = expect_sound(mesh);
+  EXPECT_LT(b.hierarchy.n_base_cells, mesh.tetrahedra.size() / 4);
+  MidpointCut cut(b.hierarchy);
+  const auto volumes = [&] {
+    std::array<double, 3> sums{};
+    for (const MidpointCut::Cell& cell : cut.slots())
+      if (cut.is_inside(cell)) sums[cell.region] += test::volume_of(b.vertices, {cell.corners});
+    return sums;
+  };
+  std::array<double, 3> expected{};
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+    expected[mesh.regions[i]] += test::volume_of(mesh, {mesh.tetrahedra[i]});
+  Random random(2);
+  for (int round = 0; round < 4; ++round) {
+    const auto sums = volumes();
+    for (std::size_t r = 0; r < 3; ++r) EXPECT_NEAR(sums[r], expected[r], 1e-8);
+    expect_valid(b, cut);
+    for (int k = 0; k < 60; ++k) {
+      const auto node = static_cast<std::uint32_t>(random.below(b.hierarchy.n_nodes()));
+      if (cut.may_split(NodeId{node})) cut.apply(NodeId{node});
+    }
+  }
+  Engine<MidpointCut> engine(cut);
+  MidpointCut full(b.hierarchy);
+  Engine<MidpointCut> all(full);
+  all.set_query(Demand([](const NodeFacts&) { return 1.0; }));
+  all.finish();
+  std::map<std::array<std::uint32_t, 4>, std::uint32_t> regions;
+  const auto sorted = [](std::array<std::uint32_t, 4> t) {
+    std::ranges::sort(t);
+    return t;
+  };
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+    regions[sorted(mesh.tetrahedra[i])] = mesh.regions[i];
+  for (const MidpointCut::Cell& cell : full.slots())
+    if (full.is_inside(cell)) EXPECT_EQ(regions.at(sorted(cell.corners)), cell.region);
+}
+
+TEST(midpoint, nodes_take_no_more_than_the_papers_forty_bytes_a_vertex) {
+  TetraMesh mesh = noise_mesh(16, Cut::in_six, 6);
+  const Built b = built(mesh, 400);
+  EXPECT_LE(b.hierarchy.n_bytes_of_nodes(), 40 * mesh.positions.size());
+  EXPECT_EQ(b.hierarchy.n_bytes_of_nodes(),
+            4 * mesh.positions.size() + 36 * std::uint64_t{b.hierarchy.n_nodes()});
+  // Of positions and values that the steps hold, nothing else is kept.
+  for (Vec3d& p : mesh.positions)
+    for (double& x : p.v) x = std::round(x * 15);
+  for (double& value : mesh.fields[0].values) value = std::round(value * 1000);
+  EXPECT_EQ(built(mesh, 400).hierarchy.exact.size(), 0U);
+}
+
+TEST(midpoint, refuses_what_is_no_mesh_of_one_field) {
+  Progress progress;
+  const auto message = [&](const TetraMesh& mesh) {
+    const auto result = collapse_edges(mesh, {}, progress);
+    return result ? std::string("taken") : result.error().message;
+  };
+  TetraMesh mesh = noise_mesh(3, Cut::in_five, 1);
+  TetraMesh bad = mesh;
+  bad.tetrahedra[2][1] = 27;
+  EXPECT_EQ(message(bad), "tetrahedron 2: expected corners below 27, got 27");
+  bad = mesh;
+  bad.fields[0].values[5] = std::nan("");
+  EXPECT_EQ(message(bad), "field noise: expected finite values, got nan at vertex 5");
+  bad = mesh;
+  bad.fields.push_back(bad.fields[0]);
+  EXPECT_EQ(message(bad), "midpoints: expected one field, got 2");
+  progress.cancel();
+  EXPECT_EQ(message(mesh), cancelled_error().message);
+}
+
+}  // namespace
+}  // namespace lode::tetra_mt::midpoint
