@@ -173,7 +173,7 @@ void BlockCollapser::gather_samples() {
   covered_.y.resize(n);
   covered_.z.resize(n);
   covered_.values.resize(n * n_fields);
-  covered_.squared_error = 0;
+  covered_.cost = 0;
   const Vec3d centre = positions_[star_.vertex];
   const double* const own = values_.data() + star_.vertex * n_fields;
   for (std::size_t s = 0; s < n; ++s) {
@@ -185,7 +185,7 @@ void BlockCollapser::gather_samples() {
       covered_.values[s * n_fields + f] =
           static_cast<float>((state_.value(samples[s], f) - own[f]) * state_.scales[f]);
       const auto error = static_cast<double>(state_.errors_of(samples[s])[f]);
-      covered_.squared_error += error * error;
+      covered_.cost += cost_of(error);
     }
   }
   covered_.link_values.resize(static_cast<std::size_t>(star_.n_link) * n_fields);
@@ -222,9 +222,8 @@ void BlockCollapser::find_choices() {
     if (moved == kNever) continue;
     if (!make_fan_to(kept)) continue;
     const double gone = std::max(1, n_cells_beside(kept));
-    const double error =
-        squared_error_of(fan_, lanes_.n, covered_, least * gone + covered_.squared_error);
-    const double increase = std::max(error - covered_.squared_error, 0.0) / gone;
+    const double error = cost_of(fan_, lanes_.n, covered_, least * gone + covered_.cost);
+    const double increase = std::max(error - covered_.cost, 0.0) / gone;
     least = std::min(least, increase);
     choices_.push_back({kept, static_cast<float>(increase), moved});
   }

@@ -59,7 +59,7 @@ class BlockCollapser {
   /// What may become of a vertex, but for the link condition.
   struct Choice {
     int kept;        ///< In its link.
-    float increase;  ///< Of squared errors, for each cell that goes; at least 0.
+    float increase;  ///< Of cost_of() errors, for each cell that goes; at least 0.
     float moved;     ///< How far the boundary, or an interface, is from the reference's then.
   };
 

@@ -34,6 +34,14 @@ struct StarLanes {
             const std::vector<float>& link_values, std::size_t n_fields);
 };
 
+/// What an error, as a share of the field's range, counts in the order of collapses: its square,
+/// and twice that at a twenty-eighth of the range, so that no sample is given up for many others.
+[[nodiscard]] inline double cost_of(double error) {
+  constexpr double kOutlier = 800;
+  const double square = error * error;
+  return square * (1 + kOutlier * square);
+}
+
 /// Samples that a star covers, its vertex first; relative to that. Values are in units that make
 /// fields alike.
 struct StarSamples {
@@ -44,7 +52,7 @@ struct StarSamples {
   std::vector<float> values;       ///< By sample and field, above the vertex's.
   std::vector<float> link_values;  ///< By link vertex and field, likewise.
   std::size_t n_fields = 1;
-  double squared_error = 0;  ///< Of all, as they are covered now.
+  double cost = 0;  ///< cost_of() all errors, as they are covered now.
 };
 
 /// The tetrahedra that come of a collapse, all with the vertex that is kept: lane by lane of the
@@ -69,9 +77,9 @@ struct Fan {
 /// vertex that is kept, relative to the star's; n_flat: of all lanes, those without a tetrahedron.
 [[nodiscard]] bool make_fan(const StarLanes& star, const Vec3d& at, std::size_t n_flat, Fan& fan);
 
-/// The sum of squared errors of the samples or, as soon as it is above `limit`, part of it.
-[[nodiscard]] double squared_error_of(const Fan& fan, std::size_t n_lanes,
-                                      const StarSamples& samples, double limit);
+/// The sum of the costs of the samples or, as soon as it is above `limit`, part of it.
+[[nodiscard]] double cost_of(const Fan& fan, std::size_t n_lanes, const StarSamples& samples,
+                             double limit);
 
 /// Which lane covers a sample: of all the one in which the smallest of the four weights is largest.
 /// Where one holds the point it is that one, or shares a face with it that the point is near.

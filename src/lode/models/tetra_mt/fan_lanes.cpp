@@ -135,14 +135,13 @@ std::size_t run_find(const Fan& fan, std::size_t n_lanes, const StarSamples& sam
                 samples.z[sample] - fan.at[2]);
 }
 
-double run_squared_error(const Fan& fan, std::size_t n_lanes, const StarSamples& samples,
-                         double limit) {
+double run_cost(const Fan& fan, std::size_t n_lanes, const StarSamples& samples, double limit) {
   double sum = 0;
   for (std::size_t s = 0; s < samples.samples.size() && sum <= limit; ++s) {
     const std::size_t lane = run_find(fan, n_lanes, samples, s);
     for (std::size_t f = 0; f < samples.n_fields; ++f) {
       const auto error = static_cast<double>(fan.error(samples, s, f, lane));
-      sum += error * error;
+      sum += cost_of(error);
     }
   }
   return sum;
@@ -156,15 +155,14 @@ namespace lode::tetra_mt {
 
 HWY_EXPORT(run_make);
 HWY_EXPORT(run_find);
-HWY_EXPORT(run_squared_error);
+HWY_EXPORT(run_cost);
 
 bool make_fan(const StarLanes& star, const Vec3d& at, std::size_t n_flat, Fan& fan) {
   return HWY_DYNAMIC_DISPATCH(run_make)(star, at, n_flat, fan);
 }
 
-double squared_error_of(const Fan& fan, std::size_t n_lanes, const StarSamples& samples,
-                        double limit) {
-  return HWY_DYNAMIC_DISPATCH(run_squared_error)(fan, n_lanes, samples, limit);
+double cost_of(const Fan& fan, std::size_t n_lanes, const StarSamples& samples, double limit) {
+  return HWY_DYNAMIC_DISPATCH(run_cost)(fan, n_lanes, samples, limit);
 }
 
 std::size_t find_lane(const Fan& fan, std::size_t n_lanes, const StarSamples& samples,

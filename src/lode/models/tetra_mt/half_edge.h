@@ -38,7 +38,7 @@ struct HalfEdgeCollapses {
 };
 
 /// Collapses edges into one of their ends until few cells are left, or none may go: the vertex
-/// first whose going adds least to the squared error at all samples, for each cell that goes with
+/// first whose going adds least to what errors at all samples cost, for each cell that goes with
 /// it (Cignoni, De Floriani, Magillo, Puppo, Scopigno 2004, section 4.2; half edges: Danovaro, De
 /// Floriani 2005). The mesh stays what it is, topologically; its boundary stays where it is, but
 /// for CollapseRules::boundary_tolerance, and so does each region: what lies between two goes along

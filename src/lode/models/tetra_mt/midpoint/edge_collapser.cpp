@@ -131,8 +131,8 @@ std::optional<EdgeCollapser::Choice> EdgeCollapser::choice_of(int place, double 
   rule_ = *rule;
   if (!make_fan_at(place)) return {};
   const double gone = std::max(1, n_cells_beside(place));
-  const double before = covered_.squared_error;
-  const double error = squared_error_of(fan_, lanes_.n, covered_, least * gone + before);
+  const double before = covered_.cost;
+  const double error = cost_of(fan_, lanes_.n, covered_, least * gone + before);
   return Choice{place, static_cast<float>(std::max(error - before, 0.0) / gone), is_inner(other_)};
 }
 

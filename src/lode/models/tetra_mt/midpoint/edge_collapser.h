@@ -49,7 +49,7 @@ class EdgeCollapser {
   /// What may become of an edge, but for the link condition.
   struct Choice {
     int place;       ///< Of the other end, in the star's link.
-    float increase;  ///< Of squared errors, for each cell that goes; at least 0.
+    float increase;  ///< Of cost_of() errors, for each cell that goes; at least 0.
     bool is_inner;   ///< The other end has none but own vertices beside it.
   };
   /// Where the new vertex may lie.
@@ -119,7 +119,7 @@ class EdgeCollapser {
   Interfaces interfaces_;
   int extremum_ = 0;
   std::size_t n_own_samples_ = 0;
-  double own_squared_ = 0;
+  double own_cost_ = 0;
   Star other_;  ///< of the other end,
   Interfaces other_interfaces_;
   int place_in_other_ = -1;                 ///< Of the first end.

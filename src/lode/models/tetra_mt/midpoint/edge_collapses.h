@@ -25,7 +25,7 @@ struct EdgeCollapses {
 };
 
 /// Collapses edges to their midpoints until few cells are left, or none may go: the edge first
-/// whose going adds least to the squared error at all samples, for each cell that goes with it
+/// whose going adds least to what errors at all samples cost, for each cell that goes with it
 /// (Cignoni, De Floriani, Magillo, Puppo, Scopigno 2004, section 4.2). Samples are the vertices of
 /// the reference that are no more in the mesh. The new vertex has the mean of the values, or that
 /// of the end which is an extremum of the mesh as it is; not both ends may be. The mesh stays what

@@ -30,12 +30,12 @@ void EdgeCollapser::look_at_star() {
   edge_.vertex = star_.vertex;
   std::copy_n(star_.link.begin(), star_.n_link, edge_.link.begin());
   covered_.samples.clear();
-  covered_.squared_error = 0;
+  covered_.cost = 0;
   if (state_.is_reference[global(star_.vertex)] != 0) add_sample(global(star_.vertex));
   for (int i = 0; i < star_.n_triangles; ++i)
     add_samples_of(star_.slots[static_cast<std::size_t>(i)]);
   n_own_samples_ = covered_.samples.size();
-  own_squared_ = covered_.squared_error;
+  own_cost_ = covered_.cost;
 }
 
 void EdgeCollapser::add_link_vertex(int at, std::uint32_t vertex) {
@@ -61,7 +61,7 @@ void EdgeCollapser::add_sample(std::uint32_t sample) {
   const double value = state_.mesh.fields[0].values[sample];
   covered_.values[at] = static_cast<float>((value - values_[star_.vertex]) * state_.value_scale);
   const auto error = static_cast<double>(state_.errors[sample]);
-  covered_.squared_error += error * error;
+  covered_.cost += cost_of(error);
 }
 
 void EdgeCollapser::add_samples_of(std::uint32_t slot) {
@@ -119,7 +119,7 @@ bool EdgeCollapser::look_at_edge(int place) {
   const std::uint32_t end = star_.link[static_cast<std::size_t>(place)];
   if (!gatherer_.gather(end, other_) || !join_links()) return false;
   covered_.samples.resize(n_own_samples_);
-  covered_.squared_error = own_squared_;
+  covered_.cost = own_cost_;
   if (state_.is_reference[global(end)] != 0) add_sample(global(end));
   join_triangles(place);
   find_interfaces_of(other_, other_interfaces_);
