@@ -29,28 +29,30 @@ Result<double> parse_boundary_tolerance(const std::string& text) {
   return distance;
 }
 
+Json field_json(const TetraFieldInfo& field) {
+  Json json{{"name", field.name},
+            {"type", name_of(field.type)},
+            {"range", {field.range_min, field.range_max}},
+            {"base_error", field.base_error},
+            {"error_kind", name_of(field.error_place)}};
+  if (field.time) json["time"] = *field.time;
+  return json;
+}
+
 void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["model"] = "tetra_mt";
-  json["field"] = info.field;
-  json["sample_type"] = name_of(info.type);
-  json["range"] = {info.range_min, info.range_max};
   json["cells"] = info.n_cells;
   json["vertices"] = info.n_vertices;
   json["nodes"] = info.n_nodes;
   json["base_cells"] = info.n_base_cells;
-  json["base_error"] = info.base_error;
-  json["error_kind"] = name_of(info.error_place);
   json["regions"] = info.regions;
   json["boundary_deviation"] = info.boundary_deviation;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
   table.add({"model", "tetra_mt"});
-  table.add({"field", fmt::format("{}, {}", info.field, name_of(info.type))});
-  table.add({"value range", fmt::format("{} to {}", format_number(info.range_min),
-                                        format_number(info.range_max))});
+  add_fields(info, table, json);
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
-  table.add({"base", fmt::format("{} cells, error {} {}", format_count(info.n_base_cells),
-                                 format_number(info.base_error), name_of(info.error_place))});
+  table.add({"base", format_count(info.n_base_cells) + " cells"});
   table.add({"nodes", format_count(info.n_nodes)});
   const auto corner = [](const Vec3d& p) {
     return fmt::format("({}, {}, {})", format_number(p[0]), format_number(p[1]),
@@ -101,6 +103,25 @@ Result<Outcome> foreign_info(const std::string& path, const ReadingArguments& re
 }
 
 }  // namespace
+
+void add_fields(const TetraInfo& info, Table& table, Json& json) {
+  const TetraFieldInfo& first = info.fields[0];
+  json["field"] = first.name;
+  json["sample_type"] = name_of(first.type);
+  json["range"] = {first.range_min, first.range_max};
+  json["base_error"] = first.base_error;
+  json["error_kind"] = name_of(first.error_place);
+  json["fields"] = Json::array();
+  for (const TetraFieldInfo& field : info.fields) {
+    json["fields"].push_back(field_json(field));
+    table.add(
+        {"field", fmt::format("{}{}, {}, {} to {}, error of the base {} {}", field.name,
+                              field.time ? fmt::format(" at {}", format_number(*field.time)) : "",
+                              name_of(field.type), format_number(field.range_min),
+                              format_number(field.range_max), format_number(field.base_error),
+                              name_of(field.error_place))});
+  }
+}
 
 Result<void> check_tetra_build(const TetraBuildJob& job) {
   if (!is_lode_path(job.output))

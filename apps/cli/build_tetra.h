@@ -3,6 +3,7 @@
 #include <string>
 
 #include "input.h"
+#include "text.h"
 
 namespace lode::cli {
 
@@ -15,6 +16,9 @@ struct TetraBuildJob {
   bool is_everywhere = false;      ///< Where errors hold.
   ReadingArguments reading;
 };
+
+/// A row for each field, and the first as that of the model.
+void add_fields(const TetraInfo& info, Table& table, Json& json);
 
 /// Looks at the arguments alone.
 [[nodiscard]] Result<void> check_tetra_build(const TetraBuildJob& job);

@@ -64,6 +64,7 @@ struct Command {
 };
 
 [[nodiscard]] Command add_info_command(CLI::App& program);
+[[nodiscard]] Command add_attach_command(CLI::App& program);
 [[nodiscard]] Command add_bench_command(CLI::App& program);
 [[nodiscard]] Command add_build_command(CLI::App& program);
 [[nodiscard]] Command add_count_command(CLI::App& program);

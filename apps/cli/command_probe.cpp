@@ -68,10 +68,10 @@ Json head_json(const ProbeArguments& arguments, const TetraInput& input,
   json["input"] = arguments.input;
   json["outputs"] = arguments.output.empty() ? Json::array() : Json::array({arguments.output});
   json["model"] = "tetra_mt";
-  json["field"] = info.field;
+  json["field"] = input.field().name;
   json["max_error"] = answer.report.max_error;
   json["achieved_error"] = answer.report.achieved_error;
-  json["error_kind"] = name_of(info.error_place);
+  json["error_kind"] = name_of(input.field().error_place);
   json["boundary_deviation"] = info.boundary_deviation;
   return json;
 }
@@ -81,8 +81,9 @@ Table head_table(const ProbeArguments& arguments, const TetraInput& input,
                  const ProbeAnswer& answer, Json& json) {
   const TetraInfo& info = input.dataset.describe();
   Table table;
-  table.add({"field", fmt::format("{}, {} to {}", info.field, format_number(info.range_min),
-                                  format_number(info.range_max))});
+  table.add({"field",
+             fmt::format("{}, {} to {}", input.field().name, format_number(input.field().range_min),
+                         format_number(input.field().range_max))});
   add_reading(input, table, json);
   const std::string suffix = std::string(" ") + name_of(answer.report.error_place);
   table.add({"max error", answer.report.max_error == 0 ? std::string("0: full resolution")
@@ -118,6 +119,7 @@ Result<Outcome> run_probe(const ProbeArguments& arguments, Session& session) {
     job.points.insert(job.points.end(), more.begin(), more.end());
   }
   LODE_TRY(const TetraInput input, open_tetra_input(arguments.input, arguments.reading, session));
+  job.options.field = job.integral.field = input.fields.measured;
   LODE_TRY(const ProbeAnswer answer, answer_of(input.dataset, job, session.progress()));
   warn_of_answer(session, answer);
   if (!arguments.output.empty())

@@ -18,12 +18,27 @@ struct TetraAnswer {
   bool is_settled = true;
   double seconds = 0;
   double write_seconds = 0;
+  std::vector<Attribute> attributes{};  ///< Without their values.
 };
 
 template <typename Report>
 TetraAnswer to_answer(const Report& report, bool is_default) {
-  return {report.max_error, is_default, report.achieved_error, report.budget_met, report.is_settled,
-          report.seconds,   0};
+  return {report.max_error,
+          is_default,
+          report.achieved_error,
+          report.budget_met,
+          report.is_settled,
+          report.seconds,
+          0,
+          {}};
+}
+
+/// What is told of further fields.
+std::vector<Attribute> without_values(const std::vector<Attribute>& attributes) {
+  std::vector<Attribute> told;
+  for (const Attribute& from : attributes)
+    told.push_back({from.name, from.is_narrow, {}, from.error});
+  return told;
 }
 
 void warn_of_budget(Session& session, bool is_met, std::uint64_t n_cells) {
@@ -41,18 +56,22 @@ std::string tetra_comment(const char* kind, const TetraAnswer& made, ErrorPlace 
 Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAnswer& made,
                       const Json& counts, const Session& session) {
   const TetraInfo& info = input.dataset.describe();
-  const std::string place = name_of(info.error_place);
+  const TetraFieldInfo& field = input.field();
+  const std::string place = name_of(field.error_place);
   Outcome outcome;
   Json& json = outcome.json;
   json["command"] = "extract";
   json["input"] = job.input;
   json["outputs"] = Json::array({job.output});
   json["model"] = "tetra_mt";
-  json["field"] = info.field;
+  json["field"] = field.name;
+  json["with"] = Json::array();
+  for (const Attribute& more : made.attributes)
+    json["with"].push_back({{"field", more.name}, {"largest_error", more.error}});
   json["max_error"] = made.max_error;
   json["max_error_is_default"] = made.is_default;
   json["achieved_error"] = made.achieved_error;
-  json["error_kind"] = place;
+  json["error_kind"] = name_of(field.error_place);
   json.update(counts);
   json["reference_cells"] = info.n_cells;
   json["reference_vertices"] = info.n_vertices;
@@ -62,13 +81,13 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   json["seconds"] = {
       {"total", made.seconds}, {"open", input.seconds}, {"write", made.write_seconds}};
   Table table;
-  table.add({"field", fmt::format("{}, {} to {}", info.field, format_number(info.range_min),
-                                  format_number(info.range_max))});
+  table.add({"field", fmt::format("{}, {} to {}", field.name, format_number(field.range_min),
+                                  format_number(field.range_max))});
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
   add_reading(input, table, json);
   table.add({"base", fmt::format("{} cells, error {} {}", format_count(info.n_base_cells),
-                                 format_number(info.base_error), place)});
+                                 format_number(field.base_error), place)});
   table.add(
       {"max error",
        format_number(made.max_error) +
@@ -82,6 +101,8 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
                                        : name,
                value.is_number_float() ? format_number(value.get<double>()) + ' ' + place
                                        : format_count(value.get<std::uint64_t>())});
+  for (const Attribute& more : made.attributes)
+    table.add({"with", fmt::format("{}, error {}", more.name, format_number(more.error))});
   table.add({"extract", format_seconds(made.seconds)});
   table.add({input.was_built() ? "read and build" : "open", format_seconds(input.seconds)});
   table.add({"write", format_seconds(made.write_seconds)});
@@ -162,17 +183,19 @@ void warn_of_threshold(Session& session, const MeshJob& job, bool is_empty) {
 
 Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
   LODE_TRY(const TetraInput input, open_tetra_input(job.input, job.reading, session));
-  const TetraInfo& info = input.dataset.describe();
+  const TetraFieldInfo& field = input.field();
+  TetraMeshOptions options = wanted.mesh;
+  options.fields = input.fields;
   SimplexMesh mesh;
-  LODE_TRY(const MeshReport report,
-           input.dataset.extract_mesh(wanted.mesh, mesh, session.progress()));
+  LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
   warn_of_budget(session, report.budget_met, report.n_cut_cells);
   warn_of_threshold(session, job, mesh.is_empty());
   TetraAnswer made = to_answer(report, wanted.is_default);
+  made.attributes = without_values(mesh.attributes);
   const Stopwatch watch;
   LODE_CHECK(write_mesh(
       job.output, mesh,
-      {.comment = tetra_comment("mesh", made, info.error_place), .value_name = info.field},
+      {.comment = tetra_comment("mesh", made, field.error_place), .value_name = field.name},
       session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
@@ -183,13 +206,13 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   return tetra_outcome(job, input, made, counts, session);
 }
 
-Result<TetraSurfaceReport> make_surface(const TetraDataset& dataset, const MeshJob& job,
-                                        const TetraJob& wanted, Surface& surface,
-                                        Progress& progress) {
-  if (job.query.is_boundary) return dataset.extract_boundary(wanted.mesh, surface, progress);
+Result<TetraSurfaceReport> make_surface(const TetraInput& input, const MeshJob& job,
+                                        TetraJob wanted, Surface& surface, Progress& progress) {
+  wanted.mesh.fields = wanted.sections.fields = wanted.surface.fields = input.fields;
+  if (job.query.is_boundary) return input.dataset.extract_boundary(wanted.mesh, surface, progress);
   if (!job.query.sections.empty())
-    return dataset.extract_section(wanted.sections, surface, progress);
-  return dataset.extract_surface(wanted.surface, surface, progress);
+    return input.dataset.extract_section(wanted.sections, surface, progress);
+  return input.dataset.extract_surface(wanted.surface, surface, progress);
 }
 
 void warn_of_surface(Session& session, const MeshJob& job, const Surface& surface,
@@ -209,20 +232,21 @@ void warn_of_surface(Session& session, const MeshJob& job, const Surface& surfac
 
 Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Session& session) {
   LODE_TRY(const TetraInput input, open_tetra_input(job.input, job.reading, session));
-  const TetraInfo& info = input.dataset.describe();
+  const TetraFieldInfo& field = input.field();
   Surface surface;
   LODE_TRY(const TetraSurfaceReport report,
-           make_surface(input.dataset, job, wanted, surface, session.progress()));
+           make_surface(input, job, wanted, surface, session.progress()));
   warn_of_budget(session, report.budget_met, report.n_cut_cells);
   warn_of_surface(session, job, surface, report);
   TetraAnswer made = to_answer(report, wanted.is_default);
+  made.attributes = without_values(surface.attributes);
   const char* const kind = job.query.is_boundary         ? "boundary"
                            : !job.query.sections.empty() ? "section"
                                                          : "isosurface";
   const Stopwatch watch;
   LODE_CHECK(write_surface(
       job.output, surface,
-      {.comment = tetra_comment(kind, made, info.error_place), .value_name = info.field},
+      {.comment = tetra_comment(kind, made, field.error_place), .value_name = field.name},
       session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
@@ -236,6 +260,10 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Se
 
 /// What the output can hold of what is wanted.
 Result<void> check_tetra_output(const MeshJob& job, const TetraJob& wanted) {
+  const std::string extension = job.query.is_mesh ? ".vtu" : ".vtp";
+  if (!job.reading.with.empty() && !check_extension(job.output, extension))
+    return fail("--with: expected an output that ends in {}, which holds further fields, got '{}'",
+                extension, job.output);
   if (job.query.is_mesh) return check_mesh_path(job.output);
   LODE_CHECK(check_surface_extension(job.output));
   if (!wanted.sections.isovalues.empty() && !can_hold_lines(job.output))

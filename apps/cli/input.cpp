@@ -81,9 +81,9 @@ Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& pat
 }
 
 bool ReadingArguments::is_empty() const {
-  return field.empty() && component.empty() && time.empty() && nodata.empty() && dims.empty() &&
-         type.empty() && spacing.empty() && origin.empty() && byte_order.empty() && weld.empty() &&
-         weld_values.empty() && linearise.empty();
+  return field.empty() && with.empty() && component.empty() && time.empty() && nodata.empty() &&
+         dims.empty() && type.empty() && spacing.empty() && origin.empty() && byte_order.empty() &&
+         weld.empty() && weld_values.empty() && linearise.empty();
 }
 
 std::string ReadingArguments::component_number() const {
@@ -98,6 +98,13 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
     app.add_option(name, value, help)->type_name(type)->group("Reading other formats");
   };
   add("--field", arguments.field, "NAME", "Array to read, where a file holds several");
+  app.add_option(
+         "--with", arguments.with,
+         "Of a mesh of cells: a further field, which the answer has, too; NAME:x, y or z is "
+         "a scalar of a vector; may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false)
+      ->group("Reading other formats");
   add("--component", arguments.component, "N|x|y|z|magnitude",
       "Which scalar of a vector, or channel, from 0 (default of meshes of cells: magnitude)");
   add("--time", arguments.time, "N",
@@ -117,8 +124,10 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
 }
 
 Result<ReadOptions> to_read_options(const ReadingArguments& arguments, Threads threads) {
-  if (!arguments.weld.empty() || !arguments.weld_values.empty() || !arguments.linearise.empty())
-    return fail("--weld, --weld-values and --linearise: expected a mesh of cells with them");
+  if (!arguments.weld.empty() || !arguments.weld_values.empty() || !arguments.linearise.empty() ||
+      !arguments.with.empty())
+    return fail(
+        "--with, --weld, --weld-values and --linearise: expected a mesh of cells with them");
   ReadOptions options;
   options.threads = threads;
   if (!arguments.field.empty()) options.field = arguments.field;

@@ -15,6 +15,7 @@ namespace lode::cli {
 /// The options that say how a file is to be read, as typed: all but the last are of foreign files.
 struct ReadingArguments {
   std::string field;
+  std::vector<std::string> with;  ///< Further fields of a mesh of cells.
   std::string component;
   std::string time;
   std::string nodata;

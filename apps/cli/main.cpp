@@ -161,10 +161,10 @@ int run_program(const std::vector<std::string>& arguments) {
   program.require_subcommand(1);
   program.footer("lode COMMAND --help says more, with an example.");
   CommonOptions options;
-  std::vector<Command> commands{add_info_command(program),   add_build_command(program),
-                                add_count_command(program),  add_extract_command(program),
-                                add_probe_command(program),  add_verify_command(program),
-                                add_render_command(program), add_bench_command(program)};
+  std::vector<Command> commands{
+      add_info_command(program),   add_build_command(program),   add_attach_command(program),
+      add_count_command(program),  add_extract_command(program), add_probe_command(program),
+      add_verify_command(program), add_render_command(program),  add_bench_command(program)};
   for (const Command& command : commands) add_common_options(*command.app, options);
   std::string topic;
   CLI::App* help = program.add_subcommand("help", "Explain a command");

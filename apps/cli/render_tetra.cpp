@@ -82,16 +82,17 @@ struct TetraPicture {
 Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
                         const TetraPicture& made, const Session& session) {
   const TetraInfo& info = input.dataset.describe();
+  const TetraFieldInfo& field = input.field();
   Outcome outcome;
   Json& json = outcome.json;
   json["command"] = "render";
   json["input"] = job.input;
   json["outputs"] = outputs_of(job);
   json["model"] = "tetra_mt";
-  json["field"] = info.field;
+  json["field"] = field.name;
   json["max_error"] = made.mesh.max_error;
   json["achieved_error"] = made.mesh.achieved_error;
-  json["error_kind"] = name_of(info.error_place);
+  json["error_kind"] = name_of(field.error_place);
   json["cells"] = made.mesh.n_cells;
   json["reference_cells"] = info.n_cells;
   json["triangles"] = made.picture.n_triangles;
@@ -102,12 +103,12 @@ Outcome picture_outcome(const TetraPictureJob& job, const TetraInput& input,
   json["seconds"] = {
       {"open", input.seconds}, {"extract", made.mesh.seconds}, {"render", made.picture.seconds}};
   Table table;
-  table.add({"field", fmt::format("{}, {} to {}", info.field, format_number(info.range_min),
-                                  format_number(info.range_max))});
+  table.add({"field", fmt::format("{}, {} to {}", field.name, format_number(field.range_min),
+                                  format_number(field.range_max))});
   add_reading(input, table, json);
   table.add({"max error", format_number(made.mesh.max_error)});
   table.add({"achieved error",
-             format_number(made.mesh.achieved_error) + ' ' + name_of(info.error_place)});
+             format_number(made.mesh.achieved_error) + ' ' + name_of(field.error_place)});
   table.add({"cells",
              fmt::format("{} of {}", format_count(made.mesh.n_cells), format_count(info.n_cells))});
   if (made.picture.n_triangles > 0)
@@ -128,7 +129,7 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
                                   Session& session) {
   LODE_TRY(MeshPictureOptions options, to_picture(job));
   const TetraInfo& info = input.dataset.describe();
-  options.colors = {info.range_min, info.range_max};
+  options.colors = {input.field().range_min, input.field().range_max};
   if (!job.picture.opacity.empty()) {
     LODE_TRY(options.opacity,
              to_transfer_function(job.picture.opacity, info.bounds, options.colors));
@@ -140,10 +141,12 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
   options.render.threads = session.threads();
   TetraPicture made;
   SimplexMesh mesh;
-  LODE_TRY(made.mesh,
-           input.dataset.extract_mesh(
-               {.query = query, .threshold = {}, .regions = {}, .threads = session.threads()}, mesh,
-               session.progress()));
+  LODE_TRY(made.mesh, input.dataset.extract_mesh({.query = query,
+                                                  .threshold = {},
+                                                  .regions = {},
+                                                  .threads = session.threads(),
+                                                  .fields = {.measured = input.fields.measured}},
+                                                 mesh, session.progress()));
   if (!made.mesh.budget_met)
     session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
                              made.mesh.n_cut_cells));

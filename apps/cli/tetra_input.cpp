@@ -29,6 +29,39 @@ Result<void> add_welding(const ReadingArguments& reading, TetraOptions& options)
   return {};
 }
 
+/// NAME:x as NAME:0, and so on.
+std::string numbered_component(const std::string& name) {
+  if (name.size() < 3 || name[name.size() - 2] != ':') return name;
+  const std::size_t axis = std::string_view("xyz").find(name.back());
+  if (axis == std::string_view::npos) return name;
+  return name.substr(0, name.size() - 1) + std::to_string(axis);
+}
+
+/// A field of a .lode file: of a series the step --time.
+Result<std::size_t> named_field(const TetraInfo& info, const std::string& name,
+                                const std::string& step) {
+  std::vector<std::size_t> steps;
+  for (std::size_t i = 0; i < info.fields.size(); ++i)
+    if (name.empty() ? info.fields[i].name == info.fields[0].name : info.fields[i].name == name)
+      steps.push_back(i);
+  if (steps.empty()) return find_field(info, name, {});  // Names those that there are.
+  if (step.empty() || (steps.size() == 1 && !info.fields[steps[0]].time)) return steps.front();
+  LODE_TRY(const std::int64_t n,
+           parse_integer("--time", step, 0, static_cast<std::int64_t>(steps.size()) - 1));
+  return steps[static_cast<std::size_t>(n)];
+}
+
+Result<TetraFieldUse> fields_of(const TetraInfo& info, const ReadingArguments& reading) {
+  TetraFieldUse use;
+  LODE_TRY(use.measured, named_field(info, numbered_component(reading.field), reading.time));
+  for (const std::string& name : reading.with) {
+    LODE_TRY(const std::size_t at, named_field(info, numbered_component(name), reading.time));
+    if (at != use.measured && std::ranges::find(use.along, at) == use.along.end())
+      use.along.push_back(at);
+  }
+  return use;
+}
+
 /// What means over cells did to the peaks of their fields.
 void add_averaged(const TetraReport& report, Table& table, Json& json) {
   json["averaged"] = Json::array();
@@ -51,11 +84,18 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
   if (!reading.linearise.empty()) options.quadratic = QuadraticCells::corners;
   if (reading.field.empty() && !reading.component.empty())
     return fail("--component: expected --field with it, got none");
+  if (reading.field.empty() && !reading.with.empty())
+    return fail("--with: expected --field with it, got none");
   if (reading.field.empty()) return options;
-  std::string field = reading.field;
+  std::string field = numbered_component(reading.field);
   if (!reading.component.empty() && reading.component != "magnitude")
     field += ":" + reading.component_number();
   options.fields = {std::move(field)};
+  for (const std::string& more : reading.with) {
+    std::string name = numbered_component(more);
+    if (std::ranges::find(options.fields, name) == options.fields.end())
+      options.fields.push_back(std::move(name));
+  }
   return options;
 }
 
@@ -64,10 +104,18 @@ const char* name_of(ErrorPlace place) {
 }
 
 Result<void> check_tetra_reading(const ReadingArguments& reading, const std::string& path) {
-  if (is_lode_path(path)) return check_reading_options(reading, path);
-  LODE_CHECK(to_tetra_options(reading));
   ReadingArguments others = reading;
   others.field.clear();
+  others.with.clear();
+  if (is_lode_path(path)) {
+    if (!others.time.empty()) LODE_CHECK(parse_integer("--time", others.time, 0, kMaxStep));
+    others.time.clear();
+    if (!others.is_empty())
+      return fail("{}: expected no reading options but --field, --with and --time, got others",
+                  path);
+    return check_reading_options(others, path);
+  }
+  LODE_CHECK(to_tetra_options(reading));
   others.component.clear();
   others.weld.clear();
   others.weld_values.clear();
@@ -78,7 +126,8 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   }
   if (!others.is_empty() || others.salvage)
     return fail(
-        "{}: expected no options of reading but --field, --component, --weld, --weld-values and "
+        "{}: expected no options of reading but --field, --with, --component, --weld, "
+        "--weld-values and "
         "--linearise, got others",
         path);
   return {};
@@ -89,7 +138,7 @@ Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path, const Reading
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));
   LODE_TRY(CellMesh cells, read_cells(path, reading, session));
   LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
-  if (made.mesh.fields.size() != 1) {
+  if (reading.field.empty() && made.mesh.fields.size() != 1) {
     std::string names;
     for (const MeshField& field : made.mesh.fields)
       names += (names.empty() ? "" : ", ") + field.name;
@@ -104,7 +153,9 @@ Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArgume
   const Stopwatch watch;
   if (is_lode_path(path)) {
     LODE_TRY(TetraDataset dataset, TetraDataset::open(path));
-    return TetraInput{std::move(dataset), std::nullopt, watch.seconds()};
+    auto fields = fields_of(dataset.describe(), reading);
+    if (!fields) return fail("{}: {}", path, fields.error().message);
+    return TetraInput{std::move(dataset), std::nullopt, watch.seconds(), std::move(*fields)};
   }
   session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
   LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(path, reading, session));
@@ -114,7 +165,9 @@ Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArgume
     if (session.progress().is_cancelled()) return built.error();
     return fail("{}: {}", path, built.error().message);
   }
-  return TetraInput{std::move(*built), std::move(report), watch.seconds()};
+  TetraFieldUse fields;
+  for (std::size_t i = 1; i < made.mesh.fields.size(); ++i) fields.along.push_back(i);
+  return TetraInput{std::move(*built), std::move(report), watch.seconds(), std::move(fields)};
 }
 
 void add_reading(const TetraInput& input, Table& table, Json& json) {

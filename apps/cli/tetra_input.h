@@ -13,7 +13,11 @@ struct TetraInput {
   TetraDataset dataset;
   std::optional<TetraReport> report;  ///< What came of a foreign file's cells.
   double seconds = 0;                 ///< Opening, or reading and building.
+  TetraFieldUse fields{};             ///< That of --field, and those of --with.
 
+  [[nodiscard]] const TetraFieldInfo& field() const {
+    return dataset.describe().fields[fields.measured];
+  }
   [[nodiscard]] bool was_built() const { return report.has_value(); }
 };
 
@@ -27,7 +31,7 @@ struct TetraInput {
 /// How cells become tetrahedra. Fails on what cannot be meant.
 [[nodiscard]] Result<TetraOptions> to_tetra_options(const ReadingArguments& reading);
 
-/// The tetrahedra of a foreign file, with the one field that is wanted.
+/// The tetrahedra of a foreign file, with the field that is wanted, then those of --with.
 [[nodiscard]] Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path,
                                                         const ReadingArguments& reading,
                                                         Session& session);

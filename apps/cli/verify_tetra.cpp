@@ -10,14 +10,31 @@
 namespace lode::cli {
 namespace {
 
-/// The mesh that a model was made from, with the model's field unless another is named.
-Result<TetraMesh> read_original(const TetraVerifyJob& job, const TetraInfo& info,
-                                Session& session) {
+/// The mesh that a model was made from, with the model's fields, or those that are named.
+struct Original {
+  TetraMesh mesh;
+  std::vector<std::size_t> fields;  ///< The model's.
+};
+
+Result<Original> read_original(const TetraVerifyJob& job, const TetraInfo& info, Session& session) {
   LODE_TRY(TetraOptions options, to_tetra_options(job.reading));
-  if (options.fields.empty()) options.fields = {info.field};
+  if (options.fields.empty())
+    for (const TetraFieldInfo& field : info.fields)
+      if (!field.time || info.fields.size() == 1) options.fields.push_back(field.name);
+  if (options.fields.empty())
+    return fail(
+        "--against: expected --field to name one of {}, whose fields all have times, got "
+        "none",
+        job.input);
+  Original original;
+  for (const std::string& name : options.fields) {
+    LODE_TRY(const std::size_t at, find_field(info, name, {}));
+    original.fields.push_back(at);
+  }
   LODE_TRY(CellMesh cells, read_cells(job.original, job.reading, session));
   LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
-  return std::move(made.mesh);
+  original.mesh = std::move(made.mesh);
+  return original;
 }
 
 void append_checks(VerifyReport& report, VerifyReport more) {
@@ -50,8 +67,9 @@ Result<VerifyReport> verify_tetra(const TetraVerifyJob& job, Session& session) {
       dataset.verify({.is_exact = job.is_exact, .threads = session.threads()}, session.progress()));
   append_checks(report, std::move(more));
   if (job.original.empty()) return report;
-  LODE_TRY(const TetraMesh original, read_original(job, dataset.describe(), session));
-  LODE_TRY(VerifyReport compared, dataset.verify_against(original, session.progress()));
+  LODE_TRY(const Original original, read_original(job, dataset.describe(), session));
+  LODE_TRY(VerifyReport compared,
+           dataset.verify_against(original.mesh, original.fields, session.progress()));
   append_checks(report, std::move(compared));
   return report;
 }

@@ -196,7 +196,7 @@ TEST_F(cli_probe, refuses_what_has_no_answer) {
   refused({"--integral", "--region", "two"}, "--region");
   refused({"--integral", "--max-error", "-1"}, "--max-error");
   refused({"--integral", "-o", "out.txt"}, ".csv");
-  refused({"--integral", "--field", "noise"}, "--field");
+  refused({"--integral", "--dims", "3x3x3"}, "--field");
   const Finished nowhere = run_lode({"probe", lode_, "--integral", "-o", "/none/such/out.csv"});
   EXPECT_EQ(nowhere.exit_code, 1);
 }

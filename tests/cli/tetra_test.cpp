@@ -465,7 +465,7 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
           "expected one isovalue");
   refused({"extract", input_, output_, "--mesh", "--memory-limit", "1G"}, "--memory-limit");
   refused({"extract", input_, output_, "--mesh", "--nodata", "3"},
-          "no options of reading but --field, --component");
+          "no options of reading but --field, --with, --component");
   refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");
   refused({"extract", input_, input_, "--mesh"}, "expected an output that is not an input");
   refused({"count", input_, "--isovalue", "3"}, "which this command does not take");

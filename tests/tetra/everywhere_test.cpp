@@ -184,7 +184,7 @@ TEST(everywhere_errors, hold_at_random_points_of_cuts) {
   const auto dataset =
       TetraDataset::build(mesh, {.error_place = ErrorPlace::everywhere, .threads = {2}}, progress);
   ASSERT_TRUE(dataset) << dataset.error().message;
-  EXPECT_EQ(dataset->describe().error_place, ErrorPlace::everywhere);
+  EXPECT_EQ(dataset->describe().fields[0].error_place, ErrorPlace::everywhere);
   oracles::Random random(2);
   std::uint64_t n_above_samples = 0;
   for (const double tolerance : {0.05, 0.2, 10.0}) {

@@ -148,7 +148,7 @@ TEST(tetra_probe, gives_the_reference_values_at_no_tolerance) {
 TEST(tetra_probe, has_bounds_that_hold_at_any_tolerance) {
   const TetraMesh mesh = noise_with_cavity(13);
   const TetraDataset dataset = built(mesh);
-  const TetraInfo& info = dataset.describe();
+  const TetraFieldInfo& info = dataset.describe().fields[0];
   const double range = info.range_max - info.range_min;
   const std::vector<Vec3d> points = points_of(mesh, 6, 500);
   std::vector<Seen> truths;
@@ -313,8 +313,8 @@ TEST(tetra_probe, integrates_over_the_domain_and_its_regions) {
       EXPECT_EQ(report.integral_estimate, 0);
       if (regions.size() != 1) {
         EXPECT_EQ(report.n_cells, mesh.tetrahedra.size());
-        EXPECT_EQ(report.minimum.value, dataset.describe().range_min);
-        EXPECT_EQ(report.maximum.value, dataset.describe().range_max);
+        EXPECT_EQ(report.minimum.value, dataset.describe().fields[0].range_min);
+        EXPECT_EQ(report.maximum.value, dataset.describe().fields[0].range_max);
         EXPECT_EQ(report.minimum.low, report.minimum.high);
       }
     }
@@ -354,7 +354,7 @@ TEST(tetra_probe, integrates_over_boxes_as_sums_over_parts_say) {
   }
   EXPECT_NEAR(volume, truth.volume, 1e-13);
   EXPECT_NEAR(integral, truth.integral, 1e-13);
-  EXPECT_EQ(least, dataset.describe().range_min);
+  EXPECT_EQ(least, dataset.describe().fields[0].range_min);
   EXPECT_TRUE(integral_of(dataset, {.box = Box3d{{{2, 0, 0}}, {{3, 1, 1}}}}).is_empty);
 }
 

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -167,7 +168,8 @@ TEST_F(tetra_verification, compares_with_the_original_bit_for_bit) {
   const auto packed = PackedHierarchy::pack(hierarchy_, mesh_.tetrahedra.size(), {2});
   Progress progress;
   const auto found = [&](const TetraMesh& original) {
-    const auto report = compare_with_original(packed, original, progress);
+    const auto report =
+        compare_with_original(packed, original, std::array<std::size_t, 1>{}, progress);
     EXPECT_TRUE(report);
     std::string details;
     for (const VerifyReport::Check& check : report->checks) details += check.detail;
@@ -217,7 +219,7 @@ TEST_F(tetra_verification, takes_seams_of_the_reference_for_right) {
   ASSERT_TRUE(report);
   for (const VerifyReport::Check& check : report->checks)
     EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
-  const auto compared = compare_with_original(packed, mesh, progress);
+  const auto compared = compare_with_original(packed, mesh, std::array<std::size_t, 1>{}, progress);
   ASSERT_TRUE(compared);
   EXPECT_TRUE(compared->passed());
 }
@@ -231,7 +233,7 @@ TEST_F(tetra_verification, of_files_reads_every_byte) {
   const auto opened = TetraDataset::open(path);
   ASSERT_TRUE(opened);
   EXPECT_TRUE(opened->verify({.n_random_cuts = 2, .threads = {2}}, progress)->passed());
-  EXPECT_TRUE(opened->verify_against(mesh_, progress)->passed());
+  EXPECT_TRUE(opened->verify_against(mesh_, std::array<std::size_t, 1>{}, progress)->passed());
   std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
   file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(path) * 2 / 3));
   file.put('?').put('?');
@@ -247,7 +249,7 @@ TEST_F(tetra_verification, can_be_stopped) {
   Progress progress;
   progress.cancel();
   EXPECT_FALSE(verify_hierarchy(packed, {}, progress));
-  EXPECT_FALSE(compare_with_original(packed, mesh_, progress));
+  EXPECT_FALSE(compare_with_original(packed, mesh_, std::array<std::size_t, 1>{}, progress));
 }
 
 }  // namespace

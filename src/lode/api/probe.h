@@ -20,7 +20,8 @@ struct BoundedNumber {
 enum class ErrorPlace : std::uint8_t { at_samples, everywhere };
 
 struct ProbeOptions {
-  double max_error = 0;  ///< Tolerance near what is probed, field units; 0: full resolution.
+  double max_error = 0;   ///< Tolerance near what is probed, field units; 0: full resolution.
+  std::size_t field = 0;  ///< Of the data's.
   Threads threads{};
 };
 
@@ -60,7 +61,8 @@ struct ProbeReport {
 struct IntegralOptions {
   std::optional<Box3d> box{};           ///< Cells are cut exactly at it; none: the whole domain.
   std::vector<std::int64_t> regions{};  ///< Only their cells; empty: all.
-  double max_error = 0;                 ///< As in ProbeOptions.
+  double max_error = 0;                 ///< As in ProbeOptions,
+  std::size_t field = 0;                ///< likewise.
   Threads threads{};
 };
 

@@ -92,34 +92,44 @@ std::string difference_text(std::uint64_t n, std::uint64_t ours, std::uint64_t t
 }  // namespace
 
 Result<VerifyReport> compare_with_original(const PackedHierarchy& hierarchy,
-                                           const TetraMesh& original, Progress& progress) {
-  if (original.fields.size() != 1)
-    return fail("expected one field, got {}", original.fields.size());
+                                           const TetraMesh& original,
+                                           std::span<const std::size_t> fields,
+                                           Progress& progress) {
+  if (fields.empty() || original.fields.size() != fields.size())
+    return fail("expected {} fields, got {}", std::max<std::size_t>(fields.size(), 1),
+                original.fields.size());
   progress.report("comparing with the original", 0);
-  TetraCut cut(hierarchy);
+  TetraCut cut(hierarchy, fields.front());
   Engine<TetraCut> engine(cut);
   engine.set_query(uniform_demand(0));
   engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());
-  const TetraVertices vertices(hierarchy);
-  LODE_CHECK(hierarchy.check());
-  const auto ours = bits_of(vertices.positions, vertices.values);
-  const auto theirs = bits_of(original.positions, original.fields[0].values);
-  auto our_vertices = ours;
-  auto their_vertices = used_by(original.tetrahedra, theirs);
-  std::ranges::sort(our_vertices);
-  std::ranges::sort(their_vertices);
+  TetraVertices vertices(hierarchy);
   VerifyReport report;
-  const std::uint64_t n_vertices = count_differences(our_vertices, their_vertices);
-  report.add("vertices and values equal the original's", their_vertices.size(), n_vertices,
-             difference_text(n_vertices, ours.size(), their_vertices.size()));
-  if (n_vertices > 0) return report;
-  const auto our_cells = ranked_cells(cut.cells(), ranks_of(ours, our_vertices));
-  const auto their_cells = ranked_cells(original.tetrahedra, ranks_of(theirs, our_vertices));
-  const std::uint64_t n_cells = count_differences(our_cells, their_cells);
-  report.add("tetrahedra equal the original's", their_cells.size(), n_cells,
-             difference_text(n_cells, our_cells.size(), their_cells.size()));
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    vertices.take_values(hierarchy, fields[i]);
+    LODE_CHECK(hierarchy.check());
+    const auto ours = bits_of(vertices.positions, vertices.values);
+    const auto theirs = bits_of(original.positions, original.fields[i].values);
+    auto our_vertices = ours;
+    auto their_vertices = used_by(original.tetrahedra, theirs);
+    std::ranges::sort(our_vertices);
+    std::ranges::sort(their_vertices);
+    const std::uint64_t n_vertices = count_differences(our_vertices, their_vertices);
+    report.add(fields.size() == 1 ? "vertices and values equal the original's"
+                                  : fmt::format("vertices and values equal the original's: {}",
+                                                original.fields[i].name),
+               their_vertices.size(), n_vertices,
+               difference_text(n_vertices, ours.size(), their_vertices.size()));
+    if (n_vertices > 0) return report;
+    const auto our_cells = ranked_cells(cut.cells(), ranks_of(ours, our_vertices));
+    const auto their_cells = ranked_cells(original.tetrahedra, ranks_of(theirs, our_vertices));
+    const std::uint64_t n_cells = count_differences(our_cells, their_cells);
+    if (i == 0 || n_cells > 0)
+      report.add("tetrahedra equal the original's", their_cells.size(), n_cells,
+                 difference_text(n_cells, our_cells.size(), their_cells.size()));
+  }
   return report;
 }
 

@@ -20,12 +20,13 @@ struct StatedFacts {
   Range range{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 };
 
-std::vector<StatedFacts> stated_by(const PackedHierarchy& hierarchy, const TetraCells& cells) {
-  const double reference = hierarchy.head().fields[0].low;
+std::vector<StatedFacts> stated_by(const PackedHierarchy& hierarchy, std::size_t field,
+                                   const TetraCells& cells) {
+  const double reference = hierarchy.head().fields[field].low;
   std::vector<StatedFacts> stated(cells.makers.size());
   for (std::size_t i = 0; i < stated.size(); ++i) {
     if (cells.makers[i] == kNone) continue;
-    const NodeFacts facts = without_bounds(hierarchy.facts(cells.makers[i], 0), reference);
+    const NodeFacts facts = without_bounds(hierarchy.facts(cells.makers[i], field), reference);
     stated[i] = {facts.error, facts.range};
   }
   return stated;
@@ -149,10 +150,10 @@ void TetraCutErrors::append(const TetraCutErrors& later) {
   if (first.empty()) first = later.first;
 }
 
-Result<TetraCutErrors> measure_errors(const PackedHierarchy& hierarchy,
+Result<TetraCutErrors> measure_errors(const PackedHierarchy& hierarchy, std::size_t field,
                                       const TetraVertices& vertices, const TetraCells& cells,
                                       Threads threads) {
-  const std::vector<StatedFacts> stated = stated_by(hierarchy, cells);
+  const std::vector<StatedFacts> stated = stated_by(hierarchy, field, cells);
   LODE_CHECK(hierarchy.check());
   std::vector<bool> is_there(vertices.positions.size(), false);
   for (const auto& t : cells.corners)

@@ -7,8 +7,9 @@
 
 namespace lode {
 
-/// What the vertices of the reference mesh that a cut has not got say of it. F' is found where each
-/// of them lies, by a search of its own, and held against what the cell there states.
+/// What the vertices of the reference mesh that a cut has not got say of it, and of one field. F'
+/// is found where each of them lies, by a search of its own, and held against what the cell there
+/// states.
 struct TetraCutErrors {
   std::uint64_t n_vertices = 0;      ///< Looked at.
   std::uint64_t n_above_stated = 0;  ///< |F - F'| above the error that the cell there states;
@@ -23,11 +24,12 @@ struct TetraCutErrors {
   void append(const TetraCutErrors& later);
 };
 
-/// A vertex may be where several cells touch, or lie over one another: what one of them states is
-/// enough. What rounding does to F' is allowed for; and, where a vertex is outside by no more than
-/// the boundary may move, by how much F' may differ between there and the cell. The same for any
-/// number of threads. Fails where pages cannot be loaded.
+/// `vertices`: with the field's values. A vertex may be where several cells touch, or lie over one
+/// another: what one of them states is enough. What rounding does to F' is allowed for; and, where
+/// a vertex is outside by no more than the boundary may move, by how much F' may differ between
+/// there and the cell. The same for any number of threads. Fails where pages cannot be loaded.
 [[nodiscard]] Result<TetraCutErrors> measure_errors(const tetra_mt::PackedHierarchy& hierarchy,
+                                                    std::size_t field,
                                                     const TetraVertices& vertices,
                                                     const TetraCells& cells, Threads threads);
 

@@ -86,14 +86,18 @@ TetraVertices::TetraVertices(const PackedHierarchy& hierarchy)
       size(length(hierarchy.head().upper - hierarchy.head().lower)) {
   const std::uint32_t n = hierarchy.head().n_vertices();
   positions.reserve(n);
-  values.reserve(n);
   Vec3d most;
   for (std::uint32_t v = 0; v < n; ++v) {
     positions.push_back(hierarchy.position(v));
-    values.push_back(hierarchy.value(v, 0));
     for (std::size_t i = 0; i < 3; ++i) most[i] = std::max(most[i], std::abs(positions[v][i]));
   }
   farthest = length(most);
+}
+
+void TetraVertices::take_values(const PackedHierarchy& hierarchy, std::size_t field) {
+  values.clear();
+  for (std::uint32_t v = 0; v < hierarchy.head().n_vertices(); ++v)
+    values.push_back(hierarchy.value(v, field));
 }
 
 double TetraVertices::boundary_allowance() const {

@@ -16,13 +16,14 @@ namespace lode {
 /// All vertices of a hierarchy, as verification looks at them.
 struct TetraVertices {
   std::vector<Vec3d> positions;
-  std::vector<double> values;
+  std::vector<double> values;  ///< Of one field.
   bool has_narrow_positions = false;
   double size = 0;      ///< Of the box round all, along its diagonal.
   double farthest = 0;  ///< From the origin.
 
-  /// Of a hierarchy and its first field.
+  /// Of a hierarchy, without values.
   explicit TetraVertices(const tetra_mt::PackedHierarchy& hierarchy);
+  void take_values(const tetra_mt::PackedHierarchy& hierarchy, std::size_t field);
   /// How far the boundary of any cut may be from the reference's: what docs/models/tetra_mt.md
   /// says.
   [[nodiscard]] double boundary_allowance() const;

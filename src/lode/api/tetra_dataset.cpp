@@ -1,9 +1,7 @@
 #include "lode/api/tetra_dataset.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
 #include <array>
 #include <functional>
 #include <map>
@@ -13,14 +11,16 @@
 #include <span>
 #include <utility>
 
+#include "lode/api/tetra_build.h"
+#include "lode/api/tetra_cut_mesh.h"
+#include "lode/api/tetra_info.h"
 #include "lode/api/tetra_probe.h"
+#include "lode/api/tetra_query.h"
 #include "lode/api/tetra_verification.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/mesh_boundary.h"
-#include "lode/mappers/mesh_gradients.h"
 #include "lode/mappers/mesh_isosurface.h"
-#include "lode/models/tetra_mt/everywhere_errors.h"
 #include "lode/models/tetra_mt/gradient_codes.h"
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
@@ -36,62 +36,12 @@ using tetra_mt::kNone;
 using tetra_mt::PackedHierarchy;
 using tetra_mt::TetraCut;
 
-/// As for volumes.
-constexpr double kShareOfRange = 0.005;
-
-Result<Query> complete_query(const TetraInfo& info, Query query,
-                             const std::optional<double>& deadline_s) {
-  if (query.max_error_px)
-    return fail("meshes: expected a tolerance in field units, got pixels, of which they know none");
-  if (deadline_s && !(*deadline_s >= 0))
-    return fail("deadline: expected a number >= 0, got {}", *deadline_s);
-  if (!query.max_error)
-    query.max_error = query.budget.is_limited() || deadline_s
-                          ? 0
-                          : kShareOfRange * (info.range_max - info.range_min);
-  LODE_CHECK(check_query(query));
-  return query;
-}
-
-Result<void> check_regions(const TetraInfo& info, std::span<const std::int64_t> regions) {
-  for (const std::int64_t region : regions)
-    if (std::ranges::find(info.regions, region) == info.regions.end())
-      return fail("regions: expected one of {}, got {}",
-                  info.regions.empty() ? "none" : fmt::format("{}", fmt::join(info.regions, ", ")),
-                  region);
-  return {};
-}
-
-/// A demand with bounds a little wider than they are: mesh vertices near a section count as in it.
-struct WidenedDemand {
-  Demand demand;
-  double widening = 0;  ///< World units.
-
-  [[nodiscard]] double operator()(const NodeFacts& node) const { return demand(widened(node)); }
-  [[nodiscard]] bool touches(const NodeFacts& node) const { return demand.touches(widened(node)); }
-
- private:
-  [[nodiscard]] NodeFacts widened(NodeFacts node) const {
-    node.bounds.radius += widening;
-    return node;
-  }
-};
-
 /// What making a surface or mesh of a cut takes at most, so that a deadline is kept: errors of its
 /// cells may be on any page that has not been read.
 double finishing_seconds(const PackedHierarchy& hierarchy, std::uint64_t n_cells) {
   const std::uint32_t n_unread = hierarchy.head().shape.n_pages() - hierarchy.n_pages_loaded();
   return 1e-3 + 4e-7 * static_cast<double>(n_cells) + 1e-8 * hierarchy.head().n_vertices() +
          2.5e-4 * n_unread;
-}
-
-/// `widening`: how much sections are.
-Demand demand_of(Query query, double widening) {
-  const std::optional<double> outside = std::exchange(query.max_error_outside, std::nullopt);
-  Demand demand = to_demand(query);
-  if (!query.sections.empty()) demand = WidenedDemand{std::move(demand), widening};
-  if (outside) demand = max_of({std::move(demand), uniform_demand(*outside)});
-  return demand;
 }
 
 /// What positions of surfaces are relative to: nothing, unless the mesh is so far away that float32
@@ -101,122 +51,6 @@ Vec3d origin_of(const HierarchyHead& head) {
   const bool is_far =
       length(head.lower) + length(head.upper) > kFar * length(head.upper - head.lower);
   return is_far ? head.lower : Vec3d();
-}
-
-/// Slots of the cells of a cut by their last vertex: as vertices are numbered along a curve in
-/// space, cells that are near come near, whatever the order in which they were made.
-std::vector<std::uint32_t> sorted_cells(const TetraCut& cut, std::uint32_t n_vertices) {
-  std::vector<std::uint32_t> begins(std::size_t{n_vertices} + 1, 0);
-  for (const TetraCut::Cell& cell : cut.slots())
-    if (cut.is_inside(cell)) ++begins[std::ranges::max(cell.corners) + std::size_t{1}];
-  for (std::size_t v = 1; v < begins.size(); ++v) begins[v] += begins[v - 1];
-  std::vector<std::uint32_t> slots(begins.back());
-  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
-    const TetraCut::Cell& cell = cut.slots()[slot];
-    if (cut.is_inside(cell)) slots[begins[std::ranges::max(cell.corners)]++] = slot;
-  }
-  return slots;
-}
-
-/// Cells of a cut, their vertices numbered in the order of the hierarchy's: whose numbers it
-/// returns.
-std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const TetraCut& cut,
-                                     SimplexMesh& mesh) {
-  mesh = {};
-  std::vector<std::uint32_t> vertex_ids;
-  std::vector<std::uint32_t> numbers(hierarchy.head().n_vertices(), kNone);
-  for (const std::uint32_t slot : sorted_cells(cut, hierarchy.head().n_vertices())) {
-    const TetraCut::Cell& cell = cut.slots()[slot];
-    mesh.tetrahedra.push_back(cell.corners);
-    mesh.errors.push_back(cell.maker == kNone ? 0 : hierarchy.facts(cell.maker, 0).error);
-    if (hierarchy.head().shape.n_regions > 1)
-      mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
-    for (const std::uint32_t v : cell.corners) numbers[v] = 0;
-  }
-  for (std::uint32_t v = 0; v < numbers.size(); ++v) {
-    if (numbers[v] == kNone) continue;
-    numbers[v] = static_cast<std::uint32_t>(vertex_ids.size());
-    vertex_ids.push_back(v);
-    mesh.positions.push_back(hierarchy.position(v));
-    mesh.values.push_back(hierarchy.value(v, 0));
-  }
-  for (auto& t : mesh.tetrahedra)
-    for (std::uint32_t& v : t) v = numbers[v];
-  mesh.has_narrow_values = std::ranges::all_of(mesh.values, [](double value) {
-    return static_cast<double>(static_cast<float>(value)) == value;
-  });
-  return vertex_ids;
-}
-
-/// By vertex of the hierarchy: gradient_code() on the mesh.
-std::vector<std::uint32_t> gradient_codes(const TetraMesh& mesh, std::size_t field,
-                                          const Hierarchy& hierarchy, Threads threads) {
-  SimplexMesh all;
-  all.positions = mesh.positions;
-  all.values = mesh.fields[field].values;
-  all.tetrahedra = mesh.tetrahedra;
-  const std::vector<Vec3f> gradients = vertex_gradients(all, threads);
-  std::vector<std::uint32_t> codes(hierarchy.mesh_vertices.size());
-  parallel_for(codes.size(), threads, tetra_mt::kPageNodes, [&](std::size_t v, int) {
-    codes[v] = tetra_mt::gradient_code(gradients[hierarchy.mesh_vertices[v]]);
-  });
-  return codes;
-}
-
-TetraInfo info_of(const HierarchyHead& head) {
-  const HierarchyHead::Field& field = head.fields[0];
-  return {
-      .n_vertices = head.n_vertices(),
-      .n_cells = head.n_cells,
-      .n_base_cells = head.n_base_cells,
-      .n_nodes = head.shape.n_nodes,
-      .field = field.name,
-      .type = field.type,
-      .range_min = field.low,
-      .range_max = field.high,
-      .error_place = field.has_errors_everywhere ? ErrorPlace::everywhere : ErrorPlace::at_samples,
-      .base_error = field.base_error,
-      .bounds = {head.lower, head.upper},
-      .boundary_deviation = head.boundary_deviation,
-      .regions = head.region_ids};
-}
-
-Result<tetra_mt::HalfEdgeCollapses> collapse(const TetraMesh& mesh,
-                                             const TetraBuildOptions& options, Progress& progress) {
-  if (mesh.fields.size() != 1) return fail("expected one field, got {}", mesh.fields.size());
-  const auto base_cells = static_cast<std::uint64_t>(std::clamp(options.base_share, 0.0, 1.0) *
-                                                     static_cast<double>(mesh.tetrahedra.size()));
-  const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
-  if (is_everywhere && options.boundary_tolerance > 0)
-    return fail(
-        "boundary tolerance: expected 0 where errors hold everywhere, as nothing is known of what "
-        "is outside, got {}",
-        options.boundary_tolerance);
-  LODE_TRY(auto collapses, tetra_mt::collapse_half_edges(
-                               mesh,
-                               {.base_cells = base_cells,
-                                .rules = {.boundary_tolerance = options.boundary_tolerance},
-                                .threads = options.threads},
-                               progress));
-  if (is_everywhere)
-    LODE_CHECK(make_errors_hold_everywhere(mesh, collapses, options.threads, progress));
-  return collapses;
-}
-
-Result<Hierarchy> make_hierarchy_of(const TetraMesh& mesh, const TetraBuildOptions& options,
-                                    Progress& progress) {
-  LODE_TRY(const auto collapses, collapse(mesh, options, progress));
-  return tetra_mt::make_hierarchy(mesh, collapses, options.threads);
-}
-
-std::vector<std::pair<std::string, std::uint64_t>> named(const tetra_mt::RefusalCounts& counts) {
-  constexpr std::array<const char*, tetra_mt::RefusalCounts::kSize> kNames{
-      "non-manifold", "extremum", "boundary", "regions", "shape",
-      "topology",     "crowded",  "rounding", "limit"};
-  std::vector<std::pair<std::string, std::uint64_t>> result;
-  for (std::size_t i = 0; i < kNames.size(); ++i)
-    if (counts.counts[i] > 0) result.emplace_back(kNames[i], counts.counts[i]);
-  return result;
 }
 
 }  // namespace
@@ -237,9 +71,8 @@ class TetraDataset::Impl {
         source_(std::move(source)) {}
 
   /// The mesh of a query's cut, without gradients.
-  [[nodiscard]] Result<TetraCutMesh> make_mesh(const Query& wanted,
-                                               const std::optional<double>& deadline_s,
-                                               std::span<const std::int64_t> regions,
+  template <typename Options>
+  [[nodiscard]] Result<TetraCutMesh> make_mesh(const Query& wanted, const Options& options,
                                                Progress& progress) const;
   /// Of vertices of the hierarchy, ascending.
   [[nodiscard]] Result<std::vector<Vec3f>> gradients(std::span<const std::uint32_t> vertices,
@@ -276,10 +109,10 @@ TetraReads TetraDataset::reads() const {
 
 Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuildOptions& options,
                                          Progress& progress) try {
-  LODE_TRY(const auto hierarchy, make_hierarchy_of(mesh, options, progress));
+  LODE_TRY(const auto hierarchy, build_hierarchy(mesh, options, progress));
   std::vector<std::vector<std::uint32_t>> codes;
   for (std::size_t f = 0; f < mesh.fields.size(); ++f)
-    codes.push_back(gradient_codes(mesh, f, hierarchy, options.threads));
+    codes.push_back(gradient_codes(mesh, f, hierarchy.mesh_vertices, options.threads));
   auto packed = PackedHierarchy::pack(hierarchy, mesh.tetrahedra.size(), options.threads);
   auto source = [codes = std::move(codes), shape = packed.head().shape](std::size_t field,
                                                                         std::uint32_t page) {
@@ -288,30 +121,6 @@ Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuild
     return Result(std::vector<std::uint32_t>(begin, begin + range.n));
   };
   return TetraDataset(std::make_unique<Impl>(std::move(packed), std::move(source)));
-} catch (const std::bad_alloc&) {
-  return out_of_memory("build the hierarchy");
-}
-
-Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const std::string& path,
-                                                 const TetraBuildOptions& options,
-                                                 Progress& progress) try {
-  Stopwatch watch;
-  LODE_TRY(auto collapses, collapse(mesh, options, progress));
-  TetraFileReport report;
-  report.volume_change = collapses.volume_change;
-  report.refusals = named(collapses.refusals);
-  LODE_TRY(const auto hierarchy, tetra_mt::make_hierarchy(mesh, collapses, options.threads));
-  collapses = {};
-  report.build_seconds = watch.seconds();
-  report.info = info_of(head_of(hierarchy, mesh.tetrahedra.size()));
-  const Stopwatch write_watch;
-  const auto gradients = [&](std::size_t field) {
-    return gradient_codes(mesh, field, hierarchy, options.threads);
-  };
-  LODE_TRY(report.file_bytes, tetra_mt::save(hierarchy, mesh.tetrahedra.size(), gradients, path,
-                                             options.threads, progress));
-  report.write_seconds = write_watch.seconds();
-  return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("build the hierarchy");
 }
@@ -353,14 +162,16 @@ Result<std::vector<Vec3f>> TetraDataset::Impl::gradients(std::span<const std::ui
   return found;
 }
 
-Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted,
-                                                   const std::optional<double>& deadline_s,
-                                                   std::span<const std::int64_t> regions,
+template <typename Options>
+Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, const Options& options,
                                                    Progress& progress) const {
   const Stopwatch watch;
-  LODE_TRY(const Query query, complete_query(info, wanted, deadline_s));
-  LODE_CHECK(check_regions(info, regions));
-  TetraCut cut(hierarchy);
+  const std::optional<double>& deadline_s = options.deadline_s;
+  LODE_CHECK(check_fields(info, options.fields));
+  LODE_TRY(const Query query,
+           complete_query(info.fields[options.fields.measured], wanted, deadline_s));
+  LODE_CHECK(check_regions(info, options.regions));
+  TetraCut cut(hierarchy, options.fields.measured);
   Engine<TetraCut> engine(cut);
   engine.set_query(demand_of(query, 2 * surface_margin), query.budget);
   const auto is_late = [&] {
@@ -376,7 +187,7 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted,
   LODE_CHECK(cut.check());
   const Standing standing = engine.standing();
   TetraCutMesh made{.origin = surface_origin, .margin = surface_margin};
-  made.vertex_ids = fill_mesh(hierarchy, cut, made.mesh);
+  made.vertex_ids = fill_mesh(hierarchy, options.fields, cut, made.mesh);
   LODE_CHECK(cut.check());
   made.report.max_error = *query.max_error;
   // What is out of sight remains a candidate.
@@ -387,16 +198,15 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted,
   made.report.n_cut_cells = standing.n_cells;
   made.report.budget_met = standing.budget_met;
   made.report.is_settled = standing.is_settled;
-  if (!regions.empty() && info.regions.size() > 1)
-    made.report.n_left_out = keep_regions(made.mesh, regions, made.vertex_ids);
+  if (!options.regions.empty() && info.regions.size() > 1)
+    made.report.n_left_out = keep_regions(made.mesh, options.regions, made.vertex_ids);
   return made;
 }
 
 Result<MeshReport> TetraDataset::extract_mesh(const TetraMeshOptions& options, SimplexMesh& mesh,
                                               Progress& progress) const try {
   const Stopwatch watch;
-  LODE_TRY(TetraCutMesh cut,
-           impl_->make_mesh(query_of(options), options.deadline_s, options.regions, progress));
+  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), options, progress));
   apply_threshold(options, cut);
   mesh = std::move(cut.mesh);
   cut.report.seconds = watch.seconds();
@@ -410,10 +220,9 @@ Result<TetraSurfaceReport> TetraDataset::extract_surface(const TetraSurfaceOptio
     try {
   const Stopwatch watch;
   if (options.query.isovalues.empty()) return fail("isosurfaces: expected isovalues, got none");
-  LODE_TRY(TetraCutMesh cut,
-           impl_->make_mesh(options.query, options.deadline_s, options.regions, progress));
+  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(options.query, options, progress));
   if (options.normals == Normals::on) {
-    LODE_TRY(cut.gradients, impl_->gradients(cut.vertex_ids, 0));
+    LODE_TRY(cut.gradients, impl_->gradients(cut.vertex_ids, options.fields.measured));
   }
   TetraSurfaceReport report = make_isosurfaces(cut, options, surface);
   report.seconds = watch.seconds();
@@ -427,8 +236,7 @@ Result<TetraSurfaceReport> TetraDataset::extract_section(const TetraSectionOptio
     try {
   const Stopwatch watch;
   LODE_CHECK(check_planes(options.planes));
-  LODE_TRY(const TetraCutMesh cut,
-           impl_->make_mesh(query_of(options), options.deadline_s, options.regions, progress));
+  LODE_TRY(const TetraCutMesh cut, impl_->make_mesh(query_of(options), options, progress));
   TetraSurfaceReport report = make_sections(cut, options, surface);
   report.seconds = watch.seconds();
   return report;
@@ -440,8 +248,7 @@ Result<TetraSurfaceReport> TetraDataset::extract_boundary(const TetraMeshOptions
                                                           Surface& surface,
                                                           Progress& progress) const try {
   const Stopwatch watch;
-  LODE_TRY(TetraCutMesh cut,
-           impl_->make_mesh(query_of(options), options.deadline_s, options.regions, progress));
+  LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), options, progress));
   apply_threshold(options, cut);
   TetraSurfaceReport report = make_boundary(cut, options.threads, surface);
   report.seconds = watch.seconds();
@@ -485,14 +292,17 @@ Result<IntegralReport> TetraDataset::integrate(const IntegralOptions& options,
 
 Result<VerifyReport> TetraDataset::verify(const TetraVerifyOptions& options,
                                           Progress& progress) const try {
+  LODE_CHECK(check_fields(impl_->info, {.along = options.fields}));
   return verify_hierarchy(impl_->hierarchy, options, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the hierarchy");
 }
 
 Result<VerifyReport> TetraDataset::verify_against(const TetraMesh& original,
+                                                  std::span<const std::size_t> fields,
                                                   Progress& progress) const try {
-  return compare_with_original(impl_->hierarchy, original, progress);
+  LODE_CHECK(check_fields(impl_->info, {.along = {fields.begin(), fields.end()}}));
+  return compare_with_original(impl_->hierarchy, original, fields, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("compare the hierarchy with the data");
 }

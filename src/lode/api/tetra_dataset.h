@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -36,23 +37,29 @@ struct TetraVerifyOptions {
   std::uint64_t seed = 1;           ///< Of their nodes, and of the order in which all are applied.
   /// Errors at all points of these, too, by the overlay with the reference mesh: takes long.
   bool is_exact = false;
+  std::vector<std::size_t> fields{};  ///< Whose errors and ranges are checked; empty: all.
   Threads threads{};
+};
+
+struct TetraFieldInfo {
+  std::string name;
+  ScalarType type = ScalarType::float64;
+  double range_min = 0;  ///< Both 0 where there is no vertex.
+  double range_max = 0;
+  ErrorPlace error_place = ErrorPlace::at_samples;  ///< Of all its errors.
+  double base_error = 0;                            ///< Largest |F - F'| on the base.
+  std::optional<double> time{};                     ///< Of a series.
 };
 
 struct TetraInfo {
   std::uint64_t n_vertices = 0;  ///< Of the reference mesh.
   std::uint64_t n_cells = 0;
   std::uint64_t n_base_cells = 0;
-  std::uint64_t n_nodes = 0;  ///< Collapses, and splits that undo them.
-  std::string field;
-  ScalarType type = ScalarType::float64;
-  double range_min = 0;  ///< Of the field; both 0 where there is no vertex.
-  double range_max = 0;
-  ErrorPlace error_place = ErrorPlace::at_samples;  ///< Of all errors.
-  double base_error = 0;                            ///< Largest |F - F'| on the base.
-  Box3d bounds{};                                   ///< Of all vertices.
-  double boundary_deviation = 0;                    ///< Of cuts' boundaries; the mesh's unit.
-  std::vector<std::int64_t> regions{};              ///< As the file numbers them, ascending.
+  std::uint64_t n_nodes = 0;             ///< Collapses, and splits that undo them.
+  std::vector<TetraFieldInfo> fields{};  ///< At least one.
+  Box3d bounds{};                        ///< Of all vertices.
+  double boundary_deviation = 0;         ///< Of cuts' boundaries; the mesh's unit.
+  std::vector<std::int64_t> regions{};   ///< As the file numbers them, ascending.
 };
 
 /// What has been read of a file since it was opened; nothing in memory.
@@ -71,14 +78,15 @@ struct TetraFileReport {
   double write_seconds = 0;
 };
 
-/// The door of tetrahedral meshes with a field: a Multi-Tessellation of half-edge collapses
+/// The door of tetrahedral meshes with fields: a Multi-Tessellation of half-edge collapses
 /// (docs/models/tetra_mt.md), in memory or in a file, of which parts are read when queries ask for
 /// them. F is linear on each tetrahedron of the reference mesh.
 /// Errors hold at samples, the reference's vertices, between which F' may be farther off; or
 /// everywhere, where the hierarchy was built so.
 class TetraDataset {
  public:
-  /// `mesh`: with one field, of finite values.
+  /// `mesh`: with fields, at least one, of finite values. Edges collapse by the sum of squared
+  /// errors of all, as shares of their ranges; extrema of each stay.
   [[nodiscard]] static Result<TetraDataset> build(const TetraMesh& mesh,
                                                   const TetraBuildOptions& options,
                                                   Progress& progress);
@@ -97,7 +105,7 @@ class TetraDataset {
 
   [[nodiscard]] const TetraInfo& describe() const;
   [[nodiscard]] TetraReads reads() const;
-  /// The mesh of a query's cut, with its field and by cell the error; conforming, its
+  /// The mesh of a query's cut, with its fields and by cell the error; conforming, its
   /// vertices the reference's. Without max_error as for volumes. With a
   /// threshold only some of its cells, and report.n_left_out says how many are not there.
   [[nodiscard]] Result<MeshReport> extract_mesh(const TetraMeshOptions& options, SimplexMesh& mesh,
@@ -135,8 +143,9 @@ class TetraDataset {
   /// What verify_hierarchy() finds.
   [[nodiscard]] Result<VerifyReport> verify(const TetraVerifyOptions& options,
                                             Progress& progress) const;
-  /// What compare_with_original() finds.
+  /// What compare_with_original() finds. `fields`: places of those that the original has.
   [[nodiscard]] Result<VerifyReport> verify_against(const TetraMesh& original,
+                                                    std::span<const std::size_t> fields,
                                                     Progress& progress) const;
 
  private:
@@ -144,6 +153,15 @@ class TetraDataset {
   explicit TetraDataset(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// The place of a field. `name`: empty for the first of those at the time; `time`: none for those
+/// without, and for the first time where all have one. Fails where there is none, and says which
+/// there are.
+[[nodiscard]] Result<std::size_t> find_field(const TetraInfo& info, const std::string& name,
+                                             const std::optional<double>& time = {});
+/// Places of the fields that are known at a field's time: of that time, and those without one; not
+/// of the field itself.
+[[nodiscard]] std::vector<std::size_t> fields_along(const TetraInfo& info, std::size_t field);
 
 /// Checks every byte of a .lode file of tetrahedra: checksums, and that all blocks decode. Fails on
 /// the first fault, naming the file.

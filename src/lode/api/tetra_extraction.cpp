@@ -27,6 +27,11 @@ void append(const Surface& section, Surface& surface) {
   put(section.positions, surface.positions);
   put(section.values, surface.values);
   put(section.errors, surface.errors);
+  if (surface.attributes.empty())
+    for (const Attribute& from : section.attributes)
+      surface.attributes.push_back({from.name, from.is_narrow, {}, from.error});
+  for (std::size_t i = 0; i < section.attributes.size(); ++i)
+    put(section.attributes[i].values, surface.attributes[i].values);
   for (const auto& [a, b, c] : section.triangles)
     surface.triangles.push_back({first + a, first + b, first + c});
 }

@@ -13,6 +13,12 @@
 
 namespace lode {
 
+/// Which fields of a mesh a question is about: places in TetraInfo::fields.
+struct TetraFieldUse {
+  std::size_t measured = 0;          ///< Whose errors and values count.
+  std::vector<std::size_t> along{};  ///< Others, whose values at its vertices the answer has too.
+};
+
 struct TetraMeshOptions {
   /// As in MeshOptions, and with a view: accurate in what it shows. Without a focus, that is where
   /// the field may have a value of the threshold.
@@ -23,6 +29,7 @@ struct TetraMeshOptions {
   std::optional<Range> threshold{};
   std::vector<std::int64_t> regions{};  ///< Only their cells; empty: all.
   Threads threads{};
+  TetraFieldUse fields{};
 };
 
 struct TetraSurfaceOptions {
@@ -31,6 +38,7 @@ struct TetraSurfaceOptions {
   Normals normals = Normals::on;
   std::vector<std::int64_t> regions{};  ///< Likewise.
   Threads threads{};
+  TetraFieldUse fields{};
 };
 
 struct TetraSectionOptions {
@@ -41,6 +49,7 @@ struct TetraSectionOptions {
   Budget budget{};
   std::optional<double> deadline_s{};
   std::vector<std::int64_t> regions{};
+  TetraFieldUse fields{};
 };
 
 /// Of isosurfaces, sections and boundaries of meshes of tetrahedra.

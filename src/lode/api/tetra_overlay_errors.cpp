@@ -86,7 +86,8 @@ double TetraOverlay::largest_in(const tetra_mt::Tetrahedron& cell) const {
 }
 
 Result<TetraOverlayErrors> TetraOverlay::measure(const tetra_mt::PackedHierarchy& hierarchy,
-                                                 const TetraCells& cells, Threads threads) const {
+                                                 std::size_t field, const TetraCells& cells,
+                                                 Threads threads) const {
   std::vector<double> found(cells.corners.size());
   parallel_for(found.size(), threads, 16, [&](std::size_t i, int) {
     if (cells.makers[i] != tetra_mt::kNone) found[i] = largest_in(cells.corners[i]);
@@ -94,7 +95,7 @@ Result<TetraOverlayErrors> TetraOverlay::measure(const tetra_mt::PackedHierarchy
   TetraOverlayErrors errors;
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (cells.makers[i] == tetra_mt::kNone) continue;
-    const double stated = double{hierarchy.facts(cells.makers[i], 0).error};
+    const double stated = double{hierarchy.facts(cells.makers[i], field).error};
     ++errors.n_cells;
     errors.largest = std::max(errors.largest, found[i]);
     errors.largest_stated = std::max(errors.largest_stated, stated);

@@ -29,10 +29,11 @@ class TetraOverlay {
   /// Both must outlive it.
   TetraOverlay(const TetraVertices& vertices, const TetraCells& reference, Threads threads);
 
-  /// What rounding does to F' is allowed for. The same for any number of threads. Fails where pages
-  /// cannot be loaded.
+  /// Of a field, whose values the vertices have. What rounding does to F' is allowed for. The same
+  /// for any number of threads. Fails where pages cannot be loaded.
   [[nodiscard]] Result<TetraOverlayErrors> measure(const tetra_mt::PackedHierarchy& hierarchy,
-                                                   const TetraCells& cells, Threads threads) const;
+                                                   std::size_t field, const TetraCells& cells,
+                                                   Threads threads) const;
   /// Of one cell: the largest |F - F'|, less what rounding may have added.
   [[nodiscard]] double largest_in(const tetra_mt::Tetrahedron& cell) const;
 

@@ -98,7 +98,7 @@ std::vector<std::uint32_t> slots_near(const PackedHierarchy& hierarchy, const Te
   return slots;
 }
 
-void fill_cells(const PackedHierarchy& hierarchy, const TetraCut& cut,
+void fill_cells(const PackedHierarchy& hierarchy, std::size_t field, const TetraCut& cut,
                 const std::vector<std::uint32_t>& slots, ProbeCells& cells) {
   SimplexMesh& mesh = cells.mesh;
   std::vector<std::uint32_t> vertices;
@@ -107,7 +107,7 @@ void fill_cells(const PackedHierarchy& hierarchy, const TetraCut& cut,
     mesh.tetrahedra.push_back(cell.corners);
     const bool is_exact = cell.maker == kNone;
     cells.is_exact.push_back(is_exact ? 1 : 0);
-    mesh.errors.push_back(is_exact ? 0 : hierarchy.facts(cell.maker, 0).error);
+    mesh.errors.push_back(is_exact ? 0 : hierarchy.facts(cell.maker, field).error);
     if (hierarchy.head().shape.n_regions > 1)
       mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
     vertices.insert(vertices.end(), cell.corners.begin(), cell.corners.end());
@@ -116,7 +116,7 @@ void fill_cells(const PackedHierarchy& hierarchy, const TetraCut& cut,
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   for (const std::uint32_t v : vertices) {
     mesh.positions.push_back(hierarchy.position(v));
-    mesh.values.push_back(hierarchy.value(v, 0));
+    mesh.values.push_back(hierarchy.value(v, field));
   }
   for (auto& t : mesh.tetrahedra)
     for (std::uint32_t& v : t)
@@ -124,21 +124,24 @@ void fill_cells(const PackedHierarchy& hierarchy, const TetraCut& cut,
 }
 
 /// The cells of a cut that is fine where is looked, and those there only.
-Result<ProbeCells> cells_near(const PackedHierarchy& hierarchy, const MeetsBox& where,
-                              double max_error, Progress& progress, ProbeReport& report) {
+Result<ProbeCells> cells_near(const PackedHierarchy& hierarchy, std::size_t field,
+                              const MeetsBox& where, double max_error, Progress& progress,
+                              ProbeReport& report) {
   const HierarchyHead& head = hierarchy.head();
-  TetraCut cut(hierarchy);
+  if (field >= head.fields.size())
+    return fail("field: expected a number below {}, got {}", head.fields.size(), field);
+  TetraCut cut(hierarchy, field);
   Engine<TetraCut> engine(cut);
   engine.set_query(probe_demand(where, max_error, bounds_slack({head.lower, head.upper})));
   engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());
-  const Range all{head.fields[0].low, head.fields[0].high};
+  const Range all{head.fields[field].low, head.fields[field].high};
   const auto ranges = std::make_shared<const CandidateRanges>(engine, cut, all);
   const ErrorPlace place =
-      head.fields[0].has_errors_everywhere ? ErrorPlace::everywhere : ErrorPlace::at_samples;
+      head.fields[field].has_errors_everywhere ? ErrorPlace::everywhere : ErrorPlace::at_samples;
   ProbeCells cells{.error_place = place};
-  fill_cells(hierarchy, cut, slots_near(hierarchy, cut, where), cells);
+  fill_cells(hierarchy, field, cut, slots_near(hierarchy, cut, where), cells);
   LODE_CHECK(cut.check());
   cells.range_in = [ranges](const Box3d& box) { return ranges->range_in(box); };
   cells.largest_value = std::max(std::abs(all.low), std::abs(all.high));
@@ -162,8 +165,8 @@ Result<ProbeReport> probe_hierarchy(const PackedHierarchy& hierarchy, std::span<
                                     Progress& progress) {
   LODE_CHECK(check_probe(points, options.max_error));
   ProbeReport report;
-  LODE_TRY(const ProbeCells cells,
-           cells_near(hierarchy, meets_points(points), options.max_error, progress, report));
+  LODE_TRY(const ProbeCells cells, cells_near(hierarchy, options.field, meets_points(points),
+                                              options.max_error, progress, report));
   found = probe_points_in(cells, points, options.threads);
   report.n_outside = count_outside(found);
   return report;
@@ -181,8 +184,9 @@ Result<ProbeReport> probe_hierarchy(const PackedHierarchy& hierarchy, const Prob
     found = on_line(line, points);
     return report;
   }
-  LODE_TRY(const ProbeCells cells, cells_near(hierarchy, meets_segment(line.begin, line.end),
-                                              options.max_error, progress, report));
+  LODE_TRY(const ProbeCells cells,
+           cells_near(hierarchy, options.field, meets_segment(line.begin, line.end),
+                      options.max_error, progress, report));
   found = probe_line_in(cells, line.begin, line.end, options.threads);
   return report;
 }
@@ -192,7 +196,7 @@ Result<IntegralReport> integrate_hierarchy(const PackedHierarchy& hierarchy,
   LODE_CHECK(check_integral(options));
   ProbeReport probe;
   LODE_TRY(const ProbeCells cells,
-           cells_near(hierarchy, options.box ? meets_box(*options.box) : meets_all(),
+           cells_near(hierarchy, options.field, options.box ? meets_box(*options.box) : meets_all(),
                       options.max_error, progress, probe));
   IntegralReport report = integrate_cells(cells, options);
   report.probe = probe;

@@ -61,7 +61,13 @@ class CutVerifier {
         threads_(options.threads),
         is_exact_(options.is_exact),
         progress_(progress),
-        vertices_(hierarchy) {}
+        vertices_(hierarchy),
+        fields_(options.fields) {
+    for (std::size_t f = 0; options.fields.empty() && f < hierarchy.head().fields.size(); ++f)
+      fields_.push_back(f);
+    errors_.resize(fields_.size());
+    overlay_errors_.resize(fields_.size());
+  }
 
   [[nodiscard]] Result<void> find_reference();
   [[nodiscard]] Result<void> look_at(const TetraCut& cut, const std::string& name);
@@ -70,19 +76,29 @@ class CutVerifier {
   void add_to(VerifyReport& report) const;
 
  private:
+  [[nodiscard]] Result<void> measure(std::size_t field, std::optional<double> share,
+                                     VerifyReport& report);
+  /// Of a check of one field: names it where there are several.
+  [[nodiscard]] std::string named(const std::string& check, std::size_t field) const {
+    const tetra_mt::HierarchyHead::Field& head = hierarchy_.head().fields[field];
+    if (fields_.size() == 1) return check;
+    return fmt::format("{}: {}{}", check, head.name,
+                       head.time ? fmt::format(" at {}", *head.time) : "");
+  }
+  void add_errors(std::size_t field, const TetraCutErrors& errors, VerifyReport& report) const;
   [[nodiscard]] Result<void> compare_boundary(const TetraCutShape& shape, const std::string& name);
   void check_volume(const TetraCutShape& shape, const std::string& name);
   void check_outer_faces(const TetraCutShape& shape, const std::string& name);
-  void add_overlay_to(VerifyReport& report) const;
+  void add_overlay(std::size_t field, const TetraOverlayErrors& errors, VerifyReport& report) const;
 
   const PackedHierarchy& hierarchy_;
   Threads threads_;
   bool is_exact_;
   Progress& progress_;
   TetraVertices vertices_;
-  std::optional<TetraCells> reference_cells_;  ///< Where it is exact,
-  std::optional<TetraOverlay> overlay_;        ///< likewise,
-  TetraOverlayErrors overlay_errors_;          ///< and so are these.
+  std::optional<TetraCells> reference_cells_;       ///< Where it is exact,
+  std::optional<TetraOverlay> overlay_;             ///< likewise,
+  std::vector<TetraOverlayErrors> overlay_errors_;  ///< and so are these, by checked field.
   TetraCutShape reference_;
   Surface reference_surface_;
   std::uint64_t n_reference_meetings_ = 0;  ///< Of pairs of its outer faces.
@@ -92,10 +108,11 @@ class CutVerifier {
   CutCheck volume_;
   CutCheck boundary_;
   CutCheck sheets_;
-  TetraCutErrors errors_;
-  std::uint64_t n_meetings_ = 0;  ///< The most of a cut.
-  double volume_off_ = 0;         ///< The largest share by which a cut's is.
-  double boundary_off_ = 0;       ///< What is proven of the farthest point.
+  std::vector<std::size_t> fields_;
+  std::vector<TetraCutErrors> errors_;  ///< By place in fields_.
+  std::uint64_t n_meetings_ = 0;        ///< The most of a cut.
+  double volume_off_ = 0;               ///< The largest share by which a cut's is.
+  double boundary_off_ = 0;             ///< What is proven of the farthest point.
 };
 
 Result<void> CutVerifier::find_reference() {
@@ -175,31 +192,36 @@ Result<void> CutVerifier::look_at(const TetraCut& cut, const std::string& name) 
                           name, shape.n_bad_made, shape.n_bad_reference));
   check_volume(shape, name);
   LODE_CHECK(compare_boundary(shape, name));
-  LODE_TRY(TetraCutErrors errors, measure_errors(hierarchy_, vertices_, cells, threads_));
-  if (!errors.first.empty()) errors.first = name + ": " + errors.first;
-  errors_.append(errors);
-  if (overlay_) {
-    LODE_TRY(TetraOverlayErrors exact, overlay_->measure(hierarchy_, cells, threads_));
+  for (std::size_t i = 0; i < fields_.size(); ++i) {
+    if (fields_.size() > 1 || vertices_.values.empty())
+      vertices_.take_values(hierarchy_, fields_[i]);
+    LODE_TRY(TetraCutErrors errors,
+             measure_errors(hierarchy_, fields_[i], vertices_, cells, threads_));
+    if (!errors.first.empty()) errors.first = name + ": " + errors.first;
+    errors_[i].append(errors);
+    if (!overlay_) continue;
+    LODE_TRY(TetraOverlayErrors exact, overlay_->measure(hierarchy_, fields_[i], cells, threads_));
     if (!exact.first.empty()) exact.first = name + ": " + exact.first;
-    overlay_errors_.append(exact);
+    overlay_errors_[i].append(exact);
   }
   if (progress_.is_cancelled()) return cancelled_error();
   return {};
 }
 
-void CutVerifier::add_overlay_to(VerifyReport& report) const {
-  const TetraOverlayErrors& errors = overlay_errors_;
+void CutVerifier::add_overlay(std::size_t field, const TetraOverlayErrors& errors,
+                              VerifyReport& report) const {
   const std::string measured =
       fmt::format("largest {:.6g}, stored {:.6g}", errors.largest, errors.largest_stated);
-  if (hierarchy_.head().fields[0].has_errors_everywhere) {
-    report.add("errors everywhere <= stored errors", errors.n_cells, errors.n_above_stated,
+  if (hierarchy_.head().fields[field].has_errors_everywhere) {
+    report.add(named("errors everywhere <= stored errors", field), errors.n_cells,
+               errors.n_above_stated,
                errors.n_above_stated == 0
                    ? measured
                    : fmt::format("{} wrong; first: {}", errors.n_above_stated, errors.first));
     return;
   }
   // Stored ones hold at samples: no promise is broken where this is more.
-  report.add("errors everywhere, which are not stored", errors.n_cells, 0,
+  report.add(named("errors everywhere, which are not stored", field), errors.n_cells, 0,
              fmt::format("{}; more than stored in {} cells", measured, errors.n_above_stated));
 }
 
@@ -224,24 +246,38 @@ void CutVerifier::add_to(VerifyReport& report) const {
       unless_zero(n_reference_meetings_ + n_meetings_,
                   fmt::format("{} pairs of outer faces do in the reference, up to {} in cuts",
                               n_reference_meetings_, n_meetings_)));
-  const auto of_errors = [&](const char* name, std::uint64_t n_wrong, const std::string& measured) {
-    report.add(
-        name, errors_.n_vertices, n_wrong,
-        n_wrong == 0 ? measured : fmt::format("{} wrong; first: {}", n_wrong, errors_.first));
+  for (std::size_t i = 0; i < fields_.size(); ++i) add_errors(fields_[i], errors_[i], report);
+  for (std::size_t i = 0; is_exact_ && i < fields_.size(); ++i)
+    add_overlay(fields_[i], overlay_errors_[i], report);
+}
+
+void CutVerifier::add_errors(std::size_t field, const TetraCutErrors& errors,
+                             VerifyReport& report) const {
+  const auto add = [&](const std::string& name, std::uint64_t n_wrong,
+                       const std::string& measured) {
+    report.add(name, errors.n_vertices, n_wrong,
+               n_wrong == 0 ? measured : fmt::format("{} wrong; first: {}", n_wrong, errors.first));
   };
-  of_errors(
-      "vertices left out lie in random cuts", errors_.n_far_outside,
-      unless_zero(errors_.n_outside, fmt::format("{} outside, by up to {:.3g}", errors_.n_outside,
-                                                 errors_.farthest_outside)));
-  of_errors("errors at vertices <= stored errors", errors_.n_above_stated,
-            fmt::format("largest {:.6g}, stored {:.6g}", errors_.largest, errors_.largest_stated));
-  of_errors("values of vertices in stored ranges", errors_.n_out_of_range, "");
-  if (is_exact_) add_overlay_to(report);
+  if (field == fields_.front())
+    add("vertices left out lie in random cuts", errors.n_far_outside,
+        errors.n_outside == 0 ? ""
+                              : fmt::format("{} outside, by up to {:.3g}", errors.n_outside,
+                                            errors.farthest_outside));
+  add(named("errors at vertices <= stored errors", field), errors.n_above_stated,
+      fmt::format("largest {:.6g}, stored {:.6g}", errors.largest, errors.largest_stated));
+  add(named("values of vertices in stored ranges", field), errors.n_out_of_range, "");
 }
 
 Result<void> CutVerifier::measure(std::optional<double> share, VerifyReport& report) {
-  const tetra_mt::HierarchyHead::Field& field = hierarchy_.head().fields[0];
-  TetraCut cut(hierarchy_);
+  for (const std::size_t field : fields_) LODE_CHECK(measure(field, share, report));
+  return {};
+}
+
+Result<void> CutVerifier::measure(std::size_t number, std::optional<double> share,
+                                  VerifyReport& report) {
+  const tetra_mt::HierarchyHead::Field& field = hierarchy_.head().fields[number];
+  if (fields_.size() > 1) vertices_.take_values(hierarchy_, number);
+  TetraCut cut(hierarchy_, number);
   Engine<TetraCut> engine(cut);
   if (share) engine.set_query(uniform_demand(*share * field.base_error));
   engine.run([&] { return progress_.is_cancelled() || cut.is_damaged(); });
@@ -250,11 +286,13 @@ Result<void> CutVerifier::measure(std::optional<double> share, VerifyReport& rep
   const double achieved =
       share ? engine.largest([](const NodeFacts& facts) { return facts.error; }) : field.base_error;
   const TetraCells cells(cut);
-  LODE_TRY(const TetraCutErrors errors, measure_errors(hierarchy_, vertices_, cells, threads_));
+  LODE_TRY(const TetraCutErrors errors,
+           measure_errors(hierarchy_, number, vertices_, cells, threads_));
   constexpr double kRounding = 1e-9;  // Of F', as a share of the range.
   const bool is_kept = errors.largest <= achieved + kRounding * (field.high - field.low) &&
                        (!share || achieved <= *share * field.base_error);
-  report.add(share ? fmt::format("errors at {} of the base's", *share) : "errors of the base",
+  report.add(named(share ? fmt::format("errors at {} of the base's", *share) : "errors of the base",
+                   number),
              errors.n_vertices, errors.n_above_stated + (is_kept ? 0 : 1),
              fmt::format("largest {:.6g}, stated {:.6g}, {} cells", errors.largest, achieved,
                          cells.corners.size()));

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lode/core/attribute.h"
 #include "lode/core/vec.h"
 
 namespace lode {
@@ -19,6 +20,7 @@ struct SimplexMesh {
   std::vector<std::array<std::uint32_t, 4>> tetrahedra;  ///< Of positive volume.
   std::vector<std::array<std::uint32_t, 3>> triangles;   ///< Counter-clockwise, z up.
   std::vector<std::int64_t> regions;  ///< Per cell, as the file numbers them; empty: one.
+  std::vector<Attribute> attributes;  ///< Further fields.
   std::vector<float> errors;          ///< Per cell: proven bound of |F - F'| on it, field units.
 
   [[nodiscard]] std::size_t n_cells() const { return tetrahedra.size() + triangles.size(); }

@@ -9,7 +9,9 @@ Vec3d Surface::world_position(std::uint32_t vertex) const {
 }
 
 std::uint64_t Surface::n_bytes() const {
-  return capacity_bytes(positions) + capacity_bytes(normals) + capacity_bytes(isovalues) +
+  std::uint64_t n = 0;
+  for (const Attribute& attribute : attributes) n += capacity_bytes(attribute.values);
+  return n + capacity_bytes(positions) + capacity_bytes(normals) + capacity_bytes(isovalues) +
          capacity_bytes(values) + capacity_bytes(origins) + capacity_bytes(errors) +
          capacity_bytes(triangles) + capacity_bytes(lines);
 }
@@ -20,6 +22,7 @@ void Surface::clear() {
   normals.clear();
   isovalues.clear();
   values.clear();
+  attributes.clear();
   origins.clear();
   errors.clear();
   triangles.clear();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lode/core/attribute.h"
 #include "lode/core/vec.h"
 
 namespace lode {
@@ -24,9 +25,10 @@ enum class SurfaceStyle : std::uint8_t { tetra, cubes };
 struct Surface {
   Vec3d origin{{0, 0, 0}};
   std::vector<Vec3f> positions;
-  std::vector<Vec3f> normals;    ///< Unit length, per vertex; may be empty.
-  std::vector<float> isovalues;  ///< Per vertex; may be empty.
-  std::vector<double> values;    ///< The field, per vertex; may be empty.
+  std::vector<Vec3f> normals;         ///< Unit length, per vertex; may be empty.
+  std::vector<float> isovalues;       ///< Per vertex; may be empty.
+  std::vector<double> values;         ///< The field, per vertex; may be empty.
+  std::vector<Attribute> attributes;  ///< Further fields.
   /// Per vertex where it is moved from by a refinement step, as positions; NaN where it has no such
   /// place; may be empty.
   std::vector<Vec3f> origins;

@@ -17,6 +17,7 @@ constexpr std::uint8_t kVtkTetrahedron = 10;
 struct VtuLayout {
   std::string value_name;
   VtkXmlArray values;
+  std::vector<VtkXmlArray> attributes;
   VtkXmlArray errors;
   VtkXmlArray regions;  ///< Of no bytes, and then left out, where there is one.
   VtkXmlArray points;
@@ -41,6 +42,11 @@ VtuLayout make_vtu_layout(const SimplexMesh& mesh, const MeshWriteOptions& optio
   layout.values = {fmt::format(R"(type="{}" Name="{}")",
                                mesh.has_narrow_values ? "Float32" : "Float64", layout.value_name),
                    n * (mesh.has_narrow_values ? sizeof(float) : sizeof(double))};
+  for (const Attribute& attribute : mesh.attributes)
+    layout.attributes.push_back(
+        {fmt::format(R"(type="{}" Name="{}")", attribute.is_narrow ? "Float32" : "Float64",
+                     vtk_array_name(attribute.name)),
+         n * (attribute.is_narrow ? sizeof(float) : sizeof(double))});
   layout.errors = {R"(type="Float32" Name="error")", mesh.errors.size() * sizeof(float)};
   layout.regions = {R"(type="Int64" Name="RegionId")", mesh.regions.size() * sizeof(std::int64_t)};
   layout.points = {R"(type="Float64" Name="Points" NumberOfComponents="3")", n * sizeof(Vec3d)};
@@ -53,7 +59,9 @@ VtuLayout make_vtu_layout(const SimplexMesh& mesh, const MeshWriteOptions& optio
 }
 
 std::uint64_t vtu_bytes(const VtuLayout& layout) {
-  return layout.values.n_bytes + layout.errors.n_bytes + layout.regions.n_bytes +
+  std::uint64_t n = 0;
+  for (const VtkXmlArray& array : layout.attributes) n += array.n_bytes;
+  return n + layout.values.n_bytes + layout.errors.n_bytes + layout.regions.n_bytes +
          layout.points.n_bytes + layout.connectivity.n_bytes + layout.offsets.n_bytes +
          layout.types.n_bytes;
 }
@@ -63,7 +71,9 @@ std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout) {
   std::string xml = fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
                                 mesh.positions.size(), mesh.n_cells());
   xml += fmt::format("<PointData Scalars=\"{}\">\n", layout.value_name);
-  xml += describe_array(layout.values, offset) + "</PointData>\n<CellData>\n";
+  xml += describe_array(layout.values, offset);
+  for (const VtkXmlArray& array : layout.attributes) xml += describe_array(array, offset);
+  xml += "</PointData>\n<CellData>\n";
   xml += describe_array(layout.errors, offset);
   if (!mesh.regions.empty()) xml += describe_array(layout.regions, offset);
   xml += "</CellData>\n<Points>\n";
@@ -73,10 +83,10 @@ std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout) {
   return xml + "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
 }
 
-Result<void> write_values(SurfaceOutput& file, const SimplexMesh& mesh) {
-  if (!mesh.has_narrow_values) return write_array(file, std::span(mesh.values));
-  return write_records(file, mesh.values.size(), sizeof(float), [&](std::size_t i, std::byte* out) {
-    put(out, static_cast<float>(mesh.values[i]));
+Result<void> write_values(SurfaceOutput& file, const std::vector<double>& values, bool is_narrow) {
+  if (!is_narrow) return write_array(file, std::span(values));
+  return write_records(file, values.size(), sizeof(float), [&](std::size_t i, std::byte* out) {
+    put(out, static_cast<float>(values[i]));
   });
 }
 
@@ -122,7 +132,12 @@ Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
   LODE_CHECK(file.write(vtk_xml_head("UnstructuredGrid", options.comment, options.frame)));
   LODE_CHECK(file.write(vtu_piece(mesh, layout)));
   LODE_CHECK(write_array_size(file, layout.values));
-  LODE_CHECK(write_values(file, mesh));
+  LODE_CHECK(write_values(file, mesh.values, mesh.has_narrow_values));
+  for (std::size_t i = 0; i < mesh.attributes.size(); ++i) {
+    LODE_EXPECTS(mesh.attributes[i].values.size() == mesh.positions.size());
+    LODE_CHECK(write_array_size(file, layout.attributes[i]));
+    LODE_CHECK(write_values(file, mesh.attributes[i].values, mesh.attributes[i].is_narrow));
+  }
   LODE_CHECK(write_array_size(file, layout.errors));
   LODE_CHECK(write_array(file, std::span(mesh.errors)));
   if (!mesh.regions.empty()) {

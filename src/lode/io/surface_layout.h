@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "lode/core/surface.h"
 
@@ -17,8 +20,11 @@ struct SurfaceLayout {
   bool has_values = false;
   bool has_origins = false;
   bool has_errors = false;
+  std::vector<std::string> attributes{};  ///< Their names.
 
   [[nodiscard]] static SurfaceLayout of(const Surface& surface) {
+    std::vector<std::string> names;
+    for (const Attribute& attribute : surface.attributes) names.push_back(attribute.name);
     return {.origin = surface.origin,
             .n_vertices = surface.positions.size(),
             .n_triangles = surface.triangles.size(),
@@ -27,7 +33,8 @@ struct SurfaceLayout {
             .has_isovalues = !surface.isovalues.empty(),
             .has_values = !surface.values.empty(),
             .has_origins = !surface.origins.empty(),
-            .has_errors = !surface.errors.empty()};
+            .has_errors = !surface.errors.empty(),
+            .attributes = std::move(names)};
   }
   [[nodiscard]] bool has_origin() const { return origin != Vec3d{{0, 0, 0}}; }
   [[nodiscard]] std::uint64_t n_cells() const { return n_triangles + n_lines; }

@@ -12,6 +12,7 @@ namespace {
 /// The arrays of a file in the order of their data. Unused ones are left out.
 struct VtpLayout {
   std::optional<VtkXmlArray> values;
+  std::vector<VtkXmlArray> attributes;
   std::optional<VtkXmlArray> isovalues;
   std::optional<VtkXmlArray> normals;
   std::optional<VtkXmlArray> origins;
@@ -39,6 +40,9 @@ VtpLayout make_vtp_layout(const SurfaceLayout& surface, const SurfaceWriteOption
   if (surface.has_values)
     layout.values = {fmt::format(R"(type="Float64" Name="{}")", vtk_array_name(options.value_name)),
                      n * sizeof(double)};
+  for (const std::string& name : surface.attributes)
+    layout.attributes.push_back(
+        {fmt::format(R"(type="Float64" Name="{}")", vtk_array_name(name)), n * sizeof(double)});
   if (surface.has_isovalues)
     layout.isovalues = {R"(type="Float32" Name="isovalue")", n * sizeof(float)};
   if (surface.has_normals)
@@ -63,7 +67,9 @@ std::uint64_t bytes_of(const std::optional<VtkXmlArray>& array) {
 
 /// Of the arrays, without the XML.
 std::uint64_t vtp_bytes(const VtpLayout& layout) {
-  return bytes_of(layout.values) + bytes_of(layout.isovalues) + bytes_of(layout.normals) +
+  std::uint64_t n = 0;
+  for (const VtkXmlArray& array : layout.attributes) n += array.n_bytes;
+  return n + bytes_of(layout.values) + bytes_of(layout.isovalues) + bytes_of(layout.normals) +
          bytes_of(layout.origins) + bytes_of(layout.errors) + layout.points.n_bytes +
          layout.connectivity.n_bytes + layout.offsets.n_bytes;
 }
@@ -95,6 +101,7 @@ std::string vtp_piece(const SurfaceLayout& surface, const SurfaceWriteOptions& o
   xml += ">\n";
   for (const auto* array : {&layout.values, &layout.isovalues, &layout.normals, &layout.origins})
     if (*array) xml += describe_array(**array, offset);
+  for (const VtkXmlArray& array : layout.attributes) xml += describe_array(array, offset);
   xml += "</PointData>\n";
   if (layout.errors)
     xml += "<CellData>\n" + describe_array(*layout.errors, offset) + "</CellData>\n";
@@ -133,6 +140,10 @@ Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
   if (layout.origins) {
     LODE_CHECK(write_array_size(file, *layout.origins));
     LODE_CHECK(write_places(file, surface, surface.origins));
+  }
+  for (std::size_t i = 0; i < layout.attributes.size(); ++i) {
+    LODE_CHECK(write_array_size(file, layout.attributes[i]));
+    LODE_CHECK(write_array(file, std::span(surface.attributes[i].values)));
   }
   LODE_CHECK(write_optional(file, layout.errors, surface.errors));
   LODE_CHECK(write_array_size(file, layout.points));

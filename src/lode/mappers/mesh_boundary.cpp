@@ -105,10 +105,12 @@ std::uint64_t keep_cells(SimplexMesh& mesh, const IsKept& is_kept,
     if (numbers[v] == kNotKept) continue;
     mesh.positions[numbers[v]] = mesh.positions[v];
     mesh.values[numbers[v]] = mesh.values[v];
+    for (Attribute& attribute : mesh.attributes) attribute.values[numbers[v]] = attribute.values[v];
     if (!vertex_ids.empty()) vertex_ids[numbers[v]] = vertex_ids[v];
   }
   mesh.positions.resize(n_vertices);
   mesh.values.resize(n_vertices);
+  for (Attribute& attribute : mesh.attributes) attribute.values.resize(n_vertices);
   if (!vertex_ids.empty()) vertex_ids.resize(n_vertices);
   for (auto& cell : mesh.tetrahedra)
     for (std::uint32_t& v : cell) v = numbers[v];
@@ -136,10 +138,14 @@ Surface mesh_boundary(const SimplexMesh& mesh, const Vec3d& origin, Threads thre
       for (const std::uint32_t corner : surface.triangles.back()) numbers[corner] = 0;
     }
   number_kept(numbers);
+  for (const Attribute& from : mesh.attributes)
+    surface.attributes.push_back({from.name, from.is_narrow, {}, from.error});
   for (std::size_t v = 0; v < n_vertices; ++v) {
     if (numbers[v] == kNotKept) continue;
     surface.positions.push_back(narrowed(mesh.positions[v] - origin));
     surface.values.push_back(mesh.values[v]);
+    for (std::size_t i = 0; i < mesh.attributes.size(); ++i)
+      surface.attributes[i].values.push_back(mesh.attributes[i].values[v]);
   }
   for (FaceCorners& triangle : surface.triangles)
     for (std::uint32_t& v : triangle) v = numbers[v];

@@ -218,6 +218,10 @@ void MeshMarcher::make_room() {
   resize_large(surface_.positions, n_vertices);
   resize_large(surface_.isovalues, n_vertices);
   if (!options_.gradients.empty()) resize_large(surface_.normals, n_vertices);
+  if (surface_.attributes.empty())
+    for (const Attribute& from : mesh_.attributes)
+      surface_.attributes.push_back({from.name, false, {}, from.error});
+  for (Attribute& to : surface_.attributes) resize_large(to.values, n_vertices);
   resize_large(surface_.triangles, n_triangles);
 }
 
@@ -234,6 +238,10 @@ void MeshMarcher::place_part(const EdgePart& part) {
         crossing_of(isovalue_, mesh_.values[low], mesh_.values[high], way, options_.margin);
     surface_.positions[part.first_id + k] = narrowed(from + way * t);
     surface_.isovalues[part.first_id + k] = isovalue;
+    for (std::size_t i = 0; i < mesh_.attributes.size(); ++i) {
+      const std::vector<double>& values = mesh_.attributes[i].values;
+      surface_.attributes[i].values[part.first_id + k] = values[low] * (1 - t) + values[high] * t;
+    }
     if (options_.gradients.empty()) continue;
     const Vec3d gradient =
         widened(options_.gradients[low]) * (1 - t) + widened(options_.gradients[high]) * t;

@@ -48,6 +48,8 @@ SectionCutter::SectionCutter(const SimplexMesh& mesh, const SectionPlane& plane,
                              const SectionRounding& rounding)
     : mesh_(mesh) {
   section_.origin = rounding.origin;
+  for (const Attribute& from : mesh.attributes)
+    section_.attributes.push_back({from.name, false, {}, from.error});
   const Vec3d normal = normalized(plane.normal);
   distance_.reserve(mesh.positions.size());
   for (const Vec3d& p : mesh.positions) {
@@ -68,6 +70,10 @@ std::uint32_t SectionCutter::vertex_on(std::uint32_t a, std::uint32_t b) {
   const Vec3d p = mesh_.positions[a] + (mesh_.positions[b] - mesh_.positions[a]) * t;
   section_.positions.push_back(narrowed(p - section_.origin));
   section_.values.push_back(mesh_.values[a] + t * (mesh_.values[b] - mesh_.values[a]));
+  for (std::size_t i = 0; i < mesh_.attributes.size(); ++i) {
+    const std::vector<double>& values = mesh_.attributes[i].values;
+    section_.attributes[i].values.push_back(values[a] * (1 - t) + values[b] * t);
+  }
   return id;
 }
 
@@ -167,6 +173,10 @@ std::uint32_t IsolineMarcher::vertex_on(std::uint32_t a, std::uint32_t b) {
   const double t = crossing_of(isovalue_, section_.values[a], section_.values[b], way, distance_);
   lines_.positions.push_back(narrowed(from + way * t - section_.origin));
   lines_.isovalues.push_back(static_cast<float>(isovalue_));
+  for (std::size_t i = 0; i < section_.attributes.size(); ++i) {
+    const std::vector<double>& values = section_.attributes[i].values;
+    lines_.attributes[i].values.push_back(values[a] * (1 - t) + values[b] * t);
+  }
   return first_ + id;
 }
 
@@ -214,6 +224,9 @@ Surface cut_section(const SimplexMesh& mesh, const SectionPlane& plane,
 
 double add_isolines(const Surface& section, double isovalue, double margin, Surface& lines) {
   lines.origin = section.origin;
+  if (lines.attributes.empty())
+    for (const Attribute& from : section.attributes)
+      lines.attributes.push_back({from.name, false, {}, from.error});
   return IsolineMarcher(section, isovalue, margin, lines).run();
 }
 

@@ -189,7 +189,6 @@ class PageSource {
   }
   [[nodiscard]] Result<std::vector<std::uint32_t>> mesh_vertices() const {
     std::vector<std::uint32_t> numbers(std::size_t{shape_.n_base_vertices} + shape_.n_nodes);
-    std::vector<bool> is_seen(numbers.size(), false);
     const std::uint32_t n_pages = shape_.n_pages() + n_pages_of(shape_.n_base_vertices);
     for (std::uint32_t page = 0; page < n_pages; ++page) {
       const auto key = key_of(Kind::mesh_vertices, page);
@@ -198,14 +197,15 @@ class PageSource {
       const VertexRange range = vertices_of(shape_, page);
       LODE_TRY(const auto found, read_differences_of(in, range.n));
       LODE_CHECK(in.expect_end());
-      for (std::uint32_t i = 0; i < range.n; ++i) {
-        if (found[i] >= numbers.size() || is_seen[found[i]])
-          return fail("{}: expected numbers of {} vertices, each once, got {}", in.what(),
-                      numbers.size(), found[i]);
-        is_seen[found[i]] = true;
-        numbers[range.first + i] = found[i];
-      }
+      std::ranges::copy(found, numbers.begin() + range.first);
     }
+    // There may be others in the mesh, which no cell has.
+    std::vector<std::uint32_t> sorted = numbers;
+    std::ranges::sort(sorted);
+    const auto twice = std::ranges::adjacent_find(sorted);
+    if (twice != sorted.end() || (!sorted.empty() && sorted.back() == kNone))
+      return fail("{}: expected numbers of vertices, each once, got {} twice or as a number",
+                  reader_->path(), twice != sorted.end() ? *twice : kNone);
     return numbers;
   }
 

@@ -1,0 +1,83 @@
+#include "lode/api/tetra_build.h"
+
+#include <algorithm>
+#include <array>
+#include <new>
+
+#include "lode/api/tetra_info.h"
+#include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
+#include "lode/models/tetra_mt/everywhere_errors.h"
+#include "lode/models/tetra_mt/file_layout.h"
+#include "lode/models/tetra_mt/persist.h"
+
+namespace lode {
+namespace {
+
+std::vector<std::pair<std::string, std::uint64_t>> named(const tetra_mt::RefusalCounts& counts) {
+  constexpr std::array<const char*, tetra_mt::RefusalCounts::kSize> kNames{
+      "non-manifold", "extremum", "boundary", "regions", "shape",
+      "topology",     "crowded",  "rounding", "limit"};
+  std::vector<std::pair<std::string, std::uint64_t>> result;
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    if (counts.counts[i] > 0) result.emplace_back(kNames[i], counts.counts[i]);
+  return result;
+}
+
+}  // namespace
+
+Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
+                                                  const TetraBuildOptions& options,
+                                                  Progress& progress) {
+  if (mesh.fields.empty() || mesh.fields.size() > tetra_mt::kMaxFields)
+    return fail("expected 1 to {} fields, got {}", tetra_mt::kMaxFields, mesh.fields.size());
+  const auto base_cells = static_cast<std::uint64_t>(std::clamp(options.base_share, 0.0, 1.0) *
+                                                     static_cast<double>(mesh.tetrahedra.size()));
+  const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
+  if (is_everywhere && options.boundary_tolerance > 0)
+    return fail(
+        "boundary tolerance: expected 0 where errors hold everywhere, as nothing is known of what "
+        "is outside, got {}",
+        options.boundary_tolerance);
+  LODE_TRY(auto collapses, tetra_mt::collapse_half_edges(
+                               mesh,
+                               {.base_cells = base_cells,
+                                .rules = {.boundary_tolerance = options.boundary_tolerance},
+                                .threads = options.threads},
+                               progress));
+  if (is_everywhere)
+    LODE_CHECK(make_errors_hold_everywhere(mesh, collapses, options.threads, progress));
+  return collapses;
+}
+
+Result<tetra_mt::Hierarchy> build_hierarchy(const TetraMesh& mesh, const TetraBuildOptions& options,
+                                            Progress& progress) {
+  LODE_TRY(const auto collapses, collapse_mesh(mesh, options, progress));
+  return tetra_mt::make_hierarchy(mesh, collapses, options.threads);
+}
+
+Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const std::string& path,
+                                                 const TetraBuildOptions& options,
+                                                 Progress& progress) try {
+  Stopwatch watch;
+  LODE_TRY(auto collapses, collapse_mesh(mesh, options, progress));
+  TetraFileReport report;
+  report.volume_change = collapses.volume_change;
+  report.refusals = named(collapses.refusals);
+  LODE_TRY(const auto hierarchy, tetra_mt::make_hierarchy(mesh, collapses, options.threads));
+  collapses = {};
+  report.build_seconds = watch.seconds();
+  report.info = info_of(head_of(hierarchy, mesh.tetrahedra.size()));
+  const Stopwatch write_watch;
+  const auto gradients = [&](std::size_t field) {
+    return gradient_codes(mesh, field, hierarchy.mesh_vertices, options.threads);
+  };
+  LODE_TRY(report.file_bytes, tetra_mt::save(hierarchy, mesh.tetrahedra.size(), gradients, path,
+                                             options.threads, progress));
+  report.write_seconds = write_watch.seconds();
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("build the hierarchy");
+}
+
+}  // namespace lode

@@ -1,0 +1,67 @@
+#include "lode/api/tetra_cut_mesh.h"
+
+#include <algorithm>
+
+namespace lode {
+namespace {
+
+using tetra_mt::HierarchyHead;
+using tetra_mt::kNone;
+using tetra_mt::PackedHierarchy;
+using tetra_mt::TetraCut;
+
+/// Slots of the cells of a cut by their last vertex: as vertices are numbered along a curve in
+/// space, cells that are near come near, whatever the order in which they were made.
+std::vector<std::uint32_t> sorted_cells(const TetraCut& cut, std::uint32_t n_vertices) {
+  std::vector<std::uint32_t> begins(std::size_t{n_vertices} + 1, 0);
+  for (const TetraCut::Cell& cell : cut.slots())
+    if (cut.is_inside(cell)) ++begins[std::ranges::max(cell.corners) + std::size_t{1}];
+  for (std::size_t v = 1; v < begins.size(); ++v) begins[v] += begins[v - 1];
+  std::vector<std::uint32_t> slots(begins.back());
+  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
+    const TetraCut::Cell& cell = cut.slots()[slot];
+    if (cut.is_inside(cell)) slots[begins[std::ranges::max(cell.corners)]++] = slot;
+  }
+  return slots;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const TetraFieldUse& fields,
+                                     const TetraCut& cut, SimplexMesh& mesh) {
+  mesh = {};
+  std::vector<std::uint32_t> vertex_ids;
+  std::vector<std::uint32_t> numbers(hierarchy.head().n_vertices(), kNone);
+  for (const std::uint32_t slot : sorted_cells(cut, hierarchy.head().n_vertices())) {
+    const TetraCut::Cell& cell = cut.slots()[slot];
+    mesh.tetrahedra.push_back(cell.corners);
+    mesh.errors.push_back(cell.maker == kNone ? 0
+                                              : hierarchy.facts(cell.maker, fields.measured).error);
+    if (hierarchy.head().shape.n_regions > 1)
+      mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
+    for (const std::uint32_t v : cell.corners) numbers[v] = 0;
+  }
+  for (std::uint32_t v = 0; v < numbers.size(); ++v) {
+    if (numbers[v] == kNone) continue;
+    numbers[v] = static_cast<std::uint32_t>(vertex_ids.size());
+    vertex_ids.push_back(v);
+    mesh.positions.push_back(hierarchy.position(v));
+    mesh.values.push_back(hierarchy.value(v, fields.measured));
+  }
+  for (auto& t : mesh.tetrahedra)
+    for (std::uint32_t& v : t) v = numbers[v];
+  const std::vector<HierarchyHead::Field>& heads = hierarchy.head().fields;
+  mesh.has_narrow_values = heads[fields.measured].has_narrow_values;
+  for (const std::size_t field : fields.along) {
+    Attribute& attribute = mesh.attributes.emplace_back(
+        Attribute{heads[field].name, heads[field].has_narrow_values, {}});
+    for (const std::uint32_t v : vertex_ids) attribute.values.push_back(hierarchy.value(v, field));
+    for (const TetraCut::Cell& cell : cut.slots())
+      if (cut.is_inside(cell) && cell.maker != kNone)
+        attribute.error = std::max(attribute.error,
+                                   static_cast<double>(hierarchy.facts(cell.maker, field).error));
+  }
+  return vertex_ids;
+}
+
+}  // namespace lode

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lode/api/tetra_extraction.h"
+#include "lode/core/mesh.h"
+#include "lode/models/tetra_mt/tetra_cut.h"
+
+namespace lode {
+
+/// Cells of a cut, with the values and errors of fields, their vertices numbered in the order of
+/// the hierarchy's: whose numbers it returns.
+std::vector<std::uint32_t> fill_mesh(const tetra_mt::PackedHierarchy& hierarchy,
+                                     const TetraFieldUse& fields, const tetra_mt::TetraCut& cut,
+                                     SimplexMesh& mesh);
+
+}  // namespace lode

@@ -1,0 +1,70 @@
+#include "lode/api/tetra_query.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace lode {
+namespace {
+
+/// As for volumes.
+constexpr double kShareOfRange = 0.005;
+
+/// A demand with bounds a little wider than they are: mesh vertices near a section count as in it.
+struct WidenedDemand {
+  Demand demand;
+  double widening = 0;  ///< World units.
+
+  [[nodiscard]] double operator()(const NodeFacts& node) const { return demand(widened(node)); }
+  [[nodiscard]] bool touches(const NodeFacts& node) const { return demand.touches(widened(node)); }
+
+ private:
+  [[nodiscard]] NodeFacts widened(NodeFacts node) const {
+    node.bounds.radius += widening;
+    return node;
+  }
+};
+
+}  // namespace
+
+Result<Query> complete_query(const TetraFieldInfo& field, Query query,
+                             const std::optional<double>& deadline_s) {
+  if (query.max_error_px)
+    return fail("meshes: expected a tolerance in field units, got pixels, of which they know none");
+  if (deadline_s && !(*deadline_s >= 0))
+    return fail("deadline: expected a number >= 0, got {}", *deadline_s);
+  if (!query.max_error)
+    query.max_error = query.budget.is_limited() || deadline_s
+                          ? 0
+                          : kShareOfRange * (field.range_max - field.range_min);
+  LODE_CHECK(check_query(query));
+  return query;
+}
+
+Result<void> check_regions(const TetraInfo& info, std::span<const std::int64_t> regions) {
+  for (const std::int64_t region : regions)
+    if (std::ranges::find(info.regions, region) == info.regions.end())
+      return fail("regions: expected one of {}, got {}",
+                  info.regions.empty() ? "none" : fmt::format("{}", fmt::join(info.regions, ", ")),
+                  region);
+  return {};
+}
+
+Result<void> check_fields(const TetraInfo& info, const TetraFieldUse& use) {
+  std::size_t last = use.measured;
+  for (const std::size_t field : use.along) last = std::max(last, field);
+  if (last < info.fields.size()) return {};
+  return fail("fields: expected places of {}, got {}", info.fields.size(), last);
+}
+
+Demand demand_of(Query query, double widening) {
+  const std::optional<double> outside = std::exchange(query.max_error_outside, std::nullopt);
+  Demand demand = to_demand(query);
+  if (!query.sections.empty()) demand = WidenedDemand{std::move(demand), widening};
+  if (outside) demand = max_of({std::move(demand), uniform_demand(*outside)});
+  return demand;
+}
+
+}  // namespace lode

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "lode/api/tetra_dataset.h"
+#include "lode/refine/focus.h"
+
+namespace lode {
+
+// What is asked of a TetraDataset.
+
+/// With the tolerance that is meant where none is given. Fails on what cannot be asked.
+[[nodiscard]] Result<Query> complete_query(const TetraFieldInfo& field, Query query,
+                                           const std::optional<double>& deadline_s);
+[[nodiscard]] Result<void> check_regions(const TetraInfo& info,
+                                         std::span<const std::int64_t> regions);
+[[nodiscard]] Result<void> check_fields(const TetraInfo& info, const TetraFieldUse& use);
+
+/// `widening`: how much sections are, world units, as mesh vertices near one count as in it.
+[[nodiscard]] Demand demand_of(Query query, double widening);
+
+}  // namespace lode

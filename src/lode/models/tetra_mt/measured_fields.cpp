@@ -1,0 +1,272 @@
+#include "lode/models/tetra_mt/measured_fields.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "lode/models/tetra_mt/live_tetrahedra.h"
+#include "lode/models/tetra_mt/mesh_check.h"
+#include "lode/models/tetra_mt/tetra_cut.h"
+#include "lode/refine/engine.h"
+#include "lode/refine/focus.h"
+
+namespace lode::tetra_mt {
+namespace {
+
+std::vector<Tetrahedron> in_order(std::span<const Tetrahedron> tetrahedra) {
+  std::vector<Tetrahedron> sorted(tetrahedra.begin(), tetrahedra.end());
+  for (Tetrahedron& t : sorted) std::ranges::sort(t);
+  std::ranges::sort(sorted);
+  return sorted;
+}
+
+/// Nodes as they may be undone: each after all that depend on it.
+Result<std::vector<std::uint32_t>> order_of_collapses(const PackedHierarchy& hierarchy) {
+  const HierarchyHead& head = hierarchy.head();
+  const std::uint32_t n_nodes = head.shape.n_nodes;
+  std::vector<std::uint32_t> n_waiting(n_nodes, 0);  // for parents
+  for (std::uint32_t node = 0; node < n_nodes; ++node)
+    n_waiting[node] = hierarchy.links(node).n_parents();
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t node = 0; node < n_nodes; ++node)
+    if (n_waiting[node] == 0) order.push_back(node);
+  for (std::size_t at = 0; at < order.size(); ++at) {
+    NodePage::Links links = hierarchy.links(order[at]);
+    for (std::uint32_t k = links.n_children(); k > 0; --k) {
+      const std::uint32_t child = links.next_node();
+      if (child < n_nodes && n_waiting[child] > 0 && --n_waiting[child] == 0)
+        order.push_back(child);
+    }
+  }
+  LODE_CHECK(hierarchy.check());
+  if (order.size() != n_nodes) return fail("expected nodes that depend on each other in no circle");
+  std::ranges::reverse(order);
+  return order;
+}
+
+/// How a tetrahedron covers a point: shares of its corners, the kept one's first.
+struct Covering {
+  std::uint32_t slot = kNone;
+  std::array<double, 4> shares{};
+  double least = -std::numeric_limits<double>::infinity();
+  double rounding = 0;  ///< What a share may be off.
+};
+
+Covering cover(const TetraMesh& mesh, const Tetrahedron& corners, std::uint32_t kept,
+               const Vec3d& p) {
+  const auto place = static_cast<std::size_t>(std::ranges::find(corners, kept) - corners.begin());
+  const auto other = others(corners, place);
+  const Vec3d& origin = mesh.positions[kept];
+  const Vec3d a = mesh.positions[other[0]] - origin;
+  const Vec3d b = mesh.positions[other[1]] - origin;
+  const Vec3d c = mesh.positions[other[2]] - origin;
+  const Vec3d d = p - origin;
+  const Vec3d bc = cross(b, c);
+  const double volume = dot(bc, a);
+  Covering made;
+  if (volume == 0) return made;
+  made.shares = {0, dot(bc, d) / volume, dot(cross(c, a), d) / volume,
+                 dot(cross(a, b), d) / volume};
+  made.shares[0] = 1 - (made.shares[1] + made.shares[2] + made.shares[3]);
+  made.least = std::ranges::min(made.shares);
+  const double sizes = length(b) * length(c) + length(c) * length(a) + length(a) * length(b);
+  made.rounding = 0x1p-48 * (1 + sizes * length(d) / std::abs(volume));
+  return made;
+}
+
+/// Of a point outside: the shares of one inside that is near.
+void clamp(Covering& covering) {
+  double sum = 0;
+  for (double& share : covering.shares) sum += share = std::max(share, 0.0);
+  for (double& share : covering.shares) share /= sum;
+}
+
+class FieldMeasurer {
+ public:
+  FieldMeasurer(const PackedHierarchy& hierarchy, std::span<const std::uint32_t> mesh_vertices,
+                const TetraMesh& mesh)
+      : hierarchy_(hierarchy),
+        mesh_vertices_(mesh_vertices),
+        mesh_(mesh),
+        n_(static_cast<std::uint32_t>(mesh.positions.size())),
+        live_(n_, n_, mesh.tetrahedra),
+        first_sample_(mesh.tetrahedra.size(), kNone),
+        next_sample_(n_, kNone),
+        facts_(mesh.fields.size(), std::vector<Facts>(hierarchy.head().shape.n_nodes)) {}
+
+  void collapse(std::uint32_t node);
+  /// Joins what it discovers, of which all is known.
+  void nest(std::uint32_t node);
+  [[nodiscard]] std::vector<NumberedField> take_fields();
+
+ private:
+  struct Facts {
+    double error = 0;
+    double low = std::numeric_limits<double>::infinity();
+    double high = -std::numeric_limits<double>::infinity();
+
+    void widen(double value) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  };
+
+  void assign(std::uint32_t sample, std::uint32_t node, std::uint32_t kept);
+  [[nodiscard]] double error_of(const Covering& covering, std::uint32_t sample, std::uint32_t kept,
+                                std::size_t field) const;
+
+  const PackedHierarchy& hierarchy_;
+  std::span<const std::uint32_t> mesh_vertices_;
+  const TetraMesh& mesh_;
+  std::uint32_t n_;
+  LiveTetrahedra live_;
+  std::vector<std::uint32_t> first_sample_;  ///< By slot,
+  std::vector<std::uint32_t> next_sample_;   ///< and by vertex that has gone.
+  std::vector<std::vector<Facts>> facts_;    ///< By field and node.
+  std::vector<std::uint32_t> made_;          ///< Slots of what a collapse makes.
+  std::vector<std::uint32_t> samples_;
+};
+
+double FieldMeasurer::error_of(const Covering& covering, std::uint32_t sample, std::uint32_t kept,
+                               std::size_t field) const {
+  const std::vector<double>& values = mesh_.fields[field].values;
+  const Tetrahedron& corners = live_.corners(covering.slot);
+  const auto place = static_cast<std::size_t>(std::ranges::find(corners, kept) - corners.begin());
+  const auto other = others(corners, place);
+  double made = 0;
+  double size = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double rise = values[other[k]] - values[kept];
+    made += covering.shares[k + 1] * rise;
+    size += std::abs(rise);
+  }
+  const double error = std::abs(values[sample] - values[kept] - made);
+  return error == 0 ? 0 : error + size * covering.rounding;
+}
+
+void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32_t kept) {
+  constexpr double kInside = 1e-12;
+  Covering best;
+  for (const std::uint32_t slot : made_) {
+    Covering here = cover(mesh_, live_.corners(slot), kept, mesh_.positions[sample]);
+    here.slot = slot;
+    if (here.least > best.least) best = here;
+    if (best.least > kInside) break;
+  }
+  if (best.slot == kNone) return;  // Nothing but flat ones: of the reference, which is no sample.
+  if (best.least < 0) clamp(best);
+  next_sample_[sample] = first_sample_[best.slot];
+  first_sample_[best.slot] = sample;
+  for (std::size_t f = 0; f < facts_.size(); ++f) {
+    Facts& facts = facts_[f][node];
+    facts.error = std::max(facts.error, error_of(best, sample, kept, f));
+    facts.widen(mesh_.fields[f].values[sample]);
+  }
+}
+
+void FieldMeasurer::collapse(std::uint32_t node) {
+  const std::uint32_t removed = mesh_vertices_[hierarchy_.head().shape.n_base_vertices + node];
+  const std::uint32_t kept = mesh_vertices_[hierarchy_.links(node).target()];
+  samples_.assign(1, removed);
+  made_.assign(live_.star(removed).begin(), live_.star(removed).end());
+  for (const std::uint32_t slot : made_) {
+    for (std::uint32_t s = first_sample_[slot]; s != kNone; s = next_sample_[s])
+      samples_.push_back(s);
+    first_sample_[slot] = kNone;
+    for (const std::uint32_t v : live_.corners(slot))
+      for (std::size_t f = 0; f < facts_.size(); ++f)
+        facts_[f][node].widen(mesh_.fields[f].values[v]);
+  }
+  live_.collapse(removed, kept);
+  std::erase_if(made_, [&](std::uint32_t slot) { return live_.is_gone(slot); });
+  for (const std::uint32_t sample : samples_) assign(sample, node, kept);
+}
+
+void FieldMeasurer::nest(std::uint32_t node) {
+  NodePage::Links links = hierarchy_.links(node);
+  for (std::uint32_t k = links.n_discovered(); k > 0; --k) {
+    const std::uint32_t child = links.next_node();
+    for (std::vector<Facts>& of : facts_) {
+      of[node].error = std::max(of[node].error, of[child].error);
+      of[node].widen(of[child].low);
+      of[node].widen(of[child].high);
+    }
+  }
+}
+
+std::vector<NumberedField> FieldMeasurer::take_fields() {
+  const auto rounded_up = [](double x) {
+    return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+  };
+  std::vector<NumberedField> fields;
+  for (std::size_t f = 0; f < facts_.size(); ++f) {
+    const MeshField& from = mesh_.fields[f];
+    NumberedField& field = fields.emplace_back(
+        NumberedField{.name = from.name, .type = from.type, .values = {}, .facts = {}});
+    for (const std::uint32_t v : mesh_vertices_) field.values.push_back(from.values[v]);
+    field.range_reference = from.values.empty() ? 0 : std::ranges::min(from.values);
+    for (const Facts& facts : facts_[f])
+      field.facts.push_back({.error = facts.error == 0 ? 0 : rounded_up(facts.error),
+                             .low = -rounded_up(field.range_reference - facts.low),
+                             .high = rounded_up(facts.high - field.range_reference)});
+  }
+  return fields;
+}
+
+}  // namespace
+
+Result<void> check_same_mesh(const PackedHierarchy& hierarchy,
+                             std::span<const std::uint32_t> mesh_vertices, const TetraMesh& mesh,
+                             Progress& progress) {
+  const HierarchyHead& head = hierarchy.head();
+  const std::uint32_t last = mesh_vertices.empty() ? 0 : std::ranges::max(mesh_vertices);
+  if (mesh.positions.size() <= last || mesh.tetrahedra.size() != head.n_cells)
+    return fail("expected the mesh that was built, of {} vertices and {} cells, got {} and {}",
+                head.n_vertices(), head.n_cells, mesh.positions.size(), mesh.tetrahedra.size());
+  for (std::uint32_t v = 0; v < head.n_vertices(); ++v) {
+    const Vec3d ours = hierarchy.position(v);
+    const Vec3d& theirs = mesh.positions[mesh_vertices[v]];
+    if (ours.v != theirs.v)
+      return fail("expected the mesh that was built, with vertex {} at {}, {}, {}, got {}, {}, {}",
+                  mesh_vertices[v], ours[0], ours[1], ours[2], theirs[0], theirs[1], theirs[2]);
+  }
+  TetraCut cut(hierarchy);
+  Engine<TetraCut> engine(cut);
+  engine.set_query(uniform_demand(0));
+  engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
+  if (progress.is_cancelled()) return cancelled_error();
+  LODE_CHECK(cut.check());
+  std::vector<Tetrahedron> ours = cut.cells();
+  for (Tetrahedron& t : ours)
+    for (std::uint32_t& v : t) v = mesh_vertices[v];
+  ours = in_order(ours);
+  const std::vector<Tetrahedron> theirs = in_order(mesh.tetrahedra);
+  const auto [a, b] = std::ranges::mismatch(ours, theirs);
+  if (a != ours.end() && b != theirs.end())
+    return fail("expected the mesh that was built, got one with a cell of vertices {}, {}, {}, {}",
+                (*b)[0], (*b)[1], (*b)[2], (*b)[3]);
+  return {};
+}
+
+Result<std::vector<NumberedField>> measure_fields(const PackedHierarchy& hierarchy,
+                                                  std::span<const std::uint32_t> mesh_vertices,
+                                                  const TetraMesh& mesh, Progress& progress) {
+  LODE_CHECK(check_mesh(mesh));
+  LODE_TRY(const std::vector<std::uint32_t> order, order_of_collapses(hierarchy));
+  FieldMeasurer measurer(hierarchy, mesh_vertices, mesh);
+  constexpr std::size_t kOften = 4096;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i % kOften == 0) {
+      if (progress.is_cancelled()) return cancelled_error();
+      progress.report("measuring fields",
+                      static_cast<double>(i) / static_cast<double>(order.size()));
+    }
+    measurer.collapse(order[i]);
+    measurer.nest(order[i]);
+  }
+  LODE_CHECK(hierarchy.check());
+  return measurer.take_fields();
+}
+
+}  // namespace lode::tetra_mt

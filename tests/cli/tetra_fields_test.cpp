@@ -1,0 +1,164 @@
+// Several fields of one mesh of cells, and time steps, through the program.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "lode/api/files.h"
+#include "tests/cli/program.h"
+#include "tests/oracles/tetra_grids.h"
+
+namespace lode::test {
+namespace {
+
+/// A mesh with noise, its square, and a vector.
+void write_step(const std::string& path, double factor) {
+  const TetraMesh noise = oracles::noise_mesh(9, oracles::Cut::in_six, 3);
+  std::ofstream file(path);
+  file.precision(17);
+  file << "# vtk DataFile Version 3.0\nstep\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS "
+       << noise.positions.size() << " double\n";
+  for (const Vec3d& p : noise.positions) file << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
+  file << "CELLS " << noise.tetrahedra.size() << ' ' << 5 * noise.tetrahedra.size() << '\n';
+  for (const auto& t : noise.tetrahedra)
+    file << "4 " << t[0] << ' ' << t[1] << ' ' << t[2] << ' ' << t[3] << '\n';
+  file << "CELL_TYPES " << noise.tetrahedra.size() << '\n';
+  for (std::size_t i = 0; i < noise.tetrahedra.size(); ++i) file << "10\n";
+  file << "POINT_DATA " << noise.positions.size() << "\nSCALARS noise double 1\n"
+       << "LOOKUP_TABLE default\n";
+  for (const double v : noise.fields[0].values) file << factor * v << '\n';
+  file << "SCALARS square double 1\nLOOKUP_TABLE default\n";
+  for (const double v : noise.fields[0].values) file << factor * v * v << '\n';
+  file << "VECTORS shift double\n";
+  for (const Vec3d& p : noise.positions)
+    file << 0.1 * factor * p[2] << " 0 " << 0.2 * p[0] * p[1] << '\n';
+}
+
+class cli_tetra_fields : public testing::Test {
+ protected:
+  cli_tetra_fields() {
+    write_step(mesh_, 1);
+    write_step(later_, 2);
+    write_step(latest_, 3);
+    EXPECT_EQ(run_lode({"build", mesh_, model_, "--field", "noise", "--with", "square", "--with",
+                        "shift:x"})
+                  .exit_code,
+              0);
+  }
+  static nlohmann::json done(std::vector<std::string> words) {
+    words.emplace_back("--json");
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json();
+  }
+  static void refused(const std::vector<std::string>& words, const std::string& why) {
+    const Finished run = run_lode(words);
+    EXPECT_NE(run.exit_code, 0);
+    EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+  }
+  /// Names of a file's point fields.
+  static std::vector<std::string> fields_of(const std::string& path) {
+    const auto cells = read_cell_mesh(path, {});
+    EXPECT_TRUE(cells);
+    std::vector<std::string> names;
+    for (const MeshField& field : cells->point_fields) names.push_back(field.name);
+    return names;
+  }
+
+  Scratch scratch_;
+  std::string mesh_ = scratch_ / "one.vtk";
+  std::string later_ = scratch_ / "two.vtk";
+  std::string latest_ = scratch_ / "three.vtk";
+  std::string model_ = scratch_ / "model.lode";
+  std::string out_ = scratch_ / "out.vtu";
+};
+
+TEST_F(cli_tetra_fields, come_with_meshes_and_surfaces) {
+  const nlohmann::json info = done({"info", model_});
+  ASSERT_EQ(info.at("fields").size(), 3U);
+  EXPECT_EQ(info.at("field"), "noise");
+  EXPECT_EQ(info.at("fields")[2].at("name"), "shift:0");
+  const nlohmann::json plain = done({"extract", model_, out_, "--mesh", "--max-error", "0.1"});
+  EXPECT_EQ(fields_of(out_), std::vector<std::string>{"noise"});
+  EXPECT_TRUE(plain.at("with").empty());
+  const nlohmann::json all = done({"extract", model_, out_, "--mesh", "--max-error", "0.1",
+                                   "--with", "shift:x", "--with", "square"});
+  EXPECT_EQ(fields_of(out_), (std::vector<std::string>{"noise", "shift:0", "square"}));
+  EXPECT_EQ(all.at("cells"), plain.at("cells"));
+  EXPECT_EQ(all.at("with")[1].at("field"), "square");
+  EXPECT_GT(all.at("with")[1].at("largest_error"), 0);
+  EXPECT_GT(all.at("bytes_read"), plain.at("bytes_read"));
+  // At all vertices the square is one.
+  const auto cells = read_cell_mesh(out_, {});
+  ASSERT_TRUE(cells);
+  const auto& noise = cells->point_fields[0].values;
+  for (std::size_t v = 0; v < noise.size(); ++v)
+    EXPECT_NEAR(cells->point_fields[2].values[v], noise[v] * noise[v], 1e-5);
+  // The other field measures.
+  EXPECT_EQ(done({"extract", model_, out_, "--mesh", "--field", "square"}).at("field"), "square");
+  const std::string surface = scratch_ / "s.vtp";
+  EXPECT_GT(done({"extract", model_, surface, "--isovalue", "0.1", "--max-error", "0", "--with",
+                  "shift:x"})
+                .at("triangles"),
+            100);
+  std::ifstream file(surface, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(text.find("Name=\"shift:0\""), std::string::npos);
+  EXPECT_EQ(done({"probe", model_, "--point", "0.5,0.5,0.5", "--field", "square"}).at("field"),
+            "square");
+  EXPECT_EQ(done({"verify", model_, "--against", mesh_}).at("passed"), true);
+}
+
+TEST_F(cli_tetra_fields, come_with_meshes_that_are_built_in_memory) {
+  const nlohmann::json made =
+      done({"extract", mesh_, out_, "--mesh", "--field", "noise", "--with", "square"});
+  EXPECT_EQ(made.at("with")[0].at("field"), "square");
+  EXPECT_EQ(fields_of(out_), (std::vector<std::string>{"noise", "square"}));
+}
+
+TEST_F(cli_tetra_fields, are_attached_as_steps) {
+  const std::string all = scratch_ / "all.lode";
+  const nlohmann::json report =
+      done({"attach-field", model_, later_, latest_, all, "--field", "noise", "--at", "0.5,1.5"});
+  EXPECT_EQ(report.at("attached"), 2);
+  ASSERT_EQ(report.at("fields").size(), 5U);
+  EXPECT_EQ(report.at("fields")[4].at("time"), 1.5);
+  EXPECT_EQ(report.at("file_bytes"), std::filesystem::file_size(all));
+  EXPECT_EQ(done({"verify", all}).at("passed"), true);
+  const auto range = [&](const char* step) {
+    return done({"extract", all, out_, "--mesh", "--max-error", "0", "--field", "noise", "--time",
+                 step})
+        .at("cells");
+  };
+  EXPECT_EQ(range("0"), range("2"));
+  const auto value = [&](const char* step) {
+    return done({"probe", all, "--point", "0.3,0.6,0.55", "--field", "noise", "--time", step})
+        .at("points")[0]
+        .at("value")
+        .get<double>();
+  };
+  EXPECT_NEAR(value("1"), 2 * value("0"), 1e-12);
+  EXPECT_NEAR(value("2"), 3 * value("0"), 1e-12);
+  refused({"probe", all, "--point", "0,0,0", "--field", "noise", "--time", "3"}, "--time");
+}
+
+TEST_F(cli_tetra_fields, that_make_no_sense_are_refused) {
+  const std::string all = scratch_ / "all.lode";
+  refused({"attach-field", model_, later_, all, "--field", "noise"}, "has not got");
+  refused({"attach-field", model_, later_, latest_, all, "--field", "noise"}, "--at: expected");
+  refused({"attach-field", model_, later_, all, "--field", "noise", "--at", "1,2"},
+          "expected 1 times");
+  refused({"attach-field", model_, later_, all}, "--field");
+  refused({"attach-field", mesh_, later_, all, "--field", "noise"}, "expected a .lode file");
+  refused({"attach-field", model_, all, "--field", "noise"}, "got 2 files");
+  refused({"attach-field", model_, later_, scratch_ / "all.vtu", "--field", "noise"}, ".lode");
+  refused({"extract", model_, out_, "--mesh", "--with", "heat"}, "expected one of the fields");
+  refused({"extract", model_, scratch_ / "out.msh", "--mesh", "--with", "square"}, "--with");
+  refused({"extract", mesh_, out_, "--mesh", "--with", "square"}, "--field");
+  EXPECT_FALSE(std::filesystem::exists(all));
+}
+
+}  // namespace
+}  // namespace lode::test
