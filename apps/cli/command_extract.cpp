@@ -99,6 +99,8 @@ Result<void> check_extract(const ExtractArguments& arguments) {
           arguments.input);
     return check_tetra_job(arguments.mesh_job());
   }
+  if (!arguments.query.warp.is_empty())
+    return fail("--warp: expected a mesh of cells, got {}", arguments.input);
   if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
   if (arguments.query.is_focused()) return check_focused_job(arguments.mesh_job());
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.plain()));

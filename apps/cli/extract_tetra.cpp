@@ -36,6 +36,7 @@ TetraAnswer to_answer(const Report& report, bool is_default) {
 /// What is told of further fields.
 std::vector<Attribute> without_values(const std::vector<Attribute>& attributes) {
   std::vector<Attribute> told;
+  told.reserve(attributes.size());
   for (const Attribute& from : attributes)
     told.push_back({from.name, from.is_narrow, {}, from.error});
   return told;
@@ -95,10 +96,11 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   table.add({"achieved error", format_number(made.achieved_error) + ' ' + place});
   if (!made.is_settled) table.add({"deadline", "reached: as accurate as it allows"});
   for (const auto& [name, value] : counts.items())
-    table.add({name == "largest_error" ? "error anywhere"
-               : name == "cut_cells"   ? "cells of the cut"
-               : name == "left_out"    ? "cells left out"
-                                       : name,
+    table.add({name == "largest_error"    ? "error anywhere"
+               : name == "cut_cells"      ? "cells of the cut"
+               : name == "left_out"       ? "cells left out"
+               : name == "inverted_cells" ? "cells turned round"
+                                          : name,
                value.is_number_float() ? format_number(value.get<double>()) + ' ' + place
                                        : format_count(value.get<std::uint64_t>())});
   for (const Attribute& more : made.attributes)
@@ -182,12 +184,16 @@ void warn_of_threshold(Session& session, const MeshJob& job, bool is_empty) {
 }
 
 Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Session& session) {
-  LODE_TRY(const TetraInput input, open_tetra_input(job.input, job.reading, session));
+  LODE_TRY(const TetraInput input,
+           open_tetra_input(job.input, with_warp(job.reading, job.query.warp), session));
   const TetraFieldInfo& field = input.field();
   TetraMeshOptions options = wanted.mesh;
   options.fields = input.fields;
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
+  LODE_TRY(const std::uint64_t n_inverted,
+           apply_warp(job.query.warp, job.reading, session.threads(), mesh));
+  warn_of_inverted(session, n_inverted);
   warn_of_budget(session, report.budget_met, report.n_cut_cells);
   warn_of_threshold(session, job, mesh.is_empty());
   TetraAnswer made = to_answer(report, wanted.is_default);
@@ -200,6 +206,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   made.write_seconds = watch.seconds();
   Json counts;
   counts["largest_error"] = report.largest_error;
+  if (job.query.warp.is_wanted()) counts["inverted_cells"] = n_inverted;
   counts["cells"] = report.n_cells;
   counts["vertices"] = report.n_vertices;
   if (wanted.mesh.threshold || !job.query.regions.empty()) counts["left_out"] = report.n_left_out;
@@ -231,11 +238,13 @@ void warn_of_surface(Session& session, const MeshJob& job, const Surface& surfac
 }
 
 Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Session& session) {
-  LODE_TRY(const TetraInput input, open_tetra_input(job.input, job.reading, session));
+  LODE_TRY(const TetraInput input,
+           open_tetra_input(job.input, with_warp(job.reading, job.query.warp), session));
   const TetraFieldInfo& field = input.field();
   Surface surface;
   LODE_TRY(const TetraSurfaceReport report,
            make_surface(input, job, wanted, surface, session.progress()));
+  LODE_CHECK(apply_warp(job.query.warp, job.reading, surface));
   warn_of_budget(session, report.budget_met, report.n_cut_cells);
   warn_of_surface(session, job, surface, report);
   TetraAnswer made = to_answer(report, wanted.is_default);
@@ -284,6 +293,7 @@ Result<void> check_tetra_output(const MeshJob& job, const TetraJob& wanted) {
 }  // namespace
 
 Result<void> check_tetra_job(const MeshJob& job) {
+  LODE_CHECK(check_warp(job.query.warp));
   LODE_TRY(const TetraJob wanted, to_tetra_job(job, {}));
   LODE_CHECK(check_tetra_output(job, wanted));
   LODE_CHECK(check_tetra_reading(job.reading, job.input));

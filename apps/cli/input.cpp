@@ -101,7 +101,7 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
   app.add_option(
          "--with", arguments.with,
          "Of a mesh of cells: a further field, which the answer has, too; NAME:x, y or z is "
-         "a scalar of a vector; may be repeated")
+         "a scalar of a vector, NAME:xyz all three; may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->group("Reading other formats");

@@ -125,6 +125,7 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "With --mesh or --boundary of a mesh of cells: only cells whose values lie from A to B at "
       "all "
       "corners; without another focus accurate where the field may be in it");
+  add_warp_options(app, arguments.warp);
   add("--region", arguments.regions, "ID",
       "Only cells of a region (block, material, zone) of a mesh of cells; may be repeated");
   add("--field-range", arguments.field_ranges, "A:B",

@@ -9,6 +9,7 @@
 #include "extraction_options.h"
 #include "lode/api/focused_surface.h"
 #include "lode/api/mesh_extraction.h"
+#include "warp_options.h"
 
 namespace lode::cli {
 
@@ -18,6 +19,7 @@ struct QueryArguments {
   bool is_boundary = false;
   std::vector<std::string> sections;
   std::string threshold;
+  WarpArguments warp;
   std::vector<std::string> regions;
   std::vector<std::string> field_ranges;
   std::vector<std::string> boxes;

@@ -145,11 +145,14 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
                                                   .threshold = {},
                                                   .regions = {},
                                                   .threads = session.threads(),
-                                                  .fields = {.measured = input.fields.measured}},
+                                                  .fields = input.fields},
                                                  mesh, session.progress()));
   if (!made.mesh.budget_met)
     session.warn(fmt::format("--max-cells is not met: the coarsest mesh has {} simplices",
                              made.mesh.n_cut_cells));
+  LODE_TRY(const std::uint64_t n_inverted,
+           apply_warp(job.picture.warp, job.reading, session.threads(), mesh));
+  warn_of_inverted(session, n_inverted);
   LODE_TRY(const Image image, draw_mesh(mesh, options, made.picture, session.progress()));
   for (const double isovalue : made.picture.unmet)
     session.warn(fmt::format("no surface at isovalue {}: it meets no cell", isovalue));
@@ -164,6 +167,7 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
 }  // namespace
 
 void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) {
+  add_warp_options(app, arguments.warp);
   const auto add = [&](const char* name, auto& value, const char* type, const char* help) {
     app.add_option(name, value, help)
         ->type_name(type)
@@ -186,6 +190,7 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
 }
 
 Result<void> check_tetra_picture(const TetraPictureJob& job) {
+  LODE_CHECK(check_warp(job.picture.warp));
   LODE_TRY(const MeshPictureOptions options, to_picture(job));
   LODE_CHECK(to_query(job, options));
   if (options.isovalues.empty() && !job.picture.is_of_mesh())
@@ -209,7 +214,8 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
 
 Result<Outcome> run_tetra_picture(const TetraPictureJob& job, Session& session) {
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
-  LODE_TRY(const TetraInput input, open_tetra_input(job.input, job.reading, session));
+  LODE_TRY(const TetraInput input,
+           open_tetra_input(job.input, with_warp(job.reading, job.picture.warp), session));
   LODE_TRY(const TetraPicture made, draw_picture(job, input, session));
   return picture_outcome(job, input, made, session);
 }

@@ -7,6 +7,7 @@
 #include "extraction_options.h"
 #include "input.h"
 #include "lode/api/mesh_picture.h"
+#include "warp_options.h"
 
 namespace lode::cli {
 
@@ -15,6 +16,7 @@ struct TetraPictureArguments {
   std::string opacity;
   std::vector<std::string> sections;
   std::string max_cells;
+  WarpArguments warp;
   bool has_boundary = false;
   bool has_wireframe = false;
   bool has_points = false;
@@ -23,7 +25,9 @@ struct TetraPictureArguments {
   [[nodiscard]] bool is_of_mesh() const {
     return !opacity.empty() || !sections.empty() || has_boundary || has_wireframe || has_points;
   }
-  [[nodiscard]] bool is_empty() const { return !is_of_mesh() && max_cells.empty(); }
+  [[nodiscard]] bool is_empty() const {
+    return !is_of_mesh() && max_cells.empty() && warp.is_empty();
+  }
 };
 
 void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments);

@@ -37,6 +37,21 @@ std::string numbered_component(const std::string& name) {
   return name.substr(0, name.size() - 1) + std::to_string(axis);
 }
 
+/// The fields of --with; NAME:xyz is three.
+std::vector<std::string> names_of_with(const ReadingArguments& reading) {
+  constexpr std::string_view kVector = ":xyz";
+  std::vector<std::string> names;
+  for (const std::string& name : reading.with) {
+    if (!name.ends_with(kVector)) {
+      names.push_back(numbered_component(name));
+      continue;
+    }
+    const std::string vector = name.substr(0, name.size() - kVector.size());
+    for (const char* axis : {":0", ":1", ":2"}) names.push_back(vector + axis);
+  }
+  return names;
+}
+
 /// A field of a .lode file: of a series the step --time.
 Result<std::size_t> named_field(const TetraInfo& info, const std::string& name,
                                 const std::string& step) {
@@ -54,8 +69,8 @@ Result<std::size_t> named_field(const TetraInfo& info, const std::string& name,
 Result<TetraFieldUse> fields_of(const TetraInfo& info, const ReadingArguments& reading) {
   TetraFieldUse use;
   LODE_TRY(use.measured, named_field(info, numbered_component(reading.field), reading.time));
-  for (const std::string& name : reading.with) {
-    LODE_TRY(const std::size_t at, named_field(info, numbered_component(name), reading.time));
+  for (const std::string& name : names_of_with(reading)) {
+    LODE_TRY(const std::size_t at, named_field(info, name, reading.time));
     if (at != use.measured && std::ranges::find(use.along, at) == use.along.end())
       use.along.push_back(at);
   }
@@ -91,11 +106,9 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
   if (!reading.component.empty() && reading.component != "magnitude")
     field += ":" + reading.component_number();
   options.fields = {std::move(field)};
-  for (const std::string& more : reading.with) {
-    std::string name = numbered_component(more);
+  for (std::string& name : names_of_with(reading))
     if (std::ranges::find(options.fields, name) == options.fields.end())
       options.fields.push_back(std::move(name));
-  }
   return options;
 }
 

@@ -118,6 +118,54 @@ TEST_F(cli_tetra_fields, come_with_meshes_that_are_built_in_memory) {
   EXPECT_EQ(fields_of(out_), (std::vector<std::string>{"noise", "square"}));
 }
 
+TEST_F(cli_tetra_fields, deform) {
+  const std::string model = scratch_ / "vector.lode";
+  done({"build", mesh_, model, "--field", "noise", "--with", "shift:xyz"});
+  const auto points_of = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"extract", model, out_, "--mesh", "--max-error", "0.1"});
+    const nlohmann::json json = done(words);
+    EXPECT_EQ(json.value("inverted_cells", 0), 0);
+    EXPECT_EQ(fields_of(out_), std::vector<std::string>{"noise"});
+    return read_cell_mesh(out_, {})->points;
+  };
+  const std::vector<Vec3d> before = points_of({});
+  const std::vector<Vec3d> after = points_of({"--warp", "shift", "--scale", "2"});
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t v = 0; v < before.size(); ++v) {
+    const Vec3d p = before[v];
+    EXPECT_NEAR(after[v][0], p[0] + 2 * 0.1 * p[2], 1e-12);
+    EXPECT_EQ(after[v][1], p[1]);
+    EXPECT_NEAR(after[v][2], p[2] + 2 * 0.2 * p[0] * p[1], 1e-12);
+  }
+  // Turned round where a shift upward is taken from what is above it.
+  const Finished turned = run_lode({"extract", model, out_, "--mesh", "--max-error", "0", "--warp",
+                                    "shift", "--scale", "-30", "--json"});
+  EXPECT_EQ(turned.exit_code, 0) << turned.err;
+  EXPECT_GT(turned.json().at("inverted_cells"), 0);
+  EXPECT_NE(turned.err.find("turned round"), std::string::npos);
+  // Boundaries and isosurfaces as well, and what is built in memory.
+  const std::string surface = scratch_ / "s.ply";
+  for (const std::vector<std::string>& of :
+       {std::vector<std::string>{"--boundary"}, {"--isovalue", "0.1"}}) {
+    std::vector<std::string> words{"extract", mesh_,     surface, "--field",     "noise", "--warp",
+                                   "shift",   "--scale", "2",     "--max-error", "0"};
+    words.insert(words.end(), of.begin(), of.end());
+    EXPECT_GT(done(words).at("triangles"), 100);
+    const auto made = read_surface(surface);
+    ASSERT_TRUE(made);
+    float highest = 0;
+    for (const Vec3f& p : made->positions) highest = std::max(highest, p[2]);
+    EXPECT_GT(highest, 1.1F);
+  }
+  EXPECT_EQ(run_lode({"render", model, scratch_ / "p.png", "--boundary", "--warp", "shift",
+                      "--size", "64x64"})
+                .exit_code,
+            0);
+  refused({"extract", model, out_, "--mesh", "--scale", "2"}, "--warp");
+  refused({"extract", model, out_, "--mesh", "--warp", "heat"}, "heat:0");
+  refused({"extract", model, out_, "--mesh", "--warp", "shift", "--scale", "much"}, "--scale");
+}
+
 TEST_F(cli_tetra_fields, are_attached_as_steps) {
   const std::string all = scratch_ / "all.lode";
   const nlohmann::json report =
