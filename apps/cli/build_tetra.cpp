@@ -61,6 +61,11 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   table.add({"bounds", corner(info.bounds.lower) + " to " + corner(info.bounds.upper)});
 }
 
+Result<std::uint64_t> parse_memory_limit(const std::string& text) {
+  if (text.empty()) return physical_memory();
+  return parse_bytes("--memory-limit", text);
+}
+
 /// Cells as the file has them, before they are split.
 Result<Outcome> foreign_info(const std::string& path, const ReadingArguments& reading,
                              Session& session) {
@@ -127,6 +132,10 @@ Result<void> check_tetra_build(const TetraBuildJob& job) {
   if (!is_lode_path(job.output))
     return fail("{}: expected an output that ends in .lode", job.output);
   LODE_CHECK(parse_base_cells(job.base_cells));
+  LODE_CHECK(parse_memory_limit(job.memory_limit));
+  LODE_TRY(const Placement placement, to_placement(job.reading));
+  if (placement == Placement::midpoint)
+    return fail("--placement: expected half-edge, which is what files hold, got midpoint");
   LODE_TRY(const double tolerance, parse_boundary_tolerance(job.boundary_tolerance));
   if (job.is_everywhere && tolerance > 0)
     return fail("--everywhere: expected no --boundary-tolerance with it, got {}", tolerance);
@@ -143,6 +152,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   TetraBuildOptions options{.threads = session.threads()};
   LODE_TRY(options.boundary_tolerance, parse_boundary_tolerance(job.boundary_tolerance));
   if (job.is_everywhere) options.error_place = ErrorPlace::everywhere;
+  LODE_TRY(options.memory_limit, parse_memory_limit(job.memory_limit));
   if (base_cells && !made.mesh.tetrahedra.empty())
     options.base_share =
         static_cast<double>(*base_cells) / static_cast<double>(made.mesh.tetrahedra.size());

@@ -13,6 +13,7 @@ struct TetraBuildJob {
   std::string output;
   std::string base_cells;          ///< As given; empty: a hundredth.
   std::string boundary_tolerance;  ///< The same; empty: 0.
+  std::string memory_limit;        ///< The same; empty: what the machine has.
   bool is_everywhere = false;      ///< Where errors hold.
   ReadingArguments reading;
 };

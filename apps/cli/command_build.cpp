@@ -28,7 +28,7 @@ struct BuildArguments {
   ReadingArguments reading;
 
   [[nodiscard]] TetraBuildJob tetra() const {
-    return {input, output, base_cells, boundary_tolerance, is_everywhere, reading};
+    return {input, output, base_cells, boundary_tolerance, memory_limit, is_everywhere, reading};
   }
 };
 
@@ -40,10 +40,9 @@ bool holds_bytes(const std::string& path) {
 
 /// Of a mesh of cells, which is built in memory at once.
 Result<void> check_mesh_build(const BuildArguments& arguments) {
-  if (!arguments.memory_limit.empty() || arguments.resumes || arguments.leaves_nothing)
+  if (arguments.resumes || arguments.leaves_nothing)
     return fail(
-        "{}: expected no --memory-limit, --resume or --no-resume with a mesh of cells, which is "
-        "built in memory",
+        "{}: expected no --resume or --no-resume with a mesh of cells, which is built in memory",
         arguments.input);
   return check_tetra_build(arguments.tetra());
 }
@@ -175,7 +174,8 @@ Command add_build_command(CLI::App& program) {
       ->required();
   app->add_option("output", arguments->output, "File to write")->type_name("OUT.lode")->required();
   app->add_option("--memory-limit", arguments->memory_limit,
-                  "Memory to use, such as 512M or 4G (default: a quarter of the machine's)")
+                  "Memory to use, such as 512M or 4G (default: a quarter of the machine's); of a "
+                  "mesh, which is built in memory, the most that it may need (default: all)")
       ->type_name("BYTES");
   CLI::Option* resume =
       app->add_flag("--resume", arguments->resumes,

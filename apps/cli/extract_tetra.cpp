@@ -269,10 +269,10 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Se
 
 /// What the output can hold of what is wanted.
 Result<void> check_tetra_output(const MeshJob& job, const TetraJob& wanted) {
-  const std::string extension = job.query.is_mesh ? ".vtu" : ".vtp";
-  if (!job.reading.with.empty() && !check_extension(job.output, extension))
-    return fail("--with: expected an output that ends in {}, which holds further fields, got '{}'",
-                extension, job.output);
+  if (!job.reading.with.empty() && !job.query.is_mesh && !check_extension(job.output, ".vtp"))
+    return fail(
+        "--with: expected an output that ends in .vtp, which holds further fields, got '{}'",
+        job.output);
   if (job.query.is_mesh) return check_mesh_path(job.output);
   LODE_CHECK(check_surface_extension(job.output));
   if (!wanted.sections.isovalues.empty() && !can_hold_lines(job.output))

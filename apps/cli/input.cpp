@@ -83,7 +83,7 @@ Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& pat
 bool ReadingArguments::is_empty() const {
   return field.empty() && with.empty() && component.empty() && time.empty() && nodata.empty() &&
          dims.empty() && type.empty() && spacing.empty() && origin.empty() && byte_order.empty() &&
-         weld.empty() && weld_values.empty() && linearise.empty();
+         weld.empty() && weld_values.empty() && linearise.empty() && placement.empty();
 }
 
 std::string ReadingArguments::component_number() const {
@@ -121,13 +121,17 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
       "... where all fields differ by no more than this (default: 0); others stay apart");
   add("--linearise", arguments.linearise, "corners",
       "Of a mesh of cells: a quadratic tetrahedron becomes the one of its corners, not eight");
+  add("--placement", arguments.placement, "half-edge|midpoint",
+      "Of a mesh of cells that is built in memory: where edges collapse to (default: one of their "
+      "ends)");
 }
 
 Result<ReadOptions> to_read_options(const ReadingArguments& arguments, Threads threads) {
   if (!arguments.weld.empty() || !arguments.weld_values.empty() || !arguments.linearise.empty() ||
-      !arguments.with.empty())
+      !arguments.with.empty() || !arguments.placement.empty())
     return fail(
-        "--with, --weld, --weld-values and --linearise: expected a mesh of cells with them");
+        "--with, --weld, --weld-values, --linearise and --placement: expected a mesh of cells with "
+        "them");
   ReadOptions options;
   options.threads = threads;
   if (!arguments.field.empty()) options.field = arguments.field;

@@ -27,6 +27,7 @@ struct ReadingArguments {
   std::string weld;  ///< This and the next two are of meshes of cells.
   std::string weld_values;
   std::string linearise;
+  std::string placement;
   bool salvage = false;
 
   /// Of those.

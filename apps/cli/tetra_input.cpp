@@ -112,6 +112,12 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
   return options;
 }
 
+Result<Placement> to_placement(const ReadingArguments& reading) {
+  if (reading.placement.empty() || reading.placement == "half-edge") return Placement::half_edge;
+  if (reading.placement == "midpoint") return Placement::midpoint;
+  return fail("--placement: expected half-edge or midpoint, got '{}'", reading.placement);
+}
+
 const char* name_of(ErrorPlace place) {
   return place == ErrorPlace::everywhere ? "everywhere" : "at samples";
 }
@@ -129,6 +135,8 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
     return check_reading_options(others, path);
   }
   LODE_CHECK(to_tetra_options(reading));
+  LODE_CHECK(to_placement(reading));
+  others.placement.clear();
   others.component.clear();
   others.weld.clear();
   others.weld_values.clear();
@@ -173,7 +181,9 @@ Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArgume
   session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
   LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(path, reading, session));
   TetraReport report = made.report;
-  auto built = TetraDataset::build(made.mesh, {.threads = session.threads()}, session.progress());
+  LODE_TRY(const Placement placement, to_placement(reading));
+  auto built = TetraDataset::build(
+      made.mesh, {.placement = placement, .threads = session.threads()}, session.progress());
   if (!built) {
     if (session.progress().is_cancelled()) return built.error();
     return fail("{}: {}", path, built.error().message);

@@ -28,6 +28,8 @@ struct TetraInput {
 [[nodiscard]] Result<void> check_tetra_reading(const ReadingArguments& reading,
                                                const std::string& path);
 
+[[nodiscard]] Result<Placement> to_placement(const ReadingArguments& reading);
+
 /// How cells become tetrahedra. Fails on what cannot be meant.
 [[nodiscard]] Result<TetraOptions> to_tetra_options(const ReadingArguments& reading);
 

@@ -90,6 +90,11 @@ TEST_F(cli_tetra_fields, come_with_meshes_and_surfaces) {
   EXPECT_EQ(all.at("with")[1].at("field"), "square");
   EXPECT_GT(all.at("with")[1].at("largest_error"), 0);
   EXPECT_GT(all.at("bytes_read"), plain.at("bytes_read"));
+  for (const char* other : {"m.vtk", "m.msh"}) {
+    done({"extract", model_, scratch_ / other, "--mesh", "--with", "square"});
+    EXPECT_EQ(fields_of(scratch_ / other).front(), "noise");
+    EXPECT_EQ(fields_of(scratch_ / other).back(), "square");
+  }
   // At all vertices the square is one.
   const auto cells = read_cell_mesh(out_, {});
   ASSERT_TRUE(cells);
@@ -203,7 +208,7 @@ TEST_F(cli_tetra_fields, that_make_no_sense_are_refused) {
   refused({"attach-field", model_, all, "--field", "noise"}, "got 2 files");
   refused({"attach-field", model_, later_, scratch_ / "all.vtu", "--field", "noise"}, ".lode");
   refused({"extract", model_, out_, "--mesh", "--with", "heat"}, "expected one of the fields");
-  refused({"extract", model_, scratch_ / "out.msh", "--mesh", "--with", "square"}, "--with");
+  refused({"extract", model_, scratch_ / "out.ply", "--boundary", "--with", "square"}, "--with");
   refused({"extract", mesh_, out_, "--mesh", "--with", "square"}, "--field");
   EXPECT_FALSE(std::filesystem::exists(all));
 }

@@ -469,7 +469,7 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   refused({"extract", input_, output_, "--mesh", "--field", "other"}, "other");
   refused({"extract", input_, input_, "--mesh"}, "expected an output that is not an input");
   refused({"count", input_, "--isovalue", "3"}, "which this command does not take");
-  refused({"build", input_, scratch_ / "out.lode", "--memory-limit", "1G"}, "--memory-limit");
+  refused({"build", input_, scratch_ / "out.lode", "--memory-limit", "much"}, "--memory-limit");
   refused({"build", input_, scratch_ / "out.vtu"}, "expected an output that ends in .lode");
   refused({"build", input_, scratch_ / "out.lode", "--base-cells", "few"}, "--base-cells");
   const std::string broken = scratch_ / "broken.vtu";
@@ -478,6 +478,50 @@ TEST_F(cli_tetra, says_what_it_does_not_do) {
   const std::string empty = scratch_ / "empty.msh";
   std::ofstream(empty).close();
   refused({"extract", empty, output_, "--mesh"}, "empty.msh");
+}
+
+TEST_F(cli_tetra, collapses_edges_to_midpoints_where_that_is_asked_for) {
+  const nlohmann::json all = report({"--max-error", "0", "--placement", "midpoint"});
+  EXPECT_EQ(all.at("cells"), 12 * 12 * 12 * 6);
+  EXPECT_EQ(all.at("vertices"), 13 * 13 * 13);
+  EXPECT_EQ(all.at("achieved_error"), 0);
+  const nlohmann::json half_edge = report({"--max-error", "1"});
+  const nlohmann::json coarse = report({"--max-error", "1", "--placement", "midpoint"});
+  EXPECT_LE(coarse.at("achieved_error"), 1);
+  EXPECT_NE(coarse.at("cells"), half_edge.at("cells"));
+  EXPECT_LT(coarse.at("cells"), 12 * 12 * 12 * 6 / 3);
+  // Isosurfaces are those of the reference, and have normals, and boundaries are closed.
+  const std::string ply = scratch_ / "out.ply";
+  std::array<nlohmann::json, 2> made;
+  for (const char* placement : {"half-edge", "midpoint"}) {
+    const Finished run = run_lode({"extract", input_, ply, "--isovalue", "8", "--max-error", "0",
+                                   "--placement", placement, "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    made[placement[0] == 'm' ? 1 : 0] = run.json();
+  }
+  EXPECT_EQ(made[0].at("triangles"), made[1].at("triangles"));
+  EXPECT_EQ(run_lode({"extract", input_, ply, "--boundary", "--max-error", "1", "--placement",
+                      "midpoint"})
+                .exit_code,
+            0);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"build", input_, scratch_ / "m.lode", "--placement", "midpoint"},
+        {"extract", input_, output_, "--mesh", "--placement", "centre"}})
+    EXPECT_EQ(run_lode(words).exit_code, 2);
+  const Finished probe = run_lode({"probe", input_, "--point", "1,1,1", "--placement", "midpoint"});
+  EXPECT_EQ(probe.exit_code, 1);
+  EXPECT_NE(probe.err.find("expected a hierarchy of half edges"), std::string::npos) << probe.err;
+}
+
+TEST_F(cli_tetra, builds_within_a_memory_limit_or_names_what_it_takes) {
+  const std::string model = scratch_ / "limited.lode";
+  const Finished small = run_lode({"build", input_, model, "--memory-limit", "16M"});
+  EXPECT_EQ(small.exit_code, 1);
+  EXPECT_NE(small.err.find("expected 18 MiB of memory to build a mesh of 10368 cells"),
+            std::string::npos)
+      << small.err;
+  EXPECT_FALSE(std::filesystem::exists(model));
+  EXPECT_EQ(run_lode({"build", input_, model, "--memory-limit", "20M"}).exit_code, 0);
 }
 
 TEST_F(cli_tetra, takes_views_and_deadlines) {

@@ -9,6 +9,7 @@
 #include "lode/core/stopwatch.h"
 #include "lode/models/tetra_mt/everywhere_errors.h"
 #include "lode/models/tetra_mt/file_layout.h"
+#include "lode/models/tetra_mt/midpoint/edge_collapses.h"
 #include "lode/models/tetra_mt/persist.h"
 
 namespace lode {
@@ -24,15 +25,33 @@ std::vector<std::pair<std::string, std::uint64_t>> named(const tetra_mt::Refusal
   return result;
 }
 
+std::uint64_t base_cells_of(const TetraMesh& mesh, const TetraBuildOptions& options) {
+  return static_cast<std::uint64_t>(std::clamp(options.base_share, 0.0, 1.0) *
+                                    static_cast<double>(mesh.tetrahedra.size()));
+}
+
 }  // namespace
+
+std::uint64_t memory_to_build(const TetraMesh& mesh, const TetraBuildOptions& options) {
+  constexpr std::uint64_t kFixed = 16U << 20;
+  constexpr std::uint64_t kCell = 200;
+  constexpr std::uint64_t kOverlay = 40;
+  constexpr std::uint64_t kValue = 80;
+  const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
+  const std::uint64_t n_more = std::max<std::size_t>(mesh.fields.size(), 1) - 1;
+  return kFixed + mesh.tetrahedra.size() * (kCell + (is_everywhere ? kOverlay : 0)) +
+         mesh.positions.size() * n_more * kValue;
+}
 
 Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
                                                   const TetraBuildOptions& options,
                                                   Progress& progress) {
   if (mesh.fields.empty() || mesh.fields.size() > tetra_mt::kMaxFields)
     return fail("expected 1 to {} fields, got {}", tetra_mt::kMaxFields, mesh.fields.size());
-  const auto base_cells = static_cast<std::uint64_t>(std::clamp(options.base_share, 0.0, 1.0) *
-                                                     static_cast<double>(mesh.tetrahedra.size()));
+  const std::uint64_t n_bytes = memory_to_build(mesh, options);
+  if (options.memory_limit > 0 && n_bytes > options.memory_limit)
+    return fail("expected {} MiB of memory to build a mesh of {} cells, got a limit of {} MiB",
+                (n_bytes >> 20) + 1, mesh.tetrahedra.size(), options.memory_limit >> 20);
   const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
   if (is_everywhere && options.boundary_tolerance > 0)
     return fail(
@@ -41,7 +60,7 @@ Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
         options.boundary_tolerance);
   LODE_TRY(auto collapses, tetra_mt::collapse_half_edges(
                                mesh,
-                               {.base_cells = base_cells,
+                               {.base_cells = base_cells_of(mesh, options),
                                 .rules = {.boundary_tolerance = options.boundary_tolerance},
                                 .threads = options.threads},
                                progress));
@@ -56,9 +75,23 @@ Result<tetra_mt::Hierarchy> build_hierarchy(const TetraMesh& mesh, const TetraBu
   return tetra_mt::make_hierarchy(mesh, collapses, options.threads);
 }
 
+Result<tetra_mt::midpoint::Hierarchy> build_midpoints(const TetraMesh& mesh,
+                                                      const TetraBuildOptions& options,
+                                                      Progress& progress) {
+  if (options.error_place == ErrorPlace::everywhere || options.boundary_tolerance > 0)
+    return fail("midpoints: expected errors at samples and a boundary tolerance of 0, got others");
+  LODE_TRY(const auto collapses,
+           tetra_mt::midpoint::collapse_edges(
+               mesh, {.base_cells = base_cells_of(mesh, options), .threads = options.threads},
+               progress));
+  return tetra_mt::midpoint::make_hierarchy(mesh, collapses, options.threads);
+}
+
 Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const std::string& path,
                                                  const TetraBuildOptions& options,
                                                  Progress& progress) try {
+  if (options.placement == Placement::midpoint)
+    return fail("placement: expected half edges, which files hold, got midpoints");
   Stopwatch watch;
   LODE_TRY(auto collapses, collapse_mesh(mesh, options, progress));
   TetraFileReport report;

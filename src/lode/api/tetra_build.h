@@ -3,6 +3,7 @@
 #include "lode/api/tetra_dataset.h"
 #include "lode/models/tetra_mt/half_edge.h"
 #include "lode/models/tetra_mt/hierarchy.h"
+#include "lode/models/tetra_mt/midpoint/hierarchy.h"
 
 namespace lode {
 
@@ -13,5 +14,8 @@ namespace lode {
 [[nodiscard]] Result<tetra_mt::Hierarchy> build_hierarchy(const TetraMesh& mesh,
                                                           const TetraBuildOptions& options,
                                                           Progress& progress);
+
+[[nodiscard]] Result<tetra_mt::midpoint::Hierarchy> build_midpoints(
+    const TetraMesh& mesh, const TetraBuildOptions& options, Progress& progress);
 
 }  // namespace lode

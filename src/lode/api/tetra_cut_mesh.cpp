@@ -1,6 +1,7 @@
 #include "lode/api/tetra_cut_mesh.h"
 
 #include <algorithm>
+#include <functional>
 
 namespace lode {
 namespace {
@@ -62,6 +63,40 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
                                    static_cast<double>(hierarchy.facts(cell.maker, field).error));
   }
   return vertex_ids;
+}
+
+std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
+                                     SimplexMesh& mesh) {
+  const tetra_mt::midpoint::Hierarchy& hierarchy = cut.hierarchy();
+  mesh = {};
+  std::vector<std::uint32_t> slots;
+  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot)
+    if (cut.is_inside(cut.slots()[slot])) slots.push_back(slot);
+  std::ranges::sort(slots, {}, [&](std::uint32_t slot) {
+    tetra_mt::Tetrahedron corners = cut.slots()[slot].corners;
+    std::ranges::sort(corners, std::greater());
+    return corners;
+  });
+  std::vector<std::uint32_t> numbers(hierarchy.n_labels(), kNone);
+  for (const std::uint32_t slot : slots) {
+    const auto& cell = cut.slots()[slot];
+    const std::uint32_t maker = cut.maker(cell);
+    mesh.tetrahedra.push_back(cell.corners);
+    mesh.errors.push_back(maker == kNone ? 0 : cut.facts(NodeId{maker}).error);
+    if (hierarchy.region_ids.size() > 1) mesh.regions.push_back(hierarchy.region_ids[cell.region]);
+    for (const std::uint32_t v : cell.corners) numbers[v] = 0;
+  }
+  std::vector<std::uint32_t> labels;
+  for (std::uint32_t label = 0; label < numbers.size(); ++label) {
+    if (numbers[label] == kNone) continue;
+    numbers[label] = static_cast<std::uint32_t>(labels.size());
+    labels.push_back(label);
+    mesh.positions.push_back(cut.position(label));
+    mesh.values.push_back(cut.value(label));
+  }
+  for (auto& t : mesh.tetrahedra)
+    for (std::uint32_t& v : t) v = numbers[v];
+  return labels;
 }
 
 }  // namespace lode

@@ -5,6 +5,7 @@
 
 #include "lode/api/tetra_extraction.h"
 #include "lode/core/mesh.h"
+#include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 
 namespace lode {
@@ -14,5 +15,9 @@ namespace lode {
 std::vector<std::uint32_t> fill_mesh(const tetra_mt::PackedHierarchy& hierarchy,
                                      const TetraFieldUse& fields, const tetra_mt::TetraCut& cut,
                                      SimplexMesh& mesh);
+
+/// The same of midpoints: vertices are in the order of their labels, and most are none of the
+/// reference's.
+std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut, SimplexMesh& mesh);
 
 }  // namespace lode

@@ -20,8 +20,10 @@
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/mesh_boundary.h"
+#include "lode/mappers/mesh_gradients.h"
 #include "lode/mappers/mesh_isosurface.h"
 #include "lode/models/tetra_mt/gradient_codes.h"
+#include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
@@ -31,8 +33,8 @@ namespace lode {
 namespace {
 
 using tetra_mt::Hierarchy;
-using tetra_mt::HierarchyHead;
 using tetra_mt::kNone;
+using Midpoints = tetra_mt::midpoint::Hierarchy;
 using tetra_mt::PackedHierarchy;
 using tetra_mt::TetraCut;
 
@@ -46,12 +48,19 @@ double finishing_seconds(const PackedHierarchy& hierarchy, std::uint64_t n_cells
 
 /// What positions of surfaces are relative to: nothing, unless the mesh is so far away that float32
 /// loses more than a millionth of its size.
-Vec3d origin_of(const HierarchyHead& head) {
+Vec3d origin_of(const Box3d& box) {
   constexpr double kFar = 16;
-  const bool is_far =
-      length(head.lower) + length(head.upper) > kFar * length(head.upper - head.lower);
-  return is_far ? head.lower : Vec3d();
+  const bool is_far = length(box.lower) + length(box.upper) > kFar * length(box.upper - box.lower);
+  return is_far ? box.lower : Vec3d();
 }
+
+/// Of midpoints, which are in memory.
+double midpoint_finishing_seconds(std::uint64_t n_cells) {
+  return 1e-3 + 1e-6 * static_cast<double>(n_cells);
+}
+
+bool is_damaged(const TetraCut& cut) { return cut.is_damaged(); }
+bool is_damaged(const tetra_mt::midpoint::MidpointCut& /*cut*/) { return false; }
 
 }  // namespace
 
@@ -64,12 +73,23 @@ class TetraDataset::Impl {
        std::function<tetra_mt::FileReads()> reads_of = {})
       : hierarchy(std::move(packed)),
         reads(std::move(reads_of)),
-        info(info_of(hierarchy.head())),
-        surface_origin(origin_of(hierarchy.head())),
+        info(info_of(hierarchy->head())),
+        surface_origin(origin_of(info.bounds)),
         surface_margin(
             rounding_margin(std::array{info.bounds.lower, info.bounds.upper}, surface_origin)),
         source_(std::move(source)) {}
+  explicit Impl(Midpoints made)
+      : midpoints(std::move(made)),
+        info(info_of(*midpoints)),
+        surface_origin(origin_of(info.bounds)),
+        surface_margin(
+            rounding_margin(std::array{info.bounds.lower, info.bounds.upper}, surface_origin)) {}
 
+  /// Fails where there are midpoints.
+  [[nodiscard]] Result<const PackedHierarchy*> half_edges(const char* action) const {
+    if (hierarchy) return &*hierarchy;
+    return fail("{}: expected a hierarchy of half edges, got one of midpoints", action);
+  }
   /// The mesh of a query's cut, without gradients.
   template <typename Options>
   [[nodiscard]] Result<TetraCutMesh> make_mesh(const Query& wanted, const Options& options,
@@ -78,13 +98,20 @@ class TetraDataset::Impl {
   [[nodiscard]] Result<std::vector<Vec3f>> gradients(std::span<const std::uint32_t> vertices,
                                                      std::size_t field) const;
 
-  PackedHierarchy hierarchy;
+  std::optional<PackedHierarchy> hierarchy;    ///< This,
+  std::optional<Midpoints> midpoints;          ///< or this.
   std::function<tetra_mt::FileReads()> reads;  ///< None in memory.
   TetraInfo info;
   Vec3d surface_origin;
   double surface_margin;
 
  private:
+  /// Refines an opened model and makes the rest of the answer. `finishing`: seconds that take so
+  /// many cells; `fill`: puts cells in the mesh.
+  template <typename Model, typename Options, typename Finishing, typename Fill>
+  [[nodiscard]] Result<TetraCutMesh> refine(Model& model, const Query& query,
+                                            const Options& options, const Finishing& finishing,
+                                            const Fill& fill, Progress& progress) const;
   [[nodiscard]] Result<const std::vector<std::uint32_t>*> load_gradients(std::size_t field,
                                                                          std::uint32_t page) const;
 
@@ -109,6 +136,10 @@ TetraReads TetraDataset::reads() const {
 
 Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuildOptions& options,
                                          Progress& progress) try {
+  if (options.placement == Placement::midpoint) {
+    LODE_TRY(Midpoints midpoints, build_midpoints(mesh, options, progress));
+    return TetraDataset(std::make_unique<Impl>(std::move(midpoints)));
+  }
   LODE_TRY(const auto hierarchy, build_hierarchy(mesh, options, progress));
   std::vector<std::vector<std::uint32_t>> codes;
   for (std::size_t f = 0; f < mesh.fields.size(); ++f)
@@ -147,7 +178,7 @@ Result<const std::vector<std::uint32_t>*> TetraDataset::Impl::load_gradients(
 Result<std::vector<Vec3f>> TetraDataset::Impl::gradients(std::span<const std::uint32_t> vertices,
                                                          std::size_t field) const {
   const std::lock_guard lock(mutex_);
-  const tetra_mt::PageShape& shape = hierarchy.head().shape;
+  const tetra_mt::PageShape& shape = hierarchy->head().shape;
   std::vector<Vec3f> found;
   found.reserve(vertices.size());
   std::uint32_t page = kNone;
@@ -162,33 +193,26 @@ Result<std::vector<Vec3f>> TetraDataset::Impl::gradients(std::span<const std::ui
   return found;
 }
 
-template <typename Options>
-Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, const Options& options,
-                                                   Progress& progress) const {
+template <typename Model, typename Options, typename Finishing, typename Fill>
+Result<TetraCutMesh> TetraDataset::Impl::refine(Model& model, const Query& query,
+                                                const Options& options, const Finishing& finishing,
+                                                const Fill& fill, Progress& progress) const {
   const Stopwatch watch;
-  const std::optional<double>& deadline_s = options.deadline_s;
-  LODE_CHECK(check_fields(info, options.fields));
-  LODE_TRY(const Query query,
-           complete_query(info.fields[options.fields.measured], wanted, deadline_s));
-  LODE_CHECK(check_regions(info, options.regions));
-  TetraCut cut(hierarchy, options.fields.measured);
-  Engine<TetraCut> engine(cut);
+  Engine<Model> engine(model);
   engine.set_query(demand_of(query, 2 * surface_margin), query.budget);
   const auto is_late = [&] {
-    return watch.seconds() + finishing_seconds(hierarchy, engine.n_cells()) >= *deadline_s;
+    return watch.seconds() + finishing(engine.n_cells()) >= *options.deadline_s;
   };
   constexpr unsigned kStepsPerLook = 16;
   unsigned n_looks = 0;
   engine.run([&] {
-    return progress.is_cancelled() || cut.is_damaged() ||
-           (deadline_s && n_looks++ % kStepsPerLook == 0 && is_late());
+    return progress.is_cancelled() || is_damaged(model) ||
+           (options.deadline_s && n_looks++ % kStepsPerLook == 0 && is_late());
   });
   if (progress.is_cancelled()) return cancelled_error();
-  LODE_CHECK(cut.check());
   const Standing standing = engine.standing();
   TetraCutMesh made{.origin = surface_origin, .margin = surface_margin};
-  made.vertex_ids = fill_mesh(hierarchy, options.fields, cut, made.mesh);
-  LODE_CHECK(cut.check());
+  LODE_TRY(made.vertex_ids, fill(made.mesh));
   made.report.max_error = *query.max_error;
   // What is out of sight remains a candidate.
   const auto view = query.view ? std::optional(to_view_focus(*query.view)) : std::nullopt;
@@ -201,6 +225,31 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, const Op
   if (!options.regions.empty() && info.regions.size() > 1)
     made.report.n_left_out = keep_regions(made.mesh, options.regions, made.vertex_ids);
   return made;
+}
+
+template <typename Options>
+Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, const Options& options,
+                                                   Progress& progress) const {
+  LODE_CHECK(check_fields(info, options.fields));
+  LODE_TRY(const Query query,
+           complete_query(info.fields[options.fields.measured], wanted, options.deadline_s));
+  LODE_CHECK(check_regions(info, options.regions));
+  using Ids = Result<std::vector<std::uint32_t>>;
+  if (midpoints) {
+    tetra_mt::midpoint::MidpointCut cut(*midpoints);
+    const auto finishing = [](std::uint64_t n) { return midpoint_finishing_seconds(n); };
+    const auto fill = [&](SimplexMesh& mesh) -> Ids { return fill_mesh(cut, mesh); };
+    return refine(cut, query, options, finishing, fill, progress);
+  }
+  TetraCut cut(*hierarchy, options.fields.measured);
+  const auto finishing = [&](std::uint64_t n) { return finishing_seconds(*hierarchy, n); };
+  const auto fill = [&](SimplexMesh& mesh) -> Ids {
+    LODE_CHECK(cut.check());
+    std::vector<std::uint32_t> ids = fill_mesh(*hierarchy, options.fields, cut, mesh);
+    LODE_CHECK(cut.check());
+    return ids;
+  };
+  return refine(cut, query, options, finishing, fill, progress);
 }
 
 Result<MeshReport> TetraDataset::extract_mesh(const TetraMeshOptions& options, SimplexMesh& mesh,
@@ -221,7 +270,9 @@ Result<TetraSurfaceReport> TetraDataset::extract_surface(const TetraSurfaceOptio
   const Stopwatch watch;
   if (options.query.isovalues.empty()) return fail("isosurfaces: expected isovalues, got none");
   LODE_TRY(TetraCutMesh cut, impl_->make_mesh(options.query, options, progress));
-  if (options.normals == Normals::on) {
+  if (options.normals == Normals::on && impl_->midpoints) {
+    cut.gradients = vertex_gradients(cut.mesh, options.threads);
+  } else if (options.normals == Normals::on) {
     LODE_TRY(cut.gradients, impl_->gradients(cut.vertex_ids, options.fields.measured));
   }
   TetraSurfaceReport report = make_isosurfaces(cut, options, surface);
@@ -261,7 +312,8 @@ Result<ProbeReport> TetraDataset::probe(std::span<const Vec3d> points, const Pro
                                         std::vector<ProbedPoint>& found, Progress& progress) const
     try {
   const Stopwatch watch;
-  LODE_TRY(ProbeReport report, probe_hierarchy(impl_->hierarchy, points, options, found, progress));
+  LODE_TRY(const PackedHierarchy* const hierarchy, impl_->half_edges("probe"));
+  LODE_TRY(ProbeReport report, probe_hierarchy(*hierarchy, points, options, found, progress));
   report.seconds = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
@@ -272,7 +324,8 @@ Result<ProbeReport> TetraDataset::probe_line(const ProbedLine& line, const Probe
                                              std::vector<ProbedLinePoint>& found,
                                              Progress& progress) const try {
   const Stopwatch watch;
-  LODE_TRY(ProbeReport report, probe_hierarchy(impl_->hierarchy, line, options, found, progress));
+  LODE_TRY(const PackedHierarchy* const hierarchy, impl_->half_edges("probe"));
+  LODE_TRY(ProbeReport report, probe_hierarchy(*hierarchy, line, options, found, progress));
   report.seconds = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
@@ -283,7 +336,8 @@ Result<IntegralReport> TetraDataset::integrate(const IntegralOptions& options,
                                                Progress& progress) const try {
   const Stopwatch watch;
   LODE_CHECK(check_regions(impl_->info, options.regions));
-  LODE_TRY(IntegralReport report, integrate_hierarchy(impl_->hierarchy, options, progress));
+  LODE_TRY(const PackedHierarchy* const hierarchy, impl_->half_edges("probe"));
+  LODE_TRY(IntegralReport report, integrate_hierarchy(*hierarchy, options, progress));
   report.probe.seconds = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
@@ -293,7 +347,8 @@ Result<IntegralReport> TetraDataset::integrate(const IntegralOptions& options,
 Result<VerifyReport> TetraDataset::verify(const TetraVerifyOptions& options,
                                           Progress& progress) const try {
   LODE_CHECK(check_fields(impl_->info, {.along = options.fields}));
-  return verify_hierarchy(impl_->hierarchy, options, progress);
+  LODE_TRY(const PackedHierarchy* const hierarchy, impl_->half_edges("verify"));
+  return verify_hierarchy(*hierarchy, options, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the hierarchy");
 }
@@ -302,7 +357,8 @@ Result<VerifyReport> TetraDataset::verify_against(const TetraMesh& original,
                                                   std::span<const std::size_t> fields,
                                                   Progress& progress) const try {
   LODE_CHECK(check_fields(impl_->info, {.along = {fields.begin(), fields.end()}}));
-  return compare_with_original(impl_->hierarchy, original, fields, progress);
+  LODE_TRY(const PackedHierarchy* const hierarchy, impl_->half_edges("verify"));
+  return compare_with_original(*hierarchy, original, fields, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("compare the hierarchy with the data");
 }

@@ -21,6 +21,10 @@
 
 namespace lode {
 
+/// Where edges collapse to: one of their ends, so that all vertices are the reference's with their
+/// own values; or, as in the paper, their midpoints.
+enum class Placement : std::uint8_t { half_edge, midpoint };
+
 struct TetraBuildOptions {
   /// Of the cells, how many are left in the base; more where none may go.
   double base_share = 0.01;
@@ -29,8 +33,18 @@ struct TetraBuildOptions {
   double boundary_tolerance = 0;
   /// Where errors hold. Everywhere takes a few times as long, and a boundary_tolerance of 0.
   ErrorPlace error_place = ErrorPlace::at_samples;
+  /// Midpoints are of one field, errors at samples, a boundary tolerance of 0, and in memory alone;
+  /// such a dataset is neither probed nor verified.
+  Placement placement = Placement::half_edge;
+  /// Bytes; a mesh that needs more is refused. 0: none.
+  std::uint64_t memory_limit = 0;
   Threads threads{};
 };
+
+/// What building takes at most, with the mesh itself: 200 bytes a tetrahedron of a mesh with one
+/// field, 240 where errors hold everywhere, and 80 a vertex for each further field.
+[[nodiscard]] std::uint64_t memory_to_build(const TetraMesh& mesh,
+                                            const TetraBuildOptions& options);
 
 struct TetraVerifyOptions {
   std::uint32_t n_random_cuts = 8;  ///< The first is the base.

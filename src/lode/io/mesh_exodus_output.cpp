@@ -39,6 +39,7 @@ class ExodusContent {
   void add_texts(const char* name, std::uint32_t count, std::uint32_t length,
                  std::vector<std::string> texts);
   /// An element variable of each block; `value_of(cell)`.
+  void add_node_values(std::size_t number, std::span<const double> values);
   template <typename ValueOf>
   void add_element_values(std::size_t number, const ValueOf& value_of);
 
@@ -162,14 +163,22 @@ void ExodusContent::add_element_values(std::size_t number, const ValueOf& value_
   }
 }
 
+void ExodusContent::add_node_values(std::size_t number, std::span<const double> values) {
+  variable({.name = fmt::format("vals_nod_var{}", number),
+            .dimensions = {step_, nodes_},
+            .n_rows = values.size(),
+            .fill = [values](std::size_t i, std::byte* out) { put_big(out, values[i]); }});
+}
+
 void ExodusContent::add_fields(const MeshWriteOptions& options) {
   if (mesh_.positions.empty()) return;
-  add_texts("name_nod_var", dimension("num_nod_var", 1), name_,
-            {vtk_array_name(options.value_name)});
-  variable({.name = "vals_nod_var1",
-            .dimensions = {step_, nodes_},
-            .n_rows = mesh_.values.size(),
-            .fill = [this](std::size_t i, std::byte* out) { put_big(out, mesh_.values[i]); }});
+  std::vector<std::string> fields{vtk_array_name(options.value_name)};
+  for (const Attribute& attribute : mesh_.attributes)
+    fields.push_back(vtk_array_name(attribute.name));
+  add_texts("name_nod_var", dimension("num_nod_var", fields.size()), name_, std::move(fields));
+  add_node_values(1, mesh_.values);
+  for (std::size_t i = 0; i < mesh_.attributes.size(); ++i)
+    add_node_values(i + 2, mesh_.attributes[i].values);
   if (elements_.empty()) return;
   std::vector<std::string> names{"error"};
   if (!mesh_.regions.empty()) names.emplace_back("RegionId");

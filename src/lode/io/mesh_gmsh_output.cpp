@@ -140,6 +140,10 @@ Result<void> write_gmsh_fields(const MeshWriteOptions& options, GmshOutput& out)
   LODE_CHECK(write_gmsh_data(
       "NodeData", vtk_array_name(options.value_name), mesh.values.size(),
       [&](std::size_t i) { return mesh.values[i]; }, out));
+  for (const Attribute& attribute : mesh.attributes)
+    LODE_CHECK(write_gmsh_data(
+        "NodeData", vtk_array_name(attribute.name), attribute.values.size(),
+        [&](std::size_t i) { return attribute.values[i]; }, out));
   const std::span<const std::uint32_t> cells = out.blocks.cells();
   LODE_CHECK(write_gmsh_data(
       "ElementData", "error", cells.size(), [&](std::size_t i) { return mesh.errors[cells[i]]; },

@@ -64,19 +64,26 @@ Result<void> write_legacy_cell_data(SurfaceOutput& file, const SimplexMesh& mesh
                        [&](std::size_t cell, std::byte* out) { put_big(out, mesh.regions[cell]); });
 }
 
+Result<void> write_legacy_scalars(SurfaceOutput& file, const std::string& name, bool is_narrow,
+                                  std::span<const double> values) {
+  LODE_CHECK(file.write(fmt::format("\nSCALARS {} {} 1\nLOOKUP_TABLE default\n", legacy_name(name),
+                                    is_narrow ? "float" : "double")));
+  const std::size_t n_bytes = is_narrow ? sizeof(float) : sizeof(double);
+  return write_records(file, values.size(), n_bytes, [&](std::size_t i, std::byte* out) {
+    if (is_narrow)
+      put_big(out, static_cast<float>(values[i]));
+    else
+      put_big(out, values[i]);
+  });
+}
+
 Result<void> write_legacy_point_data(SurfaceOutput& file, const SimplexMesh& mesh,
                                      const MeshWriteOptions& options) {
-  const std::size_t n = mesh.values.size();
-  LODE_CHECK(file.write(fmt::format("\nPOINT_DATA {}\nSCALARS {} {} 1\nLOOKUP_TABLE default\n", n,
-                                    legacy_name(options.value_name),
-                                    mesh.has_narrow_values ? "float" : "double")));
-  const std::size_t n_bytes = mesh.has_narrow_values ? sizeof(float) : sizeof(double);
-  return write_records(file, n, n_bytes, [&](std::size_t i, std::byte* out) {
-    if (mesh.has_narrow_values)
-      put_big(out, static_cast<float>(mesh.values[i]));
-    else
-      put_big(out, mesh.values[i]);
-  });
+  LODE_CHECK(file.write(fmt::format("\nPOINT_DATA {}", mesh.values.size())));
+  LODE_CHECK(write_legacy_scalars(file, options.value_name, mesh.has_narrow_values, mesh.values));
+  for (const Attribute& attribute : mesh.attributes)
+    LODE_CHECK(write_legacy_scalars(file, attribute.name, attribute.is_narrow, attribute.values));
+  return {};
 }
 
 }  // namespace

@@ -167,6 +167,9 @@ Result<EdgeCollapses> collapse_edges(const TetraMesh& mesh, const EdgeCollapseOp
   LODE_CHECK(Rounds(options, state).run(progress));
   EdgeCollapses result;
   result.n_base_cells = state.n_cells;
+  for (std::size_t v = 0; v < state.deviations.size(); ++v)
+    if (state.is_there[v] != 0)
+      result.boundary_deviation = std::max(result.boundary_deviation, state.deviations[v]);
   result.volume_change = state.volume() - volume;
   result.collapses = std::move(state.collapses);
   result.facts = std::move(state.facts);

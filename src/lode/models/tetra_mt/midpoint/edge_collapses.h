@@ -21,7 +21,8 @@ struct EdgeCollapses {
   std::uint64_t n_base_cells = 0;
   /// By vertex of the mesh: F - F' on the base, as shares of the range; 0 for its vertices.
   std::vector<float> errors;
-  double volume_change = 0;  ///< The base's volume less the reference's.
+  double boundary_deviation = 0;  ///< As HalfEdgeCollapses'.
+  double volume_change = 0;       ///< The base's volume less the reference's.
 };
 
 /// Collapses edges to their midpoints until few cells are left, or none may go: the edge first

@@ -64,8 +64,9 @@ struct Hierarchy {
   ScalarType type = ScalarType::float64;
   double low = 0;  ///< Of the field.
   double high = 0;
-  double base_error = 0;  ///< Largest |F - F'| at vertices of the mesh, on the base.
-  Box3d box{};            ///< Of all vertices.
+  double base_error = 0;          ///< Largest |F - F'| at vertices of the mesh, on the base.
+  double boundary_deviation = 0;  ///< EdgeCollapses'.
+  Box3d box{};                    ///< Of all vertices.
   std::uint64_t n_cells = 0;
   Scales scales;
   NodeCodes codes;

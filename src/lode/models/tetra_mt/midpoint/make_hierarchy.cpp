@@ -92,6 +92,7 @@ void HierarchyMaker::describe() {
   if (n_ == 0) return;
   made_.low = std::ranges::min(field.values);
   made_.high = std::ranges::max(field.values);
+  made_.boundary_deviation = collapses_.boundary_deviation;
   made_.box = {mesh_.positions[0], mesh_.positions[0]};
   for (const Vec3d& p : mesh_.positions)
     for (std::size_t i = 0; i < 3; ++i) {
