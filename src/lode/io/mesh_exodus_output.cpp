@@ -175,7 +175,8 @@ void ExodusContent::add_fields(const MeshWriteOptions& options) {
   std::vector<std::string> fields{vtk_array_name(options.value_name)};
   for (const Attribute& attribute : mesh_.attributes)
     fields.push_back(vtk_array_name(attribute.name));
-  add_texts("name_nod_var", dimension("num_nod_var", fields.size()), name_, std::move(fields));
+  const std::uint32_t n_fields = dimension("num_nod_var", fields.size());
+  add_texts("name_nod_var", n_fields, name_, std::move(fields));
   add_node_values(1, mesh_.values);
   for (std::size_t i = 0; i < mesh_.attributes.size(); ++i)
     add_node_values(i + 2, mesh_.attributes[i].values);
