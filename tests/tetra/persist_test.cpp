@@ -154,6 +154,16 @@ TEST(box_codes, hold_boxes_closely_and_nest) {
     }
     EXPECT_TRUE(holds(codes.box(other, codes.code(other, joined)), found));
   }
+  // Beyond a line by less than what is left of it where the domain's corner is taken away.
+  const BoxCodes round_zero({{-6, -6, -6}}, {{6, 6, 6}});
+  for (const double beyond : {4e-16, 5e-324}) {
+    const Box3d upward{{{-2, -2, -2}}, {{beyond, beyond, beyond}}};
+    const Box3d downward{{{-beyond, -beyond, -beyond}}, {{2, 2, 2}}};
+    const Vec3d low{{-1, -1, -1}};
+    const Vec3d high{{1, 1, 1}};
+    EXPECT_TRUE(holds(round_zero.box(low, round_zero.code(low, upward)), upward));
+    EXPECT_TRUE(holds(round_zero.box(high, round_zero.code(high, downward)), downward));
+  }
   const BoxCodes none({{1, 1, 1}}, {{1, 1, 1}});
   EXPECT_EQ(none.box({{1, 1, 1}}, 0), (Box3d{{{1, 1, 1}}, {{1, 1, 1}}}));
 }

@@ -22,6 +22,10 @@ double BoxCodes::place(double x, std::size_t axis, int exponent) const {
   return std::ldexp((x - lower_[axis]) / width_, exponent);
 }
 
+double BoxCodes::line(double place, std::size_t axis, int exponent) const {
+  return lower_[axis] + place * std::ldexp(width_, -exponent);
+}
+
 std::uint32_t BoxCodes::code(const Vec3d& vertex, const Box3d& box) const {
   if (width_ == 0) return 0;
   const auto try_exponent = [&](int exponent) -> std::optional<std::uint32_t> {
@@ -29,8 +33,13 @@ std::uint32_t BoxCodes::code(const Vec3d& vertex, const Box3d& box) const {
     int at = kExponentBits;
     for (std::size_t i = 0; i < 3; ++i) {
       const double middle = std::floor(place(vertex[i], i, exponent));
-      const double below = middle - std::floor(place(box.lower[i], i, exponent));
-      const double above = std::ceil(place(box.upper[i], i, exponent)) - middle;
+      // Where a place was rounded to a line, the coordinate may be beyond it.
+      double first = std::floor(place(box.lower[i], i, exponent));
+      if (line(first, i, exponent) > box.lower[i]) --first;
+      double last = std::ceil(place(box.upper[i], i, exponent));
+      if (line(last, i, exponent) < box.upper[i]) ++last;
+      const double below = middle - first;
+      const double above = last - middle;
       if (std::max(below, above) > kReach) return std::nullopt;
       for (const double steps : {below, above}) {
         bits |= static_cast<std::uint32_t>(std::max(steps, 0.0)) << at;
@@ -48,13 +57,12 @@ Box3d BoxCodes::box(const Vec3d& vertex, std::uint32_t code) const {
   if (width_ == 0) return {vertex, vertex};
   constexpr std::uint32_t kMask = (1U << kReachBits) - 1;
   const auto exponent = static_cast<int>(code & ((1U << kExponentBits) - 1));
-  const double step = std::ldexp(width_, -exponent);
   Box3d result;
   for (std::size_t i = 0; i < 3; ++i) {
     const double middle = std::floor(place(vertex[i], i, exponent));
     const std::uint32_t steps = code >> (kExponentBits + kAxisBits * static_cast<int>(i));
-    result.lower[i] = lower_[i] + (middle - (steps & kMask)) * step;
-    result.upper[i] = lower_[i] + (middle + (steps >> kReachBits & kMask)) * step;
+    result.lower[i] = line(middle - (steps & kMask), i, exponent);
+    result.upper[i] = line(middle + (steps >> kReachBits & kMask), i, exponent);
   }
   return result;
 }

@@ -31,6 +31,8 @@ class BoxCodes {
 
   /// The place of a coordinate on the grid of an exponent.
   [[nodiscard]] double place(double x, std::size_t axis, int exponent) const;
+  /// The coordinate of a line there.
+  [[nodiscard]] double line(double place, std::size_t axis, int exponent) const;
 
   Vec3d lower_;
   double width_ = 0;  ///< 0 where there is but a point.
