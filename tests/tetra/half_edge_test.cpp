@@ -273,6 +273,10 @@ TEST(half_edge, refuses_what_is_no_mesh) {
   bad = mesh;
   bad.fields[0].values[5] = std::nan("");
   EXPECT_EQ(message(bad), "field noise: expected finite values, got nan at vertex 5");
+  TetraMesh far = mesh;
+  for (Vec3d& p : far.positions) p = p * 1e300;
+  EXPECT_TRUE(message(far).starts_with("vertex ")) << message(far);
+  EXPECT_NE(message(far).find("expected a position up to 1e+100"), std::string::npos);
   bad = mesh;
   bad.fields[0].values[5] = 1.7e308;
   bad.fields[0].values[6] = -1.7e308;

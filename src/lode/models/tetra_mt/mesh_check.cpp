@@ -6,10 +6,20 @@
 #include "lode/models/tetra_mt/closed_mesh.h"
 
 namespace lode::tetra_mt {
+namespace {
+
+/// Volumes of what is so far from the origin are finite.
+constexpr double kFarthest = 1e100;
+
+}  // namespace
 
 Result<void> check_mesh(const TetraMesh& mesh) {
   const std::size_t n = mesh.positions.size();
   if (n >= kNone) return fail("expected fewer than {} vertices, got {}", kNone, n);
+  for (std::size_t v = 0; v < n; ++v)
+    if (!(length(mesh.positions[v]) <= kFarthest))
+      return fail("vertex {}: expected a position up to {} from the origin, got {} {} {}", v,
+                  kFarthest, mesh.positions[v][0], mesh.positions[v][1], mesh.positions[v][2]);
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
     for (const std::uint32_t v : mesh.tetrahedra[i])
       if (v >= n) return fail("tetrahedron {}: expected corners below {}, got {}", i, n, v);
