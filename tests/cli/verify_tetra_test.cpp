@@ -6,6 +6,7 @@
 
 #include "lode/api/files.h"
 #include "tests/cli/program.h"
+#include "tests/io/vtk_oracle.h"
 #include "tests/oracles/tetra_grids.h"
 
 namespace lode::test {
@@ -56,6 +57,38 @@ TEST_F(cli_verify_tetra, passes_what_was_made_from_the_original) {
   EXPECT_EQ(json.at("checks").size(), built.json().at("checks").size() + 3);
   EXPECT_EQ(json.at("checks")[0].at("name"), "every byte of the file");
   for (const auto& check : json.at("checks")) EXPECT_EQ(check.at("passed"), true);
+}
+
+/// What the reader in Python, which was written from the document, says of a file and the mesh.
+std::string read_in_python(const std::string& model, const std::string& mesh) {
+  return run_oracle(LODE_TETRA_READER, "'" + model + "' '" + mesh + "'");
+}
+
+TEST_F(cli_verify_tetra, is_read_from_the_format_document_alone) {
+  if (!has_vtk()) GTEST_SKIP() << "the package python3-vtk9 is absent";
+  const std::string said = read_in_python(lode_, mesh_);
+  if (said.starts_with("expected numpy") || said.starts_with("expected libzstd"))
+    GTEST_SKIP() << said;
+  const nlohmann::json info = run_lode({"info", lode_, "--json"}).json();
+  EXPECT_EQ(said, fmt::format("vertices 729 cells 2560 nodes {}\n", info.at("nodes").get<int>()));
+  EXPECT_EQ(read_in_python(lode_, other_), "noise: other values\n");
+  // Regions, more pages, vertices of a base of more than a page, and an extent about zero.
+  SimplexMesh mesh;
+  TetraMesh noise = oracles::noise_mesh(12, oracles::Cut::in_six, 5);
+  for (Vec3d& p : noise.positions) p = p - Vec3d{{0.5, 0.5, 0.5}};
+  mesh.positions = noise.positions;
+  mesh.values = noise.fields[0].values;
+  mesh.tetrahedra = noise.tetrahedra;
+  mesh.errors.assign(mesh.tetrahedra.size(), 0);
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+    mesh.regions.push_back(i < mesh.tetrahedra.size() / 2 ? -7 : 40);
+  Progress progress;
+  ASSERT_TRUE(write_vtu(mesh_, mesh, {.value_name = "noise"}, progress));
+  for (const char* const n_base : {"100", "4000"}) {
+    ASSERT_EQ(run_lode({"build", mesh_, lode_, "--base-cells", n_base}).exit_code, 0);
+    EXPECT_TRUE(read_in_python(lode_, mesh_).starts_with("vertices 1728 cells 7986 nodes "))
+        << read_in_python(lode_, mesh_);
+  }
 }
 
 TEST_F(cli_verify_tetra, finds_errors_of_all_points_where_they_are_promised) {
