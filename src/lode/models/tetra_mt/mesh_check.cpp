@@ -9,7 +9,7 @@ namespace lode::tetra_mt {
 namespace {
 
 /// Volumes of what is so far from the origin are finite.
-constexpr double kFarthest = 1e100;
+constexpr double kFarthest = 2e100;
 
 }  // namespace
 
