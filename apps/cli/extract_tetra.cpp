@@ -65,6 +65,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   json["input"] = job.input;
   json["outputs"] = Json::array({job.output});
   json["model"] = "tetra_mt";
+  json["placement"] = job.reading.placement.empty() ? "half-edge" : job.reading.placement;
   json["field"] = field.name;
   json["with"] = Json::array();
   for (const Attribute& more : made.attributes)
@@ -87,6 +88,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
   add_reading(input, table, json);
+  if (!job.reading.placement.empty()) table.add({"placement", job.reading.placement});
   table.add({"base", fmt::format("{} cells, error {} {}", format_count(info.n_base_cells),
                                  format_number(field.base_error), place)});
   table.add(

@@ -135,7 +135,9 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
     return check_reading_options(others, path);
   }
   LODE_CHECK(to_tetra_options(reading));
-  LODE_CHECK(to_placement(reading));
+  LODE_TRY(const Placement placement, to_placement(reading));
+  if (placement == Placement::midpoint && !reading.with.empty())
+    return fail("--with: expected none with --placement midpoint, which takes one field");
   others.placement.clear();
   others.component.clear();
   others.weld.clear();
