@@ -92,6 +92,8 @@ Result<void> check_extract(const ExtractArguments& arguments) {
         "{}: expected no --mesh, --section, focus, budget, deadline or --progressive with it",
         arguments.simplify.name());
   if (holds_cells(arguments.input)) {
+    if (arguments.reading.salvage)
+      return fail("--salvage: expected a volume's file, {} holds a mesh of cells", arguments.input);
     if (arguments.simplify.is_wanted() || !arguments.simplify.max_distance.empty() ||
         arguments.progressive.is_wanted())
       return fail(

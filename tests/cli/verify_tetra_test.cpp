@@ -144,10 +144,26 @@ TEST_F(cli_verify_tetra, fails_on_flipped_bytes) {
   }
 }
 
+TEST_F(cli_verify_tetra, passes_meshes_that_are_a_point_or_too_small_to_have_a_size) {
+  for (const double width : {0.0, 1e-300}) {
+    SimplexMesh mesh;
+    mesh.positions = {{{0, 0, 0}}, {{width, 0, 0}}, {{0, width, 0}}, {{0, 0, width}}};
+    mesh.values = {0, 1, 2, 3};
+    mesh.tetrahedra = {{{0, 1, 2, 3}}};
+    mesh.errors = {0};
+    Progress progress;
+    ASSERT_TRUE(write_vtu(mesh_, mesh, {.value_name = "noise"}, progress));
+    const Finished run = run_lode({"verify", mesh_});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+  }
+}
+
 TEST_F(cli_verify_tetra, refuses_what_does_not_go_with_meshes) {
   EXPECT_EQ(run_lode({"verify", lode_, "--surface", "a.ply", "--isovalue", "0"}).exit_code, 2);
   EXPECT_EQ(run_lode({"verify", lode_, "--against", lode_}).exit_code, 2);
   EXPECT_EQ(run_lode({"verify", lode_, "--field", "noise"}).exit_code, 2);
+  expect_refusal(run_lode({"extract", lode_, scratch_ / "out.vtu", "--mesh", "--salvage"}), 2,
+                 {"--salvage", "mesh of cells"});
   EXPECT_EQ(run_lode({"verify", mesh_, "--nodata", "1"}).exit_code, 2);
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -170,10 +171,11 @@ Result<void> CutVerifier::compare_boundary(const TetraCutShape& shape, const std
   constexpr double kAccuracy = 1e-2;
   const double rounding = vertices_.has_narrow_positions ? 0 : 0x1p-23 * vertices_.size;
   const double allowed = vertices_.boundary_allowance() + 2 * rounding;
-  LODE_TRY(
-      const SurfaceDistance distance,
-      measure_distance(surface, reference_surface_,
-                       {.accuracy = kAccuracy * vertices_.size, .threads = threads_}, progress_));
+  // A mesh may be a point.
+  const double accuracy = std::max(kAccuracy * vertices_.size, std::numeric_limits<double>::min());
+  LODE_TRY(const SurfaceDistance distance,
+           measure_distance(surface, reference_surface_,
+                            {.accuracy = accuracy, .threads = threads_}, progress_));
   boundary_off_ = std::max(boundary_off_, distance.lower());
   boundary_.add(surface.triangles.size(), distance.lower() <= allowed ? 0 : 1,
                 fmt::format("{}: {:.6g} off, {:.6g} allowed", name, distance.lower(), allowed));
