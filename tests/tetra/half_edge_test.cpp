@@ -277,6 +277,9 @@ TEST(half_edge, refuses_what_is_no_mesh) {
   for (Vec3d& p : far.positions) p = p * 1e300;
   EXPECT_TRUE(message(far).starts_with("vertex ")) << message(far);
   EXPECT_NE(message(far).find("expected a position up to 2e+100"), std::string::npos);
+  TetraMesh small = mesh;
+  for (Vec3d& p : small.positions) p = p * 1e-300;
+  EXPECT_EQ(message(small), "expected a mesh that is 1e-101 across or more, got one of 1e-300");
   bad = mesh;
   bad.fields[0].values[5] = 1.7e308;
   bad.fields[0].values[6] = -1.7e308;

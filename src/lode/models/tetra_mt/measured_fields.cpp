@@ -98,6 +98,8 @@ class FieldMeasurer {
   void collapse(std::uint32_t node);
   /// Joins what it discovers, of which all is known.
   void nest(std::uint32_t node);
+  /// Whether all that a collapse made was flat, as no builder makes it: then errors are not known.
+  [[nodiscard]] bool has_lost_sample() const { return has_lost_sample_; }
   [[nodiscard]] std::vector<NumberedField> take_fields();
 
  private:
@@ -126,6 +128,7 @@ class FieldMeasurer {
   std::vector<std::vector<Facts>> facts_;    ///< By field and node.
   std::vector<std::uint32_t> made_;          ///< Slots of what a collapse makes.
   std::vector<std::uint32_t> samples_;
+  bool has_lost_sample_ = false;
 };
 
 double FieldMeasurer::error_of(const Covering& covering, std::uint32_t sample, std::uint32_t kept,
@@ -154,7 +157,10 @@ void FieldMeasurer::assign(std::uint32_t sample, std::uint32_t node, std::uint32
     if (here.least > best.least) best = here;
     if (best.least > kInside) break;
   }
-  if (best.slot == kNone) return;  // Nothing but flat ones: of the reference, which is no sample.
+  if (best.slot == kNone) {
+    has_lost_sample_ = true;
+    return;
+  }
   if (best.least < 0) clamp(best);
   next_sample_[sample] = first_sample_[best.slot];
   first_sample_[best.slot] = sample;
@@ -266,6 +272,8 @@ Result<std::vector<NumberedField>> measure_fields(const PackedHierarchy& hierarc
     measurer.nest(order[i]);
   }
   LODE_CHECK(hierarchy.check());
+  if (measurer.has_lost_sample())
+    return fail("expected nodes whose tetrahedra have volume, got one whose have none");
   return measurer.take_fields();
 }
 

@@ -10,6 +10,20 @@ namespace {
 
 /// Volumes of what is so far from the origin are finite.
 constexpr double kFarthest = 2e100;
+/// Volumes in what is as large, or of no extent at all, do not vanish.
+constexpr double kSmallestExtent = 1e-101;
+
+Result<void> check_extent(const TetraMesh& mesh) {
+  if (mesh.positions.empty()) return {};
+  double extent = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto at = [&](const Vec3d& p) { return p[i]; };
+    const auto [low, high] = std::ranges::minmax(mesh.positions, {}, at);
+    extent = std::max(extent, high[i] - low[i]);
+  }
+  if (extent == 0 || extent >= kSmallestExtent) return {};
+  return fail("expected a mesh that is {} across or more, got one of {}", kSmallestExtent, extent);
+}
 
 }  // namespace
 
@@ -20,6 +34,7 @@ Result<void> check_mesh(const TetraMesh& mesh) {
     if (!(length(mesh.positions[v]) <= kFarthest))
       return fail("vertex {}: expected a position up to {} from the origin, got {} {} {}", v,
                   kFarthest, mesh.positions[v][0], mesh.positions[v][1], mesh.positions[v][2]);
+  LODE_CHECK(check_extent(mesh));
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
     for (const std::uint32_t v : mesh.tetrahedra[i])
       if (v >= n) return fail("tetrahedron {}: expected corners below {}, got {}", i, n, v);
