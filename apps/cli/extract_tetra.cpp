@@ -33,6 +33,14 @@ TetraAnswer to_answer(const Report& report, bool is_default) {
           {}};
 }
 
+/// Where errors of a further field hold.
+ErrorPlace place_of(const TetraInput& input, const Attribute& attribute) {
+  const std::vector<TetraFieldInfo>& fields = input.dataset.describe().fields;
+  for (const std::size_t place : input.fields.along)
+    if (fields[place].name == attribute.name) return fields[place].error_place;
+  return ErrorPlace::at_samples;
+}
+
 /// What is told of further fields.
 std::vector<Attribute> without_values(const std::vector<Attribute>& attributes) {
   std::vector<Attribute> told;
@@ -48,9 +56,13 @@ void warn_of_budget(Session& session, bool is_met, std::uint64_t n_cells) {
         fmt::format("--max-cells is not met: the coarsest mesh has {} simplices", n_cells));
 }
 
-std::string tetra_comment(const char* kind, const TetraAnswer& made, ErrorPlace place) {
-  return fmt::format("Lode {}: {}, max_error {}, achieved_error {} {}", LODE_VERSION, kind,
-                     made.max_error, made.achieved_error, name_of(place));
+std::string tetra_comment(const char* kind, const TetraInput& input, const TetraAnswer& made) {
+  std::string text =
+      fmt::format("Lode {}: {}, max_error {}, achieved_error {} {}", LODE_VERSION, kind,
+                  made.max_error, made.achieved_error, name_of(input.field().error_place));
+  for (const Attribute& more : made.attributes)
+    text += fmt::format("; {}: error {} {}", more.name, more.error, name_of(place_of(input, more)));
+  return text;
 }
 
 /// `counts`: of the answer, shown by their names.
@@ -69,7 +81,9 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   json["field"] = field.name;
   json["with"] = Json::array();
   for (const Attribute& more : made.attributes)
-    json["with"].push_back({{"field", more.name}, {"largest_error", more.error}});
+    json["with"].push_back({{"field", more.name},
+                            {"largest_error", more.error},
+                            {"error_kind", name_of(place_of(input, more))}});
   json["max_error"] = made.max_error;
   json["max_error_is_default"] = made.is_default;
   json["achieved_error"] = made.achieved_error;
@@ -106,7 +120,8 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
                value.is_number_float() ? format_number(value.get<double>()) + ' ' + place
                                        : format_count(value.get<std::uint64_t>())});
   for (const Attribute& more : made.attributes)
-    table.add({"with", fmt::format("{}, error {}", more.name, format_number(more.error))});
+    table.add({"with", fmt::format("{}, error {} {}", more.name, format_number(more.error),
+                                   name_of(place_of(input, more)))});
   table.add({"extract", format_seconds(made.seconds)});
   table.add({input.was_built() ? "read and build" : "open", format_seconds(input.seconds)});
   table.add({"write", format_seconds(made.write_seconds)});
@@ -201,10 +216,9 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   TetraAnswer made = to_answer(report, wanted.is_default);
   made.attributes = without_values(mesh.attributes);
   const Stopwatch watch;
-  LODE_CHECK(write_mesh(
-      job.output, mesh,
-      {.comment = tetra_comment("mesh", made, field.error_place), .value_name = field.name},
-      session.progress()));
+  LODE_CHECK(write_mesh(job.output, mesh,
+                        {.comment = tetra_comment("mesh", input, made), .value_name = field.name},
+                        session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
   counts["largest_error"] = report.largest_error;
@@ -255,10 +269,9 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Se
                            : !job.query.sections.empty() ? "section"
                                                          : "isosurface";
   const Stopwatch watch;
-  LODE_CHECK(write_surface(
-      job.output, surface,
-      {.comment = tetra_comment(kind, made, field.error_place), .value_name = field.name},
-      session.progress()));
+  LODE_CHECK(write_surface(job.output, surface,
+                           {.comment = tetra_comment(kind, input, made), .value_name = field.name},
+                           session.progress()));
   made.write_seconds = watch.seconds();
   Json counts;
   counts["triangles"] = report.n_triangles;
@@ -271,11 +284,11 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Se
 
 /// What the output can hold of what is wanted.
 Result<void> check_tetra_output(const MeshJob& job, const TetraJob& wanted) {
-  if (!job.reading.with.empty() && !job.query.is_mesh && !check_extension(job.output, ".vtp"))
+  if (job.query.is_mesh) return check_mesh_path(job.output);
+  if (!job.reading.with.empty() && !check_extension(job.output, ".vtp"))
     return fail(
         "--with: expected an output that ends in .vtp, which holds further fields, got '{}'",
         job.output);
-  if (job.query.is_mesh) return check_mesh_path(job.output);
   LODE_CHECK(check_surface_extension(job.output));
   if (!wanted.sections.isovalues.empty() && !can_hold_lines(job.output))
     return fail(

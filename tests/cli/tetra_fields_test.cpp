@@ -1,6 +1,7 @@
 // Several fields of one mesh of cells, and time steps, through the program.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -101,6 +102,22 @@ TEST_F(cli_tetra_fields, come_with_meshes_and_surfaces) {
   const auto& noise = cells->point_fields[0].values;
   for (std::size_t v = 0; v < noise.size(); ++v)
     EXPECT_NEAR(cells->point_fields[2].values[v], noise[v] * noise[v], 1e-5);
+  // Other formats have the same, and what cells state.
+  for (const char* const extension : {".vtk", ".msh"}) {
+    const std::string other = scratch_ / "other" + extension;
+    const nlohmann::json same = done({"extract", model_, other, "--mesh", "--max-error", "0.1",
+                                      "--with", "shift:x", "--with", "square"});
+    EXPECT_EQ(same.at("with"), all.at("with"));
+    EXPECT_EQ(same.at("with")[1].at("error_kind"), "at samples");
+    EXPECT_EQ(fields_of(other), fields_of(out_));
+    const auto read = read_cell_mesh(other, {});
+    ASSERT_TRUE(read);
+    std::vector<double> errors;
+    for (const MeshField& field : read->cell_fields)
+      if (field.name == "error_square") errors = field.values;
+    ASSERT_EQ(errors.size(), read->n_cells());
+    EXPECT_EQ(std::ranges::max(errors), all.at("with")[1].at("largest_error"));
+  }
   // The other field measures.
   EXPECT_EQ(done({"extract", model_, out_, "--mesh", "--field", "square"}).at("field"), "square");
   const std::string surface = scratch_ / "s.vtp";
@@ -208,7 +225,8 @@ TEST_F(cli_tetra_fields, that_make_no_sense_are_refused) {
   refused({"attach-field", model_, all, "--field", "noise"}, "got 2 files");
   refused({"attach-field", model_, later_, scratch_ / "all.vtu", "--field", "noise"}, ".lode");
   refused({"extract", model_, out_, "--mesh", "--with", "heat"}, "expected one of the fields");
-  refused({"extract", model_, scratch_ / "out.ply", "--boundary", "--with", "square"}, "--with");
+  refused({"extract", model_, scratch_ / "out.ply", "--boundary", "--with", "square"},
+          "--with: expected an output that ends in .vtp");
   refused({"extract", mesh_, out_, "--mesh", "--with", "square"}, "--field");
   EXPECT_FALSE(std::filesystem::exists(all));
 }

@@ -2,8 +2,8 @@
 VTK, .msh by the few lines below, after Gmsh's own description of the format.
 
 mesh_content.py FILE  prints a JSON object: points, values by name, and cells as [corners, error,
-                      RegionId or null, name of the block or group or null]; and how the file is
-                      titled
+                      RegionId or null, name of the block or group or null]; errors of further
+                      fields, by name and cell; and how the file is titled
 """
 import json
 import os
@@ -35,7 +35,9 @@ def content_of_grid(grid, name):
     cells = [[corners, error, region, name]
              for corners, error, region in zip(vtk_cells(grid), column(grid.GetCellData(), "error", n),
                                                column(grid.GetCellData(), "RegionId", n))]
-    return {"points": points, "values": values, "cells": cells}
+    names = [grid.GetCellData().GetArrayName(i) for i in range(grid.GetCellData().GetNumberOfArrays())]
+    errors = {name: column(grid.GetCellData(), name, n) for name in names if name.startswith("error_")}
+    return {"points": points, "values": values, "cells": cells, "errors": errors}
 
 
 def read_legacy(path):
@@ -60,13 +62,16 @@ def read_exodus(path):
     reader.SetAllArrayStatus(reader.ELEM_BLOCK, 1)
     reader.Update()
     blocks = reader.GetOutput().GetBlock(0)
-    content = {"points": [], "values": {}, "cells": [], "title": reader.GetTitle(), "ids": []}
+    content = {"points": [], "values": {}, "cells": [], "title": reader.GetTitle(), "ids": [],
+               "errors": {}}
     for i in range(blocks.GetNumberOfBlocks()):
         name = blocks.GetMetaData(i).Get(vtk.vtkCompositeDataSet.NAME())
         block = content_of_grid(blocks.GetBlock(i), name)
         content["points"] = block["points"]
         content["values"] = block["values"]
         content["cells"] += block["cells"]
+        for key, errors in block["errors"].items():
+            content["errors"].setdefault(key, []).extend(errors)
         content["ids"].append(int(blocks.GetBlock(i).GetCellData().GetArray("ObjectId").GetTuple1(0)))
     return content
 
@@ -189,11 +194,21 @@ def read_gmsh(path):
                       names.get((entity[0], group))])
     values = {name: [found[tag] for tag in sorted(nodes)]
               for (section, name), found in data.items() if section == "$NodeData"}
+    errors = {name: [found[tag] for tag in elements]
+              for (_, name), found in data.items() if name.startswith("error_")}
     return {"points": [nodes[tag] for tag in sorted(nodes)], "values": values, "cells": cells,
-            "title": title}
+            "errors": errors, "title": title}
 
 
-READERS = {".vtk": read_legacy, ".msh": read_gmsh, ".e": read_exodus, ".exo": read_exodus,
+def read_vtu(path):
+    import vtk
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(path)
+    reader.Update()
+    return content_of_grid(reader.GetOutput(), None)
+
+
+READERS = {".vtk": read_legacy, ".vtu": read_vtu, ".msh": read_gmsh, ".e": read_exodus, ".exo": read_exodus,
            ".ex2": read_exodus}
 
 if __name__ == "__main__":

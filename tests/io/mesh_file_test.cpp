@@ -117,6 +117,58 @@ TEST_P(mesh_formats, hold_points_cells_values_errors_and_regions_to_the_last_dig
   if (is_exodus()) EXPECT_EQ(read.at("ids"), json({7, 40, 2000000000}));
 }
 
+/// Two further fields, with and without errors.
+SimplexMesh strip_of_three_fields() {
+  SimplexMesh mesh = strip({3, 1});
+  mesh.attributes.resize(2);
+  mesh.attributes[0].name = "heat";
+  mesh.attributes[0].is_narrow = true;
+  mesh.attributes[1].name = "flow";
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    mesh.attributes[0].values.push_back(0.25 * static_cast<double>(v));
+    mesh.attributes[1].values.push_back(1.0 / static_cast<double>(v + 1));
+  }
+  for (std::size_t i = 0; i < mesh.n_cells(); ++i)
+    mesh.attributes[0].errors.push_back(1 / static_cast<float>(i + 1));
+  return mesh;
+}
+
+void expect_three_fields(const json& read, const SimplexMesh& mesh) {
+  EXPECT_EQ(read.at("values").size(), 3U);
+  EXPECT_EQ(read.at("values").at("wave"), json(mesh.values));
+  for (const Attribute& attribute : mesh.attributes)
+    EXPECT_EQ(read.at("values").at(attribute.name), json(attribute.values));
+  ASSERT_EQ(read.at("errors").size(), 1U);
+  const json& errors = read.at("errors").at("error_heat");
+  ASSERT_EQ(errors.size(), mesh.n_cells());
+  // Cells may be in another order: "error" says which is which.
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const auto number = static_cast<std::size_t>(2 * read.at("cells")[i][1].get<double>());
+    EXPECT_EQ(errors[i], json(static_cast<double>(mesh.attributes[0].errors.at(number))));
+  }
+}
+
+TEST_P(mesh_formats, hold_further_fields_and_their_errors) {
+  ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
+  const SimplexMesh mesh = strip_of_three_fields();
+  write(mesh, {.value_name = "wave"});
+  expect_three_fields(seen(), mesh);
+  EXPECT_EQ(rows_of(seen()), rows_of(mesh));
+}
+
+TEST(mesh_vtu, holds_further_fields_and_their_errors) {
+  ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
+  const SimplexMesh mesh = strip_of_three_fields();
+  const std::string path = file_path("fields.vtu");
+  Progress progress;
+  ASSERT_TRUE(write_mesh(path, mesh, {.value_name = "wave"}, progress));
+  const json read = json::parse(test::run_oracle(LODE_MESH_CONTENT, path), nullptr, false);
+  ASSERT_TRUE(read.is_object());
+  expect_three_fields(read, mesh);
+  EXPECT_EQ(rows_of(read), rows_of(mesh));
+  ::unlink(path.c_str());
+}
+
 TEST_P(mesh_formats, keep_regions_whose_numbers_cannot_be_tags) {
   ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
   const SimplexMesh mesh = strip({-2, 0, std::int64_t{1} << 40});

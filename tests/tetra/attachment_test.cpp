@@ -137,6 +137,18 @@ TEST_F(tetra_attachment, holds_of_other_fields_and_times) {
   for (const double value : surface.attributes[0].values) EXPECT_LT(std::abs(value), 1.2);
 }
 
+TEST_F(tetra_attachment, holds_where_the_boundary_has_moved) {
+  Progress progress;
+  ASSERT_TRUE(TetraDataset::build_file(mesh_, model_, {.boundary_tolerance = 0.05, .threads = {2}},
+                                       progress));
+  ASSERT_TRUE(attach({{with_cosine(mesh_, 5), {}, "cosine"}}));
+  const auto verified =
+      TetraDataset::open(output_)->verify({.n_random_cuts = 3, .threads = {2}}, progress);
+  ASSERT_TRUE(verified);
+  for (const VerifyReport::Check& check : verified->checks)
+    EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+}
+
 TEST_F(tetra_attachment, may_replace_the_model_itself) {
   output_ = model_;
   ASSERT_TRUE(attach({{with_cosine(mesh_, 5), 0.5, "first"}}));

@@ -33,11 +33,18 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
   mesh = {};
   std::vector<std::uint32_t> vertex_ids;
   std::vector<std::uint32_t> numbers(hierarchy.head().n_vertices(), kNone);
+  const std::vector<HierarchyHead::Field>& heads = hierarchy.head().fields;
+  for (const std::size_t field : fields.along)
+    mesh.attributes.push_back({heads[field].name, heads[field].has_narrow_values, {}});
+  const auto error_of = [&](const TetraCut::Cell& cell, std::size_t field) {
+    return cell.maker == kNone ? 0.0F : hierarchy.facts(cell.maker, field).error;
+  };
   for (const std::uint32_t slot : sorted_cells(cut, hierarchy.head().n_vertices())) {
     const TetraCut::Cell& cell = cut.slots()[slot];
     mesh.tetrahedra.push_back(cell.corners);
-    mesh.errors.push_back(cell.maker == kNone ? 0
-                                              : hierarchy.facts(cell.maker, fields.measured).error);
+    mesh.errors.push_back(error_of(cell, fields.measured));
+    for (std::size_t i = 0; i < fields.along.size(); ++i)
+      mesh.attributes[i].errors.push_back(error_of(cell, fields.along[i]));
     if (hierarchy.head().shape.n_regions > 1)
       mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
     for (const std::uint32_t v : cell.corners) numbers[v] = 0;
@@ -51,16 +58,13 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
   }
   for (auto& t : mesh.tetrahedra)
     for (std::uint32_t& v : t) v = numbers[v];
-  const std::vector<HierarchyHead::Field>& heads = hierarchy.head().fields;
   mesh.has_narrow_values = heads[fields.measured].has_narrow_values;
-  for (const std::size_t field : fields.along) {
-    Attribute& attribute = mesh.attributes.emplace_back(
-        Attribute{heads[field].name, heads[field].has_narrow_values, {}});
-    for (const std::uint32_t v : vertex_ids) attribute.values.push_back(hierarchy.value(v, field));
-    for (const TetraCut::Cell& cell : cut.slots())
-      if (cut.is_inside(cell) && cell.maker != kNone)
-        attribute.error = std::max(attribute.error,
-                                   static_cast<double>(hierarchy.facts(cell.maker, field).error));
+  for (std::size_t i = 0; i < fields.along.size(); ++i) {
+    Attribute& attribute = mesh.attributes[i];
+    for (const std::uint32_t v : vertex_ids)
+      attribute.values.push_back(hierarchy.value(v, fields.along[i]));
+    for (const float error : attribute.errors)
+      attribute.error = std::max(attribute.error, static_cast<double>(error));
   }
   return vertex_ids;
 }

@@ -34,4 +34,11 @@ MeshBlocks::MeshBlocks(const SimplexMesh& mesh) : cells_(mesh.n_cells()) {
   }
 }
 
+bool has_whole_attributes(const SimplexMesh& mesh) {
+  return std::all_of(mesh.attributes.begin(), mesh.attributes.end(), [&](const Attribute& a) {
+    return a.values.size() == mesh.positions.size() &&
+           (a.errors.empty() || a.errors.size() == mesh.n_cells());
+  });
+}
+
 }  // namespace lode::io

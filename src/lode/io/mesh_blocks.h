@@ -50,6 +50,14 @@ class MeshBlocks {
   return mesh.triangles.empty() ? 4 : 3;
 }
 
+/// Of an attribute's errors in files.
+[[nodiscard]] inline std::string error_name(const Attribute& attribute) {
+  return "error_" + attribute.name;
+}
+
+/// Whether attributes have a value for each vertex, and an error for each cell or none at all.
+[[nodiscard]] bool has_whole_attributes(const SimplexMesh& mesh);
+
 /// Copies a number to `out`, most significant byte first, and moves `out` past it.
 template <typename T>
 inline void put_big(std::byte*& out, T value) {

@@ -35,11 +35,11 @@ class ExodusContent {
     content_.variables.push_back(std::move(made));
     return content_.variables.back();
   }
+  void add_nodal_values(const MeshWriteOptions& options);
   /// Texts of at most the length of the dimension `length`, with zeros behind them.
   void add_texts(const char* name, std::uint32_t count, std::uint32_t length,
                  std::vector<std::string> texts);
   /// An element variable of each block; `value_of(cell)`.
-  void add_node_values(std::size_t number, std::span<const double> values);
   template <typename ValueOf>
   void add_element_values(std::size_t number, const ValueOf& value_of);
 
@@ -163,26 +163,36 @@ void ExodusContent::add_element_values(std::size_t number, const ValueOf& value_
   }
 }
 
-void ExodusContent::add_node_values(std::size_t number, std::span<const double> values) {
-  variable({.name = fmt::format("vals_nod_var{}", number),
-            .dimensions = {step_, nodes_},
-            .n_rows = values.size(),
-            .fill = [values](std::size_t i, std::byte* out) { put_big(out, values[i]); }});
+void ExodusContent::add_nodal_values(const MeshWriteOptions& options) {
+  std::vector<std::string> names{vtk_array_name(options.value_name)};
+  std::vector<const std::vector<double>*> fields{&mesh_.values};
+  for (const Attribute& attribute : mesh_.attributes) {
+    names.push_back(vtk_array_name(attribute.name));
+    fields.push_back(&attribute.values);
+  }
+  const std::uint32_t n_names = dimension("num_nod_var", names.size());
+  add_texts("name_nod_var", n_names, name_, std::move(names));
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    variable({.name = fmt::format("vals_nod_var{}", i + 1),
+              .dimensions = {step_, nodes_},
+              .n_rows = mesh_.values.size(),
+              .fill = [values = fields[i]](std::size_t v, std::byte* out) {
+                put_big(out, (*values)[v]);
+              }});
 }
 
 void ExodusContent::add_fields(const MeshWriteOptions& options) {
   if (mesh_.positions.empty()) return;
-  std::vector<std::string> fields{vtk_array_name(options.value_name)};
-  for (const Attribute& attribute : mesh_.attributes)
-    fields.push_back(vtk_array_name(attribute.name));
-  const std::uint32_t n_fields = dimension("num_nod_var", fields.size());
-  add_texts("name_nod_var", n_fields, name_, std::move(fields));
-  add_node_values(1, mesh_.values);
-  for (std::size_t i = 0; i < mesh_.attributes.size(); ++i)
-    add_node_values(i + 2, mesh_.attributes[i].values);
+  add_nodal_values(options);
   if (elements_.empty()) return;
   std::vector<std::string> names{"error"};
   if (!mesh_.regions.empty()) names.emplace_back("RegionId");
+  std::vector<const std::vector<float>*> errors;
+  for (const Attribute& attribute : mesh_.attributes) {
+    if (attribute.errors.empty()) continue;
+    names.push_back(vtk_array_name(error_name(attribute)));
+    errors.push_back(&attribute.errors);
+  }
   const std::uint32_t n_names = dimension("num_elem_var", names.size());
   const std::size_t n_pairs = names.size() * elements_.size();
   add_texts("name_elem_var", n_names, name_, std::move(names));
@@ -191,9 +201,13 @@ void ExodusContent::add_fields(const MeshWriteOptions& options) {
             .dimensions = {n_blocks_, n_names},
             .n_rows = n_pairs,
             .fill = [](std::size_t, std::byte* out) { put_big(out, std::int32_t{1}); }});
-  add_element_values(1, [this](std::uint32_t cell) { return mesh_.errors[cell]; });
-  if (mesh_.regions.empty()) return;
-  add_element_values(2, [this](std::uint32_t cell) { return mesh_.regions[cell]; });
+  std::size_t number = 0;
+  add_element_values(++number, [this](std::uint32_t cell) { return mesh_.errors[cell]; });
+  if (!mesh_.regions.empty())
+    add_element_values(++number, [this](std::uint32_t cell) { return mesh_.regions[cell]; });
+  for (const std::vector<float>* const of_attribute : errors)
+    add_element_values(++number,
+                       [of_attribute](std::uint32_t cell) { return (*of_attribute)[cell]; });
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "lode/core/out_of_memory.h"
+#include "lode/io/mesh_blocks.h"
 #include "lode/io/mesh_exodus_output.h"
 #include "lode/io/mesh_gmsh_output.h"
 #include "lode/io/mesh_vtk_legacy_output.h"
@@ -53,6 +54,7 @@ Result<void> write_mesh(const std::string& path, const SimplexMesh& mesh,
   LODE_EXPECTS(mesh.values.size() == mesh.positions.size());
   LODE_EXPECTS(mesh.errors.size() == mesh.n_cells());
   LODE_EXPECTS(mesh.regions.empty() || mesh.regions.size() == mesh.n_cells());
+  LODE_EXPECTS(has_whole_attributes(mesh));
   LODE_TRY(const MeshFormat* const format, mesh_format_of(path));
   return format->write(path, mesh, options, progress);
 } catch (const std::bad_alloc&) {

@@ -145,9 +145,14 @@ Result<void> write_gmsh_fields(const MeshWriteOptions& options, GmshOutput& out)
         "NodeData", vtk_array_name(attribute.name), attribute.values.size(),
         [&](std::size_t i) { return attribute.values[i]; }, out));
   const std::span<const std::uint32_t> cells = out.blocks.cells();
-  LODE_CHECK(write_gmsh_data(
-      "ElementData", "error", cells.size(), [&](std::size_t i) { return mesh.errors[cells[i]]; },
-      out));
+  const auto write_errors = [&](std::string_view name, const std::vector<float>& errors) {
+    return write_gmsh_data(
+        "ElementData", name, cells.size(), [&](std::size_t i) { return errors[cells[i]]; }, out);
+  };
+  LODE_CHECK(write_errors("error", mesh.errors));
+  for (const Attribute& attribute : mesh.attributes)
+    if (!attribute.errors.empty())
+      LODE_CHECK(write_errors(vtk_array_name(error_name(attribute)), attribute.errors));
   if (mesh.regions.empty() || out.blocks.has_region_tags()) return {};
   return write_gmsh_data(
       "ElementData", "RegionId", cells.size(),
@@ -164,8 +169,10 @@ Result<void> write_gmsh_mesh(const std::string& path, const SimplexMesh& mesh,
                 mesh.n_cells());
   const MeshBlocks blocks(mesh);
   const std::size_t n_bytes =
-      mesh.positions.size() * (sizeof(Vec3d) + sizeof(std::uint64_t) + sizeof(double)) +
-      mesh.n_cells() * (n_simplex_corners(mesh) + 2) * sizeof(std::uint64_t);
+      mesh.positions.size() *
+          (sizeof(Vec3d) + sizeof(std::uint64_t) + (mesh.attributes.size() + 1) * sizeof(double)) +
+      mesh.n_cells() * (n_simplex_corners(mesh) + 2 + mesh.attributes.size()) *
+          sizeof(std::uint64_t);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress));
   GmshOutput out{std::move(file), mesh, blocks};
   LODE_CHECK(write_gmsh_head(options, out));

@@ -53,21 +53,28 @@ Result<void> write_legacy_cells(SurfaceOutput& file, const SimplexMesh& mesh) {
 
 Result<void> write_legacy_cell_data(SurfaceOutput& file, const SimplexMesh& mesh) {
   const std::size_t n = mesh.n_cells();
-  LODE_CHECK(file.write(fmt::format("\nCELL_DATA {}\nFIELD FieldData {}\nerror 1 {} float\n", n,
-                                    mesh.regions.empty() ? 1 : 2, n)));
-  LODE_CHECK(write_records(file, n, sizeof(float), [&](std::size_t cell, std::byte* out) {
-    put_big(out, mesh.errors[cell]);
-  }));
+  std::size_t n_arrays = mesh.regions.empty() ? 1 : 2;
+  for (const Attribute& attribute : mesh.attributes) n_arrays += attribute.errors.empty() ? 0 : 1;
+  LODE_CHECK(file.write(fmt::format("\nCELL_DATA {}\nFIELD FieldData {}", n, n_arrays)));
+  const auto write_errors = [&](const std::string& name,
+                                const std::vector<float>& errors) -> Result<void> {
+    LODE_CHECK(file.write(fmt::format("\n{} 1 {} float\n", name, n)));
+    return write_records(file, n, sizeof(float),
+                         [&](std::size_t cell, std::byte* out) { put_big(out, errors[cell]); });
+  };
+  LODE_CHECK(write_errors("error", mesh.errors));
+  for (const Attribute& attribute : mesh.attributes)
+    if (!attribute.errors.empty())
+      LODE_CHECK(write_errors(legacy_name(error_name(attribute)), attribute.errors));
   if (mesh.regions.empty()) return {};
   LODE_CHECK(file.write(fmt::format("\nRegionId 1 {} vtktypeint64\n", n)));
   return write_records(file, n, sizeof(std::int64_t),
                        [&](std::size_t cell, std::byte* out) { put_big(out, mesh.regions[cell]); });
 }
 
-Result<void> write_legacy_scalars(SurfaceOutput& file, const std::string& name, bool is_narrow,
-                                  std::span<const double> values) {
-  LODE_CHECK(file.write(fmt::format("\nSCALARS {} {} 1\nLOOKUP_TABLE default\n", legacy_name(name),
-                                    is_narrow ? "float" : "double")));
+/// Big-endian, as floats where these hold them.
+Result<void> write_legacy_values(SurfaceOutput& file, const std::vector<double>& values,
+                                 bool is_narrow) {
   const std::size_t n_bytes = is_narrow ? sizeof(float) : sizeof(double);
   return write_records(file, values.size(), n_bytes, [&](std::size_t i, std::byte* out) {
     if (is_narrow)
@@ -79,10 +86,19 @@ Result<void> write_legacy_scalars(SurfaceOutput& file, const std::string& name, 
 
 Result<void> write_legacy_point_data(SurfaceOutput& file, const SimplexMesh& mesh,
                                      const MeshWriteOptions& options) {
-  LODE_CHECK(file.write(fmt::format("\nPOINT_DATA {}", mesh.values.size())));
-  LODE_CHECK(write_legacy_scalars(file, options.value_name, mesh.has_narrow_values, mesh.values));
-  for (const Attribute& attribute : mesh.attributes)
-    LODE_CHECK(write_legacy_scalars(file, attribute.name, attribute.is_narrow, attribute.values));
+  const auto type_of = [](bool is_narrow) { return is_narrow ? "float" : "double"; };
+  const std::size_t n = mesh.values.size();
+  LODE_CHECK(
+      file.write(fmt::format("\nPOINT_DATA {}\nSCALARS {} {} 1\nLOOKUP_TABLE default\n", n,
+                             legacy_name(options.value_name), type_of(mesh.has_narrow_values))));
+  LODE_CHECK(write_legacy_values(file, mesh.values, mesh.has_narrow_values));
+  if (mesh.attributes.empty()) return {};
+  LODE_CHECK(file.write(fmt::format("\nFIELD FieldData {}", mesh.attributes.size())));
+  for (const Attribute& attribute : mesh.attributes) {
+    LODE_CHECK(file.write(fmt::format("\n{} 1 {} {}\n", legacy_name(attribute.name), n,
+                                      type_of(attribute.is_narrow))));
+    LODE_CHECK(write_legacy_values(file, attribute.values, attribute.is_narrow));
+  }
   return {};
 }
 
@@ -94,8 +110,10 @@ Result<void> write_vtk_legacy_mesh(const std::string& path, const SimplexMesh& m
   if (mesh.positions.size() > kMax || mesh.n_cells() > kMax / (n_simplex_corners(mesh) + 1))
     return fail("{}: expected a mesh that legacy VTK can count in 32 bits, got {} cells; .vtu can",
                 path, mesh.n_cells());
-  const std::size_t n_bytes = mesh.positions.size() * (sizeof(Vec3d) + sizeof(double)) +
-                              mesh.n_cells() * (n_simplex_corners(mesh) + 3) * sizeof(std::int32_t);
+  const std::size_t n_bytes =
+      mesh.positions.size() * (sizeof(Vec3d) + (mesh.attributes.size() + 1) * sizeof(double)) +
+      mesh.n_cells() * (n_simplex_corners(mesh) + 3 + mesh.attributes.size()) *
+          sizeof(std::int32_t);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress));
   LODE_CHECK(file.write(legacy_head(options, mesh.positions.size())));
   LODE_CHECK(

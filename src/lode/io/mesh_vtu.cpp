@@ -5,6 +5,7 @@
 #include <new>
 
 #include "lode/core/out_of_memory.h"
+#include "lode/io/mesh_blocks.h"
 #include "lode/io/vtk_xml_output.h"
 
 namespace lode::io {
@@ -19,6 +20,7 @@ struct VtuLayout {
   VtkXmlArray values;
   std::vector<VtkXmlArray> attributes;
   VtkXmlArray errors;
+  std::vector<VtkXmlArray> attribute_errors;  ///< Of no bytes, and then left out, where unknown.
   VtkXmlArray regions;  ///< Of no bytes, and then left out, where there is one.
   VtkXmlArray points;
   VtkXmlArray connectivity;
@@ -47,6 +49,10 @@ VtuLayout make_vtu_layout(const SimplexMesh& mesh, const MeshWriteOptions& optio
         {fmt::format(R"(type="{}" Name="{}")", attribute.is_narrow ? "Float32" : "Float64",
                      vtk_array_name(attribute.name)),
          n * (attribute.is_narrow ? sizeof(float) : sizeof(double))});
+  for (const Attribute& attribute : mesh.attributes)
+    layout.attribute_errors.push_back(
+        {fmt::format(R"(type="Float32" Name="{}")", vtk_array_name(error_name(attribute))),
+         attribute.errors.size() * sizeof(float)});
   layout.errors = {R"(type="Float32" Name="error")", mesh.errors.size() * sizeof(float)};
   layout.regions = {R"(type="Int64" Name="RegionId")", mesh.regions.size() * sizeof(std::int64_t)};
   layout.points = {R"(type="Float64" Name="Points" NumberOfComponents="3")", n * sizeof(Vec3d)};
@@ -61,6 +67,7 @@ VtuLayout make_vtu_layout(const SimplexMesh& mesh, const MeshWriteOptions& optio
 std::uint64_t vtu_bytes(const VtuLayout& layout) {
   std::uint64_t n = 0;
   for (const VtkXmlArray& array : layout.attributes) n += array.n_bytes;
+  for (const VtkXmlArray& array : layout.attribute_errors) n += array.n_bytes;
   return n + layout.values.n_bytes + layout.errors.n_bytes + layout.regions.n_bytes +
          layout.points.n_bytes + layout.connectivity.n_bytes + layout.offsets.n_bytes +
          layout.types.n_bytes;
@@ -75,6 +82,9 @@ std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout) {
   for (const VtkXmlArray& array : layout.attributes) xml += describe_array(array, offset);
   xml += "</PointData>\n<CellData>\n";
   xml += describe_array(layout.errors, offset);
+  for (std::size_t i = 0; i < mesh.attributes.size(); ++i)
+    if (!mesh.attributes[i].errors.empty())
+      xml += describe_array(layout.attribute_errors[i], offset);
   if (!mesh.regions.empty()) xml += describe_array(layout.regions, offset);
   xml += "</CellData>\n<Points>\n";
   xml += describe_array(layout.points, offset) + "</Points>\n<Cells>\n";
@@ -127,6 +137,7 @@ Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
   LODE_EXPECTS(mesh.values.size() == mesh.positions.size());
   LODE_EXPECTS(mesh.errors.size() == mesh.n_cells());
   LODE_EXPECTS(mesh.regions.empty() || mesh.regions.size() == mesh.n_cells());
+  LODE_EXPECTS(has_whole_attributes(mesh));
   const VtuLayout layout = make_vtu_layout(mesh, options);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, vtu_bytes(layout), progress));
   LODE_CHECK(file.write(vtk_xml_head("UnstructuredGrid", options.comment, options.frame)));
@@ -134,12 +145,16 @@ Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
   LODE_CHECK(write_array_size(file, layout.values));
   LODE_CHECK(write_values(file, mesh.values, mesh.has_narrow_values));
   for (std::size_t i = 0; i < mesh.attributes.size(); ++i) {
-    LODE_EXPECTS(mesh.attributes[i].values.size() == mesh.positions.size());
     LODE_CHECK(write_array_size(file, layout.attributes[i]));
     LODE_CHECK(write_values(file, mesh.attributes[i].values, mesh.attributes[i].is_narrow));
   }
   LODE_CHECK(write_array_size(file, layout.errors));
   LODE_CHECK(write_array(file, std::span(mesh.errors)));
+  for (std::size_t i = 0; i < mesh.attributes.size(); ++i) {
+    if (mesh.attributes[i].errors.empty()) continue;
+    LODE_CHECK(write_array_size(file, layout.attribute_errors[i]));
+    LODE_CHECK(write_array(file, std::span(mesh.attributes[i].errors)));
+  }
   if (!mesh.regions.empty()) {
     LODE_CHECK(write_array_size(file, layout.regions));
     LODE_CHECK(write_array(file, std::span(mesh.regions)));

@@ -93,12 +93,19 @@ std::uint64_t keep_cells(SimplexMesh& mesh, const IsKept& is_kept,
     if (!is_kept(at)) continue;
     for (const std::uint32_t v : mesh.tetrahedra[at]) numbers[v] = 0;
     mesh.errors[n] = mesh.errors[at];
+    for (Attribute& attribute : mesh.attributes)
+      if (!attribute.errors.empty()) attribute.errors[n] = attribute.errors[at];
     if (!mesh.regions.empty()) mesh.regions[n] = mesh.regions[at];
     mesh.tetrahedra[n++] = mesh.tetrahedra[at];
   }
   const std::uint64_t n_left_out = mesh.tetrahedra.size() - n;
   mesh.tetrahedra.resize(n);
   mesh.errors.resize(n);
+  for (Attribute& attribute : mesh.attributes) {
+    if (attribute.errors.empty()) continue;
+    attribute.errors.resize(n);
+    attribute.error = n == 0 ? 0 : static_cast<double>(std::ranges::max(attribute.errors));
+  }
   if (!mesh.regions.empty()) mesh.regions.resize(n);
   const std::uint32_t n_vertices = number_kept(numbers);
   for (std::size_t v = 0; v < numbers.size(); ++v) {
