@@ -144,18 +144,31 @@ TEST_F(cli_verify_tetra, fails_on_flipped_bytes) {
   }
 }
 
-TEST_F(cli_verify_tetra, passes_meshes_that_are_a_point_or_too_small_to_have_a_size) {
-  for (const double width : {0.0, 1e-300}) {
-    SimplexMesh mesh;
-    mesh.positions = {{{0, 0, 0}}, {{width, 0, 0}}, {{0, width, 0}}, {{0, 0, width}}};
-    mesh.values = {0, 1, 2, 3};
-    mesh.tetrahedra = {{{0, 1, 2, 3}}};
-    mesh.errors = {0};
+/// A tetrahedron with three edges of that length along the axes.
+SimplexMesh corner_of(double width) {
+  SimplexMesh mesh;
+  mesh.positions = {{{0, 0, 0}}, {{width, 0, 0}}, {{0, width, 0}}, {{0, 0, width}}};
+  mesh.values = {0, 1, 2, 3};
+  mesh.tetrahedra = {{{0, 1, 2, 3}}};
+  mesh.errors = {0};
+  return mesh;
+}
+
+TEST_F(cli_verify_tetra, passes_meshes_that_are_a_point_or_nearly_one) {
+  for (const double width : {0.0, 1e-100}) {
     Progress progress;
-    ASSERT_TRUE(write_vtu(mesh_, mesh, {.value_name = "noise"}, progress));
+    ASSERT_TRUE(write_vtu(mesh_, corner_of(width), {.value_name = "noise"}, progress));
     const Finished run = run_lode({"verify", mesh_});
     EXPECT_EQ(run.exit_code, 0) << run.err;
   }
+}
+
+TEST_F(cli_verify_tetra, refuses_meshes_so_small_that_volumes_vanish) {
+  Progress progress;
+  ASSERT_TRUE(write_vtu(mesh_, corner_of(1e-300), {.value_name = "noise"}, progress));
+  const std::string model = scratch_ / "small.lode";
+  expect_refusal(run_lode({"build", mesh_, model}), 1, {mesh_, "1e-101 across or more", "1e-300"});
+  EXPECT_NE(run_lode({"verify", mesh_}).exit_code, 0);
 }
 
 TEST_F(cli_verify_tetra, refuses_what_does_not_go_with_meshes) {
