@@ -110,7 +110,7 @@ Refined refine(const Data& data, const Demand& demand) {
     TetraCut cut(data.hierarchy);
     Engine<TetraCut> engine(cut);
     const auto start = Clock::now();
-    engine.set_query(demand);
+    engine.set_query(demand, {}, FocusChange::changed, ApplyOrder::nearest_first);
     engine.finish();
     const double seconds = seconds_since(start);
     refined.standing = engine.standing();

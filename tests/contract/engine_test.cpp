@@ -28,8 +28,9 @@ class engine : public ::testing::Test {
     Run(const Run&) = delete;
 
     std::vector<NodeId> answer(const Demand& demand, Budget budget = {},
-                               FocusChange focus = FocusChange::changed) {
-      engine.set_query(demand, budget, focus);
+                               FocusChange focus = FocusChange::changed,
+                               ApplyOrder apply_order = ApplyOrder::best_first) {
+      engine.set_query(demand, budget, focus, apply_order);
       engine.finish();
       return engine.cut().applied();
     }
@@ -165,6 +166,22 @@ TYPED_TEST(engine, gives_the_same_from_any_earlier_cut) {
     const Demand demand = this->some_demand(random);
     typename TestFixture::Run fresh(this->fixture_);
     ASSERT_EQ(moving.answer(demand), fresh.answer(demand)) << "query " << i;
+    ASSERT_EQ(moving.engine.standing().n_cells, fresh.engine.standing().n_cells);
+    ASSERT_EQ(moving.engine.standing().error_bound, fresh.engine.standing().error_bound);
+  }
+}
+
+TYPED_TEST(engine, gives_the_same_in_whatever_order_nodes_are_applied) {
+  std::mt19937 random(21);
+  typename TestFixture::Run moving(this->fixture_);
+  for (int i = 0; i < 200; ++i) {
+    const Demand demand = this->some_demand(random);
+    typename TestFixture::Run fresh(this->fixture_);
+    const auto order = random() % 3 == 0 ? ApplyOrder::best_first : ApplyOrder::nearest_first;
+    const Budget budget = i % 8 == 0 ? Budget{random() % 20'000} : Budget{};
+    ASSERT_EQ(moving.answer(demand, budget, FocusChange::changed, order),
+              fresh.answer(demand, budget))
+        << "query " << i;
     ASSERT_EQ(moving.engine.standing().n_cells, fresh.engine.standing().n_cells);
     ASSERT_EQ(moving.engine.standing().error_bound, fresh.engine.standing().error_bound);
   }

@@ -101,7 +101,7 @@ Result<VerifyReport> compare_with_original(const PackedHierarchy& hierarchy,
   progress.report("comparing with the original", 0);
   TetraCut cut(hierarchy, fields.front());
   Engine<TetraCut> engine(cut);
-  engine.set_query(uniform_demand(0));
+  engine.set_query(uniform_demand(0), {}, FocusChange::changed, ApplyOrder::nearest_first);
   engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());

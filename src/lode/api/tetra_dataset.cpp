@@ -199,7 +199,8 @@ Result<TetraCutMesh> TetraDataset::Impl::refine(Model& model, const Query& query
                                                 const Fill& fill, Progress& progress) const {
   const Stopwatch watch;
   Engine<Model> engine(model);
-  engine.set_query(demand_of(query, 2 * surface_margin), query.budget);
+  engine.set_query(demand_of(query, 2 * surface_margin), query.budget, FocusChange::changed,
+                   options.deadline_s ? ApplyOrder::best_first : ApplyOrder::nearest_first);
   const auto is_late = [&] {
     return watch.seconds() + finishing(engine.n_cells()) >= *options.deadline_s;
   };

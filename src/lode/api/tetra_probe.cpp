@@ -132,7 +132,8 @@ Result<ProbeCells> cells_near(const PackedHierarchy& hierarchy, std::size_t fiel
     return fail("field: expected a number below {}, got {}", head.fields.size(), field);
   TetraCut cut(hierarchy, field);
   Engine<TetraCut> engine(cut);
-  engine.set_query(probe_demand(where, max_error, bounds_slack({head.lower, head.upper})));
+  engine.set_query(probe_demand(where, max_error, bounds_slack({head.lower, head.upper})), {},
+                   FocusChange::changed, ApplyOrder::nearest_first);
   engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());

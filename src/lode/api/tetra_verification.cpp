@@ -119,7 +119,7 @@ class CutVerifier {
 Result<void> CutVerifier::find_reference() {
   TetraCut cut(hierarchy_);
   Engine<TetraCut> engine(cut);
-  engine.set_query(uniform_demand(0));
+  engine.set_query(uniform_demand(0), {}, FocusChange::changed, ApplyOrder::nearest_first);
   engine.run([&] { return progress_.is_cancelled() || cut.is_damaged(); });
   if (progress_.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());

@@ -26,4 +26,10 @@ enum class FocusChange : std::uint8_t {
   same,     ///< Demand::touches is the same function: only tolerance, view or budget differ.
 };
 
+/// In which order nodes are applied that all are to be.
+enum class ApplyOrder : std::uint8_t {
+  best_first,     ///< By demand: whenever it is stopped, what was wanted most is there.
+  nearest_first,  ///< What was discovered last, which lies near: in about half of the time.
+};
+
 }  // namespace lode

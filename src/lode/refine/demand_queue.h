@@ -26,11 +26,12 @@ enum class QueueOrder : std::uint8_t {
   strict,
   near,  ///< Demands may be out of order by 1/128: what was pushed last, and lies near, comes
          ///< first.
+  last,  ///< Whatever the demands: what was pushed last comes first.
 };
 
 /// A priority queue of nodes of a cut whose entries may have become stale: the reader asks the cut.
 /// From the first in the order of refinement, or (IsReversed) from the last. A bucket for each
-/// value of a demand's upper 16 bits: in strict order a heap, else a stack.
+/// value of a demand's upper 16 bits: in strict order a heap, else a stack; or a stack for all.
 template <bool IsReversed>
 class DemandQueue {
  public:
@@ -100,12 +101,14 @@ class DemandQueue {
 
   /// Nodes that nobody wants all go, in whatever order.
   [[nodiscard]] bool is_stack(std::size_t bucket) const {
-    return order_ == QueueOrder::near || (IsReversed && bucket == 0);
+    return order_ != QueueOrder::strict || (IsReversed && bucket == 0);
   }
   [[nodiscard]] std::size_t first() const {
     return IsReversed ? occupied_.lowest() : occupied_.highest();
   }
-  static std::size_t bucket_of(float demand) { return std::bit_cast<std::uint32_t>(demand) >> 16; }
+  [[nodiscard]] std::size_t bucket_of(float demand) const {
+    return order_ == QueueOrder::last ? 0 : std::bit_cast<std::uint32_t>(demand) >> 16;
+  }
   static bool comes_later(const Ranked& a, const Ranked& b) {
     return IsReversed ? a.comes_before(b) : b.comes_before(a);
   }

@@ -24,16 +24,20 @@ namespace lode {
 /// step the cut is consistent, and the query can be changed.
 ///
 /// Without a budget the answer is the ancestors' closure of {demand > 0}, the same from any earlier
-/// cut; on the way there demands fall, but for 1/128 of them. With one it is the longest prefix of
-/// one order whose every member fits: again and again the candidate of the largest demand, ties by
-/// id, with whatever must come before it. So larger budgets contain smaller ones.
+/// cut; on the way there demands fall, but for 1/128 of them, unless ApplyOrder says otherwise.
+/// With one it is the longest prefix of one order whose every member fits: again and again the
+/// candidate of the largest demand, ties by id, with whatever must come before it. So larger
+/// budgets contain smaller ones.
 template <RefinableModel M>
 class Engine {
  public:
   /// `model` is at its base and must outlive the engine.
   explicit Engine(M& model) : model_(model), cut_(cut_for(model)), n_cells_(model.n_base_cells()) {}
 
-  void set_query(Demand demand, Budget budget = {}, FocusChange focus = FocusChange::changed);
+  /// The answer is the same in both orders, which are one where there is a budget or pages come
+  /// late.
+  void set_query(Demand demand, Budget budget = {}, FocusChange focus = FocusChange::changed,
+                 ApplyOrder apply_order = ApplyOrder::best_first);
 
   /// False if nothing was left to do: the answer is there, or it takes pages that are not.
   bool step();
@@ -180,7 +184,7 @@ class Engine {
 };
 
 template <RefinableModel M>
-void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus) {
+void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus, ApplyOrder apply_order) {
   // An evaluation that was cut short has not looked for candidates everywhere.
   const bool is_complete = phase_ != Phase::evaluate || focus_ == FocusChange::same;
   demand_ = std::move(demand);
@@ -190,7 +194,9 @@ void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus) {
   n_unevaluated_ = n_round_ = cut_.n_places();
   n_steps_ = 0;
   const QueueOrder order = budget.is_limited() ? QueueOrder::strict : QueueOrder::near;
-  wanted_.clear(order);
+  const bool is_any =
+      apply_order == ApplyOrder::nearest_first && !budget.is_limited() && !PagedRefinableModel<M>;
+  wanted_.clear(is_any ? QueueOrder::last : order);
   spare_.clear(order);
   chain_.clear();
   done_.clear();

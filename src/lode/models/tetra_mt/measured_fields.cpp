@@ -239,7 +239,7 @@ Result<void> check_same_mesh(const PackedHierarchy& hierarchy,
   }
   TetraCut cut(hierarchy);
   Engine<TetraCut> engine(cut);
-  engine.set_query(uniform_demand(0));
+  engine.set_query(uniform_demand(0), {}, FocusChange::changed, ApplyOrder::nearest_first);
   engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());
