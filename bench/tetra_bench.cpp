@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/peers/flying_edges.h"
@@ -32,6 +33,7 @@
 namespace lode::bench {
 namespace {
 
+using tetra_mt::CollapseOrder;
 using tetra_mt::HalfEdgeCollapses;
 using tetra_mt::Hierarchy;
 using tetra_mt::PackedHierarchy;
@@ -43,6 +45,8 @@ constexpr const char* kPeer = "vtkUnstructuredGridQuadricDecimation";
 constexpr std::array<double, 2> kShares{0.10, 0.05};  ///< Of the cells, to collapse to.
 constexpr double kBaseShare = 0.01;
 constexpr std::uint64_t kNoiseSeed = 1;
+constexpr std::array<std::pair<CollapseOrder, const char*>, 2> kOtherOrders{
+    {{CollapseOrder::quadric, "quadric"}, {CollapseOrder::space_error, "space"}}};
 
 struct Settings {
   std::string only;          ///< Only cases whose name contains this.
@@ -70,21 +74,30 @@ TetraField field_of(const TetraMesh& mesh, const std::vector<tetra_mt::Tetrahedr
   return {mesh.positions, mesh.fields.front().values, tetrahedra};
 }
 
-Result<HalfEdgeCollapses> collapse(const TetraMesh& mesh, double share, Threads threads) {
+struct Collapsing {
+  double share = kBaseShare;  ///< Of the cells, to collapse to.
+  Threads threads = kThreads;
+  CollapseOrder order = CollapseOrder::squared_error;
+};
+
+Result<HalfEdgeCollapses> collapse(const TetraMesh& mesh, const Collapsing& how) {
   Progress progress;
   return tetra_mt::collapse_half_edges(
-      mesh, {.base_cells = static_cast<std::uint64_t>(part_of(mesh, share)), .threads = threads},
+      mesh,
+      {.base_cells = static_cast<std::uint64_t>(part_of(mesh, how.share)),
+       .rules = {.order = how.order},
+       .threads = how.threads},
       progress);
 }
 
-Result<Timed> time_collapse(const TetraMesh& mesh, double share, Threads threads) {
+Result<Timed> time_collapse(const TetraMesh& mesh, const Collapsing& how) {
   Timed timed;
   std::optional<HalfEdgeCollapses> collapses;
   LODE_TRY(timed.seconds, time_runs(
                               "collapse",
                               [&]() -> Result<void> {
                                 collapses.reset();
-                                LODE_TRY(collapses, collapse(mesh, share, threads));
+                                LODE_TRY(collapses, collapse(mesh, how));
                                 return {};
                               },
                               kRuns));
@@ -146,15 +159,20 @@ std::string describe(const FieldErrors& errors) {
 Result<Timed> run_collapse(const TetraCase& tetra_case, const TetraMesh& mesh, double share,
                            QuadricDecimation& peer, Table& table) {
   const std::string name = fmt::format("{}/{:g}%", tetra_case.name, 100 * share);
-  LODE_TRY(const Timed ours, time_collapse(mesh, share, kThreads));
+  LODE_TRY(const Timed ours, time_collapse(mesh, {.share = share}));
   LODE_TRY(const Timed theirs, time_peer(mesh, peer, ours.cells));
   std::string note = fmt::format("field errors at all vertices: ours {}; theirs {}",
                                  describe(ours.errors), describe(theirs.errors));
   // It ends where it finds no more edges that it may collapse.
   if (theirs.cells > ours.cells + ours.cells / 10) note += "; theirs stopped early: not as small";
   table.add(versus("collapse/" + name, ours, theirs, note));
+  for (const auto& [order, order_name] : kOtherOrders) {
+    LODE_TRY(const Timed other, time_collapse(mesh, {.share = share, .order = order}));
+    table.add(versus(fmt::format("collapse/{}/{}", name, order_name), other, theirs,
+                     describe(other.errors)));
+  }
   if (share < kShares.front()) return theirs;
-  LODE_TRY(const Timed narrow, time_collapse(mesh, share, {1}));
+  LODE_TRY(const Timed narrow, time_collapse(mesh, {.share = share, .threads = {1}}));
   table.add(versus("collapse/" + name + "/1_thread", narrow, theirs, "ours with one thread too"));
   return theirs;
 }
@@ -173,7 +191,7 @@ Result<Made> run_hierarchy(const TetraCase& tetra_case, const TetraMesh& mesh, c
   const Work work = [&]() -> Result<void> {
     hierarchy.reset();
     packed.reset();
-    LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, kBaseShare, kThreads));
+    LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, {}));
     LODE_TRY(hierarchy, make_hierarchy(mesh, collapses, kThreads));
     packed = PackedHierarchy::pack(*hierarchy, mesh.tetrahedra.size(), kThreads);
     return {};
@@ -199,7 +217,7 @@ Result<Made> run_hierarchy(const TetraCase& tetra_case, const TetraMesh& mesh, c
 /// That errors hold everywhere, not at samples alone.
 Result<void> run_everywhere(const TetraCase& tetra_case, const TetraMesh& mesh, const Timed& peer,
                             Table& table) {
-  LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, kBaseShare, kThreads));
+  LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, {}));
   tetra_mt::EverywhereReport report;
   const Work work = [&]() -> Result<void> {
     HalfEdgeCollapses copy = collapses;
@@ -251,7 +269,7 @@ void run_isovalue(const TetraCase& tetra_case, const TetraMesh& mesh,
     TetraCut cut(hierarchy);
     Engine<TetraCut> engine(cut);
     const Stopwatch stopwatch;
-    engine.set_query(demand);
+    engine.set_query(demand, {}, FocusChange::changed, ApplyOrder::nearest_first);
     engine.finish();
     if (run > 0) seconds.push_back(stopwatch.seconds());
     standing = engine.standing();
@@ -289,7 +307,7 @@ Result<void> run_case(const TetraCase& tetra_case, const Settings& settings, Tab
 /// On a simplified mesh, as it is used.
 Result<void> check_errors() {
   const TetraMesh mesh = oracles::noise_mesh(9, oracles::Cut::in_five, kNoiseSeed);
-  LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, 0.3, kThreads));
+  LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, {.share = 0.3}));
   LODE_CHECK(check_locator(field_of(mesh, mesh.tetrahedra)));
   return check_locator(field_of(mesh, collapses.base));
 }

@@ -133,8 +133,8 @@ Result<void> check_tetra_build(const TetraBuildJob& job) {
     return fail("{}: expected an output that ends in .lode", job.output);
   LODE_CHECK(parse_base_cells(job.base_cells));
   LODE_CHECK(parse_memory_limit(job.memory_limit));
-  LODE_TRY(const Placement placement, to_placement(job.reading));
-  if (placement == Placement::midpoint)
+  LODE_TRY(const TetraBuildOptions options, to_build_options(job.reading, {}));
+  if (options.placement == Placement::midpoint)
     return fail("--placement: expected half-edge, which is what files hold, got midpoint");
   LODE_TRY(const double tolerance, parse_boundary_tolerance(job.boundary_tolerance));
   if (job.is_everywhere && tolerance > 0)
@@ -149,7 +149,7 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   LODE_TRY(const auto base_cells, parse_base_cells(job.base_cells));
   LODE_TRY(const TetrahedraOutcome made, read_tetra_mesh(job.input, job.reading, session));
   const double read_seconds = watch.seconds();
-  TetraBuildOptions options{.threads = session.threads()};
+  LODE_TRY(TetraBuildOptions options, to_build_options(job.reading, session.threads()));
   LODE_TRY(options.boundary_tolerance, parse_boundary_tolerance(job.boundary_tolerance));
   if (job.is_everywhere) options.error_place = ErrorPlace::everywhere;
   LODE_TRY(options.memory_limit, parse_memory_limit(job.memory_limit));
@@ -169,6 +169,8 @@ Result<Outcome> run_tetra_build(const TetraBuildJob& job, Session& session) {
   json["output"] = job.output;
   Table table;
   add_info(built->info, table, json);
+  json["order"] = name_of_order(job.reading);
+  table.add({"order", name_of_order(job.reading)});
   add_cell_counts(made.report, table, json["reading"]);
   const double n = static_cast<double>(std::max<std::uint64_t>(built->info.n_vertices, 1));
   json["volume_change"] = built->volume_change;

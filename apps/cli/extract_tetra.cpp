@@ -65,19 +65,18 @@ std::string tetra_comment(const char* kind, const TetraInput& input, const Tetra
   return text;
 }
 
-/// `counts`: of the answer, shown by their names.
-Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAnswer& made,
-                      const Json& counts, const Session& session) {
+/// `counts`: of the answer.
+Json answer_json(const MeshJob& job, const TetraInput& input, const TetraAnswer& made,
+                 const Json& counts) {
   const TetraInfo& info = input.dataset.describe();
   const TetraFieldInfo& field = input.field();
-  const std::string place = name_of(field.error_place);
-  Outcome outcome;
-  Json& json = outcome.json;
+  Json json;
   json["command"] = "extract";
   json["input"] = job.input;
   json["outputs"] = Json::array({job.output});
   json["model"] = "tetra_mt";
   json["placement"] = job.reading.placement.empty() ? "half-edge" : job.reading.placement;
+  if (input.was_built()) json["order"] = name_of_order(job.reading);
   json["field"] = field.name;
   json["with"] = Json::array();
   for (const Attribute& more : made.attributes)
@@ -96,13 +95,32 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   json["is_settled"] = made.is_settled;
   json["seconds"] = {
       {"total", made.seconds}, {"open", input.seconds}, {"write", made.write_seconds}};
+  return json;
+}
+
+/// Counts as people know them.
+std::string name_of_count(const std::string& key) {
+  if (key == "largest_error") return "error anywhere";
+  if (key == "cut_cells") return "cells of the cut";
+  if (key == "left_out") return "cells left out";
+  return key == "inverted_cells" ? "cells turned round" : key;
+}
+
+Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAnswer& made,
+                      const Json& counts, const Session& session) {
+  const TetraInfo& info = input.dataset.describe();
+  const TetraFieldInfo& field = input.field();
+  const std::string place = name_of(field.error_place);
+  Outcome outcome;
+  outcome.json = answer_json(job, input, made, counts);
   Table table;
   table.add({"field", fmt::format("{}, {} to {}", field.name, format_number(field.range_min),
                                   format_number(field.range_max))});
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
-  add_reading(input, table, json);
+  add_reading(input, table, outcome.json);
   if (!job.reading.placement.empty()) table.add({"placement", job.reading.placement});
+  if (input.was_built()) table.add({"order", name_of_order(job.reading)});
   table.add({"base", fmt::format("{} cells, error {} {}", format_count(info.n_base_cells),
                                  format_number(field.base_error), place)});
   table.add(
@@ -112,13 +130,9 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   table.add({"achieved error", format_number(made.achieved_error) + ' ' + place});
   if (!made.is_settled) table.add({"deadline", "reached: as accurate as it allows"});
   for (const auto& [name, value] : counts.items())
-    table.add({name == "largest_error"    ? "error anywhere"
-               : name == "cut_cells"      ? "cells of the cut"
-               : name == "left_out"       ? "cells left out"
-               : name == "inverted_cells" ? "cells turned round"
-                                          : name,
-               value.is_number_float() ? format_number(value.get<double>()) + ' ' + place
-                                       : format_count(value.get<std::uint64_t>())});
+    table.add({name_of_count(name), value.is_number_float()
+                                        ? format_number(value.get<double>()) + ' ' + place
+                                        : format_count(value.get<std::uint64_t>())});
   for (const Attribute& more : made.attributes)
     table.add({"with", fmt::format("{}, error {} {}", more.name, format_number(more.error),
                                    name_of(place_of(input, more)))});
@@ -127,7 +141,7 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   table.add({"write", format_seconds(made.write_seconds)});
   table.add({"output", job.output});
   outcome.text = table.to_string();
-  json["warnings"] = session.warnings();
+  outcome.json["warnings"] = session.warnings();
   return outcome;
 }
 

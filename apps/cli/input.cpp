@@ -83,7 +83,8 @@ Result<std::unique_ptr<VolumeSource>> open_foreign_volume(const std::string& pat
 bool ReadingArguments::is_empty() const {
   return field.empty() && with.empty() && component.empty() && time.empty() && nodata.empty() &&
          dims.empty() && type.empty() && spacing.empty() && origin.empty() && byte_order.empty() &&
-         weld.empty() && weld_values.empty() && linearise.empty() && placement.empty();
+         weld.empty() && weld_values.empty() && linearise.empty() && placement.empty() &&
+         order.empty() && !is_fast;
 }
 
 std::string ReadingArguments::component_number() const {
@@ -124,14 +125,24 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
   add("--placement", arguments.placement, "half-edge|midpoint",
       "Of a mesh of cells that is built in memory: where edges collapse to (default: one of their "
       "ends)");
+  add("--order", arguments.order, "error|space|quadric",
+      "Of a mesh of cells that is built: which edges collapse first, those that add least to "
+      "errors "
+      "(default), to how far from its place a value is, or to a quadric");
+  app.add_flag(
+         "--fast", arguments.is_fast,
+         "Of a mesh of cells that is built: the same as --order quadric, for a preview; errors "
+         "are as true, and larger for as many cells")
+      ->group("Reading other formats");
 }
 
 Result<ReadOptions> to_read_options(const ReadingArguments& arguments, Threads threads) {
   if (!arguments.weld.empty() || !arguments.weld_values.empty() || !arguments.linearise.empty() ||
-      !arguments.with.empty() || !arguments.placement.empty())
+      !arguments.with.empty() || !arguments.placement.empty() || !arguments.order.empty() ||
+      arguments.is_fast)
     return fail(
-        "--with, --weld, --weld-values, --linearise and --placement: expected a mesh of cells with "
-        "them");
+        "--with, --weld, --weld-values, --linearise, --placement, --order and --fast: expected a "
+        "mesh of cells with them");
   ReadOptions options;
   options.threads = threads;
   if (!arguments.field.empty()) options.field = arguments.field;

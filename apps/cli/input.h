@@ -28,6 +28,8 @@ struct ReadingArguments {
   std::string weld_values;
   std::string linearise;
   std::string placement;
+  std::string order;
+  bool is_fast = false;
   bool salvage = false;
 
   /// Of those.

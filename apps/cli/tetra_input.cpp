@@ -89,6 +89,16 @@ void add_averaged(const TetraReport& report, Table& table, Json& json) {
   }
 }
 
+Result<CollapseOrder> to_order(const ReadingArguments& reading) {
+  const std::string& order = reading.order;
+  if (reading.is_fast && !order.empty() && order != "quadric")
+    return fail("--order: expected 'quadric' with --fast, got '{}'", order);
+  if (reading.is_fast || order == "quadric") return CollapseOrder::quadric;
+  if (order == "space") return CollapseOrder::space_error;
+  if (order.empty() || order == "error") return CollapseOrder::squared_error;
+  return fail("--order: expected error, space or quadric, got '{}'", order);
+}
+
 }  // namespace
 
 Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
@@ -112,10 +122,24 @@ Result<TetraOptions> to_tetra_options(const ReadingArguments& reading) {
   return options;
 }
 
-Result<Placement> to_placement(const ReadingArguments& reading) {
-  if (reading.placement.empty() || reading.placement == "half-edge") return Placement::half_edge;
-  if (reading.placement == "midpoint") return Placement::midpoint;
-  return fail("--placement: expected half-edge or midpoint, got '{}'", reading.placement);
+std::string name_of_order(const ReadingArguments& reading) {
+  if (reading.is_fast) return "quadric";
+  return reading.order.empty() ? "error" : reading.order;
+}
+
+Result<TetraBuildOptions> to_build_options(const ReadingArguments& reading, Threads threads) {
+  TetraBuildOptions options{.threads = threads};
+  LODE_TRY(options.order, to_order(reading));
+  if (reading.placement == "midpoint")
+    options.placement = Placement::midpoint;
+  else if (!reading.placement.empty() && reading.placement != "half-edge")
+    return fail("--placement: expected half-edge or midpoint, got '{}'", reading.placement);
+  if (options.placement == Placement::half_edge) return options;
+  if (!reading.with.empty())
+    return fail("--with: expected none with --placement midpoint, which takes one field");
+  if (options.order != CollapseOrder::squared_error)
+    return fail("--order: expected 'error' with --placement midpoint, got another");
+  return options;
 }
 
 const char* name_of(ErrorPlace place) {
@@ -135,10 +159,10 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
     return check_reading_options(others, path);
   }
   LODE_CHECK(to_tetra_options(reading));
-  LODE_TRY(const Placement placement, to_placement(reading));
-  if (placement == Placement::midpoint && !reading.with.empty())
-    return fail("--with: expected none with --placement midpoint, which takes one field");
+  LODE_CHECK(to_build_options(reading, {}));
   others.placement.clear();
+  others.order.clear();
+  others.is_fast = false;
   others.component.clear();
   others.weld.clear();
   others.weld_values.clear();
@@ -150,8 +174,7 @@ Result<void> check_tetra_reading(const ReadingArguments& reading, const std::str
   if (!others.is_empty() || others.salvage)
     return fail(
         "{}: expected no options of reading but --field, --with, --component, --weld, "
-        "--weld-values and "
-        "--linearise, got others",
+        "--weld-values, --linearise, --placement, --order and --fast, got others",
         path);
   return {};
 }
@@ -183,9 +206,8 @@ Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArgume
   session.note(fmt::format("{}: not a .lode file; building its hierarchy in memory", path));
   LODE_TRY(TetrahedraOutcome made, read_tetra_mesh(path, reading, session));
   TetraReport report = made.report;
-  LODE_TRY(const Placement placement, to_placement(reading));
-  auto built = TetraDataset::build(
-      made.mesh, {.placement = placement, .threads = session.threads()}, session.progress());
+  LODE_TRY(const TetraBuildOptions options, to_build_options(reading, session.threads()));
+  auto built = TetraDataset::build(made.mesh, options, session.progress());
   if (!built) {
     if (session.progress().is_cancelled()) return built.error();
     return fail("{}: {}", path, built.error().message);

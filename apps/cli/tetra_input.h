@@ -28,7 +28,11 @@ struct TetraInput {
 [[nodiscard]] Result<void> check_tetra_reading(const ReadingArguments& reading,
                                                const std::string& path);
 
-[[nodiscard]] Result<Placement> to_placement(const ReadingArguments& reading);
+/// As --order has it, of arguments that can be meant.
+[[nodiscard]] std::string name_of_order(const ReadingArguments& reading);
+/// How a hierarchy is built; without what a file's build alone is told.
+[[nodiscard]] Result<TetraBuildOptions> to_build_options(const ReadingArguments& reading,
+                                                         Threads threads);
 
 /// How cells become tetrahedra. Fails on what cannot be meant.
 [[nodiscard]] Result<TetraOptions> to_tetra_options(const ReadingArguments& reading);

@@ -1,4 +1,4 @@
-// Midpoint placement through the program.
+// Midpoint placement, and orders of collapses, through the program.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -268,6 +268,51 @@ TEST_F(cli_tetra_placement, is_the_same_for_any_number_of_threads) {
   EXPECT_GT(one.size(), 1000U);
 }
 
+TEST_F(cli_tetra_placement, takes_orders_whose_errors_are_as_true) {
+  const SimplexMesh reference = noise();
+  const std::map<std::string, Words> orders{
+      {"error", {}}, {"space", {"--order", "space"}}, {"quadric", {"--fast"}}};
+  std::map<std::string, std::vector<CellKey>> cells;
+  for (const auto& [order, options] : orders) {
+    Words words{"extract", input_, output_, "--mesh", "--max-error", "0.3"};
+    words.insert(words.end(), options.begin(), options.end());
+    const nlohmann::json json = done(words);
+    EXPECT_EQ(json.at("order"), order);
+    EXPECT_LE(json.at("largest_error"), 0.3);
+    EXPECT_LE(largest_error(reference, read(output_)),
+              json.at("largest_error").get<double>() + 1e-9);
+    cells[order] = sorted_cells(read(output_));
+  }
+  EXPECT_NE(cells["error"], cells["space"]);
+  EXPECT_NE(cells["error"], cells["quadric"]);
+  static_cast<void>(
+      done({"extract", input_, output_, "--mesh", "--max-error", "0.3", "--order", "quadric"}));
+  EXPECT_EQ(sorted_cells(read(output_)), cells["quadric"]);
+}
+
+TEST_F(cli_tetra_placement, builds_files_in_any_order_that_verify) {
+  const std::string model = scratch_ / "out.lode";
+  for (const char* order : {"space", "quadric"}) {
+    EXPECT_EQ(done({"build", input_, model, "--order", order}).at("order"), order);
+    static_cast<void>(done({"verify", model, "--against", input_}));
+    static_cast<void>(done({"extract", model, output_, "--mesh", "--max-error", "0"}));
+    EXPECT_EQ(sorted_cells(read(output_)), sorted_cells(read(input_)));
+  }
+}
+
+TEST_F(cli_tetra_placement, refuses_orders_that_cannot_be_meant) {
+  const auto refused = [&](const Words& options, const std::string& message) {
+    Words words{"extract", input_, output_, "--mesh"};
+    words.insert(words.end(), options.begin(), options.end());
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+  };
+  refused({"--order", "size"}, "--order: expected error, space or quadric, got 'size'");
+  refused({"--order", "space", "--fast"}, "--order: expected 'quadric' with --fast, got 'space'");
+  refused({"--placement", "midpoint", "--fast"}, "expected 'error' with --placement midpoint");
+}
+
 TEST_F(cli_tetra_placement, says_what_it_does_not_do) {
   const auto refused = [&](const Words& words, const std::string& message) {
     const Finished run = run_lode(words);
@@ -285,7 +330,7 @@ TEST_F(cli_tetra_placement, says_what_it_does_not_do) {
   refused(midpoint({input_, output_, "--mesh", "--field", "noise", "--with", "noise"}),
           "--with: expected none with --placement midpoint");
   refused(midpoint({scratch_ / "volume.nrrd", output_, "--mesh"}),
-          "and --placement: expected a mesh of cells with");
+          "--placement, --order and --fast: expected a mesh of cells with");
   EXPECT_EQ(run_lode({"build", input_, model, "--placement", "half-edge"}).exit_code, 0);
   refused(midpoint({model, output_, "--mesh"}), "expected no reading options but --field");
 }

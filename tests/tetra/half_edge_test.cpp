@@ -13,6 +13,7 @@
 #include "lode/models/tetra_mt/hierarchy.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/tetra/collapse_checks.h"
 #include "tests/tetra/mesh_checks.h"
 
 namespace lode::tetra_mt {
@@ -21,59 +22,13 @@ namespace {
 using oracles::Cut;
 using oracles::noise_mesh;
 using oracles::Random;
-using test::Tetrahedra;
+using test::expect_errors_true;
+using test::expect_simpler;
+using test::pairs;
+using test::vertices_of;
 
 HalfEdgeCollapses collapsed(const TetraMesh& mesh, std::uint64_t base_cells, int threads = 2) {
-  Progress progress;
-  auto result = collapse_half_edges(
-      mesh, {.base_cells = base_cells, .rules = {}, .threads = {threads}}, progress);
-  EXPECT_TRUE(result) << (result ? "" : result.error().message);
-  return result ? std::move(*result) : HalfEdgeCollapses{};
-}
-
-std::vector<std::array<std::uint32_t, 2>> pairs(const HalfEdgeCollapses& result) {
-  std::vector<std::array<std::uint32_t, 2>> all;
-  for (const Collapse& c : result.collapses) all.push_back({c.removed, c.kept});
-  return all;
-}
-
-std::set<std::uint32_t> vertices_of(const Tetrahedra& tetrahedra) {
-  std::set<std::uint32_t> vertices;
-  for (const auto& t : tetrahedra) vertices.insert(t.begin(), t.end());
-  return vertices;
-}
-
-std::pair<double, double> range_of(const MeshField& field, const std::set<std::uint32_t>& of) {
-  std::pair range{std::numeric_limits<double>::infinity(),
-                  -std::numeric_limits<double>::infinity()};
-  for (const std::uint32_t v : of)
-    range = {std::min(range.first, field.values[v]), std::max(range.second, field.values[v])};
-  return range;
-}
-
-/// Conforming, of the same volume, of the same range, and what its collapses make.
-void expect_simpler(const TetraMesh& mesh, const HalfEdgeCollapses& result) {
-  const double volume = test::volume_of(mesh, mesh.tetrahedra);
-  EXPECT_NEAR(test::expect_conforming(mesh, result.base), volume, 1e-5 * volume);
-  EXPECT_EQ(test::normalised(result.base),
-            test::normalised(test::replay(mesh.tetrahedra, pairs(result))));
-  const std::set<std::uint32_t> left = vertices_of(result.base);
-  EXPECT_EQ(left.size() + result.collapses.size(), vertices_of(mesh.tetrahedra).size());
-  for (const MeshField& field : mesh.fields)
-    EXPECT_EQ(range_of(field, left), range_of(field, vertices_of(mesh.tetrahedra)));
-}
-
-void expect_errors_true(const TetraMesh& mesh, const HalfEdgeCollapses& result) {
-  for (std::size_t f = 0; f < mesh.fields.size(); ++f) {
-    const std::vector<double>& values = mesh.fields[f].values;
-    const auto [low, high] = std::ranges::minmax(values);
-    for (const Collapse& c : result.collapses) {
-      const test::Located found = test::locate(mesh, result.base, mesh.positions[c.removed], f);
-      EXPECT_GT(found.least_weight, -1e-4);
-      const double error = static_cast<double>(result.errors[c.removed * mesh.fields.size() + f]);
-      EXPECT_NEAR(error * (high - low), values[c.removed] - found.value, 1e-4 * (high - low));
-    }
-  }
+  return test::collapsed(mesh, base_cells, {}, {threads});
 }
 
 TEST(half_edge, leaves_a_conforming_mesh_with_errors_that_are_true) {

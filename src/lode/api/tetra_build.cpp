@@ -58,12 +58,13 @@ Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
         "boundary tolerance: expected 0 where errors hold everywhere, as nothing is known of what "
         "is outside, got {}",
         options.boundary_tolerance);
-  LODE_TRY(auto collapses, tetra_mt::collapse_half_edges(
-                               mesh,
-                               {.base_cells = base_cells_of(mesh, options),
-                                .rules = {.boundary_tolerance = options.boundary_tolerance},
-                                .threads = options.threads},
-                               progress));
+  LODE_TRY(auto collapses,
+           tetra_mt::collapse_half_edges(
+               mesh,
+               {.base_cells = base_cells_of(mesh, options),
+                .rules = {.order = options.order, .boundary_tolerance = options.boundary_tolerance},
+                .threads = options.threads},
+               progress));
   if (is_everywhere)
     LODE_CHECK(make_errors_hold_everywhere(mesh, collapses, options.threads, progress));
   return collapses;
@@ -80,6 +81,8 @@ Result<tetra_mt::midpoint::Hierarchy> build_midpoints(const TetraMesh& mesh,
                                                       Progress& progress) {
   if (options.error_place == ErrorPlace::everywhere || options.boundary_tolerance > 0)
     return fail("midpoints: expected errors at samples and a boundary tolerance of 0, got others");
+  if (options.order != CollapseOrder::squared_error)
+    return fail("midpoints: expected an order by squared errors, got another");
   LODE_TRY(const auto collapses,
            tetra_mt::midpoint::collapse_edges(
                mesh, {.base_cells = base_cells_of(mesh, options), .threads = options.threads},

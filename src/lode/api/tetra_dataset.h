@@ -18,8 +18,11 @@
 #include "lode/core/scalar_type.h"
 #include "lode/core/surface.h"
 #include "lode/core/tetra_mesh.h"
+#include "lode/models/tetra_mt/collapse_order.h"
 
 namespace lode {
+
+using tetra_mt::CollapseOrder;
 
 /// Where edges collapse to: one of their ends, so that all vertices are the reference's with their
 /// own values; or, as in the paper, their midpoints.
@@ -36,6 +39,9 @@ struct TetraBuildOptions {
   /// Midpoints are of one field, errors at samples, a boundary tolerance of 0, and in memory alone;
   /// such a dataset is neither probed nor verified.
   Placement placement = Placement::half_edge;
+  /// Which edges collapse first. Errors are measured, and as true, whatever it is: quadrics take
+  /// half of the time, for larger errors at as many cells. Of midpoints only the first.
+  CollapseOrder order = CollapseOrder::squared_error;
   /// Bytes; a mesh that needs more is refused. 0: none.
   std::uint64_t memory_limit = 0;
   Threads threads{};

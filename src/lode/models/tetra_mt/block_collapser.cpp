@@ -77,6 +77,7 @@ void BlockCollapser::find_keys() {
       state_.is_locked[global(v)] = 1;
       continue;
     }
+    if (is_by_quadrics()) find_quadrics();
     find_choices();
     for (const Choice& choice : choices_) key = std::min(key, choice.increase);
   }
@@ -148,6 +149,7 @@ int BlockCollapser::n_cells_beside(int kept) const {
 }
 
 bool BlockCollapser::make_fan_to(int kept) {
+  if (!has_lanes_) fill_lanes();
   const auto at = static_cast<std::size_t>(kept);
   std::size_t n_flat = lanes_.n - static_cast<std::size_t>(star_.n_triangles) +
                        static_cast<std::size_t>(n_cells_beside(kept));
@@ -157,6 +159,21 @@ bool BlockCollapser::make_fan_to(int kept) {
   for (std::size_t f = 0; f < state_.n_fields; ++f)
     fan_.kept_value[f] = covered_.link_values[at * state_.n_fields + f];
   return make_fan(lanes_, link_[at], n_flat, fan_);
+}
+
+void BlockCollapser::fill_lanes() {
+  gather_link_values();
+  lanes_.fill(star_, link_, covered_.link_values, state_.n_fields);
+  has_lanes_ = true;
+}
+
+/// As it is covered now.
+double BlockCollapser::cost_of_sample(std::uint32_t sample) const {
+  const bool is_by_space = rules_.order == CollapseOrder::space_error;
+  double cost = 0;
+  for (const float error : is_by_space ? state_.distances_of(sample) : state_.errors_of(sample))
+    cost += cost_of(static_cast<double>(error));
+  return cost;
 }
 
 void BlockCollapser::gather_samples() {
@@ -174,6 +191,9 @@ void BlockCollapser::gather_samples() {
   covered_.z.resize(n);
   covered_.values.resize(n * n_fields);
   covered_.cost = 0;
+  covered_.space_unit = rules_.order == CollapseOrder::space_error
+                            ? static_cast<float>(1 / (scale_ * state_.size))
+                            : 0;
   const Vec3d centre = positions_[star_.vertex];
   const double* const own = values_.data() + star_.vertex * n_fields;
   for (std::size_t s = 0; s < n; ++s) {
@@ -181,13 +201,16 @@ void BlockCollapser::gather_samples() {
     covered_.x[s] = static_cast<float>(p[0]);
     covered_.y[s] = static_cast<float>(p[1]);
     covered_.z[s] = static_cast<float>(p[2]);
-    for (std::size_t f = 0; f < n_fields; ++f) {
+    for (std::size_t f = 0; f < n_fields; ++f)
       covered_.values[s * n_fields + f] =
           static_cast<float>((state_.value(samples[s], f) - own[f]) * state_.scales[f]);
-      const auto error = static_cast<double>(state_.errors_of(samples[s])[f]);
-      covered_.cost += cost_of(error);
-    }
+    if (!is_by_quadrics()) covered_.cost += cost_of_sample(samples[s]);
   }
+}
+
+void BlockCollapser::gather_link_values() {
+  const std::size_t n_fields = state_.n_fields;
+  const double* const own = values_.data() + star_.vertex * n_fields;
   covered_.link_values.resize(static_cast<std::size_t>(star_.n_link) * n_fields);
   for (int i = 0; i < star_.n_link; ++i) {
     if (i == star_.outside) continue;
@@ -206,15 +229,64 @@ bool BlockCollapser::look_at_star() {
   if (interfaces_.kind != Interfaces::Kind::none)
     for (int i = 0; i < star_.n_triangles; ++i) deviation_ = std::max(deviation_, deviation(i));
   gather_link();
-  gather_samples();
   gather_boundary();
-  lanes_.fill(star_, link_, covered_.link_values, state_.n_fields);
+  has_lanes_ = false;
   return true;
+}
+
+/// Of the reference's tetrahedra round the vertex, by their volumes.
+void BlockCollapser::find_quadrics() {
+  gather_link();
+  const double unit = 1 / (scale_ * state_.size);  // link_ in shares of the mesh's size
+  const Vec3d centre = (1 / state_.size) * (positions_[star_.vertex] - state_.centre);
+  for (int i = 0; i < star_.n_triangles; ++i) {
+    if (star_.is_on_boundary() && star_.has(i, star_.outside)) continue;
+    const auto& t = star_.triangles[static_cast<std::size_t>(i)];
+    const std::array<Vec3d, 3> at{unit * link_[t[0]], unit * link_[t[1]], unit * link_[t[2]]};
+    const std::array<Vec3d, 3> rows{cross(at[1], at[2]), cross(at[2], at[0]), cross(at[0], at[1])};
+    const double volume = dot(rows[0], at[0]);
+    for (std::size_t f = 0; f < state_.n_fields; ++f) {
+      const double own = state_.scales[f] * values_[star_.vertex * state_.n_fields + f];
+      Vec3d gradient;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double value = state_.scales[f] * values_[star_.link[t[k]] * state_.n_fields + f];
+        gradient = gradient + ((value - own) / volume) * rows[k];
+      }
+      const double slope = dot(gradient, gradient);
+      if (!std::isfinite(slope)) continue;  // without volume
+      state_.quadrics_of(global(star_.vertex))[f].add_linear(gradient, own - dot(gradient, centre),
+                                                             std::abs(volume));
+    }
+  }
 }
 
 void BlockCollapser::find_choices() {
   choices_.clear();
   if (is_extremum() || !look_at_star()) return;
+  if (is_by_quadrics())
+    find_choices_by_quadrics();
+  else
+    find_choices_by_samples();
+}
+
+/// Whatever tetrahedra would come: most of these choices are never looked at again.
+void BlockCollapser::find_choices_by_quadrics() {
+  const std::span<const FieldQuadric> own = state_.quadrics_of(global(star_.vertex));
+  for (int kept = 0; kept < star_.n_link; ++kept) {
+    if (kept == star_.outside) continue;
+    const float moved = moved_by(kept);
+    if (moved == kNever) continue;
+    const std::uint32_t other = star_.link[static_cast<std::size_t>(kept)];
+    const Vec3d at = (1 / state_.size) * (positions_[other] - state_.centre);
+    double sum = 0;
+    for (std::size_t f = 0; f < state_.n_fields; ++f)
+      sum += std::max(own[f].at(at, state_.scales[f] * values_[other * state_.n_fields + f]), 0.0);
+    choices_.push_back({kept, static_cast<float>(sum / std::max(1, n_cells_beside(kept))), moved});
+  }
+}
+
+void BlockCollapser::find_choices_by_samples() {
+  gather_samples();
   double least = std::numeric_limits<double>::infinity();
   for (int kept = 0; kept < star_.n_link; ++kept) {
     if (kept == star_.outside) continue;
@@ -240,8 +312,8 @@ bool BlockCollapser::collapse_best(float key, float limit) {
       if (known < limit) queue_.set(star_.vertex, known);
       return false;
     }
-    if (gatherer_.may_collapse(star_, best->kept, rules_.max_link) && keeps_regions(best->kept) &&
-        collapse(*best))
+    if (gatherer_.may_collapse(star_, best->kept, rules_.max_link) && make_fan_to(best->kept) &&
+        keeps_regions(best->kept) && collapse(*best))
       return true;
     *best = choices_.back();
   }
@@ -254,6 +326,7 @@ void BlockCollapser::look_again_beside(float key, float limit) {
     const std::uint32_t v = star_.link[static_cast<std::size_t>(i)];
     if (state_.is_locked[global(v)] != 0) continue;
     float& known = state_.keys[global(v)];
+    if (is_by_quadrics() && known != kNever) continue;
     known = known == kNever ? key : known * rules_.discount;
     if (known < limit) queue_.set(v, known);
   }

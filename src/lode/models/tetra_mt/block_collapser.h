@@ -17,8 +17,11 @@
 namespace lode::tetra_mt {
 
 struct CollapseRules {
-  float discount = 0.7F;  ///< What is beside a collapse is looked at again at so much of its key.
-  int max_link = 32;      ///< Vertices beside both ends of an edge that collapses.
+  CollapseOrder order = CollapseOrder::squared_error;
+  /// What is beside a collapse is looked at again at so much of its key; not where quadrics are the
+  /// order, of which a collapse changes one.
+  float discount = 0.7F;
+  int max_link = 32;  ///< Vertices beside both ends of an edge that collapses.
   /// How far the boundary, and what lies between regions, may be from the reference's, or that from
   /// it, in the mesh's unit. What collapses do is added up or, of the boundary, measured at its
   /// vertices that went, with what edges' bends may add between them, where that is less. 0: all
@@ -78,7 +81,11 @@ class BlockCollapser {
   void move_boundary(int kept);
   [[nodiscard]] bool keeps_regions(int kept);
   void gather_link();
+  void gather_link_values();
   void gather_samples();
+  [[nodiscard]] double cost_of_sample(std::uint32_t sample) const;
+  void fill_lanes();
+  void find_quadrics();
   [[nodiscard]] int n_cells_beside(int kept) const;
   [[nodiscard]] bool make_fan_to(int kept);
   /// How a tetrahedron of a fan covers a sample, in doubles.
@@ -97,12 +104,16 @@ class BlockCollapser {
   [[nodiscard]] bool is_on_domain_boundary_alone() const;
   [[nodiscard]] bool look_at_star();
   void find_choices();
+  void find_choices_by_samples();
+  void find_choices_by_quadrics();
   [[nodiscard]] bool collapse_best(float key, float limit);
   [[nodiscard]] bool collapse(const Choice& choice);
   [[nodiscard]] bool cover_samples(int kept);
   void note_facts(std::span<const double> errors);
   void note_star();
   void look_again_beside(float key, float limit);
+
+  [[nodiscard]] bool is_by_quadrics() const { return rules_.order == CollapseOrder::quadric; }
 
   BuildState& state_;
   CollapseRules rules_;
@@ -127,6 +138,7 @@ class BlockCollapser {
   std::array<Vec3d, Star::kMaxLink> link_;  ///< Relative to the star's vertex, times scale_.
   double scale_ = 1;  ///< A power of two that makes the star about as large as 1.
   StarLanes lanes_;
+  bool has_lanes_ = false;  ///< They are those of the star.
   StarSamples covered_;
   Fan fan_;
   std::vector<Choice> choices_;

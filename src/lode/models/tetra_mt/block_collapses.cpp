@@ -27,8 +27,9 @@ void clamp_weights(std::array<double, 3>& weights) {
 
 /// False, and nothing done, where rounding leaves open what covers a sample.
 bool BlockCollapser::collapse(const Choice& choice) {
-  const int place = choice.kept;
-  if (!make_fan_to(place) || !cover_samples(place)) return false;
+  const int place = choice.kept;  // to which the fan goes
+  if (is_by_quadrics()) gather_samples();
+  if (!cover_samples(place)) return false;
   for (int i = 0; i < star_.n_triangles; ++i) {
     const std::uint32_t slot = star_.slots[static_cast<std::size_t>(i)];
     samples_[slot] = kNone;
@@ -42,12 +43,18 @@ bool BlockCollapser::collapse(const Choice& choice) {
     first = sample;
     for (std::size_t f = 0; f < n; ++f)
       state_.errors_of(sample)[f] = static_cast<float>(new_errors_[s * n + f] * state_.scales[f]);
+    if (covered_.space_unit > 0)
+      for (std::size_t f = 0; f < n; ++f)
+        state_.distances_of(sample)[f] = fan_.distance(covered_, s, f, covers_[s].lane);
   }
   note_facts(new_errors_);
   note_star();
   note_deviations(place, choice.moved);
   move_boundary(place);
   const std::uint32_t kept = star_.link[static_cast<std::size_t>(place)];
+  if (is_by_quadrics())
+    for (std::size_t f = 0; f < n; ++f)
+      state_.quadrics_of(global(kept))[f].add(state_.quadrics_of(global(star_.vertex))[f]);
   n_gone_ += live_.collapse(star_.vertex, kept);
   state_.is_there[global(star_.vertex)] = 0;
   collapses_.push_back({global(star_.vertex), global(kept)});

@@ -18,6 +18,7 @@ Refusal BlockCollapser::refusal_of(std::uint32_t vertex) {
   if (!StarGatherer::is_manifold(star_)) return Refusal::non_manifold;
   if (is_extremum()) return Refusal::extremum;
   if (!look_at_star()) return Refusal::regions;
+  gather_samples();
   Refusal farthest = Refusal::boundary;
   for (int kept = 0; kept < star_.n_link && farthest != Refusal::limit; ++kept)
     if (kept != star_.outside) farthest = std::max(farthest, refusal_to(kept));

@@ -17,13 +17,15 @@ constexpr double kSizeShare = 1e-6;
 
 }  // namespace
 
-BuildState::BuildState(const TetraMesh& reference)
+BuildState::BuildState(const TetraMesh& reference, CollapseOrder order)
     : mesh(reference),
       outside(static_cast<std::uint32_t>(reference.positions.size())),
       tetrahedra(reference.tetrahedra),
       next_sample(outside, kNone),
       n_fields(reference.fields.size()),
       errors(n_fields * outside, 0),
+      distances(order == CollapseOrder::space_error ? errors.size() : 0, 0),
+      quadrics(order == CollapseOrder::quadric ? errors.size() : 0),
       keys(outside, 0),
       is_there(outside, 1),
       is_locked(outside, 0),
@@ -59,6 +61,8 @@ void BuildState::set_limits(double tolerance) {
   Vec3d farthest;
   for (std::size_t i = 0; i < 3; ++i)
     farthest[i] = std::max(std::abs(lower[i]), std::abs(upper[i]));
+  centre = 0.5 * (lower + upper);
+  if (const double diagonal = length(upper - lower); diagonal > 0) size = diagonal;
   const double rounding = mesh.has_narrow_positions ? 0x1p-24 * length(farthest) : 0;
   limits.step = std::max(tolerance, kStepRoundings * rounding);
   limits.total = std::max({tolerance, kRoundings * rounding, kSizeShare * length(upper - lower)});
@@ -84,9 +88,9 @@ double BuildState::volume() const {
     if (t[0] == kNone) continue;
     const auto place = static_cast<std::size_t>(std::ranges::find(t, outside) - t.begin());
     const auto face = others(t, place);
-    const Vec3d& centre = mesh.positions[0];
-    six_volumes += dot(cross(mesh.positions[face[0]] - centre, mesh.positions[face[1]] - centre),
-                       mesh.positions[face[2]] - centre);
+    const Vec3d& apex = mesh.positions[0];
+    six_volumes += dot(cross(mesh.positions[face[0]] - apex, mesh.positions[face[1]] - apex),
+                       mesh.positions[face[2]] - apex);
   }
   return -six_volumes / 6;
 }

@@ -7,7 +7,9 @@
 
 #include "lode/core/tetra_mesh.h"
 #include "lode/models/tetra_mt/closed_mesh.h"
+#include "lode/models/tetra_mt/collapse_order.h"
 #include "lode/models/tetra_mt/collapse_stars.h"
+#include "lode/models/tetra_mt/field_quadric.h"
 
 namespace lode::tetra_mt {
 
@@ -33,7 +35,7 @@ struct BoundaryLimits {
 
 /// What becomes of a mesh as its edges collapse.
 struct BuildState {
-  explicit BuildState(const TetraMesh& reference);
+  BuildState(const TetraMesh& reference, CollapseOrder order);
   /// Closes the mesh. Fails when a face has more than two tetrahedra.
   [[nodiscard]] Result<void> close(Threads threads);
   /// `tolerance`: what is asked for. Steps of some roundings of narrow positions are none; and all
@@ -60,9 +62,13 @@ struct BuildState {
   std::vector<std::uint32_t> first_sample;       ///< By slot: of those it covers, kNone where none.
   std::vector<std::uint32_t> next_sample;        ///< By removed vertex: the next one there.
   std::size_t n_fields;
-  std::vector<double> scales;  ///< By field: what makes its range 1; 0 where it has none.
-  std::vector<float> errors;   ///< F - F' of removed vertices, by vertex and field, so scaled.
-  std::vector<float> keys;  ///< By vertex: the square that its going adds, as known; or infinite.
+  std::vector<double> scales;    ///< By field: what makes its range 1; 0 where it has none.
+  std::vector<float> errors;     ///< F - F' of removed vertices, by vertex and field, so scaled.
+  std::vector<float> distances;  ///< Likewise how far F' has the value; where these are the order.
+  std::vector<FieldQuadric> quadrics;   ///< By vertex and field; where they are the order.
+  Vec3d centre;                         ///< Of the mesh's box.
+  double size = 1;                      ///< Its diagonal; 1 where it has none.
+  std::vector<float> keys;              ///< By vertex: what its going adds, as known; or infinite.
   std::vector<std::uint8_t> is_there;   ///< By vertex, as long as it is not removed.
   std::vector<std::uint8_t> is_locked;  ///< By vertex: its link is no sphere.
   std::vector<Collapse> collapses;      ///< In an order that can be done again.
@@ -75,6 +81,12 @@ struct BuildState {
   }
   [[nodiscard]] std::span<float> errors_of(std::uint32_t vertex) {
     return std::span(errors).subspan(vertex * n_fields, n_fields);
+  }
+  [[nodiscard]] std::span<float> distances_of(std::uint32_t vertex) {
+    return std::span(distances).subspan(vertex * n_fields, n_fields);
+  }
+  [[nodiscard]] std::span<FieldQuadric> quadrics_of(std::uint32_t vertex) {
+    return std::span(quadrics).subspan(vertex * n_fields, n_fields);
   }
 };
 

@@ -49,4 +49,14 @@ float Fan::error(const StarSamples& samples, std::size_t sample, std::size_t fie
   return samples.values[sample * samples.n_fields + field] - (kept_value[field] + rise);
 }
 
+float Fan::distance(const StarSamples& samples, std::size_t sample, std::size_t field,
+                    std::size_t lane) const {
+  const auto& g = gradients[field];
+  const float slope =
+      std::sqrt(g[0][lane] * g[0][lane] + g[1][lane] * g[1][lane] + g[2][lane] * g[2][lane]);
+  const float difference = std::abs(error(samples, sample, field, lane));
+  const bool is_near = difference < kFarthest * slope;
+  return samples.space_unit * (is_near ? difference / slope : difference == 0 ? 0 : kFarthest);
+}
+
 }  // namespace lode::tetra_mt

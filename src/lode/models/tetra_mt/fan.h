@@ -53,6 +53,9 @@ struct StarSamples {
   std::vector<float> link_values;  ///< By link vertex and field, likewise.
   std::size_t n_fields = 1;
   double cost = 0;  ///< cost_of() all errors, as they are covered now.
+  /// Where distances in space count in place of errors: of these, what makes them shares of the
+  /// mesh's size; else 0.
+  float space_unit = 0;
 };
 
 /// The tetrahedra that come of a collapse, all with the vertex that is kept: lane by lane of the
@@ -71,13 +74,20 @@ struct Fan {
   /// F - F' at a sample that a lane covers.
   [[nodiscard]] float error(const StarSamples& samples, std::size_t sample, std::size_t field,
                             std::size_t lane) const;
+  /// How far from there F' has the value of F, to first order, but no farther than kFarthest; times
+  /// samples.space_unit.
+  [[nodiscard]] float distance(const StarSamples& samples, std::size_t sample, std::size_t field,
+                               std::size_t lane) const;
+
+  static constexpr float kFarthest = 4;  ///< More than a star's size.
 };
 
 /// False where one of the tetrahedra is not of positive volume, by more than rounding. `at`: of the
 /// vertex that is kept, relative to the star's; n_flat: of all lanes, those without a tetrahedron.
 [[nodiscard]] bool make_fan(const StarLanes& star, const Vec3d& at, std::size_t n_flat, Fan& fan);
 
-/// The sum of the costs of the samples or, as soon as it is above `limit`, part of it.
+/// The sum of the costs of the samples' errors, or distances, or, as soon as it is above `limit`,
+/// part of it.
 [[nodiscard]] double cost_of(const Fan& fan, std::size_t n_lanes, const StarSamples& samples,
                              double limit);
 

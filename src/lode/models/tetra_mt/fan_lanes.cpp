@@ -139,10 +139,9 @@ double run_cost(const Fan& fan, std::size_t n_lanes, const StarSamples& samples,
   double sum = 0;
   for (std::size_t s = 0; s < samples.samples.size() && sum <= limit; ++s) {
     const std::size_t lane = run_find(fan, n_lanes, samples, s);
-    for (std::size_t f = 0; f < samples.n_fields; ++f) {
-      const auto error = static_cast<double>(fan.error(samples, s, f, lane));
-      sum += cost_of(error);
-    }
+    for (std::size_t f = 0; f < samples.n_fields; ++f)
+      sum += cost_of(static_cast<double>(samples.space_unit > 0 ? fan.distance(samples, s, f, lane)
+                                                                : fan.error(samples, s, f, lane)));
   }
   return sum;
 }

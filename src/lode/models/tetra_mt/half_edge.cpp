@@ -160,7 +160,7 @@ Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfE
   const double tolerance = options.rules.boundary_tolerance;
   if (!(tolerance >= 0 && std::isfinite(tolerance)))
     return fail("boundary tolerance: expected a distance of at least 0, got {}", tolerance);
-  BuildState state(mesh);
+  BuildState state(mesh, options.rules.order);
   LODE_CHECK(state.close(options.threads));
   state.set_limits(tolerance);
   const double volume = state.volume();

@@ -39,9 +39,10 @@ struct HalfEdgeCollapses {
 
 /// Collapses edges into one of their ends until few cells are left, or none may go: the vertex
 /// first whose going adds least to what errors at all samples cost, for each cell that goes with
-/// it (Cignoni, De Floriani, Magillo, Puppo, Scopigno 2004, section 4.2; half edges: Danovaro, De
-/// Floriani 2005). The mesh stays what it is, topologically; its boundary stays where it is, but
-/// for CollapseRules::boundary_tolerance, and so does each region: what lies between two goes along
+/// it, or as CollapseRules::order says (Cignoni, De Floriani, Magillo, Puppo, Scopigno 2004,
+/// section 4.2; half edges: Danovaro, De Floriani 2005). Errors are measured whatever the order.
+/// The mesh stays what it is, topologically; its boundary stays where it is, but for
+/// CollapseRules::boundary_tolerance, and so does each region: what lies between two goes along
 /// itself alone, lines in which three or more meet along these; no tetrahedron that comes is flat
 /// or turned round; the fields' ranges stay, as no vertex goes whose value is above or below all
 /// beside it. In rounds: each has a limit, and blocks in space in which all up to that go; then
