@@ -1,7 +1,12 @@
 #include "lode/api/tetra_cut_mesh.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <functional>
+#include <span>
+
+#include "lode/models/tetra_mt/space_curve.h"
 
 namespace lode {
 namespace {
@@ -9,19 +14,60 @@ namespace {
 using tetra_mt::HierarchyHead;
 using tetra_mt::kNone;
 using tetra_mt::PackedHierarchy;
+using tetra_mt::SpaceCurve;
 using tetra_mt::TetraCut;
 
-/// Slots of the cells of a cut by their last vertex: as vertices are numbered along a curve in
-/// space, cells that are near come near, whatever the order in which they were made.
-std::vector<std::uint32_t> sorted_cells(const TetraCut& cut, std::uint32_t n_vertices) {
-  std::vector<std::uint32_t> begins(std::size_t{n_vertices} + 1, 0);
+/// Vertices that cells of a cut have, along a curve in space. The hierarchy has them along that one
+/// in a few bands, which are merged.
+std::vector<std::uint32_t> sorted_vertices(const PackedHierarchy& hierarchy, const TetraCut& cut) {
+  std::vector<std::uint8_t> is_used(hierarchy.head().n_vertices(), 0);
   for (const TetraCut::Cell& cell : cut.slots())
-    if (cut.is_inside(cell)) ++begins[std::ranges::max(cell.corners) + std::size_t{1}];
+    if (cut.is_inside(cell))
+      for (const std::uint32_t v : cell.corners) is_used[v] = 1;
+  struct Placed {
+    std::uint64_t place;
+    std::uint32_t vertex;
+  };
+  const SpaceCurve curve(std::array{hierarchy.head().lower, hierarchy.head().upper});
+  std::vector<Placed> placed;
+  std::vector<std::size_t> begins;  // of bands, and the end
+  for (std::uint32_t v = 0; v < is_used.size(); ++v) {
+    if (is_used[v] == 0) continue;
+    const std::uint64_t place = curve(hierarchy.position(v));
+    if (placed.empty() || place < placed.back().place) begins.push_back(placed.size());
+    placed.push_back({place, v});
+  }
+  begins.push_back(placed.size());
+  const auto at = [&](std::size_t band) {
+    return placed.begin() + static_cast<std::ptrdiff_t>(begins[std::min(band, begins.size() - 1)]);
+  };
+  for (std::size_t step = 1; step + 1 < begins.size(); step *= 2)
+    for (std::size_t band = 0; band + step < begins.size(); band += 2 * step)
+      std::inplace_merge(at(band), at(band + step), at(band + 2 * step),
+                         [](const Placed& a, const Placed& b) { return a.place < b.place; });
+  std::vector<std::uint32_t> vertices;
+  vertices.reserve(placed.size());
+  for (const Placed& p : placed) vertices.push_back(p.vertex);
+  return vertices;
+}
+
+/// Slots of the cells of a cut by the last of the numbers that their corners get: cells that are
+/// near come near, whatever the order in which they were made.
+std::vector<std::uint32_t> sorted_cells(const TetraCut& cut, std::span<const std::uint32_t> numbers,
+                                        std::size_t n_vertices) {
+  const auto last_of = [&](const TetraCut::Cell& cell) {
+    std::uint32_t last = 0;
+    for (const std::uint32_t v : cell.corners) last = std::max(last, numbers[v]);
+    return last;
+  };
+  std::vector<std::uint32_t> begins(n_vertices + 1, 0);
+  for (const TetraCut::Cell& cell : cut.slots())
+    if (cut.is_inside(cell)) ++begins[last_of(cell) + std::size_t{1}];
   for (std::size_t v = 1; v < begins.size(); ++v) begins[v] += begins[v - 1];
   std::vector<std::uint32_t> slots(begins.back());
   for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
     const TetraCut::Cell& cell = cut.slots()[slot];
-    if (cut.is_inside(cell)) slots[begins[std::ranges::max(cell.corners)]++] = slot;
+    if (cut.is_inside(cell)) slots[begins[last_of(cell)]++] = slot;
   }
   return slots;
 }
@@ -31,33 +77,29 @@ std::vector<std::uint32_t> sorted_cells(const TetraCut& cut, std::uint32_t n_ver
 std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const TetraFieldUse& fields,
                                      const TetraCut& cut, SimplexMesh& mesh) {
   mesh = {};
-  std::vector<std::uint32_t> vertex_ids;
+  std::vector<std::uint32_t> vertex_ids = sorted_vertices(hierarchy, cut);
   std::vector<std::uint32_t> numbers(hierarchy.head().n_vertices(), kNone);
+  for (std::uint32_t i = 0; i < vertex_ids.size(); ++i) numbers[vertex_ids[i]] = i;
   const std::vector<HierarchyHead::Field>& heads = hierarchy.head().fields;
   for (const std::size_t field : fields.along)
     mesh.attributes.push_back({heads[field].name, heads[field].has_narrow_values, {}});
   const auto error_of = [&](const TetraCut::Cell& cell, std::size_t field) {
     return cell.maker == kNone ? 0.0F : hierarchy.facts(cell.maker, field).error;
   };
-  for (const std::uint32_t slot : sorted_cells(cut, hierarchy.head().n_vertices())) {
+  for (const std::uint32_t slot : sorted_cells(cut, numbers, vertex_ids.size())) {
     const TetraCut::Cell& cell = cut.slots()[slot];
-    mesh.tetrahedra.push_back(cell.corners);
+    auto& corners = mesh.tetrahedra.emplace_back(cell.corners);
+    for (std::uint32_t& v : corners) v = numbers[v];
     mesh.errors.push_back(error_of(cell, fields.measured));
     for (std::size_t i = 0; i < fields.along.size(); ++i)
       mesh.attributes[i].errors.push_back(error_of(cell, fields.along[i]));
     if (hierarchy.head().shape.n_regions > 1)
       mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
-    for (const std::uint32_t v : cell.corners) numbers[v] = 0;
   }
-  for (std::uint32_t v = 0; v < numbers.size(); ++v) {
-    if (numbers[v] == kNone) continue;
-    numbers[v] = static_cast<std::uint32_t>(vertex_ids.size());
-    vertex_ids.push_back(v);
+  for (const std::uint32_t v : vertex_ids) {
     mesh.positions.push_back(hierarchy.position(v));
     mesh.values.push_back(hierarchy.value(v, fields.measured));
   }
-  for (auto& t : mesh.tetrahedra)
-    for (std::uint32_t& v : t) v = numbers[v];
   mesh.has_narrow_values = heads[fields.measured].has_narrow_values;
   for (std::size_t i = 0; i < fields.along.size(); ++i) {
     Attribute& attribute = mesh.attributes[i];

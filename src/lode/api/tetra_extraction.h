@@ -77,7 +77,7 @@ struct TetraSurfaceReport {
 /// The mesh of a cut, and what makes surfaces of all cuts alike.
 struct TetraCutMesh {
   SimplexMesh mesh{};
-  std::vector<std::uint32_t> vertex_ids{};  ///< The hierarchy's numbers of its vertices, ascending.
+  std::vector<std::uint32_t> vertex_ids{};  ///< The hierarchy's numbers of its vertices.
   std::vector<Vec3f> gradients{};           ///< By vertex, for normals; empty: none.
   Vec3d origin{};                           ///< What positions of surfaces are relative to.
   double margin = 0;                        ///< rounding_margin() of the reference mesh.
