@@ -82,10 +82,408 @@ class Cursor:
         expect(self.at == len(self.raw), f"{len(self.raw) - self.at} bytes left over")
 
 
+class Bits:
+    """Coded bits of a block. Models are made when a key first asks for one."""
+
+    def __init__(self, raw):
+        self.raw, self.at, self.models = raw, 0, {}
+        self.r, self.c = 0xFFFFFFFF, 0
+        for _ in range(4):
+            self.c = self.c << 8 | self.next_byte()
+
+    def next_byte(self):
+        self.at += 1
+        return self.raw[self.at - 1] if self.at <= len(self.raw) else 0
+
+    def refill(self):
+        while self.r < 1 << 24:
+            self.r <<= 8
+            self.c = (self.c << 8 | self.next_byte()) & 0xFFFFFFFF
+
+    def bit(self, *key):
+        model = self.models.setdefault(key, [32768, 0])
+        z, s = model
+        b = (self.r >> 16) * z
+        t = 655360 // (10 * s + 16)
+        bit = int(self.c >= b)
+        if bit:
+            self.c, self.r = self.c - b, self.r - b
+            model[0] = z - (z * t >> 16)
+        else:
+            self.r = b
+            model[0] = z + ((65536 - z) * t >> 16)
+        model[1] = min(s + 1, 60)
+        self.refill()
+        return bit
+
+    def one_of(self, n):
+        self.r //= n
+        number = min(self.c // self.r, n - 1)
+        self.c -= self.r * number
+        self.refill()
+        return number
+
+    def plain(self, k):
+        number = 0
+        while k > 0:
+            step = min(k, 16)
+            number, k = number << step | self.one_of(1 << step), k - step
+        return number
+
+    def below(self, n):
+        k = max(0, (n - 1).bit_length() - 16)
+        return self.one_of(((n - 1) >> k) + 1) << k | self.plain(k)
+
+    def symbol(self, k, *key):
+        i = 1
+        for _ in range(k):
+            i = 2 * i + self.bit(*key, "symbol", i)
+        return i - (1 << k)
+
+    def tail(self, k, *key):
+        i = 1
+        for _ in range(min(k, 3)):
+            i = 2 * i + self.bit(*key, "tail", k, i)
+        return i << max(0, k - 3) | self.plain(max(0, k - 3))
+
+    def number(self, *key):
+        return self.tail(min(self.symbol(5, *key), 16), *key) - 1
+
+    def wide(self, *key):
+        k = self.symbol(7, *key)
+        return self.tail(min(k - 1, 63), *key) if k else 0
+
+    def count(self, k, *key):
+        few = self.symbol(k, *key)
+        return few if few < (1 << k) - 1 else few + self.number(*key, "many")
+
+    def signed(self, *key):
+        return unzigzag(self.number(*key))
+
+    def end(self):
+        expect(0 <= self.at - len(self.raw) <= 4, "bytes left over, or missing")
+
+
+def unzigzag(code):
+    return code // 2 if code % 2 == 0 else -(code + 1) // 2
+
+
+def ordered(number, narrow):
+    """Bits of a float as a number that is larger for a larger one."""
+    number = 0.0 * -1 if number == 0 else number
+    width, fmt = (32, "<fI") if narrow else (64, "<dQ")
+    bits = struct.unpack("<" + fmt[2], struct.pack(fmt[:2], number))[0]
+    return bits ^ ((1 << width) - 1 if bits >> (width - 1) else 1 << (width - 1))
+
+
+def unordered(number, narrow):
+    width, fmt = (32, "<fI") if narrow else (64, "<dQ")
+    expect(0 <= number < 1 << width, "no bits of a float")
+    bits = number ^ (1 << (width - 1) if number >> (width - 1) else (1 << width) - 1)
+    found = struct.unpack(fmt[:2], struct.pack("<" + fmt[2], bits))[0]
+    expect(math.isfinite(found), "no finite number")
+    return found
+
+
+def read_coordinates(c, n, narrow):
+    tables = []
+    for axis in range(3):
+        size = c.plain(10)
+        table = [c.wide("first coordinate")] if size else []
+        while len(table) < size:
+            table.append(table[-1] + 1 + c.wide("gap", axis))
+        tables.append(table)
+    at, rows = [0, 0, 0], []
+    for _ in range(n):
+        odd = tuple(at[a] % 2 if tables[a] else 0 for a in range(3))
+        steps, row = (), [0.0, 0.0, 0.0]
+        for axis in (2, 1, 0):
+            if not tables[axis]:
+                difference = unzigzag(c.wide("difference", axis))
+                at[axis] = (at[axis] + difference) % (1 << 64)
+                row[axis] = unordered(at[axis], narrow)
+                continue
+            case = ("step", axis, odd, steps)
+            step = 0
+            while step < 3 and c.bit(*case, step):
+                step += 1
+            if step == 3:
+                is_back = c.bit("is back", axis)
+                by = c.number("far step", axis) + 2
+                at[axis] += -by if is_back else by
+            else:
+                at[axis] += (0, 1, -1)[step]
+            steps += (step,)
+            expect(0 <= at[axis] < len(tables[axis]), "no coordinate of the table")
+            row[axis] = unordered(tables[axis][at[axis]], narrow)
+        rows.append(row)
+    return np.array(rows).reshape(-1, 3)
+
+
+class PageReader:
+    """Links of the nodes of a page; vertices are numbered with the base's first."""
+
+    def __init__(self, file, page, c):
+        self.c, self.m, self.page = c, file.m, page
+        self.n = file.n_page_vertices[page]
+        self.n_pages, self.sizes = file.n_pages, file.n_page_vertices
+        self.first = self.m["B"] + PAGE * page
+
+    def read(self):
+        c, n = self.c, self.n
+        self.positions = read_coordinates(c, n, self.m["narrow"])
+        self.read_counts()
+        self.read_far_vertices()
+        self.children = [
+            self.read_children(i, 0, self.discovered[i])
+            + self.read_children(i, 1, self.n_children[i] - self.discovered[i])
+            for i in range(n)
+        ]
+        places = [[v - self.first for v in kids[:d]] for kids, d in zip(self.children, self.discovered)]
+        self.tree = [[p for p in of if 0 <= p < n] for of in places]
+        self.order = tree_order(self.tree)
+        self.boxes = [None] * n
+        for i in self.order:
+            self.boxes[i] = self.read_box(i)
+        self.far_parents = [
+            [self.read_far("parent", k) for k in range(self.n_far[i])] for i in range(n)
+        ]
+        parents = [list(far) for far in self.far_parents]
+        for i, kids in enumerate(self.children):
+            for v in kids:
+                if 0 <= v - self.first < n:
+                    parents[v - self.first].append(self.first + i)
+        self.parents = [sorted(of) for of in parents]
+        self.targets = []
+        for i in range(n):
+            self.targets.append(self.read_target(i))
+        self.makers = [self.read_makers(i) for i in range(n)]
+        self.regions = self.read_regions()
+        c.end()
+
+    def is_near(self, vertex):
+        return 0 <= vertex - self.first < self.n
+
+    def read_counts(self):
+        c = self.c
+        self.n_children, self.discovered, self.n_far, self.n_makers = [], [], [], []
+        children = far = 0
+        for _ in range(self.n):
+            children = c.count(4, "children", min(children // 2, 4))
+            self.n_children.append(children)
+            self.discovered.append(c.count(4, "discovered", min(children, 12)))
+            far = c.count(4, "far parents", min(far, 6))
+            self.n_far.append(far)
+            makers = 0
+            if children:
+                makers = c.bit("odd makers")
+                makers += 2 * c.count(5, "makers", min(children, 10))
+            self.n_makers.append(makers)
+            expect(makers >= children, "fewer makers than children")
+
+    def read_far_vertices(self):
+        c = self.c
+        self.far = []
+        page = -1
+        for _ in range(c.number("pages")):
+            page += c.wide("page") + 1
+            expect(page < len(self.sizes) and page != self.page, "no other page")
+            begin = PAGE * page + self.m["B"]
+            if page >= self.n_pages:
+                begin = PAGE * (page - self.n_pages)
+            m = c.number("far vertices") + 1
+            place, vertices = -1, []
+            for _ in range(m):
+                place += c.number("far vertex", m.bit_length()) + 1
+                expect(place < self.sizes[page], "a place beyond a page")
+                vertices.append(begin + place)
+            self.far.append([vertices, 0])
+
+    def read_far(self, kind, o):
+        rank = self.c.number("far page", kind, min(o, 2))
+        expect(rank < len(self.far), "a page that is not linked to")
+        entry = self.far.pop(rank)
+        self.far.insert(0, entry)
+        vertices, last = entry
+        if len(vertices) > 1:
+            last += self.c.signed("far place", kind, len(vertices).bit_length())
+        expect(0 <= last < len(vertices), "a far vertex beyond those of its page")
+        entry[1] = last
+        expect(kind == "target" or vertices[last] >= self.m["B"], "a link to no node")
+        return vertices[last]
+
+    def read_children(self, i, which, n):
+        c, out, before, last, n_far = self.c, [], 0, None, 0
+        for _ in range(n):
+            if not c.bit("is near", which, before, min(self.n_children[i], 6)):
+                out.append(self.read_far("child", n_far))
+                before, n_far = 2, n_far + 1
+                continue
+            before = 1
+            if last is None:
+                step = c.signed("first near", which)
+                last = i + (step + 1 if step >= 0 else step)
+            else:
+                others = [p for p in range(self.n) if p > last and p != i]
+                skip = c.number("next near", which)
+                expect(skip < len(others), "a near child beyond the page")
+                last = others[skip]
+            expect(0 <= last < self.n, "a near child beyond the page")
+            out.append(self.first + last)
+        return out
+
+    def read_box(self, i):
+        c, d = self.c, self.discovered[i]
+        least = min((self.boxes[k][0] for k in self.tree[i]), default=17 if d else 16)
+        exponent = c.symbol(4, "exponent", least, min(d, 2))
+        steps = []
+        for k in range(6):
+            size = 2 if k < 2 else int(max(steps) > 3)
+            before = steps[-1] if steps else 8
+            steps.append(c.symbol(3, "box", k, d > 0, before, size))
+        return (exponent, *steps)
+
+    def read_target(self, i):
+        c, parents, own = self.c, self.parents[i], self.first + i
+        n = len(parents)
+        if n and c.bit("is parent", min(n, 6)):
+            for k, v in enumerate(parents[:-1]):
+                if c.bit("which parent", min(n, 6), min(k, 6), self.is_near(v)):
+                    return v
+            return parents[-1]
+        asked = []
+        for v in parents + self.children[i]:
+            if not 0 <= v - self.first < i:
+                continue
+            shared = self.targets[v - self.first]
+            if shared in asked or shared in parents or shared == own:
+                continue
+            if c.bit("is shared", min(len(asked), 6)):
+                return shared
+            asked.append(shared)
+        if c.bit("is near target"):
+            found = own + c.signed("near target")
+            expect(self.is_near(found) and found != own, "a target beyond the page")
+            return found
+        return self.read_far("target", 0)
+
+    def read_makers(self, i):
+        c, n, n_makers = self.c, self.n_children[i], self.n_makers[i]
+        if n == 0:
+            return []
+        d = n + (c.bit("has others", min(n, 6)) if n_makers > n else 0)
+        seen, unseen, out = [], list(range(d)), []
+        for k in range(n_makers):
+            s, u = len(seen), len(unseen)
+            found = None
+            if n_makers - k > u:
+                for place in range(s - 1 if u == 0 else s):
+                    uses = min(out.count(seen[place]), 4)
+                    early = k < n_makers // 3
+                    if c.bit("seen", min(s, 6), min(u, 3), early, min(place, 5), uses):
+                        found = seen[place]
+                        break
+                if found is None and u == 0:
+                    found = seen[-1]
+            if found is None:
+                found = unseen[-1]
+                for place in range(u - 1):
+                    if c.bit("not seen", min(u, 6), min(place, 6)):
+                        found = unseen[place]
+                        break
+            (seen if found in seen else unseen).remove(found)
+            seen.insert(0, found)
+            out.append(found)
+        return out
+
+    def read_regions(self):
+        if len(self.m["regions"]) < 2:
+            return [[] for _ in range(self.n)]
+        out, last = [], 0
+        for _ in range(self.n):
+            out.append([])
+            for _ in range(self.c.count(5, "regions")):
+                if self.c.bit("other region"):
+                    last = self.c.wide("region")
+                out[-1].append(last)
+        return out
+
+
+def tree_order(found):
+    """All nodes of a page, those that each discovers before it."""
+    discoverer, waiting = {}, [len(of) for of in found]
+    for i, of in enumerate(found):
+        for k in of:
+            expect(k not in discoverer, "a node is discovered twice")
+            discoverer[k] = i
+    order = [i for i, n in enumerate(waiting) if n == 0]
+    for k in order:
+        i = discoverer.get(k)
+        if i is not None:
+            waiting[i] -= 1
+            if waiting[i] == 0:
+                order.append(i)
+    expect(len(order) == len(found), "nodes that discover each other")
+    return order
+
+
+def read_values(c, n, knots, narrow):
+    """Values of a page's nodes, and their places."""
+    levels = [ordered(k, narrow) for k in knots]
+    values, places, place = [], [], 32768
+    for _ in range(n):
+        place += c.signed("value")
+        k, j = divmod(place, 256)
+        expect(0 <= k < 256, "a place beyond the knots")
+        number = levels[k]
+        if k == 255:
+            number += c.bit("above the last knot")
+        else:
+            w = levels[k + 1] - number
+            expect(w > 0, "a place between knots that are alike")
+            q = max(0, w.bit_length() - 40)
+            v = ((w - 1) >> q) + 1
+            begin, end = (min(w, (i * v + 255) // 256 << q) for i in (j, j + 1))
+            expect(begin < end, "a place of no values")
+            number += begin + c.below(end - begin)
+        values.append(unordered(number, narrow))
+        places.append(place)
+    return values, places
+
+
+def read_facts(c, places, tree, order, discovered):
+    facts = [None] * len(places)
+    for i in order:
+        a, found = min(places[i] // 16, 4080), tree[i]
+        others = discovered[i] > len(found)
+        if not found:
+            o = c.symbol(5, "error", others)
+            error = o << 7 | c.symbol(2, "quarter", o) << 5
+            error |= c.plain(5)
+            low = (a + c.signed("low", others, max(0, o - 20))) % 4096
+            high = (a + c.signed("high", others, max(1, a - low).bit_length())) % 4096
+        else:
+            case = others, min(discovered[i], 4)
+            error, low, high = facts[found[0]]
+            for k in found[1:]:
+                error = max(error, facts[k][0])
+                low, high = min(low, facts[k][1]), max(high, facts[k][2])
+            error = (error + read_more(c, 0, *case, False)) % 4096
+            lower = (min(low, a) - read_more(c, 1, *case, a < low)) % 4096
+            high = (max(high, a) + read_more(c, 2, *case, a > high)) % 4096
+            low = lower
+        facts[i] = (error, low, high)
+    return [(error, low, high - low) for error, low, high in facts]
+
+
+def read_more(c, *case):
+    return 1 + c.number("by how much", *case) if c.bit("is more", *case) else 0
+
+
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 3, "unknown layout")
+    expect(c.take("I") == 4, "unknown layout")
     m["B"], m["N"], m["narrow"] = c.take("IIB")
     m["n_reference"], m["n_base"], m["T"], m["R"] = c.take("4Q")
     m["box"] = c.take("6d")
@@ -123,9 +521,12 @@ class File:
         self.n_pages = -(-self.m["N"] // PAGE)
         self.n_page_vertices = parts(self.m["N"], PAGE) + parts(self.m["B"], PAGE)
 
-    def open(self, kind, x, level=0):
+    def take(self, kind, x, level=0):
         expect((kind, level, x) in self.blocks, f"no block {kind} {level} {x}")
-        return Cursor(self.library, self.blocks.pop((kind, level, x)))
+        return self.blocks.pop((kind, level, x))
+
+    def open(self, kind, x, level=0):
+        return Cursor(self.library, self.take(kind, x, level))
 
     def read_base(self):
         m = self.m
@@ -156,9 +557,9 @@ class File:
         m = self.m
         self.target, self.children, self.discovered = [], [], []
         self.far_parents, self.makers, self.new_regions = [], [], []
-        self.boxes, positions = [], []
+        self.boxes, self.trees, positions = [], [], []
         for page in range(self.n_pages):
-            self.read_links_of(page, self.n_page_vertices[page], positions)
+            self.read_links_of(page, positions)
         self.positions = np.concatenate([self.base_positions] + positions)
         self.parents = [[] for _ in range(m["N"])]
         for k, children in enumerate(self.children):
@@ -169,58 +570,20 @@ class File:
             here = [p for p in self.parents[k] if p // PAGE == k // PAGE]
             expect(sorted(self.parents[k]) == sorted(here + far), f"parents of node {k}")
 
-    def read_links_of(self, page, n, positions):
-        c = self.open(LINKS, page)
-        positions.append(np.stack([c.floats(n, self.m["narrow"]) for _ in range(3)], axis=1))
-        exponents = c.bytes(n)
-        self.boxes += zip(exponents.tolist(), *(c.bytes(n).tolist() for _ in range(3)))
-        pages = c.numbers(int(c.numbers(1, 2)[0]), 4).astype(int).tolist()
-        n_children, n_discovered, n_far, n_makers = (c.bytes(n).tolist() for _ in range(4))
-        at = (page, pages)
-        targets = self.read_lists(c, [1] * n, at, vertices=True)
-        self.target += [t[0] for t in targets]
-        children = self.read_lists(c, n_children, at)
+    def read_links_of(self, page, positions):
+        B = self.m["B"]
+        p = PageReader(self, page, Bits(self.take(LINKS, page)))
+        p.read()
+        positions.append(p.positions)
+        self.boxes += [(b[0], *(b[k] + 8 * b[k + 1] for k in (1, 3, 5))) for b in p.boxes]
+        self.target += p.targets
+        children = [[v - B for v in of] for of in p.children]
         self.children += children
-        self.discovered += [kids[:d] for kids, d in zip(children, n_discovered)]
-        self.far_parents += self.read_lists(c, n_far, at)
-        makers = c.bytes(sum(n_makers)).tolist()
-        n_regions, regions = [0] * n, []
-        if len(self.m["regions"]) > 1:
-            n_regions = c.bytes(n).tolist()
-            regions = c.numbers(sum(n_regions), 4).astype(int).tolist()
-        for k in range(n):
-            self.makers.append([makers.pop(0) for _ in range(n_makers[k])])
-            self.new_regions.append([regions.pop(0) for _ in range(n_regions[k])])
-        c.end()
-
-    def read_lists(self, c, sizes, at, vertices=False):
-        page, pages = at
-        n = sum(sizes)
-        which = c.numbers(n, 2).astype(int).tolist()
-        here = c.numbers(which.count(0), 2).astype(int).tolist()
-        there = c.numbers(n - len(here), 2).astype(int).tolist()
-        lists, i = [], 0
-        here, there = iter(here), iter(there)
-        for k, size in enumerate(sizes):
-            entries, before = [], None
-            for code in which[i : i + size]:
-                place = next(there) if code else next(here)
-                p = pages[code - 1] if code else page
-                if before is not None and before[0] == p:
-                    place = (place + before[1]) % PAGE
-                elif code == 0 and before is None:
-                    place = (place + k) % PAGE
-                before = (p, place)
-                entries.append(self.number_of(p, place, vertices))
-            lists.append(entries)
-            i += size
-        return lists
-
-    def number_of(self, page, place, vertices):
-        if page < self.n_pages:
-            return PAGE * page + place + (self.m["B"] if vertices else 0)
-        expect(vertices, "a node in a page of the base")
-        return PAGE * (page - self.n_pages) + place
+        self.discovered += [kids[:d] for kids, d in zip(children, p.discovered)]
+        self.far_parents += [[v - B for v in of] for of in p.far_parents]
+        self.makers += p.makers
+        self.new_regions += p.regions
+        self.trees.append((p.tree, p.order, p.discovered))
 
     def read_origins(self):
         pages = []
@@ -244,9 +607,10 @@ class File:
         values, facts = [], []
         for page in range(self.n_pages):
             n = self.n_page_vertices[page]
-            c = self.open(FIELD, page, i)
-            values.append(c.floats(n, f["narrow"]))
-            facts.append(np.stack([c.numbers(n, 2).astype(int) for _ in range(3)], axis=1))
+            c = Bits(self.take(FIELD, page, i))
+            found, places = read_values(c, n, f["knots"].tolist(), f["narrow"])
+            values.append(np.array(found))
+            facts.append(np.array(read_facts(c, places, *self.trees[page])).reshape(-1, 3))
             c.end()
         for page, n in enumerate(self.n_page_vertices):
             c = self.open(GRADIENTS, page, i)

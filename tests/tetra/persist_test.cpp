@@ -181,12 +181,12 @@ TEST(tetra_pages, come_back_from_their_bytes) {
     ASSERT_TRUE(decoded) << decoded.error().message;
     EXPECT_EQ(found, content);
     const NumberedField field = field_of(hierarchy, 0);
-    const FieldContent values =
-        content_of(field, base_of(field, head.shape).scale, head.shape, page);
+    const ValueScale scale = base_of(field, head.shape).scale;
+    const FieldContent values = content_of(field, scale, head.shape, page);
     ASSERT_EQ(values.values.size(), content.n_nodes());
-    const auto bytes = encode_field(values, head.fields[0].has_narrow_values);
-    const auto again =
-        decode_field(bytes, "page", content.n_nodes(), head.fields[0].has_narrow_values);
+    const PageTree tree = PageTree::of(content, page);
+    const auto bytes = encode_field(values, scale, tree, head.fields[0].has_narrow_values);
+    const auto again = decode_field(bytes, "page", scale, tree, head.fields[0].has_narrow_values);
     ASSERT_TRUE(again);
     EXPECT_EQ(*again, values);
     const FieldPage packed(values, head.fields[0].has_narrow_values);

@@ -50,7 +50,7 @@ Result<TetraAttachReport> attach_fields(const std::string& model, const std::str
   auto vertices = opened.mesh_vertices();
   if (!vertices) return vertices.error();
   LODE_TRY(auto appender,
-           tetra_mt::FieldAppender::create(model, opened.hierarchy.head(), output, progress));
+           tetra_mt::FieldAppender::create(model, opened.hierarchy, output, progress));
   TetraAttachReport report;
   while (true) {
     LODE_TRY(const std::optional<TetraStep> step, next());

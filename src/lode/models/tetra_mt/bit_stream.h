@@ -19,20 +19,26 @@ class BitWriter {
   /// `n_bits`: up to 32.
   void write(std::uint32_t number, int n_bits) {
     pending_ |= std::uint64_t{number} << n_pending_;
-    for (n_pending_ += n_bits; n_pending_ >= 8; n_pending_ -= 8, pending_ >>= 8)
-      bytes_.push_back(static_cast<std::uint8_t>(pending_));
+    n_pending_ += n_bits;
+    if (n_pending_ < kFlushBits) return;
+    for (int i = 0; i < kFlushBits; i += 8)
+      bytes_.push_back(static_cast<std::uint8_t>(pending_ >> i));
+    pending_ >>= kFlushBits;
+    n_pending_ -= kFlushBits;
   }
   /// Goes on at a whole byte. Returns which.
   std::size_t align() {
-    if (n_pending_ > 0) bytes_.push_back(static_cast<std::uint8_t>(pending_));
+    for (; n_pending_ > 0; n_pending_ -= 8, pending_ >>= 8)
+      bytes_.push_back(static_cast<std::uint8_t>(pending_));
     pending_ = 0;
     n_pending_ = 0;
     return bytes_.size();
   }
-  /// All of another one; expects to be at a whole byte.
-  void append(BitWriter&& other) {
+  /// All of another one, which is empty then; expects to be at a whole byte.
+  void take_all(BitWriter& other) {
     other.align();
     bytes_.insert(bytes_.end(), other.bytes_.begin(), other.bytes_.end());
+    other.bytes_.clear();
   }
   /// With as many zeros behind as readers may look at.
   [[nodiscard]] std::vector<std::uint8_t> take() && {
@@ -43,6 +49,8 @@ class BitWriter {
   }
 
  private:
+  static constexpr int kFlushBits = 32;
+
   std::vector<std::uint8_t> bytes_;
   std::uint64_t pending_ = 0;
   int n_pending_ = 0;

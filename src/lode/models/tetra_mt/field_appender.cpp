@@ -8,10 +8,11 @@
 
 namespace lode::tetra_mt {
 
-FieldAppender::FieldAppender(HierarchyHead head, store::Writer writer)
-    : head_(std::move(head)), writer_(std::move(writer)) {}
+FieldAppender::FieldAppender(const PackedHierarchy& hierarchy, store::Writer writer)
+    : hierarchy_(&hierarchy), head_(hierarchy.head()), writer_(std::move(writer)) {}
 
-Result<FieldAppender> FieldAppender::create(const std::string& model, HierarchyHead head,
+Result<FieldAppender> FieldAppender::create(const std::string& model,
+                                            const PackedHierarchy& hierarchy,
                                             const std::string& output, Progress& progress) {
   LODE_TRY(const store::Reader reader, store::Reader::open(model));
   LODE_TRY(auto writer, store::Writer::create(output, kModelName, {}));
@@ -22,12 +23,13 @@ Result<FieldAppender> FieldAppender::create(const std::string& model, HierarchyH
     LODE_CHECK(writer.append(
         blocks[i].key, store::encode_block_as(store::Codec::none, {.raw = bytes, .size = 1})));
   }
-  return FieldAppender(std::move(head), std::move(writer));
+  return FieldAppender(hierarchy, std::move(writer));
 }
 
 Result<void> FieldAppender::append(const NumberedField& field,
                                    std::span<const std::uint32_t> gradients, Threads threads) {
-  return append_field(field, gradients, head_, threads, writer_);
+  const auto tree_of = [this](std::uint32_t page) { return hierarchy_->tree_of(page); };
+  return append_field(field, gradients, tree_of, head_, threads, writer_);
 }
 
 Result<std::uint64_t> FieldAppender::finish(const Progress& progress) {

@@ -13,8 +13,9 @@ namespace lode::tetra_mt {
 /// appears whole or not at all.
 class FieldAppender {
  public:
-  /// Copies what is there. `head`: of the model.
-  [[nodiscard]] static Result<FieldAppender> create(const std::string& model, HierarchyHead head,
+  /// Copies what is there. `hierarchy`: the model's, which must outlive the appender.
+  [[nodiscard]] static Result<FieldAppender> create(const std::string& model,
+                                                    const PackedHierarchy& hierarchy,
                                                     const std::string& output, Progress& progress);
 
   /// `gradients`: gradient_code()s by vertex.
@@ -26,8 +27,9 @@ class FieldAppender {
   [[nodiscard]] Result<std::uint64_t> finish(const Progress& progress);
 
  private:
-  FieldAppender(HierarchyHead head, store::Writer writer);
+  FieldAppender(const PackedHierarchy& hierarchy, store::Writer writer);
 
+  const PackedHierarchy* hierarchy_;
   HierarchyHead head_;
   store::Writer writer_;
 };

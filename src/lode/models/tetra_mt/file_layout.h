@@ -3,11 +3,13 @@
 // What save() and open() agree on; docs/format.md, section 7.
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "lode/models/tetra_mt/packed_hierarchy.h"
+#include "lode/models/tetra_mt/page_tree.h"
 #include "lode/store/format.h"
 #include "lode/store/writer.h"
 
@@ -25,7 +27,7 @@ enum class Kind : std::uint32_t {
 };
 
 /// Of the metadata and the blocks; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 3;
+inline constexpr std::uint32_t kLayout = 4;
 
 /// Vertices, tetrahedra or roots of the base in a block.
 inline constexpr std::uint32_t kBasePart = 1U << 16;
@@ -48,11 +50,14 @@ struct BaseCounts {
 [[nodiscard]] Result<HierarchyHead> decode_head(std::span<const std::byte> bytes,
                                                 const std::string& path, BaseCounts& counts);
 
+/// Of a page of nodes; called by many threads at once.
+using TreeOf = std::function<PageTree(std::uint32_t page)>;
+
 /// Writes the blocks of one more field, whose number is that of the head's so far, and tells the
 /// head of it. `gradients`: gradient_code()s by vertex.
 [[nodiscard]] Result<void> append_field(const NumberedField& field,
                                         std::span<const std::uint32_t> gradients,
-                                        HierarchyHead& head, Threads threads,
+                                        const TreeOf& tree_of, HierarchyHead& head, Threads threads,
                                         store::Writer& writer);
 
 }  // namespace lode::tetra_mt

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <functional>
-#include <map>
 #include <span>
 
 namespace lode::tetra_mt {
@@ -47,16 +46,16 @@ class NodePage::Packer {
   void run() {
     list_pages();
     BitWriter bits;
+    BitWriter node;
     for (std::uint32_t i = 0; i < content_.n_nodes(); ++i) {
       const std::size_t begin = bits.align();
       if (i % kGroup == 0) page_.begins_.push_back(static_cast<std::uint32_t>(begin));
-      BitWriter node;
       write_node(i, node);
       const std::size_t length = node.align();
       page_.lengths_.push_back(static_cast<std::uint8_t>(std::min<std::size_t>(length, kLong)));
       if (length >= kLong)
         bits.write(static_cast<std::uint32_t>(length) + kLengthBits / 8, kLengthBits);
-      bits.append(std::move(node));
+      bits.take_all(node);
       page_.has_long_ = page_.has_long_ || length >= kLong;
     }
     page_.lengths_.resize((page_.lengths_.size() + kGroup - 1) / kGroup * kGroup);
@@ -64,28 +63,44 @@ class NodePage::Packer {
   }
 
  private:
+  struct Numbered {
+    std::uint32_t begin;
+    std::uint32_t number;
+  };
+
   [[nodiscard]] std::uint32_t begin_of(std::uint32_t vertex) const {
     const std::uint32_t n_base = shape_.n_base_vertices;
     const std::uint32_t first = vertex < n_base ? 0 : n_base;
     return first + (vertex - first) / kPageNodes * kPageNodes;
   }
   void list_pages() {
-    std::map<std::uint32_t, std::uint32_t> n_links;
-    for (const std::uint32_t v : content_.targets) ++n_links[begin_of(v)];
+    std::vector<std::uint32_t> begins;
+    const auto add = [&](std::uint32_t vertex) {
+      if (const std::uint32_t begin = begin_of(vertex); begin != page_.own_)
+        begins.push_back(begin);
+    };
+    for (const std::uint32_t v : content_.targets) add(v);
     for (const auto* nodes : {&content_.children.items, &content_.parents.items})
-      for (const std::uint32_t node : *nodes) ++n_links[begin_of(shape_.n_base_vertices + node)];
-    n_links.erase(page_.own_);
-    for (const auto& [begin, n] : n_links) page_.pages_.push_back(begin);
-    std::ranges::stable_sort(page_.pages_, std::ranges::greater(),
-                             [&](std::uint32_t begin) { return n_links[begin]; });
-    for (std::uint32_t i = 0; i < page_.pages_.size(); ++i) places_[page_.pages_[i]] = i;
+      for (const std::uint32_t node : *nodes) add(shape_.n_base_vertices + node);
+    std::ranges::sort(begins);
+    for (std::size_t i = 0; i < begins.size(); ++i) {
+      if (i == 0 || begins[i] != begins[i - 1]) places_.push_back({begins[i], 0});
+      ++places_.back().number;
+    }
+    std::vector<Numbered> by_links = places_;
+    std::ranges::stable_sort(by_links, std::ranges::greater(), &Numbered::number);
+    for (std::uint32_t i = 0; i < by_links.size(); ++i) {
+      page_.pages_.push_back(by_links[i].begin);
+      std::ranges::lower_bound(places_, by_links[i].begin, {}, &Numbered::begin)->number = i;
+    }
     if (page_.pages_.size() > 1) page_.n_page_bits_ = bits_for(page_.pages_.size() - 1);
   }
   void write_vertex(std::uint32_t vertex, BitWriter& bits) const {
     const std::uint32_t begin = begin_of(vertex);
     bits.write(begin == page_.own_ ? 0 : 1, 1);
     if (begin != page_.own_) {
-      const std::uint32_t place = places_.at(begin);
+      const std::uint32_t place =
+          std::ranges::lower_bound(places_, begin, {}, &Numbered::begin)->number;
       const bool is_few = place < 1U << kFewBits;
       bits.write(is_few ? 0 : 1, 1);
       bits.write(place, is_few ? kFewBits : page_.n_page_bits_);
@@ -119,7 +134,7 @@ class NodePage::Packer {
   NodePage& page_;
   const PageContent& content_;
   const PageShape& shape_;
-  std::map<std::uint32_t, std::uint32_t> places_;  ///< In pages_.
+  std::vector<Numbered> places_;  ///< In pages_, ascending by where they begin.
 };
 
 NodePage::NodePage(const PageContent& content, std::uint32_t number, const PageShape& shape)

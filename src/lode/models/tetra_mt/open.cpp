@@ -154,11 +154,11 @@ class PageSource {
     LODE_CHECK(decode_links(bytes, name_of(key), page, shape_, content));
     return content;
   }
-  [[nodiscard]] Result<FieldContent> field(std::size_t number, std::uint32_t page) const {
+  [[nodiscard]] Result<FieldContent> field(std::size_t number, std::uint32_t page,
+                                           const PageTree& tree, const ValueScale& scale) const {
     const auto key = key_of(Kind::field, page, static_cast<std::uint32_t>(number));
     LODE_TRY(const auto bytes, read_block(*reader_, key));
-    return decode_field(bytes, name_of(key), vertices_of(shape_, page).n,
-                        fields_[number].has_narrow_values);
+    return decode_field(bytes, name_of(key), scale, tree, fields_[number].has_narrow_values);
   }
   [[nodiscard]] Result<FieldBase> base(std::size_t number) const {
     FieldBase base;
@@ -254,7 +254,8 @@ Result<OpenedHierarchy> open(const std::string& path) {
   PackedHierarchy::Load load{
       [source](std::uint32_t page) { return source->links(page); },
       [source](std::size_t field) { return source->base(field); },
-      [source](std::size_t field, std::uint32_t page) { return source->field(field, page); }};
+      [source](std::size_t field, std::uint32_t page, const PageTree& tree,
+               const ValueScale& scale) { return source->field(field, page, tree, scale); }};
   return OpenedHierarchy{
       PackedHierarchy(std::move(head), std::move(load)),
       [source](std::size_t field, std::uint32_t page) { return source->gradients(field, page); },

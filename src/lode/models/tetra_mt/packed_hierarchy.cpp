@@ -241,12 +241,20 @@ const NodePage& PackedHierarchy::load(std::uint32_t number) const {
   return *pages_->empty;
 }
 
+PageTree PackedHierarchy::tree_of(std::uint32_t page) const {
+  return PageTree::of(page_of(page * kPageNodes), page, vertices_of(head_->shape, page).n);
+}
+
 const FieldPage& PackedHierarchy::load(std::uint32_t number, std::size_t field) const {
-  const std::lock_guard lock(pages_->mutex);
   FieldPages& pages = *pages_->fields[field];
+  // Each of these may load something, too.
+  const PageTree tree = tree_of(number);
+  const ValueScale& scale = base_of(pages).scale;
+  const std::lock_guard lock(pages_->mutex);
   if (const FieldPage* const page = pages.pages.at(number)) return *page;
   const bool is_narrow_field = head_->fields[field].has_narrow_values;
-  if (const auto content = pages_->try_load([&] { return pages_->load.field(field, number); }))
+  if (const auto content =
+          pages_->try_load([&] { return pages_->load.field(field, number, tree, scale); }))
     return pages.pages.put(number, FieldPage(*content, is_narrow_field));
   if (pages.empty == nullptr) {
     const FieldContent nothing{std::vector<double>(kPageNodes), std::vector<FactCodes>(kPageNodes)};

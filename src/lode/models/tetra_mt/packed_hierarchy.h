@@ -15,6 +15,7 @@
 #include "lode/models/tetra_mt/field_page.h"
 #include "lode/models/tetra_mt/hierarchy.h"
 #include "lode/models/tetra_mt/node_page.h"
+#include "lode/models/tetra_mt/page_tree.h"
 
 namespace lode::tetra_mt {
 
@@ -64,7 +65,9 @@ class PackedHierarchy {
   struct Load {
     std::function<Result<PageContent>(std::uint32_t page)> links;
     std::function<Result<FieldBase>(std::size_t field)> base;
-    std::function<Result<FieldContent>(std::size_t field, std::uint32_t page)> field;
+    std::function<Result<FieldContent>(std::size_t field, std::uint32_t page, const PageTree& tree,
+                                       const ValueScale& scale)>
+        field;
   };
 
   /// All of it, in memory. `n_cells`: of the reference mesh.
@@ -85,6 +88,9 @@ class PackedHierarchy {
   [[nodiscard]] NodePage::Links links(std::uint32_t node) const {
     return page_of(node).links(node % kPageNodes);
   }
+
+  /// Of a page of nodes.
+  [[nodiscard]] PageTree tree_of(std::uint32_t page) const;
 
   /// Asks the memory for what is read of a node, if its pages are there.
   void prefetch(std::uint32_t node, std::size_t field) const;

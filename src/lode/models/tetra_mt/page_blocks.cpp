@@ -74,38 +74,4 @@ Result<std::vector<std::uint32_t>> read_differences_of(StreamReader& in, std::si
   return numbers;
 }
 
-std::vector<std::byte> encode_field(const FieldContent& content, bool is_narrow) {
-  std::vector<std::uint16_t> errors;
-  std::vector<std::uint16_t> lows;
-  std::vector<std::uint16_t> widths;
-  for (const FactCodes& codes : content.facts) {
-    errors.push_back(codes.error);
-    lows.push_back(codes.low);
-    widths.push_back(static_cast<std::uint16_t>(codes.high - codes.low));
-  }
-  StreamWriter out;
-  write_numbers(content.values, 1, is_narrow, out);
-  for (const auto* column : {&errors, &lows, &widths})
-    out.add_planes(std::span<const std::uint16_t>(*column));
-  return std::move(out).take();
-}
-
-Result<FieldContent> decode_field(std::span<const std::byte> bytes, const std::string& what,
-                                  std::size_t n, bool is_narrow) {
-  StreamReader in(bytes, what);
-  FieldContent content;
-  LODE_TRY(content.values, read_numbers(in, n, 1, is_narrow));
-  LODE_TRY(const auto errors, in.read_planes<std::uint16_t>(n));
-  LODE_TRY(const auto lows, in.read_planes<std::uint16_t>(n));
-  LODE_TRY(const auto widths, in.read_planes<std::uint16_t>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    if (lows[i] > ValueScale::kLargest || widths[i] > ValueScale::kLargest - lows[i])
-      return fail("{}: expected ranges of codes up to {}, got {} and {} more", what,
-                  ValueScale::kLargest, lows[i], widths[i]);
-    content.facts.push_back({errors[i], lows[i], static_cast<std::uint16_t>(lows[i] + widths[i])});
-  }
-  LODE_CHECK(in.expect_end());
-  return content;
-}
-
 }  // namespace lode::tetra_mt

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lode/core/result.h"
-#include "lode/models/tetra_mt/node_page.h"
+#include "lode/models/tetra_mt/page_tree.h"
 
 namespace lode::tetra_mt {
 
@@ -15,17 +15,19 @@ namespace lode::tetra_mt {
 [[nodiscard]] std::vector<std::byte> encode_links(const PageContent& content, std::uint32_t number,
                                                   const PageShape& shape);
 /// and what they have for one.
-[[nodiscard]] std::vector<std::byte> encode_field(const FieldContent& content, bool is_narrow);
+[[nodiscard]] std::vector<std::byte> encode_field(const FieldContent& content,
+                                                  const ValueScale& scale, const PageTree& tree,
+                                                  bool is_narrow);
 
 /// Fills what encode_links() wrote. Fails on whatever NodePage does not expect. what: the block,
 /// for messages.
 [[nodiscard]] Result<void> decode_links(std::span<const std::byte> bytes, const std::string& what,
                                         std::uint32_t number, const PageShape& shape,
                                         PageContent& content);
-/// What encode_field() wrote of n nodes.
+/// What encode_field() wrote, with the tree of the page's links.
 [[nodiscard]] Result<FieldContent> decode_field(std::span<const std::byte> bytes,
-                                                const std::string& what, std::size_t n,
-                                                bool is_narrow);
+                                                const std::string& what, const ValueScale& scale,
+                                                const PageTree& tree, bool is_narrow);
 
 /// As coded differences from the one before.
 void write_differences_of(std::span<const std::uint32_t> numbers, class StreamWriter& out);

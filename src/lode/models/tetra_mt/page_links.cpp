@@ -1,379 +1,356 @@
-// How nodes of a page are linked, as columns: docs/format.md, section 7.
+// How nodes of a page are linked, as bits: docs/format.md, section 7.
 
 #include <algorithm>
-#include <functional>
-#include <map>
+#include <numeric>
 #include <utility>
 
-#include "lode/models/tetra_mt/byte_streams.h"
+#include "lode/models/tetra_mt/box_steps.h"
+#include "lode/models/tetra_mt/far_links.h"
+#include "lode/models/tetra_mt/maker_codes.h"
 #include "lode/models/tetra_mt/page_blocks.h"
+#include "lode/models/tetra_mt/position_codes.h"
 
 namespace lode::tetra_mt {
 namespace {
 
-constexpr std::uint32_t kOffsetMask = kPageNodes - 1;
+using ListCounts = std::vector<std::uint32_t>;
 
-/// Pages of nodes, then those of the base's vertices.
-class PageNumbers {
+/// Codes a page from first to last; a writer what it is given, and then all it makes is the same.
+template <typename Coder>
+class LinkCoder {
  public:
-  explicit PageNumbers(const PageShape& shape) : shape_(shape) {}
-
-  [[nodiscard]] std::uint32_t n_pages() const {
-    return shape_.n_pages() + n_pages_of(shape_.n_base_vertices);
-  }
-  [[nodiscard]] bool is_of_nodes(std::uint32_t page) const { return page < shape_.n_pages(); }
-  [[nodiscard]] std::uint32_t page_of(std::uint32_t vertex) const {
-    const std::uint32_t n_base = shape_.n_base_vertices;
-    return vertex < n_base ? shape_.n_pages() + vertex / kPageNodes
-                           : (vertex - n_base) / kPageNodes;
-  }
-  [[nodiscard]] std::uint32_t offset_of(std::uint32_t vertex) const {
-    const std::uint32_t n_base = shape_.n_base_vertices;
-    return (vertex < n_base ? vertex : vertex - n_base) & kOffsetMask;
-  }
-  /// kNone where there is none.
-  [[nodiscard]] std::uint32_t vertex(std::uint32_t page, std::uint32_t offset) const {
-    const std::uint32_t n_base = shape_.n_base_vertices;
-    if (is_of_nodes(page)) {
-      const std::uint32_t node = page * kPageNodes + offset;
-      return node < shape_.n_nodes ? n_base + node : kNone;
-    }
-    const std::uint32_t base = (page - shape_.n_pages()) * kPageNodes + offset;
-    return base < n_base ? base : kNone;
-  }
-
- private:
-  const PageShape& shape_;
-};
-
-/// What offsets are counted from: along a list that before where it is of the same page, else the
-/// node that has the list where it is of its own.
-class Counting {
- public:
-  explicit Counting(std::uint32_t own) : own_(own) {}
-
-  void start(std::uint32_t i) {
-    last_page_ = kNone;
-    last_offset_ = i;
-  }
-  [[nodiscard]] std::uint32_t from(std::uint32_t page) const {
-    if (page == last_page_) return last_offset_;
-    return page == own_ && last_page_ == kNone ? last_offset_ : 0;
-  }
-  void note(std::uint32_t page, std::uint32_t offset) {
-    last_page_ = page;
-    last_offset_ = offset;
-  }
-
- private:
-  std::uint32_t own_;
-  std::uint32_t last_page_ = kNone;
-  std::uint32_t last_offset_ = 0;
-};
-
-/// Links of one kind: places of their pages in the table, 0 for the page itself; offsets of those
-/// in the page, and of others.
-struct LinkColumns {
-  std::vector<std::uint16_t> places;
-  std::vector<std::uint16_t> own;
-  std::vector<std::uint16_t> others;
-};
-
-class LinkEncoder {
- public:
-  LinkEncoder(const PageContent& content, std::uint32_t number, const PageShape& shape)
-      : content_(content), number_(number), shape_(shape), numbers_(shape) {}
-
-  std::vector<std::byte> run() {
-    collect();
-    make_table();
-    StreamWriter out;
-    std::vector<double> coordinates;
-    for (const Vec3d& p : content_.positions)
-      coordinates.insert(coordinates.end(), p.v.begin(), p.v.end());
-    write_numbers(coordinates, 3, shape_.has_narrow_positions, out);
-    write_boxes(out);
-    const std::uint16_t n_pages[]{static_cast<std::uint16_t>(table_.size())};
-    out.add_planes(std::span<const std::uint16_t>(n_pages));
-    out.add_planes(std::span<const std::uint32_t>(table_));
-    write_counts(out);
-    for (const Wanted& kind : {targets_, children_, parents_}) write(kind, out);
-    out.add(content_.makers.items);
-    if (shape_.n_regions > 1) write_regions(out);
-    return std::move(out).take();
-  }
-
- private:
-  struct Link {
-    std::uint32_t i;  ///< The node that has it.
-    std::uint32_t vertex;
-  };
-  using Wanted = std::vector<Link>;
-
-  void collect() {
-    for (std::uint32_t i = 0; i < content_.n_nodes(); ++i) {
-      targets_.push_back({i, content_.targets[i]});
-      for (const std::uint32_t child : content_.children[i])
-        children_.push_back({i, shape_.n_base_vertices + child});
-      for (const std::uint32_t parent : content_.parents[i])
-        if (parent / kPageNodes != number_)
-          parents_.push_back({i, shape_.n_base_vertices + parent});
-    }
-  }
-  void make_table() {
-    std::map<std::uint32_t, std::uint32_t> n_links;
-    for (const Wanted* kind : {&targets_, &children_, &parents_})
-      for (const Link& link : *kind) ++n_links[numbers_.page_of(link.vertex)];
-    n_links.erase(number_);
-    for (const auto& [page, n] : n_links) table_.push_back(page);
-    std::ranges::stable_sort(table_, std::ranges::greater(),
-                             [&](std::uint32_t page) { return n_links[page]; });
-    places_[number_] = 0;
-    for (std::size_t i = 0; i < table_.size(); ++i)
-      places_[table_[i]] = static_cast<std::uint16_t>(i + 1);
-  }
-  /// Exponents, then what is below and above along each axis.
-  void write_boxes(StreamWriter& out) const {
-    std::vector<std::uint8_t> column(content_.n_nodes());
-    for (int at = 0, n = BoxCodes::kExponentBits; at < BoxCodes::kBits;
-         at += n, n = BoxCodes::kAxisBits) {
-      for (std::size_t i = 0; i < column.size(); ++i)
-        column[i] = static_cast<std::uint8_t>(content_.boxes[i] >> at & ((1U << n) - 1));
-      out.add(column);
-    }
-  }
-  void write_regions(StreamWriter& out) const {
-    std::vector<std::uint8_t> counts;
-    for (std::size_t i = 0; i < content_.n_nodes(); ++i)
-      counts.push_back(static_cast<std::uint8_t>(content_.regions[i].size()));
-    out.add(counts);
-    out.add_planes(std::span<const std::uint32_t>(content_.regions.items));
-  }
-  void write_counts(StreamWriter& out) const {
-    std::vector<std::uint8_t> n_children;
-    std::vector<std::uint8_t> n_parents(content_.n_nodes(), 0);
-    std::vector<std::uint8_t> n_makers;
-    for (const Link& link : parents_) ++n_parents[link.i];
-    for (std::size_t i = 0; i < content_.n_nodes(); ++i) {
-      n_children.push_back(static_cast<std::uint8_t>(content_.children[i].size()));
-      n_makers.push_back(static_cast<std::uint8_t>(content_.makers[i].size()));
-    }
-    out.add(n_children);
-    out.add(content_.n_discovered);
-    out.add(n_parents);
-    out.add(n_makers);
-  }
-  void write(const Wanted& links, StreamWriter& out) const {
-    LinkColumns columns;
-    Counting counting(number_);
-    std::uint32_t last = kNone;
-    for (const Link& link : links) {
-      if (std::exchange(last, link.i) != link.i) counting.start(link.i);
-      const std::uint32_t page = numbers_.page_of(link.vertex);
-      const std::uint32_t offset = numbers_.offset_of(link.vertex);
-      columns.places.push_back(places_.at(page));
-      (page == number_ ? columns.own : columns.others)
-          .push_back(static_cast<std::uint16_t>((offset - counting.from(page)) & kOffsetMask));
-      counting.note(page, offset);
-    }
-    for (const auto* column : {&columns.places, &columns.own, &columns.others})
-      out.add_planes(std::span<const std::uint16_t>(*column));
-  }
-
-  const PageContent& content_;
-  std::uint32_t number_;
-  const PageShape& shape_;
-  PageNumbers numbers_;
-  std::vector<std::uint32_t> table_;
-  std::map<std::uint32_t, std::uint16_t> places_;
-  Wanted targets_;
-  Wanted children_;
-  Wanted parents_;  ///< Of other pages: the rest follow from children.
-};
-
-class LinkDecoder {
- public:
-  LinkDecoder(StreamReader& in, std::uint32_t number, const PageShape& shape, PageContent& content)
-      : in_(in), number_(number), shape_(shape), numbers_(shape), content_(content) {}
+  LinkCoder(Coder& coder, const PageContent* given, std::uint32_t number, const PageShape& shape,
+            const std::string& what, PageContent& made)
+      : coder_(coder),
+        given_(given),
+        number_(number),
+        shape_(shape),
+        what_(what),
+        made_(made),
+        n_(vertices_of(shape, number).n),
+        far_(coder, shape, number, what),
+        makers_(coder) {}
 
   Result<void> run() {
-    const std::size_t n = std::min(kPageNodes, shape_.n_nodes - number_ * kPageNodes);
-    LODE_TRY(const auto coordinates, read_numbers(in_, n, 3, shape_.has_narrow_positions));
-    for (std::size_t i = 0; i < n; ++i)
-      content_.positions.push_back(
-          {{coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]}});
-    LODE_CHECK(read_boxes(n));
-    LODE_CHECK(read_table());
-    LODE_TRY(const auto n_children, in_.read(n));
-    LODE_TRY(content_.n_discovered, in_.read(n));
-    LODE_TRY(const auto n_parents, in_.read(n));
-    LODE_TRY(const auto n_makers, in_.read(n));
-    for (std::size_t i = 0; i < n; ++i)
-      if (std::max({n_children[i], n_parents[i], n_makers[i]}) > kMaxBrought ||
-          content_.n_discovered[i] > n_children[i] || (n_makers[i] > 0 && n_children[i] == 0))
-        return fail("{}: node {}: expected up to {} links of each kind, got {}, {}, {} and {}",
-                    in_.what(), i, kMaxBrought, n_children[i], content_.n_discovered[i],
-                    n_parents[i], n_makers[i]);
-    LODE_TRY(const auto targets, read_links(std::vector<std::uint8_t>(n, 1), true));
-    content_.targets = targets.items;
-    LODE_TRY(content_.children, read_links(n_children, false));
-    LODE_TRY(const auto parents, read_links(n_parents, false));
-    LODE_CHECK(check_children());
-    LODE_CHECK(join_parents(parents));
-    LODE_CHECK(read_makers(n_makers));
-    return read_regions();
+    made_.positions.resize(n_);
+    if (given_ != nullptr) made_.positions = given_->positions;
+    LODE_CHECK(code_positions(coder_, shape_.has_narrow_positions, what_, made_.positions));
+    for (std::uint32_t i = 0; i < n_; ++i) LODE_CHECK(code_counts(i));
+    LODE_CHECK(far_.code_table(far_vertices(), most_links_));
+    for (std::uint32_t i = 0; i < n_; ++i) LODE_CHECK(code_children(i));
+    LODE_CHECK(code_boxes());
+    LODE_CHECK(code_parents());
+    for (std::uint32_t i = 0; i < n_; ++i) LODE_CHECK(code_target(i));
+    for (std::uint32_t i = 0; i < n_; ++i) code_makers(i);
+    for (std::uint32_t i = 0; i < n_; ++i) LODE_CHECK(code_regions(i));
+    return {};
   }
 
  private:
-  Result<void> read_table() {
-    LODE_TRY(const auto size, in_.read_planes<std::uint16_t>(1));
-    LODE_TRY(table_, in_.read_planes<std::uint32_t>(size[0]));
-    for (const std::uint32_t page : table_)
-      if (page >= numbers_.n_pages() || page == number_)
-        return fail("{}: expected numbers of {} pages but {}, got {}", in_.what(),
-                    numbers_.n_pages(), number_, page);
-    table_.insert(table_.begin(), number_);
+  static constexpr std::uint32_t kFew = 6;  ///< Contexts tell apart counts up to this.
+
+  [[nodiscard]] std::uint32_t first_node() const { return number_ * kPageNodes; }
+  [[nodiscard]] bool is_near(std::uint32_t node) const { return node - first_node() < n_; }
+  /// What is of the page, of a vertex: its place, else n_ or more.
+  [[nodiscard]] std::uint32_t place_of(std::uint32_t vertex) const {
+    return vertex - shape_.n_base_vertices - first_node();
+  }
+  [[nodiscard]] std::uint32_t vertex_at(std::uint32_t place) const {
+    return shape_.n_base_vertices + first_node() + place;
+  }
+
+  /// What links lead to in other pages, for a writer.
+  [[nodiscard]] std::vector<std::uint32_t> far_vertices() const {
+    std::vector<std::uint32_t> vertices;
+    if (given_ == nullptr) return vertices;
+    for (const auto* nodes : {&given_->children.items, &given_->parents.items})
+      for (const std::uint32_t node : *nodes)
+        if (!is_near(node)) vertices.push_back(shape_.n_base_vertices + node);
+    for (const std::uint32_t v : given_->targets)
+      if (place_of(v) >= n_) vertices.push_back(v);
+    return vertices;
+  }
+
+  Result<void> code_counts(std::uint32_t i) {
+    std::uint32_t n_children = 0;
+    std::uint32_t n_discovered = 0;
+    std::uint32_t n_parents = 0;
+    std::uint32_t n_makers = 0;
+    if (given_ != nullptr) {
+      n_children = static_cast<std::uint32_t>(given_->children[i].size());
+      n_discovered = given_->n_discovered[i];
+      const auto is_far = [&](std::uint32_t node) { return !is_near(node); };
+      n_parents = static_cast<std::uint32_t>(std::ranges::count_if(given_->parents[i], is_far));
+      n_makers = static_cast<std::uint32_t>(given_->makers[i].size());
+    }
+    n_children = counts_.children[std::min(last_n_children_ / 2, 4U)].code(coder_, n_children);
+    n_discovered = counts_.discovered[std::min(n_children, 12U)].code(coder_, n_discovered);
+    n_parents = counts_.parents[std::min(last_n_parents_, kFew)].code(coder_, n_parents);
+    if (n_children > 0) {
+      const bool is_odd = coder_.bit(counts_.is_odd, (n_makers & 1) != 0);
+      n_makers = 2 * counts_.makers[std::min(n_children, 10U)].code(coder_, n_makers / 2);
+      n_makers += is_odd ? 1 : 0;
+    }
+    if (std::max({n_children, n_parents, n_makers}) > kMaxBrought || n_discovered > n_children ||
+        n_makers < n_children)
+      return fail("{}: node {}: expected up to {} links of each kind, got {}, {}, {} and {}", what_,
+                  i, kMaxBrought, n_children, n_discovered, n_parents, n_makers);
+    last_n_children_ = n_children;
+    last_n_parents_ = n_parents;
+    n_children_.push_back(n_children);
+    n_far_parents_.push_back(n_parents);
+    n_makers_.push_back(n_makers);
+    made_.n_discovered.push_back(static_cast<std::uint8_t>(n_discovered));
+    most_links_ += n_children + n_parents + 1;
     return {};
   }
 
-  Result<void> read_boxes(std::size_t n_nodes) {
-    content_.boxes.assign(n_nodes, 0);
-    for (int at = 0, n = BoxCodes::kExponentBits; at < BoxCodes::kBits;
-         at += n, n = BoxCodes::kAxisBits) {
-      LODE_TRY(const auto column, in_.read(n_nodes));
-      for (std::size_t i = 0; i < n_nodes; ++i) {
-        if (column[i] >> n != 0)
-          return fail("{}: node {}: expected parts of a box of {} bits, got {}", in_.what(), i, n,
-                      column[i]);
-        content_.boxes[i] |= std::uint32_t{column[i]} << at;
+  Result<void> code_children(std::uint32_t i) {
+    const std::uint32_t n_discovered = made_.n_discovered[i];
+    LODE_CHECK(code_children(i, 0, 0, n_discovered));
+    LODE_CHECK(code_children(i, 1, n_discovered, n_children_[i]));
+    made_.children.end_list();
+    const auto children = made_.children[i];
+    scratch_.assign(children.begin(), children.end());
+    std::ranges::sort(scratch_);
+    if (std::ranges::adjacent_find(scratch_) != scratch_.end())
+      return fail("{}: node {}: expected children that differ", what_, i);
+    return {};
+  }
+  /// Those from one place of its list to another, of which each group has models of its own.
+  Result<void> code_children(std::uint32_t i, std::size_t group, std::uint32_t from,
+                             std::uint32_t to) {
+    std::uint32_t last_place = n_;  // n_: none
+    std::uint32_t n_far = 0;
+    std::size_t last = 0;  // 0: none, 1: near, 2: far
+    for (std::uint32_t k = from; k < to; ++k) {
+      const std::uint32_t given = given_ != nullptr ? given_->children[i][k] : 0;
+      BitModel& model = is_near_[group][last][std::min(n_children_[i], kFew)];
+      const bool is_child_near = coder_.bit(model, is_near(given));
+      last = is_child_near ? 1 : 2;
+      if (is_child_near) {
+        LODE_TRY(last_place, code_near(i, group, last_place, given - first_node()));
+        made_.children.items.push_back(first_node() + last_place);
+        continue;
       }
+      LODE_TRY(const std::uint32_t vertex,
+               far_.code(FarLinks<Coder>::child, n_far++, shape_.n_base_vertices + given));
+      LODE_CHECK(expect_node(i, vertex));
+      made_.children.items.push_back(vertex - shape_.n_base_vertices);
     }
     return {};
   }
+  /// The first one from the node's own place, which it is not, others from the last one on.
+  Result<std::uint32_t> code_near(std::uint32_t i, std::size_t group, std::uint32_t last,
+                                  std::uint32_t given) {
+    std::uint32_t found = 0;
+    if (last == n_) {
+      const auto step = static_cast<std::int32_t>(given - i);
+      const std::int32_t code =
+          unfolded(first_near_[group].code(coder_, folded(step > 0 ? step - 1 : step)));
+      found = i + static_cast<std::uint32_t>(code >= 0 ? code + 1 : code);
+    } else {
+      const std::uint32_t skipped = last < i && given > i ? 1 : 0;
+      found = last + 1 + next_near_[group].code(coder_, given - last - 1 - skipped);
+      if (last < i && found >= i) ++found;
+    }
+    if (found < n_) return found;
+    return fail("{}: node {}: expected a link to one of {} nodes, got {}", what_, i, n_, found);
+  }
+  Result<void> expect_node(std::uint32_t i, std::uint32_t vertex) const {
+    if (vertex >= shape_.n_base_vertices) return {};
+    return fail("{}: node {}: expected a link to a node, got vertex {}", what_, i, vertex);
+  }
 
-  /// Vertices, or nodes, by node. `counts`: how many each has.
-  Result<Lists<std::uint32_t>> read_links(const std::vector<std::uint8_t>& counts,
-                                          bool may_be_base) {
-    std::size_t n = 0;
-    for (const std::uint8_t count : counts) n += count;
-    LODE_TRY(const auto places, in_.read_planes<std::uint16_t>(n));
-    const auto n_own = static_cast<std::size_t>(std::ranges::count(places, 0));
-    LODE_TRY(const auto own, in_.read_planes<std::uint16_t>(n_own));
-    LODE_TRY(const auto others, in_.read_planes<std::uint16_t>(n - n_own));
+  Result<void> code_boxes() {
+    const PageTree tree = PageTree::of(made_, number_);
+    if (tree.order.size() < n_)
+      return fail("{}: expected nodes that do not discover each other", what_);
+    made_.boxes.resize(n_);
+    if (given_ != nullptr) made_.boxes = given_->boxes;
+    BoxSteps<Coder>(coder_).code(tree, made_.boxes);
+    return {};
+  }
+
+  /// Those in the page follow from children.
+  Result<void> code_parents() {
+    const Lists<std::uint32_t> near = near_parents();
+    for (std::uint32_t i = 0; i < n_; ++i) {
+      scratch_.assign(near[i].begin(), near[i].end());
+      std::uint32_t at = 0;
+      for (std::uint32_t k = 0; k < n_far_parents_[i]; ++k) {
+        std::uint32_t given = 0;
+        if (given_ != nullptr) {
+          while (is_near(given_->parents[i][at])) ++at;
+          given = given_->parents[i][at++];
+        }
+        LODE_TRY(const std::uint32_t vertex,
+                 far_.code(FarLinks<Coder>::parent, k, shape_.n_base_vertices + given));
+        LODE_CHECK(expect_node(i, vertex));
+        scratch_.push_back(vertex - shape_.n_base_vertices);
+      }
+      std::ranges::sort(scratch_);
+      if (std::ranges::adjacent_find(scratch_) != scratch_.end() || scratch_.size() > kMaxBrought)
+        return fail("{}: node {}: expected up to {} parents that differ", what_, i, kMaxBrought);
+      made_.parents.items.insert(made_.parents.items.end(), scratch_.begin(), scratch_.end());
+      made_.parents.end_list();
+    }
+    return {};
+  }
+  [[nodiscard]] Lists<std::uint32_t> near_parents() const {
     Lists<std::uint32_t> lists;
-    Counting counting(number_);
-    auto next_own = own.begin();
-    auto next_other = others.begin();
-    auto next_place = places.begin();
-    for (std::uint32_t i = 0; i < counts.size(); ++i) {
-      counting.start(i);
-      for (std::uint32_t k = 0; k < counts[i]; ++k) {
-        const std::uint16_t place = *next_place++;
-        if (place >= table_.size())
-          return fail("{}: node {}: expected places of {} pages, got {}", in_.what(), i,
-                      table_.size(), place);
-        const std::uint32_t page = table_[place];
-        const std::uint32_t difference = place == 0 ? *next_own++ : *next_other++;
-        const std::uint32_t offset = (difference + counting.from(page)) & kOffsetMask;
-        counting.note(page, offset);
-        LODE_TRY(const std::uint32_t vertex, checked_vertex(i, page, offset, may_be_base));
-        lists.items.push_back(may_be_base ? vertex : vertex - shape_.n_base_vertices);
-      }
-      lists.end_list();
-    }
+    lists.begins.assign(n_ + 1, 0);
+    for (const std::uint32_t child : made_.children.items)
+      if (is_near(child)) ++lists.begins[child - first_node() + 1];
+    std::partial_sum(lists.begins.begin(), lists.begins.end(), lists.begins.begin());
+    lists.items.resize(lists.begins.back());
+    std::vector<std::uint32_t> ends(lists.begins.begin(), lists.begins.end() - 1);
+    for (std::uint32_t i = 0; i < n_; ++i)
+      for (const std::uint32_t child : made_.children[i])
+        if (is_near(child)) lists.items[ends[child - first_node()]++] = first_node() + i;
     return lists;
   }
-  Result<std::uint32_t> checked_vertex(std::uint32_t i, std::uint32_t page, std::uint32_t offset,
-                                       bool may_be_base) const {
-    const std::uint32_t vertex = numbers_.vertex(page, offset);
-    const std::uint32_t self = shape_.n_base_vertices + number_ * kPageNodes + i;
-    if (vertex == kNone || vertex == self || (!may_be_base && !numbers_.is_of_nodes(page)))
-      return fail("{}: node {}: expected a link to another {}, got page {}, place {}", in_.what(),
-                  i, may_be_base ? "vertex" : "node", page, offset);
-    return vertex;
-  }
-  Result<void> check_children() const {
-    for (std::uint32_t i = 0; i < content_.n_nodes(); ++i) {
-      const auto children = content_.children[i];
-      std::vector<std::uint32_t> sorted(children.begin(), children.end());
-      std::ranges::sort(sorted);
-      if (std::ranges::adjacent_find(sorted) != sorted.end())
-        return fail("{}: node {}: expected children that differ", in_.what(), i);
+
+  /// A parent's vertex, the target of a node beside it, or another vertex.
+  Result<void> code_target(std::uint32_t i) {
+    const std::uint32_t given = given_ != nullptr ? given_->targets[i] : 0;
+    const std::uint32_t none = ~0U;
+    std::uint32_t found = code_parent_target(i, given, none);
+    if (found == none) found = code_shared_target(i, given, none);
+    if (found == none && coder_.bit(is_target_near_, place_of(given) < n_)) {
+      const auto step = static_cast<std::int32_t>(place_of(given) - i);
+      found = vertex_at(
+          i + static_cast<std::uint32_t>(unfolded(near_targets_.code(coder_, folded(step)))));
+      if (place_of(found) >= n_ || place_of(found) == i)
+        return fail("{}: node {}: expected another vertex of the page, got {}", what_, i, found);
+    } else if (found == none) {
+      LODE_TRY(found, far_.code(FarLinks<Coder>::target, 0, given));
     }
+    made_.targets.push_back(found);
     return {};
   }
-  Result<void> join_parents(const Lists<std::uint32_t>& others) {
-    const std::uint32_t first = number_ * kPageNodes;
-    std::vector<std::vector<std::uint32_t>> parents(content_.n_nodes());
-    for (std::uint32_t i = 0; i < content_.n_nodes(); ++i) {
-      parents[i].insert(parents[i].end(), others[i].begin(), others[i].end());
-      for (const std::uint32_t child : content_.children[i])
-        if (child / kPageNodes == number_) parents[child - first].push_back(first + i);
+  std::uint32_t code_parent_target(std::uint32_t i, std::uint32_t given, std::uint32_t none) {
+    const auto parents = made_.parents[i];
+    const auto n = static_cast<std::uint32_t>(parents.size());
+    const bool is_given =
+        std::ranges::find(parents, given - shape_.n_base_vertices) != parents.end();
+    if (n == 0 || !coder_.bit(is_parent_[std::min(n, kFew)], is_given)) return none;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t vertex = shape_.n_base_vertices + parents[k];
+      auto& models = which_parent_[std::min(n, kFew)][std::min(k, kFew)];
+      if (k + 1 == n || coder_.bit(models[is_near(parents[k]) ? 1 : 0], vertex == given))
+        return vertex;
     }
-    for (std::uint32_t i = 0; i < content_.n_nodes(); ++i) {
-      std::ranges::sort(parents[i]);
-      if (std::ranges::adjacent_find(parents[i]) != parents[i].end() ||
-          parents[i].size() > kMaxBrought)
-        return fail("{}: node {}: expected up to {} parents that differ", in_.what(), i,
-                    kMaxBrought);
-      content_.parents.items.insert(content_.parents.items.end(), parents[i].begin(),
-                                    parents[i].end());
-      content_.parents.end_list();
-    }
-    return {};
+    return none;
   }
-  Result<void> read_makers(const std::vector<std::uint8_t>& counts) {
-    for (const std::uint8_t count : counts)
-      content_.makers.begins.push_back(content_.makers.begins.back() + count);
-    LODE_TRY(content_.makers.items, in_.read(content_.makers.begins.back()));
-    for (std::uint32_t i = 0; i < content_.n_nodes(); ++i)
-      for (const std::uint8_t maker : content_.makers[i])
-        if (maker > content_.children[i].size())
-          return fail("{}: node {}: expected places of {} children, got {}", in_.what(), i,
-                      content_.children[i].size(), maker);
+  std::uint32_t code_shared_target(std::uint32_t i, std::uint32_t given, std::uint32_t none) {
+    const auto parents = made_.parents[i];
+    std::vector<std::uint32_t>& seen = scratch_;
+    seen.assign(1, vertex_at(i));
+    for (const std::uint32_t parent : parents) seen.push_back(shape_.n_base_vertices + parent);
+    const std::size_t n_excluded = seen.size();
+    for (const auto nodes : {parents, made_.children[i]})
+      for (const std::uint32_t node : nodes) {
+        if (node - first_node() >= i) continue;
+        const std::uint32_t vertex = made_.targets[node - first_node()];
+        if (std::ranges::find(seen, vertex) != seen.end()) continue;
+        const std::size_t rank = std::min<std::size_t>(seen.size() - n_excluded, kFew);
+        if (coder_.bit(is_shared_[rank], vertex == given)) return vertex;
+        seen.push_back(vertex);
+      }
+    return none;
+  }
+
+  void code_makers(std::uint32_t i) {
+    if (n_children_[i] > 0)
+      makers_.code(n_children_[i], n_makers_[i],
+                   given_ != nullptr ? given_->makers[i] : std::span<const std::uint8_t>(),
+                   made_.makers.items);
+    made_.makers.end_list();
+  }
+
+  Result<void> code_regions(std::uint32_t i) {
+    std::uint32_t n = given_ != nullptr ? static_cast<std::uint32_t>(given_->regions[i].size()) : 0;
+    if (shape_.n_regions > 1) n = regions_.counts.code(coder_, n);
+    if (n > kMaxBrought)
+      return fail("{}: node {}: expected up to {} regions, got {}", what_, i, kMaxBrought, n);
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t given = given_ != nullptr ? given_->regions[i][k] : 0;
+      if (coder_.bit(regions_.is_other, given != regions_.last)) {
+        const std::uint64_t region = regions_.numbers.code(coder_, given);
+        if (region >= shape_.n_regions)
+          return fail("{}: expected one of {} regions, got {}", what_, shape_.n_regions, region);
+        regions_.last = static_cast<std::uint32_t>(region);
+      }
+      made_.regions.items.push_back(regions_.last);
+    }
+    made_.regions.end_list();
     return {};
   }
 
-  Result<void> read_regions() {
-    const std::size_t n = content_.n_nodes();
-    content_.regions.begins.assign(n + 1, 0);
-    if (shape_.n_regions == 1) return {};
-    LODE_TRY(const auto counts, in_.read(n));
-    for (std::size_t i = 0; i < n; ++i) {
-      if (counts[i] > kMaxBrought)
-        return fail("{}: node {}: expected up to {} regions, got {}", in_.what(), i, kMaxBrought,
-                    counts[i]);
-      content_.regions.begins[i + 1] = content_.regions.begins[i] + counts[i];
-    }
-    LODE_TRY(content_.regions.items,
-             in_.read_planes<std::uint32_t>(content_.regions.begins.back()));
-    for (const std::uint32_t region : content_.regions.items)
-      if (region >= shape_.n_regions)
-        return fail("{}: expected one of {} regions, got {}", in_.what(), shape_.n_regions, region);
-    return {};
-  }
+  struct CountModels {
+    std::array<CountModel<4>, 5> children;
+    std::array<CountModel<4>, 13> discovered;
+    std::array<CountModel<4>, kFew + 1> parents;
+    BitModel is_odd;
+    std::array<CountModel<5>, 11> makers;
+  };
+  struct RegionModels {
+    CountModel<5> counts;
+    BitModel is_other;
+    WideModel numbers;
+    std::uint32_t last = 0;
+  };
 
-  StreamReader& in_;
+  Coder& coder_;
+  const PageContent* given_;
   std::uint32_t number_;
   const PageShape& shape_;
-  PageNumbers numbers_;
-  PageContent& content_;
-  std::vector<std::uint32_t> table_;  ///< With the page itself first.
+  const std::string& what_;
+  PageContent& made_;
+  std::uint32_t n_;
+  std::vector<std::uint32_t> scratch_;
+  ListCounts n_children_;
+  ListCounts n_far_parents_;
+  ListCounts n_makers_;
+  std::size_t most_links_ = 0;
+  std::uint32_t last_n_children_ = 0;
+  std::uint32_t last_n_parents_ = 0;
+  CountModels counts_;
+  FarLinks<Coder> far_;
+  /// By group, whether the one before is near, and how many children there are.
+  std::array<std::array<std::array<BitModel, kFew + 1>, 3>, 2> is_near_;
+  std::array<NumberModel, 2> first_near_;
+  std::array<NumberModel, 2> next_near_;
+  std::array<BitModel, kFew + 1> is_parent_;
+  /// By how many parents there are, place, and whether it is near.
+  std::array<std::array<std::array<BitModel, 2>, kFew + 1>, kFew + 1> which_parent_;
+  std::array<BitModel, kFew + 1> is_shared_;
+  BitModel is_target_near_;
+  NumberModel near_targets_;
+  MakerCoder<Coder> makers_;
+  RegionModels regions_;
 };
 
 }  // namespace
 
 std::vector<std::byte> encode_links(const PageContent& content, std::uint32_t number,
                                     const PageShape& shape) {
-  return LinkEncoder(content, number, shape).run();
+  RangeWriter out;
+  PageContent made;
+  const std::string what = "page";
+  const auto done = LinkCoder(out, &content, number, shape, what, made).run();
+  LODE_EXPECTS(done && made == content);
+  return std::move(out).take();
 }
 
 Result<void> decode_links(std::span<const std::byte> bytes, const std::string& what,
                           std::uint32_t number, const PageShape& shape, PageContent& content) {
-  StreamReader in(bytes, what);
+  RangeReader in(bytes);
   content = {};
-  LODE_CHECK(LinkDecoder(in, number, shape, content).run());
-  return in.expect_end();
+  LODE_CHECK(LinkCoder(in, nullptr, number, shape, what, content).run());
+  if (!in.is_at_end()) return fail("{}: expected as many bytes as were read", what);
+  return {};
 }
 
 }  // namespace lode::tetra_mt

@@ -100,7 +100,8 @@ Result<void> append_links(const Hierarchy& hierarchy, const PageShape& shape, Th
 }  // namespace
 
 Result<void> append_field(const NumberedField& field, std::span<const std::uint32_t> gradients,
-                          HierarchyHead& head, Threads threads, store::Writer& writer) {
+                          const TreeOf& tree_of, HierarchyHead& head, Threads threads,
+                          store::Writer& writer) {
   const auto number = static_cast<std::uint32_t>(head.fields.size());
   if (number >= kMaxFields)
     return fail("{}: expected up to {} fields, got more", field.name, kMaxFields);
@@ -121,8 +122,9 @@ Result<void> append_field(const NumberedField& field, std::span<const std::uint3
   }
   std::vector<store::EncodedBlock> blocks(shape.n_pages());
   parallel_for(blocks.size(), threads, 1, [&](std::size_t i, int) {
-    const auto content = content_of(field, base.scale, shape, static_cast<std::uint32_t>(i));
-    blocks[i] = as_block(encode_field(content, is_narrow));
+    const auto page = static_cast<std::uint32_t>(i);
+    const auto content = content_of(field, base.scale, shape, page);
+    blocks[i] = as_block(encode_field(content, base.scale, tree_of(page), is_narrow));
   });
   for (std::uint32_t page = 0; page < blocks.size(); ++page)
     LODE_CHECK(writer.append(key_of(Kind::field, page, number), blocks[page]));
@@ -142,8 +144,11 @@ Result<std::uint64_t> save(const Hierarchy& hierarchy, std::uint64_t n_cells,
   LODE_TRY(auto writer, store::Writer::create(path, kModelName, {}));
   LODE_CHECK(append_base(head, writer));
   LODE_CHECK(append_links(hierarchy, head.shape, threads, progress, writer));
+  const auto tree_of = [&](std::uint32_t page) {
+    return PageTree::of(content_of(hierarchy, page), page);
+  };
   for (std::size_t f = 0; f < hierarchy.fields.size(); ++f)
-    LODE_CHECK(append_field(field_of(hierarchy, f), gradients(f), head, threads, writer));
+    LODE_CHECK(append_field(field_of(hierarchy, f), gradients(f), tree_of, head, threads, writer));
   writer.set_metadata(encode_head(head));
   return writer.finish(progress);
 }

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lode/core/result.h"
+#include "lode/core/vec.h"
+#include "lode/models/tetra_mt/range_coder.h"
+
+namespace lode::tetra_mt {
+
+/// Codes the positions of a page (docs/format.md, section 7): where an axis has few coordinates,
+/// these and their places, which go by single steps along a curve through a grid; else differences.
+/// `Coder` is RangeWriter or RangeReader; a reader fills `positions`, which has as many as there
+/// are, at most 512. Fails on what is no finite number.
+template <typename Coder>
+[[nodiscard]] Result<void> code_positions(Coder& coder, bool is_narrow, const std::string& what,
+                                          std::vector<Vec3d>& positions);
+
+}  // namespace lode::tetra_mt
