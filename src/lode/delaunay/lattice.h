@@ -21,7 +21,7 @@ class LatticePacking {
   /// Whether the nodes of a lattice fit: the bits of a column and of a row, together.
   [[nodiscard]] static bool fits(std::int64_t n_columns, std::int64_t n_rows) {
     const auto bits = [](std::int64_t n) {
-      return std::bit_width(static_cast<std::uint64_t>(n - 1));
+      return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(n - 1)));
     };
     return bits(n_columns) + bits(n_rows) <= 32 && n_columns <= kMaxSide && n_rows <= kMaxSide;
   }
@@ -29,7 +29,7 @@ class LatticePacking {
   static constexpr std::int64_t kMaxSide = std::int64_t{1} << 24;
 
   explicit LatticePacking(std::int32_t n_columns)
-      : shift_(std::bit_width(static_cast<std::uint32_t>(n_columns - 1))) {}
+      : shift_(static_cast<int>(std::bit_width(static_cast<std::uint32_t>(n_columns - 1)))) {}
 
   [[nodiscard]] std::uint32_t pack(LatticePoint p) const {
     return (static_cast<std::uint32_t>(p.y) << shift_) | static_cast<std::uint32_t>(p.x);
