@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "lode/delaunay/level_queue.h"
@@ -57,10 +58,11 @@ class StrictQueue {
 template <typename T>
 class Insertion {
  public:
-  Insertion(LatticeMesh& mesh, const SampleRows<T>& rows, double lower, double upper,
-            const GreedyOptions& options, Progress& progress)
+  /// `sparse`: see TriangleJudge.
+  Insertion(LatticeMesh& mesh, const SampleRows<T>& rows, const SparseSamples<T>* sparse,
+            double lower, double upper, const GreedyOptions& options, Progress& progress)
       : mesh_(mesh),
-        judge_(rows, lower, upper, options.max_error),
+        judge_(rows, sparse, lower, upper, options.max_error),
         options_(options),
         progress_(progress) {}
 
@@ -173,7 +175,10 @@ Result<GreedyReport> insert_greedily(LatticeMesh& mesh, const SampleRows<T>& row
       const LatticePoint p = mesh.packing().unpack(corner);
       size = {std::max(size.x, p.x), std::max(size.y, p.y)};
     }
-  return Insertion<T>(mesh, rows, lower, upper, options, progress).run(size);
+  std::optional<SparseSamples<T>> sparse;
+  if (options.order == InsertionOrder::levels) sparse.emplace(rows, size);
+  return Insertion<T>(mesh, rows, sparse ? &*sparse : nullptr, lower, upper, options, progress)
+      .run(size);
 }
 
 template Result<GreedyReport> insert_greedily(LatticeMesh&, const SampleRows<std::int16_t>&, double,

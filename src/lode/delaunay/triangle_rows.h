@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <utility>
@@ -83,6 +84,66 @@ class TriangleRows {
   std::int32_t y_ = 0;
   EdgeSteps long_;
   EdgeSteps short_;
+};
+
+/// Of the same, only nodes whose columns and rows are multiples of 2^bits, all in such steps.
+class SparseRows {
+ public:
+  SparseRows(LatticePoint a, LatticePoint b, LatticePoint c, int bits) : v_{a, b, c}, bits_(bits) {
+    // From low to high, as they turn.
+    std::array<std::size_t, 3> order{0, 1, 2};
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t i, std::size_t j) { return v_[i].y < v_[j].y; });
+    v_ = {v_[order[0]], v_[order[1]], v_[order[2]]};
+    is_left_ = doubled_area(v_[0], v_[1], v_[2]) > 0;
+    y_ = ceil_shifted(v_[0].y);
+    find_span();
+  }
+
+  [[nodiscard]] bool has_row() const { return (y_ << bits_) <= v_[2].y; }
+  [[nodiscard]] std::int32_t y() const { return y_; }
+  [[nodiscard]] std::int32_t first() const { return first_; }
+  [[nodiscard]] std::int32_t last() const { return last_; }
+  void next() {
+    ++y_;
+    if (has_row()) find_span();
+  }
+
+ private:
+  [[nodiscard]] std::int32_t ceil_shifted(std::int32_t x) const {
+    return (x + (1 << bits_) - 1) >> bits_;
+  }
+  [[nodiscard]] static std::int64_t floor_divided(std::int64_t a, std::int64_t b) {
+    const std::int64_t quotient = a / b;
+    return quotient - static_cast<std::int64_t>(a % b != 0 && a < 0);
+  }
+  /// Of the edge p -> q, q higher: the largest x <= that at row y, or the smallest x >= it.
+  [[nodiscard]] static std::int32_t floor_at(LatticePoint p, LatticePoint q, std::int32_t y) {
+    return p.x +
+           static_cast<std::int32_t>(floor_divided(std::int64_t{y - p.y} * (q.x - p.x), q.y - p.y));
+  }
+  [[nodiscard]] static std::int32_t ceil_at(LatticePoint p, LatticePoint q, std::int32_t y) {
+    return p.x - static_cast<std::int32_t>(
+                     floor_divided(-std::int64_t{y - p.y} * (q.x - p.x), q.y - p.y));
+  }
+  void find_span() {
+    const std::int32_t y = y_ << bits_;
+    const bool is_lower = y < v_[1].y || v_[1].y == v_[2].y;
+    const LatticePoint p = is_lower ? v_[0] : v_[1];
+    const LatticePoint q = is_lower ? v_[1] : v_[2];
+    // Level edges are whole rows of the other two.
+    const std::int32_t low = p.y == q.y ? p.x : (is_left_ ? floor_at(p, q, y) : ceil_at(p, q, y));
+    const std::int32_t other = is_left_ ? ceil_at(v_[0], v_[2], y) : floor_at(v_[0], v_[2], y);
+    first_ = ceil_shifted(is_left_ ? other : low);
+    last_ = (is_left_ ? low : other) >> bits_;
+  }
+
+  std::array<LatticePoint, 3> v_;
+  int bits_;
+  bool is_left_ = true;
+  std::int32_t y_ = 0;
+  std::int32_t first_ = 0;
+  std::int32_t last_ = -1;
 };
 
 }  // namespace lode::delaunay

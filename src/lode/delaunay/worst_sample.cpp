@@ -18,7 +18,7 @@ RoundingSlack slack_of(double unit, double lower, double upper) {
   const double size = std::max(std::abs(lower), std::abs(upper));
   const double range = upper - lower;
   return {kSecondOrder * (unit * (2 * size + 3 * range) + 4 * kDoubleUnit * size),
-          kSecondOrder * 64 * kDoubleUnit * range};
+          kSecondOrder * 64 * kDoubleUnit * range, kSecondOrder * 3 * unit};
 }
 
 /// numerator / denominator > 0, rounded up.

@@ -14,7 +14,9 @@ struct SampleRows {
   const T* samples = nullptr;
   std::int64_t stride = 0;  ///< Samples from row to row.
   LatticePacking packing{1};
+  int spacing_bits = 0;  ///< Samples are of columns and rows that are multiples of 2^this.
 
+  /// With spacing_bits 0.
   [[nodiscard]] double height(LatticePoint p) const {
     return static_cast<double>(samples[p.y * stride + p.x]);
   }
@@ -22,10 +24,12 @@ struct SampleRows {
 
 /// How far computed errors may be from the true ones |height - plane|, by rounding: of a triangle
 /// with the doubled area A and a bounding box of w by h steps at most
-/// plain + per_stretch * w h / A. Derived in docs/models/delaunay_selector.md.
+/// plain + per_stretch * w h / A, and where a box is looked at as a whole per_rise times how far
+/// the plane rises over its width and its height more. Derived in docs/models/delaunay_selector.md.
 struct RoundingSlack {
   double plain = 0;
   double per_stretch = 0;
+  double per_rise = 0;
 
   [[nodiscard]] double of(double stretch) const { return plain + per_stretch * stretch; }
 };
@@ -47,12 +51,13 @@ struct WorstSample {
   double slack = 0;
 };
 
-/// Looks at all nodes in the triangle whose corners are given, packed, turning left. A row at a
-/// time, with the same result for any instruction set. Corners are looked at, too: one may be named
-/// where the error is below twice the slack.
+/// Looks at all nodes that there are samples of in the triangle whose corners are given, packed,
+/// turning left, and whose heights there are z. With the same result for any instruction set.
+/// Corners are looked at, too: one may be named where the error is below twice the slack.
 template <typename T>
 using FindWorst = WorstSample (*)(const SampleRows<T>& rows, const RoundingSlack& slack,
-                                  const std::array<std::uint32_t, 3>& corners);
+                                  const std::array<std::uint32_t, 3>& corners,
+                                  std::array<double, 3> z);
 
 /// The one for this processor.
 template <typename T>

@@ -1,6 +1,7 @@
 // Included again by Highway for each instruction set.
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "lode/delaunay/triangle_rows.h"
 #include "lode/delaunay/worst_sample.h"
@@ -18,13 +19,16 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, 16>;
 using Doubles = hn::CappedTag<double, 8>;
 
-template <typename T>
-HWY_INLINE hn::Vec<Floats> load(Floats d, const T* samples) {
-  const hn::Rebind<std::int32_t, Floats> whole;
-  return hn::ConvertTo(d, hn::PromoteTo(whole, hn::LoadU(hn::Rebind<T, Floats>(), samples)));
+/// As many samples as there are lanes.
+template <typename D, typename T>
+HWY_INLINE hn::Vec<D> load(D d, const T* samples) {
+  if constexpr (std::is_integral_v<T>) {
+    const hn::Rebind<std::int32_t, D> whole;
+    return hn::ConvertTo(d, hn::PromoteTo(whole, hn::LoadU(hn::Rebind<T, D>(), samples)));
+  } else {
+    return hn::LoadU(d, samples);
+  }
 }
-HWY_INLINE hn::Vec<Floats> load(Floats d, const float* samples) { return hn::LoadU(d, samples); }
-HWY_INLINE hn::Vec<Doubles> load(Doubles d, const double* samples) { return hn::LoadU(d, samples); }
 
 template <typename T>
 struct TagOf {
@@ -35,10 +39,18 @@ struct TagOf<double> {
   using Type = Doubles;
 };
 
-/// z(x, y) = base + x_slope (x - origin.x) + y_slope (y - origin.y), in doubles.
-struct Plane {
-  LatticePoint origin;
-  double base, x_slope, y_slope;
+/// A triangle and the plane of its heights, z = za + x_slope (x - a.x) + y_slope (y - a.y).
+struct Slanted {
+  LatticePoint a, b, c;
+  std::int32_t left, right, low, high;
+  double scale, za, x_slope, y_slope;
+
+  [[nodiscard]] double at(LatticePoint p) const {
+    return (za + y_slope * (p.y - a.y)) + x_slope * (p.x - a.x);
+  }
+  [[nodiscard]] double stretch() const {
+    return static_cast<double>(right - left) * (high - low) * scale;
+  }
 };
 
 /// The worst of what has been seen, by lanes: the first of equals in each.
@@ -52,24 +64,37 @@ class Worst {
   HWY_INLINE Worst()
       : error_(hn::Zero(D())), node_(hn::Set(Node(), static_cast<NodeT>(WorstSample::kNone))) {}
 
+  HWY_INLINE void see(hn::Vec<D> error, hn::Vec<Node> nodes) {
+    const auto is_worse = hn::RebindMask(Node(), hn::Gt(error, error_));
+    error_ = hn::Max(error, error_);
+    node_ = hn::IfThenElse(is_worse, nodes, node_);
+  }
+
+  /// n samples in a row, nodes `apart` packed steps from one another; the plane is base there at
+  /// first and changes by slope.
   template <typename T>
-  HWY_INLINE void see(const T* samples, std::int32_t n, std::uint32_t node, Real base, Real slope) {
+  HWY_INLINE void see_row(const T* samples, std::int32_t n, std::uint32_t node, NodeT apart,
+                          Real base, Real slope) {
     const D d;
     const Node dn;
     const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
     const auto bases = hn::Set(d, base);
     const auto slopes = hn::Set(d, slope);
-    for (std::int32_t i = 0; i < n; i += lanes) {
-      const auto step = hn::Add(hn::Iota(d, Real{0}), hn::Set(d, static_cast<Real>(i)));
-      const auto plane = hn::Add(bases, hn::Mul(slopes, step));
-      auto error = hn::Abs(hn::Sub(load(d, samples + i), plane));
-      if (n - i < lanes)
-        error = hn::IfThenElseZero(hn::FirstN(d, static_cast<std::size_t>(n - i)), error);
-      const auto is_worse = hn::Gt(error, error_);
-      error_ = hn::IfThenElse(is_worse, error, error_);
-      const auto nodes = hn::Iota(dn, static_cast<NodeT>(node + static_cast<std::uint32_t>(i)));
-      node_ = hn::IfThenElse(hn::RebindMask(dn, is_worse), nodes, node_);
+    const auto more = hn::Set(d, static_cast<Real>(lanes));
+    const auto more_nodes = hn::Set(dn, static_cast<NodeT>(lanes) * apart);
+    auto step = hn::Iota(d, Real{0});
+    auto nodes =
+        hn::Add(hn::Mul(hn::Iota(dn, NodeT{0}), hn::Set(dn, apart)), hn::Set(dn, NodeT{node}));
+    std::int32_t i = 0;
+    for (; i + lanes <= n; i += lanes) {
+      see(hn::Abs(hn::Sub(load(d, samples + i), hn::Add(bases, hn::Mul(slopes, step)))), nodes);
+      step = hn::Add(step, more);
+      nodes = hn::Add(nodes, more_nodes);
     }
+    if (i == n) return;
+    const auto error =
+        hn::Abs(hn::Sub(load(d, samples + i), hn::Add(bases, hn::Mul(slopes, step))));
+    see(hn::IfThenElseZero(hn::FirstN(d, static_cast<std::size_t>(n - i)), error), nodes);
   }
 
   HWY_INLINE WorstSample of_all() const {
@@ -79,12 +104,12 @@ class Worst {
     HWY_ALIGN NodeT nodes[hn::MaxLanes(D())];
     hn::Store(error_, d, errors);
     hn::Store(node_, dn, nodes);
-    Real error = 0;
+    Real error = errors[0];
+    for (std::size_t i = 1; i < hn::Lanes(d); ++i) error = errors[i] > error ? errors[i] : error;
     NodeT node = WorstSample::kNone;
     for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
-      const bool is_worse = errors[i] > error || (errors[i] == error && nodes[i] < node);
-      error = is_worse ? errors[i] : error;
-      node = is_worse ? nodes[i] : node;
+      const NodeT own = errors[i] == error ? nodes[i] : NodeT{WorstSample::kNone};
+      node = own < node ? own : node;
     }
     return {static_cast<double>(error), static_cast<std::uint32_t>(node), 0};
   }
@@ -94,36 +119,124 @@ class Worst {
   hn::Vec<Node> node_;
 };
 
+/// Boxes so small are looked at as a whole: most triangles' are, and rows would cost more than
+/// samples. Not a number of lanes, on which results must not depend.
+constexpr std::int32_t kSmallWidth = 8;
+constexpr std::int32_t kSmallHeight = 16;
+
+/// An edge p -> q: positive to its left; whole numbers, of which Real holds those of small boxes.
+template <typename Real>
+struct EdgeSide {
+  Real here, x_step, y_step;
+
+  EdgeSide(LatticePoint p, LatticePoint q, LatticePoint at)
+      : here(static_cast<Real>((q.x - p.x) * (at.y - p.y) - (q.y - p.y) * (at.x - p.x))),
+        x_step(static_cast<Real>(p.y - q.y)),
+        y_step(static_cast<Real>(q.x - p.x)) {}
+};
+
 template <typename T>
-WorstSample find(const SampleRows<T>& rows, const RoundingSlack& slack,
-                 const std::array<std::uint32_t, 3>& corners) {
+HWY_INLINE WorstSample find_in_box(const SampleRows<T>& rows, const Slanted& t) {
+  using D = hn::CappedTag<hn::TFromD<typename TagOf<T>::Type>, kSmallWidth>;
+  using Real = hn::TFromD<D>;
+  using NodeT = typename Worst<D>::NodeT;
+  const D d;
+  const typename Worst<D>::Node dn;
+  Worst<D> worst;
+  const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
+  for (std::int32_t x = t.left; x <= t.right; x += lanes) {
+    const LatticePoint at{x, t.low};
+    const EdgeSide<Real> sides[3] = {{t.a, t.b, at}, {t.b, t.c, at}, {t.c, t.a, at}};
+    const auto step = hn::Iota(d, Real{0});
+    const auto line = [&](const EdgeSide<Real>& side) HWY_ATTR {
+      return hn::Add(hn::Set(d, side.here), hn::Mul(hn::Set(d, side.x_step), step));
+    };
+    auto u = line(sides[0]);
+    auto v = line(sides[1]);
+    auto w = line(sides[2]);
+    const auto x_terms = hn::Mul(hn::Set(d, static_cast<Real>(t.x_slope)),
+                                 hn::Iota(d, static_cast<Real>(x - t.a.x)));
+    const T* samples = rows.samples + t.low * rows.stride + x;
+    for (std::int32_t y = t.low; y <= t.high; ++y, samples += rows.stride) {
+      const auto y_term = static_cast<Real>(t.y_slope) * static_cast<Real>(y - t.a.y);
+      const auto plane =
+          hn::Add(hn::Set(d, static_cast<Real>(t.za)), hn::Add(x_terms, hn::Set(d, y_term)));
+      const auto is_inside = hn::Ge(hn::Min(u, hn::Min(v, w)), hn::Zero(d));
+      const auto error = hn::Abs(hn::Sub(load(d, samples), plane));
+      worst.see(hn::IfThenElseZero(is_inside, error),
+                hn::Iota(dn, NodeT{rows.packing.pack({x, y})}));
+      u = hn::Add(u, hn::Set(d, sides[0].y_step));
+      v = hn::Add(v, hn::Set(d, sides[1].y_step));
+      w = hn::Add(w, hn::Set(d, sides[2].y_step));
+    }
+  }
+  return worst.of_all();
+}
+
+template <typename T>
+WorstSample find_in_rows(const SampleRows<T>& rows, const Slanted& t) {
   using D = typename TagOf<T>::Type;
   using Real = hn::TFromD<D>;
+  Worst<D> worst;
+  for (TriangleRows row(t.a, t.b, t.c); row.has_row(); row.next()) {
+    const LatticePoint first{row.first(), row.y()};
+    const std::int32_t n = row.last() - first.x + 1;
+    if (n <= 0) continue;
+    worst.see_row(rows.samples + first.y * rows.stride + first.x, n, rows.packing.pack(first), 1,
+                  static_cast<Real>(t.at(first)), static_cast<Real>(t.x_slope));
+  }
+  return worst.of_all();
+}
+
+/// Only nodes whose columns and rows are multiples of 2^spacing_bits, of which `rows` has samples.
+template <typename T>
+WorstSample find_in_sparse_rows(const SampleRows<T>& rows, const Slanted& t) {
+  using D = typename TagOf<T>::Type;
+  using Real = hn::TFromD<D>;
+  const int bits = rows.spacing_bits;
+  Worst<D> worst;
+  for (SparseRows row(t.a, t.b, t.c, bits); row.has_row(); row.next()) {
+    const std::int32_t n = row.last() - row.first() + 1;
+    if (n <= 0) continue;
+    const LatticePoint first{row.first() << bits, row.y() << bits};
+    worst.see_row(rows.samples + row.y() * rows.stride + row.first(), n, rows.packing.pack(first),
+                  static_cast<typename Worst<D>::NodeT>(1U << bits), static_cast<Real>(t.at(first)),
+                  static_cast<Real>(t.x_slope * (1 << bits)));
+  }
+  return worst.of_all();
+}
+
+template <typename T>
+WorstSample find(const SampleRows<T>& rows, const RoundingSlack& slack,
+                 const std::array<std::uint32_t, 3>& corners, std::array<double, 3> z) {
   const LatticePoint a = rows.packing.unpack(corners[0]);
   const LatticePoint b = rows.packing.unpack(corners[1]);
   const LatticePoint c = rows.packing.unpack(corners[2]);
   const std::int64_t area = doubled_area(a, b, c);
   if (area == 1) return {};  // Pick's theorem: no nodes but the corners
-  const double za = rows.height(a);
-  const double zb = rows.height(b) - za;
-  const double zc = rows.height(c) - za;
+  const double zb = z[1] - z[0];
+  const double zc = z[2] - z[0];
   const double scale = 1.0 / static_cast<double>(area);
-  const Plane plane{a, za, (zb * (c.y - a.y) - zc * (b.y - a.y)) * scale,
-                    (zc * (b.x - a.x) - zb * (c.x - a.x)) * scale};
-  Worst<D> worst;
-  const auto slope = static_cast<Real>(plane.x_slope);
-  for (TriangleRows row(a, b, c); row.has_row(); row.next()) {
-    const std::int32_t n = row.last() - row.first() + 1;
-    if (n <= 0) continue;
-    const double base =
-        (plane.base + plane.y_slope * (row.y() - a.y)) + plane.x_slope * (row.first() - a.x);
-    worst.see(rows.samples + row.y() * rows.stride + row.first(), n,
-              rows.packing.pack({row.first(), row.y()}), static_cast<Real>(base), slope);
-  }
-  WorstSample found = worst.of_all();
-  const auto width = std::max({a.x, b.x, c.x}) - std::min({a.x, b.x, c.x});
-  const auto height = std::max({a.y, b.y, c.y}) - std::min({a.y, b.y, c.y});
-  found.slack = slack.of(static_cast<double>(width) * height * scale);
+  const Slanted t{a,
+                  b,
+                  c,
+                  std::min({a.x, b.x, c.x}),
+                  std::max({a.x, b.x, c.x}),
+                  std::min({a.y, b.y, c.y}),
+                  std::max({a.y, b.y, c.y}),
+                  scale,
+                  z[0],
+                  (zb * (c.y - a.y) - zc * (b.y - a.y)) * scale,
+                  (zc * (b.x - a.x) - zb * (c.x - a.x)) * scale};
+  const std::int32_t width = t.right - t.left;
+  const std::int32_t height = t.high - t.low;
+  const bool is_small = width < kSmallWidth && height < kSmallHeight;
+  WorstSample found = rows.spacing_bits > 0 ? find_in_sparse_rows(rows, t)
+                      : is_small            ? find_in_box(rows, t)
+                                            : find_in_rows(rows, t);
+  found.slack = slack.of(t.stretch());
+  if (is_small)
+    found.slack += slack.per_rise * (std::abs(t.x_slope) * width + std::abs(t.y_slope) * height);
   found.error += found.slack;
   return found;
 }
