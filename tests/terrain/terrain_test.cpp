@@ -219,6 +219,9 @@ TEST(terrain, refuses_grids_without_area_and_stops_when_cancelled) {
   Progress progress;
   const HeightGrid row = make_grid<float>(9, 1, hills);
   EXPECT_FALSE(extract_terrain(row, {}, progress));
+  const HeightGrid huge = make_grid<double>(
+      5, 5, [](std::int32_t x, std::int32_t) { return x == 2 ? -1.7e308 : 1.7e308; });
+  EXPECT_FALSE(extract_terrain(huge, {}, progress));
   Progress cancelled;
   cancelled.cancel();
   EXPECT_FALSE(extract_terrain(hilly_grid(true), {.max_error = 1}, cancelled));

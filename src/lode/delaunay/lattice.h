@@ -64,21 +64,26 @@ template <typename Wide>
          static_cast<Wide>(lifted(c)) * crossed(a, b);
 }
 
-/// Whether p lies inside the circle of a, b, c, which turn left, and not on it: exactly, for
-/// coordinates of at most 30 bits.
+/// Below it lifts and cross products stay below 2^29, their products below 2^58.
+inline constexpr std::int32_t kNarrowLattice = 1 << 14;
+
+/// Whether the origin lies inside the circle of a, b, c, which turn left, and not on it: exactly,
+/// for coordinates of at most 31 bits; kIsNarrow: that are all below kNarrowLattice.
+template <bool kIsNarrow>
+[[nodiscard]] bool is_origin_in_circle(LatticePoint a, LatticePoint b, LatticePoint c) {
+  __extension__ using Int128 = __int128;
+  if constexpr (kIsNarrow) return circle_determinant<std::int64_t>(a, b, c) > 0;
+  const auto size = [](std::int32_t d) { return static_cast<std::uint32_t>(std::abs(d)); };
+  const std::uint32_t all = size(a.x) | size(a.y) | size(b.x) | size(b.y) | size(c.x) | size(c.y);
+  if (all < kNarrowLattice) return circle_determinant<std::int64_t>(a, b, c) > 0;
+  return circle_determinant<Int128>(a, b, c) > 0;
+}
+
+/// The same of p, for coordinates of at most 30 bits.
 [[nodiscard]] inline bool is_in_circle(LatticePoint a, LatticePoint b, LatticePoint c,
                                        LatticePoint p) {
-  __extension__ using Int128 = __int128;
   const auto relative = [p](LatticePoint q) { return LatticePoint{q.x - p.x, q.y - p.y}; };
-  const LatticePoint u = relative(a);
-  const LatticePoint v = relative(b);
-  const LatticePoint w = relative(c);
-  // 2^14: lifts and cross products below 2^29, their products below 2^58.
-  constexpr std::uint32_t kNarrow = std::uint32_t{1} << 14;
-  const auto size = [](std::int32_t d) { return static_cast<std::uint32_t>(std::abs(d)); };
-  const std::uint32_t all = size(u.x) | size(u.y) | size(v.x) | size(v.y) | size(w.x) | size(w.y);
-  if (all < kNarrow) return circle_determinant<std::int64_t>(u, v, w) > 0;
-  return circle_determinant<Int128>(u, v, w) > 0;
+  return is_origin_in_circle<false>(relative(a), relative(b), relative(c));
 }
 
 }  // namespace lode::delaunay

@@ -45,32 +45,57 @@ LatticeMesh::LatticeMesh(LatticePacking packing,
                          std::span<const std::array<std::uint32_t, 3>> triangles)
     : packing_(packing) {
   resize_large(triangles_, triangles.size());
+  std::int32_t largest = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const auto& corner = triangles[t];
     LODE_EXPECTS(doubled_area(packing_.unpack(corner[0]), packing_.unpack(corner[1]),
                               packing_.unpack(corner[2])) > 0);
+    for (const std::uint32_t packed : corner) {
+      const LatticePoint p = packing_.unpack(packed);
+      largest = std::max({largest, p.x, p.y});
+    }
     triangles_[t] = {corner, {kNoHalfEdge, kNoHalfEdge, kNoHalfEdge}, 0, 0};
   }
+  is_narrow_ = largest < kNarrowLattice;
   link_twins(triangles_);
 }
 
+template <bool kIsNarrow>
 void LatticeMesh::remove_round(LatticePoint p, std::uint32_t t) {
+  const auto relative = [&](std::uint32_t corner) {
+    const LatticePoint q = packing_.unpack(corner);
+    return LatticePoint{q.x - p.x, q.y - p.y};
+  };
+  const LatticeTriangle& start = triangles_[t];
+  const LatticePoint a = relative(start.corner[0]);
+  const LatticePoint b = relative(start.corner[1]);
+  const LatticePoint c = relative(start.corner[2]);
   slots_.assign(1, t);
   border_.clear();
-  stack_.assign({4 * t + 2, 4 * t + 1, 4 * t});
+  stack_.assign({{start.twin[2], start.corner[2], c, a},
+                 {start.twin[1], start.corner[1], b, c},
+                 {start.twin[0], start.corner[0], a, b}});
   while (!stack_.empty()) {
-    const std::uint32_t edge = stack_.back();
+    const InnerEdge edge = stack_.back();
     stack_.pop_back();
-    const LatticeTriangle& inner = triangles_[edge >> 2];
-    const std::uint32_t twin = inner.twin[edge & 3];
-    if (twin == kNoHalfEdge || !is_hit(triangles_[twin >> 2], p)) {
-      border_.push_back({inner.corner[edge & 3], twin});
+    if (edge.twin == kNoHalfEdge) {
+      border_.push_back({edge.start, edge.twin});
+      continue;
+    }
+    const LatticeTriangle& outer = triangles_[edge.twin >> 2];
+    const std::uint32_t next = kNext[edge.twin & 3];
+    const std::uint32_t previous = kPrevious[edge.twin & 3];
+    const std::uint32_t apex = outer.corner[previous];
+    const LatticePoint across = relative(apex);
+    // The outer triangle runs from the edge's end to its start.
+    if (!is_origin_in_circle<kIsNarrow>(edge.to, edge.from, across)) {
+      border_.push_back({edge.start, edge.twin});
       continue;
     }
     // Edges come from the stack in the order in which they lie round p.
-    slots_.push_back(twin >> 2);
-    stack_.push_back((twin & ~3U) + kPrevious[twin & 3]);
-    stack_.push_back((twin & ~3U) + kNext[twin & 3]);
+    slots_.push_back(edge.twin >> 2);
+    stack_.push_back({outer.twin[previous], apex, across, edge.to});
+    stack_.push_back({outer.twin[next], edge.start, edge.from, across});
   }
 }
 
@@ -98,26 +123,30 @@ void LatticeMesh::fill_fan(std::uint32_t p, std::size_t split) {
     triangles_.resize(n_before + n_added);
   for (std::uint32_t i = 0; i < n_added; ++i) slots_.push_back(n_before + i);
 
-  const std::size_t first = is_closed ? 0 : split + 1;
-  for (std::size_t k = 0; k < n_made; ++k) {
-    const std::size_t i = (first + k) % n;
+  // After the edge that p splits, once round.
+  for (std::size_t k = 0, i = is_closed || split + 1 == n ? 0 : split + 1; k < n_made; ++k) {
     const BorderEdge& edge = border_[i];
+    const std::size_t after = i + 1 < n ? i + 1 : 0;
     const std::uint32_t slot = slots_[k];
     const bool has_next = is_closed || k + 1 < n_made;
     const bool has_previous = is_closed || k > 0;
     const std::uint32_t next = slots_[k + 1 < n_made ? k + 1 : 0];
     const std::uint32_t previous = slots_[k > 0 ? k - 1 : n_made - 1];
     LatticeTriangle& made = triangles_[slot];
-    made.corner = {edge.from, border_[i + 1 < n ? i + 1 : 0].from, p};
+    made.corner = {edge.from, border_[after].from, p};
     made.twin = {edge.twin, has_next ? 4 * next + 2 : kNoHalfEdge,
                  has_previous ? 4 * previous + 1 : kNoHalfEdge};
     if (edge.twin != kNoHalfEdge) triangles_[edge.twin >> 2].twin[edge.twin & 3] = 4 * slot;
+    i = after;
   }
 }
 
 std::span<const std::uint32_t> LatticeMesh::insert(std::uint32_t p, std::uint32_t t) {
   const LatticePoint point = packing_.unpack(p);
-  remove_round(point, t);
+  if (is_narrow_)
+    remove_round<true>(point, t);
+  else
+    remove_round<false>(point, t);
   fill_fan(p, split_edge(point));
   return slots_;
 }

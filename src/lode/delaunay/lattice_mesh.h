@@ -52,18 +52,22 @@ class LatticeMesh {
     std::uint32_t from;
     std::uint32_t twin;
   };
+  /// An edge of a removed triangle, which is to the left of it; places relative to p.
+  struct InnerEdge {
+    std::uint32_t twin;
+    std::uint32_t start;  ///< Packed.
+    LatticePoint from, to;
+  };
+  template <bool kIsNarrow>
   void remove_round(LatticePoint p, std::uint32_t t);
   /// The border's edge that p lies on, else its size.
   [[nodiscard]] std::size_t split_edge(LatticePoint p) const;
   void fill_fan(std::uint32_t p, std::size_t split);
-  [[nodiscard]] bool is_hit(const LatticeTriangle& triangle, LatticePoint p) const {
-    return is_in_circle(packing_.unpack(triangle.corner[0]), packing_.unpack(triangle.corner[1]),
-                        packing_.unpack(triangle.corner[2]), p);
-  }
 
   LatticePacking packing_;
   std::vector<LatticeTriangle> triangles_;
-  std::vector<std::uint32_t> stack_;
+  bool is_narrow_ = false;  ///< All differences of coordinates are below kNarrowLattice.
+  std::vector<InnerEdge> stack_;
   std::vector<std::uint32_t> slots_;  ///< Of removed triangles, then also of those to be made.
   std::vector<BorderEdge> border_;
 };

@@ -98,6 +98,22 @@ class Worst {
   }
 
   HWY_INLINE WorstSample of_all() const {
+    if constexpr (sizeof(Real) == sizeof(float)) {
+      const D d;
+      const Node dn;
+      const auto worst = hn::MaxOfLanes(d, error_);
+      const auto nodes = hn::IfThenElse(hn::RebindMask(dn, hn::Eq(error_, worst)), node_,
+                                        hn::Set(dn, static_cast<NodeT>(WorstSample::kNone)));
+      return {static_cast<double>(hn::GetLane(worst)),
+              static_cast<std::uint32_t>(hn::GetLane(hn::MinOfLanes(dn, nodes))), 0};
+    } else {
+      return of_each();
+    }
+  }
+
+ private:
+  /// Lane by lane: not all instruction sets find the smallest of 64 bits.
+  HWY_INLINE WorstSample of_each() const {
     const D d;
     const Node dn;
     HWY_ALIGN Real errors[hn::MaxLanes(D())];
@@ -114,7 +130,6 @@ class Worst {
     return {static_cast<double>(error), static_cast<std::uint32_t>(node), 0};
   }
 
- private:
   hn::Vec<D> error_;
   hn::Vec<Node> node_;
 };
@@ -200,7 +215,7 @@ WorstSample find_in_sparse_rows(const SampleRows<T>& rows, const Slanted& t) {
     if (n <= 0) continue;
     const LatticePoint first{row.first() << bits, row.y() << bits};
     worst.see_row(rows.samples + row.y() * rows.stride + row.first(), n, rows.packing.pack(first),
-                  static_cast<typename Worst<D>::NodeT>(1U << bits), static_cast<Real>(t.at(first)),
+                  typename Worst<D>::NodeT{1} << bits, static_cast<Real>(t.at(first)),
                   static_cast<Real>(t.x_slope * (1 << bits)));
   }
   return worst.of_all();

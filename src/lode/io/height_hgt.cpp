@@ -79,7 +79,8 @@ Result<HeightRaster> read_hgt(const std::string& path, const HeightReadOptions& 
     return fail("{}: expected a name that starts with a corner, such as N46W123.hgt, got another",
                 path);
   LODE_TRY(const std::vector<std::byte> bytes, read_all_bytes(path));
-  const auto side = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(bytes.size() / 2)));
+  const std::size_t n_samples = bytes.size() / 2;
+  const auto side = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(n_samples)));
   if (side < 2 || side > kMaxSide || 2 * side * side != bytes.size())
     return fail("{}: expected a square of 16-bit samples, such as 2 x 1201 x 1201 bytes, got {}",
                 path, bytes.size());

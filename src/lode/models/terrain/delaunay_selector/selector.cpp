@@ -11,6 +11,9 @@
 namespace lode::delaunay_selector {
 namespace {
 
+/// Slopes and errors of such heights are far from where float32 ends.
+constexpr double kLargestHeight = 1e30;
+
 delaunay::GreedyOptions greedy_options(const SelectorOptions& options) {
   delaunay::GreedyOptions greedy{.max_error = options.max_error, .order = options.order};
   if (options.max_cells) greedy.max_triangles = *options.max_cells;
@@ -26,6 +29,9 @@ Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& 
   const delaunay::LatticePacking packing(grid.n_columns);
   delaunay::LatticeMesh mesh(packing, domain.triangles);
   const HeightRange range = height_range(grid);
+  if (range.lower < -kLargestHeight || range.upper > kLargestHeight)
+    return fail("expected heights from {} to {}, got {} to {}", -kLargestHeight, kLargestHeight,
+                range.lower, range.upper);
   const auto insert = [&](const auto& samples) {
     using T = typename std::decay_t<decltype(samples)>::value_type;
     const delaunay::SampleRows<T> rows{samples.data(), grid.stride, packing};

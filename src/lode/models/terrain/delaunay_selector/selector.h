@@ -32,7 +32,8 @@ struct Selection {
 /// are inserted into a Delaunay triangulation until the vertical error is within max_error at every
 /// sample, or max_cells is reached. The domain is the union of the cells with four valid corners;
 /// its outline is kept exactly, and constrains the triangulation where it is not convex. One
-/// thread; time O(n log n) in the samples usually. Fails where there is no such cell.
+/// thread; time O(n log n) in the samples usually. Fails where there is no such cell, and on
+/// heights beyond 1e30.
 [[nodiscard]] Result<Selection> select_samples(const HeightGrid& grid,
                                                const SelectorOptions& options, Progress& progress);
 
