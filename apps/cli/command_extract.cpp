@@ -6,6 +6,7 @@
 #include "command.h"
 #include "extract_focused.h"
 #include "extract_progressive.h"
+#include "extract_terrain.h"
 #include "extract_tetra.h"
 #include "extraction_options.h"
 #include "input.h"
@@ -29,6 +30,7 @@ struct ExtractArguments {
   ProgressiveArguments progressive;
   SimplifyArguments simplify;
   ReadingArguments reading;
+  TerrainArguments terrain;
 
   /// What is simplified within a distance is of full resolution unless something else is asked for.
   [[nodiscard]] ExtractionArguments plain() const {
@@ -40,6 +42,9 @@ struct ExtractArguments {
 
   [[nodiscard]] MeshJob mesh_job() const {
     return {input, output, memory_limit, extraction, query, reading};
+  }
+  [[nodiscard]] TerrainJob terrain_job() const {
+    return {input, output, extraction.max_error, query.max_cells, terrain, reading};
   }
 };
 
@@ -66,7 +71,9 @@ std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
   return paths;
 }
 
-Result<void> check_extract(const ExtractArguments& arguments) {
+Result<void> check_extract(const ExtractArguments& arguments, const CLI::App& app) {
+  if (is_height_path(arguments.input)) return check_terrain_job(arguments.terrain_job(), app);
+  LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
   LODE_CHECK(check_unused(arguments.query, holds_tetrahedra(arguments.input)));
   if (arguments.reading.salvage && !arguments.memory_limit.empty())
     return fail("--salvage: expected no --memory-limit with it: all of the file is loaded");
@@ -322,6 +329,7 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
 }
 
 Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session) {
+  if (is_height_path(arguments.input)) return run_terrain_job(arguments.terrain_job(), session);
   if (holds_cells(arguments.input)) return run_tetra_job(arguments.mesh_job(), session);
   auto outcome = arguments.query.is_wanted()    ? run_mesh_job(arguments.mesh_job(), session)
                  : arguments.query.is_focused() ? run_focused_job(arguments.mesh_job(), session)
@@ -335,7 +343,7 @@ Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session)
 Command add_extract_command(CLI::App& program) {
   auto arguments = std::make_shared<ExtractArguments>();
   CLI::App* app = program.add_subcommand(
-      "extract", "Extract isosurfaces (contour lines of 2D data), meshes or sections");
+      "extract", "Extract isosurfaces (contour lines of 2D data), meshes, sections or terrain");
   app->footer(
       "OUT may end in .ply, .stl, .obj, .vtp or .glb. Several isovalues share one file; STL and\n"
       "OBJ, which cannot tell them apart, get one each: bone-300.stl, bone-1200.stl.\n\n"
@@ -346,7 +354,10 @@ Command add_extract_command(CLI::App& program) {
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
       "Of meshes of cells (.vtu, .vts, .vtk, .msh, .mesh) the hierarchy is built in memory; there\n"
       "are isosurfaces, --mesh, --section and --boundary, with foci and --max-cells.\n\n"
+      "Of rasters of heights (.tif, .asc, .hgt, .png, ...) there is a TIN: no sample is farther\n"
+      "from it, vertically, than --max-error.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
+      "  lode extract dem.tif dem.ply --max-error 10\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-distance 0.5\n"
@@ -358,7 +369,8 @@ Command add_extract_command(CLI::App& program) {
       "  lode extract fin.vtu hot.vtp --boundary --threshold 2:5 --field Density\n"
       "  lode extract scan.lode bone.vtp --isovalue 1200 --progressive bone-steps\n"
       "  lode extract damaged.lode bone.ply --isovalue 1200 --max-error 10 --salvage");
-  app->add_option("file", arguments->input, ".lode file, or a volume to build in memory")
+  app->add_option("file", arguments->input,
+                  ".lode file, a volume to build in memory, or a raster of heights")
       ->type_name("FILE")
       ->required();
   app->add_option("output", arguments->output, "Surface to write")->type_name("OUT")->required();
@@ -377,7 +389,8 @@ Command add_extract_command(CLI::App& program) {
                          "Also write the surface from coarse to fine, step-000 and so on with "
                          "index.json, to a new or empty directory");
   add_reading_options(*app, arguments->reading);
-  return {app, [arguments] { return check_extract(*arguments); },
+  add_terrain_options(*app, arguments->terrain, TerrainUse::extraction);
+  return {app, [arguments, app] { return check_extract(*arguments, *app); },
           [arguments](Session& session) { return run_extract(*arguments, session); }};
 }
 

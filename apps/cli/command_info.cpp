@@ -5,6 +5,7 @@
 #include "build_tetra.h"
 #include "command.h"
 #include "describe.h"
+#include "extract_terrain.h"
 #include "input.h"
 #include "sample_range.h"
 #include "tetra_input.h"
@@ -17,6 +18,7 @@ namespace {
 struct InfoArguments {
   std::string input;
   ReadingArguments reading;
+  TerrainArguments terrain;
 };
 
 Json file_json(const std::string& path, const std::string& format) {
@@ -101,7 +103,21 @@ Result<void> add_samples(Outcome& outcome, VolumeSource& source, Session& sessio
   return {};
 }
 
+Result<void> check_info(const InfoArguments& arguments, const CLI::App& app) {
+  if (is_height_path(arguments.input)) {
+    LODE_CHECK(check_only_terrain(app, arguments.input, {}));
+    if (auto options = to_height_options(arguments.terrain, arguments.reading); !options)
+      return options.error();
+    return {};
+  }
+  LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
+  return holds_cells(arguments.input) ? check_tetra_reading(arguments.reading, arguments.input)
+                                      : check_reading_options(arguments.reading, arguments.input);
+}
+
 Result<Outcome> run_info(const InfoArguments& arguments, Session& session) {
+  if (is_height_path(arguments.input))
+    return run_terrain_info(arguments.input, arguments.terrain, arguments.reading, session);
   if (holds_cells(arguments.input)) return tetra_info(arguments.input, arguments.reading, session);
   if (is_lode_path(arguments.input)) {
     LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
@@ -124,16 +140,13 @@ Result<Outcome> run_info(const InfoArguments& arguments, Session& session) {
 
 Command add_info_command(CLI::App& program) {
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* app = program.add_subcommand("info", "Show what a volume or .lode file holds");
-  app->footer("Example:\n  lode info scan.nrrd");
+  CLI::App* app = program.add_subcommand(
+      "info", "Show what a volume, mesh, raster of heights or .lode file holds");
+  app->footer("Example:\n  lode info scan.nrrd\n  lode info dem.tif");
   app->add_option("file", arguments->input, "File to look at")->type_name("FILE")->required();
   add_reading_options(*app, arguments->reading);
-  return {app,
-          [arguments] {
-            return holds_cells(arguments->input)
-                       ? check_tetra_reading(arguments->reading, arguments->input)
-                       : check_reading_options(arguments->reading, arguments->input);
-          },
+  add_terrain_options(*app, arguments->terrain, TerrainUse::reading);
+  return {app, [arguments, app] { return check_info(*arguments, *app); },
           [arguments](Session& session) { return run_info(*arguments, session); }};
 }
 

@@ -9,6 +9,7 @@
 #include "simplify_options.h"
 #include "stopwatch.h"
 #include "text.h"
+#include "verify_terrain.h"
 #include "verify_tetra.h"
 #include "vtk_import.h"
 
@@ -23,6 +24,7 @@ struct VerifyArguments {
   SimplifyArguments simplify;
   ExtractionArguments extraction;
   ReadingArguments reading;
+  TerrainArguments terrain;
 };
 
 Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
@@ -35,7 +37,14 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
   return {arguments.input, arguments.original, arguments.is_exact, arguments.reading};
 }
 
-Result<void> check_verify(const VerifyArguments& arguments) {
+[[nodiscard]] TerrainVerifyJob terrain_job(const VerifyArguments& arguments) {
+  return {arguments.input, arguments.surface, arguments.extraction.max_error, arguments.terrain,
+          arguments.reading};
+}
+
+Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app) {
+  if (is_height_path(arguments.input)) return check_terrain_verify(terrain_job(arguments), app);
+  LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
   if (holds_cells(arguments.input)) {
     if (!arguments.surface.empty())
       return fail("--surface: expected a volume or its .lode file with it, got the mesh '{}'",
@@ -126,14 +135,17 @@ Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& repo
 Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   const Stopwatch watch;
   VerifyReport report;
-  const bool is_tetra = holds_cells(arguments.input);
-  if (is_tetra) {
+  const bool is_terrain = is_height_path(arguments.input);
+  const bool is_tetra = !is_terrain && holds_cells(arguments.input);
+  if (is_terrain) {
+    LODE_TRY(report, verify_terrain_surface(terrain_job(arguments), session));
+  } else if (is_tetra) {
     LODE_TRY(report, verify_tetra(tetra_job(arguments), session));
   } else if (is_lode_path(arguments.input)) {
     LODE_TRY(report, verify_file(arguments.input, session.threads(), session.progress()));
   }
   const bool needs_model = !arguments.original.empty() || !arguments.surface.empty();
-  if (!is_tetra && needs_model && report.passed())
+  if (!is_tetra && !is_terrain && needs_model && report.passed())
     LODE_CHECK(verify_model(arguments, session, report));
   for (const VerifyReport::Check& check : report.checks) {
     if (check.passed) continue;
@@ -157,7 +169,9 @@ Command add_verify_command(CLI::App& program) {
       "Of meshes of tetrahedra, or .lode files made from them: nodes and their order, random "
       "cuts,\n"
       "and all stated errors and ranges; --against compares every vertex, value and cell.\n\n"
+      "Of rasters of heights --surface is a TIN: Delaunay, of samples, and within --max-error.\n\n"
       "Examples:\n  lode verify scan.lode --against scan.nrrd\n"
+      "  lode verify dem.tif --surface dem.ply --max-error 10\n"
       "  lode verify mesh.vtu\n  lode verify mesh.lode --against mesh.vtu\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5\n"
@@ -182,7 +196,8 @@ Command add_verify_command(CLI::App& program) {
       ->type_name("D");
   add_extraction_options(*app, arguments->extraction);
   add_reading_options(*app, arguments->reading);
-  return {app, [arguments] { return check_verify(*arguments); },
+  add_terrain_options(*app, arguments->terrain, TerrainUse::reading);
+  return {app, [arguments, app] { return check_verify(*arguments, *app); },
           [arguments](Session& session) { return run_verify(*arguments, session); }};
 }
 

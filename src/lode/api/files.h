@@ -7,7 +7,9 @@
 #include "lode/api/dataset.h"
 #include "lode/api/file_build.h"
 #include "lode/api/mesh_picture.h"
+#include "lode/api/terrain.h"
 #include "lode/api/tetra_dataset.h"
+#include "lode/io/height_reader.h"
 #include "lode/io/mesh_file.h"
 #include "lode/io/mesh_reader.h"
 #include "lode/io/mesh_vtu.h"
@@ -31,12 +33,17 @@ using io::check_surface_path;
 using io::ComponentChoice;
 using io::describe_volume;
 using io::FileDescription;
+using io::HeightEncoding;
+using io::HeightRaster;
+using io::HeightReadOptions;
+using io::is_height_path;
 using io::Magnitude;
 using io::MeshWriteOptions;
 using io::open_volume;
 using io::QuadraticCells;
 using io::RawLayout;
 using io::read_cell_mesh;
+using io::read_heights;
 using io::ReadOptions;
 using io::SurfaceWriteOptions;
 using io::TetrahedraOutcome;

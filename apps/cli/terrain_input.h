@@ -1,0 +1,48 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "input.h"
+#include "text.h"
+
+namespace lode::cli {
+
+/// The options of rasters of heights as typed; --nodata, --max-error and --max-cells are shared
+/// with other inputs.
+struct TerrainArguments {
+  std::string band;
+  std::string encoding;
+  std::string model;
+  std::string order;
+
+  [[nodiscard]] bool is_empty() const {
+    return band.empty() && encoding.empty() && model.empty() && order.empty();
+  }
+};
+
+enum class TerrainUse : std::uint8_t { reading, extraction };
+
+/// reading: --band and --encoding; extraction: also --model and --order.
+void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use);
+
+/// Refuses them for other inputs: they would silently do nothing.
+[[nodiscard]] Result<void> check_no_terrain(const TerrainArguments& arguments,
+                                            const std::string& path);
+
+/// Refuses options that were given and mean nothing for a raster of heights; `allowed` beside
+/// those of every command and of reading.
+[[nodiscard]] Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
+                                              const std::vector<std::string>& allowed);
+
+[[nodiscard]] Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
+                                                          const ReadingArguments& reading);
+
+/// A number >= 0, or nothing where none was given.
+[[nodiscard]] Result<std::optional<double>> to_max_error(const std::string& text);
+
+/// The keys and rows of a raster: size, CRS, unit, samples that are missing.
+void add_raster(const HeightRaster& raster, Json& json, Table& table);
+
+}  // namespace lode::cli

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "terrain_input.h"
+
+namespace lode::cli {
+
+/// A surface to hold against the raster of heights that it was made from.
+struct TerrainVerifyJob {
+  std::string input;
+  std::string surface;
+  std::string max_error;
+  TerrainArguments terrain;
+  ReadingArguments reading;
+};
+
+[[nodiscard]] Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& app);
+[[nodiscard]] Result<VerifyReport> verify_terrain_surface(const TerrainVerifyJob& job,
+                                                          Session& session);
+
+}  // namespace lode::cli

@@ -1,0 +1,200 @@
+// The Delaunay selector on a spectral fractal of 4096^2 samples of 16 bits: seconds of one thread,
+// triangles, and whether what came is right; beside hmm (github.com/fogleman/hmm), a greedy
+// insertion in C++, where a program of that name is in PATH or named by LODE_HMM. Its seconds hold
+// reading a PNG and writing an STL file.
+
+#include <fmt/format.h>
+#include <png.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "bench/timing.h"
+#include "lode/api/terrain.h"
+#include "lode/delaunay/grid_domain.h"
+#include "lode/delaunay/tin.h"
+#include "tests/oracles/fractal_terrain.h"
+
+namespace lode::bench {
+namespace {
+
+constexpr std::array<double, 3> kTolerances{0.01, 0.001, 0.0003};  ///< Of the range of heights.
+constexpr double kRange = 65535;
+
+struct Settings {
+  std::int32_t side = 4096;
+  std::uint64_t seed = 3;
+  int n_runs = 3;
+  bool is_unchecked = false;
+};
+
+struct Run {
+  double seconds = 0;
+  std::uint64_t n_triangles = 0;
+  std::uint64_t n_vertices = 0;
+};
+
+/// The selector itself: the domain, insertion, and the triangles with numbered corners.
+Run select(const HeightGrid& grid, double max_error, InsertionOrder order) {
+  const double start = processor_seconds();
+  const delaunay::LatticePacking packing(grid.n_columns);
+  const auto domain = delaunay::find_domain(grid);
+  delaunay::LatticeMesh mesh(packing, domain->triangles);
+  const auto& samples = std::get<HeightGrid::Samples<std::uint16_t>>(grid.heights);
+  Progress progress;
+  (void)delaunay::insert_greedily(
+      mesh, delaunay::SampleRows<std::uint16_t>{samples.data(), grid.stride, packing}, 0, kRange,
+      {.max_error = max_error, .order = order}, progress);
+  const double seconds = processor_seconds() - start;
+  const delaunay::Tin tin = delaunay::to_tin(mesh);
+  return {seconds, tin.triangles.size(), tin.vertices.size()};
+}
+
+/// "right", or the first check that fails.
+std::string check(const HeightGrid& grid, double max_error, InsertionOrder order) {
+  Progress progress;
+  const auto made = extract_terrain(grid, {.max_error = max_error, .order = order}, progress);
+  if (!made) return made.error().message;
+  const auto report = verify_terrain(grid, made->surface, max_error, {}, progress);
+  if (!report) return report.error().message;
+  for (const VerifyReport::Check& one : report->checks)
+    if (!one.passed) return one.name + ": " + one.detail;
+  return "right";
+}
+
+void race(const HeightGrid& grid, const Settings& settings, InsertionOrder order) {
+  const char* name = order == InsertionOrder::strict ? "strict" : "levels";
+  for (const double share : kTolerances) {
+    std::vector<Run> runs;
+    for (int i = 0; i < settings.n_runs; ++i) runs.push_back(select(grid, share * kRange, order));
+    const auto by_time = [](const Run& a, const Run& b) { return a.seconds < b.seconds; };
+    std::sort(runs.begin(), runs.end(), by_time);
+    fmt::print("{:8} {:>8} {:>10.3f} {:>10.3f} {:>12} {:>12}  {}\n", name, share,
+               runs[runs.size() / 2].seconds, runs.front().seconds, runs.front().n_triangles,
+               runs.front().n_vertices,
+               settings.is_unchecked ? "not checked" : check(grid, share * kRange, order));
+    std::fflush(stdout);
+  }
+}
+
+/// LODE_HMM, else hmm in PATH, else "".
+std::string find_hmm() {
+  if (const char* named = std::getenv("LODE_HMM")) return named;
+  const char* path = std::getenv("PATH");
+  for (std::string rest = path == nullptr ? "" : path; !rest.empty();) {
+    const std::string folder = rest.substr(0, rest.find(':'));
+    rest.erase(0, std::min(rest.size(), folder.size() + 1));
+    if (access((folder + "/hmm").c_str(), X_OK) == 0) return folder + "/hmm";
+  }
+  return "";
+}
+
+bool write_png(const std::string& path, const HeightGrid& grid) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return false;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_init_io(png, file);
+  const auto n = static_cast<png_uint_32>(grid.n_columns);
+  png_set_compression_level(png, 1);
+  png_set_IHDR(png, info, n, static_cast<png_uint_32>(grid.n_rows), 16, PNG_COLOR_TYPE_GRAY,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  png_set_swap(png);
+  const auto& samples = std::get<HeightGrid::Samples<std::uint16_t>>(grid.heights);
+  for (std::int32_t y = 0; y < grid.n_rows; ++y)
+    png_write_row(png, reinterpret_cast<const png_byte*>(samples.data() + y * grid.stride));
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  return std::fclose(file) == 0;
+}
+
+/// Processor seconds of a program, or nothing where it fails.
+std::optional<double> run_program(std::vector<std::string> words) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const auto used = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  const pid_t child = fork();
+  if (child == 0) {
+    execv(arguments[0], arguments.data());
+    _exit(127);
+  }
+  int status = 0;
+  rusage usage{};
+  if (child < 0 || wait4(child, &status, 0, &usage) != child || status != 0) return std::nullopt;
+  return used(usage.ru_utime) + used(usage.ru_stime);
+}
+
+/// The count that an STL file states.
+std::uint32_t stl_triangles(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 80> head{};
+  std::uint32_t n = 0;
+  file.read(head.data(), head.size());
+  file.read(reinterpret_cast<char*>(&n), sizeof n);
+  return file ? n : 0;
+}
+
+void race_hmm(const HeightGrid& grid) {
+  const std::string program = find_hmm();
+  if (program.empty()) {
+    fmt::print("hmm: skipped, neither LODE_HMM nor PATH has it\n");
+    return;
+  }
+  std::string folder = std::filesystem::temp_directory_path() / "lode_bench_XXXXXX";
+  if (mkdtemp(folder.data()) == nullptr) return;
+  const std::string png = folder + "/fractal.png";
+  const std::string stl = folder + "/fractal.stl";
+  if (write_png(png, grid))
+    for (const double share : kTolerances) {
+      const auto seconds =
+          run_program({program, png, stl, "-z", "1000", "-e", fmt::format("{}", share), "-q"});
+      if (seconds)
+        fmt::print("{:8} {:>8} {:>10.3f} {:>10} {:>12}\n", "hmm", share, *seconds, "",
+                   stl_triangles(stl));
+      else
+        fmt::print("{:8} {:>8} failed\n", "hmm", share);
+      std::fflush(stdout);
+    }
+  std::filesystem::remove_all(folder);
+}
+
+int run(const Settings& settings) {
+  const HeightGrid grid = oracles::make_fractal_terrain(settings.side, settings.seed);
+  fmt::print("fractal of {0} x {0} samples, seed {1}; processor seconds of {2} runs\n",
+             settings.side, settings.seed, settings.n_runs);
+  fmt::print("{:8} {:>8} {:>10} {:>10} {:>12} {:>12}  {}\n", "order", "error", "median s",
+             "fastest s", "triangles", "vertices", "checked");
+  race(grid, settings, InsertionOrder::levels);
+  race(grid, settings, InsertionOrder::strict);
+  race_hmm(grid);
+  return 0;
+}
+
+}  // namespace
+}  // namespace lode::bench
+
+int main(int argc, char** argv) {
+  lode::bench::Settings settings;
+  CLI::App app("The Delaunay selector on a spectral fractal, beside hmm");
+  app.add_option("--side", settings.side, "Samples along a side, a power of two");
+  app.add_option("--seed", settings.seed, "Of the fractal");
+  app.add_option("--runs", settings.n_runs, "Of each, an odd number")->check(CLI::Range(1, 99));
+  app.add_flag("--unchecked", settings.is_unchecked, "Do not verify what comes");
+  CLI11_PARSE(app, argc, argv);
+  return lode::bench::run(settings);
+}

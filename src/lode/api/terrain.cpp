@@ -1,0 +1,110 @@
+#include "lode/api/terrain.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
+#include "lode/delaunay/grid_domain.h"
+#include "lode/mappers/tin_check.h"
+#include "lode/mappers/tin_surface.h"
+#include "lode/models/terrain/delaunay_selector/selector.h"
+
+namespace lode {
+namespace {
+
+/// Of the range of heights, where nothing else is said; as of volumes.
+constexpr double kDefaultShare = 0.005;
+
+double tolerance_of(const HeightGrid& grid, const TerrainOptions& options) {
+  if (options.max_error) return *options.max_error;
+  if (options.max_cells) return 0;
+  const HeightRange range = height_range(grid);
+  return std::max(0.0, kDefaultShare * (range.upper - range.lower));
+}
+
+VerifyReport to_report(const TinFacts& facts, double max_error) {
+  VerifyReport report;
+  report.add("vertices are samples", facts.n_vertices, facts.n_off_samples,
+             facts.n_off_samples > 0 ? fmt::format("{} are not", facts.n_off_samples)
+                                     : fmt::format("heights to within {}", facts.height_offset));
+  if (facts.n_off_samples > 0) return report;
+  report.add("triangles face up", facts.n_triangles, facts.n_turned,
+             facts.n_turned > 0 ? fmt::format("{} do not", facts.n_turned) : "");
+  if (facts.n_turned > 0) return report;
+  report.add("edges have two sides", facts.n_edges, facts.n_overused,
+             facts.n_overused > 0 ? fmt::format("{} have more", facts.n_overused) : "");
+  report.add("inner edges are Delaunay", facts.n_inner_edges, facts.n_not_delaunay,
+             facts.n_not_delaunay > 0 ? fmt::format("{} are not", facts.n_not_delaunay) : "");
+  report.add("the domain is covered once", facts.n_cells, facts.is_covered() ? 0 : 1,
+             facts.is_covered()
+                 ? fmt::format("outline of {} edges", facts.n_border_edges)
+                 : fmt::format("area of {} cells, {} border edges off the outline, {} samples in "
+                               "no triangle",
+                               static_cast<double>(facts.doubled_area) / 2, facts.n_off_outline,
+                               facts.n_uncovered));
+  report.add("samples are within the error", facts.n_samples, facts.n_beyond,
+             fmt::format("worst {} of {} in column {}, row {}{}", facts.worst_error, max_error,
+                         facts.worst.x, facts.worst.y,
+                         facts.n_beyond > 0 ? fmt::format("; {} beyond", facts.n_beyond) : ""));
+  return report;
+}
+
+}  // namespace
+
+Result<TerrainSurface> extract_terrain(const HeightGrid& grid, const TerrainOptions& options,
+                                       Progress& progress) try {
+  const Stopwatch watch;
+  const double max_error = tolerance_of(grid, options);
+  LODE_TRY(const delaunay_selector::Selection selection,
+           delaunay_selector::select_samples(
+               grid,
+               {.max_error = max_error,
+                .max_cells = options.max_cells,
+                .order = options.max_cells ? InsertionOrder::strict : options.order},
+               progress));
+  TinSurface made = to_surface(selection.tin, grid);
+  TerrainReport report{.triangles = selection.tin.triangles.size(),
+                       .vertices = selection.tin.vertices.size(),
+                       .max_error = max_error,
+                       .achieved_error = selection.achieved_error,
+                       .is_within_error = selection.is_within_error,
+                       .budget_met = selection.is_within_cells,
+                       .n_samples = selection.n_samples,
+                       .n_missing = grid.n_missing(),
+                       .n_left_out = selection.n_left_out,
+                       .height_slack = made.height_slack,
+                       .position_slack = made.position_slack,
+                       .seconds = watch.seconds()};
+  return TerrainSurface{std::move(made.surface), report};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("select samples");
+}
+
+Result<VerifyReport> verify_terrain(const HeightGrid& grid, const Surface& surface,
+                                    double max_error, Threads threads, Progress& progress) try {
+  LODE_TRY(const TinFacts facts, check_tin(surface, grid, max_error, threads, progress));
+  return to_report(facts, max_error);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("check the surface");
+}
+
+TerrainInfo describe_terrain(const HeightGrid& grid) {
+  const HeightRange range = height_range(grid);
+  TerrainInfo info{.n_missing = grid.n_missing(),
+                   .has_heights = range.lower <= range.upper,
+                   .lower = range.lower,
+                   .upper = range.upper};
+  if (const auto domain = delaunay::find_domain(grid); domain.has_value()) {
+    info.n_cells = domain->n_cells;
+    info.n_left_out = domain->n_left_out;
+  } else {
+    info.n_left_out = static_cast<std::uint64_t>(grid.n_samples()) - info.n_missing;
+  }
+  return info;
+}
+
+}  // namespace lode

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "lode/api/verify_report.h"
+#include "lode/core/height_grid.h"
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/surface.h"
+#include "lode/delaunay/greedy_insertion.h"
+
+namespace lode {
+
+// The door's part of terrain: heights on a grid (read_heights in files.h), and triangulations of
+// them within a vertical error.
+using delaunay::InsertionOrder;
+
+struct TerrainOptions {
+  /// Vertical, units of the heights, finite and >= 0; without: half a percent of their range, or
+  /// with max_cells whatever comes of it.
+  std::optional<double> max_error{};
+  std::optional<std::uint64_t> max_cells{};  ///< At most so many triangles; orders strictly.
+  InsertionOrder order = InsertionOrder::levels;
+};
+
+struct TerrainReport {
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+  double max_error = 0;       ///< That was asked for, or chosen.
+  double achieved_error = 0;  ///< |z - z'| at every sample of the domain; rounded up.
+  bool is_within_error = true;
+  bool budget_met = true;        ///< Else the domain's outline alone has more than max_cells.
+  std::uint64_t n_samples = 0;   ///< Of the domain: corners of cells with four heights.
+  std::uint64_t n_missing = 0;   ///< Without a height.
+  std::uint64_t n_left_out = 0;  ///< With one, but in no such cell.
+  double height_slack = 0;       ///< Rounding of heights in the surface's coordinates.
+  double position_slack = 0;     ///< Of positions, units of the world.
+  double seconds = 0;
+};
+
+struct TerrainSurface {
+  Surface surface;  ///< Triangles, facing up; values are the heights, exactly.
+  TerrainReport report;
+};
+
+/// The TIN of the model delaunay_selector: see docs/models/delaunay_selector.md. Fails where no
+/// cell of the grid has four heights, and when cancelled.
+[[nodiscard]] Result<TerrainSurface> extract_terrain(const HeightGrid& grid,
+                                                     const TerrainOptions& options,
+                                                     Progress& progress);
+
+/// Checks that a surface is a Delaunay TIN of the grid's samples, covers exactly the cells with
+/// four heights, and that no sample is farther than max_error from it, by other means than it was
+/// made.
+[[nodiscard]] Result<VerifyReport> verify_terrain(const HeightGrid& grid, const Surface& surface,
+                                                  double max_error, Threads threads,
+                                                  Progress& progress);
+
+struct TerrainInfo {
+  std::uint64_t n_missing = 0;
+  bool has_heights = false;
+  double lower = 0;  ///< Of the heights, where there are any.
+  double upper = 0;
+  std::uint64_t n_cells = 0;     ///< With four heights.
+  std::uint64_t n_left_out = 0;  ///< Samples with a height that are in none.
+};
+
+[[nodiscard]] TerrainInfo describe_terrain(const HeightGrid& grid);
+
+}  // namespace lode

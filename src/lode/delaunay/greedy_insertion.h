@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "lode/core/progress.h"
+#include "lode/delaunay/lattice_mesh.h"
+#include "lode/delaunay/worst_sample.h"
+
+namespace lode::delaunay {
+
+/// strict: always the sample with the largest error of all. levels: errors fall in quarters of an
+/// octave, and within one level samples are inserted where they lie close together, which keeps the
+/// work in cache; about 0.3 % more points.
+enum class InsertionOrder : std::uint8_t { levels, strict };
+
+struct GreedyOptions {
+  double max_error = 0;  ///< >= 0: no sample errs by more in the end.
+  std::uint64_t max_triangles = std::numeric_limits<std::uint64_t>::max();  ///< strict only
+  InsertionOrder order = InsertionOrder::levels;
+};
+
+struct GreedyReport {
+  std::uint64_t n_inserted = 0;
+  double achieved_error = 0;    ///< No sample errs by more; rounded up.
+  bool is_within_error = true;  ///< Else max_triangles ended it.
+};
+
+/// The Delaunay selector: inserts samples into a mesh until the vertical error |z - z'| of every
+/// sample in it is at most max_error (M. Garland, P. Heckbert, "Fast polygonal approximation of
+/// terrains and height fields", 1995; the refinement of L. De Floriani, B. Falcidieno, C.
+/// Pienovi, 1985). Each triangle knows its worst sample, looked for when the triangle is made.
+/// Equal errors are settled by position: rows first. One thread. `lower` and `upper`: of the
+/// heights. All samples in the mesh's triangles must be finite. Fails when cancelled.
+template <typename T>
+[[nodiscard]] Result<GreedyReport> insert_greedily(LatticeMesh& mesh, const SampleRows<T>& rows,
+                                                   double lower, double upper,
+                                                   const GreedyOptions& options,
+                                                   Progress& progress);
+
+}  // namespace lode::delaunay

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/result.h"
+#include "lode/delaunay/lattice.h"
+
+namespace lode::delaunay {
+
+/// The part of the plane that heights on a lattice define a surface over: the union of the cells
+/// whose four corners are valid.
+struct GridDomain {
+  /// Corners of the outline, packed, turning left (x to the right, y up), constrained Delaunay: the
+  /// coarsest triangulation that has the whole outline.
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::uint64_t n_cells = 0;
+  std::uint64_t n_samples = 0;   ///< Corners of those cells.
+  std::uint64_t n_left_out = 0;  ///< Valid samples that are corners of none.
+};
+
+/// O(cells), and O(n log n) for n corners of the outline. Fails where there are no such cells, and
+/// where nodes do not fit in 32 bits.
+[[nodiscard]] Result<GridDomain> find_domain(const HeightGrid& grid);
+
+}  // namespace lode::delaunay

@@ -1,0 +1,165 @@
+// Incremental Delaunay triangulation: A. Bowyer, "Computing Dirichlet tessellations", and D. F.
+// Watson, "Computing the n-dimensional Delaunay tessellation", both Computer Journal 24 (2), 1981.
+#include "lode/delaunay/lattice_mesh.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "lode/core/expects.h"
+#include "lode/core/uninitialized_array.h"
+
+namespace lode::delaunay {
+namespace {
+
+constexpr std::array<std::uint32_t, 3> kNext{1, 2, 0};
+constexpr std::array<std::uint32_t, 3> kPrevious{2, 0, 1};
+
+/// Links triangles that share an edge, found by sorting all edges by their ends.
+void link_twins(std::vector<LatticeTriangle>& triangles) {
+  struct Edge {
+    std::uint32_t lower, upper, half_edge;
+  };
+  std::vector<Edge> edges;
+  edges.reserve(3 * triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = triangles[t].corner[i];
+      const std::uint32_t b = triangles[t].corner[kNext[i]];
+      edges.push_back({std::min(a, b), std::max(a, b), 4 * t + i});
+    }
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+    return std::tie(a.lower, a.upper, a.half_edge) < std::tie(b.lower, b.upper, b.half_edge);
+  });
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+    const Edge& a = edges[i];
+    const Edge& b = edges[i + 1];
+    if (a.lower != b.lower || a.upper != b.upper) continue;
+    triangles[a.half_edge / 4].twin[a.half_edge % 4] = b.half_edge;
+    triangles[b.half_edge / 4].twin[b.half_edge % 4] = a.half_edge;
+  }
+}
+
+}  // namespace
+
+LatticeMesh::LatticeMesh(LatticePacking packing,
+                         std::span<const std::array<std::uint32_t, 3>> triangles)
+    : packing_(packing) {
+  resize_large(triangles_, triangles.size());
+  std::int32_t largest = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const auto& corner = triangles[t];
+    LODE_EXPECTS(doubled_area(packing_.unpack(corner[0]), packing_.unpack(corner[1]),
+                              packing_.unpack(corner[2])) > 0);
+    for (const std::uint32_t packed : corner) {
+      const LatticePoint p = packing_.unpack(packed);
+      largest = std::max({largest, p.x, p.y});
+    }
+    triangles_[t] = {corner, {kNoHalfEdge, kNoHalfEdge, kNoHalfEdge}, 0, 0};
+  }
+  is_narrow_ = largest < kNarrowLattice;
+  link_twins(triangles_);
+}
+
+template <bool kIsNarrow>
+void LatticeMesh::remove_round(LatticePoint p, std::uint32_t t) {
+  const auto relative = [&](std::uint32_t corner) {
+    const LatticePoint q = packing_.unpack(corner);
+    return LatticePoint{q.x - p.x, q.y - p.y};
+  };
+  const LatticeTriangle& start = triangles_[t];
+  const LatticePoint a = relative(start.corner[0]);
+  const LatticePoint b = relative(start.corner[1]);
+  const LatticePoint c = relative(start.corner[2]);
+  slots_.assign(1, t);
+  border_.clear();
+  stack_.assign({{start.twin[2], start.corner[2], c, a},
+                 {start.twin[1], start.corner[1], b, c},
+                 {start.twin[0], start.corner[0], a, b}});
+  while (!stack_.empty()) {
+    const InnerEdge edge = stack_.back();
+    stack_.pop_back();
+    if (edge.twin == kNoHalfEdge) {
+      border_.push_back({edge.start, edge.twin});
+      continue;
+    }
+    const LatticeTriangle& outer = triangles_[edge.twin >> 2];
+    const std::uint32_t next = kNext[edge.twin & 3];
+    const std::uint32_t previous = kPrevious[edge.twin & 3];
+    const std::uint32_t apex = outer.corner[previous];
+    const LatticePoint across = relative(apex);
+    // The outer triangle runs from the edge's end to its start.
+    if (!is_origin_in_circle<kIsNarrow>(edge.to, edge.from, across)) {
+      border_.push_back({edge.start, edge.twin});
+      continue;
+    }
+    // Edges come from the stack in the order in which they lie round p.
+    slots_.push_back(edge.twin >> 2);
+    stack_.push_back({outer.twin[previous], apex, across, edge.to});
+    stack_.push_back({outer.twin[next], edge.start, edge.from, across});
+  }
+}
+
+std::size_t LatticeMesh::split_edge(LatticePoint p) const {
+  for (std::size_t i = 0; i < border_.size(); ++i) {
+    if (border_[i].twin != kNoHalfEdge) continue;
+    const LatticePoint a = packing_.unpack(border_[i].from);
+    const LatticePoint b = packing_.unpack(border_[i + 1 < border_.size() ? i + 1 : 0].from);
+    if (doubled_area(a, b, p) == 0) return i;
+  }
+  return border_.size();
+}
+
+void LatticeMesh::fill_fan(std::uint32_t p, std::size_t split) {
+  const std::size_t n = border_.size();
+  const bool is_closed = split == n;
+  const std::size_t n_made = is_closed ? n : n - 1;
+  // One more in memory than is needed would be clearing it twice; they double.
+  const auto n_before = static_cast<std::uint32_t>(triangles_.size());
+  LODE_EXPECTS(slots_.size() <= n_made);
+  const std::size_t n_added = n_made - slots_.size();
+  if (triangles_.capacity() < n_before + n_added)
+    resize_large(triangles_, n_before + n_added);
+  else
+    triangles_.resize(n_before + n_added);
+  for (std::uint32_t i = 0; i < n_added; ++i) slots_.push_back(n_before + i);
+
+  // After the edge that p splits, once round.
+  for (std::size_t k = 0, i = is_closed || split + 1 == n ? 0 : split + 1; k < n_made; ++k) {
+    const BorderEdge& edge = border_[i];
+    const std::size_t after = i + 1 < n ? i + 1 : 0;
+    const std::uint32_t slot = slots_[k];
+    const bool has_next = is_closed || k + 1 < n_made;
+    const bool has_previous = is_closed || k > 0;
+    const std::uint32_t next = slots_[k + 1 < n_made ? k + 1 : 0];
+    const std::uint32_t previous = slots_[k > 0 ? k - 1 : n_made - 1];
+    LatticeTriangle& made = triangles_[slot];
+    made.corner = {edge.from, border_[after].from, p};
+    made.twin = {edge.twin, has_next ? 4 * next + 2 : kNoHalfEdge,
+                 has_previous ? 4 * previous + 1 : kNoHalfEdge};
+    if (edge.twin != kNoHalfEdge) triangles_[edge.twin >> 2].twin[edge.twin & 3] = 4 * slot;
+    i = after;
+  }
+}
+
+std::span<const std::uint32_t> LatticeMesh::insert(std::uint32_t p, std::uint32_t t) {
+  const LatticePoint point = packing_.unpack(p);
+  if (is_narrow_)
+    remove_round<true>(point, t);
+  else
+    remove_round<false>(point, t);
+  fill_fan(p, split_edge(point));
+  return slots_;
+}
+
+std::uint32_t LatticeMesh::growth(std::uint32_t p, std::uint32_t t) const {
+  const LatticeTriangle& triangle = triangles_[t];
+  const LatticePoint point = packing_.unpack(p);
+  for (std::uint32_t i = 0; i < 3; ++i)
+    if (triangle.twin[i] == kNoHalfEdge &&
+        doubled_area(packing_.unpack(triangle.corner[i]),
+                     packing_.unpack(triangle.corner[kNext[i]]), point) == 0)
+      return 1;
+  return 2;
+}
+
+}  // namespace lode::delaunay

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "lode/delaunay/lattice.h"
+
+namespace lode::delaunay {
+
+/// Also says that there is no triangle behind an edge.
+inline constexpr std::uint32_t kNoHalfEdge = std::numeric_limits<std::uint32_t>::max();
+
+/// A triangle whose corners are nodes of a lattice, in 32 bytes, and what a selector keeps with it.
+struct LatticeTriangle {
+  std::array<std::uint32_t, 3> corner;  ///< Packed; they turn left.
+  /// Behind the edge from corner i to corner i + 1: 4 times that triangle and its edge.
+  std::array<std::uint32_t, 3> twin;
+  std::uint32_t candidate;  ///< The packed node to insert, where there is one.
+  float error;
+};
+static_assert(sizeof(LatticeTriangle) == 32);
+
+/// Triangles of a bounded part of the plane into which nodes are inserted one by one (Bowyer 1981,
+/// Watson 1981). Edges with nothing behind them stay, or are split where a node lies on them; all
+/// others are Delaunay, exactly: no corner of a neighbour lies inside a triangle's circle. Of a
+/// convex domain this is the Delaunay triangulation, else the one constrained by the outline.
+class LatticeMesh {
+ public:
+  /// `triangles`: corners that turn left; two of them may share an edge, and those that do must be
+  /// Delaunay. O(n log n).
+  LatticeMesh(LatticePacking packing, std::span<const std::array<std::uint32_t, 3>> triangles);
+
+  [[nodiscard]] const LatticePacking& packing() const { return packing_; }
+  [[nodiscard]] const std::vector<LatticeTriangle>& triangles() const { return triangles_; }
+  [[nodiscard]] LatticeTriangle& triangle(std::uint32_t t) { return triangles_[t]; }
+
+  /// Inserts the node p, which lies in triangle t and is none of its corners. All triangles whose
+  /// circles it lies in are replaced. Returns the numbers of the new ones, valid until the next
+  /// call: numbers of removed triangles come first, others are new at the end.
+  std::span<const std::uint32_t> insert(std::uint32_t p, std::uint32_t t);
+
+  /// How many triangles more there are after inserting p into t: 1 where it lies on the outline,
+  /// else 2.
+  [[nodiscard]] std::uint32_t growth(std::uint32_t p, std::uint32_t t) const;
+
+ private:
+  /// An edge round the removed triangles, which are to the left of it.
+  struct BorderEdge {
+    std::uint32_t from;
+    std::uint32_t twin;
+  };
+  /// An edge of a removed triangle, which is to the left of it; places relative to p.
+  struct InnerEdge {
+    std::uint32_t twin;
+    std::uint32_t start;  ///< Packed.
+    LatticePoint from, to;
+  };
+  template <bool kIsNarrow>
+  void remove_round(LatticePoint p, std::uint32_t t);
+  /// The border's edge that p lies on, else its size.
+  [[nodiscard]] std::size_t split_edge(LatticePoint p) const;
+  void fill_fan(std::uint32_t p, std::size_t split);
+
+  LatticePacking packing_;
+  std::vector<LatticeTriangle> triangles_;
+  bool is_narrow_ = false;  ///< All differences of coordinates are below kNarrowLattice.
+  std::vector<InnerEdge> stack_;
+  std::vector<std::uint32_t> slots_;  ///< Of removed triangles, then also of those to be made.
+  std::vector<BorderEdge> border_;
+};
+
+}  // namespace lode::delaunay

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lode/delaunay/lattice.h"
+#include "lode/delaunay/lattice_mesh.h"
+
+namespace lode::delaunay {
+
+/// A triangulated irregular network over nodes of a lattice, whose heights are those of the samples
+/// there.
+struct Tin {
+  std::vector<LatticePoint> vertices;                   ///< In rows.
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Turning left (x to the right, y up).
+};
+
+/// The triangles of a mesh in the order of their slots, and their corners numbered as they lie in
+/// rows. Memory: a bit for each node of the lattice up to the last corner, and what comes out.
+[[nodiscard]] Tin to_tin(const LatticeMesh& mesh);
+
+}  // namespace lode::delaunay

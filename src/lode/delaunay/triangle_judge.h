@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "lode/core/height_grid.h"
+#include "lode/delaunay/lattice_mesh.h"
+#include "lode/delaunay/worst_sample.h"
+
+namespace lode::delaunay {
+
+/// A number >= 0 rounded up. Without branches: which way it goes is anyone's guess.
+[[nodiscard]] inline float to_float_above(double value) {
+  const auto nearest = static_cast<float>(value);
+  const auto bits = std::bit_cast<std::uint32_t>(nearest);
+  return std::bit_cast<float>(bits +
+                              static_cast<std::uint32_t>(static_cast<double>(nearest) < value));
+}
+
+/// Every 4th and 16th sample of every 4th and 16th row, from the first.
+template <typename T>
+class SparseSamples {
+ public:
+  static constexpr std::array<int, 2> kBits{2, 4};
+
+  SparseSamples(const SampleRows<T>& rows, LatticePoint last) {
+    for (std::size_t i = 0; i < kBits.size(); ++i) {
+      const int bits = kBits[i];
+      const std::int32_t n_columns = (last.x >> bits) + 1;
+      const std::int32_t n_rows = (last.y >> bits) + 1;
+      const std::int64_t stride = padded_stride(n_columns);
+      samples_[i].resize(static_cast<std::size_t>(stride * n_rows + HeightGrid::kPadding));
+      for (std::int32_t y = 0; y < n_rows; ++y)
+        for (std::int32_t x = 0; x < n_columns; ++x)
+          samples_[i][static_cast<std::size_t>(y * stride + x)] =
+              rows.samples[(y << bits) * rows.stride + (x << bits)];
+      rows_[i] = {samples_[i].data(), stride, rows.packing, bits};
+    }
+  }
+  /// The sparsest that a triangle still has a hundred samples of, about; null: it is too small.
+  [[nodiscard]] const SampleRows<T>* choose(std::int64_t doubled_area) const {
+    if (doubled_area >= kLarge[1]) return &rows_[1];
+    return doubled_area >= kLarge[0] ? &rows_[0] : nullptr;
+  }
+
+ private:
+  static constexpr std::array<std::int64_t, 2> kLarge{1 << 12, 1 << 16};
+
+  std::array<HeightGrid::Samples<T>, 2> samples_;
+  std::array<SampleRows<T>, 2> rows_;
+};
+
+/// Finds out whether triangles are within a tolerance, and the samples to insert where they are
+/// not.
+template <typename T>
+class TriangleJudge {
+ public:
+  /// `sparse`: where those alone show that a triangle is beyond the tolerance, the worst of them is
+  /// taken for its candidate; null: the worst of all samples always is.
+  TriangleJudge(const SampleRows<T>& rows, const SparseSamples<T>* sparse, double lower,
+                double upper, double max_error)
+      : rows_(rows),
+        sparse_(sparse),
+        lane_slack_(lane_slack<T>(lower, upper)),
+        double_slack_(double_slack(lower, upper)),
+        max_error_(max_error),
+        find_(find_worst_sample<T>()) {}
+
+  /// Sets the triangle's candidate (kNone: all within the tolerance) and error, a bound of all.
+  void judge(LatticeTriangle& triangle) const {
+    const std::array<double, 3> z = heights(triangle);
+    if (sparse_ != nullptr && judge_sparsely(triangle, z)) return;
+    WorstSample worst = find_(rows_, lane_slack_, triangle.corner, z);
+    // Not within the tolerance, and not surely beyond: rounding must not decide.
+    if (worst.error > max_error_ && worst.error - 2 * worst.slack <= max_error_)
+      worst = find_worst_exactly(rows_, double_slack_, triangle.corner);
+    triangle.candidate = worst.error > max_error_ ? worst.node : WorstSample::kNone;
+    triangle.error = to_float_above(worst.error);
+  }
+
+ private:
+  [[nodiscard]] std::array<double, 3> heights(const LatticeTriangle& triangle) const {
+    std::array<double, 3> z{};
+    for (std::size_t i = 0; i < 3; ++i)
+      z[i] = rows_.height(rows_.packing.unpack(triangle.corner[i]));
+    return z;
+  }
+  bool judge_sparsely(LatticeTriangle& triangle, const std::array<double, 3>& z) const {
+    const auto at = [&](std::size_t i) { return rows_.packing.unpack(triangle.corner[i]); };
+    const SampleRows<T>* rows = sparse_->choose(doubled_area(at(0), at(1), at(2)));
+    if (rows == nullptr) return false;
+    const WorstSample worst = find_(*rows, lane_slack_, triangle.corner, z);
+    if (!(worst.error - 2 * worst.slack > max_error_)) return false;
+    triangle.candidate = worst.node;
+    triangle.error = to_float_above(worst.error);
+    return true;
+  }
+
+  SampleRows<T> rows_;
+  const SparseSamples<T>* sparse_;
+  RoundingSlack lane_slack_;
+  RoundingSlack double_slack_;
+  double max_error_;
+  FindWorst<T> find_;
+};
+
+/// Largest error first, then first position.
+[[nodiscard]] inline std::uint64_t priority_of(const LatticeTriangle& triangle) {
+  return (std::uint64_t{std::bit_cast<std::uint32_t>(triangle.error)} << 32) | ~triangle.candidate;
+}
+
+}  // namespace lode::delaunay

@@ -1,0 +1,84 @@
+#include "lode/io/gdal_library.h"
+
+#include <dlfcn.h>
+
+#include <string>
+
+namespace lode::io {
+namespace {
+
+/// Finds functions in a library that is open; remembers the first that is missing.
+class Finder {
+ public:
+  explicit Finder(void* library) : library_(library) {}
+
+  template <typename Function>
+  void find(Function& function, const char* name) {
+    function = reinterpret_cast<Function>(dlsym(library_, name));
+    if (function == nullptr && missing_.empty()) missing_ = name;
+  }
+  [[nodiscard]] const std::string& missing() const { return missing_; }
+
+ private:
+  void* library_;
+  std::string missing_;
+};
+
+void find_rasters(Finder& finder, GdalLibrary& gdal) {
+  finder.find(gdal.register_all, "GDALAllRegister");
+  finder.find(gdal.open, "GDALOpenEx");
+  finder.find(gdal.close, "GDALClose");
+  finder.find(gdal.n_columns, "GDALGetRasterXSize");
+  finder.find(gdal.n_rows, "GDALGetRasterYSize");
+  finder.find(gdal.n_bands, "GDALGetRasterCount");
+  finder.find(gdal.geotransform, "GDALGetGeoTransform");
+  finder.find(gdal.projection, "GDALGetProjectionRef");
+  finder.find(gdal.driver, "GDALGetDatasetDriver");
+  finder.find(gdal.driver_name, "GDALGetDriverShortName");
+  finder.find(gdal.push_error_handler, "CPLPushErrorHandler");
+  finder.find(gdal.pop_error_handler, "CPLPopErrorHandler");
+  finder.find(gdal.quiet_handler, "CPLQuietErrorHandler");
+  finder.find(gdal.reset_errors, "CPLErrorReset");
+  finder.find(gdal.last_error, "CPLGetLastErrorMsg");
+}
+
+void find_bands(Finder& finder, GdalLibrary& gdal) {
+  finder.find(gdal.band, "GDALGetRasterBand");
+  finder.find(gdal.type, "GDALGetRasterDataType");
+  finder.find(gdal.type_name, "GDALGetDataTypeName");
+  finder.find(gdal.nodata, "GDALGetRasterNoDataValue");
+  finder.find(gdal.mask_flags, "GDALGetMaskFlags");
+  finder.find(gdal.mask_band, "GDALGetMaskBand");
+  finder.find(gdal.scale, "GDALGetRasterScale");
+  finder.find(gdal.offset, "GDALGetRasterOffset");
+  finder.find(gdal.unit, "GDALGetRasterUnitType");
+  finder.find(gdal.read, "GDALRasterIO");
+}
+
+Result<GdalLibrary> load() {
+  void* library = dlopen(LODE_GDAL_LIBRARY, RTLD_LAZY | RTLD_LOCAL);
+  if (library == nullptr) {
+    const char* reason = dlerror();
+    return fail("expected the library {} to read rasters with (Debian: libgdal-dev), got: {}",
+                LODE_GDAL_LIBRARY, reason == nullptr ? "nothing" : reason);
+  }
+  GdalLibrary gdal;
+  Finder finder(library);
+  find_rasters(finder, gdal);
+  find_bands(finder, gdal);
+  if (!finder.missing().empty())
+    return fail("expected {} to have {}, got a library without it", LODE_GDAL_LIBRARY,
+                finder.missing());
+  gdal.register_all();
+  return gdal;
+}
+
+}  // namespace
+
+Result<const GdalLibrary*> GdalLibrary::get() {
+  static const Result<GdalLibrary> library = load();
+  if (!library) return library.error();
+  return &library.value();
+}
+
+}  // namespace lode::io

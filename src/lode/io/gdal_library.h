@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <gdal.h>
+
+#include "lode/core/result.h"
+
+namespace lode::io {
+
+/// The functions of GDAL that Lode calls. The library and the hundred others that it brings are
+/// loaded when the first raster is read, not with the program.
+struct GdalLibrary {
+  decltype(&GDALAllRegister) register_all = nullptr;
+  decltype(&GDALOpenEx) open = nullptr;
+  decltype(&GDALClose) close = nullptr;
+  decltype(&GDALGetRasterXSize) n_columns = nullptr;
+  decltype(&GDALGetRasterYSize) n_rows = nullptr;
+  decltype(&GDALGetRasterCount) n_bands = nullptr;
+  decltype(&GDALGetRasterBand) band = nullptr;
+  decltype(&GDALGetRasterDataType) type = nullptr;
+  decltype(&GDALGetDataTypeName) type_name = nullptr;
+  decltype(&GDALGetRasterNoDataValue) nodata = nullptr;
+  decltype(&GDALGetMaskFlags) mask_flags = nullptr;
+  decltype(&GDALGetMaskBand) mask_band = nullptr;
+  decltype(&GDALGetRasterScale) scale = nullptr;
+  decltype(&GDALGetRasterOffset) offset = nullptr;
+  decltype(&GDALGetRasterUnitType) unit = nullptr;
+  decltype(&GDALGetGeoTransform) geotransform = nullptr;
+  decltype(&GDALGetProjectionRef) projection = nullptr;
+  decltype(&GDALGetDatasetDriver) driver = nullptr;
+  decltype(&GDALGetDriverShortName) driver_name = nullptr;
+  decltype(&GDALRasterIO) read = nullptr;
+  decltype(&CPLPushErrorHandler) push_error_handler = nullptr;
+  decltype(&CPLPopErrorHandler) pop_error_handler = nullptr;
+  CPLErrorHandler quiet_handler = nullptr;
+  decltype(&CPLErrorReset) reset_errors = nullptr;
+  decltype(&CPLGetLastErrorMsg) last_error = nullptr;
+
+  /// Loads and starts it once; any thread. Fails where it is not installed.
+  [[nodiscard]] static Result<const GdalLibrary*> get();
+};
+
+}  // namespace lode::io

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "lode/io/gdal_library.h"
+#include "lode/io/height_reader.h"
+
+namespace lode::io {
+
+/// A raster file open in GDAL, whose messages are kept from stderr meanwhile.
+class GdalRaster {
+ public:
+  /// Fails on what is no regular file, or no raster.
+  [[nodiscard]] static Result<GdalRaster> open(const std::string& path);
+
+  GdalRaster(const GdalRaster&) = delete;
+  GdalRaster& operator=(const GdalRaster&) = delete;
+  GdalRaster(GdalRaster&& other) noexcept
+      : path_(std::move(other.path_)),
+        gdal_(std::exchange(other.gdal_, nullptr)),
+        dataset_(std::exchange(other.dataset_, nullptr)),
+        n_file_bytes_(other.n_file_bytes_) {}
+  GdalRaster& operator=(GdalRaster&&) = delete;
+  ~GdalRaster();
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] const GdalLibrary& gdal() const { return *gdal_; }
+  [[nodiscard]] int n_bands() const { return gdal_->n_bands(dataset_); }
+  [[nodiscard]] std::string format() const;
+  /// Fails where there is no such band, counted from 1.
+  [[nodiscard]] Result<GDALRasterBandH> band(int number) const;
+  /// Sizes, checked against the size of the file for bands of n_bytes a sample.
+  [[nodiscard]] Result<void> check_size(std::uint64_t n_bytes) const;
+  [[nodiscard]] std::int32_t n_columns() const { return gdal_->n_columns(dataset_); }
+  [[nodiscard]] std::int32_t n_rows() const { return gdal_->n_rows(dataset_); }
+  /// Position and CRS; fails where the position is degenerate.
+  [[nodiscard]] Result<void> place(HeightRaster& raster) const;
+  /// Fills a whole row, `type` as in memory.
+  [[nodiscard]] Result<void> read_row(GDALRasterBandH band, std::int32_t y, void* out,
+                                      GDALDataType type) const;
+  /// One sentence of what GDAL said last.
+  [[nodiscard]] std::string reason() const;
+
+ private:
+  GdalRaster(std::string path, const GdalLibrary* gdal, std::uint64_t n_file_bytes)
+      : path_(std::move(path)), gdal_(gdal), n_file_bytes_(n_file_bytes) {}
+
+  std::string path_;
+  const GdalLibrary* gdal_;
+  GDALDatasetH dataset_ = nullptr;
+  std::uint64_t n_file_bytes_;
+};
+
+}  // namespace lode::io

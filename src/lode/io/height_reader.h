@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+
+namespace lode::io {
+
+/// What the colours of a picture stand for. terrain_rgb: -10000 + 0.1 (65536 R + 256 G + B) metres;
+/// terrarium: 256 R + G + B / 256 - 32768 metres.
+enum class HeightEncoding : std::uint8_t { none, terrain_rgb, terrarium };
+
+struct HeightReadOptions {
+  int band = 1;  ///< Of a raster, from 1.
+  HeightEncoding encoding = HeightEncoding::none;
+  std::optional<double> nodata{};  ///< Instead of what the file says.
+};
+
+/// A raster of heights and what its file says of it.
+struct HeightRaster {
+  HeightGrid grid;
+  std::string format;      ///< GDAL's name, such as GTiff, or HGT.
+  std::string type;        ///< Of the file's samples: int16, float32, terrain-rgb, ...
+  bool has_place = false;  ///< Else the world is columns, and rows counted from the last one up.
+};
+
+/// Reads a raster of heights: .hgt and .hgt.gz (SRTM, named like N46W123), all else through GDAL.
+/// Samples are taken at the middle of pixels, wherever AREA_OR_POINT says that the file's position
+/// is. Missing are samples that equal the nodata value, are masked, or no finite numbers. Fails,
+/// naming the file, on what is missing, truncated, not a raster, or claims more samples than a file
+/// of its size can hold.
+[[nodiscard]] Result<HeightRaster> read_heights(const std::string& path,
+                                                const HeightReadOptions& options,
+                                                Progress& progress);
+
+/// Whether the name is that of a raster of heights: .tif, .tiff, .asc, .hgt, .hgt.gz, .png, .dem or
+/// .bil (any case).
+[[nodiscard]] bool is_height_path(const std::string& path);
+
+}  // namespace lode::io

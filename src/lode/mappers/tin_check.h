@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/surface.h"
+#include "lode/delaunay/lattice.h"
+
+namespace lode {
+
+/// What a surface is as a TIN of a grid's samples. Counts of faults are 0 where all is well; what
+/// needs earlier checks to have passed is left out after the first that fails.
+struct TinFacts {
+  std::uint64_t n_vertices = 0;
+  std::uint64_t n_off_samples = 0;  ///< Not at a sample of the domain, or of another height.
+  double height_offset = 0;         ///< Largest, of those at samples: rounding in the file.
+  std::uint64_t n_triangles = 0;
+  std::uint64_t n_turned = 0;  ///< Of no area, or facing down.
+  std::uint64_t n_edges = 0;
+  std::uint64_t n_overused = 0;  ///< Of more than two triangles, or of two on one side.
+  std::uint64_t n_inner_edges = 0;
+  std::uint64_t n_not_delaunay = 0;  ///< The vertex across lies inside the circle.
+  std::uint64_t n_cells = 0;         ///< Of the domain.
+  std::int64_t doubled_area = 0;     ///< Of all triangles, in cells.
+  std::uint64_t n_border_edges = 0;
+  std::uint64_t n_off_outline = 0;  ///< Border edges that are not on the domain's outline.
+  std::uint64_t n_samples = 0;      ///< Of the domain.
+  std::uint64_t n_uncovered = 0;    ///< In no triangle.
+  std::uint64_t n_beyond = 0;       ///< Farther than max_error from a triangle that they lie in.
+  double worst_error = 0;           ///< |z - z'| of all samples in all triangles, heights exact.
+  delaunay::LatticePoint worst{};   ///< Column and row of the first that has it.
+
+  [[nodiscard]] bool is_covered() const {
+    return doubled_area == 2 * static_cast<std::int64_t>(n_cells) && n_off_outline == 0 &&
+           n_uncovered == 0;
+  }
+};
+
+/// Holds a surface against the samples it was made from, by other means than it was made: nodes of
+/// bounding boxes by the signs of areas, circles by CGAL's exact predicates. Errors are computed in
+/// 64 bits of mantissa, integers exactly. The same for any number of threads. Fails when cancelled.
+[[nodiscard]] Result<TinFacts> check_tin(const Surface& surface, const HeightGrid& grid,
+                                         double max_error, Threads threads, Progress& progress);
+
+}  // namespace lode

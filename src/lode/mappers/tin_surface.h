@@ -1,0 +1,22 @@
+#pragma once
+
+#include "lode/core/height_grid.h"
+#include "lode/core/surface.h"
+#include "lode/delaunay/tin.h"
+
+namespace lode {
+
+/// A TIN in the world, and how far its coordinates in floats are from those of the samples: heights
+/// in their unit, positions along an axis of the world.
+struct TinSurface {
+  Surface surface;
+  double height_slack = 0;
+  double position_slack = 0;
+};
+
+/// Triangles turn left seen from above; values are the heights, exactly. The origin is zero where
+/// floats hold all coordinates, else the lower corner; heights that are floats or of 16 bits keep
+/// theirs at zero, and are exact.
+[[nodiscard]] TinSurface to_surface(const delaunay::Tin& tin, const HeightGrid& grid);
+
+}  // namespace lode

@@ -1,0 +1,52 @@
+// L. De Floriani, P. Marzano, E. Puppo, "Multiresolution models for topographic surface
+// description", The Visual Computer 12 (1996), section 3: the Delaunay selector.
+#include "lode/models/terrain/delaunay_selector/selector.h"
+
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "lode/delaunay/grid_domain.h"
+
+namespace lode::delaunay_selector {
+namespace {
+
+/// Slopes and errors of such heights are far from where float32 ends.
+constexpr double kLargestHeight = 1e30;
+
+delaunay::GreedyOptions greedy_options(const SelectorOptions& options) {
+  delaunay::GreedyOptions greedy{.max_error = options.max_error, .order = options.order};
+  if (options.max_cells) greedy.max_triangles = *options.max_cells;
+  return greedy;
+}
+
+}  // namespace
+
+Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& options,
+                                 Progress& progress) {
+  LODE_EXPECTS(!options.max_cells || options.order == InsertionOrder::strict);
+  LODE_TRY(const delaunay::GridDomain domain, delaunay::find_domain(grid));
+  const delaunay::LatticePacking packing(grid.n_columns);
+  delaunay::LatticeMesh mesh(packing, domain.triangles);
+  const HeightRange range = height_range(grid);
+  if (range.lower < -kLargestHeight || range.upper > kLargestHeight)
+    return fail("expected heights from {} to {}, got {} to {}", -kLargestHeight, kLargestHeight,
+                range.lower, range.upper);
+  const auto insert = [&](const auto& samples) {
+    using T = typename std::decay_t<decltype(samples)>::value_type;
+    const delaunay::SampleRows<T> rows{samples.data(), grid.stride, packing};
+    return delaunay::insert_greedily(mesh, rows, range.lower, range.upper, greedy_options(options),
+                                     progress);
+  };
+  LODE_TRY(const delaunay::GreedyReport report, std::visit(insert, grid.heights));
+  Selection selection{.tin = delaunay::to_tin(mesh),
+                      .achieved_error = report.achieved_error,
+                      .is_within_error = report.is_within_error,
+                      .n_samples = domain.n_samples,
+                      .n_left_out = domain.n_left_out};
+  if (options.max_cells)
+    selection.is_within_cells = selection.tin.triangles.size() <= *options.max_cells;
+  return selection;
+}
+
+}  // namespace lode::delaunay_selector

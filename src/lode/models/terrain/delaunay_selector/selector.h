@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/progress.h"
+#include "lode/delaunay/greedy_insertion.h"
+#include "lode/delaunay/tin.h"
+
+namespace lode::delaunay_selector {
+
+using delaunay::InsertionOrder;
+
+struct SelectorOptions {
+  double max_error = 0;                      ///< Vertical, units of the heights; finite, >= 0.
+  std::optional<std::uint64_t> max_cells{};  ///< At most so many triangles; strict order only.
+  InsertionOrder order = InsertionOrder::levels;
+};
+
+struct Selection {
+  delaunay::Tin tin;
+  double achieved_error = 0;     ///< |z - z'| is at most this at every sample; rounded up.
+  bool is_within_error = true;   ///< Else max_cells ended it.
+  bool is_within_cells = true;   ///< Else the outline alone has more triangles.
+  std::uint64_t n_samples = 0;   ///< In the domain.
+  std::uint64_t n_left_out = 0;  ///< Valid samples that are not: no cell at them is complete.
+};
+
+/// The Delaunay selector (L. De Floriani, P. Marzano, E. Puppo, "Multiresolution models for
+/// topographic surface description", The Visual Computer 12, 1996, section 3 and figure 3): samples
+/// are inserted into a Delaunay triangulation until the vertical error is within max_error at every
+/// sample, or max_cells is reached. The domain is the union of the cells with four valid corners;
+/// its outline is kept exactly, and constrains the triangulation where it is not convex. One
+/// thread; time O(n log n) in the samples usually. Fails where there is no such cell, and on
+/// heights beyond 1e30.
+[[nodiscard]] Result<Selection> select_samples(const HeightGrid& grid,
+                                               const SelectorOptions& options, Progress& progress);
+
+}  // namespace lode::delaunay_selector

@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+/// 40 x 30 heights in ESRI ASCII, one of them missing.
+void write_dem(const std::string& path, int n_columns = 40, int n_rows = 30) {
+  std::ofstream file(path);
+  file << "ncols " << n_columns << "\nnrows " << n_rows
+       << "\nxllcorner 500000\nyllcorner 4000000\ncellsize 30\nnodata_value -9999\n";
+  for (int y = 0; y < n_rows; ++y)
+    for (int x = 0; x < n_columns; ++x)
+      file << (x == 7 && y == 9 ? -9999
+                                : std::lround(900 + 300 * std::sin(0.2 * x) * std::cos(0.3 * y)))
+           << (x + 1 < n_columns ? ' ' : '\n');
+}
+
+TEST(cli_terrain, goes_the_whole_path_in_every_surface_format) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  write_dem(dem);
+  const auto info = run_lode({"info", dem, "--json"}).json();
+  EXPECT_EQ(info.at("columns"), 40);
+  EXPECT_EQ(info.at("missing_samples"), 1);
+  EXPECT_EQ(info.at("cells"), 39 * 29 - 4);
+  EXPECT_EQ(info.at("format"), "AAIGrid");
+  EXPECT_TRUE(info.at("crs").is_null());
+  for (const char* name : {"dem.ply", "dem.vtp", "dem.obj", "dem.glb"}) {
+    const std::string surface = scratch / name;
+    const auto made = run_lode({"extract", dem, surface, "--max-error", "10", "--json"}).json();
+    EXPECT_EQ(made.at("model"), "delaunay_selector");
+    EXPECT_EQ(made.at("error_kind"), "at samples");
+    EXPECT_LE(made.at("achieved_error").get<double>(), 10);
+    EXPECT_EQ(made.at("missing_samples"), 1);
+    EXPECT_EQ(made.at("error_met"), true);
+    EXPECT_GT(made.at("triangles").get<int>(), 10);
+    const Finished check = run_lode({"verify", dem, "--surface", surface, "--max-error", "10"});
+    EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+    const std::string less = std::to_string(made.at("achieved_error").get<double>() * 0.9);
+    const Finished strict = run_lode({"verify", dem, "--surface", surface, "--max-error", less});
+    EXPECT_EQ(strict.exit_code, 1);
+    EXPECT_NE(strict.err.find("samples are within the error"), std::string::npos) << strict.err;
+  }
+}
+
+TEST(cli_terrain, gives_the_same_bytes_for_any_number_of_threads) {
+  const Scratch scratch;
+  write_dem(scratch / "dem.asc");
+  for (const char* n : {"1", "2", "5"})
+    ASSERT_EQ(run_lode({"extract", scratch / "dem.asc", scratch / (std::string(n) + ".ply"),
+                        "--max-error", "5", "--threads", n})
+                  .exit_code,
+              0);
+  EXPECT_EQ(read_bytes(scratch / "1.ply"), read_bytes(scratch / "2.ply"));
+  EXPECT_EQ(read_bytes(scratch / "1.ply"), read_bytes(scratch / "5.ply"));
+}
+
+TEST(cli_terrain, keeps_max_cells_and_warns_where_the_tolerance_is_not_met) {
+  const Scratch scratch;
+  write_dem(scratch / "dem.asc");
+  const Finished run = run_lode({"extract", scratch / "dem.asc", scratch / "dem.ply", "--max-error",
+                                 "1", "--max-cells", "50", "--json"});
+  EXPECT_LE(run.json().at("triangles").get<int>(), 50);
+  EXPECT_EQ(run.json().at("error_met"), false);
+  EXPECT_EQ(run.json().at("order"), "strict");
+  EXPECT_NE(run.err.find("--max-error is not met"), std::string::npos) << run.err;
+}
+
+TEST(cli_terrain, refuses_what_cannot_be_meant) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  const std::string out = scratch / "dem.ply";
+  write_dem(dem);
+  expect_refusal(run_lode({"extract", dem, out, "--isovalue", "3"}), 2, {"--isovalue", "raster"});
+  expect_refusal(run_lode({"extract", dem, out, "--box", "0,0,0,1,1,1"}), 2, {"--box"});
+  expect_refusal(run_lode({"extract", dem, out, "--max-error", "-1"}), 2, {"--max-error", ">= 0"});
+  expect_refusal(run_lode({"extract", dem, out, "--model", "tin"}), 2, {"delaunay_selector"});
+  expect_refusal(run_lode({"extract", dem, out, "--order", "odd"}), 2, {"'levels' or 'strict'"});
+  expect_refusal(run_lode({"extract", dem, out, "--order", "levels", "--max-cells", "9"}), 2,
+                 {"--order"});
+  expect_refusal(run_lode({"extract", dem, out, "--encoding", "jpeg"}), 2, {"terrarium"});
+  expect_refusal(run_lode({"extract", dem, out, "--max-cells", "0"}), 2, {"--max-cells"});
+  expect_refusal(run_lode({"extract", dem, scratch / "dem.xyz"}), 2, {".ply"});
+  expect_refusal(run_lode({"extract", dem, out, "--band", "2"}), 1,
+                 {"dem.asc", "band from 1 to 1"});
+  expect_refusal(run_lode({"verify", dem}), 2, {"--surface"});
+  expect_refusal(run_lode({"verify", dem, "--surface", out}), 2, {"--max-error"});
+  write_ball(scratch / "ball.nrrd");
+  expect_refusal(
+      run_lode({"extract", scratch / "ball.nrrd", out, "--isovalue", "3", "--band", "1"}), 2,
+      {"--band", "ball.nrrd"});
+  expect_refusal(run_lode({"info", scratch / "ball.nrrd", "--encoding", "terrarium"}), 2,
+                 {"--encoding"});
+}
+
+TEST(cli_terrain, names_the_file_and_the_reason_where_there_is_no_terrain) {
+  const Scratch scratch;
+  const std::string out = scratch / "dem.ply";
+  write_bytes(scratch / "empty.tif", "");
+  write_bytes(scratch / "text.tif", "II*");
+  write_dem(scratch / "row.asc", 40, 1);
+  expect_refusal(run_lode({"extract", scratch / "empty.tif", out}), 1, {"empty.tif"});
+  expect_refusal(run_lode({"extract", scratch / "text.tif", out}), 1, {"text.tif", "GDAL"});
+  expect_refusal(run_lode({"extract", scratch / "row.asc", out}), 1, {"row.asc", "40 x 1"});
+  EXPECT_EQ(run_lode({"info", scratch / "row.asc"}).exit_code, 0);
+  expect_refusal(run_lode({"extract", scratch / "absent.tif", out}), 1, {"absent.tif"});
+  EXPECT_EQ(scratch.files(), (std::vector<std::string>{"empty.tif", "row.asc", "text.tif"}));
+}
+
+}  // namespace
+}  // namespace lode::test

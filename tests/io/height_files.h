@@ -1,0 +1,32 @@
+#pragma once
+
+#include <gdal.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lode::io::test {
+
+/// A raster to be written, with GDAL's own library: a writer of ours would show little.
+struct RasterFile {
+  int n_columns = 4;
+  int n_rows = 3;
+  GDALDataType type = GDT_Int16;
+  std::vector<double> samples{};  ///< Of the first band, in rows; further bands add 1000 each.
+  int n_bands = 1;
+  std::optional<std::array<double, 6>> geotransform{};
+  std::optional<double> nodata{};
+  int epsg = 0;
+  double scale = 1;
+  double offset = 0;
+  std::string unit{};
+  bool is_point = false;  ///< AREA_OR_POINT=Point
+  bool is_compressed = false;
+};
+
+/// Writes it as `driver`, GTiff or what can be copied from one (AAIGrid, PNG).
+void write_raster(const std::string& path, const RasterFile& raster, const char* driver = "GTiff");
+
+}  // namespace lode::io::test

@@ -1,0 +1,298 @@
+#include "lode/io/height_reader.h"
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "tests/io/height_files.h"
+#include "tests/io/volume_test_files.h"
+
+namespace lode::io {
+namespace {
+
+using test::RasterFile;
+using test::write_raster;
+
+/// A directory that is gone when the test is.
+class height_reader : public testing::Test {
+ protected:
+  height_reader() {
+    std::string name = testing::TempDir() + "/lode_heights_XXXXXX";
+    directory_ = mkdtemp(name.data());
+  }
+  ~height_reader() override { std::filesystem::remove_all(directory_); }
+
+  [[nodiscard]] std::string operator()(const std::string& name) const {
+    return (directory_ / name).string();
+  }
+  static HeightRaster read(const std::string& path, const HeightReadOptions& options = {}) {
+    Progress progress;
+    auto raster = read_heights(path, options, progress);
+    if (!raster) ADD_FAILURE() << raster.error().message;
+    return raster ? std::move(raster).value() : HeightRaster{};
+  }
+  static std::string refusal(const std::string& path, const HeightReadOptions& options = {}) {
+    Progress progress;
+    const auto raster = read_heights(path, options, progress);
+    EXPECT_FALSE(raster) << path;
+    if (raster) return "";
+    EXPECT_TRUE(raster.error().message.starts_with(path)) << raster.error().message;
+    EXPECT_EQ(raster.error().message.find('\n'), std::string::npos) << raster.error().message;
+    return raster.error().message;
+  }
+  static void expect_samples(const HeightGrid& grid, const std::vector<double>& samples) {
+    for (std::int32_t y = 0; y < grid.n_rows; ++y)
+      for (std::int32_t x = 0; x < grid.n_columns; ++x)
+        if (grid.has_height(x, y))
+          EXPECT_EQ(grid.height(x, y), samples[static_cast<std::size_t>(y * grid.n_columns + x)])
+              << x << ", " << y;
+  }
+
+  std::filesystem::path directory_;
+};
+
+/// 12 of them, from -7 up.
+std::vector<double> twelve(double step) {
+  std::vector<double> samples;
+  for (int i = 0; i < 12; ++i) samples.push_back(step * i - 7);
+  return samples;
+}
+
+TEST_F(height_reader, keeps_samples_of_all_types_exactly) {
+  const std::vector<double> bytes{0, 1, 2, 3, 4, 5, 6, 7, 128, 200, 254, 255};
+  const std::vector<double> large{0, 1, 65535, 4, 5, 6, 7, 8, 40000, 10, 11, 32768};
+  const std::vector<double> whole{
+      -2147483648.0, 2147483647, 16777217, -16777217, 4, 5, 6, 7, 8, 9, 10, 11};
+  const std::vector<double> tiny{1e-300, 0.1, 1e9 + 0.01, -1e9 - 0.01, 4, 5, 6, 7, 8, 9, 10, 11};
+  for (const auto& [type, samples, name] : {std::tuple{GDT_Byte, bytes, "byte"},
+                                            {GDT_Int16, twelve(-2730), "int16"},
+                                            {GDT_UInt16, large, "uint16"},
+                                            {GDT_Int32, whole, "int32"},
+                                            {GDT_Float32, twelve(0.25), "float32"},
+                                            {GDT_Float64, tiny, "float64"}}) {
+    write_raster((*this)("a.tif"), {.type = type, .samples = samples});
+    const HeightRaster raster = read((*this)("a.tif"));
+    EXPECT_EQ(raster.type, name);
+    EXPECT_EQ(raster.format, "GTiff");
+    EXPECT_EQ(raster.grid.n_columns, 4);
+    EXPECT_EQ(raster.grid.n_rows, 3);
+    EXPECT_EQ(raster.grid.n_missing(), 0U);
+    expect_samples(raster.grid, samples);
+  }
+}
+
+TEST_F(height_reader, takes_samples_at_the_middle_of_pixels_whatever_area_or_point_says) {
+  const std::array<double, 6> corner{1000, 30, 0, 5000, 0, -20};
+  for (const bool is_point : {false, true}) {
+    // Of both kinds GDAL is told the corner of the first pixel; files of the second kind store its
+    // middle, which GDAL undoes.
+    write_raster(
+        (*this)("a.tif"),
+        {.samples = twelve(1), .geotransform = corner, .epsg = 32611, .is_point = is_point});
+    const HeightRaster raster = read((*this)("a.tif"));
+    EXPECT_TRUE(raster.has_place);
+    EXPECT_EQ(raster.grid.world(0, 0), (Vec<double, 2>{{1015, 4990}}));
+    EXPECT_EQ(raster.grid.world(3, 2), (Vec<double, 2>{{1105, 4950}}));
+    EXPECT_EQ(raster.grid.lattice(1105, 4950), (Vec<double, 2>{{3, 2}}));
+    EXPECT_TRUE(raster.grid.is_mirrored());
+    EXPECT_NE(raster.grid.crs.find("WGS 84 / UTM zone 11N"), std::string::npos);
+  }
+}
+
+TEST_F(height_reader, puts_what_has_no_position_with_its_first_row_up) {
+  write_raster((*this)("a.tif"), {.samples = twelve(1)});
+  const HeightRaster raster = read((*this)("a.tif"));
+  EXPECT_FALSE(raster.has_place);
+  EXPECT_EQ(raster.grid.world(0, 0), (Vec<double, 2>{{0, 2}}));
+  EXPECT_EQ(raster.grid.world(3, 2), (Vec<double, 2>{{3, 0}}));
+}
+
+TEST_F(height_reader, finds_what_is_missing) {
+  std::vector<double> samples = twelve(0.5);
+  samples[3] = -9999;
+  samples[7] = std::numeric_limits<double>::quiet_NaN();
+  samples[9] = std::numeric_limits<double>::infinity();
+  write_raster((*this)("a.tif"), {.type = GDT_Float32, .samples = samples, .nodata = -9999});
+  const HeightGrid marked = read((*this)("a.tif")).grid;
+  EXPECT_EQ(marked.n_missing(), 3U);
+  EXPECT_FALSE(marked.has_height(3, 0));
+  EXPECT_FALSE(marked.has_height(3, 1));
+  EXPECT_FALSE(marked.has_height(1, 2));
+  const HeightGrid chosen = read((*this)("a.tif"), {.nodata = samples[0]}).grid;
+  EXPECT_EQ(chosen.n_missing(), 3U) << "--nodata stands instead of the file's";
+  EXPECT_FALSE(chosen.has_height(0, 0));
+  EXPECT_TRUE(chosen.has_height(3, 0));
+}
+
+TEST_F(height_reader, chooses_bands_and_applies_scale_and_offset) {
+  write_raster((*this)("a.tif"),
+               {.samples = twelve(3), .n_bands = 2, .scale = 0.5, .offset = 10, .unit = "ft"});
+  std::vector<double> expected = twelve(3);
+  for (double& z : expected) z = (z + 1000) * 0.5 + 10;
+  const HeightRaster raster = read((*this)("a.tif"), {.band = 2});
+  expect_samples(raster.grid, expected);
+  EXPECT_EQ(raster.grid.vertical_unit, "ft");
+  EXPECT_NE(refusal((*this)("a.tif"), {.band = 3}).find("from 1 to 2"), std::string::npos);
+}
+
+TEST_F(height_reader, reads_esri_ascii) {
+  std::ofstream((*this)("a.asc")) << "ncols 4\nnrows 3\nxllcenter 100\nyllcenter 200\ncellsize 10\n"
+                                     "nodata_value -1\n1 2 3 4\n5 -1 7 8\n9 10 11 12\n";
+  const HeightRaster raster = read((*this)("a.asc"));
+  EXPECT_EQ(raster.grid.n_missing(), 1U);
+  EXPECT_EQ(raster.grid.height(3, 2), 12);
+  EXPECT_EQ(raster.grid.world(0, 2), (Vec<double, 2>{{100, 200}}));
+  EXPECT_EQ(raster.grid.world(3, 0), (Vec<double, 2>{{130, 220}}));
+}
+
+TEST_F(height_reader, decodes_colours) {
+  RasterFile picture{.type = GDT_Byte, .samples = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
+  // Bands add 1000 and are cut to a byte's 255.
+  picture.n_bands = 3;
+  write_raster((*this)("a.png"), picture, "PNG");
+  const HeightRaster rgb = read((*this)("a.png"), {.encoding = HeightEncoding::terrain_rgb});
+  EXPECT_EQ(rgb.grid.height(2, 0), (65536 * 3 + 256 * 255 + 255 - 100000) / 10.0);
+  EXPECT_EQ(rgb.grid.vertical_unit, "m");
+  const HeightRaster terrarium = read((*this)("a.png"), {.encoding = HeightEncoding::terrarium});
+  EXPECT_EQ(terrarium.grid.height(2, 0), 256 * 3 + 255 - 32768 + 255 / 256.0);
+  EXPECT_NE(refusal((*this)("a.png")).find("terrain-rgb or terrarium"), std::string::npos);
+  write_raster((*this)("gray.tif"), {.samples = twelve(1)});
+  EXPECT_NE(
+      refusal((*this)("gray.tif"), {.encoding = HeightEncoding::terrarium}).find("three bands"),
+      std::string::npos);
+}
+
+std::string hgt_bytes(int side) {
+  std::string bytes;
+  for (int i = 0; i < side * side; ++i) {
+    const int z = i == 4 ? -32768 : 3 * i - 20;
+    bytes += static_cast<char>((z >> 8) & 0xff);
+    bytes += static_cast<char>(z & 0xff);
+  }
+  return bytes;
+}
+
+TEST_F(height_reader, reads_srtm_tiles_by_their_names) {
+  std::ofstream((*this)("S05W171.hgt")) << hgt_bytes(5);
+  const HeightRaster raster = read((*this)("S05W171.hgt"));
+  EXPECT_EQ(raster.format, "HGT");
+  EXPECT_EQ(raster.grid.n_rows, 5);
+  EXPECT_EQ(raster.grid.n_missing(), 1U);
+  EXPECT_FALSE(raster.grid.has_height(4, 0));
+  EXPECT_EQ(raster.grid.height(0, 1), -5);
+  EXPECT_EQ(raster.grid.world(0, 4), (Vec<double, 2>{{-171, -5}}));
+  EXPECT_EQ(raster.grid.world(4, 0), (Vec<double, 2>{{-170, -4}}));
+  std::ofstream((*this)("here.hgt")) << hgt_bytes(5);
+  EXPECT_NE(refusal((*this)("here.hgt")).find("N46W123"), std::string::npos);
+  for (const std::size_t n : {49U, 48U, 1U}) {
+    std::ofstream((*this)("S05W171.hgt")) << hgt_bytes(5).substr(0, n);
+    EXPECT_NE(refusal((*this)("S05W171.hgt")).find("square"), std::string::npos);
+  }
+}
+
+TEST_F(height_reader, refuses_what_is_no_raster) {
+  EXPECT_NE(refusal((*this)("absent.tif")).find("absent.tif"), std::string::npos);
+  std::ofstream((*this)("empty.tif"));
+  (void)refusal((*this)("empty.tif"));
+  std::ofstream((*this)("text.tif")) << "not a raster at all";
+  EXPECT_NE(refusal((*this)("text.tif")).find("raster that GDAL reads"), std::string::npos);
+  std::filesystem::create_directory((*this)("folder.tif"));
+  (void)refusal((*this)("folder.tif"));
+  EXPECT_FALSE(is_height_path("scan.nrrd"));
+  EXPECT_TRUE(is_height_path("A.TIF"));
+  EXPECT_TRUE(is_height_path("N00E010.hgt.gz"));
+}
+
+TEST_F(height_reader, refuses_claims_that_the_file_cannot_justify) {
+  // 200,000 squared 16-bit samples of which the file has none.
+  GDALAllRegister();
+  const std::array<const char*, 5> sparse{"SPARSE_OK=TRUE", "BIGTIFF=YES", "TILED=YES",
+                                          "BLOCKXSIZE=4096", "BLOCKYSIZE=4096"};
+  std::array<char*, 6> options{};
+  for (std::size_t i = 0; i < sparse.size(); ++i) options[i] = const_cast<char*>(sparse[i]);
+  const std::string path = (*this)("huge.tif");
+  GDALClose(GDALCreate(GDALGetDriverByName("GTiff"), path.c_str(), 200000, 200000, 1, GDT_Int16,
+                       options.data()));
+  EXPECT_NE(refusal(path).find("200000 x 200000"), std::string::npos);
+}
+
+TEST_F(height_reader, survives_files_that_are_cut_off_or_changed) {
+  std::vector<double> samples;
+  for (int i = 0; i < 64 * 64; ++i) samples.push_back((i * 7919) % 4001);
+  for (const bool is_compressed : {false, true}) {
+    const std::string path = (*this)("a.tif");
+    write_raster(path, {.n_columns = 64,
+                        .n_rows = 64,
+                        .samples = samples,
+                        .geotransform = std::array<double, 6>{0, 1, 0, 0, 0, -1},
+                        .nodata = 5,
+                        .is_compressed = is_compressed});
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    const std::string damaged = (*this)("b.tif");
+    std::mt19937_64 random(3);
+    for (int round = 0; round < 300; ++round) {
+      const std::string changed =
+          round < 40 ? bytes.substr(0, bytes.size() * static_cast<std::size_t>(round) / 40)
+                     : test::mutated(bytes, random);
+      std::ofstream(damaged, std::ios::binary) << changed;
+      Progress progress;
+      const auto raster = read_heights(damaged, {}, progress);
+      if (raster) {
+        EXPECT_GT(raster->grid.n_samples(), 0);
+      } else {
+        EXPECT_TRUE(raster.error().message.starts_with(damaged)) << raster.error().message;
+      }
+    }
+  }
+}
+
+struct RealRaster {
+  const char* name;
+  std::int32_t n_columns, n_rows;
+  double lower, upper;
+  std::uint64_t n_missing;
+  const char* crs;
+  HeightEncoding encoding = HeightEncoding::none;
+};
+
+class real_rasters : public testing::TestWithParam<RealRaster> {};
+
+TEST_P(real_rasters, are_what_their_readme_says) {
+  const RealRaster& real = GetParam();
+  const std::string path = (test::data_directory() / "terrain" / real.name).string();
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent; set LODE_DATA";
+  Progress progress;
+  const auto raster = read_heights(path, {.encoding = real.encoding}, progress);
+  ASSERT_TRUE(raster) << raster.error().message;
+  EXPECT_EQ(raster->grid.n_columns, real.n_columns);
+  EXPECT_EQ(raster->grid.n_rows, real.n_rows);
+  EXPECT_EQ(raster->grid.n_missing(), real.n_missing);
+  EXPECT_NE(raster->grid.crs.find(real.crs), std::string::npos) << raster->grid.crs;
+  const HeightRange range = height_range(raster->grid);
+  // The README gives two decimals, of floats.
+  EXPECT_NEAR(range.lower, real.lower, 0.006);
+  EXPECT_NEAR(range.upper, real.upper, 0.006);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    terrain, real_rasters,
+    testing::Values(
+        RealRaster{"st_helens_327x468_int16.tif", 327, 468, 682, 2543, 4151,
+                   "NAD27 / UTM zone 10N"},
+        RealRaster{"big_tujunga_1197x643_int16.tif", 1197, 643, 315, 2295, 0, "UTM zone 11N"},
+        RealRaster{"gabilan_lidar_921x859_float32.tif", 921, 859, 187.9, 307.28, 0, "UTM"},
+        RealRaster{"trinidad_co_2401x1201_float32.tif", 2401, 1201, 4457.52, 14176.16, 0, "WGS 84"},
+        RealRaster{"etopo5_4320x2161_int16.tif", 4320, 2161, -10376, 7833, 0, "WGS 84"},
+        RealRaster{"N00E010_1201x1201_int16be.hgt.gz", 1201, 1201, 1, 1005, 0, "WGS 84"},
+        RealRaster{"fuji_terrain_rgb_512x512.png", 512, 512, 13.7, 3751, 0, "",
+                   HeightEncoding::terrain_rgb}),
+    [](const auto& real) {
+      std::string name = real.param.name;
+      std::replace_if(
+          name.begin(), name.end(), [](char c) { return std::isalnum(c) == 0; }, '_');
+      return name;
+    });
+
+}  // namespace
+}  // namespace lode::io

@@ -1,0 +1,67 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "lode/api/files.h"
+#include "lode/api/terrain.h"
+
+namespace lode {
+namespace {
+
+/// The directory of the shared real data: LODE_DATA, else ../shared/data beside the sources.
+std::filesystem::path data_directory() {
+  if (const char* directory = std::getenv("LODE_DATA")) return directory;
+  return (std::filesystem::path(LODE_TEST_FILES_DIR) / "../../../shared/data").lexically_normal();
+}
+
+struct RealTerrain {
+  const char* name;
+  std::vector<double> tolerances;
+  HeightEncoding encoding = HeightEncoding::none;
+};
+
+class real_terrain : public testing::TestWithParam<RealTerrain> {};
+
+TEST_P(real_terrain, is_delaunay_and_within_every_tolerance_in_both_orders) {
+  const RealTerrain& real = GetParam();
+  const std::string path = (data_directory() / "terrain" / real.name).string();
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent; set LODE_DATA";
+  Progress progress;
+  const auto raster = read_heights(path, {.encoding = real.encoding}, progress);
+  ASSERT_TRUE(raster) << raster.error().message;
+  for (const double tolerance : real.tolerances)
+    for (const InsertionOrder order : {InsertionOrder::levels, InsertionOrder::strict}) {
+      const auto made =
+          extract_terrain(raster->grid, {.max_error = tolerance, .order = order}, progress);
+      ASSERT_TRUE(made) << made.error().message;
+      EXPECT_LE(made->report.achieved_error, tolerance);
+      const auto checked =
+          verify_terrain(raster->grid, made->surface, made->report.achieved_error, {}, progress);
+      ASSERT_TRUE(checked);
+      for (const VerifyReport::Check& check : checked->checks)
+        EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+      EXPECT_EQ(checked->checks.size(), 6U);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    terrain, real_terrain,
+    testing::Values(RealTerrain{"st_helens_327x468_int16.tif", {200, 30, 3, 0}},
+                    RealTerrain{"big_tujunga_1197x643_int16.tif", {100, 20}},
+                    RealTerrain{"gabilan_lidar_921x859_float32.tif", {20, 1}},
+                    RealTerrain{"trinidad_co_2401x1201_float32.tif", {200}},
+                    RealTerrain{"etopo5_4320x2161_int16.tif", {1000}},
+                    RealTerrain{"N00E010_1201x1201_int16be.hgt.gz", {50}},
+                    RealTerrain{
+                        "fuji_terrain_rgb_512x512.png", {30, 10}, HeightEncoding::terrain_rgb}),
+    [](const auto& real) {
+      std::string name = real.param.name;
+      std::replace_if(
+          name.begin(), name.end(), [](char c) { return std::isalnum(c) == 0; }, '_');
+      return name;
+    });
+
+}  // namespace
+}  // namespace lode

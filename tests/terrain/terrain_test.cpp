@@ -1,0 +1,231 @@
+#include "lode/api/terrain.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/delaunay/lattice_fixtures.h"
+
+namespace lode {
+namespace {
+
+using delaunay::test::make_grid;
+using delaunay::test::set_missing;
+
+double hills(std::int32_t x, std::int32_t y) {
+  return std::round(800 * std::sin(0.17 * x) * std::cos(0.13 * y) + 30 * std::sin(1.3 * x + y));
+}
+
+TerrainSurface extract(const HeightGrid& grid, const TerrainOptions& options) {
+  Progress progress;
+  auto made = extract_terrain(grid, options, progress);
+  if (!made) ADD_FAILURE() << made.error().message;
+  return made ? std::move(made).value() : TerrainSurface{};
+}
+
+VerifyReport verify(const HeightGrid& grid, const Surface& surface, double max_error,
+                    int n_threads = 2) {
+  Progress progress;
+  const auto report = verify_terrain(grid, surface, max_error, {n_threads}, progress);
+  EXPECT_TRUE(report);
+  return report ? *report : VerifyReport{};
+}
+
+/// The first check that fails, or "".
+std::string failed(const VerifyReport& report) {
+  for (const VerifyReport::Check& check : report.checks)
+    if (!check.passed) return check.name;
+  return "";
+}
+
+/// A grid with its rows from north to south, as rasters are, or from south to north.
+HeightGrid hilly_grid(bool is_mirrored) {
+  HeightGrid grid = make_grid<std::int16_t>(50, 40, hills);
+  grid.to_world = {500000.25, 30, 0, 4000000.5, 0, is_mirrored ? -30.0 : 30.0};
+  return grid;
+}
+
+TEST(terrain, faces_up_and_lies_at_the_samples_whichever_way_rows_run) {
+  for (const bool is_mirrored : {false, true}) {
+    const HeightGrid grid = hilly_grid(is_mirrored);
+    const TerrainSurface made = extract(grid, {.max_error = 40});
+    EXPECT_EQ(made.report.vertices, made.surface.positions.size());
+    EXPECT_EQ(made.report.triangles, made.surface.triangles.size());
+    for (const auto& t : made.surface.triangles) {
+      const Vec3d a = made.surface.world_position(t[0]);
+      const Vec3d u = made.surface.world_position(t[1]) - a;
+      const Vec3d v = made.surface.world_position(t[2]) - a;
+      EXPECT_GT(cross(u, v)[2], 0);
+    }
+    for (std::uint32_t v = 0; v < made.surface.positions.size(); ++v) {
+      const Vec3d at = made.surface.world_position(v);
+      const Vec<double, 2> node = grid.lattice(at[0], at[1]);
+      EXPECT_EQ(at[2], grid.height(static_cast<std::int32_t>(std::lround(node[0])),
+                                   static_cast<std::int32_t>(std::lround(node[1]))));
+      EXPECT_EQ(at[2], made.surface.values[v]);
+    }
+    EXPECT_EQ(failed(verify(grid, made.surface, 40)), "");
+    EXPECT_EQ(made.report.height_slack, 0);
+  }
+}
+
+TEST(terrain, states_how_far_coordinates_in_floats_are_off) {
+  HeightGrid grid = make_grid<double>(
+      30, 30, [](std::int32_t x, std::int32_t y) { return 1e9 + 0.01 * hills(x, y); });
+  grid.to_world = {1.0 / 3, 1.0 / 1200, 0, 2.0 / 3, 0, -1.0 / 1200};
+  const TerrainSurface made = extract(grid, {.max_error = 0.5});
+  double height_offset = 0;
+  double position_offset = 0;
+  for (std::uint32_t v = 0; v < made.surface.positions.size(); ++v) {
+    const Vec3d at = made.surface.world_position(v);
+    const Vec<double, 2> node = grid.lattice(at[0], at[1]);
+    const double x = std::round(node[0]);
+    const double y = std::round(node[1]);
+    height_offset = std::max(height_offset, std::abs(at[2] - made.surface.values[v]));
+    position_offset = std::max({position_offset, std::abs(at[0] - grid.world(x, y)[0]),
+                                std::abs(at[1] - grid.world(x, y)[1])});
+  }
+  EXPECT_EQ(made.report.height_slack, height_offset);
+  EXPECT_LT(height_offset, 1e-6) << "centimetres at 1e9 need an origin";
+  EXPECT_EQ(made.report.position_slack, position_offset);
+  EXPECT_LT(position_offset, 1e-8);
+  EXPECT_EQ(failed(verify(grid, made.surface, 0.5)), "");
+}
+
+TEST(terrain, keeps_max_cells_and_says_what_error_that_leaves) {
+  const HeightGrid grid = hilly_grid(true);
+  double last = 1e9;
+  for (const std::uint64_t n : {2U, 3U, 10U, 57U, 400U}) {
+    const TerrainSurface made = extract(grid, {.max_cells = n});
+    EXPECT_LE(made.report.triangles, n);
+    EXPECT_GE(made.report.triangles + 1, n);
+    EXPECT_TRUE(made.report.budget_met);
+    EXPECT_FALSE(made.report.is_within_error);
+    EXPECT_LT(made.report.achieved_error, last * 1.5);
+    last = made.report.achieved_error;
+    EXPECT_EQ(failed(verify(grid, made.surface, made.report.achieved_error)), "");
+    EXPECT_EQ(failed(verify(grid, made.surface, made.report.achieved_error * 0.99)),
+              "samples are within the error");
+  }
+  HeightGrid island = grid;
+  set_missing(island, 20, 20);
+  const TerrainSurface outline = extract(island, {.max_cells = 3});
+  EXPECT_FALSE(outline.report.budget_met);
+  EXPECT_GT(outline.report.triangles, 3U);
+}
+
+TEST(terrain, stops_at_the_tolerance_before_max_cells) {
+  const HeightGrid grid = hilly_grid(true);
+  const TerrainSurface strict = extract(grid, {.max_error = 60, .order = InsertionOrder::strict});
+  const TerrainSurface both = extract(grid, {.max_error = 60, .max_cells = 100000});
+  EXPECT_EQ(both.surface.triangles, strict.surface.triangles);
+  EXPECT_TRUE(both.report.is_within_error);
+}
+
+TEST(terrain, has_a_default_tolerance) {
+  const HeightGrid grid = hilly_grid(true);
+  const HeightRange range = height_range(grid);
+  const TerrainSurface made = extract(grid, {});
+  EXPECT_DOUBLE_EQ(made.report.max_error, 0.005 * (range.upper - range.lower));
+  EXPECT_LE(made.report.achieved_error, made.report.max_error);
+}
+
+TEST(terrain, covers_cells_with_four_heights_only_and_counts_the_rest) {
+  HeightGrid grid = hilly_grid(true);
+  for (std::int32_t y = 0; y < 40; ++y)
+    for (std::int32_t x = 0; x < 50; ++x)
+      if (x > y + 30 || (x * 31 + y * 17) % 43 == 0 ||
+          (x - 15) * (x - 15) + (y - 20) * (y - 20) < 30)
+        set_missing(grid, x, y);
+  const TerrainSurface made = extract(grid, {.max_error = 25});
+  EXPECT_EQ(failed(verify(grid, made.surface, 25)), "");
+  EXPECT_EQ(made.report.n_missing, grid.n_missing());
+  EXPECT_EQ(made.report.n_samples + made.report.n_missing + made.report.n_left_out, 2000U);
+  const TerrainInfo info = describe_terrain(grid);
+  EXPECT_EQ(info.n_missing, grid.n_missing());
+  EXPECT_EQ(info.n_left_out, made.report.n_left_out);
+}
+
+class broken_terrain : public testing::Test {
+ protected:
+  broken_terrain() : grid_(hilly_grid(true)), surface_(extract(grid_, {.max_error = 40}).surface) {}
+
+  HeightGrid grid_;
+  Surface surface_;
+};
+
+TEST_F(broken_terrain, is_found_where_a_triangle_is_missing_or_doubled) {
+  Surface lacking = surface_;
+  lacking.triangles.pop_back();
+  EXPECT_EQ(failed(verify(grid_, lacking, 40)), "the domain is covered once");
+  Surface doubled = surface_;
+  doubled.triangles.push_back(doubled.triangles.back());
+  EXPECT_EQ(failed(verify(grid_, doubled, 40)), "edges have two sides");
+}
+
+TEST_F(broken_terrain, is_found_where_a_triangle_is_turned) {
+  std::swap(surface_.triangles[7][0], surface_.triangles[7][1]);
+  EXPECT_EQ(failed(verify(grid_, surface_, 40)), "triangles face up");
+}
+
+TEST_F(broken_terrain, is_found_where_a_vertex_is_moved) {
+  Surface up = surface_;
+  up.positions[11][2] += 1;
+  EXPECT_EQ(failed(verify(grid_, up, 1e6)), "vertices are samples");
+  Surface aside = surface_;
+  aside.positions[11][0] += 10;
+  EXPECT_EQ(failed(verify(grid_, aside, 1e6)), "vertices are samples");
+}
+
+TEST_F(broken_terrain, is_found_where_an_edge_is_flipped) {
+  // The first inner edge whose two triangles are strictly convex together.
+  auto& triangles = surface_.triangles;
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (std::size_t j = i + 1; j < triangles.size(); ++j)
+      for (std::size_t e = 0; e < 3; ++e) {
+        const auto a = triangles[i][e];
+        const auto b = triangles[i][(e + 1) % 3];
+        const auto c = triangles[i][(e + 2) % 3];
+        for (std::size_t f = 0; f < 3; ++f) {
+          if (triangles[j][f] != b || triangles[j][(f + 1) % 3] != a) continue;
+          const auto d = triangles[j][(f + 2) % 3];
+          Surface flipped = surface_;
+          flipped.triangles[i] = {c, a, d};
+          flipped.triangles[j] = {d, b, c};
+          const std::string what = failed(verify(grid_, flipped, 1e6));
+          if (what == "triangles face up") continue;
+          // Of four cocircular corners either edge is Delaunay.
+          if (what.empty()) continue;
+          EXPECT_EQ(what, "inner edges are Delaunay");
+          return;
+        }
+      }
+  FAIL() << "no edge could be flipped";
+}
+
+TEST_F(broken_terrain, is_judged_the_same_by_any_number_of_threads) {
+  const VerifyReport one = verify(grid_, surface_, 10, 1);
+  const VerifyReport four = verify(grid_, surface_, 10, 4);
+  ASSERT_EQ(one.checks.size(), four.checks.size());
+  for (std::size_t i = 0; i < one.checks.size(); ++i) {
+    EXPECT_EQ(one.checks[i].detail, four.checks[i].detail);
+    EXPECT_EQ(one.checks[i].count, four.checks[i].count);
+  }
+  EXPECT_EQ(failed(one), "samples are within the error");
+}
+
+TEST(terrain, refuses_grids_without_area_and_stops_when_cancelled) {
+  Progress progress;
+  const HeightGrid row = make_grid<float>(9, 1, hills);
+  EXPECT_FALSE(extract_terrain(row, {}, progress));
+  const HeightGrid huge = make_grid<double>(
+      5, 5, [](std::int32_t x, std::int32_t) { return x == 2 ? -1.7e308 : 1.7e308; });
+  EXPECT_FALSE(extract_terrain(huge, {}, progress));
+  Progress cancelled;
+  cancelled.cancel();
+  EXPECT_FALSE(extract_terrain(hilly_grid(true), {.max_error = 1}, cancelled));
+}
+
+}  // namespace
+}  // namespace lode
