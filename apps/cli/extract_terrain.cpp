@@ -22,14 +22,14 @@ Result<TerrainOptions> to_options(const TerrainJob& job) {
     LODE_TRY(const auto n, parse_integer("--max-cells", job.max_cells, 1, kMaxCells));
     options.max_cells = static_cast<std::uint64_t>(n);
   }
-  const std::string& order = job.terrain.order;
-  if (order == "strict") {
+  const std::string& insertion = job.terrain.insertion;
+  if (insertion == "strict") {
     options.order = InsertionOrder::strict;
-  } else if (!order.empty() && order != "levels") {
-    return fail("--order: expected 'levels' or 'strict', got '{}'", order);
+  } else if (!insertion.empty() && insertion != "levels") {
+    return fail("--insertion: expected 'levels' or 'strict', got '{}'", insertion);
   }
-  if (order == "levels" && options.max_cells)
-    return fail("--order: expected 'strict' with --max-cells, got 'levels'");
+  if (insertion == "levels" && options.max_cells)
+    return fail("--insertion: expected 'strict' with --max-cells, got 'levels'");
   return options;
 }
 
@@ -50,7 +50,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   json["input"] = answer.job.input;
   json["outputs"] = Json::array({answer.job.output});
   json["model"] = kModel;
-  json["order"] = answer.is_strict ? "strict" : "levels";
+  json["insertion"] = answer.is_strict ? "strict" : "levels";
   json["max_error"] = report.max_error;
   json["max_error_is_default"] = answer.job.max_error.empty();
   json["achieved_error"] = report.achieved_error;
@@ -118,7 +118,7 @@ Result<T> naming(const std::string& path, Result<T> result, Session& session) {
 
 Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   LODE_CHECK(
-      check_only_terrain(app, job.input, {"--max-error", "--max-cells", "--model", "--order"}));
+      check_only_terrain(app, job.input, {"--max-error", "--max-cells", "--model", "--insertion"}));
   LODE_CHECK(check_surface_extension(job.output));
   if (auto options = to_options(job); !options) return options.error();
   if (auto options = to_height_options(job.terrain, job.reading); !options) return options.error();

@@ -31,8 +31,8 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
       "What the colours of a picture stand for");
   if (use == TerrainUse::reading) return;
   add("--model", arguments.model, "MODEL", "delaunay_selector (default)");
-  add("--order", arguments.order, "levels|strict",
-      "levels (default): errors fall in quarters of an octave, faster; strict: the worst of all "
+  add("--insertion", arguments.insertion, "levels|strict",
+      "levels (default): errors fall by octaves, faster; strict: the worst of all "
       "samples first, fewer triangles; with --max-cells always strict");
 }
 
@@ -40,7 +40,7 @@ Result<void> check_no_terrain(const TerrainArguments& arguments, const std::stri
   if (arguments.is_empty()) return {};
   return fail(
       "{}: expected a raster of heights (.tif, .asc, .hgt, .png, ...) with --band, --encoding, "
-      "--model or --order, got another file",
+      "--model or --insertion, got another file",
       path);
 }
 

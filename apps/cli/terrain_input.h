@@ -15,16 +15,16 @@ struct TerrainArguments {
   std::string band;
   std::string encoding;
   std::string model;
-  std::string order;
+  std::string insertion;
 
   [[nodiscard]] bool is_empty() const {
-    return band.empty() && encoding.empty() && model.empty() && order.empty();
+    return band.empty() && encoding.empty() && model.empty() && insertion.empty();
   }
 };
 
 enum class TerrainUse : std::uint8_t { reading, extraction };
 
-/// reading: --band and --encoding; extraction: also --model and --order.
+/// reading: --band and --encoding; extraction: also --model and --insertion.
 void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use);
 
 /// Refuses them for other inputs: they would silently do nothing.

@@ -67,7 +67,7 @@ TEST(cli_terrain, keeps_max_cells_and_warns_where_the_tolerance_is_not_met) {
                                  "1", "--max-cells", "50", "--json"});
   EXPECT_LE(run.json().at("triangles").get<int>(), 50);
   EXPECT_EQ(run.json().at("error_met"), false);
-  EXPECT_EQ(run.json().at("order"), "strict");
+  EXPECT_EQ(run.json().at("insertion"), "strict");
   EXPECT_NE(run.err.find("--max-error is not met"), std::string::npos) << run.err;
 }
 
@@ -80,9 +80,10 @@ TEST(cli_terrain, refuses_what_cannot_be_meant) {
   expect_refusal(run_lode({"extract", dem, out, "--box", "0,0,0,1,1,1"}), 2, {"--box"});
   expect_refusal(run_lode({"extract", dem, out, "--max-error", "-1"}), 2, {"--max-error", ">= 0"});
   expect_refusal(run_lode({"extract", dem, out, "--model", "tin"}), 2, {"delaunay_selector"});
-  expect_refusal(run_lode({"extract", dem, out, "--order", "odd"}), 2, {"'levels' or 'strict'"});
-  expect_refusal(run_lode({"extract", dem, out, "--order", "levels", "--max-cells", "9"}), 2,
-                 {"--order"});
+  expect_refusal(run_lode({"extract", dem, out, "--insertion", "odd"}), 2,
+                 {"'levels' or 'strict'"});
+  expect_refusal(run_lode({"extract", dem, out, "--insertion", "levels", "--max-cells", "9"}), 2,
+                 {"--insertion"});
   expect_refusal(run_lode({"extract", dem, out, "--encoding", "jpeg"}), 2, {"terrarium"});
   expect_refusal(run_lode({"extract", dem, out, "--max-cells", "0"}), 2, {"--max-cells"});
   expect_refusal(run_lode({"extract", dem, scratch / "dem.xyz"}), 2, {".ply"});

@@ -9,9 +9,9 @@
 
 namespace lode::delaunay {
 
-/// strict: always the sample with the largest error of all. levels: errors fall in quarters of an
-/// octave, and within one level samples are inserted where they lie close together, which keeps the
-/// work in cache; about 0.3 % more points.
+/// strict: always the sample with the largest error of all. levels: errors fall by octaves, and
+/// within one level samples are inserted where they lie close together, which keeps the work in
+/// cache; about as many points.
 enum class InsertionOrder : std::uint8_t { levels, strict };
 
 struct GreedyOptions {
