@@ -99,6 +99,11 @@ std::string comment_of(const TerrainReport& report, const HeightRaster& raster) 
 }
 
 void warn_of(const TerrainReport& report, const TerrainJob& job, Session& session) {
+  constexpr double kMuch = 1e-3;
+  if (report.height_slack > kMuch * report.max_error)
+    session.warn(
+        fmt::format("coordinates are floats: heights of vertices in {} are off by up to {}",
+                    job.output, format_number(report.height_slack)));
   if (!report.budget_met)
     session.warn(fmt::format("--max-cells is not met: the outline alone has {} triangles",
                              report.triangles));

@@ -94,7 +94,7 @@ void add_raster(const HeightRaster& raster, Json& json, Table& table) {
   json["rows"] = grid.n_rows;
   json["type"] = raster.type;
   json["missing_samples"] = n_missing;
-  json["geotransform"] = grid.to_world;
+  json["to_world"] = grid.to_world;
   json["has_position"] = raster.has_place;
   json["crs"] = text_or_null(grid.crs);
   json["vertical_unit"] = text_or_null(grid.vertical_unit);

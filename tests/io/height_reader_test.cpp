@@ -58,6 +58,25 @@ std::vector<double> twelve(double step) {
   return samples;
 }
 
+TEST_F(height_reader, finds_missing_floats_by_the_decimals_of_their_files) {
+  std::vector<double> samples = twelve(0.25);
+  samples[3] = samples[8] = static_cast<double>(-9999.9F);
+  write_raster((*this)("a.tif"), {.type = GDT_Float32, .samples = samples});
+  EXPECT_EQ(read((*this)("a.tif")).grid.n_missing(), 0U);
+  EXPECT_EQ(read((*this)("a.tif"), {.nodata = -9999.9}).grid.n_missing(), 2U);
+}
+
+TEST_F(height_reader, takes_no_format_that_reads_other_files_or_the_network) {
+  write_raster((*this)("real.tif"), {.samples = twelve(1)});
+  std::ofstream((*this)("other.tif"))
+      << "<VRTDataset rasterXSize=\"4\" rasterYSize=\"3\"><VRTRasterBand "
+         "dataType=\"Int16\" band=\"1\"><SimpleSource><SourceFilename>"
+      << (*this)("real.tif")
+      << "</SourceFilename><SourceBand>1</SourceBand></SimpleSource>"
+         "</VRTRasterBand></VRTDataset>";
+  EXPECT_NE(refusal((*this)("other.tif")).find("expected a GeoTIFF"), std::string::npos);
+}
+
 TEST_F(height_reader, keeps_samples_of_all_types_exactly) {
   const std::vector<double> bytes{0, 1, 2, 3, 4, 5, 6, 7, 128, 200, 254, 255};
   const std::vector<double> large{0, 1, 65535, 4, 5, 6, 7, 8, 40000, 10, 11, 32768};
@@ -195,7 +214,7 @@ TEST_F(height_reader, refuses_what_is_no_raster) {
   std::ofstream((*this)("empty.tif"));
   (void)refusal((*this)("empty.tif"));
   std::ofstream((*this)("text.tif")) << "not a raster at all";
-  EXPECT_NE(refusal((*this)("text.tif")).find("raster that GDAL reads"), std::string::npos);
+  EXPECT_NE(refusal((*this)("text.tif")).find("expected a GeoTIFF"), std::string::npos);
   std::filesystem::create_directory((*this)("folder.tif"));
   (void)refusal((*this)("folder.tif"));
   EXPECT_FALSE(is_height_path("scan.nrrd"));

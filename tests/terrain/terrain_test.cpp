@@ -46,6 +46,50 @@ HeightGrid hilly_grid(bool is_mirrored) {
   return grid;
 }
 
+/// What rounding errors are beside heights so small that products of them are none.
+TEST(terrain, ends_at_heights_that_floats_hardly_hold) {
+  const auto rough = [](std::int32_t x, std::int32_t y) { return (x * 7919 + y * 104729) % 1000; };
+  for (const double unit : {1e-36, 1e-40, 1e-42, 1.5e-45}) {
+    const auto tiny = [&](std::int32_t x, std::int32_t y) { return unit * rough(x, y); };
+    for (const HeightGrid& grid :
+         {make_grid<float>(41, 37, tiny), make_grid<double>(41, 37, [&](auto x, auto y) {
+            return 1e-275 * tiny(x, y);  // Below what doubles hold in full.
+          })})
+      for (const InsertionOrder order : {InsertionOrder::levels, InsertionOrder::strict})
+        for (const double share : {0.0, 1e-3, 0.1}) {
+          const HeightRange range = height_range(grid);
+          const double max_error = share * (range.upper - range.lower);
+          const TerrainSurface made = extract(grid, {.max_error = max_error, .order = order});
+          EXPECT_LE(made.report.achieved_error, max_error);
+          EXPECT_LE(made.report.triangles, 2880U);
+        }
+  }
+}
+
+TEST(terrain, claims_no_error_that_rounding_may_have_made) {
+  const HeightGrid plane =
+      make_grid<double>(50, 40, [](std::int32_t x, std::int32_t y) { return 0.1 * x + 0.3 * y; });
+  const HeightGrid tenths =
+      make_grid<double>(50, 40, [](std::int32_t x, std::int32_t y) { return hills(x, y) / 10.0; });
+  for (const HeightGrid& grid : {plane, tenths})
+    for (const double max_error : {0.0, 1e-16, 1e-15, 1e-12}) {
+      const TerrainSurface made = extract(grid, {.max_error = max_error});
+      EXPECT_LE(made.report.achieved_error, max_error);
+      const VerifyReport report = verify(grid, made.surface, max_error);
+      for (const VerifyReport::Check& check : report.checks)
+        if (check.name == "samples are within the error") EXPECT_TRUE(check.passed) << max_error;
+    }
+}
+
+TEST(terrain, verification_finds_heights_moved_beside_a_large_one) {
+  const HeightGrid grid = make_grid<double>(
+      30, 20, [](std::int32_t x, std::int32_t y) { return 1e9 + hills(x, y) / 400; });
+  TerrainSurface made = extract(grid, {.max_error = 0.1});
+  EXPECT_EQ(failed(verify(grid, made.surface, 0.1)), "");
+  made.surface.positions[7][2] += 0.5F;
+  EXPECT_EQ(failed(verify(grid, made.surface, 0.1)), "vertices are samples");
+}
+
 TEST(terrain, faces_up_and_lies_at_the_samples_whichever_way_rows_run) {
   for (const bool is_mirrored : {false, true}) {
     const HeightGrid grid = hilly_grid(is_mirrored);

@@ -198,6 +198,45 @@ TEST(tetra_pages, come_back_from_their_bytes) {
 }
 
 /// Flips bytes of whole files behind the checksums' back: fails or answers, but never crashes.
+/// Nodes with so many links to other pages that their bits take more than 255 bytes, which is told
+/// before them.
+TEST(tetra_pages, hold_nodes_with_more_links_than_a_byte_counts) {
+  const PageShape shape{.n_base_vertices = 64, .n_nodes = 64 * kPageNodes};
+  constexpr std::uint32_t kPage = 3;
+  PageContent content;
+  for (std::uint32_t i = 0; i < 70; ++i) {
+    content.positions.push_back({{0.5 * i, 1, 2}});
+    content.boxes.push_back(i);
+    content.targets.push_back(i % 64);
+    const bool is_long = i == 5 || i == 20 || i == 31 || i == 69;
+    for (std::uint32_t k = 0; is_long && k < kMaxBrought; ++k)
+      content.children.items.push_back(7 * k % 500 + kPageNodes * (4 + k % 59));
+    const auto begin = content.children.items.begin() + content.children.begins.back();
+    std::sort(begin, content.children.items.end());
+    content.children.items.erase(std::unique(begin, content.children.items.end()),
+                                 content.children.items.end());
+    content.children.end_list();
+    const std::size_t n = content.children[i].size();
+    content.n_discovered.push_back(static_cast<std::uint8_t>(n));
+    content.parents.end_list();
+    for (std::uint32_t k = 0; k < n; ++k)
+      content.makers.items.push_back(static_cast<std::uint8_t>((7 * k) % n));
+    content.makers.end_list();
+    content.regions.end_list();
+  }
+  const NodePage page(content, kPage, shape);
+  for (std::uint32_t i = 0; i < content.n_nodes(); ++i) {
+    EXPECT_EQ(page.position(i), content.positions[i]);
+    EXPECT_EQ(page.box(i), content.boxes[i]) << i;
+    NodePage::Links links = page.links(i);
+    EXPECT_EQ(links.target(), content.targets[i]) << i;
+    ASSERT_EQ(links.n_children(), content.children[i].size()) << i;
+    for (const std::uint32_t child : content.children[i]) EXPECT_EQ(links.next_node(), child);
+    links.start_makers();
+    for (const std::uint8_t maker : content.makers[i]) EXPECT_EQ(links.next_maker(), maker);
+  }
+}
+
 TEST(tetra_pages, refuse_bytes_that_are_not_theirs) {
   const Hierarchy hierarchy = hierarchy_of(noise(), 300);
   const HierarchyHead head = head_of(hierarchy, 1);

@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::uint64_t kPerReport = 1 << 14;
 constexpr const char* kPhase = "inserting";
+/// Half-edges are numbered in 32 bits, four a triangle; an insertion adds two.
+constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 30) - 8;
 
 /// Triangles beyond the tolerance, the worst first.
 class StrictQueue {
@@ -147,6 +149,9 @@ class Insertion {
   }
 
   Result<void> check_in(double share) {
+    if (mesh_.triangles().size() > kMostTriangles)
+      return fail("expected up to {} triangles, got more: a larger tolerance takes fewer",
+                  kMostTriangles);
     if (report_.n_inserted % kPerReport != 0) return {};
     if (progress_.is_cancelled()) return cancelled_error();
     progress_.report(kPhase, share);

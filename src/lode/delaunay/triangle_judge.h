@@ -73,13 +73,18 @@ class TriangleJudge {
     if (sparse_ != nullptr && judge_sparsely(triangle, z)) return;
     WorstSample worst = find_(rows_, lane_slack_, triangle.corner, z);
     // Not within the tolerance, and not surely beyond: rounding must not decide.
-    if (worst.error > max_error_ && worst.error - 2 * worst.slack <= max_error_)
+    const bool is_sure = worst.error - 2 * worst.slack > max_error_ && !is_corner(triangle, worst);
+    if (worst.error > max_error_ && !is_sure)
       worst = find_worst_exactly(rows_, double_slack_, triangle.corner);
     triangle.candidate = worst.error > max_error_ ? worst.node : WorstSample::kNone;
     triangle.error = to_float_above(worst.error);
   }
 
  private:
+  [[nodiscard]] static bool is_corner(const LatticeTriangle& triangle, const WorstSample& worst) {
+    const auto& corner = triangle.corner;
+    return worst.node == corner[0] || worst.node == corner[1] || worst.node == corner[2];
+  }
   [[nodiscard]] std::array<double, 3> heights(const LatticeTriangle& triangle) const {
     std::array<double, 3> z{};
     for (std::size_t i = 0; i < 3; ++i)
@@ -91,7 +96,7 @@ class TriangleJudge {
     const SampleRows<T>* rows = sparse_->choose(doubled_area(at(0), at(1), at(2)));
     if (rows == nullptr) return false;
     const WorstSample worst = find_(*rows, lane_slack_, triangle.corner, z);
-    if (!(worst.error - 2 * worst.slack > max_error_)) return false;
+    if (!(worst.error - 2 * worst.slack > max_error_) || is_corner(triangle, worst)) return false;
     triangle.candidate = worst.node;
     triangle.error = to_float_above(worst.error);
     return true;

@@ -13,11 +13,15 @@ constexpr double kFloatUnit = 0x1p-24;   // half a unit in the last place of 1
 constexpr double kDoubleUnit = 0x1p-53;  // of a double
 constexpr double kSecondOrder = 1 + 0x1p-10;
 
-/// `unit`: of the arithmetic along rows.
-RoundingSlack slack_of(double unit, double lower, double upper) {
+/// Underflow: what a lane's smallest number times 2^24 columns or rows may come to, and more.
+constexpr double kFloatUnderflow = 0x1p-120;
+constexpr double kDoubleUnderflow = 0x1p-1040;
+
+/// `unit` and `underflow`: of the arithmetic along rows.
+RoundingSlack slack_of(double unit, double underflow, double lower, double upper) {
   const double size = std::max(std::abs(lower), std::abs(upper));
   const double range = upper - lower;
-  return {kSecondOrder * (unit * (2 * size + 3 * range) + 4 * kDoubleUnit * size),
+  return {kSecondOrder * (unit * (2 * size + 3 * range) + 4 * kDoubleUnit * size) + underflow,
           kSecondOrder * 64 * kDoubleUnit * range, kSecondOrder * 3 * unit};
 }
 
@@ -88,16 +92,20 @@ WorstSample find_in_doubles(const SampleRows<T>& rows, const RoundingSlack& slac
   const double y_slope = (zc * (at.b.x - at.a.x) - zb * (at.c.x - at.a.x)) * scale;
   double worst = 0;
   std::uint32_t node = WorstSample::kNone;
+  std::uint32_t first = WorstSample::kNone;
   at.for_each_node([&](LatticePoint p) {
+    if (first == WorstSample::kNone) first = rows.packing.pack(p);
     const double plane = (za + y_slope * (p.y - at.a.y)) + x_slope * (p.x - at.a.x);
     const double error = std::abs(rows.height(p) - plane);
     if (error <= worst) return;
     worst = error;
     node = rows.packing.pack(p);
   });
+  if (first == WorstSample::kNone) return {};
   // Of a level triangle only the last difference is rounded, and zero is exact.
   const bool is_level = zb == 0 && zc == 0;
   const double rounding = is_level ? worst * 2 * kDoubleUnit : slack.of(at.stretch());
+  if (node == WorstSample::kNone && rounding > 0) node = first;
   return {worst + rounding, node, rounding};
 }
 
@@ -105,7 +113,8 @@ WorstSample find_in_doubles(const SampleRows<T>& rows, const RoundingSlack& slac
 
 template <typename T>
 RoundingSlack lane_slack(double lower, double upper) {
-  return slack_of(std::is_same_v<T, double> ? kDoubleUnit : kFloatUnit, lower, upper);
+  if (std::is_same_v<T, double>) return double_slack(lower, upper);
+  return slack_of(kFloatUnit, kFloatUnderflow, lower, upper);
 }
 template RoundingSlack lane_slack<std::int16_t>(double, double);
 template RoundingSlack lane_slack<std::uint16_t>(double, double);
@@ -113,7 +122,7 @@ template RoundingSlack lane_slack<float>(double, double);
 template RoundingSlack lane_slack<double>(double, double);
 
 RoundingSlack double_slack(double lower, double upper) {
-  return slack_of(kDoubleUnit, lower, upper);
+  return slack_of(kDoubleUnit, kDoubleUnderflow, lower, upper);
 }
 
 template <typename T>

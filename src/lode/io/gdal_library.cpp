@@ -46,6 +46,8 @@ void find_bands(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.band, "GDALGetRasterBand");
   finder.find(gdal.type, "GDALGetRasterDataType");
   finder.find(gdal.type_name, "GDALGetDataTypeName");
+  finder.find(gdal.block_size, "GDALGetBlockSize");
+  finder.find(gdal.metadata, "GDALGetMetadataItem");
   finder.find(gdal.nodata, "GDALGetRasterNoDataValue");
   finder.find(gdal.mask_flags, "GDALGetMaskFlags");
   finder.find(gdal.mask_band, "GDALGetMaskBand");
@@ -69,7 +71,9 @@ Result<GdalLibrary> load() {
   if (!finder.missing().empty())
     return fail("expected {} to have {}, got a library without it", LODE_GDAL_LIBRARY,
                 finder.missing());
+  gdal.push_error_handler(gdal.quiet_handler);
   gdal.register_all();
+  gdal.pop_error_handler();
   return gdal;
 }
 

@@ -20,6 +20,8 @@ struct GdalLibrary {
   decltype(&GDALGetRasterBand) band = nullptr;
   decltype(&GDALGetRasterDataType) type = nullptr;
   decltype(&GDALGetDataTypeName) type_name = nullptr;
+  decltype(&GDALGetBlockSize) block_size = nullptr;
+  decltype(&GDALGetMetadataItem) metadata = nullptr;
   decltype(&GDALGetRasterNoDataValue) nodata = nullptr;
   decltype(&GDALGetMaskFlags) mask_flags = nullptr;
   decltype(&GDALGetMaskBand) mask_band = nullptr;

@@ -1,11 +1,26 @@
 #include "lode/io/gdal_raster.h"
 
+#include <array>
 #include <cmath>
 
 #include "lode/io/input_file.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
+
+namespace {
+
+/// Not those that read other files or ask the network, whatever a file is called.
+constexpr std::array<const char*, 8> kFormats{"GTiff", "AAIGrid", "PNG",  "USGSDEM",
+                                              "EHdr",  "ENVI",    "DTED", nullptr};
+
+}  // namespace
+
+std::string without_controls(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+  return text;
+}
 
 Result<GdalRaster> GdalRaster::open(const std::string& path) {
   // GDAL takes URLs and the text of some formats for names, too.
@@ -14,10 +29,12 @@ Result<GdalRaster> GdalRaster::open(const std::string& path) {
   gdal->push_error_handler(gdal->quiet_handler);
   gdal->reset_errors();
   GdalRaster raster(path, gdal, file->size());
-  raster.dataset_ =
-      gdal->open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr);
+  raster.dataset_ = gdal->open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kFormats.data(),
+                               nullptr, nullptr);
   if (raster.dataset_ == nullptr)
-    return fail("{}: expected a raster that GDAL reads, got: {}", path, raster.reason());
+    return fail(
+        "{}: expected a GeoTIFF, PNG, DTED, USGS DEM, ESRI ASCII, EHdr or ENVI raster, got: {}",
+        path, raster.reason());
   return raster;
 }
 
@@ -33,9 +50,7 @@ std::string GdalRaster::format() const {
 }
 
 std::string GdalRaster::reason() const {
-  std::string text = gdal_->last_error();
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  std::string text = without_controls(gdal_->last_error());
   return text.empty() ? "nothing that it knows" : text;
 }
 
@@ -47,15 +62,25 @@ Result<GDALRasterBandH> GdalRaster::band(int number) const {
   return found;
 }
 
-Result<void> GdalRaster::check_size(std::uint64_t n_bytes) const {
-  // What deflate can do at most; other codecs do better on empty rasters only, and small ones may.
+Result<void> GdalRaster::check_size(GDALRasterBandH band, std::uint64_t n_bytes) const {
+  // What deflate can do at most; other codecs, and files that leave empty blocks out, do better on
+  // rasters with little in them, and smaller ones may.
   constexpr std::uint64_t kRatio = 1032;
-  constexpr std::uint64_t kSmall = std::uint64_t{64} << 20;
+  constexpr std::uint64_t kSmall = std::uint64_t{512} << 20;
   if (n_columns() < 1 || n_rows() < 1)
     return fail("{}: expected samples, got {} x {}", path_, n_columns(), n_rows());
-  const std::uint64_t n =
-      static_cast<std::uint64_t>(n_columns()) * static_cast<std::uint64_t>(n_rows()) * n_bytes;
-  if (n > kSmall && n / kRatio > n_file_bytes_)
+  const auto is_too_much = [&](int columns, int rows, std::uint64_t n_sample) {
+    const std::uint64_t n = static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(rows);
+    return n > kSmall / n_sample && n / kRatio > n_file_bytes_ / n_sample;
+  };
+  int block_columns = 0;
+  int block_rows = 0;
+  gdal_->block_size(band, &block_columns, &block_rows);
+  constexpr std::uint64_t kLargestType = 8;
+  if (is_too_much(block_columns, block_rows, kLargestType))
+    return fail("{}: expected a file that can hold blocks of {} x {} samples, got {}", path_,
+                block_columns, block_rows, format_bytes(n_file_bytes_));
+  if (is_too_much(n_columns(), n_rows(), n_bytes))
     return fail("{}: expected a file that can hold {} x {} samples, got {}", path_, n_columns(),
                 n_rows(), format_bytes(n_file_bytes_));
   return {};
@@ -65,7 +90,8 @@ Result<void> GdalRaster::place(HeightRaster& raster) const {
   HeightGrid& grid = raster.grid;
   std::array<double, 6> g{};
   raster.has_place = gdal_->geotransform(dataset_, g.data()) == CE_None;
-  if (const char* crs = gdal_->projection(dataset_); crs != nullptr) grid.crs = crs;
+  if (const char* crs = gdal_->projection(dataset_); crs != nullptr)
+    grid.crs = without_controls(crs);
   if (!raster.has_place) {
     grid.to_world = {0, 1, 0, static_cast<double>(grid.n_rows - 1), 0, -1};
     return {};

@@ -9,6 +9,9 @@
 
 namespace lode::io {
 
+/// With spaces in place of control characters, which would reach terminals.
+[[nodiscard]] std::string without_controls(std::string text);
+
 /// A raster file open in GDAL, whose messages are kept from stderr meanwhile.
 class GdalRaster {
  public:
@@ -31,8 +34,9 @@ class GdalRaster {
   [[nodiscard]] std::string format() const;
   /// Fails where there is no such band, counted from 1.
   [[nodiscard]] Result<GDALRasterBandH> band(int number) const;
-  /// Sizes, checked against the size of the file for bands of n_bytes a sample.
-  [[nodiscard]] Result<void> check_size(std::uint64_t n_bytes) const;
+  /// Of samples of n_bytes in memory, and of the band's own blocks: held against what a file of its
+  /// size can have.
+  [[nodiscard]] Result<void> check_size(GDALRasterBandH band, std::uint64_t n_bytes) const;
   [[nodiscard]] std::int32_t n_columns() const { return gdal_->n_columns(dataset_); }
   [[nodiscard]] std::int32_t n_rows() const { return gdal_->n_rows(dataset_); }
   /// Position and CRS; fails where the position is degenerate.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <new>
+#include <string_view>
 #include <utility>
 
 #include "lode/core/out_of_memory.h"
@@ -35,18 +36,29 @@ void set_missing(HeightGrid& grid, std::int32_t x, std::int32_t y) {
   grid.is_valid[static_cast<std::size_t>(std::int64_t{y} * grid.n_columns + x)] = 0;
 }
 
+/// Files say in decimals which float it is.
+template <typename T>
+bool is_nodata(T sample, double nodata) {
+  if constexpr (std::is_same_v<T, float>) return sample == static_cast<float>(nodata);
+  return static_cast<double>(sample) == nodata;
+}
+
 /// What a band says of which of its samples count.
 struct BandMask {
   GDALRasterBandH band = nullptr;  ///< Zero where a sample is missing; null: there is none.
   std::optional<double> nodata{};
 
+  /// GDAL's mask is asked only for what samples themselves do not say; of colours for all.
   BandMask(const GdalRaster& raster, GDALRasterBandH of, const HeightReadOptions& options) {
     const GdalLibrary& gdal = raster.gdal();
+    const bool is_encoded = options.encoding != HeightEncoding::none;
+    const int known = is_encoded ? GMF_ALL_VALID : GMF_ALL_VALID | GMF_NODATA;
+    if ((gdal.mask_flags(of) & known) == 0) band = gdal.mask_band(of);
+    if (is_encoded) return;
     int has_nodata = 0;
     const double value = gdal.nodata(of, &has_nodata);
     if (has_nodata != 0) nodata = value;
     if (options.nodata) nodata = options.nodata;
-    if ((gdal.mask_flags(of) & (GMF_ALL_VALID | GMF_NODATA)) == 0) band = gdal.mask_band(of);
   }
   /// Of a row.
   Result<void> apply(const GdalRaster& raster, HeightGrid& grid, std::int32_t y,
@@ -71,7 +83,7 @@ struct Scaling {
 template <typename T>
 Result<HeightGrid> read_band(const GdalRaster& raster, GDALRasterBandH band, const BandMask& mask,
                              const Scaling& scaling, Progress& progress) {
-  LODE_CHECK(raster.check_size(sizeof(T)));
+  LODE_CHECK(raster.check_size(band, sizeof(T)));
   HeightGrid grid = make_height_grid<T>(raster.n_columns(), raster.n_rows());
   auto& samples = std::get<HeightGrid::Samples<T>>(grid.heights);
   std::vector<std::uint8_t> mask_row;
@@ -81,9 +93,10 @@ Result<HeightGrid> read_band(const GdalRaster& raster, GDALRasterBandH band, con
     LODE_CHECK(raster.read_row(band, y, row, kGdalType<T>));
     for (std::int32_t x = 0; x < grid.n_columns; ++x) {
       const auto z = static_cast<double>(row[x]);
-      if (!std::isfinite(z) || (mask.nodata && z == *mask.nodata)) set_missing(grid, x, y);
+      if (mask.nodata && is_nodata(row[x], *mask.nodata)) set_missing(grid, x, y);
       if constexpr (std::is_same_v<T, double>)
         if (!scaling.is_plain()) row[x] = z * scaling.scale + scaling.offset;
+      if (!std::isfinite(static_cast<double>(row[x]))) set_missing(grid, x, y);
     }
     LODE_CHECK(mask.apply(raster, grid, y, mask_row));
   }
@@ -109,7 +122,10 @@ Result<HeightGrid> read_typed(const GdalRaster& raster, GDALRasterBandH band, GD
 }
 
 /// Of types that float64 holds exactly.
-Result<void> check_type(const GdalRaster& raster, GDALDataType type) {
+Result<void> check_type(const GdalRaster& raster, GDALRasterBandH band, GDALDataType type) {
+  const char* pixel = raster.gdal().metadata(band, "PIXELTYPE", "IMAGE_STRUCTURE");
+  if (pixel != nullptr && std::string_view(pixel) == "SIGNEDBYTE")
+    return fail("{}: expected unsigned bytes, got signed ones", raster.path());
   switch (type) {
     case GDT_Byte:
     case GDT_Int16:
@@ -134,12 +150,12 @@ double decode(HeightEncoding encoding, int red, int green, int blue) {
 template <typename T>
 Result<HeightGrid> read_colors(const GdalRaster& raster, const HeightReadOptions& options,
                                Progress& progress) {
-  LODE_CHECK(raster.check_size(3));
   std::array<GDALRasterBandH, 3> bands{};
   for (int i = 0; i < 3; ++i) {
     LODE_TRY(bands[static_cast<std::size_t>(i)], raster.band(i + 1));
+    LODE_CHECK(raster.check_size(bands[static_cast<std::size_t>(i)], sizeof(T)));
   }
-  const BandMask mask(raster, bands[0], {});
+  const BandMask mask(raster, bands[0], options);
   HeightGrid grid = make_height_grid<T>(raster.n_columns(), raster.n_rows());
   auto& samples = std::get<HeightGrid::Samples<T>>(grid.heights);
   const auto n = static_cast<std::size_t>(grid.n_columns);
@@ -181,7 +197,7 @@ Result<HeightRaster> read_raster(const GdalRaster& raster, const HeightReadOptio
   LODE_TRY(GDALRasterBandH band, raster.band(options.band));
   const GdalLibrary& gdal = raster.gdal();
   const GDALDataType type = gdal.type(band);
-  LODE_CHECK(check_type(raster, type));
+  LODE_CHECK(check_type(raster, band, type));
   if (raster.n_bands() >= 3 && type == GDT_Byte && raster.format() == "PNG")
     return fail(
         "{}: expected to know what the colours of a picture stand for, terrain-rgb or terrarium, "
@@ -190,7 +206,8 @@ Result<HeightRaster> read_raster(const GdalRaster& raster, const HeightReadOptio
   HeightRaster result;
   LODE_TRY(result.grid, read_typed(raster, band, type, options, progress));
   result.type = to_lower(gdal.type_name(type));
-  if (const char* unit = gdal.unit(band); unit != nullptr) result.grid.vertical_unit = unit;
+  if (const char* unit = gdal.unit(band); unit != nullptr)
+    result.grid.vertical_unit = without_controls(unit);
   return result;
 }
 
@@ -206,7 +223,13 @@ bool is_height_path(const std::string& path) {
 
 Result<HeightRaster> read_heights(const std::string& path, const HeightReadOptions& options,
                                   Progress& progress) try {
-  if (is_hgt_path(path)) return read_hgt(path, options);
+  if (is_hgt_path(path)) {
+    if (options.band != 1 || options.encoding != HeightEncoding::none)
+      return fail(
+          "{}: expected no band or encoding of a .hgt file, which has one of heights, got one",
+          path);
+    return read_hgt(path, options);
+  }
   LODE_TRY(const GdalRaster raster, GdalRaster::open(path));
   const bool is_encoded = options.encoding != HeightEncoding::none;
   LODE_TRY(HeightRaster result, is_encoded ? read_encoded(raster, options, progress)

@@ -84,11 +84,7 @@ class TinChecker {
 
  private:
   void find_nodes() {
-    // An offset that floats explain, wherever the file has its origin.
-    constexpr double kRounding = 0x1p-22;
     constexpr double kOff = 0.05;  // of a step
-    const HeightRange range = height_range(grid_);
-    const double largest = std::max(std::abs(range.lower), std::abs(range.upper));
     for (std::uint32_t v = 0; v < surface_.positions.size(); ++v) {
       const Vec3d world = surface_.world_position(v);
       const Vec<double, 2> at = grid_.lattice(world[0], world[1]);
@@ -100,11 +96,17 @@ class TinChecker {
         continue;
       }
       const double offset = std::abs(world[2] - grid_.height(node.x, node.y));
-      if (offset <= kRounding * largest)
+      if (offset <= allowed_offset(world[2]))
         facts_.height_offset = std::max(facts_.height_offset, offset);
       else
         ++facts_.n_off_samples;
     }
+  }
+  /// What floats explain; and no more than the error, where one is allowed.
+  [[nodiscard]] double allowed_offset(double z) const {
+    const double rounding =
+        0x1p-23 * std::abs(z - surface_.origin[2]) + 0x1p-52 * std::abs(z) + 0x1p-149;
+    return max_error_ > 0 ? std::min(rounding, max_error_) : rounding;
   }
   [[nodiscard]] static std::int32_t to_index(double value, std::int32_t n) {
     return static_cast<std::int32_t>(std::lround(std::clamp(value, -1.0, static_cast<double>(n))));

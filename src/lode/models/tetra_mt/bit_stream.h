@@ -34,8 +34,9 @@ class BitWriter {
     n_pending_ = 0;
     return bytes_.size();
   }
-  /// All of another one, which is empty then; expects to be at a whole byte.
+  /// All of another one, from a whole byte on; that one is empty then.
   void take_all(BitWriter& other) {
+    align();
     other.align();
     bytes_.insert(bytes_.end(), other.bytes_.begin(), other.bytes_.end());
     other.bytes_.clear();

@@ -97,6 +97,8 @@ class BlockCollapser {
   };
   [[nodiscard]] Cover cover_by(std::size_t lane, int kept, std::uint32_t sample) const;
   [[nodiscard]] std::optional<Cover> find_cover(int kept, std::size_t sample) const;
+  [[nodiscard]] double hull_error_of(const Cover& cover, int kept, std::uint32_t sample,
+                                     std::size_t field) const;
   [[nodiscard]] double error_of(const Cover& cover, int kept, std::uint32_t sample,
                                 std::size_t field) const;
   [[nodiscard]] Refusal refusal_of(std::uint32_t vertex);

@@ -11,6 +11,8 @@ namespace lode::tetra_mt {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Weights of samples that are outside, and not by rounding of doubles alone.
+constexpr double kOutside = -1e-4;
 
 /// Of a sample that the boundary has left outside: none below 0, and all four 1 together. What the
 /// tetrahedron is outside itself says nothing; thin ones would say anything.
@@ -121,7 +123,22 @@ std::optional<BlockCollapser::Cover> BlockCollapser::find_cover(int kept,
   return best;
 }
 
-/// F - F' in the field's unit, larger than it is by what doubles may round.
+/// The largest |F - F'| at any point of the lane's tetrahedron.
+double BlockCollapser::hull_error_of(const Cover& cover, int kept, std::uint32_t sample,
+                                     std::size_t field) const {
+  const double own = state_.value(sample, field);
+  const auto error_at = [&](std::size_t place) {
+    return std::abs(own - values_[star_.link[place] * state_.n_fields + field]);
+  };
+  double largest = error_at(static_cast<std::size_t>(kept));
+  for (const std::uint8_t corner : star_.triangles[cover.lane])
+    largest = std::max(largest, error_at(corner));
+  return largest;
+}
+
+/// F - F' in the field's unit, larger than it is by what doubles may round. Of a sample that
+/// rounding, or what the boundary moved, has left outside of all: no less than at any of the
+/// corners, as in a sliver beside it F' may be any of their values.
 double BlockCollapser::error_of(const Cover& cover, int kept, std::uint32_t sample,
                                 std::size_t field) const {
   const auto value = [&](std::size_t place) {
@@ -135,7 +152,10 @@ double BlockCollapser::error_of(const Cover& cover, int kept, std::uint32_t samp
     made += cover.weights[k] * rise;
     size = std::max(size, std::abs(rise));
   }
-  const double error = state_.value(sample, field) - at_kept - made;
+  double error = state_.value(sample, field) - at_kept - made;
+  if (rules_.boundary_tolerance == 0 && cover.least < kOutside)
+    error =
+        std::copysign(std::max(std::abs(error), hull_error_of(cover, kept, sample, field)), error);
   return error == 0 ? 0 : error + std::copysign(size * cover.rounding, error);
 }
 

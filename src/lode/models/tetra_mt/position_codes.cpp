@@ -61,7 +61,8 @@ class PositionCoder {
       const std::uint64_t before = i == 0 ? 0 : table[i - 1] + 1;
       WideModel& model = i == 0 ? firsts_ : gaps_[axis];
       const std::uint64_t gap = model.code(coder_, given[i] - before);
-      if (gap > largest_ordered(is_narrow_) - before || (i > 0 && before == 0))
+      const bool is_after = before <= largest_ordered(is_narrow_) && (i == 0 || before > 0);
+      if (!is_after || gap > largest_ordered(is_narrow_) - before)
         return fail("{}: expected coordinates that ascend", what_);
       table[i] = before + gap;
     }

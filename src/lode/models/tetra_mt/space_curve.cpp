@@ -33,6 +33,7 @@ SpaceCurve::SpaceCurve(std::span<const Vec3d> positions) {
 
 std::uint64_t SpaceCurve::operator()(const Vec3d& p) const {
   std::uint64_t key = 0;
+  if (!(scale_ > 0)) return key;
   for (std::size_t i = 0; i < 3; ++i) {
     const double step = std::clamp((p[i] - lower_[i]) * scale_, 0.0, kCurveSteps - 1);
     key |= spaced(static_cast<std::uint64_t>(step)) << i;
