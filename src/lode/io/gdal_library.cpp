@@ -80,9 +80,9 @@ Result<GdalLibrary> load() {
 }  // namespace
 
 Result<const GdalLibrary*> GdalLibrary::get() {
-  static const Result<GdalLibrary> library = load();
-  if (!library) return library.error();
-  return &library.value();
+  static const Result<GdalLibrary> kLibrary = load();
+  if (!kLibrary) return kLibrary.error();
+  return &kLibrary.value();
 }
 
 }  // namespace lode::io

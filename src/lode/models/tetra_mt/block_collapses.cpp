@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Weights of samples that are outside, and not by rounding of doubles alone.
-constexpr double kOutside = -1e-4;
+constexpr double kLeftOutside = -1e-4;
 
 /// Of a sample that the boundary has left outside: none below 0, and all four 1 together. What the
 /// tetrahedron is outside itself says nothing; thin ones would say anything.
@@ -153,7 +153,7 @@ double BlockCollapser::error_of(const Cover& cover, int kept, std::uint32_t samp
     size = std::max(size, std::abs(rise));
   }
   double error = state_.value(sample, field) - at_kept - made;
-  if (rules_.boundary_tolerance == 0 && cover.least < kOutside)
+  if (rules_.boundary_tolerance == 0 && cover.least < kLeftOutside)
     error =
         std::copysign(std::max(std::abs(error), hull_error_of(cover, kept, sample, field)), error);
   return error == 0 ? 0 : error + std::copysign(size * cover.rounding, error);
