@@ -106,7 +106,8 @@ TEST(cli_terrain, names_the_file_and_the_reason_where_there_is_no_terrain) {
   write_bytes(scratch / "text.tif", "II*");
   write_dem(scratch / "row.asc", 40, 1);
   expect_refusal(run_lode({"extract", scratch / "empty.tif", out}), 1, {"empty.tif"});
-  expect_refusal(run_lode({"extract", scratch / "text.tif", out}), 1, {"text.tif", "GDAL"});
+  expect_refusal(run_lode({"extract", scratch / "text.tif", out}), 1,
+                 {"text.tif", "expected a GeoTIFF"});
   expect_refusal(run_lode({"extract", scratch / "row.asc", out}), 1, {"row.asc", "40 x 1"});
   EXPECT_EQ(run_lode({"info", scratch / "row.asc"}).exit_code, 0);
   expect_refusal(run_lode({"extract", scratch / "absent.tif", out}), 1, {"absent.tif"});
