@@ -7,6 +7,9 @@ Shares no code with Lode. Checks blocks and their numbers, applies all nodes in 
 own, each after its parents, and compares tetrahedra, positions, values and regions with the mesh's;
 errors, ranges and boxes are nested along discovery. Prints numbers of vertices, cells and nodes.
 
+One file, although long: it stands for a reader that somebody wrote from the document, with nothing
+else at hand.
+
 Exit status: 0, 1 for a bad file, 2 where numpy, VTK or libzstd is absent.
 """
 
