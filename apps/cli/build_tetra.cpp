@@ -39,6 +39,16 @@ Json field_json(const TetraFieldInfo& field) {
   return json;
 }
 
+void add_patches(const std::vector<BoundaryPatch>& patches, Table& table, Json& json) {
+  Json list = Json::array();
+  for (const BoundaryPatch& patch : patches) {
+    list.push_back({{"id", patch.id}, {"name", patch.name}});
+    table.add({"patch", patch.name.empty() ? std::to_string(patch.id)
+                                           : fmt::format("{} ({})", patch.name, patch.id)});
+  }
+  json["patches"] = std::move(list);
+}
+
 void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["model"] = "tetra_mt";
   json["cells"] = info.n_cells;
@@ -46,6 +56,7 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["nodes"] = info.n_nodes;
   json["base_cells"] = info.n_base_cells;
   json["regions"] = info.regions;
+  add_patches(info.patches, table, json);
   json["boundary_deviation"] = info.boundary_deviation;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
   table.add({"model", "tetra_mt"});
@@ -100,6 +111,7 @@ Result<Outcome> foreign_info(const std::string& path, const ReadingArguments& re
   json["tetrahedra"] = made.mesh.tetrahedra.size();
   json["regions"] = made.mesh.region_ids.size();
   table.add({"as tetrahedra", format_count(made.mesh.tetrahedra.size())});
+  add_patches(made.mesh.patches, table, json);
   if (made.mesh.region_ids.size() > 1)
     table.add({"regions", format_count(made.mesh.region_ids.size())});
   add_cell_counts(made.report, table, json["reading"]);

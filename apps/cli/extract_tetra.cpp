@@ -174,6 +174,8 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
     return fail(
         "--max-error-px: expected --max-error with a mesh of cells, whose errors are of the "
         "field alone");
+  if (!job.query.patches.empty() && !job.query.is_boundary)
+    return fail("--patch: expected --boundary with it, whose faces it chooses");
   const bool is_section = !job.query.sections.empty() && !job.query.is_mesh;
   if (is_section && !job.query.view.empty())
     return fail("--view: expected no --section with it, which is fine along its plane");
@@ -201,6 +203,7 @@ Result<TetraJob> to_tetra_job(const MeshJob& job, Threads threads) {
                .deadline_s = deadline_s,
                .threshold = {},
                .regions = regions,
+               .patches = job.query.patches,
                .threads = threads};
   LODE_TRY(made.mesh.threshold, to_threshold(job.query));
   made.is_default = !options.query.max_error;

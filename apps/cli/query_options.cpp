@@ -128,6 +128,10 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
   add_warp_options(app, arguments.warp);
   add("--region", arguments.regions, "ID",
       "Only cells of a region (block, material, zone) of a mesh of cells; may be repeated");
+  add("--patch", arguments.patches, "NAME",
+      "With --boundary of a mesh of cells: only faces of a patch, by its name or number (info "
+      "lists "
+      "them); may be repeated");
   add("--field-range", arguments.field_ranges, "A:B",
       "Accurate where the field may be from A to B; may be repeated");
   group = "Focus and budget";

@@ -21,6 +21,7 @@ struct QueryArguments {
   std::string threshold;
   WarpArguments warp;
   std::vector<std::string> regions;
+  std::vector<std::string> patches;
   std::vector<std::string> field_ranges;
   std::vector<std::string> boxes;
   std::vector<std::string> balls;

@@ -233,10 +233,13 @@ void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
     const char* name;
     std::uint64_t n;
   };
-  const std::array<Count, 15> counts{
+  const std::array<Count, 18> counts{
       {{"ghost_cells", "ghost cells left out", report.n_ghost_cells},
        {"hidden_cells", "hidden cells left out", report.n_hidden_cells},
        {"lower_cells", "points, lines and faces left out", report.n_lower_cells},
+       {"patches", "patches of the boundary", report.n_patches},
+       {"patch_faces", "faces of patches", report.n_patch_cells},
+       {"inner_faces", "faces of patches inside left out", report.n_inner_faces},
        {"welded_points", "points welded", report.n_welded_points},
        {"weld_refusals", "not welded, as values differ", report.n_weld_refusals},
        {"unused_points", "unused points left out", report.n_unused_points},

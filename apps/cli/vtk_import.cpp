@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -164,6 +165,15 @@ Result<void> run_importer(const std::string& path, const std::vector<std::string
               lines.empty() ? "it said nothing" : lines.back());
 }
 
+/// A number and a name in each line.
+std::vector<BoundaryPatch> read_patch_names(const std::string& path) {
+  std::vector<BoundaryPatch> patches;
+  std::ifstream file(path);
+  BoundaryPatch patch;
+  while (file >> patch.id && std::getline(file >> std::ws, patch.name)) patches.push_back(patch);
+  return patches;
+}
+
 }  // namespace
 
 bool needs_vtk_import(const std::string& path) {
@@ -192,13 +202,16 @@ Result<CellMesh> read_cells(const std::string& path, const ReadingArguments& rea
         path, kImporter);
   LODE_TRY(const TemporaryFolder folder, TemporaryFolder::create());
   const std::string grid = folder.file("grid.vtu");
+  const std::string names = folder.file("patches.txt");
   // What starts with a dash would be an option.
-  std::vector<std::string> words{*importer, std::filesystem::absolute(path).string(), grid};
+  std::vector<std::string> words{*importer, std::filesystem::absolute(path).string(), grid,
+                                 "--patches", names};
   if (!reading.time.empty()) words.insert(words.end(), {"--step", reading.time});
   LODE_CHECK(run_importer(path, words, session));
   auto cells = read_cell_mesh(grid, {});
   if (!cells) return fail("{}: as {} gives it: {}", path, kImporter, cells.error().message);
   cells->path = path;
+  cells->patch_names = read_patch_names(names);
   return cells;
 }
 

@@ -1,13 +1,13 @@
 #include "flatten.h"
 
 #include <vtkCellData.h>
-#include <vtkCompositeDataIterator.h>
 #include <vtkCompositeDataSet.h>
 #include <vtkDataArray.h>
 #include <vtkDataSet.h>
 #include <vtkGenericCell.h>
 #include <vtkIdList.h>
 #include <vtkInformation.h>
+#include <vtkMultiBlockDataSet.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkStructuredGrid.h>
@@ -20,6 +20,8 @@
 #include <limits>
 #include <map>
 #include <stdexcept>
+
+#include "patches.h"
 
 namespace lode::vtk_import {
 namespace {
@@ -62,30 +64,47 @@ bool has_solid_cells(vtkDataSet& data) {
   return false;
 }
 
-void add_leaf(vtkDataObject* data, std::string name, std::vector<Leaf>& leaves, int& n_left_out) {
+/// What a reader gives, block by block.
+struct Leaves {
+  std::vector<Leaf> solid;
+  std::vector<FaceBlock> faces;
+  int n_left_out = 0;
+};
+
+void add_leaf(vtkDataObject* data, std::string name, Leaves& leaves) {
   auto* const set = vtkDataSet::SafeDownCast(data);
-  if (set == nullptr || !has_solid_cells(*set)) {
-    ++n_left_out;
-    return;
+  if (set != nullptr && has_solid_cells(*set)) {
+    if (name.empty()) name = "block " + std::to_string(leaves.solid.size() + 1);
+    leaves.solid.push_back({set, std::move(name)});
+  } else if (set != nullptr && has_faces(*set)) {
+    leaves.faces.push_back({set, std::move(name)});
+  } else {
+    ++leaves.n_left_out;
   }
-  if (name.empty()) name = "block " + std::to_string(leaves.size() + 1);
-  leaves.push_back({set, std::move(name)});
 }
 
-std::vector<Leaf> leaves_of(vtkDataObject& data, int& n_left_out) {
-  std::vector<Leaf> leaves;
-  auto* const blocks = vtkCompositeDataSet::SafeDownCast(&data);
-  if (blocks == nullptr) {
-    add_leaf(&data, "", leaves, n_left_out);
-    return leaves;
+constexpr const char* kInternal = "Internal";  // of a zone of CGNS, beside its patches
+
+void add_blocks(vtkMultiBlockDataSet& blocks, const std::string& own_name, Leaves& leaves) {
+  for (unsigned i = 0; i < blocks.GetNumberOfBlocks(); ++i) {
+    vtkDataObject* const block = blocks.GetBlock(i);
+    if (block == nullptr) continue;
+    const char* given = nullptr;
+    if (blocks.HasMetaData(i) != 0) given = blocks.GetMetaData(i)->Get(vtkCompositeDataSet::NAME());
+    const std::string name = given == nullptr ? "" : given;
+    if (auto* const inner = vtkMultiBlockDataSet::SafeDownCast(block))
+      add_blocks(*inner, name, leaves);
+    else
+      add_leaf(block, name == kInternal ? own_name : name, leaves);
   }
-  const auto at = vtkSmartPointer<vtkCompositeDataIterator>::Take(blocks->NewIterator());
-  at->SkipEmptyNodesOn();
-  for (at->InitTraversal(); !at->IsDoneWithTraversal(); at->GoToNextItem()) {
-    const char* name = nullptr;
-    if (at->HasCurrentMetaData()) name = at->GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME());
-    add_leaf(at->GetCurrentDataObject(), name == nullptr ? "" : name, leaves, n_left_out);
-  }
+}
+
+Leaves leaves_of(vtkDataObject& data) {
+  Leaves leaves;
+  if (auto* const blocks = vtkMultiBlockDataSet::SafeDownCast(&data))
+    add_blocks(*blocks, "", leaves);
+  else
+    add_leaf(&data, "", leaves);
   return leaves;
 }
 
@@ -266,7 +285,9 @@ void add_regions(const std::vector<Leaf>& leaves, Flattened& made) {
 Flattened flatten(vtkDataObject& data, BlockPoints points) {
   Flattened made;
   made.grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  std::vector<Leaf> leaves = leaves_of(data, made.n_left_out);
+  const Leaves found = leaves_of(data);
+  std::vector<Leaf> leaves = found.solid;
+  made.n_left_out = found.n_left_out;
   if (leaves.empty())
     throw std::runtime_error("expected blocks with cells of three dimensions, got none");
   vtkIdType n_cells = 0;
@@ -284,6 +305,7 @@ Flattened flatten(vtkDataObject& data, BlockPoints points) {
   if (points == BlockPoints::shared) leaves.resize(1);
   for (const auto& [name, column] : columns_of(leaves, vtkDataObject::POINT))
     made.grid->GetPointData()->AddArray(joined(leaves, vtkDataObject::POINT, name, column));
+  append_patches(found.faces, points, made);
   return made;
 }
 

@@ -20,17 +20,27 @@ struct Block {
   std::int64_t n_cells = 0;
 };
 
+/// A block of faces on these.
+struct NamedPatch {
+  std::string name;
+  std::int64_t id = 0;
+  std::int64_t n_faces = 0;
+};
+
 struct Flattened {
   vtkSmartPointer<vtkUnstructuredGrid> grid;
   std::vector<Block> blocks;
-  int n_left_out = 0;  ///< Blocks without such cells.
+  std::vector<NamedPatch> patches;
+  int n_left_out = 0;  ///< Blocks without either.
+  std::int64_t n_faces_left_out = 0;
 };
 
 /// Makes one grid of all blocks that have solid cells: points, cells and all numeric arrays, with
 /// NaN where a block lacks one, 0 for ghost arrays. Cells of curvilinear blocks become hexahedra;
 /// those with a hidden point are hidden. Of the cells, RegionId is that of the blocks where all
-/// have it, else their ObjectId, else 1, 2, ... Throws std::runtime_error where nothing solid is
-/// there, and where blocks that share points have different ones.
+/// have it, else their ObjectId, else 1, 2, ... Blocks of faces are patches: append_patches().
+/// Throws std::runtime_error where nothing solid is there, and where blocks that share points have
+/// different ones.
 [[nodiscard]] Flattened flatten(vtkDataObject& data, BlockPoints points);
 
 }  // namespace lode::vtk_import

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <span>
 #include <stdexcept>
@@ -21,12 +22,14 @@ constexpr int kFailure = 1;
 constexpr int kUsage = 2;
 
 constexpr const char* kHelp =
-    "Usage: lode-vtk-import IN OUT.vtu [--step N]\n\n"
+    "Usage: lode-vtk-import IN OUT.vtu [--step N] [--patches NAMES.txt]\n\n"
     "Reads Exodus II (.e .exo .ex2 .g), CGNS (.cgns), EnSight (.case .encas), OpenFOAM (.foam, or\n"
     "a case's directory) or PLOT3D (.xyz .p3d, and the .q of the same name) with VTK, and writes\n"
-    "its solid cells as one grid that lode reads. lode itself runs it for such files.\n\n"
-    "  --step N   Time step, from 0 (default: the last)\n"
-    "  --help     This text\n";
+    "its solid cells as one grid that lode reads, and faces of its boundary that are in blocks or\n"
+    "side sets, with PatchId. lode itself runs it for such files.\n\n"
+    "  --step N             Time step, from 0 (default: the last)\n"
+    "  --patches NAMES.txt  Write PatchId and name of each of these, a line each\n"
+    "  --help               This text\n";
 
 /// Keeps the first error that VTK reports, which would otherwise only be shown.
 class ErrorCatcher final : public vtkOutputWindow {
@@ -59,6 +62,7 @@ struct Arguments {
   std::string input;
   std::string output;
   std::optional<int> step;
+  std::string names;  ///< Empty: not written.
 };
 
 std::optional<Arguments> parse_arguments(int argc, char** argv) {
@@ -71,6 +75,8 @@ std::optional<Arguments> parse_arguments(int argc, char** argv) {
       const long step = std::strtol(argv[++i], &end, 10);
       if (*end != '\0' || end == argv[i] || step < 0 || step > 1000000000) return {};
       arguments.step = static_cast<int>(step);
+    } else if (word == "--patches" && i + 1 < argc) {
+      arguments.names = argv[++i];
     } else if (word.starts_with("--") || n_paths == 2) {
       return {};
     } else {
@@ -87,7 +93,12 @@ void say_what_came(const Source& source, const Flattened& made) {
     std::cerr << ", step " << source.step << " of 0 to " << source.n_steps - 1 << " (time "
               << source.time << ")";
   std::cerr << ": " << made.blocks.size() << (made.blocks.size() == 1 ? " block" : " blocks");
-  if (made.n_left_out > 0) std::cerr << ", " << made.n_left_out << " without solid cells left out";
+  if (!made.patches.empty())
+    std::cerr << ", " << made.patches.size() << (made.patches.size() == 1 ? " patch" : " patches");
+  if (made.n_left_out > 0)
+    std::cerr << ", " << made.n_left_out << " without solid cells or faces on these left out";
+  if (made.n_faces_left_out > 0)
+    std::cerr << ", " << made.n_faces_left_out << " faces on no solid cell left out";
   std::cerr << '\n';
   constexpr std::size_t kMaxShown = 20;
   const std::size_t n_shown = std::min(made.blocks.size(), kMaxShown);
@@ -116,6 +127,17 @@ void write_grid(vtkUnstructuredGrid& grid, const std::string& path) {
   throw std::runtime_error("cannot write " + path);
 }
 
+void write_names(const std::vector<NamedPatch>& patches, const std::string& path) {
+  std::ofstream file(path);
+  for (const NamedPatch& patch : patches) {
+    std::string name = patch.name;
+    std::replace(name.begin(), name.end(), '\n', ' ');
+    file << patch.id << ' ' << name << '\n';
+  }
+  file.close();
+  if (!file) throw std::runtime_error("cannot write " + path);
+}
+
 int run(const Arguments& arguments) {
   const auto errors = vtkSmartPointer<ErrorCatcher>::New();
   vtkOutputWindow::SetInstance(errors);
@@ -124,6 +146,7 @@ int run(const Arguments& arguments) {
     if (!errors->first().empty()) throw std::runtime_error(errors->first());
     const Flattened made = flatten(*source.data, source.points);
     say_what_came(source, made);
+    if (!arguments.names.empty()) write_names(made.patches, arguments.names);
     write_grid(*made.grid, arguments.output);
     if (!errors->first().empty()) throw std::runtime_error(errors->first());
     return 0;

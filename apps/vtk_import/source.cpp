@@ -40,6 +40,8 @@ Reader exodus_reader(const std::string& path) {
   reader->UpdateInformation();
   reader->SetAllArrayStatus(vtkExodusIIReader::NODAL, 1);
   reader->SetAllArrayStatus(vtkExodusIIReader::ELEM_BLOCK, 1);
+  for (int i = 0; i < reader->GetNumberOfSideSetArrays(); ++i)
+    reader->SetSideSetArrayStatus(reader->GetSideSetArrayName(i), 1);
   return reader;
 }
 
@@ -48,6 +50,7 @@ Reader cgns_reader(const std::string& path) {
   reader->SetFileName(path.c_str());
   reader->UpdateInformation();
   reader->EnableAllBases();
+  reader->LoadBndPatchOn();
   reader->EnableAllPointArrays();
   reader->EnableAllCellArrays();
   return reader;
@@ -76,6 +79,7 @@ Reader foam_reader(const std::string& path) {
   reader->UpdateInformation();
   reader->EnableAllCellArrays();
   reader->EnableAllPointArrays();
+  reader->EnableAllPatchArrays();
   return reader;
 }
 

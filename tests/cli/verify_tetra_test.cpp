@@ -82,6 +82,17 @@ TEST_F(cli_verify_tetra, is_read_from_the_format_document_alone) {
   mesh.errors.assign(mesh.tetrahedra.size(), 0);
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
     mesh.regions.push_back(i < mesh.tetrahedra.size() / 2 ? -7 : 40);
+  // Two patches of the floor.
+  mesh.patches = {{-3, "inlet"}, {12, ""}};
+  for (std::uint32_t cell = 0; cell < mesh.tetrahedra.size(); ++cell)
+    for (std::uint32_t corner = 0; corner < 4; ++corner) {
+      const auto face = face_across(mesh.tetrahedra[cell], corner);
+      const auto at = [&](std::size_t i, std::size_t axis) {
+        return mesh.positions[face[i]][axis];
+      };
+      if (at(0, 2) == -0.5 && at(1, 2) == -0.5 && at(2, 2) == -0.5)
+        mesh.patch_sides.push_back({cell, corner, at(0, 0) + at(1, 0) + at(2, 0) < 0 ? 0U : 1U});
+    }
   Progress progress;
   ASSERT_TRUE(write_vtu(mesh_, mesh, {.value_name = "noise"}, progress));
   for (const char* const n_base : {"100", "4000"}) {

@@ -25,6 +25,8 @@ struct Import {
   std::vector<std::int64_t> regions;
   int n_cells = 16;
   int n_points = 54;  ///< Two blocks with 9 points in one place; 45 where they share these.
+  int n_faces = 0;    ///< Of patches.
+  const char* patch = "";
 };
 
 std::ostream& operator<<(std::ostream& out, const Import& import) { return out << import.file; }
@@ -74,7 +76,11 @@ TEST_P(vtk_import, gives_points_cells_values_and_regions) {
   const Import& import = GetParam();
   const std::string input = scratch_ / import.file;
   const nlohmann::json info = report({"info", input});
-  EXPECT_EQ(info.at("cells"), import.n_cells);
+  EXPECT_EQ(info.at("cells"), import.n_cells + import.n_faces);
+  EXPECT_EQ(info.at("reading").at("patch_faces"), import.n_faces);
+  EXPECT_EQ(info.at("reading").at("inner_faces"), 0);
+  ASSERT_EQ(info.at("patches").size(), import.n_faces > 0 ? 1U : 0U);
+  if (import.n_faces > 0) EXPECT_EQ(info.at("patches")[0].at("name"), import.patch);
   EXPECT_EQ(info.at("points"), import.n_points);
   EXPECT_EQ(info.at("reading").at("coincident_points"), import.n_points == 54 ? 9 : 0);
   EXPECT_EQ(info.at("reading").at("hidden_cells"), 16 - import.n_cells);
@@ -107,8 +113,9 @@ TEST_P(vtk_import, comes_into_lode_files_that_are_verified_against_it) {
 
 INSTANTIATE_TEST_SUITE_P(all, vtk_import,
                          testing::Values(Import{"blocks.e", "f", 100, {10, 20}, 16, 45},
-                                         Import{"blocks.cgns", "f", 0, {1, 2}},
-                                         Import{"ensight.case", "f", 100, {1, 2}},
+                                         Import{"blocks.cgns", "f", 0, {1, 2}, 16, 54, 4, "Wall"},
+                                         Import{
+                                             "ensight.case", "f", 100, {1, 2}, 16, 54, 2, "wall"},
                                          Import{"plot3d.xyz", "Density", 1, {1, 2}, 15}),
                          [](const auto& format) {
                            return std::filesystem::path(format.param.file).stem().string() +
@@ -120,8 +127,10 @@ class vtk_import_of : public imported {};
 TEST_F(vtk_import_of, foam_cases_has_polyhedra_and_values_of_cells) {
   const std::string input = scratch_ / "foam";
   const nlohmann::json info = report({"info", input});
-  EXPECT_EQ(info.at("cells"), 16);
+  EXPECT_EQ(info.at("cells"), 16 + 40);
   EXPECT_EQ(info.at("points"), 45);
+  EXPECT_EQ(info.at("patches")[0].at("name"), "walls");
+  EXPECT_EQ(info.at("reading").at("patch_faces"), 40);
   EXPECT_EQ(info.at("reading").at("new_points"), 2);
   // The means of our own rule: 100 of the step and at most 12.5 in the corner's cell.
   EXPECT_EQ(info.at("reading").at("averaged")[0].at("cell_peak"), 112.5);
@@ -157,6 +166,18 @@ TEST_F(vtk_import_of, what_lode_wrote_has_its_regions_and_values) {
   EXPECT_EQ(mesh.region_ids, (std::vector<std::int64_t>{10, 20}));
   EXPECT_EQ(mesh.positions.size(), 45U);
   EXPECT_NEAR(volumes_of(mesh).at(20), 8, 1e-9);
+}
+
+TEST_F(vtk_import_of, patches_come_with_their_names_through_files_and_exodus) {
+  const std::string model = scratch_ / "foam.lode";
+  report({"build", scratch_ / "foam", model, "--field", "p"});
+  const std::string exodus = scratch_ / "out.e";
+  report({"extract", model, exodus, "--mesh", "--max-error", "0"});
+  const nlohmann::json info = report({"info", exodus});
+  ASSERT_EQ(info.at("patches").size(), 1U);
+  EXPECT_EQ(info.at("patches")[0].at("name"), "walls");
+  EXPECT_EQ(info.at("reading").at("patch_faces"), 80);
+  EXPECT_EQ(info.at("reading").at("inner_faces"), 0);
 }
 
 TEST_F(vtk_import_of, damaged_files_fails_with_one_sentence) {

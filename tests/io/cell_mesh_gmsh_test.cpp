@@ -133,7 +133,7 @@ void write_mesh_4(MshWriter& file) {
 
 std::string msh_of(const MshForm& form) {
   MshWriter file(form);
-  file.text += "$PhysicalNames\n1\n3 9 \"a room\"\n$EndPhysicalNames\n";
+  file.text += "$PhysicalNames\n2\n2 4 \"its door\"\n3 9 \"a room\"\n$EndPhysicalNames\n";
   if (form.has_blocks)
     write_mesh_4(file);
   else
@@ -166,6 +166,7 @@ TEST_P(msh_meshes, are_read_with_groups_and_data) {
   const TempDir directory;
   const CellMesh mesh = test::read_mesh(directory.write("x.msh", msh_of(GetParam())));
   EXPECT_EQ(mesh.points, kPoints);
+  EXPECT_EQ(mesh.patch_names, (std::vector<BoundaryPatch>{{4, "its door"}}));
   EXPECT_EQ(mesh.types, (std::vector<std::uint8_t>{5, 10, 24}));
   EXPECT_EQ(mesh.corners,
             (std::vector<std::uint32_t>{0, 1, 2, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 9, 8}));

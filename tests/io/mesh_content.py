@@ -3,7 +3,8 @@ VTK, .msh by the few lines below, after Gmsh's own description of the format.
 
 mesh_content.py FILE  prints a JSON object: points, values by name, and cells as [corners, error,
                       RegionId or null, name of the block or group or null]; errors of further
-                      fields, by name and cell; and how the file is titled
+                      fields, by name and cell; faces of patches as corners by name, or by number
+                      where a format has no names; and how the file is titled
 """
 import json
 import os
@@ -20,12 +21,14 @@ def vtk_cells(grid):
 
 
 def column(data, name, n):
+    """Of the first n."""
     array = data.GetArray(name)
     return [None] * n if array is None else [array.GetTuple1(i) for i in range(n)]
 
 
 def content_of_grid(grid, name):
-    n = grid.GetNumberOfCells()
+    patches = take_patches(grid)
+    n = grid.GetNumberOfCells() - sum(len(faces) for faces in patches.values())
     points = [grid.GetPoint(i) for i in range(grid.GetNumberOfPoints())]
     fields = grid.GetPointData()
     values = {}
@@ -33,11 +36,32 @@ def content_of_grid(grid, name):
         array = fields.GetArray(i)
         values[array.GetName()] = [array.GetTuple1(k) for k in range(len(points))]
     cells = [[corners, error, region, name]
-             for corners, error, region in zip(vtk_cells(grid), column(grid.GetCellData(), "error", n),
+             for corners, error, region in zip(vtk_cells(grid)[:n], column(grid.GetCellData(), "error", n),
                                                column(grid.GetCellData(), "RegionId", n))]
     names = [grid.GetCellData().GetArrayName(i) for i in range(grid.GetCellData().GetNumberOfArrays())]
     errors = {name: column(grid.GetCellData(), name, n) for name in names if name.startswith("error_")}
-    return {"points": points, "values": values, "cells": cells, "errors": errors}
+    return {"points": points, "values": values, "cells": cells, "errors": errors,
+            "patches": patches}
+
+
+def take_patches(grid):
+    """Triangles behind the other cells."""
+    ids = grid.GetCellData().GetArray("PatchId")
+    if ids is None:
+        return {}
+    fields = grid.GetFieldData()
+    numbers, strings = fields.GetArray("PatchIds"), fields.GetAbstractArray("PatchNames")
+    names = {} if strings is None else {
+        int(numbers.GetTuple1(i)): strings.GetValue(i) for i in range(strings.GetNumberOfValues())}
+    patches = {}
+    for i, corners in enumerate(vtk_cells(grid)):
+        patch = int(ids.GetTuple1(i))
+        if patch == 0:
+            if patches:
+                raise ValueError("expected faces of patches behind all other cells")
+            continue
+        patches.setdefault(names.get(patch, str(patch)), []).append(corners)
+    return patches
 
 
 def read_legacy(path):
@@ -60,6 +84,8 @@ def read_exodus(path):
     reader.SetSqueezePoints(False)
     reader.SetAllArrayStatus(reader.NODAL, 1)
     reader.SetAllArrayStatus(reader.ELEM_BLOCK, 1)
+    for i in range(reader.GetNumberOfSideSetArrays()):
+        reader.SetSideSetArrayStatus(reader.GetSideSetArrayName(i), 1)
     reader.Update()
     blocks = reader.GetOutput().GetBlock(0)
     content = {"points": [], "values": {}, "cells": [], "title": reader.GetTitle(), "ids": [],
@@ -73,6 +99,11 @@ def read_exodus(path):
         for key, errors in block["errors"].items():
             content["errors"].setdefault(key, []).extend(errors)
         content["ids"].append(int(blocks.GetBlock(i).GetCellData().GetArray("ObjectId").GetTuple1(0)))
+    content["patches"] = {}
+    sets = reader.GetOutput().GetBlock(4)
+    for i in range(sets.GetNumberOfBlocks()):
+        name = sets.GetMetaData(i).Get(vtk.vtkCompositeDataSet.NAME())
+        content["patches"][name] = vtk_cells(sets.GetBlock(i))
     return content
 
 
@@ -186,18 +217,22 @@ def read_gmsh(path):
                 raise ValueError("expected nodes in the box of their entity")
     order = {tag: i for i, tag in enumerate(sorted(nodes))}
     regions = data.get(("$ElementData", "RegionId"))
-    cells = []
+    cells, patches = [], {}
+    is_solid = any(dimension == 3 for _, (dimension, _) in elements.values())
     for tag, (corners, entity) in elements.items():
         group = groups[entity]
+        if is_solid and entity[0] == 2:
+            patches.setdefault(names[(2, group)], []).append([order[c] for c in corners])
+            continue
         region = regions[tag] if regions else group
         cells.append([[order[c] for c in corners], data[("$ElementData", "error")][tag], region,
                       names.get((entity[0], group))])
     values = {name: [found[tag] for tag in sorted(nodes)]
               for (section, name), found in data.items() if section == "$NodeData"}
-    errors = {name: [found[tag] for tag in elements]
+    errors = {name: [found[tag] for tag in elements if tag in found]
               for (_, name), found in data.items() if name.startswith("error_")}
     return {"points": [nodes[tag] for tag in sorted(nodes)], "values": values, "cells": cells,
-            "errors": errors, "title": title}
+            "errors": errors, "patches": patches, "title": title}
 
 
 def read_vtu(path):

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <tuple>
 
 #include "lode/io/mesh_reader.h"
@@ -167,6 +169,81 @@ TEST(mesh_vtu, holds_further_fields_and_their_errors) {
   expect_three_fields(read, mesh);
   EXPECT_EQ(rows_of(read), rows_of(mesh));
   ::unlink(path.c_str());
+}
+
+/// A strip with two patches, of all that lies at both ends; counts what has no patch, too.
+SimplexMesh strip_with_patches() {
+  SimplexMesh mesh = strip({2, 6});
+  mesh.patches = {{3, "in \"let\" $End"}, {70, ""}, {80, "of no face"}};
+  for (std::uint32_t cell = 0; cell < mesh.tetrahedra.size(); ++cell)
+    for (std::uint32_t corner = 0; corner < 4; ++corner) {
+      const auto face = face_across(mesh.tetrahedra[cell], corner);
+      const auto lies_at = [&](double x) {
+        return std::all_of(face.begin(), face.end(),
+                           [&](std::uint32_t v) { return mesh.positions[v][0] == x; });
+      };
+      if (lies_at(mesh.positions.front()[0])) mesh.patch_sides.push_back({cell, corner, 0});
+      if (lies_at(mesh.positions.back()[0])) mesh.patch_sides.push_back({cell, corner, 1});
+    }
+  return mesh;
+}
+
+/// By name: corners, from whichever on.
+std::map<std::string, std::set<std::vector<std::uint32_t>>> patches_of(const SimplexMesh& mesh) {
+  std::map<std::string, std::set<std::vector<std::uint32_t>>> patches;
+  for (const PatchSide& side : mesh.patch_sides) {
+    const auto face = mesh.corners_of(side);
+    std::vector<std::uint32_t> corners(face.begin(), face.end());
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    patches[name_of(mesh.patches[side.patch])].insert(corners);
+  }
+  return patches;
+}
+
+TEST_P(mesh_formats, hold_patches) {
+  ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
+  const SimplexMesh mesh = strip_with_patches();
+  ASSERT_EQ(mesh.patch_sides.size(), 4U);
+  write(mesh, {.value_name = "wave"});
+  const json read = seen();
+  expect_same(read, mesh, "wave");
+  std::map<std::string, std::set<std::vector<std::uint32_t>>> found;
+  for (const auto& [name, faces] : read.at("patches").items())
+    for (std::vector<std::uint32_t> corners : faces) {
+      std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+      found[name].insert(corners);
+    }
+  auto expected = patches_of(mesh);
+  const std::string format = GetParam();
+  if (format == ".vtk") {
+    expected = {{"3", expected.begin()->second}, {"70", std::prev(expected.end())->second}};
+  } else if (format == ".msh") {
+    auto named = expected.extract(mesh.patches[0].name);
+    named.key() = "in _let_ _End";
+    expected.insert(std::move(named));
+  }
+  EXPECT_EQ(found, expected);
+}
+
+TEST_P(mesh_formats, have_patches_that_lode_reads_but_for_exodus) {
+  if (is_exodus()) return;
+  SimplexMesh mesh = strip_with_patches();
+  mesh.patches[0].name = "inlet";
+  write(mesh, {.value_name = "wave"});
+  auto cells = read_cell_mesh(path_, {});
+  ASSERT_TRUE(cells) << cells.error().message;
+  const auto made = to_tetrahedra(std::move(*cells), {});
+  ASSERT_TRUE(made) << made.error().message;
+  const bool has_names = std::string(GetParam()) != ".vtk";
+  ASSERT_EQ(made->mesh.patches.size(), 2U);
+  EXPECT_EQ(made->mesh.patches[0], (BoundaryPatch{3, has_names ? "inlet" : ""}));
+  EXPECT_EQ(made->mesh.patches[1].id, 70);
+  EXPECT_EQ(made->mesh.patch_faces.size(), 4U);
+  EXPECT_EQ(made->report.n_lower_cells, 0U);
+  for (const PatchFace& face : made->mesh.patch_faces)
+    for (const std::uint32_t v : face.corners)
+      EXPECT_EQ(made->mesh.positions[v][0],
+                (face.patch == 0 ? mesh.positions.front() : mesh.positions.back())[0]);
 }
 
 TEST_P(mesh_formats, keep_regions_whose_numbers_cannot_be_tags) {

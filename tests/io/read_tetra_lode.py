@@ -4,7 +4,7 @@ was read: section 7 written from docs/format.md alone, the mesh by VTK.
 read_tetra_lode.py FILE.lode [MESH.vtu]
 
 Shares no code with Lode. Checks blocks and their numbers, applies all nodes in an order of their
-own, each after its parents, and compares tetrahedra, positions, values and regions with the mesh's;
+own, each after its parents, and compares tetrahedra, positions, values, regions and patches with the mesh's;
 errors, ranges and boxes are nested along discovery. Prints numbers of vertices, cells and nodes.
 
 One file, although long: it stands for a reader that somebody wrote from the document, with nothing
@@ -400,7 +400,7 @@ class PageReader:
         return out
 
     def read_regions(self):
-        if len(self.m["regions"]) < 2:
+        if n_labels(self.m) < 2:
             return [[] for _ in range(self.n)]
         out, last = [], 0
         for _ in range(self.n):
@@ -486,12 +486,13 @@ def read_more(c, *case):
 def read_metadata(raw):
     c = Cursor(None, raw)
     m = {}
-    expect(c.take("I") == 4, "unknown layout")
+    expect(c.take("I") == 5, "unknown layout")
     m["B"], m["N"], m["narrow"] = c.take("IIB")
     m["n_reference"], m["n_base"], m["T"], m["R"] = c.take("4Q")
     m["box"] = c.take("6d")
     m["deviation"] = c.take("d")
     m["regions"] = [c.take("q") for _ in range(c.take("I"))]
+    m["patches"] = [(c.take("q"), c.take_bytes(c.take("I")).decode("utf-8")) for _ in range(c.take("I"))]
     m["fields"] = []
     for _ in range(c.take("I")):
         f = {"name": c.take_bytes(c.take("I")).decode("utf-8")}
@@ -500,6 +501,10 @@ def read_metadata(raw):
         m["fields"].append(f)
     c.end()
     return m
+
+
+def n_labels(m):
+    return max(len(m["regions"]), len(m["patches"]) + 1 if m["patches"] else 0)
 
 
 def parts(n, size):
@@ -543,7 +548,7 @@ class File:
             c = self.open(BASE_CELLS, part)
             corners.append(np.stack([c.differences(n, 4) for _ in range(4)], axis=1))
             waiting.append(c.differences(n, 4))
-            regions.append(c.differences(n, 4) if len(m["regions"]) > 1 else np.zeros(n, int))
+            regions.append(c.differences(n, 4) if n_labels(m) > 1 else np.zeros(n, int))
             c.end()
         roots = [np.zeros(0, int)]
         for part, n in enumerate(parts(m["R"], PART)):
@@ -673,6 +678,8 @@ def apply_node(file, k, round_vertex, cells, add, remove):
     is_inside = (file.lower[k] <= p).all() and (p <= file.upper[k]).all()
     expect(is_inside, f"node {k} replaces what its box does not hold")
     edges = collections.defaultdict(list)
+    outside = file.m["B"] + file.m["N"]
+    common = {outside in corners: region for corners, _, region in star}
     for corners, _, region in star:
         face = sorted(set(corners) - {target})
         expect(len(face) == 3, f"node {k}: a tetrahedron with a corner twice")
@@ -685,7 +692,8 @@ def apply_node(file, k, round_vertex, cells, add, remove):
         return sorted(set(cell[0]) - {target, vertex})
 
     moved = [(tuple(vertex if v == target else v for v in c[0]), c[2]) for c in star]
-    outline = [((a, b, vertex, target), r[0]) for (a, b), r in edges.items() if len(r) == 1]
+    outline = [((a, b, vertex, target), common.get(outside in (a, b)))
+               for (a, b), r in edges.items() if len(r) == 1]
     moved.sort(key=others)
     outline.sort(key=others)
     if file.new_regions[k]:
@@ -789,7 +797,7 @@ def load_mesh(path):
 
 
 def compare(file, cells, path):
-    """All tetrahedra, positions, values and regions, by numbers of the mesh's points."""
+    """All tetrahedra, positions, values, regions and patches, by numbers of the mesh's points."""
     mesh, to_numpy = load_mesh(path)
     origins = file.origins
     points = to_numpy(mesh.GetPoints().GetData()).astype(float)
@@ -801,13 +809,24 @@ def compare(file, cells, path):
             values = values[:, int(axis)]
         expect(values.ndim == 1, f"{name} is no scalar")
         expect((values[origins] == f["values"]).all(), f"{name}: other values")
-    given = to_numpy(mesh.GetCells().GetConnectivityArray()).reshape(-1, 4)
-    ids = mesh.GetCellData().GetArray("RegionId")
-    regions = file.m["regions"] or [0]
-    ids = to_numpy(ids).tolist() if ids else [regions[0]] * len(given)
-    mine = [(tuple(sorted(origins[list(c)].tolist())), regions[r]) for c, r in cells]
-    theirs = list(zip(map(tuple, np.sort(given, axis=1).tolist()), ids))
-    expect(collections.Counter(mine) == collections.Counter(theirs), "tetrahedra are others")
+    corners = to_numpy(mesh.GetCells().GetConnectivityArray())
+    begins = to_numpy(mesh.GetCells().GetOffsetsArray())
+    cell_data = mesh.GetCellData()
+    outside = file.m["B"] + file.m["N"]
+    for size, name, ids, what in ((4, "RegionId", file.m["regions"] or [0], "tetrahedra"),
+                                  (3, "PatchId", [0] + [i for i, _ in file.m["patches"]], "faces")):
+        theirs = collections.Counter()
+        given = cell_data.GetArray(name)
+        for i, begin in enumerate(begins[:-1]):
+            label = int(given.GetTuple1(i)) if given else ids[0]
+            if begins[i + 1] - begin == size and (size == 4 or label != 0):
+                theirs[tuple(sorted(corners[begin : begins[i + 1]].tolist())), label] += 1
+        mine = collections.Counter()
+        for c, r in cells:
+            inner = [v for v in c if v != outside]
+            if len(inner) == size and (size == 4 or r != 0):
+                mine[tuple(sorted(origins[inner].tolist())), ids[r]] += 1
+        expect(mine == theirs, f"{what} are others")
 
 
 def main():
@@ -826,7 +845,7 @@ def main():
     inner = [(c, r) for c, r in cells if file.m["B"] + file.m["N"] not in c]
     expect(len(inner) == file.m["n_reference"], f"got {len(inner)} cells")
     if len(sys.argv) > 2:
-        compare(file, inner, sys.argv[2])
+        compare(file, cells, sys.argv[2])
     print(f"vertices {len(file.positions)} cells {len(inner)} nodes {file.m['N']}")
 
 

@@ -455,6 +455,53 @@ void rewrite(const std::string& from, const std::string& to, Random& random) {
   ASSERT_TRUE(writer->finish());
 }
 
+/// Of the noise: a patch of half the floor, and one of what is beside.
+TetraMesh with_patches(TetraMesh mesh) {
+  mesh.patches = {{-2, "inlet"}, {5, ""}};
+  std::vector<Tetrahedron> closed = mesh.tetrahedra;
+  const auto n = static_cast<std::uint32_t>(mesh.positions.size());
+  EXPECT_TRUE(close_boundary(n, closed, {1}));
+  for (std::size_t i = mesh.tetrahedra.size(); i < closed.size(); ++i) {
+    const auto at = std::ranges::find(closed[i], n) - closed[i].begin();
+    const auto face = others(closed[i], static_cast<std::size_t>(at));
+    const auto is_low = [&](std::size_t axis, double limit) {
+      return std::ranges::all_of(face,
+                                 [&](std::uint32_t v) { return mesh.positions[v][axis] <= limit; });
+    };
+    if (is_low(2, 0)) mesh.patch_faces.push_back({face, is_low(0, 0.5) ? 0U : 1U});
+  }
+  return mesh;
+}
+
+TEST_F(tetra_file, with_patches_that_lies_does_no_harm) {
+  const Hierarchy hierarchy = hierarchy_of(with_patches(noise()), 300);
+  Progress progress;
+  ASSERT_TRUE(save(hierarchy, mesh_.tetrahedra.size(), codes_of(hierarchy), path_, {2}, progress));
+  const auto whole = open(path_);
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_EQ(whole->hierarchy.head().patches, hierarchy.patches);
+  EXPECT_EQ(whole->hierarchy.head().base_regions, hierarchy.base_regions);
+  Random random(8);
+  const std::string lying = path_ + ".lying.lode";
+  for (int trial = 0; trial < 100; ++trial) {
+    rewrite(path_, lying, random);
+    const auto opened = open(lying);
+    if (!opened) continue;
+    TetraCut cut(opened->hierarchy);
+    Engine<TetraCut> engine(cut);
+    engine.set_query(uniform_demand(0.05));
+    engine.run([&] { return cut.is_damaged(); });
+    const HierarchyHead& head = opened->hierarchy.head();
+    for (const TetraCut::Cell& cell : cut.slots()) {
+      if (cell.corners[0] == kNone) continue;
+      if (cut.is_inside(cell))
+        EXPECT_LT(cell.region, std::max<std::size_t>(head.region_ids.size(), 1));
+      else
+        EXPECT_LE(cell.region, head.patches.size());
+    }
+  }
+}
+
 TEST_F(tetra_file, that_lies_is_refused_or_gives_something_but_does_no_harm) {
   Random random(6);
   const std::string lying = path_ + ".lying.lode";

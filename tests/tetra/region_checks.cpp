@@ -88,7 +88,7 @@ double area_of(const TetraMesh& mesh, const Simplex& face) {
 }  // namespace
 
 Regions describe_regions(const TetraMesh& mesh, const Tetrahedra& tetrahedra,
-                         std::span<const std::uint32_t> regions) {
+                         std::span<const std::uint32_t> regions, const PatchMarks& patches) {
   Regions result;
   std::map<std::uint32_t, std::set<Simplex>> solids;
   std::map<Simplex, std::vector<std::uint32_t>> sides;
@@ -101,8 +101,13 @@ Regions describe_regions(const TetraMesh& mesh, const Tetrahedra& tetrahedra,
   }
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::set<Simplex>> sheets;
   std::set<Simplex> all;
+  std::map<Simplex, std::set<std::uint32_t>> outlines;  // by edge of the boundary: beside what
   for (auto& [face, of] : sides) {
-    if (of.size() == 1) of.push_back(Regions::kOutside);
+    if (of.size() == 1) {
+      const auto patch = patches.find(face);
+      of.push_back(Regions::kOutside - (patch == patches.end() ? 0 : patch->second));
+      for (Simplex& side : sides_of(face)) outlines[std::move(side)].insert(of[1]);
+    }
     if (of[0] == of[1]) continue;
     const std::pair key = std::minmax(of[0], of[1]);
     sheets[key].insert(face);
@@ -112,7 +117,9 @@ Regions describe_regions(const TetraMesh& mesh, const Tetrahedra& tetrahedra,
   for (const auto& [region, solid] : solids) result.solids[region] = describe(solid);
   for (const auto& [key, sheet] : sheets) result.sheets[key] = describe(sheet);
   result.all_sheets = describe(all);
-  const std::vector<Simplex> curves = ends_of(all);
+  std::vector<Simplex> curves = ends_of(all);
+  for (const auto& [edge, beside] : outlines)
+    if (beside.size() > 1) curves.push_back(edge);
   result.curves = describe({curves.begin(), curves.end()});
   return result;
 }

@@ -22,8 +22,9 @@ struct Topology {
   friend bool operator==(const Topology&, const Topology&) = default;
 };
 
-/// All that regions are told apart by: what each is, what lies between each two (kOutside is one),
-/// all faces between regions together, and the curves in which these meet.
+/// All that regions are told apart by: what each is, what lies between each two (kOutside is one,
+/// and less by as much each patch of the boundary is its own), all faces between regions together,
+/// and the curves in which these, or patches, meet.
 struct Regions {
   static constexpr std::uint32_t kOutside = 0xFFFFFFFFU;
 
@@ -35,9 +36,13 @@ struct Regions {
   Topology curves;
 };
 
-/// By brute force, of tetrahedra with a region each.
+/// By corners, ascending: one more than a patch's place. Of other faces 0.
+using PatchMarks = std::map<std::vector<std::uint32_t>, std::uint32_t>;
+
+/// By brute force, of tetrahedra with a region each, and the patches of their boundary.
 [[nodiscard]] Regions describe_regions(const TetraMesh& mesh, const Tetrahedra& tetrahedra,
-                                       std::span<const std::uint32_t> regions);
+                                       std::span<const std::uint32_t> regions,
+                                       const PatchMarks& patches = {});
 
 /// The same regions, topologically, of volumes and areas that differ by no more than a share.
 void expect_same_regions(const Regions& a, const Regions& b, double share);

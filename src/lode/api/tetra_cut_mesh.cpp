@@ -11,6 +11,7 @@
 namespace lode {
 namespace {
 
+using tetra_mt::FaceKey;
 using tetra_mt::HierarchyHead;
 using tetra_mt::kNone;
 using tetra_mt::PackedHierarchy;
@@ -72,6 +73,47 @@ std::vector<std::uint32_t> sorted_cells(const TetraCut& cut, std::span<const std
   return slots;
 }
 
+/// Of the last cell, which is that of a slot: its faces on the boundary that are of a patch.
+void add_patch_sides(const TetraCut& cut, std::uint32_t slot, SimplexMesh& mesh) {
+  const TetraCut::Cell& cell = cut.slots()[slot];
+  for (std::uint32_t corner = 0; corner < 4; ++corner) {
+    const std::uint32_t across = cell.across[corner];
+    if (across == kNone || cut.is_inside(cut.slots()[across])) continue;
+    const std::uint32_t mark = cut.slots()[across].region;
+    if (mark > 0)
+      mesh.patch_sides.push_back(
+          {static_cast<std::uint32_t>(mesh.tetrahedra.size() - 1), corner, mark - 1});
+  }
+}
+
+using MarkedFaces = std::vector<std::pair<FaceKey, std::uint32_t>>;
+
+/// patch_mark()s of the faces on the boundary, ascending.
+MarkedFaces marked_faces(const tetra_mt::midpoint::MidpointCut& cut) {
+  const std::uint32_t outside = cut.hierarchy().outside();
+  MarkedFaces faces;
+  for (const auto& cell : cut.slots()) {
+    const auto at = std::ranges::find(cell.corners, outside) - cell.corners.begin();
+    if (cell.corners[0] == kNone || at == 4 || cell.region == 0) continue;
+    const auto face = tetra_mt::others(cell.corners, static_cast<std::size_t>(at));
+    faces.emplace_back(tetra_mt::face_key(face[0], face[1], face[2]), cell.region);
+  }
+  std::ranges::sort(faces);
+  return faces;
+}
+
+/// Of the last cell, whose corners are still labels.
+void add_patch_sides(const MarkedFaces& faces, SimplexMesh& mesh) {
+  for (std::uint32_t corner = 0; corner < 4; ++corner) {
+    const auto [a, b, c] = face_across(mesh.tetrahedra.back(), corner);
+    const FaceKey key = tetra_mt::face_key(a, b, c);
+    const auto at = std::ranges::lower_bound(faces, key, {}, &MarkedFaces::value_type::first);
+    if (at != faces.end() && at->first == key)
+      mesh.patch_sides.push_back(
+          {static_cast<std::uint32_t>(mesh.tetrahedra.size() - 1), corner, at->second - 1});
+  }
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const TetraFieldUse& fields,
@@ -81,6 +123,7 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
   std::vector<std::uint32_t> numbers(hierarchy.head().n_vertices(), kNone);
   for (std::uint32_t i = 0; i < vertex_ids.size(); ++i) numbers[vertex_ids[i]] = i;
   const std::vector<HierarchyHead::Field>& heads = hierarchy.head().fields;
+  mesh.patches = hierarchy.head().patches;
   for (const std::size_t field : fields.along)
     mesh.attributes.push_back({heads[field].name, heads[field].has_narrow_values, {}});
   const auto error_of = [&](const TetraCut::Cell& cell, std::size_t field) {
@@ -93,8 +136,9 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
     mesh.errors.push_back(error_of(cell, fields.measured));
     for (std::size_t i = 0; i < fields.along.size(); ++i)
       mesh.attributes[i].errors.push_back(error_of(cell, fields.along[i]));
-    if (hierarchy.head().shape.n_regions > 1)
+    if (hierarchy.head().region_ids.size() > 1)
       mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
+    if (!mesh.patches.empty()) add_patch_sides(cut, slot, mesh);
   }
   for (const std::uint32_t v : vertex_ids) {
     mesh.positions.push_back(hierarchy.position(v));
@@ -115,6 +159,8 @@ std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
                                      SimplexMesh& mesh) {
   const tetra_mt::midpoint::Hierarchy& hierarchy = cut.hierarchy();
   mesh = {};
+  mesh.patches = hierarchy.patches;
+  const MarkedFaces faces = marked_faces(cut);
   std::vector<std::uint32_t> slots;
   for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot)
     if (cut.is_inside(cut.slots()[slot])) slots.push_back(slot);
@@ -130,6 +176,7 @@ std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
     mesh.tetrahedra.push_back(cell.corners);
     mesh.errors.push_back(maker == kNone ? 0 : cut.facts(NodeId{maker}).error);
     if (hierarchy.region_ids.size() > 1) mesh.regions.push_back(hierarchy.region_ids[cell.region]);
+    if (!faces.empty()) add_patch_sides(faces, mesh);
     for (const std::uint32_t v : cell.corners) numbers[v] = 0;
   }
   std::vector<std::uint32_t> labels;

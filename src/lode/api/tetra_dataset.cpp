@@ -300,9 +300,10 @@ Result<TetraSurfaceReport> TetraDataset::extract_boundary(const TetraMeshOptions
                                                           Surface& surface,
                                                           Progress& progress) const try {
   const Stopwatch watch;
+  LODE_TRY(const auto patches, find_patches(impl_->info, options.patches));
   LODE_TRY(TetraCutMesh cut, impl_->make_mesh(query_of(options), options, progress));
   apply_threshold(options, cut);
-  TetraSurfaceReport report = make_boundary(cut, options.threads, surface);
+  TetraSurfaceReport report = make_boundary(cut, patches, options.threads, surface);
   report.seconds = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {

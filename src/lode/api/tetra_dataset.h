@@ -80,6 +80,7 @@ struct TetraInfo {
   Box3d bounds{};                        ///< Of all vertices.
   double boundary_deviation = 0;         ///< Of cuts' boundaries; the mesh's unit.
   std::vector<std::int64_t> regions{};   ///< As the file numbers them, ascending.
+  std::vector<BoundaryPatch> patches{};  ///< Parts of the boundary, likewise.
 };
 
 /// What has been read of a file since it was opened; nothing in memory.

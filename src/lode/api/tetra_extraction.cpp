@@ -128,9 +128,10 @@ TetraSurfaceReport make_sections(const TetraCutMesh& cut, const TetraSectionOpti
   return report;
 }
 
-TetraSurfaceReport make_boundary(const TetraCutMesh& cut, Threads threads, Surface& surface) {
+TetraSurfaceReport make_boundary(const TetraCutMesh& cut, std::span<const std::uint32_t> patches,
+                                 Threads threads, Surface& surface) {
   TetraSurfaceReport report = begin(cut, surface);
-  surface = mesh_boundary(cut.mesh, cut.origin, threads);
+  surface = mesh_boundary(cut.mesh, cut.origin, threads, patches);
   report.achieved_error = largest_of(surface.errors);
   count(surface, report);
   return report;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "lode/api/mesh_extraction.h"
@@ -28,6 +29,8 @@ struct TetraMeshOptions {
   /// Only cells of the cut whose values lie in it everywhere, that is at all corners.
   std::optional<Range> threshold{};
   std::vector<std::int64_t> regions{};  ///< Only their cells; empty: all.
+  /// Of boundaries: only the faces of patches of these names or numbers; empty: all.
+  std::vector<std::string> patches{};
   Threads threads{};
   TetraFieldUse fields{};
 };
@@ -94,7 +97,9 @@ void apply_threshold(const TetraMeshOptions& options, TetraCutMesh& cut);
 [[nodiscard]] TetraSurfaceReport make_sections(const TetraCutMesh& cut,
                                                const TetraSectionOptions& options,
                                                Surface& surface);
-[[nodiscard]] TetraSurfaceReport make_boundary(const TetraCutMesh& cut, Threads threads,
-                                               Surface& surface);
+/// `patches`: places; empty: all faces.
+[[nodiscard]] TetraSurfaceReport make_boundary(const TetraCutMesh& cut,
+                                               std::span<const std::uint32_t> patches,
+                                               Threads threads, Surface& surface);
 
 }  // namespace lode

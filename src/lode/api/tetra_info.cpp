@@ -17,7 +17,8 @@ TetraInfo info_of(const tetra_mt::midpoint::Hierarchy& hierarchy) {
                       ErrorPlace::at_samples, hierarchy.base_error, std::nullopt}},
           .bounds = hierarchy.box,
           .boundary_deviation = hierarchy.boundary_deviation,
-          .regions = hierarchy.region_ids};
+          .regions = hierarchy.region_ids,
+          .patches = hierarchy.patches};
 }
 
 std::vector<std::uint32_t> gradient_codes(const TetraMesh& mesh, std::size_t field,
@@ -48,7 +49,8 @@ TetraInfo info_of(const tetra_mt::HierarchyHead& head) {
           .fields = std::move(fields),
           .bounds = {head.lower, head.upper},
           .boundary_deviation = head.boundary_deviation,
-          .regions = head.region_ids};
+          .regions = head.region_ids,
+          .patches = head.patches};
 }
 
 }  // namespace lode

@@ -108,7 +108,7 @@ void fill_cells(const PackedHierarchy& hierarchy, std::size_t field, const Tetra
     const bool is_exact = cell.maker == kNone;
     cells.is_exact.push_back(is_exact ? 1 : 0);
     mesh.errors.push_back(is_exact ? 0 : hierarchy.facts(cell.maker, field).error);
-    if (hierarchy.head().shape.n_regions > 1)
+    if (hierarchy.head().region_ids.size() > 1)
       mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
     vertices.insert(vertices.end(), cell.corners.begin(), cell.corners.end());
   }

@@ -43,6 +43,25 @@ Result<Query> complete_query(const TetraFieldInfo& field, Query query,
   return query;
 }
 
+Result<std::vector<std::uint32_t>> find_patches(const TetraInfo& info,
+                                                std::span<const std::string> wanted) {
+  std::vector<std::uint32_t> places;
+  for (const std::string& text : wanted) {
+    const auto is_wanted = [&](const BoundaryPatch& patch) {
+      return patch.name == text || std::to_string(patch.id) == text;
+    };
+    const std::size_t before = places.size();
+    for (std::uint32_t i = 0; i < info.patches.size(); ++i)
+      if (is_wanted(info.patches[i])) places.push_back(i);
+    if (places.size() > before) continue;
+    std::vector<std::string> names;
+    for (const BoundaryPatch& patch : info.patches) names.push_back(name_of(patch));
+    return fail("patches: expected one of {}, got {}",
+                names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), text);
+  }
+  return places;
+}
+
 Result<void> check_regions(const TetraInfo& info, std::span<const std::int64_t> regions) {
   for (const std::int64_t region : regions)
     if (std::ranges::find(info.regions, region) == info.regions.end())

@@ -14,6 +14,10 @@ namespace lode {
 /// With the tolerance that is meant where none is given. Fails on what cannot be asked.
 [[nodiscard]] Result<Query> complete_query(const TetraFieldInfo& field, Query query,
                                            const std::optional<double>& deadline_s);
+/// Places of patches by their names or numbers.
+[[nodiscard]] Result<std::vector<std::uint32_t>> find_patches(const TetraInfo& info,
+                                                              std::span<const std::string> wanted);
+
 [[nodiscard]] Result<void> check_regions(const TetraInfo& info,
                                          std::span<const std::int64_t> regions);
 [[nodiscard]] Result<void> check_fields(const TetraInfo& info, const TetraFieldUse& use);

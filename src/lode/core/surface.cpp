@@ -13,7 +13,7 @@ std::uint64_t Surface::n_bytes() const {
   for (const Attribute& attribute : attributes) n += capacity_bytes(attribute.values);
   return n + capacity_bytes(positions) + capacity_bytes(normals) + capacity_bytes(isovalues) +
          capacity_bytes(values) + capacity_bytes(origins) + capacity_bytes(errors) +
-         capacity_bytes(triangles) + capacity_bytes(lines);
+         capacity_bytes(patch_marks) + capacity_bytes(triangles) + capacity_bytes(lines);
 }
 
 void Surface::clear() {
@@ -25,6 +25,8 @@ void Surface::clear() {
   attributes.clear();
   origins.clear();
   errors.clear();
+  patches.clear();
+  patch_marks.clear();
   triangles.clear();
   lines.clear();
 }

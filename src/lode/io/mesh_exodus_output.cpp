@@ -3,9 +3,11 @@
 #include "lode/io/mesh_exodus_output.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "lode/io/mesh_blocks.h"
+#include "lode/io/mesh_patches.h"
 #include "lode/io/netcdf_output.h"
 #include "lode/io/vtk_xml_output.h"
 
@@ -18,11 +20,13 @@ constexpr std::size_t kLineBytes = 81;
 /// An Exodus file's content being put together. What it fills rows from must outlive it.
 class ExodusContent {
  public:
-  ExodusContent(const SimplexMesh& mesh, const MeshBlocks& blocks) : mesh_(mesh), blocks_(blocks) {}
+  ExodusContent(const SimplexMesh& mesh, const MeshBlocks& blocks, const PatchBlocks& patches)
+      : mesh_(mesh), blocks_(blocks), patches_(patches) {}
 
   void add_head(const MeshWriteOptions& options);
   void add_points();
   void add_blocks();
+  void add_side_sets();
   void add_fields(const MeshWriteOptions& options);
   [[nodiscard]] const NetcdfContent& content() const { return content_; }
 
@@ -45,6 +49,7 @@ class ExodusContent {
 
   const SimplexMesh& mesh_;
   const MeshBlocks& blocks_;
+  const PatchBlocks& patches_;
   NetcdfContent content_;
   std::uint32_t name_ = 0;
   std::uint32_t line_ = 0;
@@ -150,6 +155,46 @@ void ExodusContent::add_blocks() {
   }
 }
 
+/// A patch is one: elements by their numbers, and which of their sides.
+void ExodusContent::add_side_sets() {
+  const std::span<const PatchBlock> sets = patches_.blocks();
+  if (sets.empty()) return;
+  std::vector<std::int32_t> numbers(mesh_.n_cells());
+  for (std::size_t i = 0; i < blocks_.cells().size(); ++i)
+    numbers[blocks_.cells()[i]] = static_cast<std::int32_t>(i + 1);
+  const std::uint32_t n_sets = dimension("num_side_sets", sets.size());
+  std::vector<std::string> names;
+  for (const PatchBlock& set : sets) names.push_back(set.name);
+  const auto add = [&](std::string name, std::uint32_t length, std::size_t n, auto number_of) {
+    return &variable({.name = std::move(name),
+                      .type = NetcdfType::int32,
+                      .dimensions = {length},
+                      .n_rows = n,
+                      .fill = [number_of](std::size_t i, std::byte* out) {
+                        put_big(out, std::int32_t{number_of(i)});
+                      }});
+  };
+  add("ss_status", n_sets, sets.size(), [](std::size_t) { return 1; });
+  add("ss_prop1", n_sets, sets.size(), [sets](std::size_t i) {
+    return sets[i].tag;
+  })->attributes = {{"name", "ID"}};
+  add_texts("ss_names", n_sets, name_, std::move(names));
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    const std::span<const std::uint32_t> sides = sets[s].sides;
+    const std::uint32_t length = dimension(fmt::format("num_side_ss{}", s + 1), sides.size());
+    std::vector<std::int32_t> elements;
+    for (const std::uint32_t side : sides)
+      elements.push_back(numbers[mesh_.patch_sides[side].cell]);
+    add(fmt::format("elem_ss{}", s + 1), length, sides.size(),
+        [elements = std::move(elements)](std::size_t i) { return elements[i]; });
+    add(fmt::format("side_ss{}", s + 1), length, sides.size(), [this, sides](std::size_t i) {
+      // Sides of TETRA have the nodes 1 2 4, 2 3 4, 1 4 3 and 1 3 2.
+      constexpr std::array<std::int32_t, 4> kSideAcross{2, 3, 1, 4};
+      return kSideAcross[mesh_.patch_sides[sides[i]].corner];
+    });
+  }
+}
+
 template <typename ValueOf>
 void ExodusContent::add_element_values(std::size_t number, const ValueOf& value_of) {
   for (std::size_t b = 0; b < elements_.size(); ++b) {
@@ -219,10 +264,12 @@ Result<void> write_exodus_mesh(const std::string& path, const SimplexMesh& mesh,
     return fail("{}: expected a mesh that Exodus can number in 32 bits, got {} cells; .vtu can",
                 path, mesh.n_cells());
   const MeshBlocks blocks(mesh);
-  ExodusContent content(mesh, blocks);
+  const PatchBlocks patches(mesh);
+  ExodusContent content(mesh, blocks, patches);
   content.add_head(options);
   content.add_points();
   content.add_blocks();
+  content.add_side_sets();
   content.add_fields(options);
   LODE_TRY(SurfaceOutput file,
            SurfaceOutput::create(path, netcdf_data_bytes(content.content()), progress));

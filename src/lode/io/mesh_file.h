@@ -18,7 +18,9 @@ struct MeshWriteOptions {
 /// Writes a mesh in the format that the extension of `path` names (any case), whole or not at all:
 /// VTK XML (.vtu), legacy VTK (.vtk), Gmsh 4.1 (.msh) or Exodus II (.e, .exo, .ex2), all binary.
 /// Points are doubles. The field is per point, "error", its bound, per cell in the field's unit,
-/// further fields likewise with "error_NAME", and regions are "RegionId" per cell. Reports the
+/// further fields likewise with "error_NAME", and regions are "RegionId" per cell. Faces of patches
+/// are triangles behind the cells, with "PatchId", in VTK's formats, physical groups in Gmsh's and
+/// side sets in Exodus II. Reports the
 /// phase "writing"; cancelled until the file is in place, it leaves none. Fails also on what a
 /// format has no numbers for, and says so.
 [[nodiscard]] Result<void> write_mesh(const std::string& path, const SimplexMesh& mesh,

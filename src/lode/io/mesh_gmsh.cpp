@@ -13,6 +13,7 @@ constexpr const char* kRegionField = "RegionId";
 
 Result<void> read_section(const std::string& name, GmshInput& input) {
   if (name == "$MeshFormat") return read_gmsh_format(input);
+  if (name == "$PhysicalNames") return read_gmsh_names(input);
   if (name == "$Entities" && input.has_blocks) return read_gmsh_entities(input);
   if (name == "$Nodes") return read_gmsh_nodes(input);
   if (name == "$Elements") return read_gmsh_elements(input);

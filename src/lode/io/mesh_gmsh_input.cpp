@@ -92,13 +92,16 @@ struct GmshDataHead {
   std::int64_t n = 0;
 };
 
+std::string without_quotes(std::string_view line) {
+  const bool is_quoted = line.size() >= 2 && line.front() == '"' && line.back() == '"';
+  return std::string(is_quoted ? line.substr(1, line.size() - 2) : line);
+}
+
 Result<GmshDataHead> read_data_head(MeshText& text) {
   GmshDataHead head;
   LODE_TRY(const std::int64_t n_strings, text.whole("a number of names"));
   for (std::int64_t i = 0; i < n_strings && text.n_left() > 0; ++i) {
-    std::string_view line = text.line();
-    if (line.size() >= 2 && line.front() == '"' && line.back() == '"')
-      line = line.substr(1, line.size() - 2);
+    const std::string line = without_quotes(text.line());
     if (i == 0) head.name = line;
   }
   LODE_TRY(const std::int64_t n_reals, text.whole("a number of real tags"));
@@ -167,6 +170,18 @@ Result<void> read_gmsh_format(GmshInput& input) {
     return fail("{}: expected 1 in the file's byte order, got {}", path, one);
   input.is_binary = true;
   input.order = one == 1 ? ByteOrder::little : ByteOrder::big;
+  return {};
+}
+
+Result<void> read_gmsh_names(GmshInput& input) {
+  MeshText& text = input.text;
+  LODE_TRY(const std::int64_t n, text.whole("a number of names"));
+  for (std::int64_t i = 0; i < n && text.n_left() > 0; ++i) {
+    LODE_TRY(const std::int64_t dimension, text.whole("a group's dimension"));
+    LODE_TRY(const std::int64_t group, text.whole("a group's number"));
+    const std::string name = without_quotes(text.line());
+    if (dimension == 2) input.mesh.patch_names.push_back({group, name});
+  }
   return {};
 }
 

@@ -39,6 +39,9 @@ struct GmshInput {
 /// $MeshFormat. Fails on versions other than 2.x and 4.1.
 [[nodiscard]] Result<void> read_gmsh_format(GmshInput& input);
 
+/// $PhysicalNames: of groups of two dimensions.
+[[nodiscard]] Result<void> read_gmsh_names(GmshInput& input);
+
 /// $Entities, of version 4.
 [[nodiscard]] Result<void> read_gmsh_entities(GmshInput& input);
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "lode/core/box.h"
 #include "lode/io/mesh_blocks.h"
+#include "lode/io/mesh_patches.h"
 #include "lode/io/surface_output.h"
 #include "lode/io/vtk_xml_output.h"
 
@@ -16,6 +18,7 @@ struct GmshOutput {
   SurfaceOutput file;
   const SimplexMesh& mesh;
   const MeshBlocks& blocks;
+  const PatchBlocks& patches;
 
   [[nodiscard]] bool is_solid() const { return n_simplex_corners(mesh) == 4; }
   [[nodiscard]] std::int32_t dimension() const { return is_solid() ? 3 : 2; }
@@ -34,19 +37,30 @@ Result<void> write_gmsh_head(const MeshWriteOptions& options, GmshOutput& out) {
   std::replace(comment.begin(), comment.end(), '$', '_');
   LODE_CHECK(out.text(
       fmt::format("$Comments\n{}; frame {}\n$EndComments\n", comment, name_of(options.frame))));
-  if (out.mesh.regions.empty()) return {};
-  LODE_CHECK(out.text(fmt::format("$PhysicalNames\n{}\n", out.blocks.blocks().size())));
-  for (const MeshBlock& block : out.blocks.blocks())
+  const std::span<const MeshBlock> regions =
+      out.mesh.regions.empty() ? std::span<const MeshBlock>() : out.blocks.blocks();
+  const std::size_t n_names = out.patches.blocks().size() + regions.size();
+  if (n_names == 0) return {};
+  LODE_CHECK(out.text(fmt::format("$PhysicalNames\n{}\n", n_names)));
+  for (const PatchBlock& patch : out.patches.blocks()) {
+    std::string name = patch.name;
+    std::replace(name.begin(), name.end(), '"', '_');
+    std::replace(name.begin(), name.end(), '$', '_');
+    LODE_CHECK(out.text(fmt::format("2 {} \"{}\"\n", patch.tag, name)));
+  }
+  for (const MeshBlock& block : regions)
     LODE_CHECK(out.text(fmt::format("{} {} \"{}\"\n", out.dimension(), block.tag, block.name)));
   return out.text("$EndPhysicalNames\n");
 }
 
-/// Round the cells of a block, which has some.
-Box3d bounds_of(const SimplexMesh& mesh, const MeshBlock& block) {
-  const Vec3d& first = mesh.positions[simplex_corners(mesh, block.cells.front()).front()];
+/// Round what `corners_of(item)` gives of the items of a block, which has some.
+template <typename CornersOf>
+Box3d bounds_of(const SimplexMesh& mesh, std::span<const std::uint32_t> items,
+                const CornersOf& corners_of) {
+  const Vec3d& first = mesh.positions[corners_of(items.front())[0]];
   Box3d box{first, first};
-  for (const std::uint32_t cell : block.cells)
-    for (const std::uint32_t v : simplex_corners(mesh, cell))
+  for (const std::uint32_t item : items)
+    for (const std::uint32_t v : corners_of(item))
       for (std::size_t axis = 0; axis < 3; ++axis) {
         box.lower[axis] = std::min(box.lower[axis], mesh.positions[v][axis]);
         box.upper[axis] = std::max(box.upper[axis], mesh.positions[v][axis]);
@@ -54,23 +68,40 @@ Box3d bounds_of(const SimplexMesh& mesh, const MeshBlock& block) {
   return box;
 }
 
-/// One for each block, numbered from 1, of no known boundary.
+/// Of no known boundary.
+Result<void> write_gmsh_entity(std::int32_t entity, const Box3d& box,
+                               std::optional<std::int32_t> group, GmshOutput& out) {
+  LODE_CHECK(out.number(entity));
+  LODE_CHECK(out.number(box.lower));
+  LODE_CHECK(out.number(box.upper));
+  LODE_CHECK(out.number(std::uint64_t{group ? 1U : 0U}));
+  if (group) LODE_CHECK(out.number(*group));
+  return out.number(std::uint64_t{0});
+}
+
+/// One for each block and patch; of either dimension numbered from 1.
 Result<void> write_gmsh_entities(GmshOutput& out) {
   LODE_CHECK(out.text("$Entities\n"));
   const std::uint64_t n = out.blocks.blocks().size();
+  const std::uint64_t n_patches = out.patches.blocks().size();
   for (const std::uint64_t count :
-       {std::uint64_t{0}, std::uint64_t{0}, out.is_solid() ? 0 : n, out.is_solid() ? n : 0})
+       {std::uint64_t{0}, std::uint64_t{0}, out.is_solid() ? n_patches : n, out.is_solid() ? n : 0})
     LODE_CHECK(out.number(count));
   std::int32_t entity = 0;
+  for (const PatchBlock& patch : out.patches.blocks()) {
+    const auto corners_of = [&](std::uint32_t side) {
+      return out.mesh.corners_of(out.mesh.patch_sides[side]);
+    };
+    LODE_CHECK(
+        write_gmsh_entity(++entity, bounds_of(out.mesh, patch.sides, corners_of), patch.tag, out));
+  }
+  entity = 0;
   for (const MeshBlock& block : out.blocks.blocks()) {
-    LODE_CHECK(out.number(++entity));
-    const Box3d box = bounds_of(out.mesh, block);
-    LODE_CHECK(out.number(box.lower));
-    LODE_CHECK(out.number(box.upper));
-    const bool has_group = !out.mesh.regions.empty();
-    LODE_CHECK(out.number(std::uint64_t{has_group ? 1U : 0U}));
-    if (has_group) LODE_CHECK(out.number(block.tag));
-    LODE_CHECK(out.number(std::uint64_t{0}));
+    const auto corners_of = [&](std::uint32_t cell) { return simplex_corners(out.mesh, cell); };
+    std::optional<std::int32_t> group;
+    if (!out.mesh.regions.empty()) group = block.tag;
+    LODE_CHECK(
+        write_gmsh_entity(++entity, bounds_of(out.mesh, block.cells, corners_of), group, out));
   }
   return out.text("\n$EndEntities\n");
 }
@@ -97,12 +128,32 @@ Result<void> write_gmsh_nodes(GmshOutput& out) {
   return out.text("\n$EndNodes\n");
 }
 
+constexpr std::int32_t kTriangle = 2;
+constexpr std::int32_t kTetrahedron = 4;
+
+/// Behind all cells, whose tags are by place.
+Result<void> write_gmsh_patches(GmshOutput& out) {
+  std::int32_t entity = 0;
+  std::uint64_t n_before = out.mesh.n_cells();
+  for (const PatchBlock& patch : out.patches.blocks()) {
+    for (const std::int32_t number : {2, ++entity, kTriangle}) LODE_CHECK(out.number(number));
+    LODE_CHECK(out.number(std::uint64_t{patch.sides.size()}));
+    LODE_CHECK(write_records(
+        out.file, patch.sides.size(), 4 * sizeof(std::uint64_t), [&](std::size_t i, std::byte* to) {
+          put(to, n_before + i + 1);
+          for (const std::uint32_t v : out.mesh.corners_of(out.mesh.patch_sides[patch.sides[i]]))
+            put(to, std::uint64_t{v} + 1);
+        }));
+    n_before += patch.sides.size();
+  }
+  return {};
+}
+
 Result<void> write_gmsh_elements(GmshOutput& out) {
-  constexpr std::int32_t kTriangle = 2;
-  constexpr std::int32_t kTetrahedron = 4;
   const std::size_t n_corners = n_simplex_corners(out.mesh);
   LODE_CHECK(out.text("$Elements\n"));
-  LODE_CHECK(write_gmsh_counts(out.blocks.blocks().size(), out.mesh.n_cells(), out));
+  LODE_CHECK(write_gmsh_counts(out.blocks.blocks().size() + out.patches.blocks().size(),
+                               out.mesh.n_cells() + out.patches.n_faces(), out));
   std::int32_t entity = 0;
   std::uint64_t n_before = 0;
   for (const MeshBlock& block : out.blocks.blocks()) {
@@ -119,6 +170,7 @@ Result<void> write_gmsh_elements(GmshOutput& out) {
                              }));
     n_before += block.cells.size();
   }
+  LODE_CHECK(write_gmsh_patches(out));
   return out.text("\n$EndElements\n");
 }
 
@@ -164,17 +216,18 @@ Result<void> write_gmsh_fields(const MeshWriteOptions& options, GmshOutput& out)
 Result<void> write_gmsh_mesh(const std::string& path, const SimplexMesh& mesh,
                              const MeshWriteOptions& options, Progress& progress) {
   constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
-  if (mesh.positions.size() > kMax || mesh.n_cells() > kMax)
+  if (mesh.positions.size() > kMax || mesh.n_cells() + mesh.patch_sides.size() > kMax)
     return fail("{}: expected a mesh that Gmsh can number in 32 bits, got {} cells; .vtu can", path,
                 mesh.n_cells());
   const MeshBlocks blocks(mesh);
+  const PatchBlocks patches(mesh);
   const std::size_t n_bytes =
       mesh.positions.size() *
           (sizeof(Vec3d) + sizeof(std::uint64_t) + (mesh.attributes.size() + 1) * sizeof(double)) +
       mesh.n_cells() * (n_simplex_corners(mesh) + 2 + mesh.attributes.size()) *
           sizeof(std::uint64_t);
   LODE_TRY(SurfaceOutput file, SurfaceOutput::create(path, n_bytes, progress));
-  GmshOutput out{std::move(file), mesh, blocks};
+  GmshOutput out{std::move(file), mesh, blocks, patches};
   LODE_CHECK(write_gmsh_head(options, out));
   LODE_CHECK(write_gmsh_entities(out));
   LODE_CHECK(write_gmsh_nodes(out));

@@ -1,5 +1,6 @@
 # Reading and writing unstructured meshes, and making tetrahedra of them; included by CMakeLists.txt beside it.
 set(IO_MESH_SOURCES
+  boundary_patches.cpp
   cell_types.cpp
   grid_pieces.cpp
   mesh_blocks.cpp
@@ -13,6 +14,7 @@ set(IO_MESH_SOURCES
   mesh_gmsh_output.cpp
   mesh_medit.cpp
   mesh_numbers.cpp
+  mesh_patches.cpp
   mesh_pieces.cpp
   mesh_reader.cpp
   mesh_text.cpp

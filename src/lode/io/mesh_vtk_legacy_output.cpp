@@ -38,38 +38,58 @@ std::string legacy_head(const MeshWriteOptions& options, std::size_t n_points) {
 Result<void> write_legacy_cells(SurfaceOutput& file, const SimplexMesh& mesh) {
   const std::size_t n_corners = n_simplex_corners(mesh);
   const std::size_t n = mesh.n_cells();
-  LODE_CHECK(file.write(fmt::format("\nCELLS {} {}\n", n, n * (n_corners + 1))));
+  const std::size_t n_sides = mesh.patch_sides.size();
+  LODE_CHECK(
+      file.write(fmt::format("\nCELLS {} {}\n", n + n_sides, n * (n_corners + 1) + n_sides * 4)));
   LODE_CHECK(write_records(file, n, (n_corners + 1) * sizeof(std::int32_t),
                            [&](std::size_t cell, std::byte* out) {
                              put_big(out, static_cast<std::int32_t>(n_corners));
                              for (const std::uint32_t v : simplex_corners(mesh, cell))
                                put_big(out, v);
                            }));
-  LODE_CHECK(file.write(fmt::format("\nCELL_TYPES {}\n", n)));
-  return write_records(file, n, sizeof(std::int32_t), [&](std::size_t, std::byte* out) {
-    put_big(out, n_corners == 4 ? kLegacyTetrahedron : kLegacyTriangle);
+  LODE_CHECK(
+      write_records(file, n_sides, 4 * sizeof(std::int32_t), [&](std::size_t i, std::byte* out) {
+        put_big(out, std::int32_t{3});
+        for (const std::uint32_t v : mesh.corners_of(mesh.patch_sides[i])) put_big(out, v);
+      }));
+  LODE_CHECK(file.write(fmt::format("\nCELL_TYPES {}\n", n + n_sides)));
+  return write_records(file, n + n_sides, sizeof(std::int32_t), [&](std::size_t i, std::byte* out) {
+    put_big(out, n_corners == 4 && i < n ? kLegacyTetrahedron : kLegacyTriangle);
   });
 }
 
 Result<void> write_legacy_cell_data(SurfaceOutput& file, const SimplexMesh& mesh) {
-  const std::size_t n = mesh.n_cells();
-  std::size_t n_arrays = mesh.regions.empty() ? 1 : 2;
+  const std::size_t n = mesh.n_cells() + mesh.patch_sides.size();
+  // Faces of patches have what their cells have.
+  const auto cell_of = [&](std::size_t i) {
+    return i < mesh.n_cells() ? i : mesh.patch_sides[i - mesh.n_cells()].cell;
+  };
+  std::size_t n_arrays =
+      std::size_t{1} + (mesh.regions.empty() ? 0 : 1) + (mesh.patches.empty() ? 0 : 1);
   for (const Attribute& attribute : mesh.attributes) n_arrays += attribute.errors.empty() ? 0 : 1;
   LODE_CHECK(file.write(fmt::format("\nCELL_DATA {}\nFIELD FieldData {}", n, n_arrays)));
   const auto write_errors = [&](const std::string& name,
                                 const std::vector<float>& errors) -> Result<void> {
     LODE_CHECK(file.write(fmt::format("\n{} 1 {} float\n", name, n)));
     return write_records(file, n, sizeof(float),
-                         [&](std::size_t cell, std::byte* out) { put_big(out, errors[cell]); });
+                         [&](std::size_t i, std::byte* out) { put_big(out, errors[cell_of(i)]); });
   };
   LODE_CHECK(write_errors("error", mesh.errors));
   for (const Attribute& attribute : mesh.attributes)
     if (!attribute.errors.empty())
       LODE_CHECK(write_errors(legacy_name(error_name(attribute)), attribute.errors));
-  if (mesh.regions.empty()) return {};
-  LODE_CHECK(file.write(fmt::format("\nRegionId 1 {} vtktypeint64\n", n)));
-  return write_records(file, n, sizeof(std::int64_t),
-                       [&](std::size_t cell, std::byte* out) { put_big(out, mesh.regions[cell]); });
+  const auto write_ids = [&](const char* name, const auto& id_of) -> Result<void> {
+    LODE_CHECK(file.write(fmt::format("\n{} 1 {} vtktypeint64\n", name, n)));
+    return write_records(file, n, sizeof(std::int64_t), [&](std::size_t i, std::byte* out) {
+      put_big(out, std::int64_t{id_of(i)});
+    });
+  };
+  if (!mesh.regions.empty())
+    LODE_CHECK(write_ids("RegionId", [&](std::size_t i) { return mesh.regions[cell_of(i)]; }));
+  if (mesh.patches.empty()) return {};
+  return write_ids("PatchId", [&](std::size_t i) {
+    return i < mesh.n_cells() ? 0 : mesh.patches[mesh.patch_sides[i - mesh.n_cells()].patch].id;
+  });
 }
 
 /// Big-endian, as floats where these hold them.
@@ -107,7 +127,8 @@ Result<void> write_legacy_point_data(SurfaceOutput& file, const SimplexMesh& mes
 Result<void> write_vtk_legacy_mesh(const std::string& path, const SimplexMesh& mesh,
                                    const MeshWriteOptions& options, Progress& progress) {
   constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
-  if (mesh.positions.size() > kMax || mesh.n_cells() > kMax / (n_simplex_corners(mesh) + 1))
+  if (mesh.positions.size() > kMax ||
+      mesh.n_cells() + mesh.patch_sides.size() > kMax / (n_simplex_corners(mesh) + 1))
     return fail("{}: expected a mesh that legacy VTK can count in 32 bits, got {} cells; .vtu can",
                 path, mesh.n_cells());
   const std::size_t n_bytes =

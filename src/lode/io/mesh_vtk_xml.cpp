@@ -119,6 +119,7 @@ Result<CellMesh> read_unstructured(VtkXmlMeshFile& file, const pugi::xml_node& d
     LODE_CHECK(append_piece(std::move(part), mesh));
   }
   LODE_CHECK(leave_out_ghosts(mesh, HiddenPoints::hide_nothing));
+  LODE_TRY(mesh.patch_names, load_xml_patch_names(file, data));
   return mesh;
 }
 

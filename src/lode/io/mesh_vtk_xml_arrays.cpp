@@ -31,6 +31,23 @@ Result<MeshField> load_xml_field(VtkXmlMeshFile& file, const pugi::xml_node& arr
   return field;
 }
 
+/// Of an array of characters' codes, each string up to a 0.
+std::vector<std::string> strings_in(std::string_view text) {
+  std::vector<std::string> strings;
+  std::string string;
+  for (const std::string_view word : split_words(text)) {
+    const auto code = to_int64(word);
+    if (!code || *code < 0 || *code > 255) break;
+    if (*code != 0) {
+      string += static_cast<char>(*code);
+      continue;
+    }
+    strings.push_back(std::move(string));
+    string.clear();
+  }
+  return strings;
+}
+
 }  // namespace
 
 pugi::xml_node find_array(const pugi::xml_node& parent, const char* name) {
@@ -77,6 +94,26 @@ Result<std::vector<MeshField>> load_xml_fields(VtkXmlMeshFile& file, const pugi:
     fields.push_back(std::move(field));
   }
   return fields;
+}
+
+Result<std::vector<BoundaryPatch>> load_xml_patch_names(VtkXmlMeshFile& file,
+                                                        const pugi::xml_node& data) {
+  const pugi::xml_node fields = data.child("FieldData");
+  const pugi::xml_node ids = find_array(fields, "PatchIds");
+  const pugi::xml_node names = fields.find_child_by_attribute("Array", "Name", "PatchNames");
+  std::vector<BoundaryPatch> patches;
+  if (!ids || std::string_view(names.attribute("format").as_string()) != "ascii") return patches;
+  const std::vector<std::string> strings = strings_in(names.child_value());
+  const auto n = to_uint64(ids.attribute("NumberOfTuples").as_string());
+  if (!n || *n != strings.size()) return patches;
+  LODE_TRY(const MeshNumbers numbers, load_xml_numbers(file, ids, *n));
+  LODE_TRY(const std::vector<std::int64_t> whole,
+           as_whole<std::int64_t>(numbers, {.path = file.path(),
+                                            .name = "PatchIds",
+                                            .low = std::numeric_limits<std::int64_t>::min(),
+                                            .high = std::numeric_limits<std::int64_t>::max()}));
+  for (std::size_t i = 0; i < strings.size(); ++i) patches.push_back({whole[i], strings[i]});
+  return patches;
 }
 
 }  // namespace lode::io

@@ -6,6 +6,7 @@
 
 #include "lode/core/out_of_memory.h"
 #include "lode/io/mesh_blocks.h"
+#include "lode/io/mesh_patches.h"
 #include "lode/io/vtk_xml_output.h"
 
 namespace lode::io {
@@ -22,6 +23,7 @@ struct VtuLayout {
   VtkXmlArray errors;
   std::vector<VtkXmlArray> attribute_errors;  ///< Of no bytes, and then left out, where unknown.
   VtkXmlArray regions;  ///< Of no bytes, and then left out, where there is one.
+  VtkXmlArray patches;  ///< Likewise without any.
   VtkXmlArray points;
   VtkXmlArray connectivity;
   VtkXmlArray offsets;
@@ -30,13 +32,23 @@ struct VtuLayout {
 
 std::size_t n_corners_per_cell(const SimplexMesh& mesh) { return mesh.triangles.empty() ? 4 : 3; }
 
+/// With the faces of patches, which come after the others.
+std::size_t n_all_cells(const SimplexMesh& mesh) {
+  return mesh.n_cells() + mesh.patch_sides.size();
+}
+
+std::size_t n_all_corners(const SimplexMesh& mesh) {
+  return mesh.n_cells() * n_corners_per_cell(mesh) + 3 * mesh.patch_sides.size();
+}
+
 bool needs_wide_indices(const SimplexMesh& mesh) {
   constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max();
-  return mesh.positions.size() > kMax || mesh.n_cells() * n_corners_per_cell(mesh) > kMax;
+  return mesh.positions.size() > kMax || n_all_corners(mesh) > kMax;
 }
 
 VtuLayout make_vtu_layout(const SimplexMesh& mesh, const MeshWriteOptions& options) {
   const std::uint64_t n = mesh.positions.size();
+  const std::uint64_t n_cells = n_all_cells(mesh);
   const std::uint64_t index_bytes = needs_wide_indices(mesh) ? 8 : 4;
   const char* index = index_bytes == 8 ? "Int64" : "Int32";
   VtuLayout layout;
@@ -52,15 +64,17 @@ VtuLayout make_vtu_layout(const SimplexMesh& mesh, const MeshWriteOptions& optio
   for (const Attribute& attribute : mesh.attributes)
     layout.attribute_errors.push_back(
         {fmt::format(R"(type="Float32" Name="{}")", vtk_array_name(error_name(attribute))),
-         attribute.errors.size() * sizeof(float)});
-  layout.errors = {R"(type="Float32" Name="error")", mesh.errors.size() * sizeof(float)};
-  layout.regions = {R"(type="Int64" Name="RegionId")", mesh.regions.size() * sizeof(std::int64_t)};
+         attribute.errors.empty() ? 0 : n_cells * sizeof(float)});
+  layout.errors = {R"(type="Float32" Name="error")", n_cells * sizeof(float)};
+  layout.regions = {R"(type="Int64" Name="RegionId")",
+                    mesh.regions.empty() ? 0 : n_cells * sizeof(std::int64_t)};
+  layout.patches = {R"(type="Int64" Name="PatchId")",
+                    mesh.patches.empty() ? 0 : n_cells * sizeof(std::int64_t)};
   layout.points = {R"(type="Float64" Name="Points" NumberOfComponents="3")", n * sizeof(Vec3d)};
   layout.connectivity = {fmt::format(R"(type="{}" Name="connectivity")", index),
-                         mesh.n_cells() * n_corners_per_cell(mesh) * index_bytes};
-  layout.offsets = {fmt::format(R"(type="{}" Name="offsets")", index),
-                    mesh.n_cells() * index_bytes};
-  layout.types = {R"(type="UInt8" Name="types")", mesh.n_cells()};
+                         n_all_corners(mesh) * index_bytes};
+  layout.offsets = {fmt::format(R"(type="{}" Name="offsets")", index), n_cells * index_bytes};
+  layout.types = {R"(type="UInt8" Name="types")", n_cells};
   return layout;
 }
 
@@ -69,14 +83,17 @@ std::uint64_t vtu_bytes(const VtuLayout& layout) {
   for (const VtkXmlArray& array : layout.attributes) n += array.n_bytes;
   for (const VtkXmlArray& array : layout.attribute_errors) n += array.n_bytes;
   return n + layout.values.n_bytes + layout.errors.n_bytes + layout.regions.n_bytes +
-         layout.points.n_bytes + layout.connectivity.n_bytes + layout.offsets.n_bytes +
-         layout.types.n_bytes;
+         layout.patches.n_bytes + layout.points.n_bytes + layout.connectivity.n_bytes +
+         layout.offsets.n_bytes + layout.types.n_bytes;
 }
 
 std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout) {
   std::uint64_t offset = 0;
-  std::string xml = fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
-                                mesh.positions.size(), mesh.n_cells());
+  std::string xml;
+  if (!mesh.patches.empty())
+    xml += "<FieldData>\n" + vtk_patch_names(mesh.patches) + "</FieldData>\n";
+  xml += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.positions.size(),
+                     n_all_cells(mesh));
   xml += fmt::format("<PointData Scalars=\"{}\">\n", layout.value_name);
   xml += describe_array(layout.values, offset);
   for (const VtkXmlArray& array : layout.attributes) xml += describe_array(array, offset);
@@ -86,6 +103,7 @@ std::string vtu_piece(const SimplexMesh& mesh, const VtuLayout& layout) {
     if (!mesh.attributes[i].errors.empty())
       xml += describe_array(layout.attribute_errors[i], offset);
   if (!mesh.regions.empty()) xml += describe_array(layout.regions, offset);
+  if (!mesh.patches.empty()) xml += describe_array(layout.patches, offset);
   xml += "</CellData>\n<Points>\n";
   xml += describe_array(layout.points, offset) + "</Points>\n<Cells>\n";
   for (const VtkXmlArray* array : {&layout.connectivity, &layout.offsets, &layout.types})
@@ -119,14 +137,43 @@ Result<void> write_cells(SurfaceOutput& file, const SimplexMesh& mesh, const Vtu
   LODE_CHECK(write_array_size(file, layout.connectivity));
   LODE_CHECK((write_corners<T, 4>(file, mesh.tetrahedra)));
   LODE_CHECK((write_corners<T, 3>(file, mesh.triangles)));
+  const std::size_t n_sides = mesh.patch_sides.size();
+  LODE_CHECK(write_records(file, n_sides, 3 * sizeof(T), [&](std::size_t i, std::byte* out) {
+    for (const std::uint32_t v : mesh.corners_of(mesh.patch_sides[i])) put(out, static_cast<T>(v));
+  }));
   LODE_CHECK(write_array_size(file, layout.offsets));
-  LODE_CHECK(write_records(file, mesh.n_cells(), sizeof(T), [&](std::size_t i, std::byte* out) {
-    put(out, static_cast<T>((i + 1) * n_corners));
+  const std::size_t n = mesh.n_cells();
+  LODE_CHECK(write_records(file, n_all_cells(mesh), sizeof(T), [&](std::size_t i, std::byte* out) {
+    put(out, static_cast<T>(i < n ? (i + 1) * n_corners : n * n_corners + (i + 1 - n) * 3));
   }));
   LODE_CHECK(write_array_size(file, layout.types));
-  return write_records(file, mesh.n_cells(), 1, [&](std::size_t, std::byte* out) {
-    put(out, n_corners == 4 ? kVtkTetrahedron : kVtkTriangle);
+  return write_records(file, n_all_cells(mesh), 1, [&](std::size_t i, std::byte* out) {
+    put(out, n_corners == 4 && i < n ? kVtkTetrahedron : kVtkTriangle);
   });
+}
+
+/// Errors, regions and patches.
+Result<void> write_cell_data(SurfaceOutput& file, const SimplexMesh& mesh,
+                             const VtuLayout& layout) {
+  LODE_CHECK(write_array_size(file, layout.errors));
+  LODE_CHECK(write_with_sides(file, mesh, mesh.errors));
+  for (std::size_t i = 0; i < mesh.attributes.size(); ++i) {
+    if (mesh.attributes[i].errors.empty()) continue;
+    LODE_CHECK(write_array_size(file, layout.attribute_errors[i]));
+    LODE_CHECK(write_with_sides(file, mesh, mesh.attributes[i].errors));
+  }
+  if (!mesh.regions.empty()) {
+    LODE_CHECK(write_array_size(file, layout.regions));
+    LODE_CHECK(write_with_sides(file, mesh, mesh.regions));
+  }
+  if (mesh.patches.empty()) return {};
+  LODE_CHECK(write_array_size(file, layout.patches));
+  const std::size_t n = mesh.n_cells();
+  const auto id_of = [&](std::size_t i) {
+    return i < n ? std::int64_t{0} : mesh.patches[mesh.patch_sides[i - n].patch].id;
+  };
+  return write_records(file, n_all_cells(mesh), sizeof(std::int64_t),
+                       [&](std::size_t i, std::byte* out) { put(out, id_of(i)); });
 }
 
 }  // namespace
@@ -148,17 +195,7 @@ Result<void> write_vtu(const std::string& path, const SimplexMesh& mesh,
     LODE_CHECK(write_array_size(file, layout.attributes[i]));
     LODE_CHECK(write_values(file, mesh.attributes[i].values, mesh.attributes[i].is_narrow));
   }
-  LODE_CHECK(write_array_size(file, layout.errors));
-  LODE_CHECK(write_array(file, std::span(mesh.errors)));
-  for (std::size_t i = 0; i < mesh.attributes.size(); ++i) {
-    if (mesh.attributes[i].errors.empty()) continue;
-    LODE_CHECK(write_array_size(file, layout.attribute_errors[i]));
-    LODE_CHECK(write_array(file, std::span(mesh.attributes[i].errors)));
-  }
-  if (!mesh.regions.empty()) {
-    LODE_CHECK(write_array_size(file, layout.regions));
-    LODE_CHECK(write_array(file, std::span(mesh.regions)));
-  }
+  LODE_CHECK(write_cell_data(file, mesh, layout));
   LODE_CHECK(write_array_size(file, layout.points));
   LODE_CHECK(write_array(file, std::span(mesh.positions)));
   LODE_CHECK(needs_wide_indices(mesh) ? write_cells<std::int64_t>(file, mesh, layout)

@@ -21,6 +21,7 @@ struct SurfaceLayout {
   bool has_origins = false;
   bool has_errors = false;
   std::vector<std::string> attributes{};  ///< Their names.
+  std::vector<BoundaryPatch> patches{};
 
   [[nodiscard]] static SurfaceLayout of(const Surface& surface) {
     std::vector<std::string> names;
@@ -34,7 +35,8 @@ struct SurfaceLayout {
             .has_values = !surface.values.empty(),
             .has_origins = !surface.origins.empty(),
             .has_errors = !surface.errors.empty(),
-            .attributes = std::move(names)};
+            .attributes = std::move(names),
+            .patches = surface.patches};
   }
   [[nodiscard]] bool has_origin() const { return origin != Vec3d{{0, 0, 0}}; }
   [[nodiscard]] std::uint64_t n_cells() const { return n_triangles + n_lines; }

@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 
+#include "lode/io/mesh_patches.h"
 #include "lode/io/surface_stream_parts.h"
 #include "lode/io/vtk_xml_output.h"
 
@@ -17,6 +18,7 @@ struct VtpLayout {
   std::optional<VtkXmlArray> normals;
   std::optional<VtkXmlArray> origins;
   std::optional<VtkXmlArray> errors;
+  std::optional<VtkXmlArray> patches;
   VtkXmlArray points;
   VtkXmlArray connectivity;
   VtkXmlArray offsets;
@@ -52,6 +54,8 @@ VtpLayout make_vtp_layout(const SurfaceLayout& surface, const SurfaceWriteOption
                       point_bytes};
   if (surface.has_errors)
     layout.errors = {R"(type="Float32" Name="error")", surface.n_cells() * sizeof(float)};
+  if (!surface.patches.empty())
+    layout.patches = {R"(type="Int64" Name="PatchId")", surface.n_cells() * sizeof(std::int64_t)};
   layout.points = {fmt::format(R"(type="{}" Name="Points" NumberOfComponents="3")", coordinate),
                    point_bytes};
   layout.connectivity = {fmt::format(R"(type="{}" Name="connectivity")", index),
@@ -70,17 +74,20 @@ std::uint64_t vtp_bytes(const VtpLayout& layout) {
   std::uint64_t n = 0;
   for (const VtkXmlArray& array : layout.attributes) n += array.n_bytes;
   return n + bytes_of(layout.values) + bytes_of(layout.isovalues) + bytes_of(layout.normals) +
-         bytes_of(layout.origins) + bytes_of(layout.errors) + layout.points.n_bytes +
-         layout.connectivity.n_bytes + layout.offsets.n_bytes;
+         bytes_of(layout.origins) + bytes_of(layout.errors) + bytes_of(layout.patches) +
+         layout.points.n_bytes + layout.connectivity.n_bytes + layout.offsets.n_bytes;
 }
 
 std::string vtp_head(const SurfaceLayout& surface, const SurfaceWriteOptions& options) {
   std::string xml = vtk_xml_head("PolyData", options.comment, options.frame);
+  if (surface.has_origin() || !surface.patches.empty()) xml += "<FieldData>\n";
   if (surface.has_origin())
     xml += fmt::format(
-        "<FieldData>\n<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"3\" "
-        "NumberOfTuples=\"1\" format=\"ascii\">{} {} {}</DataArray>\n</FieldData>\n",
+        "<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"3\" "
+        "NumberOfTuples=\"1\" format=\"ascii\">{} {} {}</DataArray>\n",
         kOriginNote, surface.origin[0], surface.origin[1], surface.origin[2]);
+  xml += vtk_patch_names(surface.patches);
+  if (surface.has_origin() || !surface.patches.empty()) xml += "</FieldData>\n";
   xml += fmt::format(
       "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" "
       "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
@@ -103,8 +110,12 @@ std::string vtp_piece(const SurfaceLayout& surface, const SurfaceWriteOptions& o
     if (*array) xml += describe_array(**array, offset);
   for (const VtkXmlArray& array : layout.attributes) xml += describe_array(array, offset);
   xml += "</PointData>\n";
-  if (layout.errors)
-    xml += "<CellData>\n" + describe_array(*layout.errors, offset) + "</CellData>\n";
+  if (layout.errors || layout.patches) {
+    xml += "<CellData>\n";
+    for (const auto* array : {&layout.errors, &layout.patches})
+      if (*array) xml += describe_array(**array, offset);
+    xml += "</CellData>\n";
+  }
   xml += "<Points>\n" + describe_array(layout.points, offset) + "</Points>\n";
   xml += fmt::format("<{}>\n", cells) + describe_array(layout.connectivity, offset);
   xml += describe_array(layout.offsets, offset) + fmt::format("</{}>\n", cells);
@@ -131,6 +142,17 @@ Result<void> write_places(Output& file, const Surface& surface, std::span<const 
   return write_records(file, places.size(), sizeof(Vec3d), fill);
 }
 
+/// 0 of triangles of no patch.
+Result<void> write_patches(SurfaceOutput& file, const Surface& surface, const VtpLayout& layout) {
+  if (!layout.patches) return {};
+  LODE_CHECK(write_array_size(file, *layout.patches));
+  return write_records(file, surface.patch_marks.size(), sizeof(std::int64_t),
+                       [&](std::size_t i, std::byte* out) {
+                         const std::uint32_t mark = surface.patch_marks[i];
+                         put(out, mark == 0 ? std::int64_t{0} : surface.patches[mark - 1].id);
+                       });
+}
+
 /// Attributes and points.
 Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
                                 const VtpLayout& layout) {
@@ -146,6 +168,7 @@ Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
     LODE_CHECK(write_array(file, std::span(surface.attributes[i].values)));
   }
   LODE_CHECK(write_optional(file, layout.errors, surface.errors));
+  LODE_CHECK(write_patches(file, surface, layout));
   LODE_CHECK(write_array_size(file, layout.points));
   return write_places(file, surface, surface.positions);
 }

@@ -109,7 +109,8 @@ Result<TetraFaces> connect_faces(const std::string& path, const SplitCells& spli
       if (end - i == 2)
         sets.join(faces[i].tetrahedron, faces[i + 1].tetrahedron);
       else
-        ++result.n_boundary;
+        result.boundary.push_back(
+            {static_cast<std::uint32_t>(point), faces[i].middle, faces[i].largest});
       i = end;
     }
   }

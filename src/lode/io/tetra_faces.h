@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -13,7 +14,8 @@ namespace lode::io {
 struct TetraFaces {
   std::vector<std::uint32_t> components;  ///< By tetrahedron; numbered by their first one.
   std::uint32_t n_components = 0;
-  std::uint64_t n_boundary = 0;  ///< Faces of one tetrahedron only.
+  /// Faces of one tetrahedron only, by their corners, which ascend.
+  std::vector<std::array<std::uint32_t, 3>> boundary;
 };
 
 /// Fails at the first face, in the order of its points, that has more than two tetrahedra. Points

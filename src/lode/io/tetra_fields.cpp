@@ -8,14 +8,16 @@
 #include <string_view>
 #include <utility>
 
+#include "lode/io/boundary_patches.h"
 #include "lode/io/tetra_winding.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
 namespace {
 
-constexpr std::array<std::string_view, 7> kRegionNames = {
-    "Material #", "MaterialId", "RegionId", "ObjectId", "ElementBlockIds", "BlockId", "ZoneId"};
+constexpr std::array<std::string_view, 9> kRegionNames = {
+    "Material #", "MaterialId", "RegionId",      "ObjectId", "ElementBlockIds",
+    "BlockId",    "ZoneId",     "gmsh:physical", "medit:ref"};
 
 std::size_t find_named(const std::vector<MeshField>& fields, std::string_view name) {
   const auto found = std::find_if(fields.begin(), fields.end(),
@@ -80,7 +82,7 @@ Result<std::vector<FieldChoice>> all_choices(const CellMesh& mesh, const TetraOp
   if (!choices.empty()) return choices;
   LODE_TRY(const std::size_t regions, find_regions(mesh, options));
   for (std::size_t i = 0; i < mesh.cell_fields.size(); ++i)
-    if (i != regions)
+    if (i != regions && i != find_patch_ids(mesh, regions))
       choices.push_back({.field = &mesh.cell_fields[i],
                          .is_of_cells = true,
                          .component = {},

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lode/core/out_of_memory.h"
+#include "lode/io/boundary_patches.h"
 #include "lode/io/cell_types.h"
 #include "lode/io/polyhedron_faces.h"
 #include "lode/io/split_cells.h"
@@ -182,6 +183,8 @@ void take_vertices(const CellMesh& mesh, ChosenFields&& chosen, SplitCells&& spl
   result.tetrahedra = std::move(split.tetrahedra);
   for (Tetrahedron& t : result.tetrahedra)
     for (std::uint32_t& point : t) point = vertices[point];
+  for (PatchFace& face : result.patch_faces)
+    for (std::uint32_t& point : face.corners) point = vertices[point];
 }
 
 void count_vertices(std::size_t n_given, const TetraMesh& mesh, TetraReport& report) {
@@ -212,7 +215,8 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   add_centres(split, mesh, chosen);
   LODE_TRY(const TetraFaces faces, connect_faces(mesh.path, split, mesh.points.size()));
   report.n_components = faces.n_components;
-  report.n_boundary_faces = faces.n_boundary;
+  report.n_boundary_faces = faces.boundary.size();
+  take_patches(mesh, regions, faces, outcome.mesh, report);
   turn_round(mesh, mesh.points, faces, split, report);
   average_cells(mesh.points, split, chosen, report);
   if (regions < mesh.cell_fields.size())

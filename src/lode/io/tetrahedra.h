@@ -22,7 +22,8 @@ struct TetraOptions {
   std::vector<std::string> fields{};
   QuadraticCells quadratic = QuadraticCells::split;
   /// Of the cells, of whole numbers. None: the first of Material #, MaterialId, RegionId, ObjectId,
-  /// ElementBlockIds, BlockId and ZoneId (any case) that is of an integer type.
+  /// ElementBlockIds, BlockId, ZoneId, gmsh:physical and medit:ref (any case) that is of an integer
+  /// type. Those of faces are patches of the boundary, unless there is a field PatchId; 0 is none.
   std::optional<std::string> region_field{};
   /// Points become one that are so close (0: at one place) and whose fields, chosen or not, differ
   /// by no more than weld_values in any component; fields of whole numbers count only if chosen.
@@ -41,7 +42,10 @@ struct AveragedField {
 /// What a mesh of cells had, and what became of it.
 struct TetraReport {
   std::uint64_t n_cells = 0;        ///< Three-dimensional ones.
-  std::uint64_t n_lower_cells = 0;  ///< Left out: points, lines and faces.
+  std::uint64_t n_lower_cells = 0;  ///< Left out: points, lines, and faces of no patch.
+  std::uint64_t n_patch_cells = 0;  ///< Faces that mark the boundary,
+  std::uint64_t n_patches = 0;      ///< and how many patches.
+  std::uint64_t n_inner_faces = 0;  ///< Left out: of patches, but not on the boundary.
   std::uint64_t n_ghost_cells = 0;  ///< Left out when the file was read; and hidden ones.
   std::uint64_t n_hidden_cells = 0;
   std::uint64_t n_welded_points = 0;      ///< Taken for another one.

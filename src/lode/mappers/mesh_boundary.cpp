@@ -23,14 +23,6 @@ struct ListedFace {
   std::uint64_t place;   ///< Four times its cell, and the corner across.
 };
 
-/// Of a cell of positive volume, turned counter-clockwise as seen from outside.
-FaceCorners face_across(const std::array<std::uint32_t, 4>& cell, std::size_t corner) {
-  constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaces{
-      {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-  const auto& [a, b, c] = kFaces[corner];
-  return {cell[a], cell[b], cell[c]};
-}
-
 std::uint32_t least_of(const FaceCorners& face) { return std::min({face[0], face[1], face[2]}); }
 
 std::uint64_t others_of(FaceCorners face) {
@@ -83,11 +75,28 @@ std::uint32_t number_kept(std::vector<std::uint32_t>& numbers) {
   return n;
 }
 
+/// Of a place as ListedFace has it: one more than the patch's place, or 0.
+std::uint32_t patch_mark(const SimplexMesh& mesh, std::uint64_t place) {
+  const auto place_of = [](const PatchSide& side) {
+    return 4 * std::uint64_t{side.cell} + side.corner;
+  };
+  const auto at = std::ranges::lower_bound(mesh.patch_sides, place, {}, place_of);
+  return at == mesh.patch_sides.end() || place_of(*at) != place ? 0 : at->patch + 1;
+}
+
+/// Those of cells that stay, by their new places; kNotKept of the others.
+void keep_sides(const std::vector<std::uint32_t>& cells, SimplexMesh& mesh) {
+  std::erase_if(mesh.patch_sides,
+                [&](const PatchSide& side) { return cells[side.cell] == kNotKept; });
+  for (PatchSide& side : mesh.patch_sides) side.cell = cells[side.cell];
+}
+
 /// `is_kept`: of a cell, by its place.
 template <typename IsKept>
 std::uint64_t keep_cells(SimplexMesh& mesh, const IsKept& is_kept,
                          std::vector<std::uint32_t>& vertex_ids) {
   std::vector<std::uint32_t> numbers(mesh.positions.size(), kNotKept);
+  std::vector<std::uint32_t> cells(mesh.patch_sides.empty() ? 0 : mesh.tetrahedra.size(), kNotKept);
   std::size_t n = 0;
   for (std::size_t at = 0; at < mesh.tetrahedra.size(); ++at) {
     if (!is_kept(at)) continue;
@@ -96,8 +105,10 @@ std::uint64_t keep_cells(SimplexMesh& mesh, const IsKept& is_kept,
     for (Attribute& attribute : mesh.attributes)
       if (!attribute.errors.empty()) attribute.errors[n] = attribute.errors[at];
     if (!mesh.regions.empty()) mesh.regions[n] = mesh.regions[at];
+    if (!cells.empty()) cells[at] = static_cast<std::uint32_t>(n);
     mesh.tetrahedra[n++] = mesh.tetrahedra[at];
   }
+  keep_sides(cells, mesh);
   const std::uint64_t n_left_out = mesh.tetrahedra.size() - n;
   mesh.tetrahedra.resize(n);
   mesh.errors.resize(n);
@@ -126,7 +137,8 @@ std::uint64_t keep_cells(SimplexMesh& mesh, const IsKept& is_kept,
 
 }  // namespace
 
-Surface mesh_boundary(const SimplexMesh& mesh, const Vec3d& origin, Threads threads) {
+Surface mesh_boundary(const SimplexMesh& mesh, const Vec3d& origin, Threads threads,
+                      std::span<const std::uint32_t> patches) {
   FaceLists lists(mesh);
   const std::size_t n_vertices = mesh.positions.size();
   std::vector<std::uint32_t> n_single(n_vertices);
@@ -136,12 +148,17 @@ Surface mesh_boundary(const SimplexMesh& mesh, const Vec3d& origin, Threads thre
   });
   Surface surface;
   surface.origin = origin;
+  surface.patches = mesh.patches;
   std::vector<std::uint32_t> numbers(n_vertices, kNotKept);
   for (std::size_t v = 0; v < n_vertices; ++v)
     for (const ListedFace& face : lists.of(v).first(n_single[v])) {
       const auto cell = static_cast<std::size_t>(face.place / 4);
+      const std::uint32_t mark = patch_mark(mesh, face.place);
+      if (!patches.empty() && (mark == 0 || std::ranges::find(patches, mark - 1) == patches.end()))
+        continue;
       surface.triangles.push_back(face_across(mesh.tetrahedra[cell], face.place % 4));
       surface.errors.push_back(mesh.errors[cell]);
+      if (!mesh.patches.empty()) surface.patch_marks.push_back(mark);
       for (const std::uint32_t corner : surface.triangles.back()) numbers[corner] = 0;
     }
   number_kept(numbers);

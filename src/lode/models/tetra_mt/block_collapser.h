@@ -74,6 +74,7 @@ class BlockCollapser {
   [[nodiscard]] bool is_extremum() const;
   void find_interfaces_of(const Star& star, Interfaces& found) const;
   [[nodiscard]] float moved_by(int kept) const;
+  [[nodiscard]] double outline_of(int kept) const;
   [[nodiscard]] double deviation_of(int kept, double limit) const;
   void note_deviations(int kept, float moved);
   void gather_boundary();

@@ -33,11 +33,13 @@ void BlockCollapser::find_interfaces_of(const Star& star, Interfaces& found) con
 float BlockCollapser::moved_by(int kept) const {
   if (!goes_along(interfaces_, kept)) return kNowhere;
   const Vec3d& at = link_[static_cast<std::size_t>(kept)];
-  bool is_still = true;
-  bool is_flat = true;
+  const double outline = outline_of(kept);
+  bool is_still = outline == 0;
+  bool is_flat = outline <= kCoplanar * length(at);
   for (int i = 0; i < interfaces_.n_faces; ++i) {
     const auto& edge = interfaces_.faces[static_cast<std::size_t>(i)].edge;
     if (edge[0] == kept || edge[1] == kept) continue;
+    if (edge[0] == star_.outside || edge[1] == star_.outside) continue;
     const Vec3d normal = cross(link_[edge[0]], link_[edge[1]]);
     const double height = std::abs(dot(normal, at));
     is_still = is_still && height == 0;
@@ -54,10 +56,16 @@ float BlockCollapser::moved_by(int kept) const {
                                       : kNowhere;
 }
 
+double BlockCollapser::outline_of(int kept) const {
+  return outline_height(star_, interfaces_, kept,
+                        [this](int place) { return link_[static_cast<std::size_t>(place)]; });
+}
+
 /// In the star's unit.
 double BlockCollapser::deviation_of(int kept, double limit) const {
-  double largest = 0;
-  const std::uint64_t beside = interfaces_.beside[static_cast<std::size_t>(kept)];
+  double largest = outline_of(kept);
+  std::uint64_t beside = interfaces_.beside[static_cast<std::size_t>(kept)];
+  if (star_.is_on_boundary()) beside &= ~(std::uint64_t{1} << star_.outside);
   for (std::uint64_t left = beside; left != 0 && largest <= limit; left &= left - 1) {
     const InterfaceWalk disc = walk(interfaces_, kept, std::countr_zero(left));
     Patch patch{.ring = {}, .n = disc.n, .is_closed = interfaces_.kind == Interfaces::Kind::sheet};

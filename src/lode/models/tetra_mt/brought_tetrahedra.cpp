@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "lode/models/tetra_mt/interfaces.h"
 
@@ -93,18 +94,22 @@ Result<void> BroughtTetrahedra::run() {
   return {};
 }
 
-/// Whether not all that it brings are of the region of those that it replaces.
+/// Whether not all that it brings are of the region, or of the patch, of those that it replaces.
 bool BroughtTetrahedra::has_regions_of_its_own(const Part& part) const {
-  std::uint32_t common = kOutsideLabel;  // of those with a face, which stay
+  // Of those with a face, which stay.
+  std::array<std::optional<std::uint32_t>, 2> common;
   const auto has_target = [&](std::size_t i) {
     return std::ranges::any_of(part.triangles[i], [&](std::uint8_t place) {
       return number(part.link[place]) == part.target;
     });
   };
-  for (std::size_t i = 0; i < part.labels.size() && common == kOutsideLabel; ++i)
-    if (!has_target(i)) common = part.labels[i];
-  return std::ranges::any_of(
-      part.labels, [&](std::uint32_t label) { return label != common && label != kOutsideLabel; });
+  const auto common_of = [&](std::uint32_t label) -> auto& {
+    return common[is_outside_label(label) ? 1 : 0];
+  };
+  for (std::size_t i = 0; i < part.labels.size(); ++i)
+    if (!has_target(i)) common_of(part.labels[i]) = part.labels[i];
+  return std::ranges::any_of(part.labels,
+                             [&](std::uint32_t label) { return label != common_of(label); });
 }
 
 void BroughtTetrahedra::count(const Part& part) {
@@ -155,7 +160,7 @@ void BroughtTetrahedra::fill(const Part& part, std::vector<Brought>& brought) {
   for (const Brought& b : brought)
     if (b.has_target) {
       const std::uint32_t label = part.labels[b.place];
-      result_.regions[region++] = label == kOutsideLabel ? 0 : label;
+      result_.regions[region++] = is_outside_label(label) ? patch_mark(label) : label;
     }
 }
 
@@ -176,7 +181,7 @@ void BroughtTetrahedra::take_base() {
     for (std::uint32_t& v : t) v = number(v);
     return t;
   };
-  const bool has_regions = result_.region_ids.size() > 1;
+  const bool has_regions = result_.region_ids.size() > 1 || !result_.patches.empty();
   const std::uint32_t only = mesh_.regions.empty() ? 0 : mesh_.regions.front();
   result_.n_base_cells = collapses_.base.size();
   for (std::size_t i = 0; i < collapses_.base.size(); ++i) {
@@ -195,7 +200,7 @@ void BroughtTetrahedra::take_base() {
   for (const auto& [key, i] : outer) {
     result_.base.push_back(numbered(collapses_.outer_base[i].corners));
     result_.base_makers.push_back(maker(collapses_.outer_base[i].maker));
-    if (has_regions) result_.base_regions.push_back(0);
+    if (has_regions) result_.base_regions.push_back(collapses_.outer_base[i].patch);
   }
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lode/models/tetra_mt/interfaces.h"
+#include "lode/models/tetra_mt/face_labels.h"
 
 namespace lode::tetra_mt {
 namespace {
@@ -42,10 +42,7 @@ Result<void> BuildState::close(Threads threads) {
   first_sample.assign(tetrahedra.size(), kNone);
   deviations.assign(tetrahedra.size(), 0);
   makers.assign(tetrahedra.size(), kNone);
-  const auto is_other = [&](std::uint32_t region) { return region != mesh.regions.front(); };
-  if (!std::ranges::any_of(mesh.regions, is_other)) return {};
-  labels = mesh.regions;
-  labels.resize(tetrahedra.size(), kOutsideLabel);
+  labels = labels_of(mesh, tetrahedra);
   return {};
 }
 

@@ -48,7 +48,7 @@ struct BuildState {
   const TetraMesh& mesh;
   std::uint32_t outside;                ///< The vertex outside; all others are before it.
   std::vector<Tetrahedron> tetrahedra;  ///< By slot; those that went have no first corner.
-  /// By slot: a region, or kOutsideLabel; empty where there is one region. A collapse keeps them.
+  /// labels_of() by slot. A collapse keeps them.
   std::vector<std::uint32_t> labels;
   /// By slot: how far any face of it between regions or on the boundary is from the reference's,
   /// or they from it, at most, where the tetrahedron across says no more.

@@ -32,6 +32,7 @@ struct OuterTetrahedron {
   Tetrahedron corners;                ///< The mesh's.
   std::array<std::uint32_t, 3> face;  ///< On which it was in the mesh.
   std::uint32_t maker;                ///< The vertex whose collapse made it, or kNone.
+  std::uint32_t patch;                ///< patch_mark().
 };
 
 }  // namespace lode::tetra_mt

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "lode/models/tetra_mt/interfaces.h"
 #include "lode/store/bytes.h"
 
 namespace lode::tetra_mt {
@@ -40,6 +41,23 @@ Result<HierarchyHead::Field> read_field(store::ByteReader& in, const std::string
     return fail("{}: metadata: expected a finite range of {}, got {} to {}", path, field.name,
                 field.low, field.high);
   return field;
+}
+
+Result<std::vector<BoundaryPatch>> read_patches(store::ByteReader& in, const std::string& path) {
+  LODE_TRY(const auto n, in.read<std::uint32_t>());
+  if (n > kMaxPatches)
+    return fail("{}: metadata: expected up to {} patches, got {}", path, kMaxPatches, n);
+  std::vector<BoundaryPatch> patches;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    BoundaryPatch patch;
+    LODE_TRY(patch.id, in.read<std::int64_t>());
+    LODE_TRY(patch.name, in.read_string());
+    if (i > 0 && patch.id <= patches.back().id)
+      return fail("{}: metadata: expected patches that ascend, got {} after {}", path, patch.id,
+                  patches.back().id);
+    patches.push_back(std::move(patch));
+  }
+  return patches;
 }
 
 Result<void> check_counts(const HierarchyHead& head, const BaseCounts& counts,
@@ -79,6 +97,11 @@ std::vector<std::byte> encode_head(const HierarchyHead& head) {
   out.write(head.boundary_deviation);
   out.write(static_cast<std::uint32_t>(head.region_ids.size()));
   for (const std::int64_t id : head.region_ids) out.write(id);
+  out.write(static_cast<std::uint32_t>(head.patches.size()));
+  for (const BoundaryPatch& patch : head.patches) {
+    out.write(patch.id);
+    out.write_string(patch.name);
+  }
   out.write(static_cast<std::uint32_t>(head.fields.size()));
   for (const HierarchyHead::Field& field : head.fields) {
     out.write_string(field.name);
@@ -118,7 +141,8 @@ Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::s
   LODE_TRY(head.region_ids, in.read_all<std::int64_t>(n_regions));
   if (std::ranges::adjacent_find(head.region_ids, std::greater_equal()) != head.region_ids.end())
     return fail("{}: metadata: expected regions that ascend", path);
-  head.shape.n_regions = std::max(1U, n_regions);
+  LODE_TRY(head.patches, read_patches(in, path));
+  head.shape.n_labels = n_labels_of(head.region_ids, head.patches);
   LODE_TRY(const auto n_fields, in.read<std::uint32_t>());
   if (n_fields < 1 || n_fields > kMaxFields)
     return fail("{}: metadata: expected 1 to {} fields, got {}", path, kMaxFields, n_fields);

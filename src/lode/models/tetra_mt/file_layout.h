@@ -27,7 +27,7 @@ enum class Kind : std::uint32_t {
 };
 
 /// Of the metadata and the blocks; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 4;
+inline constexpr std::uint32_t kLayout = 5;
 
 /// Vertices, tetrahedra or roots of the base in a block.
 inline constexpr std::uint32_t kBasePart = 1U << 16;

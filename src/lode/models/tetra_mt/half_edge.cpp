@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/mesh_check.h"
 #include "lode/models/tetra_mt/space_blocks.h"
 
@@ -178,9 +179,11 @@ Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh, const HalfE
   }
   for (std::size_t i = 0; i < outer.size(); ++i) {
     const std::size_t slot = mesh.tetrahedra.size() + i;
-    if (state.tetrahedra[slot][0] != kNone)
-      result.outer_base.push_back(
-          {state.tetrahedra[slot], {outer[i][1], outer[i][2], outer[i][3]}, state.makers[slot]});
+    if (state.tetrahedra[slot][0] == kNone) continue;
+    result.outer_base.push_back({state.tetrahedra[slot],
+                                 {outer[i][1], outer[i][2], outer[i][3]},
+                                 state.makers[slot],
+                                 state.labels.empty() ? 0 : patch_mark(state.labels[slot])});
   }
   for (std::size_t slot = 0; slot < state.tetrahedra.size(); ++slot)
     if (state.tetrahedra[slot][0] != kNone)

@@ -25,12 +25,12 @@ struct HalfEdgeCollapses {
   /// By tetrahedron of the base: the vertex whose collapse made it, or kNone.
   std::vector<std::uint32_t> base_makers;
   std::vector<OuterTetrahedron> outer_base;
-  /// By tetrahedron of the base, as the mesh's; empty where there is one region.
+  /// By tetrahedron of the base, as the mesh's; empty where there is one region and no patch.
   std::vector<std::uint32_t> base_regions;
   /// By vertex and field: F - F' on the base, as shares of the fields' ranges; 0 for its vertices.
   std::vector<float> errors;
-  /// No point of the base's boundary, or of what lies between its regions, is farther from the
-  /// reference's, nor any of these from the base's; in the mesh's unit. At most
+  /// No point of the base's boundary, of one of its patches, or of what lies between its regions,
+  /// is farther from the reference's, nor any of these from the base's; in the mesh's unit. At most
   /// CollapseRules::boundary_tolerance, or what that says of 0.
   double boundary_deviation = 0;
   RefusalCounts refusals;    ///< Of the base's vertices.
@@ -43,11 +43,11 @@ struct HalfEdgeCollapses {
 /// section 4.2; half edges: Danovaro, De Floriani 2005). Errors are measured whatever the order.
 /// The mesh stays what it is, topologically; its boundary stays where it is, but for
 /// CollapseRules::boundary_tolerance, and so does each region: what lies between two goes along
-/// itself alone, lines in which three or more meet along these; no tetrahedron that comes is flat
-/// or turned round; the fields' ranges stay, as no vertex goes whose value is above or below all
-/// beside it. In rounds: each has a limit, and blocks in space in which all up to that go; then
-/// blocks elsewhere. The same comes of any number of threads. Fails when a face has more than two
-/// tetrahedra, a value is not finite, or a region has no id.
+/// itself alone, and each patch of the boundary, lines in which sheets or patches meet along these;
+/// no tetrahedron that comes is flat or turned round; the fields' ranges stay, as no vertex goes
+/// whose value is above or below all beside it. In rounds: each has a limit, and blocks in space in
+/// which all up to that go; then blocks elsewhere. The same comes of any number of threads. Fails
+/// when a face has more than two tetrahedra, a value is not finite, or a region has no id.
 [[nodiscard]] Result<HalfEdgeCollapses> collapse_half_edges(const TetraMesh& mesh,
                                                             const HalfEdgeOptions& options,
                                                             Progress& progress);

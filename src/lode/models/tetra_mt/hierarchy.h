@@ -24,7 +24,7 @@ namespace lode::tetra_mt {
 /// tetrahedra with the new vertex in the target's place, and one for each edge of the outline of
 /// their faces across from the target. Whose these are is stored: those with a face across first,
 /// then those with an edge, each by face_key(). A tetrahedron whose corner changes keeps its
-/// region; those of edges have the region of these, or it is stored.
+/// region or patch; those of edges have what those replaced have, or it is stored.
 struct Hierarchy {
   std::uint32_t n_base_vertices = 0;
   std::vector<Vec3d> positions;   ///< By vertex.
@@ -35,7 +35,9 @@ struct Hierarchy {
   double boundary_deviation = 0;           ///< HalfEdgeCollapses': of the base, and so of any cut.
   bool has_errors_everywhere = false;      ///< Likewise: facts' errors hold at all points.
   std::vector<std::int64_t> region_ids;    ///< The mesh's.
-  /// By tetrahedron of the base, places in region_ids; empty where there is one at most.
+  std::vector<BoundaryPatch> patches;      ///< Likewise.
+  /// By tetrahedron of the base: places in region_ids, or, of one to the vertex outside,
+  /// patch_mark() of its face. Empty where there is one region at most and no patch.
   std::vector<std::uint32_t> base_regions;
 
   std::vector<std::uint32_t> mesh_vertices;  ///< By vertex: the mesh's that it is.
@@ -54,8 +56,9 @@ struct Hierarchy {
   std::vector<std::uint8_t> makers;
 
   std::vector<std::uint64_t> region_begins;
-  /// By node and tetrahedron that it brings with an edge, in the order of makers: its region. None
-  /// of nodes whose tetrahedra are all of the region of those that they replace.
+  /// By node and tetrahedron that it brings with an edge, in the order of makers: its region or
+  /// patch, as base_regions says it. None of nodes whose tetrahedra are all of the one region, and
+  /// those outside of the one patch, of what they replace.
   std::vector<std::uint32_t> regions;
 
   static constexpr std::uint8_t kReference = 0xFF;

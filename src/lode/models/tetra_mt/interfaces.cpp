@@ -1,5 +1,6 @@
 #include "lode/models/tetra_mt/interfaces.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace lode::tetra_mt {
@@ -79,6 +80,9 @@ void find_boundary(const Star& star, Interfaces& found) {
 
 void find_interfaces(const Star& star, std::span<const std::uint32_t> labels, Interfaces& found) {
   clear(star, found);
+  const std::span<const std::uint32_t> own =
+      labels.first(static_cast<std::size_t>(star.n_triangles));
+  if (std::ranges::all_of(own, [&](std::uint32_t label) { return label == own.front(); })) return;
   for (int i = 0; i < star.n_triangles; ++i) {
     const std::uint64_t corners = corners_of(star, i);
     for (int j = i + 1; j < star.n_triangles; ++j) {

@@ -1,15 +1,26 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 
+#include "lode/models/tetra_mt/patch_deviation.h"
 #include "lode/models/tetra_mt/star.h"
 
 namespace lode::tetra_mt {
 
-/// The label of tetrahedra to the vertex outside.
+/// The label of tetrahedra to the vertex outside; on faces of a patch less its place and 1. What is
+/// between two such tetrahedra is a face, too: patches end in lines in which sheets meet.
 inline constexpr std::uint32_t kOutsideLabel = kNone;
+inline constexpr std::uint32_t kMaxPatches = 1U << 20;
+[[nodiscard]] constexpr bool is_outside_label(std::uint32_t label) {
+  return label >= kOutsideLabel - kMaxPatches;
+}
+/// 0 of no patch, else one more than its place; and back.
+[[nodiscard]] constexpr std::uint32_t patch_mark(std::uint32_t outside_label) {
+  return kOutsideLabel - outside_label;
+}
 
 /// The faces at a star's vertex that lie between tetrahedra of different labels, as a graph on its
 /// link; numbers are places in the link. Where all are on the boundary, it is one cycle.
@@ -46,10 +57,24 @@ struct InterfaceWalk {
 
 /// Of the boundary alone: what a mesh of one region has. Expects the link to be a sphere.
 void find_boundary(const Star& star, Interfaces& found);
-/// `labels`: by triangle of the star. Any link, but the kind is told of a sphere's only.
+/// `labels`: by triangle of the star. Any link, but the kind is told of a sphere's only. Faces with
+/// the vertex outside are those that have it in their edge; no plane is theirs.
 void find_interfaces(const Star& star, std::span<const std::uint32_t> labels, Interfaces& found);
 
 [[nodiscard]] InterfaceWalk walk(const Interfaces& interfaces, int first, int second);
+
+/// Of a vertex at the origin on the outline of a patch, how far it is from the line between the two
+/// link vertices beside it on that, `kept` and another; 0 of any other vertex. `at(place)`: a link
+/// vertex's position. Expects goes_along().
+template <typename At>
+[[nodiscard]] double outline_height(const Star& star, const Interfaces& interfaces, int kept,
+                                    const At& at) {
+  if (!star.is_on_boundary() ||
+      !interfaces.has(interfaces.beside[static_cast<std::size_t>(kept)], star.outside))
+    return 0;
+  const std::uint64_t ends = interfaces.curves & ~(std::uint64_t{1} << kept);
+  return distance_to_line(at(kept), at(std::countr_zero(ends)));
+}
 
 /// Whether interfaces let an edge collapse, but for where they lie: the vertex goes along its sheet
 /// or curve.

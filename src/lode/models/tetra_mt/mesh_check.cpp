@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lode/models/tetra_mt/closed_mesh.h"
+#include "lode/models/tetra_mt/interfaces.h"
 
 namespace lode::tetra_mt {
 namespace {
@@ -25,6 +26,17 @@ Result<void> check_extent(const TetraMesh& mesh) {
   return fail("expected a mesh that is {} across or more, got one of {}", kSmallestExtent, extent);
 }
 
+Result<void> check_patches(const TetraMesh& mesh) {
+  if (mesh.patches.size() > kMaxPatches || mesh.region_ids.size() > kMaxPatches)
+    return fail("expected up to {} patches and regions, got {} and {}", kMaxPatches,
+                mesh.patches.size(), mesh.region_ids.size());
+  for (std::size_t i = 0; i < mesh.patch_faces.size(); ++i)
+    if (mesh.patch_faces[i].patch >= mesh.patches.size())
+      return fail("face {}: expected a patch below {}, got {}", i, mesh.patches.size(),
+                  mesh.patch_faces[i].patch);
+  return {};
+}
+
 }  // namespace
 
 Result<void> check_mesh(const TetraMesh& mesh) {
@@ -44,6 +56,7 @@ Result<void> check_mesh(const TetraMesh& mesh) {
     if (mesh.regions[i] >= mesh.region_ids.size())
       return fail("tetrahedron {}: expected a region below {}, got {}", i, mesh.region_ids.size(),
                   mesh.regions[i]);
+  LODE_CHECK(check_patches(mesh));
   for (const MeshField& field : mesh.fields) {
     if (field.values.size() != n)
       return fail("field {}: expected {} values, got {}", field.name, n, field.values.size());

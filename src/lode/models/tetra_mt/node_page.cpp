@@ -141,7 +141,7 @@ NodePage::NodePage(const PageContent& content, std::uint32_t number, const PageS
     : own_(shape.n_base_vertices + number * kPageNodes),
       first_(shape.n_base_vertices),
       has_narrow_positions_(shape.has_narrow_positions),
-      n_region_bits_(shape.n_regions > 1 ? bits_for(shape.n_regions - 1) : 0) {
+      n_region_bits_(shape.n_labels > 1 ? bits_for(shape.n_labels - 1) : 0) {
   for (const Vec3d& p : content.positions) add_words(p.v, has_narrow_positions_, words_);
   Packer(*this, content, shape).run();
   words_.shrink_to_fit();

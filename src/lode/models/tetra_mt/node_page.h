@@ -15,7 +15,7 @@ namespace lode::tetra_mt {
 struct PageShape {
   std::uint32_t n_base_vertices = 0;
   std::uint32_t n_nodes = 0;
-  std::uint32_t n_regions = 1;
+  std::uint32_t n_labels = 1;         ///< Regions, or patches and none, whichever are more.
   bool has_narrow_positions = false;  ///< float32 holds them.
 
   /// Of nodes.
@@ -158,7 +158,7 @@ class NodePage {
   bool has_narrow_positions_;
   bool has_long_ = false;  ///< Lengths.
   int n_page_bits_ = 0;
-  int n_region_bits_;  ///< 0 where there is one region.
+  int n_region_bits_;  ///< 0 where there is one region and no patch.
 };
 
 }  // namespace lode::tetra_mt

@@ -92,12 +92,18 @@ class BaseReader {
     return check_corners(in, first);
   }
   Result<void> read_regions(StreamReader& in, std::size_t n) {
-    if (head_.shape.n_regions == 1) return {};
+    if (head_.shape.n_labels == 1) return {};
     LODE_TRY(const auto regions, read_differences_of(in, n));
-    for (const std::uint32_t region : regions)
-      if (region >= head_.shape.n_regions)
-        return fail("{}: expected one of {} regions, got {}", in.what(), head_.shape.n_regions,
-                    region);
+    const std::size_t first = head_.base.size() - n;
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool is_outer =
+          std::ranges::find(head_.base[first + i], head_.outside()) != head_.base[first + i].end();
+      const std::size_t limit =
+          is_outer ? head_.patches.size() + 1 : std::max<std::size_t>(head_.region_ids.size(), 1);
+      if (regions[i] >= limit)
+        return fail("{}: expected one of {} {}, got {}", in.what(), limit,
+                    is_outer ? "patches and none" : "regions", regions[i]);
+    }
     head_.base_regions.insert(head_.base_regions.end(), regions.begin(), regions.end());
     return {};
   }

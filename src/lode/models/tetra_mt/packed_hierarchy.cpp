@@ -50,11 +50,17 @@ void add_children(const Hierarchy& hierarchy, std::uint32_t node, PageContent& c
 
 }  // namespace
 
+std::uint32_t n_labels_of(std::span<const std::int64_t> region_ids,
+                          std::span<const BoundaryPatch> patches) {
+  return static_cast<std::uint32_t>(
+      std::max({std::size_t{1}, region_ids.size(), patches.empty() ? 0 : patches.size() + 1}));
+}
+
 HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
   HierarchyHead head;
   head.shape = {.n_base_vertices = hierarchy.n_base_vertices,
                 .n_nodes = hierarchy.n_nodes(),
-                .n_regions = std::max(1U, static_cast<std::uint32_t>(hierarchy.region_ids.size())),
+                .n_labels = n_labels_of(hierarchy.region_ids, hierarchy.patches),
                 .has_narrow_positions = true};
   head.n_cells = n_cells;
   head.n_base_cells = hierarchy.n_base_cells;
@@ -74,6 +80,7 @@ HierarchyHead head_of(const Hierarchy& hierarchy, std::uint64_t n_cells) {
   head.base = hierarchy.base;
   head.base_makers = hierarchy.base_makers;
   head.region_ids = hierarchy.region_ids;
+  head.patches = hierarchy.patches;
   head.boundary_deviation = hierarchy.boundary_deviation;
   head.base_regions = hierarchy.base_regions;
   return head;

@@ -41,15 +41,19 @@ struct HierarchyHead {
   std::vector<Field> fields;
   std::vector<std::uint32_t> roots;  ///< Nodes without parents, ascending.
   std::vector<Vec3d> base_positions;
-  std::vector<Tetrahedron> base;           ///< With those to the vertex outside.
-  std::vector<std::uint32_t> base_makers;  ///< By tetrahedron of the base: its node, or kNone.
-  std::vector<std::int64_t> region_ids;    ///< As the file numbers them, ascending.
-  /// By tetrahedron of the base, places in region_ids; empty where there is one at most.
-  std::vector<std::uint32_t> base_regions;
+  std::vector<Tetrahedron> base;            ///< With those to the vertex outside.
+  std::vector<std::uint32_t> base_makers;   ///< By tetrahedron of the base: its node, or kNone.
+  std::vector<std::int64_t> region_ids;     ///< As the file numbers them, ascending.
+  std::vector<BoundaryPatch> patches;       ///< By id, ascending.
+  std::vector<std::uint32_t> base_regions;  ///< Hierarchy's.
 
   [[nodiscard]] std::uint32_t n_vertices() const { return shape.n_base_vertices + shape.n_nodes; }
   [[nodiscard]] std::uint32_t outside() const { return n_vertices(); }
 };
+
+/// PageShape's.
+[[nodiscard]] std::uint32_t n_labels_of(std::span<const std::int64_t> region_ids,
+                                        std::span<const BoundaryPatch> patches);
 
 /// What of a field is in memory once anything is asked of it.
 struct FieldBase {

@@ -49,7 +49,7 @@ struct PageContent {
   Lists<std::uint8_t> makers;
 
   /// By tetrahedron that a node brings with an edge, or none where all are of the region of those
-  /// it replaces: PageShape::n_regions.
+  /// it replaces: PageShape::n_labels.
   Lists<std::uint32_t> regions;
 
   [[nodiscard]] std::size_t n_nodes() const { return targets.size(); }

@@ -271,15 +271,16 @@ class LinkCoder {
 
   Result<void> code_regions(std::uint32_t i) {
     std::uint32_t n = given_ != nullptr ? static_cast<std::uint32_t>(given_->regions[i].size()) : 0;
-    if (shape_.n_regions > 1) n = regions_.counts.code(coder_, n);
+    if (shape_.n_labels > 1) n = regions_.counts.code(coder_, n);
     if (n > kMaxBrought)
       return fail("{}: node {}: expected up to {} regions, got {}", what_, i, kMaxBrought, n);
     for (std::uint32_t k = 0; k < n; ++k) {
       const std::uint32_t given = given_ != nullptr ? given_->regions[i][k] : 0;
       if (coder_.bit(regions_.is_other, given != regions_.last)) {
         const std::uint64_t region = regions_.numbers.code(coder_, given);
-        if (region >= shape_.n_regions)
-          return fail("{}: expected one of {} regions, got {}", what_, shape_.n_regions, region);
+        if (region >= shape_.n_labels)
+          return fail("{}: expected one of {} regions or patches, got {}", what_, shape_.n_labels,
+                      region);
         regions_.last = static_cast<std::uint32_t>(region);
       }
       made_.regions.items.push_back(regions_.last);

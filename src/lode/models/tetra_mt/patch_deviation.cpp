@@ -106,17 +106,17 @@ class FlatPatch {
   std::array<double, Star::kMaxLink> heights_;
 };
 
-/// Of the origin from the line between two points.
+double cosine(const Vec3d& a, const Vec3d& b) { return dot(a, b) / (length(a) * length(b)); }
+
+}  // namespace
+
 double distance_to_line(const Vec3d& a, const Vec3d& b) {
   const Vec3d along = b - a;
   const double square = dot(along, along);
   const double t = square > 0 ? std::clamp(-dot(a, along) / square, 0.0, 1.0) : 0.0;
-  return length(a + along * t);
+  const bool is_between = t > 0 && t < 1;
+  return is_between && length(cross(a, b)) == 0 ? 0 : length(a + along * t);
 }
-
-double cosine(const Vec3d& a, const Vec3d& b) { return dot(a, b) / (length(a) * length(b)); }
-
-}  // namespace
 
 double patch_deviation(const Patch& patch, double limit) {
   if (patch.n < 2 || (patch.is_closed && patch.n < 3)) return kUnknown;

@@ -28,6 +28,9 @@ struct Patch {
 /// through the origin on to the corner most opposite: as it is on a sharp edge of the boundary.
 [[nodiscard]] double sheet_deviation(const Patch& patch, double limit);
 
+/// Of the origin from the line between two points; 0 where their product says that it is on it.
+[[nodiscard]] double distance_to_line(const Vec3d& a, const Vec3d& b);
+
 /// Of a point from a triangle that has an area.
 [[nodiscard]] double distance_to_triangle(const Vec3d& p, const std::array<Vec3d, 3>& triangle);
 

@@ -35,7 +35,7 @@ std::vector<std::byte> encode_tetrahedra(const HierarchyHead& head, std::size_t 
     write_differences_of(column, out);
   }
   write_differences_of(std::span(head.base_makers).subspan(first, n), out);
-  if (head.shape.n_regions > 1)
+  if (head.shape.n_labels > 1)
     write_differences_of(std::span(head.base_regions).subspan(first, n), out);
   return std::move(out).take();
 }

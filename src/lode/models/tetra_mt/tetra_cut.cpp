@@ -174,12 +174,20 @@ void TetraCut::join_edges() {
 /// Of the tetrahedra with an edge, once they are in their places.
 void TetraCut::find_regions(NodePage::Links& links) {
   const bool is_stored = links.start_regions();
-  std::uint32_t common = 0;
-  for (const Face& face : region_)
-    if (is_inside(cells_[face.slot])) common = cells_[face.slot].region;
-  for (const Placed& next : order_)
-    cells_[outline_.items[static_cast<std::uint32_t>(next.last)].slot].region =
-        is_stored ? std::min(links.next_region(), hierarchy_->head().shape.n_regions - 1) : common;
+  std::array<std::uint32_t, 2> common{};  // of those outside, and inside
+  for (const Face& face : region_) {
+    const Cell& cell = cells_[face.slot];
+    common[is_inside(cell) ? 1 : 0] = cell.region;
+  }
+  const HierarchyHead& head = hierarchy_->head();
+  const std::array<std::size_t, 2> last{head.patches.size(),
+                                        std::max<std::size_t>(head.region_ids.size(), 1) - 1};
+  for (const Placed& next : order_) {
+    Cell& cell = cells_[outline_.items[static_cast<std::uint32_t>(next.last)].slot];
+    const std::size_t side = is_inside(cell) ? 1 : 0;
+    cell.region = is_stored ? std::min(links.next_region(), static_cast<std::uint32_t>(last[side]))
+                            : common[side];
+  }
 }
 
 std::uint64_t TetraCut::apply(NodeId id) {
@@ -225,7 +233,7 @@ std::uint64_t TetraCut::apply(NodeId id) {
     set_maker(edge.slot);
     if (edge.first != outside_ && edge.second != outside_) ++n_new;
   }
-  if (hierarchy_->head().shape.n_regions > 1) find_regions(links);
+  if (hierarchy_->head().shape.n_labels > 1) find_regions(links);
   slot_of_[node] = region_.items[0].slot;
   return n_new;
 }

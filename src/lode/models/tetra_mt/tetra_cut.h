@@ -21,9 +21,10 @@ class TetraCut {
     /// By corner, the slot across from it; kNone where a face has more than two tetrahedra, which
     /// are of the vertex outside, at edges where the boundary is no manifold.
     std::array<std::uint32_t, 4> across;
-    std::uint32_t maker;   ///< The node that made it, kNone for the reference mesh's.
-    std::uint32_t region;  ///< Place in HierarchyHead::region_ids; any where it is outside.
-    std::uint32_t visit;   ///< The last one that came here.
+    std::uint32_t maker;  ///< The node that made it, kNone for the reference mesh's.
+    /// Place in HierarchyHead::region_ids; outside patch_mark() of its face.
+    std::uint32_t region;
+    std::uint32_t visit;  ///< The last one that came here.
     std::array<std::uint32_t, 5> unused;
   };
   static_assert(sizeof(Cell) == 64, "one line of the cache");

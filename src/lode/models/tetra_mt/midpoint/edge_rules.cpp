@@ -47,16 +47,19 @@ double EdgeCollapser::height(const Star& star, const Interfaces& interfaces, int
     const auto at = static_cast<std::size_t>(place);
     return (positions_[star.link[at]] - positions_[star.vertex]) * scale_;
   };
-  double largest = 0;
   const Vec3d at = way_to(kept);
+  const double limit = std::max(kCoplanar * length(at), state_.step_limit * scale_);
+  double largest = outline_height(star, interfaces, kept, way_to);
+  if (!(largest <= limit)) return kInfinite;
   for (int i = 0; i < interfaces.n_faces; ++i) {
     const auto& edge = interfaces.faces[static_cast<std::size_t>(i)].edge;
     if (edge[0] == kept || edge[1] == kept) continue;
+    if (edge[0] == star.outside || edge[1] == star.outside) continue;
     const Vec3d normal = cross(way_to(edge[0]), way_to(edge[1]));
     const double volume = std::abs(dot(normal, at));
     if (volume == 0) continue;
     const double out = volume / length(normal);
-    if (!(out <= std::max(kCoplanar * length(at), state_.step_limit * scale_))) return kInfinite;
+    if (!(out <= limit)) return kInfinite;
     largest = std::max(largest, out);
   }
   return largest / scale_;

@@ -79,13 +79,17 @@ struct Hierarchy {
   ExactLeaves exact;
 
   std::vector<Tetrahedron> base;  ///< By labels; with those to the vertex outside, n_labels().
-  std::vector<std::uint32_t> base_regions;  ///< Places in region_ids; empty where there is one.
-  std::uint64_t n_base_cells = 0;           ///< Without those to the vertex outside.
-  std::vector<std::uint32_t> roots;         ///< Labels of the base's vertices, ascending,
-  std::vector<Code> root_codes;             ///< and their codes.
-  std::vector<std::int64_t> region_ids;     ///< The mesh's.
-  /// Nodes whose tetrahedra are not all of one region, ascending, and where the regions of those
-  /// that they bring between both ends begin, in the order of the edges' labels.
+  /// Places in region_ids, or, of one to the vertex outside, patch_mark() of its face. Empty where
+  /// there is one region at most and no patch.
+  std::vector<std::uint32_t> base_regions;
+  std::uint64_t n_base_cells = 0;        ///< Without those to the vertex outside.
+  std::vector<std::uint32_t> roots;      ///< Labels of the base's vertices, ascending,
+  std::vector<Code> root_codes;          ///< and their codes.
+  std::vector<std::int64_t> region_ids;  ///< The mesh's.
+  std::vector<BoundaryPatch> patches;    ///< Likewise.
+  /// Nodes whose tetrahedra are not all of one region, and those outside of one patch, ascending,
+  /// and where what base_regions says of those that they bring between both ends begins, in the
+  /// order of the edges' labels.
   std::vector<std::uint32_t> mixed_nodes;
   std::vector<std::uint64_t> mixed_begins;
   std::vector<std::uint32_t> mixed_regions;

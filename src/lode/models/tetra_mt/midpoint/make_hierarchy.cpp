@@ -1,9 +1,12 @@
 // Does the collapses again, and notes what undoes them.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "lode/models/tetra_mt/face_labels.h"
+#include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
 #include "lode/models/tetra_mt/midpoint/edge_collapser.h"
 #include "lode/models/tetra_mt/midpoint/hierarchy.h"
@@ -32,6 +35,7 @@ class HierarchyMaker {
     start_leaves();
     std::vector<Tetrahedron> tetrahedra = mesh_.tetrahedra;
     LODE_CHECK(close_boundary(n_, tetrahedra, threads));
+    regions_ = labels_of(mesh_, tetrahedra);
     LiveTetrahedra live(n_, n_, std::move(tetrahedra));
     for (std::uint32_t node = 0; node < n_nodes(); ++node) {
       const EdgeCollapse& collapse = collapses_.collapses[node];
@@ -48,10 +52,15 @@ class HierarchyMaker {
   [[nodiscard]] std::uint32_t n_nodes() const {
     return static_cast<std::uint32_t>(collapses_.collapses.size());
   }
-  /// Of a slot; kNone of tetrahedra to the vertex outside.
-  [[nodiscard]] std::uint32_t region(std::uint32_t slot) const {
-    return slot < mesh_.regions.size() ? mesh_.regions[slot] : kNone;
+  [[nodiscard]] bool has_regions() const {
+    return !made_.patches.empty() || made_.region_ids.size() > 1;
   }
+  /// Of a slot, as the hierarchy has it.
+  [[nodiscard]] std::uint32_t region(std::uint32_t slot) const {
+    if (regions_.empty()) return 0;
+    return is_outside_label(regions_[slot]) ? patch_mark(regions_[slot]) : regions_[slot];
+  }
+  [[nodiscard]] bool is_outer(std::uint32_t slot) const { return slot >= mesh_.tetrahedra.size(); }
   [[nodiscard]] std::uint32_t label(std::uint32_t vertex) const {
     return vertex == n_ ? made_.outside() : labels_[vertex];
   }
@@ -70,8 +79,9 @@ class HierarchyMaker {
   const TetraMesh& mesh_;
   const EdgeCollapses& collapses_;
   std::uint32_t n_;
-  std::vector<std::uint32_t> labels_;  ///< By slot: of the vertex there now,
-  std::vector<Code> codes_;            ///< and its code.
+  std::vector<std::uint32_t> regions_;  ///< By slot: labels_of().
+  std::vector<std::uint32_t> labels_;   ///< By slot: of the vertex there now,
+  std::vector<Code> codes_;             ///< and its code.
   std::vector<StarTriangle> star_;
   std::vector<Vec3d> centres_;  ///< By node: where its vertex lies,
   std::vector<double> radii_;   ///< and how far what it changes reaches.
@@ -85,6 +95,7 @@ void HierarchyMaker::describe() {
   made_.type = field.type;
   made_.n_cells = mesh_.tetrahedra.size();
   made_.region_ids = mesh_.region_ids;
+  made_.patches = mesh_.patches;
   made_.scales = Scales(mesh_);
   made_.wide.assign(n_ + std::size_t{n_nodes()}, kNone);
   made_.deep.resize(n_nodes());
@@ -157,18 +168,19 @@ Result<void> HierarchyMaker::note_star(const LiveTetrahedra& live, std::uint32_t
   mask |= static_cast<std::uint64_t>(placement.position) << 60 |
           static_cast<std::uint64_t>(placement.value) << 62;
   record.mask = {static_cast<std::uint32_t>(mask), static_cast<std::uint32_t>(mask >> 32)};
-  if (mesh_.region_ids.size() > 1) note_regions(live, node, {first, second, placement});
+  if (has_regions()) note_regions(live, node, {first, second, placement});
   return {};
 }
 
 /// Collapses leave tetrahedra their slots, which are the mesh's: so their regions are known.
 void HierarchyMaker::note_regions(const LiveTetrahedra& live, std::uint32_t node,
                                   const EdgeCollapse& collapse) {
-  std::uint32_t common = kNone;
+  std::array<std::uint32_t, 2> common{kNone, kNone};  // of those inside, and outside
   bool is_common = true;
   const auto look_at = [&](std::uint32_t slot) {
-    if (common == kNone) common = region(slot);
-    is_common = is_common && (region(slot) == kNone || region(slot) == common);
+    std::uint32_t& there = common[is_outer(slot) ? 1 : 0];
+    if (there == kNone) there = region(slot);
+    is_common = is_common && region(slot) == there;
   };
   for (const StarTriangle& triangle : star_) look_at(triangle.slot);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> between;
@@ -180,7 +192,7 @@ void HierarchyMaker::note_regions(const LiveTetrahedra& live, std::uint32_t node
     std::size_t n = 0;
     for (const std::uint32_t v : t)
       if (v != collapse.kept && v != collapse.removed) edge[n++] = label(v);
-    between.emplace_back(edge_key(edge[0], edge[1]), region(slot) == kNone ? 0 : region(slot));
+    between.emplace_back(edge_key(edge[0], edge[1]), region(slot));
   }
   if (is_common) return;
   std::ranges::sort(between);
@@ -206,12 +218,10 @@ void HierarchyMaker::take_base(const LiveTetrahedra& live) {
   for (std::uint32_t slot = 0; slot < live.n_slots(); ++slot) {
     if (live.is_gone(slot)) continue;
     Tetrahedron t = live.corners(slot);
-    const bool is_outer = std::ranges::find(t, n_) != t.end();
     for (std::uint32_t& v : t) v = label(v);
     made_.base.push_back(t);
-    if (made_.region_ids.size() > 1)
-      made_.base_regions.push_back(region(slot) == kNone ? 0 : region(slot));
-    if (!is_outer) ++made_.n_base_cells;
+    if (has_regions()) made_.base_regions.push_back(region(slot));
+    if (!is_outer(slot)) ++made_.n_base_cells;
   }
   std::vector<std::pair<std::uint32_t, std::uint32_t>> there;
   for (std::uint32_t v = 0; v < n_; ++v)

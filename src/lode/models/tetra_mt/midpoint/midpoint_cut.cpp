@@ -1,6 +1,7 @@
 #include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
 
 #include <algorithm>
+#include <array>
 
 namespace lode::tetra_mt::midpoint {
 namespace {
@@ -161,19 +162,20 @@ std::uint64_t MidpointCut::apply(NodeId id) {
   end_vertex(label);
   add_vertex(first, ends.first);
   add_vertex(second, ends.second);
-  std::uint32_t region = 0;
+  std::array<std::uint32_t, 2> common{};  // of those outside, and inside
   for (const StarTriangle& t : star_) {
     Cell& cell = cells_[t.slot];
     const std::uint32_t end = t.is_second ? second : first;
     std::ranges::replace(cell.corners, label, end);
     stars_.add(places_[end], t.slot);
-    if (is_inside(cell)) region = cell.region;
+    common[is_inside(cell) ? 1 : 0] = cell.region;
   }
   const auto regions = hierarchy_->regions_of(node);
   std::uint64_t n_inside = 0;
   for (std::size_t i = 0; i < between_.size(); ++i) {
     const Between& edge = between_[i];
-    const Cell cell{{first, edge.b, edge.a, second}, i < regions.size() ? regions[i] : region};
+    Cell cell{{first, edge.b, edge.a, second}, 0};
+    cell.region = i < regions.size() ? regions[i] : common[is_inside(cell) ? 1 : 0];
     place(take_slot(), cell);
     if (is_inside(cell)) ++n_inside;
   }

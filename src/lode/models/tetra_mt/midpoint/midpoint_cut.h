@@ -24,7 +24,7 @@ class MidpointCut {
  public:
   struct Cell {
     Tetrahedron corners;   ///< Labels; those of one that is gone begin with kNone.
-    std::uint32_t region;  ///< Place in Hierarchy::region_ids; any where it is outside.
+    std::uint32_t region;  ///< As Hierarchy::base_regions says.
   };
 
   explicit MidpointCut(const Hierarchy& hierarchy);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lode/models/tetra_mt/interfaces.h"
+#include "lode/models/tetra_mt/face_labels.h"
 
 namespace lode::tetra_mt::midpoint {
 namespace {
@@ -58,10 +58,7 @@ State::State(const TetraMesh& reference)
 Result<void> State::close(Threads threads) {
   LODE_CHECK(close_boundary(outside, tetrahedra, threads));
   first_sample.assign(tetrahedra.size(), kNone);
-  const auto is_other = [&](std::uint32_t region) { return region != mesh.regions.front(); };
-  if (!std::ranges::any_of(mesh.regions, is_other)) return {};
-  labels = mesh.regions;
-  labels.resize(tetrahedra.size(), kOutsideLabel);
+  labels = labels_of(mesh, tetrahedra);
   return {};
 }
 

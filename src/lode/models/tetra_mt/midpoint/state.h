@@ -36,7 +36,7 @@ struct State {
   Scales scales;
   std::uint32_t outside;                ///< The vertex outside; all others are before it.
   std::vector<Tetrahedron> tetrahedra;  ///< By slot; those that went have no first corner.
-  /// By slot: a region, or kOutsideLabel; empty where there is one region. A collapse keeps them.
+  /// labels_of() by slot. A collapse keeps them.
   std::vector<std::uint32_t> labels;
   std::vector<std::uint32_t> first_sample;  ///< By slot: of those it covers, kNone where none.
   std::vector<std::uint32_t> next_sample;   ///< By vertex of the mesh that is no more in it.
