@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "tests/io/tetra_checks.h"
+#include "tests/oracles/random.h"
+#include "tests/oracles/tetra_grids.h"
 
 namespace lode::io {
 namespace {
@@ -92,11 +94,43 @@ TEST(tetrahedra, are_turned_by_the_majority_of_their_component) {
 TEST(tetrahedra, keep_and_count_cells_that_stay_inverted) {
   CellMesh mesh = pair_mesh();
   mesh.points.push_back({{1, 1, 1}});
-  add_cell(mesh, CellType::tetrahedron, {1, 2, 5, 3});  // Right would be 1 2 3 5.
+  mesh.points.push_back({{0.2, 0.2, 0.2}});
+  // Wound as its neighbour wants it, but with its apex on the neighbour's side.
+  add_cell(mesh, CellType::tetrahedron, {1, 2, 3, 6});
   const TetrahedraOutcome outcome = tetrahedra_of(mesh);
   EXPECT_EQ(outcome.report.n_inverted, 1U);
   EXPECT_EQ(outcome.report.n_left_handed, 0U);
   EXPECT_LT(test::volume_of(outcome.mesh, 2), 0);
+}
+
+TEST(tetrahedra, are_wound_alike_whatever_order_corners_are_in) {
+  CellMesh mesh = pair_mesh();
+  mesh.points.push_back({{1, 1, 1}});
+  add_cell(mesh, CellType::tetrahedron, {1, 2, 5, 3});  // Right would be 1 2 3 5.
+  const TetrahedraOutcome one = tetrahedra_of(mesh);
+  EXPECT_EQ(one.report.n_inverted, 0U);
+  EXPECT_EQ(one.report.n_left_handed, 1U);
+  // A grid of which about half is wound the other way, at random.
+  CellMesh grid = test::empty_cells();
+  const TetraMesh regular = oracles::noise_mesh(5, oracles::Cut::in_six, 1);
+  grid.points = regular.positions;
+  oracles::Random random(4);
+  std::uint64_t n_turned = 0;
+  for (auto t : regular.tetrahedra) {
+    const bool is_turned = random.below(5) < 2;
+    if (is_turned) std::swap(t[1], t[3]);
+    n_turned += is_turned ? 1 : 0;
+    add_cell(grid, CellType::tetrahedron, {t[0], t[1], t[2], t[3]});
+  }
+  const TetrahedraOutcome all = tetrahedra_of(grid);
+  EXPECT_EQ(all.report.n_inverted, 0U);
+  EXPECT_EQ(all.report.n_left_handed, n_turned);
+  EXPECT_NEAR(test::total_volume(all.mesh), 1, 1e-12);
+  // As its mirror image all of them are turned, but for those that were.
+  for (Vec3d& p : grid.points) p[0] = -p[0];
+  const TetrahedraOutcome mirrored = tetrahedra_of(grid);
+  EXPECT_EQ(mirrored.report.n_inverted, 0U);
+  EXPECT_EQ(mirrored.report.n_left_handed, regular.tetrahedra.size() - n_turned);
 }
 
 TEST(tetrahedra, refuse_a_face_of_three_cells) {

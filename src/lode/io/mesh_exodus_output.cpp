@@ -165,8 +165,9 @@ void ExodusContent::add_side_sets() {
   const std::uint32_t n_sets = dimension("num_side_sets", sets.size());
   std::vector<std::string> names;
   for (const PatchBlock& set : sets) names.push_back(set.name);
-  const auto add = [&](std::string name, std::uint32_t length, std::size_t n, auto number_of) {
-    return &variable({.name = std::move(name),
+  const auto add = [&](const std::string& name, std::uint32_t length, std::size_t n,
+                       auto number_of) {
+    return &variable({.name = name,
                       .type = NetcdfType::int32,
                       .dimensions = {length},
                       .n_rows = n,

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <span>
 #include <tuple>
+#include <utility>
 
 namespace lode::io {
 namespace {
@@ -13,6 +14,7 @@ struct FaceEnd {
   std::uint32_t middle = 0;
   std::uint32_t largest = 0;
   std::uint32_t tetrahedron = 0;
+  bool is_odd = false;  ///< It sees them turn the other way.
 
   [[nodiscard]] bool is_at(const FaceEnd& other) const {
     return middle == other.middle && largest == other.largest;
@@ -20,10 +22,24 @@ struct FaceEnd {
 };
 
 /// The face opposite to a corner, its points in their order.
-std::array<std::uint32_t, 3> sorted_face(const Tetrahedron& t, std::size_t corner) {
-  std::array<std::uint32_t, 3> face{};
-  for (std::size_t i = 0; i < 3; ++i) face[i] = t[(corner + 1 + i) % 4];
-  std::sort(face.begin(), face.end());
+struct SortedFace {
+  std::array<std::uint32_t, 3> points;
+  bool is_odd;  ///< As the tetrahedron has them, they turn the other way.
+};
+
+SortedFace sorted_face(const Tetrahedron& t, std::size_t corner) {
+  SortedFace face{};
+  for (std::size_t i = 0; i < 3; ++i) face.points[i] = t[(corner + 1 + i) % 4];
+  // The corners behind the first and the third, in this order, turn as seen from the other side.
+  face.is_odd = corner % 2 != 0;
+  const auto put_in_order = [&](std::size_t i, std::size_t k) {
+    if (face.points[i] <= face.points[k]) return;
+    std::swap(face.points[i], face.points[k]);
+    face.is_odd = !face.is_odd;
+  };
+  put_in_order(0, 1);
+  put_in_order(1, 2);
+  put_in_order(0, 1);
   return face;
 }
 
@@ -38,47 +54,77 @@ FaceGroups group_faces(std::span<const Tetrahedron> tetrahedra, std::size_t n_po
   groups.begins.resize(n_points + 2);
   for (const Tetrahedron& t : tetrahedra)
     for (std::size_t corner = 0; corner < 4; ++corner)
-      ++groups.begins[sorted_face(t, corner)[0] + std::size_t{2}];
+      ++groups.begins[sorted_face(t, corner).points[0] + std::size_t{2}];
   std::partial_sum(groups.begins.begin(), groups.begins.end(), groups.begins.begin());
   groups.faces.resize(4 * tetrahedra.size());
   for (std::size_t i = 0; i < tetrahedra.size(); ++i)
     for (std::size_t corner = 0; corner < 4; ++corner) {
-      const auto [a, b, c] = sorted_face(tetrahedra[i], corner);
+      const SortedFace face = sorted_face(tetrahedra[i], corner);
+      const auto& [a, b, c] = face.points;
       // While groups are filled their begins stand one place further.
-      groups.faces[groups.begins[a + std::size_t{1}]++] = {b, c, static_cast<std::uint32_t>(i)};
+      groups.faces[groups.begins[a + std::size_t{1}]++] = {b, c, static_cast<std::uint32_t>(i),
+                                                           face.is_odd};
     }
   groups.begins.pop_back();
   return groups;
 }
 
-/// Sets of tetrahedra, each known by its smallest one.
-class DisjointSets {
+/// Sets of tetrahedra, each known by its smallest one, and how each is wound against that one.
+class WoundSets {
  public:
-  explicit DisjointSets(std::size_t n) : parents_(n) {
+  explicit WoundSets(std::size_t n) : parents_(n), is_turned_(n, 0), is_orientable_(n, 1) {
     std::iota(parents_.begin(), parents_.end(), 0U);
   }
 
-  [[nodiscard]] std::uint32_t find(std::uint32_t i) {
+  /// What is found, and whether it is wound the other way than what was asked for.
+  struct Found {
+    std::uint32_t first;
+    std::uint8_t is_turned;
+  };
+  [[nodiscard]] Found find(std::uint32_t i) {
+    std::uint8_t is_turned = 0;
     while (parents_[i] != i) {
-      parents_[i] = parents_[parents_[i]];
+      const std::uint32_t up = parents_[i];
+      // Its way becomes half as long.
+      is_turned_[i] = static_cast<std::uint8_t>(is_turned_[i] ^ is_turned_[up]);
+      parents_[i] = parents_[up];
+      is_turned = static_cast<std::uint8_t>(is_turned ^ is_turned_[i]);
       i = parents_[i];
     }
-    return i;
+    return {i, is_turned};
   }
-  void join(std::uint32_t i, std::uint32_t k) {
-    i = find(i);
-    k = find(k);
-    parents_[std::max(i, k)] = std::min(i, k);
+  /// `is_turned`: of one against the other.
+  void join(std::uint32_t i, std::uint32_t k, bool is_turned) {
+    const Found a = find(i);
+    const Found b = find(k);
+    const auto between = static_cast<std::uint8_t>(a.is_turned ^ b.is_turned ^ (is_turned ? 1 : 0));
+    const std::uint32_t first = std::min(a.first, b.first);
+    const std::uint32_t last = std::max(a.first, b.first);
+    if (first == last) {
+      if (between != 0) is_orientable_[first] = 0;
+      return;
+    }
+    parents_[last] = first;
+    is_turned_[last] = between;
+    is_orientable_[first] = static_cast<std::uint8_t>(is_orientable_[first] & is_orientable_[last]);
+  }
+  [[nodiscard]] std::uint8_t is_orientable(std::uint32_t first) const {
+    return is_orientable_[first];
   }
 
  private:
   std::vector<std::uint32_t> parents_;
+  std::vector<std::uint8_t> is_turned_;      ///< Against the parent.
+  std::vector<std::uint8_t> is_orientable_;  ///< Of the smallest ones.
 };
 
-void number_components(DisjointSets& sets, TetraFaces& result) {
+void number_components(WoundSets& sets, TetraFaces& result) {
+  result.windings.resize(result.components.size());
   for (std::uint32_t i = 0; i < result.components.size(); ++i) {
-    const std::uint32_t first = sets.find(i);
+    const auto [first, is_turned] = sets.find(i);
+    if (first == i) result.is_orientable.push_back(sets.is_orientable(first));
     result.components[i] = first == i ? result.n_components++ : result.components[first];
+    result.windings[i] = is_turned;
   }
 }
 
@@ -87,7 +133,7 @@ void number_components(DisjointSets& sets, TetraFaces& result) {
 Result<TetraFaces> connect_faces(const std::string& path, const SplitCells& split,
                                  std::size_t n_points) {
   FaceGroups groups = group_faces(split.tetrahedra, n_points);
-  DisjointSets sets(split.tetrahedra.size());
+  WoundSets sets(split.tetrahedra.size());
   TetraFaces result;
   for (std::size_t point = 0; point < n_points; ++point) {
     const std::span<FaceEnd> faces =
@@ -107,7 +153,8 @@ Result<TetraFaces> connect_faces(const std::string& path, const SplitCells& spli
             path, end - i, point, faces[i].middle, faces[i].largest,
             split.cells[faces[i].tetrahedron]);
       if (end - i == 2)
-        sets.join(faces[i].tetrahedron, faces[i + 1].tetrahedron);
+        sets.join(faces[i].tetrahedron, faces[i + 1].tetrahedron,
+                  faces[i].is_odd == faces[i + 1].is_odd);
       else
         result.boundary.push_back(
             {static_cast<std::uint32_t>(point), faces[i].middle, faces[i].largest});

@@ -22,51 +22,107 @@ std::vector<std::int8_t> signs_of(const std::vector<Vec3d>& points, const SplitC
   return signs;
 }
 
-void turn(std::size_t i, SplitCells& split, std::vector<std::int8_t>& signs) {
-  std::swap(split.tetrahedra[i][2], split.tetrahedra[i][3]);
-  signs[i] = static_cast<std::int8_t>(-signs[i]);
+/// What of a component is turned round.
+struct Turn {
+  std::int64_t votes = 0;    ///< Signs of those that may turn, as if all were wound alike;
+  std::int64_t n_other = 0;  ///< how many of them are wound the other way,
+  std::int64_t n_all = 0;    ///< of how many.
+  bool is_together = false;  ///< All turn, or none: it cannot be wound alike, or must not.
+  std::uint8_t turned_winding = 0;
+  bool is_turned = false;
+};
+
+void decide(Turn& turn) {
+  if (turn.is_together) {
+    turn.is_turned = turn.votes < 0;
+    return;
+  }
+  // Those wound the other way turn, unless most volumes are negative then.
+  const bool is_tie = turn.votes == 0;
+  const bool are_others_fewer = 2 * turn.n_other <= turn.n_all;
+  turn.turned_winding = turn.votes > 0 || (is_tie && are_others_fewer) ? 1 : 0;
+  turn.is_turned = true;
 }
 
-void turn_wedges(const CellMesh& mesh, SplitCells& split, std::vector<std::int8_t>& signs,
-                 TetraReport& report) {
+class Winding {
+ public:
+  Winding(const CellMesh& mesh, const TetraFaces& faces, SplitCells& split,
+          std::vector<std::int8_t> signs)
+      : mesh_(mesh),
+        faces_(faces),
+        split_(split),
+        signs_(std::move(signs)),
+        ways_(faces.windings) {}
+
+  void turn_wedges(TetraReport& report);
+  void turn_components(TetraReport& report);
+  [[nodiscard]] const std::vector<std::int8_t>& signs() const { return signs_; }
+
+ private:
+  [[nodiscard]] bool may_turn(std::size_t i) const {
+    return type_of_tetrahedron(mesh_, split_, i) != CellType::polyhedron;
+  }
+  void turn(std::size_t i) {
+    std::swap(split_.tetrahedra[i][2], split_.tetrahedra[i][3]);
+    signs_[i] = static_cast<std::int8_t>(-signs_[i]);
+    ways_[i] ^= 1;
+  }
+
+  const CellMesh& mesh_;
+  const TetraFaces& faces_;
+  SplitCells& split_;
+  std::vector<std::int8_t> signs_;
+  std::vector<std::uint8_t> ways_;  ///< TetraFaces::windings, as they are now.
+};
+
+void Winding::turn_wedges(TetraReport& report) {
   std::int64_t wedge_votes = 0;
   std::int64_t other_votes = 0;
-  for (std::size_t i = 0; i < signs.size(); ++i) {
-    const CellType type = type_of_tetrahedron(mesh, split, i);
-    if (type == CellType::polyhedron) continue;
-    (type == CellType::wedge ? wedge_votes : other_votes) += signs[i];
+  for (std::size_t i = 0; i < signs_.size(); ++i) {
+    if (!may_turn(i)) continue;
+    const CellType type = type_of_tetrahedron(mesh_, split_, i);
+    (type == CellType::wedge ? wedge_votes : other_votes) += signs_[i];
   }
   if (!((wedge_votes < 0 && other_votes > 0) || (wedge_votes > 0 && other_votes < 0))) return;
-  for (std::size_t i = 0; i < signs.size(); ++i)
-    if (type_of_tetrahedron(mesh, split, i) == CellType::wedge) {
-      turn(i, split, signs);
+  for (std::size_t i = 0; i < signs_.size(); ++i)
+    if (type_of_tetrahedron(mesh_, split_, i) == CellType::wedge) {
+      turn(i);
       ++report.n_turned_wedges;
     }
 }
 
-void turn_components(const CellMesh& mesh, const TetraFaces& faces, SplitCells& split,
-                     std::vector<std::int8_t>& signs, TetraReport& report) {
-  const auto is_voter = [&](std::size_t i) {
-    return type_of_tetrahedron(mesh, split, i) != CellType::polyhedron;
-  };
-  std::vector<std::int64_t> votes(faces.n_components);
-  for (std::size_t i = 0; i < signs.size(); ++i)
-    if (is_voter(i)) votes[faces.components[i]] += signs[i];
-  for (std::size_t i = 0; i < signs.size(); ++i)
-    if (is_voter(i) && votes[faces.components[i]] < 0) {
-      turn(i, split, signs);
-      ++report.n_left_handed;
-    }
+void Winding::turn_components(TetraReport& report) {
+  std::vector<Turn> turns(faces_.n_components);
+  for (std::size_t i = 0; i < signs_.size(); ++i) {
+    Turn& of = turns[faces_.components[i]];
+    of.is_together = of.is_together || !may_turn(i) || !faces_.is_orientable[faces_.components[i]];
+  }
+  for (std::size_t i = 0; i < signs_.size(); ++i) {
+    if (!may_turn(i)) continue;
+    Turn& of = turns[faces_.components[i]];
+    const bool is_other = !of.is_together && ways_[i] != 0;
+    of.votes += is_other ? -signs_[i] : signs_[i];
+    of.n_other += is_other ? 1 : 0;
+    ++of.n_all;
+  }
+  for (Turn& of : turns) decide(of);
+  for (std::size_t i = 0; i < signs_.size(); ++i) {
+    const Turn& of = turns[faces_.components[i]];
+    if (!may_turn(i) || !of.is_turned || (!of.is_together && ways_[i] != of.turned_winding))
+      continue;
+    turn(i);
+    ++report.n_left_handed;
+  }
 }
 
 }  // namespace
 
 void turn_round(const CellMesh& mesh, const std::vector<Vec3d>& points, const TetraFaces& faces,
                 SplitCells& split, TetraReport& report) {
-  std::vector<std::int8_t> signs = signs_of(points, split);
-  turn_wedges(mesh, split, signs, report);
-  turn_components(mesh, faces, split, signs, report);
-  for (const std::int8_t sign : signs) {
+  Winding winding(mesh, faces, split, signs_of(points, split));
+  winding.turn_wedges(report);
+  winding.turn_components(report);
+  for (const std::int8_t sign : winding.signs()) {
     if (sign == 0) ++report.n_zero_volume;
     if (sign < 0) ++report.n_inverted;
   }

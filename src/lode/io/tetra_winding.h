@@ -16,9 +16,11 @@ namespace lode::io {
 
 /// Turns tetrahedra round and counts those of no and of negative volume, exactly. First all wedges'
 /// where most of them are of the other sign than most other cells': some programs wind them so that
-/// the first triangle faces the second one, some the other way. Then each component's, of which
-/// more are negative than positive; those of polyhedra, whose winding is known, neither vote nor
-/// turn.
+/// the first triangle faces the second one, some the other way. Then, in each component, those that
+/// are not wound as most are, so that all see a face they share from different sides: as most are
+/// that is of positive volume. What is of negative volume then is folded over its neighbours, and
+/// stays. Components that cannot be wound alike, and those with polyhedra, whose winding is known,
+/// turn all of their other cells or none.
 void turn_round(const CellMesh& mesh, const std::vector<Vec3d>& points, const TetraFaces& faces,
                 SplitCells& split, TetraReport& report);
 

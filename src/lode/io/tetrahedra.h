@@ -56,9 +56,9 @@ struct TetraReport {
   // Of tetrahedra, after cells were split:
   std::uint64_t n_repeating = 0;      ///< Left out: a corner is there twice.
   std::uint64_t n_zero_volume = 0;    ///< Kept, for the mesh to conform.
-  std::uint64_t n_left_handed = 0;    ///< Turned round with all of their component.
+  std::uint64_t n_left_handed = 0;    ///< Turned round: wound otherwise than their component is.
   std::uint64_t n_turned_wedges = 0;  ///< Turned round since wedges are wound unlike other cells.
-  std::uint64_t n_inverted = 0;       ///< Kept, of negative volume.
+  std::uint64_t n_inverted = 0;       ///< Kept, of negative volume: folded over others.
   std::uint64_t n_components = 0;     ///< Connected through faces.
   std::uint64_t n_boundary_faces = 0;
   std::uint64_t n_nonfinite_values = 0;  ///< Of fields, at vertices.
@@ -75,7 +75,8 @@ struct TetrahedraOutcome {
 /// pyramids, prisms and hexahedra into tetrahedra, 1999): 5 or 6 tetrahedra for a hexahedron or
 /// voxel, 3 for a wedge, 2 for a pyramid; a polyhedron's round its centre, the mean of its corners.
 /// Fields of cells become means, weighted by volume, over the cells at a point. Vertices keep the
-/// order of the points. Tetrahedra are turned round where most of a component has negative volume.
+/// order of the points. Tetrahedra are turned round so that all of a component are wound alike, and
+/// most of positive volume.
 /// Fails on other solid cells, on faces of more than two tetrahedra, on a field that is missing,
 /// and where nothing solid is left.
 [[nodiscard]] Result<TetrahedraOutcome> to_tetrahedra(CellMesh&& mesh, const TetraOptions& options);
