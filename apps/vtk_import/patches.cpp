@@ -59,6 +59,7 @@ std::int64_t object_of(const FaceBlock& block) {
 
 std::vector<std::int64_t> numbers_of(const std::vector<FaceBlock>& blocks) {
   std::vector<std::int64_t> numbers;
+  numbers.reserve(blocks.size());
   for (const FaceBlock& block : blocks) numbers.push_back(object_of(block));
   std::vector<std::int64_t> sorted = numbers;
   std::sort(sorted.begin(), sorted.end());
