@@ -70,6 +70,8 @@ struct Command {
 [[nodiscard]] Command add_count_command(CLI::App& program);
 [[nodiscard]] Command add_extract_command(CLI::App& program);
 [[nodiscard]] Command add_probe_command(CLI::App& program);
+[[nodiscard]] Command add_height_command(CLI::App& program);
+[[nodiscard]] Command add_profile_command(CLI::App& program);
 [[nodiscard]] Command add_verify_command(CLI::App& program);
 [[nodiscard]] Command add_render_command(CLI::App& program);
 

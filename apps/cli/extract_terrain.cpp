@@ -1,37 +1,12 @@
 #include "extract_terrain.h"
 
-#include <limits>
-
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
+#include "terrain_query.h"
 
 namespace lode::cli {
 namespace {
-
-constexpr const char* kModel = "delaunay_selector";
-
-Result<TerrainOptions> to_options(const TerrainJob& job) {
-  TerrainOptions options;
-  LODE_TRY(options.max_error, to_max_error(job.max_error));
-  if (!job.terrain.model.empty() && job.terrain.model != kModel)
-    return fail("--model: expected '{}' for a raster of heights, got '{}'", kModel,
-                job.terrain.model);
-  if (!job.max_cells.empty()) {
-    constexpr std::int64_t kMaxCells = std::int64_t{1} << 30;
-    LODE_TRY(const auto n, parse_integer("--max-cells", job.max_cells, 1, kMaxCells));
-    options.max_cells = static_cast<std::uint64_t>(n);
-  }
-  const std::string& insertion = job.terrain.insertion;
-  if (insertion == "strict") {
-    options.order = InsertionOrder::strict;
-  } else if (!insertion.empty() && insertion != "levels") {
-    return fail("--insertion: expected 'levels' or 'strict', got '{}'", insertion);
-  }
-  if (insertion == "levels" && options.max_cells)
-    return fail("--insertion: expected 'strict' with --max-cells, got 'levels'");
-  return options;
-}
 
 /// A raster, the TIN of it, and how long things took.
 struct TerrainAnswer {
@@ -49,7 +24,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   json["command"] = "extract";
   json["input"] = answer.job.input;
   json["outputs"] = Json::array({answer.job.output});
-  json["model"] = kModel;
+  json["model"] = kTerrainModel;
   json["insertion"] = answer.is_strict ? "strict" : "levels";
   json["max_error"] = report.max_error;
   json["max_error_is_default"] = answer.job.max_error.empty();
@@ -77,7 +52,7 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
   if (report.n_left_out > 0)
     table.add({"left out", fmt::format("{} samples in no cell with four heights",
                                        format_count(report.n_left_out))});
-  table.add({"model", kModel});
+  table.add({"model", kTerrainModel});
   const char* why = !answer.job.max_error.empty()   ? "as asked"
                     : !answer.job.max_cells.empty() ? "the triangles decide"
                                                     : "default: 0.5 % of the range";
@@ -93,7 +68,7 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
 
 std::string comment_of(const TerrainReport& report, const HeightRaster& raster) {
   return fmt::format("Lode {}: {}, max_error {}, achieved_error {} at samples{}{}", LODE_VERSION,
-                     kModel, report.max_error, report.achieved_error,
+                     kTerrainModel, report.max_error, report.achieved_error,
                      raster.grid.vertical_unit.empty() ? "" : " " + raster.grid.vertical_unit,
                      raster.grid.crs.empty() ? "" : ", CRS " + raster.grid.crs);
 }
@@ -112,26 +87,45 @@ void warn_of(const TerrainReport& report, const TerrainJob& job, Session& sessio
                              format_number(report.achieved_error)));
 }
 
-/// Names the file, unless the reason is that the user stopped.
-template <typename T>
-Result<T> naming(const std::string& path, Result<T> result, Session& session) {
-  if (result || session.progress().is_cancelled()) return result;
-  return fail("{}: {}", path, result.error().message);
-}
-
 }  // namespace
+
+Result<TerrainOptions> to_terrain_options(const std::string& max_error,
+                                          const std::string& max_cells,
+                                          const TerrainArguments& terrain) {
+  TerrainOptions options;
+  LODE_TRY(options.max_error, to_max_error(max_error));
+  if (!terrain.model.empty() && terrain.model != kTerrainModel)
+    return fail("--model: expected '{}' for a raster of heights, got '{}'", kTerrainModel,
+                terrain.model);
+  if (!max_cells.empty()) {
+    constexpr std::int64_t kMaxCells = std::int64_t{1} << 30;
+    LODE_TRY(const auto n, parse_integer("--max-cells", max_cells, 1, kMaxCells));
+    options.max_cells = static_cast<std::uint64_t>(n);
+  }
+  const std::string& insertion = terrain.insertion;
+  if (insertion == "strict") {
+    options.order = InsertionOrder::strict;
+  } else if (!insertion.empty() && insertion != "levels") {
+    return fail("--insertion: expected 'levels' or 'strict', got '{}'", insertion);
+  }
+  if (insertion == "levels" && options.max_cells)
+    return fail("--insertion: expected 'strict' with --max-cells, got 'levels'");
+  return options;
+}
 
 Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   LODE_CHECK(
       check_only_terrain(app, job.input, {"--max-error", "--max-cells", "--model", "--insertion"}));
   LODE_CHECK(check_surface_extension(job.output));
-  if (auto options = to_options(job); !options) return options.error();
+  if (auto options = to_terrain_options(job.max_error, job.max_cells, job.terrain); !options)
+    return options.error();
   if (auto options = to_height_options(job.terrain, job.reading); !options) return options.error();
   return check_paths_differ({job.input}, {job.output});
 }
 
 Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
-  LODE_TRY(const TerrainOptions options, to_options(job));
+  LODE_TRY(const TerrainOptions options,
+           to_terrain_options(job.max_error, job.max_cells, job.terrain));
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_CHECK(check_writable(job.output));
   const Stopwatch read_watch;

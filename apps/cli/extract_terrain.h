@@ -16,6 +16,13 @@ struct TerrainJob {
   ReadingArguments reading;
 };
 
+inline constexpr const char* kTerrainModel = "delaunay_selector";
+
+/// --max-error, --max-cells, --model and --insertion; empty: not given.
+[[nodiscard]] Result<TerrainOptions> to_terrain_options(const std::string& max_error,
+                                                        const std::string& max_cells,
+                                                        const TerrainArguments& terrain);
+
 /// Looks at the arguments alone; `app` knows which options were given.
 [[nodiscard]] Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app);
 [[nodiscard]] Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session);

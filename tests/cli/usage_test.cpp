@@ -5,8 +5,9 @@
 namespace lode::test {
 namespace {
 
-const std::vector<std::string> kCommands{"info",         "build",  "count",  "extract", "probe",
-                                         "attach-field", "verify", "render", "bench"};
+const std::vector<std::string> kCommands{"info",  "build",        "count",  "extract",
+                                         "probe", "attach-field", "verify", "render",
+                                         "bench", "height",       "profile"};
 
 TEST(cli_usage, explains_every_command_with_an_example) {
   for (const std::string& command : kCommands) {

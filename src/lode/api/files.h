@@ -8,7 +8,9 @@
 #include "lode/api/file_build.h"
 #include "lode/api/mesh_picture.h"
 #include "lode/api/terrain.h"
+#include "lode/api/terrain_tin.h"
 #include "lode/api/tetra_dataset.h"
+#include "lode/io/crs_metric.h"
 #include "lode/io/height_reader.h"
 #include "lode/io/mesh_file.h"
 #include "lode/io/mesh_reader.h"
@@ -44,6 +46,7 @@ using io::QuadraticCells;
 using io::RawLayout;
 using io::read_cell_mesh;
 using io::read_heights;
+using io::read_metric;
 using io::ReadOptions;
 using io::SurfaceWriteOptions;
 using io::TetrahedraOutcome;

@@ -2,29 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <new>
 #include <utility>
 
+#include "lode/api/terrain_selection.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/delaunay/grid_domain.h"
 #include "lode/mappers/tin_check.h"
 #include "lode/mappers/tin_surface.h"
-#include "lode/models/terrain/delaunay_selector/selector.h"
 
 namespace lode {
 namespace {
-
-/// Of the range of heights, where nothing else is said; as of volumes.
-constexpr double kDefaultShare = 0.005;
-
-double tolerance_of(const HeightGrid& grid, const TerrainOptions& options) {
-  if (options.max_error) return *options.max_error;
-  if (options.max_cells) return 0;
-  const HeightRange range = height_range(grid);
-  return std::max(0.0, kDefaultShare * (range.upper - range.lower));
-}
 
 VerifyReport to_report(const TinFacts& facts, double max_error) {
   VerifyReport report;
@@ -58,27 +47,13 @@ VerifyReport to_report(const TinFacts& facts, double max_error) {
 Result<TerrainSurface> extract_terrain(const HeightGrid& grid, const TerrainOptions& options,
                                        Progress& progress) try {
   const Stopwatch watch;
-  const double max_error = tolerance_of(grid, options);
-  LODE_TRY(const delaunay_selector::Selection selection,
-           delaunay_selector::select_samples(
-               grid,
-               {.max_error = max_error,
-                .max_cells = options.max_cells,
-                .order = options.max_cells ? InsertionOrder::strict : options.order},
-               progress));
-  TinSurface made = to_surface(selection.tin, grid);
-  TerrainReport report{.triangles = selection.tin.triangles.size(),
-                       .vertices = selection.tin.vertices.size(),
-                       .max_error = max_error,
-                       .achieved_error = selection.achieved_error,
-                       .is_within_error = selection.is_within_error,
-                       .budget_met = selection.is_within_cells,
-                       .n_samples = selection.n_samples,
-                       .n_missing = grid.n_missing(),
-                       .n_left_out = selection.n_left_out,
-                       .height_slack = made.height_slack,
-                       .position_slack = made.position_slack,
-                       .seconds = watch.seconds()};
+  LODE_TRY(SelectedTerrain selected,
+           select_terrain(grid, options, delaunay::TinLinks::left_out, progress));
+  TinSurface made = to_surface(selected.selection.tin, grid);
+  TerrainReport report = selected.report;
+  report.height_slack = made.height_slack;
+  report.position_slack = made.position_slack;
+  report.seconds = watch.seconds();
   return TerrainSurface{std::move(made.surface), report};
 } catch (const std::bad_alloc&) {
   return out_of_memory("select samples");

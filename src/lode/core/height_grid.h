@@ -46,6 +46,9 @@ struct HeightGrid {
   [[nodiscard]] Vec<double, 2> world(double x, double y) const;
   /// Columns and rows of a place in the world: the inverse of world().
   [[nodiscard]] Vec<double, 2> lattice(double x, double y) const;
+  /// The same, but on a column or row where only rounding, also of a sample's place in the world,
+  /// may have moved it off.
+  [[nodiscard]] Vec<double, 2> snapped_lattice(double x, double y) const;
   /// Whether x and y turn the other way in the world, as they do where rows run from north to
   /// south.
   [[nodiscard]] bool is_mirrored() const {

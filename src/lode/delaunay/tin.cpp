@@ -42,7 +42,7 @@ class NodeSet {
 
 }  // namespace
 
-Tin to_tin(const LatticeMesh& mesh) {
+Tin to_tin(const LatticeMesh& mesh, TinLinks links) {
   Tin tin;
   std::uint32_t last = 0;
   for (const LatticeTriangle& triangle : mesh.triangles())
@@ -56,6 +56,13 @@ Tin to_tin(const LatticeMesh& mesh) {
   for (const LatticeTriangle& triangle : mesh.triangles()) {
     auto& made = tin.triangles.emplace_back();
     for (std::size_t i = 0; i < 3; ++i) made[i] = nodes.number_of(triangle.corner[i]);
+  }
+  if (links == TinLinks::left_out) return tin;
+  tin.twins.reserve(mesh.triangles().size());
+  tin.errors.reserve(mesh.triangles().size());
+  for (const LatticeTriangle& triangle : mesh.triangles()) {
+    tin.twins.push_back(triangle.twin);
+    tin.errors.push_back(triangle.error);
   }
   return tin;
 }

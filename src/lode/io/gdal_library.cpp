@@ -57,6 +57,19 @@ void find_bands(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.read, "GDALRasterIO");
 }
 
+void find_crs(Finder& finder, GdalLibrary& gdal) {
+  finder.find(gdal.new_crs, "OSRNewSpatialReference");
+  finder.find(gdal.destroy_crs, "OSRDestroySpatialReference");
+  finder.find(gdal.import_wkt, "OSRImportFromWkt");
+  finder.find(gdal.set_axis_order, "OSRSetAxisMappingStrategy");
+  finder.find(gdal.is_geographic, "OSRIsGeographic");
+  finder.find(gdal.attribute, "OSRGetAttrValue");
+  finder.find(gdal.semi_major, "OSRGetSemiMajor");
+  finder.find(gdal.inverse_flattening, "OSRGetInvFlattening");
+  finder.find(gdal.angular_units, "OSRGetAngularUnits");
+  finder.find(gdal.linear_units, "OSRGetLinearUnits");
+}
+
 Result<GdalLibrary> load() {
   void* library = dlopen(LODE_GDAL_LIBRARY, RTLD_LAZY | RTLD_LOCAL);
   if (library == nullptr) {
@@ -68,6 +81,7 @@ Result<GdalLibrary> load() {
   Finder finder(library);
   find_rasters(finder, gdal);
   find_bands(finder, gdal);
+  find_crs(finder, gdal);
   if (!finder.missing().empty())
     return fail("expected {} to have {}, got a library without it", LODE_GDAL_LIBRARY,
                 finder.missing());

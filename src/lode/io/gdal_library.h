@@ -3,6 +3,7 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <gdal.h>
+#include <ogr_srs_api.h>
 
 #include "lode/core/result.h"
 
@@ -33,6 +34,16 @@ struct GdalLibrary {
   decltype(&GDALGetDatasetDriver) driver = nullptr;
   decltype(&GDALGetDriverShortName) driver_name = nullptr;
   decltype(&GDALRasterIO) read = nullptr;
+  decltype(&OSRNewSpatialReference) new_crs = nullptr;
+  decltype(&OSRDestroySpatialReference) destroy_crs = nullptr;
+  decltype(&OSRImportFromWkt) import_wkt = nullptr;
+  decltype(&OSRSetAxisMappingStrategy) set_axis_order = nullptr;
+  decltype(&OSRIsGeographic) is_geographic = nullptr;
+  decltype(&OSRGetAttrValue) attribute = nullptr;
+  decltype(&OSRGetSemiMajor) semi_major = nullptr;
+  decltype(&OSRGetInvFlattening) inverse_flattening = nullptr;
+  decltype(&OSRGetAngularUnits) angular_units = nullptr;
+  decltype(&OSRGetLinearUnits) linear_units = nullptr;
   decltype(&CPLPushErrorHandler) push_error_handler = nullptr;
   decltype(&CPLPopErrorHandler) pop_error_handler = nullptr;
   CPLErrorHandler quiet_handler = nullptr;

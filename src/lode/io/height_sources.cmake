@@ -1,5 +1,7 @@
 # Reading heights; included by CMakeLists.txt beside it.
 set(IO_HEIGHT_SOURCES
+  crs_metric.cpp
+  gdal_crs.cpp
   gdal_library.cpp
   gdal_raster.cpp
   height_hgt.cpp

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "lode/delaunay/grid_domain.h"
 
@@ -18,6 +19,13 @@ delaunay::GreedyOptions greedy_options(const SelectorOptions& options) {
   delaunay::GreedyOptions greedy{.max_error = options.max_error, .order = options.order};
   if (options.max_cells) greedy.max_triangles = *options.max_cells;
   return greedy;
+}
+
+std::vector<double> heights_of(const delaunay::Tin& tin, const HeightGrid& grid) {
+  std::vector<double> heights;
+  heights.reserve(tin.vertices.size());
+  for (const delaunay::LatticePoint& p : tin.vertices) heights.push_back(grid.height(p.x, p.y));
+  return heights;
 }
 
 }  // namespace
@@ -39,11 +47,13 @@ Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& 
                                      progress);
   };
   LODE_TRY(const delaunay::GreedyReport report, std::visit(insert, grid.heights));
-  Selection selection{.tin = delaunay::to_tin(mesh),
+  Selection selection{.tin = delaunay::to_tin(mesh, options.links),
                       .achieved_error = report.achieved_error,
                       .is_within_error = report.is_within_error,
                       .n_samples = domain.n_samples,
                       .n_left_out = domain.n_left_out};
+  if (options.links == delaunay::TinLinks::kept)
+    selection.tin.heights = heights_of(selection.tin, grid);
   if (options.max_cells)
     selection.is_within_cells = selection.tin.triangles.size() <= *options.max_cells;
   return selection;

@@ -16,6 +16,7 @@ struct SelectorOptions {
   double max_error = 0;                      ///< Vertical, units of the heights; finite, >= 0.
   std::optional<std::uint64_t> max_cells{};  ///< At most so many triangles; strict order only.
   InsertionOrder order = InsertionOrder::levels;
+  delaunay::TinLinks links = delaunay::TinLinks::left_out;  ///< kept: heights, too.
 };
 
 struct Selection {

@@ -1,0 +1,181 @@
+#include <fmt/format.h>
+
+#include <iterator>
+#include <memory>
+
+#include "command.h"
+#include "outputs.h"
+#include "place_file.h"
+#include "stopwatch.h"
+#include "terrain_query.h"
+
+namespace lode::cli {
+namespace {
+
+constexpr const char* kBoundKind = "at samples";
+
+struct HeightArguments {
+  TerrainQueryArguments terrain;
+  std::string points_file;
+  std::vector<std::string> places;
+  std::string output;
+};
+
+Result<std::vector<Place>> typed_places(const HeightArguments& arguments) {
+  std::vector<Place> places;
+  for (const std::string& text : arguments.places) {
+    LODE_TRY(const Place place, parse_place("--at", text));
+    places.push_back(place);
+  }
+  return places;
+}
+
+Result<void> check_height(const HeightArguments& arguments) {
+  LODE_CHECK(check_terrain_query(arguments.terrain,
+                                 "values in meshes of cells are found by lode probe --points"));
+  if (auto places = typed_places(arguments); !places) return places.error();
+  if (arguments.places.empty() && arguments.points_file.empty())
+    return fail("{}: expected POINTS.csv or --at X,Y, got neither", arguments.terrain.input);
+  std::vector<std::string> inputs{arguments.terrain.input};
+  if (!arguments.points_file.empty()) inputs.push_back(arguments.points_file);
+  if (arguments.output.empty()) return {};
+  LODE_CHECK(check_extension(arguments.output, ".csv"));
+  return check_paths_differ(inputs, {arguments.output});
+}
+
+struct HeightAnswer {
+  const HeightArguments& arguments;
+  const TerrainAnswerer& answerer;
+  const std::vector<Place>& places;
+  const std::vector<TerrainHeight>& heights;
+  const HeightsReport& report;
+};
+
+const char* status_name(TerrainHeight::Where where) {
+  if (where == TerrainHeight::Where::inside) return "inside";
+  return where == TerrainHeight::Where::gap ? "gap" : "outside";
+}
+
+std::string height_csv(const HeightAnswer& answer) {
+  std::string text = "x,y,height,bound,bound_kind\n";
+  auto out = std::back_inserter(text);
+  for (std::size_t i = 0; i < answer.places.size(); ++i) {
+    const Place& at = answer.places[i];
+    const TerrainHeight& z = answer.heights[i];
+    if (z.where == TerrainHeight::Where::inside)
+      fmt::format_to(out, "{},{},{},{},{}\n", at[0], at[1], z.height, z.bound, kBoundKind);
+    else
+      fmt::format_to(out, "{},{},,,\n", at[0], at[1]);
+  }
+  return text;
+}
+
+std::string height_table(const HeightAnswer& answer) {
+  Table table({"x", "y", "height", "bound", "bound kind"});
+  for (std::size_t i = 0; i < answer.places.size(); ++i) {
+    const Place& at = answer.places[i];
+    const TerrainHeight& z = answer.heights[i];
+    const bool is_inside = z.where == TerrainHeight::Where::inside;
+    table.add({fmt::format("{:.12g}", at[0]), fmt::format("{:.12g}", at[1]),
+               is_inside ? format_number(z.height) : "", is_inside ? format_number(z.bound) : "",
+               is_inside ? kBoundKind : status_name(z.where)});
+  }
+  return table.to_string();
+}
+
+Json points_json(const HeightAnswer& answer) {
+  Json points = Json::array();
+  for (std::size_t i = 0; i < answer.places.size(); ++i) {
+    const TerrainHeight& z = answer.heights[i];
+    Json one;
+    one["x"] = answer.places[i][0];
+    one["y"] = answer.places[i][1];
+    one["status"] = status_name(z.where);
+    const bool is_inside = z.where == TerrainHeight::Where::inside;
+    one["height"] = is_inside ? Json(z.height) : Json(nullptr);
+    one["bound"] = is_inside ? Json(z.bound) : Json(nullptr);
+    points.push_back(std::move(one));
+  }
+  return points;
+}
+
+Outcome outcome_of(const HeightAnswer& answer, Session& session) {
+  const HeightArguments& arguments = answer.arguments;
+  Outcome outcome;
+  Json& json = outcome.json;
+  json["command"] = "height";
+  json["input"] = arguments.terrain.input;
+  json["outputs"] = arguments.output.empty() ? Json::array() : Json::array({arguments.output});
+  Table table;
+  add_terrain_head(answer.answerer, arguments.terrain, json, table);
+  json["bound_kind"] = kBoundKind;
+  json["places"] = answer.places.size();
+  json["outside"] = answer.report.n_outside;
+  json["in_gaps"] = answer.report.n_in_gaps;
+  // To files they may be millions.
+  if (arguments.output.empty()) json["points"] = points_json(answer);
+  json["seconds"] = {{"read", answer.answerer.read_seconds},
+                     {"select", answer.answerer.tin.report().seconds},
+                     {"prepare", answer.report.prepare_seconds},
+                     {"locate", answer.report.seconds}};
+  json["warnings"] = session.warnings();
+  table.add({"places", format_count(answer.places.size())});
+  table.add({"outside", format_count(answer.report.n_outside)});
+  table.add({"in gaps", format_count(answer.report.n_in_gaps)});
+  table.add({"prepare", format_seconds(answer.report.prepare_seconds)});
+  table.add({"locate", format_seconds(answer.report.seconds)});
+  if (!arguments.output.empty()) table.add({"output", arguments.output});
+  outcome.text = table.to_string();
+  if (arguments.output.empty()) outcome.text += '\n' + height_table(answer);
+  return outcome;
+}
+
+Result<Outcome> run_height(const HeightArguments& arguments, Session& session) {
+  LODE_TRY(std::vector<Place> places, typed_places(arguments));
+  if (!arguments.output.empty()) LODE_CHECK(check_writable(arguments.output));
+  if (!arguments.points_file.empty()) {
+    LODE_TRY(const std::vector<Place> more, read_places(arguments.points_file));
+    places.insert(places.end(), more.begin(), more.end());
+  }
+  LODE_TRY(const TerrainAnswerer answerer, open_terrain(arguments.terrain, session));
+  std::vector<TerrainHeight> heights;
+  LODE_TRY(const HeightsReport report,
+           answerer.tin.heights(places, heights, session.threads(), session.progress()));
+  const HeightAnswer answer{arguments, answerer, places, heights, report};
+  const std::uint64_t n_off = report.n_outside + report.n_in_gaps;
+  if (n_off > 0)
+    session.warn(fmt::format("{} of {} places have no height: {} outside, {} in gaps", n_off,
+                             places.size(), report.n_outside, report.n_in_gaps));
+  if (!arguments.output.empty())
+    LODE_CHECK(write_text(arguments.output, height_csv(answer), session.progress()));
+  return outcome_of(answer, session);
+}
+
+}  // namespace
+
+Command add_height_command(CLI::App& program) {
+  auto arguments = std::make_shared<HeightArguments>();
+  CLI::App* app =
+      program.add_subcommand("height", "Show heights of a terrain at places, with their bounds");
+  app->footer(
+      "The height is that of the TIN within --max-error, in its triangle's plane. `bound` holds "
+      "at\n"
+      "samples: none in the triangle is farther from its plane. Between samples terrain is not\n"
+      "defined. Places outside of the terrain, or in its gaps, have no height, and are counted.\n"
+      "POINTS.csv has x and y a line, in the raster's CRS, with a heading (x,y or lon,lat) or\n"
+      "without.\n\n"
+      "Examples:\n  lode height dem.tif --at 500010,4000020 --max-error 1\n"
+      "  lode height dem.tif stations.csv --out heights.csv --max-error 0");
+  add_terrain_query(*app, arguments->terrain);
+  app->add_option("points", arguments->points_file, "Places: x and y a line")
+      ->type_name("POINTS.csv");
+  app->add_option("--at", arguments->places, "A place; may be repeated")
+      ->type_name("X,Y")
+      ->allow_extra_args(false);
+  app->add_option("-o,--output,--out", arguments->output, "Write x,y,height,bound,bound_kind")
+      ->type_name("OUT.csv");
+  return {app, [arguments] { return check_height(*arguments); },
+          [arguments](Session& session) { return run_height(*arguments, session); }};
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,113 @@
+#include "terrain_query.h"
+
+#include "extract_terrain.h"
+#include "parse.h"
+#include "stopwatch.h"
+
+namespace lode::cli {
+namespace {
+
+ReadingArguments reading_of(const TerrainQueryArguments& arguments) {
+  ReadingArguments reading;
+  reading.nodata = arguments.nodata;
+  return reading;
+}
+
+}  // namespace
+
+void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
+  app.add_option("dem", arguments.input, "Raster of heights (.tif, .asc, .hgt, .png, ...)")
+      ->type_name("DEM")
+      ->required();
+  app.add_option("--max-error", arguments.max_error,
+                 "Tolerance of the TIN in units of the heights (default: 0.5 % of their range; 0: "
+                 "full resolution)")
+      ->type_name("E");
+  app.add_option("--nodata", arguments.nodata, "Value of missing samples, instead of the file's")
+      ->type_name("V")
+      ->group("Rasters of heights");
+  add_terrain_options(app, arguments.terrain, TerrainUse::extraction);
+}
+
+Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
+                                 const std::string& instead) {
+  if (!is_height_path(arguments.input))
+    return fail(
+        "{}: expected a raster of heights (.tif, .asc, .hgt, .png, ...), got another file{}",
+        arguments.input, instead.empty() ? "" : "; " + instead);
+  if (auto options = to_terrain_options(arguments.max_error, "", arguments.terrain); !options)
+    return options.error();
+  if (auto options = to_height_options(arguments.terrain, reading_of(arguments)); !options)
+    return options.error();
+  return {};
+}
+
+Result<TerrainAnswerer> open_terrain(const TerrainQueryArguments& arguments, Session& session) {
+  LODE_TRY(const TerrainOptions options,
+           to_terrain_options(arguments.max_error, "", arguments.terrain));
+  LODE_TRY(const HeightReadOptions reading,
+           to_height_options(arguments.terrain, reading_of(arguments)));
+  const Stopwatch watch;
+  LODE_TRY(HeightRaster read, read_heights(arguments.input, reading, session.progress()));
+  auto raster = std::make_unique<const HeightRaster>(std::move(read));
+  LODE_TRY(HorizontalMetric metric,
+           naming(arguments.input, read_metric(raster->grid.crs), session));
+  const double read_seconds = watch.seconds();
+  LODE_TRY(TerrainTin tin,
+           naming(arguments.input,
+                  TerrainTin::select(raster->grid, options, metric, session.progress()), session));
+  return TerrainAnswerer{std::move(raster), std::move(metric), std::move(tin), options,
+                         read_seconds};
+}
+
+void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArguments& arguments,
+                      Json& json, Table& table) {
+  const TerrainReport& report = answerer.tin.report();
+  add_raster(*answerer.raster, json, table);
+  json["model"] = kTerrainModel;
+  json["max_error"] = report.max_error;
+  json["max_error_is_default"] = arguments.max_error.empty();
+  json["achieved_error"] = report.achieved_error;
+  json["error_kind"] = "at samples";
+  json["triangles"] = report.triangles;
+  table.add({"model", kTerrainModel});
+  table.add({"max error", fmt::format("{} ({})", format_number(report.max_error),
+                                      arguments.max_error.empty() ? "default: 0.5 % of the range"
+                                                                  : "as asked")});
+  table.add({"achieved error", fmt::format("{} at samples", format_number(report.achieved_error))});
+  table.add({"triangles", format_count(report.triangles)});
+  table.add({"read", format_seconds(answerer.read_seconds)});
+  table.add({"select", format_seconds(report.seconds)});
+}
+
+std::string describe_metric(const HorizontalMetric& metric) {
+  if (metric.ellipsoid) return "metre, on the ellipsoid " + metric.ellipsoid_name;
+  if (!metric.is_known) return "units of x and y, whose CRS is not known";
+  return (metric.unit.empty() ? "units of x and y" : metric.unit) + ", in the plane of the CRS";
+}
+
+void add_metric(const HorizontalMetric& metric, Json& json) {
+  json["distance_unit"] = metric.unit.empty() ? Json(nullptr) : Json(metric.unit);
+  json["distance_is_planar"] = !metric.ellipsoid.has_value();
+  json["ellipsoid"] = metric.ellipsoid ? Json(metric.ellipsoid_name) : Json(nullptr);
+}
+
+Result<Place> parse_place(const std::string& option, const std::string& text) {
+  LODE_TRY(const std::vector<double> numbers, parse_numbers(option, text));
+  if (numbers.size() != 2) return fail("{}: expected two numbers as X,Y, got '{}'", option, text);
+  return Place{{numbers[0], numbers[1]}};
+}
+
+void add_segment(CLI::App& app, std::string& from, std::string& to) {
+  app.add_option("--from", from, "Where it starts")->type_name("X,Y")->required();
+  app.add_option("--to", to, "Where it ends")->type_name("X,Y")->required();
+}
+
+Result<void> check_segment(const std::string& from, const std::string& to) {
+  LODE_TRY(const Place first, parse_place("--from", from));
+  LODE_TRY(const Place last, parse_place("--to", to));
+  if (first == last) return fail("--to: expected another place than --from, got '{}' twice", to);
+  return {};
+}
+
+}  // namespace lode::cli

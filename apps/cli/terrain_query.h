@@ -1,0 +1,60 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "terrain_input.h"
+
+namespace lode::cli {
+
+/// What every question to the TIN of a raster of heights takes, as typed.
+struct TerrainQueryArguments {
+  std::string input;
+  std::string max_error;
+  std::string nodata;
+  TerrainArguments terrain;
+};
+
+/// The raster, --max-error, --nodata, and what extraction of terrain has.
+void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments);
+
+/// Looks at the arguments alone. `instead`: what there is for volumes and meshes, or empty.
+[[nodiscard]] Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
+                                               const std::string& instead);
+
+/// A raster and its TIN, and how long they took.
+struct TerrainAnswerer {
+  std::unique_ptr<const HeightRaster> raster;
+  HorizontalMetric metric;
+  TerrainTin tin;
+  TerrainOptions options;
+  double read_seconds = 0;
+};
+
+[[nodiscard]] Result<TerrainAnswerer> open_terrain(const TerrainQueryArguments& arguments,
+                                                   Session& session);
+
+/// The keys and rows that all answers begin with.
+void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArguments& arguments,
+                      Json& json, Table& table);
+
+/// "metre, on the ellipsoid WGS 84", or what coordinates are in.
+[[nodiscard]] std::string describe_metric(const HorizontalMetric& metric);
+void add_metric(const HorizontalMetric& metric, Json& json);
+
+/// Exactly two finite numbers separated by a comma.
+[[nodiscard]] Result<Place> parse_place(const std::string& option, const std::string& text);
+
+/// --from and --to, both required.
+void add_segment(CLI::App& app, std::string& from, std::string& to);
+/// Two different places.
+[[nodiscard]] Result<void> check_segment(const std::string& from, const std::string& to);
+
+/// Names the file, unless the reason is that the user stopped.
+template <typename T>
+Result<T> naming(const std::string& path, Result<T> result, Session& session) {
+  if (result || session.progress().is_cancelled()) return result;
+  return fail("{}: {}", path, result.error().message);
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,72 @@
+#include "lode/api/terrain_tin.h"
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "lode/api/terrain_tin_impl.h"
+#include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
+#include "lode/locate/tin_profile.h"
+
+namespace lode {
+TerrainTin::TerrainTin(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+TerrainTin::TerrainTin(TerrainTin&& other) noexcept = default;
+TerrainTin::~TerrainTin() = default;
+
+const TerrainReport& TerrainTin::report() const { return impl_->report; }
+
+Result<TerrainTin> TerrainTin::select(const HeightGrid& grid, const TerrainOptions& options,
+                                      const HorizontalMetric& metric, Progress& progress) try {
+  LODE_TRY(SelectedTerrain selected,
+           select_terrain(grid, options, delaunay::TinLinks::kept, progress));
+  return TerrainTin(std::unique_ptr<Impl>(
+      new Impl{grid, metric, selected.report, std::move(selected.selection.tin)}));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("select samples");
+}
+
+Result<TerrainProfile> TerrainTin::profile(const Place& from, const Place& to,
+                                           Progress& progress) const try {
+  LODE_EXPECTS(from != to);
+  if (progress.is_cancelled()) return cancelled_error();
+  const Stopwatch watch;
+  TerrainProfile profile;
+  const auto place_at = [&](double t) { return from * (1 - t) + to * t; };
+  // Lengths add up from row to row, so that they never fall.
+  Place last = from;
+  double distance = 0;
+  const auto move_to = [&](const Place& at) {
+    distance += impl_->metric.distance(std::exchange(last, at), at);
+    return distance;
+  };
+  const Place a = impl_->to_lattice(from);
+  const Place b = impl_->to_lattice(to);
+  if (a == b)
+    return fail("expected two places that differ by more than rounding, got {}, {} and {}, {}",
+                from[0], from[1], to[0], to[1]);
+  const std::vector<ProfilePoint> points = tin_profile(impl_->tin, a, b);
+  double error = 0;
+  for (const ProfilePoint& point : points) {
+    const double before = distance;
+    const Place at = point.t == 1 ? to : place_at(point.t);
+    TerrainProfile::Point row{move_to(at), at, point.height};
+    if (point.starts_part && distance > before) profile.gaps.push_back({before, distance});
+    const bool is_new = point.starts_part || profile.points.empty();
+    row.part = is_new ? (profile.points.empty() ? 1 : profile.points.back().part + 1)
+                      : profile.points.back().part;
+    row.bound =
+        impl_->error_bound(is_new ? point.error : std::max(error, point.error)) + point.rounding;
+    error = point.error;
+    profile.points.push_back(row);
+  }
+  const double before = distance;
+  profile.length = move_to(to);
+  if (points.empty() || points.back().t < 1) profile.gaps.push_back({before, profile.length});
+  profile.seconds = watch.seconds();
+  return profile;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("find the profile");
+}
+
+}  // namespace lode

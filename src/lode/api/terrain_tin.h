@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "lode/api/terrain.h"
+#include "lode/core/horizontal_metric.h"
+
+namespace lode {
+
+/// A place in the world, x and y.
+using Place = Vec<double, 2>;
+
+/// The TIN's height at a place.
+struct TerrainHeight {
+  enum class Where : std::uint8_t { inside, gap, outside };
+
+  Where where = Where::outside;  ///< gap: in the raster's rectangle, in no cell with four heights.
+  double height = 0;             ///< Where inside.
+  /// Samples in the triangle are not farther from its plane, and rounding of the height.
+  double bound = 0;
+};
+
+struct HeightsReport {
+  std::uint64_t n_outside = 0;
+  std::uint64_t n_in_gaps = 0;
+  double prepare_seconds = 0;  ///< What making the locator took, the first time.
+  double seconds = 0;
+};
+
+/// The profile along a segment.
+struct TerrainProfile {
+  struct Point {
+    double distance = 0;  ///< From the start, as the metric has it.
+    Place at;
+    double height = 0;
+    double bound = 0;        ///< As of TerrainHeight, of the triangles on both sides.
+    std::uint32_t part = 0;  ///< From 1: there are gaps between parts.
+  };
+  struct Gap {
+    double begin = 0;  ///< Distances.
+    double end = 0;
+  };
+
+  std::vector<Point> points;
+  std::vector<Gap> gaps;
+  double length = 0;  ///< Of the segment.
+  double seconds = 0;
+};
+
+/// The TIN of the model delaunay_selector, to ask of. Const members are safe from many threads.
+class TerrainTin {
+ public:
+  /// As extract_terrain(). The grid must outlive it. Where the metric has an ellipsoid longitudes
+  /// that differ by whole turns are one.
+  [[nodiscard]] static Result<TerrainTin> select(const HeightGrid& grid,
+                                                 const TerrainOptions& options,
+                                                 const HorizontalMetric& metric,
+                                                 Progress& progress);
+
+  TerrainTin(TerrainTin&& other) noexcept;
+  TerrainTin& operator=(TerrainTin&&) = delete;
+  ~TerrainTin();
+
+  /// Without slacks of coordinates.
+  [[nodiscard]] const TerrainReport& report() const;
+
+  /// Finite places; fills as many heights. Fails when cancelled.
+  [[nodiscard]] Result<HeightsReport> heights(std::span<const Place> places,
+                                              std::vector<TerrainHeight>& heights, Threads threads,
+                                              Progress& progress) const;
+
+  /// Of two different places. A row for each edge or vertex that the segment, straight in the
+  /// raster's coordinates, meets, and for its ends. Fails when cancelled.
+  [[nodiscard]] Result<TerrainProfile> profile(const Place& from, const Place& to,
+                                               Progress& progress) const;
+
+  struct Impl;
+
+ private:
+  explicit TerrainTin(std::unique_ptr<Impl> impl);
+
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lode

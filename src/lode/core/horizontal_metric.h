@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "lode/core/ellipsoid.h"
+#include "lode/core/vec.h"
+
+namespace lode {
+
+/// How distances are measured between places of a CRS: in its plane, or, where its coordinates are
+/// longitudes and latitudes, on its ellipsoid.
+struct HorizontalMetric {
+  bool is_known = false;  ///< That there is a CRS; without one: in the plane, in unknown units.
+  std::optional<Ellipsoid> ellipsoid{};  ///< Of what longitudes and latitudes are of.
+  double angle_unit = 0;                 ///< Radians, with it.
+  double length_unit = 1;                ///< Metres, of coordinates in the plane.
+  std::string unit = "";                 ///< Of distances; empty: not known.
+  std::string ellipsoid_name{};
+
+  /// Along the segment that is straight in the coordinates.
+  [[nodiscard]] double distance(const Vec<double, 2>& from, const Vec<double, 2>& to) const {
+    if (!ellipsoid) return length(to - from);
+    return length_on(*ellipsoid, from * angle_unit, to * angle_unit);
+  }
+  /// Metres of a unit of distance; where the unit is not known it is taken for one.
+  [[nodiscard]] double metres() const { return ellipsoid ? 1 : length_unit; }
+};
+
+}  // namespace lode

@@ -1,0 +1,32 @@
+#include "lode/io/crs_metric.h"
+
+#include "lode/io/gdal_crs.h"
+#include "lode/io/gdal_raster.h"
+
+namespace lode::io {
+
+Result<HorizontalMetric> read_metric(const std::string& crs) {
+  if (crs.empty()) return HorizontalMetric{};
+  LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
+  LODE_TRY(const GdalCrs read, GdalCrs::of(crs));
+  HorizontalMetric metric{.is_known = true};
+  char* unit = nullptr;
+  if (gdal->is_geographic(read.handle()) != 0) {
+    metric.angle_unit = gdal->angular_units(read.handle(), nullptr);
+    metric.ellipsoid = Ellipsoid{gdal->semi_major(read.handle(), nullptr),
+                                 gdal->inverse_flattening(read.handle(), nullptr)};
+    const char* name = gdal->attribute(read.handle(), "SPHEROID", 0);
+    metric.ellipsoid_name = name == nullptr ? "unnamed" : without_controls(name);
+    metric.unit = "metre";
+    if (!(metric.angle_unit > 0 && metric.ellipsoid->semi_major > 0 &&
+          (metric.ellipsoid->inverse_flattening == 0 || metric.ellipsoid->inverse_flattening > 1)))
+      return fail("expected a CRS with an ellipsoid and a unit of angles, got {}", crs);
+    return metric;
+  }
+  metric.length_unit = gdal->linear_units(read.handle(), &unit);
+  metric.unit = unit == nullptr ? "" : without_controls(unit);
+  if (!(metric.length_unit > 0)) return fail("expected a CRS with a unit of length, got {}", crs);
+  return metric;
+}
+
+}  // namespace lode::io

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <ogr_srs_api.h>
+
+#include <string>
+#include <utility>
+
+#include "lode/io/gdal_library.h"
+
+namespace lode::io {
+
+/// A CRS as GDAL has it, whose messages are kept from stderr meanwhile. Coordinates come as x, y:
+/// easting before northing, longitude before latitude, as in rasters.
+class GdalCrs {
+ public:
+  /// Of WKT. Fails on other text.
+  [[nodiscard]] static Result<GdalCrs> of(const std::string& wkt);
+
+  GdalCrs(const GdalCrs&) = delete;
+  GdalCrs& operator=(const GdalCrs&) = delete;
+  GdalCrs(GdalCrs&& other) noexcept
+      : gdal_(std::exchange(other.gdal_, nullptr)), handle_(other.handle_) {}
+  GdalCrs& operator=(GdalCrs&&) = delete;
+  ~GdalCrs();
+
+  [[nodiscard]] OGRSpatialReferenceH handle() const { return handle_; }
+
+ private:
+  GdalCrs(const GdalLibrary* gdal, OGRSpatialReferenceH handle) : gdal_(gdal), handle_(handle) {}
+
+  const GdalLibrary* gdal_;
+  OGRSpatialReferenceH handle_;
+};
+
+}  // namespace lode::io

@@ -1,0 +1,191 @@
+// lode height, profile: questions to the TIN of a raster of heights.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "tests/cli/dem_fixture.h"
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+/// Of the file that write_dem() writes: the middle of a pixel, rows from the north.
+std::string place_of(double column, double row) {
+  return std::to_string(500015 + 30 * column) + ',' + std::to_string(4000015 + 30 * (29 - row));
+}
+
+double dem_height(int x, int y) {
+  return std::round(900 + 300 * std::sin(0.2 * x) * std::cos(0.3 * y));
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+class cli_terrain_query : public testing::Test {
+ protected:
+  cli_terrain_query() : dem_(scratch_ / "dem.asc") { write_dem(dem_); }
+
+  Scratch scratch_;
+  std::string dem_;
+};
+
+TEST_F(cli_terrain_query, gives_heights_at_places_of_a_file_with_bounds) {
+  std::string csv = "name,X,Y\n";
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x) csv += "p," + place_of(x, y) + "\n";
+  csv += "off," + place_of(-1, 3) + "\n";
+  write_bytes(scratch_ / "places.csv", csv);
+  for (const char* max_error : {"0", "15"}) {
+    const std::string out = scratch_ / "heights.csv";
+    const Finished run = run_lode({"height", dem_, scratch_ / "places.csv", "--out", out,
+                                   "--max-error", max_error, "--json"});
+    const auto json = run.json();
+    EXPECT_EQ(json.at("places"), 1201);
+    EXPECT_EQ(json.at("outside"), 1);
+    EXPECT_EQ(json.at("in_gaps"), 1);
+    EXPECT_EQ(json.at("bound_kind"), "at samples");
+    EXPECT_NE(run.err.find("2 of 1201 places have no height"), std::string::npos) << run.err;
+    const auto lines = lines_of(read_bytes(out));
+    ASSERT_EQ(lines.size(), 1202U);
+    EXPECT_EQ(lines[0], "x,y,height,bound,bound_kind");
+    for (int y = 0; y < 30; ++y)
+      for (int x = 0; x < 40; ++x) {
+        double px = 0;
+        double py = 0;
+        double z = 0;
+        double bound = 0;
+        const std::string& line = lines[static_cast<std::size_t>(1 + 40 * y + x)];
+        const int n = std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &px, &py, &z, &bound);
+        if (x == 7 && y == 9) {
+          EXPECT_EQ(n, 2);
+          EXPECT_TRUE(line.ends_with(",,,")) << line;
+          continue;
+        }
+        ASSERT_EQ(n, 4) << line;
+        EXPECT_LE(std::abs(z - dem_height(x, y)), bound);
+        EXPECT_TRUE(line.ends_with(",at samples"));
+      }
+  }
+}
+
+TEST_F(cli_terrain_query, gives_heights_at_places_as_typed) {
+  const auto json = run_lode({"height", dem_, "--at", place_of(3, 4), "--at", place_of(7, 9),
+                              "--at", "0,0", "--max-error", "0", "--json"})
+                        .json();
+  ASSERT_EQ(json.at("points").size(), 3U);
+  EXPECT_EQ(json.at("points")[0].at("height"), dem_height(3, 4));
+  EXPECT_EQ(json.at("points")[1].at("status"), "gap");
+  EXPECT_TRUE(json.at("points")[1].at("height").is_null());
+  EXPECT_EQ(json.at("points")[2].at("status"), "outside");
+  const Finished text = run_lode({"height", dem_, "--at", place_of(3, 4)});
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_NE(text.out.find("at samples"), std::string::npos) << text.out;
+}
+
+TEST_F(cli_terrain_query, takes_places_with_headings_of_many_kinds) {
+  const std::string at = place_of(3, 4);
+  const std::size_t comma = at.find(',');
+  const std::string x = at.substr(0, comma);
+  const std::string y = at.substr(comma + 1);
+  for (const std::string& text :
+       {x + "," + y + "\n", x + " " + y + "\r\n", "x,y\n" + x + "," + y + "\n",
+        "\xEF\xBB\xBF\"Lat\";\"Lon\"\n" + y + ";" + x, "# note\n\n" + x + "\t" + y,
+        "id,northing,easting,z\n7," + y + "," + x + ",\n", "a,b,c\n" + x + ", " + y + ",text\n"}) {
+    write_bytes(scratch_ / "places.csv", text);
+    const auto json =
+        run_lode({"height", dem_, scratch_ / "places.csv", "--max-error", "0", "--json"}).json();
+    ASSERT_EQ(json.at("points").size(), 1U) << text;
+    EXPECT_EQ(json.at("points")[0].at("height"), dem_height(3, 4)) << text;
+  }
+}
+
+TEST_F(cli_terrain_query, refuses_places_that_are_none) {
+  const std::string places = scratch_ / "places.csv";
+  const auto expect_line = [&](const std::string& text, const std::vector<std::string>& words) {
+    write_bytes(places, text);
+    std::vector<std::string> all = words;
+    all.push_back("places.csv");
+    expect_refusal(run_lode({"height", dem_, places}), 1, all);
+  };
+  expect_line("", {"got none"});
+  expect_line("x,y\n", {"got none"});
+  expect_line("1,2\n3\n", {"line 2"});
+  expect_line("1,2,3\n", {"line 1"});
+  expect_line("nan,1\n", {"line 1"});
+  expect_line("x,y\n1,inf\n", {"line 2"});
+  expect_line("x,y\n1,1e999\n", {"line 2"});
+  expect_line("x,y\n1,2\nthree,four\n", {"line 3", "three,four"});
+  expect_line("1,,2\n", {"line 1"});
+  expect_line(std::string("\0\1\2\xFF", 4), {"line 1"});
+  expect_refusal(run_lode({"height", dem_, scratch_ / "absent.csv"}), 1, {"absent.csv"});
+  expect_refusal(run_lode({"height", dem_, scratch_.path()}), 1, {});
+}
+
+TEST_F(cli_terrain_query, refuses_what_cannot_be_meant) {
+  write_ball(scratch_ / "ball.nrrd");
+  for (const std::string command : {"height", "profile"}) {
+    Words words{command, scratch_ / "ball.nrrd"};
+    const Words more =
+        command == "height" ? Words{"--at", "1,2"} : Words{"--from", "1,2", "--to", "3,4"};
+    words.insert(words.end(), more.begin(), more.end());
+    expect_refusal(run_lode(words), 2, {"ball.nrrd", "raster of heights", "lode probe"});
+    words[1] = dem_;
+    const auto with = [&](Words options) {
+      options.insert(options.begin(), words.begin(), words.end());
+      return run_lode(options);
+    };
+    expect_refusal(with({"--max-error", "-1"}), 2, {"--max-error"});
+    expect_refusal(with({"--insertion", "odd"}), 2, {"--insertion"});
+    expect_refusal(with({"--nodata", "x"}), 2, {"--nodata"});
+    expect_refusal(with({"--out", scratch_ / "out.txt"}), 2, {"out.txt", ".csv"});
+    expect_refusal(with({"--out", "/none/such/out.csv"}), 1, {"out.csv"});
+    words[1] = scratch_ / "absent.tif";
+    expect_refusal(with({}), 1, {"absent.tif"});
+  }
+  expect_refusal(run_lode({"height", dem_}), 2, {"--at", "neither"});
+  expect_refusal(run_lode({"height", dem_, "--at", "1,2,3"}), 2, {"--at", "X,Y"});
+  expect_refusal(run_lode({"height", dem_, dem_, "-o", dem_}), 2, {".csv"});
+  expect_refusal(run_lode({"profile", dem_, "--from", "1,2"}), 2, {"--to"});
+  expect_refusal(run_lode({"profile", dem_, "--from", "1,2", "--to", "1,2"}), 2, {"--to"});
+  expect_refusal(run_lode({"profile", dem_, "--from", "1,nan", "--to", "1,2"}), 2, {"--from"});
+  write_dem(scratch_ / "row.asc", 40, 1);
+  expect_refusal(run_lode({"height", scratch_ / "row.asc", "--at", "1,2"}), 1,
+                 {"row.asc", "40 x 1"});
+}
+
+TEST_F(cli_terrain_query, follows_segments_and_tells_gaps) {
+  const std::string out = scratch_ / "profile.csv";
+  const auto json = run_lode({"profile", dem_, "--from", place_of(-2, 9), "--to", place_of(39, 9),
+                              "--max-error", "0", "--out", out, "--json"})
+                        .json();
+  EXPECT_NEAR(json.at("length").get<double>(), 41 * 30, 1e-6);
+  EXPECT_EQ(json.at("parts"), 2);
+  ASSERT_EQ(json.at("gaps").size(), 2U);
+  EXPECT_NEAR(json.at("gaps")[0].at("end").get<double>(), 60, 1e-6);
+  EXPECT_NEAR(json.at("gaps")[1].at("begin").get<double>(), 8 * 30, 1e-6);
+  EXPECT_NEAR(json.at("gaps")[1].at("end").get<double>(), 10 * 30, 1e-6);
+  EXPECT_TRUE(json.at("distance_unit").is_null());
+  const auto lines = lines_of(read_bytes(out));
+  EXPECT_EQ(lines[0], "part,distance,x,y,height,bound");
+  EXPECT_EQ(json.at("rows"), lines.size() - 1);
+  // At full resolution rows of the raster are met at every sample that is a vertex.
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    double distance = 0;
+    double height = 0;
+    ASSERT_EQ(std::sscanf(lines[i].c_str(), "%*d,%lf,%*f,%*f,%lf", &distance, &height), 2);
+    const double column = distance / 30 - 2;
+    if (std::abs(column - std::round(column)) < 1e-6)
+      EXPECT_NEAR(height, dem_height(static_cast<int>(std::lround(column)), 9), 1e-6);
+  }
+  const Finished off = run_lode({"profile", dem_, "--from", "0,0", "--to", "5,5", "--json"});
+  EXPECT_EQ(off.json().at("rows"), 0);
+  EXPECT_NE(off.err.find("meets no terrain"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lode::test
