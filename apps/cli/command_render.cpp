@@ -9,6 +9,7 @@
 #include "parse.h"
 #include "render_path.h"
 #include "render_progressive.h"
+#include "render_terrain.h"
 #include "render_tetra.h"
 #include "stopwatch.h"
 #include "tetra_input.h"
@@ -35,6 +36,7 @@ struct RenderArguments {
   PathArguments path;
   ReadingArguments reading;
   TetraPictureArguments tetra;
+  TerrainPictureArguments terrain;
 
   [[nodiscard]] std::vector<std::string> inputs() const {
     return camera.empty() ? std::vector{input} : std::vector{input, camera};
@@ -86,6 +88,18 @@ TetraPictureJob tetra_job(const RenderArguments& arguments, const RenderOptions&
           arguments.samples.empty()};
 }
 
+TerrainPictureJob terrain_job(const RenderArguments& arguments, const RenderOptions& options) {
+  return {arguments.input,
+          arguments.output,
+          arguments.camera,
+          arguments.save_camera,
+          arguments.extraction.max_error,
+          arguments.tetra.max_cells,
+          arguments.reading,
+          arguments.terrain,
+          options};
+}
+
 Result<void> check_tetra_render(const RenderArguments& arguments) {
   if (arguments.progressive.is_wanted() || arguments.path.is_wanted())
     return fail("{}: expected no --progressive or --camera-path with a mesh of cells",
@@ -94,7 +108,12 @@ Result<void> check_tetra_render(const RenderArguments& arguments) {
   return check_tetra_picture(tetra_job(arguments, options));
 }
 
-Result<void> check_render(const RenderArguments& arguments) {
+Result<void> check_render(const RenderArguments& arguments, const CLI::App& app) {
+  if (is_height_path(arguments.input)) {
+    LODE_TRY(const RenderOptions options, to_render_options(arguments));
+    return check_terrain_picture(terrain_job(arguments, options), app);
+  }
+  LODE_CHECK(check_no_terrain_picture(arguments.terrain, arguments.input));
   if (holds_cells(arguments.input)) return check_tetra_render(arguments);
   if (!arguments.tetra.is_empty())
     return fail(
@@ -200,6 +219,8 @@ Result<void> draw(const RenderArguments& arguments, const Surface& surface,
 
 Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   LODE_TRY(RenderOptions options, to_render_options(arguments));
+  if (is_height_path(arguments.input))
+    return run_terrain_picture(terrain_job(arguments, options), session);
   if (holds_cells(arguments.input))
     return run_tetra_picture(tetra_job(arguments, options), session);
   LODE_TRY(ExtractOptions extraction, to_extract_options(arguments.extraction));
@@ -263,11 +284,13 @@ Json camera_json(const Camera& camera) {
 Command add_render_command(CLI::App& program) {
   auto arguments = std::make_shared<RenderArguments>();
   CLI::App* app = program.add_subcommand(
-      "render", "Draw isosurfaces, or the volume of a mesh, to a PNG picture");
+      "render", "Draw isosurfaces, the volume of a mesh, or terrain to a PNG picture");
   app->footer(
       "Example:\n  lode render scan.lode bone.png --isovalue 1200 --max-error 10 --size 1600x1200\n"
-      "  lode render wing.vtu wing.png --opacity viridis-smoke --isovalue 2.1 --max-cells 200000");
-  app->add_option("file", arguments->input, ".lode file, or a volume or mesh to build in memory")
+      "  lode render wing.vtu wing.png --opacity viridis-smoke --isovalue 2.1 --max-cells 200000\n"
+      "  lode render dem.tif map.png --top --contours 100");
+  app->add_option("file", arguments->input,
+                  ".lode file, a volume or mesh to build in memory, or a raster of heights")
       ->type_name("FILE")
       ->required();
   app->add_option("output", arguments->output, "Picture to write")
@@ -278,8 +301,9 @@ Command add_render_command(CLI::App& program) {
   add_frame_options(*app, arguments->progressive);
   add_path_options(*app, arguments->path);
   add_tetra_picture_options(*app, arguments->tetra);
+  add_terrain_picture_options(*app, arguments->terrain);
   add_reading_options(*app, arguments->reading);
-  return {app, [arguments] { return check_render(*arguments); },
+  return {app, [arguments, app] { return check_render(*arguments, *app); },
           [arguments](Session& session) { return run_render(*arguments, session); }};
 }
 

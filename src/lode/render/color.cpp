@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace lode {
@@ -35,6 +36,18 @@ constexpr std::array kCategories{
 constexpr std::array kSequence{
     Color{52, 46, 108},  Color{50, 88, 146},  Color{38, 128, 150},
     Color{54, 164, 134}, Color{130, 196, 98}, Color{240, 224, 84},
+};
+
+constexpr std::array kElevations{
+    Color{96, 146, 92},  Color{150, 178, 112}, Color{216, 204, 142}, Color{200, 162, 104},
+    Color{160, 116, 82}, Color{178, 158, 144}, Color{246, 246, 244},
+};
+
+constexpr std::array kDepths{
+    Color{28, 52, 102},
+    Color{44, 92, 148},
+    Color{84, 140, 186},
+    Color{148, 192, 214},
 };
 
 std::optional<int> hex_digit(char c) {
@@ -91,6 +104,17 @@ std::uint8_t mix(std::uint8_t a, std::uint8_t b, double fraction) {
   return static_cast<std::uint8_t>(std::lround(a + (b - a) * fraction));
 }
 
+/// Between neighbours, linearly.
+Color color_on(std::span<const Color> colors, double fraction) {
+  const double last = static_cast<double>(colors.size() - 1);
+  const double position = fraction > 0 ? std::min(fraction, 1.0) * last : 0.0;
+  const auto i = std::min(static_cast<std::size_t>(position), colors.size() - 2);
+  const double f = position - static_cast<double>(i);
+  const Color& a = colors[i];
+  const Color& b = colors[i + 1];
+  return {mix(a.r, b.r, f), mix(a.g, b.g, f), mix(a.b, b.b, f)};
+}
+
 }  // namespace
 
 Result<Color> parse_color(std::string_view text) {
@@ -115,15 +139,9 @@ Color to_srgb(const Vec3f& linear, float alpha) {
           static_cast<std::uint8_t>(std::lround(a * 255.0f))};
 }
 
-Color sequential_color(double fraction) {
-  const double last = static_cast<double>(kSequence.size() - 1);
-  const double position = fraction > 0 ? std::min(fraction, 1.0) * last : 0.0;
-  const auto i = std::min(static_cast<std::size_t>(position), kSequence.size() - 2);
-  const double f = position - static_cast<double>(i);
-  const Color& a = kSequence[i];
-  const Color& b = kSequence[i + 1];
-  return {mix(a.r, b.r, f), mix(a.g, b.g, f), mix(a.b, b.b, f)};
-}
+Color sequential_color(double fraction) { return color_on(kSequence, fraction); }
+Color elevation_color(double fraction) { return color_on(kElevations, fraction); }
+Color depth_color(double fraction) { return color_on(kDepths, fraction); }
 
 std::vector<Color> distinct_colors(std::size_t n) {
   if (n <= kCategories.size()) {

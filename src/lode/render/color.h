@@ -34,5 +34,9 @@ struct Color {
 [[nodiscard]] std::vector<Color> distinct_colors(std::size_t n);
 /// A map of rising lightness, dark blue over teal to yellow; `fraction` is clamped to 0..1.
 [[nodiscard]] Color sequential_color(double fraction);
+/// Hypsometric tints: of land from the shore up, green over ochre and brown to white; of water from
+/// its greatest depth up, dark to light blue. `fraction` likewise.
+[[nodiscard]] Color elevation_color(double fraction);
+[[nodiscard]] Color depth_color(double fraction);
 
 }  // namespace lode

@@ -82,7 +82,13 @@ Result<Image> render_surface(const Surface& surface, const Box3d& bounds,
       normalization_of(union_of(bounds, bounds_of(surface, bounds)));
   const Lens lens(camera, normalization, options.width, options.height);
   const double line_radius = std::min(lens.pixel_size() * options.line_width_px / 2, 0.1);
-  const SurfaceColors colors = color_surface(surface, options.color, options.threads);
+  SurfaceColors colors = color_surface(surface, options.color, options.threads);
+  if (!options.vertex_colors.empty()) {
+    if (options.vertex_colors.size() != surface.positions.size())
+      return fail("surface: expected {} colours, one per vertex, got {}", surface.positions.size(),
+                  options.vertex_colors.size());
+    colors.per_vertex.assign(options.vertex_colors.begin(), options.vertex_colors.end());
+  }
   const SceneOptions scene_options{
       .normalization = normalization, .line_radius = line_radius, .threads = options.threads};
   LODE_TRY(const RayScene scene, RayScene::build(surface, colors, scene_options, progress));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "lode/core/box.h"
 #include "lode/core/parallel.h"
@@ -21,11 +22,12 @@ struct Background {
 };
 
 struct RenderOptions {
-  int width = 1200;              ///< Pixels, 1..16384.
-  int height = 900;              ///< Pixels, 1..16384.
-  std::optional<Camera> camera;  ///< Unset: framing_camera.
-  Mat3 axes = Mat3::identity();  ///< For framing_camera; see viewing_axes.
-  std::optional<Color> color;    ///< Unset: by isovalue, or a plain warm grey for one.
+  int width = 1200;                        ///< Pixels, 1..16384.
+  int height = 900;                        ///< Pixels, 1..16384.
+  std::optional<Camera> camera;            ///< Unset: framing_camera.
+  Mat3 axes = Mat3::identity();            ///< For framing_camera; see viewing_axes.
+  std::optional<Color> color;              ///< Unset: by isovalue, or a plain warm grey for one.
+  std::span<const Vec3f> vertex_colors{};  ///< Linear light, instead of these; empty: not.
   Background background;
   int samples_per_pixel = 12;    ///< 1..4096; the time is proportional to it.
   double ambient_occlusion = 1;  ///< 0 (none) .. 1: how dark hollows get.

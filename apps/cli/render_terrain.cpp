@@ -1,0 +1,151 @@
+#include "render_terrain.h"
+
+#include "extract_terrain.h"
+#include "outputs.h"
+#include "parse.h"
+#include "render_tetra.h"
+#include "stopwatch.h"
+#include "terrain_query.h"
+
+namespace lode::cli {
+namespace {
+
+Result<std::optional<double>> to_positive(const char* option, const std::string& text) {
+  if (text.empty()) return std::optional<double>();
+  LODE_TRY(const double number, parse_number(option, text));
+  if (!(number > 0)) return fail("{}: expected a number > 0, got '{}'", option, text);
+  return std::optional(number);
+}
+
+Result<TerrainPictureOptions> to_options(const TerrainPictureJob& job) {
+  TerrainPictureOptions options;
+  LODE_TRY(options.terrain, to_terrain_options(job.max_error, job.max_cells, job.picture.terrain));
+  LODE_TRY(options.exaggeration, to_positive("--exaggeration", job.picture.exaggeration));
+  LODE_TRY(options.contour_interval, to_positive("--contours", job.picture.contours));
+  options.is_from_above = job.picture.is_from_above;
+  options.render = job.options;
+  return options;
+}
+
+std::vector<std::string> outputs_of(const TerrainPictureJob& job) {
+  if (job.save_camera.empty()) return {job.output};
+  return {job.output, job.save_camera};
+}
+
+std::string describe_extent(double metres) {
+  return metres >= 1e4 ? fmt::format("{} km", format_number(metres / 1e3))
+                       : fmt::format("{} m", format_number(metres));
+}
+
+Outcome outcome_of(const TerrainPictureJob& job, const HeightRaster& raster,
+                   const TerrainPictureReport& report, double read_seconds,
+                   const Session& session) {
+  Outcome outcome;
+  Json& json = outcome.json;
+  Table table;
+  json["command"] = "render";
+  json["input"] = job.input;
+  json["outputs"] = outputs_of(job);
+  add_raster(raster, json, table);
+  json["model"] = kTerrainModel;
+  json["max_error"] = report.terrain.max_error;
+  json["max_error_is_default"] = job.max_error.empty();
+  json["achieved_error"] = report.terrain.achieved_error;
+  json["error_kind"] = "at samples";
+  json["triangles"] = report.terrain.triangles;
+  json["exaggeration"] = report.exaggeration;
+  json["exaggeration_is_default"] = job.picture.exaggeration.empty();
+  json["extent_metres"] = {report.width, report.depth};
+  json["contours"] = report.n_contours;
+  json["size"] = fmt::format("{}x{}", job.options.width, job.options.height);
+  json["camera"] = camera_json(report.camera);
+  json["seconds"] = {{"total", read_seconds + report.seconds},
+                     {"read", read_seconds},
+                     {"select", report.terrain.seconds},
+                     {"render", report.seconds - report.terrain.seconds}};
+  json["warnings"] = session.warnings();
+  table.add({"extent", describe_extent(report.width) + " x " + describe_extent(report.depth)});
+  table.add({"max error", format_number(report.terrain.max_error) +
+                              (job.max_error.empty() && job.max_cells.empty()
+                                   ? " (default: a quarter of a pixel)"
+                                   : "")});
+  table.add({"achieved error", format_number(report.terrain.achieved_error) + " at samples"});
+  table.add({"triangles", format_count(report.terrain.triangles)});
+  table.add({"heights", fmt::format("{} times{}", format_number(report.exaggeration),
+                                    job.picture.exaggeration.empty() ? " (default)" : "")});
+  if (!job.picture.contours.empty())
+    table.add({"contours", fmt::format("{} lines", format_count(report.n_contours))});
+  table.add({"size", json["size"].get<std::string>() + " pixels"});
+  table.add({"read", format_seconds(read_seconds)});
+  table.add({"select", format_seconds(report.terrain.seconds)});
+  table.add({"render", format_seconds(report.seconds - report.terrain.seconds)});
+  for (const std::string& path : outputs_of(job)) table.add({"output", path});
+  outcome.text = table.to_string();
+  return outcome;
+}
+
+}  // namespace
+
+void add_terrain_picture_options(CLI::App& app, TerrainPictureArguments& arguments) {
+  const char* group = "Rasters of heights";
+  add_terrain_options(app, arguments.terrain, TerrainUse::extraction);
+  app.add_option("--exaggeration", arguments.exaggeration,
+                 "Heights count so many times (default: 1, or as it takes to see the relief)")
+      ->type_name("X")
+      ->group(group);
+  app.add_option("--contours", arguments.contours, "Contour lines at multiples of so much")
+      ->type_name("INTERVAL")
+      ->group(group);
+  app.add_flag("--top", arguments.is_from_above, "From above, as a map, north up")->group(group);
+}
+
+Result<void> check_no_terrain_picture(const TerrainPictureArguments& arguments,
+                                      const std::string& path) {
+  LODE_CHECK(check_no_terrain(arguments.terrain, path));
+  if (arguments.is_empty()) return {};
+  return fail(
+      "{}: expected a raster of heights with --exaggeration, --contours or --top, got another file",
+      path);
+}
+
+Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App& app) {
+  LODE_CHECK(check_only_terrain(
+      app, job.input,
+      {"--max-error", "--max-cells", "--model", "--insertion", "--exaggeration", "--contours",
+       "--top", "--size", "--camera", "--save-camera", "--color", "--background", "--samples"}));
+  LODE_CHECK(check_extension(job.output, ".png"));
+  if (auto options = to_options(job); !options) return options.error();
+  if (auto options = to_height_options(job.picture.terrain, job.reading); !options)
+    return options.error();
+  if (job.picture.is_from_above && !job.camera.empty())
+    return fail("--top: expected no --camera with it, got {}", job.camera);
+  return check_paths_differ(
+      job.camera.empty() ? std::vector{job.input} : std::vector{job.input, job.camera},
+      outputs_of(job));
+}
+
+Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& session) {
+  LODE_TRY(TerrainPictureOptions options, to_options(job));
+  LODE_TRY(const HeightReadOptions reading, to_height_options(job.picture.terrain, job.reading));
+  options.render.threads = session.threads();
+  if (!job.camera.empty()) {
+    LODE_TRY(options.render.camera, read_camera(job.camera));
+  }
+  for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
+  const Stopwatch watch;
+  LODE_TRY(const HeightRaster raster, read_heights(job.input, reading, session.progress()));
+  LODE_TRY(const HorizontalMetric metric, naming(job.input, read_metric(raster.grid.crs), session));
+  const double read_seconds = watch.seconds();
+  TerrainPictureReport report;
+  LODE_TRY(const Image image,
+           naming(job.input, draw_terrain(raster.grid, metric, options, report, session.progress()),
+                  session));
+  OutputSet outputs(outputs_of(job));
+  LODE_CHECK(write_png(image, job.output));
+  outputs.add(job.output);
+  if (!job.save_camera.empty()) LODE_CHECK(write_camera(report.camera, job.save_camera));
+  outputs.keep();
+  return outcome_of(job, raster, report, read_seconds, session);
+}
+
+}  // namespace lode::cli

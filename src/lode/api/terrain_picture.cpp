@@ -1,0 +1,182 @@
+#include "lode/api/terrain_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <new>
+#include <numbers>
+
+#include "lode/api/terrain_selection.h"
+#include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
+#include "lode/render/ray_scene.h"
+
+namespace lode {
+namespace {
+
+constexpr double kReliefShare = 0.125;
+constexpr double kPixelShare = 0.25;
+constexpr double kFoot = 0.3048;
+
+/// From the world to metres from its middle.
+struct PictureFrame {
+  Vec<double, 2> middle;
+  double x_scale = 1;
+  double y_scale = 1;
+  double z_scale = 1;  ///< With exaggeration.
+  double z_middle = 0;
+  Vec<double, 2> half;  ///< Metres.
+
+  [[nodiscard]] Vec3d place(const Vec<double, 2>& at, double height) const {
+    return {{(at[0] - middle[0]) * x_scale, (at[1] - middle[1]) * y_scale,
+             (height - z_middle) * z_scale}};
+  }
+  [[nodiscard]] double longer_side() const { return 2 * std::max(half[0], half[1]); }
+};
+
+double metres_of_height(const HeightGrid& grid) {
+  const std::string& unit = grid.vertical_unit;
+  const bool is_feet = unit.find("foot") != std::string::npos ||
+                       unit.find("feet") != std::string::npos ||
+                       unit.find("ft") != std::string::npos;
+  return is_feet ? kFoot : 1;
+}
+
+/// Of the ellipsoid at the middle, but not nearer to the poles than 85 degrees.
+void take_metric(const HorizontalMetric& metric, PictureFrame& frame) {
+  frame.x_scale = frame.y_scale = metric.metres();
+  if (!metric.ellipsoid) return;
+  constexpr double kStep = 1e-4;
+  const double most = 85 * std::numbers::pi / 180 / metric.angle_unit;
+  const double latitude = std::clamp(frame.middle[1], -most, most);
+  frame.x_scale = metric.distance({{0, latitude}}, {{kStep, latitude}}) / kStep;
+  frame.y_scale = metric.distance({{0, latitude}}, {{0, latitude + kStep}}) / kStep;
+}
+
+/// The largest of 1, 2, 5, 10, ... that is no more.
+double nice_below(double most) {
+  if (!(most > 1)) return 1;
+  const double power = std::pow(10, std::floor(std::log10(most)));
+  for (const double step : {5.0, 2.0})
+    if (step * power <= most) return step * power;
+  return power;
+}
+
+PictureFrame frame_of(const HeightGrid& grid, const HorizontalMetric& metric,
+                      const HeightRange& range, const TerrainPictureOptions& options,
+                      TerrainPictureReport& report) {
+  PictureFrame frame;
+  const double columns = grid.n_columns - 1;
+  const double rows = grid.n_rows - 1;
+  const std::array corners{grid.world(0, 0), grid.world(columns, 0), grid.world(0, rows),
+                           grid.world(columns, rows)};
+  Vec<double, 2> lower = corners[0];
+  Vec<double, 2> upper = corners[0];
+  for (const auto& corner : corners)
+    for (std::size_t i = 0; i < 2; ++i) {
+      lower[i] = std::min(lower[i], corner[i]);
+      upper[i] = std::max(upper[i], corner[i]);
+    }
+  frame.middle = (lower + upper) * 0.5;
+  take_metric(metric, frame);
+  frame.half = {
+      {(upper[0] - lower[0]) * frame.x_scale / 2, (upper[1] - lower[1]) * frame.y_scale / 2}};
+  const double unit = metres_of_height(grid);
+  const double relief = (range.upper - range.lower) * unit;
+  report.exaggeration = options.exaggeration.value_or(
+      relief > 0 ? nice_below(kReliefShare * frame.longer_side() / relief) : 1);
+  report.width = 2 * frame.half[0];
+  report.depth = 2 * frame.half[1];
+  frame.z_scale = unit * report.exaggeration;
+  frame.z_middle = (range.lower + range.upper) / 2;
+  return frame;
+}
+
+TerrainOptions tolerance_for(const TerrainPictureOptions& options, const PictureFrame& frame) {
+  TerrainOptions terrain = options.terrain;
+  if (terrain.max_error || terrain.max_cells) return terrain;
+  const int pixels = std::max(options.render.width, options.render.height);
+  terrain.max_error = kPixelShare * frame.longer_side() / pixels / frame.z_scale;
+  return terrain;
+}
+
+/// Land from 0, or what is lowest above, to the highest; what is below 0 from the lowest to 0.
+std::vector<Vec3f> colors_of(std::span<const double> heights, const HeightRange& range) {
+  const double shore = std::clamp(0.0, range.lower, range.upper);
+  std::vector<Vec3f> colors;
+  colors.reserve(heights.size());
+  for (const double height : heights) {
+    const bool is_water = height < 0;
+    const double low = is_water ? range.lower : shore;
+    const double high = is_water ? shore : range.upper;
+    const double share = high > low ? (height - low) / (high - low) : 0;
+    colors.push_back(to_linear(is_water ? depth_color(share) : elevation_color(share)));
+  }
+  return colors;
+}
+
+Surface picture_surface(const delaunay::Tin& tin, const HeightGrid& grid,
+                        const PictureFrame& frame) {
+  Surface surface;
+  surface.positions.reserve(tin.vertices.size());
+  for (const delaunay::LatticePoint& v : tin.vertices) {
+    const double height = grid.height(v.x, v.y);
+    surface.values.push_back(height);
+    surface.positions.push_back(to_vec3f(frame.place(grid.world(v.x, v.y), height)));
+  }
+  surface.triangles = tin.triangles;
+  if (grid.is_mirrored())
+    for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
+  return surface;
+}
+
+/// All of the raster, whatever of it has heights.
+Box3d bounds_of(const PictureFrame& frame, const HeightRange& range) {
+  const double half = (range.upper - range.lower) / 2 * frame.z_scale;
+  return {{{-frame.half[0], -frame.half[1], -half}}, {{frame.half[0], frame.half[1], half}}};
+}
+
+Camera camera_of(const Box3d& bounds, const TerrainPictureOptions& options) {
+  const double aspect = static_cast<double>(options.render.width) / options.render.height;
+  if (!options.is_from_above) return default_camera(bounds, viewing_axes(Frame::unknown), aspect);
+  Box3d flat = bounds;
+  flat.lower[2] = flat.upper[2] = 0;
+  return top_camera(flat, aspect);
+}
+
+Result<void> check_picture(const TerrainPictureOptions& options) {
+  if (options.exaggeration && !(*options.exaggeration > 0 && std::isfinite(*options.exaggeration)))
+    return fail("exaggeration: expected a number > 0, got {}", *options.exaggeration);
+  const auto& interval = options.contour_interval;
+  if (interval && !(*interval > 0 && std::isfinite(*interval)))
+    return fail("contours: expected an interval > 0, got {}", *interval);
+  return {};
+}
+
+}  // namespace
+
+Result<Image> draw_terrain(const HeightGrid& grid, const HorizontalMetric& metric,
+                           const TerrainPictureOptions& options, TerrainPictureReport& report,
+                           Progress& progress) try {
+  const Stopwatch watch;
+  LODE_CHECK(check_picture(options));
+  const HeightRange range = height_range(grid);
+  const PictureFrame frame = frame_of(grid, metric, range, options, report);
+  LODE_TRY(const SelectedTerrain selected, select_terrain(grid, tolerance_for(options, frame),
+                                                          delaunay::TinLinks::left_out, progress));
+  report.terrain = selected.report;
+  const Surface surface = picture_surface(selected.selection.tin, grid, frame);
+  RenderOptions render = options.render;
+  const std::vector<Vec3f> colors = colors_of(surface.values, range);
+  if (!render.color) render.vertex_colors = colors;
+  const Box3d bounds = bounds_of(frame, range);
+  if (!render.camera) render.camera = camera_of(bounds, options);
+  report.camera = *render.camera;
+  LODE_TRY(Image image, render_surface(surface, bounds, render, progress));
+  report.seconds = watch.seconds();
+  return image;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("draw the terrain");
+}
+
+}  // namespace lode
