@@ -1,6 +1,5 @@
 #include "terrain_query.h"
 
-#include "extract_terrain.h"
 #include "parse.h"
 #include "stopwatch.h"
 
@@ -42,7 +41,7 @@ Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
   return {};
 }
 
-Result<TerrainAnswerer> open_terrain(const TerrainQueryArguments& arguments, Session& session) {
+Result<TerrainRaster> read_terrain(const TerrainQueryArguments& arguments, Session& session) {
   LODE_TRY(const TerrainOptions options,
            to_terrain_options(arguments.max_error, "", arguments.terrain));
   LODE_TRY(const HeightReadOptions reading,
@@ -52,12 +51,19 @@ Result<TerrainAnswerer> open_terrain(const TerrainQueryArguments& arguments, Ses
   auto raster = std::make_unique<const HeightRaster>(std::move(read));
   LODE_TRY(HorizontalMetric metric,
            naming(arguments.input, read_metric(raster->grid.crs), session));
-  const double read_seconds = watch.seconds();
-  LODE_TRY(TerrainTin tin,
-           naming(arguments.input,
-                  TerrainTin::select(raster->grid, options, metric, session.progress()), session));
-  return TerrainAnswerer{std::move(raster), std::move(metric), std::move(tin), options,
-                         read_seconds};
+  return TerrainRaster{std::move(raster), std::move(metric), options, watch.seconds()};
+}
+
+Result<TerrainAnswerer> open_terrain(const TerrainQueryArguments& arguments, Session& session,
+                                     const AcceptRaster& accept) {
+  LODE_TRY(TerrainRaster input, read_terrain(arguments, session));
+  if (accept) LODE_CHECK(accept(*input.raster));
+  LODE_TRY(TerrainTin tin, naming(arguments.input,
+                                  TerrainTin::select(input.raster->grid, input.options,
+                                                     input.metric, session.progress()),
+                                  session));
+  return TerrainAnswerer{std::move(input.raster), std::move(input.metric), std::move(tin),
+                         input.read_seconds};
 }
 
 void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArguments& arguments,

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
+#include "extract_terrain.h"
 #include "terrain_input.h"
 
 namespace lode::cli {
@@ -22,17 +24,30 @@ void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments);
 [[nodiscard]] Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
                                                const std::string& instead);
 
-/// A raster and its TIN, and how long they took.
-struct TerrainAnswerer {
+/// A raster, and what is wanted of it.
+struct TerrainRaster {
   std::unique_ptr<const HeightRaster> raster;
   HorizontalMetric metric;
-  TerrainTin tin;
   TerrainOptions options;
   double read_seconds = 0;
 };
 
+/// A raster and its TIN.
+struct TerrainAnswerer {
+  std::unique_ptr<const HeightRaster> raster;
+  HorizontalMetric metric;
+  TerrainTin tin;
+  double read_seconds = 0;
+};
+
+/// Looks at a raster before the work starts, and may refuse it.
+using AcceptRaster = std::function<Result<void>(const HeightRaster&)>;
+
+[[nodiscard]] Result<TerrainRaster> read_terrain(const TerrainQueryArguments& arguments,
+                                                 Session& session);
 [[nodiscard]] Result<TerrainAnswerer> open_terrain(const TerrainQueryArguments& arguments,
-                                                   Session& session);
+                                                   Session& session,
+                                                   const AcceptRaster& accept = {});
 
 /// The keys and rows that all answers begin with.
 void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArguments& arguments,

@@ -5,9 +5,9 @@
 namespace lode::test {
 namespace {
 
-const std::vector<std::string> kCommands{"info",  "build",        "count",  "extract",
-                                         "probe", "attach-field", "verify", "render",
-                                         "bench", "height",       "profile"};
+const std::vector<std::string> kCommands{"info",         "build",    "count",  "extract", "probe",
+                                         "attach-field", "verify",   "render", "bench",   "height",
+                                         "profile",      "contours", "sight"};
 
 TEST(cli_usage, explains_every_command_with_an_example) {
   for (const std::string& command : kCommands) {

@@ -26,3 +26,8 @@ lode_test(mesh_mappers_test
     ${CMAKE_CURRENT_LIST_DIR}/mesh_section_test.cpp
   DEPENDS lode_mappers lode_core lode_oracles
   COMPUTES)
+
+lode_test(tin_mappers_test
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/tin_bands_test.cpp ${CMAKE_CURRENT_LIST_DIR}/tin_contours_test.cpp
+  DEPENDS lode_mappers lode_delaunay_selector lode_core lode_oracles
+  COMPUTES)

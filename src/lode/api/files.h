@@ -9,6 +9,7 @@
 #include "lode/api/mesh_picture.h"
 #include "lode/api/terrain.h"
 #include "lode/api/terrain_picture.h"
+#include "lode/api/terrain_sight.h"
 #include "lode/api/terrain_tin.h"
 #include "lode/api/tetra_dataset.h"
 #include "lode/io/crs_metric.h"
@@ -18,6 +19,7 @@
 #include "lode/io/mesh_vtu.h"
 #include "lode/io/surface_file.h"
 #include "lode/io/tetrahedra.h"
+#include "lode/io/vector_file.h"
 #include "lode/io/volume_reader.h"
 #include "lode/render/camera_file.h"
 #include "lode/render/camera_path.h"
@@ -33,12 +35,14 @@ using io::can_hold_lines;
 using io::can_hold_values;
 using io::check_mesh_path;
 using io::check_surface_path;
+using io::check_vector_path;
 using io::ComponentChoice;
 using io::describe_volume;
 using io::FileDescription;
 using io::HeightEncoding;
 using io::HeightRaster;
 using io::HeightReadOptions;
+using io::is_geojson_path;
 using io::is_height_path;
 using io::Magnitude;
 using io::MeshWriteOptions;
@@ -54,6 +58,9 @@ using io::TetrahedraOutcome;
 using io::TetraOptions;
 using io::TetraReport;
 using io::to_tetrahedra;
+using io::VectorLayer;
+using io::VectorShape;
+using io::VectorWriter;
 using io::write_mesh;
 using io::write_surface;
 using io::write_vtu;

@@ -50,6 +50,38 @@ struct TerrainProfile {
   double seconds = 0;
 };
 
+/// Contour lines in the world, higher ground on their left (x to the right, y up).
+struct TerrainContours {
+  struct Line {
+    double height = 0;
+    bool is_ring = false;
+    std::vector<Place> points;  ///< Of a ring, the last is the first.
+  };
+
+  std::vector<Line> lines;  ///< From low to high.
+  std::uint64_t n_rings = 0;
+  std::uint64_t n_points = 0;
+  std::uint64_t n_left_out = 0;  ///< Of one point: summits of just such a height.
+  double seconds = 0;
+};
+
+/// What lies between neighbouring heights, as polygons in the world.
+struct TerrainBands {
+  struct Polygon {
+    double lower = 0;  ///< Of the first and last band the lowest and highest height of the TIN.
+    double upper = 0;
+    std::vector<std::vector<Place>> rings;  ///< The outer one, turning left, then holes; closed.
+  };
+
+  std::vector<Polygon> polygons;  ///< From low to high.
+  std::uint64_t n_holes = 0;
+  std::uint64_t n_points = 0;
+  double seconds = 0;
+};
+
+struct TerrainSight;
+struct TerrainSightOptions;
+
 /// The TIN of the model delaunay_selector, to ask of. Const members are safe from many threads.
 class TerrainTin {
  public:
@@ -76,6 +108,21 @@ class TerrainTin {
   /// raster's coordinates, meets, and for its ends. Fails when cancelled.
   [[nodiscard]] Result<TerrainProfile> profile(const Place& from, const Place& to,
                                                Progress& progress) const;
+
+  /// Of heights that rise strictly: see trace_contours() in mappers/tin_contours.h, whose rule for
+  /// vertices at such a height holds. Fails when cancelled.
+  [[nodiscard]] Result<TerrainContours> contours(std::span<const double> heights,
+                                                 Progress& progress) const;
+
+  /// The same of bands: see find_bands() in mappers/tin_bands.h.
+  [[nodiscard]] Result<TerrainBands> bands(std::span<const double> heights,
+                                           Progress& progress) const;
+
+  /// See find_terrain_sight(): at this tolerance.
+  [[nodiscard]] Result<TerrainSight> sight(const TerrainSightOptions& options) const;
+
+  /// Of its vertices.
+  [[nodiscard]] HeightRange height_range() const;
 
   struct Impl;
 

@@ -70,11 +70,33 @@ void find_crs(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.linear_units, "OSRGetLinearUnits");
 }
 
+void find_vectors(Finder& finder, GdalLibrary& gdal) {
+  finder.find(gdal.driver_named, "GDALGetDriverByName");
+  finder.find(gdal.create, "GDALCreate");
+  finder.find(gdal.new_layer, "GDALDatasetCreateLayer");
+  finder.find(gdal.start_transaction, "GDALDatasetStartTransaction");
+  finder.find(gdal.commit_transaction, "GDALDatasetCommitTransaction");
+  finder.find(gdal.new_field, "OGR_Fld_Create");
+  finder.find(gdal.destroy_field, "OGR_Fld_Destroy");
+  finder.find(gdal.add_field, "OGR_L_CreateField");
+  finder.find(gdal.layer_definition, "OGR_L_GetLayerDefn");
+  finder.find(gdal.add_feature, "OGR_L_CreateFeature");
+  finder.find(gdal.new_feature, "OGR_F_Create");
+  finder.find(gdal.destroy_feature, "OGR_F_Destroy");
+  finder.find(gdal.set_number, "OGR_F_SetFieldDouble");
+  finder.find(gdal.set_geometry, "OGR_F_SetGeometryDirectly");
+  finder.find(gdal.new_geometry, "OGR_G_CreateGeometry");
+  finder.find(gdal.add_geometry, "OGR_G_AddGeometryDirectly");
+  finder.find(gdal.set_points, "OGR_G_SetPoints");
+  finder.find(gdal.set_option, "CPLSetThreadLocalConfigOption");
+  finder.find(gdal.last_error_kind, "CPLGetLastErrorType");
+}
+
 Result<GdalLibrary> load() {
   void* library = dlopen(LODE_GDAL_LIBRARY, RTLD_LAZY | RTLD_LOCAL);
   if (library == nullptr) {
     const char* reason = dlerror();
-    return fail("expected the library {} to read rasters with (Debian: libgdal-dev), got: {}",
+    return fail("expected the library {} for rasters and CRS (Debian: libgdal-dev), got: {}",
                 LODE_GDAL_LIBRARY, reason == nullptr ? "nothing" : reason);
   }
   GdalLibrary gdal;
@@ -82,6 +104,7 @@ Result<GdalLibrary> load() {
   find_rasters(finder, gdal);
   find_bands(finder, gdal);
   find_crs(finder, gdal);
+  find_vectors(finder, gdal);
   if (!finder.missing().empty())
     return fail("expected {} to have {}, got a library without it", LODE_GDAL_LIBRARY,
                 finder.missing());

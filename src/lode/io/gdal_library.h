@@ -3,6 +3,7 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <gdal.h>
+#include <ogr_api.h>
 #include <ogr_srs_api.h>
 
 #include "lode/core/result.h"
@@ -44,6 +45,25 @@ struct GdalLibrary {
   decltype(&OSRGetInvFlattening) inverse_flattening = nullptr;
   decltype(&OSRGetAngularUnits) angular_units = nullptr;
   decltype(&OSRGetLinearUnits) linear_units = nullptr;
+  decltype(&GDALGetDriverByName) driver_named = nullptr;
+  decltype(&GDALCreate) create = nullptr;
+  decltype(&GDALDatasetCreateLayer) new_layer = nullptr;
+  decltype(&GDALDatasetStartTransaction) start_transaction = nullptr;
+  decltype(&GDALDatasetCommitTransaction) commit_transaction = nullptr;
+  decltype(&OGR_Fld_Create) new_field = nullptr;
+  decltype(&OGR_Fld_Destroy) destroy_field = nullptr;
+  decltype(&OGR_L_CreateField) add_field = nullptr;
+  decltype(&OGR_L_GetLayerDefn) layer_definition = nullptr;
+  decltype(&OGR_L_CreateFeature) add_feature = nullptr;
+  decltype(&OGR_F_Create) new_feature = nullptr;
+  decltype(&OGR_F_Destroy) destroy_feature = nullptr;
+  decltype(&OGR_F_SetFieldDouble) set_number = nullptr;
+  decltype(&OGR_F_SetGeometryDirectly) set_geometry = nullptr;
+  decltype(&OGR_G_CreateGeometry) new_geometry = nullptr;
+  decltype(&OGR_G_AddGeometryDirectly) add_geometry = nullptr;
+  decltype(&OGR_G_SetPoints) set_points = nullptr;
+  decltype(&CPLSetThreadLocalConfigOption) set_option = nullptr;
+  decltype(&CPLGetLastErrorType) last_error_kind = nullptr;
   decltype(&CPLPushErrorHandler) push_error_handler = nullptr;
   decltype(&CPLPopErrorHandler) pop_error_handler = nullptr;
   CPLErrorHandler quiet_handler = nullptr;

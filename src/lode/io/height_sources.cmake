@@ -5,7 +5,8 @@ set(IO_HEIGHT_SOURCES
   gdal_library.cpp
   gdal_raster.cpp
   height_hgt.cpp
-  height_reader.cpp)
+  height_reader.cpp
+  vector_file.cpp)
 
 # GDAL is loaded by its name when it is needed: linked, it would triple the time to start.
 find_package(GDAL REQUIRED)

@@ -1,0 +1,109 @@
+#include "contour_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "outputs.h"
+
+namespace lode::cli {
+namespace {
+
+std::string contour_comment(const TerrainAnswerer& answerer) {
+  const TerrainReport& report = answerer.tin.report();
+  const std::string& crs = answerer.raster->grid.crs;
+  return fmt::format("Lode {}: contours of {}, max_error {}, achieved_error {} at samples{}",
+                     LODE_VERSION, kTerrainModel, report.max_error, report.achieved_error,
+                     crs.empty() ? "" : ", CRS " + crs);
+}
+
+/// Whole numbers below all coordinates, so that floats hold these as well as they can.
+Vec3d origin_of(const TerrainContours& contours) {
+  Place lower{{0, 0}};
+  bool is_first = true;
+  for (const TerrainContours::Line& line : contours.lines)
+    for (const Place& at : line.points) {
+      lower = is_first ? at : Place{{std::min(lower[0], at[0]), std::min(lower[1], at[1])}};
+      is_first = false;
+    }
+  return {{std::floor(lower[0]), std::floor(lower[1]), 0}};
+}
+
+Result<Surface> to_line_surface(const TerrainContours& contours) {
+  if (contours.n_points > std::numeric_limits<std::uint32_t>::max())
+    return fail("expected at most 2^32 points for .vtp, got {}", contours.n_points);
+  Surface surface;
+  surface.origin = origin_of(contours);
+  for (const TerrainContours::Line& line : contours.lines) {
+    const auto first = static_cast<std::uint32_t>(surface.positions.size());
+    // A ring's last point is its first.
+    const auto n = static_cast<std::uint32_t>(line.points.size() - (line.is_ring ? 1 : 0));
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const Place& at = line.points[i];
+      surface.positions.push_back(
+          {{static_cast<float>(at[0] - surface.origin[0]),
+            static_cast<float>(at[1] - surface.origin[1]), static_cast<float>(line.height)}});
+      surface.values.push_back(line.height);
+      if (i + 1 < n)
+        surface.lines.push_back({first + i, first + i + 1});
+      else if (line.is_ring)
+        surface.lines.push_back({first + i, first});
+    }
+  }
+  return surface;
+}
+
+/// Calls add(i) for each of n features, and says how far it is.
+template <typename Add>
+Result<void> write_features(VectorWriter& writer, std::size_t n, Progress& progress,
+                            const Add& add) {
+  constexpr std::size_t kPerReport = 256;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i % kPerReport == 0) {
+      if (progress.is_cancelled()) return cancelled_error();
+      progress.report("writing", static_cast<double>(i) / static_cast<double>(n));
+    }
+    LODE_CHECK(add(i));
+  }
+  return writer.commit(progress);
+}
+
+}  // namespace
+
+bool is_contour_surface(const std::string& path) {
+  return check_extension(path, ".vtp").has_value();
+}
+
+Result<void> write_contours(const std::string& path, const TerrainAnswerer& answerer,
+                            const TerrainContours& contours, Progress& progress) {
+  if (is_contour_surface(path)) {
+    LODE_TRY(const Surface surface, to_line_surface(contours));
+    return write_surface(path, surface,
+                         {.comment = contour_comment(answerer), .value_name = "height"}, progress);
+  }
+  LODE_TRY(VectorWriter writer, VectorWriter::create(path, {.name = "contours",
+                                                            .shape = VectorShape::lines,
+                                                            .columns = {"height"},
+                                                            .crs = answerer.raster->grid.crs}));
+  return write_features(writer, contours.lines.size(), progress, [&](std::size_t i) {
+    const TerrainContours::Line& line = contours.lines[i];
+    return writer.add({&line.height, 1}, {&line.points, 1});
+  });
+}
+
+Result<void> write_bands(const std::string& path, const TerrainAnswerer& answerer,
+                         const TerrainBands& bands, Progress& progress) {
+  LODE_TRY(VectorWriter writer, VectorWriter::create(path, {.name = "bands",
+                                                            .shape = VectorShape::polygons,
+                                                            .columns = {"lower", "upper"},
+                                                            .crs = answerer.raster->grid.crs}));
+  return write_features(writer, bands.polygons.size(), progress, [&](std::size_t i) {
+    const TerrainBands::Polygon& polygon = bands.polygons[i];
+    return writer.add(std::array{polygon.lower, polygon.upper}, polygon.rings);
+  });
+}
+
+}  // namespace lode::cli

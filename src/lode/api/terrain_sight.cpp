@@ -1,0 +1,170 @@
+#include "lode/api/terrain_sight.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <new>
+#include <numbers>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "lode/api/terrain_tin_impl.h"
+#include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
+#include "lode/locate/tin_profile.h"
+
+namespace lode {
+namespace {
+
+/// Where coordinates are angles pieces are cut until height is linear in distance, too: in 0.001
+/// degrees the two differ by less than 0.3 mm of the way below latitudes of 45 degrees.
+constexpr double kLongestAngle = 0.001 * std::numbers::pi / 180;
+
+/// The way from the observer to the target, in metres, and the places of its points.
+class SightWay {
+ public:
+  SightWay(const TerrainTin::Impl& tin, const TerrainSightOptions& options, double vertical)
+      : tin_(tin), options_(options), vertical_(vertical), last_(options.from) {}
+
+  Result<void> follow() {
+    const Place a = tin_.to_lattice(options_.from);
+    const Place b = tin_.to_lattice(options_.to);
+    if (a == b) return fail("expected two places that differ by more than rounding, got one");
+    const std::vector<ProfilePoint> profile = tin_profile(tin_.tin, a, b);
+    if (profile.empty() || profile.front().t > 0) return off_terrain("observer", options_.from);
+    if (profile.back().t < 1) return off_terrain("target", options_.to);
+    for (std::size_t i = 0; i < profile.size(); ++i) {
+      const ProfilePoint& here = profile[i];
+      const bool is_gap = i + 1 < profile.size() && profile[i + 1].starts_part;
+      add(here.t, here.height, here.error, here.rounding, is_gap);
+      if (i + 1 < profile.size() && !is_gap) cut(here, profile[i + 1]);
+    }
+    return {};
+  }
+  [[nodiscard]] const std::vector<SightPoint>& points() const { return points_; }
+  /// Between two points.
+  [[nodiscard]] Place place_at(std::size_t piece, double share) const {
+    return places_[piece] * (1 - share) + places_[piece + 1] * share;
+  }
+
+ private:
+  static Error off_terrain(const char* who, const Place& at) {
+    return fail("expected the {} on the terrain, got {}, {}, which is outside of it or in a gap",
+                who, at[0], at[1]);
+  }
+  void add(double t, double height, double error, double rounding, bool is_gap) {
+    const Place at = t == 1 ? options_.to : options_.from * (1 - t) + options_.to * t;
+    distance_ += tin_.metric.distance(std::exchange(last_, at), at) * tin_.metric.metres();
+    points_.push_back({distance_, height * vertical_, tin_.error_bound(error) * vertical_,
+                       rounding * vertical_, is_gap});
+    places_.push_back(at);
+  }
+  void cut(const ProfilePoint& from, const ProfilePoint& to) {
+    if (!tin_.metric.ellipsoid) return;
+    const Place way = (options_.to - options_.from) * (tin_.metric.angle_unit * (to.t - from.t));
+    const double n = std::ceil(std::max(std::abs(way[0]), std::abs(way[1])) / kLongestAngle);
+    const double rounding = std::max(from.rounding, to.rounding) +
+                            0x1p-50 * std::max(std::abs(from.height), std::abs(to.height));
+    for (double k = 1; k < n; ++k)
+      add(from.t + (to.t - from.t) * k / n, from.height + (to.height - from.height) * k / n,
+          from.error, rounding, false);
+  }
+
+  const TerrainTin::Impl& tin_;
+  const TerrainSightOptions& options_;
+  double vertical_;
+  Place last_;
+  double distance_ = 0;
+  std::vector<SightPoint> points_;
+  std::vector<Place> places_;
+};
+
+}  // namespace
+
+std::optional<double> metres_of_unit(std::string_view name) {
+  struct Unit {
+    std::string_view name;
+    double metres;
+  };
+  constexpr double kFoot = 0.3048;
+  constexpr double kSurveyFoot = 1200.0 / 3937;
+  constexpr std::array<Unit, 17> kUnits{{{"m", 1},
+                                         {"metre", 1},
+                                         {"metres", 1},
+                                         {"meter", 1},
+                                         {"meters", 1},
+                                         {"Meter", 1},
+                                         {"Metre", 1},
+                                         {"ft", kFoot},
+                                         {"foot", kFoot},
+                                         {"feet", kFoot},
+                                         {"Foot", kFoot},
+                                         {"us-ft", kSurveyFoot},
+                                         {"ftUS", kSurveyFoot},
+                                         {"US survey foot", kSurveyFoot},
+                                         {"US_Foot", kSurveyFoot},
+                                         {"Foot_US", kSurveyFoot},
+                                         {"cm", 0.01}}};
+  for (const Unit& known : kUnits)
+    if (known.name == name) return known.metres;
+  return std::nullopt;
+}
+
+Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options) const {
+  TerrainSight sight;
+  const std::optional<double> vertical =
+      options.vertical_metres ? options.vertical_metres : metres_of_unit(impl_->grid.vertical_unit);
+  sight.is_vertical_unit_known = vertical.has_value();
+  sight.vertical_metres = vertical.value_or(1);
+  const Ellipsoid earth = impl_->metric.ellipsoid.value_or(kWgs84Ellipsoid);
+  sight.radius = earth.mean_radius();
+  SightWay way(*impl_, options, sight.vertical_metres);
+  LODE_CHECK(way.follow());
+  const SightAnswer answer =
+      find_sight(way.points(), {.observer_height = options.observer_height * sight.vertical_metres,
+                                .target_height = options.target_height * sight.vertical_metres,
+                                .curvature = (1 - options.refraction) / sight.radius});
+  const SightPoint& begin = way.points()[answer.worst.piece];
+  const SightPoint& end = way.points()[answer.worst.piece + 1];
+  const double run = end.distance - begin.distance;
+  const double share = run > 0 ? (answer.worst.distance - begin.distance) / run : 0;
+  sight.verdict = answer.verdict;
+  sight.has_gap = answer.has_gap;
+  sight.distance = way.points().back().distance / impl_->metric.metres();
+  sight.at = way.place_at(answer.worst.piece, share);
+  sight.at_distance = answer.worst.distance / impl_->metric.metres();
+  sight.terrain_height =
+      (begin.height + share * (end.height - begin.height)) / sight.vertical_metres;
+  sight.above_low = answer.worst.low / sight.vertical_metres;
+  sight.above_high = answer.worst.high / sight.vertical_metres;
+  return sight;
+}
+
+Result<TerrainSight> find_terrain_sight(const HeightGrid& grid, const TerrainOptions& terrain,
+                                        const HorizontalMetric& metric,
+                                        const TerrainSightOptions& options,
+                                        Progress& progress) try {
+  // Each tolerance is an eighth of the one before; three of them cost less than the last.
+  constexpr double kShare = 0.125;
+  constexpr std::uint32_t kRounds = 4;
+  const Stopwatch watch;
+  TerrainOptions wanted = terrain;
+  for (std::uint32_t round = 1;; ++round) {
+    LODE_TRY(const TerrainTin tin, TerrainTin::select(grid, wanted, metric, progress));
+    LODE_TRY(TerrainSight sight, tin.sight(options));
+    sight.n_rounds = round;
+    sight.terrain = tin.report();
+    sight.seconds = watch.seconds();
+    const double max_error = tin.report().max_error;
+    if (options.effort == SightEffort::once || sight.verdict != SightVerdict::undecided ||
+        max_error == 0)
+      return sight;
+    wanted.max_error = round + 1 < kRounds ? max_error * kShare : 0;
+  }
+} catch (const std::bad_alloc&) {
+  return out_of_memory("find the line of sight");
+}
+
+}  // namespace lode

@@ -1,0 +1,149 @@
+#include "lode/io/vector_file.h"
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "lode/core/staged_file.h"
+#include "lode/io/gdal_crs.h"
+#include "lode/io/gdal_raster.h"
+#include "lode/io/text.h"
+
+namespace lode::io {
+namespace {
+
+bool has_extension(const std::string& path, std::string_view extension) {
+  return to_lower(std::filesystem::path(path).extension().string()) == extension;
+}
+
+}  // namespace
+
+bool is_geojson_path(const std::string& path) { return has_extension(path, ".geojson"); }
+
+Result<void> check_vector_path(const std::string& path) {
+  if (has_extension(path, ".gpkg") || is_geojson_path(path)) return {};
+  return fail("{}: expected a file that ends in .gpkg or .geojson", path);
+}
+
+struct VectorWriter::Impl {
+  const GdalLibrary* gdal;
+  std::string path;
+  VectorShape shape;
+  StagedFile staged;
+  GDALDatasetH dataset = nullptr;
+  OGRLayerH layer = nullptr;
+
+  Impl(const GdalLibrary* library, std::string file, VectorShape kind, StagedFile stage)
+      : gdal(library), path(std::move(file)), shape(kind), staged(std::move(stage)) {
+    gdal->push_error_handler(gdal->quiet_handler);
+    gdal->reset_errors();
+    // What is staged is flushed once, before it gets its name.
+    gdal->set_option("OGR_SQLITE_SYNCHRONOUS", "OFF");
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    if (dataset != nullptr) gdal->close(dataset);
+    gdal->set_option("OGR_SQLITE_SYNCHRONOUS", nullptr);
+    gdal->pop_error_handler();
+  }
+
+  [[nodiscard]] Error refused(const char* action) const {
+    const std::string reason = without_controls(gdal->last_error());
+    return fail("{}: cannot {}: {}", path, action, reason.empty() ? "GDAL says no more" : reason);
+  }
+
+  Result<void> open(const VectorLayer& wanted) {
+    const bool is_geojson = is_geojson_path(path);
+    GDALDriverH driver = gdal->driver_named(is_geojson ? "GeoJSON" : "GPKG");
+    if (driver == nullptr)
+      return fail("{}: expected a GDAL that writes {}, got one that does not", path,
+                  is_geojson ? "GeoJSON" : "GeoPackage");
+    dataset = gdal->create(driver, staged.name().c_str(), 0, 0, 0, GDT_Unknown, nullptr);
+    if (dataset == nullptr) return refused("make the file");
+    std::optional<GdalCrs> crs;
+    if (!wanted.crs.empty()) {
+      LODE_TRY(GdalCrs read, GdalCrs::of(wanted.crs));
+      crs.emplace(std::move(read));
+    }
+    std::array<char*, 2> options{nullptr, nullptr};
+    std::string rfc = "RFC7946=YES";
+    if (is_geojson) options[0] = rfc.data();
+    const OGRwkbGeometryType type = shape == VectorShape::lines ? wkbLineString : wkbPolygon;
+    layer = gdal->new_layer(dataset, wanted.name.c_str(), crs ? crs->handle() : nullptr, type,
+                            options.data());
+    if (layer == nullptr) return refused("make its layer");
+    for (const std::string& column : wanted.columns) {
+      OGRFieldDefnH field = gdal->new_field(column.c_str(), OFTReal);
+      const OGRErr status = gdal->add_field(layer, field, 1);
+      gdal->destroy_field(field);
+      if (status != OGRERR_NONE) return refused("make its columns");
+    }
+    // GeoJSON has none; a GeoPackage would otherwise have one a feature.
+    if (!is_geojson && gdal->start_transaction(dataset, 0) != OGRERR_NONE)
+      return refused("start a transaction");
+    return {};
+  }
+
+  [[nodiscard]] OGRGeometryH to_geometry(OGRwkbGeometryType type, const Points& points) const {
+    OGRGeometryH geometry = gdal->new_geometry(type);
+    static_assert(sizeof(Points::value_type) == 2 * sizeof(double));
+    gdal->set_points(geometry, static_cast<int>(points.size()), points.data(),
+                     sizeof(Points::value_type), points.data()->v.data() + 1,
+                     sizeof(Points::value_type), nullptr, 0);
+    return geometry;
+  }
+};
+
+VectorWriter::VectorWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+VectorWriter::VectorWriter(VectorWriter&&) noexcept = default;
+VectorWriter::~VectorWriter() = default;
+
+Result<VectorWriter> VectorWriter::create(const std::string& path, const VectorLayer& layer) {
+  LODE_CHECK(check_vector_path(path));
+  if (is_geojson_path(path) && layer.crs.empty())
+    return fail(
+        "{}: expected a known CRS, as GeoJSON has longitudes and latitudes of WGS 84 (RFC 7946), "
+        "got none; .gpkg takes coordinates as they are",
+        path);
+  LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
+  LODE_TRY(StagedFile staged, StagedFile::create(path));
+  auto impl = std::make_unique<Impl>(gdal, path, layer.shape, std::move(staged));
+  LODE_CHECK(impl->open(layer));
+  return VectorWriter(std::move(impl));
+}
+
+Result<void> VectorWriter::add(std::span<const double> values, std::span<const Points> parts) {
+  const GdalLibrary& gdal = *impl_->gdal;
+  OGRFeatureH feature = gdal.new_feature(gdal.layer_definition(impl_->layer));
+  for (std::size_t i = 0; i < values.size(); ++i)
+    gdal.set_number(feature, static_cast<int>(i), values[i]);
+  OGRGeometryH shape = nullptr;
+  if (impl_->shape == VectorShape::lines) {
+    LODE_EXPECTS(parts.size() == 1);
+    shape = impl_->to_geometry(wkbLineString, parts[0]);
+  } else {
+    shape = gdal.new_geometry(wkbPolygon);
+    for (const Points& ring : parts)
+      gdal.add_geometry(shape, impl_->to_geometry(wkbLinearRing, ring));
+  }
+  gdal.set_geometry(feature, shape);
+  const OGRErr status = gdal.add_feature(impl_->layer, feature);
+  gdal.destroy_feature(feature);
+  if (status != OGRERR_NONE) return impl_->refused("write a feature");
+  return {};
+}
+
+Result<void> VectorWriter::commit(const Progress& progress) {
+  const GdalLibrary& gdal = *impl_->gdal;
+  if (!is_geojson_path(impl_->path) && gdal.commit_transaction(impl_->dataset) != OGRERR_NONE)
+    return impl_->refused("end the transaction");
+  // Closing writes what is left, and says nothing but by messages.
+  gdal.reset_errors();
+  gdal.close(std::exchange(impl_->dataset, nullptr));
+  if (gdal.last_error_kind() >= CE_Failure) return impl_->refused("finish the file");
+  return impl_->staged.commit(progress);
+}
+
+}  // namespace lode::io

@@ -1,0 +1,119 @@
+// lode sight: whether two places of a terrain see each other.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "tests/cli/dem_fixture.h"
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+/// A plain at 100 with a wall across it in column 20, 60 columns of 100 m.
+void write_wall(const std::string& path, int height) {
+  std::ofstream file(path);
+  file << "ncols 60\nnrows 9\nxllcorner 0\nyllcorner 0\ncellsize 100\nnodata_value -9999\n";
+  for (int y = 0; y < 9; ++y)
+    for (int x = 0; x < 60; ++x)
+      file << (x == 50 && y == 0 ? -9999 : (x == 20 ? 100 + height : 100)) << ' ';
+}
+
+class cli_sight : public testing::Test {
+ protected:
+  cli_sight() : dem_(scratch_ / "wall.asc") { write_wall(dem_, 30); }
+
+  [[nodiscard]] nlohmann::json sight(Words options) const {
+    options.insert(options.begin(), {"sight", dem_, "--json"});
+    return run_lode(options).json();
+  }
+
+  Scratch scratch_;
+  std::string dem_;
+};
+
+TEST_F(cli_sight, sees_over_a_wall_or_not) {
+  const Words way{"--from", "550,450", "--to", "4550,450", "--refraction", "1", "--max-error", "0"};
+  const auto with = [&](const Words& more) {
+    Words all = way;
+    all.insert(all.end(), more.begin(), more.end());
+    return sight(all);
+  };
+  const auto blocked = with({"--target-height", "10", "--observer-height", "10"});
+  EXPECT_EQ(blocked.at("verdict"), "blocked");
+  // The middle of column 20; the ray is at 110 there.
+  EXPECT_NEAR(blocked.at("obstruction").at("x").get<double>(), 2050, 1e-6);
+  EXPECT_NEAR(blocked.at("obstruction").at("distance").get<double>(), 1500, 1e-6);
+  EXPECT_NEAR(blocked.at("obstruction").at("above_ray_low").get<double>(), 20, 1e-6);
+  EXPECT_EQ(with({"--target-height", "31", "--observer-height", "31"}).at("verdict"), "visible");
+  EXPECT_EQ(with({"--target-height", "31", "--observer-height", "29"}).at("verdict"), "blocked");
+  const auto visible = with({"--target-height", "40", "--observer-height", "40"});
+  EXPECT_NEAR(visible.at("nearest").at("above_ray_high").get<double>(), -10, 1e-6);
+}
+
+TEST_F(cli_sight, is_decided_exactly_where_the_error_leaves_it_open) {
+  // At 40 of error the wall is no wall.
+  const Words way{"--from", "550,450",           "--to", "4550,450",        "--max-error",
+                  "40",     "--observer-height", "10",   "--target-height", "10"};
+  EXPECT_EQ(sight(way).at("verdict"), "undecided");
+  Words exact = way;
+  exact.emplace_back("--exact");
+  const auto decided = sight(exact);
+  EXPECT_EQ(decided.at("verdict"), "blocked");
+  EXPECT_GT(decided.at("rounds").get<int>(), 1);
+  EXPECT_LT(decided.at("max_error").get<double>(), 40);
+}
+
+TEST_F(cli_sight, takes_the_curvature_of_the_earth_less_refraction) {
+  // Over 2.4 km of plain the earth rises 2400^2 / (8 R) = 0.113 m in the middle.
+  const auto over_plain = [&](const char* refraction, const char* height) {
+    return sight({"--from", "2550,450", "--to", "4950,450", "--refraction", refraction,
+                  "--observer-height", height, "--target-height", height, "--max-error", "0"})
+        .at("verdict");
+  };
+  EXPECT_EQ(over_plain("0", "0.12"), "visible");
+  EXPECT_EQ(over_plain("0", "0.105"), "blocked");
+  EXPECT_EQ(over_plain("0.13", "0.105"), "visible");
+  EXPECT_EQ(over_plain("0.13", "0.09"), "blocked");
+  EXPECT_EQ(over_plain("1", "0.01"), "visible");
+}
+
+TEST_F(cli_sight, leaves_gaps_undecided_and_warns_of_units) {
+  const auto gap = sight({"--from", "2550,850", "--to", "5950,850", "--max-error", "0"});
+  EXPECT_EQ(gap.at("verdict"), "undecided");
+  EXPECT_EQ(gap.at("has_gap"), true);
+  const Finished run = run_lode({"sight", dem_, "--from", "550,450", "--to", "950,450"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.err.find("no CRS"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("--height-unit"), std::string::npos) << run.err;
+  // In feet the wall is 9.1 m high: over 4 km the earth does the rest.
+  const Words feet{
+      "--from", "550,450",           "--to", "4550,450",        "--max-error", "0", "--height-unit",
+      "ft",     "--observer-height", "31",   "--target-height", "31"};
+  const auto in_feet = sight(feet);
+  EXPECT_EQ(in_feet.at("verdict"), "blocked");
+  // 1500 * 2500 m (1 - 0.13) / (2 R), less the foot that the ray is above the wall.
+  EXPECT_NEAR(in_feet.at("obstruction").at("above_ray_low").get<double>(),
+              1500.0 * 2500 * 0.87 / (2 * 6371008.8) / 0.3048 - 1, 1e-4);
+}
+
+TEST_F(cli_sight, refuses_what_cannot_be_meant) {
+  const auto refuse = [&](Words options, const std::vector<std::string>& words, int code = 2) {
+    options.insert(options.begin(), {"sight", dem_, "--from", "550,450"});
+    expect_refusal(run_lode(options), code, words);
+  };
+  refuse({}, {"--to"});
+  refuse({"--to", "550,450"}, {"--to"});
+  refuse({"--to", "1,2", "--observer-height", "-1"}, {"--observer-height", ">= 0"});
+  refuse({"--to", "1,2", "--target-height", "x"}, {"--target-height"});
+  refuse({"--to", "1,2", "--refraction", "1.5"}, {"--refraction", "<= 1"});
+  refuse({"--to", "1,2", "--height-unit", "ell"}, {"--height-unit", "us-ft"});
+  refuse({"--to", "-1000,450"}, {"wall.asc", "target on the terrain"}, 1);
+  refuse({"--to", "5050,850"}, {"wall.asc", "target on the terrain"}, 1);
+  write_ball(scratch_ / "ball.nrrd");
+  expect_refusal(run_lode({"sight", scratch_ / "ball.nrrd", "--from", "1,2", "--to", "3,4"}), 2,
+                 {"ball.nrrd", "raster of heights"});
+}
+
+}  // namespace
+}  // namespace lode::test
