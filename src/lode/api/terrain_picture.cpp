@@ -9,6 +9,7 @@
 #include "lode/api/terrain_selection.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
+#include "lode/mappers/tin_contours.h"
 #include "lode/render/ray_scene.h"
 
 namespace lode {
@@ -17,6 +18,8 @@ namespace {
 constexpr double kReliefShare = 0.125;
 constexpr double kPixelShare = 0.25;
 constexpr double kFoot = 0.3048;
+constexpr Color kContourColor{74, 52, 38};
+constexpr double kContourWidth = 1.2;
 
 /// From the world to metres from its middle.
 struct PictureFrame {
@@ -130,6 +133,39 @@ Surface picture_surface(const delaunay::Tin& tin, const HeightGrid& grid,
   return surface;
 }
 
+/// Multiples of the interval within the heights.
+Result<std::vector<double>> contour_levels(double interval, const HeightRange& range) {
+  constexpr double kMostLevels = 1 << 20;
+  const double first = std::ceil(range.lower / interval);
+  const double last = std::floor(range.upper / interval);
+  if (!(last - first < kMostLevels))
+    return fail("contours: expected an interval of fewer than {} levels from {} to {}, got {}",
+                kMostLevels, range.lower, range.upper, interval);
+  std::vector<double> levels;
+  for (double i = first; i <= last; ++i) {
+    const double level = i * interval;
+    if (levels.empty() || level > levels.back()) levels.push_back(level);
+  }
+  return levels;
+}
+
+/// On the surface.
+Result<void> add_contours(const delaunay::Tin& tin, const HeightGrid& grid,
+                          std::span<const double> levels, const PictureFrame& frame,
+                          Surface& surface, TerrainPictureReport& report, Progress& progress) {
+  LODE_TRY(const ContourSet traced, trace_contours(tin, levels, KeptLines::drawable, progress));
+  for (const ContourLine& line : traced.lines) {
+    const auto first = static_cast<std::uint32_t>(surface.positions.size());
+    for (const delaunay::Point& at : line.points)
+      surface.positions.push_back(
+          to_vec3f(frame.place(grid.world(at[0], at[1]), levels[line.level])));
+    for (std::uint32_t i = first + 1; i < surface.positions.size(); ++i)
+      surface.lines.push_back({i - 1, i});
+  }
+  report.n_contours = traced.lines.size();
+  return {};
+}
+
 /// All of the raster, whatever of it has heights.
 Box3d bounds_of(const PictureFrame& frame, const HeightRange& range) {
   const double half = (range.upper - range.lower) / 2 * frame.z_scale;
@@ -162,13 +198,24 @@ Result<Image> draw_terrain(const HeightGrid& grid, const HorizontalMetric& metri
   LODE_CHECK(check_picture(options));
   const HeightRange range = height_range(grid);
   const PictureFrame frame = frame_of(grid, metric, range, options, report);
-  LODE_TRY(const SelectedTerrain selected, select_terrain(grid, tolerance_for(options, frame),
-                                                          delaunay::TinLinks::left_out, progress));
+  const bool has_contours = options.contour_interval.has_value();
+  const auto links = has_contours ? delaunay::TinLinks::kept : delaunay::TinLinks::left_out;
+  LODE_TRY(const SelectedTerrain selected,
+           select_terrain(grid, tolerance_for(options, frame), links, progress));
   report.terrain = selected.report;
-  const Surface surface = picture_surface(selected.selection.tin, grid, frame);
+  Surface surface = picture_surface(selected.selection.tin, grid, frame);
   RenderOptions render = options.render;
-  const std::vector<Vec3f> colors = colors_of(surface.values, range);
-  if (!render.color) render.vertex_colors = colors;
+  std::vector<Vec3f> colors = colors_of(surface.values, range);
+  if (render.color) std::ranges::fill(colors, to_linear(*render.color));
+  if (has_contours) {
+    LODE_TRY(const auto levels, contour_levels(*options.contour_interval, range));
+    LODE_CHECK(
+        add_contours(selected.selection.tin, grid, levels, frame, surface, report, progress));
+    colors.resize(surface.positions.size(), to_linear(kContourColor));
+    render.line_width_px = kContourWidth;
+  }
+  surface.values.clear();  // Of the TIN's vertices alone.
+  render.vertex_colors = colors;
   const Box3d bounds = bounds_of(frame, range);
   if (!render.camera) render.camera = camera_of(bounds, options);
   report.camera = *render.camera;
