@@ -7,7 +7,7 @@ namespace {
 
 const std::vector<std::string> kCommands{"info",         "build",    "count",  "extract", "probe",
                                          "attach-field", "verify",   "render", "bench",   "height",
-                                         "profile",      "contours", "sight"};
+                                         "profile",      "contours", "sight",  "compare"};
 
 TEST(cli_usage, explains_every_command_with_an_example) {
   for (const std::string& command : kCommands) {

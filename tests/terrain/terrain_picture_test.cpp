@@ -6,16 +6,14 @@
 #include <cmath>
 #include <functional>
 
+#include "tests/terrain/height_grids.h"
+
 namespace lode {
 namespace {
 
 /// Rows from north to south, a unit apart: x from 0, y down from 0.
 HeightGrid grid_of(int n_columns, int n_rows, const std::function<double(int, int)>& height) {
-  HeightGrid grid = make_height_grid<float>(n_columns, n_rows);
-  auto& heights = std::get<HeightGrid::Samples<float>>(grid.heights);
-  for (int y = 0; y < n_rows; ++y)
-    for (int x = 0; x < n_columns; ++x)
-      heights[static_cast<std::size_t>(y * grid.stride + x)] = static_cast<float>(height(x, y));
+  HeightGrid grid = test::float_grid(n_columns, n_rows, height);
   grid.to_world = {0, 1, 0, 0, 0, -1};
   return grid;
 }

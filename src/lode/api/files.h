@@ -8,6 +8,7 @@
 #include "lode/api/file_build.h"
 #include "lode/api/mesh_picture.h"
 #include "lode/api/terrain.h"
+#include "lode/api/terrain_comparison.h"
 #include "lode/api/terrain_picture.h"
 #include "lode/api/terrain_sight.h"
 #include "lode/api/terrain_tin.h"

@@ -1,0 +1,132 @@
+#include <memory>
+
+#include "command.h"
+#include "comparison_page.h"
+#include "input.h"
+#include "outputs.h"
+#include "parse.h"
+#include "terrain_input.h"
+
+namespace lode::cli {
+namespace {
+
+constexpr std::int64_t kMostRuns = 1000;
+
+struct CompareArguments {
+  std::string input;
+  std::string output;
+  std::string tolerances;
+  std::string runs = "3";
+  std::string seed = "1";
+  ReadingArguments reading;
+  TerrainArguments terrain;
+};
+
+Result<ComparisonOptions> to_options(const CompareArguments& arguments) {
+  ComparisonOptions options;
+  LODE_TRY(options.tolerances, parse_numbers("--tolerances", arguments.tolerances));
+  for (const double tolerance : options.tolerances)
+    if (!(tolerance >= 0))
+      return fail("--tolerances: expected numbers >= 0, got '{}'", arguments.tolerances);
+  LODE_TRY(const auto runs, parse_integer("--runs", arguments.runs, 1, kMostRuns));
+  options.n_runs = static_cast<int>(runs);
+  LODE_TRY(const auto seed, parse_integer("--seed", arguments.seed, 0, INT64_MAX));
+  options.seed = static_cast<std::uint64_t>(seed);
+  return options;
+}
+
+Result<void> check_compare(const CompareArguments& arguments) {
+  if (!is_height_path(arguments.input))
+    return fail("{}: expected a raster of heights (.tif, .asc, .hgt, .png, ...), got another file",
+                arguments.input);
+  LODE_CHECK(check_extension(arguments.output, ".html"));
+  if (auto options = to_options(arguments); !options) return options.error();
+  if (auto options = to_height_options(arguments.terrain, arguments.reading); !options)
+    return options.error();
+  return check_paths_differ({arguments.input}, {arguments.output});
+}
+
+std::string table_of(const TerrainComparison& comparison, const std::string& output) {
+  Table table;
+  for (const ComparedModel& model : comparison.models) {
+    if (!model.refusal.empty()) table.add({model.name, "not run: " + model.refusal});
+    for (const ComparedMesh& mesh : model.meshes)
+      table.add(
+          {model.name, fmt::format("within {}: {} triangles, true error {}, RMS {}, in {}",
+                                   format_number(mesh.tolerance), format_count(mesh.triangles),
+                                   format_number(mesh.quality.worst_error),
+                                   format_number(mesh.quality.rms_error),
+                                   format_seconds(mesh.extract_seconds))});
+  }
+  table.add({"in all", format_seconds(comparison.seconds)});
+  table.add({"output", output});
+  return table.to_string();
+}
+
+Result<Outcome> run_compare(const CompareArguments& arguments, Session& session) {
+  LODE_TRY(ComparisonOptions options, to_options(arguments));
+  LODE_TRY(const HeightReadOptions reading,
+           to_height_options(arguments.terrain, arguments.reading));
+  options.threads = session.threads();
+  LODE_CHECK(check_writable(arguments.output));
+  LODE_TRY(const HeightRaster raster, read_heights(arguments.input, reading, session.progress()));
+  auto comparison = compare_terrain(raster.grid, options, session.progress());
+  if (!comparison) {
+    if (session.progress().is_cancelled()) return comparison.error();
+    return fail("{}: {}", arguments.input, comparison.error().message);
+  }
+  Outcome outcome;
+  Json& json = outcome.json;
+  Table unused;
+  json["command"] = "compare";
+  json["input"] = arguments.input;
+  json["outputs"] = Json::array({arguments.output});
+  add_raster(raster, json, unused);
+  json["range"] = {comparison->range.lower, comparison->range.upper};
+  json["runs"] = options.n_runs;
+  json["seed"] = options.seed;
+  json["models"] = comparison_json(*comparison);
+  json["seconds"] = {{"total", comparison->seconds}};
+  json["warnings"] = session.warnings();
+  const ComparedRaster about{
+      arguments.input, fmt::format("{} x {}", raster.grid.n_columns, raster.grid.n_rows),
+      raster.grid.vertical_unit,
+      fmt::format("{} of {} runs each", options.n_runs == 1 ? "times" : "medians", options.n_runs)};
+  LODE_CHECK(
+      write_text(arguments.output, comparison_page(*comparison, about, json), session.progress()));
+  outcome.text = table_of(*comparison, arguments.output);
+  return outcome;
+}
+
+}  // namespace
+
+Command add_compare_command(CLI::App& program) {
+  auto arguments = std::make_shared<CompareArguments>();
+  CLI::App* app = program.add_subcommand(
+      "compare", "Run all models of terrain on a raster, and report how they do");
+  app->footer(
+      "Each model makes a mesh within each tolerance. True errors, shapes of triangles, and times\n"
+      "of extraction, contours, heights and profiles are measured on the meshes alike. The report\n"
+      "is one page with tables, plots and all numbers as JSON.\n\n"
+      "Example:\n  lode compare dem.tif report.html --tolerances 50,20,10,5");
+  app->add_option("dem", arguments->input, "Raster of heights (.tif, .asc, .hgt, .png, ...)")
+      ->type_name("DEM")
+      ->required();
+  app->add_option("report", arguments->output, "Page to write")->type_name("OUT.html")->required();
+  app->add_option("--tolerances", arguments->tolerances, "Vertical errors, in units of the heights")
+      ->type_name("A,B,...")
+      ->required();
+  app->add_option("--runs", arguments->runs, "Of what takes time; the median counts (default: 3)")
+      ->type_name("N");
+  app->add_option("--seed", arguments->seed, "Of the places for heights (default: 1)")
+      ->type_name("N");
+  app->add_option("--nodata", arguments->reading.nodata,
+                  "Value of missing samples, instead of the file's")
+      ->type_name("V")
+      ->group("Rasters of heights");
+  add_terrain_options(*app, arguments->terrain, TerrainUse::reading);
+  return {app, [arguments] { return check_compare(*arguments); },
+          [arguments](Session& session) { return run_compare(*arguments, session); }};
+}
+
+}  // namespace lode::cli

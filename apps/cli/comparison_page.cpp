@@ -1,0 +1,235 @@
+#include "comparison_page.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <functional>
+
+#include "log_plot.h"
+
+namespace lode::cli {
+namespace {
+
+constexpr std::array kLineColors{"#2f6db3", "#d9822b", "#2f8f5b", "#8a8a8a", "#8e5bb5", "#b8433f"};
+
+constexpr const char* kPageStyle =
+    "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1180px;margin:2em auto;padding:0 "
+    "1em}"
+    "h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em}"
+    "table{border-collapse:collapse;font-variant-numeric:tabular-nums;margin:.6em 0}"
+    "th,td{padding:.25em .7em;text-align:right;border-bottom:1px solid #ddd}"
+    "th{font-weight:600;border-bottom:2px solid #999;vertical-align:bottom}"
+    "td:first-child,th:first-child{text-align:left}"
+    ".note{color:#666}.no{color:#b8433f}"
+    "svg text{font:12px system-ui,sans-serif;fill:#333}svg .title{font-weight:600;font-size:14px}"
+    "svg .grid{stroke:#e4e4e4}";
+
+/// A column of the tables: its heading, and a mesh's text in it.
+struct Column {
+  const char* heading;
+  std::function<std::string(const ComparedMesh&)> text;
+};
+
+std::string milliseconds(double seconds) { return fmt::format("{:.3g}", 1e3 * seconds); }
+
+std::vector<Column> columns() {
+  const auto number = [](double value) { return format_number(value); };
+  return {
+      {"triangles", [](const ComparedMesh& m) { return format_count(m.triangles); }},
+      {"vertices", [](const ComparedMesh& m) { return format_count(m.vertices); }},
+      {"true error",
+       [number](const ComparedMesh& m) {
+         const std::string text = number(m.quality.worst_error);
+         return m.is_met() ? text : "<span class=\"no\">" + text + "</span>";
+       }},
+      {"RMS", [number](const ComparedMesh& m) { return number(m.quality.rms_error); }},
+      {"left out", [](const ComparedMesh& m) { return format_count(m.quality.n_uncovered); }},
+      {"smallest angle, median",
+       [](const ComparedMesh& m) {
+         return fmt::format("{:.1f}°, {:.1f}°", m.quality.smallest_angle, m.quality.median_angle);
+       }},
+      {"MB",
+       [](const ComparedMesh& m) {
+         return fmt::format("{:.2f}", static_cast<double>(m.memory_bytes) / 1e6);
+       }},
+      {"extract ms", [](const ComparedMesh& m) { return milliseconds(m.extract_seconds); }},
+      {"variable ms",
+       [](const ComparedMesh& m) {
+         return m.variable_seconds ? milliseconds(*m.variable_seconds) : "–";
+       }},
+      {"contours ms", [](const ComparedMesh& m) { return milliseconds(m.contour_seconds); }},
+      {"locator ms", [](const ComparedMesh& m) { return milliseconds(m.locator_seconds); }},
+      {"M heights/s",
+       [](const ComparedMesh& m) { return fmt::format("{:.2f}", m.places_per_second / 1e6); }},
+      {"profile ms", [](const ComparedMesh& m) { return milliseconds(m.profile_seconds); }},
+  };
+}
+
+std::string table_for(const TerrainComparison& comparison, std::size_t place) {
+  std::string html = "<table><tr><th>model</th>";
+  const std::vector<Column> all = columns();
+  for (const Column& column : all) html += fmt::format("<th>{}</th>", column.heading);
+  html += "</tr>\n";
+  for (const ComparedModel& model : comparison.models) {
+    if (!model.refusal.empty()) continue;
+    html += fmt::format("<tr><td>{}</td>", escaped(model.name));
+    for (const Column& column : all)
+      html += fmt::format("<td>{}</td>", column.text(model.meshes[place]));
+    html += "</tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+std::string models_list(const TerrainComparison& comparison) {
+  std::string html = "<ul>\n";
+  for (const ComparedModel& model : comparison.models) {
+    html += fmt::format("<li><b>{}</b>: {}", escaped(model.name), escaped(model.what));
+    if (model.build_seconds)
+      html += fmt::format("; built in {}", format_seconds(*model.build_seconds));
+    if (model.n_levels > 0) html += fmt::format("; {} levels", model.n_levels);
+    if (!model.refusal.empty())
+      html += fmt::format("; <span class=\"no\">not run: {}</span>", escaped(model.refusal));
+    html += "</li>\n";
+  }
+  return html + "</ul>\n";
+}
+
+/// Of each model that was run a line, its points by `of`.
+std::string plot_of(const TerrainComparison& comparison, const std::string& title,
+                    const std::string& x_name, const std::string& y_name,
+                    const std::function<PlotLine::Point(const ComparedMesh&)>& of) {
+  std::vector<PlotLine> lines;
+  for (const ComparedModel& model : comparison.models) {
+    if (!model.refusal.empty()) continue;
+    PlotLine line{model.name, kLineColors[lines.size() % kLineColors.size()], {}};
+    for (const ComparedMesh& mesh : model.meshes) line.points.push_back(of(mesh));
+    lines.push_back(std::move(line));
+  }
+  return log_plot(title, x_name, y_name, lines);
+}
+
+std::string plots(const TerrainComparison& comparison, const std::string& unit) {
+  const std::string of_unit = unit.empty() ? "" : " (" + unit + ")";
+  std::string html =
+      plot_of(comparison, "Triangles", "true largest error" + of_unit, "triangles",
+              [](const ComparedMesh& m) {
+                return PlotLine::Point{m.quality.worst_error, static_cast<double>(m.triangles)};
+              });
+  html += plot_of(comparison, "RMS error", "triangles", "RMS error" + of_unit,
+                  [](const ComparedMesh& m) {
+                    return PlotLine::Point{static_cast<double>(m.triangles), m.quality.rms_error};
+                  });
+  html += plot_of(comparison, "Extraction", "tolerance" + of_unit, "ms", [](const ComparedMesh& m) {
+    return PlotLine::Point{m.tolerance, 1e3 * m.extract_seconds};
+  });
+  html += plot_of(comparison, "Contours", "triangles", "ms", [](const ComparedMesh& m) {
+    return PlotLine::Point{static_cast<double>(m.triangles), 1e3 * m.contour_seconds};
+  });
+  return html;
+}
+
+std::string angles_table(const TerrainComparison& comparison) {
+  std::string html = "<table><tr><th>model, tolerance</th>";
+  for (int i = 0; i < 12; ++i) html += fmt::format("<th>{}–{}°</th>", 5 * i, 5 * i + 5);
+  html += "</tr>\n";
+  for (const ComparedModel& model : comparison.models)
+    for (const ComparedMesh& mesh : model.meshes) {
+      html +=
+          fmt::format("<tr><td>{}, {}</td>", escaped(model.name), format_number(mesh.tolerance));
+      for (const std::uint64_t n : mesh.quality.angles)
+        html += fmt::format("<td>{:.1f}</td>", mesh.triangles == 0
+                                                   ? 0.0
+                                                   : 100 * static_cast<double>(n) /
+                                                         static_cast<double>(mesh.triangles));
+      html += "</tr>\n";
+    }
+  return html + "</table>\n";
+}
+
+/// What ends a script element must not be in it.
+std::string script_safe(std::string text) {
+  for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3))
+    text.replace(at, 2, "<\\/");
+  return text;
+}
+
+Json mesh_json(const ComparedMesh& mesh) {
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  const TinQuality& quality = mesh.quality;
+  Json json;
+  json["tolerance"] = mesh.tolerance;
+  json["is_met"] = mesh.is_met();
+  json["triangles"] = mesh.triangles;
+  json["vertices"] = mesh.vertices;
+  json["memory_bytes"] = mesh.memory_bytes;
+  json["true_error"] = quality.worst_error;
+  json["rms_error"] = quality.rms_error;
+  json["stated_error"] = or_null(mesh.stated_error);
+  json["uncovered_samples"] = quality.n_uncovered;
+  json["smallest_angle"] = quality.smallest_angle;
+  json["median_angle"] = quality.median_angle;
+  json["angles_by_5_degrees"] = quality.angles;
+  json["contour_points"] = mesh.contour_points;
+  json["profile_points"] = mesh.profile_points;
+  json["heights_per_second"] = mesh.places_per_second;
+  json["variable_triangles"] =
+      mesh.variable_seconds ? Json(mesh.variable_triangles) : Json(nullptr);
+  json["seconds"] = {{"extract", mesh.extract_seconds},
+                     {"variable", or_null(mesh.variable_seconds)},
+                     {"contours", mesh.contour_seconds},
+                     {"locator", mesh.locator_seconds},
+                     {"profile", mesh.profile_seconds}};
+  return json;
+}
+
+}  // namespace
+
+Json comparison_json(const TerrainComparison& comparison) {
+  Json models = Json::array();
+  for (const ComparedModel& model : comparison.models) {
+    Json json{{"name", model.name}, {"what", model.what}};
+    json["refusal"] = model.refusal.empty() ? Json(nullptr) : Json(model.refusal);
+    json["build_seconds"] = model.build_seconds ? Json(*model.build_seconds) : Json(nullptr);
+    json["levels"] = model.n_levels > 0 ? Json(model.n_levels) : Json(nullptr);
+    json["meshes"] = Json::array();
+    for (const ComparedMesh& mesh : model.meshes) json["meshes"].push_back(mesh_json(mesh));
+    models.push_back(std::move(json));
+  }
+  return models;
+}
+
+std::string comparison_page(const TerrainComparison& comparison, const ComparedRaster& raster,
+                            const Json& json) {
+  std::string html = fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}: models of "
+      "terrain</title>\n<style>{1}</style></head><body>\n<h1>{0}: models of terrain</h1>\n",
+      escaped(raster.path), kPageStyle);
+  html += fmt::format("<p>{}; {} samples with heights from {} to {}{}. Lode {}, {}.</p>\n",
+                      escaped(raster.size), format_count(comparison.n_samples),
+                      format_number(comparison.range.lower), format_number(comparison.range.upper),
+                      raster.unit.empty() ? "" : " " + escaped(raster.unit), LODE_VERSION,
+                      escaped(raster.machine));
+  html += models_list(comparison);
+  html +=
+      "<p class=\"note\">True errors are vertical, at all samples, measured on each mesh by the "
+      "same "
+      "means; in red where beyond the tolerance. Left out: samples in no triangle. Variable: "
+      "within "
+      "the tolerance in the middle quarter, ten times outside. Contours: 20 levels. Heights: "
+      "random "
+      "places, one thread. Profile: along the diagonal. MB: triangles, what is beside them, errors "
+      "and vertices. Times are medians.</p>\n";
+  html += plots(comparison, raster.unit);
+  const std::size_t n = comparison.models.front().meshes.size();
+  for (std::size_t i = 0; i < n; ++i)
+    html += fmt::format("<h2>Tolerance {}</h2>\n{}",
+                        format_number(comparison.models.front().meshes[i].tolerance),
+                        table_for(comparison, i));
+  html += "<h2>Triangles by their smallest angle, per cent</h2>\n" + angles_table(comparison);
+  return html + "<script type=\"application/json\" id=\"comparison\">" + script_safe(json.dump()) +
+         "</script>\n</body></html>\n";
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,227 @@
+#include "lode/api/compared_terrain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "lode/api/dataset.h"
+#include "lode/api/mesh_extraction.h"
+#include "lode/api/terrain_selection.h"
+#include "lode/core/stopwatch.h"
+#include "lode/mappers/tin_quality.h"
+
+namespace lode {
+namespace {
+
+class Selector final : public TerrainCandidate {
+ public:
+  explicit Selector(InsertionOrder order) : order_(order) {}
+
+  [[nodiscard]] std::string name() const override {
+    return order_ == InsertionOrder::strict ? "delaunay_selector, strict" : "delaunay_selector";
+  }
+  [[nodiscard]] std::string what() const override {
+    return order_ == InsertionOrder::strict ? "greedy insertion, always of the worst of all samples"
+                                            : "greedy insertion of samples, errors falling by "
+                                              "octaves; made anew for each tolerance";
+  }
+  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, Threads, Progress&) override {
+    grid_ = &grid;
+    return {};
+  }
+  [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) override {
+    LODE_TRY(SelectedTerrain selected,
+             select_terrain(*grid_, {.max_error = tolerance, .max_cells = {}, .order = order_},
+                            delaunay::TinLinks::kept, progress));
+    return Answer{.tin = std::move(selected.selection.tin),
+                  .stated_error = selected.report.achieved_error};
+  }
+
+ private:
+  InsertionOrder order_;
+  const HeightGrid* grid_ = nullptr;
+};
+
+/// As a volume of one layer, columns and rows for coordinates; missing samples are NaN.
+Volume to_volume(const HeightGrid& grid) {
+  Volume volume;
+  volume.info.grid.dims = {{grid.n_columns, grid.n_rows, 1}};
+  volume.info.field_name = "height";
+  std::visit(
+      [&]<typename T>(const HeightGrid::Samples<T>& samples) {
+        const bool has_gaps = !grid.is_valid.empty();
+        // Floats hold all numbers of 16 bits.
+        using Wide = std::conditional_t<std::is_same_v<T, double>, double, float>;
+        const auto fill = [&]<typename S>(S) {
+          volume.info.type = scalar_type_of<S>;
+          volume.samples.resize(static_cast<std::size_t>(grid.n_samples()) * sizeof(S));
+          std::byte* out = volume.samples.data();
+          for (std::int32_t y = 0; y < grid.n_rows; ++y)
+            for (std::int32_t x = 0; x < grid.n_columns; ++x, out += sizeof(S)) {
+              S value = static_cast<S>(samples[static_cast<std::size_t>(y * grid.stride + x)]);
+              if constexpr (std::is_floating_point_v<S>)
+                if (!grid.has_height(x, y)) value = std::numeric_limits<S>::quiet_NaN();
+              std::memcpy(out, &value, sizeof(S));
+            }
+        };
+        if (has_gaps)
+          fill(Wide{});
+        else
+          fill(T{});
+      },
+      grid.heights);
+  return volume;
+}
+
+constexpr std::int32_t kMostScale = 16;
+
+bool is_on_lattice(const SimplexMesh& mesh, std::int32_t scale) {
+  return std::ranges::all_of(mesh.positions, [scale](const Vec3d& p) {
+    return std::floor(p[0] * scale) == p[0] * scale && std::floor(p[1] * scale) == p[1] * scale;
+  });
+}
+
+class Bisection final : public TerrainCandidate {
+ public:
+  [[nodiscard]] std::string name() const override { return "diamond2d"; }
+  [[nodiscard]] std::string what() const override {
+    return "longest-edge bisection of right triangles, with errors stored once for all tolerances";
+  }
+  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, Threads threads,
+                                     Progress& progress) override {
+    volume_ = to_volume(grid);
+    const Stopwatch watch;
+    const auto source = make_memory_source(volume_);
+    LODE_TRY(Dataset made, Dataset::build(*source, {.threads = threads}, progress));
+    seconds_ = watch.seconds();
+    dataset_.emplace(std::move(made));
+    return {};
+  }
+  [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) override {
+    SimplexMesh mesh;
+    MeshOptions options;
+    options.query.max_error = tolerance;
+    LODE_TRY(const MeshReport report, dataset_->extract_mesh(options, mesh, progress));
+    Answer answer{.tin = {}, .stated_error = report.largest_error};
+    // Where the raster ends in the middle of a triangle, that is cut: between columns, too.
+    while (answer.scale <= kMostScale && !is_on_lattice(mesh, answer.scale)) answer.scale *= 2;
+    if (answer.scale > kMostScale)
+      return fail("expected vertices at parts of columns and rows, got some at other places");
+    answer.tin.triangles = std::move(mesh.triangles);
+    answer.tin.heights = std::move(mesh.values);
+    answer.tin.vertices.reserve(mesh.positions.size());
+    for (const Vec3d& p : mesh.positions)
+      answer.tin.vertices.push_back({static_cast<std::int32_t>(p[0] * answer.scale),
+                                     static_cast<std::int32_t>(p[1] * answer.scale)});
+    return answer;
+  }
+  [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance,
+                                                     Progress& progress) override {
+    const Index3& dims = volume_.info.grid.dims;
+    const auto at = [&](std::size_t i, double share) { return share * (dims[i] - 1); };
+    SimplexMesh mesh;
+    MeshOptions options;
+    options.query.boxes = {{{{at(0, 0.375), at(1, 0.375), -1}}, {{at(0, 0.625), at(1, 0.625), 1}}}};
+    options.query.max_error = tolerance;
+    options.query.max_error_outside = 10 * tolerance;
+    LODE_TRY(const MeshReport report, dataset_->extract_mesh(options, mesh, progress));
+    return report.n_cells;
+  }
+  [[nodiscard]] bool can_vary() const override { return true; }
+  [[nodiscard]] std::optional<double> build_seconds() const override { return seconds_; }
+  [[nodiscard]] int n_levels() const override {
+    return static_cast<int>(dataset_->describe().levels.size());
+  }
+
+ private:
+  Volume volume_;
+  std::optional<Dataset> dataset_;
+  double seconds_ = 0;
+};
+
+/// Every s-th column and row, and the last ones.
+std::vector<std::int32_t> every(std::int32_t step, std::int32_t n) {
+  std::vector<std::int32_t> places;
+  for (std::int32_t i = 0; i < n - 1; i += step) places.push_back(i);
+  places.push_back(n - 1);
+  return places;
+}
+
+class Subsampling final : public TerrainCandidate {
+ public:
+  [[nodiscard]] std::string name() const override { return "regular grid"; }
+  [[nodiscard]] std::string what() const override {
+    return "the baseline: every s-th column and row, s the largest of 256, 192, 128, 96, ... 2, 1 "
+           "within "
+           "the tolerance";
+  }
+  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, Threads threads, Progress&) override {
+    if (grid.n_missing() > 0)
+      return fail("a grid of which every s-th sample stays has no place for {} missing samples",
+                  grid.n_missing());
+    grid_ = &grid;
+    threads_ = threads;
+    return {};
+  }
+  [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) override {
+    Answer answer;
+    for (const std::int32_t step : {256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4, 3, 2, 1}) {
+      if (progress.is_cancelled()) return cancelled_error();
+      answer.tin = tin_of(step);
+      answer.stated_error = error_of(step);
+      if (*answer.stated_error <= tolerance) break;
+    }
+    return answer;
+  }
+
+ private:
+  [[nodiscard]] delaunay::Tin tin_of(std::int32_t step) const {
+    const auto columns = every(step, grid_->n_columns);
+    const auto rows = every(step, grid_->n_rows);
+    delaunay::Tin tin;
+    for (const std::int32_t y : rows)
+      for (const std::int32_t x : columns) {
+        tin.vertices.push_back({x, y});
+        tin.heights.push_back(grid_->height(x, y));
+      }
+    const auto width = static_cast<std::uint32_t>(columns.size());
+    for (std::uint32_t y = 0; y + 1 < rows.size(); ++y)
+      for (std::uint32_t x = 0; x + 1 < width; ++x) {
+        const std::uint32_t a = y * width + x;
+        tin.triangles.push_back({a, a + 1, a + width + 1});
+        tin.triangles.push_back({a, a + width + 1, a + width});
+      }
+    return tin;
+  }
+  /// Looked for once a step, as for any other model.
+  double error_of(std::int32_t step) {
+    const auto known = std::ranges::find(errors_, step, &std::pair<std::int32_t, double>::first);
+    if (known != errors_.end()) return known->second;
+    errors_.emplace_back(step, measure_quality(tin_of(step), 1, *grid_, threads_).worst_error);
+    return errors_.back().second;
+  }
+
+  const HeightGrid* grid_ = nullptr;
+  Threads threads_;
+  std::vector<std::pair<std::int32_t, double>> errors_;
+};
+
+}  // namespace
+
+Result<std::uint64_t> TerrainCandidate::extract_middle(double /*tolerance*/,
+                                                       Progress& /*progress*/) {
+  return fail("{}: expected a model whose tolerance may vary", name());
+}
+
+std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates() {
+  std::vector<std::unique_ptr<TerrainCandidate>> all;
+  all.push_back(std::make_unique<Selector>(InsertionOrder::levels));
+  all.push_back(std::make_unique<Selector>(InsertionOrder::strict));
+  all.push_back(std::make_unique<Bisection>());
+  all.push_back(std::make_unique<Subsampling>());
+  return all;
+}
+
+}  // namespace lode

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/delaunay/tin.h"
+
+namespace lode {
+
+/// A model of terrain as compare_terrain() runs it.
+class TerrainCandidate {
+ public:
+  struct Answer {
+    delaunay::Tin tin;       ///< With heights.
+    std::int32_t scale = 1;  ///< Of its lattice: nodes from one column or row to the next.
+    std::optional<double> stated_error{};
+  };
+
+  virtual ~TerrainCandidate() = default;
+  [[nodiscard]] virtual std::string name() const = 0;
+  [[nodiscard]] virtual std::string what() const = 0;
+  /// What is done once for all tolerances. Fails where the model cannot take the grid. The grid
+  /// must outlive the model.
+  [[nodiscard]] virtual Result<void> prepare(const HeightGrid& grid, Threads threads,
+                                             Progress& progress) = 0;
+  [[nodiscard]] virtual Result<Answer> extract(double tolerance, Progress& progress) = 0;
+  /// Within the tolerance in the middle quarter of columns and rows, within ten times outside:
+  /// the number of triangles. Of those that can_vary().
+  [[nodiscard]] virtual Result<std::uint64_t> extract_middle(double tolerance, Progress& progress);
+  [[nodiscard]] virtual bool can_vary() const { return false; }
+  [[nodiscard]] virtual std::optional<double> build_seconds() const { return {}; }
+  [[nodiscard]] virtual int n_levels() const { return 0; }
+};
+
+/// All there are, the baseline last.
+[[nodiscard]] std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates();
+
+}  // namespace lode

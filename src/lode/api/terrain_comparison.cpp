@@ -1,0 +1,189 @@
+#include "lode/api/terrain_comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <new>
+#include <random>
+
+#include "lode/api/compared_terrain.h"
+#include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
+#include "lode/delaunay/grid_domain.h"
+#include "lode/delaunay/tin_links.h"
+#include "lode/locate/tin_height.h"
+#include "lode/locate/tin_locator.h"
+#include "lode/locate/tin_profile.h"
+#include "lode/mappers/tin_contours.h"
+
+namespace lode {
+namespace {
+
+double median(std::vector<double> seconds) {
+  const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+  std::nth_element(seconds.begin(), middle, seconds.end());
+  return *middle;
+}
+
+/// The median time of n runs; an error of any ends them.
+Result<double> time_of(int n_runs, const std::function<Result<void>()>& run) {
+  std::vector<double> seconds;
+  for (int i = 0; i < n_runs; ++i) {
+    const Stopwatch watch;
+    LODE_CHECK(run());
+    seconds.push_back(watch.seconds());
+  }
+  return median(std::move(seconds));
+}
+
+std::vector<double> contour_levels(const HeightRange& range, int n) {
+  std::vector<double> levels;
+  for (int i = 0; i < n; ++i) {
+    const double level = range.lower + (range.upper - range.lower) * (i + 0.5) / n;
+    if (levels.empty() || level > levels.back()) levels.push_back(level);
+  }
+  return levels;
+}
+
+class Comparison {
+ public:
+  Comparison(const HeightGrid& grid, const ComparisonOptions& options, Progress& progress)
+      : grid_(grid), options_(options), progress_(progress), range_(height_range(grid)) {
+    std::mt19937_64 random(options.seed);
+    const auto place = [&](std::int32_t n) {
+      return static_cast<double>(random() >> 11) * 0x1p-53 * (n - 1);
+    };
+    for (std::uint32_t i = 0; i < options.n_places; ++i)
+      places_.push_back({{place(grid.n_columns), place(grid.n_rows)}});
+  }
+
+  Result<TerrainComparison> run() {
+    TerrainComparison made{.range = range_, .models = {}};
+    made.n_samples = static_cast<std::uint64_t>(grid_.n_samples()) - grid_.n_missing();
+    const std::vector<std::unique_ptr<TerrainCandidate>> models = terrain_candidates();
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      progress_.report("comparing", static_cast<double>(i) / static_cast<double>(models.size()));
+      LODE_TRY(ComparedModel model, compare(*models[i]));
+      made.models.push_back(std::move(model));
+    }
+    return made;
+  }
+
+ private:
+  Result<ComparedModel> compare(TerrainCandidate& model) {
+    ComparedModel compared{.name = model.name(), .what = model.what()};
+    if (auto refusal = model.prepare(grid_, options_.threads, progress_); !refusal) {
+      if (progress_.is_cancelled()) return cancelled_error();
+      compared.refusal = refusal.error().message;
+      return compared;
+    }
+    compared.build_seconds = model.build_seconds();
+    compared.n_levels = model.n_levels();
+    for (const double tolerance : options_.tolerances) {
+      LODE_TRY(ComparedMesh mesh, measure(model, tolerance));
+      compared.meshes.push_back(std::move(mesh));
+    }
+    return compared;
+  }
+
+  Result<ComparedMesh> measure(TerrainCandidate& model, double tolerance) {
+    ComparedMesh mesh{.tolerance = tolerance};
+    TerrainCandidate::Answer answer;
+    LODE_TRY(mesh.extract_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
+               LODE_TRY(answer, model.extract(tolerance, progress_));
+               return {};
+             }));
+    delaunay::Tin& tin = answer.tin;
+    mesh.triangles = tin.triangles.size();
+    mesh.vertices = tin.vertices.size();
+    mesh.stated_error = answer.stated_error;
+    mesh.quality = measure_quality(tin, answer.scale, grid_, options_.threads);
+    LODE_CHECK(measure_variable(model, tolerance, mesh));
+    complete(tin);
+    mesh.memory_bytes = tin.triangles.size() * (2 * sizeof(tin.triangles[0]) + sizeof(float)) +
+                        tin.vertices.size() * (sizeof(tin.vertices[0]) + sizeof(double));
+    LODE_CHECK(measure_questions(tin, answer.scale, mesh));
+    if (progress_.is_cancelled()) return cancelled_error();
+    return mesh;
+  }
+
+  Result<void> measure_variable(TerrainCandidate& model, double tolerance, ComparedMesh& mesh) {
+    if (!model.can_vary()) return {};
+    LODE_TRY(mesh.variable_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
+               LODE_TRY(mesh.variable_triangles, model.extract_middle(tolerance, progress_));
+               return {};
+             }));
+    return {};
+  }
+
+  /// What questions need.
+  static void complete(delaunay::Tin& tin) {
+    if (tin.twins.empty()) delaunay::link_triangles(tin);
+    if (tin.errors.empty()) tin.errors.assign(tin.triangles.size(), 0);
+  }
+
+  Result<void> measure_questions(const delaunay::Tin& tin, double scale, ComparedMesh& mesh) const {
+    const std::vector<double> levels = contour_levels(range_, options_.n_contours);
+    LODE_TRY(mesh.contour_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
+               LODE_TRY(const ContourSet found,
+                        trace_contours(tin, levels, KeptLines::drawable, progress_));
+               mesh.contour_points = found.n_points;
+               return {};
+             }));
+    const Stopwatch making;
+    const TinLocator locator(tin);
+    mesh.locator_seconds = making.seconds();
+    std::vector<delaunay::Point> places = places_;
+    for (delaunay::Point& place : places) place = place * scale;
+    double sum = 0;
+    LODE_TRY(const double seconds, time_of(options_.n_runs, [&]() -> Result<void> {
+               for (const delaunay::Point& place : places)
+                 if (const auto triangle = locator.find(place))
+                   sum += height_in(tin, *triangle, place).height;
+               return {};
+             }));
+    if (seconds > 0 && std::isfinite(sum)) mesh.places_per_second = options_.n_places / seconds;
+    const delaunay::Point from{{0, 0}};
+    const delaunay::Point to{{scale * (grid_.n_columns - 1), scale * (grid_.n_rows - 1)}};
+    LODE_TRY(mesh.profile_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
+               mesh.profile_points = tin_profile(tin, from, to).size();
+               return {};
+             }));
+    return {};
+  }
+
+  const HeightGrid& grid_;
+  const ComparisonOptions& options_;
+  Progress& progress_;
+  HeightRange range_;
+  std::vector<delaunay::Point> places_;
+};
+
+Result<void> check_options(const ComparisonOptions& options) {
+  if (options.tolerances.empty()) return fail("tolerances: expected some, got none");
+  for (const double tolerance : options.tolerances)
+    if (!(tolerance >= 0 && std::isfinite(tolerance)))
+      return fail("tolerances: expected finite numbers >= 0, got {}", tolerance);
+  if (options.n_runs < 1 || options.n_contours < 1)
+    return fail("expected at least one run and one contour, got {} and {}", options.n_runs,
+                options.n_contours);
+  return {};
+}
+
+}  // namespace
+
+Result<TerrainComparison> compare_terrain(const HeightGrid& grid, const ComparisonOptions& options,
+                                          Progress& progress) try {
+  const Stopwatch watch;
+  LODE_CHECK(check_options(options));
+  if (!delaunay::find_domain(grid))
+    return fail("expected a cell with four heights, got none of {} x {} samples", grid.n_columns,
+                grid.n_rows);
+  LODE_TRY(TerrainComparison made, Comparison(grid, options, progress).run());
+  made.seconds = watch.seconds();
+  return made;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("compare models of terrain");
+}
+
+}  // namespace lode

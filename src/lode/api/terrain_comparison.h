@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/mappers/tin_quality.h"
+
+namespace lode {
+
+struct ComparisonOptions {
+  std::vector<double> tolerances;   ///< Units of the heights, finite, >= 0; at least one.
+  int n_runs = 3;                   ///< What takes time is done so often; the median counts.
+  std::uint32_t n_places = 200000;  ///< Random ones for which heights are asked.
+  int n_contours = 20;              ///< Levels, evenly between lowest and highest.
+  std::uint64_t seed = 1;
+  Threads threads{};
+};
+
+/// A model's answer to one tolerance. What it cannot do has no value.
+struct ComparedMesh {
+  double tolerance = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t memory_bytes = 0;            ///< With twins, errors and heights.
+  TinQuality quality{};                      ///< As measured on the mesh, whatever the model says.
+  std::optional<double> stated_error{};      ///< What the model says of it.
+  double extract_seconds = 0;                ///< From the model, or, without one, from the raster.
+  std::optional<double> variable_seconds{};  ///< In the middle quarter alone, outside ten times.
+  std::uint64_t variable_triangles = 0;
+  double contour_seconds = 0;
+  std::uint64_t contour_points = 0;
+  double places_per_second = 0;  ///< One thread; the locator's making apart.
+  double locator_seconds = 0;
+  double profile_seconds = 0;  ///< Along the raster's diagonal.
+  std::uint64_t profile_points = 0;
+
+  [[nodiscard]] bool is_met() const { return quality.worst_error <= tolerance; }
+};
+
+struct ComparedModel {
+  std::string name;
+  std::string what;                       ///< In one sentence.
+  std::string refusal{};                  ///< Why there are no meshes; else empty.
+  std::optional<double> build_seconds{};  ///< Once, for all tolerances.
+  int n_levels = 0;                       ///< 0: it has none.
+  std::vector<ComparedMesh> meshes{};     ///< By tolerance, as given.
+};
+
+struct TerrainComparison {
+  std::uint64_t n_samples = 0;  ///< With a height.
+  HeightRange range;
+  std::vector<ComparedModel> models;
+  double seconds = 0;
+};
+
+/// Runs all models of terrain that there are on a grid, and the regular subsampled grid as the
+/// baseline, and measures their meshes by the same means. Fails on options that are none, on
+/// rasters without a cell, and when cancelled.
+[[nodiscard]] Result<TerrainComparison> compare_terrain(const HeightGrid& grid,
+                                                        const ComparisonOptions& options,
+                                                        Progress& progress);
+
+}  // namespace lode

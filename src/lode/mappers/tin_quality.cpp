@@ -1,0 +1,136 @@
+#include "lode/mappers/tin_quality.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace lode {
+namespace {
+
+constexpr double kUncovered = -1;
+
+/// z' on a triangle: a height at a corner, and how it changes by column and row.
+class Plane {
+ public:
+  Plane(const delaunay::Tin& tin, const std::array<std::uint32_t, 3>& triangle) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      corners_[i] = tin.vertices[triangle[i]];
+      heights_[i] = tin.heights[triangle[i]];
+    }
+    doubled_area_ = side(0, corners_[2].x, corners_[2].y);
+  }
+
+  /// Of an edge, positive on its left.
+  [[nodiscard]] std::int64_t side(std::size_t edge, std::int64_t x, std::int64_t y) const {
+    const delaunay::LatticePoint& a = corners_[edge];
+    const delaunay::LatticePoint& b = corners_[(edge + 1) % 3];
+    return (std::int64_t{b.x} - a.x) * (y - a.y) - (std::int64_t{b.y} - a.y) * (x - a.x);
+  }
+  [[nodiscard]] bool holds(std::int64_t x, std::int64_t y) const {
+    return side(0, x, y) >= 0 && side(1, x, y) >= 0 && side(2, x, y) >= 0;
+  }
+  /// At corners theirs, exactly.
+  [[nodiscard]] double height(std::int64_t x, std::int64_t y) const {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (corners_[i].x == x && corners_[i].y == y) return heights_[i];
+    const auto share = [&](std::size_t edge) {
+      return static_cast<double>(side(edge, x, y)) / static_cast<double>(doubled_area_);
+    };
+    return heights_[0] + (heights_[1] - heights_[0]) * share(2) +
+           (heights_[2] - heights_[0]) * share(0);
+  }
+  [[nodiscard]] const std::array<delaunay::LatticePoint, 3>& corners() const { return corners_; }
+  [[nodiscard]] bool has_area() const { return doubled_area_ > 0; }
+
+ private:
+  std::array<delaunay::LatticePoint, 3> corners_;
+  std::array<double, 3> heights_;
+  std::int64_t doubled_area_ = 0;
+};
+
+void raise(double& to, double error) {
+  std::atomic_ref<double> shared(to);
+  double there = shared.load(std::memory_order_relaxed);
+  while (there < error && !shared.compare_exchange_weak(there, error, std::memory_order_relaxed)) {
+  }
+}
+
+/// Samples are at multiples of the scale.
+void measure_triangle(const Plane& plane, std::int32_t scale, const HeightGrid& grid,
+                      std::vector<double>& errors) {
+  if (!plane.has_area()) return;
+  const auto above = [scale](std::int32_t at) { return (at + scale - 1) / scale; };
+  const auto& [a, b, c] = plane.corners();
+  const auto [x_low, x_high] = std::minmax({a.x, b.x, c.x});
+  const auto [y_low, y_high] = std::minmax({a.y, b.y, c.y});
+  for (std::int32_t y = above(y_low); y <= y_high / scale; ++y)
+    for (std::int32_t x = above(x_low); x <= x_high / scale; ++x) {
+      const std::int64_t column = std::int64_t{x} * scale;
+      const std::int64_t row = std::int64_t{y} * scale;
+      if (!plane.holds(column, row) || !grid.has_height(x, y)) continue;
+      const double error = std::abs(grid.height(x, y) - plane.height(column, row));
+      raise(errors[static_cast<std::size_t>(std::int64_t{y} * grid.n_columns + x)], error);
+    }
+}
+
+double smallest_angle_of(const Plane& plane, const HeightGrid& grid) {
+  std::array<Vec<double, 2>, 3> p;
+  for (std::size_t i = 0; i < 3; ++i) p[i] = grid.world(plane.corners()[i].x, plane.corners()[i].y);
+  double least = 180;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto u = p[(i + 1) % 3] - p[i];
+    const auto v = p[(i + 2) % 3] - p[i];
+    const double turn = std::abs(u[0] * v[1] - u[1] * v[0]);
+    least = std::min(least, std::atan2(turn, u[0] * v[0] + u[1] * v[1]) * 180 / std::numbers::pi);
+  }
+  return least;
+}
+
+void count_angles(std::vector<double>& angles, TinQuality& quality) {
+  if (angles.empty()) return;
+  constexpr double kStep = 5;
+  for (const double angle : angles) {
+    const auto step = static_cast<std::size_t>(std::max(0.0, angle / kStep));
+    ++quality.angles[std::min(step, quality.angles.size() - 1)];
+  }
+  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+  std::nth_element(angles.begin(), middle, angles.end());
+  quality.median_angle = *middle;
+  quality.smallest_angle = *std::min_element(angles.begin(), angles.end());
+}
+
+}  // namespace
+
+TinQuality measure_quality(const delaunay::Tin& tin, std::int32_t scale, const HeightGrid& grid,
+                           Threads threads) {
+  std::vector<double> errors(static_cast<std::size_t>(grid.n_samples()), kUncovered);
+  std::vector<double> angles(tin.triangles.size());
+  constexpr std::size_t kTrianglesAtOnce = 1024;
+  parallel_for(tin.triangles.size(), threads, kTrianglesAtOnce, [&](std::size_t t, int) {
+    const Plane plane(tin, tin.triangles[t]);
+    measure_triangle(plane, scale, grid, errors);
+    angles[t] = smallest_angle_of(plane, grid);
+  });
+  TinQuality quality;
+  double squares = 0;
+  for (std::int32_t y = 0; y < grid.n_rows; ++y)
+    for (std::int32_t x = 0; x < grid.n_columns; ++x) {
+      if (!grid.has_height(x, y)) continue;
+      const double error = errors[static_cast<std::size_t>(std::int64_t{y} * grid.n_columns + x)];
+      if (error == kUncovered) {
+        ++quality.n_uncovered;
+        continue;
+      }
+      ++quality.n_samples;
+      quality.worst_error = std::max(quality.worst_error, error);
+      squares += error * error;
+    }
+  if (quality.n_samples > 0)
+    quality.rms_error = std::sqrt(squares / static_cast<double>(quality.n_samples));
+  count_angles(angles, quality);
+  return quality;
+}
+
+}  // namespace lode

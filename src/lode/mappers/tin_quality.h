@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/parallel.h"
+#include "lode/delaunay/tin.h"
+
+namespace lode {
+
+/// How good a TIN is as an approximation of a grid of heights, and how its triangles are shaped.
+struct TinQuality {
+  std::uint64_t n_samples = 0;    ///< With a height, in some triangle.
+  std::uint64_t n_uncovered = 0;  ///< With one, in none.
+  double worst_error = 0;         ///< |z - z'| of those covered, in float64.
+  double rms_error = 0;
+  /// Triangles by their smallest angle, in the raster's coordinates: 12 steps of 5 degrees.
+  std::array<std::uint64_t, 12> angles{};
+  double smallest_angle = 0;  ///< Degrees.
+  double median_angle = 0;    ///< Of smallest angles.
+};
+
+/// The TIN has heights, turns left, and lies in the grid, whose columns and rows are `scale` nodes
+/// of the TIN's lattice apart: so its vertices may lie between samples. A sample on an edge counts
+/// once, by the larger of its errors. The same for any number of threads. Takes 8 bytes a sample.
+[[nodiscard]] TinQuality measure_quality(const delaunay::Tin& tin, std::int32_t scale,
+                                         const HeightGrid& grid, Threads threads);
+
+}  // namespace lode

@@ -1,0 +1,57 @@
+// Comparisons of models of terrain, through the program.
+#include <gtest/gtest.h>
+
+#include "tests/cli/ball_fixture.h"
+#include "tests/cli/dem_fixture.h"
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  write_dem(dem);
+  const std::string page = scratch / "report.html";
+  const auto made =
+      run_lode({"compare", dem, page, "--tolerances", "50,10", "--runs", "1", "--json"}).json();
+  const auto& models = made.at("models");
+  ASSERT_EQ(models.size(), 4U);
+  EXPECT_EQ(models[0].at("name"), "delaunay_selector");
+  EXPECT_EQ(models[0].at("meshes")[1].at("tolerance"), 10);
+  EXPECT_EQ(models[0].at("meshes")[1].at("is_met"), true);
+  EXPECT_EQ(models[2].at("name"), "diamond2d");
+  EXPECT_NE(models[3].at("refusal").get<std::string>().find("1 missing"), std::string::npos);
+  const std::string html = read_bytes(page);
+  EXPECT_TRUE(html.starts_with("<!doctype html>"));
+  EXPECT_EQ(html.find("http"), std::string::npos) << "nothing outside the page";
+  for (const char* part : {"<svg", "Tolerance 50", "diamond2d", "not run: "})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  const std::size_t begin = html.find("id=\"comparison\">") + 16;
+  const auto kept = nlohmann::json::parse(html.substr(begin, html.find("</script>") - begin));
+  EXPECT_EQ(kept.at("models"), models);
+}
+
+TEST(cli_compare, refuses_what_cannot_be_meant) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  const std::string page = scratch / "report.html";
+  write_dem(dem);
+  write_ball(scratch / "ball.nrrd");
+  expect_refusal(run_lode({"compare", dem, page}), 2, {"--tolerances"});
+  expect_refusal(run_lode({"compare", dem, page, "--tolerances", "-1"}), 2, {">= 0"});
+  expect_refusal(run_lode({"compare", dem, page, "--tolerances", "x"}), 2, {"--tolerances"});
+  expect_refusal(run_lode({"compare", dem, page, "--tolerances", "1", "--runs", "0"}), 2,
+                 {"--runs"});
+  expect_refusal(run_lode({"compare", dem, scratch / "report.pdf", "--tolerances", "1"}), 2,
+                 {".html"});
+  expect_refusal(run_lode({"compare", scratch / "ball.nrrd", page, "--tolerances", "1"}), 2,
+                 {"ball.nrrd", "raster of heights"});
+  write_dem(scratch / "row.asc", 40, 1);
+  expect_refusal(run_lode({"compare", scratch / "row.asc", page, "--tolerances", "1"}), 1,
+                 {"row.asc", "40 x 1"});
+  EXPECT_EQ(scratch.files(), (std::vector<std::string>{"ball.nrrd", "dem.asc", "row.asc"}));
+}
+
+}  // namespace
+}  // namespace lode::test

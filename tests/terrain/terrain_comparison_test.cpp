@@ -1,0 +1,146 @@
+// All models of terrain on one grid: what is said of them holds by brute force.
+#include "lode/api/terrain_comparison.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "lode/api/compared_terrain.h"
+#include "lode/delaunay/tin_links.h"
+#include "tests/terrain/height_grids.h"
+
+namespace lode {
+namespace {
+
+double ridges(int x, int y) { return 40 * std::sin(0.11 * x) * std::cos(0.17 * y) + 0.3 * x; }
+
+TerrainComparison compared(const HeightGrid& grid, const std::vector<double>& tolerances) {
+  Progress progress;
+  auto made = compare_terrain(
+      grid, {.tolerances = tolerances, .n_runs = 1, .n_places = 500, .threads = {2}}, progress);
+  EXPECT_TRUE(made) << (made ? "" : made.error().message);
+  return made ? std::move(*made) : TerrainComparison{};
+}
+
+const ComparedModel& named(const TerrainComparison& comparison, const std::string& name) {
+  const auto found = std::ranges::find(comparison.models, name, &ComparedModel::name);
+  EXPECT_NE(found, comparison.models.end());
+  return *found;
+}
+
+TEST(terrain_comparison, has_every_model_within_every_tolerance) {
+  // Odd sizes, of which none is a power of two and one more.
+  const TerrainComparison made = compared(test::float_grid(90, 61, ridges), {20, 5, 1, 0});
+  EXPECT_EQ(made.models.size(), 4U);
+  EXPECT_EQ(made.n_samples, 90U * 61U);
+  for (const ComparedModel& model : made.models) {
+    SCOPED_TRACE(model.name);
+    EXPECT_EQ(model.refusal, "");
+    ASSERT_EQ(model.meshes.size(), 4U);
+    for (const ComparedMesh& mesh : model.meshes) {
+      EXPECT_LE(mesh.quality.worst_error, mesh.tolerance + 1e-9);
+      EXPECT_LE(mesh.quality.worst_error, *mesh.stated_error + 1e-9);
+      EXPECT_LE(mesh.quality.rms_error, mesh.quality.worst_error);
+      EXPECT_EQ(mesh.quality.n_uncovered, 0U);
+      EXPECT_EQ(mesh.quality.n_samples, made.n_samples);
+      std::uint64_t n = 0;
+      for (const std::uint64_t in_step : mesh.quality.angles) n += in_step;
+      EXPECT_EQ(n, mesh.triangles);
+      EXPECT_GT(mesh.contour_points, 0U);
+      EXPECT_GT(mesh.profile_points, 1U);
+      EXPECT_GT(mesh.places_per_second, 0);
+    }
+    // Finer is more.
+    EXPECT_LT(model.meshes[0].triangles, model.meshes[3].triangles);
+  }
+  EXPECT_LT(named(made, "delaunay_selector").meshes[1].triangles,
+            named(made, "diamond2d").meshes[1].triangles);
+  EXPECT_TRUE(named(made, "diamond2d").meshes[1].variable_seconds);
+  EXPECT_LT(named(made, "diamond2d").meshes[1].variable_triangles,
+            named(made, "diamond2d").meshes[1].triangles);
+  EXPECT_FALSE(named(made, "regular grid").meshes[0].variable_seconds);
+}
+
+TEST(terrain_comparison, says_why_a_model_is_not_run) {
+  HeightGrid grid = test::float_grid(40, 40, ridges);
+  grid.is_valid.assign(1600, 1);
+  grid.is_valid[820] = 0;
+  const TerrainComparison made = compared(grid, {3});
+  EXPECT_NE(named(made, "regular grid").refusal.find("1 missing"), std::string::npos);
+  EXPECT_LE(named(made, "delaunay_selector").meshes[0].quality.worst_error, 3);
+  EXPECT_LE(named(made, "diamond2d").meshes[0].quality.worst_error, 3);
+}
+
+TEST(terrain_comparison, is_the_same_but_for_times_for_any_number_of_threads) {
+  const HeightGrid grid = test::float_grid(50, 40, ridges);
+  Progress progress;
+  const auto counts = [&](int threads) {
+    const auto made = compare_terrain(
+        grid, {.tolerances = {2}, .n_runs = 1, .n_places = 10, .threads = {threads}}, progress);
+    std::vector<double> numbers;
+    for (const ComparedModel& model : made->models)
+      for (const ComparedMesh& mesh : model.meshes)
+        for (const double x : {static_cast<double>(mesh.triangles), mesh.quality.worst_error,
+                               mesh.quality.rms_error, mesh.quality.median_angle})
+          numbers.push_back(x);
+    return numbers;
+  };
+  EXPECT_EQ(counts(1), counts(3));
+}
+
+TEST(terrain_comparison, refuses_options_and_grids_that_are_none) {
+  Progress progress;
+  const HeightGrid grid = test::float_grid(5, 5, ridges);
+  EXPECT_FALSE(compare_terrain(grid, {.tolerances = {}}, progress));
+  EXPECT_FALSE(compare_terrain(grid, {.tolerances = {-1}}, progress));
+  EXPECT_FALSE(compare_terrain(test::float_grid(5, 1, ridges), {.tolerances = {1}}, progress));
+}
+
+/// Of two triangles over 4 x 4 samples of a plane, one sample off by 2.
+TEST(tin_quality, is_that_of_brute_force) {
+  HeightGrid grid =
+      test::float_grid(4, 4, [](int x, int y) { return x == 1 && y == 2 ? 5 : x + y; });
+  delaunay::Tin tin;
+  tin.vertices = {{0, 0}, {6, 0}, {0, 6}, {6, 6}};  // at a scale of 2
+  tin.heights = {0, 3, 3, 6};
+  tin.triangles = {{0, 1, 3}, {0, 3, 2}};
+  const TinQuality quality = measure_quality(tin, 2, grid, {1});
+  EXPECT_EQ(quality.n_samples, 16U);
+  EXPECT_EQ(quality.n_uncovered, 0U);
+  EXPECT_DOUBLE_EQ(quality.worst_error, 2);
+  EXPECT_DOUBLE_EQ(quality.rms_error, 0.5);
+  EXPECT_NEAR(quality.smallest_angle, 45, 1e-12);
+  EXPECT_EQ(quality.angles[8] + quality.angles[9], 2U);
+  tin.triangles.pop_back();
+  EXPECT_EQ(measure_quality(tin, 2, grid, {1}).n_uncovered, 6U);
+}
+
+TEST(tin_links, are_those_of_brute_force) {
+  delaunay::Tin tin;
+  const auto index = [](std::uint32_t x, std::uint32_t y) { return 9 * y + x; };
+  for (std::uint32_t y = 0; y < 8; ++y)
+    for (std::uint32_t x = 0; x < 8; ++x) {
+      if ((x == 3 || x == 4) && y == 5) continue;  // a hole
+      tin.triangles.push_back({index(x, y), index(x + 1, y), index(x + 1, y + 1)});
+      tin.triangles.push_back({index(x, y), index(x + 1, y + 1), index(x, y + 1)});
+    }
+  std::mt19937 random(3);
+  std::ranges::shuffle(tin.triangles, random);
+  delaunay::link_triangles(tin);
+  for (std::uint32_t t = 0; t < tin.triangles.size(); ++t)
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      std::uint32_t expected = delaunay::kNoHalfEdge;
+      for (std::uint32_t u = 0; u < tin.triangles.size(); ++u)
+        for (std::uint32_t k = 0; k < 3; ++k)
+          if (tin.triangles[u][k] == tin.triangles[t][(i + 1) % 3] &&
+              tin.triangles[u][(k + 1) % 3] == tin.triangles[t][i])
+            expected = 4 * u + k;
+      EXPECT_EQ(tin.twins[t][i], expected);
+    }
+}
+
+}  // namespace
+}  // namespace lode
