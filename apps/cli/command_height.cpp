@@ -158,10 +158,10 @@ Command add_height_command(CLI::App& program) {
   CLI::App* app =
       program.add_subcommand("height", "Show heights of a terrain at places, with their bounds");
   app->footer(
-      "The height is that of the TIN within --max-error, in its triangle's plane. `bound` holds "
-      "at\n"
-      "samples: none in the triangle is farther from its plane. Between samples terrain is not\n"
-      "defined. Places outside of the terrain, or in its gaps, have no height, and are counted.\n"
+      "The height is that of the TIN within --max-error, in its triangle's plane. `bound` holds\n"
+      "at samples: none in the triangle is farther from its plane. Between samples terrain is\n"
+      "not defined. Places outside of the terrain, or in its gaps, have no height, and are "
+      "counted.\n"
       "POINTS.csv has x and y a line, in the raster's CRS, with a heading (x,y or lon,lat) or\n"
       "without.\n\n"
       "Examples:\n  lode height dem.tif --at 500010,4000020 --max-error 1\n"

@@ -126,10 +126,11 @@ Command add_profile_command(CLI::App& program) {
   CLI::App* app = program.add_subcommand(
       "profile", "Show the heights of a terrain along a segment, with their bounds");
   app->footer(
-      "A row for each edge or vertex of the TIN within --max-error that the segment meets, and "
-      "for\n"
-      "its ends: in between heights are linear. Between parts there is no terrain. The segment is\n"
-      "straight in the raster's coordinates; distances along it are in the plane of a projected\n"
+      "A row for each edge or vertex of the TIN within --max-error that the segment meets, and\n"
+      "for its ends: in between heights are linear. Between parts there is no terrain. The "
+      "segment\n"
+      "is straight in the raster's coordinates; distances along it are in the plane of a "
+      "projected\n"
       "CRS, and on the ellipsoid where coordinates are longitudes and latitudes. `bound` holds at\n"
       "samples: none in the triangles beside is farther from them.\n\n"
       "Examples:\n  lode profile dem.tif --from 500000,4000000 --to 520000,4010000 --max-error 1\n"

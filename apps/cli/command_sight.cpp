@@ -147,13 +147,11 @@ Command add_sight_command(CLI::App& program) {
   CLI::App* app =
       program.add_subcommand("sight", "Find out whether two places of a terrain see each other");
   app->footer(
-      "visible: no surface within the bounds of the TIN is above the ray; blocked: each one is, "
-      "and\n"
-      "where; undecided: neither, and --exact makes the tolerance smaller until it is decided, or "
-      "0.\n"
-      "Bounds are those of lode height, at samples. Gaps on the way leave it undecided. The ray "
-      "is\n"
-      "straight over an earth whose radius is R / (1 - refraction).\n\n"
+      "visible: no surface within the bounds of the TIN is above the ray; blocked: each one is,\n"
+      "and where; undecided: neither, and --exact asks again at full resolution. Bounds are those\n"
+      "of lode height, at samples. Gaps on the way leave it undecided. The ray is straight over "
+      "an\n"
+      "earth whose radius is R / (1 - refraction).\n\n"
       "Examples:\n  lode sight dem.tif --from 500000,4000000 --to 520000,4010000\n"
       "  lode sight dem.tif --from 8.1,46.5 --to 8.2,46.6 --target-height 30 --exact");
   add_terrain_query(*app, arguments->terrain);
@@ -170,7 +168,7 @@ Command add_sight_command(CLI::App& program) {
   add("--height-unit", arguments->height_unit, "m|ft|us-ft",
       "Unit of the heights, where the raster does not say or is wrong");
   app->add_flag("--exact", arguments->is_exact,
-                "Make the tolerance smaller until it is decided, or 0");
+                "Where it is undecided, ask again at full resolution");
   return {app, [arguments] { return check_sight(*arguments); },
           [arguments](Session& session) { return run_sight(*arguments, session); }};
 }

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <thread>
 
+#include "tests/cli/dem_fixture.h"
 #include "tests/cli/program.h"
 
 namespace lode::test {
@@ -53,6 +54,15 @@ TEST(cli_signals, leave_no_partial_build) {
   const std::vector<std::string> build{"build", scratch / "noise.nrrd", scratch / "noise.lode"};
   EXPECT_GT(stop_at_several_moments(build, scratch / "noise.lode", scratch, SIGINT), 0);
   EXPECT_GT(stop_at_several_moments(build, scratch / "noise.lode", scratch, SIGTERM), 0);
+}
+
+TEST(cli_signals, leave_no_partial_contours) {
+  const Scratch scratch;
+  write_dem(scratch / "dem.asc", 400, 300);
+  const std::vector<std::string> contours{
+      "contours", scratch / "dem.asc", scratch / "lines.gpkg", "--interval", "1", "--max-error",
+      "0"};
+  EXPECT_GT(stop_at_several_moments(contours, scratch / "lines.gpkg", scratch, SIGINT), 0);
 }
 
 TEST(cli_signals, leave_no_partial_surface) {

@@ -158,6 +158,26 @@ TEST_F(cli_terrain_query, refuses_what_cannot_be_meant) {
                  {"row.asc", "40 x 1"});
 }
 
+TEST_F(cli_terrain_query, names_rasters_that_have_no_terrain) {
+  write_bytes(scratch_ / "one.asc", "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n7\n");
+  write_bytes(scratch_ / "void.asc",
+              "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nnodata_value -1\n"
+              "-1 -1 -1\n-1 -1 -1\n");
+  write_bytes(scratch_ / "text.asc", "once upon a time\n");
+  for (const std::string name : {"one.asc", "void.asc", "text.asc"})
+    for (const std::string max_error : {"0", "1"})
+      for (const Words& words :
+           {Words{"height", "--at", "1,1"}, Words{"profile", "--from", "0,0", "--to", "1,1"},
+            Words{"sight", "--from", "0,0", "--to", "1,1"},
+            Words{"contours", scratch_ / "out.gpkg", "--interval", "1"}}) {
+        Words all{words[0], scratch_ / name, "--max-error", max_error};
+        all.insert(all.end(), words.begin() + 1, words.end());
+        expect_refusal(run_lode(all), 1, {name});
+      }
+  EXPECT_EQ(scratch_.files(),
+            (std::vector<std::string>{"dem.asc", "one.asc", "text.asc", "void.asc"}));
+}
+
 TEST_F(cli_terrain_query, follows_segments_and_tells_gaps) {
   const std::string out = scratch_ / "profile.csv";
   const auto json = run_lode({"profile", dem_, "--from", place_of(-2, 9), "--to", place_of(39, 9),

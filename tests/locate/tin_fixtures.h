@@ -35,6 +35,13 @@ inline GridTin select_tin(std::string name, HeightGrid grid, double max_error) {
   return {std::move(name), std::move(grid), made ? std::move(made)->tin : Tin{}};
 }
 
+/// Of all samples.
+inline GridTin full_tin(std::string name, HeightGrid grid) {
+  auto made = delaunay_selector::select_all_samples(grid);
+  if (!made) ADD_FAILURE() << made.error().message;
+  return {std::move(name), std::move(grid), made ? std::move(made)->tin : Tin{}};
+}
+
 inline double hilly(std::int32_t x, std::int32_t y) {
   return std::round(800 * std::sin(0.17 * x) * std::cos(0.13 * y) + 30 * std::sin(1.3 * x + y));
 }
@@ -60,6 +67,8 @@ inline std::vector<GridTin> all_tins() {
   tins.push_back(select_tin("all_samples", make_grid<std::int16_t>(33, 29, hilly), 0));
   tins.push_back(select_tin("holes", holey_grid(), 60));
   tins.push_back(select_tin("all_samples_and_holes", holey_grid(), 0));
+  tins.push_back(full_tin("full", make_grid<std::int16_t>(21, 34, hilly)));
+  tins.push_back(full_tin("full_with_holes", holey_grid()));
   return tins;
 }
 

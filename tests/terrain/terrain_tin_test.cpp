@@ -139,6 +139,25 @@ TEST(terrain_tin, measures_profiles_on_the_ellipsoid) {
   }
 }
 
+TEST(terrain_tin, has_centimetres_at_heights_of_1e9) {
+  HeightGrid grid = make_grid<double>(
+      30, 20, [](std::int32_t x, std::int32_t y) { return 1e9 + 0.01 * waves(x, y); });
+  std::vector<Place> places;
+  for (std::int32_t y = 0; y < 20; ++y)
+    for (std::int32_t x = 0; x < 30; ++x) places.push_back(grid.world(x, y));
+  for (const double max_error : {0.0, 0.05}) {
+    std::vector<TerrainHeight> heights;
+    Progress progress;
+    ASSERT_TRUE(select(grid, max_error).heights(places, heights, {1}, progress));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double z =
+          grid.height(static_cast<std::int32_t>(i) % 30, static_cast<std::int32_t>(i) / 30);
+      EXPECT_LE(std::abs(heights[i].height - z), heights[i].bound);
+      EXPECT_LE(heights[i].bound, max_error + 1e-5) << "half units of 1e9, and of slivers";
+    }
+  }
+}
+
 TEST(terrain_tin, stops_when_cancelled_and_refuses_grids_without_area) {
   const HeightGrid grid = metre_grid();
   const TerrainTin tin = select(grid, 20);
@@ -150,6 +169,7 @@ TEST(terrain_tin, stops_when_cancelled_and_refuses_grids_without_area) {
   EXPECT_FALSE(tin.profile(places[0], grid.world(9, 9), cancelled));
   Progress progress;
   EXPECT_FALSE(TerrainTin::select(make_grid<float>(1, 1, waves), {}, {}, progress));
+  EXPECT_FALSE(TerrainTin::select(make_grid<float>(1, 9, waves), {.max_error = 0}, {}, progress));
 }
 
 }  // namespace

@@ -24,14 +24,17 @@ Result<SelectedTerrain> select_terrain(const HeightGrid& grid, const TerrainOpti
                                        delaunay::TinLinks links, Progress& progress) {
   const Stopwatch watch;
   const double max_error = tolerance_of(grid, options);
+  const delaunay_selector::SelectorOptions wanted{
+      .max_error = max_error,
+      .max_cells = options.max_cells,
+      .order = options.max_cells ? InsertionOrder::strict : options.order,
+      .links = links};
+  // What is asked of may have more triangles than a file should: all samples are had sooner than
+  // those that matter.
+  const bool is_full = max_error == 0 && !options.max_cells && links == delaunay::TinLinks::kept;
   LODE_TRY(delaunay_selector::Selection selection,
-           delaunay_selector::select_samples(
-               grid,
-               {.max_error = max_error,
-                .max_cells = options.max_cells,
-                .order = options.max_cells ? InsertionOrder::strict : options.order,
-                .links = links},
-               progress));
+           is_full ? delaunay_selector::select_all_samples(grid)
+                   : delaunay_selector::select_samples(grid, wanted, progress));
   const TerrainReport report{.triangles = selection.tin.triangles.size(),
                              .vertices = selection.tin.vertices.size(),
                              .max_error = max_error,

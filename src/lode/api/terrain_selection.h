@@ -11,7 +11,8 @@ struct SelectedTerrain {
   TerrainReport report;
 };
 
-/// With the tolerance and order that the options mean. Fails as select_samples() does.
+/// With the tolerance and order that the options mean; with links at tolerance 0: of all samples.
+/// Fails as select_samples() does.
 [[nodiscard]] Result<SelectedTerrain> select_terrain(const HeightGrid& grid,
                                                      const TerrainOptions& options,
                                                      delaunay::TinLinks links, Progress& progress);

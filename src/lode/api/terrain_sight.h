@@ -9,7 +9,7 @@
 
 namespace lode {
 
-/// once: at the tolerance asked for. until_decided: at ever smaller ones, and at last at 0.
+/// once: at the tolerance asked for. until_decided: where that leaves it undecided, also at 0.
 enum class SightEffort : std::uint8_t { once, until_decided };
 
 struct TerrainSightOptions {

@@ -1,11 +1,14 @@
 #include "lode/io/crs_metric.h"
 
+#include <new>
+
+#include "lode/core/out_of_memory.h"
 #include "lode/io/gdal_crs.h"
 #include "lode/io/gdal_raster.h"
 
 namespace lode::io {
 
-Result<HorizontalMetric> read_metric(const std::string& crs) {
+Result<HorizontalMetric> read_metric(const std::string& crs) try {
   if (crs.empty()) return HorizontalMetric{};
   LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
   LODE_TRY(const GdalCrs read, GdalCrs::of(crs));
@@ -27,6 +30,8 @@ Result<HorizontalMetric> read_metric(const std::string& crs) {
   metric.unit = unit == nullptr ? "" : without_controls(unit);
   if (!(metric.length_unit > 0)) return fail("expected a CRS with a unit of length, got {}", crs);
   return metric;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("read the CRS");
 }
 
 }  // namespace lode::io

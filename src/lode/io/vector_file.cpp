@@ -2,9 +2,11 @@
 
 #include <array>
 #include <filesystem>
+#include <new>
 #include <optional>
 #include <utility>
 
+#include "lode/core/out_of_memory.h"
 #include "lode/core/staged_file.h"
 #include "lode/io/gdal_crs.h"
 #include "lode/io/gdal_raster.h"
@@ -100,7 +102,7 @@ VectorWriter::VectorWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) 
 VectorWriter::VectorWriter(VectorWriter&&) noexcept = default;
 VectorWriter::~VectorWriter() = default;
 
-Result<VectorWriter> VectorWriter::create(const std::string& path, const VectorLayer& layer) {
+Result<VectorWriter> VectorWriter::create(const std::string& path, const VectorLayer& layer) try {
   LODE_CHECK(check_vector_path(path));
   if (is_geojson_path(path) && layer.crs.empty())
     return fail(
@@ -112,9 +114,11 @@ Result<VectorWriter> VectorWriter::create(const std::string& path, const VectorL
   auto impl = std::make_unique<Impl>(gdal, path, layer.shape, std::move(staged));
   LODE_CHECK(impl->open(layer));
   return VectorWriter(std::move(impl));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the file", path);
 }
 
-Result<void> VectorWriter::add(std::span<const double> values, std::span<const Points> parts) {
+Result<void> VectorWriter::add(std::span<const double> values, std::span<const Points> parts) try {
   const GdalLibrary& gdal = *impl_->gdal;
   OGRFeatureH feature = gdal.new_feature(gdal.layer_definition(impl_->layer));
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -133,9 +137,11 @@ Result<void> VectorWriter::add(std::span<const double> values, std::span<const P
   gdal.destroy_feature(feature);
   if (status != OGRERR_NONE) return impl_->refused("write a feature");
   return {};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the file", impl_->path);
 }
 
-Result<void> VectorWriter::commit(const Progress& progress) {
+Result<void> VectorWriter::commit(const Progress& progress) try {
   const GdalLibrary& gdal = *impl_->gdal;
   if (!is_geojson_path(impl_->path) && gdal.commit_transaction(impl_->dataset) != OGRERR_NONE)
     return impl_->refused("end the transaction");
@@ -144,6 +150,8 @@ Result<void> VectorWriter::commit(const Progress& progress) {
   gdal.close(std::exchange(impl_->dataset, nullptr));
   if (gdal.last_error_kind() >= CE_Failure) return impl_->refused("finish the file");
   return impl_->staged.commit(progress);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the file", impl_->path);
 }
 
 }  // namespace lode::io

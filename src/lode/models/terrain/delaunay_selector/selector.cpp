@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "lode/delaunay/full_tin.h"
 #include "lode/delaunay/grid_domain.h"
 
 namespace lode::delaunay_selector {
@@ -19,6 +20,13 @@ delaunay::GreedyOptions greedy_options(const SelectorOptions& options) {
   delaunay::GreedyOptions greedy{.max_error = options.max_error, .order = options.order};
   if (options.max_cells) greedy.max_triangles = *options.max_cells;
   return greedy;
+}
+
+Result<void> check_range(const HeightRange& range) {
+  if (range.lower < -kLargestHeight || range.upper > kLargestHeight)
+    return fail("expected heights from {} to {}, got {} to {}", -kLargestHeight, kLargestHeight,
+                range.lower, range.upper);
+  return {};
 }
 
 std::vector<double> heights_of(const delaunay::Tin& tin, const HeightGrid& grid) {
@@ -37,9 +45,7 @@ Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& 
   const delaunay::LatticePacking packing(grid.n_columns);
   delaunay::LatticeMesh mesh(packing, domain.triangles);
   const HeightRange range = height_range(grid);
-  if (range.lower < -kLargestHeight || range.upper > kLargestHeight)
-    return fail("expected heights from {} to {}, got {} to {}", -kLargestHeight, kLargestHeight,
-                range.lower, range.upper);
+  LODE_CHECK(check_range(range));
   const auto insert = [&](const auto& samples) {
     using T = typename std::decay_t<decltype(samples)>::value_type;
     const delaunay::SampleRows<T> rows{samples.data(), grid.stride, packing};
@@ -56,6 +62,16 @@ Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& 
     selection.tin.heights = heights_of(selection.tin, grid);
   if (options.max_cells)
     selection.is_within_cells = selection.tin.triangles.size() <= *options.max_cells;
+  return selection;
+}
+
+Result<Selection> select_all_samples(const HeightGrid& grid) {
+  LODE_CHECK(check_range(height_range(grid)));
+  LODE_TRY(delaunay::FullTin full, delaunay::to_full_tin(grid));
+  Selection selection;
+  selection.tin = std::move(full.tin);
+  selection.n_samples = selection.tin.vertices.size();
+  selection.n_left_out = full.n_left_out;
   return selection;
 }
 

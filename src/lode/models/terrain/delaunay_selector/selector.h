@@ -38,4 +38,9 @@ struct Selection {
 [[nodiscard]] Result<Selection> select_samples(const HeightGrid& grid,
                                                const SelectorOptions& options, Progress& progress);
 
+/// All samples: what a tolerance of 0 allows, without looking for those that are in the plane of
+/// others. With links. O(samples). Fails where there is no cell with four valid corners, and on
+/// heights beyond 1e30.
+[[nodiscard]] Result<Selection> select_all_samples(const HeightGrid& grid);
+
 }  // namespace lode::delaunay_selector
