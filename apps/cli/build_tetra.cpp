@@ -39,13 +39,18 @@ Json field_json(const TetraFieldInfo& field) {
   return json;
 }
 
+constexpr std::size_t kMostPatchRows = 50;
+
 void add_patches(const std::vector<BoundaryPatch>& patches, Table& table, Json& json) {
   Json list = Json::array();
   for (const BoundaryPatch& patch : patches) {
     list.push_back({{"id", patch.id}, {"name", patch.name}});
+    if (list.size() > kMostPatchRows) continue;
     table.add({"patch", patch.name.empty() ? std::to_string(patch.id)
                                            : fmt::format("{} ({})", patch.name, patch.id)});
   }
+  if (list.size() > kMostPatchRows)
+    table.add({"patches", fmt::format("{} more", format_count(list.size() - kMostPatchRows))});
   json["patches"] = std::move(list);
 }
 

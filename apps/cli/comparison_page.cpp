@@ -146,11 +146,12 @@ std::string angles_table(const TerrainComparison& comparison) {
   return html + "</table>\n";
 }
 
-/// What ends a script element must not be in it.
-std::string script_safe(std::string text) {
-  for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3))
-    text.replace(at, 2, "<\\/");
-  return text;
+/// Nothing in it may begin a tag or a comment; and whatever is no UTF-8 is replaced.
+std::string script_text(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string safe;
+  for (const char c : text) safe += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  return safe;
 }
 
 Json mesh_json(const ComparedMesh& mesh) {
@@ -228,7 +229,7 @@ std::string comparison_page(const TerrainComparison& comparison, const ComparedR
                         format_number(comparison.models.front().meshes[i].tolerance),
                         table_for(comparison, i));
   html += "<h2>Triangles by their smallest angle, per cent</h2>\n" + angles_table(comparison);
-  return html + "<script type=\"application/json\" id=\"comparison\">" + script_safe(json.dump()) +
+  return html + "<script type=\"application/json\" id=\"comparison\">" + script_text(json) +
          "</script>\n</body></html>\n";
 }
 

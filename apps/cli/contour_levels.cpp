@@ -1,7 +1,6 @@
 #include "contour_levels.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "parse.h"
 
@@ -45,18 +44,9 @@ Result<ContourLevels> to_levels(const LevelArguments& arguments) {
 
 Result<std::vector<double>> ContourLevels::within(double lowest, double highest) const {
   if (!given.empty()) return given;
-  constexpr double kMost = 1e6;
   // At the lowest height and below it everything is above.
-  double k = std::floor((lowest - base) / interval) + 1;
-  const double last = std::floor((highest - base) / interval);
-  if (last - k >= kMost)
-    return fail("--interval: expected at most {} contours from {} to {}, got about {:.3g}", kMost,
-                lowest, highest, last - k);
-  std::vector<double> levels;
-  for (; k <= last; ++k) {
-    const double level = base + k * interval;
-    if (levels.empty() || level > levels.back()) levels.push_back(level);
-  }
+  auto levels = levels_between(base, interval, lowest, highest, LowestLevel::above);
+  if (!levels) return fail("--interval: {}", levels.error().message);
   return levels;
 }
 

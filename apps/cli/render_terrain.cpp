@@ -49,7 +49,7 @@ Outcome outcome_of(const TerrainPictureJob& job, const HeightRaster& raster,
   add_raster(raster, json, table);
   json["model"] = kTerrainModel;
   json["max_error"] = report.terrain.max_error;
-  json["max_error_is_default"] = job.max_error.empty();
+  json["max_error_is_default"] = job.max_error.empty() && job.max_cells.empty();
   json["achieved_error"] = report.terrain.achieved_error;
   json["error_kind"] = "at samples";
   json["triangles"] = report.terrain.triangles;
@@ -140,6 +140,10 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
   LODE_TRY(const Image image,
            naming(job.input, draw_terrain(raster.grid, metric, options, report, session.progress()),
                   session));
+  if (!report.is_vertical_unit_known)
+    session.warn(fmt::format("{}: heights are taken for metres, as the raster {}", job.input,
+                             raster.grid.vertical_unit.empty() ? "does not say their unit"
+                                                               : "says a unit that is not known"));
   OutputSet outputs(outputs_of(job));
   LODE_CHECK(write_png(image, job.output));
   outputs.add(job.output);

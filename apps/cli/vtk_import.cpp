@@ -165,12 +165,18 @@ Result<void> run_importer(const std::string& path, const std::vector<std::string
               lines.empty() ? "it said nothing" : lines.back());
 }
 
-/// A number and a name in each line.
+/// A number in each line, a blank, and a name, which may be empty.
 std::vector<BoundaryPatch> read_patch_names(const std::string& path) {
   std::vector<BoundaryPatch> patches;
   std::ifstream file(path);
-  BoundaryPatch patch;
-  while (file >> patch.id && std::getline(file >> std::ws, patch.name)) patches.push_back(patch);
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t blank = line.find(' ');
+    std::istringstream number(line.substr(0, blank));
+    BoundaryPatch patch;
+    if (!(number >> patch.id)) continue;
+    if (blank != std::string::npos) patch.name = line.substr(blank + 1);
+    patches.push_back(std::move(patch));
+  }
   return patches;
 }
 

@@ -54,7 +54,8 @@ std::int64_t object_of(const FaceBlock& block) {
   vtkDataArray* const ids = block.data->GetCellData()->GetArray(kObjectIds);
   if (ids == nullptr || ids->GetNumberOfTuples() == 0) return 0;
   const double id = ids->GetTuple1(0);
-  return id == std::trunc(id) ? static_cast<std::int64_t>(id) : 0;
+  constexpr double kMost = 0x1p53;
+  return id == std::trunc(id) && std::abs(id) < kMost ? static_cast<std::int64_t>(id) : 0;
 }
 
 std::vector<std::int64_t> numbers_of(const std::vector<FaceBlock>& blocks) {

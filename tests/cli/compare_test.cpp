@@ -32,6 +32,17 @@ TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
   EXPECT_EQ(kept.at("models"), models);
 }
 
+TEST(cli_compare, keeps_its_page_whole_whatever_the_file_is_called) {
+  const Scratch scratch;
+  const std::string dem = scratch / "a\xff<!--<script>.asc";
+  write_dem(dem);
+  const std::string page = scratch / "report.html";
+  ASSERT_EQ(run_lode({"compare", dem, page, "--tolerances", "50", "--runs", "1"}).exit_code, 0);
+  const std::string html = read_bytes(page);
+  EXPECT_EQ(html.find("<!--"), std::string::npos);
+  EXPECT_EQ(html.find("<script>"), std::string::npos);
+}
+
 TEST(cli_compare, refuses_what_cannot_be_meant) {
   const Scratch scratch;
   const std::string dem = scratch / "dem.asc";

@@ -45,6 +45,7 @@ TEST(cli_render_terrain, refuses_what_cannot_be_meant) {
   expect_refusal(run_lode({"render", dem, out, "--isovalue", "3"}), 2, {"--isovalue", "raster"});
   expect_refusal(run_lode({"render", dem, out, "--exaggeration", "0"}), 2, {"--exaggeration"});
   expect_refusal(run_lode({"render", dem, out, "--contours", "x"}), 2, {"--contours"});
+  expect_refusal(run_lode({"render", dem, out, "--contours", "1e-20", "--quiet"}), 1, {"contours"});
   expect_refusal(run_lode({"render", dem, scratch / "dem.jpg"}), 2, {".png"});
   expect_refusal(run_lode({"render", dem, out, "--top", "--camera", "c.json"}), 2, {"--top"});
   expect_refusal(run_lode({"render", scratch / "ball.nrrd", out, "--isovalue", "3", "--top"}), 2,

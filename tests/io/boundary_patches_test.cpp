@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -13,6 +14,7 @@ namespace lode::io {
 namespace {
 
 using test::add_cell;
+using test::expect_no_tetrahedra;
 using test::tetrahedra_of;
 
 /// 2 x 1 x 1 hexahedra, points by x, then y, then z; PatchId by cell, 0 of those two.
@@ -100,6 +102,33 @@ TEST(boundary_patches, are_numbered_by_the_regions_field_where_there_is_no_other
   const TetrahedraOutcome outcome = tetrahedra_of(mesh);
   EXPECT_EQ(outcome.mesh.region_ids, (std::vector<std::int64_t>{1, 2}));
   EXPECT_EQ(outcome.mesh.patches, (std::vector<BoundaryPatch>{{7, "inlet"}}));
+}
+
+TEST(boundary_patches, have_numbers_that_doubles_tell_apart_and_names_in_one_line) {
+  CellMesh mesh = hexahedra();
+  add_face(mesh, CellType::quad, {0, 3, 9, 6}, 0x1p53);
+  expect_no_tetrahedra(mesh, {"numbers of patches below 2^53", "patchid"});
+  mesh.cell_fields[0].values.back() = 0x1p53 - 1;
+  mesh.patch_names = {{(std::int64_t{1} << 53) - 1, "in\nlet\x1b[31m"}, {1, "of no face"}};
+  EXPECT_EQ(tetrahedra_of(mesh).mesh.patches[0].name, "in let [31m");
+}
+
+TEST(boundary_patches, of_very_many_faces_at_a_point_are_found_in_no_time) {
+  // A double pyramid over a ring of points: all faces have one of its ends.
+  constexpr std::uint32_t kFaces = 30'000;
+  CellMesh mesh = test::empty_cells();
+  mesh.points = {{{0, 0, 1}}, {{0, 0, -1}}};
+  mesh.cell_fields = {{"PatchId", ScalarType::int32, 1, {}}};
+  for (std::uint32_t i = 0; i < kFaces; ++i) {
+    const double angle = 6.283185307179586 * i / kFaces;
+    mesh.points.push_back({{std::cos(angle), std::sin(angle), 0}});
+    add_face(mesh, CellType::tetrahedron, {0, 1, 2 + i, 2 + (i + 1) % kFaces}, 0);
+  }
+  for (std::uint32_t i = 0; i < kFaces; ++i)
+    add_face(mesh, CellType::triangle, {0, 2 + i, 2 + (i + 1) % kFaces}, 1 + i % 3);
+  const TetrahedraOutcome outcome = tetrahedra_of(mesh);
+  EXPECT_EQ(outcome.mesh.patch_faces.size(), kFaces);
+  EXPECT_EQ(outcome.report.n_inner_faces, 0U);
 }
 
 TEST(boundary_patches, of_quadratic_tetrahedra_are_of_their_parts) {

@@ -225,6 +225,17 @@ TEST_P(mesh_formats, hold_patches) {
   EXPECT_EQ(found, expected);
 }
 
+TEST_P(mesh_formats, tell_patches_of_one_name_apart) {
+  ASSERT_TRUE(test::has_vtk()) << test::kVtkMissing;
+  SimplexMesh mesh = strip_with_patches();
+  mesh.patches[0].name = mesh.patches[1].name = std::string(300, 'x');
+  write(mesh, {.value_name = "wave"});
+  std::size_t n = 0;
+  const json patches = seen().at("patches");
+  for (const auto& [name, faces] : patches.items()) n += faces.size();
+  EXPECT_EQ(n, 4U);
+}
+
 TEST_P(mesh_formats, have_patches_that_lode_reads_but_for_exodus) {
   if (is_exodus()) return;
   SimplexMesh mesh = strip_with_patches();

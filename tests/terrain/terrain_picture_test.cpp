@@ -118,6 +118,18 @@ TEST(terrain_picture, refuses_what_cannot_be_drawn) {
             std::string::npos);
   EXPECT_NE(refused(grid, {.contour_interval = 1e-9, .render = {}}).find("fewer than"),
             std::string::npos);
+  EXPECT_NE(refused(grid, {.contour_interval = 1e-320, .render = {}}).find("fewer than"),
+            std::string::npos);
+  EXPECT_NE(refused(grid, {.exaggeration = 1e-320, .render = {}}).find("exaggeration"),
+            std::string::npos);
+  HorizontalMetric metric;
+  metric.ellipsoid = kWgs84Ellipsoid;
+  metric.angle_unit = std::acos(-1.0) / 180;
+  HeightGrid beyond = grid;
+  beyond.to_world = {0, 1, 0, 1e7, 0, -1};
+  const auto drawn_beyond = draw_terrain(beyond, metric, {.render = {}}, report, progress);
+  ASSERT_FALSE(drawn_beyond);
+  EXPECT_NE(drawn_beyond.error().message.find("latitudes from -90 to 90"), std::string::npos);
   HeightGrid none = grid;
   none.is_valid.assign(81, 0);
   EXPECT_NE(refused(none, {.render = {}}), "");

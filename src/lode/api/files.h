@@ -21,6 +21,7 @@
 #include "lode/io/surface_file.h"
 #include "lode/io/tetrahedra.h"
 #include "lode/io/vector_file.h"
+#include "lode/mappers/contour_levels.h"
 #include "lode/io/volume_reader.h"
 #include "lode/render/camera_file.h"
 #include "lode/render/camera_path.h"

@@ -1,5 +1,7 @@
 #include "lode/api/terrain_comparison.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -80,8 +82,14 @@ class Comparison {
     compared.build_seconds = model.build_seconds();
     compared.n_levels = model.n_levels();
     for (const double tolerance : options_.tolerances) {
-      LODE_TRY(ComparedMesh mesh, measure(model, tolerance));
-      compared.meshes.push_back(std::move(mesh));
+      auto mesh = measure(model, tolerance);
+      if (!mesh) {
+        if (progress_.is_cancelled()) return cancelled_error();
+        compared.refusal = fmt::format("within {}: {}", tolerance, mesh.error().message);
+        compared.meshes.clear();
+        return compared;
+      }
+      compared.meshes.push_back(std::move(*mesh));
     }
     return compared;
   }

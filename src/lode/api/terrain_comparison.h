@@ -40,6 +40,7 @@ struct ComparedMesh {
   double profile_seconds = 0;  ///< Along the raster's diagonal.
   std::uint64_t profile_points = 0;
 
+  /// Of the samples in triangles: what is left out, quality says.
   [[nodiscard]] bool is_met() const { return quality.worst_error <= tolerance; }
 };
 

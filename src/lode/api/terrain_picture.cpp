@@ -7,8 +7,10 @@
 #include <numbers>
 
 #include "lode/api/terrain_selection.h"
+#include "lode/api/terrain_sight.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
+#include "lode/mappers/contour_levels.h"
 #include "lode/mappers/tin_contours.h"
 #include "lode/render/ray_scene.h"
 
@@ -17,7 +19,7 @@ namespace {
 
 constexpr double kReliefShare = 0.125;
 constexpr double kPixelShare = 0.25;
-constexpr double kFoot = 0.3048;
+constexpr double kMostExaggeration = 1e6;
 constexpr Color kContourColor{74, 52, 38};
 constexpr double kContourWidth = 1.2;
 
@@ -36,14 +38,6 @@ struct PictureFrame {
   }
   [[nodiscard]] double longer_side() const { return 2 * std::max(half[0], half[1]); }
 };
-
-double metres_of_height(const HeightGrid& grid) {
-  const std::string& unit = grid.vertical_unit;
-  const bool is_feet = unit.find("foot") != std::string::npos ||
-                       unit.find("feet") != std::string::npos ||
-                       unit.find("ft") != std::string::npos;
-  return is_feet ? kFoot : 1;
-}
 
 /// Of the ellipsoid at the middle, but not nearer to the poles than 85 degrees.
 void take_metric(const HorizontalMetric& metric, PictureFrame& frame) {
@@ -65,26 +59,37 @@ double nice_below(double most) {
   return power;
 }
 
-PictureFrame frame_of(const HeightGrid& grid, const HorizontalMetric& metric,
-                      const HeightRange& range, const TerrainPictureOptions& options,
-                      TerrainPictureReport& report) {
-  PictureFrame frame;
+/// Round the raster, in its coordinates.
+struct Extent {
+  Vec<double, 2> lower;
+  Vec<double, 2> upper;
+};
+
+Extent extent_of(const HeightGrid& grid) {
   const double columns = grid.n_columns - 1;
   const double rows = grid.n_rows - 1;
   const std::array corners{grid.world(0, 0), grid.world(columns, 0), grid.world(0, rows),
                            grid.world(columns, rows)};
-  Vec<double, 2> lower = corners[0];
-  Vec<double, 2> upper = corners[0];
+  Extent extent{corners[0], corners[0]};
   for (const auto& corner : corners)
     for (std::size_t i = 0; i < 2; ++i) {
-      lower[i] = std::min(lower[i], corner[i]);
-      upper[i] = std::max(upper[i], corner[i]);
+      extent.lower[i] = std::min(extent.lower[i], corner[i]);
+      extent.upper[i] = std::max(extent.upper[i], corner[i]);
     }
+  return extent;
+}
+
+PictureFrame frame_of(const HeightGrid& grid, const HorizontalMetric& metric,
+                      const HeightRange& range, const TerrainPictureOptions& options,
+                      TerrainPictureReport& report) {
+  PictureFrame frame;
+  const auto [lower, upper] = extent_of(grid);
   frame.middle = (lower + upper) * 0.5;
   take_metric(metric, frame);
   frame.half = {
       {(upper[0] - lower[0]) * frame.x_scale / 2, (upper[1] - lower[1]) * frame.y_scale / 2}};
-  const double unit = metres_of_height(grid);
+  const double unit = metres_of_unit(grid.vertical_unit).value_or(1);
+  report.is_vertical_unit_known = metres_of_unit(grid.vertical_unit).has_value();
   const double relief = (range.upper - range.lower) * unit;
   report.exaggeration = options.exaggeration.value_or(
       relief > 0 ? nice_below(kReliefShare * frame.longer_side() / relief) : 1);
@@ -133,22 +138,6 @@ Surface picture_surface(const delaunay::Tin& tin, const HeightGrid& grid,
   return surface;
 }
 
-/// Multiples of the interval within the heights.
-Result<std::vector<double>> contour_levels(double interval, const HeightRange& range) {
-  constexpr double kMostLevels = 1 << 20;
-  const double first = std::ceil(range.lower / interval);
-  const double last = std::floor(range.upper / interval);
-  if (!(last - first < kMostLevels))
-    return fail("contours: expected an interval of fewer than {} levels from {} to {}, got {}",
-                kMostLevels, range.lower, range.upper, interval);
-  std::vector<double> levels;
-  for (double i = first; i <= last; ++i) {
-    const double level = i * interval;
-    if (levels.empty() || level > levels.back()) levels.push_back(level);
-  }
-  return levels;
-}
-
 /// On the surface.
 Result<void> add_contours(const delaunay::Tin& tin, const HeightGrid& grid,
                           std::span<const double> levels, const PictureFrame& frame,
@@ -181,8 +170,10 @@ Camera camera_of(const Box3d& bounds, const TerrainPictureOptions& options) {
 }
 
 Result<void> check_picture(const TerrainPictureOptions& options) {
-  if (options.exaggeration && !(*options.exaggeration > 0 && std::isfinite(*options.exaggeration)))
-    return fail("exaggeration: expected a number > 0, got {}", *options.exaggeration);
+  const auto& times = options.exaggeration;
+  if (times && !(*times >= 1 / kMostExaggeration && *times <= kMostExaggeration))
+    return fail("exaggeration: expected a number from {} to {}, got {}", 1 / kMostExaggeration,
+                kMostExaggeration, *times);
   const auto& interval = options.contour_interval;
   if (interval && !(*interval > 0 && std::isfinite(*interval)))
     return fail("contours: expected an interval > 0, got {}", *interval);
@@ -197,6 +188,8 @@ Result<Image> draw_terrain(const HeightGrid& grid, const HorizontalMetric& metri
   const Stopwatch watch;
   LODE_CHECK(check_picture(options));
   const HeightRange range = height_range(grid);
+  const Extent extent = extent_of(grid);
+  LODE_CHECK(check_angles(metric, extent.lower, extent.upper));
   const PictureFrame frame = frame_of(grid, metric, range, options, report);
   const bool has_contours = options.contour_interval.has_value();
   const auto links = has_contours ? delaunay::TinLinks::kept : delaunay::TinLinks::left_out;
@@ -208,9 +201,11 @@ Result<Image> draw_terrain(const HeightGrid& grid, const HorizontalMetric& metri
   std::vector<Vec3f> colors = colors_of(surface.values, range);
   if (render.color) std::ranges::fill(colors, to_linear(*render.color));
   if (has_contours) {
-    LODE_TRY(const auto levels, contour_levels(*options.contour_interval, range));
+    auto levels =
+        levels_between(0, *options.contour_interval, range.lower, range.upper, LowestLevel::from);
+    if (!levels) return fail("contours: {}", levels.error().message);
     LODE_CHECK(
-        add_contours(selected.selection.tin, grid, levels, frame, surface, report, progress));
+        add_contours(selected.selection.tin, grid, *levels, frame, surface, report, progress));
     colors.resize(surface.positions.size(), to_linear(kContourColor));
     render.line_width_px = kContourWidth;
   }

@@ -29,6 +29,7 @@ struct TerrainPictureOptions {
 struct TerrainPictureReport {
   TerrainReport terrain;  ///< Without slacks of coordinates.
   double exaggeration = 1;
+  bool is_vertical_unit_known = false;  ///< Else metres are assumed.
   double width = 0;  ///< Metres, of the raster: in the middle where these are of an ellipsoid.
   double depth = 0;
   std::uint64_t n_contours = 0;  ///< Lines.
@@ -37,7 +38,7 @@ struct TerrainPictureReport {
 };
 
 /// Draws the TIN of the model delaunay_selector in metres: longitudes and latitudes count as much
-/// as they do in the raster's middle, heights in feet 0.3048, others as metres. Fails as
+/// as they do in the raster's middle, heights as metres_of_unit() says, else as metres. Fails as
 /// extract_terrain() and render_surface() do, and on more than 2^20 contour levels.
 [[nodiscard]] Result<Image> draw_terrain(const HeightGrid& grid, const HorizontalMetric& metric,
                                          const TerrainPictureOptions& options,

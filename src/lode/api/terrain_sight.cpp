@@ -6,6 +6,7 @@
 #include <new>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -85,35 +86,41 @@ class SightWay {
 
 std::optional<double> metres_of_unit(std::string_view name) {
   struct Unit {
-    std::string_view name;
+    std::string_view name;  ///< In small letters.
     double metres;
   };
   constexpr double kFoot = 0.3048;
   constexpr double kSurveyFoot = 1200.0 / 3937;
-  constexpr std::array<Unit, 17> kUnits{{{"m", 1},
+  constexpr std::array<Unit, 16> kUnits{{{"m", 1},
                                          {"metre", 1},
                                          {"metres", 1},
                                          {"meter", 1},
                                          {"meters", 1},
-                                         {"Meter", 1},
-                                         {"Metre", 1},
                                          {"ft", kFoot},
                                          {"foot", kFoot},
                                          {"feet", kFoot},
-                                         {"Foot", kFoot},
+                                         {"international foot", kFoot},
                                          {"us-ft", kSurveyFoot},
-                                         {"ftUS", kSurveyFoot},
-                                         {"US survey foot", kSurveyFoot},
-                                         {"US_Foot", kSurveyFoot},
-                                         {"Foot_US", kSurveyFoot},
-                                         {"cm", 0.01}}};
+                                         {"ftus", kSurveyFoot},
+                                         {"us survey foot", kSurveyFoot},
+                                         {"us_foot", kSurveyFoot},
+                                         {"foot_us", kSurveyFoot},
+                                         {"cm", 0.01},
+                                         {"km", 1000}}};
+  std::string small(name);
+  for (char& c : small)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   for (const Unit& known : kUnits)
-    if (known.name == name) return known.metres;
+    if (known.name == small) return known.metres;
   return std::nullopt;
 }
 
 Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options) const try {
   TerrainSight sight;
+  const Place& from = options.from;
+  const Place& to = options.to;
+  LODE_CHECK(check_angles(impl_->metric, {{std::min(from[0], to[0]), std::min(from[1], to[1])}},
+                          {{std::max(from[0], to[0]), std::max(from[1], to[1])}}));
   const std::optional<double> vertical =
       options.vertical_metres ? options.vertical_metres : metres_of_unit(impl_->grid.vertical_unit);
   sight.is_vertical_unit_known = vertical.has_value();

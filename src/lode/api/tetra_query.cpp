@@ -48,14 +48,18 @@ Result<std::vector<std::uint32_t>> find_patches(const TetraInfo& info,
   std::vector<std::uint32_t> places;
   for (const std::string& text : wanted) {
     const auto is_wanted = [&](const BoundaryPatch& patch) {
-      return patch.name == text || std::to_string(patch.id) == text;
+      return name_of(patch) == text || std::to_string(patch.id) == text;
     };
     const std::size_t before = places.size();
     for (std::uint32_t i = 0; i < info.patches.size(); ++i)
       if (is_wanted(info.patches[i])) places.push_back(i);
     if (places.size() > before) continue;
     std::vector<std::string> names;
-    for (const BoundaryPatch& patch : info.patches) names.push_back(name_of(patch));
+    constexpr std::size_t kMostNamed = 20;
+    for (std::size_t i = 0; i < std::min(info.patches.size(), kMostNamed); ++i)
+      names.push_back(name_of(info.patches[i]));
+    if (info.patches.size() > kMostNamed)
+      names.push_back(fmt::format("{} more", info.patches.size() - kMostNamed));
     return fail("patches: expected one of {}, got {}",
                 names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), text);
   }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "lode/core/ellipsoid.h"
+#include "lode/core/result.h"
 #include "lode/core/vec.h"
 
 namespace lode {
@@ -26,5 +27,10 @@ struct HorizontalMetric {
   /// Metres of a unit of distance; where the unit is not known it is taken for one.
   [[nodiscard]] double metres() const { return ellipsoid ? 1 : length_unit; }
 };
+
+/// Refuses longitudes and latitudes that are none: latitudes beyond the poles, longitudes more than
+/// a turn apart, but for a pixel. `lower` and `upper`: of a raster or segment, in its coordinates.
+[[nodiscard]] Result<void> check_angles(const HorizontalMetric& metric, const Vec<double, 2>& lower,
+                                        const Vec<double, 2>& upper);
 
 }  // namespace lode

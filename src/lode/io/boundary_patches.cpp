@@ -1,6 +1,7 @@
 #include "lode/io/boundary_patches.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -13,6 +14,7 @@ namespace lode::io {
 namespace {
 
 constexpr const char* kPatchField = "PatchId";
+constexpr double kMostId = 0x1p53;  // doubles, in which fields are, hold all below
 constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
 
 bool is_face(std::uint8_t type) {
@@ -20,53 +22,88 @@ bool is_face(std::uint8_t type) {
   return kind && kind->dimension == 2;
 }
 
-/// By point, the cells of two dimensions that have it and belong to a patch.
-struct PatchCells {
-  std::vector<std::size_t> begins;  ///< By point, and one more.
-  std::vector<std::uint32_t> cells;
+using Corners = std::array<std::uint32_t, 3>;
 
-  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t point) const {
-    return std::span(cells).subspan(begins[point], begins[point + 1] - begins[point]);
+/// Cells of two dimensions that belong to a patch: triangles by their corners, others by point.
+class PatchCells {
+ public:
+  PatchCells(const CellMesh& mesh, std::span<const std::uint32_t> cells) : mesh_(mesh) {
+    begins_.resize(mesh.points.size() + 2);
+    for (const std::uint32_t cell : cells) {
+      const auto corners = mesh.corners_of(cell);
+      if (corners.size() == 3) {
+        triangles_.emplace_back(sorted({corners[0], corners[1], corners[2]}), cell);
+        continue;
+      }
+      for (const std::uint32_t point : corners) ++begins_[point + std::size_t{2}];
+    }
+    std::sort(triangles_.begin(), triangles_.end());
+    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+    others_.resize(begins_.back());
+    // While lists are filled their begins stand one place further.
+    for (const std::uint32_t cell : cells)
+      if (mesh.corners_of(cell).size() != 3)
+        for (const std::uint32_t point : mesh.corners_of(cell))
+          others_[begins_[point + std::size_t{1}]++] = cell;
+    begins_.pop_back();
   }
+
+  /// The first that has all three corners of a face; kNoCell of none.
+  [[nodiscard]] std::uint32_t first_with(const Corners& face) const {
+    const auto by_corners = [](const auto& triangle, const Corners& corners) {
+      return triangle.first < corners;
+    };
+    const Corners key = sorted(face);
+    const auto at = std::lower_bound(triangles_.begin(), triangles_.end(), key, by_corners);
+    const bool is_triangle = at != triangles_.end() && at->first == key;
+    return std::min(is_triangle ? at->second : kNoCell, first_of_others(face));
+  }
+
+ private:
+  static Corners sorted(Corners corners) {
+    std::sort(corners.begin(), corners.end());
+    return corners;
+  }
+  [[nodiscard]] std::span<const std::uint32_t> others_at(std::uint32_t point) const {
+    return std::span(others_).subspan(begins_[point], begins_[point + 1] - begins_[point]);
+  }
+  /// Looked for at the corner that has fewest.
+  [[nodiscard]] std::uint32_t first_of_others(const Corners& face) const {
+    const auto fewest = *std::min_element(face.begin(), face.end(), [&](auto a, auto b) {
+      return others_at(a).size() < others_at(b).size();
+    });
+    for (const std::uint32_t cell : others_at(fewest)) {
+      const auto corners = mesh_.corners_of(cell);
+      const auto is_there = [&](std::uint32_t point) {
+        return std::find(corners.begin(), corners.end(), point) != corners.end();
+      };
+      if (std::all_of(face.begin(), face.end(), is_there)) return cell;
+    }
+    return kNoCell;
+  }
+
+  const CellMesh& mesh_;
+  std::vector<std::pair<Corners, std::uint32_t>> triangles_;
+  std::vector<std::size_t> begins_;  ///< By point, and one more.
+  std::vector<std::uint32_t> others_;
 };
 
-PatchCells group_cells(const CellMesh& mesh, std::span<const std::uint32_t> patch_cells) {
-  PatchCells groups;
-  groups.begins.resize(mesh.points.size() + 2);
-  for (const std::uint32_t cell : patch_cells)
-    for (const std::uint32_t point : mesh.corners_of(cell)) ++groups.begins[point + std::size_t{2}];
-  std::partial_sum(groups.begins.begin(), groups.begins.end(), groups.begins.begin());
-  groups.cells.resize(groups.begins.back());
-  // While groups are filled their begins stand one place further.
-  for (const std::uint32_t cell : patch_cells)
-    for (const std::uint32_t point : mesh.corners_of(cell))
-      groups.cells[groups.begins[point + std::size_t{1}]++] = cell;
-  groups.begins.pop_back();
-  return groups;
-}
-
-/// The first of the cells that has all three corners; kNoCell of none.
-std::uint32_t cell_of(const CellMesh& mesh, const PatchCells& groups,
-                      const std::array<std::uint32_t, 3>& face) {
-  for (const std::uint32_t cell : groups.of(face[0])) {
-    const auto corners = mesh.corners_of(cell);
-    const auto is_there = [&](std::uint32_t point) {
-      return std::find(corners.begin(), corners.end(), point) != corners.end();
-    };
-    if (is_there(face[1]) && is_there(face[2])) return cell;
-  }
-  return kNoCell;
+/// Names come from files: what would break a line or steer a terminal becomes a blank.
+std::string in_one_line(std::string name) {
+  for (char& c : name)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return name;
 }
 
 /// Those that faces have, with the names that the file gives them.
 std::vector<BoundaryPatch> patches_of(const CellMesh& mesh,
                                       const std::map<std::int64_t, std::uint32_t>& ids) {
+  std::map<std::int64_t, const std::string*> names;
+  for (const BoundaryPatch& patch : mesh.patch_names) names.emplace(patch.id, &patch.name);
   std::vector<BoundaryPatch> patches;
   for (const auto& [id, place] : ids) {
-    const auto named =
-        std::find_if(mesh.patch_names.begin(), mesh.patch_names.end(),
-                     [id = id](const BoundaryPatch& patch) { return patch.id == id; });
-    patches.push_back({id, named == mesh.patch_names.end() ? std::string() : named->name});
+    const auto named = names.find(id);
+    patches.push_back({id, named == names.end() ? std::string() : in_one_line(*named->second)});
   }
   return patches;
 }
@@ -83,22 +120,26 @@ std::size_t find_patch_ids(const CellMesh& mesh, std::size_t regions) {
   return regions;
 }
 
-void take_patches(const CellMesh& mesh, std::size_t regions, const TetraFaces& faces,
-                  TetraMesh& result, TetraReport& report) {
+Result<void> take_patches(const CellMesh& mesh, std::size_t regions, const TetraFaces& faces,
+                          TetraMesh& result, TetraReport& report) {
   const std::size_t ids = find_patch_ids(mesh, regions);
-  if (ids == mesh.cell_fields.size()) return;
+  if (ids == mesh.cell_fields.size()) return {};
   const std::vector<double>& values = mesh.cell_fields[ids].values;
   std::vector<std::uint32_t> patch_cells;
-  for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell)
-    if (is_face(mesh.types[cell]) && values[cell] != 0)
-      patch_cells.push_back(static_cast<std::uint32_t>(cell));
-  if (patch_cells.empty()) return;
-  const PatchCells groups = group_cells(mesh, patch_cells);
+  for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {
+    if (!is_face(mesh.types[cell]) || values[cell] == 0) continue;
+    if (!(std::abs(values[cell]) < kMostId))
+      return fail("{}: expected numbers of patches below 2^53 in {}, got {}", mesh.path,
+                  in_quotes(mesh.cell_fields[ids].name), values[cell]);
+    patch_cells.push_back(static_cast<std::uint32_t>(cell));
+  }
+  if (patch_cells.empty()) return {};
+  const PatchCells groups(mesh, patch_cells);
   std::vector<std::uint8_t> is_taken(mesh.n_cells(), 0);
   std::map<std::int64_t, std::uint32_t> places;
   std::vector<std::int64_t> id_of;  // by face taken
   for (const auto& face : faces.boundary) {
-    const std::uint32_t cell = cell_of(mesh, groups, face);
+    const std::uint32_t cell = groups.first_with(face);
     if (cell == kNoCell) continue;
     is_taken[cell] = 1;
     id_of.push_back(static_cast<std::int64_t>(values[cell]));
@@ -113,6 +154,7 @@ void take_patches(const CellMesh& mesh, std::size_t regions, const TetraFaces& f
   for (const std::uint32_t cell : patch_cells)
     ++(is_taken[cell] != 0 ? report.n_patch_cells : report.n_inner_faces);
   report.n_lower_cells -= patch_cells.size();
+  return {};
 }
 
 }  // namespace lode::io

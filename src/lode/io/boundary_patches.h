@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "lode/core/cell_mesh.h"
+#include "lode/core/result.h"
 #include "lode/core/tetra_mesh.h"
 #include "lode/io/tetra_faces.h"
 #include "lode/io/tetrahedra.h"
@@ -17,8 +18,10 @@ namespace lode::io {
 /// is of the first such cell that has its three corners, and a number other than 0. So faces may
 /// have more corners than tetrahedra, on their edges too. `regions`: find_regions(). The result's
 /// corners are the mesh's points. Counts what is taken, and what is left out as it lies inside, or
-/// has no number. O(faces).
-void take_patches(const CellMesh& mesh, std::size_t regions, const TetraFaces& faces,
-                  TetraMesh& result, TetraReport& report);
+/// has no number. Fails on numbers of 2^53 and more. O(faces log faces), but for points that very
+/// many faces of more than three corners share.
+[[nodiscard]] Result<void> take_patches(const CellMesh& mesh, std::size_t regions,
+                                        const TetraFaces& faces, TetraMesh& result,
+                                        TetraReport& report);
 
 }  // namespace lode::io

@@ -176,6 +176,7 @@ Result<void> read_gmsh_format(GmshInput& input) {
 Result<void> read_gmsh_names(GmshInput& input) {
   MeshText& text = input.text;
   LODE_TRY(const std::int64_t n, text.whole("a number of names"));
+  if (n < 0) return fail("{}: expected a number of names >= 0, got {}", text.path(), n);
   for (std::int64_t i = 0; i < n && text.n_left() > 0; ++i) {
     LODE_TRY(const std::int64_t dimension, text.whole("a group's dimension"));
     LODE_TRY(const std::int64_t group, text.whole("a group's number"));

@@ -14,7 +14,7 @@ namespace lode::io {
 /// The faces of one patch, as formats have them that keep faces in groups.
 struct PatchBlock {
   std::int32_t tag = 1;                  ///< Positive, and different from other blocks'.
-  std::string name;                      ///< In one line.
+  std::string name;                      ///< In one line, and different from other blocks'.
   std::span<const std::uint32_t> sides;  ///< Of SimplexMesh::patch_sides, ascending.
 };
 

@@ -216,7 +216,7 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   LODE_TRY(const TetraFaces faces, connect_faces(mesh.path, split, mesh.points.size()));
   report.n_components = faces.n_components;
   report.n_boundary_faces = faces.boundary.size();
-  take_patches(mesh, regions, faces, outcome.mesh, report);
+  LODE_CHECK(take_patches(mesh, regions, faces, outcome.mesh, report));
   turn_round(mesh, mesh.points, faces, split, report);
   average_cells(mesh.points, split, chosen, report);
   if (regions < mesh.cell_fields.size())

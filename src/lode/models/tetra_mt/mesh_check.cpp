@@ -27,7 +27,7 @@ Result<void> check_extent(const TetraMesh& mesh) {
 }
 
 Result<void> check_patches(const TetraMesh& mesh) {
-  if (mesh.patches.size() > kMaxPatches || mesh.region_ids.size() > kMaxPatches)
+  if (mesh.patches.size() > kMaxPatches || mesh.region_ids.size() >= kOutsideLabel - kMaxPatches)
     return fail("expected up to {} patches and regions, got {} and {}", kMaxPatches,
                 mesh.patches.size(), mesh.region_ids.size());
   for (std::size_t i = 0; i < mesh.patch_faces.size(); ++i)
