@@ -89,7 +89,7 @@ class Comparison {
         compared.meshes.clear();
         return compared;
       }
-      compared.meshes.push_back(std::move(*mesh));
+      compared.meshes.push_back(*mesh);
     }
     return compared;
   }
