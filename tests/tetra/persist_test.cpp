@@ -1,4 +1,4 @@
-// Hierarchies in pages and in files.
+// Hierarchies in files.
 
 #include "lode/models/tetra_mt/persist.h"
 
@@ -21,241 +21,22 @@
 #include "lode/store/writer.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/tetra/file_fixtures.h"
 #include "tests/tetra/mesh_checks.h"
 
 namespace lode::tetra_mt {
 namespace {
 
 using oracles::Random;
-
-Hierarchy hierarchy_of(const TetraMesh& mesh, std::uint64_t base_cells) {
-  Progress progress;
-  const auto collapses =
-      collapse_half_edges(mesh, {.base_cells = base_cells, .rules = {}, .threads = {2}}, progress);
-  EXPECT_TRUE(collapses);
-  auto hierarchy = make_hierarchy(mesh, *collapses, {2});
-  EXPECT_TRUE(hierarchy);
-  return std::move(*hierarchy);
-}
-
-/// Any.
-GradientsOf codes_of(const Hierarchy& hierarchy) {
-  return [n = hierarchy.positions.size()](std::size_t field) {
-    std::vector<std::uint32_t> codes;
-    for (std::uint32_t v = 0; v < n; ++v)
-      codes.push_back((v + static_cast<std::uint32_t>(field)) * 2654435761U);
-    return codes;
-  };
-}
-
-TetraMesh noise() { return oracles::noise_mesh(17, oracles::Cut::in_five, 5); }
+using test::codes_of;
+using test::hierarchy_of;
+using test::noise;
 
 Demand box_demand(double tolerance) {
   FocusDemand demand;
   demand.foci = {BoxFocus{{{{0.1, 0.1, 0.1}}, {{0.4, 0.4, 0.4}}}}};
   demand.inside = tolerance;
   return demand;
-}
-
-TEST(value_scale, codes_are_outside_of_values_and_close_also_beside_outliers) {
-  Random random(3);
-  std::vector<double> values;
-  for (int i = 0; i < 20'000; ++i) values.push_back(random.uniform(-1, 3));
-  for (int i = 0; i < 5'000; ++i) values.push_back(0.5);
-  values.push_back(1e20);
-  const ValueScale scale = ValueScale::of(values);
-  for (std::size_t i = 0; i < values.size(); i += 7) {
-    const double below = scale.value(scale.code_below(values[i]));
-    const double above = scale.value(scale.code_above(values[i]));
-    EXPECT_LE(below, values[i]);
-    EXPECT_GE(above, values[i]);
-    if (values[i] < 2.9) {
-      EXPECT_LT(above - below, 0.003);
-    }
-  }
-  for (std::uint16_t code = 1; code <= ValueScale::kLargest; ++code)
-    EXPECT_GE(scale.value(code), scale.value(code - 1));
-  EXPECT_EQ(scale.value(0), std::ranges::min(values));
-  EXPECT_EQ(scale.value(ValueScale::kLargest), 1e20);
-  EXPECT_EQ(scale.error(scale.error_code(0)), 0);
-  for (const float error : {1e19F, 3.3e12F, 1e20F}) {
-    EXPECT_GE(scale.error(scale.error_code(error)), error);
-    EXPECT_LE(scale.error(scale.error_code(error)), error * 1.008F);
-  }
-  EXPECT_GT(scale.error(scale.error_code(1e-9F)), 0);
-}
-
-TEST(gradient_codes, point_where_gradients_do) {
-  Random random(2);
-  for (int trial = 0; trial < 20'000; ++trial) {
-    const double size = std::exp2(random.uniform(-60, 0));
-    Vec3f g;
-    for (std::size_t i = 0; i < 3; ++i) g[i] = static_cast<float>(size * random.uniform(-1, 1));
-    if (trial % 5 == 0) g[trial % 3] = 0;
-    if (trial % 7 == 0) g[trial / 3 % 3] = 0;
-    const Vec3f found = gradient_of(gradient_code(g));
-    const Vec3d wide_wanted{{g[0], g[1], g[2]}};
-    const Vec3d wide_found{{found[0], found[1], found[2]}};
-    if (length(wide_wanted) == 0) {
-      EXPECT_EQ(found, Vec3f());
-      continue;
-    }
-    const Vec3d off = normalized(wide_wanted) - normalized(wide_found);
-    EXPECT_LT(length(off), 1.7e-3);
-    if (length(wide_wanted) > 0x1p-60) {
-      EXPECT_GE(length(wide_wanted), 0.999 * length(wide_found));
-      EXPECT_LE(length(wide_wanted), 1.251 * length(wide_found));
-    }
-  }
-  EXPECT_EQ(gradient_of(gradient_code({})), Vec3f());
-  for (std::size_t i = 0; i < 3; ++i)
-    for (const float sign : {-1.0F, 1.0F}) {
-      Vec3f axis;
-      axis[i] = sign;
-      EXPECT_EQ(gradient_of(gradient_code(axis)), axis);
-    }
-}
-
-TEST(box_codes, hold_boxes_closely_and_nest) {
-  Random random(8);
-  const Vec3d lower{{-3, 10, 1e6}};
-  const Vec3d upper{{5, 10.5, 1e6 + 3}};
-  const BoxCodes codes(lower, upper);
-  const auto point = [&] {
-    Vec3d p;
-    for (std::size_t i = 0; i < 3; ++i) p[i] = random.uniform(lower[i], upper[i]);
-    return p;
-  };
-  const auto holds = [](const Box3d& outer, const Box3d& inner) {
-    for (std::size_t i = 0; i < 3; ++i)
-      if (outer.lower[i] > inner.lower[i] || outer.upper[i] < inner.upper[i]) return false;
-    return true;
-  };
-  for (int trial = 0; trial < 20'000; ++trial) {
-    const Vec3d vertex = point();
-    const double share = std::pow(random.uniform(0, 1), 6);
-    Box3d box{vertex, vertex};
-    double width = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      box.lower[i] -= share * (vertex[i] - lower[i]);
-      box.upper[i] += share * (upper[i] - vertex[i]);
-      width = std::max(width, box.upper[i] - box.lower[i]);
-    }
-    const Box3d found = codes.box(vertex, codes.code(vertex, box));
-    EXPECT_TRUE(holds(found, box));
-    for (std::size_t i = 0; i < 3; ++i)
-      EXPECT_LE(found.upper[i] - found.lower[i], box.upper[i] - box.lower[i] + 0.6 * width + 0.002);
-    // Round another vertex of it, it holds what was found here.
-    Box3d joined = found;
-    const Vec3d other = point();
-    for (std::size_t i = 0; i < 3; ++i) {
-      joined.lower[i] = std::min(joined.lower[i], other[i]);
-      joined.upper[i] = std::max(joined.upper[i], other[i]);
-    }
-    EXPECT_TRUE(holds(codes.box(other, codes.code(other, joined)), found));
-  }
-  // Beyond a line by less than what is left of it where the domain's corner is taken away.
-  const BoxCodes round_zero({{-6, -6, -6}}, {{6, 6, 6}});
-  for (const double beyond : {4e-16, 5e-324}) {
-    const Box3d upward{{{-2, -2, -2}}, {{beyond, beyond, beyond}}};
-    const Box3d downward{{{-beyond, -beyond, -beyond}}, {{2, 2, 2}}};
-    const Vec3d low{{-1, -1, -1}};
-    const Vec3d high{{1, 1, 1}};
-    EXPECT_TRUE(holds(round_zero.box(low, round_zero.code(low, upward)), upward));
-    EXPECT_TRUE(holds(round_zero.box(high, round_zero.code(high, downward)), downward));
-  }
-  const BoxCodes none({{1, 1, 1}}, {{1, 1, 1}});
-  EXPECT_EQ(none.box({{1, 1, 1}}, 0), (Box3d{{{1, 1, 1}}, {{1, 1, 1}}}));
-}
-
-TEST(tetra_pages, come_back_from_their_bytes) {
-  const TetraMesh mesh = noise();
-  const Hierarchy hierarchy = hierarchy_of(mesh, 300);
-  const HierarchyHead head = head_of(hierarchy, mesh.tetrahedra.size());
-  ASSERT_GT(head.shape.n_pages(), 3U);
-  for (std::uint32_t page = 0; page < head.shape.n_pages(); ++page) {
-    const PageContent content = content_of(hierarchy, page);
-    PageContent found;
-    const auto links = encode_links(content, page, head.shape);
-    const auto decoded = decode_links(links, "page", page, head.shape, found);
-    ASSERT_TRUE(decoded) << decoded.error().message;
-    EXPECT_EQ(found, content);
-    const NumberedField field = field_of(hierarchy, 0);
-    const ValueScale scale = base_of(field, head.shape).scale;
-    const FieldContent values = content_of(field, scale, head.shape, page);
-    ASSERT_EQ(values.values.size(), content.n_nodes());
-    const PageTree tree = PageTree::of(content, page);
-    const auto bytes = encode_field(values, scale, tree, head.fields[0].has_narrow_values);
-    const auto again = decode_field(bytes, "page", scale, tree, head.fields[0].has_narrow_values);
-    ASSERT_TRUE(again);
-    EXPECT_EQ(*again, values);
-    const FieldPage packed(values, head.fields[0].has_narrow_values);
-    for (std::uint32_t i = 0; i < content.n_nodes(); ++i) {
-      EXPECT_EQ(packed.value(i), values.values[i]);
-      EXPECT_EQ(packed.facts(i), values.facts[i]);
-    }
-  }
-}
-
-/// Flips bytes of whole files behind the checksums' back: fails or answers, but never crashes.
-/// Nodes with so many links to other pages that their bits take more than 255 bytes, which is told
-/// before them.
-TEST(tetra_pages, hold_nodes_with_more_links_than_a_byte_counts) {
-  const PageShape shape{.n_base_vertices = 64, .n_nodes = 64 * kPageNodes};
-  constexpr std::uint32_t kPage = 3;
-  PageContent content;
-  for (std::uint32_t i = 0; i < 70; ++i) {
-    content.positions.push_back({{0.5 * i, 1, 2}});
-    content.boxes.push_back(i);
-    content.targets.push_back(i % 64);
-    const bool is_long = i == 5 || i == 20 || i == 31 || i == 69;
-    for (std::uint32_t k = 0; is_long && k < kMaxBrought; ++k)
-      content.children.items.push_back(7 * k % 500 + kPageNodes * (4 + k % 59));
-    const auto begin = content.children.items.begin() + content.children.begins.back();
-    std::sort(begin, content.children.items.end());
-    content.children.items.erase(std::unique(begin, content.children.items.end()),
-                                 content.children.items.end());
-    content.children.end_list();
-    const std::size_t n = content.children[i].size();
-    content.n_discovered.push_back(static_cast<std::uint8_t>(n));
-    content.parents.end_list();
-    for (std::uint32_t k = 0; k < n; ++k)
-      content.makers.items.push_back(static_cast<std::uint8_t>((7 * k) % n));
-    content.makers.end_list();
-    content.regions.end_list();
-  }
-  const NodePage page(content, kPage, shape);
-  for (std::uint32_t i = 0; i < content.n_nodes(); ++i) {
-    EXPECT_EQ(page.position(i), content.positions[i]);
-    EXPECT_EQ(page.box(i), content.boxes[i]) << i;
-    NodePage::Links links = page.links(i);
-    EXPECT_EQ(links.target(), content.targets[i]) << i;
-    ASSERT_EQ(links.n_children(), content.children[i].size()) << i;
-    for (const std::uint32_t child : content.children[i]) EXPECT_EQ(links.next_node(), child);
-    links.start_makers();
-    for (const std::uint8_t maker : content.makers[i]) EXPECT_EQ(links.next_maker(), maker);
-  }
-}
-
-TEST(tetra_pages, refuse_bytes_that_are_not_theirs) {
-  const Hierarchy hierarchy = hierarchy_of(noise(), 300);
-  const HierarchyHead head = head_of(hierarchy, 1);
-  const PageContent content = content_of(hierarchy, 1);
-  const auto links = encode_links(content, 1, head.shape);
-  Random random(1);
-  int n_refused = 0;
-  for (int trial = 0; trial < 3000; ++trial) {
-    auto bytes = links;
-    for (std::size_t k = 0; k <= random.below(3); ++k)
-      bytes[random.below(bytes.size())] ^= static_cast<std::byte>(1 + random.below(255));
-    if (trial % 5 == 0) bytes.resize(random.below(bytes.size()));
-    PageContent found;
-    if (!decode_links(bytes, "page", 1, head.shape, found))
-      ++n_refused;
-    else
-      static_cast<void>(NodePage(found, 1, head.shape).n_bytes());
-  }
-  EXPECT_GT(n_refused, 1000);
 }
 
 class tetra_file : public testing::Test {

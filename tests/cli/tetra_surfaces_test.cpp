@@ -1,0 +1,162 @@
+// Surfaces of meshes of cells through the program: isosurfaces, sections, boundaries.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "lode/mappers/mesh_boundary.h"
+#include "lode/mappers/mesh_isosurface.h"
+#include "lode/mappers/section.h"
+#include "lode/mappers/surface_topology.h"
+#include "tests/cli/tetra_fixture.h"
+#include "tests/oracles/tetra_surfaces.h"
+
+namespace lode::test {
+namespace {
+
+TEST_F(cli_tetra, makes_isosurfaces_of_the_cut_and_of_the_reference_without_a_tolerance) {
+  const std::string ply = scratch_ / "out.ply";
+  const auto extract = [&](const char* isovalue, const char* tolerance, Surface& surface) {
+    const Finished run = run_lode(
+        {"extract", input_, ply, "--isovalue", isovalue, "--max-error", tolerance, "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    auto read = read_surface(ply);
+    ASSERT_TRUE(read);
+    surface = std::move(*read);
+    EXPECT_EQ(run.json().at("triangles"), surface.triangles.size());
+    EXPECT_EQ(run.json().at("vertices"), surface.positions.size());
+    EXPECT_LE(run.json().at("achieved_error"), std::stod(tolerance));
+  };
+  for (const char* const isovalue : {"3.1", "8", "0"}) {
+    Surface exact;
+    extract(isovalue, "0", exact);
+    const SimplexMesh all = waves(13);
+    Surface reference;
+    add_isosurface(all, std::stod(isovalue), {.margin = rounding_margin(all.positions, {})},
+                   reference);
+    EXPECT_EQ(oracles::sorted_triangles(exact), oracles::sorted_triangles(reference));
+    Surface coarse;
+    extract(isovalue, "0.5", coarse);
+    EXPECT_LT(coarse.triangles.size(), exact.triangles.size());
+    for (const Surface* surface : {&exact, &coarse}) {
+      const TopologyReport topology = check_topology(*surface, {});
+      EXPECT_EQ(topology.non_manifold_edges.count, 0U);
+      EXPECT_EQ(topology.inconsistent_edges.count, 0U);
+      EXPECT_EQ(topology.degenerate_simplices.count, 0U);
+    }
+    // Where F is the isovalue the wave is, but for what a step's square makes of it.
+    for (const Vec3f& p : exact.positions)
+      EXPECT_NEAR(10 * std::sin(0.5 * static_cast<double>(p[0])) *
+                          std::cos(0.4 * static_cast<double>(p[1])) +
+                      static_cast<double>(p[2]),
+                  std::stod(isovalue), 1.2);
+  }
+}
+
+TEST_F(cli_tetra, gives_isosurfaces_normals_to_lower_values_unless_told_not_to) {
+  const std::string ply = scratch_ / "out.ply";
+  const auto extract = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"extract", input_, ply, "--isovalue", "3.1"});
+    EXPECT_EQ(run_lode(options).exit_code, 0);
+    return read_surface(ply).value();
+  };
+  EXPECT_TRUE(extract({"--normals", "off"}).normals.empty());
+  for (const char* const tolerance : {"0", "0.5"}) {
+    const Surface surface = extract({"--max-error", tolerance});
+    ASSERT_EQ(surface.normals.size(), surface.positions.size());
+    double sum = 0;
+    for (std::size_t v = 0; v < surface.normals.size(); ++v) {
+      const Vec3d p = widened(surface.positions[v]);
+      const Vec3d slope{{5 * std::cos(0.5 * p[0]) * std::cos(0.4 * p[1]),
+                         -4 * std::sin(0.5 * p[0]) * std::sin(0.4 * p[1]), 1}};
+      const Vec3d normal = widened(surface.normals[v]);
+      EXPECT_NEAR(length(normal), 1, 1e-6);
+      sum += dot(normal, normalized(slope));
+    }
+    // Cells of size 1 under waves of length 12: some vertices of the border are far off.
+    EXPECT_LT(sum / static_cast<double>(surface.normals.size()), -0.97);
+  }
+}
+
+TEST_F(cli_tetra, cuts_sections_of_the_reference_and_of_cuts_that_are_fine_along_them) {
+  const std::string vtp = scratch_ / "out.vtp";
+  const auto extract = [&](std::vector<std::string> options, nlohmann::json& json) {
+    options.insert(options.begin(), {"extract", input_, vtp, "--json"});
+    const Finished run = run_lode(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    json = run.json();
+    return read_surface(vtp).value();
+  };
+  struct Case {
+    const char* plane;
+    SectionPlane same;
+  };
+  nlohmann::json json;
+  for (const auto& [plane, same] : {Case{"0,0,3.3:0.2,0.3,1", {{{0, 0, 3.3}}, {{0.2, 0.3, 1}}}},
+                                    Case{"0,0,6:0,0,1", {{{0, 0, 6}}, {{0, 0, 1}}}},
+                                    Case{"0,0,12:0,0,1", {{{0, 0, 12}}, {{0, 0, 1}}}}}) {
+    const Surface exact = extract({"--section", plane, "--max-error", "0"}, json);
+    EXPECT_EQ(json.at("triangles"), exact.triangles.size());
+    EXPECT_EQ(json.at("achieved_error"), 0);
+    const SimplexMesh all = waves(13);
+    const Surface reference = cut_section(
+        all, same, section_rounding({}, rounding_margin(all.positions, {}), same.normal));
+    EXPECT_EQ(oracles::sorted_triangles(exact), oracles::sorted_triangles(reference));
+    const TopologyReport topology = check_topology(exact, {});
+    EXPECT_TRUE(topology.is_clean_manifold());
+    const Surface coarse = extract({"--section", plane, "--max-error", "0.5"}, json);
+    EXPECT_LE(json.at("achieved_error"), 0.5);
+    EXPECT_LT(json.at("cut_cells"), 12 * 12 * 12 * 6 / 2);
+    EXPECT_TRUE(check_topology(coarse, {}).is_clean_manifold());
+  }
+  const std::vector<std::string> two{"--section", "0,0,3.3:0,0,1", "--section", "6.1,0,0:1,0,0"};
+  EXPECT_EQ(check_topology(extract(two, json), {}).components.size(), 2U);
+  const Surface lines =
+      extract({"--section", "0,0,3.3:0,0,1", "--isovalue", "4", "--max-error", "0"}, json);
+  EXPECT_GT(lines.lines.size(), 10U);
+  EXPECT_EQ(json.at("lines"), lines.lines.size());
+  EXPECT_TRUE(extract({"--section", "0,0,30:0,0,1"}, json).is_empty());
+  EXPECT_EQ(json.at("warnings").size(), 1U);
+}
+
+TEST_F(cli_tetra, writes_the_boundary_and_what_is_within_a_threshold) {
+  const std::string ply = scratch_ / "out.ply";
+  const auto boundary = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"extract", input_, ply, "--boundary", "--json"});
+    const Finished run = run_lode(options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.json();
+  };
+  EXPECT_EQ(boundary({"--max-error", "0"}).at("triangles"), 6 * 144 * 2);
+  const nlohmann::json coarse = boundary({"--max-error", "1"});
+  const Surface surface = read_surface(ply).value();
+  EXPECT_LT(surface.triangles.size(), 1000U);
+  EXPECT_LE(coarse.at("achieved_error"), 1);
+  EXPECT_TRUE(check_topology(surface, {}).is_clean_manifold());
+  EXPECT_TRUE(check_topology(surface, {}).is_closed());
+  const nlohmann::json whole = report({"--max-error", "0", "--field-range", "2:9"});
+  const nlohmann::json warm = report({"--max-error", "0", "--threshold", "2:9"});
+  EXPECT_EQ(warm.at("left_out").get<int>() + warm.at("cells").get<int>(), whole.at("cells"));
+  const auto cells = read_cell_mesh(output_, {});
+  ASSERT_TRUE(cells);
+  for (const double value : cells->point_fields.front().values) {
+    EXPECT_GE(value, 2);
+    EXPECT_LE(value, 9);
+  }
+  // What may be in the threshold is at full resolution.
+  SimplexMesh reference = waves(13);
+  std::vector<std::uint32_t> ids;
+  keep_cells_within(reference, 2, 9, ids);
+  EXPECT_EQ(warm.at("cells"), reference.n_cells());
+  boundary({"--max-error", "0", "--threshold", "2:9"});
+  EXPECT_EQ(oracles::sorted_triangles(read_surface(ply).value()),
+            oracles::sorted_triangles(mesh_boundary(reference, {}, {})));
+  const nlohmann::json none = boundary({"--threshold", "90:91"});
+  EXPECT_EQ(none.at("triangles"), 0);
+  EXPECT_EQ(none.at("warnings").size(), 1U);
+}
+
+}  // namespace
+}  // namespace lode::test
