@@ -126,7 +126,7 @@ class Comparison {
 
   /// What questions need.
   static void complete(delaunay::Tin& tin) {
-    if (tin.twins.empty()) delaunay::link_triangles(tin);
+    if (tin.twins.empty()) tin.twins = delaunay::find_twins(tin.triangles);
     if (tin.errors.empty()) tin.errors.assign(tin.triangles.size(), 0);
   }
 

@@ -3,10 +3,10 @@
 #include "lode/delaunay/lattice_mesh.h"
 
 #include <algorithm>
-#include <tuple>
 
 #include "lode/core/expects.h"
 #include "lode/core/uninitialized_array.h"
+#include "lode/delaunay/tin_links.h"
 
 namespace lode::delaunay {
 namespace {
@@ -14,37 +14,13 @@ namespace {
 constexpr std::array<std::uint32_t, 3> kNext{1, 2, 0};
 constexpr std::array<std::uint32_t, 3> kPrevious{2, 0, 1};
 
-/// Links triangles that share an edge, found by sorting all edges by their ends.
-void link_twins(std::vector<LatticeTriangle>& triangles) {
-  struct Edge {
-    std::uint32_t lower, upper, half_edge;
-  };
-  std::vector<Edge> edges;
-  edges.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (std::uint32_t i = 0; i < 3; ++i) {
-      const std::uint32_t a = triangles[t].corner[i];
-      const std::uint32_t b = triangles[t].corner[kNext[i]];
-      edges.push_back({std::min(a, b), std::max(a, b), 4 * t + i});
-    }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-    return std::tie(a.lower, a.upper, a.half_edge) < std::tie(b.lower, b.upper, b.half_edge);
-  });
-  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-    const Edge& a = edges[i];
-    const Edge& b = edges[i + 1];
-    if (a.lower != b.lower || a.upper != b.upper) continue;
-    triangles[a.half_edge / 4].twin[a.half_edge % 4] = b.half_edge;
-    triangles[b.half_edge / 4].twin[b.half_edge % 4] = a.half_edge;
-  }
-}
-
 }  // namespace
 
 LatticeMesh::LatticeMesh(LatticePacking packing,
                          std::span<const std::array<std::uint32_t, 3>> triangles)
     : packing_(packing) {
   resize_large(triangles_, triangles.size());
+  const auto twins = find_twins(triangles);
   std::int32_t largest = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const auto& corner = triangles[t];
@@ -54,10 +30,9 @@ LatticeMesh::LatticeMesh(LatticePacking packing,
       const LatticePoint p = packing_.unpack(packed);
       largest = std::max({largest, p.x, p.y});
     }
-    triangles_[t] = {corner, {kNoHalfEdge, kNoHalfEdge, kNoHalfEdge}, 0, 0};
+    triangles_[t] = {corner, twins[t], 0, 0};
   }
   is_narrow_ = largest < kNarrowLattice;
-  link_twins(triangles_);
 }
 
 template <bool kIsNarrow>
