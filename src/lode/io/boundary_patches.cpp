@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lode/io/cell_types.h"
+#include "lode/io/surface_output.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
@@ -88,13 +89,6 @@ class PatchCells {
   std::vector<std::uint32_t> others_;
 };
 
-/// Names come from files: what would break a line or steer a terminal becomes a blank.
-std::string in_one_line(std::string name) {
-  for (char& c : name)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  return name;
-}
-
 /// Those that faces have, with the names that the file gives them.
 std::vector<BoundaryPatch> patches_of(const CellMesh& mesh,
                                       const std::map<std::int64_t, std::uint32_t>& ids) {
@@ -103,7 +97,7 @@ std::vector<BoundaryPatch> patches_of(const CellMesh& mesh,
   std::vector<BoundaryPatch> patches;
   for (const auto& [id, place] : ids) {
     const auto named = names.find(id);
-    patches.push_back({id, named == names.end() ? std::string() : in_one_line(*named->second)});
+    patches.push_back({id, named == names.end() ? std::string() : to_one_line(*named->second)});
   }
   return patches;
 }
