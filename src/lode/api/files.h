@@ -13,6 +13,7 @@
 #include "lode/api/terrain_sight.h"
 #include "lode/api/terrain_tin.h"
 #include "lode/api/tetra_dataset.h"
+#include "lode/core/vertical_unit.h"
 #include "lode/io/crs_metric.h"
 #include "lode/io/height_reader.h"
 #include "lode/io/mesh_file.h"

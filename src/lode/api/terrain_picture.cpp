@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "lode/api/terrain_selection.h"
-#include "lode/api/terrain_sight.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
+#include "lode/core/vertical_unit.h"
 #include "lode/mappers/contour_levels.h"
 #include "lode/mappers/tin_contours.h"
 #include "lode/render/ray_scene.h"

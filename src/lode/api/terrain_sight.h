@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
 #include "lode/api/terrain_tin.h"
 #include "lode/locate/line_of_sight.h"
@@ -42,9 +41,6 @@ struct TerrainSight {
   TerrainReport terrain;                ///< Of the last.
   double seconds = 0;                   ///< Of all.
 };
-
-/// Metres of a unit of heights, as rasters name them: m, metre, ft, foot, us-ft and the like.
-[[nodiscard]] std::optional<double> metres_of_unit(std::string_view name);
 
 /// The segment is straight in the grid's coordinates. Fails where one of the places is not on the
 /// terrain, as TerrainTin::select() does, and when cancelled.
