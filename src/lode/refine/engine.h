@@ -191,7 +191,8 @@ void Engine<M>::set_query(Demand demand, Budget budget, FocusChange focus, Apply
   budget_ = budget;
   focus_ = is_complete ? focus : FocusChange::changed;
   phase_ = Phase::evaluate;
-  n_unevaluated_ = n_round_ = cut_.n_places();
+  // Places by id are there before anything is in them.
+  n_unevaluated_ = n_round_ = cut_.size() > 0 ? cut_.n_places() : 0;
   n_steps_ = 0;
   const QueueOrder order = budget.is_limited() ? QueueOrder::strict : QueueOrder::near;
   const bool is_any =
