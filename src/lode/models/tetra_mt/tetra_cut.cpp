@@ -19,18 +19,13 @@ std::uint32_t first_of(unsigned places) {
   return static_cast<std::uint32_t>(std::countr_zero(places | 16U)) & 3U;
 }
 
-/// Few at a time.
-template <typename Placed>
-void sort_few(std::vector<Placed>& items) {
-  for (std::size_t i = 1; i < items.size(); ++i) {
-    const Placed one = items[i];
-    std::size_t at = i;
-    const auto is_after = [&one](const Placed& other) {
-      return other.first > one.first || (other.first == one.first && other.last > one.last);
-    };
-    for (; at > 0 && is_after(items[at - 1]); --at) items[at] = items[at - 1];
-    items[at] = one;
-  }
+/// Of the reference mesh with those to the vertex outside, about; whatever a file claims, no more
+/// than its vertices may bring.
+std::size_t n_slots_expected(const HierarchyHead& head) {
+  constexpr std::uint64_t kMostOfNode = 8;
+  const std::uint64_t n_more = std::min(head.n_cells - std::min(head.n_cells, head.n_base_cells),
+                                        kMostOfNode * head.shape.n_nodes);
+  return head.base.size() + n_more + n_more / 8;
 }
 
 }  // namespace
@@ -42,7 +37,9 @@ TetraCut::TetraCut(const PackedHierarchy& hierarchy, std::size_t field)
       slot_of_(hierarchy.head().shape.n_nodes, kNone) {
   const HierarchyHead& head = hierarchy.head();
   const auto across = find_across(head.base);
-  cells_.reserve(head.base.size());
+  // Memory that nobody writes to costs nothing. What moves as it grows is cleared, written and read
+  // again (decision 0030).
+  cells_.reserve(n_slots_expected(head));
   for (std::uint32_t slot = 0; slot < head.base.size(); ++slot) {
     const std::uint32_t region = head.base_regions.empty() ? 0 : head.base_regions[slot];
     const std::uint32_t maker = head.base_makers[slot];
@@ -63,15 +60,34 @@ void TetraCut::add_children(NodeId node, std::vector<NodeId>& out) const {
 /// A chain of nodes that wait for one another has no end, nor do those that ask for them.
 void TetraCut::add_parents(NodeId node, std::vector<NodeId>& out) const {
   if (++n_asked_ > std::uint64_t{hierarchy_->head().shape.n_nodes} * kMaxBrought) return;
-  NodePage::Links links = links_of(index(node));
-  links.skip_nodes(links.n_children());
-  for (std::uint32_t k = links.n_parents(); k > 0; --k) out.push_back(NodeId{links.next_node()});
+  for (const std::uint32_t parent : read(index(node)).parents) out.push_back(NodeId{parent});
 }
 
-TetraCut::Placed TetraCut::placed(std::uint32_t a, std::uint32_t b, std::uint32_t c,
-                                  std::size_t place) {
-  const FaceKey key = face_key(a, b, c);
-  return {key.first, std::uint64_t{key.last} << 32 | place};
+const TetraCut::Read& TetraCut::read(std::uint32_t node) const {
+  if (read_.node == node) return read_;
+  // Applying it begins there, and the memory answers while this is read.
+  if (slot_of_[node] != kNone) fetch_beside(cells_[slot_of_[node]]);
+  NodePage::Links links = links_of(node);
+  read_.node = node;
+  read_.children.resize(links.n_children() + std::size_t{1});
+  for (std::uint32_t k = 0; k < links.n_children(); ++k) read_.children[k] = links.next_node();
+  read_.children.back() = kNone;
+  read_.parents.resize(links.n_parents());
+  for (std::uint32_t& parent : read_.parents) parent = links.next_node();
+  links.start_makers();
+  read_.rest = links;
+  return read_;
+}
+
+/// Among those in order so far. They are few.
+void TetraCut::place_key(const FaceKey& key, std::size_t place) {
+  const Placed one{key.first, std::uint64_t{key.last} << 32 | place};
+  const auto is_after = [&one](const Placed& other) {
+    return other.first > one.first || (other.first == one.first && other.last > one.last);
+  };
+  std::size_t at = order_.n++;
+  for (; at > 0 && is_after(order_.items[at - 1]); --at) order_.items[at] = order_.items[at - 1];
+  order_.items[at] = one;
 }
 
 void TetraCut::start_visit() {
@@ -193,38 +209,32 @@ void TetraCut::find_regions(NodePage::Links& links) {
 std::uint64_t TetraCut::apply(NodeId id) {
   const std::uint32_t node = index(id);
   const std::uint32_t vertex = hierarchy_->head().shape.n_base_vertices + node;
-  NodePage::Links links = links_of(node);
-  const std::uint32_t target = links.target();
+  const std::uint32_t target = links_of(node).target();
+  const std::vector<std::uint32_t>& children = read(node).children;
+  NodePage::Links links = *read_.rest;
   n_asked_ = 0;
   find_region(node, target);
   is_damaged_ = is_damaged_ || region_.is_empty() || region_.n + outline_.n > kMaxBrought;
   if (region_.is_empty()) return 0;
-  children_.clear();
-  for (std::uint32_t k = links.n_children(); k > 0; --k) children_.push_back(links.next_node());
-  children_.push_back(kNone);
-  links.skip_nodes(links.n_parents());
-  links.start_makers();
   const auto set_maker = [&](std::uint32_t slot) {
-    const std::size_t place = std::min<std::size_t>(links.next_maker(), children_.size() - 1);
-    cells_[slot].maker = children_[place];
-    if (children_[place] != kNone) slot_of_[children_[place]] = slot;
+    const std::size_t place = std::min<std::size_t>(links.next_maker(), children.size() - 1);
+    cells_[slot].maker = children[place];
+    if (children[place] != kNone) slot_of_[children[place]] = slot;
   };
-  order_.clear();
+  order_.n = 0;
   for (std::size_t i = 0; i < region_.n; ++i) {
     const auto& [slot, place] = region_.items[i];
     const auto face = others(cells_[slot].corners, place);
-    order_.push_back(placed(face[0], face[1], face[2], i));
+    place_key(face_key(face[0], face[1], face[2]), i);
   }
-  sort_few(order_);
   for (const Placed& next : order_) {
     const Face& face = region_.items[static_cast<std::uint32_t>(next.last)];
     cells_[face.slot].corners[face.place] = vertex;
     set_maker(face.slot);
   }
-  order_.clear();
+  order_.n = 0;
   for (std::size_t i = 0; i < outline_.n; ++i)
-    order_.push_back(placed(outline_.items[i].first, outline_.items[i].second, kNone, i));
-  sort_few(order_);
+    place_key(face_key(outline_.items[i].first, outline_.items[i].second, kNone), i);
   place_edges(vertex, target);
   join_edges();
   std::uint64_t n_new = 0;

@@ -99,15 +99,23 @@ class TetraCut {
     std::uint32_t slot;    ///< and itself.
   };
 
-  /// At their begin. Children, parents and more of one node are asked for one after the other.
+  /// What is read of a node: parents and children are asked for before it is applied.
+  struct Read {
+    std::uint32_t node = kNone;
+    std::vector<std::uint32_t> children;  ///< And kNone.
+    std::vector<std::uint32_t> parents;
+    std::optional<NodePage::Links> rest;  ///< Of its links, from makers on.
+  };
+
+  /// At their begin.
   [[nodiscard]] NodePage::Links links_of(std::uint32_t node) const {
     if (!links_ || links_of_ != node) links_ = hierarchy_->links(node);
     links_of_ = node;
     return *links_;
   }
+  [[nodiscard]] const Read& read(std::uint32_t node) const;
   [[nodiscard]] static std::uint32_t index(NodeId node) { return static_cast<std::uint32_t>(node); }
-  [[nodiscard]] static Placed placed(std::uint32_t a, std::uint32_t b, std::uint32_t c,
-                                     std::size_t place);
+  void place_key(const FaceKey& key, std::size_t place);
   void start_visit();
   bool visit(std::uint32_t slot, bool is_wanted);
   void fetch_beside(const Cell& cell) const;
@@ -130,13 +138,13 @@ class TetraCut {
   std::uint32_t n_visits_ = 0;
   mutable std::optional<NodePage::Links> links_;
   mutable std::uint32_t links_of_ = kNone;
+  mutable Read read_;
   bool is_damaged_ = false;
   mutable std::uint64_t n_asked_ = 0;  ///< For parents, since a node was applied.
   Few<Face> region_;
   Few<Edge> outline_;
   Few<Gone> gone_;
-  std::vector<Placed> order_;            ///< Of region_ or outline_.
-  std::vector<std::uint32_t> children_;  ///< Of the node being applied, and kNone.
+  Few<Placed> order_;  ///< Of region_ or outline_.
 };
 
 }  // namespace lode::tetra_mt
