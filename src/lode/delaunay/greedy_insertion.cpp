@@ -71,6 +71,7 @@ class Insertion {
   Result<GreedyReport> run(LatticePoint size) {
     const auto n = static_cast<std::uint32_t>(mesh_.triangles().size());
     for (std::uint32_t t = 0; t < n; ++t) judge_.judge(mesh_.triangle(t));
+    if (options_.observer != nullptr) options_.observer->on_start(mesh_);
     if (options_.order == InsertionOrder::strict) {
       LODE_CHECK(run_strict());
     } else {
@@ -122,9 +123,15 @@ class Insertion {
 
   template <typename Queue>
   void insert(Queue& queue, std::uint32_t node, std::uint32_t t) {
-    for (const std::uint32_t made : mesh_.insert(node, t)) {
+    const std::size_t n_before = mesh_.triangles().size();
+    const std::span<const std::uint32_t> slots = mesh_.insert(node, t);
+    for (const std::uint32_t made : slots) {
       judge_.judge(mesh_.triangle(made));
       queue_if_needed(queue, made);
+    }
+    if (options_.observer != nullptr) {
+      const std::size_t n_added = mesh_.triangles().size() - n_before;
+      options_.observer->on_insertion(mesh_, node, slots, slots.size() - n_added);
     }
     ++report_.n_inserted;
   }

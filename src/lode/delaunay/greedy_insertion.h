@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "lode/core/progress.h"
 #include "lode/delaunay/lattice_mesh.h"
@@ -14,10 +15,23 @@ namespace lode::delaunay {
 /// cache; about as many points.
 enum class InsertionOrder : std::uint8_t { levels, strict };
 
+/// Is told what happens to a mesh while samples are inserted. Triangles are judged by then: their
+/// errors are known.
+class InsertionObserver {
+ public:
+  virtual ~InsertionObserver() = default;
+  virtual void on_start(const LatticeMesh& mesh) = 0;
+  /// `slots`: of the new triangles; the first n_removed of them were those of removed ones, the
+  /// very first of the one that `node` (packed) lies in.
+  virtual void on_insertion(const LatticeMesh& mesh, std::uint32_t node,
+                            std::span<const std::uint32_t> slots, std::size_t n_removed) = 0;
+};
+
 struct GreedyOptions {
   double max_error = 0;  ///< >= 0: no sample errs by more in the end.
   std::uint64_t max_triangles = std::numeric_limits<std::uint64_t>::max();  ///< strict only
   InsertionOrder order = InsertionOrder::levels;
+  InsertionObserver* observer = nullptr;
 };
 
 struct GreedyReport {

@@ -147,4 +147,12 @@ Result<GridDomain> find_domain(const HeightGrid& grid) {
   return masked_domain(grid, packing);
 }
 
+Result<void> check_heights(const HeightRange& range) {
+  constexpr double kLargest = 1e30;
+  if (range.lower < -kLargest || range.upper > kLargest)
+    return fail("expected heights from {} to {}, got {} to {}", -kLargest, kLargest, range.lower,
+                range.upper);
+  return {};
+}
+
 }  // namespace lode::delaunay

@@ -25,4 +25,7 @@ struct GridDomain {
 /// where nodes do not fit in 32 bits.
 [[nodiscard]] Result<GridDomain> find_domain(const HeightGrid& grid);
 
+/// Fails beyond 1e30, as slopes and errors of such heights come near to where float32 ends.
+[[nodiscard]] Result<void> check_heights(const HeightRange& range);
+
 }  // namespace lode::delaunay

@@ -67,6 +67,8 @@ void LatticeMesh::remove_round(LatticePoint p, std::uint32_t t) {
       border_.push_back({edge.start, edge.twin});
       continue;
     }
+    // Of a mesh that is none this could go on for ever.
+    if (slots_.size() >= triangles_.size()) return;
     // Edges come from the stack in the order in which they lie round p.
     slots_.push_back(edge.twin >> 2);
     stack_.push_back({outer.twin[previous], apex, across, edge.to});
@@ -118,12 +120,49 @@ void LatticeMesh::fill_fan(std::uint32_t p, std::size_t split) {
 
 std::span<const std::uint32_t> LatticeMesh::insert(std::uint32_t p, std::uint32_t t) {
   const LatticePoint point = packing_.unpack(p);
-  if (is_narrow_)
-    remove_round<true>(point, t);
-  else
-    remove_round<false>(point, t);
+  remove_round(point, t);
   fill_fan(p, split_edge(point));
   return slots_;
+}
+
+bool LatticeMesh::is_disk_round(LatticePoint p, std::size_t split) {
+  const std::size_t n = border_.size();
+  if (n != slots_.size() + 2) return false;
+  sorted_ = slots_;
+  std::ranges::sort(sorted_);
+  if (std::ranges::adjacent_find(sorted_) != sorted_.end()) return false;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i == split) continue;
+    const LatticePoint a = packing_.unpack(border_[i].from);
+    const LatticePoint b = packing_.unpack(border_[i + 1 < n ? i + 1 : 0].from);
+    if (doubled_area(a, b, p) <= 0) return false;
+  }
+  return true;
+}
+
+bool LatticeMesh::try_insert(std::uint32_t p, std::uint32_t t,
+                             std::span<const std::uint32_t>& slots) {
+  const LatticePoint point = packing_.unpack(p);
+  remove_round(point, t);
+  const std::size_t split = split_edge(point);
+  if (!is_disk_round(point, split)) return false;
+  fill_fan(p, split);
+  slots = slots_;
+  return true;
+}
+
+bool LatticeMesh::is_delaunay() const {
+  for (const LatticeTriangle& triangle : triangles_)
+    for (const std::uint32_t twin : triangle.twin) {
+      if (twin == kNoHalfEdge) continue;
+      const LatticePoint across =
+          packing_.unpack(triangles_[twin >> 2].corner[kPrevious[twin & 3]]);
+      const auto& corner = triangle.corner;
+      if (is_in_circle(packing_.unpack(corner[0]), packing_.unpack(corner[1]),
+                       packing_.unpack(corner[2]), across))
+        return false;
+    }
+  return true;
 }
 
 std::uint32_t LatticeMesh::growth(std::uint32_t p, std::uint32_t t) const {

@@ -42,6 +42,14 @@ class LatticeMesh {
   /// call: numbers of removed triangles come first, others are new at the end.
   std::span<const std::uint32_t> insert(std::uint32_t p, std::uint32_t t);
 
+  /// The same of a mesh nobody vouches for: false, and nothing done, where what would be removed is
+  /// no disk that p sees all of, or p is a corner.
+  [[nodiscard]] bool try_insert(std::uint32_t p, std::uint32_t t,
+                                std::span<const std::uint32_t>& slots);
+
+  /// Whether all edges with something behind them are Delaunay.
+  [[nodiscard]] bool is_delaunay() const;
+
   /// How many triangles more there are after inserting p into t: 1 where it lies on the outline,
   /// else 2.
   [[nodiscard]] std::uint32_t growth(std::uint32_t p, std::uint32_t t) const;
@@ -60,6 +68,10 @@ class LatticeMesh {
   };
   template <bool kIsNarrow>
   void remove_round(LatticePoint p, std::uint32_t t);
+  void remove_round(LatticePoint p, std::uint32_t t) {
+    is_narrow_ ? remove_round<true>(p, t) : remove_round<false>(p, t);
+  }
+  [[nodiscard]] bool is_disk_round(LatticePoint p, std::size_t split);
   /// The border's edge that p lies on, else its size.
   [[nodiscard]] std::size_t split_edge(LatticePoint p) const;
   void fill_fan(std::uint32_t p, std::size_t split);
@@ -70,6 +82,7 @@ class LatticeMesh {
   std::vector<InnerEdge> stack_;
   std::vector<std::uint32_t> slots_;  ///< Of removed triangles, then also of those to be made.
   std::vector<BorderEdge> border_;
+  std::vector<std::uint32_t> sorted_;  ///< Of slots, where they are checked.
 };
 
 }  // namespace lode::delaunay

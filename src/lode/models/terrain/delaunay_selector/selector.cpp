@@ -13,20 +13,10 @@
 namespace lode::delaunay_selector {
 namespace {
 
-/// Slopes and errors of such heights are far from where float32 ends.
-constexpr double kLargestHeight = 1e30;
-
 delaunay::GreedyOptions greedy_options(const SelectorOptions& options) {
   delaunay::GreedyOptions greedy{.max_error = options.max_error, .order = options.order};
   if (options.max_cells) greedy.max_triangles = *options.max_cells;
   return greedy;
-}
-
-Result<void> check_range(const HeightRange& range) {
-  if (range.lower < -kLargestHeight || range.upper > kLargestHeight)
-    return fail("expected heights from {} to {}, got {} to {}", -kLargestHeight, kLargestHeight,
-                range.lower, range.upper);
-  return {};
 }
 
 std::vector<double> heights_of(const delaunay::Tin& tin, const HeightGrid& grid) {
@@ -45,7 +35,7 @@ Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& 
   const delaunay::LatticePacking packing(grid.n_columns);
   delaunay::LatticeMesh mesh(packing, domain.triangles);
   const HeightRange range = height_range(grid);
-  LODE_CHECK(check_range(range));
+  LODE_CHECK(delaunay::check_heights(range));
   const auto insert = [&](const auto& samples) {
     using T = typename std::decay_t<decltype(samples)>::value_type;
     const delaunay::SampleRows<T> rows{samples.data(), grid.stride, packing};
@@ -58,15 +48,14 @@ Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& 
                       .is_within_error = report.is_within_error,
                       .n_samples = domain.n_samples,
                       .n_left_out = domain.n_left_out};
-  if (options.links == delaunay::TinLinks::kept)
-    selection.tin.heights = heights_of(selection.tin, grid);
+  selection.tin.heights = heights_of(selection.tin, grid);
   if (options.max_cells)
     selection.is_within_cells = selection.tin.triangles.size() <= *options.max_cells;
   return selection;
 }
 
 Result<Selection> select_all_samples(const HeightGrid& grid) {
-  LODE_CHECK(check_range(height_range(grid)));
+  LODE_CHECK(delaunay::check_heights(height_range(grid)));
   LODE_TRY(delaunay::FullTin full, delaunay::to_full_tin(grid));
   Selection selection;
   selection.tin = std::move(full.tin);

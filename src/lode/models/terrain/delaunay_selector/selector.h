@@ -16,11 +16,11 @@ struct SelectorOptions {
   double max_error = 0;                      ///< Vertical, units of the heights; finite, >= 0.
   std::optional<std::uint64_t> max_cells{};  ///< At most so many triangles; strict order only.
   InsertionOrder order = InsertionOrder::levels;
-  delaunay::TinLinks links = delaunay::TinLinks::left_out;  ///< kept: heights, too.
+  delaunay::TinLinks links = delaunay::TinLinks::left_out;
 };
 
 struct Selection {
-  delaunay::Tin tin;
+  delaunay::Tin tin;             ///< With heights.
   double achieved_error = 0;     ///< |z - z'| is at most this at every sample; rounded up.
   bool is_within_error = true;   ///< Else max_cells ended it.
   bool is_within_cells = true;   ///< Else the outline alone has more triangles.

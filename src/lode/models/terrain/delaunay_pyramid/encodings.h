@@ -1,0 +1,128 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/delaunay/predicates.h"
+#include "lode/delaunay/tin.h"
+#include "lode/models/terrain/delaunay_pyramid/history.h"
+
+namespace lode::delaunay_pyramid {
+
+/// When the levels of a pyramid are reached: time_within() of each tolerance, which get finer.
+[[nodiscard]] std::vector<std::uint32_t> times_of(const History& history,
+                                                  std::span<const double> levels);
+
+/// The rectangle that a zoom window is: columns and rows, with its border.
+struct Window {
+  delaunay::LatticePoint lower;
+  delaunay::LatticePoint upper;
+};
+
+/// Lists of numbers one after the other.
+struct LinkLists {
+  std::vector<std::uint64_t> first;  ///< By owner, and one more; empty: there are none.
+  std::vector<std::uint32_t> items;
+
+  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t owner) const {
+    return std::span(items).subspan(first[owner], first[owner + 1] - first[owner]);
+  }
+  [[nodiscard]] std::uint64_t n_bytes() const {
+    return first.size() * sizeof(first[0]) + items.size() * sizeof(items[0]);
+  }
+};
+
+/// How much memory an encoding may take; more is refused, as links of two levels may be as many as
+/// the product of their triangles.
+struct EncodingLimit {
+  std::uint64_t n_bytes = std::uint64_t{8} << 30;
+};
+
+/// The complete data structure (L. De Floriani, 1989): all triangles of each level, what is beside
+/// them, and their interference links: the triangles of the next level whose interiors meet theirs,
+/// also where that is the triangle itself.
+class CompletePyramid {
+ public:
+  struct Level {
+    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Vertices of the history.
+    std::vector<std::array<std::uint32_t, 3>> twins;      ///< As LatticeTriangle::twin.
+    LinkLists links;                                      ///< Empty of the last level.
+  };
+
+  [[nodiscard]] static Result<CompletePyramid> make(const History& history,
+                                                    std::span<const std::uint32_t> times,
+                                                    EncodingLimit limit, Progress& progress);
+
+  [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
+  [[nodiscard]] std::uint64_t n_links() const;
+  [[nodiscard]] std::uint64_t n_bytes() const;
+  /// Of the history it was made of. Without errors.
+  [[nodiscard]] delaunay::Tin extract(const History& history, std::size_t level) const;
+  /// A triangle of the level that holds p, down the links from the first level, whose triangles
+  /// are tried one by one.
+  [[nodiscard]] std::optional<std::uint32_t> locate(const History& history, std::size_t level,
+                                                    delaunay::LatticePoint p) const;
+  /// The triangles of a level that meet a window, down the links, in the order of their numbers.
+  [[nodiscard]] std::vector<std::uint32_t> zoom(const History& history, std::size_t level,
+                                                const Window& window) const;
+
+ private:
+  std::vector<Level> levels_;
+};
+
+/// Whether the lists of triangles have interference links.
+enum class Interference : std::uint8_t { left_out, linked };
+
+/// The sequence of lists of triangles (M. Bertolotto, L. De Floriani, P. Marzano, "An efficient
+/// representation for pyramidal terrain models", 1994): each triangle once, in the list of the
+/// level that made it, and the first level that has it no more. With links: to those of that level
+/// whose interiors meet its own.
+class TriangleLists {
+ public:
+  struct Entry {
+    std::array<std::uint32_t, 3> corner;  ///< Vertices of the history.
+    std::uint32_t death;                  ///< Level, or the number of levels.
+  };
+
+  [[nodiscard]] static Result<TriangleLists> make(const History& history,
+                                                  std::span<const std::uint32_t> times,
+                                                  Interference interference, EncodingLimit limit,
+                                                  Progress& progress);
+
+  [[nodiscard]] std::size_t n_levels() const { return first_.size() - 1; }
+  [[nodiscard]] bool has_links() const { return !links_.first.empty(); }
+  /// Of all levels, one list after the other.
+  [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
+  [[nodiscard]] std::span<const std::uint32_t> links_of(std::uint32_t entry) const {
+    return links_.of(entry);
+  }
+  [[nodiscard]] std::uint64_t n_links() const { return links_.items.size(); }
+  [[nodiscard]] std::uint64_t n_bytes() const;
+  [[nodiscard]] delaunay::Tin extract(const History& history, std::size_t level) const;
+  /// As CompletePyramid; an entry. It has links.
+  [[nodiscard]] std::optional<std::uint32_t> locate(const History& history, std::size_t level,
+                                                    delaunay::LatticePoint p) const;
+  [[nodiscard]] std::vector<std::uint32_t> zoom(const History& history, std::size_t level,
+                                                const Window& window) const;
+
+ private:
+  std::vector<Entry> entries_;
+  std::vector<std::uint32_t> first_;  ///< By level, and one more.
+  LinkLists links_;
+};
+
+/// A triangle of the mesh at a time that holds a place (column and row, finite), down the history
+/// from the base, whose triangles are tried one by one.
+[[nodiscard]] std::optional<std::uint32_t> locate_at(const History& history, std::uint32_t time,
+                                                     const delaunay::Point& p);
+
+/// The triangles of the mesh at a time that meet a window, in the order of their numbers.
+[[nodiscard]] std::vector<std::uint32_t> zoom_at(const History& history, std::uint32_t time,
+                                                 const Window& window);
+
+}  // namespace lode::delaunay_pyramid
