@@ -81,7 +81,7 @@ Result<Outcome> run_compare(const CompareArguments& arguments, Session& session)
   json["command"] = "compare";
   json["input"] = arguments.input;
   json["outputs"] = Json::array({arguments.output});
-  add_raster(raster, json, unused);
+  add_facts(facts_of(raster), json, unused);
   json["range"] = {comparison->range.lower, comparison->range.upper};
   json["runs"] = options.n_runs;
   json["seed"] = options.seed;

@@ -116,8 +116,8 @@ Result<Outcome> run_polygons(const ContourAnswer& answer, Session& session) {
   return outcome;
 }
 
-Result<void> check_crs(const ContourArguments& arguments, const HeightRaster& raster) {
-  if (!is_geojson_path(arguments.output) || !raster.grid.crs.empty()) return {};
+Result<void> check_crs(const ContourArguments& arguments, const TerrainFacts& facts) {
+  if (!is_geojson_path(arguments.output) || !facts.frame.crs.empty()) return {};
   return fail(
       "{}: expected a raster whose CRS is known, as GeoJSON has longitudes and latitudes of WGS 84 "
       "(RFC 7946), got {}, which has none; .gpkg takes coordinates as they are",
@@ -127,8 +127,8 @@ Result<void> check_crs(const ContourArguments& arguments, const HeightRaster& ra
 Result<Outcome> run_contours(const ContourArguments& arguments, Session& session) {
   LODE_TRY(const ContourLevels wanted, to_levels(arguments.levels));
   LODE_CHECK(check_writable(arguments.output));
-  const auto accept = [&](const HeightRaster& raster) { return check_crs(arguments, raster); };
-  LODE_TRY(const TerrainAnswerer answerer, open_terrain(arguments.terrain, session, accept));
+  const auto accept = [&](const TerrainFacts& facts) { return check_crs(arguments, facts); };
+  LODE_TRY(const TerrainAnswerer answerer, answer_terrain(arguments.terrain, session, accept));
   const HeightRange range = answerer.tin.height_range();
   LODE_TRY(const std::vector<double> levels, wanted.within(range.lower, range.upper));
   const ContourAnswer answer{arguments, answerer, levels};

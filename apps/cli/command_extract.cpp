@@ -30,6 +30,7 @@ struct ExtractArguments {
   ProgressiveArguments progressive;
   SimplifyArguments simplify;
   ReadingArguments reading;
+  TerrainFocusArguments focus;
   TerrainArguments terrain;
 
   /// What is simplified within a distance is of full resolution unless something else is asked for.
@@ -44,7 +45,7 @@ struct ExtractArguments {
     return {input, output, memory_limit, extraction, query, reading};
   }
   [[nodiscard]] TerrainJob terrain_job() const {
-    return {input, output, extraction.max_error, query.max_cells, terrain, reading};
+    return {input, output, extraction.max_error, query, focus, terrain, reading};
   }
 };
 
@@ -72,8 +73,11 @@ std::vector<std::string> paths_of(const std::vector<Job>& jobs) {
 }
 
 Result<void> check_extract(const ExtractArguments& arguments, const CLI::App& app) {
-  if (is_height_path(arguments.input)) return check_terrain_job(arguments.terrain_job(), app);
+  if (holds_terrain(arguments.input)) return check_terrain_job(arguments.terrain_job(), app);
   LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
+  if (!arguments.focus.is_empty())
+    return fail("{}: expected terrain with --focus-point or --growth, got another file",
+                arguments.input);
   LODE_CHECK(check_unused(arguments.query, holds_tetrahedra(arguments.input)));
   if (arguments.reading.salvage && !arguments.memory_limit.empty())
     return fail("--salvage: expected no --memory-limit with it: all of the file is loaded");
@@ -329,7 +333,7 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
 }
 
 Result<Outcome> run_extract(const ExtractArguments& arguments, Session& session) {
-  if (is_height_path(arguments.input)) return run_terrain_job(arguments.terrain_job(), session);
+  if (holds_terrain(arguments.input)) return run_terrain_job(arguments.terrain_job(), session);
   if (holds_cells(arguments.input)) return run_tetra_job(arguments.mesh_job(), session);
   auto outcome = arguments.query.is_wanted()    ? run_mesh_job(arguments.mesh_job(), session)
                  : arguments.query.is_focused() ? run_focused_job(arguments.mesh_job(), session)
@@ -355,9 +359,11 @@ Command add_extract_command(CLI::App& program) {
       "Of meshes of cells (.vtu, .vts, .vtk, .msh, .mesh) the hierarchy is built in memory; there\n"
       "are isosurfaces, --mesh, --section and --boundary, with foci and --max-cells.\n\n"
       "Of rasters of heights (.tif, .asc, .hgt, .png, ...) there is a TIN: no sample is farther\n"
-      "from it, vertically, than --max-error.\n\n"
+      "from it, vertically, than --max-error. Of their .lode files, and with --model\n"
+      "delaunay_pyramid, that may hold in a --box X0,X1,Y0,Y1 alone, or vary.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract dem.tif dem.ply --max-error 10\n"
+      "  lode extract dem.lode dem.ply --max-error 1 --focus-point 562000,5117000 --growth 0.002\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-distance 0.5\n"
@@ -385,6 +391,7 @@ Command add_extract_command(CLI::App& program) {
   add_extraction_options(*app, arguments->extraction);
   add_simplify_options(*app, arguments->simplify);
   add_query_options(*app, arguments->query);
+  add_terrain_focus_options(*app, arguments->focus);
   add_progressive_option(*app, arguments->progressive,
                          "Also write the surface from coarse to fine, step-000 and so on with "
                          "index.json, to a new or empty directory");

@@ -104,8 +104,9 @@ Result<void> add_samples(Outcome& outcome, VolumeSource& source, Session& sessio
 }
 
 Result<void> check_info(const InfoArguments& arguments, const CLI::App& app) {
-  if (is_height_path(arguments.input)) {
+  if (holds_terrain(arguments.input)) {
     LODE_CHECK(check_only_terrain(app, arguments.input, {}));
+    LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain));
     if (auto options = to_height_options(arguments.terrain, arguments.reading); !options)
       return options.error();
     return {};
@@ -116,7 +117,7 @@ Result<void> check_info(const InfoArguments& arguments, const CLI::App& app) {
 }
 
 Result<Outcome> run_info(const InfoArguments& arguments, Session& session) {
-  if (is_height_path(arguments.input))
+  if (holds_terrain(arguments.input))
     return run_terrain_info(arguments.input, arguments.terrain, arguments.reading, session);
   if (holds_cells(arguments.input)) return tetra_info(arguments.input, arguments.reading, session);
   if (is_lode_path(arguments.input)) {

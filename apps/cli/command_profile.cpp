@@ -109,7 +109,7 @@ Result<Outcome> run_profile(const ProfileArguments& arguments, Session& session)
   LODE_TRY(const Place from, parse_place("--from", arguments.from));
   LODE_TRY(const Place to, parse_place("--to", arguments.to));
   if (!arguments.output.empty()) LODE_CHECK(check_writable(arguments.output));
-  LODE_TRY(const TerrainAnswerer answerer, open_terrain(arguments.terrain, session));
+  LODE_TRY(const TerrainAnswerer answerer, answer_terrain(arguments.terrain, session));
   LODE_TRY(
       const TerrainProfile profile,
       naming(arguments.terrain.input, answerer.tin.profile(from, to, session.progress()), session));

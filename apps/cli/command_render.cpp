@@ -109,7 +109,7 @@ Result<void> check_tetra_render(const RenderArguments& arguments) {
 }
 
 Result<void> check_render(const RenderArguments& arguments, const CLI::App& app) {
-  if (is_height_path(arguments.input)) {
+  if (holds_terrain(arguments.input)) {
     LODE_TRY(const RenderOptions options, to_render_options(arguments));
     return check_terrain_picture(terrain_job(arguments, options), app);
   }
@@ -219,7 +219,7 @@ Result<void> draw(const RenderArguments& arguments, const Surface& surface,
 
 Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   LODE_TRY(RenderOptions options, to_render_options(arguments));
-  if (is_height_path(arguments.input))
+  if (holds_terrain(arguments.input))
     return run_terrain_picture(terrain_job(arguments, options), session);
   if (holds_cells(arguments.input))
     return run_tetra_picture(tetra_job(arguments, options), session);

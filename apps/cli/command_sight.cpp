@@ -102,10 +102,10 @@ void warn_of(const TerrainSight& sight, const HorizontalMetric& metric, Session&
 
 Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
   LODE_TRY(const TerrainSightOptions options, to_sight_options(arguments));
-  LODE_TRY(const TerrainRaster input, read_terrain(arguments.terrain, session));
+  LODE_TRY(const TerrainInput input, read_terrain(arguments.terrain, session));
   LODE_TRY(const TerrainSight sight,
            naming(arguments.terrain.input,
-                  find_terrain_sight(input.raster->grid, input.options, input.metric, options,
+                  find_terrain_sight(input.opened.terrain, input.options, input.metric, options,
                                      session.progress()),
                   session));
   warn_of(sight, input.metric, session);
@@ -115,8 +115,8 @@ Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
   json["input"] = arguments.terrain.input;
   json["outputs"] = Json::array();
   Table table;
-  add_raster(*input.raster, json, table);
-  json["model"] = kTerrainModel;
+  add_facts(input.opened.facts, json, table);
+  json["model"] = name_of(input.opened.model);
   add_metric(input.metric, json);
   json["observer_height"] = options.observer_height;
   json["target_height"] = options.target_height;
@@ -124,7 +124,7 @@ Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
   json.update(sight_json(sight));
   json["seconds"] = {{"read", input.read_seconds}, {"sight", sight.seconds}};
   json["warnings"] = session.warnings();
-  table.add({"model", kTerrainModel});
+  table.add({"model", name_of(input.opened.model)});
   table.add({"max error", fmt::format("{}, {} at samples", format_number(sight.terrain.max_error),
                                       format_number(sight.terrain.achieved_error))});
   table.add({"triangles", format_count(sight.terrain.triangles)});

@@ -38,12 +38,12 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
 }
 
 [[nodiscard]] TerrainVerifyJob terrain_job(const VerifyArguments& arguments) {
-  return {arguments.input, arguments.surface, arguments.extraction.max_error, arguments.terrain,
-          arguments.reading};
+  return {arguments.input,   arguments.original, arguments.surface, arguments.extraction.max_error,
+          arguments.terrain, arguments.reading};
 }
 
 Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app) {
-  if (is_height_path(arguments.input)) return check_terrain_verify(terrain_job(arguments), app);
+  if (holds_terrain(arguments.input)) return check_terrain_verify(terrain_job(arguments), app);
   LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
   if (holds_cells(arguments.input)) {
     if (!arguments.surface.empty())
@@ -135,10 +135,10 @@ Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& repo
 Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   const Stopwatch watch;
   VerifyReport report;
-  const bool is_terrain = is_height_path(arguments.input);
+  const bool is_terrain = holds_terrain(arguments.input);
   const bool is_tetra = !is_terrain && holds_cells(arguments.input);
   if (is_terrain) {
-    LODE_TRY(report, verify_terrain_surface(terrain_job(arguments), session));
+    LODE_TRY(report, verify_terrain_input(terrain_job(arguments), session));
   } else if (is_tetra) {
     LODE_TRY(report, verify_tetra(tetra_job(arguments), session));
   } else if (is_lode_path(arguments.input)) {
@@ -169,9 +169,11 @@ Command add_verify_command(CLI::App& program) {
       "Of meshes of tetrahedra, or .lode files made from them: nodes and their order, random "
       "cuts,\n"
       "and all stated errors and ranges; --against compares every vertex, value and cell.\n\n"
-      "Of rasters of heights --surface is a TIN: Delaunay, of samples, and within --max-error.\n\n"
+      "Of rasters of heights --surface is a TIN: Delaunay, of samples, and within --max-error.\n"
+      "Of .lode files made of them --against looks at every level and every triangle's error.\n\n"
       "Examples:\n  lode verify scan.lode --against scan.nrrd\n"
       "  lode verify dem.tif --surface dem.ply --max-error 10\n"
+      "  lode verify dem.lode --against dem.tif\n"
       "  lode verify mesh.vtu\n  lode verify mesh.lode --against mesh.vtu\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5\n"

@@ -10,7 +10,8 @@
 namespace lode::cli {
 namespace {
 
-constexpr std::array kLineColors{"#2f6db3", "#d9822b", "#2f8f5b", "#8a8a8a", "#8e5bb5", "#b8433f"};
+constexpr std::array kLineColors{"#2f6db3", "#d9822b", "#2f8f5b", "#8a8a8a",
+                                 "#8e5bb5", "#b8433f", "#1f9e9e", "#b59a2f"};
 
 constexpr const char* kPageStyle =
     "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1180px;margin:2em auto;padding:0 "
@@ -46,7 +47,7 @@ std::vector<Column> columns() {
       {"left out", [](const ComparedMesh& m) { return format_count(m.quality.n_uncovered); }},
       {"smallest angle, median",
        [](const ComparedMesh& m) {
-         return fmt::format("{:.1f}°, {:.1f}°", m.quality.smallest_angle, m.quality.median_angle);
+         return fmt::format("{:.1f}°, {:.1f}°", m.quality.angles.smallest, m.quality.angles.median);
        }},
       {"MB",
        [](const ComparedMesh& m) {
@@ -56,6 +57,12 @@ std::vector<Column> columns() {
       {"variable ms",
        [](const ComparedMesh& m) {
          return m.variable_seconds ? milliseconds(*m.variable_seconds) : "–";
+       }},
+      {"zoom ms",
+       [](const ComparedMesh& m) { return m.zoom_seconds ? milliseconds(*m.zoom_seconds) : "–"; }},
+      {"M found/s",
+       [](const ComparedMesh& m) {
+         return m.located_per_second ? fmt::format("{:.2f}", *m.located_per_second / 1e6) : "–";
        }},
       {"contours ms", [](const ComparedMesh& m) { return milliseconds(m.contour_seconds); }},
       {"locator ms", [](const ComparedMesh& m) { return milliseconds(m.locator_seconds); }},
@@ -87,6 +94,9 @@ std::string models_list(const TerrainComparison& comparison) {
     if (model.build_seconds)
       html += fmt::format("; built in {}", format_seconds(*model.build_seconds));
     if (model.n_levels > 0) html += fmt::format("; {} levels", model.n_levels);
+    if (model.memory_bytes)
+      html += fmt::format("; {} of memory", format_bytes(*model.memory_bytes));
+    if (model.n_links) html += fmt::format("; {} links", format_count(*model.n_links));
     if (!model.refusal.empty())
       html += fmt::format("; <span class=\"no\">not run: {}</span>", escaped(model.refusal));
     html += "</li>\n";
@@ -136,7 +146,7 @@ std::string angles_table(const TerrainComparison& comparison) {
     for (const ComparedMesh& mesh : model.meshes) {
       html +=
           fmt::format("<tr><td>{}, {}</td>", escaped(model.name), format_number(mesh.tolerance));
-      for (const std::uint64_t n : mesh.quality.angles)
+      for (const std::uint64_t n : mesh.quality.angles.counts)
         html += fmt::format("<td>{:.1f}</td>", mesh.triangles == 0
                                                    ? 0.0
                                                    : 100 * static_cast<double>(n) /
@@ -169,15 +179,18 @@ Json mesh_json(const ComparedMesh& mesh) {
   json["rms_error"] = quality.rms_error;
   json["stated_error"] = or_null(mesh.stated_error);
   json["uncovered_samples"] = quality.n_uncovered;
-  json["smallest_angle"] = quality.smallest_angle;
-  json["median_angle"] = quality.median_angle;
-  json["angles_by_5_degrees"] = quality.angles;
+  json["smallest_angle"] = quality.angles.smallest;
+  json["median_angle"] = quality.angles.median;
+  json["angles_by_5_degrees"] = quality.angles.counts;
   json["contour_points"] = mesh.contour_points;
   json["profile_points"] = mesh.profile_points;
   json["heights_per_second"] = mesh.places_per_second;
   json["variable_triangles"] =
       mesh.variable_seconds ? Json(mesh.variable_triangles) : Json(nullptr);
+  json["zoom_triangles"] = mesh.zoom_seconds ? Json(mesh.zoom_triangles) : Json(nullptr);
+  json["located_per_second"] = or_null(mesh.located_per_second);
   json["seconds"] = {{"extract", mesh.extract_seconds},
+                     {"zoom", or_null(mesh.zoom_seconds)},
                      {"variable", or_null(mesh.variable_seconds)},
                      {"contours", mesh.contour_seconds},
                      {"locator", mesh.locator_seconds},
@@ -194,6 +207,8 @@ Json comparison_json(const TerrainComparison& comparison) {
     json["refusal"] = model.refusal.empty() ? Json(nullptr) : Json(model.refusal);
     json["build_seconds"] = model.build_seconds ? Json(*model.build_seconds) : Json(nullptr);
     json["levels"] = model.n_levels > 0 ? Json(model.n_levels) : Json(nullptr);
+    json["memory_bytes"] = model.memory_bytes ? Json(*model.memory_bytes) : Json(nullptr);
+    json["links"] = model.n_links ? Json(*model.n_links) : Json(nullptr);
     json["meshes"] = Json::array();
     for (const ComparedMesh& mesh : model.meshes) json["meshes"].push_back(mesh_json(mesh));
     models.push_back(std::move(json));

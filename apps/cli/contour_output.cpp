@@ -14,10 +14,10 @@ namespace {
 
 std::string contour_comment(const TerrainAnswerer& answerer) {
   const TerrainReport& report = answerer.tin.report();
-  const std::string& crs = answerer.raster->grid.crs;
+  const std::string& crs = answerer.opened.facts.frame.crs;
   return fmt::format("Lode {}: contours of {}, max_error {}, achieved_error {} at samples{}",
-                     LODE_VERSION, kTerrainModel, report.max_error, report.achieved_error,
-                     crs.empty() ? "" : ", CRS " + crs);
+                     LODE_VERSION, name_of(answerer.opened.model), report.max_error,
+                     report.achieved_error, crs.empty() ? "" : ", CRS " + crs);
 }
 
 /// Whole numbers below all coordinates, so that floats hold these as well as they can.
@@ -84,10 +84,11 @@ Result<void> write_contours(const std::string& path, const TerrainAnswerer& answ
     return write_surface(path, surface,
                          {.comment = contour_comment(answerer), .value_name = "height"}, progress);
   }
-  LODE_TRY(VectorWriter writer, VectorWriter::create(path, {.name = "contours",
-                                                            .shape = VectorShape::lines,
-                                                            .columns = {"height"},
-                                                            .crs = answerer.raster->grid.crs}));
+  LODE_TRY(VectorWriter writer,
+           VectorWriter::create(path, {.name = "contours",
+                                       .shape = VectorShape::lines,
+                                       .columns = {"height"},
+                                       .crs = answerer.opened.facts.frame.crs}));
   return write_features(writer, contours.lines.size(), progress, [&](std::size_t i) {
     const TerrainContours::Line& line = contours.lines[i];
     return writer.add({&line.height, 1}, {&line.points, 1});
@@ -96,10 +97,11 @@ Result<void> write_contours(const std::string& path, const TerrainAnswerer& answ
 
 Result<void> write_bands(const std::string& path, const TerrainAnswerer& answerer,
                          const TerrainBands& bands, Progress& progress) {
-  LODE_TRY(VectorWriter writer, VectorWriter::create(path, {.name = "bands",
-                                                            .shape = VectorShape::polygons,
-                                                            .columns = {"lower", "upper"},
-                                                            .crs = answerer.raster->grid.crs}));
+  LODE_TRY(VectorWriter writer,
+           VectorWriter::create(path, {.name = "bands",
+                                       .shape = VectorShape::polygons,
+                                       .columns = {"lower", "upper"},
+                                       .crs = answerer.opened.facts.frame.crs}));
   return write_features(writer, bands.polygons.size(), progress, [&](std::size_t i) {
     const TerrainBands::Polygon& polygon = bands.polygons[i];
     return writer.add(std::array{polygon.lower, polygon.upper}, polygon.rings);

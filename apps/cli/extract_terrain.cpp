@@ -1,5 +1,8 @@
 #include "extract_terrain.h"
 
+#include <algorithm>
+
+#include "build_terrain.h"
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
@@ -8,10 +11,10 @@
 namespace lode::cli {
 namespace {
 
-/// A raster, the TIN of it, and how long things took.
+/// A terrain, the TIN of it, and how long things took.
 struct TerrainAnswer {
   const TerrainJob& job;
-  const HeightRaster& raster;
+  const OpenedTerrain& opened;
   const TerrainReport& report;
   bool is_strict;
   double read_seconds;
@@ -24,8 +27,9 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   json["command"] = "extract";
   json["input"] = answer.job.input;
   json["outputs"] = Json::array({answer.job.output});
-  json["model"] = kTerrainModel;
+  json["model"] = name_of(answer.opened.model);
   json["insertion"] = answer.is_strict ? "strict" : "levels";
+  json["is_uniform"] = report.is_uniform;
   json["max_error"] = report.max_error;
   json["max_error_is_default"] = answer.job.max_error.empty();
   json["achieved_error"] = report.achieved_error;
@@ -34,7 +38,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   json["budget_met"] = report.budget_met;
   json["triangles"] = report.triangles;
   json["vertices"] = report.vertices;
-  add_raster(answer.raster, json, table);
+  add_facts(answer.opened.facts, json, table);
   json["samples"] = report.n_samples;
   json["left_out_samples"] = report.n_left_out;
   json["height_slack"] = report.height_slack;
@@ -52,11 +56,12 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
   if (report.n_left_out > 0)
     table.add({"left out", fmt::format("{} samples in no cell with four heights",
                                        format_count(report.n_left_out))});
-  table.add({"model", kTerrainModel});
-  const char* why = !answer.job.max_error.empty()   ? "as asked"
-                    : !answer.job.max_cells.empty() ? "the triangles decide"
-                                                    : "default: 0.5 % of the range";
-  table.add({"max error", fmt::format("{} ({})", format_number(report.max_error), why)});
+  table.add({"model", name_of(answer.opened.model)});
+  const char* why = !answer.job.max_error.empty()         ? "as asked"
+                    : !answer.job.query.max_cells.empty() ? "the triangles decide"
+                                                          : "default: 0.5 % of the range";
+  table.add({"max error", fmt::format("{} ({}){}", format_number(report.max_error), why,
+                                      report.is_uniform ? "" : ", in the focus")});
   table.add({"achieved error", fmt::format("{} at samples", format_number(report.achieved_error))});
   table.add({"triangles", format_count(report.triangles)});
   table.add({"vertices", format_count(report.vertices)});
@@ -66,11 +71,12 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
   table.add({"output", answer.job.output});
 }
 
-std::string comment_of(const TerrainReport& report, const HeightRaster& raster) {
+std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened) {
+  const HeightFrame& frame = opened.facts.frame;
   return fmt::format("Lode {}: {}, max_error {}, achieved_error {} at samples{}{}", LODE_VERSION,
-                     kTerrainModel, report.max_error, report.achieved_error,
-                     raster.grid.vertical_unit.empty() ? "" : " " + raster.grid.vertical_unit,
-                     raster.grid.crs.empty() ? "" : ", CRS " + raster.grid.crs);
+                     name_of(opened.model), report.max_error, report.achieved_error,
+                     frame.vertical_unit.empty() ? "" : " " + frame.vertical_unit,
+                     frame.crs.empty() ? "" : ", CRS " + frame.crs);
 }
 
 void warn_of(const TerrainReport& report, const TerrainJob& job, Session& session) {
@@ -87,6 +93,41 @@ void warn_of(const TerrainReport& report, const TerrainJob& job, Session& sessio
                              format_number(report.achieved_error)));
 }
 
+/// What a job asks for, but for the metric of its focus.
+struct Wanted {
+  TerrainOptions options;
+  std::optional<PyramidOptions> pyramid;  ///< Of a raster.
+};
+
+Result<Wanted> to_wanted(const TerrainJob& job) {
+  Wanted wanted;
+  LODE_TRY(wanted.options, to_terrain_options(job.max_error, job.query.max_cells, job.terrain));
+  LODE_TRY(wanted.options.focus, to_terrain_focus(job.query, job.focus));
+  // Of what holds everywhere, nothing finer is asked for; pixels may be of any size.
+  const bool is_known = !wanted.options.focus || !wanted.options.focus->view;
+  std::optional<double> finest = is_known ? wanted.options.max_error : std::nullopt;
+  if (finest && wanted.options.focus && wanted.options.focus->max_error_outside)
+    finest = std::min(*finest, *wanted.options.focus->max_error_outside);
+  LODE_TRY(wanted.pyramid, to_pyramid_options(job.terrain, finest));
+  return wanted;
+}
+
+Result<Outcome> run_model_info(const std::string& path, Session& session) {
+  LODE_TRY(const OpenedTerrain opened, open_terrain(path, {}, {}, session.progress()));
+  Outcome outcome;
+  outcome.json["command"] = "info";
+  outcome.json["file"] = path;
+  outcome.json["format"] = opened.facts.format;
+  outcome.json["model"] = name_of(opened.model);
+  Table table;
+  table.add({"file", path});
+  table.add({"model", name_of(opened.model)});
+  add_facts(opened.facts, outcome.json, table);
+  add_pyramid(opened.pyramid->describe(), outcome.json, table);
+  outcome.text = table.to_string();
+  return outcome;
+}
+
 }  // namespace
 
 Result<TerrainOptions> to_terrain_options(const std::string& max_error,
@@ -94,9 +135,6 @@ Result<TerrainOptions> to_terrain_options(const std::string& max_error,
                                           const TerrainArguments& terrain) {
   TerrainOptions options;
   LODE_TRY(options.max_error, to_max_error(max_error));
-  if (!terrain.model.empty() && terrain.model != kTerrainModel)
-    return fail("--model: expected '{}' for a raster of heights, got '{}'", kTerrainModel,
-                terrain.model);
   if (!max_cells.empty()) {
     constexpr std::int64_t kMaxCells = std::int64_t{1} << 30;
     LODE_TRY(const auto n, parse_integer("--max-cells", max_cells, 1, kMaxCells));
@@ -114,33 +152,50 @@ Result<TerrainOptions> to_terrain_options(const std::string& max_error,
 }
 
 Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
-  LODE_CHECK(
-      check_only_terrain(app, job.input, {"--max-error", "--max-cells", "--model", "--insertion"}));
+  LODE_CHECK(check_only_terrain(
+      app, job.input,
+      {"--max-error", "--max-cells", "--model", "--insertion", "--box", "--focus-point", "--growth",
+       "--view", "--view-size", "--max-error-px", "--max-error-outside"}));
+  LODE_CHECK(check_terrain_model(job.input, job.terrain));
   LODE_CHECK(check_surface_extension(job.output));
-  if (auto options = to_terrain_options(job.max_error, job.max_cells, job.terrain); !options)
-    return options.error();
+  LODE_TRY(const Wanted wanted, to_wanted(job));
+  const bool can_vary = wanted.pyramid || holds_terrain_model(job.input);
+  if (wanted.options.focus && !can_vary)
+    return fail(
+        "{}: expected one tolerance for all of a raster, got a focus: --model delaunay_pyramid can "
+        "vary, and so can a .lode file that `lode build` makes",
+        job.input);
+  if (wanted.options.focus && wanted.options.max_cells)
+    return fail("--max-cells: expected no --box, --focus-point or --view with it");
   if (auto options = to_height_options(job.terrain, job.reading); !options) return options.error();
   return check_paths_differ({job.input}, {job.output});
 }
 
 Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
-  LODE_TRY(const TerrainOptions options,
-           to_terrain_options(job.max_error, job.max_cells, job.terrain));
+  LODE_TRY(Wanted wanted, to_wanted(job));
+  TerrainOptions& options = wanted.options;
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_CHECK(check_writable(job.output));
   const Stopwatch read_watch;
-  LODE_TRY(const HeightRaster raster, read_heights(job.input, reading, session.progress()));
+  LODE_TRY(const OpenedTerrain opened,
+           open_terrain(job.input, reading, wanted.pyramid, session.progress()));
+  if (options.focus) {
+    LODE_TRY(options.focus->metric,
+             naming(job.input, read_metric(opened.facts.frame.crs), session));
+  }
   const double read_seconds = read_watch.seconds();
-  LODE_TRY(const TerrainSurface made,
-           naming(job.input, extract_terrain(raster.grid, options, session.progress()), session));
+  LODE_TRY(
+      const TerrainSurface made,
+      naming(job.input, extract_terrain(opened.terrain, options, session.progress()), session));
   const TerrainReport& report = made.report;
   const Stopwatch write_watch;
   LODE_CHECK(write_surface(job.output, made.surface,
-                           {.comment = comment_of(report, raster), .value_name = "height"},
+                           {.comment = comment_of(report, opened), .value_name = "height"},
                            session.progress()));
   warn_of(report, job, session);
-  const bool is_strict = options.max_cells || options.order == InsertionOrder::strict;
-  const TerrainAnswer answer{job, raster, report, is_strict, read_seconds, write_watch.seconds()};
+  const bool is_strict = options.max_cells || options.order == InsertionOrder::strict ||
+                         opened.model == TerrainModel::delaunay_pyramid;
+  const TerrainAnswer answer{job, opened, report, is_strict, read_seconds, write_watch.seconds()};
   Table table;
   Outcome outcome;
   outcome.json = answer_json(answer, table, session);
@@ -151,6 +206,7 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
 
 Result<Outcome> run_terrain_info(const std::string& path, const TerrainArguments& terrain,
                                  const ReadingArguments& reading, Session& session) {
+  if (holds_terrain_model(path)) return run_model_info(path, session);
   LODE_TRY(const HeightReadOptions options, to_height_options(terrain, reading));
   LODE_TRY(const HeightRaster raster, read_heights(path, options, session.progress()));
   const TerrainInfo info = describe_terrain(raster.grid);
@@ -161,7 +217,7 @@ Result<Outcome> run_terrain_info(const std::string& path, const TerrainArguments
   Table table;
   table.add({"file", path});
   table.add({"format", raster.format});
-  add_raster(raster, outcome.json, table);
+  add_facts(facts_of(raster), outcome.json, table);
   outcome.json["range"] = info.has_heights ? Json::array({info.lower, info.upper}) : Json(nullptr);
   outcome.json["cells"] = info.n_cells;
   outcome.json["left_out_samples"] = info.n_left_out;

@@ -2,23 +2,23 @@
 
 #include <string>
 
+#include "terrain_focus_options.h"
 #include "terrain_input.h"
 
 namespace lode::cli {
 
-/// A TIN of a raster of heights, as asked for.
+/// A TIN of a terrain, as asked for.
 struct TerrainJob {
   std::string input;
   std::string output;
   std::string max_error;
-  std::string max_cells;
+  QueryArguments query;  ///< --max-cells and foci.
+  TerrainFocusArguments focus;
   TerrainArguments terrain;
   ReadingArguments reading;
 };
 
-inline constexpr const char* kTerrainModel = "delaunay_selector";
-
-/// --max-error, --max-cells, --model and --insertion; empty: not given.
+/// --max-error, --max-cells and --insertion; empty: not given.
 [[nodiscard]] Result<TerrainOptions> to_terrain_options(const std::string& max_error,
                                                         const std::string& max_cells,
                                                         const TerrainArguments& terrain);
@@ -27,7 +27,7 @@ inline constexpr const char* kTerrainModel = "delaunay_selector";
 [[nodiscard]] Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app);
 [[nodiscard]] Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session);
 
-/// What `lode info` says of a raster of heights.
+/// What `lode info` says of a raster of heights, or of a .lode file made of one.
 [[nodiscard]] Result<Outcome> run_terrain_info(const std::string& path,
                                                const TerrainArguments& terrain,
                                                const ReadingArguments& reading, Session& session);

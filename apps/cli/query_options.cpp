@@ -136,7 +136,7 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "Accurate where the field may be from A to B; may be repeated");
   group = "Focus and budget";
   add("--box", arguments.boxes, "X0,X1,Y0,Y1,Z0,Z1",
-      "Accurate in a box; may be repeated (crops nothing)");
+      "Accurate in a box (of terrain X0,X1,Y0,Y1); may be repeated (crops nothing)");
   add("--ball", arguments.balls, "X,Y,Z,R", "Accurate in a ball; may be repeated");
   add("--view", arguments.view, "CAMERA.json",
       "Accurate where a camera sees it (as render --save-camera writes them)");

@@ -37,7 +37,7 @@ std::string describe_extent(double metres) {
                        : fmt::format("{} m", format_number(metres));
 }
 
-Outcome outcome_of(const TerrainPictureJob& job, const HeightRaster& raster,
+Outcome outcome_of(const TerrainPictureJob& job, const OpenedTerrain& opened,
                    const TerrainPictureReport& report, double read_seconds,
                    const Session& session) {
   Outcome outcome;
@@ -46,8 +46,8 @@ Outcome outcome_of(const TerrainPictureJob& job, const HeightRaster& raster,
   json["command"] = "render";
   json["input"] = job.input;
   json["outputs"] = outputs_of(job);
-  add_raster(raster, json, table);
-  json["model"] = kTerrainModel;
+  add_facts(opened.facts, json, table);
+  json["model"] = name_of(opened.model);
   json["max_error"] = report.terrain.max_error;
   json["max_error_is_default"] = job.max_error.empty() && job.max_cells.empty();
   json["achieved_error"] = report.terrain.achieved_error;
@@ -113,6 +113,7 @@ Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App&
       app, job.input,
       {"--max-error", "--max-cells", "--model", "--insertion", "--exaggeration", "--contours",
        "--top", "--size", "--camera", "--save-camera", "--color", "--background", "--samples"}));
+  LODE_CHECK(check_terrain_model(job.input, job.picture.terrain));
   LODE_CHECK(check_extension(job.output, ".png"));
   if (auto options = to_options(job); !options) return options.error();
   if (auto options = to_height_options(job.picture.terrain, job.reading); !options)
@@ -127,29 +128,34 @@ Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App&
 Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& session) {
   LODE_TRY(TerrainPictureOptions options, to_options(job));
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.picture.terrain, job.reading));
+  LODE_TRY(const auto pyramid, to_pyramid_options(job.picture.terrain, options.terrain.max_error));
   options.render.threads = session.threads();
   if (!job.camera.empty()) {
     LODE_TRY(options.render.camera, read_camera(job.camera));
   }
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
   const Stopwatch watch;
-  LODE_TRY(const HeightRaster raster, read_heights(job.input, reading, session.progress()));
-  LODE_TRY(const HorizontalMetric metric, naming(job.input, read_metric(raster.grid.crs), session));
+  LODE_TRY(const OpenedTerrain opened,
+           open_terrain(job.input, reading, pyramid, session.progress()));
+  LODE_TRY(const HorizontalMetric metric,
+           naming(job.input, read_metric(opened.facts.frame.crs), session));
   const double read_seconds = watch.seconds();
   TerrainPictureReport report;
-  LODE_TRY(const Image image,
-           naming(job.input, draw_terrain(raster.grid, metric, options, report, session.progress()),
-                  session));
+  LODE_TRY(
+      const Image image,
+      naming(job.input, draw_terrain(opened.terrain, metric, options, report, session.progress()),
+             session));
   if (!report.is_vertical_unit_known)
     session.warn(fmt::format("{}: heights are taken for metres, as the raster {}", job.input,
-                             raster.grid.vertical_unit.empty() ? "does not say their unit"
-                                                               : "says a unit that is not known"));
+                             opened.facts.frame.vertical_unit.empty()
+                                 ? "does not say their unit"
+                                 : "says a unit that is not known"));
   OutputSet outputs(outputs_of(job));
   LODE_CHECK(write_png(image, job.output));
   outputs.add(job.output);
   if (!job.save_camera.empty()) LODE_CHECK(write_camera(report.camera, job.save_camera));
   outputs.keep();
-  return outcome_of(job, raster, report, read_seconds, session);
+  return outcome_of(job, opened, report, read_seconds, session);
 }
 
 }  // namespace lode::cli

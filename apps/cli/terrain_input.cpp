@@ -30,7 +30,9 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   add("--encoding", arguments.encoding, "terrain-rgb|terrarium",
       "What the colours of a picture stand for");
   if (use == TerrainUse::reading) return;
-  add("--model", arguments.model, "MODEL", "delaunay_selector (default)");
+  add("--model", arguments.model, "MODEL",
+      "delaunay_selector (default): a TIN for this question; delaunay_pyramid: builds one first, "
+      "whose tolerance may vary");
   add("--insertion", arguments.insertion, "levels|strict",
       "levels (default): errors fall by octaves, faster; strict: the worst of all "
       "samples first, fewer triangles; with --max-cells always strict");
@@ -87,20 +89,43 @@ Result<std::optional<double>> to_max_error(const std::string& text) {
   return std::optional<double>(max_error);
 }
 
-void add_raster(const HeightRaster& raster, Json& json, Table& table) {
-  const HeightGrid& grid = raster.grid;
-  const std::uint64_t n_missing = grid.n_missing();
+Result<void> check_terrain_model(const std::string& path, const TerrainArguments& arguments) {
+  if (!holds_terrain_model(path) || arguments.is_empty()) return {};
+  return fail(
+      "{}: expected no --band, --encoding, --model or --insertion with a .lode file of terrain, "
+      "got one",
+      path);
+}
+
+Result<std::optional<PyramidOptions>> to_pyramid_options(const TerrainArguments& arguments,
+                                                         const std::optional<double>& finest) {
+  if (arguments.model.empty() || arguments.model == name_of(TerrainModel::delaunay_selector))
+    return std::optional<PyramidOptions>();
+  if (arguments.model != name_of(TerrainModel::delaunay_pyramid))
+    return fail("--model: expected 'delaunay_selector' or 'delaunay_pyramid', got '{}'",
+                arguments.model);
+  if (!arguments.insertion.empty())
+    return fail("--insertion: expected none with --model delaunay_pyramid, which is 'strict'");
+  PyramidOptions options;
+  if (finest) options.levels = {*finest};
+  return std::optional(options);
+}
+
+void add_facts(const TerrainFacts& facts, Json& json, Table& table) {
+  const HeightFrame& grid = facts.frame;
+  const std::uint64_t n_missing = facts.n_missing;
+  const auto n_samples =
+      static_cast<std::uint64_t>(grid.n_columns) * static_cast<std::uint64_t>(grid.n_rows);
   json["columns"] = grid.n_columns;
   json["rows"] = grid.n_rows;
-  json["type"] = raster.type;
+  json["type"] = facts.type;
   json["missing_samples"] = n_missing;
   json["to_world"] = grid.to_world;
-  json["has_position"] = raster.has_place;
+  json["has_position"] = facts.has_place;
   json["crs"] = text_or_null(grid.crs);
   json["vertical_unit"] = text_or_null(grid.vertical_unit);
-  table.add({"samples",
-             fmt::format("{} x {} = {}, {}", grid.n_columns, grid.n_rows,
-                         format_count(static_cast<std::uint64_t>(grid.n_samples())), raster.type)});
+  table.add({"samples", fmt::format("{} x {} = {}, {}", grid.n_columns, grid.n_rows,
+                                    format_count(n_samples), facts.type)});
   table.add({"missing", format_count(n_missing)});
   table.add({"CRS", grid.crs.empty() ? "not known" : crs_name(grid.crs)});
   table.add({"vertical unit", grid.vertical_unit.empty() ? "not known" : grid.vertical_unit});

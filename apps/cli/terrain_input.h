@@ -39,10 +39,19 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
 [[nodiscard]] Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
                                                           const ReadingArguments& reading);
 
+/// Refuses --model, --insertion and reading's options with .lode files, which are of a model.
+[[nodiscard]] Result<void> check_terrain_model(const std::string& path,
+                                               const TerrainArguments& arguments);
+
+/// The pyramid that --model asks for, with one level, `finest`, or without it the default ones;
+/// nothing where it asks for none. Fails on models that there are not.
+[[nodiscard]] Result<std::optional<PyramidOptions>> to_pyramid_options(
+    const TerrainArguments& arguments, const std::optional<double>& finest);
+
 /// A number >= 0, or nothing where none was given.
 [[nodiscard]] Result<std::optional<double>> to_max_error(const std::string& text);
 
-/// The keys and rows of a raster: size, CRS, unit, samples that are missing.
-void add_raster(const HeightRaster& raster, Json& json, Table& table);
+/// The keys and rows of a terrain: size, CRS, unit, samples that are missing.
+void add_facts(const TerrainFacts& facts, Json& json, Table& table);
 
 }  // namespace lode::cli

@@ -15,7 +15,8 @@ ReadingArguments reading_of(const TerrainQueryArguments& arguments) {
 }  // namespace
 
 void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
-  app.add_option("dem", arguments.input, "Raster of heights (.tif, .asc, .hgt, .png, ...)")
+  app.add_option("dem", arguments.input,
+                 "Raster of heights (.tif, .asc, .hgt, .png, ...), or a .lode file made of one")
       ->type_name("DEM")
       ->required();
   app.add_option("--max-error", arguments.max_error,
@@ -30,10 +31,12 @@ void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
 
 Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
                                  const std::string& instead) {
-  if (!is_height_path(arguments.input))
+  if (!holds_terrain(arguments.input))
     return fail(
-        "{}: expected a raster of heights (.tif, .asc, .hgt, .png, ...), got another file{}",
+        "{}: expected a raster of heights (.tif, .asc, .hgt, .png, ...) or a .lode file made of "
+        "one, got another file{}",
         arguments.input, instead.empty() ? "" : "; " + instead);
+  LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain));
   if (auto options = to_terrain_options(arguments.max_error, "", arguments.terrain); !options)
     return options.error();
   if (auto options = to_height_options(arguments.terrain, reading_of(arguments)); !options)
@@ -41,42 +44,43 @@ Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
   return {};
 }
 
-Result<TerrainRaster> read_terrain(const TerrainQueryArguments& arguments, Session& session) {
+Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Session& session) {
   LODE_TRY(const TerrainOptions options,
            to_terrain_options(arguments.max_error, "", arguments.terrain));
   LODE_TRY(const HeightReadOptions reading,
            to_height_options(arguments.terrain, reading_of(arguments)));
+  LODE_TRY(const auto pyramid, to_pyramid_options(arguments.terrain, options.max_error));
   const Stopwatch watch;
-  LODE_TRY(HeightRaster read, read_heights(arguments.input, reading, session.progress()));
-  auto raster = std::make_unique<const HeightRaster>(std::move(read));
+  LODE_TRY(OpenedTerrain opened,
+           open_terrain(arguments.input, reading, pyramid, session.progress()));
   LODE_TRY(HorizontalMetric metric,
-           naming(arguments.input, read_metric(raster->grid.crs), session));
-  return TerrainRaster{std::move(raster), std::move(metric), options, watch.seconds()};
+           naming(arguments.input, read_metric(opened.facts.frame.crs), session));
+  return TerrainInput{std::move(opened), std::move(metric), options, watch.seconds()};
 }
 
-Result<TerrainAnswerer> open_terrain(const TerrainQueryArguments& arguments, Session& session,
-                                     const AcceptRaster& accept) {
-  LODE_TRY(TerrainRaster input, read_terrain(arguments, session));
-  if (accept) LODE_CHECK(accept(*input.raster));
+Result<TerrainAnswerer> answer_terrain(const TerrainQueryArguments& arguments, Session& session,
+                                       const AcceptTerrain& accept) {
+  LODE_TRY(TerrainInput input, read_terrain(arguments, session));
+  if (accept) LODE_CHECK(accept(input.opened.facts));
   LODE_TRY(TerrainTin tin, naming(arguments.input,
-                                  TerrainTin::select(input.raster->grid, input.options,
+                                  TerrainTin::select(input.opened.terrain, input.options,
                                                      input.metric, session.progress()),
                                   session));
-  return TerrainAnswerer{std::move(input.raster), std::move(input.metric), std::move(tin),
+  return TerrainAnswerer{std::move(input.opened), std::move(input.metric), std::move(tin),
                          input.read_seconds};
 }
 
 void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArguments& arguments,
                       Json& json, Table& table) {
   const TerrainReport& report = answerer.tin.report();
-  add_raster(*answerer.raster, json, table);
-  json["model"] = kTerrainModel;
+  add_facts(answerer.opened.facts, json, table);
+  json["model"] = name_of(answerer.opened.model);
   json["max_error"] = report.max_error;
   json["max_error_is_default"] = arguments.max_error.empty();
   json["achieved_error"] = report.achieved_error;
   json["error_kind"] = "at samples";
   json["triangles"] = report.triangles;
-  table.add({"model", kTerrainModel});
+  table.add({"model", name_of(answerer.opened.model)});
   table.add({"max error", fmt::format("{} ({})", format_number(report.max_error),
                                       arguments.max_error.empty() ? "default: 0.5 % of the range"
                                                                   : "as asked")});

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 
 #include "extract_terrain.h"
@@ -24,30 +23,30 @@ void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments);
 [[nodiscard]] Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
                                                const std::string& instead);
 
-/// A raster, and what is wanted of it.
-struct TerrainRaster {
-  std::unique_ptr<const HeightRaster> raster;
+/// A terrain, and what is wanted of it.
+struct TerrainInput {
+  OpenedTerrain opened;
   HorizontalMetric metric;
   TerrainOptions options;
   double read_seconds = 0;
 };
 
-/// A raster and its TIN.
+/// A terrain and its TIN.
 struct TerrainAnswerer {
-  std::unique_ptr<const HeightRaster> raster;
+  OpenedTerrain opened;
   HorizontalMetric metric;
   TerrainTin tin;
   double read_seconds = 0;
 };
 
-/// Looks at a raster before the work starts, and may refuse it.
-using AcceptRaster = std::function<Result<void>(const HeightRaster&)>;
+/// Looks at a terrain before the work starts, and may refuse it.
+using AcceptTerrain = std::function<Result<void>(const TerrainFacts&)>;
 
-[[nodiscard]] Result<TerrainRaster> read_terrain(const TerrainQueryArguments& arguments,
-                                                 Session& session);
-[[nodiscard]] Result<TerrainAnswerer> open_terrain(const TerrainQueryArguments& arguments,
-                                                   Session& session,
-                                                   const AcceptRaster& accept = {});
+[[nodiscard]] Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments,
+                                                Session& session);
+[[nodiscard]] Result<TerrainAnswerer> answer_terrain(const TerrainQueryArguments& arguments,
+                                                     Session& session,
+                                                     const AcceptTerrain& accept = {});
 
 /// The keys and rows that all answers begin with.
 void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArguments& arguments,

@@ -1,8 +1,42 @@
 #include "verify_terrain.h"
 
+#include "terrain_query.h"
+
 namespace lode::cli {
+namespace {
+
+Result<void> check_model_verify(const TerrainVerifyJob& job, const CLI::App& app) {
+  LODE_CHECK(check_only_terrain(app, job.input, {"--against"}));
+  if (!job.original.empty() && !is_height_path(job.original))
+    return fail("--against: expected the raster that {} was built of, got {}", job.input,
+                job.original);
+  if (job.original.empty() && !job.terrain.is_empty())
+    return fail("{}: expected --against with --band or --encoding, got none", job.input);
+  if (auto options = to_height_options(job.terrain, job.reading); !options) return options.error();
+  return {};
+}
+
+/// Every byte, then all that it says against the raster.
+Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session) {
+  LODE_TRY(VerifyReport report,
+           verify_every_byte(job.input, session.threads(), session.progress()));
+  if (!report.passed()) return report;
+  LODE_TRY(const TerrainPyramid pyramid, TerrainPyramid::open(job.input, session.progress()));
+  report.add("vertices make the triangles again", pyramid.describe_source().n_triangles, 0, "");
+  if (job.original.empty()) return report;
+  LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
+  LODE_TRY(const HeightRaster raster, read_heights(job.original, reading, session.progress()));
+  LODE_TRY(const VerifyReport against,
+           naming(job.original, pyramid.verify(raster.grid, session.threads(), session.progress()),
+                  session));
+  report.checks.insert(report.checks.end(), against.checks.begin(), against.checks.end());
+  return report;
+}
+
+}  // namespace
 
 Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& app) {
+  if (holds_terrain_model(job.input)) return check_model_verify(job, app);
   LODE_CHECK(check_only_terrain(app, job.input, {"--surface", "--max-error"}));
   if (job.surface.empty())
     return fail("{}: expected --surface FILE to hold against this raster, got none", job.input);
@@ -14,7 +48,8 @@ Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& a
   return {};
 }
 
-Result<VerifyReport> verify_terrain_surface(const TerrainVerifyJob& job, Session& session) {
+Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& session) {
+  if (holds_terrain_model(job.input)) return verify_model(job, session);
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_TRY(const std::optional<double> max_error, to_max_error(job.max_error));
   LODE_TRY(const HeightRaster raster, read_heights(job.input, reading, session.progress()));

@@ -6,9 +6,11 @@
 
 namespace lode::cli {
 
-/// A surface to hold against the raster of heights that it was made from.
+/// A surface to hold against the raster of heights that it was made from, or a .lode file against
+/// what it was built of.
 struct TerrainVerifyJob {
   std::string input;
+  std::string original;
   std::string surface;
   std::string max_error;
   TerrainArguments terrain;
@@ -16,7 +18,7 @@ struct TerrainVerifyJob {
 };
 
 [[nodiscard]] Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& app);
-[[nodiscard]] Result<VerifyReport> verify_terrain_surface(const TerrainVerifyJob& job,
-                                                          Session& session);
+[[nodiscard]] Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job,
+                                                        Session& session);
 
 }  // namespace lode::cli

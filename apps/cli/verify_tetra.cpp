@@ -56,7 +56,7 @@ Result<void> check_tetra_verify(const TetraVerifyJob& job) {
 Result<VerifyReport> verify_tetra(const TetraVerifyJob& job, Session& session) {
   VerifyReport report;
   if (is_lode_path(job.input)) {
-    LODE_TRY(report, verify_tetra_file(job.input, session.threads(), session.progress()));
+    LODE_TRY(report, verify_every_byte(job.input, session.threads(), session.progress()));
   }
   ReadingArguments reading = job.reading;
   if (is_lode_path(job.input)) reading = {};  // the original's

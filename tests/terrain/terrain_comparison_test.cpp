@@ -31,10 +31,29 @@ const ComparedModel& named(const TerrainComparison& comparison, const std::strin
   return *found;
 }
 
+/// Four encodings of the same meshes.
+void expect_one_pyramid(const TerrainComparison& made) {
+  const ComparedModel& pyramid = named(made, "delaunay_pyramid");
+  const ComparedModel& lists = named(made, "delaunay_pyramid, lists");
+  const ComparedModel& linked = named(made, "delaunay_pyramid, linked lists");
+  const ComparedModel& complete = named(made, "delaunay_pyramid, complete");
+  EXPECT_LT(*lists.memory_bytes, *linked.memory_bytes);
+  EXPECT_LT(*linked.n_links, *complete.n_links);
+  for (std::size_t i = 0; i < pyramid.meshes.size(); ++i) {
+    EXPECT_FALSE(lists.meshes[i].zoom_seconds);
+    EXPECT_TRUE(pyramid.meshes[i].located_per_second);
+    for (const ComparedModel* other : {&lists, &linked, &complete})
+      EXPECT_EQ(other->meshes[i].triangles, pyramid.meshes[i].triangles);
+    for (const ComparedModel* other : {&linked, &complete})
+      EXPECT_EQ(other->meshes[i].zoom_triangles, pyramid.meshes[i].zoom_triangles);
+  }
+  EXPECT_LT(pyramid.meshes[2].variable_triangles, pyramid.meshes[2].triangles);
+}
+
 TEST(terrain_comparison, has_every_model_within_every_tolerance) {
   // Odd sizes, of which none is a power of two and one more.
   const TerrainComparison made = compared(test::float_grid(90, 61, ridges), {20, 5, 1, 0});
-  EXPECT_EQ(made.models.size(), 4U);
+  EXPECT_EQ(made.models.size(), 8U);
   EXPECT_EQ(made.n_samples, 90U * 61U);
   for (const ComparedModel& model : made.models) {
     SCOPED_TRACE(model.name);
@@ -47,7 +66,7 @@ TEST(terrain_comparison, has_every_model_within_every_tolerance) {
       EXPECT_EQ(mesh.quality.n_uncovered, 0U);
       EXPECT_EQ(mesh.quality.n_samples, made.n_samples);
       std::uint64_t n = 0;
-      for (const std::uint64_t in_step : mesh.quality.angles) n += in_step;
+      for (const std::uint64_t in_step : mesh.quality.angles.counts) n += in_step;
       EXPECT_EQ(n, mesh.triangles);
       EXPECT_GT(mesh.contour_points, 0U);
       EXPECT_GT(mesh.profile_points, 1U);
@@ -62,6 +81,7 @@ TEST(terrain_comparison, has_every_model_within_every_tolerance) {
   EXPECT_LT(named(made, "diamond2d").meshes[1].variable_triangles,
             named(made, "diamond2d").meshes[1].triangles);
   EXPECT_FALSE(named(made, "regular grid").meshes[0].variable_seconds);
+  expect_one_pyramid(made);
 }
 
 TEST(terrain_comparison, says_why_a_model_is_not_run) {
@@ -84,7 +104,7 @@ TEST(terrain_comparison, is_the_same_but_for_times_for_any_number_of_threads) {
     for (const ComparedModel& model : made->models)
       for (const ComparedMesh& mesh : model.meshes)
         for (const double x : {static_cast<double>(mesh.triangles), mesh.quality.worst_error,
-                               mesh.quality.rms_error, mesh.quality.median_angle})
+                               mesh.quality.rms_error, mesh.quality.angles.median})
           numbers.push_back(x);
     return numbers;
   };
@@ -112,8 +132,8 @@ TEST(tin_quality, is_that_of_brute_force) {
   EXPECT_EQ(quality.n_uncovered, 0U);
   EXPECT_DOUBLE_EQ(quality.worst_error, 2);
   EXPECT_DOUBLE_EQ(quality.rms_error, 0.5);
-  EXPECT_NEAR(quality.smallest_angle, 45, 1e-12);
-  EXPECT_EQ(quality.angles[8] + quality.angles[9], 2U);
+  EXPECT_NEAR(quality.angles.smallest, 45, 1e-12);
+  EXPECT_EQ(quality.angles.counts[8] + quality.angles.counts[9], 2U);
   tin.triangles.pop_back();
   EXPECT_EQ(measure_quality(tin, 2, grid, {1}).n_uncovered, 6U);
 }

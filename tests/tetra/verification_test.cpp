@@ -229,7 +229,7 @@ TEST_F(tetra_verification, of_files_reads_every_byte) {
   Progress progress;
   ASSERT_TRUE(TetraDataset::build_file(mesh_, path, {.threads = {2}}, progress));
   EXPECT_TRUE(holds_tetrahedra(path));
-  EXPECT_TRUE(verify_tetra_file(path, {2}, progress)->passed());
+  EXPECT_TRUE(verify_every_byte(path, {2}, progress)->passed());
   const auto opened = TetraDataset::open(path);
   ASSERT_TRUE(opened);
   EXPECT_TRUE(opened->verify({.n_random_cuts = 2, .threads = {2}}, progress)->passed());
@@ -238,7 +238,7 @@ TEST_F(tetra_verification, of_files_reads_every_byte) {
   file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(path) * 2 / 3));
   file.put('?').put('?');
   file.close();
-  const auto broken = verify_tetra_file(path, {2}, progress);
+  const auto broken = verify_every_byte(path, {2}, progress);
   ASSERT_FALSE(broken);
   EXPECT_NE(broken.error().message.find(path), std::string::npos);
   std::filesystem::remove(path);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "lode/api/compared_pyramid.h"
 #include "lode/api/dataset.h"
 #include "lode/api/mesh_extraction.h"
 #include "lode/api/terrain_selection.h"
@@ -27,7 +28,8 @@ class Selector final : public TerrainCandidate {
                                             : "greedy insertion of samples, errors falling by "
                                               "octaves; made anew for each tolerance";
   }
-  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, Threads, Progress&) override {
+  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double>, Threads,
+                                     Progress&) override {
     grid_ = &grid;
     return {};
   }
@@ -35,8 +37,7 @@ class Selector final : public TerrainCandidate {
     LODE_TRY(SelectedTerrain selected,
              select_terrain(*grid_, {.max_error = tolerance, .max_cells = {}, .order = order_},
                             delaunay::TinLinks::kept, progress));
-    return Answer{.tin = std::move(selected.selection.tin),
-                  .stated_error = selected.report.achieved_error};
+    return Answer{.tin = std::move(selected.tin), .stated_error = selected.report.achieved_error};
   }
 
  private:
@@ -89,8 +90,8 @@ class Bisection final : public TerrainCandidate {
   [[nodiscard]] std::string what() const override {
     return "longest-edge bisection of right triangles, with errors stored once for all tolerances";
   }
-  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, Threads threads,
-                                     Progress& progress) override {
+  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double>,
+                                     Threads threads, Progress& progress) override {
     volume_ = to_volume(grid);
     const Stopwatch watch;
     const auto source = make_memory_source(volume_);
@@ -157,7 +158,8 @@ class Subsampling final : public TerrainCandidate {
            "within "
            "the tolerance";
   }
-  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, Threads threads, Progress&) override {
+  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double>,
+                                     Threads threads, Progress&) override {
     if (grid.n_missing() > 0)
       return fail("a grid of which every s-th sample stays has no place for {} missing samples",
                   grid.n_missing());
@@ -215,10 +217,21 @@ Result<std::uint64_t> TerrainCandidate::extract_middle(double /*tolerance*/,
   return fail("{}: expected a model whose tolerance may vary", name());
 }
 
+Result<std::optional<std::uint64_t>> TerrainCandidate::zoom(double /*tolerance*/,
+                                                            const TerrainWindow& /*window*/) {
+  return std::optional<std::uint64_t>();
+}
+
+std::optional<std::uint64_t> TerrainCandidate::locate(
+    double /*tolerance*/, std::span<const delaunay::LatticePoint> /*places*/) {
+  return {};
+}
+
 std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates() {
   std::vector<std::unique_ptr<TerrainCandidate>> all;
   all.push_back(std::make_unique<Selector>(InsertionOrder::levels));
   all.push_back(std::make_unique<Selector>(InsertionOrder::strict));
+  for (auto& candidate : pyramid_candidates()) all.push_back(std::move(candidate));
   all.push_back(std::make_unique<Bisection>());
   all.push_back(std::make_unique<Subsampling>());
   return all;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,12 @@
 #include "lode/delaunay/tin.h"
 
 namespace lode {
+
+/// A rectangle of columns and rows, with its border.
+struct TerrainWindow {
+  delaunay::LatticePoint lower;
+  delaunay::LatticePoint upper;
+};
 
 /// A model of terrain as compare_terrain() runs it.
 class TerrainCandidate {
@@ -26,9 +33,10 @@ class TerrainCandidate {
   virtual ~TerrainCandidate() = default;
   [[nodiscard]] virtual std::string name() const = 0;
   [[nodiscard]] virtual std::string what() const = 0;
-  /// What is done once for all tolerances. Fails where the model cannot take the grid. The grid
-  /// must outlive the model.
-  [[nodiscard]] virtual Result<void> prepare(const HeightGrid& grid, Threads threads,
+  /// What is done once for all tolerances, which the others are among. Fails where the model cannot
+  /// take the grid. The grid must outlive the model.
+  [[nodiscard]] virtual Result<void> prepare(const HeightGrid& grid,
+                                             std::span<const double> tolerances, Threads threads,
                                              Progress& progress) = 0;
   [[nodiscard]] virtual Result<Answer> extract(double tolerance, Progress& progress) = 0;
   /// Within the tolerance in the middle quarter of columns and rows, within ten times outside:
@@ -37,6 +45,17 @@ class TerrainCandidate {
   [[nodiscard]] virtual bool can_vary() const { return false; }
   [[nodiscard]] virtual std::optional<double> build_seconds() const { return {}; }
   [[nodiscard]] virtual int n_levels() const { return 0; }
+  /// Of the whole model, where it is in memory.
+  [[nodiscard]] virtual std::optional<std::uint64_t> memory_bytes() const { return {}; }
+  [[nodiscard]] virtual std::optional<std::uint64_t> n_links() const { return {}; }
+  /// How many triangles within the tolerance meet a window, found without all of the mesh; nothing
+  /// where the model cannot.
+  [[nodiscard]] virtual Result<std::optional<std::uint64_t>> zoom(double tolerance,
+                                                                  const TerrainWindow& window);
+  /// In how many of the places it finds a triangle within the tolerance, without a mesh; nothing
+  /// where the model cannot.
+  [[nodiscard]] virtual std::optional<std::uint64_t> locate(
+      double tolerance, std::span<const delaunay::LatticePoint> places);
 };
 
 /// All there are, the baseline last.

@@ -4,6 +4,7 @@
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/file_build.h"
+#include "lode/api/file_check.h"
 #include "lode/api/salvage_report.h"
 #include "lode/api/simplification.h"
 #include "lode/api/verification.h"
@@ -204,13 +205,8 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
 }
 
 Result<VerifyReport> verify_file(const std::string& path, Threads threads, Progress& progress) try {
+  LODE_TRY(VerifyReport report, verify_every_byte(path, threads, progress));
   LODE_TRY(const auto reader, store::Reader::open(path));
-  LODE_CHECK(reader.check_all(threads, progress));
-  VerifyReport report;
-  report.checks.push_back({.name = "every byte of the file",
-                           .count = reader.file_size(),
-                           .passed = true,
-                           .detail = fmt::format("{} blocks", reader.blocks().size())});
   // Loading compares what blocks hold with what the metadata say of them.
   LODE_TRY(const auto dataset, Dataset::open(path, threads));
   LODE_CHECK(dataset.load(progress));

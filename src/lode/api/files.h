@@ -6,7 +6,9 @@
 
 #include "lode/api/dataset.h"
 #include "lode/api/file_build.h"
+#include "lode/api/file_check.h"
 #include "lode/api/mesh_picture.h"
+#include "lode/api/opened_terrain.h"
 #include "lode/api/terrain.h"
 #include "lode/api/terrain_comparison.h"
 #include "lode/api/terrain_picture.h"

@@ -44,12 +44,12 @@ VerifyReport to_report(const TinFacts& facts, double max_error) {
 
 }  // namespace
 
-Result<TerrainSurface> extract_terrain(const HeightGrid& grid, const TerrainOptions& options,
+Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOptions& options,
                                        Progress& progress) try {
   const Stopwatch watch;
   LODE_TRY(SelectedTerrain selected,
-           select_terrain(grid, options, delaunay::TinLinks::left_out, progress));
-  TinSurface made = to_surface(selected.selection.tin, grid);
+           terrain.origin().select(options, delaunay::TinLinks::left_out, progress));
+  TinSurface made = to_surface(selected.tin, terrain.frame());
   TerrainReport report = selected.report;
   report.height_slack = made.height_slack;
   report.position_slack = made.position_slack;

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "lode/api/terrain_focus.h"
+#include "lode/api/terrain_source.h"
 #include "lode/api/verify_report.h"
 #include "lode/core/height_grid.h"
 #include "lode/core/parallel.h"
@@ -23,6 +25,7 @@ struct TerrainOptions {
   std::optional<double> max_error{};
   std::optional<std::uint64_t> max_cells{};  ///< At most so many triangles; orders strictly.
   InsertionOrder order = InsertionOrder::levels;
+  std::optional<TerrainFocus> focus{};  ///< Where max_error holds; of models that can vary.
 };
 
 struct TerrainReport {
@@ -31,6 +34,7 @@ struct TerrainReport {
   double max_error = 0;       ///< That was asked for, or chosen.
   double achieved_error = 0;  ///< |z - z'| at every sample of the domain; rounded up.
   bool is_within_error = true;
+  bool is_uniform = true;        ///< Else max_error holds in the focus alone.
   bool budget_met = true;        ///< Else the domain's outline alone has more than max_cells.
   std::uint64_t n_samples = 0;   ///< Of the domain: corners of cells with four heights.
   std::uint64_t n_missing = 0;   ///< Without a height.
@@ -45,9 +49,10 @@ struct TerrainSurface {
   TerrainReport report;
 };
 
-/// The TIN of the model delaunay_selector: see docs/models/delaunay_selector.md. Fails where no
-/// cell of the grid has four heights, and when cancelled.
-[[nodiscard]] Result<TerrainSurface> extract_terrain(const HeightGrid& grid,
+/// The TIN of a terrain; of a raster that of the model delaunay_selector: see
+/// docs/models/delaunay_selector.md. Fails where no cell of the grid has four heights, and when
+/// cancelled.
+[[nodiscard]] Result<TerrainSurface> extract_terrain(const Terrain& terrain,
                                                      const TerrainOptions& options,
                                                      Progress& progress);
 

@@ -74,13 +74,16 @@ class Comparison {
  private:
   Result<ComparedModel> compare(TerrainCandidate& model) {
     ComparedModel compared{.name = model.name(), .what = model.what()};
-    if (auto refusal = model.prepare(grid_, options_.threads, progress_); !refusal) {
+    if (auto refusal = model.prepare(grid_, options_.tolerances, options_.threads, progress_);
+        !refusal) {
       if (progress_.is_cancelled()) return cancelled_error();
       compared.refusal = refusal.error().message;
       return compared;
     }
     compared.build_seconds = model.build_seconds();
     compared.n_levels = model.n_levels();
+    compared.memory_bytes = model.memory_bytes();
+    compared.n_links = model.n_links();
     for (const double tolerance : options_.tolerances) {
       auto mesh = measure(model, tolerance);
       if (!mesh) {
@@ -107,6 +110,7 @@ class Comparison {
     mesh.stated_error = answer.stated_error;
     mesh.quality = measure_quality(tin, answer.scale, grid_, options_.threads);
     LODE_CHECK(measure_variable(model, tolerance, mesh));
+    LODE_CHECK(measure_descent(model, tolerance, mesh));
     complete(tin);
     mesh.memory_bytes = tin.triangles.size() * (2 * sizeof(tin.triangles[0]) + sizeof(float)) +
                         tin.vertices.size() * (sizeof(tin.vertices[0]) + sizeof(double));
@@ -121,6 +125,31 @@ class Comparison {
                LODE_TRY(mesh.variable_triangles, model.extract_middle(tolerance, progress_));
                return {};
              }));
+    return {};
+  }
+
+  /// What a model finds without a mesh.
+  Result<void> measure_descent(TerrainCandidate& model, double tolerance,
+                               ComparedMesh& mesh) const {
+    const TerrainWindow window{{3 * grid_.n_columns / 8, 3 * grid_.n_rows / 8},
+                               {5 * grid_.n_columns / 8, 5 * grid_.n_rows / 8}};
+    bool can_zoom = false;
+    LODE_TRY(const double zoom_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
+               LODE_TRY(const auto found, model.zoom(tolerance, window));
+               can_zoom = found.has_value();
+               mesh.zoom_triangles = found.value_or(0);
+               return {};
+             }));
+    if (can_zoom) mesh.zoom_seconds = zoom_seconds;
+    std::vector<delaunay::LatticePoint> samples;
+    for (const delaunay::Point& place : places_)
+      samples.push_back({static_cast<std::int32_t>(place[0]), static_cast<std::int32_t>(place[1])});
+    bool can_locate = false;
+    LODE_TRY(const double seconds, time_of(options_.n_runs, [&]() -> Result<void> {
+               can_locate = model.locate(tolerance, samples).has_value();
+               return {};
+             }));
+    if (can_locate && seconds > 0) mesh.located_per_second = options_.n_places / seconds;
     return {};
   }
 

@@ -37,6 +37,11 @@ struct ComparedMesh {
   std::uint64_t contour_points = 0;
   double places_per_second = 0;  ///< One thread; the locator's making apart.
   double locator_seconds = 0;
+  /// The triangles that meet the middle sixteenth of the raster, from the model, without a mesh.
+  std::optional<double> zoom_seconds{};
+  std::uint64_t zoom_triangles = 0;
+  /// Of samples, one thread, from the model, without a mesh.
+  std::optional<double> located_per_second{};
   double profile_seconds = 0;  ///< Along the raster's diagonal.
   std::uint64_t profile_points = 0;
 
@@ -46,11 +51,13 @@ struct ComparedMesh {
 
 struct ComparedModel {
   std::string name;
-  std::string what;                       ///< In one sentence.
-  std::string refusal{};                  ///< Why there are no meshes; else empty.
-  std::optional<double> build_seconds{};  ///< Once, for all tolerances.
-  int n_levels = 0;                       ///< 0: it has none.
-  std::vector<ComparedMesh> meshes{};     ///< By tolerance, as given.
+  std::string what;                             ///< In one sentence.
+  std::string refusal{};                        ///< Why there are no meshes; else empty.
+  std::optional<double> build_seconds{};        ///< Once, for all tolerances.
+  int n_levels = 0;                             ///< 0: it has none.
+  std::optional<std::uint64_t> memory_bytes{};  ///< Of the model itself.
+  std::optional<std::uint64_t> n_links{};       ///< Between levels.
+  std::vector<ComparedMesh> meshes{};           ///< By tolerance, as given.
 };
 
 struct TerrainComparison {

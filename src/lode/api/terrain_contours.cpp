@@ -25,8 +25,8 @@ Result<TerrainContours> TerrainTin::contours(std::span<const double> heights,
   contours.lines.reserve(traced.lines.size());
   for (ContourLine& line : traced.lines) {
     // In place: what was a column and a row becomes x and y.
-    for (Place& at : line.points) at = impl_->grid.world(at[0], at[1]);
-    if (impl_->grid.is_mirrored()) std::ranges::reverse(line.points);
+    for (Place& at : line.points) at = impl_->frame.world(at[0], at[1]);
+    if (impl_->frame.is_mirrored()) std::ranges::reverse(line.points);
     contours.n_rings += static_cast<std::uint64_t>(line.is_ring);
     contours.lines.push_back({heights[line.level], line.is_ring, std::move(line.points)});
   }
@@ -48,8 +48,8 @@ Result<TerrainBands> TerrainTin::bands(std::span<const double> heights, Progress
                                polygon.band < heights.size() ? heights[polygon.band] : range.upper,
                                {}};
     for (Ring& ring : polygon.rings) {
-      for (Place& at : ring) at = impl_->grid.world(at[0], at[1]);
-      if (impl_->grid.is_mirrored()) std::ranges::reverse(ring);
+      for (Place& at : ring) at = impl_->frame.world(at[0], at[1]);
+      if (impl_->frame.is_mirrored()) std::ranges::reverse(ring);
       bands.n_points += ring.size();
       made.rings.push_back(std::move(ring));
     }

@@ -63,7 +63,7 @@ class HeightFinder {
     const auto tile = [](double x, std::int32_t n) {
       return static_cast<std::uint32_t>(x * kTilesAcross / n);
     };
-    return tile(at[1], tin_.grid.n_rows) * kTilesAcross + tile(at[0], tin_.grid.n_columns);
+    return tile(at[1], tin_.frame.n_rows) * kTilesAcross + tile(at[0], tin_.frame.n_columns);
   }
 
   [[nodiscard]] std::vector<std::size_t> order_by_tiles() const {
@@ -81,8 +81,8 @@ class HeightFinder {
       return {TerrainHeight::Where::inside, z.height,
               tin_.error_bound(static_cast<double>(tin_.tin.errors[*triangle])) + z.rounding};
     }
-    const bool is_in_raster = at[0] >= 0 && at[1] >= 0 && at[0] <= tin_.grid.n_columns - 1 &&
-                              at[1] <= tin_.grid.n_rows - 1;
+    const bool is_in_raster = at[0] >= 0 && at[1] >= 0 && at[0] <= tin_.frame.n_columns - 1 &&
+                              at[1] <= tin_.frame.n_rows - 1;
     return {is_in_raster ? TerrainHeight::Where::gap : TerrainHeight::Where::outside};
   }
 

@@ -65,7 +65,7 @@ struct Extent {
   Vec<double, 2> upper;
 };
 
-Extent extent_of(const HeightGrid& grid) {
+Extent extent_of(const HeightFrame& grid) {
   const double columns = grid.n_columns - 1;
   const double rows = grid.n_rows - 1;
   const std::array corners{grid.world(0, 0), grid.world(columns, 0), grid.world(0, rows),
@@ -79,7 +79,7 @@ Extent extent_of(const HeightGrid& grid) {
   return extent;
 }
 
-PictureFrame frame_of(const HeightGrid& grid, const HorizontalMetric& metric,
+PictureFrame frame_of(const HeightFrame& grid, const HorizontalMetric& metric,
                       const HeightRange& range, const TerrainPictureOptions& options,
                       TerrainPictureReport& report) {
   PictureFrame frame;
@@ -123,15 +123,15 @@ std::vector<Vec3f> colors_of(std::span<const double> heights, const HeightRange&
   return colors;
 }
 
-Surface picture_surface(const delaunay::Tin& tin, const HeightGrid& grid,
+Surface picture_surface(const delaunay::Tin& tin, const HeightFrame& grid,
                         const PictureFrame& frame) {
   Surface surface;
   surface.positions.reserve(tin.vertices.size());
-  for (const delaunay::LatticePoint& v : tin.vertices) {
-    const double height = grid.height(v.x, v.y);
-    surface.values.push_back(height);
-    surface.positions.push_back(to_vec3f(frame.place(grid.world(v.x, v.y), height)));
+  for (std::size_t i = 0; i < tin.vertices.size(); ++i) {
+    const delaunay::LatticePoint& v = tin.vertices[i];
+    surface.positions.push_back(to_vec3f(frame.place(grid.world(v.x, v.y), tin.heights[i])));
   }
+  surface.values = tin.heights;
   surface.triangles = tin.triangles;
   if (grid.is_mirrored())
     for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
@@ -139,7 +139,7 @@ Surface picture_surface(const delaunay::Tin& tin, const HeightGrid& grid,
 }
 
 /// On the surface.
-Result<void> add_contours(const delaunay::Tin& tin, const HeightGrid& grid,
+Result<void> add_contours(const delaunay::Tin& tin, const HeightFrame& grid,
                           std::span<const double> levels, const PictureFrame& frame,
                           Surface& surface, TerrainPictureReport& report, Progress& progress) {
   LODE_TRY(const ContourSet traced, trace_contours(tin, levels, KeptLines::drawable, progress));
@@ -182,21 +182,22 @@ Result<void> check_picture(const TerrainPictureOptions& options) {
 
 }  // namespace
 
-Result<Image> draw_terrain(const HeightGrid& grid, const HorizontalMetric& metric,
+Result<Image> draw_terrain(const Terrain& terrain, const HorizontalMetric& metric,
                            const TerrainPictureOptions& options, TerrainPictureReport& report,
                            Progress& progress) try {
   const Stopwatch watch;
   LODE_CHECK(check_picture(options));
-  const HeightRange range = height_range(grid);
+  const HeightFrame& grid = terrain.frame();
+  const HeightRange range = terrain.range();
   const Extent extent = extent_of(grid);
   LODE_CHECK(check_angles(metric, extent.lower, extent.upper));
   const PictureFrame frame = frame_of(grid, metric, range, options, report);
   const bool has_contours = options.contour_interval.has_value();
   const auto links = has_contours ? delaunay::TinLinks::kept : delaunay::TinLinks::left_out;
   LODE_TRY(const SelectedTerrain selected,
-           select_terrain(grid, tolerance_for(options, frame), links, progress));
+           terrain.origin().select(tolerance_for(options, frame), links, progress));
   report.terrain = selected.report;
-  Surface surface = picture_surface(selected.selection.tin, grid, frame);
+  Surface surface = picture_surface(selected.tin, grid, frame);
   RenderOptions render = options.render;
   std::vector<Vec3f> colors = colors_of(surface.values, range);
   if (render.color) std::ranges::fill(colors, to_linear(*render.color));
@@ -204,8 +205,7 @@ Result<Image> draw_terrain(const HeightGrid& grid, const HorizontalMetric& metri
     auto levels =
         levels_between(0, *options.contour_interval, range.lower, range.upper, LowestLevel::from);
     if (!levels) return fail("contours: {}", levels.error().message);
-    LODE_CHECK(
-        add_contours(selected.selection.tin, grid, *levels, frame, surface, report, progress));
+    LODE_CHECK(add_contours(selected.tin, grid, *levels, frame, surface, report, progress));
     colors.resize(surface.positions.size(), to_linear(kContourColor));
     render.line_width_px = kContourWidth;
   }

@@ -37,10 +37,10 @@ struct TerrainPictureReport {
   double seconds = 0;
 };
 
-/// Draws the TIN of the model delaunay_selector in metres: longitudes and latitudes count as much
+/// Draws a TIN of the terrain in metres: longitudes and latitudes count as much
 /// as they do in the raster's middle, heights as metres_of_unit() says, else as metres. Fails as
 /// extract_terrain() and render_surface() do, and on more than 2^20 contour levels.
-[[nodiscard]] Result<Image> draw_terrain(const HeightGrid& grid, const HorizontalMetric& metric,
+[[nodiscard]] Result<Image> draw_terrain(const Terrain& terrain, const HorizontalMetric& metric,
                                          const TerrainPictureOptions& options,
                                          TerrainPictureReport& report, Progress& progress);
 

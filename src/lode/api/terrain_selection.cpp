@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lode/core/stopwatch.h"
+#include "lode/models/terrain/delaunay_selector/selector.h"
 
 namespace lode {
 namespace {
@@ -11,19 +12,46 @@ namespace {
 /// Of the range of heights, where nothing else is said; as of volumes.
 constexpr double kDefaultShare = 0.005;
 
-double tolerance_of(const HeightGrid& grid, const TerrainOptions& options) {
-  if (options.max_error) return *options.max_error;
-  if (options.max_cells) return 0;
-  const HeightRange range = height_range(grid);
-  return std::max(0.0, kDefaultShare * (range.upper - range.lower));
-}
+class Raster final : public TerrainOrigin {
+ public:
+  explicit Raster(std::shared_ptr<const HeightGrid> grid) : grid_(std::move(grid)) {}
+  [[nodiscard]] const HeightFrame& frame() const override { return *grid_; }
+  [[nodiscard]] HeightRange range() const override { return height_range(*grid_); }
+  [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
+                                               delaunay::TinLinks links,
+                                               Progress& progress) const override {
+    return select_terrain(*grid_, options, links, progress);
+  }
+
+ private:
+  std::shared_ptr<const HeightGrid> grid_;
+};
 
 }  // namespace
+
+// Of another's grid.
+Terrain::Terrain(const HeightGrid& grid)
+    : Terrain(std::shared_ptr<const HeightGrid>(std::shared_ptr<void>(), &grid)) {}
+
+Terrain::Terrain(std::shared_ptr<const HeightGrid> grid)
+    : origin_(std::make_shared<const Raster>(std::move(grid))) {}
+
+double default_tolerance(const TerrainOptions& options, const HeightRange& range) {
+  if (options.max_error) return *options.max_error;
+  if (options.max_cells) return 0;
+  return std::max(0.0, kDefaultShare * (range.upper - range.lower));
+}
 
 Result<SelectedTerrain> select_terrain(const HeightGrid& grid, const TerrainOptions& options,
                                        delaunay::TinLinks links, Progress& progress) {
   const Stopwatch watch;
-  const double max_error = tolerance_of(grid, options);
+  if (options.focus)
+    return fail(
+        "expected one tolerance for all of a raster, got a focus: the delaunay_selector makes one "
+        "TIN, the model delaunay_pyramid can vary");
+  const bool is_given = options.max_error || options.max_cells;
+  const double max_error =
+      default_tolerance(options, is_given ? HeightRange{} : height_range(grid));
   const delaunay_selector::SelectorOptions wanted{
       .max_error = max_error,
       .max_cells = options.max_cells,
@@ -45,7 +73,7 @@ Result<SelectedTerrain> select_terrain(const HeightGrid& grid, const TerrainOpti
                              .n_missing = grid.n_missing(),
                              .n_left_out = selection.n_left_out,
                              .seconds = watch.seconds()};
-  return SelectedTerrain{std::move(selection), report};
+  return SelectedTerrain{std::move(selection.tin), report};
 }
 
 }  // namespace lode

@@ -1,18 +1,21 @@
 #pragma once
 
 #include "lode/api/terrain.h"
-#include "lode/models/terrain/delaunay_selector/selector.h"
+#include "lode/delaunay/tin.h"
 
 namespace lode {
 
-/// A TIN of a grid, and what is to be said of it but for slacks of coordinates.
+/// A TIN with heights, and what is to be said of it but for slacks of coordinates.
 struct SelectedTerrain {
-  delaunay_selector::Selection selection;
+  delaunay::Tin tin;
   TerrainReport report;
 };
 
-/// With the tolerance and order that the options mean; with links at tolerance 0: of all samples.
-/// Fails as select_samples() does.
+/// The max_error of the options, or half a percent of the range, or with max_cells 0.
+[[nodiscard]] double default_tolerance(const TerrainOptions& options, const HeightRange& range);
+
+/// As TerrainOrigin::select(), of a raster; with links at tolerance 0: of all samples. Fails as
+/// select_samples() does.
 [[nodiscard]] Result<SelectedTerrain> select_terrain(const HeightGrid& grid,
                                                      const TerrainOptions& options,
                                                      delaunay::TinLinks links, Progress& progress);

@@ -89,8 +89,9 @@ Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options) const
   const Place& to = options.to;
   LODE_CHECK(check_angles(impl_->metric, {{std::min(from[0], to[0]), std::min(from[1], to[1])}},
                           {{std::max(from[0], to[0]), std::max(from[1], to[1])}}));
-  const std::optional<double> vertical =
-      options.vertical_metres ? options.vertical_metres : metres_of_unit(impl_->grid.vertical_unit);
+  const std::optional<double> vertical = options.vertical_metres
+                                             ? options.vertical_metres
+                                             : metres_of_unit(impl_->frame.vertical_unit);
   sight.is_vertical_unit_known = vertical.has_value();
   sight.vertical_metres = vertical.value_or(1);
   const Ellipsoid earth = impl_->metric.ellipsoid.value_or(kWgs84Ellipsoid);
@@ -119,14 +120,14 @@ Result<TerrainSight> TerrainTin::sight(const TerrainSightOptions& options) const
   return out_of_memory("find the line of sight");
 }
 
-Result<TerrainSight> find_terrain_sight(const HeightGrid& grid, const TerrainOptions& terrain,
+Result<TerrainSight> find_terrain_sight(const Terrain& terrain, const TerrainOptions& tin_options,
                                         const HorizontalMetric& metric,
                                         const TerrainSightOptions& options,
                                         Progress& progress) try {
   const Stopwatch watch;
-  TerrainOptions wanted = terrain;
+  TerrainOptions wanted = tin_options;
   for (std::uint32_t round = 1;; ++round) {
-    LODE_TRY(const TerrainTin tin, TerrainTin::select(grid, wanted, metric, progress));
+    LODE_TRY(const TerrainTin tin, TerrainTin::select(terrain, wanted, metric, progress));
     LODE_TRY(TerrainSight sight, tin.sight(options));
     sight.n_rounds = round;
     sight.terrain = tin.report();

@@ -42,10 +42,10 @@ struct TerrainSight {
   double seconds = 0;                   ///< Of all.
 };
 
-/// The segment is straight in the grid's coordinates. Fails where one of the places is not on the
-/// terrain, as TerrainTin::select() does, and when cancelled.
-[[nodiscard]] Result<TerrainSight> find_terrain_sight(const HeightGrid& grid,
-                                                      const TerrainOptions& terrain,
+/// The segment is straight in the terrain's coordinates. Fails where one of the places is not on
+/// the terrain, as TerrainTin::select() does, and when cancelled.
+[[nodiscard]] Result<TerrainSight> find_terrain_sight(const Terrain& terrain,
+                                                      const TerrainOptions& tin_options,
                                                       const HorizontalMetric& metric,
                                                       const TerrainSightOptions& options,
                                                       Progress& progress);

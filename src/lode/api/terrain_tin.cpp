@@ -16,12 +16,12 @@ TerrainTin::~TerrainTin() = default;
 
 const TerrainReport& TerrainTin::report() const { return impl_->report; }
 
-Result<TerrainTin> TerrainTin::select(const HeightGrid& grid, const TerrainOptions& options,
+Result<TerrainTin> TerrainTin::select(const Terrain& terrain, const TerrainOptions& options,
                                       const HorizontalMetric& metric, Progress& progress) try {
   LODE_TRY(SelectedTerrain selected,
-           select_terrain(grid, options, delaunay::TinLinks::kept, progress));
+           terrain.origin().select(options, delaunay::TinLinks::kept, progress));
   return TerrainTin(std::unique_ptr<Impl>(
-      new Impl{grid, metric, selected.report, std::move(selected.selection.tin)}));
+      new Impl{terrain.frame(), metric, selected.report, std::move(selected.tin)}));
 } catch (const std::bad_alloc&) {
   return out_of_memory("select samples");
 }

@@ -82,12 +82,12 @@ struct TerrainBands {
 struct TerrainSight;
 struct TerrainSightOptions;
 
-/// The TIN of the model delaunay_selector, to ask of. Const members are safe from many threads.
+/// A TIN of a terrain, to ask of. Const members are safe from many threads.
 class TerrainTin {
  public:
-  /// As extract_terrain(). The grid must outlive it. Where the metric has an ellipsoid longitudes
+  /// As extract_terrain(). Where the metric has an ellipsoid longitudes
   /// that differ by whole turns are one.
-  [[nodiscard]] static Result<TerrainTin> select(const HeightGrid& grid,
+  [[nodiscard]] static Result<TerrainTin> select(const Terrain& terrain,
                                                  const TerrainOptions& options,
                                                  const HorizontalMetric& metric,
                                                  Progress& progress);

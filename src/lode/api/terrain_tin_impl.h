@@ -12,7 +12,7 @@
 namespace lode {
 
 struct TerrainTin::Impl {
-  const HeightGrid& grid;
+  HeightFrame frame;
   HorizontalMetric metric;
   TerrainReport report;
   delaunay::Tin tin;
@@ -29,7 +29,7 @@ struct TerrainTin::Impl {
     return std::min(error, report.achieved_error);
   }
   [[nodiscard]] Place to_lattice(const Place& world) const {
-    return grid.snapped_lattice(world[0], world[1]);
+    return frame.snapped_lattice(world[0], world[1]);
   }
 };
 

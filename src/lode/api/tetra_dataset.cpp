@@ -27,7 +27,6 @@
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
-#include "lode/store/reader.h"
 
 namespace lode {
 namespace {
@@ -363,18 +362,6 @@ Result<VerifyReport> TetraDataset::verify_against(const TetraMesh& original,
   return compare_with_original(*hierarchy, original, fields, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("compare the hierarchy with the data");
-}
-
-Result<VerifyReport> verify_tetra_file(const std::string& path, Threads threads,
-                                       Progress& progress) try {
-  LODE_TRY(const auto reader, store::Reader::open(path));
-  LODE_CHECK(reader.check_all(threads, progress));
-  VerifyReport report;
-  report.add("every byte of the file", reader.file_size(), 0,
-             fmt::format("{} blocks", reader.blocks().size()));
-  return report;
-} catch (const std::bad_alloc&) {
-  return out_of_memory("check the file", path);
 }
 
 }  // namespace lode

@@ -184,9 +184,4 @@ class TetraDataset {
 /// of the field itself.
 [[nodiscard]] std::vector<std::size_t> fields_along(const TetraInfo& info, std::size_t field);
 
-/// Checks every byte of a .lode file of tetrahedra: checksums, and that all blocks decode. Fails on
-/// the first fault, naming the file.
-[[nodiscard]] Result<VerifyReport> verify_tetra_file(const std::string& path, Threads threads,
-                                                     Progress& progress);
-
 }  // namespace lode

@@ -13,6 +13,8 @@ namespace {
 using delaunay::LatticePoint;
 using delaunay::Point;
 
+/// Of a walk within a square, beyond what its triangles may take.
+constexpr std::size_t kShortWalk = 64;
 constexpr std::array<std::uint32_t, 3> kNext{1, 2, 0};
 /// Triangles a square has, were they all alike. 2 to 8 cost about the same time.
 constexpr double kPerSquare = 4;
@@ -121,7 +123,9 @@ std::optional<std::uint32_t> TinLocator::find(const Point& p) const {
   if (near.empty()) return std::nullopt;
   std::uint32_t t = near[0];
   std::uint32_t entered = 0;  // The edge that it came through, after the first step.
-  for (bool is_first = true;; is_first = false) {
+  // Where edges are not Delaunay it may turn in circles.
+  std::size_t n_left = 2 * near.size() + kShortWalk;
+  for (bool is_first = true; n_left > 0; is_first = false, --n_left) {
     const auto& corner = tin_.triangles[t];
     std::uint32_t out = 3;
     for (std::uint32_t k = 0; k < 3 && out == 3; ++k) {

@@ -13,9 +13,10 @@ namespace lode {
 
 /// Finds the triangle of a TIN that holds a place, exactly: squares of a power of two of columns
 /// and rows know the triangles that reach into them; from the first of them it is a walk to the
-/// place, which cannot turn in circles, as inner edges are locally Delaunay (L. De Floriani, B.
+/// place, which cannot turn in circles where inner edges are locally Delaunay (L. De Floriani, B.
 /// Falcidieno, G. Nagy, C. Pienovi, "On sorting triangles in a Delaunay tessellation",
-/// Algorithmica 6, 1991). Where the outline stops the walk all triangles of the square are tried.
+/// Algorithmica 6, 1991). Where the outline stops the walk, or it gets long, all triangles of the
+/// square are tried.
 /// Const members are safe from many threads. O(n) to make usually, about 16 bytes a triangle.
 class TinLocator {
  public:

@@ -10,6 +10,7 @@ namespace lode {
 namespace {
 
 constexpr double kUncovered = -1;
+constexpr std::size_t kTrianglesAtOnce = 1024;
 
 /// z' on a triangle: a height at a corner, and how it changes by column and row.
 class Plane {
@@ -57,9 +58,10 @@ void raise(double& to, double error) {
   }
 }
 
-/// Samples are at multiples of the scale.
-void measure_triangle(const Plane& plane, std::int32_t scale, const HeightGrid& grid,
-                      std::vector<double>& errors) {
+/// visit(x, y, |z - z'|) for each sample in a triangle; samples are at multiples of the scale.
+template <typename Visit>
+void visit_samples(const Plane& plane, std::int32_t scale, const HeightGrid& grid,
+                   const Visit& visit) {
   if (!plane.has_area()) return;
   const auto above = [scale](std::int32_t at) { return (at + scale - 1) / scale; };
   const auto& [a, b, c] = plane.corners();
@@ -70,14 +72,14 @@ void measure_triangle(const Plane& plane, std::int32_t scale, const HeightGrid& 
       const std::int64_t column = std::int64_t{x} * scale;
       const std::int64_t row = std::int64_t{y} * scale;
       if (!plane.holds(column, row) || !grid.has_height(x, y)) continue;
-      const double error = std::abs(grid.height(x, y) - plane.height(column, row));
-      raise(errors[static_cast<std::size_t>(std::int64_t{y} * grid.n_columns + x)], error);
+      visit(x, y, std::abs(grid.height(x, y) - plane.height(column, row)));
     }
 }
 
-double smallest_angle_of(const Plane& plane, const HeightGrid& grid) {
+double smallest_angle_of(const Plane& plane, const HeightFrame& frame) {
   std::array<Vec<double, 2>, 3> p;
-  for (std::size_t i = 0; i < 3; ++i) p[i] = grid.world(plane.corners()[i].x, plane.corners()[i].y);
+  for (std::size_t i = 0; i < 3; ++i)
+    p[i] = frame.world(plane.corners()[i].x, plane.corners()[i].y);
   double least = 180;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto u = p[(i + 1) % 3] - p[i];
@@ -88,30 +90,44 @@ double smallest_angle_of(const Plane& plane, const HeightGrid& grid) {
   return least;
 }
 
-void count_angles(std::vector<double>& angles, TinQuality& quality) {
-  if (angles.empty()) return;
+}  // namespace
+
+TinAngles measure_angles(const delaunay::Tin& tin, const HeightFrame& frame, Threads threads) {
+  TinAngles made;
+  if (tin.triangles.empty()) return made;
+  std::vector<double> angles(tin.triangles.size());
+  parallel_for(tin.triangles.size(), threads, kTrianglesAtOnce, [&](std::size_t t, int) {
+    angles[t] = smallest_angle_of(Plane(tin, tin.triangles[t]), frame);
+  });
   constexpr double kStep = 5;
   for (const double angle : angles) {
     const auto step = static_cast<std::size_t>(std::max(0.0, angle / kStep));
-    ++quality.angles[std::min(step, quality.angles.size() - 1)];
+    ++made.counts[std::min(step, made.counts.size() - 1)];
   }
   const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
   std::nth_element(angles.begin(), middle, angles.end());
-  quality.median_angle = *middle;
-  quality.smallest_angle = *std::min_element(angles.begin(), angles.end());
+  made.median = *middle;
+  made.smallest = *std::min_element(angles.begin(), angles.end());
+  return made;
 }
 
-}  // namespace
+double worst_error_in(const delaunay::Tin& tin, std::size_t triangle, std::int32_t scale,
+                      const HeightGrid& grid) {
+  double worst = 0;
+  visit_samples(Plane(tin, tin.triangles[triangle]), scale, grid,
+                [&](std::int32_t, std::int32_t, double error) { worst = std::max(worst, error); });
+  return worst;
+}
 
 TinQuality measure_quality(const delaunay::Tin& tin, std::int32_t scale, const HeightGrid& grid,
                            Threads threads) {
   std::vector<double> errors(static_cast<std::size_t>(grid.n_samples()), kUncovered);
-  std::vector<double> angles(tin.triangles.size());
-  constexpr std::size_t kTrianglesAtOnce = 1024;
   parallel_for(tin.triangles.size(), threads, kTrianglesAtOnce, [&](std::size_t t, int) {
-    const Plane plane(tin, tin.triangles[t]);
-    measure_triangle(plane, scale, grid, errors);
-    angles[t] = smallest_angle_of(plane, grid);
+    visit_samples(Plane(tin, tin.triangles[t]), scale, grid,
+                  [&](std::int32_t x, std::int32_t y, double error) {
+                    const std::int64_t at = std::int64_t{y} * grid.n_columns + x;
+                    raise(errors[static_cast<std::size_t>(at)], error);
+                  });
   });
   TinQuality quality;
   double squares = 0;
@@ -129,7 +145,7 @@ TinQuality measure_quality(const delaunay::Tin& tin, std::int32_t scale, const H
     }
   if (quality.n_samples > 0)
     quality.rms_error = std::sqrt(squares / static_cast<double>(quality.n_samples));
-  count_angles(angles, quality);
+  quality.angles = measure_angles(tin, grid, threads);
   return quality;
 }
 

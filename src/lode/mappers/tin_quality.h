@@ -9,16 +9,29 @@
 
 namespace lode {
 
+/// How triangles are shaped: by their smallest angles, in the raster's coordinates.
+struct TinAngles {
+  std::array<std::uint64_t, 12> counts{};  ///< In steps of 5 degrees.
+  double smallest = 0;                     ///< Degrees; 0 without triangles.
+  double median = 0;
+};
+
+/// Of a TIN in a frame, or in one whose columns and rows are several nodes of the TIN's apart.
+[[nodiscard]] TinAngles measure_angles(const delaunay::Tin& tin, const HeightFrame& frame,
+                                       Threads threads);
+
+/// The largest |z - z'| of the samples in a triangle of a TIN with heights, in float64; else as
+/// measure_quality().
+[[nodiscard]] double worst_error_in(const delaunay::Tin& tin, std::size_t triangle,
+                                    std::int32_t scale, const HeightGrid& grid);
+
 /// How good a TIN is as an approximation of a grid of heights, and how its triangles are shaped.
 struct TinQuality {
   std::uint64_t n_samples = 0;    ///< With a height, in some triangle.
   std::uint64_t n_uncovered = 0;  ///< With one, in none.
   double worst_error = 0;         ///< |z - z'| of those covered, in float64.
   double rms_error = 0;
-  /// Triangles by their smallest angle, in the raster's coordinates: 12 steps of 5 degrees.
-  std::array<std::uint64_t, 12> angles{};
-  double smallest_angle = 0;  ///< Degrees.
-  double median_angle = 0;    ///< Of smallest angles.
+  TinAngles angles{};
 };
 
 /// The TIN has heights, turns left, and lies in the grid, whose columns and rows are `scale` nodes

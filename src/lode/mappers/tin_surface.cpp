@@ -10,12 +10,12 @@ namespace {
 
 bool is_float(double value) { return static_cast<double>(static_cast<float>(value)) == value; }
 
-std::vector<Vec3d> place_vertices(const delaunay::Tin& tin, const HeightGrid& grid) {
+std::vector<Vec3d> place_vertices(const delaunay::Tin& tin, const HeightFrame& frame) {
   std::vector<Vec3d> places;
   places.reserve(tin.vertices.size());
-  for (const delaunay::LatticePoint& p : tin.vertices) {
-    const Vec<double, 2> at = grid.world(p.x, p.y);
-    places.push_back({{at[0], at[1], grid.height(p.x, p.y)}});
+  for (std::size_t i = 0; i < tin.vertices.size(); ++i) {
+    const Vec<double, 2> at = frame.world(tin.vertices[i].x, tin.vertices[i].y);
+    places.push_back({{at[0], at[1], tin.heights[i]}});
   }
   return places;
 }
@@ -40,11 +40,11 @@ Vec3d choose_origin(const std::vector<Vec3d>& places) {
 
 }  // namespace
 
-TinSurface to_surface(const delaunay::Tin& tin, const HeightGrid& grid) {
+TinSurface to_surface(const delaunay::Tin& tin, const HeightFrame& frame) {
   TinSurface made;
   Surface& surface = made.surface;
   if (tin.vertices.empty()) return made;
-  const std::vector<Vec3d> places = place_vertices(tin, grid);
+  const std::vector<Vec3d> places = place_vertices(tin, frame);
   surface.origin = choose_origin(places);
   surface.positions.reserve(places.size());
   surface.values.reserve(places.size());
@@ -61,7 +61,7 @@ TinSurface to_surface(const delaunay::Tin& tin, const HeightGrid& grid) {
     surface.values.push_back(place[2]);
   }
   surface.triangles = tin.triangles;
-  if (grid.is_mirrored())
+  if (frame.is_mirrored())
     for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
   return made;
 }

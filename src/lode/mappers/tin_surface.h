@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lode/core/height_grid.h"
+#include "lode/core/height_frame.h"
 #include "lode/core/surface.h"
 #include "lode/delaunay/tin.h"
 
@@ -14,9 +14,9 @@ struct TinSurface {
   double position_slack = 0;
 };
 
-/// Triangles turn left seen from above; values are the heights, exactly. The origin is zero where
-/// floats hold all coordinates, else the lower corner; heights that are floats or of 16 bits keep
-/// theirs at zero, and are exact.
-[[nodiscard]] TinSurface to_surface(const delaunay::Tin& tin, const HeightGrid& grid);
+/// Of a TIN with heights. Triangles turn left seen from above; values are the heights, exactly. The
+/// origin is zero where floats hold all coordinates, else the lower corner; heights that are floats
+/// or of 16 bits keep theirs at zero, and are exact.
+[[nodiscard]] TinSurface to_surface(const delaunay::Tin& tin, const HeightFrame& frame);
 
 }  // namespace lode

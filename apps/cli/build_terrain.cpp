@@ -1,0 +1,119 @@
+#include "build_terrain.h"
+
+#include <functional>
+
+#include "outputs.h"
+#include "parse.h"
+#include "stopwatch.h"
+
+namespace lode::cli {
+namespace {
+
+/// From coarse to fine, whatever their order; none: the default ones.
+Result<std::vector<double>> to_levels(const std::string& text) {
+  if (text.empty()) return std::vector<double>();
+  LODE_TRY(std::vector<double> levels, parse_numbers("--levels", text));
+  std::ranges::sort(levels, std::greater());
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (levels[i] < 0) return fail("--levels: expected numbers >= 0, got '{}'", text);
+    if (i > 0 && levels[i] == levels[i - 1])
+      return fail("--levels: expected different numbers, got {} twice", levels[i]);
+  }
+  return levels;
+}
+
+Result<PyramidOptions> to_options(const TerrainBuildJob& job) {
+  TerrainArguments terrain = job.terrain;
+  if (terrain.model.empty()) terrain.model = name_of(TerrainModel::delaunay_pyramid);
+  if (terrain.model == name_of(TerrainModel::delaunay_selector))
+    return fail(
+        "--model: expected 'delaunay_pyramid' of a file, got '{}', which makes a TIN for "
+        "each question",
+        terrain.model);
+  LODE_TRY(const auto pyramid, to_pyramid_options(terrain, {}));
+  PyramidOptions options = pyramid.value();
+  LODE_TRY(options.levels, to_levels(job.levels));
+  return options;
+}
+
+}  // namespace
+
+Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app) {
+  LODE_CHECK(check_only_terrain(app, job.input, {"--levels", "--model"}));
+  if (!is_lode_path(job.output))
+    return fail("{}: expected an output that ends in .lode", job.output);
+  if (auto options = to_options(job); !options) return options.error();
+  if (auto options = to_height_options(job.terrain, job.reading); !options) return options.error();
+  return check_paths_differ({job.input}, {job.output});
+}
+
+void add_pyramid(const PyramidInfo& info, Json& json, Table& table) {
+  json["range"] = {info.range.lower, info.range.upper};
+  json["samples"] = info.n_samples;
+  json["left_out_samples"] = info.n_left_out;
+  json["insertions"] = info.n_nodes;
+  json["outline_triangles"] = info.n_base_triangles;
+  json["triangles_ever"] = info.n_triangles;
+  json["memory_bytes"] = info.memory_bytes;
+  json["finest_error"] = info.max_error;
+  json["error_kind"] = "at samples";
+  table.add({"range", fmt::format("{} to {}", format_number(info.range.lower),
+                                  format_number(info.range.upper))});
+  if (info.n_left_out > 0)
+    table.add({"left out", fmt::format("{} samples in no cell with four heights",
+                                       format_count(info.n_left_out))});
+  table.add({"insertions", format_count(info.n_nodes)});
+  table.add({"triangles ever", format_count(info.n_triangles)});
+  table.add({"memory", format_bytes(info.memory_bytes)});
+  table.add({"finest error", fmt::format("{} at samples", format_number(info.max_error))});
+  json["levels"] = Json::array();
+  for (const PyramidInfo::Level& level : info.levels) {
+    json["levels"].push_back({{"tolerance", level.tolerance},
+                              {"triangles", level.triangles},
+                              {"vertices", level.vertices},
+                              {"smallest_angle", level.smallest_angle},
+                              {"median_angle", level.median_angle}});
+    table.add({"level", fmt::format("within {}: {} triangles, smallest angles {:.1f}° at least, "
+                                    "{:.1f}° in the middle",
+                                    format_number(level.tolerance), format_count(level.triangles),
+                                    level.smallest_angle, level.median_angle)});
+  }
+}
+
+Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) {
+  LODE_TRY(const PyramidOptions options, to_options(job));
+  LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
+  LODE_CHECK(check_writable(job.output));
+  const Stopwatch watch;
+  LODE_TRY(const OpenedTerrain built,
+           open_terrain(job.input, reading, options, session.progress()));
+  const double build_seconds = watch.seconds();
+  const Stopwatch write_watch;
+  LODE_TRY(const std::uint64_t n_bytes, built.pyramid->save(job.output, session.progress()));
+  const double write_seconds = write_watch.seconds();
+  const PyramidInfo info = built.pyramid->describe();
+  Outcome outcome;
+  Json& json = outcome.json;
+  Table table;
+  json["command"] = "build";
+  json["input"] = job.input;
+  json["output"] = job.output;
+  json["model"] = name_of(built.model);
+  add_facts(built.facts, json, table);
+  table.add({"model", name_of(built.model)});
+  add_pyramid(info, json, table);
+  json["file_bytes"] = n_bytes;
+  json["seconds"] = {
+      {"total", build_seconds + write_seconds}, {"build", build_seconds}, {"write", write_seconds}};
+  json["warnings"] = session.warnings();
+  table.add({"read and build", format_seconds(build_seconds)});
+  table.add({"write", format_seconds(write_seconds)});
+  const double n_vertices = static_cast<double>(info.n_nodes) + 1;
+  table.add({"file size", fmt::format("{} ({:.1f} bytes an insertion)", format_bytes(n_bytes),
+                                      static_cast<double>(n_bytes) / n_vertices)});
+  table.add({"output", job.output});
+  outcome.text = table.to_string();
+  return outcome;
+}
+
+}  // namespace lode::cli

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "terrain_input.h"
+
+namespace lode::cli {
+
+/// A .lode file to make of a raster of heights, as typed.
+struct TerrainBuildJob {
+  std::string input;
+  std::string output;
+  std::string levels;
+  TerrainArguments terrain;
+  ReadingArguments reading;
+};
+
+/// Looks at the arguments alone; `app` knows which options were given.
+[[nodiscard]] Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app);
+[[nodiscard]] Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session);
+
+/// The keys and rows of what a pyramid has.
+void add_pyramid(const PyramidInfo& info, Json& json, Table& table);
+
+}  // namespace lode::cli

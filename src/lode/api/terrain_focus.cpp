@@ -1,0 +1,78 @@
+#include "lode/api/terrain_focus.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lode {
+namespace {
+
+constexpr double kAllHeights = std::numeric_limits<double>::max();
+
+/// Refines what errs by more than the tolerance and `growth` for each unit of distance.
+struct GrowingDemand {
+  Vec<double, 2> point;
+  double tolerance = 0;
+  double growth = 0;
+  HorizontalMetric metric;
+
+  double operator()(const NodeFacts& node) const {
+    Vec<double, 2> nearest;
+    for (std::size_t i = 0; i < 2; ++i)
+      nearest[i] = std::clamp(point[i], node.bounds.centre[i] - node.bounds.half[i],
+                              node.bounds.centre[i] + node.bounds.half[i]);
+    const double allowed =
+        tolerance + (growth > 0 ? growth * metric.distance(point, nearest) : 0.0);
+    return node.error - allowed;
+  }
+};
+
+/// Refines what errs by more than so many pixels, in sight.
+struct PixelDemand {
+  ViewFocus view;
+  double pixels = 1;
+
+  double operator()(const NodeFacts& node) const {
+    if (!(node.error > 0) || !view.shows(node.bounds)) return 0;
+    return view.pixels(node.error, node.bounds) - pixels;
+  }
+};
+
+Result<void> check_focus(const TerrainFocus& focus) {
+  if (focus.is_empty()) return fail("focus: expected a box, a point or a view, got none");
+  for (const PlaceBox& box : focus.boxes)
+    for (std::size_t i = 0; i < 2; ++i)
+      if (!(box.lower[i] <= box.upper[i]) || !std::isfinite(box.upper[i] - box.lower[i]))
+        return fail("focus: expected a box from lower to upper, got {} to {}", box.lower[i],
+                    box.upper[i]);
+  if (focus.point && !(std::isfinite((*focus.point)[0]) && std::isfinite((*focus.point)[1])))
+    return fail("focus: expected a finite place, got {}, {}", (*focus.point)[0], (*focus.point)[1]);
+  if (!(focus.growth >= 0 && std::isfinite(focus.growth)))
+    return fail("focus: expected a growth >= 0, got {}", focus.growth);
+  if (focus.view && !(focus.view_pixels > 0 && std::isfinite(focus.view_pixels)))
+    return fail("focus: expected a number of pixels > 0, got {}", focus.view_pixels);
+  if (focus.max_error_outside && !(*focus.max_error_outside >= 0))
+    return fail("focus: expected a tolerance >= 0 outside, got {}", *focus.max_error_outside);
+  return {};
+}
+
+}  // namespace
+
+Result<Demand> to_demand(const TerrainFocus& focus, double tolerance) {
+  LODE_CHECK(check_focus(focus));
+  std::vector<Demand> demands;
+  for (const PlaceBox& box : focus.boxes) {
+    FocusDemand inside;
+    inside.foci.emplace_back(BoxFocus{{{{box.lower[0], box.lower[1], -kAllHeights}},
+                                       {{box.upper[0], box.upper[1], kAllHeights}}}});
+    inside.inside = tolerance;
+    demands.emplace_back(inside);
+  }
+  if (focus.point)
+    demands.emplace_back(GrowingDemand{*focus.point, tolerance, focus.growth, focus.metric});
+  if (focus.view) demands.emplace_back(PixelDemand{to_view_focus(*focus.view), focus.view_pixels});
+  if (focus.max_error_outside) demands.push_back(uniform_demand(*focus.max_error_outside));
+  return max_of(std::move(demands));
+}
+
+}  // namespace lode

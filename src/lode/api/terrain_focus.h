@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lode/api/query.h"
+#include "lode/core/horizontal_metric.h"
+#include "lode/core/result.h"
+#include "lode/core/vec.h"
+#include "lode/refine/demand.h"
+
+namespace lode {
+
+/// A rectangle in the world.
+struct PlaceBox {
+  Vec<double, 2> lower;
+  Vec<double, 2> upper;
+};
+
+/// Where the tolerance of a TIN holds. Of several kinds each asks for what it asks, and the finest
+/// counts.
+struct TerrainFocus {
+  std::vector<PlaceBox> boxes;            ///< The tolerance in all triangles that meet one of them.
+  std::optional<Vec<double, 2>> point{};  ///< The tolerance there, and `growth` more of it with
+  double growth = 0;                      ///< each unit of distance, as the metric has it; >= 0.
+  HorizontalMetric metric{};
+  /// So many pixels, > 0, where a camera sees it: a vertical error at its distance.
+  std::optional<View> view{};
+  double view_pixels = 1;
+  std::optional<double> max_error_outside{};  ///< Elsewhere; unset: anything.
+
+  [[nodiscard]] bool is_empty() const { return boxes.empty() && !point && !view; }
+};
+
+/// Of a tolerance, in units of the heights. Distances are those to the nearest place of a
+/// triangle's box, nearest by coordinates. Fails on what has no answer.
+[[nodiscard]] Result<Demand> to_demand(const TerrainFocus& focus, double tolerance);
+
+}  // namespace lode

@@ -1,0 +1,200 @@
+#include "lode/api/terrain_pyramid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <utility>
+
+#include "lode/api/terrain_focus.h"
+#include "lode/api/terrain_pyramid_impl.h"
+#include "lode/api/terrain_selection.h"
+#include "lode/core/out_of_memory.h"
+#include "lode/core/stopwatch.h"
+#include "lode/mappers/tin_quality.h"
+#include "lode/models/terrain/delaunay_pyramid/build.h"
+#include "lode/models/terrain/delaunay_pyramid/extract.h"
+
+namespace lode {
+namespace {
+
+using delaunay_pyramid::History;
+
+/// When the mesh was finest with no more triangles than that; nothing where the base has more.
+std::optional<std::uint32_t> time_of_cells(const History& history, std::uint64_t max_cells) {
+  std::uint64_t n = history.n_base_triangles();
+  if (n > max_cells) return {};
+  std::uint32_t time = 0;
+  for (; time < history.n_nodes(); ++time) {
+    const std::uint64_t made = history.first_made[time + 1] - history.first_made[time];
+    n += made - history.removed_by(time).size();
+    if (n > max_cells) break;
+  }
+  return time;
+}
+
+/// The largest error of a TIN's triangles.
+double largest_error(const delaunay::Tin& tin) {
+  return tin.errors.empty() ? 0.0 : static_cast<double>(*std::ranges::max_element(tin.errors));
+}
+
+class PyramidOrigin final : public TerrainOrigin {
+ public:
+  explicit PyramidOrigin(std::shared_ptr<const TerrainPyramid::Impl> pyramid)
+      : pyramid_(std::move(pyramid)) {}
+
+  [[nodiscard]] const HeightFrame& frame() const override { return history().frame; }
+  [[nodiscard]] HeightRange range() const override { return history().range; }
+  [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options, delaunay::TinLinks,
+                                               Progress& progress) const override {
+    const Stopwatch watch;
+    if (progress.is_cancelled()) return cancelled_error();
+    LODE_TRY(const double tolerance, tolerance_of(options));
+    SelectedTerrain selected;
+    TerrainReport& report = selected.report;
+    if (options.focus) {
+      if (options.max_cells) return fail("expected a focus or a number of triangles, got both");
+      LODE_TRY(const Demand demand, to_demand(*options.focus, tolerance));
+      selected.tin = tin_of(history(), select_nodes(history(), demand), delaunay::TinLinks::kept);
+      report.is_uniform = false;
+    } else {
+      LODE_TRY(const std::uint32_t time, time_for(options, tolerance, report));
+      selected.tin = tin_at(history(), time, delaunay::TinLinks::kept);
+    }
+    report.triangles = selected.tin.triangles.size();
+    report.vertices = selected.tin.vertices.size();
+    report.max_error = tolerance;
+    report.achieved_error = largest_error(selected.tin);
+    // Errors of triangles are rounded up; that of all samples is known better.
+    if (report.triangles == finest_triangles())
+      report.achieved_error = std::min(report.achieved_error, history().max_error);
+    report.n_samples = history().n_samples;
+    report.n_missing = history().n_missing;
+    report.n_left_out = history().n_left_out;
+    report.seconds = watch.seconds();
+    return selected;
+  }
+
+ private:
+  [[nodiscard]] const History& history() const { return pyramid_->pyramid.history; }
+  [[nodiscard]] std::uint64_t finest_triangles() const {
+    return history().triangles.size() - history().removed.size();
+  }
+  [[nodiscard]] Result<double> tolerance_of(const TerrainOptions& options) const {
+    const double tolerance = default_tolerance(options, history().range);
+    const double finest = history().max_error;
+    if (options.max_error && tolerance < finest)
+      return fail(
+          "expected a tolerance of {} or more, which is what the pyramid was built for, "
+          "got {}",
+          finest, tolerance);
+    return options.max_cells && !options.max_error ? 0.0 : std::max(tolerance, finest);
+  }
+  [[nodiscard]] Result<std::uint32_t> time_for(const TerrainOptions& options, double tolerance,
+                                               TerrainReport& report) const {
+    const std::uint32_t within = time_within(history(), tolerance);
+    if (!options.max_cells) return within;
+    const auto cells = time_of_cells(history(), *options.max_cells);
+    report.budget_met = cells.has_value();
+    const std::uint32_t time = std::min(within, cells.value_or(0));
+    report.is_within_error = time >= within;
+    return time;
+  }
+
+  std::shared_ptr<const TerrainPyramid::Impl> pyramid_;
+};
+
+Result<void> check_levels(const std::vector<double>& levels) {
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (!(levels[i] >= 0 && std::isfinite(levels[i])))
+      return fail("levels: expected finite tolerances >= 0, got {}", levels[i]);
+    if (i > 0 && levels[i] >= levels[i - 1])
+      return fail("levels: expected tolerances that get finer, got {} after {}", levels[i],
+                  levels[i - 1]);
+  }
+  if (levels.size() > delaunay_pyramid::kMaxLevels)
+    return fail("levels: expected up to {}, got {}", delaunay_pyramid::kMaxLevels, levels.size());
+  return {};
+}
+
+}  // namespace
+
+std::vector<double> default_levels(const HeightRange& range) {
+  constexpr double kFinestShare = 0.0005;
+  const double height = range.upper - range.lower;
+  if (!(height > 0)) return {0};
+  std::vector<double> levels;
+  for (double level = kFinestShare * height; level < height; level *= 2) levels.push_back(level);
+  std::ranges::reverse(levels);
+  return levels;
+}
+
+TerrainPyramid::TerrainPyramid(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+
+Result<TerrainPyramid> TerrainPyramid::build(const HeightGrid& grid, const PyramidOptions& options,
+                                             Progress& progress) try {
+  LODE_CHECK(check_levels(options.levels));
+  const std::vector<double> levels =
+      options.levels.empty() ? default_levels(height_range(grid)) : options.levels;
+  LODE_TRY(History history, delaunay_pyramid::build_history(grid, levels.back(), progress));
+  history.sample_type = options.sample_type;
+  history.has_place = options.has_place;
+  return TerrainPyramid(
+      std::make_shared<const Impl>(Impl{delaunay_pyramid::Pyramid{std::move(history), levels}}));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("build the pyramid");
+}
+
+Result<TerrainPyramid> TerrainPyramid::open(const std::string& path, Progress& progress) try {
+  LODE_TRY(delaunay_pyramid::Pyramid pyramid, delaunay_pyramid::open(path, progress));
+  return TerrainPyramid(std::make_shared<const Impl>(Impl{std::move(pyramid)}));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("open the file", path);
+}
+
+bool TerrainPyramid::is_model_of(const std::string& path) {
+  return delaunay_pyramid::is_model_of(path);
+}
+
+Result<std::uint64_t> TerrainPyramid::save(const std::string& path, Progress& progress) const try {
+  return delaunay_pyramid::save(impl_->pyramid, path, progress);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write the file", path);
+}
+
+Terrain TerrainPyramid::terrain() const {
+  return Terrain(std::make_shared<const PyramidOrigin>(impl_));
+}
+
+const HeightFrame& TerrainPyramid::frame() const { return impl_->pyramid.history.frame; }
+
+PyramidInfo TerrainPyramid::describe_source() const {
+  const History& history = impl_->pyramid.history;
+  PyramidInfo info;
+  info.sample_type = history.sample_type;
+  info.has_place = history.has_place;
+  info.n_nodes = history.n_nodes();
+  info.n_base_triangles = history.n_base_triangles();
+  info.n_triangles = history.triangles.size();
+  info.memory_bytes = history.n_bytes();
+  info.n_samples = history.n_samples;
+  info.n_missing = history.n_missing;
+  info.n_left_out = history.n_left_out;
+  info.range = history.range;
+  info.max_error = history.max_error;
+  return info;
+}
+
+PyramidInfo TerrainPyramid::describe() const {
+  const History& history = impl_->pyramid.history;
+  PyramidInfo info = describe_source();
+  for (const double tolerance : impl_->pyramid.levels) {
+    const delaunay::Tin tin =
+        tin_at(history, time_within(history, tolerance), delaunay::TinLinks::left_out);
+    const TinAngles angles = measure_angles(tin, history.frame, {});
+    info.levels.push_back(
+        {tolerance, tin.triangles.size(), tin.vertices.size(), angles.smallest, angles.median});
+  }
+  return info;
+}
+
+}  // namespace lode

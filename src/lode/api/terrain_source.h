@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+
+#include "lode/core/height_frame.h"
+#include "lode/core/height_grid.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/delaunay/tin.h"
+
+namespace lode {
+
+struct SelectedTerrain;
+struct TerrainOptions;
+
+/// What TINs are made of. Const members are safe from many threads.
+class TerrainOrigin {
+ public:
+  virtual ~TerrainOrigin() = default;
+  [[nodiscard]] virtual const HeightFrame& frame() const = 0;
+  /// Of all heights that there are.
+  [[nodiscard]] virtual HeightRange range() const = 0;
+  /// A TIN with heights, with the tolerance and order that the options mean; with `links` also with
+  /// twins and errors. Fails on options that it has no answer to, and when cancelled.
+  [[nodiscard]] virtual Result<SelectedTerrain> select(const TerrainOptions& options,
+                                                       delaunay::TinLinks links,
+                                                       Progress& progress) const = 0;
+};
+
+/// A terrain to ask of: a raster, or what was built of one. Copies are one terrain.
+class Terrain {
+ public:
+  /// The grid must outlive it.
+  Terrain(const HeightGrid& grid);  // NOLINT(google-explicit-constructor): a raster is one
+  explicit Terrain(std::shared_ptr<const HeightGrid> grid);
+  explicit Terrain(std::shared_ptr<const TerrainOrigin> origin) : origin_(std::move(origin)) {}
+
+  [[nodiscard]] const TerrainOrigin& origin() const { return *origin_; }
+  [[nodiscard]] const HeightFrame& frame() const { return origin_->frame(); }
+  [[nodiscard]] HeightRange range() const { return origin_->range(); }
+
+ private:
+  std::shared_ptr<const TerrainOrigin> origin_;
+};
+
+}  // namespace lode
