@@ -6,6 +6,7 @@
 
 #include "tests/contract/diamond_contract.h"
 #include "tests/contract/midpoint_contract.h"
+#include "tests/contract/pyramid_contract.h"
 #include "tests/contract/split_contract.h"
 #include "tests/contract/tetra_contract.h"
 
@@ -15,7 +16,8 @@ namespace lode::test {
 using StoredModels = ::testing::Types<  //
     DiamondContract<2>,                 //
     DiamondContract<3>,                 //
-    TetraContract>;
+    TetraContract,                      //
+    PyramidContract>;
 
 /// All that the engine refines.
 using AllModels = ::testing::Types<  //
@@ -23,6 +25,7 @@ using AllModels = ::testing::Types<  //
     DiamondContract<3>,              //
     TetraContract,                   //
     MidpointContract,                //
+    PyramidContract,                 //
     SplitTableContract,              //
     SplitLabelsContract>;
 
