@@ -10,8 +10,8 @@
 namespace lode::cli {
 namespace {
 
-constexpr std::array kLineColors{"#2f6db3", "#d9822b", "#2f8f5b", "#8a8a8a",
-                                 "#8e5bb5", "#b8433f", "#1f9e9e", "#b59a2f"};
+constexpr std::array kLineColors{"#2f6db3", "#d9822b", "#2f8f5b", "#8a8a8a", "#8e5bb5", "#b8433f",
+                                 "#1f9e9e", "#b59a2f", "#d06fb0", "#5f7a2a", "#3d4f8f", "#7a4a2a"};
 
 constexpr const char* kPageStyle =
     "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:1180px;margin:2em auto;padding:0 "
@@ -45,6 +45,12 @@ std::vector<Column> columns() {
        }},
       {"RMS", [number](const ComparedMesh& m) { return number(m.quality.rms_error); }},
       {"left out", [](const ComparedMesh& m) { return format_count(m.quality.n_uncovered); }},
+      {"gaps",
+       [number](const ComparedMesh& m) {
+         return m.gaps.n_hanging == 0 ? std::string("–")
+                                      : fmt::format("{}, up to {}", format_count(m.gaps.n_hanging),
+                                                    number(m.gaps.largest));
+       }},
       {"smallest angle, median",
        [](const ComparedMesh& m) {
          return fmt::format("{:.1f}°, {:.1f}°", m.quality.angles.smallest, m.quality.angles.median);
@@ -64,11 +70,17 @@ std::vector<Column> columns() {
        [](const ComparedMesh& m) {
          return m.located_per_second ? fmt::format("{:.2f}", *m.located_per_second / 1e6) : "–";
        }},
-      {"contours ms", [](const ComparedMesh& m) { return milliseconds(m.contour_seconds); }},
+      {"contours ms",
+       [](const ComparedMesh& m) {
+         return m.contour_seconds ? milliseconds(*m.contour_seconds) : "–";
+       }},
       {"locator ms", [](const ComparedMesh& m) { return milliseconds(m.locator_seconds); }},
       {"M heights/s",
        [](const ComparedMesh& m) { return fmt::format("{:.2f}", m.places_per_second / 1e6); }},
-      {"profile ms", [](const ComparedMesh& m) { return milliseconds(m.profile_seconds); }},
+      {"profile ms",
+       [](const ComparedMesh& m) {
+         return m.profile_seconds ? milliseconds(*m.profile_seconds) : "–";
+       }},
   };
 }
 
@@ -133,7 +145,7 @@ std::string plots(const TerrainComparison& comparison, const std::string& unit) 
     return PlotLine::Point{m.tolerance, 1e3 * m.extract_seconds};
   });
   html += plot_of(comparison, "Contours", "triangles", "ms", [](const ComparedMesh& m) {
-    return PlotLine::Point{static_cast<double>(m.triangles), 1e3 * m.contour_seconds};
+    return PlotLine::Point{static_cast<double>(m.triangles), 1e3 * m.contour_seconds.value_or(0)};
   });
   return html;
 }
@@ -179,6 +191,8 @@ Json mesh_json(const ComparedMesh& mesh) {
   json["rms_error"] = quality.rms_error;
   json["stated_error"] = or_null(mesh.stated_error);
   json["uncovered_samples"] = quality.n_uncovered;
+  json["hanging_vertices"] = mesh.gaps.n_hanging;
+  json["largest_gap"] = mesh.gaps.largest;
   json["smallest_angle"] = quality.angles.smallest;
   json["median_angle"] = quality.angles.median;
   json["angles_by_5_degrees"] = quality.angles.counts;
@@ -192,9 +206,9 @@ Json mesh_json(const ComparedMesh& mesh) {
   json["seconds"] = {{"extract", mesh.extract_seconds},
                      {"zoom", or_null(mesh.zoom_seconds)},
                      {"variable", or_null(mesh.variable_seconds)},
-                     {"contours", mesh.contour_seconds},
+                     {"contours", or_null(mesh.contour_seconds)},
                      {"locator", mesh.locator_seconds},
-                     {"profile", mesh.profile_seconds}};
+                     {"profile", or_null(mesh.profile_seconds)}};
   return json;
 }
 

@@ -16,15 +16,19 @@ TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
   const auto made =
       run_lode({"compare", dem, page, "--tolerances", "50,10", "--runs", "1", "--json"}).json();
   const auto& models = made.at("models");
-  ASSERT_EQ(models.size(), 8U);
+  ASSERT_EQ(models.size(), 12U);
   EXPECT_EQ(models[0].at("name"), "delaunay_selector");
   EXPECT_EQ(models[0].at("meshes")[1].at("tolerance"), 10);
   EXPECT_EQ(models[0].at("meshes")[1].at("is_met"), true);
   EXPECT_EQ(models[2].at("name"), "delaunay_pyramid");
   EXPECT_EQ(models[2].at("links"), nullptr);
   EXPECT_GT(models[5].at("links"), 0);
-  EXPECT_EQ(models[6].at("name"), "diamond2d");
-  EXPECT_NE(models[7].at("refusal").get<std::string>().find("1 missing"), std::string::npos);
+  EXPECT_EQ(models[6].at("name"), "surface_quadtree");
+  EXPECT_GT(models[6].at("meshes")[1].at("hanging_vertices"), 0);
+  EXPECT_EQ(models[9].at("name"), "restricted_quadtree");
+  EXPECT_EQ(models[9].at("meshes")[1].at("hanging_vertices"), 0);
+  EXPECT_EQ(models[10].at("name"), "diamond2d");
+  EXPECT_NE(models[11].at("refusal").get<std::string>().find("1 missing"), std::string::npos);
   const std::string html = read_bytes(page);
   EXPECT_TRUE(html.starts_with("<!doctype html>"));
   EXPECT_EQ(html.find("http"), std::string::npos) << "nothing outside the page";

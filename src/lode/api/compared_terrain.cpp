@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lode/api/compared_pyramid.h"
+#include "lode/api/compared_quadtrees.h"
 #include "lode/api/dataset.h"
 #include "lode/api/mesh_extraction.h"
 #include "lode/api/terrain_selection.h"
@@ -232,6 +233,7 @@ std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates() {
   all.push_back(std::make_unique<Selector>(InsertionOrder::levels));
   all.push_back(std::make_unique<Selector>(InsertionOrder::strict));
   for (auto& candidate : pyramid_candidates()) all.push_back(std::move(candidate));
+  for (auto& candidate : quadtree_candidates()) all.push_back(std::move(candidate));
   all.push_back(std::make_unique<Bisection>());
   all.push_back(std::make_unique<Subsampling>());
   return all;

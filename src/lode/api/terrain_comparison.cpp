@@ -109,6 +109,7 @@ class Comparison {
     mesh.vertices = tin.vertices.size();
     mesh.stated_error = answer.stated_error;
     mesh.quality = measure_quality(tin, answer.scale, grid_, options_.threads);
+    mesh.gaps = measure_gaps(tin);
     LODE_CHECK(measure_variable(model, tolerance, mesh));
     LODE_CHECK(measure_descent(model, tolerance, mesh));
     complete(tin);
@@ -160,13 +161,8 @@ class Comparison {
   }
 
   Result<void> measure_questions(const delaunay::Tin& tin, double scale, ComparedMesh& mesh) const {
-    const std::vector<double> levels = contour_levels(range_, options_.n_contours);
-    LODE_TRY(mesh.contour_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
-               LODE_TRY(const ContourSet found,
-                        trace_contours(tin, levels, KeptLines::drawable, progress_));
-               mesh.contour_points = found.n_points;
-               return {};
-             }));
+    // What crosses gaps would be broken there.
+    if (mesh.gaps.n_hanging == 0) LODE_CHECK(measure_lines(tin, scale, mesh));
     const Stopwatch making;
     const TinLocator locator(tin);
     mesh.locator_seconds = making.seconds();
@@ -180,6 +176,17 @@ class Comparison {
                return {};
              }));
     if (seconds > 0 && std::isfinite(sum)) mesh.places_per_second = options_.n_places / seconds;
+    return {};
+  }
+
+  Result<void> measure_lines(const delaunay::Tin& tin, double scale, ComparedMesh& mesh) const {
+    const std::vector<double> levels = contour_levels(range_, options_.n_contours);
+    LODE_TRY(mesh.contour_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
+               LODE_TRY(const ContourSet found,
+                        trace_contours(tin, levels, KeptLines::drawable, progress_));
+               mesh.contour_points = found.n_points;
+               return {};
+             }));
     const delaunay::Point from{{0, 0}};
     const delaunay::Point to{{scale * (grid_.n_columns - 1), scale * (grid_.n_rows - 1)}};
     LODE_TRY(mesh.profile_seconds, time_of(options_.n_runs, [&]() -> Result<void> {

@@ -9,6 +9,7 @@
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
+#include "lode/mappers/tin_gaps.h"
 #include "lode/mappers/tin_quality.h"
 
 namespace lode {
@@ -29,11 +30,12 @@ struct ComparedMesh {
   std::uint64_t vertices = 0;
   std::uint64_t memory_bytes = 0;            ///< With twins, errors and heights.
   TinQuality quality{};                      ///< As measured on the mesh, whatever the model says.
+  TinGaps gaps{};                            ///< Likewise, in units of the heights.
   std::optional<double> stated_error{};      ///< What the model says of it.
   double extract_seconds = 0;                ///< From the model, or, without one, from the raster.
   std::optional<double> variable_seconds{};  ///< In the middle quarter alone, outside ten times.
   std::uint64_t variable_triangles = 0;
-  double contour_seconds = 0;
+  std::optional<double> contour_seconds{};  ///< Of meshes without gaps, as profiles.
   std::uint64_t contour_points = 0;
   double places_per_second = 0;  ///< One thread; the locator's making apart.
   double locator_seconds = 0;
@@ -42,7 +44,7 @@ struct ComparedMesh {
   std::uint64_t zoom_triangles = 0;
   /// Of samples, one thread, from the model, without a mesh.
   std::optional<double> located_per_second{};
-  double profile_seconds = 0;  ///< Along the raster's diagonal.
+  std::optional<double> profile_seconds{};  ///< Along the raster's diagonal.
   std::uint64_t profile_points = 0;
 
   /// Of the samples in triangles: what is left out, quality says.

@@ -1,0 +1,124 @@
+#include "lode/api/compared_quadtrees.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "lode/core/stopwatch.h"
+#include "lode/mappers/tin_gaps.h"
+#include "lode/models/terrain/quaternary_triangulation/quaternary_triangulation.h"
+#include "lode/models/terrain/restricted_quadtree/restricted_quadtree.h"
+#include "lode/models/terrain/surface_quadtree/surface_quadtree.h"
+
+namespace lode {
+namespace {
+
+enum class Continuity : std::uint8_t { left_open, forced };
+
+class SurfaceSquares final : public TerrainCandidate {
+ public:
+  explicit SurfaceSquares(Continuity continuity) : continuity_(continuity) {}
+  [[nodiscard]] std::string name() const override {
+    return is_forced() ? "surface_quadtree, forced" : "surface_quadtree";
+  }
+  [[nodiscard]] std::string what() const override {
+    return is_forced() ? "the same with its gaps closed: vertices that hang in an edge moved onto "
+                         "it (figure 6 of the survey)"
+                       : "bilinear squares, whose tolerance holds for them, not for the triangles "
+                         "measured here; with gaps where squares of different sizes meet";
+  }
+  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double>,
+                                     Threads threads, Progress& progress) override {
+    const Stopwatch watch;
+    LODE_TRY(tree_, surface_quadtree::SurfaceQuadtree::build(grid, threads, progress));
+    seconds_ = watch.seconds();
+    return {};
+  }
+  [[nodiscard]] Result<Answer> extract(double tolerance, Progress&) override {
+    Answer answer{.tin = to_tin(*tree_, tree_->leaves(tolerance))};
+    if (is_forced()) {
+      close_gaps(answer.tin);
+    } else {
+      answer.stated_error = largest_error(answer.tin);
+    }
+    return answer;
+  }
+  [[nodiscard]] std::optional<double> build_seconds() const override { return seconds_; }
+  [[nodiscard]] int n_levels() const override { return tree_->domain().n_levels(); }
+  [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
+    return tree_->n_bytes();
+  }
+
+ private:
+  [[nodiscard]] bool is_forced() const { return continuity_ == Continuity::forced; }
+  static double largest_error(const delaunay::Tin& tin) {
+    return tin.errors.empty() ? 0.0 : static_cast<double>(*std::ranges::max_element(tin.errors));
+  }
+
+  Continuity continuity_;
+  std::optional<surface_quadtree::SurfaceQuadtree> tree_;
+  double seconds_ = 0;
+};
+
+class Quaternary final : public TerrainCandidate {
+ public:
+  [[nodiscard]] std::string name() const override { return "quaternary_triangulation"; }
+  [[nodiscard]] std::string what() const override {
+    return "right triangles split in four; with gaps where different sizes meet";
+  }
+  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double>,
+                                     Threads threads, Progress& progress) override {
+    const Stopwatch watch;
+    LODE_TRY(tree_,
+             quaternary_triangulation::QuaternaryTriangulation::build(grid, threads, progress));
+    seconds_ = watch.seconds();
+    return {};
+  }
+  [[nodiscard]] Result<Answer> extract(double tolerance, Progress&) override {
+    return Answer{.tin = to_tin(*tree_, tree_->leaves(tolerance)), .stated_error = tolerance};
+  }
+  [[nodiscard]] std::optional<double> build_seconds() const override { return seconds_; }
+  [[nodiscard]] int n_levels() const override { return tree_->domain().n_levels(); }
+  [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
+    return tree_->n_bytes();
+  }
+
+ private:
+  std::optional<quaternary_triangulation::QuaternaryTriangulation> tree_;
+  double seconds_ = 0;
+};
+
+class Restricted final : public TerrainCandidate {
+ public:
+  [[nodiscard]] std::string name() const override { return "restricted_quadtree"; }
+  [[nodiscard]] std::string what() const override {
+    return "balanced squares in six patterns of triangles, continuous at the tolerance that they "
+           "are made for, each time anew";
+  }
+  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double>, Threads,
+                                     Progress&) override {
+    LODE_TRY(domain_, squares::SquareDomain::make(grid));
+    return {};
+  }
+  [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) override {
+    LODE_TRY(const auto leaves, restricted_quadtree::build(*domain_, tolerance, progress));
+    return Answer{.tin = to_tin(*domain_, leaves), .stated_error = tolerance};
+  }
+  [[nodiscard]] int n_levels() const override { return domain_->n_levels(); }
+
+ private:
+  std::optional<squares::SquareDomain> domain_;
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<TerrainCandidate>> quadtree_candidates() {
+  std::vector<std::unique_ptr<TerrainCandidate>> all;
+  all.push_back(std::make_unique<SurfaceSquares>(Continuity::left_open));
+  all.push_back(std::make_unique<SurfaceSquares>(Continuity::forced));
+  all.push_back(std::make_unique<Quaternary>());
+  all.push_back(std::make_unique<Restricted>());
+  return all;
+}
+
+}  // namespace lode

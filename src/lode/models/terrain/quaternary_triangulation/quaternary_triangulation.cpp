@@ -1,0 +1,135 @@
+// L. De Floriani, P. Marzano, E. Puppo, "Multiresolution models for topographic surface
+// description", The Visual Computer 12 (1996), section 6: the quaternary triangulation.
+#include "lode/models/terrain/quaternary_triangulation/quaternary_triangulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lode/delaunay/triangle_judge.h"
+#include "lode/models/terrain/squares/tin_builder.h"
+
+namespace lode::quaternary_triangulation {
+namespace {
+
+using delaunay::LatticePoint;
+using squares::Share;
+
+constexpr float kOutside = std::numeric_limits<float>::infinity();
+
+std::array<LatticePoint, 3> corners_of(const HalfSquare& triangle) {
+  const LatticePoint a{triangle.square.x(), triangle.square.y()};
+  const std::int32_t side = triangle.square.side();
+  const LatticePoint c{a.x + side, a.y + side};
+  if (triangle.is_upper) return {a, c, LatticePoint{a.x, c.y}};
+  return {a, LatticePoint{c.x, a.y}, c};
+}
+
+}  // namespace
+
+HalfSquare HalfSquare::child(int i) const {
+  // The halves like itself at its three corners, and the other one of the square between.
+  const int between = is_upper ? 2 : 1;
+  switch (i) {
+    case 0: return {square.child(0), is_upper};
+    case 1: return {square.child(between), is_upper};
+    case 2: return {square.child(between), !is_upper};
+    default: return {square.child(3), is_upper};
+  }
+}
+
+double linear_error(const SquareDomain& domain, const HalfSquare& triangle) {
+  const Square& square = triangle.square;
+  const std::int32_t side = square.side();
+  const double step = 1.0 / side;
+  const auto corner = [&](std::int32_t u, std::int32_t v) {
+    return domain.height(square.x() + u, square.y() + v);
+  };
+  const double first = corner(0, 0);
+  const double last = corner(side, side);
+  const double across = triangle.is_upper ? corner(0, side) : corner(side, 0);
+  const double x_step = (triangle.is_upper ? last - across : across - first) * step;
+  const double y_step = (triangle.is_upper ? across - first : last - across) * step;
+  double worst = 0;
+  for (std::int32_t v = 0; v <= side; ++v) {
+    const double* const row = domain.row(square.y() + v) + square.x();
+    const double begin = first + y_step * v;
+    const std::int32_t from = triangle.is_upper ? 0 : v;
+    const std::int32_t to = triangle.is_upper ? v : side;
+    for (std::int32_t u = from; u <= to; ++u)
+      worst = std::max(worst, std::abs(row[u] - (begin + x_step * u)));
+  }
+  return worst;
+}
+
+Result<QuaternaryTriangulation> QuaternaryTriangulation::build(const HeightGrid& grid,
+                                                               Threads threads,
+                                                               Progress& progress) {
+  LODE_TRY(SquareDomain domain, SquareDomain::make(grid));
+  QuaternaryTriangulation tree(std::move(domain));
+  for (std::int32_t level = 0; level < tree.domain_.n_levels(); ++level) {
+    progress.report("errors of triangles", static_cast<double>(level) / tree.domain_.n_levels());
+    auto& errors = tree.errors_.emplace_back(tree.domain_.n_squares(level));
+    /// Cells are in the domain or not; larger triangles where all children are.
+    const auto is_whole = [&](const HalfSquare& triangle) {
+      if (level == 0) return tree.domain_.share(triangle.square) == Share::all;
+      for (int i = 0; i < 4; ++i) {
+        const HalfSquare child = triangle.child(i);
+        if (!tree.domain_.has(child.square) || tree.error(child) == kOutside) return false;
+      }
+      return true;
+    };
+    const std::int32_t n_columns = tree.domain_.n_columns(level);
+    parallel_for(
+        static_cast<std::size_t>(tree.domain_.n_rows(level)), threads, 1,
+        [&](std::size_t row, int) {
+          if (progress.is_cancelled()) return;
+          for (std::int32_t column = 0; column < n_columns; ++column)
+            for (const bool is_upper : {false, true}) {
+              const HalfSquare triangle{{level, column, static_cast<std::int32_t>(row)}, is_upper};
+              errors[tree.domain_.index(triangle.square)][is_upper ? 1 : 0] =
+                  is_whole(triangle)
+                      ? delaunay::to_float_above(linear_error(tree.domain_, triangle))
+                      : kOutside;
+            }
+        });
+    if (progress.is_cancelled()) return cancelled_error();
+  }
+  return tree;
+}
+
+std::vector<HalfSquare> QuaternaryTriangulation::leaves(double tolerance) const {
+  std::vector<HalfSquare> leaves;
+  std::vector<HalfSquare> open{{domain_.root(), true}, {domain_.root(), false}};
+  while (!open.empty()) {
+    const HalfSquare triangle = open.back();
+    open.pop_back();
+    if (!domain_.has(triangle.square)) continue;
+    const float error = this->error(triangle);
+    if (static_cast<double>(error) <= tolerance && error != kOutside) {
+      leaves.push_back(triangle);
+      continue;
+    }
+    if (triangle.square.level == 0) continue;
+    for (int i = 3; i >= 0; --i) open.push_back(triangle.child(i));
+  }
+  return leaves;
+}
+
+std::uint64_t QuaternaryTriangulation::n_bytes() const {
+  std::uint64_t n = 0;
+  for (const auto& errors : errors_) n += errors.size() * sizeof(errors[0]);
+  return n + static_cast<std::uint64_t>(std::int64_t{domain_.size_x()} * domain_.size_y()) *
+                 sizeof(double);
+}
+
+delaunay::Tin to_tin(const QuaternaryTriangulation& tree, const std::vector<HalfSquare>& leaves) {
+  squares::TinBuilder builder(tree.domain());
+  for (const HalfSquare& triangle : leaves) {
+    const auto [a, b, c] = corners_of(triangle);
+    builder.add(a, b, c, tree.error(triangle));
+  }
+  return builder.finish();
+}
+
+}  // namespace lode::quaternary_triangulation

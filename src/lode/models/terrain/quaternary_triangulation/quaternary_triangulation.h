@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/delaunay/tin.h"
+#include "lode/models/terrain/squares/square_domain.h"
+
+namespace lode::quaternary_triangulation {
+
+using squares::Square;
+using squares::SquareDomain;
+
+/// Half of a square, cut from its lower left to its upper right corner (x to the right, y up).
+struct HalfSquare {
+  Square square;
+  bool is_upper = false;  ///< The half with the upper left corner.
+
+  friend bool operator==(const HalfSquare&, const HalfSquare&) = default;
+  /// Of the four that the midpoints of its sides cut it into.
+  [[nodiscard]] HalfSquare child(int i) const;
+};
+
+/// The largest |z - z'| of the samples in a triangle that is wholly in the domain, z' linear.
+[[nodiscard]] double linear_error(const SquareDomain& domain, const HalfSquare& triangle);
+
+/// The quaternary triangulation (D. Gomez, A. Guzman, "Digital model for three-dimensional surface
+/// representation", 1979; L. De Floriani, P. Marzano, E. Puppo 1996, section 6): right triangles,
+/// each split in four by the midpoints of its sides where a sample errs by more than the tolerance.
+/// Begins with the two halves of a square. Triangles that are partly outside the domain are split.
+/// Surfaces do not meet where triangles of different sizes do. Errors of all triangles are kept, so
+/// any tolerance has its tree.
+class QuaternaryTriangulation {
+ public:
+  /// O(N log N) for N samples; two floats for each square larger than a cell.
+  [[nodiscard]] static Result<QuaternaryTriangulation> build(const HeightGrid& grid,
+                                                             Threads threads, Progress& progress);
+
+  [[nodiscard]] const SquareDomain& domain() const { return domain_; }
+  /// Rounded up; infinite where it is not wholly in the domain.
+  [[nodiscard]] float error(const HalfSquare& triangle) const {
+    return errors_[static_cast<std::size_t>(triangle.square.level)][domain_.index(triangle.square)]
+                  [triangle.is_upper ? 1 : 0];
+  }
+  /// The leaves within a tolerance, in depth-first order.
+  [[nodiscard]] std::vector<HalfSquare> leaves(double tolerance) const;
+  [[nodiscard]] std::uint64_t n_bytes() const;
+
+ private:
+  explicit QuaternaryTriangulation(SquareDomain domain) : domain_(std::move(domain)) {}
+
+  SquareDomain domain_;
+  std::vector<std::vector<std::array<float, 2>>> errors_;  ///< By level; lower and upper half.
+};
+
+[[nodiscard]] delaunay::Tin to_tin(const QuaternaryTriangulation& tree,
+                                   const std::vector<HalfSquare>& leaves);
+
+}  // namespace lode::quaternary_triangulation

@@ -1,0 +1,60 @@
+#include "lode/models/terrain/squares/square_domain.h"
+
+#include <algorithm>
+
+#include "lode/delaunay/grid_domain.h"
+
+namespace lode::squares {
+namespace {
+
+/// Of the cells.
+std::vector<Share> cell_shares(const HeightGrid& grid) {
+  std::vector<Share> shares;
+  for (std::int32_t y = 0; y + 1 < grid.n_rows; ++y)
+    for (std::int32_t x = 0; x + 1 < grid.n_columns; ++x) {
+      const bool is_in = grid.has_height(x, y) && grid.has_height(x + 1, y) &&
+                         grid.has_height(x, y + 1) && grid.has_height(x + 1, y + 1);
+      shares.push_back(is_in ? Share::all : Share::none);
+    }
+  return shares;
+}
+
+}  // namespace
+
+Result<SquareDomain> SquareDomain::make(const HeightGrid& grid) {
+  SquareDomain domain;
+  LODE_CHECK(delaunay::check_heights(height_range(grid)));
+  domain.size_x_ = grid.n_columns;
+  domain.size_y_ = grid.n_rows;
+  if (grid.n_columns < 2 || grid.n_rows < 2)
+    return fail("expected a cell with four heights, got {} x {} samples", grid.n_columns,
+                grid.n_rows);
+  domain.shares_.push_back(cell_shares(grid));
+  if (std::ranges::find(domain.shares_[0], Share::all) == domain.shares_[0].end())
+    return fail("expected a cell with four heights, got none of {} x {} samples", grid.n_columns,
+                grid.n_rows);
+  domain.heights_.reserve(static_cast<std::size_t>(grid.n_samples()));
+  for (std::int32_t y = 0; y < grid.n_rows; ++y)
+    for (std::int32_t x = 0; x < grid.n_columns; ++x)
+      domain.heights_.push_back(grid.has_height(x, y) ? grid.height(x, y) : 0);
+  while (domain.n_columns(domain.n_levels() - 1) > 1 || domain.n_rows(domain.n_levels() - 1) > 1) {
+    const std::int32_t level = domain.n_levels();
+    std::vector<Share> shares;
+    for (std::int32_t row = 0; row < domain.n_rows(level); ++row)
+      for (std::int32_t column = 0; column < domain.n_columns(level); ++column) {
+        const Square square{level, column, row};
+        bool has_any = false;
+        bool has_all = true;
+        for (int i = 0; i < 4; ++i) {
+          const Share share = domain.share(square.child(i));
+          has_any = has_any || share != Share::none;
+          has_all = has_all && share == Share::all;
+        }
+        shares.push_back(has_all ? Share::all : has_any ? Share::some : Share::none);
+      }
+    domain.shares_.push_back(std::move(shares));
+  }
+  return domain;
+}
+
+}  // namespace lode::squares

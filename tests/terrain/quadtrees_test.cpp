@@ -1,0 +1,252 @@
+// Quadtrees over rasters of any size, with and without gaps in their heights.
+#include <cmath>
+#include <functional>
+
+#include "lode/mappers/tin_gaps.h"
+#include "lode/models/terrain/quaternary_triangulation/quaternary_triangulation.h"
+#include "lode/models/terrain/restricted_quadtree/restricted_quadtree.h"
+#include "lode/models/terrain/surface_quadtree/surface_quadtree.h"
+#include "tests/delaunay/lattice_fixtures.h"
+
+namespace lode {
+namespace {
+
+using delaunay::Tin;
+using delaunay::test::make_grid;
+using squares::Square;
+using squares::SquareDomain;
+
+double hills(std::int32_t x, std::int32_t y) {
+  const bool is_spike = (x * 7 + y * 13) % 61 == 0;
+  return std::round(300 * std::sin(0.21 * x) * std::cos(0.17 * y)) + (is_spike ? 64 : 0);
+}
+
+struct Case {
+  const char* name;
+  HeightGrid grid;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  all.push_back({"a power of two and one", make_grid<std::int16_t>(33, 33, hills)});
+  all.push_back({"odd", make_grid<float>(45, 22, hills)});
+  all.push_back({"a strip", make_grid<std::int16_t>(2, 40, hills)});
+  all.push_back({"a cell", make_grid<double>(2, 2, hills)});
+  all.push_back({"flat", make_grid<float>(40, 17, [](int, int) { return 7; })});
+  Case gaps{"gaps", make_grid<std::int16_t>(38, 41, hills)};
+  for (std::int32_t y = 10; y < 17; ++y)
+    for (std::int32_t x = 5; x < 9 + y / 2; ++x) delaunay::test::set_missing(gaps.grid, x, y);
+  delaunay::test::set_missing(gaps.grid, 0, 40);
+  delaunay::test::set_missing(gaps.grid, 30, 30);
+  all.push_back(std::move(gaps));
+  return all;
+}
+
+constexpr std::array kTolerances{1000.0, 150.0, 40.0, 7.0, 0.5, 0.0};
+
+SquareDomain domain_of(const HeightGrid& grid) {
+  auto domain = SquareDomain::make(grid);
+  EXPECT_TRUE(domain);
+  return *std::move(domain);
+}
+
+/// Triangles turn left and cover all cells with four heights once, whether or not they meet.
+void expect_covers(const Tin& tin, const HeightGrid& grid) {
+  std::int64_t area = 0;
+  for (const auto& t : tin.triangles) {
+    const auto own =
+        delaunay::doubled_area(tin.vertices[t[0]], tin.vertices[t[1]], tin.vertices[t[2]]);
+    EXPECT_GT(own, 0);
+    area += own;
+  }
+  std::int64_t n_cells = 0;
+  for (std::int32_t y = 0; y + 1 < grid.n_rows; ++y)
+    for (std::int32_t x = 0; x + 1 < grid.n_columns; ++x)
+      if (delaunay::test::has_cell(grid, x, y)) ++n_cells;
+  EXPECT_EQ(area, 2 * n_cells);
+}
+
+/// Bilinear between its corners, from the definition, in long doubles.
+long double largest_bilinear_error(const Square& q, const HeightGrid& grid) {
+  const auto z = [&](int i, int j) -> long double {
+    return grid.height(q.x() + i * q.side(), q.y() + j * q.side());
+  };
+  long double worst = 0;
+  for (std::int32_t v = 0; v <= q.side(); ++v)
+    for (std::int32_t u = 0; u <= q.side(); ++u) {
+      const long double s = static_cast<long double>(u) / q.side();
+      const long double t = static_cast<long double>(v) / q.side();
+      const long double surface = (1 - s) * (1 - t) * z(0, 0) + s * (1 - t) * z(1, 0) +
+                                  (1 - s) * t * z(0, 1) + s * t * z(1, 1);
+      worst = std::max(worst, std::abs(surface - grid.height(q.x() + u, q.y() + v)));
+    }
+  return worst;
+}
+
+TEST(surface_quadtree, is_the_same_from_below_and_from_above) {
+  for (const Case& c : cases()) {
+    Progress progress;
+    const auto tree = surface_quadtree::SurfaceQuadtree::build(c.grid, {2}, progress);
+    ASSERT_TRUE(tree);
+    for (const double tolerance : kTolerances) {
+      SCOPED_TRACE(testing::Message() << c.name << ", " << tolerance);
+      const auto leaves = tree->leaves(tolerance);
+      EXPECT_EQ(leaves, surface_quadtree::leaves_top_down(tree->domain(), tolerance));
+      for (const Square& leaf : leaves) {
+        EXPECT_LE(static_cast<double>(largest_bilinear_error(leaf, c.grid)), tolerance);
+        // It is minimal: what holds a leaf does not keep the tolerance, or is not in the domain.
+        const Square parent{leaf.level + 1, leaf.column / 2, leaf.row / 2};
+        if (tree->domain().share(parent) == squares::Share::all)
+          EXPECT_GT(static_cast<double>(largest_bilinear_error(parent, c.grid)), tolerance);
+      }
+      expect_covers(to_tin(*tree, leaves), c.grid);
+    }
+  }
+}
+
+TEST(surface_quadtree, keeps_the_highest_squares_though_a_part_errs_by_more) {
+  // The design's example: corners 0, centre and midpoints of sides 1, a quadrant's centre -1.
+  const HeightGrid grid = make_grid<float>(5, 5, [](int x, int y) {
+    if (x == 1 && y == 1) return -1.0;
+    if (x % 4 == 0 && y % 4 == 0) return 0.0;
+    return (x % 2 == 0 && y % 2 == 0) ? 1.0 : 0.5;
+  });
+  Progress progress;
+  const auto tree = surface_quadtree::SurfaceQuadtree::build(grid, {1}, progress);
+  ASSERT_TRUE(tree);
+  EXPECT_EQ(tree->leaves(1).size(), 1U);
+  EXPECT_GT(tree->error({1, 0, 0}), 1);
+}
+
+/// It is minimal: what holds a leaf does not keep the tolerance, or is not in the domain.
+void expect_parent_beyond(const quaternary_triangulation::QuaternaryTriangulation& tree,
+                          const quaternary_triangulation::HalfSquare& leaf, double tolerance) {
+  const Square above{leaf.square.level + 1, leaf.square.column / 2, leaf.square.row / 2};
+  if (above.level >= tree.domain().n_levels()) return;
+  int n_parents = 0;
+  for (const bool is_upper : {false, true})
+    for (int i = 0; i < 4; ++i) {
+      const quaternary_triangulation::HalfSquare parent{above, is_upper};
+      if (parent.child(i) != leaf) continue;
+      ++n_parents;
+      EXPECT_GT(static_cast<double>(tree.error(parent)), tolerance);
+    }
+  EXPECT_EQ(n_parents, 1);
+}
+
+TEST(quaternary_triangulation, keeps_its_tolerance_and_is_minimal) {
+  for (const Case& c : cases()) {
+    Progress progress;
+    const auto tree =
+        quaternary_triangulation::QuaternaryTriangulation::build(c.grid, {2}, progress);
+    ASSERT_TRUE(tree);
+    std::size_t n_last = 0;
+    for (const double tolerance : kTolerances) {
+      SCOPED_TRACE(testing::Message() << c.name << ", " << tolerance);
+      const auto leaves = tree->leaves(tolerance);
+      const Tin tin = to_tin(*tree, leaves);
+      expect_covers(tin, c.grid);
+      EXPECT_LE(static_cast<double>(delaunay::test::largest_error(tin, c.grid)), tolerance);
+      EXPECT_GE(leaves.size(), n_last);
+      n_last = leaves.size();
+      for (const auto& leaf : leaves) expect_parent_beyond(*tree, leaf, tolerance);
+    }
+  }
+}
+
+TEST(quaternary_triangulation, splits_by_midpoints) {
+  const quaternary_triangulation::HalfSquare root{{3, 0, 0}, true};
+  std::vector<quaternary_triangulation::HalfSquare> children;
+  for (int i = 0; i < 4; ++i) children.push_back(root.child(i));
+  using quaternary_triangulation::HalfSquare;
+  EXPECT_EQ(children,
+            (std::vector<HalfSquare>{
+                {{2, 0, 0}, true}, {{2, 0, 1}, true}, {{2, 0, 1}, false}, {{2, 1, 1}, true}}));
+}
+
+/// Of neighbours across a side, no one's side is more than twice the other's.
+void expect_balanced(const std::vector<restricted_quadtree::Leaf>& leaves, const HeightGrid& grid) {
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> level_of;
+  for (const auto& leaf : leaves)
+    for (std::int32_t y = leaf.square.y(); y < leaf.square.y() + leaf.square.side(); ++y)
+      for (std::int32_t x = leaf.square.x(); x < leaf.square.x() + leaf.square.side(); ++x)
+        EXPECT_TRUE(level_of.insert({{x, y}, leaf.square.level}).second);
+  for (const auto& [cell, level] : level_of)
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}}) {
+      const auto other = level_of.find({cell.first + dx, cell.second + dy});
+      if (other != level_of.end()) EXPECT_LE(std::abs(other->second - level), 1);
+    }
+  for (std::int32_t y = 0; y + 1 < grid.n_rows; ++y)
+    for (std::int32_t x = 0; x + 1 < grid.n_columns; ++x)
+      EXPECT_EQ(level_of.contains({x, y}), delaunay::test::has_cell(grid, x, y));
+}
+
+TEST(restricted_quadtree, is_balanced_matching_and_within_its_tolerance) {
+  for (const Case& c : cases()) {
+    const SquareDomain domain = domain_of(c.grid);
+    for (const double tolerance : kTolerances) {
+      SCOPED_TRACE(testing::Message() << c.name << ", " << tolerance);
+      Progress progress;
+      const auto leaves = restricted_quadtree::build(domain, tolerance, progress);
+      ASSERT_TRUE(leaves);
+      expect_balanced(*leaves, c.grid);
+      const Tin tin = to_tin(domain, *leaves);
+      delaunay::test::expect_fills(tin, c.grid);
+      EXPECT_LE(static_cast<double>(delaunay::test::largest_error(tin, c.grid)), tolerance);
+      EXPECT_EQ(measure_gaps(tin).n_hanging, 0U);
+      for (const auto& leaf : *leaves) EXPECT_LE(leaf.error, tolerance);
+    }
+  }
+}
+
+TEST(restricted_quadtree, adds_midpoints_for_accuracy_where_they_do) {
+  // A ridge over a side of two quadrants, which the side's midpoint follows.
+  const HeightGrid grid =
+      make_grid<float>(9, 9, [](int x, int y) { return x <= 4 ? 0 : 4 - std::abs(y - 4) + 0 * x; });
+  const SquareDomain domain = domain_of(grid);
+  Progress progress;
+  const auto leaves = restricted_quadtree::build(domain, 0.6, progress);
+  ASSERT_TRUE(leaves);
+  const bool has_midpoints = std::ranges::any_of(
+      *leaves, [](const auto& leaf) { return leaf.square.level > 0 && leaf.midpoints != 0; });
+  EXPECT_TRUE(has_midpoints);
+  EXPECT_EQ(measure_gaps(to_tin(domain, *leaves)).n_hanging, 0U);
+}
+
+TEST(tin_gaps, are_found_and_closed) {
+  for (const Case& c : cases()) {
+    Progress progress;
+    const auto tree = surface_quadtree::SurfaceQuadtree::build(c.grid, {2}, progress);
+    ASSERT_TRUE(tree);
+    for (const double tolerance : {150.0, 7.0}) {
+      SCOPED_TRACE(testing::Message() << c.name << ", " << tolerance);
+      Tin tin = to_tin(*tree, tree->leaves(tolerance));
+      const TinGaps before = measure_gaps(tin);
+      close_gaps(tin);
+      const TinGaps after = measure_gaps(tin);
+      EXPECT_EQ(after.n_hanging, before.n_hanging);
+      EXPECT_LE(after.largest, 1e-9);
+    }
+  }
+  // A triangle beside two that share its long side.
+  Tin tin;
+  tin.vertices = {{0, 0}, {2, 0}, {4, 0}, {2, 3}, {2, 5}};
+  std::ranges::sort(tin.vertices, {}, [](delaunay::LatticePoint p) { return std::pair(p.y, p.x); });
+  tin.heights = {0, 5, 2, 0, 0};
+  tin.triangles = {{0, 2, 3}};
+  EXPECT_EQ(measure_gaps(tin).n_hanging, 1U);
+  EXPECT_EQ(measure_gaps(tin).largest, 4);
+}
+
+TEST(quadtrees, refuse_rasters_without_a_cell) {
+  Progress progress;
+  for (const auto& [n_columns, n_rows] : {std::pair{1, 1}, {1, 9}, {9, 1}})
+    EXPECT_FALSE(SquareDomain::make(make_grid<float>(n_columns, n_rows, hills)));
+  HeightGrid missing = make_grid<float>(3, 3, hills);
+  delaunay::test::set_missing(missing, 1, 1);
+  EXPECT_FALSE(SquareDomain::make(missing));
+  EXPECT_FALSE(surface_quadtree::SurfaceQuadtree::build(missing, {1}, progress));
+}
+
+}  // namespace
+}  // namespace lode
