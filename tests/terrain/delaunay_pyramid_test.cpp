@@ -299,6 +299,7 @@ TEST(delaunay_pyramid, finds_places_and_windows_as_a_search_does) {
     SCOPED_TRACE(c.name);
     Progress progress;
     const History history = history_of(c.grid, 2);
+    const HistoryLocator locator(history);
     const auto times = times_of(history, kLevels);
     const auto complete = CompletePyramid::make(history, times, {}, progress);
     const auto lists = TriangleLists::make(history, times, Interference::linked, {}, progress);
@@ -315,7 +316,7 @@ TEST(delaunay_pyramid, finds_places_and_windows_as_a_search_does) {
                 {tin.vertices[corners[0]], tin.vertices[corners[1]], tin.vertices[corners[2]]}, p);
           });
           const auto in_history =
-              locate_at(history, times[level], {{static_cast<double>(x), static_cast<double>(y)}});
+              locator.find(times[level], {{static_cast<double>(x), static_cast<double>(y)}});
           const auto in_complete = complete->locate(history, level, p);
           const auto in_lists = lists->locate(history, level, p);
           ASSERT_EQ(in_history.has_value(), is_inside);

@@ -121,11 +121,14 @@ class Hypertriangulation final : public PyramidCandidate {
         .triangles.size();
   }
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
-    return history().n_bytes();
+    return history().n_bytes() + locator_->n_bytes();
   }
 
  private:
-  Result<void> encode(Progress&) override { return {}; }
+  Result<void> encode(Progress&) override {
+    locator_.emplace(history());
+    return {};
+  }
   [[nodiscard]] delaunay::Tin tin_of_level(std::size_t level) override {
     return tin_at(history(), shared().times[level], delaunay::TinLinks::left_out);
   }
@@ -137,9 +140,11 @@ class Hypertriangulation final : public PyramidCandidate {
       std::size_t level, std::span<const delaunay::LatticePoint> places) override {
     return count_found(places, [&](delaunay::LatticePoint p) {
       const delaunay::Point at{{static_cast<double>(p.x), static_cast<double>(p.y)}};
-      return locate_at(history(), shared().times[level], at);
+      return locator_->find(shared().times[level], at);
     });
   }
+
+  std::optional<delaunay_pyramid::HistoryLocator> locator_;
 };
 
 /// What an encoding takes beside the places and heights of its vertices, and these.

@@ -11,18 +11,14 @@
 #include "lode/delaunay/predicates.h"
 #include "lode/delaunay/tin.h"
 #include "lode/models/terrain/delaunay_pyramid/history.h"
+#include "lode/models/terrain/delaunay_pyramid/start_finder.h"
+#include "lode/models/terrain/delaunay_pyramid/window.h"
 
 namespace lode::delaunay_pyramid {
 
 /// When the levels of a pyramid are reached: time_within() of each tolerance, which get finer.
 [[nodiscard]] std::vector<std::uint32_t> times_of(const History& history,
                                                   std::span<const double> levels);
-
-/// The rectangle that a zoom window is: columns and rows, with its border.
-struct Window {
-  delaunay::LatticePoint lower;
-  delaunay::LatticePoint upper;
-};
 
 /// Lists of numbers one after the other.
 struct LinkLists {
@@ -63,8 +59,7 @@ class CompletePyramid {
   [[nodiscard]] std::uint64_t n_bytes() const;
   /// Of the history it was made of. Without errors.
   [[nodiscard]] delaunay::Tin extract(const History& history, std::size_t level) const;
-  /// A triangle of the level that holds p, down the links from the first level, whose triangles
-  /// are tried one by one.
+  /// A triangle of the level that holds p, down the links from one of the first level.
   [[nodiscard]] std::optional<std::uint32_t> locate(const History& history, std::size_t level,
                                                     delaunay::LatticePoint p) const;
   /// The triangles of a level that meet a window, down the links, in the order of their numbers.
@@ -73,6 +68,7 @@ class CompletePyramid {
 
  private:
   std::vector<Level> levels_;
+  std::optional<StartFinder> start_;  ///< Of the first level.
 };
 
 /// Whether the lists of triangles have interference links.
@@ -114,12 +110,25 @@ class TriangleLists {
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> first_;  ///< By level, and one more.
   LinkLists links_;
+  std::optional<StartFinder> start_;  ///< Of the first list, where there are links.
 };
 
-/// A triangle of the mesh at a time that holds a place (column and row, finite), down the history
-/// from the base, whose triangles are tried one by one.
-[[nodiscard]] std::optional<std::uint32_t> locate_at(const History& history, std::uint32_t time,
-                                                     const delaunay::Point& p);
+/// Finds places in the meshes of all times.
+class HistoryLocator {
+ public:
+  /// The history must outlive it.
+  explicit HistoryLocator(const History& history);
+
+  /// A triangle of the mesh at a time that holds a place (column and row, finite), down the history
+  /// from the base.
+  [[nodiscard]] std::optional<std::uint32_t> find(std::uint32_t time,
+                                                  const delaunay::Point& p) const;
+  [[nodiscard]] std::uint64_t n_bytes() const { return start_.n_bytes(); }
+
+ private:
+  const History* history_;
+  StartFinder start_;
+};
 
 /// The triangles of the mesh at a time that meet a window, in the order of their numbers.
 [[nodiscard]] std::vector<std::uint32_t> zoom_at(const History& history, std::uint32_t time,
