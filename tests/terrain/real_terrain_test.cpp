@@ -46,6 +46,34 @@ TEST_P(real_terrain, is_delaunay_and_within_every_tolerance_in_both_orders) {
     }
 }
 
+TEST_P(real_terrain, has_a_pyramid_that_is_true_and_that_its_file_keeps) {
+  const RealTerrain& real = GetParam();
+  const std::string path = (data_directory() / "terrain" / real.name).string();
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent; set LODE_DATA";
+  Progress progress;
+  const auto raster = read_heights(path, {.encoding = real.encoding}, progress);
+  ASSERT_TRUE(raster) << raster.error().message;
+  const auto built = TerrainPyramid::build(raster->grid, {.levels = real.tolerances}, progress);
+  ASSERT_TRUE(built) << built.error().message;
+  const auto checked = built->verify(raster->grid, {}, progress);
+  ASSERT_TRUE(checked) << checked.error().message;
+  for (const VerifyReport::Check& check : checked->checks)
+    EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+  const std::string file = testing::TempDir() + "lode_" + real.name + ".lode";
+  ASSERT_TRUE(built->save(file, progress));
+  const auto opened = TerrainPyramid::open(file, progress);
+  std::filesystem::remove(file);
+  ASSERT_TRUE(opened) << opened.error().message;
+  const PyramidInfo before = built->describe();
+  const PyramidInfo after = opened->describe();
+  EXPECT_EQ(after.n_triangles, before.n_triangles);
+  ASSERT_EQ(after.levels.size(), real.tolerances.size());
+  for (std::size_t i = 0; i < after.levels.size(); ++i) {
+    EXPECT_EQ(after.levels[i].triangles, before.levels[i].triangles);
+    EXPECT_EQ(after.levels[i].median_angle, before.levels[i].median_angle);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     terrain, real_terrain,
     testing::Values(RealTerrain{"st_helens_327x468_int16.tif", {200, 30, 3, 0}},

@@ -34,7 +34,7 @@ struct SharedHistory {
     if (history) return {};
     levels.assign(tolerances.begin(), tolerances.end());
     std::ranges::sort(levels, std::greater());
-    levels.erase(std::ranges::unique(levels).begin(), levels.end());
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
     const Stopwatch watch;
     LODE_TRY(history, delaunay_pyramid::build_history(grid, levels.back(), progress));
     seconds = watch.seconds();

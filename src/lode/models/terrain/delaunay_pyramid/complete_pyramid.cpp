@@ -103,7 +103,7 @@ std::vector<std::uint32_t> CompletePyramid::zoom(const History& history, std::si
     for (const std::uint32_t t : found)
       for (const std::uint32_t link : levels_[i].links.of(t)) below.push_back(link);
     std::ranges::sort(below);
-    below.erase(std::ranges::unique(below).begin(), below.end());
+    below.erase(std::unique(below.begin(), below.end()), below.end());
     std::erase_if(below, [&](std::uint32_t t) { return !is_met(i + 1, t); });
     found = std::move(below);
   }
