@@ -31,4 +31,10 @@ struct HeightFrame {
   }
 };
 
+/// The lowest and highest heights; lower > upper where there are none.
+struct HeightRange {
+  double lower = 0;
+  double upper = -1;
+};
+
 }  // namespace lode

@@ -52,11 +52,7 @@ template <typename T>
   return grid;
 }
 
-/// The lowest and highest valid heights; lower > upper where none is valid.
-struct HeightRange {
-  double lower = 0;
-  double upper = -1;
-};
+/// Of the valid heights.
 [[nodiscard]] HeightRange height_range(const HeightGrid& grid);
 
 }  // namespace lode

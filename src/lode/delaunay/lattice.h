@@ -4,16 +4,13 @@
 #include <bit>
 #include <cstdint>
 #include <cstdlib>
+#include <span>
+
+#include "lode/core/lattice_point.h"
 
 namespace lode::delaunay {
 
-/// A node of a lattice: column and row.
-struct LatticePoint {
-  std::int32_t x = 0;
-  std::int32_t y = 0;
-
-  friend bool operator==(const LatticePoint&, const LatticePoint&) = default;
-};
+using lode::LatticePoint;
 
 /// Nodes of a lattice in 32 bits each, ordered as they lie in rows.
 class LatticePacking {
@@ -41,6 +38,17 @@ class LatticePacking {
 
  private:
   int shift_;
+};
+
+/// Nodes by their numbers in a list, which outlives this.
+class ListedNodes {
+ public:
+  explicit ListedNodes(std::span<const LatticePoint> nodes) : nodes_(nodes) {}
+
+  [[nodiscard]] LatticePoint unpack(std::uint32_t number) const { return nodes_[number]; }
+
+ private:
+  std::span<const LatticePoint> nodes_;
 };
 
 /// Twice the area of a, b, c: positive when they turn left (x to the right, y up). Exactly, for
