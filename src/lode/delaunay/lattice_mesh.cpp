@@ -16,18 +16,18 @@ constexpr std::array<std::uint32_t, 3> kPrevious{2, 0, 1};
 
 }  // namespace
 
-LatticeMesh::LatticeMesh(LatticePacking packing,
-                         std::span<const std::array<std::uint32_t, 3>> triangles)
-    : packing_(packing) {
+template <typename Nodes>
+NodeMesh<Nodes>::NodeMesh(Nodes nodes, std::span<const std::array<std::uint32_t, 3>> triangles)
+    : nodes_(nodes) {
   resize_large(triangles_, triangles.size());
   const auto twins = find_twins(triangles);
   std::int32_t largest = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const auto& corner = triangles[t];
-    LODE_EXPECTS(doubled_area(packing_.unpack(corner[0]), packing_.unpack(corner[1]),
-                              packing_.unpack(corner[2])) > 0);
+    LODE_EXPECTS(doubled_area(nodes_.unpack(corner[0]), nodes_.unpack(corner[1]),
+                              nodes_.unpack(corner[2])) > 0);
     for (const std::uint32_t packed : corner) {
-      const LatticePoint p = packing_.unpack(packed);
+      const LatticePoint p = nodes_.unpack(packed);
       largest = std::max({largest, p.x, p.y});
     }
     triangles_[t] = {corner, twins[t], 0, 0};
@@ -35,10 +35,11 @@ LatticeMesh::LatticeMesh(LatticePacking packing,
   is_narrow_ = largest < kNarrowLattice;
 }
 
+template <typename Nodes>
 template <bool kIsNarrow>
-void LatticeMesh::remove_round(LatticePoint p, std::uint32_t t) {
+void NodeMesh<Nodes>::remove_round(LatticePoint p, std::uint32_t t) {
   const auto relative = [&](std::uint32_t corner) {
-    const LatticePoint q = packing_.unpack(corner);
+    const LatticePoint q = nodes_.unpack(corner);
     return LatticePoint{q.x - p.x, q.y - p.y};
   };
   const LatticeTriangle& start = triangles_[t];
@@ -76,17 +77,19 @@ void LatticeMesh::remove_round(LatticePoint p, std::uint32_t t) {
   }
 }
 
-std::size_t LatticeMesh::split_edge(LatticePoint p) const {
+template <typename Nodes>
+std::size_t NodeMesh<Nodes>::split_edge(LatticePoint p) const {
   for (std::size_t i = 0; i < border_.size(); ++i) {
     if (border_[i].twin != kNoHalfEdge) continue;
-    const LatticePoint a = packing_.unpack(border_[i].from);
-    const LatticePoint b = packing_.unpack(border_[i + 1 < border_.size() ? i + 1 : 0].from);
+    const LatticePoint a = nodes_.unpack(border_[i].from);
+    const LatticePoint b = nodes_.unpack(border_[i + 1 < border_.size() ? i + 1 : 0].from);
     if (doubled_area(a, b, p) == 0) return i;
   }
   return border_.size();
 }
 
-void LatticeMesh::fill_fan(std::uint32_t p, std::size_t split) {
+template <typename Nodes>
+void NodeMesh<Nodes>::fill_fan(std::uint32_t p, std::size_t split) {
   const std::size_t n = border_.size();
   const bool is_closed = split == n;
   const std::size_t n_made = is_closed ? n : n - 1;
@@ -118,14 +121,16 @@ void LatticeMesh::fill_fan(std::uint32_t p, std::size_t split) {
   }
 }
 
-std::span<const std::uint32_t> LatticeMesh::insert(std::uint32_t p, std::uint32_t t) {
-  const LatticePoint point = packing_.unpack(p);
+template <typename Nodes>
+std::span<const std::uint32_t> NodeMesh<Nodes>::insert(std::uint32_t p, std::uint32_t t) {
+  const LatticePoint point = nodes_.unpack(p);
   remove_round(point, t);
   fill_fan(p, split_edge(point));
   return slots_;
 }
 
-bool LatticeMesh::is_disk_round(LatticePoint p, std::size_t split) {
+template <typename Nodes>
+bool NodeMesh<Nodes>::is_disk_round(LatticePoint p, std::size_t split) {
   const std::size_t n = border_.size();
   if (n != slots_.size() + 2) return false;
   sorted_ = slots_;
@@ -133,16 +138,17 @@ bool LatticeMesh::is_disk_round(LatticePoint p, std::size_t split) {
   if (std::ranges::adjacent_find(sorted_) != sorted_.end()) return false;
   for (std::size_t i = 0; i < n; ++i) {
     if (i == split) continue;
-    const LatticePoint a = packing_.unpack(border_[i].from);
-    const LatticePoint b = packing_.unpack(border_[i + 1 < n ? i + 1 : 0].from);
+    const LatticePoint a = nodes_.unpack(border_[i].from);
+    const LatticePoint b = nodes_.unpack(border_[i + 1 < n ? i + 1 : 0].from);
     if (doubled_area(a, b, p) <= 0) return false;
   }
   return true;
 }
 
-bool LatticeMesh::try_insert(std::uint32_t p, std::uint32_t t,
-                             std::span<const std::uint32_t>& slots) {
-  const LatticePoint point = packing_.unpack(p);
+template <typename Nodes>
+bool NodeMesh<Nodes>::try_insert(std::uint32_t p, std::uint32_t t,
+                                 std::span<const std::uint32_t>& slots) {
+  const LatticePoint point = nodes_.unpack(p);
   remove_round(point, t);
   const std::size_t split = split_edge(point);
   if (!is_disk_round(point, split)) return false;
@@ -151,29 +157,33 @@ bool LatticeMesh::try_insert(std::uint32_t p, std::uint32_t t,
   return true;
 }
 
-bool LatticeMesh::is_delaunay() const {
+template <typename Nodes>
+bool NodeMesh<Nodes>::is_delaunay() const {
   for (const LatticeTriangle& triangle : triangles_)
     for (const std::uint32_t twin : triangle.twin) {
       if (twin == kNoHalfEdge) continue;
-      const LatticePoint across =
-          packing_.unpack(triangles_[twin >> 2].corner[kPrevious[twin & 3]]);
+      const LatticePoint across = nodes_.unpack(triangles_[twin >> 2].corner[kPrevious[twin & 3]]);
       const auto& corner = triangle.corner;
-      if (is_in_circle(packing_.unpack(corner[0]), packing_.unpack(corner[1]),
-                       packing_.unpack(corner[2]), across))
+      if (is_in_circle(nodes_.unpack(corner[0]), nodes_.unpack(corner[1]), nodes_.unpack(corner[2]),
+                       across))
         return false;
     }
   return true;
 }
 
-std::uint32_t LatticeMesh::growth(std::uint32_t p, std::uint32_t t) const {
+template <typename Nodes>
+std::uint32_t NodeMesh<Nodes>::growth(std::uint32_t p, std::uint32_t t) const {
   const LatticeTriangle& triangle = triangles_[t];
-  const LatticePoint point = packing_.unpack(p);
+  const LatticePoint point = nodes_.unpack(p);
   for (std::uint32_t i = 0; i < 3; ++i)
     if (triangle.twin[i] == kNoHalfEdge &&
-        doubled_area(packing_.unpack(triangle.corner[i]),
-                     packing_.unpack(triangle.corner[kNext[i]]), point) == 0)
+        doubled_area(nodes_.unpack(triangle.corner[i]), nodes_.unpack(triangle.corner[kNext[i]]),
+                     point) == 0)
       return 1;
   return 2;
 }
+
+template class NodeMesh<LatticePacking>;
+template class NodeMesh<ListedNodes>;
 
 }  // namespace lode::delaunay

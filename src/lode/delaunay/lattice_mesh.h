@@ -14,11 +14,12 @@ namespace lode::delaunay {
 inline constexpr std::uint32_t kNoHalfEdge = std::numeric_limits<std::uint32_t>::max();
 
 /// A triangle whose corners are nodes of a lattice, in 32 bytes, and what a selector keeps with it.
+/// Nodes have numbers that a mesh knows to unpack.
 struct LatticeTriangle {
-  std::array<std::uint32_t, 3> corner;  ///< Packed; they turn left.
+  std::array<std::uint32_t, 3> corner;  ///< They turn left.
   /// Behind the edge from corner i to corner i + 1: 4 times that triangle and its edge.
   std::array<std::uint32_t, 3> twin;
-  std::uint32_t candidate;  ///< The packed node to insert, where there is one.
+  std::uint32_t candidate;  ///< The node to insert, where there is one.
   float error;
 };
 static_assert(sizeof(LatticeTriangle) == 32);
@@ -27,13 +28,15 @@ static_assert(sizeof(LatticeTriangle) == 32);
 /// Watson 1981). Edges with nothing behind them stay, or are split where a node lies on them; all
 /// others are Delaunay, exactly: no corner of a neighbour lies inside a triangle's circle. Of a
 /// convex domain this is the Delaunay triangulation, else the one constrained by the outline.
-class LatticeMesh {
+/// `Nodes`: LatticePacking or ListedNodes, of coordinates >= 0 and below 2^30.
+template <typename Nodes>
+class NodeMesh {
  public:
   /// `triangles`: corners that turn left; two of them may share an edge, and those that do must be
   /// Delaunay. O(n log n).
-  LatticeMesh(LatticePacking packing, std::span<const std::array<std::uint32_t, 3>> triangles);
+  NodeMesh(Nodes nodes, std::span<const std::array<std::uint32_t, 3>> triangles);
 
-  [[nodiscard]] const LatticePacking& packing() const { return packing_; }
+  [[nodiscard]] const Nodes& nodes() const { return nodes_; }
   [[nodiscard]] const std::vector<LatticeTriangle>& triangles() const { return triangles_; }
   [[nodiscard]] LatticeTriangle& triangle(std::uint32_t t) { return triangles_[t]; }
 
@@ -63,7 +66,7 @@ class LatticeMesh {
   /// An edge of a removed triangle, which is to the left of it; places relative to p.
   struct InnerEdge {
     std::uint32_t twin;
-    std::uint32_t start;  ///< Packed.
+    std::uint32_t start;  ///< Node.
     LatticePoint from, to;
   };
   template <bool kIsNarrow>
@@ -76,7 +79,7 @@ class LatticeMesh {
   [[nodiscard]] std::size_t split_edge(LatticePoint p) const;
   void fill_fan(std::uint32_t p, std::size_t split);
 
-  LatticePacking packing_;
+  Nodes nodes_;
   std::vector<LatticeTriangle> triangles_;
   bool is_narrow_ = false;  ///< All differences of coordinates are below kNarrowLattice.
   std::vector<InnerEdge> stack_;
@@ -84,5 +87,9 @@ class LatticeMesh {
   std::vector<BorderEdge> border_;
   std::vector<std::uint32_t> sorted_;  ///< Of slots, where they are checked.
 };
+
+/// Of the nodes of a raster's lattice, and of scattered points.
+using LatticeMesh = NodeMesh<LatticePacking>;
+using PointMesh = NodeMesh<ListedNodes>;
 
 }  // namespace lode::delaunay

@@ -11,17 +11,20 @@ namespace lode::delaunay {
 
 /// Triangles by levels of their errors, which fall by octaves; in a level by tiles of their
 /// candidates; in a tile by 16 steps an octave, the worst first. What is replaced while it waits is
-/// recognised when its turn comes.
+/// recognised when its turn comes. `Nodes`: as of NodeMesh.
+template <typename Nodes>
 class LevelQueue {
  public:
   static constexpr std::uint32_t kEmpty = 0xffffffff;
 
-  /// `first_error`: about the largest that there will be.
-  LevelQueue(LatticePacking packing, LatticePoint size, float first_error)
-      : packing_(packing),
-        n_tiles_x_((size.x >> kTileBits) + 1),
+  /// `size`: the last column and row; tiles are 2^tile_bits of them wide. `first_error`: about the
+  /// largest that there will be.
+  LevelQueue(Nodes nodes, LatticePoint size, int tile_bits, float first_error)
+      : nodes_(nodes),
+        tile_bits_(tile_bits),
+        n_tiles_x_((size.x >> tile_bits) + 1),
         n_tiles_(static_cast<std::uint32_t>(n_tiles_x_) *
-                 static_cast<std::uint32_t>((size.y >> kTileBits) + 1)),
+                 static_cast<std::uint32_t>((size.y >> tile_bits) + 1)),
         top_(step_of(first_error)),
         heads_(std::size_t{n_tiles_} * kSteps, kEmpty),
         n_waiting_(kLevels, 0) {}
@@ -30,9 +33,9 @@ class LevelQueue {
 
   /// The triangle has a candidate. It waits in the current level where its error is above that.
   void push(std::uint32_t t, const LatticeTriangle& triangle) {
-    const LatticePoint at = packing_.unpack(triangle.candidate);
+    const LatticePoint at = nodes_.unpack(triangle.candidate);
     const auto tile =
-        static_cast<std::uint32_t>((at.y >> kTileBits) * n_tiles_x_ + (at.x >> kTileBits));
+        static_cast<std::uint32_t>((at.y >> tile_bits_) * n_tiles_x_ + (at.x >> tile_bits_));
     const int step =
         std::clamp(top_ - step_of(triangle.error), level_ * kStepsPerLevel, kSteps - 1);
     std::uint32_t& head = head_of(tile, step);
@@ -82,8 +85,6 @@ class LevelQueue {
     float error;
     std::uint32_t next;
   };
-  /// 128 by 128 samples.
-  static constexpr int kTileBits = 7;
   /// Of the mantissa, that tell steps apart.
   static constexpr int kStepBits = 4;
   static constexpr int kStepsPerLevel = 16;
@@ -98,7 +99,8 @@ class LevelQueue {
     return heads_[std::size_t{tile} * kSteps + static_cast<std::size_t>(step)];
   }
 
-  LatticePacking packing_;
+  Nodes nodes_;
+  int tile_bits_;
   std::int32_t n_tiles_x_;
   std::uint32_t n_tiles_;
   int top_;

@@ -42,7 +42,8 @@ class NodeSet {
 
 }  // namespace
 
-Tin to_tin(const LatticeMesh& mesh, TinLinks links) {
+template <typename Nodes>
+Tin to_tin(const NodeMesh<Nodes>& mesh, TinLinks links) {
   Tin tin;
   std::uint32_t last = 0;
   for (const LatticeTriangle& triangle : mesh.triangles())
@@ -51,7 +52,7 @@ Tin to_tin(const LatticeMesh& mesh, TinLinks links) {
   for (const LatticeTriangle& triangle : mesh.triangles())
     for (const std::uint32_t corner : triangle.corner) nodes.add(corner);
   tin.vertices.reserve(nodes.number());
-  nodes.for_each([&](std::uint32_t node) { tin.vertices.push_back(mesh.packing().unpack(node)); });
+  nodes.for_each([&](std::uint32_t node) { tin.vertices.push_back(mesh.nodes().unpack(node)); });
   tin.triangles.reserve(mesh.triangles().size());
   for (const LatticeTriangle& triangle : mesh.triangles()) {
     auto& made = tin.triangles.emplace_back();
@@ -66,5 +67,7 @@ Tin to_tin(const LatticeMesh& mesh, TinLinks links) {
   }
   return tin;
 }
+template Tin to_tin(const LatticeMesh&, TinLinks);
+template Tin to_tin(const PointMesh&, TinLinks);
 
 }  // namespace lode::delaunay

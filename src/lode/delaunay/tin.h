@@ -24,8 +24,10 @@ struct Tin {
 /// Whether a TIN gets twins and errors, 16 bytes a triangle.
 enum class TinLinks : std::uint8_t { left_out, kept };
 
-/// The triangles of a mesh in the order of their slots, and their corners numbered as they lie in
-/// rows. Memory: a bit for each node of the lattice up to the last corner, and what comes out.
-[[nodiscard]] Tin to_tin(const LatticeMesh& mesh, TinLinks links = TinLinks::left_out);
+/// The triangles of a mesh in the order of their slots, and their corners in the order of their
+/// nodes, which is that of rows. Memory: a bit for each node up to the last corner, and what comes
+/// out.
+template <typename Nodes>
+[[nodiscard]] Tin to_tin(const NodeMesh<Nodes>& mesh, TinLinks links = TinLinks::left_out);
 
 }  // namespace lode::delaunay

@@ -1,22 +1,16 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstdint>
+#include <span>
 
 #include "lode/core/height_grid.h"
+#include "lode/delaunay/greedy_insertion.h"
 #include "lode/delaunay/lattice_mesh.h"
+#include "lode/delaunay/triangle_error.h"
 #include "lode/delaunay/worst_sample.h"
 
 namespace lode::delaunay {
-
-/// A number >= 0 rounded up. Without branches: which way it goes is anyone's guess.
-[[nodiscard]] inline float to_float_above(double value) {
-  const auto nearest = static_cast<float>(value);
-  const auto bits = std::bit_cast<std::uint32_t>(nearest);
-  return std::bit_cast<float>(bits +
-                              static_cast<std::uint32_t>(static_cast<double>(nearest) < value));
-}
 
 /// Every 4th and 16th sample of every 4th and 16th row, from the first.
 template <typename T>
@@ -57,16 +51,36 @@ template <typename T>
 class TriangleJudge {
  public:
   /// `sparse`: where those alone show that a triangle is beyond the tolerance, the worst of them is
-  /// taken for its candidate; null: the worst of all samples always is.
+  /// taken for its candidate; null: the worst of all samples always is. `observer` may be null.
   TriangleJudge(const SampleRows<T>& rows, const SparseSamples<T>* sparse, double lower,
-                double upper, double max_error)
+                double upper, double max_error, InsertionObserver* observer)
       : rows_(rows),
         sparse_(sparse),
+        observer_(observer),
         lane_slack_(lane_slack<T>(lower, upper)),
         double_slack_(double_slack(lower, upper)),
         max_error_(max_error),
         find_(find_worst_sample<T>()) {}
 
+  void judge_all(LatticeMesh& mesh) const {
+    const auto n = static_cast<std::uint32_t>(mesh.triangles().size());
+    for (std::uint32_t t = 0; t < n; ++t) judge(mesh.triangle(t));
+    if (observer_ != nullptr) observer_->on_start(mesh);
+  }
+  /// Inserts the candidate of a triangle into the mesh, and judges the new triangles.
+  std::span<const std::uint32_t> insert(LatticeMesh& mesh, std::uint32_t t) const {
+    const std::size_t n_before = mesh.triangles().size();
+    const std::uint32_t node = mesh.triangle(t).candidate;
+    const std::span<const std::uint32_t> made = mesh.insert(node, t);
+    for (const std::uint32_t one : made) judge(mesh.triangle(one));
+    if (observer_ != nullptr) {
+      const std::size_t n_added = mesh.triangles().size() - n_before;
+      observer_->on_insertion(mesh, node, made, made.size() - n_added);
+    }
+    return made;
+  }
+
+ private:
   /// Sets the triangle's candidate (kNone: all within the tolerance) and error, a bound of all.
   void judge(LatticeTriangle& triangle) const {
     const std::array<double, 3> z = heights(triangle);
@@ -79,8 +93,6 @@ class TriangleJudge {
     triangle.candidate = worst.error > max_error_ ? worst.node : WorstSample::kNone;
     triangle.error = to_float_above(worst.error);
   }
-
- private:
   [[nodiscard]] static bool is_corner(const LatticeTriangle& triangle, const WorstSample& worst) {
     const auto& corner = triangle.corner;
     return worst.node == corner[0] || worst.node == corner[1] || worst.node == corner[2];
@@ -104,15 +116,11 @@ class TriangleJudge {
 
   SampleRows<T> rows_;
   const SparseSamples<T>* sparse_;
+  InsertionObserver* observer_;
   RoundingSlack lane_slack_;
   RoundingSlack double_slack_;
   double max_error_;
   FindWorst<T> find_;
 };
-
-/// Largest error first, then first position.
-[[nodiscard]] inline std::uint64_t priority_of(const LatticeTriangle& triangle) {
-  return (std::uint64_t{std::bit_cast<std::uint32_t>(triangle.error)} << 32) | ~triangle.candidate;
-}
 
 }  // namespace lode::delaunay

@@ -26,7 +26,7 @@ class Observer final : public delaunay::InsertionObserver {
   }
   void on_insertion(const LatticeMesh& mesh, std::uint32_t node,
                     std::span<const std::uint32_t> slots, std::size_t n_removed) override {
-    recorder_.add_node(mesh, mesh.packing().unpack(node), slots, n_removed);
+    recorder_.add_node(mesh, mesh.nodes().unpack(node), slots, n_removed);
     std::size_t t = history_.triangles.size() - slots.size();
     for (const std::uint32_t slot : slots)
       history_.triangles[t++].error = to_stored_error(mesh.triangles()[slot].error);

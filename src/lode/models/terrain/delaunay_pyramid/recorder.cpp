@@ -16,7 +16,7 @@ void Recorder::start(const LatticeMesh& mesh) {
     for (std::size_t i = 0; i < 3; ++i) {
       const auto next = static_cast<std::uint32_t>(history_.vertices.size());
       const auto [at, is_new] = vertex_of.try_emplace(triangle.corner[i], next);
-      if (is_new) history_.vertices.push_back(mesh.packing().unpack(triangle.corner[i]));
+      if (is_new) history_.vertices.push_back(mesh.nodes().unpack(triangle.corner[i]));
       made.corner[i] = at->second;
     }
     current_.push_back(static_cast<std::uint32_t>(history_.triangles.size()));
@@ -44,8 +44,8 @@ void Recorder::add_node(const LatticeMesh& mesh, LatticePoint at,
     const LatticeTriangle& triangle = mesh.triangles()[slot];
     current_[slot] = static_cast<std::uint32_t>(history_.triangles.size());
     history_.triangles.push_back(
-        {{border_vertex(mesh.packing().unpack(triangle.corner[0])),
-          border_vertex(mesh.packing().unpack(triangle.corner[1])), vertex},
+        {{border_vertex(mesh.nodes().unpack(triangle.corner[0])),
+          border_vertex(mesh.nodes().unpack(triangle.corner[1])), vertex},
          kNone,
          0});
   }

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "lode/delaunay/lattice_mesh.h"
+
+namespace lode::delaunay {
+
+/// A number >= 0 rounded up. Without branches: which way it goes is anyone's guess.
+[[nodiscard]] inline float to_float_above(double value) {
+  const auto nearest = static_cast<float>(value);
+  const auto bits = std::bit_cast<std::uint32_t>(nearest);
+  return std::bit_cast<float>(bits +
+                              static_cast<std::uint32_t>(static_cast<double>(nearest) < value));
+}
+
+/// Largest error first, then first position.
+[[nodiscard]] inline std::uint64_t priority_of(const LatticeTriangle& triangle) {
+  return (std::uint64_t{std::bit_cast<std::uint32_t>(triangle.error)} << 32) | ~triangle.candidate;
+}
+
+}  // namespace lode::delaunay
