@@ -1,0 +1,211 @@
+#include "lode/delaunay/point_insertion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "lode/delaunay/greedy_loop.h"
+
+namespace lode::delaunay {
+namespace {
+
+constexpr std::uint32_t kNone = WorstSample::kNone;
+
+/// Of equal points the smallest is taken. Were it the first in rows, planes would be filled from
+/// one side, and nearly all points change lists with every insertion. (The mixer of C. Wellons,
+/// "Prospecting for hash functions", 2018.)
+std::uint32_t shuffled(std::uint32_t p) {
+  p = (p ^ (p >> 16)) * 0x7feb352dU;
+  p = (p ^ (p >> 15)) * 0x846ca68bU;
+  return p ^ (p >> 16);
+}
+
+/// The points of each triangle.
+class PointLists {
+ public:
+  PointLists(const PointMesh& mesh, const PointSamples& samples)
+      : nodes_(samples.nodes),
+        first_(mesh.triangles().size(), kNone),
+        next_(samples.nodes.size(), kNone) {
+    std::vector<bool> is_corner(nodes_.size(), false);
+    for (const LatticeTriangle& triangle : mesh.triangles())
+      for (const std::uint32_t corner : triangle.corner) is_corner[corner] = true;
+    for (std::uint32_t p = 0; p < nodes_.size(); ++p)
+      if (const std::uint32_t t = samples.triangle_of[p]; t != kNoHalfEdge && !is_corner[p])
+        add(p, t);
+  }
+
+  /// Inserts a point of triangle t, and hands those of removed triangles to the new ones.
+  std::span<const std::uint32_t> insert(PointMesh& mesh, std::uint32_t point, std::uint32_t t) {
+    const std::size_t n_before = mesh.triangles().size();
+    const std::span<const std::uint32_t> made = mesh.insert(point, t);
+    first_.resize(mesh.triangles().size(), kNone);
+    loose_.clear();
+    for (const std::uint32_t slot : made) {
+      if (slot >= n_before) break;
+      for_each(slot, [&](std::uint32_t p) { loose_.push_back(p); });
+      first_[slot] = kNone;
+    }
+    for (const std::uint32_t p : loose_)
+      if (p != point) add(p, find_in_fan(mesh, made, p));
+    return made;
+  }
+
+  template <typename Visit>
+  void for_each(std::uint32_t t, const Visit& visit) const {
+    for (std::uint32_t p = first_[t]; p != kNone; p = next_[p]) visit(p);
+  }
+
+ private:
+  void add(std::uint32_t p, std::uint32_t t) { next_[p] = std::exchange(first_[t], p); }
+
+  /// Of triangles that turn round their last corner, and together hold p, the first that does:
+  /// it is to the left of one side at that corner and to the right of the other, which differ by
+  /// less than half a turn.
+  [[nodiscard]] std::uint32_t find_in_fan(const PointMesh& mesh, std::span<const std::uint32_t> fan,
+                                          std::uint32_t p) const {
+    const LatticePoint at = nodes_[p];
+    const LatticePoint centre = nodes_[mesh.triangles()[fan[0]].corner[2]];
+    std::uint32_t spoke = kNone;
+    std::int64_t side = 0;
+    for (const std::uint32_t t : fan) {
+      const auto& corner = mesh.triangles()[t].corner;
+      if (corner[0] != spoke) side = doubled_area(centre, nodes_[corner[0]], at);
+      const std::int64_t next_side = doubled_area(centre, nodes_[corner[1]], at);
+      if (side >= 0 && next_side <= 0) return t;
+      spoke = corner[1];
+      side = next_side;
+    }
+    LODE_EXPECTS(false);
+    return kNone;
+  }
+
+  std::span<const LatticePoint> nodes_;
+  std::vector<std::uint32_t> first_;  ///< By triangle.
+  std::vector<std::uint32_t> next_;   ///< By point.
+  std::vector<std::uint32_t> loose_;
+};
+
+/// Sets candidates by choose(lists, triangle, its number).
+template <typename Choose>
+class PointJudge {
+ public:
+  PointJudge(const PointMesh& mesh, const PointSamples& samples, Choose choose)
+      : lists_(mesh, samples), choose_(choose) {}
+
+  void judge_all(PointMesh& mesh) const {
+    const auto n = static_cast<std::uint32_t>(mesh.triangles().size());
+    for (std::uint32_t t = 0; t < n; ++t) choose_(lists_, mesh.triangle(t), t);
+  }
+  std::span<const std::uint32_t> insert(PointMesh& mesh, std::uint32_t t) {
+    const std::span<const std::uint32_t> made = lists_.insert(mesh, mesh.triangle(t).candidate, t);
+    for (const std::uint32_t one : made) choose_(lists_, mesh.triangle(one), one);
+    return made;
+  }
+
+ private:
+  PointLists lists_;
+  Choose choose_;
+};
+
+/// The worst point of triangles that are beyond the tolerance.
+class WorstPoint {
+ public:
+  WorstPoint(const PointSamples& samples, HeightRange range, double max_error)
+      : samples_(samples),
+        slack_(kRounding * std::max(0.0, range.upper - range.lower) + kUnderflow),
+        max_error_(max_error) {}
+
+  void operator()(const PointLists& lists, LatticeTriangle& triangle, std::uint32_t t) const {
+    const auto& corner = triangle.corner;
+    const std::array<LatticePoint, 3> at{samples_.nodes[corner[0]], samples_.nodes[corner[1]],
+                                         samples_.nodes[corner[2]]};
+    const double base = samples_.heights[corner[2]];
+    const double rise_0 = samples_.heights[corner[0]] - base;
+    const double rise_1 = samples_.heights[corner[1]] - base;
+    const auto area = static_cast<double>(doubled_area(at[0], at[1], at[2]));
+    double worst = 0;
+    std::uint32_t node = kNone;
+    lists.for_each(t, [&](std::uint32_t p) {
+      const LatticePoint q = samples_.nodes[p];
+      const auto weight_0 = static_cast<double>(doubled_area(at[1], at[2], q));
+      const auto weight_1 = static_cast<double>(doubled_area(at[2], at[0], q));
+      const double way = (weight_0 * rise_0 + weight_1 * rise_1) / area;
+      const double error = std::abs((samples_.heights[p] - base) - way);
+      const bool is_first = node == kNone || shuffled(p) < shuffled(node);
+      if (error < worst || (error == worst && !is_first)) return;
+      worst = error;
+      node = p;
+    });
+    // Of a level triangle only one difference is rounded, and zero is exact.
+    const bool is_level = rise_0 == 0 && rise_1 == 0;
+    const double bound = node == kNone ? 0 : is_level ? worst * kRoundedUp : worst + slack_;
+    triangle.candidate = bound > max_error_ ? node : kNone;
+    triangle.error = to_float_above(bound);
+  }
+
+ private:
+  /// With u = 2^-53 and R the range of heights there are nine roundings of numbers up to R:
+  /// differences of heights, weights as doubles, products, their sum and quotient, and the last
+  /// difference, which is up to 2 R.
+  static constexpr double kRounding = 0x1p-49;
+  static constexpr double kUnderflow = 0x1p-1040;
+  static constexpr double kRoundedUp = 1 + 0x1p-51;
+
+  PointSamples samples_;
+  double slack_;
+  double max_error_;
+};
+
+/// Any point, as long as there are some.
+struct AnyPoint {
+  void operator()(const PointLists& lists, LatticeTriangle& triangle, std::uint32_t t) const {
+    triangle.candidate = kNone;
+    lists.for_each(t, [&](std::uint32_t p) {
+      if (triangle.candidate == kNone || shuffled(p) < shuffled(triangle.candidate))
+        triangle.candidate = p;
+    });
+    triangle.error = triangle.candidate == kNone ? 0.0F : 1.0F;
+  }
+};
+
+/// Tiles of some thousand points.
+int tile_bits_of(LatticePoint last, std::size_t n_points) {
+  constexpr std::size_t kPerTile = 4096;
+  constexpr int kMostBits = 30;
+  const auto n_tiles = [&](int bits) {
+    return ((std::uint64_t{static_cast<std::uint32_t>(last.x)} >> bits) + 1) *
+           ((std::uint64_t{static_cast<std::uint32_t>(last.y)} >> bits) + 1);
+  };
+  int bits = 0;
+  while (bits < kMostBits && n_tiles(bits) > n_points / kPerTile + 1) ++bits;
+  return bits;
+}
+
+}  // namespace
+
+Result<GreedyReport> insert_points(PointMesh& mesh, const PointSamples& samples, HeightRange range,
+                                   const GreedyOptions& options, Progress& progress) {
+  LODE_EXPECTS(options.max_error >= 0 && samples.triangle_of.size() == samples.nodes.size());
+  LODE_EXPECTS(options.order == InsertionOrder::strict ||
+               options.max_triangles == std::numeric_limits<std::uint64_t>::max());
+  PointJudge judge(mesh, samples, WorstPoint(samples, range, options.max_error));
+  const LatticePoint last = last_node(mesh);
+  return GreedyLoop(mesh, judge, options, progress)
+      .run(last, tile_bits_of(last, samples.nodes.size()));
+}
+
+Result<void> insert_all_points(PointMesh& mesh, const PointSamples& samples, Progress& progress) {
+  LODE_EXPECTS(samples.triangle_of.size() == samples.nodes.size());
+  PointJudge judge(mesh, samples, AnyPoint());
+  const LatticePoint last = last_node(mesh);
+  const auto report =
+      GreedyLoop(mesh, judge, {}, progress).run(last, tile_bits_of(last, samples.nodes.size()));
+  if (!report) return report.error();
+  return {};
+}
+
+}  // namespace lode::delaunay
