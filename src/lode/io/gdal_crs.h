@@ -13,8 +13,8 @@ namespace lode::io {
 /// easting before northing, longitude before latitude, as in rasters.
 class GdalCrs {
  public:
-  /// Of WKT. Fails on other text.
-  [[nodiscard]] static Result<GdalCrs> of(const std::string& wkt);
+  /// Of WKT, or EPSG:N. Fails on other text.
+  [[nodiscard]] static Result<GdalCrs> of(const std::string& text);
 
   GdalCrs(const GdalCrs&) = delete;
   GdalCrs& operator=(const GdalCrs&) = delete;
@@ -31,5 +31,8 @@ class GdalCrs {
   const GdalLibrary* gdal_;
   OGRSpatialReferenceH handle_;
 };
+
+/// A CRS, given as EPSG:N or as WKT, as WKT. Fails where GDAL does not know it.
+[[nodiscard]] Result<std::string> to_wkt(const std::string& crs);
 
 }  // namespace lode::io

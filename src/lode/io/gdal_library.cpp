@@ -61,6 +61,9 @@ void find_crs(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.new_crs, "OSRNewSpatialReference");
   finder.find(gdal.destroy_crs, "OSRDestroySpatialReference");
   finder.find(gdal.import_wkt, "OSRImportFromWkt");
+  finder.find(gdal.import_epsg, "OSRImportFromEPSG");
+  finder.find(gdal.export_wkt, "OSRExportToWkt");
+  finder.find(gdal.release, "VSIFree");
   finder.find(gdal.set_axis_order, "OSRSetAxisMappingStrategy");
   finder.find(gdal.is_geographic, "OSRIsGeographic");
   finder.find(gdal.attribute, "OSRGetAttrValue");

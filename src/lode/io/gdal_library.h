@@ -2,6 +2,7 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <cpl_vsi.h>
 #include <gdal.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
@@ -38,6 +39,9 @@ struct GdalLibrary {
   decltype(&OSRNewSpatialReference) new_crs = nullptr;
   decltype(&OSRDestroySpatialReference) destroy_crs = nullptr;
   decltype(&OSRImportFromWkt) import_wkt = nullptr;
+  decltype(&OSRImportFromEPSG) import_epsg = nullptr;
+  decltype(&OSRExportToWkt) export_wkt = nullptr;
+  decltype(&VSIFree) release = nullptr;  ///< What export_wkt() made.
   decltype(&OSRSetAxisMappingStrategy) set_axis_order = nullptr;
   decltype(&OSRIsGeographic) is_geographic = nullptr;
   decltype(&OSRGetAttrValue) attribute = nullptr;

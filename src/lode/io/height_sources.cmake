@@ -6,6 +6,10 @@ set(IO_HEIGHT_SOURCES
   gdal_raster.cpp
   height_hgt.cpp
   height_reader.cpp
+  las_crs.cpp
+  point_las.cpp
+  point_reader.cpp
+  point_text.cpp
   vector_file.cpp)
 
 # GDAL is loaded by its name when it is needed: linked, it would triple the time to start.

@@ -1,0 +1,71 @@
+#include "lode/io/point_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <new>
+#include <system_error>
+#include <utility>
+
+#include "lode/core/out_of_memory.h"
+#include "lode/io/gdal_crs.h"
+#include "lode/io/point_las.h"
+#include "lode/io/point_text.h"
+#include "lode/io/text.h"
+
+namespace lode::io {
+namespace {
+
+bool is_las_path(const std::string& path) {
+  const std::string name = to_lower(path);
+  return name.ends_with(".las") || name.ends_with(".laz");
+}
+
+bool is_plot3d_grid(const std::string& path) {
+  if (!to_lower(path).ends_with(".xyz")) return false;
+  std::error_code status;
+  return std::filesystem::exists(std::filesystem::path(path).replace_extension(".q"), status);
+}
+
+Result<void> check_left(const std::string& path, const PointFile& file) {
+  if (!file.points.empty()) return {};
+  const PointCounts& counts = file.counts;
+  return fail(
+      "{}: expected points, got none: of {} in the file {} are of other classes, {} withheld and "
+      "{} without a height",
+      path, counts.n_in_file, counts.n_other_class, counts.n_withheld, counts.n_missing);
+}
+
+}  // namespace
+
+bool is_point_path(const std::string& path) {
+  if (is_las_path(path)) return true;
+  const std::string name = to_lower(path);
+  constexpr std::array kExtensions{".xyz", ".txt", ".csv", ".xyz.gz", ".txt.gz", ".csv.gz"};
+  return std::ranges::any_of(kExtensions,
+                             [&](const char* extension) { return name.ends_with(extension); }) &&
+         !is_plot3d_grid(path);
+}
+
+Result<PointFile> read_points(const std::string& path, const PointReadOptions& options,
+                              Progress& progress) try {
+  const bool is_las = is_las_path(path);
+  if (!is_las && !options.classes.empty())
+    return fail("{}: expected no classes to keep of a text file, whose points have none, got some",
+                path);
+  std::string crs;
+  if (!options.crs.empty()) {
+    auto wkt = to_wkt(options.crs);
+    if (!wkt) return fail("{}: {}", path, wkt.error().message);
+    crs = std::move(wkt).value();
+  }
+  LODE_TRY(PointFile file,
+           is_las ? read_las(path, options, progress) : read_point_text(path, options, progress));
+  LODE_CHECK(check_left(path, file));
+  if (!crs.empty()) file.crs = std::move(crs);
+  return file;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("read the points", path);
+}
+
+}  // namespace lode::io
