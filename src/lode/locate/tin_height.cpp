@@ -25,14 +25,15 @@ TinHeight height_in(const delaunay::Tin& tin, std::uint32_t triangle, const dela
       static_cast<std::size_t>(std::max_element(weight.begin(), weight.end()) - weight.begin());
   const std::size_t i = (base + 1) % 3;
   const std::size_t j = (base + 2) % 3;
-  const double area = (at[i][0] - at[base][0]) * (at[j][1] - at[base][1]) -
-                      (at[i][1] - at[base][1]) * (at[j][0] - at[base][0]);
+  const auto& corner = tin.triangles[triangle];
+  const auto area = static_cast<double>(delaunay::doubled_area(
+      tin.vertices[corner[0]], tin.vertices[corner[1]], tin.vertices[corner[2]]));
   const double way =
       (std::max(weight[i], 0.0) * (z[i] - z[base]) + std::max(weight[j], 0.0) * (z[j] - z[base])) /
       area;
-  // The area is exact. A weight is off by 4 half units of two products below the box's w h each, 8
-  // u w h; two of them, differences of heights and four more roundings make less than 24 u w h / A
-  // of the range, and the last sum one of the height.
+  // A weight is off by 4 half units of two products below the box's w h each, 8 u w h; two of them,
+  // differences of heights and five more roundings, of which the area's is one, make less than 24 u
+  // w h / A of the range, and the last sum one of the height.
   const auto [left, right] = std::minmax({at[0][0], at[1][0], at[2][0]});
   const auto [low, high] = std::minmax({at[0][1], at[1][1], at[2][1]});
   const auto [least, most] = std::minmax({z[0], z[1], z[2]});

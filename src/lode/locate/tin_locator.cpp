@@ -31,7 +31,7 @@ Extent extent_in(const std::array<LatticePoint, 3>& corner, double low, double h
     extent.left = std::min(extent.left, x - rounding);
     extent.right = std::max(extent.right, x + rounding);
   };
-  // More than it can be: coordinates are below 2^24.
+  // More than it can be: coordinates are below 2^30.
   constexpr double kOffset = 0x1p-20;
   for (std::size_t i = 0; i < 3; ++i) {
     const Point a = delaunay::to_point(corner[i]);

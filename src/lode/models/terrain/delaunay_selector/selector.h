@@ -7,6 +7,7 @@
 #include "lode/core/progress.h"
 #include "lode/delaunay/greedy_insertion.h"
 #include "lode/delaunay/tin.h"
+#include "lode/models/terrain/delaunay_selector/point_domain.h"
 
 namespace lode::delaunay_selector {
 
@@ -25,7 +26,7 @@ struct Selection {
   bool is_within_error = true;   ///< Else max_cells ended it.
   bool is_within_cells = true;   ///< Else the outline alone has more triangles.
   std::uint64_t n_samples = 0;   ///< In the domain.
-  std::uint64_t n_left_out = 0;  ///< Valid samples that are not: no cell at them is complete.
+  std::uint64_t n_left_out = 0;  ///< Valid samples that are not.
 };
 
 /// The Delaunay selector (L. De Floriani, P. Marzano, E. Puppo, "Multiresolution models for
@@ -38,9 +39,18 @@ struct Selection {
 [[nodiscard]] Result<Selection> select_samples(const HeightGrid& grid,
                                                const SelectorOptions& options, Progress& progress);
 
+/// The same of scattered points, in their domain.
+[[nodiscard]] Result<Selection> select_points(const HeightPoints& points, const PointDomain& domain,
+                                              const SelectorOptions& options, Progress& progress);
+
 /// All samples: what a tolerance of 0 allows, without looking for those that are in the plane of
 /// others. With links. O(samples). Fails where there is no cell with four valid corners, and on
 /// heights beyond 1e30.
 [[nodiscard]] Result<Selection> select_all_samples(const HeightGrid& grid);
+
+/// The same of scattered points; where they lie on one circle as insertion in a shuffled order has
+/// it. O(n log n) expected.
+[[nodiscard]] Result<Selection> select_all_points(const HeightPoints& points,
+                                                  const PointDomain& domain, Progress& progress);
 
 }  // namespace lode::delaunay_selector

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "lode/core/height_points.h"
+#include "lode/core/progress.h"
+
+namespace lode::delaunay_selector {
+
+/// The part of the plane that scattered points define a surface over, whatever the tolerance. All
+/// numbers are of points.
+struct PointDomain {
+  /// Corners of the outline, turning left (x to the right, y up), constrained Delaunay: the
+  /// coarsest triangulation that has the whole outline.
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::array<std::uint32_t, 2>> outline;  ///< Edges, the domain on their left.
+  /// By point, one of the triangles that hold it; delaunay::kNoHalfEdge: it is left out.
+  std::vector<std::uint32_t> triangle_of;
+  std::uint64_t n_left_out = 0;
+};
+
+/// The convex hull. Fails on fewer than three points that are not on one line.
+[[nodiscard]] Result<PointDomain> find_hull(const HeightPoints& points);
+
+/// Whether a triangle of points, turning left, is to be part of a domain.
+using KeepTriangle = std::function<bool(const std::array<std::uint32_t, 3>&)>;
+
+/// The union of those triangles of the Delaunay triangulation of all points that are kept. Its
+/// outline is that of whole triangles; points that are corners of none are left out. Where points
+/// lie on one circle there are several such triangulations: it is always the same one. Fails as
+/// find_hull() does, where no triangle is kept, and when cancelled.
+[[nodiscard]] Result<PointDomain> find_part(const HeightPoints& points, const KeepTriangle& keep,
+                                            Progress& progress);
+
+}  // namespace lode::delaunay_selector
