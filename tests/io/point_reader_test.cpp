@@ -220,6 +220,7 @@ TEST_F(point_reader, knows_names_of_points_and_leaves_grids_of_plot3d_alone) {
   EXPECT_TRUE(is_point_path(grid));
   write("grid.q", "1");
   EXPECT_FALSE(is_point_path(grid));
+  EXPECT_FALSE(is_point_path(write("binary.xyz", std::string("\x08\0\0\0\x02", 5))));
 }
 
 }  // namespace

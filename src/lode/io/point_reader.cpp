@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <new>
 #include <system_error>
 #include <utility>
@@ -21,10 +22,21 @@ bool is_las_path(const std::string& path) {
   return name.ends_with(".las") || name.ends_with(".laz");
 }
 
+/// Whether a file begins with bytes that no text has.
+bool begins_as_binary(const std::string& path) {
+  std::array<char, 64> bytes{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(bytes.data(), bytes.size());
+  return std::any_of(bytes.begin(), bytes.begin() + file.gcount(), [](char c) {
+    return static_cast<unsigned char>(c) < ' ' && c != '\t' && c != '\n' && c != '\r';
+  });
+}
+
 bool is_plot3d_grid(const std::string& path) {
   if (!to_lower(path).ends_with(".xyz")) return false;
   std::error_code status;
-  return std::filesystem::exists(std::filesystem::path(path).replace_extension(".q"), status);
+  return std::filesystem::exists(std::filesystem::path(path).replace_extension(".q"), status) ||
+         begins_as_binary(path);
 }
 
 Result<void> check_left(const std::string& path, const PointFile& file) {

@@ -13,8 +13,8 @@ namespace lode::io {
                                             const PointReadOptions& options, Progress& progress);
 
 /// Whether the name is that of scattered points: .las, .laz (which is refused, with a reason),
-/// .csv, .txt, .xyz, or one of these three with .gz (any case). A .xyz file beside a .q of the same
-/// name is taken for a grid of PLOT3D, and is none.
+/// .csv, .txt, .xyz, or one of these three with .gz (any case). A .xyz file that is no text, or
+/// beside a .q of the same name, is taken for a grid of PLOT3D, and is none.
 [[nodiscard]] bool is_point_path(const std::string& path);
 
 }  // namespace lode::io
