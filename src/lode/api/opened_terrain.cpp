@@ -25,6 +25,48 @@ OpenedTerrain of_pyramid(TerrainPyramid pyramid) {
   return {std::move(terrain), TerrainModel::delaunay_pyramid, std::move(facts), std::move(pyramid)};
 }
 
+/// Names the file, unless the reason is that the user stopped.
+template <typename T>
+Result<T> naming(const std::string& path, Result<T> result, const Progress& progress) {
+  if (result || progress.is_cancelled()) return result;
+  return fail("{}: {}", path, result.error().message);
+}
+
+TerrainFacts point_facts_of(const io::PointFile& file, const PointTerrain& terrain) {
+  const HeightPoints& points = terrain.points;
+  return {.frame = points,
+          .format = file.format,
+          .type = "points",
+          .has_place = true,
+          .n_missing = file.counts.n_missing,
+          .points = PointFacts{.counts = file.counts,
+                               .has_classes = file.has_classes(),
+                               .crs_note = file.crs_note,
+                               .n_nodes = points.nodes.size(),
+                               .n_outside = terrain.n_outside,
+                               .n_left_out = terrain.domain.n_left_out,
+                               .n_outline = terrain.domain.outline.size(),
+                               .n_repeated = points.n_repeated,
+                               .largest_spread = points.largest_spread,
+                               .largest_move = points.largest_move,
+                               .step = points.step()}};
+}
+
+Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOptions& options,
+                                  Progress& progress) {
+  LODE_TRY(const io::PointFile file, io::read_points(path, options.points, progress));
+  LODE_TRY(const HorizontalMetric metric, naming(path, io::read_metric(file.crs), progress));
+  LODE_TRY(
+      PointTerrain made,
+      naming(path, make_point_terrain(file.points, file.lattice, metric, options.domain, progress),
+             progress));
+  made.points.crs = file.crs;
+  made.points.vertical_unit = file.vertical_unit;
+  TerrainFacts facts = point_facts_of(file, made);
+  auto points = std::make_shared<const PointTerrain>(std::move(made));
+  return OpenedTerrain{.terrain = to_terrain(points), .facts = std::move(facts), .points = points};
+}
+
 }  // namespace
 
 const char* name_of(TerrainModel model) {
@@ -44,17 +86,20 @@ bool holds_terrain_model(const std::string& path) {
 }
 
 bool holds_terrain(const std::string& path) {
-  return io::is_height_path(path) || holds_terrain_model(path);
+  return io::is_height_path(path) || io::is_point_path(path) || holds_terrain_model(path);
 }
 
-Result<OpenedTerrain> open_terrain(const std::string& path, const io::HeightReadOptions& reading,
+Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOptions& reading,
                                    const std::optional<PyramidOptions>& pyramid,
                                    Progress& progress) try {
   if (is_lode_path(path)) {
     LODE_TRY(TerrainPyramid opened, TerrainPyramid::open(path, progress));
     return of_pyramid(std::move(opened));
   }
-  LODE_TRY(io::HeightRaster read, io::read_heights(path, reading, progress));
+  if (io::is_point_path(path) && pyramid)
+    return fail("{}: expected a raster to build a delaunay_pyramid of, got scattered points", path);
+  if (io::is_point_path(path)) return open_points(path, reading, progress);
+  LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
   if (pyramid) {
     PyramidOptions options = *pyramid;
     options.sample_type = read.type;

@@ -1,15 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "lode/api/point_terrain.h"
 #include "lode/api/terrain_pyramid.h"
 #include "lode/api/terrain_source.h"
 #include "lode/core/height_frame.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/io/height_reader.h"
+#include "lode/io/point_reader.h"
 
 namespace lode {
 
@@ -19,35 +22,60 @@ enum class TerrainModel : std::uint8_t { delaunay_selector, delaunay_pyramid };
 /// As --model and outputs name it.
 [[nodiscard]] const char* name_of(TerrainModel model);
 
+/// What a file of scattered points has, and what became of it.
+struct PointFacts {
+  io::PointCounts counts;
+  bool has_classes = false;
+  std::string crs_note;          ///< See PointFile.
+  std::uint64_t n_nodes = 0;     ///< Different positions.
+  std::uint64_t n_outside = 0;   ///< Points outside of the outline.
+  std::uint64_t n_left_out = 0;  ///< Positions that are not in the domain.
+  std::uint64_t n_outline = 0;   ///< Edges of the domain's outline.
+  std::uint64_t n_repeated = 0;  ///< See HeightPoints, and so the next two.
+  double largest_spread = 0;
+  double largest_move = 0;
+  double step = 0;  ///< Of the lattice.
+};
+
 /// What a file says of its terrain.
 struct TerrainFacts {
   HeightFrame frame;
-  std::string format;      ///< GDAL's name of a raster's, HGT, or LODE.
+  std::string format;      ///< GDAL's name of a raster's, HGT, LODE, or that of points.
   std::string type;        ///< Of the raster's samples; see HeightRaster.
   bool has_place = false;  ///< See HeightRaster.
   std::uint64_t n_missing = 0;
+  std::optional<PointFacts> points{};
 };
 
 [[nodiscard]] TerrainFacts facts_of(const io::HeightRaster& raster);
+
+/// How rasters and points are to be read; each has its own.
+struct TerrainReadOptions {
+  io::HeightReadOptions raster{};
+  io::PointReadOptions points{};
+  PointTerrainOptions domain{};
+};
 
 /// A terrain from a file, ready to be asked.
 struct OpenedTerrain {
   Terrain terrain;
   TerrainModel model = TerrainModel::delaunay_selector;
   TerrainFacts facts;
-  std::optional<TerrainPyramid> pyramid{};  ///< Of the model delaunay_pyramid.
+  std::optional<TerrainPyramid> pyramid{};       ///< Of the model delaunay_pyramid.
+  std::shared_ptr<const PointTerrain> points{};  ///< Null: it is of a raster.
 };
 
-/// Whether a path is read as terrain: it is a raster of heights by its name, or a .lode file of a
-/// model of terrain.
+/// Whether a path is read as terrain: it is a raster of heights or of scattered points by its name,
+/// or a .lode file of a model of terrain.
 [[nodiscard]] bool holds_terrain(const std::string& path);
 /// Whether it is such a .lode file.
 [[nodiscard]] bool holds_terrain_model(const std::string& path);
 
-/// Of a raster: with `pyramid`, one is built of it first. Of a .lode file the options of reading
-/// and of pyramids mean nothing. Fails as reading and building do, naming the file.
+/// Of a raster: with `pyramid`, one is built of it first; of points none can be. Of a .lode file
+/// the options of reading and of pyramids mean nothing. Fails as reading, make_point_terrain() and
+/// building do, naming the file.
 [[nodiscard]] Result<OpenedTerrain> open_terrain(const std::string& path,
-                                                 const io::HeightReadOptions& reading,
+                                                 const TerrainReadOptions& reading,
                                                  const std::optional<PyramidOptions>& pyramid,
                                                  Progress& progress);
 

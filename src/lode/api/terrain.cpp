@@ -5,17 +5,20 @@
 #include <new>
 #include <utility>
 
+#include "lode/api/point_terrain.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/delaunay/grid_domain.h"
+#include "lode/mappers/point_tin_check.h"
 #include "lode/mappers/tin_check.h"
 #include "lode/mappers/tin_surface.h"
 
 namespace lode {
 namespace {
 
-VerifyReport to_report(const TinFacts& facts, double max_error) {
+/// `worst`: where the largest error is.
+VerifyReport to_report(const TinFacts& facts, double max_error, const std::string& worst) {
   VerifyReport report;
   report.add("vertices are samples", facts.n_vertices, facts.n_off_samples,
              facts.n_off_samples > 0 ? fmt::format("{} are not", facts.n_off_samples)
@@ -28,7 +31,8 @@ VerifyReport to_report(const TinFacts& facts, double max_error) {
              facts.n_overused > 0 ? fmt::format("{} have more", facts.n_overused) : "");
   report.add("inner edges are Delaunay", facts.n_inner_edges, facts.n_not_delaunay,
              facts.n_not_delaunay > 0 ? fmt::format("{} are not", facts.n_not_delaunay) : "");
-  report.add("the domain is covered once", facts.n_cells, facts.is_covered() ? 0 : 1,
+  report.add("the domain is covered once", facts.n_cells > 0 ? facts.n_cells : facts.n_samples,
+             facts.is_covered() ? 0 : 1,
              facts.is_covered()
                  ? fmt::format("outline of {} edges", facts.n_border_edges)
                  : fmt::format("area of {} cells, {} border edges off the outline, {} samples in "
@@ -36,8 +40,7 @@ VerifyReport to_report(const TinFacts& facts, double max_error) {
                                static_cast<double>(facts.doubled_area) / 2, facts.n_off_outline,
                                facts.n_uncovered));
   report.add("samples are within the error", facts.n_samples, facts.n_beyond,
-             fmt::format("worst {} of {} in column {}, row {}{}", facts.worst_error, max_error,
-                         facts.worst.x, facts.worst.y,
+             fmt::format("worst {} of {} {}{}", facts.worst_error, max_error, worst,
                          facts.n_beyond > 0 ? fmt::format("; {} beyond", facts.n_beyond) : ""));
   return report;
 }
@@ -62,7 +65,20 @@ Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOpti
 Result<VerifyReport> verify_terrain(const HeightGrid& grid, const Surface& surface,
                                     double max_error, Threads threads, Progress& progress) try {
   LODE_TRY(const TinFacts facts, check_tin(surface, grid, max_error, threads, progress));
-  return to_report(facts, max_error);
+  return to_report(facts, max_error,
+                   fmt::format("in column {}, row {}", facts.worst.x, facts.worst.y));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("check the surface");
+}
+
+Result<VerifyReport> verify_terrain(const PointTerrain& terrain, const Surface& surface,
+                                    double max_error, Threads threads, Progress& progress) try {
+  LODE_TRY(const TinFacts facts,
+           check_point_tin(surface, terrain.points, terrain.domain.outline,
+                           terrain.points.nodes.size() - terrain.domain.n_left_out, max_error,
+                           threads, progress));
+  const Vec<double, 2> at = terrain.points.world(facts.worst.x, facts.worst.y);
+  return to_report(facts, max_error, fmt::format("at {}, {}", at[0], at[1]));
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the surface");
 }

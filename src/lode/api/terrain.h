@@ -15,8 +15,8 @@
 
 namespace lode {
 
-// The door's part of terrain: heights on a grid (read_heights in files.h), and triangulations of
-// them within a vertical error.
+// The door's part of terrain: heights on a grid (read_heights in files.h) or at scattered points
+// (point_terrain.h), and triangulations of them within a vertical error.
 using delaunay::InsertionOrder;
 
 struct TerrainOptions {
@@ -36,9 +36,9 @@ struct TerrainReport {
   bool is_within_error = true;
   bool is_uniform = true;        ///< Else max_error holds in the focus alone.
   bool budget_met = true;        ///< Else the domain's outline alone has more than max_cells.
-  std::uint64_t n_samples = 0;   ///< Of the domain: corners of cells with four heights.
-  std::uint64_t n_missing = 0;   ///< Without a height.
-  std::uint64_t n_left_out = 0;  ///< With one, but in no such cell.
+  std::uint64_t n_samples = 0;   ///< Of the domain: corners of cells with four heights, or points.
+  std::uint64_t n_missing = 0;   ///< Without a height; of rasters.
+  std::uint64_t n_left_out = 0;  ///< With one, but not in the domain.
   double height_slack = 0;       ///< Rounding of heights in the surface's coordinates.
   double position_slack = 0;     ///< Of positions, units of the world.
   double seconds = 0;

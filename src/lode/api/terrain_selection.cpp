@@ -1,8 +1,10 @@
 #include "lode/api/terrain_selection.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
+#include "lode/api/point_terrain.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/terrain/delaunay_selector/selector.h"
 
@@ -27,6 +29,38 @@ class Raster final : public TerrainOrigin {
   std::shared_ptr<const HeightGrid> grid_;
 };
 
+/// Calls select(its options) or select_all(), and says what came of it.
+template <typename Select, typename SelectAll>
+Result<SelectedTerrain> selected(const TerrainOptions& options, const HeightRange& range,
+                                 delaunay::TinLinks links, const Select& select,
+                                 const SelectAll& select_all) {
+  const Stopwatch watch;
+  if (options.focus)
+    return fail(
+        "expected one tolerance for all of a terrain, got a focus: the delaunay_selector makes one "
+        "TIN, the model delaunay_pyramid can vary");
+  const double max_error = default_tolerance(options, range);
+  const delaunay_selector::SelectorOptions wanted{
+      .max_error = max_error,
+      .max_cells = options.max_cells,
+      .order = options.max_cells ? InsertionOrder::strict : options.order,
+      .links = links};
+  // What is asked of may have more triangles than a file should: all samples are had sooner than
+  // those that matter.
+  const bool is_full = max_error == 0 && !options.max_cells && links == delaunay::TinLinks::kept;
+  LODE_TRY(delaunay_selector::Selection selection, is_full ? select_all() : select(wanted));
+  const TerrainReport report{.triangles = selection.tin.triangles.size(),
+                             .vertices = selection.tin.vertices.size(),
+                             .max_error = max_error,
+                             .achieved_error = selection.achieved_error,
+                             .is_within_error = selection.is_within_error,
+                             .budget_met = selection.is_within_cells,
+                             .n_samples = selection.n_samples,
+                             .n_left_out = selection.n_left_out,
+                             .seconds = watch.seconds()};
+  return SelectedTerrain{std::move(selection.tin), report};
+}
+
 }  // namespace
 
 // Of another's grid.
@@ -44,36 +78,28 @@ double default_tolerance(const TerrainOptions& options, const HeightRange& range
 
 Result<SelectedTerrain> select_terrain(const HeightGrid& grid, const TerrainOptions& options,
                                        delaunay::TinLinks links, Progress& progress) {
-  const Stopwatch watch;
-  if (options.focus)
-    return fail(
-        "expected one tolerance for all of a raster, got a focus: the delaunay_selector makes one "
-        "TIN, the model delaunay_pyramid can vary");
   const bool is_given = options.max_error || options.max_cells;
-  const double max_error =
-      default_tolerance(options, is_given ? HeightRange{} : height_range(grid));
-  const delaunay_selector::SelectorOptions wanted{
-      .max_error = max_error,
-      .max_cells = options.max_cells,
-      .order = options.max_cells ? InsertionOrder::strict : options.order,
-      .links = links};
-  // What is asked of may have more triangles than a file should: all samples are had sooner than
-  // those that matter.
-  const bool is_full = max_error == 0 && !options.max_cells && links == delaunay::TinLinks::kept;
-  LODE_TRY(delaunay_selector::Selection selection,
-           is_full ? delaunay_selector::select_all_samples(grid)
-                   : delaunay_selector::select_samples(grid, wanted, progress));
-  const TerrainReport report{.triangles = selection.tin.triangles.size(),
-                             .vertices = selection.tin.vertices.size(),
-                             .max_error = max_error,
-                             .achieved_error = selection.achieved_error,
-                             .is_within_error = selection.is_within_error,
-                             .budget_met = selection.is_within_cells,
-                             .n_samples = selection.n_samples,
-                             .n_missing = grid.n_missing(),
-                             .n_left_out = selection.n_left_out,
-                             .seconds = watch.seconds()};
-  return SelectedTerrain{std::move(selection.tin), report};
+  LODE_TRY(SelectedTerrain made, selected(
+                                     options, is_given ? HeightRange{} : height_range(grid), links,
+                                     [&](const delaunay_selector::SelectorOptions& wanted) {
+                                       return delaunay_selector::select_samples(grid, wanted,
+                                                                                progress);
+                                     },
+                                     [&] { return delaunay_selector::select_all_samples(grid); }));
+  made.report.n_missing = grid.n_missing();
+  return made;
+}
+
+Result<SelectedTerrain> select_terrain(const PointTerrain& terrain, const TerrainOptions& options,
+                                       delaunay::TinLinks links, Progress& progress) {
+  return selected(
+      options, height_range(terrain.points), links,
+      [&](const delaunay_selector::SelectorOptions& wanted) {
+        return delaunay_selector::select_points(terrain.points, terrain.domain, wanted, progress);
+      },
+      [&] {
+        return delaunay_selector::select_all_points(terrain.points, terrain.domain, progress);
+      });
 }
 
 }  // namespace lode

@@ -5,6 +5,8 @@
 
 namespace lode {
 
+struct PointTerrain;
+
 /// A TIN with heights, and what is to be said of it but for slacks of coordinates.
 struct SelectedTerrain {
   delaunay::Tin tin;
@@ -14,9 +16,12 @@ struct SelectedTerrain {
 /// The max_error of the options, or half a percent of the range, or with max_cells 0.
 [[nodiscard]] double default_tolerance(const TerrainOptions& options, const HeightRange& range);
 
-/// As TerrainOrigin::select(), of a raster; with links at tolerance 0: of all samples. Fails as
-/// select_samples() does.
+/// As TerrainOrigin::select(), of a raster and of scattered points; with links at tolerance 0: of
+/// all samples. Fail as select_samples() and select_points() do.
 [[nodiscard]] Result<SelectedTerrain> select_terrain(const HeightGrid& grid,
+                                                     const TerrainOptions& options,
+                                                     delaunay::TinLinks links, Progress& progress);
+[[nodiscard]] Result<SelectedTerrain> select_terrain(const PointTerrain& terrain,
                                                      const TerrainOptions& options,
                                                      delaunay::TinLinks links, Progress& progress);
 

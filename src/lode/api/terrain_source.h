@@ -27,7 +27,8 @@ class TerrainOrigin {
                                                        Progress& progress) const = 0;
 };
 
-/// A terrain to ask of: a raster, or what was built of one. Copies are one terrain.
+/// A terrain to ask of: a raster, scattered points, or what was built of a raster. Copies are one
+/// terrain.
 class Terrain {
  public:
   /// The grid must outlive it.

@@ -17,7 +17,7 @@ using Place = Vec<double, 2>;
 struct TerrainHeight {
   enum class Where : std::uint8_t { inside, gap, outside };
 
-  Where where = Where::outside;  ///< gap: in the raster's rectangle, in no cell with four heights.
+  Where where = Where::outside;  ///< gap: in the rectangle of the samples, but not in the domain.
   double height = 0;             ///< Where inside.
   /// Samples in the triangle are not farther from its plane, and rounding of the height.
   double bound = 0;

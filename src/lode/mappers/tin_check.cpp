@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "lode/delaunay/predicates.h"
+#include "lode/mappers/tin_edge_check.h"
 
 namespace lode {
 namespace {
@@ -48,15 +48,7 @@ class CheckedDomain {
   const HeightGrid& grid_;
 };
 
-/// A triangle's corner or an edge, in lattice coordinates.
 using LatticeCorners = std::array<LatticePoint, 3>;
-
-struct TinEdge {
-  std::uint32_t lower, upper;
-  bool is_forward;
-  std::uint32_t triangle;
-  std::uint32_t opposite;  ///< Vertex.
-};
 
 class TinChecker {
  public:
@@ -67,16 +59,19 @@ class TinChecker {
         domain_(grid),
         max_error_(max_error),
         threads_(threads),
-        progress_(progress) {}
+        progress_(progress),
+        triangles_(turning_left(surface, grid)) {}
 
   Result<TinFacts> run() {
     facts_.n_vertices = surface_.positions.size();
     facts_.n_triangles = surface_.triangles.size();
     find_nodes();
     if (facts_.n_off_samples > 0) return facts_;
-    check_turns();
+    check_turns(triangles_, nodes_, facts_);
     if (facts_.n_turned > 0) return facts_;
-    check_edges();
+    check_edges(
+        triangles_, nodes_,
+        [this](LatticePoint a, LatticePoint b) { return domain_.is_outline(a, b); }, facts_);
     count_domain();
     LODE_CHECK(check_samples());
     return facts_;
@@ -112,69 +107,9 @@ class TinChecker {
     return static_cast<std::int32_t>(std::lround(std::clamp(value, -1.0, static_cast<double>(n))));
   }
 
-  [[nodiscard]] std::array<std::uint32_t, 3> corners(std::size_t t) const {
-    auto corner = surface_.triangles[t];
-    if (grid_.is_mirrored()) std::swap(corner[1], corner[2]);
-    return corner;
-  }
   [[nodiscard]] LatticeCorners triangle(std::size_t t) const {
-    const auto corner = corners(t);
+    const auto& corner = triangles_[t];
     return {nodes_[corner[0]], nodes_[corner[1]], nodes_[corner[2]]};
-  }
-
-  void check_turns() {
-    for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
-      const LatticeCorners at = triangle(t);
-      const std::int64_t area = delaunay::doubled_area(at[0], at[1], at[2]);
-      facts_.n_turned += static_cast<std::uint64_t>(area <= 0);
-      facts_.doubled_area += area;
-    }
-  }
-
-  [[nodiscard]] std::vector<TinEdge> sorted_edges() const {
-    std::vector<TinEdge> edges;
-    edges.reserve(3 * surface_.triangles.size());
-    for (std::uint32_t t = 0; t < surface_.triangles.size(); ++t) {
-      const auto corner = corners(t);
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = corner[i];
-        const std::uint32_t b = corner[(i + 1) % 3];
-        edges.push_back({std::min(a, b), std::max(a, b), a < b, t, corner[(i + 2) % 3]});
-      }
-    }
-    std::sort(edges.begin(), edges.end(), [](const TinEdge& a, const TinEdge& b) {
-      return std::pair(a.lower, a.upper) < std::pair(b.lower, b.upper);
-    });
-    return edges;
-  }
-
-  void check_edges() {
-    const std::vector<TinEdge> edges = sorted_edges();
-    for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
-      while (end < edges.size() && edges[end].lower == edges[first].lower &&
-             edges[end].upper == edges[first].upper)
-        ++end;
-      ++facts_.n_edges;
-      const TinEdge& a = edges[first];
-      if (end - first == 1) {
-        ++facts_.n_border_edges;
-        const LatticePoint p = nodes_[a.is_forward ? a.lower : a.upper];
-        const LatticePoint q = nodes_[a.is_forward ? a.upper : a.lower];
-        facts_.n_off_outline += static_cast<std::uint64_t>(!domain_.is_outline(p, q));
-      } else if (end - first > 2 || a.is_forward == edges[first + 1].is_forward) {
-        ++facts_.n_overused;
-      } else {
-        ++facts_.n_inner_edges;
-        facts_.n_not_delaunay += static_cast<std::uint64_t>(
-            is_hit(triangle(a.triangle), nodes_[edges[first + 1].opposite]));
-      }
-    }
-  }
-  [[nodiscard]] static bool is_hit(const LatticeCorners& t, LatticePoint p) {
-    const auto point = [](LatticePoint q) {
-      return delaunay::Point{{static_cast<double>(q.x), static_cast<double>(q.y)}};
-    };
-    return delaunay::side_of_circle(point(t[0]), point(t[1]), point(t[2]), point(p)) > 0;
   }
 
   void count_domain() {
@@ -183,6 +118,7 @@ class TinChecker {
         facts_.n_cells += static_cast<std::uint64_t>(domain_.has_cell(x, y));
         facts_.n_samples += static_cast<std::uint64_t>(domain_.has_node(x, y));
       }
+    facts_.doubled_domain_area = 2 * static_cast<std::int64_t>(facts_.n_cells);
   }
 
   /// What one worker has seen.
@@ -259,6 +195,7 @@ class TinChecker {
   double max_error_;
   Threads threads_;
   Progress& progress_;
+  std::vector<std::array<std::uint32_t, 3>> triangles_;
   std::vector<LatticePoint> nodes_;
   TinFacts facts_;
 };

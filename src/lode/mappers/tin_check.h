@@ -21,9 +21,10 @@ struct TinFacts {
   std::uint64_t n_edges = 0;
   std::uint64_t n_overused = 0;  ///< Of more than two triangles, or of two on one side.
   std::uint64_t n_inner_edges = 0;
-  std::uint64_t n_not_delaunay = 0;  ///< The vertex across lies inside the circle.
-  std::uint64_t n_cells = 0;         ///< Of the domain.
-  std::int64_t doubled_area = 0;     ///< Of all triangles, in cells.
+  std::uint64_t n_not_delaunay = 0;      ///< The vertex across lies inside the circle.
+  std::uint64_t n_cells = 0;             ///< Of the domain of a grid.
+  std::int64_t doubled_domain_area = 0;  ///< In cells.
+  std::int64_t doubled_area = 0;         ///< Of all triangles.
   std::uint64_t n_border_edges = 0;
   std::uint64_t n_off_outline = 0;  ///< Border edges that are not on the domain's outline.
   std::uint64_t n_samples = 0;      ///< Of the domain.
@@ -33,8 +34,7 @@ struct TinFacts {
   delaunay::LatticePoint worst{};   ///< Column and row of the first that has it.
 
   [[nodiscard]] bool is_covered() const {
-    return doubled_area == 2 * static_cast<std::int64_t>(n_cells) && n_off_outline == 0 &&
-           n_uncovered == 0;
+    return doubled_area == doubled_domain_area && n_off_outline == 0 && n_uncovered == 0;
   }
 };
 

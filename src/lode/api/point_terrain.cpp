@@ -1,0 +1,133 @@
+#include "lode/api/point_terrain.h"
+
+#include <algorithm>
+#include <array>
+#include <new>
+#include <utility>
+
+#include "lode/api/terrain_selection.h"
+#include "lode/core/out_of_memory.h"
+#include "lode/delaunay/lattice_side.h"
+
+namespace lode {
+namespace {
+
+using Place = Vec<double, 2>;
+using delaunay_selector::PointDomain;
+
+class PointOrigin final : public TerrainOrigin {
+ public:
+  explicit PointOrigin(std::shared_ptr<const PointTerrain> terrain)
+      : terrain_(std::move(terrain)) {}
+
+  [[nodiscard]] const HeightFrame& frame() const override { return terrain_->points; }
+  [[nodiscard]] HeightRange range() const override { return height_range(terrain_->points); }
+  [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
+                                               delaunay::TinLinks links,
+                                               Progress& progress) const override {
+    return select_terrain(*terrain_, options, links, progress);
+  }
+
+ private:
+  std::shared_ptr<const PointTerrain> terrain_;
+};
+
+/// A polygon with its border; by the number of its edges on one side, so that it may cross itself.
+class Polygon {
+ public:
+  explicit Polygon(std::span<const Place> corners) : corners_(corners) {}
+
+  [[nodiscard]] bool holds(const Place& p) const {
+    bool is_inside = false;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      const Place& a = corners_[i];
+      const Place& b = corners_[i + 1 < corners_.size() ? i + 1 : 0];
+      const int side = delaunay::side_of(a, b, p);
+      if (side == 0 && is_between(a, b, p)) return true;
+      if ((a[1] > p[1]) != (b[1] > p[1]) && (side > 0) == (b[1] > a[1])) is_inside = !is_inside;
+    }
+    return is_inside;
+  }
+
+ private:
+  [[nodiscard]] static bool is_between(const Place& a, const Place& b, const Place& p) {
+    for (std::size_t i = 0; i < 2; ++i)
+      if (p[i] < std::min(a[i], b[i]) || p[i] > std::max(a[i], b[i])) return false;
+    return true;
+  }
+
+  std::span<const Place> corners_;
+};
+
+/// Of a triangle by the numbers of its points.
+class PartRule {
+ public:
+  PartRule(const HeightPoints& points, const HorizontalMetric& metric,
+           const PointTerrainOptions& options)
+      : points_(points), metric_(metric), options_(options), outline_(options.outline) {}
+
+  bool operator()(const std::array<std::uint32_t, 3>& corner) const {
+    std::array<Place, 3> at;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const LatticePoint node = points_.nodes[corner[i]];
+      at[i] = points_.world(node.x, node.y);
+    }
+    for (std::size_t i = 0; i < 3 && options_.max_edge; ++i)
+      if (metric_.distance(at[i], at[(i + 1) % 3]) > *options_.max_edge) return false;
+    return options_.outline.empty() || outline_.holds((at[0] + at[1] + at[2]) * (1.0 / 3));
+  }
+
+ private:
+  const HeightPoints& points_;
+  const HorizontalMetric& metric_;
+  const PointTerrainOptions& options_;
+  Polygon outline_;
+};
+
+std::vector<Vec3d> points_within(std::span<const Vec3d> points, std::span<const Place> corners) {
+  const Polygon outline(corners);
+  std::vector<Vec3d> within;
+  for (const Vec3d& p : points)
+    if (outline.holds({{p[0], p[1]}})) within.push_back(p);
+  return within;
+}
+
+Result<void> check_options(const PointTerrainOptions& options) {
+  if (options.max_edge && !(*options.max_edge > 0))
+    return fail("expected a longest edge > 0, got {}", *options.max_edge);
+  if (!options.outline.empty() && options.outline.size() < 3)
+    return fail("expected an outline of three corners or more, got {}", options.outline.size());
+  return {};
+}
+
+}  // namespace
+
+Terrain to_terrain(std::shared_ptr<const PointTerrain> terrain) {
+  return Terrain(std::make_shared<const PointOrigin>(std::move(terrain)));
+}
+
+Result<PointTerrain> make_point_terrain(std::span<const Vec3d> points, const PointLattice& lattice,
+                                        const HorizontalMetric& metric,
+                                        const PointTerrainOptions& options,
+                                        Progress& progress) try {
+  LODE_CHECK(check_options(options));
+  PointTerrain made;
+  std::vector<Vec3d> within;
+  if (!options.outline.empty()) {
+    within = points_within(points, options.outline);
+    made.n_outside = points.size() - within.size();
+    if (within.empty())
+      return fail("expected points in the outline, got none of {}", points.size());
+    points = within;
+  }
+  LODE_TRY(made.points, to_height_points(points, lattice, options.repeated));
+  const bool is_part = options.max_edge || !options.outline.empty();
+  LODE_TRY(made.domain, is_part ? delaunay_selector::find_part(
+                                      made.points, PartRule(made.points, metric, options), progress)
+                                : delaunay_selector::find_hull(made.points));
+  return made;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("take up the points");
+}
+
+}  // namespace lode

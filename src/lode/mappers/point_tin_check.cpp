@@ -1,0 +1,264 @@
+#include "lode/mappers/point_tin_check.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "lode/delaunay/lattice.h"
+#include "lode/mappers/tin_edge_check.h"
+
+namespace lode {
+namespace {
+
+/// Points by squares, of some four each.
+class PointSquares {
+ public:
+  explicit PointSquares(const HeightPoints& points) : points_(points) {
+    constexpr double kPerSquare = 4;
+    const double area = static_cast<double>(points.n_columns) * points.n_rows;
+    const double wanted = area * kPerSquare / static_cast<double>(points.nodes.size());
+    while (std::ldexp(1, 2 * bits_) < wanted) ++bits_;
+    n_across_ = ((points.n_columns - 1) >> bits_) + 1;
+    const std::int32_t n_up = ((points.n_rows - 1) >> bits_) + 1;
+    first_.assign(static_cast<std::size_t>(n_across_) * static_cast<std::size_t>(n_up) + 1, 0);
+    for (const LatticePoint& p : points.nodes) ++first_[square_of(p) + 1];
+    for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    entries_.resize(points.nodes.size());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (std::uint32_t i = 0; i < points.nodes.size(); ++i)
+      entries_[next[square_of(points.nodes[i])]++] = i;
+  }
+
+  /// Calls visit(number) for all points in a rectangle of nodes, and others near it.
+  template <typename Visit>
+  void for_each_near(LatticePoint low, LatticePoint high, const Visit& visit) const {
+    const auto inside = [&](std::int32_t x, std::int32_t n) { return std::clamp(x, 0, n - 1); };
+    const std::int32_t left = inside(low.x, points_.n_columns) >> bits_;
+    const std::int32_t right = inside(high.x, points_.n_columns) >> bits_;
+    const std::int32_t bottom = inside(low.y, points_.n_rows) >> bits_;
+    const std::int32_t top = inside(high.y, points_.n_rows) >> bits_;
+    for (std::int32_t y = bottom; y <= top; ++y)
+      for (std::int32_t x = left; x <= right; ++x) {
+        const std::size_t square = at(x, y);
+        for (std::uint32_t i = first_[square]; i < first_[square + 1]; ++i) visit(entries_[i]);
+      }
+  }
+
+ private:
+  [[nodiscard]] std::size_t at(std::int32_t x, std::int32_t y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(n_across_) +
+           static_cast<std::size_t>(x);
+  }
+  [[nodiscard]] std::size_t square_of(LatticePoint p) const {
+    return at(p.x >> bits_, p.y >> bits_);
+  }
+
+  const HeightPoints& points_;
+  int bits_ = 0;
+  std::int32_t n_across_ = 1;
+  std::vector<std::uint32_t> first_;
+  std::vector<std::uint32_t> entries_;
+};
+
+/// Edges that border edges of triangles must be part of.
+class PointOutline {
+ public:
+  PointOutline(const HeightPoints& points, std::span<const std::array<std::uint32_t, 2>> edges) {
+    for (const auto& [a, b] : edges) edges_.emplace_back(points.nodes[a], points.nodes[b]);
+    std::ranges::sort(edges_, {}, key);
+  }
+
+  [[nodiscard]] bool has(LatticePoint p, LatticePoint q) const {
+    if (std::ranges::binary_search(edges_, key({p, q}), {}, key)) return true;
+    return std::ranges::any_of(edges_, [&](const Edge& edge) {
+      const auto& [a, b] = edge;
+      const auto along = [&](LatticePoint u) {
+        return a.x != b.x ? std::int64_t{u.x} * (b.x > a.x ? 1 : -1)
+                          : std::int64_t{u.y} * (b.y > a.y ? 1 : -1);
+      };
+      return delaunay::doubled_area(a, b, p) == 0 && delaunay::doubled_area(a, b, q) == 0 &&
+             along(a) <= along(p) && along(p) < along(q) && along(q) <= along(b);
+    });
+  }
+  /// Twice that of what is to the left: of sums that may be larger, the last 64 bits.
+  [[nodiscard]] std::int64_t doubled_area() const {
+    std::uint64_t area = 0;
+    for (const auto& [a, b] : edges_)
+      area += static_cast<std::uint64_t>(std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x);
+    return static_cast<std::int64_t>(area);
+  }
+
+ private:
+  using Edge = std::pair<LatticePoint, LatticePoint>;
+  static std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t> key(const Edge& edge) {
+    return {edge.first.x, edge.first.y, edge.second.x, edge.second.y};
+  }
+
+  std::vector<Edge> edges_;
+};
+
+class PointTinChecker {
+ public:
+  PointTinChecker(const Surface& surface, const HeightPoints& points, PointOutline outline,
+                  double max_error)
+      : surface_(surface),
+        points_(points),
+        outline_(std::move(outline)),
+        squares_(points),
+        max_error_(max_error),
+        triangles_(turning_left(surface, points)) {
+    const HeightRange range = height_range(points);
+    slack_ = 0x1p-60L * (static_cast<long double>(range.upper) - range.lower);
+  }
+
+  Result<TinFacts> run(std::uint64_t n_samples, Threads threads, Progress& progress) {
+    facts_.n_vertices = surface_.positions.size();
+    facts_.n_triangles = surface_.triangles.size();
+    find_points();
+    if (facts_.n_off_samples > 0) return facts_;
+    check_turns(triangles_, nodes_, facts_);
+    if (facts_.n_turned > 0) return facts_;
+    check_edges(
+        triangles_, nodes_, [this](LatticePoint a, LatticePoint b) { return outline_.has(a, b); },
+        facts_);
+    facts_.doubled_domain_area = outline_.doubled_area();
+    facts_.n_samples = n_samples;
+    LODE_CHECK(check_samples(threads, progress));
+    return facts_;
+  }
+
+ private:
+  void find_points() {
+    for (std::uint32_t v = 0; v < surface_.positions.size(); ++v) {
+      const auto point = find_point(surface_.world_position(v));
+      numbers_.push_back(point.value_or(0));
+      nodes_.push_back(points_.nodes[numbers_.back()]);
+      facts_.n_off_samples += static_cast<std::uint64_t>(!point.has_value());
+    }
+  }
+  /// What floats explain of a coordinate.
+  [[nodiscard]] double rounding_of(const Vec3d& world, std::size_t axis) const {
+    return 0x1p-23 * std::abs(world[axis] - surface_.origin[axis]) +
+           0x1p-51 * std::abs(world[axis]) + 0x1p-149;
+  }
+  [[nodiscard]] std::optional<std::uint32_t> find_point(const Vec3d& world) {
+    const Vec<double, 2> at = points_.lattice(world[0], world[1]);
+    const std::array<double, 2> reach{rounding_of(world, 0) / points_.step() + 0.05,
+                                      rounding_of(world, 1) / points_.step() + 0.05};
+    const auto node = [&](double x, double y) {
+      constexpr double kMost = 1 << 30;
+      return LatticePoint{static_cast<std::int32_t>(std::clamp(std::round(x), -1.0, kMost)),
+                          static_cast<std::int32_t>(std::clamp(std::round(y), -1.0, kMost))};
+    };
+    double allowed = rounding_of(world, 2);
+    if (max_error_ > 0) allowed = std::min(allowed, max_error_);
+    std::optional<std::uint32_t> best;
+    double least = allowed;
+    squares_.for_each_near(
+        node(at[0] - reach[0], at[1] - reach[1]), node(at[0] + reach[0], at[1] + reach[1]),
+        [&](std::uint32_t i) {
+          const LatticePoint& p = points_.nodes[i];
+          if (std::abs(p.x - at[0]) > reach[0] || std::abs(p.y - at[1]) > reach[1]) return;
+          const double offset = std::abs(world[2] - points_.heights[i]);
+          if (offset > least || (best && offset == least)) return;
+          best = i;
+          least = offset;
+        });
+    if (best) facts_.height_offset = std::max(facts_.height_offset, least);
+    return best;
+  }
+
+  /// What one worker has seen.
+  struct Seen {
+    std::uint64_t n_beyond = 0;
+    long double worst = 0;
+    LatticePoint at{};
+
+    void join(const Seen& other) {
+      n_beyond += other.n_beyond;
+      const bool is_first =
+          std::pair(other.at.y, other.at.x) < std::pair(at.y, at.x) && other.worst == worst;
+      if (other.worst > worst || is_first) {
+        worst = other.worst;
+        at = other.at;
+      }
+    }
+  };
+
+  Result<void> check_samples(Threads threads, Progress& progress) {
+    constexpr std::size_t kPiece = 1024;
+    std::vector<std::atomic<std::uint8_t>> is_covered(points_.nodes.size());
+    std::vector<Seen> seen(static_cast<std::size_t>(n_workers(threads)));
+    const std::size_t n = triangles_.size();
+    const std::size_t n_pieces = (n + kPiece - 1) / kPiece;
+    std::atomic<std::size_t> n_done{0};
+    parallel_for(n_pieces, threads, 1, [&](std::size_t piece, int worker) {
+      if (progress.is_cancelled()) return;
+      for (std::size_t t = piece * kPiece; t < std::min(n, (piece + 1) * kPiece); ++t)
+        look_at(triangles_[t], is_covered, seen[static_cast<std::size_t>(worker)]);
+      progress.report("measuring", static_cast<double>(++n_done) / static_cast<double>(n_pieces));
+    });
+    if (progress.is_cancelled()) return cancelled_error();
+    Seen all;
+    for (const Seen& one : seen) all.join(one);
+    facts_.n_beyond = all.n_beyond;
+    facts_.worst_error = static_cast<double>(all.worst);
+    facts_.worst = all.at;
+    std::uint64_t n_covered = 0;
+    for (const auto& flag : is_covered) n_covered += flag.load(std::memory_order_relaxed);
+    facts_.n_uncovered = facts_.n_samples - std::min(n_covered, facts_.n_samples);
+    return {};
+  }
+
+  void look_at(const std::array<std::uint32_t, 3>& t,
+               std::vector<std::atomic<std::uint8_t>>& is_covered, Seen& seen) const {
+    const std::array<LatticePoint, 3> at{nodes_[t[0]], nodes_[t[1]], nodes_[t[2]]};
+    std::array<long double, 3> z{};
+    for (std::size_t i = 0; i < 3; ++i) z[i] = points_.heights[numbers_[t[i]]];
+    const auto area = static_cast<long double>(delaunay::doubled_area(at[0], at[1], at[2]));
+    const auto [left, right] = std::minmax({at[0].x, at[1].x, at[2].x});
+    const auto [low, high] = std::minmax({at[0].y, at[1].y, at[2].y});
+    squares_.for_each_near({left, low}, {right, high}, [&](std::uint32_t i) {
+      const LatticePoint p = points_.nodes[i];
+      const std::array<std::int64_t, 3> weight{delaunay::doubled_area(at[1], at[2], p),
+                                               delaunay::doubled_area(at[2], at[0], p),
+                                               delaunay::doubled_area(at[0], at[1], p)};
+      if (weight[0] < 0 || weight[1] < 0 || weight[2] < 0) return;
+      is_covered[i].store(1, std::memory_order_relaxed);
+      const long double way = (static_cast<long double>(weight[1]) * (z[1] - z[0]) +
+                               static_cast<long double>(weight[2]) * (z[2] - z[0])) /
+                              area;
+      const long double error = std::abs((points_.heights[i] - z[0]) - way);
+      seen.n_beyond += static_cast<std::uint64_t>(error > max_error_ + slack_);
+      seen.join({0, error, p});
+    });
+  }
+
+  const Surface& surface_;
+  const HeightPoints& points_;
+  PointOutline outline_;
+  PointSquares squares_;
+  double max_error_;
+  long double slack_ = 0;  ///< Of errors, by rounding to 64 bits.
+  std::vector<std::array<std::uint32_t, 3>> triangles_;
+  std::vector<std::uint32_t> numbers_;  ///< By vertex: its point.
+  std::vector<LatticePoint> nodes_;
+  TinFacts facts_;
+};
+
+}  // namespace
+
+Result<TinFacts> check_point_tin(const Surface& surface, const HeightPoints& points,
+                                 std::span<const std::array<std::uint32_t, 2>> outline,
+                                 std::uint64_t n_samples, double max_error, Threads threads,
+                                 Progress& progress) {
+  return PointTinChecker(surface, points, PointOutline(points, outline), max_error)
+      .run(n_samples, threads, progress);
+}
+
+}  // namespace lode

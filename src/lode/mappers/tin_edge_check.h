@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "lode/core/height_frame.h"
+#include "lode/core/lattice_point.h"
+#include "lode/core/surface.h"
+#include "lode/mappers/tin_check.h"
+
+namespace lode {
+
+/// The triangles of a surface as they turn left in the columns and rows of a frame.
+[[nodiscard]] std::vector<std::array<std::uint32_t, 3>> turning_left(const Surface& surface,
+                                                                     const HeightFrame& frame);
+
+/// Counts triangles that do not turn left, and adds up the area; `nodes`: by vertex.
+void check_turns(std::span<const std::array<std::uint32_t, 3>> triangles,
+                 std::span<const LatticePoint> nodes, TinFacts& facts);
+
+/// Whether all of the way between two nodes is outline, the domain on its left.
+using IsOutline = std::function<bool(LatticePoint, LatticePoint)>;
+
+/// Looks at all edges of triangles that turn left: what is beside them, whether those on the border
+/// are on the outline and all others Delaunay, which CGAL's exact predicates decide.
+void check_edges(std::span<const std::array<std::uint32_t, 3>> triangles,
+                 std::span<const LatticePoint> nodes, const IsOutline& is_outline, TinFacts& facts);
+
+}  // namespace lode
