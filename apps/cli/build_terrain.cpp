@@ -43,7 +43,7 @@ Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app
   if (!is_lode_path(job.output))
     return fail("{}: expected an output that ends in .lode", job.output);
   if (auto options = to_options(job); !options) return options.error();
-  if (auto options = to_height_options(job.terrain, job.reading); !options) return options.error();
+  LODE_CHECK(check_terrain_reading(job.input, job.terrain, job.reading));
   return check_paths_differ({job.input}, {job.output});
 }
 
@@ -82,11 +82,10 @@ void add_pyramid(const PyramidInfo& info, Json& json, Table& table) {
 
 Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) {
   LODE_TRY(const PyramidOptions options, to_options(job));
-  LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_CHECK(check_writable(job.output));
   const Stopwatch watch;
   LODE_TRY(const OpenedTerrain built,
-           open_terrain(job.input, reading, options, session.progress()));
+           open_terrain(job.input, job.terrain, job.reading, options, session));
   const double build_seconds = watch.seconds();
   const Stopwatch write_watch;
   LODE_TRY(const std::uint64_t n_bytes, built.pyramid->save(job.output, session.progress()));

@@ -107,9 +107,7 @@ Result<void> check_info(const InfoArguments& arguments, const CLI::App& app) {
   if (holds_terrain(arguments.input)) {
     LODE_CHECK(check_only_terrain(app, arguments.input, {}));
     LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain));
-    if (auto options = to_height_options(arguments.terrain, arguments.reading); !options)
-      return options.error();
-    return {};
+    return check_terrain_reading(arguments.input, arguments.terrain, arguments.reading);
   }
   LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
   return holds_cells(arguments.input) ? check_tetra_reading(arguments.reading, arguments.input)
@@ -141,8 +139,8 @@ Result<Outcome> run_info(const InfoArguments& arguments, Session& session) {
 
 Command add_info_command(CLI::App& program) {
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* app = program.add_subcommand(
-      "info", "Show what a volume, mesh, raster of heights or .lode file holds");
+  CLI::App* app =
+      program.add_subcommand("info", "Show what a volume, mesh, terrain or .lode file holds");
   app->footer("Example:\n  lode info scan.nrrd\n  lode info dem.tif");
   app->add_option("file", arguments->input, "File to look at")->type_name("FILE")->required();
   add_reading_options(*app, arguments->reading);

@@ -54,8 +54,10 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
 void add_rows(const TerrainAnswer& answer, Table& table) {
   const TerrainReport& report = answer.report;
   if (report.n_left_out > 0)
-    table.add({"left out", fmt::format("{} samples in no cell with four heights",
-                                       format_count(report.n_left_out))});
+    table.add(
+        {"left out", fmt::format("{} {}", format_count(report.n_left_out),
+                                 answer.opened.points ? "points outside of the domain"
+                                                      : "samples in no cell with four heights")});
   table.add({"model", name_of(answer.opened.model)});
   const char* why = !answer.job.max_error.empty()         ? "as asked"
                     : !answer.job.query.max_cells.empty() ? "the triangles decide"
@@ -113,7 +115,7 @@ Result<Wanted> to_wanted(const TerrainJob& job) {
 }
 
 Result<Outcome> run_model_info(const std::string& path, Session& session) {
-  LODE_TRY(const OpenedTerrain opened, open_terrain(path, {}, {}, session.progress()));
+  LODE_TRY(const OpenedTerrain opened, lode::open_terrain(path, {}, {}, session.progress()));
   Outcome outcome;
   outcome.json["command"] = "info";
   outcome.json["file"] = path;
@@ -124,6 +126,25 @@ Result<Outcome> run_model_info(const std::string& path, Session& session) {
   table.add({"model", name_of(opened.model)});
   add_facts(opened.facts, outcome.json, table);
   add_pyramid(opened.pyramid->describe(), outcome.json, table);
+  outcome.text = table.to_string();
+  return outcome;
+}
+
+Result<Outcome> run_points_info(const std::string& path, const TerrainArguments& terrain,
+                                const ReadingArguments& reading, Session& session) {
+  LODE_TRY(const OpenedTerrain opened, open_terrain(path, terrain, reading, {}, session));
+  const HeightRange range = opened.terrain.range();
+  Outcome outcome;
+  outcome.json["command"] = "info";
+  outcome.json["file"] = path;
+  outcome.json["format"] = opened.facts.format;
+  Table table;
+  table.add({"file", path});
+  table.add({"format", opened.facts.format});
+  add_facts(opened.facts, outcome.json, table);
+  outcome.json["range"] = {range.lower, range.upper};
+  table.add(
+      {"range", fmt::format("{} to {}", format_number(range.lower), format_number(range.upper))});
   outcome.text = table.to_string();
   return outcome;
 }
@@ -167,18 +188,17 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
         job.input);
   if (wanted.options.focus && wanted.options.max_cells)
     return fail("--max-cells: expected no --box, --focus-point or --view with it");
-  if (auto options = to_height_options(job.terrain, job.reading); !options) return options.error();
+  LODE_CHECK(check_terrain_reading(job.input, job.terrain, job.reading));
   return check_paths_differ({job.input}, {job.output});
 }
 
 Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_TRY(Wanted wanted, to_wanted(job));
   TerrainOptions& options = wanted.options;
-  LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_CHECK(check_writable(job.output));
   const Stopwatch read_watch;
   LODE_TRY(const OpenedTerrain opened,
-           open_terrain(job.input, reading, wanted.pyramid, session.progress()));
+           open_terrain(job.input, job.terrain, job.reading, wanted.pyramid, session));
   if (options.focus) {
     LODE_TRY(options.focus->metric,
              naming(job.input, read_metric(opened.facts.frame.crs), session));
@@ -207,6 +227,7 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
 Result<Outcome> run_terrain_info(const std::string& path, const TerrainArguments& terrain,
                                  const ReadingArguments& reading, Session& session) {
   if (holds_terrain_model(path)) return run_model_info(path, session);
+  if (is_point_path(path)) return run_points_info(path, terrain, reading, session);
   LODE_TRY(const HeightReadOptions options, to_height_options(terrain, reading));
   LODE_TRY(const HeightRaster raster, read_heights(path, options, session.progress()));
   const TerrainInfo info = describe_terrain(raster.grid);

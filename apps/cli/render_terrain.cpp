@@ -87,7 +87,7 @@ Outcome outcome_of(const TerrainPictureJob& job, const OpenedTerrain& opened,
 }  // namespace
 
 void add_terrain_picture_options(CLI::App& app, TerrainPictureArguments& arguments) {
-  const char* group = "Rasters of heights";
+  const char* group = "Terrain";
   add_terrain_options(app, arguments.terrain, TerrainUse::extraction);
   app.add_option("--exaggeration", arguments.exaggeration,
                  "Heights count so many times (default: 1, or as it takes to see the relief)")
@@ -103,9 +103,8 @@ Result<void> check_no_terrain_picture(const TerrainPictureArguments& arguments,
                                       const std::string& path) {
   LODE_CHECK(check_no_terrain(arguments.terrain, path));
   if (arguments.is_empty()) return {};
-  return fail(
-      "{}: expected a raster of heights with --exaggeration, --contours or --top, got another file",
-      path);
+  return fail("{}: expected {} with --exaggeration, --contours or --top, got another file", path,
+              kTerrainFiles);
 }
 
 Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App& app) {
@@ -116,8 +115,7 @@ Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App&
   LODE_CHECK(check_terrain_model(job.input, job.picture.terrain));
   LODE_CHECK(check_extension(job.output, ".png"));
   if (auto options = to_options(job); !options) return options.error();
-  if (auto options = to_height_options(job.picture.terrain, job.reading); !options)
-    return options.error();
+  LODE_CHECK(check_terrain_reading(job.input, job.picture.terrain, job.reading));
   if (job.picture.is_from_above && !job.camera.empty())
     return fail("--top: expected no --camera with it, got {}", job.camera);
   return check_paths_differ(
@@ -127,7 +125,6 @@ Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App&
 
 Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& session) {
   LODE_TRY(TerrainPictureOptions options, to_options(job));
-  LODE_TRY(const HeightReadOptions reading, to_height_options(job.picture.terrain, job.reading));
   LODE_TRY(const auto pyramid, to_pyramid_options(job.picture.terrain, options.terrain.max_error));
   options.render.threads = session.threads();
   if (!job.camera.empty()) {
@@ -136,7 +133,7 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
   const Stopwatch watch;
   LODE_TRY(const OpenedTerrain opened,
-           open_terrain(job.input, reading, pyramid, session.progress()));
+           open_terrain(job.input, job.picture.terrain, job.reading, pyramid, session));
   LODE_TRY(const HorizontalMetric metric,
            naming(job.input, read_metric(opened.facts.frame.crs), session));
   const double read_seconds = watch.seconds();
@@ -146,7 +143,7 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
       naming(job.input, draw_terrain(opened.terrain, metric, options, report, session.progress()),
              session));
   if (!report.is_vertical_unit_known)
-    session.warn(fmt::format("{}: heights are taken for metres, as the raster {}", job.input,
+    session.warn(fmt::format("{}: heights are taken for metres, as the file {}", job.input,
                              opened.facts.frame.vertical_unit.empty()
                                  ? "does not say their unit"
                                  : "says a unit that is not known"));

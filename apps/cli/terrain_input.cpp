@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "parse.h"
+#include "place_file.h"
+#include "point_facts.h"
 
 namespace lode::cli {
 namespace {
@@ -19,6 +22,66 @@ std::string crs_name(const std::string& wkt) {
   return last == std::string::npos ? wkt : wkt.substr(first + 1, last - first - 1);
 }
 
+Result<PointReadOptions> to_point_options(const TerrainArguments& arguments,
+                                          const ReadingArguments& reading) {
+  constexpr std::int64_t kMostClasses = 255;
+  PointReadOptions options;
+  std::string_view rest = arguments.classes;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(','), rest.size());
+    LODE_TRY(const auto one,
+             parse_integer("--class", std::string(rest.substr(0, end)), 0, kMostClasses));
+    options.classes.push_back(static_cast<std::uint8_t>(one));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  options.crs = arguments.crs;
+  if (!reading.nodata.empty()) {
+    LODE_TRY(options.nodata, parse_number("--nodata", reading.nodata));
+  }
+  return options;
+}
+
+/// But for the outline, which is in a file.
+Result<PointTerrainOptions> to_domain_options(const TerrainArguments& arguments) {
+  PointTerrainOptions options;
+  const std::string& duplicates = arguments.duplicates;
+  if (duplicates == "min") {
+    options.repeated = RepeatedHeights::lowest;
+  } else if (duplicates == "max") {
+    options.repeated = RepeatedHeights::highest;
+  } else if (duplicates == "error") {
+    options.repeated = RepeatedHeights::refused;
+  } else if (!duplicates.empty() && duplicates != "mean") {
+    return fail("--duplicates: expected 'mean', 'min', 'max' or 'error', got '{}'", duplicates);
+  }
+  if (arguments.max_edge.empty()) return options;
+  LODE_TRY(options.max_edge, parse_number("--max-edge", arguments.max_edge));
+  if (!(*options.max_edge > 0))
+    return fail("--max-edge: expected a number > 0, got '{}'", arguments.max_edge);
+  return options;
+}
+
+Result<TerrainReadOptions> to_read_options(const std::string& path,
+                                           const TerrainArguments& arguments,
+                                           const ReadingArguments& reading) {
+  TerrainReadOptions options;
+  if (holds_terrain_model(path)) return options;
+  if (is_point_path(path)) {
+    if (arguments.has_raster())
+      return fail("{}: expected no --band or --encoding with points, got one", path);
+    LODE_TRY(options.points, to_point_options(arguments, reading));
+    LODE_TRY(options.domain, to_domain_options(arguments));
+    return options;
+  }
+  if (arguments.has_points())
+    return fail(
+        "{}: expected points (.las, .xyz, ...) with --class, --duplicates, --max-edge, --outline "
+        "or --crs, got a raster",
+        path);
+  LODE_TRY(options.raster, to_height_options(arguments, reading));
+  return options;
+}
+
 }  // namespace
 
 void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use) {
@@ -29,6 +92,20 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   add("--band", arguments.band, "N", "Band of heights, from 1 (default: 1)");
   add("--encoding", arguments.encoding, "terrain-rgb|terrarium",
       "What the colours of a picture stand for");
+  const auto add_of_points = [&](const char* name, std::string& value, const char* type,
+                                 const char* help) {
+    app.add_option(name, value, help)->type_name(type)->group("Scattered points");
+  };
+  add_of_points("--class", arguments.classes, "N,N,...",
+                "Keep only points of these LAS classes, such as 2 (ground)");
+  add_of_points("--duplicates", arguments.duplicates, "mean|min|max|error",
+                "Height where several points share a position (default: mean); error: refuse them");
+  add_of_points("--max-edge", arguments.max_edge, "L",
+                "Leave out of the domain what is in triangles with a longer edge, in the unit of "
+                "the CRS, or metres where it is of longitudes and latitudes");
+  add_of_points("--outline", arguments.outline, "POLYGON.csv",
+                "Leave out of the domain what is outside of a polygon, x and y a line");
+  add_of_points("--crs", arguments.crs, "EPSG:N|WKT", "CRS of x and y, instead of the file's");
   if (use == TerrainUse::reading) return;
   add("--model", arguments.model, "MODEL",
       "delaunay_selector (default): a TIN for this question; delaunay_pyramid: builds one first, "
@@ -39,23 +116,28 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
 }
 
 Result<void> check_no_terrain(const TerrainArguments& arguments, const std::string& path) {
+  if (arguments.has_points())
+    return fail(
+        "{}: expected scattered points (.las, .xyz, ...) with --class, --duplicates, --max-edge, "
+        "--outline or --crs, got another file",
+        path);
   if (arguments.is_empty()) return {};
-  return fail(
-      "{}: expected a raster of heights (.tif, .asc, .hgt, .png, ...) with --band, --encoding, "
-      "--model or --insertion, got another file",
-      path);
+  return fail("{}: expected {} with --band, --encoding, --model or --insertion, got another file",
+              path, kTerrainFiles);
 }
 
 Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
                                 const std::vector<std::string>& allowed) {
-  constexpr std::array kAlways{"--json", "--threads",  "--quiet",
-                               "--band", "--encoding", "--nodata"};
+  constexpr std::array kAlways{"--json",     "--threads", "--quiet", "--band",
+                               "--encoding", "--nodata",  "--class", "--duplicates",
+                               "--max-edge", "--outline", "--crs"};
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
     const std::string name = "--" + option->get_lnames().front();
     const bool is_known = std::ranges::find(kAlways, name) != kAlways.end() ||
                           std::ranges::find(allowed, name) != allowed.end();
-    if (!is_known) return fail("{}: expected no {} with a raster of heights, got one", path, name);
+    const char* what = is_point_path(path) ? "scattered points" : "a raster of heights";
+    if (!is_known) return fail("{}: expected no {} with {}, got one", path, name, what);
   }
   return {};
 }
@@ -89,11 +171,32 @@ Result<std::optional<double>> to_max_error(const std::string& text) {
   return std::optional<double>(max_error);
 }
 
+Result<void> check_terrain_reading(const std::string& path, const TerrainArguments& arguments,
+                                   const ReadingArguments& reading) {
+  if (auto options = to_read_options(path, arguments, reading); !options) return options.error();
+  return {};
+}
+
+Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArguments& arguments,
+                                   const ReadingArguments& reading,
+                                   const std::optional<PyramidOptions>& pyramid, Session& session) {
+  LODE_TRY(TerrainReadOptions options, to_read_options(path, arguments, reading));
+  if (!arguments.outline.empty()) {
+    LODE_TRY(options.domain.outline, read_places(arguments.outline));
+  }
+  LODE_TRY(OpenedTerrain opened, lode::open_terrain(path, options, pyramid, session.progress()));
+  if (opened.facts.points)
+    warn_of_points(*opened.facts.points, path, options.domain.repeated, session);
+  return opened;
+}
+
 Result<void> check_terrain_model(const std::string& path, const TerrainArguments& arguments) {
+  if (is_point_path(path) && arguments.model == name_of(TerrainModel::delaunay_pyramid))
+    return fail("{}: expected a raster with --model delaunay_pyramid, got scattered points", path);
   if (!holds_terrain_model(path) || arguments.is_empty()) return {};
   return fail(
-      "{}: expected no --band, --encoding, --model or --insertion with a .lode file of terrain, "
-      "got one",
+      "{}: expected no --band, --encoding, --model, --insertion or options of points with a .lode "
+      "file of terrain, got one",
       path);
 }
 
@@ -112,23 +215,26 @@ Result<std::optional<PyramidOptions>> to_pyramid_options(const TerrainArguments&
 }
 
 void add_facts(const TerrainFacts& facts, Json& json, Table& table) {
-  const HeightFrame& grid = facts.frame;
-  const std::uint64_t n_missing = facts.n_missing;
-  const auto n_samples =
-      static_cast<std::uint64_t>(grid.n_columns) * static_cast<std::uint64_t>(grid.n_rows);
-  json["columns"] = grid.n_columns;
-  json["rows"] = grid.n_rows;
+  const HeightFrame& frame = facts.frame;
+  json["columns"] = frame.n_columns;
+  json["rows"] = frame.n_rows;
   json["type"] = facts.type;
-  json["missing_samples"] = n_missing;
-  json["to_world"] = grid.to_world;
+  json["missing_samples"] = facts.n_missing;
+  json["to_world"] = frame.to_world;
   json["has_position"] = facts.has_place;
-  json["crs"] = text_or_null(grid.crs);
-  json["vertical_unit"] = text_or_null(grid.vertical_unit);
-  table.add({"samples", fmt::format("{} x {} = {}, {}", grid.n_columns, grid.n_rows,
-                                    format_count(n_samples), facts.type)});
-  table.add({"missing", format_count(n_missing)});
-  table.add({"CRS", grid.crs.empty() ? "not known" : crs_name(grid.crs)});
-  table.add({"vertical unit", grid.vertical_unit.empty() ? "not known" : grid.vertical_unit});
+  json["crs"] = text_or_null(frame.crs);
+  json["vertical_unit"] = text_or_null(frame.vertical_unit);
+  if (facts.points) {
+    add_point_facts(*facts.points, json, table);
+  } else {
+    const std::int64_t n_samples = std::int64_t{frame.n_columns} * frame.n_rows;
+    table.add(
+        {"samples", fmt::format("{} x {} = {}, {}", frame.n_columns, frame.n_rows,
+                                format_count(static_cast<std::uint64_t>(n_samples)), facts.type)});
+  }
+  if (!facts.points || facts.n_missing > 0) table.add({"missing", format_count(facts.n_missing)});
+  table.add({"CRS", frame.crs.empty() ? "not known" : crs_name(frame.crs)});
+  table.add({"vertical unit", frame.vertical_unit.empty() ? "not known" : frame.vertical_unit});
 }
 
 }  // namespace lode::cli

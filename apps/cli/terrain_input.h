@@ -9,29 +9,44 @@
 
 namespace lode::cli {
 
-/// The options of rasters of heights as typed; --nodata, --max-error and --max-cells are shared
-/// with other inputs.
+/// The options of terrain as typed; --nodata, --max-error and --max-cells are shared with other
+/// inputs.
 struct TerrainArguments {
-  std::string band;
+  std::string band;  ///< This and the next are of rasters.
   std::string encoding;
+  std::string classes;  ///< This and the next four are of points.
+  std::string duplicates;
+  std::string max_edge;
+  std::string outline;
+  std::string crs;
   std::string model;
   std::string insertion;
 
+  [[nodiscard]] bool has_raster() const { return !band.empty() || !encoding.empty(); }
+  [[nodiscard]] bool has_points() const {
+    return !(classes.empty() && duplicates.empty() && max_edge.empty() && outline.empty() &&
+             crs.empty());
+  }
   [[nodiscard]] bool is_empty() const {
-    return band.empty() && encoding.empty() && model.empty() && insertion.empty();
+    return !has_raster() && !has_points() && model.empty() && insertion.empty();
   }
 };
 
+/// What is terrain, for messages and help.
+inline constexpr const char* kTerrainFiles =
+    "a raster of heights (.tif, .asc, .hgt, .png, ...) or scattered points (.las, .xyz, ...)";
+
 enum class TerrainUse : std::uint8_t { reading, extraction };
 
-/// reading: --band and --encoding; extraction: also --model and --insertion.
+/// reading: --band, --encoding and the options of points; extraction: also --model and
+/// --insertion.
 void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use);
 
 /// Refuses them for other inputs: they would silently do nothing.
 [[nodiscard]] Result<void> check_no_terrain(const TerrainArguments& arguments,
                                             const std::string& path);
 
-/// Refuses options that were given and mean nothing for a raster of heights; `allowed` beside
+/// Refuses options that were given and mean nothing for terrain; `allowed` beside
 /// those of every command and of reading.
 [[nodiscard]] Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
                                               const std::vector<std::string>& allowed);
@@ -39,7 +54,20 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
 [[nodiscard]] Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
                                                           const ReadingArguments& reading);
 
-/// Refuses --model, --insertion and reading's options with .lode files, which are of a model.
+/// Looks at the arguments alone: refuses those of rasters for points, and the other way round.
+[[nodiscard]] Result<void> check_terrain_reading(const std::string& path,
+                                                 const TerrainArguments& arguments,
+                                                 const ReadingArguments& reading);
+
+/// Reads a terrain, or builds what `pyramid` says, and warns of what became of its points.
+[[nodiscard]] Result<OpenedTerrain> open_terrain(const std::string& path,
+                                                 const TerrainArguments& arguments,
+                                                 const ReadingArguments& reading,
+                                                 const std::optional<PyramidOptions>& pyramid,
+                                                 Session& session);
+
+/// Refuses --model, --insertion and reading's options with .lode files, which are of a model, and
+/// --model delaunay_pyramid with points.
 [[nodiscard]] Result<void> check_terrain_model(const std::string& path,
                                                const TerrainArguments& arguments);
 

@@ -15,8 +15,10 @@ ReadingArguments reading_of(const TerrainQueryArguments& arguments) {
 }  // namespace
 
 void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
-  app.add_option("dem", arguments.input,
-                 "Raster of heights (.tif, .asc, .hgt, .png, ...), or a .lode file made of one")
+  app.add_option(
+         "dem", arguments.input,
+         "Raster of heights (.tif, .asc, .hgt, .png, ...), points (.las, .xyz, ...), or a .lode "
+         "file made of a raster")
       ->type_name("DEM")
       ->required();
   app.add_option("--max-error", arguments.max_error,
@@ -25,34 +27,28 @@ void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
       ->type_name("E");
   app.add_option("--nodata", arguments.nodata, "Value of missing samples, instead of the file's")
       ->type_name("V")
-      ->group("Rasters of heights");
+      ->group("Terrain");
   add_terrain_options(app, arguments.terrain, TerrainUse::extraction);
 }
 
 Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
                                  const std::string& instead) {
   if (!holds_terrain(arguments.input))
-    return fail(
-        "{}: expected a raster of heights (.tif, .asc, .hgt, .png, ...) or a .lode file made of "
-        "one, got another file{}",
-        arguments.input, instead.empty() ? "" : "; " + instead);
+    return fail("{}: expected {}, or a .lode file made of a raster, got another file{}",
+                arguments.input, kTerrainFiles, instead.empty() ? "" : "; " + instead);
   LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain));
   if (auto options = to_terrain_options(arguments.max_error, "", arguments.terrain); !options)
     return options.error();
-  if (auto options = to_height_options(arguments.terrain, reading_of(arguments)); !options)
-    return options.error();
-  return {};
+  return check_terrain_reading(arguments.input, arguments.terrain, reading_of(arguments));
 }
 
 Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Session& session) {
   LODE_TRY(const TerrainOptions options,
            to_terrain_options(arguments.max_error, "", arguments.terrain));
-  LODE_TRY(const HeightReadOptions reading,
-           to_height_options(arguments.terrain, reading_of(arguments)));
   LODE_TRY(const auto pyramid, to_pyramid_options(arguments.terrain, options.max_error));
   const Stopwatch watch;
-  LODE_TRY(OpenedTerrain opened,
-           open_terrain(arguments.input, reading, pyramid, session.progress()));
+  LODE_TRY(OpenedTerrain opened, open_terrain(arguments.input, arguments.terrain,
+                                              reading_of(arguments), pyramid, session));
   LODE_TRY(HorizontalMetric metric,
            naming(arguments.input, read_metric(opened.facts.frame.crs), session));
   return TerrainInput{std::move(opened), std::move(metric), options, watch.seconds()};

@@ -8,7 +8,7 @@
 
 namespace lode::cli {
 
-/// What every question to the TIN of a raster of heights takes, as typed.
+/// What every question to the TIN of a terrain takes, as typed.
 struct TerrainQueryArguments {
   std::string input;
   std::string max_error;
@@ -16,7 +16,7 @@ struct TerrainQueryArguments {
   TerrainArguments terrain;
 };
 
-/// The raster, --max-error, --nodata, and what extraction of terrain has.
+/// The terrain, --max-error, --nodata, and what extraction of terrain has.
 void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments);
 
 /// Looks at the arguments alone. `instead`: what there is for volumes and meshes, or empty.

@@ -33,25 +33,33 @@ Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session)
   return report;
 }
 
+Result<VerifyReport> verify_points(const TerrainVerifyJob& job, double max_error,
+                                   Session& session) {
+  LODE_TRY(const OpenedTerrain opened,
+           open_terrain(job.input, job.terrain, job.reading, {}, session));
+  LODE_TRY(const Surface surface, read_surface(job.surface));
+  return verify_terrain(*opened.points, surface, max_error, session.threads(), session.progress());
+}
+
 }  // namespace
 
 Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& app) {
   if (holds_terrain_model(job.input)) return check_model_verify(job, app);
   LODE_CHECK(check_only_terrain(app, job.input, {"--surface", "--max-error"}));
   if (job.surface.empty())
-    return fail("{}: expected --surface FILE to hold against this raster, got none", job.input);
+    return fail("{}: expected --surface FILE to hold against this terrain, got none", job.input);
   LODE_CHECK(check_surface_path(job.surface));
   if (job.max_error.empty())
     return fail("--surface: expected the --max-error it was extracted with, got none");
   if (auto max_error = to_max_error(job.max_error); !max_error) return max_error.error();
-  if (auto options = to_height_options(job.terrain, job.reading); !options) return options.error();
-  return {};
+  return check_terrain_reading(job.input, job.terrain, job.reading);
 }
 
 Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& session) {
   if (holds_terrain_model(job.input)) return verify_model(job, session);
-  LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_TRY(const std::optional<double> max_error, to_max_error(job.max_error));
+  if (is_point_path(job.input)) return verify_points(job, max_error.value_or(0), session);
+  LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_TRY(const HeightRaster raster, read_heights(job.input, reading, session.progress()));
   LODE_TRY(const Surface surface, read_surface(job.surface));
   return verify_terrain(raster.grid, surface, max_error.value_or(0), session.threads(),

@@ -110,8 +110,8 @@ TEST(cli_inputs, refuses_noise_under_any_known_extension) {
 
 TEST(cli_inputs, refuses_an_unknown_extension) {
   const Scratch scratch;
-  write_bytes(scratch / "scan.xyz", "some bytes");
-  expect_refused_everywhere(scratch / "scan.xyz", scratch);
+  write_bytes(scratch / "scan.abc", "some bytes");
+  expect_refused_everywhere(scratch / "scan.abc", scratch);
 }
 
 TEST(cli_inputs, refuses_a_truncated_lode_file) {

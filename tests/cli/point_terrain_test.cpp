@@ -1,0 +1,152 @@
+// Scattered points as input of all commands of terrain.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/cli/program.h"
+#include "tests/io/point_files.h"
+
+namespace lode::test {
+namespace {
+
+using io::test::LasFile;
+using io::test::LasPoint;
+
+/// 600 points of a hill in 200 by 150 m, every fifth of class 5, 20 m higher.
+LasFile hill() {
+  LasFile las{.geo_keys = {1, 1, 0, 2, 3072, 0, 1, 32633, 4099, 0, 1, 9001}};
+  std::uint32_t random = 1;
+  const auto below = [&](std::int32_t n) {
+    random = random * 1664525 + 1013904223;
+    return static_cast<std::int32_t>((random >> 8) % static_cast<std::uint32_t>(n));
+  };
+  for (int i = 0; i < 600; ++i) {
+    const std::int32_t x = below(20000);
+    const std::int32_t y = below(15000);
+    const double z = 5000 * std::exp(-(std::pow(x - 9000, 2) + std::pow(y - 8000, 2)) / 2e7);
+    const bool is_tree = i % 5 == 0;
+    las.points.push_back({{x, y, static_cast<std::int32_t>(z) + (is_tree ? 2000 : 0)},
+                          static_cast<std::uint8_t>(is_tree ? 5 : 2)});
+  }
+  return las;
+}
+
+class cli_points : public testing::Test {
+ protected:
+  cli_points() : las_(scratch_ / "hill.las") { write_bytes(las_, hill().bytes()); }
+
+  Scratch scratch_;
+  std::string las_;
+};
+
+TEST_F(cli_points, info_says_what_there_is_and_what_is_left_out) {
+  const auto json = run_lode({"info", las_, "--class", "2", "--json"}).json();
+  EXPECT_EQ(json.at("format"), "LAS 1.2, format 0");
+  EXPECT_EQ(json.at("points_in_file"), 600);
+  EXPECT_EQ(json.at("classes").at("5"), 120);
+  EXPECT_EQ(json.at("left_out").at("other_classes"), 120);
+  EXPECT_EQ(json.at("lattice_step"), 0.01);
+  EXPECT_LE(json.at("largest_move").get<double>(), 1e-8);
+  EXPECT_EQ(json.at("vertical_unit"), "m");
+  EXPECT_NE(json.at("crs").get<std::string>().find("UTM zone 33N"), std::string::npos);
+}
+
+TEST_F(cli_points, extracts_a_tin_that_verify_finds_within_the_error) {
+  for (const std::vector<std::string>& domain : {std::vector<std::string>{},
+                                                 {"--max-edge", "25"},
+                                                 {"--class", "2", "--duplicates", "max"}}) {
+    const std::string out = scratch_ / "hill.ply";
+    std::vector<std::string> extract{"extract", las_, out, "--max-error", "0.5", "--json"};
+    extract.insert(extract.end(), domain.begin(), domain.end());
+    const auto json = run_lode(extract).json();
+    EXPECT_LE(json.at("achieved_error").get<double>(), 0.5);
+    EXPECT_GT(json.at("triangles").get<int>(), 100);
+    for (const char* max_error : {"0.5", "0.2"}) {
+      std::vector<std::string> verify{"verify",      las_,      "--surface", out,
+                                      "--max-error", max_error, "--json"};
+      verify.insert(verify.end(), domain.begin(), domain.end());
+      EXPECT_EQ(run_lode(verify).exit_code == 0, std::string(max_error) == "0.5");
+    }
+  }
+}
+
+TEST_F(cli_points, answers_all_questions) {
+  const auto heights =
+      run_lode({"height", las_, "--at", "500090,4000080", "--at", "1,2", "--json"}).json();
+  EXPECT_EQ(heights.at("outside"), 1);
+  EXPECT_GT(heights.at("points").at(0).at("height").get<double>(), 40);
+  const auto profile =
+      run_lode({"profile", las_, "--from", "500010,4000020", "--to", "500150,4000110", "--json"})
+          .json();
+  EXPECT_EQ(profile.at("parts"), 1);
+  EXPECT_EQ(profile.at("distance_unit"), "metre");
+  const auto contours = run_lode({"contours", las_, scratch_ / "c.geojson", "--class", "2",
+                                  "--interval", "10", "--json"})
+                            .json();
+  EXPECT_GT(contours.at("lines").get<int>(), 3);
+  const auto sight = run_lode({"sight", las_, "--from", "500010,4000080", "--to", "500180,4000080",
+                               "--class", "2", "--exact", "--json"})
+                         .json();
+  EXPECT_EQ(sight.at("verdict"), "blocked");
+  const auto render =
+      run_lode({"render", las_, scratch_ / "hill.png", "--size", "64x48", "--json"}).json();
+  EXPECT_EQ(render.at("outputs").size(), 1U);
+}
+
+TEST_F(cli_points, takes_text_with_an_outline_and_a_crs) {
+  std::string text = "lon lat depth\n";
+  for (int i = 0; i < 400; ++i)
+    text += std::to_string(i % 20 * 0.01 + 10) + ' ' + std::to_string(i / 20 * 0.01 + 50) + ' ' +
+            std::to_string(-(i % 7) * 10) + '\n';
+  write_bytes(scratch_ / "sea.xyz", text);
+  write_bytes(scratch_ / "part.csv", "x,y\n10.002,50.005\n10.105,50.005\n10.105,50.108\n");
+  const auto json =
+      run_lode({"extract", scratch_ / "sea.xyz", scratch_ / "sea.ply", "--outline",
+                scratch_ / "part.csv", "--crs", "EPSG:4326", "--max-error", "0", "--json"})
+          .json();
+  EXPECT_EQ(json.at("positions"), 55);
+  EXPECT_EQ(json.at("left_out").at("outside_outline"), 345);
+  EXPECT_EQ(json.at("vertices"), 55);
+  EXPECT_EQ(json.at("triangles"), 81);
+  EXPECT_EQ(json.at("lattice_step"), 0.01);
+  EXPECT_NE(json.at("crs").get<std::string>().find("WGS 84"), std::string::npos);
+}
+
+TEST_F(cli_points, says_which_heights_are_not_those_of_the_file) {
+  write_bytes(scratch_ / "twice.xyz", "0 0 1\n9 0 1\n0 9 1\n0 9 4\n");
+  const Finished info = run_lode({"info", scratch_ / "twice.xyz"});
+  EXPECT_NE(info.err.find("differ by up to 3; the mean"), std::string::npos) << info.err;
+  expect_refusal(run_lode({"info", scratch_ / "twice.xyz", "--duplicates", "error"}), 1,
+                 {"twice.xyz", "got 2 at 0, 9"});
+}
+
+TEST_F(cli_points, refuses_what_cannot_be_meant) {
+  const std::string out = scratch_ / "out.ply";
+  const auto extract = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command{"extract", las_, out};
+    command.insert(command.end(), more.begin(), more.end());
+    return run_lode(command);
+  };
+  expect_refusal(extract({"--band", "1"}), 2, {"--band", "points"});
+  expect_refusal(extract({"--isovalue", "1"}), 2, {"--isovalue", "scattered points"});
+  expect_refusal(extract({"--class", "256"}), 2, {"--class"});
+  expect_refusal(extract({"--class", "2,,3"}), 2, {"--class"});
+  expect_refusal(extract({"--duplicates", "some"}), 2, {"mean", "some"});
+  expect_refusal(extract({"--max-edge", "0"}), 2, {"--max-edge"});
+  expect_refusal(extract({"--class", "7"}), 1, {"hill.las", "got none"});
+  expect_refusal(extract({"--max-edge", "0.001"}), 1, {"hill.las", "got none of"});
+  expect_refusal(extract({"--crs", "EPSG:none"}), 1, {"hill.las", "EPSG:none"});
+  expect_refusal(extract({"--outline", scratch_ / "none.csv"}), 1, {"none.csv"});
+  write_bytes(scratch_ / "line.xyz", "0 0 1\n1 1 2\n2 2 3\n");
+  expect_refusal(run_lode({"extract", scratch_ / "line.xyz", out}), 1,
+                 {"line.xyz", "not on one line"});
+  write_bytes(scratch_ / "a.asc",
+              "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
+  expect_refusal(run_lode({"extract", scratch_ / "a.asc", out, "--max-edge", "3"}), 2,
+                 {"a.asc", "--max-edge", "raster"});
+  EXPECT_EQ(std::ranges::count(scratch_.files(), "out.ply"), 0);
+}
+
+}  // namespace
+}  // namespace lode::test
