@@ -358,11 +358,13 @@ Command add_extract_command(CLI::App& program) {
       "--mesh writes .vtu, --section the surface formats; values and errors need .vtp or .ply.\n\n"
       "Of meshes of cells (.vtu, .vts, .vtk, .msh, .mesh) the hierarchy is built in memory; there\n"
       "are isosurfaces, --mesh, --section and --boundary, with foci and --max-cells.\n\n"
-      "Of rasters of heights (.tif, .asc, .hgt, .png, ...) there is a TIN: no sample is farther\n"
-      "from it, vertically, than --max-error. Of their .lode files, and with --model\n"
-      "delaunay_pyramid, that may hold in a --box X0,X1,Y0,Y1 alone, or vary.\n\n"
+      "Of rasters of heights (.tif, .asc, .hgt, .png, ...) and scattered points (.las, .xyz, ...)\n"
+      "there is a TIN: no sample is farther from it, vertically, than --max-error. Of .lode files of\n"
+      "rasters, and with --model delaunay_pyramid, that may hold in a --box X0,X1,Y0,Y1 alone, or\n"
+      "vary.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract dem.tif dem.ply --max-error 10\n"
+      "  lode extract survey.las ground.ply --class 2 --max-error 0.1\n"
       "  lode extract dem.lode dem.ply --max-error 1 --focus-point 562000,5117000 --growth 0.002\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
@@ -375,8 +377,7 @@ Command add_extract_command(CLI::App& program) {
       "  lode extract fin.vtu hot.vtp --boundary --threshold 2:5 --field Density\n"
       "  lode extract scan.lode bone.vtp --isovalue 1200 --progressive bone-steps\n"
       "  lode extract damaged.lode bone.ply --isovalue 1200 --max-error 10 --salvage");
-  app->add_option("file", arguments->input,
-                  ".lode file, a volume to build in memory, or a raster of heights")
+  app->add_option("file", arguments->input, ".lode file, a volume to build in memory, or terrain")
       ->type_name("FILE")
       ->required();
   app->add_option("output", arguments->output, "Surface to write")->type_name("OUT")->required();

@@ -290,7 +290,7 @@ Command add_render_command(CLI::App& program) {
       "  lode render wing.vtu wing.png --opacity viridis-smoke --isovalue 2.1 --max-cells 200000\n"
       "  lode render dem.tif map.png --top --contours 100");
   app->add_option("file", arguments->input,
-                  ".lode file, a volume or mesh to build in memory, or a raster of heights")
+                  ".lode file, a volume or mesh to build in memory, or terrain")
       ->type_name("FILE")
       ->required();
   app->add_option("output", arguments->output, "Picture to write")
