@@ -141,7 +141,8 @@ Command add_info_command(CLI::App& program) {
   auto arguments = std::make_shared<InfoArguments>();
   CLI::App* app =
       program.add_subcommand("info", "Show what a volume, mesh, terrain or .lode file holds");
-  app->footer("Example:\n  lode info scan.nrrd\n  lode info dem.tif\n  lode info survey.las --class 2");
+  app->footer(
+      "Example:\n  lode info scan.nrrd\n  lode info dem.tif\n  lode info survey.las --class 2");
   app->add_option("file", arguments->input, "File to look at")->type_name("FILE")->required();
   add_reading_options(*app, arguments->reading);
   add_terrain_options(*app, arguments->terrain, TerrainUse::reading);
