@@ -9,6 +9,7 @@
 
 #include "lode/delaunay/full_tin.h"
 #include "lode/delaunay/grid_domain.h"
+#include "lode/models/terrain/delaunay_selector/spatial_order.h"
 
 namespace lode::delaunay_selector {
 namespace {
@@ -26,30 +27,13 @@ std::vector<double> heights_of(const delaunay::Tin& tin, const HeightGrid& grid)
   return heights;
 }
 
-/// Both are in rows.
-std::vector<double> heights_of(const delaunay::Tin& tin, const HeightPoints& points) {
-  std::vector<double> heights;
-  heights.reserve(tin.vertices.size());
-  std::size_t at = 0;
-  for (const LatticePoint& p : tin.vertices) {
-    while (points.nodes[at] != p) ++at;
-    heights.push_back(points.heights[at]);
-  }
-  return heights;
-}
-
-Selection to_selection(const delaunay::PointMesh& mesh, const HeightPoints& points,
+Selection to_selection(const delaunay::PointMesh& mesh, const SpatialOrder& order,
                        const PointDomain& domain, delaunay::TinLinks links) {
   Selection selection;
-  selection.tin = delaunay::to_tin(mesh, links);
-  selection.tin.heights = heights_of(selection.tin, points);
-  selection.n_samples = points.nodes.size() - domain.n_left_out;
+  selection.tin = order.to_tin(mesh, links);
+  selection.n_samples = order.nodes.size() - domain.n_left_out;
   selection.n_left_out = domain.n_left_out;
   return selection;
-}
-
-delaunay::PointSamples samples_of(const HeightPoints& points, const PointDomain& domain) {
-  return {points.nodes, points.heights, domain.triangle_of};
 }
 
 }  // namespace
@@ -85,11 +69,12 @@ Result<Selection> select_points(const HeightPoints& points, const PointDomain& d
   LODE_EXPECTS(!options.max_cells || options.order == InsertionOrder::strict);
   const HeightRange range = height_range(points);
   LODE_CHECK(delaunay::check_heights(range));
-  delaunay::PointMesh mesh(delaunay::ListedNodes(points.nodes), domain.triangles);
-  LODE_TRY(const delaunay::GreedyReport report,
-           delaunay::insert_points(mesh, samples_of(points, domain), range, greedy_options(options),
-                                   progress));
-  Selection selection = to_selection(mesh, points, domain, options.links);
+  const SpatialOrder order(points, domain);
+  delaunay::PointMesh mesh(delaunay::ListedNodes(order.nodes), order.triangles);
+  LODE_TRY(
+      const delaunay::GreedyReport report,
+      delaunay::insert_points(mesh, order.samples(), range, greedy_options(options), progress));
+  Selection selection = to_selection(mesh, order, domain, options.links);
   selection.achieved_error = report.achieved_error;
   selection.is_within_error = report.is_within_error;
   if (options.max_cells)
@@ -100,9 +85,10 @@ Result<Selection> select_points(const HeightPoints& points, const PointDomain& d
 Result<Selection> select_all_points(const HeightPoints& points, const PointDomain& domain,
                                     Progress& progress) {
   LODE_CHECK(delaunay::check_heights(height_range(points)));
-  delaunay::PointMesh mesh(delaunay::ListedNodes(points.nodes), domain.triangles);
-  LODE_CHECK(delaunay::insert_all_points(mesh, samples_of(points, domain), progress));
-  return to_selection(mesh, points, domain, delaunay::TinLinks::kept);
+  const SpatialOrder order(points, domain);
+  delaunay::PointMesh mesh(delaunay::ListedNodes(order.nodes), order.triangles);
+  LODE_CHECK(delaunay::insert_all_points(mesh, order.samples(), progress));
+  return to_selection(mesh, order, domain, delaunay::TinLinks::kept);
 }
 
 Result<Selection> select_all_samples(const HeightGrid& grid) {
