@@ -76,7 +76,8 @@ class PointOutline {
   [[nodiscard]] bool has(LatticePoint p, LatticePoint q) const {
     if (std::ranges::binary_search(edges_, key({p, q}), {}, key)) return true;
     return std::ranges::any_of(edges_, [&](const Edge& edge) {
-      const auto& [a, b] = edge;
+      const LatticePoint a = edge.first;
+      const LatticePoint b = edge.second;
       const auto along = [&](LatticePoint u) {
         return a.x != b.x ? std::int64_t{u.x} * (b.x > a.x ? 1 : -1)
                           : std::int64_t{u.y} * (b.y > a.y ? 1 : -1);
