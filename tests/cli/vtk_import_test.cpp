@@ -181,6 +181,7 @@ TEST_F(vtk_import_of, patches_come_with_their_names_through_files_and_exodus) {
 }
 
 TEST_F(vtk_import_of, damaged_files_fails_with_one_sentence) {
+  const std::string grid = read_bytes(scratch_ / "plot3d.xyz");
   for (const char* const file : {"blocks.e", "blocks.cgns", "ensight.case", "plot3d.xyz"}) {
     const std::string input = scratch_ / file;
     const std::string whole = read_bytes(input);
@@ -190,6 +191,8 @@ TEST_F(vtk_import_of, damaged_files_fails_with_one_sentence) {
       expect_refusal(run_lode({"info", input, "--quiet"}), 1, {file});
     }
   }
+  // Text of that name would be points.
+  write_bytes(scratch_ / "plot3d.xyz", grid);
   std::filesystem::remove(scratch_ / "plot3d.q");
   expect_refusal(run_lode({"info", scratch_ / "plot3d.xyz"}), 1, {"plot3d.q beside the grid"});
   expect_refusal(run_lode({"info", scratch_ / "absent.e"}), 1, {"absent.e", "found none"});
