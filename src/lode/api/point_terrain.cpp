@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "lode/api/terrain_selection.h"
+#include "lode/api/terrain_tin.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/delaunay/lattice_side.h"
 
 namespace lode {
 namespace {
 
-using Place = Vec<double, 2>;
 using delaunay_selector::PointDomain;
 
 class PointOrigin final : public TerrainOrigin {

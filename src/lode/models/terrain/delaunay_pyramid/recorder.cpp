@@ -43,11 +43,10 @@ void Recorder::add_node(const LatticeMesh& mesh, LatticePoint at,
   for (const std::uint32_t slot : slots) {
     const LatticeTriangle& triangle = mesh.triangles()[slot];
     current_[slot] = static_cast<std::uint32_t>(history_.triangles.size());
-    history_.triangles.push_back(
-        {{border_vertex(mesh.nodes().unpack(triangle.corner[0])),
-          border_vertex(mesh.nodes().unpack(triangle.corner[1])), vertex},
-         kNone,
-         0});
+    history_.triangles.push_back({{border_vertex(mesh.nodes().unpack(triangle.corner[0])),
+                                   border_vertex(mesh.nodes().unpack(triangle.corner[1])), vertex},
+                                  kNone,
+                                  0});
   }
 }
 
