@@ -107,9 +107,11 @@ Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) 
   json["warnings"] = session.warnings();
   table.add({"read and build", format_seconds(build_seconds)});
   table.add({"write", format_seconds(write_seconds)});
-  const double n_vertices = static_cast<double>(info.n_nodes) + 1;
-  table.add({"file size", fmt::format("{} ({:.1f} bytes an insertion)", format_bytes(n_bytes),
-                                      static_cast<double>(n_bytes) / n_vertices)});
+  std::string rate;
+  if (info.n_nodes > 0)
+    rate = fmt::format(" ({:.1f} bytes an insertion)",
+                       static_cast<double>(n_bytes) / static_cast<double>(info.n_nodes));
+  table.add({"file size", format_bytes(n_bytes) + rate});
   table.add({"output", job.output});
   outcome.text = table.to_string();
   return outcome;

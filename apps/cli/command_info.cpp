@@ -106,7 +106,7 @@ Result<void> add_samples(Outcome& outcome, VolumeSource& source, Session& sessio
 Result<void> check_info(const InfoArguments& arguments, const CLI::App& app) {
   if (holds_terrain(arguments.input)) {
     LODE_CHECK(check_only_terrain(app, arguments.input, {}));
-    LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain));
+    LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain, arguments.reading));
     return check_terrain_reading(arguments.input, arguments.terrain, arguments.reading);
   }
   LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));

@@ -93,6 +93,8 @@ void warn_of(const TerrainReport& report, const TerrainJob& job, Session& sessio
   if (!job.max_error.empty() && !report.is_within_error)
     session.warn(fmt::format("--max-error is not met: --max-cells allows {} only",
                              format_number(report.achieved_error)));
+  if (!report.is_uniform && report.is_focus_empty)
+    session.warn("the focus meets no triangle that could be finer: is it in the terrain's CRS?");
 }
 
 /// What a job asks for, but for the metric of its focus.
@@ -105,9 +107,9 @@ Result<Wanted> to_wanted(const TerrainJob& job) {
   Wanted wanted;
   LODE_TRY(wanted.options, to_terrain_options(job.max_error, job.query.max_cells, job.terrain));
   LODE_TRY(wanted.options.focus, to_terrain_focus(job.query, job.focus));
-  // Of what holds everywhere, nothing finer is asked for; pixels may be of any size.
-  const bool is_known = !wanted.options.focus || !wanted.options.focus->view;
-  std::optional<double> finest = is_known ? wanted.options.max_error : std::nullopt;
+  // Nothing finer is asked for; a number of triangles may take all samples.
+  std::optional<double> finest = wanted.options.max_error;
+  if (!finest && wanted.options.max_cells) finest = 0;
   if (finest && wanted.options.focus && wanted.options.focus->max_error_outside)
     finest = std::min(*finest, *wanted.options.focus->max_error_outside);
   LODE_TRY(wanted.pyramid, to_pyramid_options(job.terrain, finest));
@@ -173,11 +175,10 @@ Result<TerrainOptions> to_terrain_options(const std::string& max_error,
 }
 
 Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
-  LODE_CHECK(check_only_terrain(
-      app, job.input,
-      {"--max-error", "--max-cells", "--model", "--insertion", "--box", "--focus-point", "--growth",
-       "--view", "--view-size", "--max-error-px", "--max-error-outside"}));
-  LODE_CHECK(check_terrain_model(job.input, job.terrain));
+  LODE_CHECK(check_only_terrain(app, job.input,
+                                {"--max-error", "--max-cells", "--model", "--insertion", "--box",
+                                 "--focus-point", "--growth", "--max-error-outside"}));
+  LODE_CHECK(check_terrain_model(job.input, job.terrain, job.reading));
   LODE_CHECK(check_surface_extension(job.output));
   LODE_TRY(const Wanted wanted, to_wanted(job));
   const bool can_vary = wanted.pyramid || holds_terrain_model(job.input);
@@ -187,7 +188,7 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
         "vary, and so can a .lode file that `lode build` makes",
         job.input);
   if (wanted.options.focus && wanted.options.max_cells)
-    return fail("--max-cells: expected no --box, --focus-point or --view with it");
+    return fail("--max-cells: expected no --box or --focus-point with it");
   LODE_CHECK(check_terrain_reading(job.input, job.terrain, job.reading));
   return check_paths_differ({job.input}, {job.output});
 }

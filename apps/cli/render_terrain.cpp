@@ -112,7 +112,7 @@ Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App&
       app, job.input,
       {"--max-error", "--max-cells", "--model", "--insertion", "--exaggeration", "--contours",
        "--top", "--size", "--camera", "--save-camera", "--color", "--background", "--samples"}));
-  LODE_CHECK(check_terrain_model(job.input, job.picture.terrain));
+  LODE_CHECK(check_terrain_model(job.input, job.picture.terrain, job.reading));
   LODE_CHECK(check_extension(job.output, ".png"));
   if (auto options = to_options(job); !options) return options.error();
   LODE_CHECK(check_terrain_reading(job.input, job.picture.terrain, job.reading));

@@ -29,20 +29,6 @@ Result<void> add_point(const TerrainFocusArguments& arguments, TerrainFocus& foc
   return {};
 }
 
-Result<void> add_view(const QueryArguments& query, TerrainFocus& focus) {
-  if (query.view.empty()) {
-    if (!query.max_error_px.empty()) return fail("--max-error-px: expected --view with it");
-    if (!query.view_size.empty()) return fail("--view-size: expected --view with it");
-    return {};
-  }
-  if (query.max_error_px.empty()) return fail("--view: expected --max-error-px with it");
-  LODE_TRY(focus.view, read_view(query));
-  LODE_TRY(focus.view_pixels, parse_number("--max-error-px", query.max_error_px));
-  if (!(focus.view_pixels > 0))
-    return fail("--max-error-px: expected a number > 0, got '{}'", query.max_error_px);
-  return {};
-}
-
 }  // namespace
 
 void add_terrain_focus_options(CLI::App& app, TerrainFocusArguments& arguments) {
@@ -66,7 +52,6 @@ Result<std::optional<TerrainFocus>> to_terrain_focus(const QueryArguments& query
     focus.boxes.push_back(box);
   }
   LODE_CHECK(add_point(arguments, focus));
-  LODE_CHECK(add_view(query, focus));
   if (!query.max_error_outside.empty()) {
     LODE_TRY(const double outside, parse_number("--max-error-outside", query.max_error_outside));
     if (outside < 0)
@@ -75,7 +60,7 @@ Result<std::optional<TerrainFocus>> to_terrain_focus(const QueryArguments& query
   }
   if (!focus.is_empty()) return std::optional(std::move(focus));
   if (focus.max_error_outside)
-    return fail("--max-error-outside: expected --box, --focus-point or --view with it");
+    return fail("--max-error-outside: expected --box or --focus-point with it");
   return std::optional<TerrainFocus>();
 }
 

@@ -19,8 +19,7 @@ struct TerrainFocusArguments {
 
 void add_terrain_focus_options(CLI::App& app, TerrainFocusArguments& arguments);
 
-/// Where the tolerance holds; nothing where it does everywhere. Reads the camera of --view. The
-/// metric is left to the caller.
+/// Where the tolerance holds; nothing where it does everywhere. The metric is left to the caller.
 [[nodiscard]] Result<std::optional<TerrainFocus>> to_terrain_focus(
     const QueryArguments& query, const TerrainFocusArguments& arguments);
 

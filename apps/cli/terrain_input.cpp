@@ -190,13 +190,15 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArgumen
   return opened;
 }
 
-Result<void> check_terrain_model(const std::string& path, const TerrainArguments& arguments) {
+Result<void> check_terrain_model(const std::string& path, const TerrainArguments& arguments,
+                                 const ReadingArguments& reading) {
   if (is_point_path(path) && arguments.model == name_of(TerrainModel::delaunay_pyramid))
     return fail("{}: expected a raster with --model delaunay_pyramid, got scattered points", path);
-  if (!holds_terrain_model(path) || arguments.is_empty()) return {};
+  if (!holds_terrain_model(path) || (arguments.is_empty() && reading.nodata.empty())) return {};
   return fail(
-      "{}: expected no --band, --encoding, --model, --insertion or options of points with a .lode "
-      "file of terrain, got one",
+      "{}: expected no --band, --encoding, --nodata, --model, --insertion or options of points "
+      "with "
+      "a .lode file of terrain, got one",
       path);
 }
 

@@ -69,7 +69,8 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
 /// Refuses --model, --insertion and reading's options with .lode files, which are of a model, and
 /// --model delaunay_pyramid with points.
 [[nodiscard]] Result<void> check_terrain_model(const std::string& path,
-                                               const TerrainArguments& arguments);
+                                               const TerrainArguments& arguments,
+                                               const ReadingArguments& reading);
 
 /// The pyramid that --model asks for, with one level, `finest`, or without it the default ones;
 /// nothing where it asks for none. Fails on models that there are not.

@@ -33,10 +33,11 @@ void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
 
 Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
                                  const std::string& instead) {
+  if (is_lode_path(arguments.input)) LODE_CHECK(check_lode_opens(arguments.input));
   if (!holds_terrain(arguments.input))
     return fail("{}: expected {}, or a .lode file made of a raster, got another file{}",
                 arguments.input, kTerrainFiles, instead.empty() ? "" : "; " + instead);
-  LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain));
+  LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain, reading_of(arguments)));
   if (auto options = to_terrain_options(arguments.max_error, "", arguments.terrain); !options)
     return options.error();
   return check_terrain_reading(arguments.input, arguments.terrain, reading_of(arguments));

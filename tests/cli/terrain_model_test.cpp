@@ -36,6 +36,7 @@ TEST_F(cli_terrain_model, is_built_told_of_and_verified) {
   const Finished check = run_lode({"verify", model_, "--against", dem_});
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
   EXPECT_NE(check.out.find("triangles of all times state their errors"), std::string::npos);
+  EXPECT_NE(check.out.find("vertices have the samples' heights"), std::string::npos);
 }
 
 TEST_F(cli_terrain_model, is_read_from_the_format_document_alone) {
@@ -138,6 +139,13 @@ TEST_F(cli_terrain_model, varies_its_tolerance) {
   EXPECT_LT(nearer, near);
   EXPECT_LT(near, fine);
   EXPECT_LE(count({"--max-cells", "300"}), 300);
+  const Finished far =
+      run_lode({"extract", model_, scratch_ / "far.ply", "--max-error", "2", "--box", "0,1,0,1"});
+  EXPECT_NE(far.err.find("focus meets no triangle"), std::string::npos) << far.err;
+  const auto all =
+      run_lode({"extract", model_, scratch_ / "all.ply", "--max-cells", "1000000", "--json"});
+  EXPECT_EQ(all.json().at("error_met"), false) << "it has no error of 0";
+  EXPECT_EQ(run_lode({"render", model_, scratch_ / "small.png", "--size", "400x300"}).exit_code, 0);
 }
 
 TEST_F(cli_terrain_model, refuses_what_it_cannot_keep) {
@@ -158,6 +166,13 @@ TEST_F(cli_terrain_model, refuses_what_it_cannot_keep) {
   expect_refusal(run_lode({"build", dem_, model_, "--model", "delaunay_selector"}), 2,
                  {"delaunay_pyramid"});
   expect_refusal(run_lode({"verify", model_, "--surface", out}), 2, {"--surface"});
+  expect_refusal(run_lode({"extract", model_, out, "--nodata", "5"}), 2, {"--nodata"});
+  expect_refusal(run_lode({"extract", model_, out, "--view", "camera.json"}), 2, {"--view"});
+  expect_refusal(run_lode({"extract", model_, out, "--max-error", "10", "--box", "1,2,3,4",
+                           "--max-error-outside", "0.1"}),
+                 1, {"or more outside"});
+  expect_refusal(run_lode({"height", scratch_ / "absent.lode", "--at", "1,2"}), 2,
+                 {"absent.lode", "No such file"});
   std::string bytes = read_bytes(model_);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   write_bytes(model_, bytes);

@@ -6,6 +6,7 @@
 
 #include "lode/api/files.h"
 #include "lode/core/out_of_memory.h"
+#include "lode/store/reader.h"
 
 namespace lode {
 namespace {
@@ -83,6 +84,12 @@ TerrainFacts facts_of(const io::HeightRaster& raster) {
 
 bool holds_terrain_model(const std::string& path) {
   return is_lode_path(path) && TerrainPyramid::is_model_of(path);
+}
+
+Result<void> check_lode_opens(const std::string& path) {
+  LODE_TRY(const auto reader, store::Reader::open(path));
+  static_cast<void>(reader);
+  return {};
 }
 
 bool holds_terrain(const std::string& path) {

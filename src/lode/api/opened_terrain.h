@@ -70,6 +70,8 @@ struct OpenedTerrain {
 [[nodiscard]] bool holds_terrain(const std::string& path);
 /// Whether it is such a .lode file.
 [[nodiscard]] bool holds_terrain_model(const std::string& path);
+/// That there is a .lode file whose header and directory are whole, of whatever model.
+[[nodiscard]] Result<void> check_lode_opens(const std::string& path);
 
 /// Of a raster: with `pyramid`, one is built of it first; of points none can be. Of a .lode file
 /// the options of reading and of pyramids mean nothing. Fails as reading, make_point_terrain() and

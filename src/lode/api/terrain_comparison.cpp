@@ -99,6 +99,8 @@ class Comparison {
 
   Result<ComparedMesh> measure(TerrainCandidate& model, double tolerance) {
     ComparedMesh mesh{.tolerance = tolerance};
+    // z' on a plane takes some ten roundings of heights.
+    mesh.rounding = 0x1p-48 * std::max(std::abs(range_.lower), std::abs(range_.upper));
     TerrainCandidate::Answer answer;
     LODE_TRY(mesh.extract_seconds, time_of(options_.n_runs, [&]() -> Result<void> {
                LODE_TRY(answer, model.extract(tolerance, progress_));

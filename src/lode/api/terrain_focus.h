@@ -20,7 +20,7 @@ struct PlaceBox {
 /// Where the tolerance of a TIN holds. Of several kinds each asks for what it asks, and the finest
 /// counts.
 struct TerrainFocus {
-  std::vector<PlaceBox> boxes;            ///< The tolerance in all triangles that meet one of them.
+  std::vector<PlaceBox> boxes;  ///< The tolerance where a triangle's bounding box meets one.
   std::optional<Vec<double, 2>> point{};  ///< The tolerance there, and `growth` more of it with
   double growth = 0;                      ///< each unit of distance, as the metric has it; >= 0.
   HorizontalMetric metric{};

@@ -100,11 +100,12 @@ PictureFrame frame_of(const HeightFrame& grid, const HorizontalMetric& metric,
   return frame;
 }
 
-TerrainOptions tolerance_for(const TerrainPictureOptions& options, const PictureFrame& frame) {
+TerrainOptions tolerance_for(const TerrainPictureOptions& options, const PictureFrame& frame,
+                             double finest) {
   TerrainOptions terrain = options.terrain;
   if (terrain.max_error || terrain.max_cells) return terrain;
   const int pixels = std::max(options.render.width, options.render.height);
-  terrain.max_error = kPixelShare * frame.longer_side() / pixels / frame.z_scale;
+  terrain.max_error = std::max(finest, kPixelShare * frame.longer_side() / pixels / frame.z_scale);
   return terrain;
 }
 
@@ -195,7 +196,8 @@ Result<Image> draw_terrain(const Terrain& terrain, const HorizontalMetric& metri
   const bool has_contours = options.contour_interval.has_value();
   const auto links = has_contours ? delaunay::TinLinks::kept : delaunay::TinLinks::left_out;
   LODE_TRY(const SelectedTerrain selected,
-           terrain.origin().select(tolerance_for(options, frame), links, progress));
+           terrain.origin().select(tolerance_for(options, frame, terrain.origin().finest_error()),
+                                   links, progress));
   report.terrain = selected.report;
   Surface surface = picture_surface(selected.tin, grid, frame);
   RenderOptions render = options.render;

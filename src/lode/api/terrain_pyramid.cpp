@@ -10,6 +10,7 @@
 #include "lode/api/terrain_selection.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
+#include "lode/delaunay/grid_domain.h"
 #include "lode/mappers/tin_quality.h"
 #include "lode/models/terrain/delaunay_pyramid/build.h"
 #include "lode/models/terrain/delaunay_pyramid/extract.h"
@@ -44,6 +45,7 @@ class PyramidOrigin final : public TerrainOrigin {
 
   [[nodiscard]] const HeightFrame& frame() const override { return history().frame; }
   [[nodiscard]] HeightRange range() const override { return history().range; }
+  [[nodiscard]] double finest_error() const override { return history().max_error; }
   [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options, delaunay::TinLinks,
                                                Progress& progress) const override {
     const Stopwatch watch;
@@ -52,10 +54,18 @@ class PyramidOrigin final : public TerrainOrigin {
     SelectedTerrain selected;
     TerrainReport& report = selected.report;
     if (options.focus) {
+      const auto& outside = options.focus->max_error_outside;
+      if (outside && *outside < history().max_error)
+        return fail(
+            "expected a tolerance of {} or more outside the focus, which is what the "
+            "pyramid was built for, got {}",
+            history().max_error, *outside);
       if (options.max_cells) return fail("expected a focus or a number of triangles, got both");
       LODE_TRY(const Demand demand, to_demand(*options.focus, tolerance));
       selected.tin = tin_of(history(), select_nodes(history(), demand), delaunay::TinLinks::kept);
       report.is_uniform = false;
+      report.is_focus_empty =
+          selected.tin.triangles.size() == history().n_base_triangles() && history().n_nodes() > 0;
     } else {
       LODE_TRY(const std::uint32_t time, time_for(options, tolerance, report));
       selected.tin = tin_at(history(), time, delaunay::TinLinks::kept);
@@ -96,7 +106,7 @@ class PyramidOrigin final : public TerrainOrigin {
     const auto cells = time_of_cells(history(), *options.max_cells);
     report.budget_met = cells.has_value();
     const std::uint32_t time = std::min(within, cells.value_or(0));
-    report.is_within_error = time >= within;
+    report.is_within_error = time >= within && history().max_error <= tolerance;
     return time;
   }
 
@@ -120,11 +130,15 @@ Result<void> check_levels(const std::vector<double>& levels) {
 
 std::vector<double> default_levels(const HeightRange& range) {
   constexpr double kFinestShare = 0.0005;
+  constexpr int kMostDefaultLevels = 11;  // 2^11 of the finest are more than the range.
   const double height = range.upper - range.lower;
-  if (!(height > 0)) return {0};
+  const double finest = kFinestShare * height;
+  if (!(finest > 0)) return {0};
   std::vector<double> levels;
-  for (double level = kFinestShare * height; level < height; level *= 2) levels.push_back(level);
-  std::ranges::reverse(levels);
+  for (int k = kMostDefaultLevels - 1; k >= 0; --k) {
+    const double level = std::ldexp(finest, k);
+    if (level < height || k == 0) levels.push_back(level);
+  }
   return levels;
 }
 
@@ -133,8 +147,10 @@ TerrainPyramid::TerrainPyramid(std::shared_ptr<const Impl> impl) : impl_(std::mo
 Result<TerrainPyramid> TerrainPyramid::build(const HeightGrid& grid, const PyramidOptions& options,
                                              Progress& progress) try {
   LODE_CHECK(check_levels(options.levels));
+  const HeightRange range = height_range(grid);
+  LODE_CHECK(delaunay::check_heights(range));
   const std::vector<double> levels =
-      options.levels.empty() ? default_levels(height_range(grid)) : options.levels;
+      options.levels.empty() ? default_levels(range) : options.levels;
   LODE_TRY(History history, delaunay_pyramid::build_history(grid, levels.back(), progress));
   history.sample_type = options.sample_type;
   history.has_place = options.has_place;

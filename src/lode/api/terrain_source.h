@@ -20,6 +20,8 @@ class TerrainOrigin {
   [[nodiscard]] virtual const HeightFrame& frame() const = 0;
   /// Of all heights that there are.
   [[nodiscard]] virtual HeightRange range() const = 0;
+  /// The least tolerance that it keeps.
+  [[nodiscard]] virtual double finest_error() const { return 0; }
   /// A TIN with heights, with the tolerance and order that the options mean; with `links` also with
   /// twins and errors. Fails on options that it has no answer to, and when cancelled.
   [[nodiscard]] virtual Result<SelectedTerrain> select(const TerrainOptions& options,

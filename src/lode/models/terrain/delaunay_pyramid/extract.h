@@ -20,7 +20,8 @@ using AppliedNodes = std::vector<bool>;
 /// The fewest nodes after which no triangle of the mesh wants to be refined: where one that was
 /// made does, demand(facts) > 0, the node that removes it is applied, after its ancestors. A
 /// triangle's facts are its own: its error, the heights in it, its bounds in the world. Unique, for
-/// whether a triangle wants to be refined depends on nothing else. O(nodes applied).
+/// whether a triangle wants to be refined depends on nothing else. O(nodes applied), and a bit for
+/// each node.
 [[nodiscard]] AppliedNodes select_nodes(const History& history, const Demand& demand);
 
 /// The mesh of a consistent set of nodes: it conforms and covers the domain once, but edges need

@@ -16,7 +16,9 @@ namespace {
 /// The narrowest that holds all heights exactly.
 HeightType type_of(std::span<const double> heights) {
   const auto all = [&](const auto& holds) { return std::ranges::all_of(heights, holds); };
-  if (all([](double z) { return std::abs(z) <= 32767 && z == std::floor(z); }))
+  if (all([](double z) {
+        return std::abs(z) <= 32767 && z == std::floor(z) && !(z == 0 && std::signbit(z));
+      }))
     return HeightType::int16;
   if (all([](double z) { return static_cast<double>(static_cast<float>(z)) == z; }))
     return HeightType::float32;
