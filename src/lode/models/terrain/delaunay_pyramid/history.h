@@ -31,7 +31,7 @@ struct Triangle {
 /// Multi-Tessellation: node k replaces the triangles whose circles its vertex lies in by those
 /// round its vertex, and depends on the nodes that made the former.
 ///
-/// About 5.3 triangles of 20 bytes and 4.3 links of 4 bytes a node.
+/// About 5.3 triangles of 20 bytes and 3.3 links of 4 bytes a node.
 struct History {
   HeightFrame frame;
   HeightRange range;        ///< Of all samples.
