@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "lode/refine/focus.h"
 
 namespace lode {
 namespace {
@@ -27,19 +30,8 @@ struct GrowingDemand {
   }
 };
 
-/// Refines what errs by more than so many pixels, in sight.
-struct PixelDemand {
-  ViewFocus view;
-  double pixels = 1;
-
-  double operator()(const NodeFacts& node) const {
-    if (!(node.error > 0) || !view.shows(node.bounds)) return 0;
-    return view.pixels(node.error, node.bounds) - pixels;
-  }
-};
-
 Result<void> check_focus(const TerrainFocus& focus) {
-  if (focus.is_empty()) return fail("focus: expected a box, a point or a view, got none");
+  if (focus.is_empty()) return fail("focus: expected a box or a point, got none");
   for (const PlaceBox& box : focus.boxes)
     for (std::size_t i = 0; i < 2; ++i)
       if (!(box.lower[i] <= box.upper[i]) || !std::isfinite(box.upper[i] - box.lower[i]))
@@ -49,8 +41,6 @@ Result<void> check_focus(const TerrainFocus& focus) {
     return fail("focus: expected a finite place, got {}, {}", (*focus.point)[0], (*focus.point)[1]);
   if (!(focus.growth >= 0 && std::isfinite(focus.growth)))
     return fail("focus: expected a growth >= 0, got {}", focus.growth);
-  if (focus.view && !(focus.view_pixels > 0 && std::isfinite(focus.view_pixels)))
-    return fail("focus: expected a number of pixels > 0, got {}", focus.view_pixels);
   if (focus.max_error_outside && !(*focus.max_error_outside >= 0))
     return fail("focus: expected a tolerance >= 0 outside, got {}", *focus.max_error_outside);
   return {};
@@ -70,7 +60,6 @@ Result<Demand> to_demand(const TerrainFocus& focus, double tolerance) {
   }
   if (focus.point)
     demands.emplace_back(GrowingDemand{*focus.point, tolerance, focus.growth, focus.metric});
-  if (focus.view) demands.emplace_back(PixelDemand{to_view_focus(*focus.view), focus.view_pixels});
   if (focus.max_error_outside) demands.push_back(uniform_demand(*focus.max_error_outside));
   return max_of(std::move(demands));
 }

@@ -3,7 +3,6 @@
 #include <optional>
 #include <vector>
 
-#include "lode/api/query.h"
 #include "lode/core/horizontal_metric.h"
 #include "lode/core/result.h"
 #include "lode/core/vec.h"
@@ -24,12 +23,9 @@ struct TerrainFocus {
   std::optional<Vec<double, 2>> point{};  ///< The tolerance there, and `growth` more of it with
   double growth = 0;                      ///< each unit of distance, as the metric has it; >= 0.
   HorizontalMetric metric{};
-  /// So many pixels, > 0, where a camera sees it: a vertical error at its distance.
-  std::optional<View> view{};
-  double view_pixels = 1;
   std::optional<double> max_error_outside{};  ///< Elsewhere; unset: anything.
 
-  [[nodiscard]] bool is_empty() const { return boxes.empty() && !point && !view; }
+  [[nodiscard]] bool is_empty() const { return boxes.empty() && !point; }
 };
 
 /// Of a tolerance, in units of the heights. Distances are those to the nearest place of a
