@@ -11,6 +11,7 @@
 
 #include "lode/delaunay/lattice.h"
 #include "lode/mappers/tin_edge_check.h"
+#include "lode/mappers/worst_seen.h"
 
 namespace lode {
 namespace {
@@ -174,39 +175,15 @@ class PointTinChecker {
     return best;
   }
 
-  /// What one worker has seen.
-  struct Seen {
-    std::uint64_t n_beyond = 0;
-    long double worst = 0;
-    LatticePoint at{};
-
-    void join(const Seen& other) {
-      n_beyond += other.n_beyond;
-      const bool is_first =
-          std::pair(other.at.y, other.at.x) < std::pair(at.y, at.x) && other.worst == worst;
-      if (other.worst > worst || is_first) {
-        worst = other.worst;
-        at = other.at;
-      }
-    }
-  };
+  using Seen = WorstSeen<long double>;
 
   Result<void> check_samples(Threads threads, Progress& progress) {
     constexpr std::size_t kPiece = 1024;
     std::vector<std::atomic<std::uint8_t>> is_covered(points_.nodes.size());
-    std::vector<Seen> seen(static_cast<std::size_t>(n_workers(threads)));
-    const std::size_t n = triangles_.size();
-    const std::size_t n_pieces = (n + kPiece - 1) / kPiece;
-    std::atomic<std::size_t> n_done{0};
-    parallel_for(n_pieces, threads, 1, [&](std::size_t piece, int worker) {
-      if (progress.is_cancelled()) return;
-      for (std::size_t t = piece * kPiece; t < std::min(n, (piece + 1) * kPiece); ++t)
-        look_at(triangles_[t], is_covered, seen[static_cast<std::size_t>(worker)]);
-      progress.report("measuring", static_cast<double>(++n_done) / static_cast<double>(n_pieces));
-    });
-    if (progress.is_cancelled()) return cancelled_error();
-    Seen all;
-    for (const Seen& one : seen) all.join(one);
+    LODE_TRY(const Seen all,
+             look_at_triangles<long double>(
+                 triangles_.size(), kPiece, threads, progress,
+                 [&](std::size_t t, Seen& seen) { look_at(triangles_[t], is_covered, seen); }));
     facts_.n_beyond = all.n_beyond;
     facts_.worst_error = static_cast<double>(all.worst);
     facts_.worst = all.at;

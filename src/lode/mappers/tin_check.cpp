@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lode/mappers/tin_edge_check.h"
+#include "lode/mappers/worst_seen.h"
 
 namespace lode {
 namespace {
@@ -121,39 +122,15 @@ class TinChecker {
     facts_.doubled_domain_area = 2 * static_cast<std::int64_t>(facts_.n_cells);
   }
 
-  /// What one worker has seen.
-  struct Seen {
-    std::uint64_t n_beyond = 0;
-    double worst = 0;
-    LatticePoint at{};
-
-    void join(const Seen& other) {
-      n_beyond += other.n_beyond;
-      const bool is_first =
-          std::pair(other.at.y, other.at.x) < std::pair(at.y, at.x) && other.worst == worst;
-      if (other.worst > worst || is_first) {
-        worst = other.worst;
-        at = other.at;
-      }
-    }
-  };
+  using Seen = WorstSeen<double>;
 
   Result<void> check_samples() {
     constexpr std::size_t kPiece = 4096;
     std::vector<std::atomic<std::uint8_t>> is_covered(static_cast<std::size_t>(grid_.n_samples()));
-    std::vector<Seen> seen(static_cast<std::size_t>(n_workers(threads_)));
-    const std::size_t n = surface_.triangles.size();
-    const std::size_t n_pieces = (n + kPiece - 1) / kPiece;
-    std::atomic<std::size_t> n_done{0};
-    parallel_for(n_pieces, threads_, 1, [&](std::size_t piece, int worker) {
-      if (progress_.is_cancelled()) return;
-      for (std::size_t t = piece * kPiece; t < std::min(n, (piece + 1) * kPiece); ++t)
-        look_at(triangle(t), is_covered, seen[static_cast<std::size_t>(worker)]);
-      progress_.report("measuring", static_cast<double>(++n_done) / static_cast<double>(n_pieces));
-    });
-    if (progress_.is_cancelled()) return cancelled_error();
-    Seen all;
-    for (const Seen& one : seen) all.join(one);
+    LODE_TRY(const Seen all, look_at_triangles<double>(surface_.triangles.size(), kPiece, threads_,
+                                                       progress_, [&](std::size_t t, Seen& seen) {
+                                                         look_at(triangle(t), is_covered, seen);
+                                                       }));
     facts_.n_beyond = all.n_beyond;
     facts_.worst_error = all.worst;
     facts_.worst = all.at;
