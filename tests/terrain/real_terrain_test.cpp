@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
+#include <utility>
 
 #include "lode/api/files.h"
 #include "lode/api/terrain.h"
@@ -22,23 +24,31 @@ struct RealTerrain {
   HeightEncoding encoding = HeightEncoding::none;
 };
 
-class real_terrain : public testing::TestWithParam<RealTerrain> {};
+class real_terrain : public testing::TestWithParam<RealTerrain> {
+ protected:
+  void SetUp() override {
+    const RealTerrain& real = GetParam();
+    const std::string path = (data_directory() / "terrain" / real.name).string();
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent; set LODE_DATA";
+    auto read = read_heights(path, {.encoding = real.encoding}, progress_);
+    ASSERT_TRUE(read) << read.error().message;
+    raster_.emplace(*std::move(read));
+  }
+
+  Progress progress_;
+  std::optional<HeightRaster> raster_;
+};
 
 TEST_P(real_terrain, is_delaunay_and_within_every_tolerance_in_both_orders) {
   const RealTerrain& real = GetParam();
-  const std::string path = (data_directory() / "terrain" / real.name).string();
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent; set LODE_DATA";
-  Progress progress;
-  const auto raster = read_heights(path, {.encoding = real.encoding}, progress);
-  ASSERT_TRUE(raster) << raster.error().message;
   for (const double tolerance : real.tolerances)
     for (const InsertionOrder order : {InsertionOrder::levels, InsertionOrder::strict}) {
       const auto made =
-          extract_terrain(raster->grid, {.max_error = tolerance, .order = order}, progress);
+          extract_terrain(raster_->grid, {.max_error = tolerance, .order = order}, progress_);
       ASSERT_TRUE(made) << made.error().message;
       EXPECT_LE(made->report.achieved_error, tolerance);
       const auto checked =
-          verify_terrain(raster->grid, made->surface, made->report.achieved_error, {}, progress);
+          verify_terrain(raster_->grid, made->surface, made->report.achieved_error, {}, progress_);
       ASSERT_TRUE(checked);
       for (const VerifyReport::Check& check : checked->checks)
         EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
@@ -48,20 +58,15 @@ TEST_P(real_terrain, is_delaunay_and_within_every_tolerance_in_both_orders) {
 
 TEST_P(real_terrain, has_a_pyramid_that_is_true_and_that_its_file_keeps) {
   const RealTerrain& real = GetParam();
-  const std::string path = (data_directory() / "terrain" / real.name).string();
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent; set LODE_DATA";
-  Progress progress;
-  const auto raster = read_heights(path, {.encoding = real.encoding}, progress);
-  ASSERT_TRUE(raster) << raster.error().message;
-  const auto built = TerrainPyramid::build(raster->grid, {.levels = real.tolerances}, progress);
+  const auto built = TerrainPyramid::build(raster_->grid, {.levels = real.tolerances}, progress_);
   ASSERT_TRUE(built) << built.error().message;
-  const auto checked = built->verify(raster->grid, {}, progress);
+  const auto checked = built->verify(raster_->grid, {}, progress_);
   ASSERT_TRUE(checked) << checked.error().message;
   for (const VerifyReport::Check& check : checked->checks)
     EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
   const std::string file = testing::TempDir() + "lode_" + real.name + ".lode";
-  ASSERT_TRUE(built->save(file, progress));
-  const auto opened = TerrainPyramid::open(file, progress);
+  ASSERT_TRUE(built->save(file, progress_));
+  const auto opened = TerrainPyramid::open(file, progress_);
   std::filesystem::remove(file);
   ASSERT_TRUE(opened) << opened.error().message;
   const PyramidInfo before = built->describe();
