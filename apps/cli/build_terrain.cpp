@@ -22,16 +22,16 @@ Result<std::vector<double>> to_levels(const std::string& text) {
   return levels;
 }
 
-Result<PyramidOptions> to_options(const TerrainBuildJob& job) {
+Result<TerrainBuildOptions> to_options(const TerrainBuildJob& job) {
   TerrainArguments terrain = job.terrain;
   if (terrain.model.empty()) terrain.model = name_of(TerrainModel::delaunay_pyramid);
   if (terrain.model == name_of(TerrainModel::delaunay_selector))
     return fail(
-        "--model: expected 'delaunay_pyramid' of a file, got '{}', which makes a TIN for "
-        "each question",
+        "--model: expected a model that is built once, such as 'delaunay_pyramid', got '{}', "
+        "which makes a TIN for each question",
         terrain.model);
-  LODE_TRY(const auto pyramid, to_pyramid_options(terrain, {}));
-  PyramidOptions options = pyramid.value();
+  LODE_TRY(const auto asked, to_build_options(terrain, {}));
+  TerrainBuildOptions options = asked.value();
   LODE_TRY(options.levels, to_levels(job.levels));
   return options;
 }
@@ -47,7 +47,7 @@ Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app
   return check_paths_differ({job.input}, {job.output});
 }
 
-void add_pyramid(const PyramidInfo& info, Json& json, Table& table) {
+void add_built_terrain(const BuiltTerrainInfo& info, Json& json, Table& table) {
   json["range"] = {info.range.lower, info.range.upper};
   json["samples"] = info.n_samples;
   json["left_out_samples"] = info.n_left_out;
@@ -67,7 +67,7 @@ void add_pyramid(const PyramidInfo& info, Json& json, Table& table) {
   table.add({"memory", format_bytes(info.memory_bytes)});
   table.add({"finest error", fmt::format("{} at samples", format_number(info.max_error))});
   json["levels"] = Json::array();
-  for (const PyramidInfo::Level& level : info.levels) {
+  for (const BuiltTerrainInfo::Level& level : info.levels) {
     json["levels"].push_back({{"tolerance", level.tolerance},
                               {"triangles", level.triangles},
                               {"vertices", level.vertices},
@@ -81,26 +81,26 @@ void add_pyramid(const PyramidInfo& info, Json& json, Table& table) {
 }
 
 Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) {
-  LODE_TRY(const PyramidOptions options, to_options(job));
+  LODE_TRY(const TerrainBuildOptions options, to_options(job));
   LODE_CHECK(check_writable(job.output));
   const Stopwatch watch;
-  LODE_TRY(const OpenedTerrain built,
+  LODE_TRY(const OpenedTerrain opened,
            open_terrain(job.input, job.terrain, job.reading, options, session));
   const double build_seconds = watch.seconds();
   const Stopwatch write_watch;
-  LODE_TRY(const std::uint64_t n_bytes, built.pyramid->save(job.output, session.progress()));
+  LODE_TRY(const std::uint64_t n_bytes, opened.built->save(job.output, session.progress()));
   const double write_seconds = write_watch.seconds();
-  const PyramidInfo info = built.pyramid->describe();
+  const BuiltTerrainInfo info = opened.built->describe();
   Outcome outcome;
   Json& json = outcome.json;
   Table table;
   json["command"] = "build";
   json["input"] = job.input;
   json["output"] = job.output;
-  json["model"] = name_of(built.model);
-  add_facts(built.facts, json, table);
-  table.add({"model", name_of(built.model)});
-  add_pyramid(info, json, table);
+  json["model"] = name_of(opened.model);
+  add_facts(opened.facts, json, table);
+  table.add({"model", name_of(opened.model)});
+  add_built_terrain(info, json, table);
   json["file_bytes"] = n_bytes;
   json["seconds"] = {
       {"total", build_seconds + write_seconds}, {"build", build_seconds}, {"write", write_seconds}};

@@ -199,7 +199,7 @@ Command add_verify_command(CLI::App& program) {
       ->type_name("D");
   add_extraction_options(*app, arguments->extraction);
   add_reading_options(*app, arguments->reading);
-  add_terrain_options(*app, arguments->terrain, TerrainUse::reading);
+  add_terrain_options(*app, arguments->terrain, TerrainUse::verification);
   return {app, [arguments, app] { return check_verify(*arguments, *app); },
           [arguments](Session& session) { return run_verify(*arguments, session); }};
 }

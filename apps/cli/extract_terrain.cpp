@@ -100,7 +100,7 @@ void warn_of(const TerrainReport& report, const TerrainJob& job, Session& sessio
 /// What a job asks for, but for the metric of its focus.
 struct Wanted {
   TerrainOptions options;
-  std::optional<PyramidOptions> pyramid;  ///< Of a raster.
+  std::optional<TerrainBuildOptions> building;  ///< Of a raster.
 };
 
 Result<Wanted> to_wanted(const TerrainJob& job) {
@@ -112,7 +112,7 @@ Result<Wanted> to_wanted(const TerrainJob& job) {
   if (!finest && wanted.options.max_cells) finest = 0;
   if (finest && wanted.options.focus && wanted.options.focus->max_error_outside)
     finest = std::min(*finest, *wanted.options.focus->max_error_outside);
-  LODE_TRY(wanted.pyramid, to_pyramid_options(job.terrain, finest));
+  LODE_TRY(wanted.building, to_build_options(job.terrain, finest));
   return wanted;
 }
 
@@ -127,7 +127,7 @@ Result<Outcome> run_model_info(const std::string& path, Session& session) {
   table.add({"file", path});
   table.add({"model", name_of(opened.model)});
   add_facts(opened.facts, outcome.json, table);
-  add_pyramid(opened.pyramid->describe(), outcome.json, table);
+  add_built_terrain(opened.built->describe(), outcome.json, table);
   outcome.text = table.to_string();
   return outcome;
 }
@@ -181,11 +181,11 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   LODE_CHECK(check_terrain_model(job.input, job.terrain, job.reading));
   LODE_CHECK(check_surface_extension(job.output));
   LODE_TRY(const Wanted wanted, to_wanted(job));
-  const bool can_vary = wanted.pyramid || holds_terrain_model(job.input);
+  const bool can_vary = wanted.building || holds_terrain_model(job.input);
   if (wanted.options.focus && !can_vary)
     return fail(
-        "{}: expected one tolerance for all of a raster, got a focus: --model delaunay_pyramid can "
-        "vary, and so can a .lode file that `lode build` makes",
+        "{}: expected one tolerance for all of a raster, got a focus: --model delaunay_pyramid or "
+        "ternary_triangulation can vary, and so can a .lode file that `lode build` makes",
         job.input);
   if (wanted.options.focus && wanted.options.max_cells)
     return fail("--max-cells: expected no --box or --focus-point with it");
@@ -199,7 +199,7 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_CHECK(check_writable(job.output));
   const Stopwatch read_watch;
   LODE_TRY(const OpenedTerrain opened,
-           open_terrain(job.input, job.terrain, job.reading, wanted.pyramid, session));
+           open_terrain(job.input, job.terrain, job.reading, wanted.building, session));
   if (options.focus) {
     LODE_TRY(options.focus->metric,
              naming(job.input, read_metric(opened.facts.frame.crs), session));
@@ -214,8 +214,8 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
                            {.comment = comment_of(report, opened), .value_name = "height"},
                            session.progress()));
   warn_of(report, job, session);
-  const bool is_strict = options.max_cells || options.order == InsertionOrder::strict ||
-                         opened.model == TerrainModel::delaunay_pyramid;
+  const bool is_strict =
+      options.max_cells || options.order == InsertionOrder::strict || opened.built.has_value();
   const TerrainAnswer answer{job, opened, report, is_strict, read_seconds, write_watch.seconds()};
   Table table;
   Outcome outcome;

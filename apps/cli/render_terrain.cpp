@@ -125,7 +125,7 @@ Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App&
 
 Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& session) {
   LODE_TRY(TerrainPictureOptions options, to_options(job));
-  LODE_TRY(const auto pyramid, to_pyramid_options(job.picture.terrain, options.terrain.max_error));
+  LODE_TRY(const auto pyramid, to_build_options(job.picture.terrain, options.terrain.max_error));
   options.render.threads = session.threads();
   if (!job.camera.empty()) {
     LODE_TRY(options.render.camera, read_camera(job.camera));

@@ -107,9 +107,14 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
                 "Leave out of the domain what is outside of a polygon, x and y a line");
   add_of_points("--crs", arguments.crs, "EPSG:N|WKT", "CRS of x and y, instead of the file's");
   if (use == TerrainUse::reading) return;
+  if (use == TerrainUse::verification) {
+    add("--model", arguments.model, "MODEL",
+        "What the surface was extracted with (default: delaunay_selector)");
+    return;
+  }
   add("--model", arguments.model, "MODEL",
-      "delaunay_selector (default): a TIN for this question; delaunay_pyramid: builds one first, "
-      "whose tolerance may vary");
+      "delaunay_selector (default): a TIN for this question; delaunay_pyramid and "
+      "ternary_triangulation: built first, for all tolerances, which may vary");
   add("--insertion", arguments.insertion, "levels|strict",
       "levels (default): errors fall by octaves, faster; strict: the worst of all "
       "samples first, fewer triangles; with --max-cells always strict");
@@ -179,12 +184,13 @@ Result<void> check_terrain_reading(const std::string& path, const TerrainArgumen
 
 Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArguments& arguments,
                                    const ReadingArguments& reading,
-                                   const std::optional<PyramidOptions>& pyramid, Session& session) {
+                                   const std::optional<TerrainBuildOptions>& building,
+                                   Session& session) {
   LODE_TRY(TerrainReadOptions options, to_read_options(path, arguments, reading));
   if (!arguments.outline.empty()) {
     LODE_TRY(options.domain.outline, read_places(arguments.outline));
   }
-  LODE_TRY(OpenedTerrain opened, lode::open_terrain(path, options, pyramid, session.progress()));
+  LODE_TRY(OpenedTerrain opened, lode::open_terrain(path, options, building, session.progress()));
   if (opened.facts.points)
     warn_of_points(*opened.facts.points, path, options.domain.repeated, session);
   return opened;
@@ -192,8 +198,9 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArgumen
 
 Result<void> check_terrain_model(const std::string& path, const TerrainArguments& arguments,
                                  const ReadingArguments& reading) {
-  if (is_point_path(path) && arguments.model == name_of(TerrainModel::delaunay_pyramid))
-    return fail("{}: expected a raster with --model delaunay_pyramid, got scattered points", path);
+  if (is_point_path(path) && built_model_of(arguments.model))
+    return fail("{}: expected a raster with --model {}, got scattered points", path,
+                arguments.model);
   if (!holds_terrain_model(path) || (arguments.is_empty() && reading.nodata.empty())) return {};
   return fail(
       "{}: expected no --band, --encoding, --nodata, --model, --insertion or options of points "
@@ -202,16 +209,22 @@ Result<void> check_terrain_model(const std::string& path, const TerrainArguments
       path);
 }
 
-Result<std::optional<PyramidOptions>> to_pyramid_options(const TerrainArguments& arguments,
-                                                         const std::optional<double>& finest) {
+Result<TerrainModel> to_built_model(const std::string& name) {
+  if (const auto model = built_model_of(name)) return *model;
+  std::string names = fmt::format("'{}'", name_of(TerrainModel::delaunay_selector));
+  for (const TerrainModel model : kBuiltTerrainModels)
+    names += fmt::format(", '{}'", name_of(model));
+  return fail("--model: expected one of {}, got '{}'", names, name);
+}
+
+Result<std::optional<TerrainBuildOptions>> to_build_options(const TerrainArguments& arguments,
+                                                            const std::optional<double>& finest) {
   if (arguments.model.empty() || arguments.model == name_of(TerrainModel::delaunay_selector))
-    return std::optional<PyramidOptions>();
-  if (arguments.model != name_of(TerrainModel::delaunay_pyramid))
-    return fail("--model: expected 'delaunay_selector' or 'delaunay_pyramid', got '{}'",
-                arguments.model);
+    return std::optional<TerrainBuildOptions>();
+  TerrainBuildOptions options;
+  LODE_TRY(options.model, to_built_model(arguments.model));
   if (!arguments.insertion.empty())
-    return fail("--insertion: expected none with --model delaunay_pyramid, which is 'strict'");
-  PyramidOptions options;
+    return fail("--insertion: expected none with --model {}, which is 'strict'", arguments.model);
   if (finest) options.levels = {*finest};
   return std::optional(options);
 }

@@ -36,10 +36,10 @@ struct TerrainArguments {
 inline constexpr const char* kTerrainFiles =
     "a raster of heights (.tif, .asc, .hgt, .png, ...) or scattered points (.las, .xyz, ...)";
 
-enum class TerrainUse : std::uint8_t { reading, extraction };
+enum class TerrainUse : std::uint8_t { reading, verification, extraction };
 
-/// reading: --band, --encoding and the options of points; extraction: also --model and
-/// --insertion.
+/// reading: --band, --encoding and the options of points; verification: also --model; extraction:
+/// also --model and --insertion.
 void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use);
 
 /// Refuses them for other inputs: they would silently do nothing.
@@ -59,22 +59,25 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
                                                  const TerrainArguments& arguments,
                                                  const ReadingArguments& reading);
 
-/// Reads a terrain, or builds what `pyramid` says, and warns of what became of its points.
+/// Reads a terrain, or builds what `building` says, and warns of what became of its points.
 [[nodiscard]] Result<OpenedTerrain> open_terrain(const std::string& path,
                                                  const TerrainArguments& arguments,
                                                  const ReadingArguments& reading,
-                                                 const std::optional<PyramidOptions>& pyramid,
+                                                 const std::optional<TerrainBuildOptions>& building,
                                                  Session& session);
 
 /// Refuses --model, --insertion and reading's options with .lode files, which are of a model, and
-/// --model delaunay_pyramid with points.
+/// a --model that is built with points.
 [[nodiscard]] Result<void> check_terrain_model(const std::string& path,
                                                const TerrainArguments& arguments,
                                                const ReadingArguments& reading);
 
-/// The pyramid that --model asks for, with one level, `finest`, or without it the default ones;
+/// One of kBuiltTerrainModels by its name.
+[[nodiscard]] Result<TerrainModel> to_built_model(const std::string& name);
+
+/// What --model asks to be built, with one level, `finest`, or without it the default ones;
 /// nothing where it asks for none. Fails on models that there are not.
-[[nodiscard]] Result<std::optional<PyramidOptions>> to_pyramid_options(
+[[nodiscard]] Result<std::optional<TerrainBuildOptions>> to_build_options(
     const TerrainArguments& arguments, const std::optional<double>& finest);
 
 /// A number >= 0, or nothing where none was given.

@@ -16,18 +16,24 @@ Result<void> check_model_verify(const TerrainVerifyJob& job, const CLI::App& app
   return {};
 }
 
+Result<TinShape> to_shape(const std::string& model) {
+  if (model.empty() || model == name_of(TerrainModel::delaunay_selector)) return TinShape::delaunay;
+  LODE_TRY(const TerrainModel built, to_built_model(model));
+  return shape_of(built);
+}
+
 /// Every byte, then all that it says against the raster.
 Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session) {
   LODE_TRY(VerifyReport report,
            verify_every_byte(job.input, session.threads(), session.progress()));
   if (!report.passed()) return report;
-  LODE_TRY(const TerrainPyramid pyramid, TerrainPyramid::open(job.input, session.progress()));
-  report.add("vertices make the triangles again", pyramid.describe_source().n_triangles, 0, "");
+  LODE_TRY(const BuiltTerrain built, BuiltTerrain::open(job.input, session.progress()));
+  report.add("vertices make the triangles again", built.describe_source().n_triangles, 0, "");
   if (job.original.empty()) return report;
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_TRY(const HeightRaster raster, read_heights(job.original, reading, session.progress()));
   LODE_TRY(const VerifyReport against,
-           naming(job.original, pyramid.verify(raster.grid, session.threads(), session.progress()),
+           naming(job.original, built.verify(raster.grid, session.threads(), session.progress()),
                   session));
   report.checks.insert(report.checks.end(), against.checks.begin(), against.checks.end());
   return report;
@@ -45,13 +51,17 @@ Result<VerifyReport> verify_points(const TerrainVerifyJob& job, double max_error
 
 Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& app) {
   if (holds_terrain_model(job.input)) return check_model_verify(job, app);
-  LODE_CHECK(check_only_terrain(app, job.input, {"--surface", "--max-error"}));
+  LODE_CHECK(check_only_terrain(app, job.input, {"--surface", "--max-error", "--model"}));
   if (job.surface.empty())
     return fail("{}: expected --surface FILE to hold against this terrain, got none", job.input);
   LODE_CHECK(check_surface_path(job.surface));
   if (job.max_error.empty())
     return fail("--surface: expected the --max-error it was extracted with, got none");
   if (auto max_error = to_max_error(job.max_error); !max_error) return max_error.error();
+  if (auto shape = to_shape(job.terrain.model); !shape) return shape.error();
+  if (is_point_path(job.input) && built_model_of(job.terrain.model))
+    return fail("{}: expected a raster with --model {}, got scattered points", job.input,
+                job.terrain.model);
   return check_terrain_reading(job.input, job.terrain, job.reading);
 }
 
@@ -62,8 +72,11 @@ Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& 
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_TRY(const HeightRaster raster, read_heights(job.input, reading, session.progress()));
   LODE_TRY(const Surface surface, read_surface(job.surface));
-  return verify_terrain(raster.grid, surface, max_error.value_or(0), session.threads(),
-                        session.progress());
+  LODE_TRY(const TinShape shape, to_shape(job.terrain.model));
+  return verify_terrain(
+      raster.grid, surface,
+      {.max_error = max_error.value_or(0), .shape = shape, .threads = session.threads()},
+      session.progress());
 }
 
 }  // namespace lode::cli

@@ -7,12 +7,14 @@
 namespace lode::test {
 namespace {
 
-/// A raster, and a .lode file of it.
-class cli_terrain_model : public testing::Test {
+/// A raster, and a .lode file of it, of the model that the parameter names.
+class cli_terrain_model : public testing::TestWithParam<std::string> {
  protected:
   cli_terrain_model() {
     write_dem(dem_);
-    built_ = run_lode({"build", dem_, model_, "--levels", "2,50,10", "--json"}).json();
+    built_ =
+        run_lode({"build", dem_, model_, "--levels", "2,50,10", "--model", GetParam(), "--json"})
+            .json();
   }
 
   const Scratch scratch_;
@@ -21,8 +23,8 @@ class cli_terrain_model : public testing::Test {
   nlohmann::json built_;
 };
 
-TEST_F(cli_terrain_model, is_built_told_of_and_verified) {
-  EXPECT_EQ(built_.at("model"), "delaunay_pyramid");
+TEST_P(cli_terrain_model, is_built_told_of_and_verified) {
+  EXPECT_EQ(built_.at("model"), GetParam());
   const auto info = run_lode({"info", model_, "--json"}).json();
   for (const char* key : {"columns", "rows", "type", "missing_samples", "to_world", "has_position",
                           "levels", "range", "insertions", "finest_error"})
@@ -39,17 +41,17 @@ TEST_F(cli_terrain_model, is_built_told_of_and_verified) {
   EXPECT_NE(check.out.find("vertices have the samples' heights"), std::string::npos);
 }
 
-TEST_F(cli_terrain_model, is_read_from_the_format_document_alone) {
+TEST_P(cli_terrain_model, is_read_from_the_format_document_alone) {
   std::string levels;
   for (const auto& level : built_.at("levels"))
     levels += (levels.empty() ? "" : ", ") + std::to_string(level.at("triangles").get<int>());
   const std::string vertices = std::to_string(built_.at("levels")[2].at("vertices").get<int>());
   const std::string triangles = std::to_string(built_.at("triangles_ever").get<int>());
-  EXPECT_EQ(run_oracle(LODE_PYRAMID_READER, "'" + model_ + "' '" + dem_ + "'"),
+  EXPECT_EQ(run_oracle(LODE_INSERTIONS_READER, "'" + model_ + "' '" + dem_ + "'"),
             "vertices " + vertices + " triangles " + triangles + " levels [" + levels + "]\n");
 }
 
-TEST_F(cli_terrain_model, is_found_out_where_the_raster_is_another) {
+TEST_P(cli_terrain_model, is_found_out_where_the_raster_is_another) {
   const std::string other = scratch_ / "other.asc";
   write_dem(other, 40, 31);
   const Finished larger = run_lode({"verify", model_, "--against", other});
@@ -64,28 +66,30 @@ TEST_F(cli_terrain_model, is_found_out_where_the_raster_is_another) {
   EXPECT_EQ(changed.exit_code, 1) << changed.out;
 }
 
-TEST_F(cli_terrain_model, gives_the_strict_selectors_surface) {
+TEST_P(cli_terrain_model, gives_true_surfaces) {
   for (const char* tolerance : {"50", "10", "2", "7"}) {
     const std::string surface = scratch_ / "of.ply";
     const auto made =
         run_lode({"extract", model_, surface, "--max-error", tolerance, "--json"}).json();
-    EXPECT_EQ(made.at("model"), "delaunay_pyramid");
+    EXPECT_EQ(made.at("model"), GetParam());
     EXPECT_EQ(made.at("is_uniform"), true);
-    const Finished check =
-        run_lode({"verify", dem_, "--surface", surface, "--max-error", tolerance});
-    EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
-    // The same of the raster, with a pyramid made for this.
+    const auto expect_true = [&](const std::string& file) {
+      const Finished check = run_lode(
+          {"verify", dem_, "--surface", file, "--max-error", tolerance, "--model", GetParam()});
+      EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+      EXPECT_EQ(check.out.find("Delaunay") != std::string::npos, GetParam() == "delaunay_pyramid");
+    };
+    expect_true(surface);
+    // The same of the raster, with a model made for this.
     const std::string again = scratch_ / "again.ply";
-    ASSERT_EQ(
-        run_lode({"extract", dem_, again, "--max-error", tolerance, "--model", "delaunay_pyramid"})
-            .exit_code,
-        0);
-    EXPECT_EQ(run_lode({"verify", dem_, "--surface", again, "--max-error", tolerance}).exit_code,
+    ASSERT_EQ(run_lode({"extract", dem_, again, "--max-error", tolerance, "--model", GetParam()})
+                  .exit_code,
               0);
+    expect_true(again);
   }
 }
 
-TEST_F(cli_terrain_model, answers_what_rasters_answer) {
+TEST_P(cli_terrain_model, answers_what_rasters_answer) {
   write_bytes(scratch_ / "places.csv", "x,y\n500300,4000300\n500615,4000615\n");
   for (const std::vector<std::string>& question :
        {std::vector<std::string>{"height", "DEM", scratch_ / "places.csv", "--out",
@@ -106,16 +110,16 @@ TEST_F(cli_terrain_model, answers_what_rasters_answer) {
       return run.json();
     };
     const auto of_model = answer(model_, {});
-    const auto of_raster = answer(dem_, {"--insertion", "strict"});
-    EXPECT_EQ(of_model.at("model"), "delaunay_pyramid");
+    const auto of_raster = answer(dem_, {"--model", GetParam()});
+    EXPECT_EQ(of_model.at("model"), GetParam());
     EXPECT_EQ(of_model.at("columns"), of_raster.at("columns"));
-    // Errors that are rounded up may ask for a little more.
-    EXPECT_NEAR(of_model.at("triangles").get<double>(), of_raster.at("triangles").get<double>(),
-                0.05 * of_raster.at("triangles").get<double>() + 4);
+    EXPECT_EQ(of_model.at("triangles"), of_raster.at("triangles"));
+    if (GetParam() == "delaunay_pyramid")
+      EXPECT_EQ(of_model.at("triangles"), answer(dem_, {"--insertion", "strict"}).at("triangles"));
   }
 }
 
-TEST_F(cli_terrain_model, varies_its_tolerance) {
+TEST_P(cli_terrain_model, varies_its_tolerance) {
   const auto count = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words{"extract", model_, scratch_ / "of.vtp", "--json"};
     words.insert(words.end(), more.begin(), more.end());
@@ -148,7 +152,7 @@ TEST_F(cli_terrain_model, varies_its_tolerance) {
   EXPECT_EQ(run_lode({"render", model_, scratch_ / "small.png", "--size", "400x300"}).exit_code, 0);
 }
 
-TEST_F(cli_terrain_model, refuses_what_it_cannot_keep) {
+TEST_P(cli_terrain_model, refuses_what_it_cannot_keep) {
   const std::string out = scratch_ / "out.ply";
   expect_refusal(run_lode({"extract", model_, out, "--max-error", "1"}), 1,
                  {"dem.lode", "or more", "got 1"});
@@ -165,6 +169,8 @@ TEST_F(cli_terrain_model, refuses_what_it_cannot_keep) {
   expect_refusal(run_lode({"build", dem_, model_, "--levels", "-3"}), 2, {"--levels", ">= 0"});
   expect_refusal(run_lode({"build", dem_, model_, "--model", "delaunay_selector"}), 2,
                  {"delaunay_pyramid"});
+  expect_refusal(run_lode({"build", dem_, model_, "--model", "quaternary"}), 2,
+                 {"delaunay_pyramid", "ternary_triangulation", "got 'quaternary'"});
   expect_refusal(run_lode({"verify", model_, "--surface", out}), 2, {"--surface"});
   expect_refusal(run_lode({"extract", model_, out, "--nodata", "5"}), 2, {"--nodata"});
   expect_refusal(run_lode({"extract", model_, out, "--view", "camera.json"}), 2, {"--view"});
@@ -179,6 +185,10 @@ TEST_F(cli_terrain_model, refuses_what_it_cannot_keep) {
   EXPECT_EQ(run_lode({"verify", model_}).exit_code, 1);
   expect_refusal(run_lode({"extract", model_, out, "--max-error", "10"}), 1, {"dem.lode"});
 }
+
+INSTANTIATE_TEST_SUITE_P(models, cli_terrain_model,
+                         testing::Values("delaunay_pyramid", "ternary_triangulation"),
+                         [](const auto& model) { return model.param; });
 
 }  // namespace
 }  // namespace lode::test

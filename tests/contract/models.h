@@ -5,19 +5,23 @@
 #include <gtest/gtest.h>
 
 #include "tests/contract/diamond_contract.h"
+#include "tests/contract/insertions_contract.h"
 #include "tests/contract/midpoint_contract.h"
-#include "tests/contract/pyramid_contract.h"
 #include "tests/contract/split_contract.h"
 #include "tests/contract/tetra_contract.h"
 
 namespace lode::test {
+
+using DelaunayPyramidContract = InsertionsContract<delaunay::InsertionRule::delaunay>;
+using TernaryContract = InsertionsContract<delaunay::InsertionRule::split>;
 
 /// Those that can be saved and opened.
 using StoredModels = ::testing::Types<  //
     DiamondContract<2>,                 //
     DiamondContract<3>,                 //
     TetraContract,                      //
-    PyramidContract>;
+    DelaunayPyramidContract,            //
+    TernaryContract>;
 
 /// All that the engine refines.
 using AllModels = ::testing::Types<  //
@@ -25,7 +29,8 @@ using AllModels = ::testing::Types<  //
     DiamondContract<3>,              //
     TetraContract,                   //
     MidpointContract,                //
-    PyramidContract,                 //
+    DelaunayPyramidContract,         //
+    TernaryContract,                 //
     SplitTableContract,              //
     SplitLabelsContract>;
 

@@ -2,13 +2,11 @@
 #include <map>
 #include <set>
 
-#include "lode/models/terrain/delaunay_pyramid/build.h"
 #include "lode/models/terrain/delaunay_pyramid/encodings.h"
-#include "lode/models/terrain/delaunay_pyramid/extract.h"
-#include "lode/models/terrain/delaunay_pyramid/overlap.h"
 #include "lode/models/terrain/delaunay_selector/selector.h"
-#include "lode/refine/focus.h"
-#include "tests/delaunay/lattice_fixtures.h"
+#include "lode/models/terrain/insertions/history_locator.h"
+#include "lode/models/terrain/insertions/overlap.h"
+#include "tests/terrain/insertions_fixtures.h"
 
 namespace lode::delaunay_pyramid {
 namespace {
@@ -16,43 +14,16 @@ namespace {
 using delaunay::LatticePoint;
 using delaunay::Tin;
 using delaunay::TinLinks;
-
-/// Hills, a plain and single spikes.
-double terrain(std::int32_t x, std::int32_t y) {
-  const double hills = 900 * std::sin(0.31 * x) * std::cos(0.23 * y + 0.01 * x * y);
-  const bool is_spike = (x * 7 + y * 13) % 31 == 0;
-  return std::round((x + y < 18 ? 0 : hills) + (is_spike ? 150 : 0)) + 2000;
-}
-
-HeightGrid grid_with_gaps() {
-  HeightGrid grid = delaunay::test::make_grid<float>(37, 29, terrain);
-  for (std::int32_t y = 8; y < 14; ++y)
-    for (std::int32_t x = 11; x < 13 + y / 3; ++x) delaunay::test::set_missing(grid, x, y);
-  delaunay::test::set_missing(grid, 0, 0);
-  delaunay::test::set_missing(grid, 36, 15);
-  return grid;
-}
-
-struct Case {
-  const char* name;
-  HeightGrid grid;
-};
-
-std::vector<Case> cases() {
-  std::vector<Case> all;
-  all.push_back({"whole", delaunay::test::make_grid<std::int16_t>(40, 33, terrain)});
-  all.push_back({"gaps", grid_with_gaps()});
-  all.push_back({"flat", delaunay::test::make_grid<float>(17, 9, [](int, int) { return 3.5; })});
-  all.push_back({"one cell", delaunay::test::make_grid<double>(2, 2, terrain)});
-  all.push_back({"strip", delaunay::test::make_grid<std::uint16_t>(2, 60, terrain)});
-  return all;
-}
+using insertions::HistoryLocator;
+using insertions::holds;
+using insertions::LatticeCorners;
+using insertions::test::Case;
+using insertions::test::cases;
+using insertions::test::expect_true;
+using insertions::test::grid_with_gaps;
 
 History history_of(const HeightGrid& grid, double max_error) {
-  Progress progress;
-  auto made = build_history(grid, max_error, progress);
-  EXPECT_TRUE(made) << made.error().message;
-  return *std::move(made);
+  return insertions::test::history_of(grid, max_error, delaunay::InsertionRule::delaunay);
 }
 
 constexpr std::array kLevels{400.0, 200.0, 90.0, 30.0, 30.0 / 4, 2.0};
@@ -72,13 +43,6 @@ std::multiset<PlacedTriangle> shape_of(const Tin& tin) {
   return shape;
 }
 
-void expect_true(const Tin& tin, const HeightGrid& grid, double max_error) {
-  delaunay::test::expect_fills(tin, grid);
-  EXPECT_LE(static_cast<double>(delaunay::test::largest_error(tin, grid)), max_error);
-  for (std::size_t i = 0; i < tin.vertices.size(); ++i)
-    EXPECT_EQ(tin.heights[i], grid.height(tin.vertices[i].x, tin.vertices[i].y));
-}
-
 TEST(delaunay_pyramid, has_the_selectors_mesh_at_every_tolerance) {
   for (const Case& c : cases()) {
     const History history = history_of(c.grid, 2);
@@ -96,93 +60,6 @@ TEST(delaunay_pyramid, has_the_selectors_mesh_at_every_tolerance) {
       EXPECT_LE(static_cast<double>(tin.triangles.size()),
                 8 + 1.1 * static_cast<double>(selected->tin.triangles.size()));
     }
-  }
-}
-
-TEST(delaunay_pyramid, remembers_every_mesh_on_the_way) {
-  const HeightGrid grid = grid_with_gaps();
-  const History history = history_of(grid, 60);
-  ASSERT_GT(history.n_nodes(), 50U);
-  for (std::uint32_t time = 0; time <= history.n_nodes(); time += 7) {
-    const Tin tin = tin_at(history, time, TinLinks::left_out);
-    EXPECT_EQ(tin.vertices.size(), history.n_base_vertices + time);
-    delaunay::test::expect_fills(tin, grid);
-    delaunay::test::expect_locally_delaunay(tin);
-  }
-}
-
-TEST(delaunay_pyramid, errors_of_triangles_hold_at_their_samples) {
-  const HeightGrid grid = delaunay::test::make_grid<std::int16_t>(33, 21, terrain);
-  const History history = history_of(grid, 5);
-  for (const Triangle& triangle : history.triangles) {
-    Tin one;
-    one.triangles = {triangle.corner};
-    place_vertices(history, one);
-    EXPECT_LE(static_cast<double>(delaunay::test::largest_error(one, grid)),
-              static_cast<double>(triangle.error));
-  }
-}
-
-/// The fewest nodes by the definition: rounds over all triangles until nothing changes.
-AppliedNodes by_rounds(const History& history, const Demand& demand) {
-  AppliedNodes applied(history.n_nodes());
-  const auto was_made = [&](std::uint32_t t) {
-    return history.birth(t) == kNone || applied[history.birth(t)];
-  };
-  for (bool changes = true; changes;) {
-    changes = false;
-    for (std::uint32_t t = 0; t < history.triangles.size(); ++t) {
-      const std::uint32_t death = history.triangles[t].death;
-      if (death == kNone || applied[death] || !was_made(t)) continue;
-      if (!(demand(facts_of(history, history.triangles[t])) > 0)) continue;
-      applied[death] = true;
-      changes = true;
-    }
-    for (std::uint32_t node = 0; node < history.n_nodes(); ++node)
-      if (applied[node])
-        for (const std::uint32_t t : history.removed_by(node))
-          if (!was_made(t)) {
-            applied[history.birth(t)] = true;
-            changes = true;
-          }
-  }
-  return applied;
-}
-
-Demand box_demand(double inside, double outside) {
-  return FocusDemand{
-      .foci = {BoxFocus{{{{10, 5, -1e9}}, {{19, 12, 1e9}}}}}, .inside = inside, .outside = outside};
-}
-
-TEST(delaunay_pyramid, gives_the_fewest_nodes_of_a_demand) {
-  for (const Case& c : cases()) {
-    const History history = history_of(c.grid, 2);
-    for (const Demand& demand :
-         {uniform_demand(300), uniform_demand(20), box_demand(4, 500), box_demand(30, 90)}) {
-      SCOPED_TRACE(c.name);
-      const AppliedNodes applied = select_nodes(history, demand);
-      EXPECT_EQ(applied, by_rounds(history, demand));
-      delaunay::test::expect_fills(tin_of(history, applied, TinLinks::kept), c.grid);
-    }
-  }
-}
-
-TEST(delaunay_pyramid, keeps_tolerances_that_vary) {
-  for (const Case& c : cases()) {
-    SCOPED_TRACE(c.name);
-    const History history = history_of(c.grid, 2);
-    const Tin tin = tin_of(history, select_nodes(history, box_demand(5, 250)), TinLinks::kept);
-    expect_true(tin, c.grid, 250);
-    Tin inside = tin;
-    std::erase_if(inside.triangles, [&](const auto& corners) {
-      return std::ranges::none_of(corners, [&](std::uint32_t vertex) {
-        const LatticePoint p = tin.vertices[vertex];
-        return p.x >= 10 && p.x <= 19 && p.y >= 5 && p.y <= 12;
-      });
-    });
-    EXPECT_LE(static_cast<double>(delaunay::test::largest_error(inside, c.grid)), 5);
-    const Tin fine = tin_of(history, select_nodes(history, uniform_demand(5)), TinLinks::kept);
-    EXPECT_LE(tin.triangles.size(), fine.triangles.size());
   }
 }
 

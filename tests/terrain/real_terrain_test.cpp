@@ -47,8 +47,8 @@ TEST_P(real_terrain, is_delaunay_and_within_every_tolerance_in_both_orders) {
           extract_terrain(raster_->grid, {.max_error = tolerance, .order = order}, progress_);
       ASSERT_TRUE(made) << made.error().message;
       EXPECT_LE(made->report.achieved_error, tolerance);
-      const auto checked =
-          verify_terrain(raster_->grid, made->surface, made->report.achieved_error, {}, progress_);
+      const auto checked = verify_terrain(raster_->grid, made->surface,
+                                          {.max_error = made->report.achieved_error}, progress_);
       ASSERT_TRUE(checked);
       for (const VerifyReport::Check& check : checked->checks)
         EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
@@ -58,7 +58,7 @@ TEST_P(real_terrain, is_delaunay_and_within_every_tolerance_in_both_orders) {
 
 TEST_P(real_terrain, has_a_pyramid_that_is_true_and_that_its_file_keeps) {
   const RealTerrain& real = GetParam();
-  const auto built = TerrainPyramid::build(raster_->grid, {.levels = real.tolerances}, progress_);
+  const auto built = BuiltTerrain::build(raster_->grid, {.levels = real.tolerances}, progress_);
   ASSERT_TRUE(built) << built.error().message;
   const auto checked = built->verify(raster_->grid, {}, progress_);
   ASSERT_TRUE(checked) << checked.error().message;
@@ -66,11 +66,11 @@ TEST_P(real_terrain, has_a_pyramid_that_is_true_and_that_its_file_keeps) {
     EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
   const std::string file = testing::TempDir() + "lode_" + real.name + ".lode";
   ASSERT_TRUE(built->save(file, progress_));
-  const auto opened = TerrainPyramid::open(file, progress_);
+  const auto opened = BuiltTerrain::open(file, progress_);
   std::filesystem::remove(file);
   ASSERT_TRUE(opened) << opened.error().message;
-  const PyramidInfo before = built->describe();
-  const PyramidInfo after = opened->describe();
+  const BuiltTerrainInfo before = built->describe();
+  const BuiltTerrainInfo after = opened->describe();
   EXPECT_EQ(after.n_triangles, before.n_triangles);
   ASSERT_EQ(after.levels.size(), real.tolerances.size());
   for (std::size_t i = 0; i < after.levels.size(); ++i) {

@@ -27,7 +27,8 @@ TerrainSurface extract(const HeightGrid& grid, const TerrainOptions& options) {
 VerifyReport verify(const HeightGrid& grid, const Surface& surface, double max_error,
                     int n_threads = 2) {
   Progress progress;
-  const auto report = verify_terrain(grid, surface, max_error, {n_threads}, progress);
+  const auto report =
+      verify_terrain(grid, surface, {.max_error = max_error, .threads = {n_threads}}, progress);
   EXPECT_TRUE(report);
   return report ? *report : VerifyReport{};
 }

@@ -7,9 +7,10 @@
 #include <utility>
 
 #include "lode/core/stopwatch.h"
-#include "lode/models/terrain/delaunay_pyramid/build.h"
 #include "lode/models/terrain/delaunay_pyramid/encodings.h"
-#include "lode/models/terrain/delaunay_pyramid/extract.h"
+#include "lode/models/terrain/insertions/build.h"
+#include "lode/models/terrain/insertions/extract.h"
+#include "lode/models/terrain/insertions/history_locator.h"
 #include "lode/refine/focus.h"
 
 namespace lode {
@@ -17,18 +18,20 @@ namespace {
 
 using delaunay_pyramid::EncodingLimit;
 using delaunay_pyramid::Interference;
-using delaunay_pyramid::Window;
+using insertions::Window;
 
 /// Links may be quadratic: what is more is refused, and the page says so.
 constexpr EncodingLimit kLimit{.n_bytes = std::uint64_t{4} << 30};
 
-/// The history of a grid, and when it reaches its levels.
+/// The insertions into a grid by a rule, and when they reach its levels.
 struct SharedHistory {
-  std::optional<delaunay_pyramid::History> history;
+  delaunay::InsertionRule rule;
+  std::optional<insertions::History> history;
   std::vector<double> levels;  ///< That get finer.
   std::vector<std::uint32_t> times;
   double seconds = 0;
 
+  explicit SharedHistory(delaunay::InsertionRule its_rule) : rule(its_rule) {}
   Result<void> build(const HeightGrid& grid, std::span<const double> tolerances,
                      Progress& progress) {
     if (history) return {};
@@ -36,9 +39,9 @@ struct SharedHistory {
     std::ranges::sort(levels, std::greater());
     levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
     const Stopwatch watch;
-    LODE_TRY(history, delaunay_pyramid::build_history(grid, levels.back(), progress));
+    LODE_TRY(history, insertions::build_history(grid, levels.back(), rule, progress));
     seconds = watch.seconds();
-    times = delaunay_pyramid::times_of(*history, levels);
+    times = insertions::times_of(*history, levels);
     return {};
   }
   [[nodiscard]] std::size_t level_of(double tolerance) const {
@@ -46,6 +49,7 @@ struct SharedHistory {
   }
 };
 
+/// Of one history, by levels.
 class PyramidCandidate : public TerrainCandidate {
  public:
   explicit PyramidCandidate(std::shared_ptr<SharedHistory> shared) : shared_(std::move(shared)) {}
@@ -89,7 +93,7 @@ class PyramidCandidate : public TerrainCandidate {
     return static_cast<std::uint64_t>(std::ranges::count_if(
         places, [&](const delaunay::LatticePoint& p) { return find(p).has_value(); }));
   }
-  [[nodiscard]] const delaunay_pyramid::History& history() const { return *shared_->history; }
+  [[nodiscard]] const insertions::History& history() const { return *shared_->history; }
   [[nodiscard]] const SharedHistory& shared() const { return *shared_; }
 
  private:
@@ -97,13 +101,19 @@ class PyramidCandidate : public TerrainCandidate {
   double encoding_seconds_ = 0;
 };
 
-class Hypertriangulation final : public PyramidCandidate {
+/// The history itself.
+class Insertions final : public PyramidCandidate {
  public:
   using PyramidCandidate::PyramidCandidate;
-  [[nodiscard]] std::string name() const override { return "delaunay_pyramid"; }
+  [[nodiscard]] std::string name() const override {
+    return is_split() ? "ternary_triangulation" : "delaunay_pyramid";
+  }
   [[nodiscard]] std::string what() const override {
-    return "all insertions of the strict selector, with every triangle that there ever was "
-           "(hypertriangulation): any tolerance, which may vary";
+    return is_split()
+               ? "triangles joined to their worst samples, never flipped, worst first: any "
+                 "tolerance, which may vary"
+               : "all insertions of the strict selector, with every triangle that there ever "
+                 "was (hypertriangulation): any tolerance, which may vary";
   }
   [[nodiscard]] bool can_vary() const override { return true; }
   [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) override {
@@ -129,6 +139,7 @@ class Hypertriangulation final : public PyramidCandidate {
     locator_.emplace(history());
     return {};
   }
+  [[nodiscard]] bool is_split() const { return shared().rule == delaunay::InsertionRule::split; }
   [[nodiscard]] delaunay::Tin tin_of_level(std::size_t level) override {
     return tin_at(history(), shared().times[level], delaunay::TinLinks::left_out);
   }
@@ -144,11 +155,11 @@ class Hypertriangulation final : public PyramidCandidate {
     });
   }
 
-  std::optional<delaunay_pyramid::HistoryLocator> locator_;
+  std::optional<insertions::HistoryLocator> locator_;
 };
 
 /// What an encoding takes beside the places and heights of its vertices, and these.
-std::uint64_t with_vertices(const delaunay_pyramid::History& history, std::uint64_t n_bytes) {
+std::uint64_t with_vertices(const insertions::History& history, std::uint64_t n_bytes) {
   return n_bytes + history.vertices.size() * (sizeof(delaunay::LatticePoint) + sizeof(double));
 }
 
@@ -237,12 +248,14 @@ class Complete final : public PyramidCandidate {
 }  // namespace
 
 std::vector<std::unique_ptr<TerrainCandidate>> pyramid_candidates() {
-  const auto shared = std::make_shared<SharedHistory>();
+  const auto shared = std::make_shared<SharedHistory>(delaunay::InsertionRule::delaunay);
   std::vector<std::unique_ptr<TerrainCandidate>> all;
-  all.push_back(std::make_unique<Hypertriangulation>(shared));
+  all.push_back(std::make_unique<Insertions>(shared));
   all.push_back(std::make_unique<Lists>(shared, Interference::left_out));
   all.push_back(std::make_unique<Lists>(shared, Interference::linked));
   all.push_back(std::make_unique<Complete>(shared));
+  all.push_back(std::make_unique<Insertions>(
+      std::make_shared<SharedHistory>(delaunay::InsertionRule::split)));
   return all;
 }
 

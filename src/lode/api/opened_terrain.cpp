@@ -11,19 +11,20 @@
 namespace lode {
 namespace {
 
-TerrainFacts facts_of(const TerrainPyramid& pyramid) {
-  const PyramidInfo info = pyramid.describe_source();
-  return {.frame = pyramid.frame(),
+TerrainFacts facts_of(const BuiltTerrain& built) {
+  const BuiltTerrainInfo info = built.describe_source();
+  return {.frame = built.frame(),
           .format = "LODE",
           .type = info.sample_type,
           .has_place = info.has_place,
           .n_missing = info.n_missing};
 }
 
-OpenedTerrain of_pyramid(TerrainPyramid pyramid) {
-  Terrain terrain = pyramid.terrain();
-  TerrainFacts facts = facts_of(pyramid);
-  return {std::move(terrain), TerrainModel::delaunay_pyramid, std::move(facts), std::move(pyramid)};
+OpenedTerrain of_built(BuiltTerrain built) {
+  Terrain terrain = built.terrain();
+  TerrainFacts facts = facts_of(built);
+  const TerrainModel model = built.model();
+  return {std::move(terrain), model, std::move(facts), std::move(built)};
 }
 
 /// Names the file, unless the reason is that the user stopped.
@@ -70,10 +71,6 @@ Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOpti
 
 }  // namespace
 
-const char* name_of(TerrainModel model) {
-  return model == TerrainModel::delaunay_selector ? "delaunay_selector" : "delaunay_pyramid";
-}
-
 TerrainFacts facts_of(const io::HeightRaster& raster) {
   return {.frame = raster.grid,
           .format = raster.format,
@@ -83,7 +80,7 @@ TerrainFacts facts_of(const io::HeightRaster& raster) {
 }
 
 bool holds_terrain_model(const std::string& path) {
-  return is_lode_path(path) && TerrainPyramid::is_model_of(path);
+  return is_lode_path(path) && BuiltTerrain::is_model_of(path);
 }
 
 Result<void> check_lode_opens(const std::string& path) {
@@ -97,24 +94,25 @@ bool holds_terrain(const std::string& path) {
 }
 
 Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOptions& reading,
-                                   const std::optional<PyramidOptions>& pyramid,
+                                   const std::optional<TerrainBuildOptions>& building,
                                    Progress& progress) try {
   if (is_lode_path(path)) {
-    LODE_TRY(TerrainPyramid opened, TerrainPyramid::open(path, progress));
-    return of_pyramid(std::move(opened));
+    LODE_TRY(BuiltTerrain opened, BuiltTerrain::open(path, progress));
+    return of_built(std::move(opened));
   }
-  if (io::is_point_path(path) && pyramid)
-    return fail("{}: expected a raster to build a delaunay_pyramid of, got scattered points", path);
+  if (io::is_point_path(path) && building)
+    return fail("{}: expected a raster to build a {} of, got scattered points", path,
+                name_of(building->model));
   if (io::is_point_path(path)) return open_points(path, reading, progress);
   LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
-  if (pyramid) {
-    PyramidOptions options = *pyramid;
+  if (building) {
+    TerrainBuildOptions options = *building;
     options.sample_type = read.type;
     options.has_place = read.has_place;
-    auto built = TerrainPyramid::build(read.grid, options, progress);
+    auto built = BuiltTerrain::build(read.grid, options, progress);
     if (!built && !progress.is_cancelled()) return fail("{}: {}", path, built.error().message);
     if (!built) return built.error();
-    return of_pyramid(*std::move(built));
+    return of_built(*std::move(built));
   }
   const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
   return OpenedTerrain{Terrain(std::shared_ptr<const HeightGrid>(raster, &raster->grid)),

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "lode/api/built_terrain.h"
 #include "lode/api/point_terrain.h"
-#include "lode/api/terrain_pyramid.h"
 #include "lode/api/terrain_source.h"
 #include "lode/core/height_frame.h"
 #include "lode/core/progress.h"
@@ -15,12 +15,6 @@
 #include "lode/io/point_reader.h"
 
 namespace lode {
-
-/// What terrain is asked of: a TIN made anew for each question, or a pyramid.
-enum class TerrainModel : std::uint8_t { delaunay_selector, delaunay_pyramid };
-
-/// As --model and outputs name it.
-[[nodiscard]] const char* name_of(TerrainModel model);
 
 /// What a file of scattered points has, and what became of it.
 struct PointFacts {
@@ -61,7 +55,7 @@ struct OpenedTerrain {
   Terrain terrain;
   TerrainModel model = TerrainModel::delaunay_selector;
   TerrainFacts facts;
-  std::optional<TerrainPyramid> pyramid{};       ///< Of the model delaunay_pyramid.
+  std::optional<BuiltTerrain> built{};           ///< Of all but the delaunay_selector.
   std::shared_ptr<const PointTerrain> points{};  ///< Null: it is of a raster.
 };
 
@@ -73,12 +67,12 @@ struct OpenedTerrain {
 /// That there is a .lode file whose header and directory are whole, of whatever model.
 [[nodiscard]] Result<void> check_lode_opens(const std::string& path);
 
-/// Of a raster: with `pyramid`, one is built of it first; of points none can be. Of a .lode file
-/// the options of reading and of pyramids mean nothing. Fails as reading, make_point_terrain() and
-/// building do, naming the file.
+/// Of a raster: with `building`, the model is built of it first; of points none can be. Of a .lode
+/// file the options of reading and building mean nothing. Fails as reading, make_point_terrain()
+/// and building do, naming the file.
 [[nodiscard]] Result<OpenedTerrain> open_terrain(const std::string& path,
                                                  const TerrainReadOptions& reading,
-                                                 const std::optional<PyramidOptions>& pyramid,
+                                                 const std::optional<TerrainBuildOptions>& building,
                                                  Progress& progress);
 
 }  // namespace lode

@@ -18,7 +18,8 @@ namespace lode {
 namespace {
 
 /// `worst`: where the largest error is.
-VerifyReport to_report(const TinFacts& facts, double max_error, const std::string& worst) {
+VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
+                       const std::string& worst) {
   VerifyReport report;
   report.add("vertices are samples", facts.n_vertices, facts.n_off_samples,
              facts.n_off_samples > 0 ? fmt::format("{} are not", facts.n_off_samples)
@@ -29,8 +30,9 @@ VerifyReport to_report(const TinFacts& facts, double max_error, const std::strin
   if (facts.n_turned > 0) return report;
   report.add("edges have two sides", facts.n_edges, facts.n_overused,
              facts.n_overused > 0 ? fmt::format("{} have more", facts.n_overused) : "");
-  report.add("inner edges are Delaunay", facts.n_inner_edges, facts.n_not_delaunay,
-             facts.n_not_delaunay > 0 ? fmt::format("{} are not", facts.n_not_delaunay) : "");
+  if (shape == TinShape::delaunay)
+    report.add("inner edges are Delaunay", facts.n_inner_edges, facts.n_not_delaunay,
+               facts.n_not_delaunay > 0 ? fmt::format("{} are not", facts.n_not_delaunay) : "");
   report.add("the domain is covered once", facts.n_cells > 0 ? facts.n_cells : facts.n_samples,
              facts.is_covered() ? 0 : 1,
              facts.is_covered()
@@ -63,9 +65,10 @@ Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOpti
 }
 
 Result<VerifyReport> verify_terrain(const HeightGrid& grid, const Surface& surface,
-                                    double max_error, Threads threads, Progress& progress) try {
-  LODE_TRY(const TinFacts facts, check_tin(surface, grid, max_error, threads, progress));
-  return to_report(facts, max_error,
+                                    const TerrainVerifyOptions& options, Progress& progress) try {
+  LODE_TRY(const TinFacts facts,
+           check_tin(surface, grid, options.max_error, options.threads, progress));
+  return to_report(facts, options.max_error, options.shape,
                    fmt::format("in column {}, row {}", facts.worst.x, facts.worst.y));
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the surface");
@@ -78,7 +81,7 @@ Result<VerifyReport> verify_terrain(const PointTerrain& terrain, const Surface& 
                            terrain.points.nodes.size() - terrain.domain.n_left_out, max_error,
                            threads, progress));
   const Vec<double, 2> at = terrain.points.world(facts.worst.x, facts.worst.y);
-  return to_report(facts, max_error, fmt::format("at {}, {}", at[0], at[1]));
+  return to_report(facts, max_error, TinShape::delaunay, fmt::format("at {}, {}", at[0], at[1]));
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the surface");
 }

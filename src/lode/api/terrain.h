@@ -5,6 +5,7 @@
 #include <string>
 
 #include "lode/api/terrain_focus.h"
+#include "lode/api/terrain_model.h"
 #include "lode/api/terrain_source.h"
 #include "lode/api/verify_report.h"
 #include "lode/core/height_grid.h"
@@ -57,11 +58,25 @@ struct TerrainSurface {
                                                      const TerrainOptions& options,
                                                      Progress& progress);
 
-/// Checks that a surface is a Delaunay TIN of the grid's samples, covers exactly the cells with
-/// four heights, and that no sample is farther than max_error from it, by other means than it was
-/// made.
+/// What a TIN has to be beside true: of TinShape::delaunay all edges that are not on the outline
+/// must be.
+enum class TinShape : std::uint8_t { delaunay, any };
+
+[[nodiscard]] constexpr TinShape shape_of(TerrainModel model) {
+  return model == TerrainModel::ternary_triangulation ? TinShape::any : TinShape::delaunay;
+}
+
+struct TerrainVerifyOptions {
+  double max_error = 0;
+  TinShape shape = TinShape::delaunay;
+  Threads threads{};
+};
+
+/// Checks that a surface is a TIN of the grid's samples of that shape, covers exactly the cells
+/// with four heights, and that no sample is farther than max_error from it, by other means than it
+/// was made.
 [[nodiscard]] Result<VerifyReport> verify_terrain(const HeightGrid& grid, const Surface& surface,
-                                                  double max_error, Threads threads,
+                                                  const TerrainVerifyOptions& options,
                                                   Progress& progress);
 
 struct TerrainInfo {

@@ -17,8 +17,9 @@ constexpr std::array<std::uint32_t, 3> kPrevious{2, 0, 1};
 }  // namespace
 
 template <typename Nodes>
-NodeMesh<Nodes>::NodeMesh(Nodes nodes, std::span<const std::array<std::uint32_t, 3>> triangles)
-    : nodes_(nodes) {
+NodeMesh<Nodes>::NodeMesh(Nodes nodes, std::span<const std::array<std::uint32_t, 3>> triangles,
+                          InsertionRule rule)
+    : nodes_(nodes), rule_(rule) {
   resize_large(triangles_, triangles.size());
   const auto twins = find_twins(triangles);
   std::int32_t largest = 0;
@@ -78,6 +79,31 @@ void NodeMesh<Nodes>::remove_round(LatticePoint p, std::uint32_t t) {
 }
 
 template <typename Nodes>
+void NodeMesh<Nodes>::remove_at(LatticePoint p, std::uint32_t t) {
+  const LatticeTriangle& start = triangles_[t];
+  slots_.assign(1, t);
+  border_.clear();
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    const std::uint32_t from = start.corner[i];
+    const std::uint32_t twin = start.twin[i];
+    const bool is_on =
+        twin != kNoHalfEdge &&
+        doubled_area(nodes_.unpack(from), nodes_.unpack(start.corner[kNext[i]]), p) == 0;
+    if (!is_on) {
+      border_.push_back({from, twin});
+      continue;
+    }
+    // In the edge's place the other two of the triangle behind it, which runs from its end.
+    const LatticeTriangle& outer = triangles_[twin >> 2];
+    const std::uint32_t next = kNext[twin & 3];
+    const std::uint32_t previous = kPrevious[twin & 3];
+    slots_.push_back(twin >> 2);
+    border_.push_back({from, outer.twin[next]});
+    border_.push_back({outer.corner[previous], outer.twin[previous]});
+  }
+}
+
+template <typename Nodes>
 std::size_t NodeMesh<Nodes>::split_edge(LatticePoint p) const {
   for (std::size_t i = 0; i < border_.size(); ++i) {
     if (border_[i].twin != kNoHalfEdge) continue;
@@ -124,7 +150,7 @@ void NodeMesh<Nodes>::fill_fan(std::uint32_t p, std::size_t split) {
 template <typename Nodes>
 std::span<const std::uint32_t> NodeMesh<Nodes>::insert(std::uint32_t p, std::uint32_t t) {
   const LatticePoint point = nodes_.unpack(p);
-  remove_round(point, t);
+  remove_for(point, t);
   fill_fan(p, split_edge(point));
   return slots_;
 }
@@ -149,7 +175,7 @@ template <typename Nodes>
 bool NodeMesh<Nodes>::try_insert(std::uint32_t p, std::uint32_t t,
                                  std::span<const std::uint32_t>& slots) {
   const LatticePoint point = nodes_.unpack(p);
-  remove_round(point, t);
+  remove_for(point, t);
   const std::size_t split = split_edge(point);
   if (!is_disk_round(point, split)) return false;
   fill_fan(p, split);

@@ -24,8 +24,12 @@ struct LatticeTriangle {
 };
 static_assert(sizeof(LatticeTriangle) == 32);
 
-/// Triangles of a bounded part of the plane into which nodes are inserted one by one (Bowyer 1981,
-/// Watson 1981). Edges with nothing behind them stay, or are split where a node lies on them; all
+/// What a node that is inserted replaces. delaunay: the triangles whose circles it lies in (Bowyer
+/// 1981, Watson 1981). split: the one that it lies in, or the two beside the edge that it lies on.
+enum class InsertionRule : std::uint8_t { delaunay, split };
+
+/// Triangles of a bounded part of the plane into which nodes are inserted one by one. Edges with
+/// nothing behind them stay, or are split where a node lies on them. By the rule delaunay all
 /// others are Delaunay, exactly: no corner of a neighbour lies inside a triangle's circle. Of a
 /// convex domain this is the Delaunay triangulation, else the one constrained by the outline.
 /// `Nodes`: LatticePacking or ListedNodes, of coordinates >= 0 and below 2^30.
@@ -33,16 +37,17 @@ template <typename Nodes>
 class NodeMesh {
  public:
   /// `triangles`: corners that turn left; two of them may share an edge, and those that do must be
-  /// Delaunay. O(n log n).
-  NodeMesh(Nodes nodes, std::span<const std::array<std::uint32_t, 3>> triangles);
+  /// Delaunay if the rule is. O(n log n).
+  NodeMesh(Nodes nodes, std::span<const std::array<std::uint32_t, 3>> triangles,
+           InsertionRule rule = InsertionRule::delaunay);
 
   [[nodiscard]] const Nodes& nodes() const { return nodes_; }
   [[nodiscard]] const std::vector<LatticeTriangle>& triangles() const { return triangles_; }
   [[nodiscard]] LatticeTriangle& triangle(std::uint32_t t) { return triangles_[t]; }
 
-  /// Inserts the node p, which lies in triangle t and is none of its corners. All triangles whose
-  /// circles it lies in are replaced. Returns the numbers of the new ones, valid until the next
-  /// call: numbers of removed triangles come first, others are new at the end.
+  /// Inserts the node p, which lies in triangle t and is none of its corners, by the rule. Returns
+  /// the numbers of the new triangles, valid until the next call: numbers of removed triangles come
+  /// first, others are new at the end.
   std::span<const std::uint32_t> insert(std::uint32_t p, std::uint32_t t);
 
   /// The same of a mesh nobody vouches for: false, and nothing done, where what would be removed is
@@ -69,17 +74,21 @@ class NodeMesh {
     std::uint32_t start;  ///< Node.
     LatticePoint from, to;
   };
-  template <bool kIsNarrow>
-  void remove_round(LatticePoint p, std::uint32_t t);
-  void remove_round(LatticePoint p, std::uint32_t t) {
+  /// Finds what p replaces, and what is round that.
+  void remove_for(LatticePoint p, std::uint32_t t) {
+    if (rule_ == InsertionRule::split) return remove_at(p, t);
     is_narrow_ ? remove_round<true>(p, t) : remove_round<false>(p, t);
   }
+  template <bool kIsNarrow>
+  void remove_round(LatticePoint p, std::uint32_t t);
+  void remove_at(LatticePoint p, std::uint32_t t);
   [[nodiscard]] bool is_disk_round(LatticePoint p, std::size_t split);
   /// The border's edge that p lies on, else its size.
   [[nodiscard]] std::size_t split_edge(LatticePoint p) const;
   void fill_fan(std::uint32_t p, std::size_t split);
 
   Nodes nodes_;
+  InsertionRule rule_;
   std::vector<LatticeTriangle> triangles_;
   bool is_narrow_ = false;  ///< All differences of coordinates are below kNarrowLattice.
   std::vector<InnerEdge> stack_;

@@ -15,6 +15,12 @@ namespace lode::delaunay {
                               static_cast<std::uint32_t>(static_cast<double>(nearest) < value));
 }
 
+/// As errors are kept where there are many: rounded up to 8 significant bits, by less than 1/128.
+[[nodiscard]] inline float to_coarse_above(float error) {
+  const auto bits = std::bit_cast<std::uint32_t>(error);
+  return std::bit_cast<float>((bits + 0xFFFFU) & 0xFFFF0000U);
+}
+
 /// Largest error first, then first position.
 [[nodiscard]] inline std::uint64_t priority_of(const LatticeTriangle& triangle) {
   return (std::uint64_t{std::bit_cast<std::uint32_t>(triangle.error)} << 32) | ~triangle.candidate;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -50,8 +51,9 @@ class SparseSamples {
 template <typename T>
 class TriangleJudge {
  public:
-  /// `sparse`: where those alone show that a triangle is beyond the tolerance, the worst of them is
-  /// taken for its candidate; null: the worst of all samples always is. `observer` may be null.
+  /// `sparse`, of orders that are not strict: where those alone show that a triangle is beyond the
+  /// tolerance, the worst of them is taken for its candidate; null: the worst of all samples always
+  /// is. `observer` may be null.
   TriangleJudge(const SampleRows<T>& rows, const SparseSamples<T>* sparse, double lower,
                 double upper, double max_error, InsertionObserver* observer)
       : rows_(rows),
@@ -88,10 +90,17 @@ class TriangleJudge {
     WorstSample worst = find_(rows_, lane_slack_, triangle.corner, z);
     // Not within the tolerance, and not surely beyond: rounding must not decide.
     const bool is_sure = worst.error - 2 * worst.slack > max_error_ && !is_corner(triangle, worst);
-    if (worst.error > max_error_ && !is_sure)
+    if ((worst.error > max_error_ && !is_sure) || (sparse_ == nullptr && is_kept_larger(worst)))
       worst = find_worst_exactly(rows_, double_slack_, triangle.corner);
     triangle.candidate = worst.error > max_error_ ? worst.node : WorstSample::kNone;
     triangle.error = to_float_above(worst.error);
+  }
+  /// Whether who keeps coarse errors might keep a larger one than is needed. So that these are as
+  /// exact as they can be, and a selector that keeps none inserts the same samples, strict orders
+  /// ask.
+  [[nodiscard]] static bool is_kept_larger(const WorstSample& worst) {
+    const double least = std::max(0.0, worst.error - 2 * worst.slack);
+    return to_coarse_above(to_float_above(least)) != to_coarse_above(to_float_above(worst.error));
   }
   [[nodiscard]] static bool is_corner(const LatticeTriangle& triangle, const WorstSample& worst) {
     const auto& corner = triangle.corner;

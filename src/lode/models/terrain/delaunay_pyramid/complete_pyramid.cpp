@@ -5,8 +5,8 @@
 #include "lode/delaunay/lattice_side.h"
 #include "lode/delaunay/tin_links.h"
 #include "lode/models/terrain/delaunay_pyramid/encodings.h"
-#include "lode/models/terrain/delaunay_pyramid/extract.h"
 #include "lode/models/terrain/delaunay_pyramid/interferences.h"
+#include "lode/models/terrain/insertions/extract.h"
 
 namespace lode::delaunay_pyramid {
 namespace {
@@ -22,12 +22,6 @@ std::vector<std::uint32_t> alive_at(const History& history, std::uint32_t time) 
 }
 
 }  // namespace
-
-std::vector<std::uint32_t> times_of(const History& history, std::span<const double> levels) {
-  std::vector<std::uint32_t> times;
-  for (const double level : levels) times.push_back(time_within(history, level));
-  return times;
-}
 
 Result<CompletePyramid> CompletePyramid::make(const History& history,
                                               std::span<const std::uint32_t> times,

@@ -10,15 +10,15 @@
 #include "lode/core/result.h"
 #include "lode/delaunay/predicates.h"
 #include "lode/delaunay/tin.h"
-#include "lode/models/terrain/delaunay_pyramid/history.h"
-#include "lode/models/terrain/delaunay_pyramid/start_finder.h"
-#include "lode/models/terrain/delaunay_pyramid/window.h"
+#include "lode/models/terrain/insertions/history.h"
+#include "lode/models/terrain/insertions/start_finder.h"
+#include "lode/models/terrain/insertions/window.h"
 
 namespace lode::delaunay_pyramid {
 
-/// When the levels of a pyramid are reached: time_within() of each tolerance, which get finer.
-[[nodiscard]] std::vector<std::uint32_t> times_of(const History& history,
-                                                  std::span<const double> levels);
+using insertions::History;
+using insertions::StartFinder;
+using insertions::Window;
 
 /// Lists of numbers one after the other.
 struct LinkLists {
@@ -112,26 +112,5 @@ class TriangleLists {
   LinkLists links_;
   std::optional<StartFinder> start_;  ///< Of the first list, where there are links.
 };
-
-/// Finds places in the meshes of all times.
-class HistoryLocator {
- public:
-  /// The history must outlive it.
-  explicit HistoryLocator(const History& history);
-
-  /// A triangle of the mesh at a time that holds a place (column and row, finite), down the history
-  /// from the base.
-  [[nodiscard]] std::optional<std::uint32_t> find(std::uint32_t time,
-                                                  const delaunay::Point& p) const;
-  [[nodiscard]] std::uint64_t n_bytes() const { return start_.n_bytes(); }
-
- private:
-  const History* history_;
-  StartFinder start_;
-};
-
-/// The triangles of the mesh at a time that meet a window, in the order of their numbers.
-[[nodiscard]] std::vector<std::uint32_t> zoom_at(const History& history, std::uint32_t time,
-                                                 const Window& window);
 
 }  // namespace lode::delaunay_pyramid

@@ -5,10 +5,18 @@
 #include <vector>
 
 #include "lode/core/result.h"
-#include "lode/models/terrain/delaunay_pyramid/descent.h"
 #include "lode/models/terrain/delaunay_pyramid/encodings.h"
+#include "lode/models/terrain/insertions/descent.h"
 
 namespace lode::delaunay_pyramid {
+
+using insertions::corners_of;
+using insertions::Descent;
+using insertions::do_interiors_meet;
+using insertions::holds;
+using insertions::LatticeCorners;
+using insertions::meets_window;
+using insertions::Triangle;
 
 /// By triangle of the mesh at `time`, those of the mesh at `later` whose interiors meet its own.
 class Interferences {

@@ -4,8 +4,8 @@
 
 #include "lode/delaunay/lattice_side.h"
 #include "lode/models/terrain/delaunay_pyramid/encodings.h"
-#include "lode/models/terrain/delaunay_pyramid/extract.h"
 #include "lode/models/terrain/delaunay_pyramid/interferences.h"
+#include "lode/models/terrain/insertions/extract.h"
 
 namespace lode::delaunay_pyramid {
 namespace {

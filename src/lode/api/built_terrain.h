@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lode/api/terrain.h"
+#include "lode/api/terrain_model.h"
+#include "lode/api/verify_report.h"
+#include "lode/core/height_grid.h"
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+
+namespace lode {
+
+struct TerrainBuildOptions {
+  TerrainModel model = TerrainModel::delaunay_pyramid;  ///< One of kBuiltTerrainModels.
+  /// Tolerances in units of the heights, finite, >= 0, each finer than the one before; empty:
+  /// default_levels().
+  std::vector<double> levels;
+  std::string sample_type{};  ///< As HeightRaster has them, to be remembered.
+  bool has_place = true;
+};
+
+/// From a 2000th of the range of heights, doubled as long as that is below the range; 0 where there
+/// is none.
+[[nodiscard]] std::vector<double> default_levels(const HeightRange& range);
+
+struct BuiltTerrainInfo {
+  struct Level {
+    double tolerance = 0;
+    std::uint64_t triangles = 0;
+    std::uint64_t vertices = 0;
+    double smallest_angle = 0;  ///< Degrees, in the raster's coordinates.
+    double median_angle = 0;    ///< Of smallest angles.
+  };
+
+  std::vector<Level> levels;
+  std::string sample_type;
+  bool has_place = true;
+  std::uint64_t n_nodes = 0;           ///< Samples that were inserted.
+  std::uint64_t n_base_triangles = 0;  ///< Of the outline.
+  std::uint64_t n_triangles = 0;       ///< That there ever were.
+  std::uint64_t memory_bytes = 0;
+  std::uint64_t n_samples = 0;  ///< As of TerrainReport.
+  std::uint64_t n_missing = 0;
+  std::uint64_t n_left_out = 0;
+  HeightRange range;
+  double max_error = 0;  ///< The finest that it can give: |z - z'| at every sample.
+};
+
+/// What was built of a raster for all tolerances: docs/models/delaunay_pyramid.md and
+/// docs/models/ternary_triangulation.md. Copies are one terrain; const members are safe from many
+/// threads.
+class BuiltTerrain {
+ public:
+  /// Fails as extract_terrain() does, and on levels that are none.
+  [[nodiscard]] static Result<BuiltTerrain> build(const HeightGrid& grid,
+                                                  const TerrainBuildOptions& options,
+                                                  Progress& progress);
+  /// Reads all of a file. Fails on what docs/format.md does not allow.
+  [[nodiscard]] static Result<BuiltTerrain> open(const std::string& path, Progress& progress);
+  /// Whether a path is a .lode file of these models; also false where it cannot be read.
+  [[nodiscard]] static bool is_model_of(const std::string& path);
+
+  /// Whole or not at all. Returns the size of the file.
+  [[nodiscard]] Result<std::uint64_t> save(const std::string& path, Progress& progress) const;
+
+  /// To ask of. At tolerances finer than max_error there is no answer; with max_cells the finest
+  /// mesh on the way that has no more; with a focus the fewest triangles within it.
+  [[nodiscard]] Terrain terrain() const;
+  [[nodiscard]] TerrainModel model() const;
+  [[nodiscard]] const HeightFrame& frame() const;
+  /// Without levels.
+  [[nodiscard]] BuiltTerrainInfo describe_source() const;
+  [[nodiscard]] BuiltTerrainInfo describe() const;
+
+  /// Holds it against the raster it was built of, at every level: the domain, the heights and
+  /// the errors that triangles state, and Delaunay pyramids for being Delaunay, by other means than
+  /// they were made.
+  [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
+                                            Progress& progress) const;
+
+  struct Impl;
+
+ private:
+  explicit BuiltTerrain(std::shared_ptr<const Impl> impl);
+
+  std::shared_ptr<const Impl> impl_;
+};
+
+}  // namespace lode

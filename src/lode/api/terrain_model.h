@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace lode {
+
+/// What terrain is asked of: a TIN made anew for each question, or what was built once for all.
+enum class TerrainModel : std::uint8_t {
+  delaunay_selector,
+  delaunay_pyramid,
+  ternary_triangulation
+};
+
+/// Those that are built, and have files.
+inline constexpr std::array kBuiltTerrainModels{TerrainModel::delaunay_pyramid,
+                                                TerrainModel::ternary_triangulation};
+
+/// As --model, files and outputs name it.
+[[nodiscard]] constexpr const char* name_of(TerrainModel model) {
+  switch (model) {
+    case TerrainModel::delaunay_selector: return "delaunay_selector";
+    case TerrainModel::delaunay_pyramid: return "delaunay_pyramid";
+    case TerrainModel::ternary_triangulation: return "ternary_triangulation";
+  }
+  return "";
+}
+
+/// The model of that name that is built, or nothing.
+[[nodiscard]] constexpr std::optional<TerrainModel> built_model_of(std::string_view name) {
+  for (const TerrainModel model : kBuiltTerrainModels)
+    if (name == name_of(model)) return model;
+  return {};
+}
+
+}  // namespace lode

@@ -1,0 +1,153 @@
+// P. Cignoni, E. Puppo, R. Scopigno, "Representation and visualization of terrain surfaces at
+// variable resolution", Scientific Visualization '95.
+#include "lode/models/terrain/insertions/extract.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lode/delaunay/tin_links.h"
+
+namespace lode::insertions {
+namespace {
+
+/// Of the triangles that is_alive(t), of those before `end`.
+template <typename IsAlive>
+delaunay::Tin collect(const History& history, std::uint32_t end, delaunay::TinLinks links,
+                      const IsAlive& is_alive) {
+  delaunay::Tin tin;
+  for (std::uint32_t t = 0; t < end; ++t) {
+    if (!is_alive(t)) continue;
+    tin.triangles.push_back(history.triangles[t].corner);
+    if (links == delaunay::TinLinks::kept) tin.errors.push_back(history.triangles[t].error);
+  }
+  place_vertices(history, tin);
+  if (links == delaunay::TinLinks::kept) tin.twins = delaunay::find_twins(tin.triangles);
+  return tin;
+}
+
+/// Applies nodes until no triangle wants more.
+class Selection {
+ public:
+  Selection(const History& history, const Demand& demand)
+      : history_(history), demand_(demand), applied_(history.n_nodes()) {}
+
+  AppliedNodes run() {
+    for (std::uint32_t t = 0; t < history_.n_base_triangles(); ++t) look_at(t);
+    while (!wanted_.empty()) {
+      const std::uint32_t node = wanted_.back();
+      wanted_.pop_back();
+      apply(node);
+    }
+    return std::move(applied_);
+  }
+
+ private:
+  void look_at(std::uint32_t t) {
+    const Triangle& triangle = history_.triangles[t];
+    if (triangle.death == kNone || applied_[triangle.death]) return;
+    const NodeFacts facts = facts_of(history_, triangle);
+    if (demand_.touches(facts) && to_rank(demand_(facts)) > 0) wanted_.push_back(triangle.death);
+  }
+  /// After its ancestors, of which there may be long chains.
+  void apply(std::uint32_t wanted) {
+    chain_.assign(1, wanted);
+    while (!chain_.empty()) {
+      const std::uint32_t node = chain_.back();
+      const std::size_t n_before = chain_.size();
+      if (!applied_[node])
+        for (const std::uint32_t t : history_.removed_by(node)) {
+          const std::uint32_t birth = history_.birth(t);
+          if (birth != kNone && !applied_[birth]) chain_.push_back(birth);
+        }
+      if (chain_.size() > n_before) continue;
+      chain_.pop_back();
+      if (applied_[node]) continue;
+      applied_[node] = true;
+      for (std::uint32_t t = history_.first_made[node]; t < history_.first_made[node + 1]; ++t)
+        look_at(t);
+    }
+  }
+
+  const History& history_;
+  const Demand& demand_;
+  AppliedNodes applied_;
+  std::vector<std::uint32_t> wanted_;
+  std::vector<std::uint32_t> chain_;
+};
+
+}  // namespace
+
+void place_vertices(const History& history, delaunay::Tin& tin) {
+  std::vector<std::uint32_t> used;
+  std::vector<bool> is_used(history.vertices.size());
+  for (const auto& corners : tin.triangles)
+    for (const std::uint32_t vertex : corners)
+      if (!is_used[vertex]) {
+        is_used[vertex] = true;
+        used.push_back(vertex);
+      }
+  std::ranges::sort(used, {}, [&](std::uint32_t vertex) {
+    const delaunay::LatticePoint p = history.vertices[vertex];
+    return std::pair(p.y, p.x);
+  });
+  std::vector<std::uint32_t> number(history.vertices.size());
+  tin.vertices.reserve(used.size());
+  tin.heights.reserve(used.size());
+  for (const std::uint32_t vertex : used) {
+    number[vertex] = static_cast<std::uint32_t>(tin.vertices.size());
+    tin.vertices.push_back(history.vertices[vertex]);
+    tin.heights.push_back(history.heights[vertex]);
+  }
+  for (auto& corners : tin.triangles)
+    for (std::uint32_t& vertex : corners) vertex = number[vertex];
+}
+
+delaunay::Tin tin_at(const History& history, std::uint32_t time, delaunay::TinLinks links) {
+  return collect(history, history.first_made[time], links, [&](std::uint32_t t) {
+    return history.triangles[t].death >= time;  // kNone is later than all.
+  });
+}
+
+AppliedNodes select_nodes(const History& history, const Demand& demand) {
+  return Selection(history, demand).run();
+}
+
+delaunay::Tin tin_of(const History& history, const AppliedNodes& applied,
+                     delaunay::TinLinks links) {
+  const auto end = static_cast<std::uint32_t>(history.triangles.size());
+  return collect(history, end, links, [&](std::uint32_t t) {
+    const std::uint32_t birth = history.birth(t);
+    const std::uint32_t death = history.triangles[t].death;
+    return (birth == kNone || applied[birth]) && (death == kNone || !applied[death]);
+  });
+}
+
+NodeFacts facts_of(const History& history, const Triangle& triangle) {
+  Vec3d lower;
+  Vec3d upper;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const delaunay::LatticePoint p = history.vertices[triangle.corner[i]];
+    const Vec<double, 2> at = history.frame.world(p.x, p.y);
+    const Vec3d place{{at[0], at[1], history.heights[triangle.corner[i]]}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lower[axis] = i == 0 ? place[axis] : std::min(lower[axis], place[axis]);
+      upper[axis] = i == 0 ? place[axis] : std::max(upper[axis], place[axis]);
+    }
+  }
+  const double error = triangle.error;
+  lower[2] -= error;
+  upper[2] += error;
+  NodeFacts facts;
+  facts.error = error;
+  facts.range = {lower[2], upper[2]};
+  facts.bounds.centre = (lower + upper) * 0.5;
+  facts.bounds.half = (upper - lower) * 0.5;
+  // For rounding, so that what touches a triangle touches its bounds.
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    facts.bounds.radius = std::max(
+        {facts.bounds.radius, std::abs(lower[axis]) * 0x1p-50, std::abs(upper[axis]) * 0x1p-50});
+  return facts;
+}
+
+}  // namespace lode::insertions

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lode/delaunay/tin.h"
+#include "lode/models/terrain/insertions/history.h"
+#include "lode/refine/demand.h"
+
+namespace lode::insertions {
+
+/// By node, whether it is applied. Consistent where each one's ancestors are.
+using AppliedNodes = std::vector<bool>;
+
+/// The mesh at a time, by the rule delaunay such exactly; vertices with heights in rows, triangles
+/// as they were made, with twins and errors if `links` says so. O(triangles made until then).
+[[nodiscard]] delaunay::Tin tin_at(const History& history, std::uint32_t time,
+                                   delaunay::TinLinks links);
+
+/// The fewest nodes after which no triangle of the mesh wants to be refined: where one that was
+/// made does, demand(facts) > 0, the node that removes it is applied, after its ancestors. A
+/// triangle's facts are its own: its error, the heights in it, its bounds in the world. Unique, for
+/// whether a triangle wants to be refined depends on nothing else. O(nodes applied), and a bit for
+/// each node.
+[[nodiscard]] AppliedNodes select_nodes(const History& history, const Demand& demand);
+
+/// The mesh of a consistent set of nodes: it conforms and covers the domain once, but edges need
+/// not be Delaunay. Otherwise as tin_at().
+[[nodiscard]] delaunay::Tin tin_of(const History& history, const AppliedNodes& applied,
+                                   delaunay::TinLinks links);
+
+/// Numbers the vertices of a TIN's triangles, which are the history's, anew, as they lie in rows,
+/// and takes places and heights over.
+void place_vertices(const History& history, delaunay::Tin& tin);
+
+/// What a demand sees of a triangle.
+[[nodiscard]] NodeFacts facts_of(const History& history, const Triangle& triangle);
+
+}  // namespace lode::insertions

@@ -1,0 +1,33 @@
+#pragma once
+
+// What save() and open() agree on; docs/format.md, section 8.
+
+#include <cstdint>
+
+#include "lode/store/format.h"
+
+namespace lode::insertions {
+
+/// Columns of numbers, each in parts of kPart.
+enum class Column : std::uint32_t {
+  x = 1,        ///< int32 by vertex.
+  y = 2,        ///< int32 by vertex.
+  height = 3,   ///< By vertex, in the type that HeightType says.
+  corners = 4,  ///< uint32, three by triangle of the base.
+  age = 5,      ///< uint32 by node: how many triangles were made after the one its vertex lies in.
+  error = 6,    ///< uint16 by triangle: the upper half of a float32.
+};
+
+enum class HeightType : std::uint8_t { int16 = 1, float32 = 2, float64 = 3 };
+
+/// Of the metadata and the columns; files of another one are refused.
+inline constexpr std::uint32_t kLayout = 1;
+
+/// Numbers in a block.
+inline constexpr std::uint32_t kPart = 1U << 16;
+
+[[nodiscard]] inline store::BlockKey key_of(Column column, std::uint64_t part) {
+  return {static_cast<std::uint32_t>(column), 0, {{static_cast<std::int32_t>(part), 0, 0}}};
+}
+
+}  // namespace lode::insertions

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lode/delaunay/predicates.h"
+#include "lode/models/terrain/insertions/history.h"
+#include "lode/models/terrain/insertions/start_finder.h"
+#include "lode/models/terrain/insertions/window.h"
+
+namespace lode::insertions {
+
+/// Finds places in the meshes of all times.
+class HistoryLocator {
+ public:
+  /// The history must outlive it.
+  explicit HistoryLocator(const History& history);
+
+  /// A triangle of the mesh at a time that holds a place (column and row, finite), down the history
+  /// from the base.
+  [[nodiscard]] std::optional<std::uint32_t> find(std::uint32_t time,
+                                                  const delaunay::Point& p) const;
+  [[nodiscard]] std::uint64_t n_bytes() const { return start_.n_bytes(); }
+
+ private:
+  const History* history_;
+  StartFinder start_;
+};
+
+/// The triangles of the mesh at a time that meet a window, in the order of their numbers.
+[[nodiscard]] std::vector<std::uint32_t> zoom_at(const History& history, std::uint32_t time,
+                                                 const Window& window);
+
+}  // namespace lode::insertions

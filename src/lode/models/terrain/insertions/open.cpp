@@ -1,0 +1,304 @@
+#include <array>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "lode/models/terrain/insertions/file_layout.h"
+#include "lode/models/terrain/insertions/persist.h"
+#include "lode/models/terrain/insertions/recorder.h"
+#include "lode/store/bytes.h"
+#include "lode/store/reader.h"
+
+namespace lode::insertions {
+namespace {
+
+using delaunay::InsertionRule;
+using delaunay::LatticePoint;
+
+constexpr std::array kRules{InsertionRule::delaunay, InsertionRule::split};
+
+std::optional<InsertionRule> rule_of(std::string_view model) {
+  for (const InsertionRule rule : kRules)
+    if (model == model_name(rule)) return rule;
+  return {};
+}
+
+/// What the columns have.
+struct Counts {
+  std::uint32_t n_base_vertices = 0;
+  std::uint32_t n_base_triangles = 0;
+  std::uint32_t n_nodes = 0;
+  std::uint32_t n_triangles = 0;
+  HeightType type = HeightType::float64;
+};
+
+Result<void> read_frame(store::ByteReader& in, const std::string& path, HeightFrame& frame) {
+  LODE_TRY(frame.n_columns, in.read<std::int32_t>());
+  LODE_TRY(frame.n_rows, in.read<std::int32_t>());
+  if (frame.n_columns < 2 || frame.n_rows < 2 ||
+      !delaunay::LatticePacking::fits(frame.n_columns, frame.n_rows))
+    return fail("{}: metadata: expected columns and rows whose numbers fit 32 bits, got {} x {}",
+                path, frame.n_columns, frame.n_rows);
+  for (double& x : frame.to_world) {
+    LODE_TRY(x, in.read<double>());
+    if (!std::isfinite(x))
+      return fail("{}: metadata: expected finite numbers that place the lattice, got {}", path, x);
+  }
+  const auto& g = frame.to_world;
+  if (const double determinant = g[1] * g[5] - g[2] * g[4];
+      determinant == 0 || !std::isfinite(determinant))
+    return fail("{}: metadata: expected columns and rows that span a plane", path);
+  LODE_TRY(frame.crs, in.read_string());
+  LODE_TRY(frame.vertical_unit, in.read_string());
+  return {};
+}
+
+Result<void> read_counts(store::ByteReader& in, const std::string& path, Counts& counts) {
+  LODE_TRY(counts.n_base_vertices, in.read<std::uint32_t>());
+  LODE_TRY(counts.n_base_triangles, in.read<std::uint32_t>());
+  LODE_TRY(counts.n_nodes, in.read<std::uint32_t>());
+  LODE_TRY(counts.n_triangles, in.read<std::uint32_t>());
+  LODE_TRY(const auto type, in.read<std::uint8_t>());
+  counts.type = static_cast<HeightType>(type);
+  constexpr std::uint32_t kMost = 1U << 30;
+  const bool are_plausible = counts.n_base_triangles >= 1 && counts.n_base_vertices >= 3 &&
+                             counts.n_base_vertices < kMost && counts.n_nodes < kMost &&
+                             counts.n_base_triangles < kMost &&
+                             counts.n_triangles >= counts.n_base_triangles;
+  if (!are_plausible || type < 1 || type > 3)
+    return fail(
+        "{}: metadata: expected counts of a triangulation and a type of heights, got {} and {} "
+        "vertices, {} of {} triangles, type {}",
+        path, counts.n_base_vertices, counts.n_nodes, counts.n_base_triangles, counts.n_triangles,
+        type);
+  return {};
+}
+
+Result<void> read_levels(store::ByteReader& in, const std::string& path,
+                         std::vector<double>& levels) {
+  LODE_TRY(const auto n, in.read<std::uint32_t>());
+  if (n > kMaxLevels)
+    return fail("{}: metadata: expected up to {} levels, got {}", path, kMaxLevels, n);
+  LODE_TRY(levels, in.read_all<double>(n));
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    if (!(levels[i] >= 0) || !std::isfinite(levels[i]) || (i > 0 && levels[i] >= levels[i - 1]))
+      return fail("{}: metadata: expected levels that get finer, got {}", path, levels[i]);
+  return {};
+}
+
+Result<Counts> read_head(const store::Reader& reader, LevelledHistory& levelled) {
+  const std::string& path = reader.path();
+  store::ByteReader in(reader.metadata(), path + ": metadata");
+  LODE_TRY(const auto layout, in.read<std::uint32_t>());
+  if (layout != kLayout)
+    return fail("{}: metadata: expected layout {} of the model {}, got {}", path, kLayout,
+                reader.model(), layout);
+  History& history = levelled.history;
+  LODE_CHECK(read_frame(in, path, history.frame));
+  LODE_TRY(history.sample_type, in.read_string());
+  LODE_TRY(const auto has_place, in.read<std::uint8_t>());
+  history.has_place = has_place != 0;
+  LODE_TRY(history.range.lower, in.read<double>());
+  LODE_TRY(history.range.upper, in.read<double>());
+  LODE_TRY(history.n_samples, in.read<std::uint64_t>());
+  LODE_TRY(history.n_missing, in.read<std::uint64_t>());
+  LODE_TRY(history.n_left_out, in.read<std::uint64_t>());
+  LODE_TRY(history.max_error, in.read<double>());
+  if (!(history.range.lower <= history.range.upper) || !(history.max_error >= 0) ||
+      !std::isfinite(history.range.upper - history.range.lower) ||
+      !std::isfinite(history.max_error))
+    return fail("{}: metadata: expected a finite range of heights and error, got {} to {}, {}",
+                path, history.range.lower, history.range.upper, history.max_error);
+  Counts counts;
+  LODE_CHECK(read_counts(in, path, counts));
+  LODE_CHECK(read_levels(in, path, levelled.levels));
+  LODE_CHECK(in.expect_end());
+  return counts;
+}
+
+/// All n numbers of a column. Blocks are there before memory is asked for.
+template <typename T>
+Result<std::vector<T>> read_column(const store::Reader& reader, Column column, std::uint64_t n) {
+  std::vector<T> numbers;
+  for (std::uint64_t first = 0; first < n; first += kPart) {
+    const store::BlockKey key = key_of(column, first / kPart);
+    const auto at = reader.find(key);
+    if (!at) return fail("{}: expected {}, found none", reader.path(), store::describe(key));
+    LODE_TRY(const std::vector<std::byte> bytes, reader.read_block(*at));
+    store::ByteReader in(bytes, reader.path() + ": " + store::describe(key));
+    LODE_TRY(const std::vector<T> part, in.read_all<T>(std::min<std::uint64_t>(kPart, n - first)));
+    LODE_CHECK(in.expect_end());
+    numbers.insert(numbers.end(), part.begin(), part.end());
+  }
+  return numbers;
+}
+
+template <typename T>
+Result<void> read_heights(const store::Reader& reader, std::uint64_t n, History& history) {
+  LODE_TRY(const std::vector<T> heights, read_column<T>(reader, Column::height, n));
+  history.heights.assign(heights.begin(), heights.end());
+  for (const double z : history.heights)
+    if (!(z >= history.range.lower && z <= history.range.upper))
+      return fail("{}: expected heights from {} to {}, got {}", reader.path(), history.range.lower,
+                  history.range.upper, z);
+  return {};
+}
+
+/// Inserts the vertices again.
+class Replay {
+ public:
+  Replay(const store::Reader& reader, const Counts& counts, History& history)
+      : reader_(reader), counts_(counts), history_(history), packing_(history.frame.n_columns) {}
+
+  Result<void> run(Progress& progress) {
+    LODE_CHECK(read_points());
+    LODE_TRY(const auto base, read_base());
+    delaunay::LatticeMesh mesh(packing_, base, history_.rule);
+    if (history_.rule == InsertionRule::delaunay && !mesh.is_delaunay())
+      return fail("{}: expected a base that is Delaunay, got edges that are not", reader_.path());
+    Recorder recorder(history_);
+    recorder.start(mesh);
+    if (history_.n_base_vertices != counts_.n_base_vertices ||
+        !std::equal(history_.vertices.begin(), history_.vertices.end(), points_.begin()))
+      return fail("{}: expected the {} vertices of the base first, as its triangles come to them",
+                  reader_.path(), counts_.n_base_vertices);
+    LODE_CHECK(insert_nodes(mesh, recorder, progress));
+    recorder.finish();
+    return read_errors();
+  }
+
+ private:
+  Result<void> read_points() {
+    const std::uint64_t n = std::uint64_t{counts_.n_base_vertices} + counts_.n_nodes;
+    LODE_TRY(const auto xs, read_column<std::int32_t>(reader_, Column::x, n));
+    LODE_TRY(const auto ys, read_column<std::int32_t>(reader_, Column::y, n));
+    const HeightFrame& frame = history_.frame;
+    for (std::size_t i = 0; i < xs.size(); ++i) {
+      if (xs[i] < 0 || ys[i] < 0 || xs[i] >= frame.n_columns || ys[i] >= frame.n_rows)
+        return fail("{}: expected vertices in {} x {}, got column {}, row {}", reader_.path(),
+                    frame.n_columns, frame.n_rows, xs[i], ys[i]);
+      points_.push_back({xs[i], ys[i]});
+    }
+    switch (counts_.type) {
+      case HeightType::int16: return read_heights<std::int16_t>(reader_, n, history_);
+      case HeightType::float32: return read_heights<float>(reader_, n, history_);
+      case HeightType::float64: return read_heights<double>(reader_, n, history_);
+    }
+    return {};
+  }
+
+  /// Packed corners, each of triangles that turn left.
+  Result<std::vector<std::array<std::uint32_t, 3>>> read_base() const {
+    LODE_TRY(const auto corners,
+             read_column<std::uint32_t>(reader_, Column::corners,
+                                        3 * std::uint64_t{counts_.n_base_triangles}));
+    std::vector<std::array<std::uint32_t, 3>> base(counts_.n_base_triangles);
+    for (std::size_t t = 0; t < base.size(); ++t) {
+      std::array<LatticePoint, 3> p;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t vertex = corners[3 * t + i];
+        if (vertex >= counts_.n_base_vertices)
+          return fail("{}: expected one of {} vertices of the base, got {}", reader_.path(),
+                      counts_.n_base_vertices, vertex);
+        p[i] = points_[vertex];
+        base[t][i] = packing_.pack(p[i]);
+      }
+      if (delaunay::doubled_area(p[0], p[1], p[2]) <= 0)
+        return fail(
+            "{}: expected triangles that turn left, got number {} of the base, which does "
+            "not",
+            reader_.path(), t);
+    }
+    return base;
+  }
+
+  Result<void> insert_nodes(delaunay::LatticeMesh& mesh, Recorder& recorder, Progress& progress) {
+    constexpr std::uint32_t kPerReport = 1U << 16;
+    LODE_TRY(const auto ages, read_column<std::uint32_t>(reader_, Column::age, counts_.n_nodes));
+    std::vector<std::uint32_t> slot_of(history_.triangles.size());
+    for (std::uint32_t t = 0; t < slot_of.size(); ++t) slot_of[t] = t;
+    for (std::uint32_t node = 0; node < counts_.n_nodes; ++node) {
+      if (node % kPerReport == 0) {
+        if (progress.is_cancelled()) return cancelled_error();
+        progress.report("inserting", static_cast<double>(node) / counts_.n_nodes);
+      }
+      const LatticePoint p = points_[std::size_t{counts_.n_base_vertices} + node];
+      const auto seed = seed_of(ages[node], p);
+      std::span<const std::uint32_t> slots;
+      const std::size_t n_before = mesh.triangles().size();
+      if (!seed || !mesh.try_insert(packing_.pack(p), slot_of[*seed], slots))
+        return fail(
+            "{}: node {}: expected column {}, row {} in a triangle of its time that it "
+            "can be inserted into",
+            reader_.path(), node, p.x, p.y);
+      recorder.add_node(mesh, p, slots, slots.size() - (mesh.triangles().size() - n_before));
+      slot_of.insert(slot_of.end(), slots.begin(), slots.end());
+      if (slot_of.size() > counts_.n_triangles) break;
+    }
+    if (history_.triangles.size() != counts_.n_triangles)
+      return fail("{}: expected {} triangles in all, got {}", reader_.path(), counts_.n_triangles,
+                  history_.triangles.size());
+    return {};
+  }
+
+  /// The triangle, where it is there and holds p, which is none of its corners.
+  [[nodiscard]] std::optional<std::uint32_t> seed_of(std::uint32_t age, LatticePoint p) const {
+    const auto n = static_cast<std::uint32_t>(history_.triangles.size());
+    if (age >= n) return {};
+    const Triangle& triangle = history_.triangles[n - 1 - age];
+    if (triangle.death != kNone) return {};
+    std::array<LatticePoint, 3> corner;
+    for (std::size_t i = 0; i < 3; ++i) {
+      corner[i] = history_.vertices[triangle.corner[i]];
+      if (corner[i] == p) return {};
+    }
+    for (std::size_t i = 0; i < 3; ++i)
+      if (delaunay::doubled_area(corner[i], corner[(i + 1) % 3], p) < 0) return {};
+    return n - 1 - age;
+  }
+
+  Result<void> read_errors() {
+    LODE_TRY(const auto errors,
+             read_column<std::uint16_t>(reader_, Column::error, counts_.n_triangles));
+    for (std::size_t t = 0; t < errors.size(); ++t) {
+      const auto error = std::bit_cast<float>(std::uint32_t{errors[t]} << 16);
+      if (!(error >= 0) || !std::isfinite(error))
+        return fail("{}: expected finite errors >= 0, got {}", reader_.path(), error);
+      history_.triangles[t].error = error;
+    }
+    return {};
+  }
+
+  const store::Reader& reader_;
+  const Counts& counts_;
+  History& history_;
+  delaunay::LatticePacking packing_;
+  std::vector<LatticePoint> points_;
+};
+
+}  // namespace
+
+std::string_view model_name(InsertionRule rule) {
+  return rule == InsertionRule::split ? "ternary_triangulation" : "delaunay_pyramid";
+}
+
+bool is_model_of(const std::string& path) {
+  const auto reader = store::Reader::open(path);
+  return reader && rule_of(reader->model());
+}
+
+Result<LevelledHistory> open(const std::string& path, Progress& progress) {
+  LODE_TRY(const store::Reader reader, store::Reader::open(path));
+  const auto rule = rule_of(reader.model());
+  if (!rule)
+    return fail("{}: expected the model {} or {}, got {}", path, model_name(kRules[0]),
+                model_name(kRules[1]), reader.model());
+  LevelledHistory levelled;
+  levelled.history.rule = *rule;
+  LODE_TRY(const Counts counts, read_head(reader, levelled));
+  LODE_CHECK(Replay(reader, counts, levelled.history).run(progress));
+  return levelled;
+}
+
+}  // namespace lode::insertions

@@ -1,0 +1,231 @@
+"""Reads a delaunay_pyramid or ternary_triangulation file, inserts its vertices again, and holds the meshes of its levels
+against the raster: the model's part of section 7 written from docs/format.md alone.
+
+read_insertions_lode.py FILE.lode RASTER.asc
+
+Shares no code with Lode. Tests are in Python's whole numbers and fractions. Prints numbers of
+vertices and triangles, and of the triangles of each level.
+
+Exit status: 0, 1 for a bad file, 2 where libzstd is absent.
+"""
+
+import array
+import fractions
+import pathlib
+import struct
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "store"))
+import independent_reader as container  # noqa: E402
+from independent_reader import BadFile, expect  # noqa: E402
+
+PART = 65536
+X, Y, HEIGHT, CORNERS, AGE, ERROR = range(1, 7)
+HEIGHT_TYPES = {1: "h", 2: "f", 3: "d"}
+
+
+class Cursor:
+    def __init__(self, raw):
+        self.raw, self.at = raw, 0
+
+    def take(self, fmt):
+        values = struct.unpack_from("<" + fmt, self.raw, self.at)
+        self.at += struct.calcsize("<" + fmt)
+        return values[0] if len(values) == 1 else values
+
+    def text(self):
+        n = self.take("I")
+        self.at += n
+        return self.raw[self.at - n : self.at].decode()
+
+
+def read_metadata(raw):
+    cursor = Cursor(raw)
+    expect(cursor.take("I") == 1, "another layout")
+    m = {"size": cursor.take("2i"), "world": cursor.take("6d")}
+    m["crs"], m["unit"], m["type"] = cursor.text(), cursor.text(), cursor.text()
+    m["has_place"] = cursor.take("B")
+    m["range"] = cursor.take("2d")
+    m["n_samples"], m["n_missing"], m["n_left_out"] = cursor.take("3Q")
+    m["finest"] = cursor.take("d")
+    m["b"], m["n_base"], m["n"], m["T"], m["height_type"] = cursor.take("4IB")
+    n_levels = cursor.take("I")
+    m["levels"] = struct.unpack_from(f"<{n_levels}d", raw, cursor.at)
+    expect(cursor.at + 8 * n_levels == len(raw), "bytes left over")
+    return m
+
+
+class File:
+    def __init__(self, path):
+        library = container.load_zstd()
+        data = pathlib.Path(path).read_bytes()
+        header = container.read_header(data)
+        model, metadata, blocks = container.read_directory(library, data, header)
+        models = "delaunay_pyramid", "ternary_triangulation"
+        expect(model in models, f"expected one of {models}, got {model}")
+        self.is_split = model == models[1]
+        self.m = read_metadata(metadata)
+        self.blocks = {}
+        for _, block, raw in container.read_blocks(library, data, header, blocks):
+            expect(block["level"] == block["y"] == block["z"] == 0, "a wrong block")
+            self.blocks[block["kind"], block["x"]] = raw
+
+    def column(self, kind, n, code):
+        numbers = array.array(code)
+        for part in range(-(-n // PART)):
+            numbers.frombytes(self.blocks.pop((kind, part)))
+        expect(len(numbers) == n, f"kind {kind}: {len(numbers)} numbers, expected {n}")
+        return numbers
+
+
+def area(a, b, c):
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def in_circle(a, b, c, p):
+    rows = [(q[0] - p[0], q[1] - p[1]) for q in (a, b, c)]
+    lifts = [x * x + y * y for x, y in rows]
+    cross = [
+        rows[i][0] * rows[(i + 1) % 3][1] - rows[i][1] * rows[(i + 1) % 3][0] for i in range(3)
+    ]
+    return lifts[0] * cross[1] + lifts[1] * cross[2] + lifts[2] * cross[0] > 0
+
+
+class Insertions:
+    """Triangles as they are made, and of the mesh of now who has an edge."""
+
+    def __init__(self, file):
+        self.m = m = file.m
+        self.is_split = file.is_split
+        n = m["b"] + m["n"]
+        self.places = list(zip(file.column(X, n, "i"), file.column(Y, n, "i")))
+        self.heights = file.column(HEIGHT, n, HEIGHT_TYPES[m["height_type"]])
+        corners = file.column(CORNERS, 3 * m["n_base"], "I")
+        ages = file.column(AGE, m["n"], "I")
+        self.errors = [
+            struct.unpack("<f", struct.pack("<I", e << 16))[0]
+            for e in file.column(ERROR, m["T"], "H")
+        ]
+        expect(not file.blocks, "blocks left over")
+        self.triangles, self.deaths, self.of_edge, self.removed = [], [], {}, []
+        for t in range(m["n_base"]):
+            self.make(tuple(corners[3 * t : 3 * t + 3]))
+        for node in range(m["n"]):
+            self.insert(node, ages[node])
+        expect(len(self.triangles) == m["T"], "another number of triangles")
+
+    def make(self, corner):
+        expect(area(*(self.places[v] for v in corner)) > 0, "a triangle that does not turn left")
+        t = len(self.triangles)
+        self.triangles.append(corner)
+        self.deaths.append(None)
+        for i in range(3):
+            edge = corner[i], corner[(i + 1) % 3]
+            expect(edge not in self.of_edge, "an edge twice")
+            self.of_edge[edge] = t, i
+
+    def insert(self, node, age):
+        p = self.m["b"] + node
+        place = self.places[p]
+        seed = len(self.triangles) - 1 - age
+        expect(seed >= 0 and self.deaths[seed] is None, "a seed that is not there")
+        corner = self.triangles[seed]
+        for i in range(3):
+            a, b = self.places[corner[i]], self.places[corner[(i + 1) % 3]]
+            expect(a != place and area(a, b, place) >= 0, "a vertex outside its triangle")
+        removed, border = [seed], []
+        stack = [(corner[i], corner[(i + 1) % 3]) for i in (2, 1, 0)]
+        while stack:
+            a, b = stack.pop()
+            behind = self.of_edge.get((b, a))
+            if behind is not None:
+                other = self.triangles[behind[0]]
+                if self.is_split:
+                    goes_on = area(self.places[a], self.places[b], place) == 0
+                else:
+                    goes_on = in_circle(*(self.places[v] for v in other), place)
+                if goes_on:
+                    removed.append(behind[0])
+                    apex = other[(behind[1] + 2) % 3]
+                    stack += [(apex, b), (a, apex)]
+                    continue
+            border.append((a, b, behind is None))
+        expect(len(border) == len(removed) + 2, "no disk")
+        for t in removed:
+            self.deaths[t] = node
+            for i in range(3):
+                c = self.triangles[t]
+                del self.of_edge[c[i], c[(i + 1) % 3]]
+        self.removed.append(removed)
+        on = [
+            i
+            for i, (a, b, is_outline) in enumerate(border)
+            if is_outline and area(self.places[a], self.places[b], place) == 0
+        ]
+        if on:
+            border = border[on[0] + 1 :] + border[: on[0]]
+        for a, b, _ in border:
+            self.make((a, b, p))
+
+    def mesh_within(self, tolerance):
+        time = self.m["n"]
+        for node, removed in enumerate(self.removed):
+            if all(self.errors[t] <= tolerance for t in removed):
+                time = node
+                break
+        alive = []
+        for t, death in enumerate(self.deaths):
+            born = self.triangles[t][2] - self.m["b"] if t >= self.m["n_base"] else -1
+            if born < time and (death is None or death >= time):
+                alive.append(t)
+        return alive
+
+
+def read_raster(path):
+    words = pathlib.Path(path).read_text().split()
+    header = {words[i].lower(): float(words[i + 1]) for i in range(0, 12, 2)}
+    n_columns = int(header["ncols"])
+    values = [float(w) for w in words[12:]]
+    nodata = header["nodata_value"]
+    return {
+        (i % n_columns, i // n_columns): z for i, z in enumerate(values) if z != nodata
+    }
+
+
+def check_errors(made, triangles, raster, bound_of):
+    for t in triangles:
+        corner = made.triangles[t]
+        a, b, c = (made.places[v] for v in corner)
+        z = [fractions.Fraction(made.heights[v]) for v in corner]
+        for y in range(min(a[1], b[1], c[1]), max(a[1], b[1], c[1]) + 1):
+            for x in range(min(a[0], b[0], c[0]), max(a[0], b[0], c[0]) + 1):
+                w = area(b, c, (x, y)), area(c, a, (x, y)), area(a, b, (x, y))
+                if min(w) < 0:
+                    continue
+                plane = sum(wi * zi for wi, zi in zip(w, z)) / sum(w)
+                error = abs(plane - fractions.Fraction(raster[x, y]))
+                expect(error <= bound_of(t), f"column {x}, row {y} errs by {float(error)}")
+
+
+def main():
+    made = Insertions(File(sys.argv[1]))
+    raster = read_raster(sys.argv[2])
+    for place, z in zip(made.places, made.heights):
+        expect(raster[place] == z, f"column {place[0]}, row {place[1]} has another height")
+    check_errors(
+        made, range(len(made.triangles)), raster, lambda t: fractions.Fraction(made.errors[t])
+    )
+    counts = []
+    for level in made.m["levels"]:
+        mesh = made.mesh_within(level)
+        check_errors(made, mesh, raster, lambda t, level=level: fractions.Fraction(level))
+        counts.append(len(mesh))
+    print(f"vertices {len(made.places)} triangles {len(made.triangles)} levels {counts}")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except BadFile as error:
+        print(error)
+        sys.exit(1)

@@ -1,0 +1,208 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+
+#include "lode/models/terrain/insertions/build.h"
+#include "lode/models/terrain/insertions/file_layout.h"
+#include "lode/models/terrain/insertions/persist.h"
+#include "lode/store/reader.h"
+#include "lode/store/writer.h"
+#include "tests/oracles/random.h"
+#include "tests/terrain/insertions_fixtures.h"
+
+namespace lode::insertions {
+namespace {
+
+double hills(std::int32_t x, std::int32_t y) {
+  return 40 * std::sin(0.3 * x + 0.1 * y) * std::cos(0.2 * y) + (x * 5 + y * 11) % 7;
+}
+
+/// A file that goes with the test.
+class ScratchFile {
+ public:
+  explicit ScratchFile(const std::string& name)
+      : path_(testing::TempDir() + "lode_insertions_" + std::to_string(::getpid()) + "_" + name) {}
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  ~ScratchFile() { std::filesystem::remove(path_); }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+using delaunay::InsertionRule;
+using test::kRules;
+
+template <typename T>
+LevelledHistory make_model(InsertionRule rule) {
+  HeightGrid grid = delaunay::test::make_grid<T>(31, 24, hills);
+  for (std::int32_t x = 12; x < 17; ++x) delaunay::test::set_missing(grid, x, 9);
+  grid.to_world = {500000.25, 30, 0, 4e6, 0, -30};
+  grid.crs = "PROJCS[\"somewhere\"]";
+  grid.vertical_unit = "metre";
+  Progress progress;
+  auto history = build_history(grid, 1.5, rule, progress);
+  EXPECT_TRUE(history) << history.error().message;
+  history->sample_type = "int16";
+  history->has_place = sizeof(T) > 2;
+  return {*std::move(history), {20, 6, 1.5}};
+}
+
+void expect_same(const LevelledHistory& a, const LevelledHistory& b) {
+  const History& x = a.history;
+  const History& y = b.history;
+  EXPECT_EQ(a.levels, b.levels);
+  EXPECT_EQ(x.rule, y.rule);
+  EXPECT_EQ(x.frame.to_world, y.frame.to_world);
+  EXPECT_EQ(x.frame.n_columns, y.frame.n_columns);
+  EXPECT_EQ(x.frame.n_rows, y.frame.n_rows);
+  EXPECT_EQ(x.frame.crs, y.frame.crs);
+  EXPECT_EQ(x.frame.vertical_unit, y.frame.vertical_unit);
+  EXPECT_EQ(x.sample_type, y.sample_type);
+  EXPECT_EQ(x.has_place, y.has_place);
+  EXPECT_EQ(x.range.lower, y.range.lower);
+  EXPECT_EQ(x.range.upper, y.range.upper);
+  EXPECT_EQ(x.n_samples, y.n_samples);
+  EXPECT_EQ(x.n_missing, y.n_missing);
+  EXPECT_EQ(x.n_left_out, y.n_left_out);
+  EXPECT_EQ(x.max_error, y.max_error);
+  EXPECT_EQ(x.vertices, y.vertices);
+  EXPECT_EQ(x.heights, y.heights);
+  EXPECT_EQ(x.first_made, y.first_made);
+  EXPECT_EQ(x.removed, y.removed);
+  EXPECT_EQ(x.first_removed, y.first_removed);
+  ASSERT_EQ(x.triangles.size(), y.triangles.size());
+  for (std::size_t t = 0; t < x.triangles.size(); ++t) {
+    EXPECT_EQ(x.triangles[t].corner, y.triangles[t].corner);
+    EXPECT_EQ(x.triangles[t].death, y.triangles[t].death);
+    EXPECT_EQ(x.triangles[t].error, y.triangles[t].error);
+  }
+}
+
+template <typename T>
+class insertions_file : public testing::Test {};
+using Types = testing::Types<std::int16_t, std::uint16_t, float, double>;
+TYPED_TEST_SUITE(insertions_file, Types);
+
+TYPED_TEST(insertions_file, has_all_that_was_saved) {
+  const ScratchFile file("whole.lode");
+  const std::string& path = file.path();
+  for (const InsertionRule rule : kRules) {
+    const LevelledHistory made = make_model<TypeParam>(rule);
+    Progress progress;
+    const auto size = save(made, path, progress);
+    ASSERT_TRUE(size) << size.error().message;
+    EXPECT_EQ(*size, std::filesystem::file_size(path));
+    EXPECT_TRUE(is_model_of(path));
+    const auto opened = open(path, progress);
+    ASSERT_TRUE(opened) << opened.error().message;
+    expect_same(made, *opened);
+  }
+}
+
+/// Changes raw bytes of blocks; keys have the number of the column, of the metadata 0.
+using Change = std::function<void(std::uint32_t column, std::vector<std::byte>& bytes)>;
+
+/// A file of the same blocks, changed, with checksums that are right.
+void rewrite(const std::string& from, const std::string& to, const Change& change) {
+  const auto reader = store::Reader::open(from);
+  ASSERT_TRUE(reader);
+  std::vector<std::byte> metadata(reader->metadata().begin(), reader->metadata().end());
+  change(0, metadata);
+  auto writer = store::Writer::create(to, reader->model(), metadata);
+  ASSERT_TRUE(writer);
+  for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
+    const store::BlockEntry& block = reader->blocks()[i];
+    auto bytes = reader->read_block(i);
+    ASSERT_TRUE(bytes);
+    change(block.key.kind, *bytes);
+    ASSERT_TRUE(writer->append(block.key, store::encode_block({.raw = *bytes, .size = 1})));
+  }
+  ASSERT_TRUE(writer->finish());
+}
+
+void expect_refused(const std::string& path, const std::string& why) {
+  Progress progress;
+  const auto opened = open(path, progress);
+  ASSERT_FALSE(opened);
+  const std::string& message = opened.error().message;
+  EXPECT_NE(message.find(path), std::string::npos) << message;
+  EXPECT_NE(message.find(why), std::string::npos) << message;
+}
+
+template <typename T>
+void put(std::vector<std::byte>& bytes, std::size_t at, T value) {
+  ASSERT_LE(at + sizeof(T), bytes.size());
+  std::memcpy(bytes.data() + at, &value, sizeof(T));
+}
+
+TEST(insertions_lies, are_named) {
+  const ScratchFile whole("true.lode");
+  const ScratchFile lie("lie.lode");
+  Progress progress;
+  const LevelledHistory made = make_model<float>(InsertionRule::delaunay);
+  ASSERT_TRUE(save(made, whole.path(), progress));
+  const auto number = [](Column column) { return static_cast<std::uint32_t>(column); };
+  const auto expect = [&](std::uint32_t column, std::size_t at, auto value, const char* why) {
+    SCOPED_TRACE(why);
+    rewrite(whole.path(), lie.path(), [&](std::uint32_t of, std::vector<std::byte>& bytes) {
+      if (of == column) put(bytes, at, value);
+    });
+    expect_refused(lie.path(), why);
+  };
+  expect(0, 0, std::uint32_t{77}, "layout");
+  expect(0, 4, std::int32_t{-3}, "columns and rows");
+  expect(0, 4, std::int32_t{1 << 30}, "columns and rows");
+  expect(0, 12, std::nan(""), "finite numbers");
+  expect(0, 20, 0.0, "span a plane");
+  expect(number(Column::x), 4, std::int32_t{31}, "column 31");
+  expect(number(Column::x), 4, std::int32_t{-1}, "column -1");
+  expect(number(Column::height), 4, 1e9F, "heights");
+  expect(number(Column::height), 4, std::nanf(""), "heights");
+  expect(number(Column::corners), 0, std::uint32_t{1000000}, "vertices of the base");
+  expect(number(Column::corners), 0, std::uint32_t{made.history.triangles[0].corner[1]},
+         "turn left");
+  expect(number(Column::age), 0, std::uint32_t{1000000}, "node 0");
+  expect(number(Column::error), 0, std::uint16_t{0x7F80}, "errors");
+  expect(number(Column::error), 0, std::uint16_t{0x8001}, "errors");
+}
+
+TEST(insertions_lies, never_make_meshes_that_are_none) {
+  const ScratchFile whole("honest.lode");
+  const ScratchFile lie("random.lode");
+  Progress progress;
+  oracles::Random random(5);
+  int n_refused = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    if (trial % 100 == 0)
+      ASSERT_TRUE(save(make_model<std::int16_t>(kRules[static_cast<std::size_t>(trial / 100)]),
+                       whole.path(), progress));
+    const std::size_t victim = random.below(7);
+    rewrite(whole.path(), lie.path(), [&](std::uint32_t column, std::vector<std::byte>& bytes) {
+      if (column != victim || bytes.empty()) return;
+      for (std::size_t k = 0; k <= random.below(3); ++k)
+        bytes[random.below(bytes.size())] ^= static_cast<std::byte>(1 + random.below(255));
+      if (trial % 7 == 0) bytes.resize(1 + random.below(bytes.size()));
+    });
+    const auto opened = open(lie.path(), progress);
+    if (!opened) {
+      ++n_refused;
+      continue;
+    }
+    const History& history = opened->history;
+    for (const Triangle& triangle : history.triangles)
+      EXPECT_GT(delaunay::doubled_area(history.vertices[triangle.corner[0]],
+                                       history.vertices[triangle.corner[1]],
+                                       history.vertices[triangle.corner[2]]),
+                0);
+  }
+  EXPECT_GT(n_refused, 50);
+}
+
+}  // namespace
+}  // namespace lode::insertions

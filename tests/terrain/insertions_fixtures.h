@@ -1,0 +1,100 @@
+#pragma once
+
+// Rasters and oracles for tests of what is made by insertions.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "lode/models/terrain/insertions/build.h"
+#include "lode/models/terrain/insertions/extract.h"
+#include "lode/refine/focus.h"
+#include "tests/delaunay/lattice_fixtures.h"
+
+namespace lode::insertions::test {
+
+using delaunay::InsertionRule;
+using delaunay::Tin;
+
+inline constexpr std::array kRules{InsertionRule::delaunay, InsertionRule::split};
+
+/// Hills, a plain and single spikes.
+inline double terrain(std::int32_t x, std::int32_t y) {
+  const double hills = 900 * std::sin(0.31 * x) * std::cos(0.23 * y + 0.01 * x * y);
+  const bool is_spike = (x * 7 + y * 13) % 31 == 0;
+  return std::round((x + y < 18 ? 0 : hills) + (is_spike ? 150 : 0)) + 2000;
+}
+
+inline HeightGrid grid_with_gaps() {
+  HeightGrid grid = delaunay::test::make_grid<float>(37, 29, terrain);
+  for (std::int32_t y = 8; y < 14; ++y)
+    for (std::int32_t x = 11; x < 13 + y / 3; ++x) delaunay::test::set_missing(grid, x, y);
+  delaunay::test::set_missing(grid, 0, 0);
+  delaunay::test::set_missing(grid, 36, 15);
+  return grid;
+}
+
+struct Case {
+  const char* name;
+  HeightGrid grid;
+};
+
+inline std::vector<Case> cases() {
+  std::vector<Case> all;
+  all.push_back({"whole", delaunay::test::make_grid<std::int16_t>(40, 33, terrain)});
+  all.push_back({"gaps", grid_with_gaps()});
+  all.push_back({"flat", delaunay::test::make_grid<float>(17, 9, [](int, int) { return 3.5; })});
+  all.push_back({"one cell", delaunay::test::make_grid<double>(2, 2, terrain)});
+  all.push_back({"strip", delaunay::test::make_grid<std::uint16_t>(2, 60, terrain)});
+  return all;
+}
+
+inline History history_of(const HeightGrid& grid, double max_error, InsertionRule rule) {
+  Progress progress;
+  auto made = build_history(grid, max_error, rule, progress);
+  EXPECT_TRUE(made) << made.error().message;
+  return *std::move(made);
+}
+
+/// It fills the domain, errs by no more, and has the samples' heights.
+inline void expect_true(const Tin& tin, const HeightGrid& grid, double max_error) {
+  delaunay::test::expect_fills(tin, grid);
+  EXPECT_LE(static_cast<double>(delaunay::test::largest_error(tin, grid)), max_error);
+  for (std::size_t i = 0; i < tin.vertices.size(); ++i)
+    EXPECT_EQ(tin.heights[i], grid.height(tin.vertices[i].x, tin.vertices[i].y));
+}
+
+/// The fewest nodes by the definition: rounds over all triangles until nothing changes.
+inline AppliedNodes by_rounds(const History& history, const Demand& demand) {
+  AppliedNodes applied(history.n_nodes());
+  const auto was_made = [&](std::uint32_t t) {
+    return history.birth(t) == kNone || applied[history.birth(t)];
+  };
+  for (bool changes = true; changes;) {
+    changes = false;
+    for (std::uint32_t t = 0; t < history.triangles.size(); ++t) {
+      const std::uint32_t death = history.triangles[t].death;
+      if (death == kNone || applied[death] || !was_made(t)) continue;
+      if (!(demand(facts_of(history, history.triangles[t])) > 0)) continue;
+      applied[death] = true;
+      changes = true;
+    }
+    for (std::uint32_t node = 0; node < history.n_nodes(); ++node)
+      if (applied[node])
+        for (const std::uint32_t t : history.removed_by(node))
+          if (!was_made(t)) {
+            applied[history.birth(t)] = true;
+            changes = true;
+          }
+  }
+  return applied;
+}
+
+inline Demand box_demand(double inside, double outside) {
+  return FocusDemand{
+      .foci = {BoxFocus{{{{10, 5, -1e9}}, {{19, 12, 1e9}}}}}, .inside = inside, .outside = outside};
+}
+
+}  // namespace lode::insertions::test

@@ -1,0 +1,159 @@
+#include "lode/models/terrain/insertions/history_locator.h"
+#include "lode/models/terrain/insertions/overlap.h"
+#include "tests/terrain/insertions_fixtures.h"
+
+namespace lode::insertions {
+namespace {
+
+using delaunay::InsertionRule;
+using delaunay::LatticePoint;
+using delaunay::Tin;
+using delaunay::TinLinks;
+using test::box_demand;
+using test::by_rounds;
+using test::Case;
+using test::cases;
+using test::expect_true;
+using test::grid_with_gaps;
+using test::history_of;
+using test::kRules;
+
+struct RuledCase {
+  std::string name;
+  HeightGrid grid;
+  InsertionRule rule;
+};
+
+std::vector<RuledCase> cases_by_rule() {
+  std::vector<RuledCase> all;
+  for (const InsertionRule rule : kRules)
+    for (Case& c : cases())
+      all.push_back({c.name + std::string(rule == InsertionRule::split ? ", split" : ""),
+                     std::move(c.grid), rule});
+  return all;
+}
+
+TEST(insertions, remembers_every_mesh_on_the_way) {
+  const HeightGrid grid = grid_with_gaps();
+  for (const InsertionRule rule : kRules) {
+    const History history = history_of(grid, 60, rule);
+    ASSERT_GT(history.n_nodes(), 50U);
+    for (std::uint32_t time = 0; time <= history.n_nodes(); time += 7) {
+      const Tin tin = tin_at(history, time, TinLinks::left_out);
+      EXPECT_EQ(tin.vertices.size(), history.n_base_vertices + time);
+      delaunay::test::expect_fills(tin, grid);
+      if (rule == InsertionRule::delaunay) delaunay::test::expect_locally_delaunay(tin);
+    }
+  }
+}
+
+TEST(insertions, errors_of_triangles_hold_at_their_samples) {
+  const HeightGrid grid = delaunay::test::make_grid<std::int16_t>(33, 21, test::terrain);
+  for (const InsertionRule rule : kRules) {
+    const History history = history_of(grid, 5, rule);
+    for (const Triangle& triangle : history.triangles) {
+      Tin one;
+      one.triangles = {triangle.corner};
+      place_vertices(history, one);
+      const auto error = static_cast<double>(delaunay::test::largest_error(one, grid));
+      const auto stated = static_cast<double>(triangle.error);
+      EXPECT_LE(error, stated);
+      EXPECT_LE(stated, error * (1 + 0x1p-7)) << "is rounded up to 8 bits, and by nothing else";
+    }
+  }
+}
+
+TEST(insertions, gives_the_fewest_nodes_of_a_demand) {
+  for (const RuledCase& c : cases_by_rule()) {
+    const History history = history_of(c.grid, 2, c.rule);
+    for (const Demand& demand :
+         {uniform_demand(300), uniform_demand(20), box_demand(4, 500), box_demand(30, 90)}) {
+      SCOPED_TRACE(c.name);
+      const AppliedNodes applied = select_nodes(history, demand);
+      EXPECT_EQ(applied, by_rounds(history, demand));
+      delaunay::test::expect_fills(tin_of(history, applied, TinLinks::kept), c.grid);
+    }
+  }
+}
+
+TEST(insertions, keeps_tolerances_that_vary) {
+  for (const RuledCase& c : cases_by_rule()) {
+    SCOPED_TRACE(c.name);
+    const History history = history_of(c.grid, 2, c.rule);
+    const Tin tin = tin_of(history, select_nodes(history, box_demand(5, 250)), TinLinks::kept);
+    expect_true(tin, c.grid, 250);
+    Tin inside = tin;
+    std::erase_if(inside.triangles, [&](const auto& corners) {
+      return std::ranges::none_of(corners, [&](std::uint32_t vertex) {
+        const LatticePoint p = tin.vertices[vertex];
+        return p.x >= 10 && p.x <= 19 && p.y >= 5 && p.y <= 12;
+      });
+    });
+    EXPECT_LE(static_cast<double>(delaunay::test::largest_error(inside, c.grid)), 5);
+    const Tin fine = tin_of(history, select_nodes(history, uniform_demand(5)), TinLinks::kept);
+    EXPECT_LE(tin.triangles.size(), fine.triangles.size());
+  }
+}
+
+/// Whether a triangle of the mesh at a time holds a place, looked for among all.
+bool is_covered(const History& history, std::uint32_t time, LatticePoint p) {
+  for (std::uint32_t t = 0; t < history.first_made[time]; ++t) {
+    const auto& corner = history.triangles[t].corner;
+    if (history.triangles[t].death >= time &&
+        holds(
+            {history.vertices[corner[0]], history.vertices[corner[1]], history.vertices[corner[2]]},
+            p))
+      return true;
+  }
+  return false;
+}
+
+TEST(insertions, find_places_and_windows_as_a_search_does) {
+  for (const RuledCase& c : cases_by_rule()) {
+    SCOPED_TRACE(c.name);
+    const History history = history_of(c.grid, 20, c.rule);
+    const HistoryLocator locator(history);
+    const Window window{{c.grid.n_columns / 4, c.grid.n_rows / 3},
+                        {c.grid.n_columns / 2, c.grid.n_rows / 3 + 2}};
+    for (const double tolerance : {500.0, 60.0, 20.0}) {
+      const std::uint32_t time = time_within(history, tolerance);
+      for (std::int32_t y = 0; y < c.grid.n_rows; ++y)
+        for (std::int32_t x = 0; x < c.grid.n_columns; ++x) {
+          const auto found = locator.find(time, {{static_cast<double>(x), static_cast<double>(y)}});
+          ASSERT_EQ(found.has_value(), is_covered(history, time, {x, y}));
+          if (!found) continue;
+          const auto& [corner, death, error] = history.triangles[*found];
+          EXPECT_GE(death, time);
+          EXPECT_TRUE(holds({history.vertices[corner[0]], history.vertices[corner[1]],
+                             history.vertices[corner[2]]},
+                            {x, y}));
+        }
+      std::vector<std::uint32_t> expected;
+      for (std::uint32_t t = 0; t < history.first_made[time]; ++t) {
+        const auto& corner = history.triangles[t].corner;
+        if (history.triangles[t].death >= time &&
+            meets_window({history.vertices[corner[0]], history.vertices[corner[1]],
+                          history.vertices[corner[2]]},
+                         window))
+          expected.push_back(t);
+      }
+      EXPECT_EQ(zoom_at(history, time, window), expected);
+    }
+  }
+}
+
+TEST(insertions, are_the_fewest_at_one_tolerance) {
+  for (const RuledCase& c : cases_by_rule()) {
+    SCOPED_TRACE(c.name);
+    const History history = history_of(c.grid, 2, c.rule);
+    for (const double tolerance : {500.0, 77.0, 10.0, 2.0}) {
+      const std::uint32_t time = time_within(history, tolerance);
+      const AppliedNodes applied = select_nodes(history, uniform_demand(tolerance));
+      for (std::uint32_t node = 0; node < history.n_nodes(); ++node)
+        EXPECT_EQ(applied[node], node < time);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lode::insertions
