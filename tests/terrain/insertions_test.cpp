@@ -1,5 +1,6 @@
 #include "lode/models/terrain/insertions/history_locator.h"
 #include "lode/models/terrain/insertions/overlap.h"
+#include "tests/oracles/random.h"
 #include "tests/terrain/insertions_fixtures.h"
 
 namespace lode::insertions {
@@ -72,6 +73,31 @@ TEST(insertions, gives_the_fewest_nodes_of_a_demand) {
       const AppliedNodes applied = select_nodes(history, demand);
       EXPECT_EQ(applied, by_rounds(history, demand));
       delaunay::test::expect_fills(tin_of(history, applied, TinLinks::kept), c.grid);
+    }
+  }
+}
+
+/// Each node with a chance of one in `n`, and all that these depend on.
+AppliedNodes random_set(const History& history, oracles::Random& random, std::size_t n) {
+  AppliedNodes applied(history.n_nodes());
+  for (std::uint32_t node = history.n_nodes(); node-- > 0;) {
+    if (!applied[node] && random.below(n) > 0) continue;
+    applied[node] = true;
+    for (const std::uint32_t t : history.removed_by(node))
+      if (history.birth(t) != kNone) applied[history.birth(t)] = true;
+  }
+  return applied;
+}
+
+TEST(insertions, are_delaunay_in_any_mixture) {
+  oracles::Random random(11);
+  for (const RuledCase& c : cases_by_rule()) {
+    SCOPED_TRACE(c.name);
+    const History history = history_of(c.grid, 2, c.rule);
+    for (const std::size_t n : {400, 100, 30, 8, 2}) {
+      const Tin tin = tin_of(history, random_set(history, random, n), TinLinks::kept);
+      delaunay::test::expect_fills(tin, c.grid);
+      if (c.rule == InsertionRule::delaunay) delaunay::test::expect_locally_delaunay(tin);
     }
   }
 }

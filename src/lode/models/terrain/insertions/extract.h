@@ -24,8 +24,8 @@ using AppliedNodes = std::vector<bool>;
 /// each node.
 [[nodiscard]] AppliedNodes select_nodes(const History& history, const Demand& demand);
 
-/// The mesh of a consistent set of nodes: it conforms and covers the domain once, but edges need
-/// not be Delaunay. Otherwise as tin_at().
+/// The mesh of a consistent set of nodes: it conforms, covers the domain once, and by the
+/// rule delaunay is such: see docs/models/delaunay_pyramid.md. Otherwise as tin_at().
 [[nodiscard]] delaunay::Tin tin_of(const History& history, const AppliedNodes& applied,
                                    delaunay::TinLinks links);
 
