@@ -33,6 +33,8 @@ Result<TerrainBuildOptions> to_options(const TerrainBuildJob& job) {
   LODE_TRY(const auto asked, to_build_options(terrain, {}));
   TerrainBuildOptions options = asked.value();
   LODE_TRY(options.levels, to_levels(job.levels));
+  if (!options.levels.empty() && options.model == TerrainModel::implicit_delaunay_pyramid)
+    return fail("--levels: expected none with --model {}, which finds its own", terrain.model);
   return options;
 }
 

@@ -113,8 +113,9 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
     return;
   }
   add("--model", arguments.model, "MODEL",
-      "delaunay_selector (default): a TIN for this question; delaunay_pyramid and "
-      "ternary_triangulation: built first, for all tolerances, which may vary");
+      "delaunay_selector (default): a TIN for this question; delaunay_pyramid, "
+      "ternary_triangulation and implicit_delaunay_pyramid: built first, for all tolerances, which "
+      "may vary");
   add("--insertion", arguments.insertion, "levels|strict",
       "levels (default): errors fall by octaves, faster; strict: the worst of all "
       "samples first, fewer triangles; with --max-cells always strict");

@@ -1,7 +1,6 @@
 #pragma once
 
-// Insertions into terrain as the contract tests see them: Delaunay pyramids and ternary
-// triangulations.
+// Insertions into terrain as the contract tests see them: of all models that consist of them.
 
 #include <cmath>
 #include <cstdint>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "lode/core/parallel.h"
+#include "lode/models/terrain/implicit_pyramid/build.h"
 #include "lode/models/terrain/insertions/build.h"
 #include "lode/models/terrain/insertions/insertion_cut.h"
 #include "lode/models/terrain/insertions/persist.h"
@@ -20,7 +20,7 @@
 
 namespace lode::test {
 
-template <delaunay::InsertionRule kRule>
+template <insertions::Model kModel>
 class InsertionsContract {
  public:
   static constexpr int kDimension = 2;
@@ -29,8 +29,10 @@ class InsertionsContract {
 
   static InsertionsContract make(std::uint32_t seed, Threads /*threads*/) {
     Progress progress;
-    auto history = insertions::build_history(noise(seed), 0, kRule, progress);
-    return InsertionsContract({*std::move(history), {0}});
+    auto history = kModel == insertions::Model::implicit_delaunay_pyramid
+                       ? implicit_pyramid::build(noise(seed), progress)
+                       : insertions::build_history(noise(seed), 0, kModel, progress);
+    return InsertionsContract({*std::move(history), {}});
   }
   Result<void> save(const std::string& path) const {
     Progress progress;

@@ -12,8 +12,9 @@
 
 namespace lode::test {
 
-using DelaunayPyramidContract = InsertionsContract<delaunay::InsertionRule::delaunay>;
-using TernaryContract = InsertionsContract<delaunay::InsertionRule::split>;
+using DelaunayPyramidContract = InsertionsContract<insertions::Model::delaunay_pyramid>;
+using TernaryContract = InsertionsContract<insertions::Model::ternary_triangulation>;
+using ImplicitPyramidContract = InsertionsContract<insertions::Model::implicit_delaunay_pyramid>;
 
 /// Those that can be saved and opened.
 using StoredModels = ::testing::Types<  //
@@ -21,7 +22,8 @@ using StoredModels = ::testing::Types<  //
     DiamondContract<3>,                 //
     TetraContract,                      //
     DelaunayPyramidContract,            //
-    TernaryContract>;
+    TernaryContract,                    //
+    ImplicitPyramidContract>;
 
 /// All that the engine refines.
 using AllModels = ::testing::Types<  //
@@ -31,6 +33,7 @@ using AllModels = ::testing::Types<  //
     MidpointContract,                //
     DelaunayPyramidContract,         //
     TernaryContract,                 //
+    ImplicitPyramidContract,         //
     SplitTableContract,              //
     SplitLabelsContract>;
 

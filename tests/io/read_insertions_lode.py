@@ -41,7 +41,7 @@ class Cursor:
 
 def read_metadata(raw):
     cursor = Cursor(raw)
-    expect(cursor.take("I") == 1, "another layout")
+    expect(cursor.take("I") == 2, "another layout")
     m = {"size": cursor.take("2i"), "world": cursor.take("6d")}
     m["crs"], m["unit"], m["type"] = cursor.text(), cursor.text(), cursor.text()
     m["has_place"] = cursor.take("B")
@@ -51,7 +51,10 @@ def read_metadata(raw):
     m["b"], m["n_base"], m["n"], m["T"], m["height_type"] = cursor.take("4IB")
     n_levels = cursor.take("I")
     m["levels"] = struct.unpack_from(f"<{n_levels}d", raw, cursor.at)
-    expect(cursor.at + 8 * n_levels == len(raw), "bytes left over")
+    cursor.at += 8 * n_levels
+    n_ends = cursor.take("I")
+    m["ends"] = struct.unpack_from(f"<{n_ends}I", raw, cursor.at)
+    expect(cursor.at + 4 * n_ends == len(raw), "bytes left over")
     return m
 
 
@@ -61,7 +64,7 @@ class File:
         data = pathlib.Path(path).read_bytes()
         header = container.read_header(data)
         model, metadata, blocks = container.read_directory(library, data, header)
-        models = "delaunay_pyramid", "ternary_triangulation"
+        models = "delaunay_pyramid", "ternary_triangulation", "implicit_delaunay_pyramid"
         expect(model in models, f"expected one of {models}, got {model}")
         self.is_split = model == models[1]
         self.m = read_metadata(metadata)
@@ -173,6 +176,9 @@ class Insertions:
             if all(self.errors[t] <= tolerance for t in removed):
                 time = node
                 break
+        return self.mesh_at(time)
+
+    def mesh_at(self, time):
         alive = []
         for t, death in enumerate(self.deaths):
             born = self.triangles[t][2] - self.m["b"] if t >= self.m["n_base"] else -1
@@ -219,6 +225,11 @@ def main():
     for level in made.m["levels"]:
         mesh = made.mesh_within(level)
         check_errors(made, mesh, raster, lambda t, level=level: fractions.Fraction(level))
+        counts.append(len(mesh))
+    for end in made.m["ends"]:
+        mesh = made.mesh_at(end)
+        worst = max(fractions.Fraction(made.errors[t]) for t in mesh)
+        check_errors(made, mesh, raster, lambda t, worst=worst: worst)
         counts.append(len(mesh))
     print(f"vertices {len(made.places)} triangles {len(made.triangles)} levels {counts}")
 

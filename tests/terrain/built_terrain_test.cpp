@@ -14,8 +14,8 @@
 namespace lode {
 namespace {
 
-using delaunay::InsertionRule;
 using insertions::LevelledHistory;
+using insertions::Model;
 
 double gentle_waves(int x, int y) {
   return 30 * std::sin(0.3 * x) * std::cos(0.2 * y) + 0.25 * (x % 3);
@@ -24,10 +24,10 @@ double gentle_waves(int x, int y) {
 /// Whether verify() passes once a model has been changed, and saved with checksums that are
 /// right.
 bool passes(const std::function<void(LevelledHistory&)>& change,
-            InsertionRule rule = InsertionRule::delaunay) {
+            Model model = Model::delaunay_pyramid) {
   const HeightGrid grid = test::float_grid(30, 22, gentle_waves);
   Progress progress;
-  auto history = insertions::build_history(grid, 0.5, rule, progress);
+  auto history = insertions::build_history(grid, 0.5, model, progress);
   EXPECT_TRUE(history);
   LevelledHistory made{*std::move(history), {8, 0.5}};
   change(made);
@@ -42,15 +42,15 @@ bool passes(const std::function<void(LevelledHistory&)>& change,
 
 TEST(built_terrain, finds_what_is_not_so) {
   EXPECT_TRUE(passes([](LevelledHistory&) {}));
-  EXPECT_TRUE(passes([](LevelledHistory&) {}, InsertionRule::split));
+  EXPECT_TRUE(passes([](LevelledHistory&) {}, Model::ternary_triangulation));
   // Triangles that are split say that they are Delaunay.
-  EXPECT_FALSE(passes([](LevelledHistory& p) { p.history.rule = InsertionRule::delaunay; },
-                      InsertionRule::split));
+  EXPECT_FALSE(passes([](LevelledHistory& p) { p.history.model = Model::delaunay_pyramid; },
+                      Model::ternary_triangulation));
   const auto no_errors = [](LevelledHistory& p) {
     for (auto& triangle : p.history.triangles) triangle.error = 0;
   };
   EXPECT_FALSE(passes(no_errors));
-  EXPECT_FALSE(passes(no_errors, InsertionRule::split));
+  EXPECT_FALSE(passes(no_errors, Model::ternary_triangulation));
   EXPECT_FALSE(passes([&](LevelledHistory& p) {
     no_errors(p);
     p.levels = {1e6};

@@ -23,7 +23,7 @@ using insertions::test::expect_true;
 using insertions::test::grid_with_gaps;
 
 History history_of(const HeightGrid& grid, double max_error) {
-  return insertions::test::history_of(grid, max_error, delaunay::InsertionRule::delaunay);
+  return insertions::test::history_of(grid, max_error, insertions::Model::delaunay_pyramid);
 }
 
 constexpr std::array kLevels{400.0, 200.0, 90.0, 30.0, 30.0 / 4, 2.0};
@@ -192,8 +192,8 @@ TEST(delaunay_pyramid, finds_places_and_windows_as_a_search_does) {
             return holds(
                 {tin.vertices[corners[0]], tin.vertices[corners[1]], tin.vertices[corners[2]]}, p);
           });
-          const auto in_history =
-              locator.find(times[level], {{static_cast<double>(x), static_cast<double>(y)}});
+          const auto in_history = locator.find(insertions::NodeSet(times[level]),
+                                               {{static_cast<double>(x), static_cast<double>(y)}});
           const auto in_complete = complete->locate(history, level, p);
           const auto in_lists = lists->locate(history, level, p);
           ASSERT_EQ(in_history.has_value(), is_inside);
@@ -212,7 +212,7 @@ TEST(delaunay_pyramid, finds_places_and_windows_as_a_search_does) {
         for (const std::uint32_t t : found) corners.insert(corner_of(t));
         return corners;
       };
-      const auto seen = corners_in(zoom_at(history, times[level], window),
+      const auto seen = corners_in(zoom_in(history, insertions::NodeSet(times[level]), window),
                                    [&](std::uint32_t t) { return history.triangles[t].corner; });
       EXPECT_EQ(corners_in(complete->zoom(history, level, window),
                            [&](std::uint32_t t) { return complete->levels()[level].triangles[t]; }),

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "lode/models/terrain/implicit_pyramid/build.h"
 #include "lode/models/terrain/insertions/build.h"
 #include "lode/models/terrain/insertions/extract.h"
 #include "lode/refine/focus.h"
@@ -15,10 +16,12 @@
 
 namespace lode::insertions::test {
 
-using delaunay::InsertionRule;
 using delaunay::Tin;
 
-inline constexpr std::array kRules{InsertionRule::delaunay, InsertionRule::split};
+inline constexpr std::array kModels{Model::delaunay_pyramid, Model::ternary_triangulation,
+                                    Model::implicit_delaunay_pyramid};
+
+inline bool is_delaunay(Model model) { return rule_of(model) == delaunay::InsertionRule::delaunay; }
 
 /// Hills, a plain and single spikes.
 inline double terrain(std::int32_t x, std::int32_t y) {
@@ -51,9 +54,11 @@ inline std::vector<Case> cases() {
   return all;
 }
 
-inline History history_of(const HeightGrid& grid, double max_error, InsertionRule rule) {
+inline History history_of(const HeightGrid& grid, double max_error, Model model) {
   Progress progress;
-  auto made = build_history(grid, max_error, rule, progress);
+  auto made = model == Model::implicit_delaunay_pyramid
+                  ? implicit_pyramid::build(grid, progress)
+                  : build_history(grid, max_error, model, progress);
   EXPECT_TRUE(made) << made.error().message;
   return *std::move(made);
 }

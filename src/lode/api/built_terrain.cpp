@@ -13,6 +13,7 @@
 #include "lode/core/stopwatch.h"
 #include "lode/delaunay/grid_domain.h"
 #include "lode/mappers/tin_quality.h"
+#include "lode/models/terrain/implicit_pyramid/build.h"
 #include "lode/models/terrain/insertions/build.h"
 #include "lode/models/terrain/insertions/extract.h"
 
@@ -20,19 +21,6 @@ namespace lode {
 namespace {
 
 using insertions::History;
-
-/// When the mesh was finest with no more triangles than that; nothing where the base has more.
-std::optional<std::uint32_t> time_of_cells(const History& history, std::uint64_t max_cells) {
-  std::uint64_t n = history.n_base_triangles();
-  if (n > max_cells) return {};
-  std::uint32_t time = 0;
-  for (; time < history.n_nodes(); ++time) {
-    const std::uint64_t made = history.first_made[time + 1] - history.first_made[time];
-    n += made - history.removed_by(time).size();
-    if (n > max_cells) break;
-  }
-  return time;
-}
 
 /// The largest error of a TIN's triangles.
 double largest_error(const delaunay::Tin& tin) {
@@ -68,8 +56,7 @@ class BuiltOrigin final : public TerrainOrigin {
       report.is_focus_empty =
           selected.tin.triangles.size() == history().n_base_triangles() && history().n_nodes() > 0;
     } else {
-      LODE_TRY(const std::uint32_t time, time_for(options, tolerance, report));
-      selected.tin = tin_at(history(), time, delaunay::TinLinks::kept);
+      selected.tin = tin_for(options, tolerance, report);
     }
     report.triangles = selected.tin.triangles.size();
     report.vertices = selected.tin.vertices.size();
@@ -100,25 +87,24 @@ class BuiltOrigin final : public TerrainOrigin {
           finest, tolerance);
     return options.max_cells && !options.max_error ? 0.0 : std::max(tolerance, finest);
   }
-  [[nodiscard]] Result<std::uint32_t> time_for(const TerrainOptions& options, double tolerance,
-                                               TerrainReport& report) const {
-    const std::uint32_t within = time_within(history(), tolerance);
-    if (!options.max_cells) return within;
-    const auto cells = time_of_cells(history(), *options.max_cells);
-    report.budget_met = cells.has_value();
-    const std::uint32_t time = std::min(within, cells.value_or(0));
-    report.is_within_error = time >= within && history().max_error <= tolerance;
-    return time;
+  [[nodiscard]] delaunay::Tin tin_for(const TerrainOptions& options, double tolerance,
+                                      TerrainReport& report) const {
+    constexpr auto kLinks = delaunay::TinLinks::kept;
+    report.is_within_error = history().max_error <= tolerance;
+    delaunay::Tin within;
+    if (!options.max_cells || options.max_error)
+      within = tin_of(history(), nodes_within(history(), tolerance), kLinks);
+    if (!options.max_cells || (options.max_error && within.triangles.size() <= *options.max_cells))
+      return within;
+    const auto nodes = nodes_of_cells(history(), *options.max_cells);
+    report.budget_met = nodes.has_value();
+    delaunay::Tin tin = tin_of(history(), nodes.value_or(insertions::NodeSet(0)), kLinks);
+    report.is_within_error = largest_error(tin) <= tolerance;
+    return tin;
   }
 
   std::shared_ptr<const BuiltTerrain::Impl> built_;
 };
-
-delaunay::InsertionRule rule_of(TerrainModel model) {
-  LODE_EXPECTS(model != TerrainModel::delaunay_selector);
-  return model == TerrainModel::ternary_triangulation ? delaunay::InsertionRule::split
-                                                      : delaunay::InsertionRule::delaunay;
-}
 
 Result<void> check_levels(const std::vector<double>& levels) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -134,6 +120,18 @@ Result<void> check_levels(const std::vector<double>& levels) {
 }
 
 }  // namespace
+
+Result<History> build_insertions(const HeightGrid& grid, TerrainModel model, double max_error,
+                                 Progress& progress) {
+  LODE_EXPECTS(model != TerrainModel::delaunay_selector);
+  if (model == TerrainModel::implicit_delaunay_pyramid)
+    return implicit_pyramid::build(grid, progress);
+  return insertions::build_history(grid, max_error,
+                                   model == TerrainModel::ternary_triangulation
+                                       ? insertions::Model::ternary_triangulation
+                                       : insertions::Model::delaunay_pyramid,
+                                   progress);
+}
 
 std::vector<double> default_levels(const HeightRange& range) {
   constexpr double kFinestShare = 0.0005;
@@ -156,12 +154,11 @@ Result<BuiltTerrain> BuiltTerrain::build(const HeightGrid& grid, const TerrainBu
   LODE_CHECK(check_levels(options.levels));
   const HeightRange range = height_range(grid);
   LODE_CHECK(delaunay::check_heights(range));
-  const std::vector<double> levels =
-      options.levels.empty() ? default_levels(range) : options.levels;
-  LODE_TRY(History history,
-           insertions::build_history(grid, levels.back(), rule_of(options.model), progress));
+  std::vector<double> levels = options.levels.empty() ? default_levels(range) : options.levels;
+  LODE_TRY(History history, build_insertions(grid, options.model, levels.back(), progress));
   history.sample_type = options.sample_type;
   history.has_place = options.has_place;
+  if (!history.is_worst_first()) levels.clear();
   return BuiltTerrain(
       std::make_shared<const Impl>(Impl{insertions::LevelledHistory{std::move(history), levels}}));
 } catch (const std::bad_alloc&) {
@@ -188,9 +185,12 @@ Terrain BuiltTerrain::terrain() const {
 }
 
 TerrainModel BuiltTerrain::model() const {
-  return impl_->levelled.history.rule == delaunay::InsertionRule::split
-             ? TerrainModel::ternary_triangulation
-             : TerrainModel::delaunay_pyramid;
+  switch (impl_->levelled.history.model) {
+    case insertions::Model::ternary_triangulation: return TerrainModel::ternary_triangulation;
+    case insertions::Model::implicit_delaunay_pyramid:
+      return TerrainModel::implicit_delaunay_pyramid;
+    default: return TerrainModel::delaunay_pyramid;
+  }
 }
 
 const HeightFrame& BuiltTerrain::frame() const { return impl_->levelled.history.frame; }
@@ -215,13 +215,16 @@ BuiltTerrainInfo BuiltTerrain::describe_source() const {
 BuiltTerrainInfo BuiltTerrain::describe() const {
   const History& history = impl_->levelled.history;
   BuiltTerrainInfo info = describe_source();
-  for (const double tolerance : impl_->levelled.levels) {
-    const delaunay::Tin tin =
-        tin_at(history, time_within(history, tolerance), delaunay::TinLinks::left_out);
+  const auto add = [&](double tolerance, std::uint32_t time) {
+    const delaunay::Tin tin = tin_at(history, time, delaunay::TinLinks::kept);
     const TinAngles angles = measure_angles(tin, history.frame, {});
+    if (!history.is_worst_first()) tolerance = largest_error(tin);
     info.levels.push_back(
         {tolerance, tin.triangles.size(), tin.vertices.size(), angles.smallest, angles.median});
-  }
+  };
+  for (const double tolerance : impl_->levelled.levels)
+    add(tolerance, time_within(history, tolerance));
+  for (const std::uint32_t end : history.level_ends) add(0, end);
   return info;
 }
 

@@ -18,7 +18,8 @@ namespace lode {
 struct TerrainBuildOptions {
   TerrainModel model = TerrainModel::delaunay_pyramid;  ///< One of kBuiltTerrainModels.
   /// Tolerances in units of the heights, finite, >= 0, each finer than the one before; empty:
-  /// default_levels().
+  /// default_levels(). Of an implicit pyramid, which has all samples and its own levels, they mean
+  /// nothing.
   std::vector<double> levels;
   std::string sample_type{};  ///< As HeightRaster has them, to be remembered.
   bool has_place = true;
@@ -30,7 +31,7 @@ struct TerrainBuildOptions {
 
 struct BuiltTerrainInfo {
   struct Level {
-    double tolerance = 0;
+    double tolerance = 0;  ///< Of an implicit pyramid what the level keeps.
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
     double smallest_angle = 0;  ///< Degrees, in the raster's coordinates.

@@ -85,6 +85,22 @@ Result<void> check_errors(const History& history, const HeightGrid& grid, Thread
   return {};
 }
 
+/// Tolerances, and when they are kept.
+std::vector<std::pair<double, std::uint32_t>> levels_to_check(const History& history,
+                                                              const std::vector<double>& levels) {
+  std::vector<std::pair<double, std::uint32_t>> checked;
+  checked.reserve(levels.size() + history.level_ends.size() + 1);
+  for (const double tolerance : levels)
+    checked.emplace_back(tolerance, time_within(history, tolerance));
+  for (const std::uint32_t end : history.level_ends) {
+    const delaunay::Tin tin = tin_at(history, end, delaunay::TinLinks::kept);
+    checked.emplace_back(static_cast<double>(*std::ranges::max_element(tin.errors)), end);
+  }
+  // All that there is keeps the finest error.
+  checked.emplace_back(history.max_error, history.n_nodes());
+  return checked;
+}
+
 }  // namespace
 
 Result<VerifyReport> BuiltTerrain::verify(const HeightGrid& grid, Threads threads,
@@ -93,12 +109,7 @@ Result<VerifyReport> BuiltTerrain::verify(const HeightGrid& grid, Threads thread
   LODE_CHECK(check_size(history, grid));
   VerifyReport report;
   LODE_CHECK(check_source(history, grid, report));
-  std::vector<std::pair<double, std::uint32_t>> levels;
-  for (const double tolerance : impl_->levelled.levels)
-    levels.emplace_back(tolerance, time_within(history, tolerance));
-  // All that there is keeps the finest error.
-  levels.emplace_back(history.max_error, history.n_nodes());
-  for (const auto& [tolerance, time] : levels) {
+  for (const auto& [tolerance, time] : levels_to_check(history, impl_->levelled.levels)) {
     const delaunay::Tin tin = tin_at(history, time, delaunay::TinLinks::left_out);
     const Surface surface = to_surface(tin, history.frame).surface;
     LODE_TRY(

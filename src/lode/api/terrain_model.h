@@ -11,12 +11,14 @@ namespace lode {
 enum class TerrainModel : std::uint8_t {
   delaunay_selector,
   delaunay_pyramid,
-  ternary_triangulation
+  ternary_triangulation,
+  implicit_delaunay_pyramid
 };
 
 /// Those that are built, and have files.
 inline constexpr std::array kBuiltTerrainModels{TerrainModel::delaunay_pyramid,
-                                                TerrainModel::ternary_triangulation};
+                                                TerrainModel::ternary_triangulation,
+                                                TerrainModel::implicit_delaunay_pyramid};
 
 /// As --model, files and outputs name it.
 [[nodiscard]] constexpr const char* name_of(TerrainModel model) {
@@ -24,6 +26,7 @@ inline constexpr std::array kBuiltTerrainModels{TerrainModel::delaunay_pyramid,
     case TerrainModel::delaunay_selector: return "delaunay_selector";
     case TerrainModel::delaunay_pyramid: return "delaunay_pyramid";
     case TerrainModel::ternary_triangulation: return "ternary_triangulation";
+    case TerrainModel::implicit_delaunay_pyramid: return "implicit_delaunay_pyramid";
   }
   return "";
 }

@@ -32,7 +32,7 @@ class Interferences {
     if (links.first.empty()) links.first.push_back(0);
     descent_.restart();
     descent_.run(
-        t, later,
+        t, insertions::NodeSet(later),
         [&](std::uint32_t other) {
           return other == t ||
                  do_interiors_meet(own, corners_of(history_, history_.triangles[other].corner));

@@ -10,12 +10,12 @@
 namespace lode::insertions {
 
 /// Inserts samples of a grid, always the worst of all, until every one is within max_error (finite,
-/// >= 0), and keeps the history. By the rule delaunay it is the Delaunay pyramid of L. De Floriani,
-/// "A pyramidal data structure for triangle-based surface description", IEEE CG&A 9 (2), 1989, with
-/// a level at each insertion; by the rule split the ternary triangulation of L. De Floriani, B.
-/// Falcidieno, G. Nagy, C. Pienovi, "A hierarchical structure for surface approximation", Computers
-/// and Graphics 8 (2), 1984. O(n log n) usually, one thread. Fails as select_samples() does.
-[[nodiscard]] Result<History> build_history(const HeightGrid& grid, double max_error,
-                                            delaunay::InsertionRule rule, Progress& progress);
+/// >= 0), and keeps the history: that of a Delaunay pyramid (L. De Floriani, "A pyramidal data
+/// structure for triangle-based surface description", IEEE CG&A 9 (2), 1989), with a level at each
+/// insertion, or of a ternary triangulation (L. De Floriani, B. Falcidieno, G. Nagy, C. Pienovi, "A
+/// hierarchical structure for surface approximation", Computers and Graphics 8 (2), 1984). O(n log
+/// n) usually, one thread. Fails as select_samples() does.
+[[nodiscard]] Result<History> build_history(const HeightGrid& grid, double max_error, Model model,
+                                            Progress& progress);
 
 }  // namespace lode::insertions

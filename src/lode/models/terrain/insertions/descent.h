@@ -18,17 +18,17 @@ class Descent {
  public:
   explicit Descent(const History& history) : history_(history), seen_(history.triangles.size()) {}
 
-  /// Calls visit(t) for each triangle of the mesh at `time` that meets(t), once since the last
+  /// Calls visit(t) for each triangle of the mesh of some nodes that meets(t), once since the last
   /// restart(), if t descends from `from`: is that itself or made in its place. What does not meet
   /// is not followed.
   template <typename Meets, typename Visit>
-  void run(std::uint32_t from, std::uint32_t time, const Meets& meets, const Visit& visit) {
+  void run(std::uint32_t from, const NodeSet& nodes, const Meets& meets, const Visit& visit) {
     push(from, meets);
     while (!open_.empty()) {
       const std::uint32_t t = open_.back();
       open_.pop_back();
       const std::uint32_t death = history_.triangles[t].death;
-      if (death >= time) {
+      if (!nodes.has(death)) {
         visit(t);
         continue;
       }

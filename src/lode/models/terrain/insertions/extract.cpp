@@ -3,10 +3,13 @@
 #include "lode/models/terrain/insertions/extract.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "lode/delaunay/tin_links.h"
+#include "lode/refine/focus.h"
 
 namespace lode::insertions {
 namespace {
@@ -76,6 +79,31 @@ class Selection {
   std::vector<std::uint32_t> chain_;
 };
 
+constexpr float kLargestFloat = std::numeric_limits<float>::max();
+
+/// How many triangles a node adds.
+std::uint64_t growth_of(const History& history, std::uint32_t node) {
+  return history.first_made[node + 1] - history.first_made[node] - history.removed_by(node).size();
+}
+
+std::uint64_t n_triangles_of(const History& history, const AppliedNodes& applied) {
+  std::uint64_t n = history.n_base_triangles();
+  for (std::uint32_t node = 0; node < history.n_nodes(); ++node)
+    if (applied[node]) n += growth_of(history, node);
+  return n;
+}
+
+/// The last time with no more triangles.
+std::uint32_t time_of_cells(const History& history, std::uint64_t max_cells) {
+  std::uint64_t n = history.n_base_triangles();
+  std::uint32_t time = 0;
+  for (; time < history.n_nodes(); ++time) {
+    n += growth_of(history, time);
+    if (n > max_cells) break;
+  }
+  return time;
+}
+
 }  // namespace
 
 void place_vertices(const History& history, delaunay::Tin& tin) {
@@ -113,13 +141,38 @@ AppliedNodes select_nodes(const History& history, const Demand& demand) {
   return Selection(history, demand).run();
 }
 
-delaunay::Tin tin_of(const History& history, const AppliedNodes& applied,
-                     delaunay::TinLinks links) {
+NodeSet nodes_within(const History& history, double tolerance) {
+  if (history.is_worst_first()) return NodeSet(time_within(history, tolerance));
+  return NodeSet(select_nodes(history, uniform_demand(tolerance)));
+}
+
+std::optional<NodeSet> nodes_of_cells(const History& history, std::uint64_t max_cells) {
+  if (history.n_base_triangles() > max_cells) return {};
+  if (history.is_worst_first()) return NodeSet(time_of_cells(history, max_cells));
+  // Errors are the upper halves of floats, so tolerances are no more than these.
+  std::uint32_t coarse = std::bit_cast<std::uint32_t>(kLargestFloat) >> 16;
+  std::uint32_t fine = 0;
+  const auto at = [](std::uint32_t half) { return std::bit_cast<float>(half << 16); };
+  AppliedNodes best(history.n_nodes());
+  while (fine <= coarse) {
+    const std::uint32_t middle = (fine + coarse) / 2;
+    AppliedNodes applied = select_nodes(history, uniform_demand(static_cast<double>(at(middle))));
+    if (n_triangles_of(history, applied) <= max_cells) {
+      best = std::move(applied);
+      if (middle == 0) break;
+      coarse = middle - 1;
+    } else {
+      fine = middle + 1;
+    }
+  }
+  return NodeSet(std::move(best));
+}
+
+delaunay::Tin tin_of(const History& history, const NodeSet& nodes, delaunay::TinLinks links) {
   const auto end = static_cast<std::uint32_t>(history.triangles.size());
   return collect(history, end, links, [&](std::uint32_t t) {
     const std::uint32_t birth = history.birth(t);
-    const std::uint32_t death = history.triangles[t].death;
-    return (birth == kNone || applied[birth]) && (death == kNone || !applied[death]);
+    return (birth == kNone || nodes.has(birth)) && !nodes.has(history.triangles[t].death);
   });
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "lode/delaunay/tin.h"
@@ -8,9 +10,6 @@
 #include "lode/refine/demand.h"
 
 namespace lode::insertions {
-
-/// By node, whether it is applied. Consistent where each one's ancestors are.
-using AppliedNodes = std::vector<bool>;
 
 /// The mesh at a time, by the rule delaunay such exactly; vertices with heights in rows, triangles
 /// as they were made, with twins and errors if `links` says so. O(triangles made until then).
@@ -24,10 +23,23 @@ using AppliedNodes = std::vector<bool>;
 /// each node.
 [[nodiscard]] AppliedNodes select_nodes(const History& history, const Demand& demand);
 
+/// The fewest nodes after which no triangle errs by more than a tolerance, where there are such.
+[[nodiscard]] NodeSet nodes_within(const History& history, double tolerance);
+
+/// The same of the least tolerance whose mesh has no more triangles than that, by bisection;
+/// nothing where the base has more. Histories that are worst first go on to the last mesh on the
+/// way.
+[[nodiscard]] std::optional<NodeSet> nodes_of_cells(const History& history,
+                                                    std::uint64_t max_cells);
+
 /// The mesh of a consistent set of nodes: it conforms, covers the domain once, and by the
 /// rule delaunay is such: see docs/models/delaunay_pyramid.md. Otherwise as tin_at().
-[[nodiscard]] delaunay::Tin tin_of(const History& history, const AppliedNodes& applied,
+[[nodiscard]] delaunay::Tin tin_of(const History& history, const NodeSet& nodes,
                                    delaunay::TinLinks links);
+[[nodiscard]] inline delaunay::Tin tin_of(const History& history, AppliedNodes applied,
+                                          delaunay::TinLinks links) {
+  return tin_of(history, NodeSet(std::move(applied)), links);
+}
 
 /// Numbers the vertices of a TIN's triangles, which are the history's, anew, as they lie in rows,
 /// and takes places and heights over.

@@ -21,7 +21,7 @@ enum class Column : std::uint32_t {
 enum class HeightType : std::uint8_t { int16 = 1, float32 = 2, float64 = 3 };
 
 /// Of the metadata and the columns; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 1;
+inline constexpr std::uint32_t kLayout = 2;
 
 /// Numbers in a block.
 inline constexpr std::uint32_t kPart = 1U << 16;

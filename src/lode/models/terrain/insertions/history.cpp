@@ -1,5 +1,7 @@
 #include "lode/models/terrain/insertions/history.h"
 
+#include "lode/core/expects.h"
+
 namespace lode::insertions {
 
 std::uint64_t History::n_bytes() const {
@@ -9,6 +11,7 @@ std::uint64_t History::n_bytes() const {
 }
 
 std::uint32_t time_within(const History& history, double tolerance) {
+  LODE_EXPECTS(history.is_worst_first());
   for (std::uint32_t k = 0; k < history.n_nodes(); ++k)
     if (static_cast<double>(history.error_before(k)) <= tolerance) return k;
   return history.n_nodes();

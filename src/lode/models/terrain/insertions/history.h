@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lode/core/height_frame.h"
@@ -25,6 +26,20 @@ struct Triangle {
   float error;                          ///< No sample in it errs by more; see to_coarse_above().
 };
 
+/// What samples are inserted into, and in what order. delaunay_pyramid: Delaunay, the worst sample
+/// first. ternary_triangulation: triangles that are split, the worst first.
+/// implicit_delaunay_pyramid: Delaunay, levels of samples that do not depend on each other.
+enum class Model : std::uint8_t {
+  delaunay_pyramid,
+  ternary_triangulation,
+  implicit_delaunay_pyramid
+};
+
+[[nodiscard]] constexpr delaunay::InsertionRule rule_of(Model model) {
+  return model == Model::ternary_triangulation ? delaunay::InsertionRule::split
+                                               : delaunay::InsertionRule::delaunay;
+}
+
 /// All that happened to a triangulation while samples were inserted one by one: each triangle that
 /// there ever was, with the insertions that made and removed it. Of Delaunay insertions this is the
 /// hypertriangulation of P. Cignoni, E. Puppo, R. Scopigno, "Representation and visualization of
@@ -35,7 +50,7 @@ struct Triangle {
 /// Of Delaunay insertions about 5.3 triangles of 20 bytes and 3.3 links of 4 bytes a node, of split
 /// triangles 3 and 1, or 4 and 2 on edges.
 struct History {
-  delaunay::InsertionRule rule = delaunay::InsertionRule::delaunay;
+  Model model = Model::delaunay_pyramid;
   HeightFrame frame;
   HeightRange range;        ///< Of all samples.
   std::string sample_type;  ///< As the raster's reader names it.
@@ -43,6 +58,9 @@ struct History {
   std::uint64_t n_samples = 0;
   std::uint64_t n_missing = 0;
   std::uint64_t n_left_out = 0;
+  /// Of an implicit pyramid the times when its levels are complete, from the coarsest finer than
+  /// the base on; ascending, the last after all nodes.
+  std::vector<std::uint32_t> level_ends;
   double max_error = 0;  ///< |z - z'| at every sample once all nodes are inserted.
 
   std::vector<delaunay::LatticePoint> vertices;  ///< Of the base, then of the nodes.
@@ -53,6 +71,8 @@ struct History {
   std::vector<std::uint32_t> removed;  ///< By node, what it removes; first what its vertex is in.
   std::vector<std::uint32_t> first_removed;
 
+  /// Whether each node removes a worst triangle of its time.
+  [[nodiscard]] bool is_worst_first() const { return model != Model::implicit_delaunay_pyramid; }
   [[nodiscard]] std::uint32_t n_nodes() const {
     return static_cast<std::uint32_t>(vertices.size()) - n_base_vertices;
   }
@@ -76,9 +96,29 @@ struct History {
   [[nodiscard]] std::uint64_t n_bytes() const;
 };
 
+/// By node, whether it is applied. Consistent where each one's ancestors are.
+using AppliedNodes = std::vector<bool>;
+
+/// The nodes that a mesh has: all of before a time, or a consistent set.
+class NodeSet {
+ public:
+  explicit NodeSet(std::uint32_t time) : time_(time) {}
+  explicit NodeSet(AppliedNodes applied) : is_set_(true), applied_(std::move(applied)) {}
+
+  /// Also of kNone, which is in none.
+  [[nodiscard]] bool has(std::uint32_t node) const {
+    return is_set_ ? node != kNone && applied_[node] : node < time_;
+  }
+
+ private:
+  bool is_set_ = false;
+  std::uint32_t time_ = 0;
+  AppliedNodes applied_;
+};
+
 /// When the largest error of the mesh first is no more than a tolerance: the greedy selector's mesh
 /// within it, and the fewest nodes that leave no triangle beyond it. n_nodes() where that is never
-/// so. Of a history whose every node removes a worst triangle of its time.
+/// so. Of histories that are worst first.
 [[nodiscard]] std::uint32_t time_within(const History& history, double tolerance);
 
 /// time_within() of each tolerance, which get finer.

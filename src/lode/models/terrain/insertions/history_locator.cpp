@@ -20,7 +20,7 @@ std::vector<std::array<std::uint32_t, 3>> base_corners(const History& history) {
 HistoryLocator::HistoryLocator(const History& history)
     : history_(&history), start_(history, base_corners(history)) {}
 
-std::optional<std::uint32_t> HistoryLocator::find(std::uint32_t time,
+std::optional<std::uint32_t> HistoryLocator::find(const NodeSet& nodes,
                                                   const delaunay::Point& p) const {
   const auto is_left = [&](std::uint32_t a, std::uint32_t b) {
     return delaunay::side_of(history_->vertices[a], history_->vertices[b], p) >= 0;
@@ -28,7 +28,7 @@ std::optional<std::uint32_t> HistoryLocator::find(std::uint32_t time,
   const auto start = start_.find(p);
   if (!start) return {};
   std::uint32_t at = *start;
-  while (history_->triangles[at].death < time) {
+  while (nodes.has(history_->triangles[at].death)) {
     const std::uint32_t death = history_->triangles[at].death;
     // In the cavity p is in one of the sectors round the new vertex.
     const std::uint32_t end = history_->first_made[death + 1];
@@ -41,13 +41,13 @@ std::optional<std::uint32_t> HistoryLocator::find(std::uint32_t time,
   return at;
 }
 
-std::vector<std::uint32_t> zoom_at(const History& history, std::uint32_t time,
+std::vector<std::uint32_t> zoom_in(const History& history, const NodeSet& nodes,
                                    const Window& window) {
   std::vector<std::uint32_t> found;
   Descent descent(history);
   for (std::uint32_t t = 0; t < history.n_base_triangles(); ++t)
     descent.run(
-        t, time,
+        t, nodes,
         [&](std::uint32_t other) {
           return meets_window(corners_of(history, history.triangles[other].corner), window);
         },

@@ -11,15 +11,15 @@
 
 namespace lode::insertions {
 
-/// Finds places in the meshes of all times.
+/// Finds places in the meshes of all times and sets.
 class HistoryLocator {
  public:
   /// The history must outlive it.
   explicit HistoryLocator(const History& history);
 
-  /// A triangle of the mesh at a time that holds a place (column and row, finite), down the history
+  /// A triangle of the nodes' mesh that holds a place (column and row, finite), down the history
   /// from the base.
-  [[nodiscard]] std::optional<std::uint32_t> find(std::uint32_t time,
+  [[nodiscard]] std::optional<std::uint32_t> find(const NodeSet& nodes,
                                                   const delaunay::Point& p) const;
   [[nodiscard]] std::uint64_t n_bytes() const { return start_.n_bytes(); }
 
@@ -28,8 +28,8 @@ class HistoryLocator {
   StartFinder start_;
 };
 
-/// The triangles of the mesh at a time that meet a window, in the order of their numbers.
-[[nodiscard]] std::vector<std::uint32_t> zoom_at(const History& history, std::uint32_t time,
+/// The triangles of the nodes' mesh that meet a window, in the order of their numbers.
+[[nodiscard]] std::vector<std::uint32_t> zoom_in(const History& history, const NodeSet& nodes,
                                                  const Window& window);
 
 }  // namespace lode::insertions

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -16,11 +18,12 @@ namespace {
 using delaunay::InsertionRule;
 using delaunay::LatticePoint;
 
-constexpr std::array kRules{InsertionRule::delaunay, InsertionRule::split};
+constexpr std::array kModels{Model::delaunay_pyramid, Model::ternary_triangulation,
+                             Model::implicit_delaunay_pyramid};
 
-std::optional<InsertionRule> rule_of(std::string_view model) {
-  for (const InsertionRule rule : kRules)
-    if (model == model_name(rule)) return rule;
+std::optional<Model> model_of(std::string_view name) {
+  for (const Model model : kModels)
+    if (name == model_name(model)) return model;
   return {};
 }
 
@@ -87,6 +90,22 @@ Result<void> read_levels(store::ByteReader& in, const std::string& path,
   return {};
 }
 
+Result<void> read_level_ends(store::ByteReader& in, const std::string& path, std::uint32_t n_nodes,
+                             History& history) {
+  LODE_TRY(const auto n, in.read<std::uint32_t>());
+  if (n > kMaxLevels)
+    return fail("{}: metadata: expected up to {} levels, got {}", path, kMaxLevels, n);
+  LODE_TRY(history.level_ends, in.read_all<std::uint32_t>(n));
+  const auto& ends = history.level_ends;
+  const bool has_levels = history.model == Model::implicit_delaunay_pyramid && n_nodes > 0;
+  const bool are_ascending = std::ranges::adjacent_find(ends, std::greater_equal()) == ends.end();
+  if (has_levels ? ends.empty() || ends.back() != n_nodes || !are_ascending || ends.front() == 0
+                 : !ends.empty())
+    return fail("{}: metadata: expected {} levels that end with the {} nodes, got {}", path,
+                has_levels ? "some" : "no", n_nodes, n);
+  return {};
+}
+
 Result<Counts> read_head(const store::Reader& reader, LevelledHistory& levelled) {
   const std::string& path = reader.path();
   store::ByteReader in(reader.metadata(), path + ": metadata");
@@ -113,6 +132,7 @@ Result<Counts> read_head(const store::Reader& reader, LevelledHistory& levelled)
   Counts counts;
   LODE_CHECK(read_counts(in, path, counts));
   LODE_CHECK(read_levels(in, path, levelled.levels));
+  LODE_CHECK(read_level_ends(in, path, counts.n_nodes, history));
   LODE_CHECK(in.expect_end());
   return counts;
 }
@@ -154,8 +174,8 @@ class Replay {
   Result<void> run(Progress& progress) {
     LODE_CHECK(read_points());
     LODE_TRY(const auto base, read_base());
-    delaunay::LatticeMesh mesh(packing_, base, history_.rule);
-    if (history_.rule == InsertionRule::delaunay && !mesh.is_delaunay())
+    delaunay::LatticeMesh mesh(packing_, base, rule_of(history_.model));
+    if (rule_of(history_.model) == InsertionRule::delaunay && !mesh.is_delaunay())
       return fail("{}: expected a base that is Delaunay, got edges that are not", reader_.path());
     Recorder recorder(history_);
     recorder.start(mesh);
@@ -279,23 +299,28 @@ class Replay {
 
 }  // namespace
 
-std::string_view model_name(InsertionRule rule) {
-  return rule == InsertionRule::split ? "ternary_triangulation" : "delaunay_pyramid";
+std::string_view model_name(Model model) {
+  switch (model) {
+    case Model::delaunay_pyramid: return "delaunay_pyramid";
+    case Model::ternary_triangulation: return "ternary_triangulation";
+    case Model::implicit_delaunay_pyramid: return "implicit_delaunay_pyramid";
+  }
+  return {};
 }
 
 bool is_model_of(const std::string& path) {
   const auto reader = store::Reader::open(path);
-  return reader && rule_of(reader->model());
+  return reader && model_of(reader->model());
 }
 
 Result<LevelledHistory> open(const std::string& path, Progress& progress) {
   LODE_TRY(const store::Reader reader, store::Reader::open(path));
-  const auto rule = rule_of(reader.model());
-  if (!rule)
-    return fail("{}: expected the model {} or {}, got {}", path, model_name(kRules[0]),
-                model_name(kRules[1]), reader.model());
+  const auto model = model_of(reader.model());
+  if (!model)
+    return fail("{}: expected the model {}, {} or {}, got {}", path, model_name(kModels[0]),
+                model_name(kModels[1]), model_name(kModels[2]), reader.model());
   LevelledHistory levelled;
-  levelled.history.rule = *rule;
+  levelled.history.model = *model;
   LODE_TRY(const Counts counts, read_head(reader, levelled));
   LODE_CHECK(Replay(reader, counts, levelled.history).run(progress));
   return levelled;

@@ -49,6 +49,8 @@ std::vector<std::byte> encode_head(const LevelledHistory& levelled, HeightType t
   out.write(static_cast<std::uint8_t>(type));
   out.write(static_cast<std::uint32_t>(levelled.levels.size()));
   out.write_all(std::span<const double>(levelled.levels));
+  out.write(static_cast<std::uint32_t>(history.level_ends.size()));
+  out.write_all(std::span<const std::uint32_t>(history.level_ends));
   return std::move(out).take();
 }
 
@@ -83,7 +85,7 @@ Result<std::uint64_t> save(const LevelledHistory& levelled, const std::string& p
   LODE_EXPECTS(levelled.levels.size() <= kMaxLevels);
   const HeightType type = type_of(history.heights);
   LODE_TRY(auto writer,
-           store::Writer::create(path, model_name(history.rule), encode_head(levelled, type)));
+           store::Writer::create(path, model_name(history.model), encode_head(levelled, type)));
   const std::size_t n_vertices = history.vertices.size();
   LODE_CHECK(append_column<std::int32_t>(
       Column::x, n_vertices, [&](std::size_t i) { return history.vertices[i].x; }, writer));

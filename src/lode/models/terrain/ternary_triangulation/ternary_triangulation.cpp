@@ -12,7 +12,8 @@ using insertions::History;
 using insertions::kNone;
 
 Result<History> build(const HeightGrid& grid, double max_error, Progress& progress) {
-  return insertions::build_history(grid, max_error, delaunay::InsertionRule::split, progress);
+  return insertions::build_history(grid, max_error, insertions::Model::ternary_triangulation,
+                                   progress);
 }
 
 void add_parts(const History& history, std::uint32_t t, std::vector<std::uint32_t>& parts) {

@@ -1,0 +1,97 @@
+#include "lode/api/compared_insertions.h"
+
+#include <functional>
+#include <limits>
+
+#include "lode/api/built_terrain_impl.h"
+#include "lode/models/terrain/insertions/extract.h"
+#include "lode/models/terrain/insertions/history_locator.h"
+#include "lode/refine/focus.h"
+
+namespace lode {
+namespace {
+
+/// The history itself.
+class Insertions final : public HistoryCandidate {
+ public:
+  using HistoryCandidate::HistoryCandidate;
+  [[nodiscard]] std::string name() const override { return name_of(shared().model); }
+  [[nodiscard]] std::string what() const override {
+    switch (shared().model) {
+      case TerrainModel::ternary_triangulation:
+        return "triangles joined to their worst samples, never flipped, worst first: any "
+               "tolerance, which may vary";
+      case TerrainModel::implicit_delaunay_pyramid:
+        return "all samples, in levels that lose a fraction of them whatever their errors: any "
+               "tolerance, which may vary";
+      default:
+        return "all insertions of the strict selector, with every triangle that there ever was "
+               "(hypertriangulation): any tolerance, which may vary";
+    }
+  }
+  [[nodiscard]] bool can_vary() const override { return true; }
+  [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) override {
+    const HeightFrame& frame = history().frame;
+    Vec<double, 2> lower = frame.world(0.375 * (frame.n_columns - 1), 0.375 * (frame.n_rows - 1));
+    Vec<double, 2> upper = frame.world(0.625 * (frame.n_columns - 1), 0.625 * (frame.n_rows - 1));
+    for (std::size_t i = 0; i < 2; ++i)
+      if (lower[i] > upper[i]) std::swap(lower[i], upper[i]);
+    constexpr double kAll = std::numeric_limits<double>::max();
+    FocusDemand demand;
+    demand.foci = {BoxFocus{{{{lower[0], lower[1], -kAll}}, {{upper[0], upper[1], kAll}}}}};
+    demand.inside = tolerance;
+    demand.outside = 10 * tolerance;
+    return tin_of(history(), select_nodes(history(), demand), delaunay::TinLinks::left_out)
+        .triangles.size();
+  }
+  [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
+    return history().n_bytes() + locator_->n_bytes();
+  }
+
+ private:
+  Result<void> encode(Progress&) override {
+    locator_.emplace(history());
+    return {};
+  }
+  [[nodiscard]] delaunay::Tin tin_of_level(std::size_t level) override {
+    // Levels of worst-first histories are known as times; other sets are part of the answer.
+    const insertions::NodeSet& known = shared().nodes[level];
+    if (history().is_worst_first()) return tin_of(history(), known, delaunay::TinLinks::left_out);
+    return tin_of(history(), nodes_within(history(), shared().levels[level]),
+                  delaunay::TinLinks::left_out);
+  }
+  [[nodiscard]] std::optional<std::uint64_t> zoom_level(std::size_t level,
+                                                        const insertions::Window& window) override {
+    return zoom_in(history(), shared().nodes[level], window).size();
+  }
+  [[nodiscard]] std::optional<std::uint64_t> locate_in_level(
+      std::size_t level, std::span<const delaunay::LatticePoint> places) override {
+    return count_found(places, [&](delaunay::LatticePoint p) {
+      const delaunay::Point at{{static_cast<double>(p.x), static_cast<double>(p.y)}};
+      return locator_->find(shared().nodes[level], at);
+    });
+  }
+
+  std::optional<insertions::HistoryLocator> locator_;
+};
+
+}  // namespace
+
+Result<void> SharedHistory::build(const HeightGrid& grid, std::span<const double> tolerances,
+                                  Progress& progress) {
+  if (history) return {};
+  levels.assign(tolerances.begin(), tolerances.end());
+  std::ranges::sort(levels, std::greater());
+  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+  const Stopwatch watch;
+  LODE_TRY(history, build_insertions(grid, model, levels.back(), progress));
+  seconds = watch.seconds();
+  for (const double level : levels) nodes.push_back(nodes_within(*history, level));
+  return {};
+}
+
+std::unique_ptr<TerrainCandidate> insertions_candidate(std::shared_ptr<SharedHistory> shared) {
+  return std::make_unique<Insertions>(std::move(shared));
+}
+
+}  // namespace lode
