@@ -114,8 +114,8 @@ Result<void> check_levels(const std::vector<double>& levels) {
       return fail("levels: expected tolerances that get finer, got {} after {}", levels[i],
                   levels[i - 1]);
   }
-  if (levels.size() > insertions::kMaxLevels)
-    return fail("levels: expected up to {}, got {}", insertions::kMaxLevels, levels.size());
+  if (levels.size() > terrain_file::kMaxLevels)
+    return fail("levels: expected up to {}, got {}", terrain_file::kMaxLevels, levels.size());
   return {};
 }
 

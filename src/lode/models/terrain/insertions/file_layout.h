@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "lode/store/format.h"
+#include "lode/models/terrain/terrain_file/columns.h"
 
 namespace lode::insertions {
 
@@ -23,11 +23,8 @@ enum class HeightType : std::uint8_t { int16 = 1, float32 = 2, float64 = 3 };
 /// Of the metadata and the columns; files of another one are refused.
 inline constexpr std::uint32_t kLayout = 2;
 
-/// Numbers in a block.
-inline constexpr std::uint32_t kPart = 1U << 16;
-
-[[nodiscard]] inline store::BlockKey key_of(Column column, std::uint64_t part) {
-  return {static_cast<std::uint32_t>(column), 0, {{static_cast<std::int32_t>(part), 0, 0}}};
+[[nodiscard]] inline terrain_file::ColumnKey key_of(Column column) {
+  return {static_cast<std::uint32_t>(column)};
 }
 
 }  // namespace lode::insertions

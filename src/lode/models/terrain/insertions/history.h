@@ -5,14 +5,12 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "lode/core/height_frame.h"
-#include "lode/core/height_grid.h"
 #include "lode/delaunay/lattice.h"
 #include "lode/delaunay/lattice_mesh.h"
+#include "lode/models/terrain/terrain_file/source.h"
 
 namespace lode::insertions {
 
@@ -49,15 +47,8 @@ enum class Model : std::uint8_t {
 ///
 /// Of Delaunay insertions about 5.3 triangles of 20 bytes and 3.3 links of 4 bytes a node, of split
 /// triangles 3 and 1, or 4 and 2 on edges.
-struct History {
+struct History : terrain_file::Source {
   Model model = Model::delaunay_pyramid;
-  HeightFrame frame;
-  HeightRange range;        ///< Of all samples.
-  std::string sample_type;  ///< As the raster's reader names it.
-  bool has_place = true;    ///< Else the frame is that of columns and rows.
-  std::uint64_t n_samples = 0;
-  std::uint64_t n_missing = 0;
-  std::uint64_t n_left_out = 0;
   /// Of an implicit pyramid the times when its levels are complete, from the coarsest finer than
   /// the base on; ascending, the last after all nodes.
   std::vector<std::uint32_t> level_ends;

@@ -17,6 +17,7 @@ namespace {
 
 using delaunay::InsertionRule;
 using delaunay::LatticePoint;
+using terrain_file::read_column;
 
 constexpr std::array kModels{Model::delaunay_pyramid, Model::ternary_triangulation,
                              Model::implicit_delaunay_pyramid};
@@ -35,27 +36,6 @@ struct Counts {
   std::uint32_t n_triangles = 0;
   HeightType type = HeightType::float64;
 };
-
-Result<void> read_frame(store::ByteReader& in, const std::string& path, HeightFrame& frame) {
-  LODE_TRY(frame.n_columns, in.read<std::int32_t>());
-  LODE_TRY(frame.n_rows, in.read<std::int32_t>());
-  if (frame.n_columns < 2 || frame.n_rows < 2 ||
-      !delaunay::LatticePacking::fits(frame.n_columns, frame.n_rows))
-    return fail("{}: metadata: expected columns and rows whose numbers fit 32 bits, got {} x {}",
-                path, frame.n_columns, frame.n_rows);
-  for (double& x : frame.to_world) {
-    LODE_TRY(x, in.read<double>());
-    if (!std::isfinite(x))
-      return fail("{}: metadata: expected finite numbers that place the lattice, got {}", path, x);
-  }
-  const auto& g = frame.to_world;
-  if (const double determinant = g[1] * g[5] - g[2] * g[4];
-      determinant == 0 || !std::isfinite(determinant))
-    return fail("{}: metadata: expected columns and rows that span a plane", path);
-  LODE_TRY(frame.crs, in.read_string());
-  LODE_TRY(frame.vertical_unit, in.read_string());
-  return {};
-}
 
 Result<void> read_counts(store::ByteReader& in, const std::string& path, Counts& counts) {
   LODE_TRY(counts.n_base_vertices, in.read<std::uint32_t>());
@@ -78,23 +58,11 @@ Result<void> read_counts(store::ByteReader& in, const std::string& path, Counts&
   return {};
 }
 
-Result<void> read_levels(store::ByteReader& in, const std::string& path,
-                         std::vector<double>& levels) {
-  LODE_TRY(const auto n, in.read<std::uint32_t>());
-  if (n > kMaxLevels)
-    return fail("{}: metadata: expected up to {} levels, got {}", path, kMaxLevels, n);
-  LODE_TRY(levels, in.read_all<double>(n));
-  for (std::size_t i = 0; i < levels.size(); ++i)
-    if (!(levels[i] >= 0) || !std::isfinite(levels[i]) || (i > 0 && levels[i] >= levels[i - 1]))
-      return fail("{}: metadata: expected levels that get finer, got {}", path, levels[i]);
-  return {};
-}
-
 Result<void> read_level_ends(store::ByteReader& in, const std::string& path, std::uint32_t n_nodes,
                              History& history) {
   LODE_TRY(const auto n, in.read<std::uint32_t>());
-  if (n > kMaxLevels)
-    return fail("{}: metadata: expected up to {} levels, got {}", path, kMaxLevels, n);
+  if (n > terrain_file::kMaxLevels)
+    return fail("{}: metadata: expected up to {} levels, got {}", path, terrain_file::kMaxLevels, n);
   LODE_TRY(history.level_ends, in.read_all<std::uint32_t>(n));
   const auto& ends = history.level_ends;
   const bool has_levels = history.model == Model::implicit_delaunay_pyramid && n_nodes > 0;
@@ -114,49 +82,21 @@ Result<Counts> read_head(const store::Reader& reader, LevelledHistory& levelled)
     return fail("{}: metadata: expected layout {} of the model {}, got {}", path, kLayout,
                 reader.model(), layout);
   History& history = levelled.history;
-  LODE_CHECK(read_frame(in, path, history.frame));
-  LODE_TRY(history.sample_type, in.read_string());
-  LODE_TRY(const auto has_place, in.read<std::uint8_t>());
-  history.has_place = has_place != 0;
-  LODE_TRY(history.range.lower, in.read<double>());
-  LODE_TRY(history.range.upper, in.read<double>());
-  LODE_TRY(history.n_samples, in.read<std::uint64_t>());
-  LODE_TRY(history.n_missing, in.read<std::uint64_t>());
-  LODE_TRY(history.n_left_out, in.read<std::uint64_t>());
+  LODE_CHECK(terrain_file::read(in, path, history));
   LODE_TRY(history.max_error, in.read<double>());
-  if (!(history.range.lower <= history.range.upper) || !(history.max_error >= 0) ||
-      !std::isfinite(history.range.upper - history.range.lower) ||
-      !std::isfinite(history.max_error))
-    return fail("{}: metadata: expected a finite range of heights and error, got {} to {}, {}",
-                path, history.range.lower, history.range.upper, history.max_error);
+  if (!(history.max_error >= 0) || !std::isfinite(history.max_error))
+    return fail("{}: metadata: expected a finite error >= 0, got {}", path, history.max_error);
   Counts counts;
   LODE_CHECK(read_counts(in, path, counts));
-  LODE_CHECK(read_levels(in, path, levelled.levels));
+  LODE_TRY(levelled.levels, terrain_file::read_levels(in, path));
   LODE_CHECK(read_level_ends(in, path, counts.n_nodes, history));
   LODE_CHECK(in.expect_end());
   return counts;
 }
 
-/// All n numbers of a column. Blocks are there before memory is asked for.
-template <typename T>
-Result<std::vector<T>> read_column(const store::Reader& reader, Column column, std::uint64_t n) {
-  std::vector<T> numbers;
-  for (std::uint64_t first = 0; first < n; first += kPart) {
-    const store::BlockKey key = key_of(column, first / kPart);
-    const auto at = reader.find(key);
-    if (!at) return fail("{}: expected {}, found none", reader.path(), store::describe(key));
-    LODE_TRY(const std::vector<std::byte> bytes, reader.read_block(*at));
-    store::ByteReader in(bytes, reader.path() + ": " + store::describe(key));
-    LODE_TRY(const std::vector<T> part, in.read_all<T>(std::min<std::uint64_t>(kPart, n - first)));
-    LODE_CHECK(in.expect_end());
-    numbers.insert(numbers.end(), part.begin(), part.end());
-  }
-  return numbers;
-}
-
 template <typename T>
 Result<void> read_heights(const store::Reader& reader, std::uint64_t n, History& history) {
-  LODE_TRY(const std::vector<T> heights, read_column<T>(reader, Column::height, n));
+  LODE_TRY(const std::vector<T> heights, read_column<T>(reader, key_of(Column::height), n));
   history.heights.assign(heights.begin(), heights.end());
   for (const double z : history.heights)
     if (!(z >= history.range.lower && z <= history.range.upper))
@@ -191,8 +131,8 @@ class Replay {
  private:
   Result<void> read_points() {
     const std::uint64_t n = std::uint64_t{counts_.n_base_vertices} + counts_.n_nodes;
-    LODE_TRY(const auto xs, read_column<std::int32_t>(reader_, Column::x, n));
-    LODE_TRY(const auto ys, read_column<std::int32_t>(reader_, Column::y, n));
+    LODE_TRY(const auto xs, read_column<std::int32_t>(reader_, key_of(Column::x), n));
+    LODE_TRY(const auto ys, read_column<std::int32_t>(reader_, key_of(Column::y), n));
     const HeightFrame& frame = history_.frame;
     for (std::size_t i = 0; i < xs.size(); ++i) {
       if (xs[i] < 0 || ys[i] < 0 || xs[i] >= frame.n_columns || ys[i] >= frame.n_rows)
@@ -211,7 +151,7 @@ class Replay {
   /// Packed corners, each of triangles that turn left.
   Result<std::vector<std::array<std::uint32_t, 3>>> read_base() const {
     LODE_TRY(const auto corners,
-             read_column<std::uint32_t>(reader_, Column::corners,
+             read_column<std::uint32_t>(reader_, key_of(Column::corners),
                                         3 * std::uint64_t{counts_.n_base_triangles}));
     std::vector<std::array<std::uint32_t, 3>> base(counts_.n_base_triangles);
     for (std::size_t t = 0; t < base.size(); ++t) {
@@ -235,7 +175,7 @@ class Replay {
 
   Result<void> insert_nodes(delaunay::LatticeMesh& mesh, Recorder& recorder, Progress& progress) {
     constexpr std::uint32_t kPerReport = 1U << 16;
-    LODE_TRY(const auto ages, read_column<std::uint32_t>(reader_, Column::age, counts_.n_nodes));
+    LODE_TRY(const auto ages, read_column<std::uint32_t>(reader_, key_of(Column::age), counts_.n_nodes));
     std::vector<std::uint32_t> slot_of(history_.triangles.size());
     for (std::uint32_t t = 0; t < slot_of.size(); ++t) slot_of[t] = t;
     for (std::uint32_t node = 0; node < counts_.n_nodes; ++node) {
@@ -280,7 +220,7 @@ class Replay {
 
   Result<void> read_errors() {
     LODE_TRY(const auto errors,
-             read_column<std::uint16_t>(reader_, Column::error, counts_.n_triangles));
+             read_column<std::uint16_t>(reader_, key_of(Column::error), counts_.n_triangles));
     for (std::size_t t = 0; t < errors.size(); ++t) {
       const auto error = std::bit_cast<float>(std::uint32_t{errors[t]} << 16);
       if (!(error >= 0) || !std::isfinite(error))

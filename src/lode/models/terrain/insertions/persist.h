@@ -14,8 +14,6 @@ namespace lode::insertions {
 /// The model's name in files, as that of the enumerator.
 [[nodiscard]] std::string_view model_name(Model model);
 
-inline constexpr std::uint32_t kMaxLevels = 4096;
-
 /// A history, and the tolerances that it was made for: each finer than the one before; of an
 /// implicit pyramid none.
 struct LevelledHistory {

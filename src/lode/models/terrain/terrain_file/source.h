@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lode/core/height_frame.h"
+#include "lode/core/result.h"
+#include "lode/store/bytes.h"
+
+namespace lode::terrain_file {
+
+/// What a model remembers of the raster that it was built of.
+struct Source {
+  HeightFrame frame;
+  HeightRange range;        ///< Of all samples.
+  std::string sample_type;  ///< As the raster's reader names it.
+  bool has_place = true;    ///< Else the frame is that of columns and rows.
+  std::uint64_t n_samples = 0;  ///< In cells with four heights.
+  std::uint64_t n_missing = 0;
+  std::uint64_t n_left_out = 0;
+};
+
+inline constexpr std::uint32_t kMaxLevels = 4096;
+
+/// As docs/format.md has it. Reading fails on what it does not allow, naming the path.
+void write(store::ByteWriter& out, const Source& source);
+[[nodiscard]] Result<void> read(store::ByteReader& in, const std::string& path, Source& source);
+
+/// Tolerances, each finer than the one before, up to kMaxLevels.
+void write_levels(store::ByteWriter& out, const std::vector<double>& levels);
+[[nodiscard]] Result<std::vector<double>> read_levels(store::ByteReader& in,
+                                                      const std::string& path);
+
+}  // namespace lode::terrain_file
