@@ -49,13 +49,17 @@ Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app
   return check_paths_differ({job.input}, {job.output});
 }
 
-void add_built_terrain(const BuiltTerrainInfo& info, Json& json, Table& table) {
+void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& json, Table& table) {
   json["range"] = {info.range.lower, info.range.upper};
   json["samples"] = info.n_samples;
   json["left_out_samples"] = info.n_left_out;
-  json["insertions"] = info.n_nodes;
-  json["outline_triangles"] = info.n_base_triangles;
-  json["triangles_ever"] = info.n_triangles;
+  if (is_quadtree(model)) {
+    json["squares"] = info.n_nodes;
+  } else {
+    json["insertions"] = info.n_nodes;
+    json["outline_triangles"] = info.n_base_triangles;
+    json["triangles_ever"] = info.n_triangles;
+  }
   json["memory_bytes"] = info.memory_bytes;
   json["finest_error"] = info.max_error;
   json["error_kind"] = "at samples";
@@ -64,8 +68,12 @@ void add_built_terrain(const BuiltTerrainInfo& info, Json& json, Table& table) {
   if (info.n_left_out > 0)
     table.add({"left out", fmt::format("{} samples in no cell with four heights",
                                        format_count(info.n_left_out))});
-  table.add({"insertions", format_count(info.n_nodes)});
-  table.add({"triangles ever", format_count(info.n_triangles)});
+  if (is_quadtree(model)) {
+    table.add({"squares", format_count(info.n_nodes)});
+  } else {
+    table.add({"insertions", format_count(info.n_nodes)});
+    table.add({"triangles ever", format_count(info.n_triangles)});
+  }
   table.add({"memory", format_bytes(info.memory_bytes)});
   table.add({"finest error", fmt::format("{} at samples", format_number(info.max_error))});
   json["levels"] = Json::array();
@@ -92,7 +100,7 @@ Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) 
   const Stopwatch write_watch;
   LODE_TRY(const std::uint64_t n_bytes, opened.built->save(job.output, session.progress()));
   const double write_seconds = write_watch.seconds();
-  const BuiltTerrainInfo info = opened.built->describe();
+  LODE_TRY(const BuiltTerrainInfo info, opened.built->describe(session.progress()));
   Outcome outcome;
   Json& json = outcome.json;
   Table table;
@@ -102,7 +110,7 @@ Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) 
   json["model"] = name_of(opened.model);
   add_facts(opened.facts, json, table);
   table.add({"model", name_of(opened.model)});
-  add_built_terrain(info, json, table);
+  add_built_terrain(info, opened.model, json, table);
   json["file_bytes"] = n_bytes;
   json["seconds"] = {
       {"total", build_seconds + write_seconds}, {"build", build_seconds}, {"write", write_seconds}};
@@ -111,8 +119,9 @@ Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) 
   table.add({"write", format_seconds(write_seconds)});
   std::string rate;
   if (info.n_nodes > 0)
-    rate = fmt::format(" ({:.1f} bytes an insertion)",
-                       static_cast<double>(n_bytes) / static_cast<double>(info.n_nodes));
+    rate = fmt::format(" ({:.1f} bytes {})",
+                       static_cast<double>(n_bytes) / static_cast<double>(info.n_nodes),
+                       is_quadtree(opened.model) ? "a square" : "an insertion");
   table.add({"file size", format_bytes(n_bytes) + rate});
   table.add({"output", job.output});
   outcome.text = table.to_string();

@@ -20,6 +20,6 @@ struct TerrainBuildJob {
 [[nodiscard]] Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session);
 
 /// The keys and rows of what a pyramid has.
-void add_built_terrain(const BuiltTerrainInfo& info, Json& json, Table& table);
+void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& json, Table& table);
 
 }  // namespace lode::cli

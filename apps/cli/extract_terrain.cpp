@@ -28,7 +28,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   json["input"] = answer.job.input;
   json["outputs"] = Json::array({answer.job.output});
   json["model"] = name_of(answer.opened.model);
-  json["insertion"] = answer.is_strict ? "strict" : "levels";
+  if (!is_quadtree(answer.opened.model)) json["insertion"] = answer.is_strict ? "strict" : "levels";
   json["is_uniform"] = report.is_uniform;
   json["max_error"] = report.max_error;
   json["max_error_is_default"] = answer.job.max_error.empty();
@@ -81,7 +81,8 @@ std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened)
                      frame.crs.empty() ? "" : ", CRS " + frame.crs);
 }
 
-void warn_of(const TerrainReport& report, const TerrainJob& job, Session& session) {
+void warn_of(const TerrainReport& report, TerrainModel model, const TerrainJob& job,
+             Session& session) {
   constexpr double kMuch = 1e-3;
   if (report.height_slack > kMuch * report.max_error)
     session.warn(
@@ -90,7 +91,11 @@ void warn_of(const TerrainReport& report, const TerrainJob& job, Session& sessio
   if (!report.budget_met)
     session.warn(fmt::format("--max-cells is not met: the outline alone has {} triangles",
                              report.triangles));
-  if (!job.max_error.empty() && !report.is_within_error)
+  if (model == TerrainModel::surface_quadtree && !report.is_within_error)
+    session.warn(
+        fmt::format("the tolerance holds for bilinear squares; their triangles err by up to {}",
+                    format_number(report.achieved_error)));
+  else if (!job.max_error.empty() && !report.is_within_error)
     session.warn(fmt::format("--max-error is not met: --max-cells allows {} only",
                              format_number(report.achieved_error)));
   if (!report.is_uniform && report.is_focus_empty)
@@ -127,7 +132,8 @@ Result<Outcome> run_model_info(const std::string& path, Session& session) {
   table.add({"file", path});
   table.add({"model", name_of(opened.model)});
   add_facts(opened.facts, outcome.json, table);
-  add_built_terrain(opened.built->describe(), outcome.json, table);
+  LODE_TRY(const BuiltTerrainInfo info, opened.built->describe(session.progress()));
+  add_built_terrain(info, opened.model, outcome.json, table);
   outcome.text = table.to_string();
   return outcome;
 }
@@ -213,7 +219,7 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_CHECK(write_surface(job.output, made.surface,
                            {.comment = comment_of(report, opened), .value_name = "height"},
                            session.progress()));
-  warn_of(report, job, session);
+  warn_of(report, opened.model, job, session);
   const bool is_strict =
       options.max_cells || options.order == InsertionOrder::strict || opened.built.has_value();
   const TerrainAnswer answer{job, opened, report, is_strict, read_seconds, write_watch.seconds()};

@@ -19,6 +19,9 @@ Result<void> check_model_verify(const TerrainVerifyJob& job, const CLI::App& app
 Result<TinShape> to_shape(const std::string& model) {
   if (model.empty() || model == name_of(TerrainModel::delaunay_selector)) return TinShape::delaunay;
   LODE_TRY(const TerrainModel built, to_built_model(model));
+  if (has_gaps(built))
+    return fail("--model: expected a model without gaps, got '{}', whose files verify checks",
+                model);
   return shape_of(built);
 }
 
@@ -28,7 +31,8 @@ Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session)
            verify_every_byte(job.input, session.threads(), session.progress()));
   if (!report.passed()) return report;
   LODE_TRY(const BuiltTerrain built, BuiltTerrain::open(job.input, session.progress()));
-  report.add("vertices make the triangles again", built.describe_source().n_triangles, 0, "");
+  LODE_TRY(const VerifyReport alone, built.verify_alone(session.threads(), session.progress()));
+  report.checks.insert(report.checks.end(), alone.checks.begin(), alone.checks.end());
   if (job.original.empty()) return report;
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_TRY(const HeightRaster raster, read_heights(job.original, reading, session.progress()));

@@ -84,10 +84,10 @@ TEST(built_terrain, builds_what_is_hard_or_says_why_not) {
   const auto denormal =
       build([](int i) { return std::numeric_limits<double>::denorm_min() * (i % 5); });
   ASSERT_TRUE(denormal);
-  EXPECT_EQ(denormal->describe().levels.size(), 1U);
+  EXPECT_EQ(denormal->describe(progress)->levels.size(), 1U);
   const auto flat = build([](int) { return 3.0; });
   ASSERT_TRUE(flat);
-  EXPECT_EQ(flat->describe().levels[0].triangles, 2U);
+  EXPECT_EQ(flat->describe(progress)->levels[0].triangles, 2U);
 }
 
 TEST(built_terrain, default_levels_halve_from_below_the_range) {

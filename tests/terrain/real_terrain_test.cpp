@@ -69,8 +69,8 @@ TEST_P(real_terrain, has_a_pyramid_that_is_true_and_that_its_file_keeps) {
   const auto opened = BuiltTerrain::open(file, progress_);
   std::filesystem::remove(file);
   ASSERT_TRUE(opened) << opened.error().message;
-  const BuiltTerrainInfo before = built->describe();
-  const BuiltTerrainInfo after = opened->describe();
+  const BuiltTerrainInfo before = *built->describe(progress_);
+  const BuiltTerrainInfo after = *opened->describe(progress_);
   EXPECT_EQ(after.n_triangles, before.n_triangles);
   ASSERT_EQ(after.levels.size(), real.tolerances.size());
   for (std::size_t i = 0; i < after.levels.size(); ++i) {

@@ -15,6 +15,8 @@
 
 namespace lode {
 
+class BuiltModel;
+
 struct TerrainBuildOptions {
   TerrainModel model = TerrainModel::delaunay_pyramid;  ///< One of kBuiltTerrainModels.
   /// Tolerances in units of the heights, finite, >= 0, each finer than the one before; empty:
@@ -41,8 +43,8 @@ struct BuiltTerrainInfo {
   std::vector<Level> levels;
   std::string sample_type;
   bool has_place = true;
-  std::uint64_t n_nodes = 0;           ///< Samples that were inserted.
-  std::uint64_t n_base_triangles = 0;  ///< Of the outline.
+  std::uint64_t n_nodes = 0;           ///< Samples that were inserted, or squares.
+  std::uint64_t n_base_triangles = 0;  ///< Of the outline; of insertions, as the next.
   std::uint64_t n_triangles = 0;       ///< That there ever were.
   std::uint64_t memory_bytes = 0;
   std::uint64_t n_samples = 0;  ///< As of TerrainReport.
@@ -52,9 +54,9 @@ struct BuiltTerrainInfo {
   double max_error = 0;  ///< The finest that it can give: |z - z'| at every sample.
 };
 
-/// What was built of a raster for all tolerances: docs/models/delaunay_pyramid.md and
-/// docs/models/ternary_triangulation.md. Copies are one terrain; const members are safe from many
-/// threads.
+/// What was built of a raster for all tolerances: docs/models/delaunay_pyramid.md,
+/// ternary_triangulation.md, implicit_delaunay_pyramid.md and quadtrees.md. Copies are one terrain;
+/// const members are safe from many threads.
 class BuiltTerrain {
  public:
   /// Fails as extract_terrain() does, and on levels that are none.
@@ -76,20 +78,22 @@ class BuiltTerrain {
   [[nodiscard]] const HeightFrame& frame() const;
   /// Without levels.
   [[nodiscard]] BuiltTerrainInfo describe_source() const;
-  [[nodiscard]] BuiltTerrainInfo describe() const;
+  /// With levels. Fails when cancelled.
+  [[nodiscard]] Result<BuiltTerrainInfo> describe(Progress& progress) const;
 
   /// Holds it against the raster it was built of, at every level: the domain, the heights and
   /// the errors that triangles state, and Delaunay pyramids for being Delaunay, by other means than
   /// they were made.
   [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
                                             Progress& progress) const;
-
-  struct Impl;
+  /// What can be held against nothing but itself: that opening made all triangles again; of models
+  /// that have all heights, as verify() with these.
+  [[nodiscard]] Result<VerifyReport> verify_alone(Threads threads, Progress& progress) const;
 
  private:
-  explicit BuiltTerrain(std::shared_ptr<const Impl> impl);
+  explicit BuiltTerrain(std::shared_ptr<const BuiltModel> model);
 
-  std::shared_ptr<const Impl> impl_;
+  std::shared_ptr<const BuiltModel> model_;
 };
 
 }  // namespace lode

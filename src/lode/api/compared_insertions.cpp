@@ -3,7 +3,7 @@
 #include <functional>
 #include <limits>
 
-#include "lode/api/built_terrain_impl.h"
+#include "lode/api/insertions_terrain.h"
 #include "lode/models/terrain/insertions/extract.h"
 #include "lode/models/terrain/insertions/history_locator.h"
 #include "lode/refine/focus.h"

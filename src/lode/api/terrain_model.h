@@ -12,13 +12,26 @@ enum class TerrainModel : std::uint8_t {
   delaunay_selector,
   delaunay_pyramid,
   ternary_triangulation,
-  implicit_delaunay_pyramid
+  implicit_delaunay_pyramid,
+  surface_quadtree,
+  quaternary_triangulation,
+  restricted_quadtree
 };
 
 /// Those that are built, and have files.
-inline constexpr std::array kBuiltTerrainModels{TerrainModel::delaunay_pyramid,
-                                                TerrainModel::ternary_triangulation,
-                                                TerrainModel::implicit_delaunay_pyramid};
+inline constexpr std::array kBuiltTerrainModels{
+    TerrainModel::delaunay_pyramid,          TerrainModel::ternary_triangulation,
+    TerrainModel::implicit_delaunay_pyramid, TerrainModel::surface_quadtree,
+    TerrainModel::quaternary_triangulation,  TerrainModel::restricted_quadtree};
+
+[[nodiscard]] constexpr bool is_quadtree(TerrainModel model) {
+  return model >= TerrainModel::surface_quadtree;
+}
+
+/// Whether its triangles leave gaps where their sizes differ.
+[[nodiscard]] constexpr bool has_gaps(TerrainModel model) {
+  return model == TerrainModel::surface_quadtree || model == TerrainModel::quaternary_triangulation;
+}
 
 /// As --model, files and outputs name it.
 [[nodiscard]] constexpr const char* name_of(TerrainModel model) {
@@ -27,6 +40,9 @@ inline constexpr std::array kBuiltTerrainModels{TerrainModel::delaunay_pyramid,
     case TerrainModel::delaunay_pyramid: return "delaunay_pyramid";
     case TerrainModel::ternary_triangulation: return "ternary_triangulation";
     case TerrainModel::implicit_delaunay_pyramid: return "implicit_delaunay_pyramid";
+    case TerrainModel::surface_quadtree: return "surface_quadtree";
+    case TerrainModel::quaternary_triangulation: return "quaternary_triangulation";
+    case TerrainModel::restricted_quadtree: return "restricted_quadtree";
   }
   return "";
 }

@@ -62,7 +62,8 @@ Result<void> read_level_ends(store::ByteReader& in, const std::string& path, std
                              History& history) {
   LODE_TRY(const auto n, in.read<std::uint32_t>());
   if (n > terrain_file::kMaxLevels)
-    return fail("{}: metadata: expected up to {} levels, got {}", path, terrain_file::kMaxLevels, n);
+    return fail("{}: metadata: expected up to {} levels, got {}", path, terrain_file::kMaxLevels,
+                n);
   LODE_TRY(history.level_ends, in.read_all<std::uint32_t>(n));
   const auto& ends = history.level_ends;
   const bool has_levels = history.model == Model::implicit_delaunay_pyramid && n_nodes > 0;
@@ -175,7 +176,8 @@ class Replay {
 
   Result<void> insert_nodes(delaunay::LatticeMesh& mesh, Recorder& recorder, Progress& progress) {
     constexpr std::uint32_t kPerReport = 1U << 16;
-    LODE_TRY(const auto ages, read_column<std::uint32_t>(reader_, key_of(Column::age), counts_.n_nodes));
+    LODE_TRY(const auto ages,
+             read_column<std::uint32_t>(reader_, key_of(Column::age), counts_.n_nodes));
     std::vector<std::uint32_t> slot_of(history_.triangles.size());
     for (std::uint32_t t = 0; t < slot_of.size(); ++t) slot_of[t] = t;
     for (std::uint32_t node = 0; node < counts_.n_nodes; ++node) {

@@ -70,15 +70,6 @@ Result<QuaternaryTriangulation> QuaternaryTriangulation::build(const HeightGrid&
   for (std::int32_t level = 0; level < tree.domain_.n_levels(); ++level) {
     progress.report("errors of triangles", static_cast<double>(level) / tree.domain_.n_levels());
     auto& errors = tree.errors_.emplace_back(tree.domain_.n_squares(level));
-    /// Cells are in the domain or not; larger triangles where all children are.
-    const auto is_whole = [&](const HalfSquare& triangle) {
-      if (level == 0) return tree.domain_.share(triangle.square) == Share::all;
-      for (int i = 0; i < 4; ++i) {
-        const HalfSquare child = triangle.child(i);
-        if (!tree.domain_.has(child.square) || tree.error(child) == kOutside) return false;
-      }
-      return true;
-    };
     const std::int32_t n_columns = tree.domain_.n_columns(level);
     parallel_for(
         static_cast<std::size_t>(tree.domain_.n_rows(level)), threads, 1,
@@ -88,7 +79,7 @@ Result<QuaternaryTriangulation> QuaternaryTriangulation::build(const HeightGrid&
             for (const bool is_upper : {false, true}) {
               const HalfSquare triangle{{level, column, static_cast<std::int32_t>(row)}, is_upper};
               errors[tree.domain_.index(triangle.square)][is_upper ? 1 : 0] =
-                  is_whole(triangle)
+                  tree.is_whole(triangle)
                       ? delaunay::to_float_above(linear_error(tree.domain_, triangle))
                       : kOutside;
             }
@@ -98,15 +89,53 @@ Result<QuaternaryTriangulation> QuaternaryTriangulation::build(const HeightGrid&
   return tree;
 }
 
+Result<QuaternaryTriangulation> QuaternaryTriangulation::of(
+    SquareDomain domain, std::vector<std::vector<std::array<float, 2>>> errors) {
+  QuaternaryTriangulation tree(std::move(domain));
+  const SquareDomain& own = tree.domain_;
+  if (errors.size() != static_cast<std::size_t>(own.n_levels()))
+    return fail("expected errors of {} levels, got {}", own.n_levels(), errors.size());
+  tree.errors_ = std::move(errors);
+  for (std::int32_t level = 0; level < own.n_levels(); ++level) {
+    const auto& of_level = tree.errors_[static_cast<std::size_t>(level)];
+    if (of_level.size() != own.n_squares(level))
+      return fail("expected errors of {} squares, got {}", own.n_squares(level), of_level.size());
+    for (std::int32_t row = 0; row < own.n_rows(level); ++row)
+      for (std::int32_t column = 0; column < own.n_columns(level); ++column)
+        for (const bool is_upper : {false, true}) {
+          const HalfSquare triangle{{level, column, row}, is_upper};
+          if (!(tree.error(triangle) >= 0) ||
+              std::isinf(tree.error(triangle)) == tree.is_whole(triangle))
+            return fail("expected finite errors >= 0 of triangles in the domain, got {}",
+                        tree.error(triangle));
+        }
+  }
+  return tree;
+}
+
+bool QuaternaryTriangulation::is_whole(const HalfSquare& triangle) const {
+  if (triangle.square.level == 0) return domain_.share(triangle.square) == Share::all;
+  for (int i = 0; i < 4; ++i) {
+    const HalfSquare child = triangle.child(i);
+    if (!domain_.has(child.square) || error(child) == kOutside) return false;
+  }
+  return true;
+}
+
 std::vector<HalfSquare> QuaternaryTriangulation::leaves(double tolerance) const {
+  return leaves(
+      [&](const HalfSquare& triangle) { return static_cast<double>(error(triangle)) > tolerance; });
+}
+
+std::vector<HalfSquare> QuaternaryTriangulation::leaves(
+    const std::function<bool(const HalfSquare&)>& split) const {
   std::vector<HalfSquare> leaves;
   std::vector<HalfSquare> open{{domain_.root(), true}, {domain_.root(), false}};
   while (!open.empty()) {
     const HalfSquare triangle = open.back();
     open.pop_back();
     if (!domain_.has(triangle.square)) continue;
-    const float error = this->error(triangle);
-    if (static_cast<double>(error) <= tolerance && error != kOutside) {
+    if (error(triangle) != kOutside && !split(triangle)) {
       leaves.push_back(triangle);
       continue;
     }

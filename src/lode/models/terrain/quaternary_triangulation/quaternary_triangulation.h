@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "lode/core/height_grid.h"
@@ -40,7 +41,15 @@ class QuaternaryTriangulation {
   [[nodiscard]] static Result<QuaternaryTriangulation> build(const HeightGrid& grid,
                                                              Threads threads, Progress& progress);
 
+  /// Of errors that are known, as errors() has them; fails where these cannot be of the domain.
+  [[nodiscard]] static Result<QuaternaryTriangulation> of(
+      SquareDomain domain, std::vector<std::vector<std::array<float, 2>>> errors);
+
   [[nodiscard]] const SquareDomain& domain() const { return domain_; }
+  /// By level and SquareDomain::index().
+  [[nodiscard]] const std::vector<std::vector<std::array<float, 2>>>& errors() const {
+    return errors_;
+  }
   /// Rounded up; infinite where it is not wholly in the domain.
   [[nodiscard]] float error(const HalfSquare& triangle) const {
     return errors_[static_cast<std::size_t>(triangle.square.level)][domain_.index(triangle.square)]
@@ -48,9 +57,14 @@ class QuaternaryTriangulation {
   }
   /// The leaves within a tolerance, in depth-first order.
   [[nodiscard]] std::vector<HalfSquare> leaves(double tolerance) const;
+  /// The same where a triangle that is wholly in the domain is split if split(triangle) says so.
+  [[nodiscard]] std::vector<HalfSquare> leaves(
+      const std::function<bool(const HalfSquare&)>& split) const;
   [[nodiscard]] std::uint64_t n_bytes() const;
 
  private:
+  /// Cells are in the domain or not; larger triangles where all children are, by their errors.
+  [[nodiscard]] bool is_whole(const HalfSquare& triangle) const;
   explicit QuaternaryTriangulation(SquareDomain domain) : domain_(std::move(domain)) {}
 
   SquareDomain domain_;

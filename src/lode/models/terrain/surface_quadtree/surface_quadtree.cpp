@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "lode/delaunay/triangle_judge.h"
 #include "lode/models/terrain/squares/tin_builder.h"
@@ -78,6 +79,32 @@ Result<SurfaceQuadtree> SurfaceQuadtree::build(const HeightGrid& grid, Threads t
     if (progress.is_cancelled()) return cancelled_error();
   }
   return tree;
+}
+
+Result<SurfaceQuadtree> SurfaceQuadtree::of(SquareDomain domain,
+                                            std::vector<std::vector<float>> errors) {
+  SurfaceQuadtree tree(std::move(domain));
+  const SquareDomain& own = tree.domain_;
+  if (errors.size() != static_cast<std::size_t>(own.n_levels()))
+    return fail("expected errors of {} levels, got {}", own.n_levels(), errors.size());
+  for (std::int32_t level = 0; level < own.n_levels(); ++level) {
+    const auto& of_level = errors[static_cast<std::size_t>(level)];
+    if (of_level.size() != own.n_squares(level))
+      return fail("expected errors of {} squares, got {}", own.n_squares(level), of_level.size());
+    for (std::int32_t row = 0; row < own.n_rows(level); ++row)
+      for (std::int32_t column = 0; column < own.n_columns(level); ++column) {
+        const Square square{level, column, row};
+        const float error = of_level[own.index(square)];
+        if (!(error >= 0) || std::isinf(error) != (own.share(square) != Share::all))
+          return fail("expected finite errors >= 0 of squares in the domain, got {}", error);
+      }
+  }
+  tree.errors_ = std::move(errors);
+  return tree;
+}
+
+std::vector<Square> SurfaceQuadtree::leaves(const std::function<bool(const Square&)>& split) const {
+  return leaves_by(domain_, split);
 }
 
 std::vector<Square> SurfaceQuadtree::leaves(double tolerance) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "lode/core/height_grid.h"
@@ -32,13 +33,21 @@ class SurfaceQuadtree {
   [[nodiscard]] static Result<SurfaceQuadtree> build(const HeightGrid& grid, Threads threads,
                                                      Progress& progress);
 
+  /// Of errors that are known, as errors() has them; fails where these cannot be of the domain.
+  [[nodiscard]] static Result<SurfaceQuadtree> of(SquareDomain domain,
+                                                  std::vector<std::vector<float>> errors);
+
   [[nodiscard]] const SquareDomain& domain() const { return domain_; }
+  /// By level and SquareDomain::index().
+  [[nodiscard]] const std::vector<std::vector<float>>& errors() const { return errors_; }
   /// Of a square in the raster, rounded up; infinite where it is not wholly in the domain.
   [[nodiscard]] float error(const Square& square) const {
     return errors_[static_cast<std::size_t>(square.level)][domain_.index(square)];
   }
   /// The leaves within a tolerance, in depth-first order.
   [[nodiscard]] std::vector<Square> leaves(double tolerance) const;
+  /// The same where a square that is wholly in the domain is split if split(square) says so.
+  [[nodiscard]] std::vector<Square> leaves(const std::function<bool(const Square&)>& split) const;
   [[nodiscard]] std::uint64_t n_bytes() const;
 
  private:

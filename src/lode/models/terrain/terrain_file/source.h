@@ -13,9 +13,9 @@ namespace lode::terrain_file {
 /// What a model remembers of the raster that it was built of.
 struct Source {
   HeightFrame frame;
-  HeightRange range;        ///< Of all samples.
-  std::string sample_type;  ///< As the raster's reader names it.
-  bool has_place = true;    ///< Else the frame is that of columns and rows.
+  HeightRange range;            ///< Of all samples.
+  std::string sample_type;      ///< As the raster's reader names it.
+  bool has_place = true;        ///< Else the frame is that of columns and rows.
   std::uint64_t n_samples = 0;  ///< In cells with four heights.
   std::uint64_t n_missing = 0;
   std::uint64_t n_left_out = 0;

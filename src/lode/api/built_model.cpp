@@ -1,0 +1,53 @@
+#include "lode/api/built_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "lode/delaunay/grid_domain.h"
+
+namespace lode {
+
+Result<void> check_source(const terrain_file::Source& source, const HeightGrid& grid,
+                          VerifyReport& report) {
+  if (source.frame.n_columns != grid.n_columns || source.frame.n_rows != grid.n_rows)
+    return fail("expected the raster that it was built of, {} x {} samples, got one of {} x {}",
+                source.frame.n_columns, source.frame.n_rows, grid.n_columns, grid.n_rows);
+  LODE_TRY(const delaunay::GridDomain domain, delaunay::find_domain(grid));
+  const HeightRange range = height_range(grid);
+  const std::array holds{source.frame.to_world == grid.to_world,
+                         source.frame.crs == grid.crs,
+                         source.frame.vertical_unit == grid.vertical_unit,
+                         source.range.lower == range.lower && source.range.upper == range.upper,
+                         source.n_samples == domain.n_samples,
+                         source.n_missing == grid.n_missing(),
+                         source.n_left_out == domain.n_left_out};
+  constexpr std::array kNames{"place", "CRS", "unit", "range", "samples", "missing", "left out"};
+  std::string wrong;
+  for (std::size_t i = 0; i < holds.size(); ++i)
+    if (!holds[i]) wrong += fmt::format("{}{}", wrong.empty() ? "" : ", ", kNames[i]);
+  report.add("the file says of the raster what it is", holds.size(), wrong.empty() ? 0 : 1,
+             wrong.empty() ? "" : "not so: " + wrong);
+  return {};
+}
+
+Result<terrain_file::Source> source_of(const HeightGrid& grid, const TerrainBuildOptions& options) {
+  LODE_TRY(const delaunay::GridDomain domain, delaunay::find_domain(grid));
+  terrain_file::Source source;
+  source.frame = grid;
+  source.range = height_range(grid);
+  LODE_CHECK(delaunay::check_heights(source.range));
+  source.sample_type = options.sample_type;
+  source.has_place = options.has_place;
+  source.n_samples = domain.n_samples;
+  source.n_missing = grid.n_missing();
+  source.n_left_out = domain.n_left_out;
+  return source;
+}
+
+double largest_error(const delaunay::Tin& tin) {
+  return tin.errors.empty() ? 0.0 : static_cast<double>(*std::ranges::max_element(tin.errors));
+}
+
+}  // namespace lode

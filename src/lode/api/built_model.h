@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "lode/api/built_terrain.h"
+#include "lode/api/terrain_source.h"
+#include "lode/models/terrain/terrain_file/source.h"
+
+namespace lode {
+
+/// One of kBuiltTerrainModels, as BuiltTerrain has it; what its members say holds here.
+class BuiltModel : public TerrainOrigin {
+ public:
+  [[nodiscard]] virtual TerrainModel model() const = 0;
+  [[nodiscard]] virtual const terrain_file::Source& source() const = 0;
+  [[nodiscard]] virtual Result<std::uint64_t> save(const std::string& path,
+                                                   Progress& progress) const = 0;
+  [[nodiscard]] virtual BuiltTerrainInfo describe_source() const = 0;
+  [[nodiscard]] virtual Result<BuiltTerrainInfo> describe(Progress& progress) const = 0;
+  [[nodiscard]] virtual Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
+                                                    Progress& progress) const = 0;
+  [[nodiscard]] virtual Result<VerifyReport> verify_alone(Threads threads,
+                                                          Progress& progress) const = 0;
+
+  [[nodiscard]] const HeightFrame& frame() const final { return source().frame; }
+  [[nodiscard]] HeightRange range() const final { return source().range; }
+};
+
+/// Reports whether what a file says of its raster is so. Fails on rasters of another size.
+[[nodiscard]] Result<void> check_source(const terrain_file::Source& source, const HeightGrid& grid,
+                                        VerifyReport& report);
+
+/// What is to be remembered of a raster. Fails as find_domain() and check_heights() do.
+[[nodiscard]] Result<terrain_file::Source> source_of(const HeightGrid& grid,
+                                                     const TerrainBuildOptions& options);
+
+/// The largest error of a TIN's triangles, where it has errors, else 0.
+[[nodiscard]] double largest_error(const delaunay::Tin& tin);
+
+}  // namespace lode

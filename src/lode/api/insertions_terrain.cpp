@@ -1,0 +1,148 @@
+#include "lode/api/insertions_terrain.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lode/api/terrain_focus.h"
+#include "lode/core/expects.h"
+#include "lode/core/stopwatch.h"
+#include "lode/mappers/tin_quality.h"
+#include "lode/models/terrain/implicit_pyramid/build.h"
+#include "lode/models/terrain/insertions/build.h"
+#include "lode/models/terrain/insertions/extract.h"
+
+namespace lode {
+
+using insertions::History;
+
+Result<History> build_insertions(const HeightGrid& grid, TerrainModel model, double max_error,
+                                 Progress& progress) {
+  LODE_EXPECTS(model != TerrainModel::delaunay_selector);
+  if (model == TerrainModel::implicit_delaunay_pyramid)
+    return implicit_pyramid::build(grid, progress);
+  return insertions::build_history(grid, max_error,
+                                   model == TerrainModel::ternary_triangulation
+                                       ? insertions::Model::ternary_triangulation
+                                       : insertions::Model::delaunay_pyramid,
+                                   progress);
+}
+
+TerrainModel InsertionsTerrain::model() const {
+  switch (history().model) {
+    case insertions::Model::ternary_triangulation: return TerrainModel::ternary_triangulation;
+    case insertions::Model::implicit_delaunay_pyramid:
+      return TerrainModel::implicit_delaunay_pyramid;
+    default: return TerrainModel::delaunay_pyramid;
+  }
+}
+
+Result<std::uint64_t> InsertionsTerrain::save(const std::string& path, Progress& progress) const {
+  return insertions::save(levelled_, path, progress);
+}
+
+Result<SelectedTerrain> InsertionsTerrain::select(const TerrainOptions& options, delaunay::TinLinks,
+                                                  Progress& progress) const {
+  const Stopwatch watch;
+  if (progress.is_cancelled()) return cancelled_error();
+  LODE_TRY(const double tolerance, tolerance_of(options));
+  SelectedTerrain selected;
+  TerrainReport& report = selected.report;
+  if (options.focus) {
+    const auto& outside = options.focus->max_error_outside;
+    if (outside && *outside < history().max_error)
+      return fail(
+          "expected a tolerance of {} or more outside the focus, which is what the "
+          "model was built for, got {}",
+          history().max_error, *outside);
+    if (options.max_cells) return fail("expected a focus or a number of triangles, got both");
+    LODE_TRY(const Demand demand, to_demand(*options.focus, tolerance));
+    selected.tin = tin_of(history(), select_nodes(history(), demand), delaunay::TinLinks::kept);
+    report.is_uniform = false;
+    report.is_focus_empty =
+        selected.tin.triangles.size() == history().n_base_triangles() && history().n_nodes() > 0;
+  } else {
+    selected.tin = tin_for(options, tolerance, report);
+  }
+  report.triangles = selected.tin.triangles.size();
+  report.vertices = selected.tin.vertices.size();
+  report.max_error = tolerance;
+  report.achieved_error = largest_error(selected.tin);
+  // Errors of triangles are rounded up; that of all samples is known better.
+  if (report.triangles == finest_triangles())
+    report.achieved_error = std::min(report.achieved_error, history().max_error);
+  report.n_samples = history().n_samples;
+  report.n_missing = history().n_missing;
+  report.n_left_out = history().n_left_out;
+  report.seconds = watch.seconds();
+  return selected;
+}
+
+std::uint64_t InsertionsTerrain::finest_triangles() const {
+  return history().triangles.size() - history().removed.size();
+}
+
+Result<double> InsertionsTerrain::tolerance_of(const TerrainOptions& options) const {
+  const double tolerance = default_tolerance(options, history().range);
+  const double finest = history().max_error;
+  if (options.max_error && tolerance < finest)
+    return fail(
+        "expected a tolerance of {} or more, which is what the model was built for, "
+        "got {}",
+        finest, tolerance);
+  return options.max_cells && !options.max_error ? 0.0 : std::max(tolerance, finest);
+}
+
+delaunay::Tin InsertionsTerrain::tin_for(const TerrainOptions& options, double tolerance,
+                                         TerrainReport& report) const {
+  constexpr auto kLinks = delaunay::TinLinks::kept;
+  report.is_within_error = history().max_error <= tolerance;
+  delaunay::Tin within;
+  if (!options.max_cells || options.max_error)
+    within = tin_of(history(), nodes_within(history(), tolerance), kLinks);
+  if (!options.max_cells || (options.max_error && within.triangles.size() <= *options.max_cells))
+    return within;
+  const auto nodes = nodes_of_cells(history(), *options.max_cells);
+  report.budget_met = nodes.has_value();
+  delaunay::Tin tin = tin_of(history(), nodes.value_or(insertions::NodeSet(0)), kLinks);
+  report.is_within_error = largest_error(tin) <= tolerance;
+  return tin;
+}
+
+BuiltTerrainInfo InsertionsTerrain::describe_source() const {
+  BuiltTerrainInfo info;
+  info.sample_type = history().sample_type;
+  info.has_place = history().has_place;
+  info.n_nodes = history().n_nodes();
+  info.n_base_triangles = history().n_base_triangles();
+  info.n_triangles = history().triangles.size();
+  info.memory_bytes = history().n_bytes();
+  info.n_samples = history().n_samples;
+  info.n_missing = history().n_missing;
+  info.n_left_out = history().n_left_out;
+  info.range = history().range;
+  info.max_error = history().max_error;
+  return info;
+}
+
+Result<BuiltTerrainInfo> InsertionsTerrain::describe(Progress& progress) const {
+  const History& history = levelled_.history;
+  BuiltTerrainInfo info = describe_source();
+  const auto add = [&](double tolerance, std::uint32_t time) {
+    const delaunay::Tin tin = tin_at(history, time, delaunay::TinLinks::kept);
+    const TinAngles angles = measure_angles(tin, history.frame, {});
+    if (!history.is_worst_first()) tolerance = largest_error(tin);
+    info.levels.push_back(
+        {tolerance, tin.triangles.size(), tin.vertices.size(), angles.smallest, angles.median});
+  };
+  for (const double tolerance : levelled_.levels) {
+    if (progress.is_cancelled()) return cancelled_error();
+    add(tolerance, time_within(history, tolerance));
+  }
+  for (const std::uint32_t end : history.level_ends) {
+    if (progress.is_cancelled()) return cancelled_error();
+    add(0, end);
+  }
+  return info;
+}
+
+}  // namespace lode

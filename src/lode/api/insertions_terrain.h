@@ -1,0 +1,46 @@
+#pragma once
+
+#include "lode/api/built_model.h"
+#include "lode/api/terrain_selection.h"
+#include "lode/models/terrain/insertions/persist.h"
+
+namespace lode {
+
+/// Models that are insertions: two Delaunay pyramids and the ternary triangulation.
+class InsertionsTerrain final : public BuiltModel {
+ public:
+  explicit InsertionsTerrain(insertions::LevelledHistory levelled)
+      : levelled_(std::move(levelled)) {}
+
+  [[nodiscard]] TerrainModel model() const override;
+  [[nodiscard]] const terrain_file::Source& source() const override { return history(); }
+  [[nodiscard]] double finest_error() const override { return history().max_error; }
+  [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
+                                               delaunay::TinLinks links,
+                                               Progress& progress) const override;
+  [[nodiscard]] Result<std::uint64_t> save(const std::string& path,
+                                           Progress& progress) const override;
+  [[nodiscard]] BuiltTerrainInfo describe_source() const override;
+  [[nodiscard]] Result<BuiltTerrainInfo> describe(Progress& progress) const override;
+  [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
+                                            Progress& progress) const override;
+  [[nodiscard]] Result<VerifyReport> verify_alone(Threads threads,
+                                                  Progress& progress) const override;
+
+ private:
+  [[nodiscard]] const insertions::History& history() const { return levelled_.history; }
+  [[nodiscard]] std::uint64_t finest_triangles() const;
+  [[nodiscard]] Result<double> tolerance_of(const TerrainOptions& options) const;
+  /// Of one tolerance or number of triangles.
+  [[nodiscard]] delaunay::Tin tin_for(const TerrainOptions& options, double tolerance,
+                                      TerrainReport& report) const;
+
+  insertions::LevelledHistory levelled_;
+};
+
+/// Of one of these models; an implicit pyramid has all samples, whatever max_error.
+[[nodiscard]] Result<insertions::History> build_insertions(const HeightGrid& grid,
+                                                           TerrainModel model, double max_error,
+                                                           Progress& progress);
+
+}  // namespace lode

@@ -1,0 +1,195 @@
+#include "lode/api/quadtree_terrain.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "lode/api/terrain_focus.h"
+#include "lode/core/stopwatch.h"
+#include "lode/delaunay/tin_links.h"
+#include "lode/mappers/tin_quality.h"
+#include "lode/models/terrain/restricted_quadtree/restricted_quadtree.h"
+
+namespace lode {
+
+using quadtree_file::QuadtreeModel;
+using quaternary_triangulation::HalfSquare;
+using quaternary_triangulation::QuaternaryTriangulation;
+using squares::Square;
+using squares::SquareDomain;
+using surface_quadtree::SurfaceQuadtree;
+
+namespace {
+
+/// What a demand sees of a square: its error, and where it is in the world, at any height.
+NodeFacts facts_of(const terrain_file::Source& source, const Square& square, double error) {
+  Vec3d lower{{0, 0, source.range.lower - error}};
+  Vec3d upper{{0, 0, source.range.upper + error}};
+  for (int corner = 0; corner < 4; ++corner) {
+    const double x = square.x() + (corner & 1 ? square.side() : 0);
+    const double y = square.y() + (corner & 2 ? square.side() : 0);
+    const Vec<double, 2> at = source.frame.world(x, y);
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      lower[axis] = corner == 0 ? at[axis] : std::min(lower[axis], at[axis]);
+      upper[axis] = corner == 0 ? at[axis] : std::max(upper[axis], at[axis]);
+    }
+  }
+  NodeFacts facts;
+  facts.error = error;
+  facts.range = {lower[2], upper[2]};
+  facts.bounds.centre = (lower + upper) * 0.5;
+  facts.bounds.half = (upper - lower) * 0.5;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    facts.bounds.radius = std::max(
+        {facts.bounds.radius, std::abs(lower[axis]) * 0x1p-50, std::abs(upper[axis]) * 0x1p-50});
+  return facts;
+}
+
+bool wants(const Demand& demand, const NodeFacts& facts) {
+  return demand.touches(facts) && demand(facts) > 0;
+}
+
+}  // namespace
+
+Result<QuadtreeTerrain> QuadtreeTerrain::build(const HeightGrid& grid,
+                                               const TerrainBuildOptions& options,
+                                               std::vector<double> levels, Progress& progress) {
+  LODE_TRY(terrain_file::Source source, source_of(grid, options));
+  const auto make = [&](auto tree) {
+    return QuadtreeTerrain(
+        QuadtreeModel{std::move(source), std::move(levels), grid, std::move(tree)});
+  };
+  if (options.model == TerrainModel::surface_quadtree) {
+    LODE_TRY(auto tree, SurfaceQuadtree::build(grid, {}, progress));
+    return make(std::move(tree));
+  }
+  if (options.model == TerrainModel::quaternary_triangulation) {
+    LODE_TRY(auto tree, QuaternaryTriangulation::build(grid, {}, progress));
+    return make(std::move(tree));
+  }
+  LODE_TRY(auto domain, SquareDomain::make(grid));
+  return make(std::move(domain));
+}
+
+Result<QuadtreeTerrain> QuadtreeTerrain::open(const std::string& path, Progress& progress) {
+  LODE_TRY(QuadtreeModel model, quadtree_file::open(path, progress));
+  return QuadtreeTerrain(std::move(model));
+}
+
+bool QuadtreeTerrain::is_model_of(const std::string& path) {
+  return quadtree_file::is_model_of(path);
+}
+
+TerrainModel QuadtreeTerrain::model() const {
+  constexpr std::array kModels{TerrainModel::surface_quadtree,
+                               TerrainModel::quaternary_triangulation,
+                               TerrainModel::restricted_quadtree};
+  return kModels[model_.tree.index()];
+}
+
+const SquareDomain& QuadtreeTerrain::domain() const {
+  if (const auto* surface = std::get_if<SurfaceQuadtree>(&model_.tree)) return surface->domain();
+  if (const auto* right = std::get_if<QuaternaryTriangulation>(&model_.tree))
+    return right->domain();
+  return std::get<SquareDomain>(model_.tree);
+}
+
+delaunay::Tin QuadtreeTerrain::tin_of(const Demand& demand) const {
+  if (const auto* tree = std::get_if<SurfaceQuadtree>(&model_.tree))
+    return to_tin(*tree, tree->leaves([&](const Square& square) {
+      return wants(demand, facts_of(source(), square, static_cast<double>(tree->error(square))));
+    }));
+  const auto& tree = std::get<QuaternaryTriangulation>(model_.tree);
+  return to_tin(tree, tree.leaves([&](const HalfSquare& triangle) {
+    return wants(demand,
+                 facts_of(source(), triangle.square, static_cast<double>(tree.error(triangle))));
+  }));
+}
+
+Result<delaunay::Tin> QuadtreeTerrain::tin_within(double tolerance, Progress& progress) const {
+  if (const auto* tree = std::get_if<SurfaceQuadtree>(&model_.tree))
+    return to_tin(*tree, tree->leaves(tolerance));
+  if (const auto* tree = std::get_if<QuaternaryTriangulation>(&model_.tree))
+    return to_tin(*tree, tree->leaves(tolerance));
+  LODE_TRY(const auto leaves, restricted_quadtree::build(domain(), tolerance, progress));
+  return to_tin(domain(), leaves);
+}
+
+Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
+                                                delaunay::TinLinks links,
+                                                Progress& progress) const {
+  const Stopwatch watch;
+  const char* name = name_of(model());
+  if (progress.is_cancelled()) return cancelled_error();
+  if (has_gaps() && links == delaunay::TinLinks::kept)
+    return fail(
+        "expected a model without gaps, got {}: where its squares differ in size heights are two "
+        "at a place; restricted_quadtree and the pyramids have one",
+        name);
+  if (options.max_cells)
+    return fail("expected a tolerance for {}, got a number of triangles", name);
+  if (options.focus && !has_gaps())
+    return fail("expected one tolerance for {}, which has gaps where it varies, got a focus", name);
+  SelectedTerrain selected;
+  TerrainReport& report = selected.report;
+  report.max_error = default_tolerance(options, source().range);
+  if (options.focus) {
+    LODE_TRY(const Demand demand, to_demand(*options.focus, report.max_error));
+    selected.tin = tin_of(demand);
+    report.is_uniform = false;
+  } else {
+    LODE_TRY(selected.tin, tin_within(report.max_error, progress));
+  }
+  if (links == delaunay::TinLinks::kept)
+    selected.tin.twins = delaunay::find_twins(selected.tin.triangles);
+  report.triangles = selected.tin.triangles.size();
+  report.vertices = selected.tin.vertices.size();
+  // Bilinear squares are no triangles, whose errors are others.
+  report.achieved_error = model() == TerrainModel::surface_quadtree
+                              ? measure_quality(selected.tin, 1, model_.grid, {}).worst_error
+                              : largest_error(selected.tin);
+  report.is_within_error = options.focus || report.achieved_error <= report.max_error;
+  report.n_samples = source().n_samples;
+  report.n_missing = source().n_missing;
+  report.n_left_out = source().n_left_out;
+  report.seconds = watch.seconds();
+  return selected;
+}
+
+Result<std::uint64_t> QuadtreeTerrain::save(const std::string& path, Progress& progress) const {
+  return quadtree_file::save(model_, path, progress);
+}
+
+BuiltTerrainInfo QuadtreeTerrain::describe_source() const {
+  BuiltTerrainInfo info;
+  info.sample_type = source().sample_type;
+  info.has_place = source().has_place;
+  info.n_samples = source().n_samples;
+  info.n_missing = source().n_missing;
+  info.n_left_out = source().n_left_out;
+  info.range = source().range;
+  info.n_nodes = 0;
+  for (std::int32_t level = 0; level < domain().n_levels(); ++level)
+    info.n_nodes += domain().n_squares(level);
+  info.memory_bytes = static_cast<std::uint64_t>(model_.grid.n_samples()) * sizeof(double);
+  if (const auto* tree = std::get_if<SurfaceQuadtree>(&model_.tree))
+    info.memory_bytes = tree->n_bytes();
+  if (const auto* tree = std::get_if<QuaternaryTriangulation>(&model_.tree))
+    info.memory_bytes = tree->n_bytes();
+  return info;
+}
+
+Result<BuiltTerrainInfo> QuadtreeTerrain::describe(Progress& progress) const {
+  BuiltTerrainInfo info = describe_source();
+  for (const double tolerance : model_.levels) {
+    if (progress.is_cancelled()) return cancelled_error();
+    LODE_TRY(const delaunay::Tin tin, tin_within(tolerance, progress));
+    const TinAngles angles = measure_angles(tin, source().frame, {});
+    info.levels.push_back(
+        {tolerance, tin.triangles.size(), tin.vertices.size(), angles.smallest, angles.median});
+  }
+  return info;
+}
+
+}  // namespace lode

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lode/api/built_model.h"
+#include "lode/api/terrain_selection.h"
+#include "lode/models/terrain/quadtree_file/quadtree_file.h"
+
+namespace lode {
+
+/// The models on squares. The surface quadtree and the quaternary triangulation have gaps: they
+/// give triangles, whose tolerance may vary, and refuse what needs a surface. The restricted
+/// quadtree has none at one tolerance, and no other.
+class QuadtreeTerrain final : public BuiltModel {
+ public:
+  explicit QuadtreeTerrain(quadtree_file::QuadtreeModel model) : model_(std::move(model)) {}
+
+  [[nodiscard]] static Result<QuadtreeTerrain> build(const HeightGrid& grid,
+                                                     const TerrainBuildOptions& options,
+                                                     std::vector<double> levels,
+                                                     Progress& progress);
+  [[nodiscard]] static Result<QuadtreeTerrain> open(const std::string& path, Progress& progress);
+  [[nodiscard]] static bool is_model_of(const std::string& path);
+
+  [[nodiscard]] TerrainModel model() const override;
+  [[nodiscard]] const terrain_file::Source& source() const override { return model_.source; }
+  [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
+                                               delaunay::TinLinks links,
+                                               Progress& progress) const override;
+  [[nodiscard]] Result<std::uint64_t> save(const std::string& path,
+                                           Progress& progress) const override;
+  [[nodiscard]] BuiltTerrainInfo describe_source() const override;
+  [[nodiscard]] Result<BuiltTerrainInfo> describe(Progress& progress) const override;
+  [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
+                                            Progress& progress) const override;
+  [[nodiscard]] Result<VerifyReport> verify_alone(Threads threads,
+                                                  Progress& progress) const override;
+
+ private:
+  [[nodiscard]] bool has_gaps() const { return lode::has_gaps(model()); }
+  [[nodiscard]] const squares::SquareDomain& domain() const;
+  [[nodiscard]] Result<delaunay::Tin> tin_within(double tolerance, Progress& progress) const;
+  /// Of those with gaps.
+  [[nodiscard]] delaunay::Tin tin_of(const Demand& demand) const;
+
+  quadtree_file::QuadtreeModel model_;
+};
+
+}  // namespace lode

@@ -1,0 +1,85 @@
+// Files of models on squares, through the program.
+#include <gtest/gtest.h>
+
+#include "tests/cli/dem_fixture.h"
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+class cli_quadtree_model : public testing::TestWithParam<std::string> {
+ protected:
+  cli_quadtree_model() {
+    write_dem(dem_);
+    built_ = run_lode({"build", dem_, model_, "--model", GetParam(), "--levels", "50,10", "--json"})
+                 .json();
+  }
+  [[nodiscard]] static bool has_gaps() { return GetParam() != "restricted_quadtree"; }
+
+  const Scratch scratch_;
+  const std::string dem_ = scratch_ / "dem.asc";
+  const std::string model_ = scratch_ / "dem.lode";
+  const std::string out_ = scratch_ / "out.ply";
+  nlohmann::json built_;
+};
+
+TEST_P(cli_quadtree_model, is_built_told_of_and_verified) {
+  EXPECT_EQ(built_.at("model"), GetParam());
+  EXPECT_GT(built_.at("squares"), 100);
+  ASSERT_EQ(built_.at("levels").size(), 2U);
+  const auto info = run_lode({"info", model_, "--json"}).json();
+  for (const char* key : {"levels", "squares", "range", "missing_samples", "to_world"})
+    EXPECT_EQ(info.at(key), built_.at(key)) << key;
+  const Finished alone = run_lode({"verify", model_});
+  EXPECT_EQ(alone.exit_code, 0) << alone.out << alone.err;
+  const Finished against = run_lode({"verify", model_, "--against", dem_});
+  EXPECT_EQ(against.exit_code, 0) << against.out << against.err;
+  const std::string other = scratch_ / "other.asc";
+  write_dem(other, 40, 31);
+  EXPECT_NE(run_lode({"verify", model_, "--against", other}).exit_code, 0);
+}
+
+TEST_P(cli_quadtree_model, gives_triangles) {
+  const auto made = run_lode({"extract", model_, out_, "--max-error", "10", "--json"}).json();
+  EXPECT_EQ(made.at("model"), GetParam());
+  EXPECT_EQ(made.at("triangles"), built_.at("levels")[1].at("triangles"));
+  EXPECT_EQ(made.at("error_met"), made.at("achieved_error").get<double>() <= 10);
+  const Finished again =
+      run_lode({"extract", dem_, out_, "--max-error", "10", "--model", GetParam(), "--json"});
+  EXPECT_EQ(again.json().at("triangles"), made.at("triangles"));
+  const Finished check =
+      run_lode({"verify", dem_, "--surface", out_, "--max-error", "10", "--model", GetParam()});
+  if (has_gaps())
+    expect_refusal(check, 2, {"gaps"});
+  else
+    EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+}
+
+TEST_P(cli_quadtree_model, refuses_what_it_cannot_by_its_nature) {
+  for (const std::vector<std::string>& question :
+       {std::vector<std::string>{"height", model_, "--at", "500300,4000300"},
+        {"profile", model_, "--from", "500100,4000100", "--to", "501000,4000700"},
+        {"contours", model_, scratch_ / "out.vtp", "--interval", "50"}}) {
+    SCOPED_TRACE(question[0]);
+    const Finished answer = run_lode(question);
+    if (has_gaps())
+      expect_refusal(answer, 1, {"dem.lode", "without gaps", GetParam()});
+    else
+      EXPECT_EQ(answer.exit_code, 0) << answer.err;
+  }
+  const Finished varied = run_lode({"extract", model_, out_, "--max-error", "10", "--focus-point",
+                                    "500600,4000400", "--growth", "0.1"});
+  if (has_gaps())
+    EXPECT_EQ(varied.exit_code, 0) << varied.err;
+  else
+    expect_refusal(varied, 1, {"one tolerance"});
+  expect_refusal(run_lode({"extract", model_, out_, "--max-cells", "100"}), 1, {"tolerance"});
+}
+
+INSTANTIATE_TEST_SUITE_P(models, cli_quadtree_model,
+                         testing::Values("surface_quadtree", "quaternary_triangulation",
+                                         "restricted_quadtree"),
+                         [](const auto& model) { return model.param; });
+
+}  // namespace
+}  // namespace lode::test

@@ -1,0 +1,208 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+
+#include "lode/api/built_terrain.h"
+#include "lode/models/terrain/quadtree_file/file_layout.h"
+#include "lode/models/terrain/quadtree_file/quadtree_file.h"
+#include "lode/store/reader.h"
+#include "lode/store/writer.h"
+#include "tests/delaunay/lattice_fixtures.h"
+#include "tests/oracles/random.h"
+
+namespace lode::quadtree_file {
+namespace {
+
+constexpr std::array kModels{TerrainModel::surface_quadtree, TerrainModel::quaternary_triangulation,
+                             TerrainModel::restricted_quadtree};
+
+double dunes(std::int32_t x, std::int32_t y) {
+  return 30 * std::sin(0.4 * x + 0.1 * y) * std::cos(0.3 * y) + (x * 3 + y * 7) % 5 + 100;
+}
+
+template <typename T>
+HeightGrid grid_with_a_hole() {
+  HeightGrid grid = delaunay::test::make_grid<T>(29, 22, dunes);
+  for (std::int32_t x = 11; x < 15; ++x) delaunay::test::set_missing(grid, x, 8);
+  grid.to_world = {1000.5, 10, 0, 9e5, 0, -10};
+  grid.vertical_unit = "metre";
+  return grid;
+}
+
+class quadtree_file : public testing::Test {
+ protected:
+  ~quadtree_file() override {
+    std::filesystem::remove(path_);
+    std::filesystem::remove(other_);
+  }
+
+  BuiltTerrain saved(TerrainModel model, const HeightGrid& grid) {
+    auto made = BuiltTerrain::build(
+        grid, {.model = model, .levels = {20, 5, 1}, .sample_type = "float32"}, progress_);
+    EXPECT_TRUE(made) << made.error().message;
+    const auto size = made->save(path_, progress_);
+    EXPECT_TRUE(size) << size.error().message;
+    EXPECT_EQ(*size, std::filesystem::file_size(path_));
+    return *std::move(made);
+  }
+  /// The file with blocks of a kind changed (metadata: 0), and checksums that are right.
+  void rewrite(const std::function<void(std::uint32_t, std::vector<std::byte>&)>& change) {
+    const auto reader = store::Reader::open(path_);
+    ASSERT_TRUE(reader);
+    std::vector<std::byte> metadata(reader->metadata().begin(), reader->metadata().end());
+    change(0, metadata);
+    auto writer = store::Writer::create(other_, reader->model(), metadata);
+    ASSERT_TRUE(writer);
+    for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
+      auto bytes = reader->read_block(i);
+      ASSERT_TRUE(bytes);
+      change(reader->blocks()[i].key.kind, *bytes);
+      ASSERT_TRUE(
+          writer->append(reader->blocks()[i].key, store::encode_block({.raw = *bytes, .size = 1})));
+    }
+    ASSERT_TRUE(writer->finish());
+  }
+  template <typename T>
+  void rewrite_number(std::uint32_t kind, std::size_t at, T value) {
+    rewrite([&](std::uint32_t of, std::vector<std::byte>& bytes) {
+      if (of == kind && at + sizeof(T) <= bytes.size())
+        std::memcpy(bytes.data() + at, &value, sizeof(T));
+    });
+  }
+
+  Progress progress_;
+  const std::string path_ =
+      testing::TempDir() + "lode_quadtree_" + std::to_string(::getpid()) + ".lode";
+  const std::string other_ =
+      testing::TempDir() + "lode_quadtree_lie_" + std::to_string(::getpid()) + ".lode";
+};
+
+template <typename T>
+void expect_round_trip(const std::function<BuiltTerrain(TerrainModel, const HeightGrid&)>& save,
+                       const std::string& path) {
+  Progress progress;
+  const HeightGrid grid = grid_with_a_hole<T>();
+  for (const TerrainModel model : kModels) {
+    SCOPED_TRACE(name_of(model));
+    const BuiltTerrain made = save(model, grid);
+    const auto opened = BuiltTerrain::open(path, progress);
+    ASSERT_TRUE(opened) << opened.error().message;
+    EXPECT_EQ(opened->model(), model);
+    EXPECT_EQ(opened->frame().to_world, grid.to_world);
+    const auto verified = opened->verify(grid, {2}, progress);
+    ASSERT_TRUE(verified);
+    EXPECT_TRUE(verified->passed());
+    const auto alone = opened->verify_alone({2}, progress);
+    ASSERT_TRUE(alone);
+    EXPECT_TRUE(alone->passed());
+    for (const double tolerance : {20.0, 3.0, 0.0}) {
+      const auto a = extract_terrain(made.terrain(), {.max_error = tolerance}, progress);
+      const auto b = extract_terrain(opened->terrain(), {.max_error = tolerance}, progress);
+      ASSERT_TRUE(a && b);
+      EXPECT_EQ(a->surface.triangles, b->surface.triangles);
+      EXPECT_EQ(a->report.achieved_error, b->report.achieved_error);
+      if (model != TerrainModel::surface_quadtree)
+        EXPECT_LE(b->report.achieved_error, tolerance + 1e-9);
+    }
+  }
+}
+
+TEST_F(quadtree_file, has_all_that_was_saved) {
+  const auto save = [&](TerrainModel model, const HeightGrid& grid) { return saved(model, grid); };
+  expect_round_trip<std::int16_t>(save, path_);
+  expect_round_trip<std::uint16_t>(save, path_);
+  expect_round_trip<float>(save, path_);
+  expect_round_trip<double>(save, path_);
+}
+
+TEST_F(quadtree_file, varies_where_there_are_gaps_anyway) {
+  const HeightGrid grid = grid_with_a_hole<float>();
+  for (const TerrainModel model : kModels) {
+    const BuiltTerrain made = saved(model, grid);
+    TerrainFocus focus;
+    focus.boxes = {{{{1000, 9e5 - 60}}, {{1060, 9e5}}}};
+    focus.max_error_outside = 20;
+    const auto varied =
+        extract_terrain(made.terrain(), {.max_error = 1, .focus = focus}, progress_);
+    const bool has_gaps = model != TerrainModel::restricted_quadtree;
+    ASSERT_EQ(varied.has_value(), has_gaps);
+    // What needs a surface is refused by those that are none.
+    const auto tin = TerrainTin::select(made.terrain(), {.max_error = 1}, {}, progress_);
+    EXPECT_EQ(tin.has_value(), !has_gaps);
+    EXPECT_FALSE(extract_terrain(made.terrain(), {.max_cells = 50}, progress_));
+    if (!has_gaps) continue;
+    const auto fine = extract_terrain(made.terrain(), {.max_error = 1}, progress_);
+    const auto coarse = extract_terrain(made.terrain(), {.max_error = 20}, progress_);
+    ASSERT_TRUE(fine && coarse);
+    EXPECT_LT(varied->report.triangles, fine->report.triangles);
+    EXPECT_GT(varied->report.triangles, coarse->report.triangles);
+  }
+}
+
+TEST_F(quadtree_file, lies_are_named_or_found_by_verification) {
+  const HeightGrid grid = grid_with_a_hole<float>();
+  const auto number = [](Column column) { return static_cast<std::uint32_t>(column); };
+  const auto expect_refused = [&](const char* why) {
+    const auto opened = open(other_, progress_);
+    ASSERT_FALSE(opened) << why;
+    EXPECT_NE(opened.error().message.find(other_), std::string::npos) << opened.error().message;
+    EXPECT_NE(opened.error().message.find(why), std::string::npos) << opened.error().message;
+  };
+  saved(TerrainModel::surface_quadtree, grid);
+  rewrite_number(0, 0, std::uint32_t{9});
+  expect_refused("layout");
+  rewrite_number(0, 4, std::int32_t{1 << 29});
+  expect_refused("columns and rows");
+  rewrite_number(0, 4, std::int32_t{30});
+  expect_refused("bytes");
+  rewrite_number(number(Column::height), 8, 1e9F);
+  expect_refused("expected a height");
+  rewrite_number(number(Column::is_valid), 0, std::uint8_t{0});
+  expect_refused("without a height");
+  rewrite_number(number(Column::error), 0, -1.0F);
+  expect_refused("errors");
+  rewrite_number(number(Column::error), 0, std::nanf(""));
+  expect_refused("errors");
+  for (const TerrainModel model :
+       {TerrainModel::surface_quadtree, TerrainModel::quaternary_triangulation}) {
+    saved(model, grid);
+    rewrite([&](std::uint32_t kind, std::vector<std::byte>& bytes) {
+      if (kind != number(Column::error)) return;
+      for (std::size_t at = 0; at + 4 <= bytes.size(); at += 4) {
+        float error = 0;
+        std::memcpy(&error, bytes.data() + at, 4);
+        if (!std::isinf(error)) error /= 2;
+        std::memcpy(bytes.data() + at, &error, 4);
+      }
+    });
+    const auto opened = BuiltTerrain::open(other_, progress_);
+    ASSERT_TRUE(opened) << opened.error().message;
+    const auto report = opened->verify_alone({2}, progress_);
+    ASSERT_TRUE(report);
+    EXPECT_FALSE(report->passed());
+  }
+}
+
+TEST_F(quadtree_file, never_crashes_on_random_bytes) {
+  oracles::Random random(3);
+  for (const TerrainModel model : kModels) {
+    saved(model, grid_with_a_hole<std::int16_t>());
+    for (int trial = 0; trial < 60; ++trial) {
+      const std::size_t victim = random.below(4);
+      rewrite([&](std::uint32_t kind, std::vector<std::byte>& bytes) {
+        if (kind != victim || bytes.empty()) return;
+        bytes[random.below(bytes.size())] ^= static_cast<std::byte>(1 + random.below(255));
+        if (trial % 5 == 0) bytes.resize(1 + random.below(bytes.size()));
+      });
+      if (const auto opened = BuiltTerrain::open(other_, progress_))
+        static_cast<void>(extract_terrain(opened->terrain(), {.max_error = 2}, progress_));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lode::quadtree_file
