@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "lode/api/compared_hierarchies.h"
 #include "lode/api/compared_pyramid.h"
 #include "lode/api/compared_quadtrees.h"
 #include "lode/api/dataset.h"
@@ -233,6 +234,7 @@ std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates() {
   all.push_back(std::make_unique<Selector>(InsertionOrder::levels));
   all.push_back(std::make_unique<Selector>(InsertionOrder::strict));
   for (auto& candidate : pyramid_candidates()) all.push_back(std::move(candidate));
+  for (auto& candidate : hierarchy_candidates()) all.push_back(std::move(candidate));
   for (auto& candidate : quadtree_candidates()) all.push_back(std::move(candidate));
   all.push_back(std::make_unique<Bisection>());
   all.push_back(std::make_unique<Subsampling>());
