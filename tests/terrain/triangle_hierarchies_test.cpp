@@ -4,6 +4,7 @@
 
 #include "lode/delaunay/tin_links.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
+#include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
 #include "lode/models/terrain/triangle_hierarchy/locator.h"
 #include "tests/terrain/hierarchy_fixtures.h"
 
@@ -224,6 +225,14 @@ INSTANTIATE_TEST_SUITE_P(
                             Progress progress;
                             LODE_TRY(auto made, adaptive_triangulation::build(grid, levels, threads,
                                                                               progress));
+                            return std::move(made.hierarchy);
+                          }},
+                    Model{"hierarchical_delaunay",
+                          [](const HeightGrid& grid, std::span<const double> levels,
+                             Threads threads) -> Result<Hierarchy> {
+                            Progress progress;
+                            LODE_TRY(auto made, hierarchical_delaunay::build(grid, levels, threads,
+                                                                             progress));
                             return std::move(made.hierarchy);
                           }}),
     [](const auto& model) { return std::string(model.param.name); });

@@ -11,7 +11,7 @@ namespace {
 
 /// Fine enough that vertices moved onto the lattice hardly ever turn a triangle over, and that
 /// 2^14 columns fit.
-constexpr int kMostBits = 16;
+constexpr int kMostBits = 8;
 constexpr int kCoordinateBits = 30;
 
 int fine_bits(const HeightGrid& grid) {
