@@ -7,6 +7,8 @@
 
 #include "lode/core/stopwatch.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
+#include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
+#include "lode/models/terrain/hierarchical_delaunay/variable.h"
 #include "lode/models/terrain/triangle_hierarchy/locator.h"
 
 namespace lode {
@@ -34,8 +36,8 @@ class HierarchyCandidate : public TerrainCandidate {
   }
   [[nodiscard]] std::optional<double> build_seconds() const final { return seconds_; }
   [[nodiscard]] int n_levels() const final { return hierarchy().n_levels(); }
-  [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
-    return hierarchy().n_bytes() + locator_->n_bytes();
+  [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const final {
+    return n_bytes() + locator_->n_bytes();
   }
   [[nodiscard]] Result<std::optional<std::uint64_t>> zoom(double tolerance,
                                                           const TerrainWindow& window) final {
@@ -58,6 +60,7 @@ class HierarchyCandidate : public TerrainCandidate {
   virtual Result<void> build(const HeightGrid& grid, std::span<const double> levels,
                              Threads threads, Progress& progress) = 0;
   [[nodiscard]] virtual const triangle_hierarchy::Hierarchy& hierarchy() const = 0;
+  [[nodiscard]] virtual std::uint64_t n_bytes() const { return hierarchy().n_bytes(); }
 
  private:
   std::optional<triangle_hierarchy::Locator> locator_;
@@ -83,11 +86,42 @@ class Adaptive final : public HierarchyCandidate {
   adaptive_triangulation::AdaptiveTriangulation made_;
 };
 
+class Delaunay final : public HierarchyCandidate {
+ public:
+  [[nodiscard]] std::string name() const override { return "hierarchical_delaunay"; }
+  [[nodiscard]] std::string what() const override {
+    return "triangles refined by Delaunay triangulations between chains of vertices on their "
+           "edges; may vary";
+  }
+  [[nodiscard]] bool can_vary() const override { return true; }
+  [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) override {
+    LODE_TRY(const delaunay::Tin tin,
+             tin_of_demand(made_, *grid_, middle_demand(hierarchy().frame, tolerance)));
+    return std::uint64_t{tin.triangles.size()};
+  }
+
+ private:
+  Result<void> build(const HeightGrid& grid, std::span<const double> levels, Threads threads,
+                     Progress& progress) override {
+    LODE_TRY(grid_, triangle_hierarchy::FineGrid::make(grid));
+    LODE_TRY(made_, hierarchical_delaunay::build(*grid_, levels, threads, progress));
+    return {};
+  }
+  [[nodiscard]] const triangle_hierarchy::Hierarchy& hierarchy() const override {
+    return made_.hierarchy;
+  }
+  [[nodiscard]] std::uint64_t n_bytes() const override { return made_.n_bytes(); }
+
+  std::optional<triangle_hierarchy::FineGrid> grid_;
+  hierarchical_delaunay::HierarchicalDelaunay made_;
+};
+
 }  // namespace
 
 std::vector<std::unique_ptr<TerrainCandidate>> hierarchy_candidates() {
   std::vector<std::unique_ptr<TerrainCandidate>> all;
   all.push_back(std::make_unique<Adaptive>());
+  all.push_back(std::make_unique<Delaunay>());
   return all;
 }
 

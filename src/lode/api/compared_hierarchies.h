@@ -7,7 +7,8 @@
 
 namespace lode {
 
-/// Hierarchies of triangulations, one level for each tolerance: the adaptive one.
+/// Hierarchies of triangulations, one level for each tolerance: the adaptive one, and the
+/// Delaunay one.
 [[nodiscard]] std::vector<std::unique_ptr<TerrainCandidate>> hierarchy_candidates();
 
 }  // namespace lode
