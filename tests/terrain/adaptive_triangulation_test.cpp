@@ -99,8 +99,7 @@ TEST(adaptive_splitting, turns_no_triangle_over) {
 
 TEST(adaptive_triangulation, uses_all_five_rules) {
   Progress progress;
-  const auto made =
-      adaptive_triangulation::build(terrain_cases()[0].grid, kLevels, {2}, progress);
+  const auto made = adaptive_triangulation::build(terrain_cases()[0].grid, kLevels, {2}, progress);
   ASSERT_TRUE(made);
   for (const std::uint64_t n : made->n_splits) EXPECT_GT(n, 0U);
 }

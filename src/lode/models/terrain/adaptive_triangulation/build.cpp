@@ -11,7 +11,7 @@
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/triangle_hierarchy/edge_profile.h"
 #include "lode/models/terrain/triangle_hierarchy/hierarchy_builder.h"
-#include "lode/models/terrain/triangle_hierarchy/triangle_samples.h"
+#include "lode/models/terrain/triangle_hierarchy/patch.h"
 
 namespace lode::adaptive_triangulation {
 namespace {
@@ -196,22 +196,15 @@ class LevelRefiner {
   std::vector<HierarchyBuilder::Made> kept_;
 };
 
-std::vector<Candidate> base_candidates(HierarchyBuilder& builder) {
-  FlatIndex numbers;
+/// The Delaunay selector's mesh: its vertices stand for the surface-specific points of the paper.
+Result<std::vector<Candidate>> first_candidates(HierarchyBuilder& builder, double limit,
+                                                Progress& progress) {
+  LODE_TRY(const auto selected,
+           select_samples(builder.grid(), base_patch(builder.grid()), limit,
+                          triangle_hierarchy::Outline::open, progress));
+  for (const Place& place : selected.patch.places) builder.add_vertex(place, 0);
   std::vector<Candidate> candidates;
-  for (const auto& triangle : builder.grid().base()) {
-    Candidate candidate;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const LatticePoint at = triangle[i];
-      const auto key = (std::uint64_t{static_cast<std::uint32_t>(at.y)} << 32) |
-                       static_cast<std::uint32_t>(at.x);
-      candidate.corner[i] = numbers.find(key);
-      if (candidate.corner[i] != FlatIndex::kNone) continue;
-      candidate.corner[i] = builder.add_vertex({at, builder.grid().height(at)}, 0);
-      numbers.insert(key, candidate.corner[i]);
-    }
-    candidates.push_back(candidate);
-  }
+  for (const auto& corner : selected.patch.triangles) candidates.push_back({.corner = corner});
   return candidates;
 }
 
@@ -235,10 +228,13 @@ Result<AdaptiveTriangulation> build(const HeightGrid& heights, std::span<const d
     progress.report("refining", static_cast<double>(level) / static_cast<double>(tolerances.size()));
     const double tolerance = tolerances[level];
     LevelRefiner refiner(builder, tolerance, made);
-    LODE_TRY(const auto triangles,
-             refiner.run(level == 0 ? base_candidates(builder)
-                                    : mesh_candidates(builder, tolerance + grid.slack()),
-                         threads, progress));
+    std::vector<Candidate> candidates;
+    if (level == 0) {
+      LODE_TRY(candidates, first_candidates(builder, tolerance + grid.slack(), progress));
+    } else {
+      candidates = mesh_candidates(builder, tolerance + grid.slack());
+    }
+    LODE_TRY(const auto triangles, refiner.run(std::move(candidates), threads, progress));
     LODE_CHECK(builder.add_level(tolerance, triangles));
   }
   made.hierarchy = builder.finish();

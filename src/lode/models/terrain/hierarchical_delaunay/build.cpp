@@ -15,6 +15,9 @@ namespace {
 using triangle_hierarchy::Crossings;
 using triangle_hierarchy::HierarchyBuilder;
 using triangle_hierarchy::kNone;
+using triangle_hierarchy::Outline;
+using triangle_hierarchy::Patch;
+using triangle_hierarchy::SelectedPatch;
 
 constexpr std::size_t kGrain = 16;
 
@@ -80,23 +83,8 @@ class LevelBuilder {
 
   /// Level 0.
   Result<std::vector<HierarchyBuilder::Made>> start(Progress& progress) {
-    Patch patch;
-    FlatIndex numbers;
-    for (const auto& corners : builder_.grid().base()) {
-      std::array<std::uint32_t, 3> triangle{};
-      for (std::size_t i = 0; i < 3; ++i) {
-        const auto key = (std::uint64_t{static_cast<std::uint32_t>(corners[i].y)} << 32) |
-                         static_cast<std::uint32_t>(corners[i].x);
-        triangle[i] = numbers.find(key);
-        if (triangle[i] != FlatIndex::kNone) continue;
-        triangle[i] = static_cast<std::uint32_t>(patch.places.size());
-        numbers.insert(key, triangle[i]);
-        patch.places.push_back({corners[i], builder_.grid().height(corners[i])});
-      }
-      patch.triangles.push_back(triangle);
-    }
     LODE_TRY(const Filled filled,
-             fill(builder_.grid(), std::move(patch), limit_, Outline::open, progress));
+             fill(builder_.grid(), base_patch(builder_.grid()), limit_, Outline::open, progress));
     std::vector<HierarchyBuilder::Made> made;
     add(filled, kNone, {}, 0, made);
     return made;

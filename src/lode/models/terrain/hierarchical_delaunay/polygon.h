@@ -1,43 +1,15 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <span>
 #include <vector>
 
-#include "lode/core/progress.h"
 #include "lode/core/result.h"
-#include "lode/models/terrain/triangle_hierarchy/triangle_samples.h"
+#include "lode/models/terrain/triangle_hierarchy/patch.h"
 
 namespace lode::hierarchical_delaunay {
 
-using triangle_hierarchy::FineGrid;
-using triangle_hierarchy::Place;
-
-/// Triangles whose corners are places, by their numbers, turning left.
-struct Patch {
-  std::vector<Place> places;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-};
-
 /// The Delaunay triangulation constrained by the sides of a polygon, whose corners turn left once
 /// round, at least three. Fails where sides meet but at their ends, or corners turn right.
-[[nodiscard]] Result<Patch> triangulate_polygon(std::vector<Place> corners);
-
-/// Whether samples on the outline of a patch may be inserted.
-enum class Outline : std::uint8_t { fixed, open };
-
-/// What has become of a patch.
-struct SelectedPatch {
-  Patch patch;                       ///< New places follow the old ones.
-  std::vector<double> sample_errors;  ///< By triangle, the largest of all samples in it.
-};
-
-/// The Delaunay selector in a patch (paper 004, sections 3 and 7.3): the worst sample is inserted,
-/// again and again, until all that may be are within the limit; edges but the outline's stay
-/// Delaunay. Of samples with equal errors the first in rows. The patch is constrained Delaunay.
-/// O(N n log n) in the worst case for N samples, n of them inserted. Fails when cancelled.
-[[nodiscard]] Result<SelectedPatch> select_samples(const FineGrid& grid, Patch patch, double limit,
-                                                   Outline outline, Progress& progress);
+[[nodiscard]] Result<triangle_hierarchy::Patch> triangulate_polygon(
+    std::vector<triangle_hierarchy::Place> corners);
 
 }  // namespace lode::hierarchical_delaunay
