@@ -62,7 +62,8 @@ void expect_hierarchy(const Hierarchy& h) {
     expect_border(h, r);
   }
   std::size_t n_refined = 0;
-  for (const Hierarchy::Triangle& t : h.triangles) n_refined += t.refinement != triangle_hierarchy::kNone;
+  for (const Hierarchy::Triangle& t : h.triangles)
+    n_refined += t.refinement != triangle_hierarchy::kNone;
   EXPECT_EQ(n_refined, h.refinements.size());
   const std::size_t n_finest = h.triangles.size() - n_refined;
   EXPECT_LT(h.triangles.size(), 2 * n_finest);

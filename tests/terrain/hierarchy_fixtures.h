@@ -38,13 +38,11 @@ inline std::vector<TerrainCase> terrain_cases() {
   all.push_back({"a strip", make_grid<std::int16_t>(2, 40, hills_with_spikes)});
   all.push_back({"a cell", make_grid<double>(2, 2, hills_with_spikes)});
   all.push_back({"flat", make_grid<float>(40, 17, [](int, int) { return 7.3; })});
-  all.push_back({"a plane", make_grid<double>(31, 23, [](int x, int y) {
-                   return 1234.56 + 0.1 * x - 0.7 * y;
-                 })});
+  all.push_back({"a plane", make_grid<double>(
+                                31, 23, [](int x, int y) { return 1234.56 + 0.1 * x - 0.7 * y; })});
   oracles::Random random(4);
-  all.push_back({"noise", make_grid<float>(24, 21, [&](int, int) {
-                   return random.uniform(-500, 500);
-                 })});
+  all.push_back(
+      {"noise", make_grid<float>(24, 21, [&](int, int) { return random.uniform(-500, 500); })});
   all.push_back({"smooth", make_grid<double>(50, 37, [](int x, int y) {
                    return 400 * std::exp(-0.004 * ((x - 20) * (x - 20) + (y - 11) * (y - 11))) +
                           std::sqrt(1 + x);
@@ -80,8 +78,8 @@ inline long double error_in(const delaunay::Tin& tin, std::size_t t, std::int32_
   long double sum = 0;
   std::int64_t area = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const std::int64_t weight = delaunay::doubled_area(
-        p, tin.vertices[corner[(i + 1) % 3]], tin.vertices[corner[(i + 2) % 3]]);
+    const std::int64_t weight = delaunay::doubled_area(p, tin.vertices[corner[(i + 1) % 3]],
+                                                       tin.vertices[corner[(i + 2) % 3]]);
     if (weight < 0) return -1;
     area += weight;
     sum += static_cast<long double>(weight) * static_cast<long double>(tin.heights[corner[i]]);
@@ -112,16 +110,16 @@ inline void expect_within(const delaunay::Tin& tin, std::int32_t scale, const He
   for (std::int32_t y = 0; y + 1 < grid.n_rows; ++y)
     for (std::int32_t x = 0; x + 1 < grid.n_columns; ++x)
       if (delaunay::test::has_cell(grid, x, y))
-        for (const LatticePoint p :
-             {LatticePoint{x, y}, {x + 1, y}, {x, y + 1}, {x + 1, y + 1}})
+        for (const LatticePoint p : {LatticePoint{x, y}, {x + 1, y}, {x, y + 1}, {x + 1, y + 1}})
           EXPECT_GT(n_holding[static_cast<std::size_t>(std::int64_t{p.y} * grid.n_columns + p.x)],
                     0);
 }
 
 /// The conditions of paper 004, section 5, and what the code says of its numbers: triangles and
-/// their refinements form a forest by levels; a triangle that is refined erred beyond the level that
-/// refines it, or an edge of it did; a refinement has two triangles or more; its border is the
-/// triangle's, with vertices in its edges at most; all together are fewer than twice the finest mesh.
+/// their refinements form a forest by levels; a triangle that is refined erred beyond the level
+/// that refines it, or an edge of it did; a refinement has two triangles or more; its border is the
+/// triangle's, with vertices in its edges at most; all together are fewer than twice the finest
+/// mesh.
 void expect_hierarchy(const Hierarchy& h);
 
 }  // namespace lode::test

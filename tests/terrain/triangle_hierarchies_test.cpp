@@ -231,8 +231,8 @@ INSTANTIATE_TEST_SUITE_P(
                           [](const HeightGrid& grid, std::span<const double> levels,
                              Threads threads) -> Result<Hierarchy> {
                             Progress progress;
-                            LODE_TRY(auto made, hierarchical_delaunay::build(grid, levels, threads,
-                                                                             progress));
+                            LODE_TRY(auto made,
+                                     hierarchical_delaunay::build(grid, levels, threads, progress));
                             return std::move(made.hierarchy);
                           }}),
     [](const auto& model) { return std::string(model.param.name); });

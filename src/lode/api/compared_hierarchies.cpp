@@ -81,7 +81,9 @@ class Adaptive final : public HierarchyCandidate {
     LODE_TRY(made_, adaptive_triangulation::build(grid, levels, threads, progress));
     return {};
   }
-  [[nodiscard]] const triangle_hierarchy::Hierarchy& hierarchy() const override { return made_.hierarchy; }
+  [[nodiscard]] const triangle_hierarchy::Hierarchy& hierarchy() const override {
+    return made_.hierarchy;
+  }
 
   adaptive_triangulation::AdaptiveTriangulation made_;
 };

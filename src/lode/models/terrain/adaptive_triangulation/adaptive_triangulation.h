@@ -22,11 +22,12 @@ struct AdaptiveTriangulation {
   std::uint64_t n_edges_left = 0;
 };
 
-/// The adaptive hierarchical triangulation by the iterative algorithm of L. De Floriani, P. Marzano,
-/// E. Puppo 1996, section 7.2 and figure 16: triangles beyond a level's tolerance are split by the
-/// five rules, on the edges that are beyond it at their worst crossings with columns and rows, and
-/// else at the worst sample, until no triangle is. The initial triangulation, which the paper
-/// wants of surface-specific points, is the Delaunay selector's within the first tolerance. In the mesh of each level
+/// The adaptive hierarchical triangulation by the iterative algorithm of L. De Floriani, P.
+/// Marzano, E. Puppo 1996, section 7.2 and figure 16: triangles beyond a level's tolerance are
+/// split by the five rules, on the edges that are beyond it at their worst crossings with columns
+/// and rows, and else at the worst sample, until no triangle is. The initial triangulation, which
+/// the paper wants of surface-specific points, is the Delaunay selector's within the first
+/// tolerance. In the mesh of each level
 /// - every sample of the domain is within the tolerance, in every triangle that holds it;
 /// - so are all edges, where they cross columns and rows, but for `n_edges_left`;
 /// both up to rounding, 2^-48 of the largest |height|. The same for any number of threads. O(N n)

@@ -83,8 +83,7 @@ class LevelRefiner {
  private:
   void judge(Candidate& candidate) const {
     const auto corners = builder_.places(candidate.corner);
-    candidate.samples =
-        measure_samples(builder_.grid(), corners, triangle_hierarchy::kNoEdges);
+    candidate.samples = measure_samples(builder_.grid(), corners, triangle_hierarchy::kNoEdges);
     for (std::size_t i = 0; i < 3; ++i)
       candidate.edges[i] = worst_crossing(builder_.grid(), corners[i], corners[(i + 1) % 3]);
   }
@@ -137,9 +136,9 @@ class LevelRefiner {
     }
     LODE_EXPECTS(least < 3);
     SharedEdge& edge = edges_[candidate.shared[least]];
-    edge.split = worst_crossing(
-        builder_.grid(), builder_.place(candidate.corner[least]),
-        builder_.place(candidate.corner[(least + 1) % 3]), triangle_hierarchy::Crossings::exact);
+    edge.split = worst_crossing(builder_.grid(), builder_.place(candidate.corner[least]),
+                                builder_.place(candidate.corner[(least + 1) % 3]),
+                                triangle_hierarchy::Crossings::exact);
     edge.is_left = edge.split.error <= limit_;
     if (edge.is_left) ++report_.n_edges_left;
   }
@@ -153,11 +152,10 @@ class LevelRefiner {
   std::uint32_t vertex_on(const Candidate& candidate, std::size_t i) {
     SharedEdge& edge = edges_[candidate.shared[i]];
     if (edge.vertex == kNone)
-      edge.vertex =
-          builder_.add_vertex(edge.split.place,
-                              std::max(builder_.n_moves(candidate.corner[i]),
-                                       builder_.n_moves(candidate.corner[(i + 1) % 3])) +
-                                  (edge.split.is_exact ? 0 : 1));
+      edge.vertex = builder_.add_vertex(edge.split.place,
+                                        std::max(builder_.n_moves(candidate.corner[i]),
+                                                 builder_.n_moves(candidate.corner[(i + 1) % 3])) +
+                                            (edge.split.is_exact ? 0 : 1));
     return edge.vertex;
   }
 
@@ -199,9 +197,8 @@ class LevelRefiner {
 /// The Delaunay selector's mesh: its vertices stand for the surface-specific points of the paper.
 Result<std::vector<Candidate>> first_candidates(HierarchyBuilder& builder, double limit,
                                                 Progress& progress) {
-  LODE_TRY(const auto selected,
-           select_samples(builder.grid(), base_patch(builder.grid()), limit,
-                          triangle_hierarchy::Outline::open, progress));
+  LODE_TRY(const auto selected, select_samples(builder.grid(), base_patch(builder.grid()), limit,
+                                               triangle_hierarchy::Outline::open, progress));
   for (const Place& place : selected.patch.places) builder.add_vertex(place, 0);
   std::vector<Candidate> candidates;
   for (const auto& corner : selected.patch.triangles) candidates.push_back({.corner = corner});
@@ -225,7 +222,8 @@ Result<AdaptiveTriangulation> build(const HeightGrid& heights, std::span<const d
   AdaptiveTriangulation made;
   HierarchyBuilder builder(grid);
   for (std::size_t level = 0; level < tolerances.size(); ++level) {
-    progress.report("refining", static_cast<double>(level) / static_cast<double>(tolerances.size()));
+    progress.report("refining",
+                    static_cast<double>(level) / static_cast<double>(tolerances.size()));
     const double tolerance = tolerances[level];
     LevelRefiner refiner(builder, tolerance, made);
     std::vector<Candidate> candidates;

@@ -75,7 +75,8 @@ class LevelBuilder {
       if (builder_.error(t) > limit_)
         refined_.push_back({.triangle = t, .corner = builder_.corners(t)});
     find_edges();
-    parallel_for(edges_.size(), threads_, kGrain, [&](std::size_t e, int) { find_chain(edges_[e]); });
+    parallel_for(edges_.size(), threads_, kGrain,
+                 [&](std::size_t e, int) { find_chain(edges_[e]); });
     LODE_CHECK(find_patches(progress));
     for (RefinedEdge& edge : edges_) add_chain(edge);
     return fill_all(progress);
@@ -134,8 +135,7 @@ class LevelBuilder {
       if (refined.edges[i] == kNone) continue;
       const RefinedEdge& edge = edges_[refined.edges[i]];
       const std::size_t n = edge.between.size();
-      for (std::size_t k = 0; k < n; ++k)
-        visit_chain(edge, is_forward(refined, i) ? k : n - 1 - k);
+      for (std::size_t k = 0; k < n; ++k) visit_chain(edge, is_forward(refined, i) ? k : n - 1 - k);
     }
   }
 
@@ -195,8 +195,8 @@ class LevelBuilder {
     std::vector<std::optional<Result<Filled>>> filled(refined_.size());
     parallel_for(refined_.size(), threads_, kGrain, [&](std::size_t r, int) {
       if (progress.is_cancelled()) return;
-      filled[r] = fill(builder_.grid(), *std::move(*refined_[r].patch), limit_, Outline::fixed,
-                       progress);
+      filled[r] =
+          fill(builder_.grid(), *std::move(*refined_[r].patch), limit_, Outline::fixed, progress);
     });
     std::vector<HierarchyBuilder::Made> made;
     for (std::size_t r = 0; r < refined_.size(); ++r) {
@@ -248,7 +248,8 @@ Result<HierarchicalDelaunay> build(const FineGrid& grid, std::span<const double>
   HierarchicalDelaunay made;
   HierarchyBuilder builder(grid);
   for (std::size_t level = 0; level < tolerances.size(); ++level) {
-    progress.report("refining", static_cast<double>(level) / static_cast<double>(tolerances.size()));
+    progress.report("refining",
+                    static_cast<double>(level) / static_cast<double>(tolerances.size()));
     LevelBuilder of_level(builder, made, tolerances[level], threads);
     LODE_TRY(auto triangles, level == 0 ? of_level.start(progress) : of_level.refine(progress));
     std::ranges::stable_sort(triangles, {}, &HierarchyBuilder::Made::refined);

@@ -23,8 +23,7 @@ std::vector<ChainPlace> refine_edge(const FineGrid& grid, const ChainPlace& a, c
     const ChainPlace to = ahead.back();
     const auto worst = worst_crossing(grid, from.place, to.place, crossings);
     if (worst.error > limit) {
-      ahead.push_back(
-          {worst.place, std::max(from.n_moves, to.n_moves) + (worst.is_exact ? 0 : 1)});
+      ahead.push_back({worst.place, std::max(from.n_moves, to.n_moves) + (worst.is_exact ? 0 : 1)});
       continue;
     }
     ahead.pop_back();
@@ -34,8 +33,7 @@ std::vector<ChainPlace> refine_edge(const FineGrid& grid, const ChainPlace& a, c
   return between;
 }
 
-void EdgeChains::add(std::uint32_t from, std::uint32_t to,
-                     std::span<const std::uint32_t> between) {
+void EdgeChains::add(std::uint32_t from, std::uint32_t to, std::span<const std::uint32_t> between) {
   LODE_EXPECTS(!between.empty());
   chains_.push_back({edge_of(from, to), static_cast<std::uint32_t>(vertices_.size()),
                      static_cast<std::uint32_t>(between.size())});

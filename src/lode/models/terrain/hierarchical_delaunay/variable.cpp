@@ -184,6 +184,7 @@ class VariableMesh {
 
   bool replace(const std::vector<std::uint32_t>& border, Replacement& out) const {
     std::vector<Place> corners;
+    corners.reserve(border.size());
     for (const std::uint32_t v : border)
       corners.push_back({hierarchy_.vertices[v], hierarchy_.heights[v]});
     const auto patch = triangulate_polygon(std::move(corners));

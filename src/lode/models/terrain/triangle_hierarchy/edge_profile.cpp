@@ -44,15 +44,13 @@ class ProfileReader {
       const Division at = divide(rise * gone, run);
       const bool is_exact = at.rest == 0;
       if (!is_exact && crossings_ == Crossings::exact) continue;
-      const double height =
-          profile(line, static_cast<std::int32_t>(k), v0 + at.quotient,
-                  static_cast<double>(at.rest) / static_cast<double>(run));
+      const double height = profile(line, static_cast<std::int32_t>(k), v0 + at.quotient,
+                                    static_cast<double>(at.rest) / static_cast<double>(run));
       const double share = static_cast<double>(gone) / static_cast<double>(run);
       const double error = std::abs(height - (a_.height + (b_.height - a_.height) * share));
       if (error <= worst.error) continue;
       const auto u = static_cast<std::int32_t>(k << bits);
-      const auto v =
-          static_cast<std::int32_t>(v0 + at.quotient + (2 * at.rest >= run ? 1 : 0));
+      const auto v = static_cast<std::int32_t>(v0 + at.quotient + (2 * at.rest >= run ? 1 : 0));
       const LatticePoint place = is_column ? LatticePoint{u, v} : LatticePoint{v, u};
       worst = {error, {place, 0}, is_exact};
     }
@@ -62,8 +60,7 @@ class ProfileReader {
   /// On a line, `part` of a fine step beyond v.
   [[nodiscard]] double profile(Line line, std::int32_t k, std::int64_t v, double part) const {
     const auto before = static_cast<std::int32_t>(v >> grid_.bits());
-    const double beyond =
-        static_cast<double>(v - (std::int64_t{before} << grid_.bits())) + part;
+    const double beyond = static_cast<double>(v - (std::int64_t{before} << grid_.bits())) + part;
     const auto sample = [&](std::int32_t i) {
       return line == Line::column ? grid_.sample(k, i) : grid_.sample(i, k);
     };

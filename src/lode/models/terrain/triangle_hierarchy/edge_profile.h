@@ -14,8 +14,8 @@ struct Place {
 
 /// Where the profile of an edge is furthest from it.
 struct EdgeSplit {
-  double error = 0;  ///< 0: it crosses no column or row between its ends, or errs nowhere.
-  Place place;       ///< The crossing, moved along its column or row onto the fine lattice.
+  double error = 0;       ///< 0: it crosses no column or row between its ends, or errs nowhere.
+  Place place;            ///< The crossing, moved along its column or row onto the fine lattice.
   bool is_exact = false;  ///< The place lies on the edge.
 };
 

@@ -9,8 +9,8 @@
 namespace lode::triangle_hierarchy {
 namespace {
 
-/// Fine enough that vertices moved onto the lattice hardly ever turn a triangle over, and that
-/// 2^14 columns fit.
+/// The coarsest of those measured (decision 0044) onto which crossings may move without ever
+/// folding a chain of the Delaunay hierarchy; finer ones keep thinner slivers of the adaptive one.
 constexpr int kMostBits = 8;
 constexpr int kCoordinateBits = 30;
 

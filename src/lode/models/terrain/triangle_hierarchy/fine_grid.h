@@ -13,8 +13,8 @@ namespace lode::triangle_hierarchy {
 using delaunay::LatticePoint;
 
 /// The heights of a raster as float64, and a lattice scale() = 2^bits() times as fine, whose nodes
-/// are the vertices of triangles over it: samples, and nodes on a column or row between two of them,
-/// where the height is linear between these. Fine coordinates have at most 30 bits.
+/// are the vertices of triangles over it: samples, and nodes on a column or row between two of
+/// them, where the height is linear between these. Fine coordinates have at most 30 bits.
 class FineGrid {
  public:
   /// 8 bytes a sample. Fails as delaunay::find_domain() and check_heights() do.
@@ -31,7 +31,8 @@ class FineGrid {
   }
   /// At a fine node of the domain on a column or row.
   [[nodiscard]] double height(LatticePoint fine) const;
-  /// The coarsest triangulation of the domain, the union of the cells with four heights; fine nodes.
+  /// The coarsest triangulation of the domain, the union of the cells with four heights; fine
+  /// nodes.
   [[nodiscard]] const std::vector<std::array<LatticePoint, 3>>& base() const { return base_; }
   /// Errors count as above a tolerance where they are by more than this, which rounding alone may
   /// bring about. Computed errors are off by at most half of what it and they may sum up to: see

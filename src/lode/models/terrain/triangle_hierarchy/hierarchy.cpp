@@ -14,8 +14,9 @@ std::uint64_t Hierarchy::n_bytes() const {
 
 std::array<std::uint32_t, 2> Hierarchy::triangles_of(std::uint32_t refinement) const {
   const std::size_t next = std::size_t{refinement} + 1;
-  const std::uint32_t end = next < refinements.size() ? refinements[next].first
-                                                      : static_cast<std::uint32_t>(triangles.size());
+  const std::uint32_t end = next < refinements.size()
+                                ? refinements[next].first
+                                : static_cast<std::uint32_t>(triangles.size());
   return {refinements[refinement].first, end};
 }
 

@@ -18,11 +18,11 @@ inline constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
 /// Triangles refined into triangulations (L. De Floriani, P. Marzano, E. Puppo, "Multiresolution
 /// models for topographic surface description", The Visual Computer 12 (1996), sections 4 and 5: a
-/// hierarchical subdivision with explicit multiresolution). Level 0 is a triangulation of the domain
-/// within the first tolerance; at each further level every triangle of the mesh that errs by more
-/// than its tolerance is replaced by a triangulation of its own, of at least two triangles. The mesh
-/// of a level is of the triangles made until then and not replaced; meshes of all levels conform and
-/// cover the domain once. Made by HierarchyBuilder.
+/// hierarchical subdivision with explicit multiresolution). Level 0 is a triangulation of the
+/// domain within the first tolerance; at each further level every triangle of the mesh that errs by
+/// more than its tolerance is replaced by a triangulation of its own, of at least two triangles.
+/// The mesh of a level is of the triangles made until then and not replaced; meshes of all levels
+/// conform and cover the domain once. Made by HierarchyBuilder.
 struct Hierarchy {
   struct Triangle {
     std::array<std::uint32_t, 3> corner;  ///< Vertices, turning left (x to the right, y up).

@@ -11,16 +11,14 @@ namespace {
 
 using delaunay::Point;
 
-Point to_point(LatticePoint p) {
-  return {{static_cast<double>(p.x), static_cast<double>(p.y)}};
-}
+Point to_point(LatticePoint p) { return {{static_cast<double>(p.x), static_cast<double>(p.y)}}; }
 
 struct FineBox {
   std::int64_t x_low, y_low, x_high, y_high;
 };
 
-/// Whether all corners are to the right of an edge of the box, or all of the box to the right of one
-/// of theirs: exactly, for coordinates of at most 31 bits.
+/// Whether all corners are to the right of an edge of the box, or all of the box to the right of
+/// one of theirs: exactly, for coordinates of at most 31 bits.
 bool is_apart(const std::array<LatticePoint, 3>& corners, const FineBox& box) {
   const auto all = [&](auto&& is_out) { return std::ranges::all_of(corners, is_out); };
   if (all([&](LatticePoint p) { return p.x < box.x_low; }) ||
@@ -154,8 +152,7 @@ std::vector<std::uint32_t> find_in_window(const Hierarchy& hierarchy, int level,
   const FineBox box{window.lower.x * scale, window.lower.y * scale, window.upper.x * scale,
                     window.upper.y * scale};
   const std::int64_t reach = hierarchy.reach;
-  const FineBox wider{box.x_low - reach, box.y_low - reach, box.x_high + reach,
-                      box.y_high + reach};
+  const FineBox wider{box.x_low - reach, box.y_low - reach, box.x_high + reach, box.y_high + reach};
   std::vector<std::uint32_t> open(hierarchy.triangles_until[0]);
   std::iota(open.begin(), open.end(), 0U);
   std::vector<std::uint32_t> found;

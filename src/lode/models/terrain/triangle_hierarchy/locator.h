@@ -8,7 +8,8 @@
 
 namespace lode::triangle_hierarchy {
 
-/// Finds triangles of any level by descent, without the level's mesh. The hierarchy must outlive it.
+/// Finds triangles of any level by descent, without the level's mesh. The hierarchy must outlive
+/// it.
 class Locator {
  public:
   /// Sorts the triangles of level 0 into a grid of buckets: about 4 bytes for each bucket that one

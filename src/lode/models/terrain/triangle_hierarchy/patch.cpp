@@ -83,11 +83,11 @@ class PatchSelector {
       for (unsigned i = 0; i < 3; ++i)
         if (triangle.twin[i] == delaunay::kNoHalfEdge)
           open = static_cast<EdgeSet>(open & ~(1U << i));
-    errors_[t] = measure_samples(grid_,
-                                 {patch_.places[triangle.corner[0]],
-                                  patch_.places[triangle.corner[1]],
-                                  patch_.places[triangle.corner[2]]},
-                                 open);
+    errors_[t] =
+        measure_samples(grid_,
+                        {patch_.places[triangle.corner[0]], patch_.places[triangle.corner[1]],
+                         patch_.places[triangle.corner[2]]},
+                        open);
     if (errors_[t].inner <= limit_) return;
     queue_.push_back({errors_[t].inner, errors_[t].at, t});
     std::push_heap(queue_.begin(), queue_.end());

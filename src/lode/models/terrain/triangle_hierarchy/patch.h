@@ -24,7 +24,7 @@ enum class Outline : std::uint8_t { fixed, open };
 
 /// What has become of a patch.
 struct SelectedPatch {
-  Patch patch;                       ///< New places follow the old ones.
+  Patch patch;                        ///< New places follow the old ones.
   std::vector<double> sample_errors;  ///< By triangle, the largest of all samples in it.
 };
 
