@@ -194,7 +194,7 @@ class VariableMesh {
           measure_samples(grid_, {patch->places[a], patch->places[b], patch->places[c]},
                           triangle_hierarchy::kNoEdges);
       out.triangles.push_back({border[a], border[b], border[c]});
-      out.errors.push_back(delaunay::to_float_above(errors.closed + 2 * grid_.slack()));
+      out.errors.push_back(delaunay::to_float_above(errors.closed + grid_.rounding()));
       if (wants_more(out.triangles.back(), out.errors.back())) return false;
     }
     return true;

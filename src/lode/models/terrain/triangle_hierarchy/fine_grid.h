@@ -34,10 +34,11 @@ class FineGrid {
   /// The coarsest triangulation of the domain, the union of the cells with four heights; fine
   /// nodes.
   [[nodiscard]] const std::vector<std::array<LatticePoint, 3>>& base() const { return base_; }
-  /// Errors count as above a tolerance where they are by more than this, which rounding alone may
-  /// bring about. Computed errors are off by at most half of what it and they may sum up to: see
-  /// docs/models/hierarchical_triangulations.md.
+  /// Errors count as beyond a tolerance where they are by more than this, 2^-50 of the largest
+  /// |height|, so that planes are not refined for rounding.
   [[nodiscard]] double slack() const { return slack_; }
+  /// More than computed errors may be off: docs/models/hierarchical_triangulations.md.
+  [[nodiscard]] double rounding() const { return 3 * slack_; }
 
  private:
   HeightFrame frame_;

@@ -41,7 +41,6 @@ Result<void> HierarchyBuilder::add_level(double tolerance, std::span<const Made>
     return fail("expected up to {} triangles, got more: larger tolerances take fewer",
                 kMostTriangles);
   const auto first = static_cast<std::uint32_t>(made_.triangles.size());
-  const double rounding = 2 * grid_.slack();
   for (const Made& triangle : made) {
     const auto number = static_cast<std::uint32_t>(made_.triangles.size());
     if (triangle.refined != kNone) {
@@ -54,7 +53,7 @@ Result<void> HierarchyBuilder::add_level(double tolerance, std::span<const Made>
     made_.triangles.push_back(
         {.corner = triangle.corner,
          .twin = {delaunay::kNoHalfEdge, delaunay::kNoHalfEdge, delaunay::kNoHalfEdge},
-         .error = delaunay::to_float_above(triangle.sample_error + rounding)});
+         .error = delaunay::to_float_above(triangle.sample_error + grid_.rounding())});
     errors_.push_back(triangle.error);
   }
   refine_mesh(first);

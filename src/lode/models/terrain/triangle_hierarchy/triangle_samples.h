@@ -20,7 +20,7 @@ struct SampleErrors {
 
 /// |z - z'| at all samples in a triangle that turns left, z' between its corners. Those that may be
 /// inserted lie inside, or on an edge in `open`, and at no corner. Each sample is found exactly,
-/// and its error is off by less than 2^-49 of the largest |height|, however thin the triangle is.
+/// and its error is off by less than grid.rounding(), however thin the triangle is.
 /// O(rows + samples).
 [[nodiscard]] SampleErrors measure_samples(const FineGrid& grid,
                                            const std::array<Place, 3>& corners, EdgeSet open);
