@@ -16,7 +16,7 @@ TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
   const auto made =
       run_lode({"compare", dem, page, "--tolerances", "50,10", "--runs", "1", "--json"}).json();
   const auto& models = made.at("models");
-  ASSERT_EQ(models.size(), 14U);
+  ASSERT_EQ(models.size(), 16U);
   EXPECT_EQ(models[0].at("name"), "delaunay_selector");
   EXPECT_EQ(models[0].at("meshes")[1].at("tolerance"), 10);
   EXPECT_EQ(models[0].at("meshes")[1].at("is_met"), true);
@@ -28,12 +28,17 @@ TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
   EXPECT_EQ(models[6].at("meshes")[1].at("is_met"), true);
   EXPECT_EQ(models[7].at("name"), "implicit_delaunay_pyramid");
   EXPECT_EQ(models[7].at("meshes")[1].at("is_met"), true);
-  EXPECT_EQ(models[8].at("name"), "surface_quadtree");
-  EXPECT_GT(models[8].at("meshes")[1].at("hanging_vertices"), 0);
-  EXPECT_EQ(models[11].at("name"), "restricted_quadtree");
-  EXPECT_EQ(models[11].at("meshes")[1].at("hanging_vertices"), 0);
-  EXPECT_EQ(models[12].at("name"), "diamond2d");
-  EXPECT_NE(models[13].at("refusal").get<std::string>().find("1 missing"), std::string::npos);
+  EXPECT_EQ(models[8].at("name"), "adaptive_triangulation");
+  EXPECT_EQ(models[8].at("meshes")[1].at("variable_triangles"), nullptr);
+  EXPECT_EQ(models[9].at("name"), "hierarchical_delaunay");
+  EXPECT_GT(models[9].at("meshes")[1].at("variable_triangles"), 0);
+  for (const std::size_t i : {8U, 9U}) EXPECT_EQ(models[i].at("meshes")[1].at("is_met"), true);
+  EXPECT_EQ(models[10].at("name"), "surface_quadtree");
+  EXPECT_GT(models[10].at("meshes")[1].at("hanging_vertices"), 0);
+  EXPECT_EQ(models[13].at("name"), "restricted_quadtree");
+  EXPECT_EQ(models[13].at("meshes")[1].at("hanging_vertices"), 0);
+  EXPECT_EQ(models[14].at("name"), "diamond2d");
+  EXPECT_NE(models[15].at("refusal").get<std::string>().find("1 missing"), std::string::npos);
   const std::string html = read_bytes(page);
   EXPECT_TRUE(html.starts_with("<!doctype html>"));
   EXPECT_EQ(html.find("http"), std::string::npos) << "nothing outside the page";

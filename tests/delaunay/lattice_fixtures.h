@@ -58,8 +58,9 @@ inline int circle_sign(LatticePoint a, LatticePoint b, LatticePoint c, LatticePo
 }
 
 /// Positive triangles that fill the cells with four heights exactly once: areas add up, each inner
-/// edge is used once each way, and the others are steps of the outline, each once.
-inline void expect_fills(const Tin& tin, const HeightGrid& grid) {
+/// edge is used once each way, and the others are steps of the outline, each once. The grid's
+/// columns and rows are `scale` of the TIN's apart.
+inline void expect_fills(const Tin& tin, const HeightGrid& grid, std::int32_t scale = 1) {
   using Step = std::array<std::int32_t, 4>;
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
   std::int64_t area = 0;
@@ -74,9 +75,13 @@ inline void expect_fills(const Tin& tin, const HeightGrid& grid) {
   std::multiset<Step> border;
   for (const auto& [a, b] : edges) {
     if (edges.contains({b, a})) continue;
-    const LatticePoint p = tin.vertices[a];
-    const LatticePoint q = tin.vertices[b];
+    LatticePoint p = tin.vertices[a];
+    LatticePoint q = tin.vertices[b];
     ASSERT_TRUE(p.x == q.x || p.y == q.y) << "a border edge that is oblique";
+    for (LatticePoint* end : {&p, &q}) {
+      ASSERT_TRUE(end->x % scale == 0 && end->y % scale == 0) << "a border vertex is no sample";
+      *end = {end->x / scale, end->y / scale};
+    }
     const std::int32_t dx = (q.x > p.x) - (q.x < p.x);
     const std::int32_t dy = (q.y > p.y) - (q.y < p.y);
     for (LatticePoint s = p; s != q; s = {s.x + dx, s.y + dy})
@@ -93,7 +98,7 @@ inline void expect_fills(const Tin& tin, const HeightGrid& grid) {
       if (!has_cell(grid, x, y + 1)) outline.insert({x + 1, y + 1, x, y + 1});
       if (!has_cell(grid, x - 1, y)) outline.insert({x, y + 1, x, y});
     }
-  EXPECT_EQ(area, 2 * n_cells);
+  EXPECT_EQ(area, 2 * n_cells * scale * scale);
   EXPECT_EQ(border, outline);
 }
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -8,6 +9,10 @@
 
 #include "lode/api/files.h"
 #include "lode/api/terrain.h"
+#include "lode/mappers/tin_gaps.h"
+#include "lode/mappers/tin_quality.h"
+#include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
+#include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
 
 namespace lode {
 namespace {
@@ -77,6 +82,30 @@ TEST_P(real_terrain, has_a_pyramid_that_is_true_and_that_its_file_keeps) {
     EXPECT_EQ(after.levels[i].triangles, before.levels[i].triangles);
     EXPECT_EQ(after.levels[i].median_angle, before.levels[i].median_angle);
   }
+}
+
+void expect_levels_kept(const triangle_hierarchy::Hierarchy& hierarchy, const HeightGrid& grid) {
+  const HeightRange range = height_range(grid);
+  const double rounding = 0x1p-47 * std::max(std::abs(range.lower), std::abs(range.upper));
+  for (int level = 0; level < hierarchy.n_levels(); ++level) {
+    const auto tin = tin_of_level(hierarchy, level, delaunay::TinLinks::left_out);
+    const TinQuality quality = measure_quality(tin, hierarchy.scale(), grid, {2});
+    EXPECT_LE(quality.worst_error,
+              hierarchy.tolerances[static_cast<std::size_t>(level)] + rounding);
+    EXPECT_EQ(measure_gaps(tin).n_hanging, 0U);
+  }
+}
+
+TEST_P(real_terrain, has_hierarchies_that_keep_the_tolerances_of_all_levels) {
+  std::vector<double> levels = GetParam().tolerances;
+  if (levels.back() == 0) levels.pop_back();
+  const auto adaptive = adaptive_triangulation::build(raster_->grid, levels, {2}, progress_);
+  ASSERT_TRUE(adaptive) << adaptive.error().message;
+  expect_levels_kept(adaptive->hierarchy, raster_->grid);
+  const auto made = hierarchical_delaunay::build(raster_->grid, levels, {2}, progress_);
+  ASSERT_TRUE(made) << made.error().message;
+  expect_levels_kept(made->hierarchy, raster_->grid);
+  EXPECT_EQ(made->n_edges_left, 0U);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,7 +1,6 @@
 #include "lode/api/compared_insertions.h"
 
 #include <functional>
-#include <limits>
 
 #include "lode/api/insertions_terrain.h"
 #include "lode/models/terrain/insertions/extract.h"
@@ -31,16 +30,7 @@ class Insertions final : public HistoryCandidate {
   }
   [[nodiscard]] bool can_vary() const override { return true; }
   [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) override {
-    const HeightFrame& frame = history().frame;
-    Vec<double, 2> lower = frame.world(0.375 * (frame.n_columns - 1), 0.375 * (frame.n_rows - 1));
-    Vec<double, 2> upper = frame.world(0.625 * (frame.n_columns - 1), 0.625 * (frame.n_rows - 1));
-    for (std::size_t i = 0; i < 2; ++i)
-      if (lower[i] > upper[i]) std::swap(lower[i], upper[i]);
-    constexpr double kAll = std::numeric_limits<double>::max();
-    FocusDemand demand;
-    demand.foci = {BoxFocus{{{{lower[0], lower[1], -kAll}}, {{upper[0], upper[1], kAll}}}}};
-    demand.inside = tolerance;
-    demand.outside = 10 * tolerance;
+    const FocusDemand demand = middle_demand(history().frame, tolerance);
     return tin_of(history(), select_nodes(history(), demand), delaunay::TinLinks::left_out)
         .triangles.size();
   }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "lode/api/compared_hierarchies.h"
 #include "lode/api/compared_pyramid.h"
 #include "lode/api/compared_quadtrees.h"
 #include "lode/api/dataset.h"
@@ -228,11 +229,25 @@ std::optional<std::uint64_t> TerrainCandidate::locate(
   return {};
 }
 
+FocusDemand middle_demand(const HeightFrame& frame, double tolerance) {
+  Vec<double, 2> lower = frame.world(0.375 * (frame.n_columns - 1), 0.375 * (frame.n_rows - 1));
+  Vec<double, 2> upper = frame.world(0.625 * (frame.n_columns - 1), 0.625 * (frame.n_rows - 1));
+  for (std::size_t i = 0; i < 2; ++i)
+    if (lower[i] > upper[i]) std::swap(lower[i], upper[i]);
+  constexpr double kAll = std::numeric_limits<double>::max();
+  FocusDemand demand;
+  demand.foci = {BoxFocus{{{{lower[0], lower[1], -kAll}}, {{upper[0], upper[1], kAll}}}}};
+  demand.inside = tolerance;
+  demand.outside = 10 * tolerance;
+  return demand;
+}
+
 std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates() {
   std::vector<std::unique_ptr<TerrainCandidate>> all;
   all.push_back(std::make_unique<Selector>(InsertionOrder::levels));
   all.push_back(std::make_unique<Selector>(InsertionOrder::strict));
   for (auto& candidate : pyramid_candidates()) all.push_back(std::move(candidate));
+  for (auto& candidate : hierarchy_candidates()) all.push_back(std::move(candidate));
   for (auto& candidate : quadtree_candidates()) all.push_back(std::move(candidate));
   all.push_back(std::make_unique<Bisection>());
   all.push_back(std::make_unique<Subsampling>());

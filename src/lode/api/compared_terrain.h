@@ -12,6 +12,7 @@
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/delaunay/tin.h"
+#include "lode/refine/focus.h"
 
 namespace lode {
 
@@ -57,6 +58,9 @@ class TerrainCandidate {
   [[nodiscard]] virtual std::optional<std::uint64_t> locate(
       double tolerance, std::span<const delaunay::LatticePoint> places);
 };
+
+/// What extract_middle() asks, in the world.
+[[nodiscard]] FocusDemand middle_demand(const HeightFrame& frame, double tolerance);
 
 /// All there are, the baseline last.
 [[nodiscard]] std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates();

@@ -1,0 +1,130 @@
+#include "lode/api/compared_hierarchies.h"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "lode/core/stopwatch.h"
+#include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
+#include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
+#include "lode/models/terrain/hierarchical_delaunay/variable.h"
+#include "lode/models/terrain/triangle_hierarchy/locator.h"
+
+namespace lode {
+namespace {
+
+class HierarchyCandidate : public TerrainCandidate {
+ public:
+  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double> tolerances,
+                                     Threads threads, Progress& progress) final {
+    std::vector<double> levels(tolerances.begin(), tolerances.end());
+    std::ranges::sort(levels, std::greater());
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+    const Stopwatch watch;
+    LODE_CHECK(build(grid, levels, threads, progress));
+    locator_.emplace(hierarchy());
+    seconds_ = watch.seconds();
+    return {};
+  }
+  [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) final {
+    if (progress.is_cancelled()) return cancelled_error();
+    LODE_TRY(const int level, hierarchy().level_within(tolerance));
+    return Answer{.tin = tin_of_level(hierarchy(), level, delaunay::TinLinks::left_out),
+                  .scale = hierarchy().scale(),
+                  .stated_error = tolerance};
+  }
+  [[nodiscard]] std::optional<double> build_seconds() const final { return seconds_; }
+  [[nodiscard]] int n_levels() const final { return hierarchy().n_levels(); }
+  [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const final {
+    return n_bytes() + locator_->n_bytes();
+  }
+  [[nodiscard]] Result<std::optional<std::uint64_t>> zoom(double tolerance,
+                                                          const TerrainWindow& window) final {
+    LODE_TRY(const int level, hierarchy().level_within(tolerance));
+    const auto found = find_in_window(hierarchy(), level, {window.lower, window.upper});
+    return std::optional<std::uint64_t>(found.size());
+  }
+  [[nodiscard]] std::optional<std::uint64_t> locate(
+      double tolerance, std::span<const delaunay::LatticePoint> places) final {
+    const auto level = hierarchy().level_within(tolerance);
+    if (!level) return {};
+    return static_cast<std::uint64_t>(
+        std::ranges::count_if(places, [&](const delaunay::LatticePoint& p) {
+          const delaunay::Point at{{static_cast<double>(p.x), static_cast<double>(p.y)}};
+          return locator_->find(*level, at).has_value();
+        }));
+  }
+
+ protected:
+  virtual Result<void> build(const HeightGrid& grid, std::span<const double> levels,
+                             Threads threads, Progress& progress) = 0;
+  [[nodiscard]] virtual const triangle_hierarchy::Hierarchy& hierarchy() const = 0;
+  [[nodiscard]] virtual std::uint64_t n_bytes() const { return hierarchy().n_bytes(); }
+
+ private:
+  std::optional<triangle_hierarchy::Locator> locator_;
+  double seconds_ = 0;
+};
+
+class Adaptive final : public HierarchyCandidate {
+ public:
+  [[nodiscard]] std::string name() const override { return "adaptive_triangulation"; }
+  [[nodiscard]] std::string what() const override {
+    return "triangles split by five rules, on edges and inside, down to each tolerance: edges keep "
+           "it between samples, too";
+  }
+
+ private:
+  Result<void> build(const HeightGrid& grid, std::span<const double> levels, Threads threads,
+                     Progress& progress) override {
+    LODE_TRY(made_, adaptive_triangulation::build(grid, levels, threads, progress));
+    return {};
+  }
+  [[nodiscard]] const triangle_hierarchy::Hierarchy& hierarchy() const override {
+    return made_.hierarchy;
+  }
+
+  adaptive_triangulation::AdaptiveTriangulation made_;
+};
+
+class Delaunay final : public HierarchyCandidate {
+ public:
+  [[nodiscard]] std::string name() const override { return "hierarchical_delaunay"; }
+  [[nodiscard]] std::string what() const override {
+    return "triangles refined by Delaunay triangulations between chains of vertices on their "
+           "edges; may vary";
+  }
+  [[nodiscard]] bool can_vary() const override { return true; }
+  [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) override {
+    LODE_TRY(const delaunay::Tin tin,
+             tin_of_demand(made_, *grid_, middle_demand(hierarchy().frame, tolerance)));
+    return std::uint64_t{tin.triangles.size()};
+  }
+
+ private:
+  Result<void> build(const HeightGrid& grid, std::span<const double> levels, Threads threads,
+                     Progress& progress) override {
+    LODE_TRY(grid_, triangle_hierarchy::FineGrid::make(grid));
+    LODE_TRY(made_, hierarchical_delaunay::build(*grid_, levels, threads, progress));
+    return {};
+  }
+  [[nodiscard]] const triangle_hierarchy::Hierarchy& hierarchy() const override {
+    return made_.hierarchy;
+  }
+  [[nodiscard]] std::uint64_t n_bytes() const override { return made_.n_bytes(); }
+
+  std::optional<triangle_hierarchy::FineGrid> grid_;
+  hierarchical_delaunay::HierarchicalDelaunay made_;
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<TerrainCandidate>> hierarchy_candidates() {
+  std::vector<std::unique_ptr<TerrainCandidate>> all;
+  all.push_back(std::make_unique<Adaptive>());
+  all.push_back(std::make_unique<Delaunay>());
+  return all;
+}
+
+}  // namespace lode

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/models/terrain/adaptive_triangulation/splitting.h"
+#include "lode/models/terrain/triangle_hierarchy/hierarchy.h"
+
+namespace lode::adaptive_triangulation {
+
+struct AdaptiveTriangulation {
+  triangle_hierarchy::Hierarchy hierarchy;
+  /// How often each Rule was applied.
+  std::array<std::uint64_t, kRules> n_splits{};
+  /// Edges, once for each level, that stay beyond its tolerance between samples, as to split them
+  /// would turn a triangle over.
+  std::uint64_t n_edges_left = 0;
+};
+
+/// The adaptive hierarchical triangulation by the iterative algorithm of L. De Floriani, P.
+/// Marzano, E. Puppo 1996, section 7.2 and figure 16: triangles beyond a level's tolerance are
+/// split by the five rules, on the edges that are beyond it at their worst crossings with columns
+/// and rows, and else at the worst sample, until no triangle is. The initial triangulation, which
+/// the paper wants of surface-specific points, is the Delaunay selector's within the first
+/// tolerance. In the mesh of each level
+/// - every sample of the domain is within the tolerance, in every triangle that holds it;
+/// - so are all edges, where they cross columns and rows, but for `n_edges_left`;
+/// both up to rounding, 2^-48 of the largest |height|. The same for any number of threads. O(N n)
+/// in the worst case for N samples and n vertices. Fails as FineGrid::make() does, on tolerances
+/// that do not fall, and when cancelled.
+[[nodiscard]] Result<AdaptiveTriangulation> build(const HeightGrid& grid,
+                                                  std::span<const double> tolerances,
+                                                  Threads threads, Progress& progress);
+
+}  // namespace lode::adaptive_triangulation

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/models/terrain/hierarchical_delaunay/edge_chains.h"
+#include "lode/models/terrain/triangle_hierarchy/hierarchy.h"
+
+namespace lode::hierarchical_delaunay {
+
+struct HierarchicalDelaunay {
+  triangle_hierarchy::Hierarchy hierarchy;
+  EdgeChains chains;
+  /// Edges, once for each level, that stay beyond its tolerance between samples, as to refine them
+  /// would fold a triangle's border.
+  std::uint64_t n_edges_left = 0;
+
+  [[nodiscard]] std::uint64_t n_bytes() const { return hierarchy.n_bytes() + chains.n_bytes(); }
+};
+
+/// The hierarchical Delaunay triangulation (L. De Floriani, E. Puppo, "Hierarchical triangulation
+/// for multiresolution surface description", ACM TOG 14 (1995)) by the algorithm of L. De Floriani,
+/// P. Marzano, E. Puppo 1996, section 7.3 and figure 17. Level 0 is the Delaunay selector's mesh of
+/// the domain. At each further level the edges beyond its tolerance, where they cross columns and
+/// rows, are refined into chains of vertices, each from itself alone; then the triangles beyond it,
+/// or at such edges, are filled with the Delaunay triangulation constrained by their chains, and
+/// the selector inserts samples, on no chain, until all are within the tolerance. In the mesh of
+/// each level
+/// - every sample of the domain is within the tolerance, in every triangle that holds it, up to
+///   rounding, 2^-48 of the largest |height|;
+/// - within what one refinement made, edges but its border are locally Delaunay, exactly.
+/// The same for any number of threads. O(N n log n) in the worst case for N samples and n vertices.
+/// Fails as FineGrid::make() does, on tolerances that do not fall, and when cancelled.
+[[nodiscard]] Result<HierarchicalDelaunay> build(const FineGrid& grid,
+                                                 std::span<const double> tolerances,
+                                                 Threads threads, Progress& progress);
+[[nodiscard]] Result<HierarchicalDelaunay> build(const HeightGrid& grid,
+                                                 std::span<const double> tolerances,
+                                                 Threads threads, Progress& progress);
+
+}  // namespace lode::hierarchical_delaunay
