@@ -12,6 +12,7 @@
 #include "lode/api/terrain.h"
 #include "lode/api/terrain_comparison.h"
 #include "lode/api/terrain_picture.h"
+#include "lode/api/terrain_raster.h"
 #include "lode/api/terrain_sight.h"
 #include "lode/api/terrain_tin.h"
 #include "lode/api/tetra_dataset.h"
@@ -48,6 +49,7 @@ using io::HeightEncoding;
 using io::HeightRaster;
 using io::HeightReadOptions;
 using io::is_geojson_path;
+using io::is_geotiff_path;
 using io::is_height_path;
 using io::is_point_path;
 using io::Magnitude;
@@ -56,6 +58,8 @@ using io::open_volume;
 using io::PointCounts;
 using io::PointReadOptions;
 using io::QuadraticCells;
+using io::RasterForm;
+using io::RasterType;
 using io::RawLayout;
 using io::read_cell_mesh;
 using io::read_heights;

@@ -79,7 +79,8 @@ TerrainFacts facts_of(const io::HeightRaster& raster) {
           .format = raster.format,
           .type = raster.type,
           .has_place = raster.has_place,
-          .n_missing = raster.grid.n_missing()};
+          .n_missing = raster.grid.n_missing(),
+          .form = raster.form};
 }
 
 bool holds_terrain_model(const std::string& path) {
@@ -117,8 +118,8 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
     return of_pyramid(*std::move(built));
   }
   const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
-  return OpenedTerrain{Terrain(std::shared_ptr<const HeightGrid>(raster, &raster->grid)),
-                       TerrainModel::delaunay_selector, facts_of(*raster)};
+  const std::shared_ptr<const HeightGrid> grid(raster, &raster->grid);
+  return OpenedTerrain{.terrain = Terrain(grid), .facts = facts_of(*raster), .grid = grid};
 } catch (const std::bad_alloc&) {
   return out_of_memory("open the terrain", path);
 }

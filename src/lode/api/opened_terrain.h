@@ -45,6 +45,7 @@ struct TerrainFacts {
   bool has_place = false;  ///< See HeightRaster.
   std::uint64_t n_missing = 0;
   std::optional<PointFacts> points{};
+  io::RasterForm form{};  ///< Of a raster's file.
 };
 
 [[nodiscard]] TerrainFacts facts_of(const io::HeightRaster& raster);
@@ -63,6 +64,7 @@ struct OpenedTerrain {
   TerrainFacts facts;
   std::optional<TerrainPyramid> pyramid{};       ///< Of the model delaunay_pyramid.
   std::shared_ptr<const PointTerrain> points{};  ///< Null: it is of a raster.
+  std::shared_ptr<const HeightGrid> grid{};  ///< The raster; null where only a model is at hand.
 };
 
 /// Whether a path is read as terrain: it is a raster of heights or of scattered points by its name,

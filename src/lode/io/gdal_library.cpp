@@ -57,6 +57,15 @@ void find_bands(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.read, "GDALRasterIO");
 }
 
+void find_raster_output(Finder& finder, GdalLibrary& gdal) {
+  finder.find(gdal.set_geotransform, "GDALSetGeoTransform");
+  finder.find(gdal.set_crs, "GDALSetSpatialRef");
+  finder.find(gdal.set_metadata, "GDALSetMetadataItem");
+  finder.find(gdal.set_nodata, "GDALSetRasterNoDataValue");
+  finder.find(gdal.set_unit, "GDALSetRasterUnitType");
+  finder.find(gdal.set_description, "GDALSetDescription");
+}
+
 void find_crs(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.new_crs, "OSRNewSpatialReference");
   finder.find(gdal.destroy_crs, "OSRDestroySpatialReference");
@@ -106,6 +115,7 @@ Result<GdalLibrary> load() {
   Finder finder(library);
   find_rasters(finder, gdal);
   find_bands(finder, gdal);
+  find_raster_output(finder, gdal);
   find_crs(finder, gdal);
   find_vectors(finder, gdal);
   if (!finder.missing().empty())

@@ -35,7 +35,13 @@ struct GdalLibrary {
   decltype(&GDALGetProjectionRef) projection = nullptr;
   decltype(&GDALGetDatasetDriver) driver = nullptr;
   decltype(&GDALGetDriverShortName) driver_name = nullptr;
-  decltype(&GDALRasterIO) read = nullptr;
+  decltype(&GDALRasterIO) read = nullptr;  ///< And write.
+  decltype(&GDALSetGeoTransform) set_geotransform = nullptr;
+  decltype(&GDALSetSpatialRef) set_crs = nullptr;
+  decltype(&GDALSetMetadataItem) set_metadata = nullptr;
+  decltype(&GDALSetRasterNoDataValue) set_nodata = nullptr;
+  decltype(&GDALSetRasterUnitType) set_unit = nullptr;
+  decltype(&GDALSetDescription) set_description = nullptr;
   decltype(&OSRNewSpatialReference) new_crs = nullptr;
   decltype(&OSRDestroySpatialReference) destroy_crs = nullptr;
   decltype(&OSRImportFromWkt) import_wkt = nullptr;

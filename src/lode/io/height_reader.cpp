@@ -208,6 +208,7 @@ Result<HeightRaster> read_raster(const GdalRaster& raster, const HeightReadOptio
   result.type = to_lower(gdal.type_name(type));
   if (const char* unit = gdal.unit(band); unit != nullptr)
     result.grid.vertical_unit = without_controls(unit);
+  result.form.nodata = BandMask(raster, band, options).nodata;
   return result;
 }
 

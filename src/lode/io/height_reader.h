@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,12 +21,21 @@ struct HeightReadOptions {
   std::optional<double> nodata{};  ///< Instead of what the file says.
 };
 
+/// What the heights of a raster file are put in, for files that are to be like it.
+struct RasterForm {
+  /// GDAL's: places of pixels' corners; none: the file has no position.
+  std::optional<std::array<double, 6>> geotransform{};
+  std::optional<double> nodata{};  ///< Of missing samples, as stored; none: not by a value.
+  bool is_point = false;           ///< AREA_OR_POINT=Point: samples are at places, not of pixels.
+};
+
 /// A raster of heights and what its file says of it.
 struct HeightRaster {
   HeightGrid grid;
   std::string format;      ///< GDAL's name, such as GTiff, or HGT.
   std::string type;        ///< Of the file's samples: int16, float32, terrain-rgb, ...
   bool has_place = false;  ///< Else the world is columns, and rows counted from the last one up.
+  RasterForm form{};
 };
 
 /// Reads a raster of heights: .hgt and .hgt.gz (SRTM, named like N46W123), all else through GDAL.

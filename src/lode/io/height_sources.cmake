@@ -10,6 +10,7 @@ set(IO_HEIGHT_SOURCES
   point_las.cpp
   point_reader.cpp
   point_text.cpp
+  raster_file.cpp
   vector_file.cpp)
 
 # GDAL is loaded by its name when it is needed: linked, it would triple the time to start.
