@@ -276,6 +276,7 @@ Result<Outcome> run_terrain_info(const std::string& path, const TerrainArguments
   if (is_point_path(path)) return run_points_info(path, terrain, reading, session);
   LODE_TRY(const HeightReadOptions options, to_height_options(terrain, reading));
   LODE_TRY(const HeightRaster raster, read_heights(path, options, session.progress()));
+  warn_of_vertical(raster.vertical, path, session);
   const TerrainInfo info = describe_terrain(raster.grid);
   Outcome outcome;
   outcome.json["command"] = "info";

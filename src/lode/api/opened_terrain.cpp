@@ -50,7 +50,8 @@ TerrainFacts point_facts_of(const io::PointFile& file, const PointTerrain& terra
                                .n_repeated = points.n_repeated,
                                .largest_spread = points.largest_spread,
                                .largest_move = points.largest_move,
-                               .step = points.step()}};
+                               .step = points.step()},
+          .vertical = file.vertical};
 }
 
 Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOptions& options,
@@ -80,7 +81,8 @@ TerrainFacts facts_of(const io::HeightRaster& raster) {
           .type = raster.type,
           .has_place = raster.has_place,
           .n_missing = raster.grid.n_missing(),
-          .form = raster.form};
+          .form = raster.form,
+          .vertical = raster.vertical};
 }
 
 bool holds_terrain_model(const std::string& path) {

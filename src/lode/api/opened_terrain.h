@@ -46,6 +46,7 @@ struct TerrainFacts {
   std::uint64_t n_missing = 0;
   std::optional<PointFacts> points{};
   io::RasterForm form{};  ///< Of a raster's file.
+  io::VerticalOutcome vertical{};
 };
 
 [[nodiscard]] TerrainFacts facts_of(const io::HeightRaster& raster);

@@ -71,6 +71,10 @@ void find_crs(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.destroy_crs, "OSRDestroySpatialReference");
   finder.find(gdal.import_wkt, "OSRImportFromWkt");
   finder.find(gdal.import_epsg, "OSRImportFromEPSG");
+  finder.find(gdal.set_compound, "OSRSetCompoundCS");
+  finder.find(gdal.is_vertical, "OSRIsVertical");
+  finder.find(gdal.strip_vertical, "OSRStripVertical");
+  finder.find(gdal.strip_height, "OSRDemoteTo2D");
   finder.find(gdal.export_wkt, "OSRExportToWkt");
   finder.find(gdal.release, "VSIFree");
   finder.find(gdal.set_axis_order, "OSRSetAxisMappingStrategy");

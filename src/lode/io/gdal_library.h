@@ -46,6 +46,10 @@ struct GdalLibrary {
   decltype(&OSRDestroySpatialReference) destroy_crs = nullptr;
   decltype(&OSRImportFromWkt) import_wkt = nullptr;
   decltype(&OSRImportFromEPSG) import_epsg = nullptr;
+  decltype(&OSRSetCompoundCS) set_compound = nullptr;
+  decltype(&OSRIsVertical) is_vertical = nullptr;
+  decltype(&OSRStripVertical) strip_vertical = nullptr;  ///< Of compound CRS.
+  decltype(&OSRDemoteTo2D) strip_height = nullptr;       ///< Of those with three axes.
   decltype(&OSRExportToWkt) export_wkt = nullptr;
   decltype(&VSIFree) release = nullptr;  ///< What export_wkt() made.
   decltype(&OSRSetAxisMappingStrategy) set_axis_order = nullptr;

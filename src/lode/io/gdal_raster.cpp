@@ -34,6 +34,8 @@ Result<GdalRaster> GdalRaster::open(const std::string& path) {
   LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
   gdal->push_error_handler(gdal->quiet_handler);
   gdal->reset_errors();
+  // Files of GeoTIFF 1.0 have vertical CRS, too, of which GDAL is silent unless asked.
+  gdal->set_option("GTIFF_REPORT_COMPD_CS", "YES");
   GdalRaster raster(path, gdal, file->size());
   raster.dataset_ = gdal->open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kFormats.data(),
                                nullptr, nullptr);
@@ -47,6 +49,7 @@ Result<GdalRaster> GdalRaster::open(const std::string& path) {
 GdalRaster::~GdalRaster() {
   if (gdal_ == nullptr) return;
   if (dataset_ != nullptr) gdal_->close(dataset_);
+  gdal_->set_option("GTIFF_REPORT_COMPD_CS", nullptr);
   gdal_->pop_error_handler();
 }
 

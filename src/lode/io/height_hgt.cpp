@@ -85,7 +85,7 @@ Result<HeightRaster> read_hgt(const std::string& path, const HeightReadOptions& 
     return fail("{}: expected a square of 16-bit samples, such as 2 x 1201 x 1201 bytes, got {}",
                 path, bytes.size());
   const auto n = static_cast<std::int32_t>(side);
-  HeightRaster raster{make_height_grid<std::int16_t>(n, n), "HGT", "int16", true, {}};
+  HeightRaster raster{make_height_grid<std::int16_t>(n, n), "HGT", "int16", true, {}, {}};
   HeightGrid& grid = raster.grid;
   auto& samples = std::get<HeightGrid::Samples<std::int16_t>>(grid.heights);
   const double missing = options.nodata.value_or(kVoid);

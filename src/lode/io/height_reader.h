@@ -8,6 +8,7 @@
 #include "lode/core/height_grid.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
+#include "lode/io/vertical_options.h"
 
 namespace lode::io {
 
@@ -19,6 +20,7 @@ struct HeightReadOptions {
   int band = 1;  ///< Of a raster, from 1.
   HeightEncoding encoding = HeightEncoding::none;
   std::optional<double> nodata{};  ///< Instead of what the file says.
+  VerticalOptions vertical{};
 };
 
 /// What the heights of a raster file are put in, for files that are to be like it.
@@ -36,11 +38,13 @@ struct HeightRaster {
   std::string type;        ///< Of the file's samples: int16, float32, terrain-rgb, ...
   bool has_place = false;  ///< Else the world is columns, and rows counted from the last one up.
   RasterForm form{};
+  VerticalOutcome vertical{};
 };
 
 /// Reads a raster of heights: .hgt and .hgt.gz (SRTM, named like N46W123), all else through GDAL.
 /// Samples are taken at the middle of pixels, wherever AREA_OR_POINT says that the file's position
-/// is. Missing are samples that equal the nodata value, are masked, or no finite numbers. Fails,
+/// is. Missing are samples that equal the nodata value, are masked, or no finite numbers. Heights
+/// are in the unit of the CRS's vertical part, where it has one, and set_vertical() is done. Fails,
 /// naming the file, on what is missing, truncated, not a raster, or claims more samples than a file
 /// of its size can hold.
 [[nodiscard]] Result<HeightRaster> read_heights(const std::string& path,

@@ -1,7 +1,9 @@
 #include "lode/io/raster_file.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <new>
+#include <system_error>
 #include <utility>
 
 #include "lode/core/out_of_memory.h"
@@ -9,6 +11,7 @@
 #include "lode/io/gdal_crs.h"
 #include "lode/io/gdal_raster.h"
 #include "lode/io/text.h"
+#include "lode/io/vertical_options.h"
 
 namespace lode::io {
 
@@ -62,7 +65,7 @@ struct RasterWriter::Impl {
   /// Before the first sample, as the file's head stands before them.
   Result<void> describe() {
     if (!layer.crs.empty()) {
-      LODE_TRY(const GdalCrs crs, GdalCrs::of(layer.crs));
+      LODE_TRY(const GdalCrs crs, GdalCrs::of(to_geotiff_crs(layer.crs)));
       if (gdal->set_crs(dataset, crs.handle()) != CE_None) return cannot("write its CRS");
     }
     if (layer.geotransform &&
@@ -116,6 +119,10 @@ Result<void> RasterWriter::commit(const Progress& progress) try {
   gdal.reset_errors();
   gdal.close(std::exchange(impl_->dataset, nullptr));
   if (gdal.last_error_kind() >= CE_Failure) return impl_->cannot("finish the file");
+  // Where GDAL puts what a GeoTIFF has no place for.
+  std::error_code status;
+  if (std::filesystem::exists(impl_->staged.name() + ".aux.xml", status))
+    return fail("{}: expected a CRS that a GeoTIFF can have, got one that it has not", impl_->path);
   return impl_->staged.commit(progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("write the raster", impl_->path);
