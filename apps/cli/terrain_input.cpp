@@ -108,8 +108,9 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   add_of_points("--max-edge", arguments.max_edge, "L",
                 "Leave out of the domain what is in triangles with a longer edge, in the unit of "
                 "the CRS, or metres where it is of longitudes and latitudes");
-  add_of_points("--outline", arguments.outline, "POLYGON.csv",
-                "Leave out of the domain what is outside of a polygon, x and y a line");
+  add_of_points("--outline", arguments.outline, "POLYGONS",
+                "Leave out of the domain what is outside of polygons: .geojson, .gpkg or .shp, in "
+                "any CRS, or text with x and y a line, in the points' coordinates");
   add_of_points("--crs", arguments.crs, "EPSG:N|EPSG:N+M|WKT",
                 "CRS of x and y, perhaps of heights too, instead of the file's");
   const auto add_of_heights = [&](const char* name, std::string& value, const char* help) {
@@ -200,8 +201,11 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArgumen
                                    const ReadingArguments& reading,
                                    const std::optional<PyramidOptions>& pyramid, Session& session) {
   LODE_TRY(TerrainReadOptions options, to_read_options(path, arguments, reading));
-  if (!arguments.outline.empty()) {
-    LODE_TRY(options.domain.outline, read_places(arguments.outline));
+  if (is_polygon_path(arguments.outline)) {
+    options.outline = arguments.outline;
+  } else if (!arguments.outline.empty()) {
+    LODE_TRY(std::vector<Place> corners, read_places(arguments.outline));
+    options.domain.outline = {PlacePolygon{std::move(corners)}};
   }
   LODE_TRY(OpenedTerrain opened, lode::open_terrain(path, options, pyramid, session.progress()));
   if (opened.facts.points)

@@ -22,6 +22,7 @@
 #include "lode/io/mesh_file.h"
 #include "lode/io/mesh_reader.h"
 #include "lode/io/mesh_vtu.h"
+#include "lode/io/polygon_file.h"
 #include "lode/io/surface_file.h"
 #include "lode/io/tetrahedra.h"
 #include "lode/io/vector_file.h"
@@ -52,6 +53,7 @@ using io::is_geojson_path;
 using io::is_geotiff_path;
 using io::is_height_path;
 using io::is_point_path;
+using io::is_polygon_path;
 using io::Magnitude;
 using io::MeshWriteOptions;
 using io::open_volume;

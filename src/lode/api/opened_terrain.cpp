@@ -6,6 +6,7 @@
 
 #include "lode/api/files.h"
 #include "lode/core/out_of_memory.h"
+#include "lode/io/polygon_file.h"
 #include "lode/store/reader.h"
 
 namespace lode {
@@ -56,12 +57,19 @@ TerrainFacts point_facts_of(const io::PointFile& file, const PointTerrain& terra
 
 Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOptions& options,
                                   Progress& progress) {
+  PointTerrainOptions domain = options.domain;
+  io::PolygonFile outline;
+  if (!options.outline.empty()) {
+    LODE_TRY(outline, io::read_polygons(options.outline));
+  }
   LODE_TRY(const io::PointFile file, io::read_points(path, options.points, progress));
+  if (!options.outline.empty()) {
+    LODE_TRY(domain.outline, io::polygons_in(outline, file.crs));
+  }
   LODE_TRY(const HorizontalMetric metric, naming(path, io::read_metric(file.crs), progress));
-  LODE_TRY(
-      PointTerrain made,
-      naming(path, make_point_terrain(file.points, file.lattice, metric, options.domain, progress),
-             progress));
+  LODE_TRY(PointTerrain made,
+           naming(path, make_point_terrain(file.points, file.lattice, metric, domain, progress),
+                  progress));
   made.points.crs = file.crs;
   made.points.vertical_unit = file.vertical_unit;
   TerrainFacts facts = point_facts_of(file, made);

@@ -56,6 +56,8 @@ struct TerrainReadOptions {
   io::HeightReadOptions raster{};
   io::PointReadOptions points{};
   PointTerrainOptions domain{};
+  /// A file of polygons (io/polygon_file.h), in place of domain.outline; empty: none.
+  std::string outline{};
 };
 
 /// A terrain from a file, ready to be asked.

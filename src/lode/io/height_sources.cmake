@@ -11,6 +11,7 @@ set(IO_HEIGHT_SOURCES
   point_las.cpp
   point_reader.cpp
   point_text.cpp
+  polygon_file.cpp
   proj_library.cpp
   raster_file.cpp
   vector_file.cpp
