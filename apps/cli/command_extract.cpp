@@ -369,7 +369,6 @@ Command add_extract_command(CLI::App& program) {
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract dem.tif dem.ply --max-error 10\n"
       "  lode extract dem.tif near.tif --max-error 10 --difference less.tif\n"
-      "  lode extract survey.las ground.ply --class 2 --max-error 0.1\n"
       "  lode extract survey.las ground.tif --class 2 --max-error 0.1 --cell 1\n"
       "  lode extract dem.lode dem.ply --max-error 1 --focus-point 562000,5117000 --growth 0.002\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"

@@ -136,16 +136,23 @@ struct Written {
   double seconds = 0;
 };
 
+bool names_output(const Error& error, const TerrainJob& job) {
+  return error.message.starts_with(job.output + ": ") ||
+         (!job.raster.difference.empty() &&
+          error.message.starts_with(job.raster.difference + ": "));
+}
+
 Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
                           const TerrainOptions& options, Session& session) {
   if (is_geotiff_path(job.output)) {
     LODE_TRY(TerrainRasterOptions wanted, to_raster_options(job.raster));
     wanted.threads = session.threads();
     wanted.comment = [&](const TerrainReport& report) { return summary_of(report, opened); };
+    auto written = write_terrain_raster(opened, options, wanted, job.output, session.progress());
+    // What cannot be written is named already.
+    const bool is_named = !written && names_output(written.error(), job);
     LODE_TRY(const TerrainRasterReport made,
-             naming(job.input,
-                    write_terrain_raster(opened, options, wanted, job.output, session.progress()),
-                    session));
+             is_named ? std::move(written) : naming(job.input, std::move(written), session));
     return Written{made.terrain, made, made.sample_seconds + made.write_seconds};
   }
   LODE_TRY(

@@ -76,7 +76,7 @@ TEST(cli_terrain_raster, refuses_what_cannot_be_meant) {
   expect_refusal(run_lode({"extract", dem, out, "--difference", scratch / "less.png"}), 2,
                  {"--difference", ".tif"});
   expect_refusal(run_lode({"extract", dem, scratch / "out.jpg"}), 2, {"out.jpg", ".tif"});
-  expect_refusal(run_lode({"extract", dem, scratch / "none/out.tif"}), 1, {"out.tif"});
+  expect_refusal(run_lode({"extract", dem, scratch / "none/out.tif"}), 1, {"none/out.tif"});
   write_ball(scratch / "ball.nrrd");
   expect_refusal(run_lode({"extract", scratch / "ball.nrrd", scratch / "b.ply", "--isovalue", "3",
                            "--cell", "1"}),

@@ -362,6 +362,51 @@ TEST_F(terrain_raster, of_a_file_of_lode_lies_where_the_raster_did_and_keeps_a_w
   }
 }
 
+/// Vertices of whole heights do not make samples whole.
+TEST_F(terrain_raster, of_a_file_of_lode_promises_no_whole_error_of_scaled_samples) {
+  RasterFile raster{
+      .n_columns = 21, .n_rows = 21, .geotransform = std::to_array(kNorthUp), .scale = 0.1};
+  for (int i = 0; i < 441; ++i) raster.samples.push_back(i % 10 == 0 ? 10 * (i % 7) : 33);
+  io::test::write_raster(path("in.tif"), raster);
+  ASSERT_EQ(read_heights(path("in.tif"), {}, progress_)->type, "scaled int16");
+  auto opened = open_terrain(path("in.tif"), {}, PyramidOptions{.levels = {3}}, progress_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  const TerrainRasterReport report = write(*opened, 3);
+  const ReadRaster after = read_back(path("out.tif"));
+  EXPECT_EQ(after.geotransform, read_back(path("in.tif")).geotransform);
+  for (std::size_t i = 0; i < raster.samples.size(); ++i)
+    EXPECT_LE(std::abs(after.samples[i] - 0.1 * raster.samples[i]), report.error);
+  EXPECT_GT(report.error, report.terrain.achieved_error) << "rounding is in it";
+}
+
+TEST_F(terrain_raster, of_a_raster_has_pixels_of_another_size_where_one_is_given) {
+  io::test::write_raster(path("in.tif"),
+                         {.n_columns = 40,
+                          .n_rows = 30,
+                          .samples = samples_of(40, 30, hills),
+                          .geotransform = std::array<double, 6>{600, 10, 0, 900, 0, -10},
+                          .nodata = -9999});
+  const OpenedTerrain opened = open(path("in.tif"));
+  const TerrainRasterReport report = write(opened, 0, {.cell = 20});
+  EXPECT_EQ(report.error_kind, RasterErrorKind::of_tin);
+  const ReadRaster after = read_back(path("out.tif"));
+  EXPECT_EQ(after.geotransform, (std::array<double, 6>{600, 20, 0, 900, 0, -20}));
+  EXPECT_EQ(after.n_columns, 20);
+  EXPECT_EQ(after.n_rows, 15);
+  // At tolerance 0 cells are cut along the diagonal whose ends differ less.
+  for (int y = 0; y < 15; ++y)
+    for (int x = 0; x < 20; ++x) {
+      const auto height = [&](int dx, int dy) { return hills(2 * x + dx, 2 * y + dy); };
+      const double falling = std::abs(height(0, 0) - height(1, 1));
+      const double rising = std::abs(height(1, 0) - height(0, 1));
+      if (falling == rising) continue;
+      EXPECT_NEAR(
+          after.samples[static_cast<std::size_t>(y * 20 + x)],
+          falling < rising ? (height(0, 0) + height(1, 1)) / 2 : (height(1, 0) + height(0, 1)) / 2,
+          1e-9);
+    }
+}
+
 TEST_F(terrain_raster, of_points_has_pixels_at_multiples_of_the_cell_with_the_heights_of_the_tin) {
   std::ofstream file(path("points.xyz"));
   oracles::Random random(8);

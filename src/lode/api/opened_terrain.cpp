@@ -125,7 +125,10 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
     auto built = TerrainPyramid::build(read.grid, options, progress);
     if (!built && !progress.is_cancelled()) return fail("{}: {}", path, built.error().message);
     if (!built) return built.error();
-    return of_pyramid(*std::move(built));
+    OpenedTerrain opened = of_pyramid(*std::move(built));
+    opened.facts.form = read.form;
+    opened.facts.vertical = read.vertical;
+    return opened;
   }
   const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
   const std::shared_ptr<const HeightGrid> grid(raster, &raster->grid);

@@ -207,6 +207,8 @@ Result<HeightRaster> read_raster(const GdalRaster& raster, const HeightReadOptio
   HeightRaster result;
   LODE_TRY(result.grid, read_typed(raster, band, type, options, progress));
   result.type = to_lower(gdal.type_name(type));
+  if (gdal.scale(band, nullptr) != 1 || gdal.offset(band, nullptr) != 0)
+    result.type = "scaled " + result.type;
   if (const char* unit = gdal.unit(band); unit != nullptr)
     result.grid.vertical_unit = without_controls(unit);
   result.form.nodata = BandMask(raster, band, options).nodata;

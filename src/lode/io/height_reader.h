@@ -35,7 +35,7 @@ struct RasterForm {
 struct HeightRaster {
   HeightGrid grid;
   std::string format;      ///< GDAL's name, such as GTiff, or HGT.
-  std::string type;        ///< Of the file's samples: int16, float32, terrain-rgb, ...
+  std::string type;        ///< Of the file's samples: int16, scaled int16, terrain-rgb, ...
   bool has_place = false;  ///< Else the world is columns, and rows counted from the last one up.
   RasterForm form{};
   VerticalOutcome vertical{};

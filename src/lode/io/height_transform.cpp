@@ -160,17 +160,20 @@ class PieceTransformer {
 
   Result<void> run(std::size_t n, const Gather& gather, const Scatter& scatter,
                    Progress& progress) {
-    std::vector<std::optional<Worker>> workers(static_cast<std::size_t>(n_workers({})));
+    // Before threads start: what they copy is not said to be safe from several.
+    std::vector<Worker> workers;
+    for (std::size_t i = 0; i < std::min(n, static_cast<std::size_t>(n_workers({}))); ++i) {
+      LODE_TRY(Worker worker, make_worker());
+      workers.push_back(std::move(worker));
+    }
     std::atomic<std::size_t> n_done{0};
-    parallel_for(n, {}, 1, [&](std::size_t piece, int number) {
+    parallel_for(n, {static_cast<int>(workers.size())}, 1, [&](std::size_t piece, int number) {
       if (progress.is_cancelled() || has_failed_) return;
-      std::optional<Worker>& worker = workers[static_cast<std::size_t>(number)];
-      if (!worker) worker = Worker::make(transformation_);
-      if (!worker) return refuse(fail("expected PROJ to start once a thread, got nothing from it"));
-      worker->run.clear();
-      gather(piece, worker->run);
-      transform(*worker);
-      if (!has_failed_) scatter(piece, worker->run.z);
+      Worker& worker = workers[static_cast<std::size_t>(number)];
+      worker.run.clear();
+      gather(piece, worker.run);
+      transform(worker);
+      if (!has_failed_) scatter(piece, worker.run.z);
       progress.report("transforming", static_cast<double>(++n_done) / static_cast<double>(n));
     });
     if (progress.is_cancelled()) return cancelled_error();
@@ -181,19 +184,19 @@ class PieceTransformer {
  private:
   struct Worker {
     Proj proj;
-    Proj::Object transformation;
+    Proj::Object transformation;  ///< x before y.
     HeightRun run{};
-
-    static std::optional<Worker> make(const PJ* of) {
-      auto proj = Proj::make();
-      if (!proj) return std::nullopt;
-      auto clone = proj->own(proj->library().clone(proj->context(), of));
-      if (!clone) return std::nullopt;
-      auto x_first = proj->own(proj->library().with_x_first(proj->context(), clone.get()));
-      if (!x_first) return std::nullopt;
-      return Worker{std::move(proj).value(), std::move(x_first)};
-    }
   };
+
+  [[nodiscard]] Result<Worker> make_worker() const {
+    LODE_TRY(Proj proj, Proj::make());
+    const ProjLibrary& library = proj.library();
+    const Proj::Object copy = proj.own(library.clone(proj.context(), transformation_));
+    Proj::Object x_first =
+        proj.own(copy ? library.with_x_first(proj.context(), copy.get()) : nullptr);
+    if (!x_first) return fail("expected PROJ to copy a transformation, got: {}", proj.reason());
+    return Worker{std::move(proj), std::move(x_first)};
+  }
 
   void transform(Worker& worker) {
     HeightRun& run = worker.run;
