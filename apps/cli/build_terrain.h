@@ -19,7 +19,7 @@ struct TerrainBuildJob {
 [[nodiscard]] Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app);
 [[nodiscard]] Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session);
 
-/// The keys and rows of what a pyramid has.
+/// The keys and rows of what a built model has.
 void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& json, Table& table);
 
 }  // namespace lode::cli

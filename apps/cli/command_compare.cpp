@@ -70,6 +70,7 @@ Result<Outcome> run_compare(const CompareArguments& arguments, Session& session)
   options.threads = session.threads();
   LODE_CHECK(check_writable(arguments.output));
   LODE_TRY(const HeightRaster raster, read_heights(arguments.input, reading, session.progress()));
+  warn_of_vertical(raster.vertical, arguments.input, session);
   auto comparison = compare_terrain(raster.grid, options, session.progress());
   if (!comparison) {
     if (session.progress().is_cancelled()) return comparison.error();

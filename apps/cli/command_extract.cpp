@@ -31,6 +31,7 @@ struct ExtractArguments {
   SimplifyArguments simplify;
   ReadingArguments reading;
   TerrainFocusArguments focus;
+  RasterArguments raster;
   TerrainArguments terrain;
 
   /// What is simplified within a distance is of full resolution unless something else is asked for.
@@ -45,7 +46,7 @@ struct ExtractArguments {
     return {input, output, memory_limit, extraction, query, reading};
   }
   [[nodiscard]] TerrainJob terrain_job() const {
-    return {input, output, extraction.max_error, query, focus, terrain, reading};
+    return {input, output, extraction.max_error, query, focus, raster, terrain, reading};
   }
 };
 
@@ -78,6 +79,7 @@ Result<void> check_extract(const ExtractArguments& arguments, const CLI::App& ap
   if (!arguments.focus.is_empty())
     return fail("{}: expected terrain with --focus-point or --growth, got another file",
                 arguments.input);
+  LODE_CHECK(check_no_raster(arguments.raster, arguments.input));
   LODE_CHECK(check_unused(arguments.query, holds_tetrahedra(arguments.input)));
   if (arguments.reading.salvage && !arguments.memory_limit.empty())
     return fail("--salvage: expected no --memory-limit with it: all of the file is loaded");
@@ -362,10 +364,12 @@ Command add_extract_command(CLI::App& program) {
       "there is a TIN: no sample is farther from it, vertically, than --max-error. Of .lode files "
       "of\n"
       "rasters, and with --model delaunay_pyramid, that may hold in a --box X0,X1,Y0,Y1 alone, or\n"
-      "vary.\n\n"
+      "vary. OUT may end in .tif, too: the TIN's heights on the raster's own grid, or on one of\n"
+      "pixels of --cell; within --max-error of every sample also after rounding.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract dem.tif dem.ply --max-error 10\n"
-      "  lode extract survey.las ground.ply --class 2 --max-error 0.1\n"
+      "  lode extract dem.tif near.tif --max-error 10 --difference less.tif\n"
+      "  lode extract survey.las ground.tif --class 2 --max-error 0.1 --cell 1\n"
       "  lode extract dem.lode dem.ply --max-error 1 --focus-point 562000,5117000 --growth 0.002\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
@@ -394,6 +398,7 @@ Command add_extract_command(CLI::App& program) {
   add_simplify_options(*app, arguments->simplify);
   add_query_options(*app, arguments->query);
   add_terrain_focus_options(*app, arguments->focus);
+  add_raster_options(*app, arguments->raster);
   add_progressive_option(*app, arguments->progressive,
                          "Also write the surface from coarse to fine, step-000 and so on with "
                          "index.json, to a new or empty directory");

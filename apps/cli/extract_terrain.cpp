@@ -19,6 +19,7 @@ struct TerrainAnswer {
   bool is_strict;
   double read_seconds;
   double write_seconds;
+  std::optional<TerrainRasterReport> raster{};
 };
 
 Json answer_json(const TerrainAnswer& answer, Table& table, const Session& session) {
@@ -27,6 +28,8 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   json["command"] = "extract";
   json["input"] = answer.job.input;
   json["outputs"] = Json::array({answer.job.output});
+  if (!answer.job.raster.difference.empty())
+    json["outputs"].push_back(answer.job.raster.difference);
   json["model"] = name_of(answer.opened.model);
   if (!is_quadtree(answer.opened.model)) json["insertion"] = answer.is_strict ? "strict" : "levels";
   json["is_uniform"] = report.is_uniform;
@@ -41,8 +44,12 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   add_facts(answer.opened.facts, json, table);
   json["samples"] = report.n_samples;
   json["left_out_samples"] = report.n_left_out;
-  json["height_slack"] = report.height_slack;
-  json["position_slack"] = report.position_slack;
+  if (answer.raster) {
+    add_raster(*answer.raster, answer.opened.facts.form, json, table);
+  } else {
+    json["height_slack"] = report.height_slack;
+    json["position_slack"] = report.position_slack;
+  }
   json["seconds"] = {{"total", answer.read_seconds + report.seconds + answer.write_seconds},
                      {"read", answer.read_seconds},
                      {"select", report.seconds},
@@ -71,14 +78,20 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
   table.add({"select", format_seconds(report.seconds)});
   table.add({"write", format_seconds(answer.write_seconds)});
   table.add({"output", answer.job.output});
+  if (!answer.job.raster.difference.empty()) table.add({"output", answer.job.raster.difference});
 }
 
-std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened) {
-  const HeightFrame& frame = opened.facts.frame;
-  return fmt::format("Lode {}: {}, max_error {}, achieved_error {} at samples{}{}", LODE_VERSION,
+std::string summary_of(const TerrainReport& report, const OpenedTerrain& opened) {
+  const std::string& unit = opened.facts.frame.vertical_unit;
+  return fmt::format("Lode {}: {}, max_error {}, achieved_error {} at samples{}", LODE_VERSION,
                      name_of(opened.model), report.max_error, report.achieved_error,
-                     frame.vertical_unit.empty() ? "" : " " + frame.vertical_unit,
-                     frame.crs.empty() ? "" : ", CRS " + frame.crs);
+                     unit.empty() ? "" : " " + unit);
+}
+
+/// Of surfaces, whose files have no other place for a CRS.
+std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened) {
+  const std::string& crs = opened.facts.frame.crs;
+  return summary_of(report, opened) + (crs.empty() ? "" : ", CRS " + crs);
 }
 
 void warn_of(const TerrainReport& report, TerrainModel model, const TerrainJob& job,
@@ -119,6 +132,42 @@ Result<Wanted> to_wanted(const TerrainJob& job) {
     finest = std::min(*finest, *wanted.options.focus->max_error_outside);
   LODE_TRY(wanted.building, to_build_options(job.terrain, finest));
   return wanted;
+}
+
+/// How the terrain was made into what is written, and what that took.
+struct Written {
+  TerrainReport report;
+  std::optional<TerrainRasterReport> raster{};
+  double seconds = 0;
+};
+
+bool names_output(const Error& error, const TerrainJob& job) {
+  return error.message.starts_with(job.output + ": ") ||
+         (!job.raster.difference.empty() &&
+          error.message.starts_with(job.raster.difference + ": "));
+}
+
+Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
+                          const TerrainOptions& options, Session& session) {
+  if (is_geotiff_path(job.output)) {
+    LODE_TRY(TerrainRasterOptions wanted, to_raster_options(job.raster));
+    wanted.threads = session.threads();
+    wanted.comment = [&](const TerrainReport& report) { return summary_of(report, opened); };
+    auto written = write_terrain_raster(opened, options, wanted, job.output, session.progress());
+    // What cannot be written is named already.
+    const bool is_named = !written && names_output(written.error(), job);
+    LODE_TRY(const TerrainRasterReport made,
+             is_named ? std::move(written) : naming(job.input, std::move(written), session));
+    return Written{made.terrain, made, made.sample_seconds + made.write_seconds};
+  }
+  LODE_TRY(
+      const TerrainSurface made,
+      naming(job.input, extract_terrain(opened.terrain, options, session.progress()), session));
+  const Stopwatch watch;
+  LODE_CHECK(write_surface(job.output, made.surface,
+                           {.comment = comment_of(made.report, opened), .value_name = "height"},
+                           session.progress()));
+  return Written{made.report, {}, watch.seconds()};
 }
 
 Result<Outcome> run_model_info(const std::string& path, Session& session) {
@@ -181,11 +230,13 @@ Result<TerrainOptions> to_terrain_options(const std::string& max_error,
 }
 
 Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
-  LODE_CHECK(check_only_terrain(app, job.input,
-                                {"--max-error", "--max-cells", "--model", "--insertion", "--box",
-                                 "--focus-point", "--growth", "--max-error-outside"}));
+  LODE_CHECK(check_only_terrain(
+      app, job.input,
+      {"--max-error", "--max-cells", "--model", "--insertion", "--box", "--focus-point", "--growth",
+       "--max-error-outside", "--cell", "--difference"}));
   LODE_CHECK(check_terrain_model(job.input, job.terrain, job.reading));
-  LODE_CHECK(check_surface_extension(job.output));
+  if (!is_geotiff_path(job.output)) LODE_CHECK(check_terrain_surface(job.output));
+  LODE_CHECK(check_raster_arguments(job.raster, job.input, job.output));
   LODE_TRY(const Wanted wanted, to_wanted(job));
   const bool can_vary = wanted.building || holds_terrain_model(job.input);
   if (wanted.options.focus && !can_vary)
@@ -196,13 +247,16 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   if (wanted.options.focus && wanted.options.max_cells)
     return fail("--max-cells: expected no --box or --focus-point with it");
   LODE_CHECK(check_terrain_reading(job.input, job.terrain, job.reading));
-  return check_paths_differ({job.input}, {job.output});
+  std::vector<std::string> outputs{job.output};
+  if (!job.raster.difference.empty()) outputs.push_back(job.raster.difference);
+  return check_paths_differ({job.input}, outputs);
 }
 
 Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_TRY(Wanted wanted, to_wanted(job));
   TerrainOptions& options = wanted.options;
   LODE_CHECK(check_writable(job.output));
+  if (!job.raster.difference.empty()) LODE_CHECK(check_writable(job.raster.difference));
   const Stopwatch read_watch;
   LODE_TRY(const OpenedTerrain opened,
            open_terrain(job.input, job.terrain, job.reading, wanted.building, session));
@@ -211,18 +265,15 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
              naming(job.input, read_metric(opened.facts.frame.crs), session));
   }
   const double read_seconds = read_watch.seconds();
-  LODE_TRY(
-      const TerrainSurface made,
-      naming(job.input, extract_terrain(opened.terrain, options, session.progress()), session));
+  OutputSet outputs({job.output, job.raster.difference});
+  if (!job.raster.difference.empty()) outputs.add(job.raster.difference);
+  LODE_TRY(const Written made, write_tin(job, opened, options, session));
+  outputs.keep();
   const TerrainReport& report = made.report;
-  const Stopwatch write_watch;
-  LODE_CHECK(write_surface(job.output, made.surface,
-                           {.comment = comment_of(report, opened), .value_name = "height"},
-                           session.progress()));
   warn_of(report, opened.model, job, session);
-  const bool is_strict =
-      options.max_cells || options.order == InsertionOrder::strict || opened.built.has_value();
-  const TerrainAnswer answer{job, opened, report, is_strict, read_seconds, write_watch.seconds()};
+  const bool is_strict = options.max_cells || options.order == InsertionOrder::strict || opened.built.has_value();
+  const TerrainAnswer answer{job,          opened,       report,     is_strict,
+                             read_seconds, made.seconds, made.raster};
   Table table;
   Outcome outcome;
   outcome.json = answer_json(answer, table, session);
@@ -237,6 +288,7 @@ Result<Outcome> run_terrain_info(const std::string& path, const TerrainArguments
   if (is_point_path(path)) return run_points_info(path, terrain, reading, session);
   LODE_TRY(const HeightReadOptions options, to_height_options(terrain, reading));
   LODE_TRY(const HeightRaster raster, read_heights(path, options, session.progress()));
+  warn_of_vertical(raster.vertical, path, session);
   const TerrainInfo info = describe_terrain(raster.grid);
   Outcome outcome;
   outcome.json["command"] = "info";

@@ -4,6 +4,7 @@
 
 #include "terrain_focus_options.h"
 #include "terrain_input.h"
+#include "terrain_raster_options.h"
 
 namespace lode::cli {
 
@@ -14,6 +15,7 @@ struct TerrainJob {
   std::string max_error;
   QueryArguments query;  ///< --max-cells and foci.
   TerrainFocusArguments focus;
+  RasterArguments raster;
   TerrainArguments terrain;
   ReadingArguments reading;
 };

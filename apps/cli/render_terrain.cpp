@@ -125,7 +125,7 @@ Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App&
 
 Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& session) {
   LODE_TRY(TerrainPictureOptions options, to_options(job));
-  LODE_TRY(const auto pyramid, to_build_options(job.picture.terrain, options.terrain.max_error));
+  LODE_TRY(const auto building, to_build_options(job.picture.terrain, options.terrain.max_error));
   options.render.threads = session.threads();
   if (!job.camera.empty()) {
     LODE_TRY(options.render.camera, read_camera(job.camera));
@@ -133,7 +133,7 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
   const Stopwatch watch;
   LODE_TRY(const OpenedTerrain opened,
-           open_terrain(job.input, job.picture.terrain, job.reading, pyramid, session));
+           open_terrain(job.input, job.picture.terrain, job.reading, building, session));
   LODE_TRY(const HorizontalMetric metric,
            naming(job.input, read_metric(opened.facts.frame.crs), session));
   const double read_seconds = watch.seconds();

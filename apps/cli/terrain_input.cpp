@@ -22,6 +22,10 @@ std::string crs_name(const std::string& wkt) {
   return last == std::string::npos ? wkt : wkt.substr(first + 1, last - first - 1);
 }
 
+VerticalOptions to_vertical_options(const TerrainArguments& arguments) {
+  return {arguments.vertical_crs, arguments.to_vertical_crs};
+}
+
 Result<PointReadOptions> to_point_options(const TerrainArguments& arguments,
                                           const ReadingArguments& reading) {
   constexpr std::int64_t kMostClasses = 255;
@@ -35,6 +39,7 @@ Result<PointReadOptions> to_point_options(const TerrainArguments& arguments,
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   options.crs = arguments.crs;
+  options.vertical = to_vertical_options(arguments);
   if (!reading.nodata.empty()) {
     LODE_TRY(options.nodata, parse_number("--nodata", reading.nodata));
   }
@@ -103,9 +108,19 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   add_of_points("--max-edge", arguments.max_edge, "L",
                 "Leave out of the domain what is in triangles with a longer edge, in the unit of "
                 "the CRS, or metres where it is of longitudes and latitudes");
-  add_of_points("--outline", arguments.outline, "POLYGON.csv",
-                "Leave out of the domain what is outside of a polygon, x and y a line");
-  add_of_points("--crs", arguments.crs, "EPSG:N|WKT", "CRS of x and y, instead of the file's");
+  add_of_points("--outline", arguments.outline, "POLYGONS",
+                "Leave out of the domain what is outside of polygons: .geojson, .gpkg or .shp, in "
+                "any CRS, or text with x and y a line, in the points' coordinates");
+  add_of_points("--crs", arguments.crs, "EPSG:N|EPSG:N+M|WKT",
+                "CRS of x and y, perhaps of heights too, instead of the file's");
+  const auto add_of_heights = [&](const char* name, std::string& value, const char* help) {
+    app.add_option(name, value, help)->type_name("EPSG:N|WKT|ellipsoid")->group("Heights");
+  };
+  add_of_heights("--vertical-crs", arguments.vertical_crs,
+                 "What heights in the file are above and their unit, whatever it says: a vertical "
+                 "CRS, such as EPSG:5773, or the ellipsoid of its CRS");
+  add_of_heights("--to-vertical-crs", arguments.to_vertical_crs,
+                 "Transform heights to this when they are read, through PROJ; errors hold there");
   if (use == TerrainUse::reading) return;
   if (use == TerrainUse::verification) {
     add("--model", arguments.model, "MODEL",
@@ -127,6 +142,9 @@ Result<void> check_no_terrain(const TerrainArguments& arguments, const std::stri
         "{}: expected scattered points (.las, .xyz, ...) with --class, --duplicates, --max-edge, "
         "--outline or --crs, got another file",
         path);
+  if (arguments.has_vertical())
+    return fail("{}: expected {} with --vertical-crs or --to-vertical-crs, got another file", path,
+                kTerrainFiles);
   if (arguments.is_empty()) return {};
   return fail("{}: expected {} with --band, --encoding, --model or --insertion, got another file",
               path, kTerrainFiles);
@@ -134,9 +152,10 @@ Result<void> check_no_terrain(const TerrainArguments& arguments, const std::stri
 
 Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
                                 const std::vector<std::string>& allowed) {
-  constexpr std::array kAlways{"--json",     "--threads", "--quiet", "--band",
-                               "--encoding", "--nodata",  "--class", "--duplicates",
-                               "--max-edge", "--outline", "--crs"};
+  constexpr std::array kAlways{"--json",           "--threads", "--quiet", "--band",
+                               "--encoding",       "--nodata",  "--class", "--duplicates",
+                               "--max-edge",       "--outline", "--crs",   "--vertical-crs",
+                               "--to-vertical-crs"};
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
     const std::string name = "--" + option->get_lnames().front();
@@ -151,6 +170,7 @@ Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
 Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
                                             const ReadingArguments& reading) {
   HeightReadOptions options;
+  options.vertical = to_vertical_options(arguments);
   if (!arguments.band.empty()) {
     LODE_TRY(const auto band, parse_integer("--band", arguments.band, 1, kMaxBand));
     options.band = static_cast<int>(band);
@@ -188,12 +208,16 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArgumen
                                    const std::optional<TerrainBuildOptions>& building,
                                    Session& session) {
   LODE_TRY(TerrainReadOptions options, to_read_options(path, arguments, reading));
-  if (!arguments.outline.empty()) {
-    LODE_TRY(options.domain.outline, read_places(arguments.outline));
+  if (is_polygon_path(arguments.outline)) {
+    options.outline = arguments.outline;
+  } else if (!arguments.outline.empty()) {
+    LODE_TRY(std::vector<Place> corners, read_places(arguments.outline));
+    options.domain.outline = {PlacePolygon{std::move(corners)}};
   }
   LODE_TRY(OpenedTerrain opened, lode::open_terrain(path, options, building, session.progress()));
   if (opened.facts.points)
     warn_of_points(*opened.facts.points, path, options.domain.repeated, session);
+  warn_of_vertical(opened.facts.vertical, path, session);
   return opened;
 }
 
@@ -204,9 +228,8 @@ Result<void> check_terrain_model(const std::string& path, const TerrainArguments
                 arguments.model);
   if (!holds_terrain_model(path) || (arguments.is_empty() && reading.nodata.empty())) return {};
   return fail(
-      "{}: expected no --band, --encoding, --nodata, --model, --insertion or options of points "
-      "with "
-      "a .lode file of terrain, got one",
+      "{}: expected no --band, --encoding, --nodata, --model, --insertion or options of points or "
+      "of heights with a .lode file of terrain, got one",
       path);
 }
 
@@ -230,6 +253,10 @@ Result<std::optional<TerrainBuildOptions>> to_build_options(const TerrainArgumen
   return std::optional(options);
 }
 
+void warn_of_vertical(const VerticalOutcome& outcome, const std::string& path, Session& session) {
+  for (const std::string& note : outcome.notes) session.warn(fmt::format("{}: {}", path, note));
+}
+
 void add_facts(const TerrainFacts& facts, Json& json, Table& table) {
   const HeightFrame& frame = facts.frame;
   json["columns"] = frame.n_columns;
@@ -239,7 +266,14 @@ void add_facts(const TerrainFacts& facts, Json& json, Table& table) {
   json["to_world"] = frame.to_world;
   json["has_position"] = facts.has_place;
   json["crs"] = text_or_null(frame.crs);
+  const std::string vertical = vertical_name(frame.crs);
+  json["vertical_crs"] = text_or_null(vertical);
   json["vertical_unit"] = text_or_null(frame.vertical_unit);
+  const VerticalOutcome& outcome = facts.vertical;
+  if (!outcome.transformation.empty())
+    json["vertical_transformation"] = {
+        {"name", outcome.transformation},
+        {"accuracy", outcome.accuracy ? Json(*outcome.accuracy) : Json(nullptr)}};
   if (facts.points) {
     add_point_facts(*facts.points, json, table);
   } else {
@@ -250,7 +284,13 @@ void add_facts(const TerrainFacts& facts, Json& json, Table& table) {
   }
   if (!facts.points || facts.n_missing > 0) table.add({"missing", format_count(facts.n_missing)});
   table.add({"CRS", frame.crs.empty() ? "not known" : crs_name(frame.crs)});
+  table.add({"vertical CRS", vertical.empty() ? "not known" : vertical});
   table.add({"vertical unit", frame.vertical_unit.empty() ? "not known" : frame.vertical_unit});
+  if (!outcome.transformation.empty())
+    table.add(
+        {"transformed",
+         fmt::format("{}{}", outcome.transformation,
+                     outcome.accuracy ? fmt::format(", accuracy {} m", *outcome.accuracy) : "")});
 }
 
 }  // namespace lode::cli

@@ -19,16 +19,21 @@ struct TerrainArguments {
   std::string max_edge;
   std::string outline;
   std::string crs;
+  std::string vertical_crs;  ///< This and the next are of both.
+  std::string to_vertical_crs;
   std::string model;
   std::string insertion;
 
+  [[nodiscard]] bool has_vertical() const {
+    return !vertical_crs.empty() || !to_vertical_crs.empty();
+  }
   [[nodiscard]] bool has_raster() const { return !band.empty() || !encoding.empty(); }
   [[nodiscard]] bool has_points() const {
     return !(classes.empty() && duplicates.empty() && max_edge.empty() && outline.empty() &&
              crs.empty());
   }
   [[nodiscard]] bool is_empty() const {
-    return !has_raster() && !has_points() && model.empty() && insertion.empty();
+    return !has_raster() && !has_points() && !has_vertical() && model.empty() && insertion.empty();
   }
 };
 
@@ -82,6 +87,9 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
 
 /// A number >= 0, or nothing where none was given.
 [[nodiscard]] Result<std::optional<double>> to_max_error(const std::string& text);
+
+/// Says where heights were taken otherwise than their file says, and what was done to them.
+void warn_of_vertical(const VerticalOutcome& outcome, const std::string& path, Session& session);
 
 /// The keys and rows of a terrain: size, CRS, unit, samples that are missing.
 void add_facts(const TerrainFacts& facts, Json& json, Table& table);

@@ -46,10 +46,10 @@ Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
 Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Session& session) {
   LODE_TRY(const TerrainOptions options,
            to_terrain_options(arguments.max_error, "", arguments.terrain));
-  LODE_TRY(const auto pyramid, to_build_options(arguments.terrain, options.max_error));
+  LODE_TRY(const auto building, to_build_options(arguments.terrain, options.max_error));
   const Stopwatch watch;
   LODE_TRY(OpenedTerrain opened, open_terrain(arguments.input, arguments.terrain,
-                                              reading_of(arguments), pyramid, session));
+                                              reading_of(arguments), building, session));
   LODE_TRY(HorizontalMetric metric,
            naming(arguments.input, read_metric(opened.facts.frame.crs), session));
   return TerrainInput{std::move(opened), std::move(metric), options, watch.seconds()};

@@ -36,6 +36,7 @@ Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session)
   if (job.original.empty()) return report;
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_TRY(const HeightRaster raster, read_heights(job.original, reading, session.progress()));
+  warn_of_vertical(raster.vertical, job.original, session);
   LODE_TRY(const VerifyReport against,
            naming(job.original, built.verify(raster.grid, session.threads(), session.progress()),
                   session));
@@ -75,6 +76,7 @@ Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& 
   if (is_point_path(job.input)) return verify_points(job, max_error.value_or(0), session);
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_TRY(const HeightRaster raster, read_heights(job.input, reading, session.progress()));
+  warn_of_vertical(raster.vertical, job.input, session);
   LODE_TRY(const Surface surface, read_surface(job.surface));
   LODE_TRY(const TinShape shape, to_shape(job.terrain.model));
   return verify_terrain(

@@ -1,4 +1,5 @@
 // Scattered points as input of all commands of terrain.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -111,6 +112,43 @@ TEST_F(cli_points, takes_text_with_an_outline_and_a_crs) {
   EXPECT_EQ(json.at("triangles"), 81);
   EXPECT_EQ(json.at("lattice_step"), 0.01);
   EXPECT_NE(json.at("crs").get<std::string>().find("WGS 84"), std::string::npos);
+}
+
+TEST_F(cli_points, takes_outlines_of_geojson_with_holes_in_their_own_crs) {
+  // The hill is round 500100, 4000075 of zone 33 (15 degrees east): 200 x 150 m.
+  const auto ring = [](double west, double east, double south, double north) {
+    std::string text;
+    for (const auto& [x, y] :
+         {std::pair{west, south}, {east, south}, {east, north}, {west, north}, {west, south}})
+      text += fmt::format("{}[{},{}]", text.empty() ? "" : ",", x, y);
+    return "[" + text + "]";
+  };
+  const auto geojson = [](const std::string& geometry) {
+    return R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":)" +
+           geometry + "}]}";
+  };
+  const std::string outer = ring(15.0004, 15.0018, 36.1444, 36.1452);
+  const std::string inner = ring(15.0009, 15.0013, 36.1446, 36.1450);
+  write_bytes(scratch_ / "whole.geojson",
+              geojson(R"({"type":"Polygon","coordinates":[)" + outer + "]}"));
+  write_bytes(scratch_ / "holed.geojson",
+              geojson(R"({"type":"Polygon","coordinates":[)" + outer + "," + inner + "]}"));
+  write_bytes(scratch_ / "line.geojson",
+              geojson(R"({"type":"LineString","coordinates":[[15,36],[15.1,36.1]]})"));
+  const auto left_out = [&](const std::string& outline) {
+    const auto json = run_lode({"info", las_, "--outline", outline, "--json"}).json();
+    return json.at("left_out").at("outside_outline").get<int>();
+  };
+  const int outside = left_out(scratch_ / "whole.geojson");
+  EXPECT_GT(outside, 100);
+  EXPECT_LT(outside, 500);
+  EXPECT_GT(left_out(scratch_ / "holed.geojson"), outside + 20);
+  expect_refusal(run_lode({"info", las_, "--outline", scratch_ / "line.geojson"}), 1,
+                 {"line.geojson", "linestring in feature 0"});
+  expect_refusal(run_lode({"info", las_, "--outline", scratch_ / "none.gpkg"}), 1, {"none.gpkg"});
+  write_bytes(scratch_ / "few.xyz", "0 0 1\n9 0 1\n0 9 1\n");
+  expect_refusal(run_lode({"info", scratch_ / "few.xyz", "--outline", scratch_ / "whole.geojson"}),
+                 1, {"whole.geojson", "--crs"});
 }
 
 TEST_F(cli_points, says_which_heights_are_not_those_of_the_file) {

@@ -46,5 +46,25 @@ TEST(triangle_rows, have_exactly_the_nodes_of_the_closed_triangle_all_or_sparse)
   }
 }
 
+TEST(triangle_rows, that_skip_go_on_as_if_every_row_had_been_looked_at) {
+  oracles::Random random(3);
+  for (int round = 0; round < 2000; ++round) {
+    std::array<LatticePoint, 3> v{};
+    for (LatticePoint& p : v)
+      p = {static_cast<std::int32_t>(random.below(90)),
+           static_cast<std::int32_t>(random.below(30))};
+    if (doubled_area(v[0], v[1], v[2]) < 0) std::swap(v[1], v[2]);
+    if (doubled_area(v[0], v[1], v[2]) == 0) continue;
+    const auto row = static_cast<std::int32_t>(random.below(30));
+    const std::int32_t top = std::max({v[0].y, v[1].y, v[2].y});
+    TriangleRows rows(v[0], v[1], v[2]);
+    for (auto steps = random.below(3); steps > 0 && rows.y() < top; --steps) rows.next();
+    Nodes expected = nodes_of(rows);
+    if (row <= top) std::erase_if(expected, [&](const auto& node) { return node.second < row; });
+    rows.skip_to(row);
+    EXPECT_EQ(nodes_of(rows), expected) << "to row " << row;
+  }
+}
+
 }  // namespace
 }  // namespace lode::delaunay

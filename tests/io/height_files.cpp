@@ -12,9 +12,11 @@ void describe(GDALDatasetH dataset, const RasterFile& raster) {
     std::array<double, 6> g = *raster.geotransform;
     EXPECT_EQ(GDALSetGeoTransform(dataset, g.data()), CE_None);
   }
-  if (raster.epsg != 0) {
+  if (raster.epsg != 0 || !raster.crs.empty()) {
+    const std::string text =
+        raster.crs.empty() ? "EPSG:" + std::to_string(raster.epsg) : raster.crs;
     OGRSpatialReferenceH crs = OSRNewSpatialReference(nullptr);
-    EXPECT_EQ(OSRImportFromEPSG(crs, raster.epsg), OGRERR_NONE);
+    EXPECT_EQ(OSRSetFromUserInput(crs, text.c_str()), OGRERR_NONE);
     EXPECT_EQ(GDALSetSpatialRef(dataset, crs), CE_None);
     OSRDestroySpatialReference(crs);
   }

@@ -19,6 +19,7 @@ struct RasterFile {
   std::optional<std::array<double, 6>> geotransform{};
   std::optional<double> nodata{};
   int epsg = 0;
+  std::string crs{};  ///< As OSRSetFromUserInput() takes it, instead.
   double scale = 1;
   double offset = 0;
   std::string unit{};

@@ -202,7 +202,7 @@ TEST(point_terrain, ends_at_an_outline_that_is_given) {
   const std::vector<Place> square{
       {{500100, 4000100}}, {{500500, 4000100}}, {{500500, 4000500}}, {{500100, 4000500}}};
   const std::vector<Vec3d> points = survey(90, 6);
-  const PointTerrain terrain = make(points, {.outline = square});
+  const PointTerrain terrain = make(points, {.outline = {{square}}});
   const auto is_in = [](double x, double y) {
     return x >= 500100 && x <= 500500 && y >= 4000100 && y <= 4000500;
   };
@@ -213,13 +213,38 @@ TEST(point_terrain, ends_at_an_outline_that_is_given) {
   // A notch: what lies between its sides is left out, though its corners are inside.
   std::vector<Place> notched = square;
   notched.insert(notched.begin() + 1, {{500300, 4000450}});
-  const PointTerrain part = make(points, {.outline = notched});
+  const PointTerrain part = make(points, {.outline = {{notched}}});
   expect_domain(part, [&](const auto& at) {
     const Place middle = (at[0] + at[1] + at[2]) * (1.0 / 3);
     const double from_middle = std::abs(middle[0] - 500300);
     return is_in(middle[0], middle[1]) && middle[1] - 4000100 >= 350 * (1 - from_middle / 200);
   });
-  EXPECT_FALSE(try_make(points, {.outline = {{{0, 0}}, {{1, 0}}, {{0, 1}}}}));
+  const std::vector<Place> elsewhere{{{0, 0}}, {{1, 0}}, {{0, 1}}};
+  EXPECT_FALSE(try_make(points, {.outline = {{elsewhere}}}));
+  EXPECT_FALSE(try_make(points, {.outline = {{{square[0], square[1]}}}}));
+}
+
+TEST(point_terrain, keeps_holes_and_all_polygons_of_an_outline) {
+  const auto box = [](double x0, double x1, double y0, double y1) {
+    return std::vector<Place>{{{x0, y0}}, {{x1, y0}}, {{x1, y1}}, {{x0, y1}}};
+  };
+  const PlacePolygon holed{box(500050, 500350, 4000050, 4000550),
+                           box(500150, 500250, 4000200, 4000400)};
+  // What is in two polygons is in, though it is in an even number.
+  const PlacePolygon other{box(500300, 500550, 4000300, 4000500)};
+  const PointTerrain terrain = make(survey(110, 7), {.outline = {holed, other}});
+  const auto is_in = [](const Place& p) {
+    const auto within = [&](double x0, double x1, double y0, double y1) {
+      return p[0] > x0 && p[0] < x1 && p[1] > y0 && p[1] < y1;
+    };
+    return (within(500050, 500350, 4000050, 4000550) &&
+            !within(500150, 500250, 4000200, 4000400)) ||
+           within(500300, 500550, 4000300, 4000500);
+  };
+  expect_domain(terrain,
+                [&](const auto& at) { return is_in((at[0] + at[1] + at[2]) * (1.0 / 3)); });
+  EXPECT_GT(terrain.n_outside, 20U);
+  EXPECT_EQ(failed(terrain, extract(terrain, {.max_error = 1}).surface, 1), "");
 }
 
 TEST(point_terrain, has_one_height_where_points_are_repeated) {

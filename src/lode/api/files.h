@@ -12,6 +12,7 @@
 #include "lode/api/terrain.h"
 #include "lode/api/terrain_comparison.h"
 #include "lode/api/terrain_picture.h"
+#include "lode/api/terrain_raster.h"
 #include "lode/api/terrain_sight.h"
 #include "lode/api/terrain_tin.h"
 #include "lode/api/tetra_dataset.h"
@@ -21,6 +22,7 @@
 #include "lode/io/mesh_file.h"
 #include "lode/io/mesh_reader.h"
 #include "lode/io/mesh_vtu.h"
+#include "lode/io/polygon_file.h"
 #include "lode/io/surface_file.h"
 #include "lode/io/tetrahedra.h"
 #include "lode/io/vector_file.h"
@@ -48,14 +50,18 @@ using io::HeightEncoding;
 using io::HeightRaster;
 using io::HeightReadOptions;
 using io::is_geojson_path;
+using io::is_geotiff_path;
 using io::is_height_path;
 using io::is_point_path;
+using io::is_polygon_path;
 using io::Magnitude;
 using io::MeshWriteOptions;
 using io::open_volume;
 using io::PointCounts;
 using io::PointReadOptions;
 using io::QuadraticCells;
+using io::RasterForm;
+using io::RasterType;
 using io::RawLayout;
 using io::read_cell_mesh;
 using io::read_heights;
@@ -69,6 +75,9 @@ using io::to_tetrahedra;
 using io::VectorLayer;
 using io::VectorShape;
 using io::VectorWriter;
+using io::vertical_name;
+using io::VerticalOptions;
+using io::VerticalOutcome;
 using io::write_mesh;
 using io::write_surface;
 using io::write_vtu;

@@ -6,6 +6,7 @@
 
 #include "lode/api/files.h"
 #include "lode/core/out_of_memory.h"
+#include "lode/io/polygon_file.h"
 #include "lode/store/reader.h"
 
 namespace lode {
@@ -51,17 +52,25 @@ TerrainFacts point_facts_of(const io::PointFile& file, const PointTerrain& terra
                                .n_repeated = points.n_repeated,
                                .largest_spread = points.largest_spread,
                                .largest_move = points.largest_move,
-                               .step = points.step()}};
+                               .step = points.step()},
+          .vertical = file.vertical};
 }
 
 Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOptions& options,
                                   Progress& progress) {
+  PointTerrainOptions domain = options.domain;
+  io::PolygonFile outline;
+  if (!options.outline.empty()) {
+    LODE_TRY(outline, io::read_polygons(options.outline));
+  }
   LODE_TRY(const io::PointFile file, io::read_points(path, options.points, progress));
+  if (!options.outline.empty()) {
+    LODE_TRY(domain.outline, io::polygons_in(outline, file.crs));
+  }
   LODE_TRY(const HorizontalMetric metric, naming(path, io::read_metric(file.crs), progress));
-  LODE_TRY(
-      PointTerrain made,
-      naming(path, make_point_terrain(file.points, file.lattice, metric, options.domain, progress),
-             progress));
+  LODE_TRY(PointTerrain made,
+           naming(path, make_point_terrain(file.points, file.lattice, metric, domain, progress),
+                  progress));
   made.points.crs = file.crs;
   made.points.vertical_unit = file.vertical_unit;
   TerrainFacts facts = point_facts_of(file, made);
@@ -76,7 +85,9 @@ TerrainFacts facts_of(const io::HeightRaster& raster) {
           .format = raster.format,
           .type = raster.type,
           .has_place = raster.has_place,
-          .n_missing = raster.grid.n_missing()};
+          .n_missing = raster.grid.n_missing(),
+          .form = raster.form,
+          .vertical = raster.vertical};
 }
 
 bool holds_terrain_model(const std::string& path) {
@@ -112,11 +123,14 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
     auto built = BuiltTerrain::build(read.grid, options, progress);
     if (!built && !progress.is_cancelled()) return fail("{}: {}", path, built.error().message);
     if (!built) return built.error();
-    return of_built(*std::move(built));
+    OpenedTerrain opened = of_built(*std::move(built));
+    opened.facts.form = read.form;
+    opened.facts.vertical = read.vertical;
+    return opened;
   }
   const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
-  return OpenedTerrain{Terrain(std::shared_ptr<const HeightGrid>(raster, &raster->grid)),
-                       TerrainModel::delaunay_selector, facts_of(*raster)};
+  const std::shared_ptr<const HeightGrid> grid(raster, &raster->grid);
+  return OpenedTerrain{.terrain = Terrain(grid), .facts = facts_of(*raster), .grid = grid};
 } catch (const std::bad_alloc&) {
   return out_of_memory("open the terrain", path);
 }

@@ -39,6 +39,8 @@ struct TerrainFacts {
   bool has_place = false;  ///< See HeightRaster.
   std::uint64_t n_missing = 0;
   std::optional<PointFacts> points{};
+  io::RasterForm form{};  ///< Of a raster's file.
+  io::VerticalOutcome vertical{};
 };
 
 [[nodiscard]] TerrainFacts facts_of(const io::HeightRaster& raster);
@@ -48,6 +50,8 @@ struct TerrainReadOptions {
   io::HeightReadOptions raster{};
   io::PointReadOptions points{};
   PointTerrainOptions domain{};
+  /// A file of polygons (io/polygon_file.h), in place of domain.outline; empty: none.
+  std::string outline{};
 };
 
 /// A terrain from a file, ready to be asked.
@@ -57,6 +61,7 @@ struct OpenedTerrain {
   TerrainFacts facts;
   std::optional<BuiltTerrain> built{};           ///< Of all but the delaunay_selector.
   std::shared_ptr<const PointTerrain> points{};  ///< Null: it is of a raster.
+  std::shared_ptr<const HeightGrid> grid{};  ///< The raster; null where only a model is at hand.
 };
 
 /// Whether a path is read as terrain: it is a raster of heights or of scattered points by its name,

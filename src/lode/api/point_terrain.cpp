@@ -8,7 +8,7 @@
 #include "lode/api/terrain_selection.h"
 #include "lode/api/terrain_tin.h"
 #include "lode/core/out_of_memory.h"
-#include "lode/delaunay/lattice_side.h"
+#include "lode/locate/polygon_locator.h"
 
 namespace lode {
 namespace {
@@ -30,33 +30,6 @@ class PointOrigin final : public TerrainOrigin {
 
  private:
   std::shared_ptr<const PointTerrain> terrain_;
-};
-
-/// A polygon with its border; by the number of its edges on one side, so that it may cross itself.
-class Polygon {
- public:
-  explicit Polygon(std::span<const Place> corners) : corners_(corners) {}
-
-  [[nodiscard]] bool holds(const Place& p) const {
-    bool is_inside = false;
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      const Place& a = corners_[i];
-      const Place& b = corners_[i + 1 < corners_.size() ? i + 1 : 0];
-      const int side = delaunay::side_of(a, b, p);
-      if (side == 0 && is_between(a, b, p)) return true;
-      if ((a[1] > p[1]) != (b[1] > p[1]) && (side > 0) == (b[1] > a[1])) is_inside = !is_inside;
-    }
-    return is_inside;
-  }
-
- private:
-  [[nodiscard]] static bool is_between(const Place& a, const Place& b, const Place& p) {
-    for (std::size_t i = 0; i < 2; ++i)
-      if (p[i] < std::min(a[i], b[i]) || p[i] > std::max(a[i], b[i])) return false;
-    return true;
-  }
-
-  std::span<const Place> corners_;
 };
 
 /// Of a triangle by the numbers of its points.
@@ -81,11 +54,12 @@ class PartRule {
   const HeightPoints& points_;
   const HorizontalMetric& metric_;
   const PointTerrainOptions& options_;
-  Polygon outline_;
+  PolygonLocator outline_;
 };
 
-std::vector<Vec3d> points_within(std::span<const Vec3d> points, std::span<const Place> corners) {
-  const Polygon outline(corners);
+std::vector<Vec3d> points_within(std::span<const Vec3d> points,
+                                 std::span<const PlacePolygon> polygons) {
+  const PolygonLocator outline(polygons);
   std::vector<Vec3d> within;
   for (const Vec3d& p : points)
     if (outline.holds({{p[0], p[1]}})) within.push_back(p);
@@ -95,8 +69,10 @@ std::vector<Vec3d> points_within(std::span<const Vec3d> points, std::span<const 
 Result<void> check_options(const PointTerrainOptions& options) {
   if (options.max_edge && !(*options.max_edge > 0))
     return fail("expected a longest edge > 0, got {}", *options.max_edge);
-  if (!options.outline.empty() && options.outline.size() < 3)
-    return fail("expected an outline of three corners or more, got {}", options.outline.size());
+  for (const PlacePolygon& polygon : options.outline)
+    for (const auto& ring : polygon)
+      if (ring.size() < 3)
+        return fail("expected an outline of three corners or more, got {}", ring.size());
   return {};
 }
 

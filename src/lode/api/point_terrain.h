@@ -9,6 +9,7 @@
 #include "lode/api/terrain.h"
 #include "lode/core/height_points.h"
 #include "lode/core/horizontal_metric.h"
+#include "lode/core/place_polygon.h"
 #include "lode/models/terrain/delaunay_selector/point_domain.h"
 
 namespace lode {
@@ -17,9 +18,9 @@ struct PointTerrainOptions {
   RepeatedHeights repeated = RepeatedHeights::mean;
   /// Triangles with a longer edge are no part of the domain; > 0, as the metric measures.
   std::optional<double> max_edge{};
-  /// Corners of a polygon in the points' coordinates, where it is not empty: points outside are
-  /// left out, and triangles whose middle is.
-  std::vector<Vec<double, 2>> outline{};
+  /// Polygons in the points' coordinates, where there are any: points outside of all are left out,
+  /// and triangles whose middle is. Rings have three corners or more.
+  std::vector<PlacePolygon> outline{};
 };
 
 /// Scattered points, and what they define a surface over: their convex hull, or the part of their

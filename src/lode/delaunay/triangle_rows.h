@@ -31,6 +31,12 @@ class EdgeSteps {
       ++x_;
     }
   }
+  /// n steps at once, n >= 0.
+  void step(std::int64_t n) {
+    const std::int64_t parts = rest_ + n * part_;
+    x_ += static_cast<std::int32_t>(n * whole_ + parts / run_);
+    rest_ = static_cast<std::int32_t>(parts % run_);
+  }
 
  private:
   std::int32_t x_;
@@ -67,6 +73,18 @@ class TriangleRows {
       short_ = upper_edge();
     else
       short_.step();
+  }
+  /// To row y, if that is above this one and not above the last.
+  void skip_to(std::int32_t y) {
+    if (y <= y_ || y > v_[2].y) return;
+    long_.step(y - y_);
+    if (y < v_[1].y) {
+      short_.step(y - y_);
+    } else {
+      if (y_ < v_[1].y) short_ = upper_edge();
+      short_.step(y - std::max(y_, v_[1].y));
+    }
+    y_ = y;
   }
 
  private:

@@ -19,6 +19,7 @@ Result<HorizontalMetric> read_metric(const std::string& crs) try {
     metric.ellipsoid = Ellipsoid{gdal->semi_major(read.handle(), nullptr),
                                  gdal->inverse_flattening(read.handle(), nullptr)};
     const char* name = gdal->attribute(read.handle(), "SPHEROID", 0);
+    if (name == nullptr) name = gdal->attribute(read.handle(), "ELLIPSOID", 0);
     metric.ellipsoid_name = name == nullptr ? "unnamed" : without_controls(name);
     metric.unit = "metre";
     if (!(metric.angle_unit > 0 && metric.ellipsoid->semi_major > 0 &&

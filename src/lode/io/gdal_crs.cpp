@@ -12,13 +12,46 @@ namespace lode::io {
 
 namespace {
 
-/// Of EPSG:N; none of other text.
-std::optional<int> epsg_code(const std::string& text) {
+int to_code(std::string_view digits) {
+  constexpr std::int64_t kMostCode = 1 << 20;
+  return static_cast<int>(std::clamp<std::int64_t>(to_int64(digits).value_or(0), 0, kMostCode));
+}
+
+struct EpsgCodes {
+  int first = 0;
+  std::optional<int> vertical{};
+};
+
+/// Of EPSG:N and EPSG:N+M; none of other text.
+std::optional<EpsgCodes> epsg_codes(const std::string& text) {
   constexpr std::string_view kPrefix = "epsg:";
   if (!to_lower(text).starts_with(kPrefix)) return std::nullopt;
-  const auto code = to_int64(std::string_view(text).substr(kPrefix.size()));
-  constexpr std::int64_t kMostCode = 1 << 20;
-  return static_cast<int>(std::clamp<std::int64_t>(code.value_or(0), 0, kMostCode));
+  const std::string_view codes = std::string_view(text).substr(kPrefix.size());
+  const std::size_t plus = codes.find('+');
+  EpsgCodes found{.first = to_code(codes.substr(0, plus))};
+  if (plus != std::string_view::npos) found.vertical = to_code(codes.substr(plus + 1));
+  return found;
+}
+
+bool import_codes(const GdalLibrary& gdal, OGRSpatialReferenceH crs, const EpsgCodes& codes) {
+  if (!codes.vertical) return gdal.import_epsg(crs, codes.first) == OGRERR_NONE;
+  OGRSpatialReferenceH first = gdal.new_crs(nullptr);
+  OGRSpatialReferenceH second = gdal.new_crs(nullptr);
+  const bool is_made =
+      gdal.import_epsg(first, codes.first) == OGRERR_NONE && gdal.is_vertical(first) == 0 &&
+      gdal.import_epsg(second, *codes.vertical) == OGRERR_NONE && gdal.is_vertical(second) != 0;
+  const auto name_of = [&](OGRSpatialReferenceH one) {
+    for (const char* part : {"PROJCS", "GEOGCS", "VERT_CS"})
+      if (const char* name = gdal.attribute(one, part, 0); name != nullptr)
+        return std::string(name);
+    return std::string("unnamed");
+  };
+  const bool is_joined =
+      is_made && gdal.set_compound(crs, (name_of(first) + " + " + name_of(second)).c_str(), first,
+                                   second) == OGRERR_NONE;
+  gdal.destroy_crs(first);
+  gdal.destroy_crs(second);
+  return is_joined;
 }
 
 }  // namespace
@@ -28,13 +61,13 @@ Result<GdalCrs> GdalCrs::of(const std::string& text) {
   gdal->push_error_handler(gdal->quiet_handler);
   GdalCrs crs(gdal, gdal->new_crs(nullptr));
   const auto import = [&] {
-    if (const auto code = epsg_code(text)) return gdal->import_epsg(crs.handle_, *code);
+    if (const auto codes = epsg_codes(text)) return import_codes(*gdal, crs.handle_, *codes);
     std::string wkt = text;
     char* at = wkt.data();
-    return gdal->import_wkt(crs.handle_, &at);
+    return gdal->import_wkt(crs.handle_, &at) == OGRERR_NONE;
   };
-  if (crs.handle_ == nullptr || import() != OGRERR_NONE)
-    return fail("expected a CRS as WKT or EPSG:N, got {}", quoted(text));
+  if (crs.handle_ == nullptr || !import())
+    return fail("expected a CRS as WKT, EPSG:N or EPSG:N+M, got {}", quoted(text));
   gdal->set_axis_order(crs.handle_, OAMS_TRADITIONAL_GIS_ORDER);
   return crs;
 }
@@ -43,6 +76,11 @@ GdalCrs::~GdalCrs() {
   if (gdal_ == nullptr) return;
   gdal_->destroy_crs(handle_);
   gdal_->pop_error_handler();
+}
+
+void GdalCrs::strip_heights() const {
+  gdal_->strip_vertical(handle_);
+  gdal_->strip_height(handle_, nullptr);
 }
 
 Result<std::string> to_wkt(const std::string& crs) {

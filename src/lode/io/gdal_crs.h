@@ -13,7 +13,8 @@ namespace lode::io {
 /// easting before northing, longitude before latitude, as in rasters.
 class GdalCrs {
  public:
-  /// Of WKT, or EPSG:N. Fails on other text.
+  /// Of WKT, EPSG:N, or, compound, EPSG:N+M, whose second code is of a vertical CRS. Fails on other
+  /// text.
   [[nodiscard]] static Result<GdalCrs> of(const std::string& text);
 
   GdalCrs(const GdalCrs&) = delete;
@@ -24,6 +25,8 @@ class GdalCrs {
   ~GdalCrs();
 
   [[nodiscard]] OGRSpatialReferenceH handle() const { return handle_; }
+  /// Leaves x and y alone: with heights in it GDAL may choose another transformation of these.
+  void strip_heights() const;
 
  private:
   GdalCrs(const GdalLibrary* gdal, OGRSpatialReferenceH handle) : gdal_(gdal), handle_(handle) {}
@@ -32,7 +35,7 @@ class GdalCrs {
   OGRSpatialReferenceH handle_;
 };
 
-/// A CRS, given as EPSG:N or as WKT, as WKT. Fails where GDAL does not know it.
+/// A CRS, given as EPSG:N, EPSG:N+M or as WKT, as WKT. Fails where GDAL does not know it.
 [[nodiscard]] Result<std::string> to_wkt(const std::string& crs);
 
 }  // namespace lode::io

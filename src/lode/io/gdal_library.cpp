@@ -57,11 +57,24 @@ void find_bands(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.read, "GDALRasterIO");
 }
 
+void find_raster_output(Finder& finder, GdalLibrary& gdal) {
+  finder.find(gdal.set_geotransform, "GDALSetGeoTransform");
+  finder.find(gdal.set_crs, "GDALSetSpatialRef");
+  finder.find(gdal.set_metadata, "GDALSetMetadataItem");
+  finder.find(gdal.set_nodata, "GDALSetRasterNoDataValue");
+  finder.find(gdal.set_unit, "GDALSetRasterUnitType");
+  finder.find(gdal.set_description, "GDALSetDescription");
+}
+
 void find_crs(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.new_crs, "OSRNewSpatialReference");
   finder.find(gdal.destroy_crs, "OSRDestroySpatialReference");
   finder.find(gdal.import_wkt, "OSRImportFromWkt");
   finder.find(gdal.import_epsg, "OSRImportFromEPSG");
+  finder.find(gdal.set_compound, "OSRSetCompoundCS");
+  finder.find(gdal.is_vertical, "OSRIsVertical");
+  finder.find(gdal.strip_vertical, "OSRStripVertical");
+  finder.find(gdal.strip_height, "OSRDemoteTo2D");
   finder.find(gdal.export_wkt, "OSRExportToWkt");
   finder.find(gdal.release, "VSIFree");
   finder.find(gdal.set_axis_order, "OSRSetAxisMappingStrategy");
@@ -95,6 +108,29 @@ void find_vectors(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.last_error_kind, "CPLGetLastErrorType");
 }
 
+void find_vector_input(Finder& finder, GdalLibrary& gdal) {
+  finder.find(gdal.n_layers, "GDALDatasetGetLayerCount");
+  finder.find(gdal.layer, "GDALDatasetGetLayer");
+  finder.find(gdal.layer_name, "OGR_L_GetName");
+  finder.find(gdal.layer_crs, "OGR_L_GetSpatialRef");
+  finder.find(gdal.next_feature, "OGR_L_GetNextFeature");
+  finder.find(gdal.feature_number, "OGR_F_GetFID");
+  finder.find(gdal.geometry, "OGR_F_GetGeometryRef");
+  finder.find(gdal.linear_geometry, "OGR_G_GetLinearGeometry");
+  finder.find(gdal.destroy_geometry, "OGR_G_DestroyGeometry");
+  finder.find(gdal.geometry_type, "OGR_G_GetGeometryType");
+  finder.find(gdal.flat_type, "OGR_GT_Flatten");
+  finder.find(gdal.geometry_name, "OGR_G_GetGeometryName");
+  finder.find(gdal.n_parts, "OGR_G_GetGeometryCount");
+  finder.find(gdal.part, "OGR_G_GetGeometryRef");
+  finder.find(gdal.n_points, "OGR_G_GetPointCount");
+  finder.find(gdal.points, "OGR_G_GetPoints");
+  finder.find(gdal.is_same_crs, "OSRIsSame");
+  finder.find(gdal.new_transformation, "OCTNewCoordinateTransformation");
+  finder.find(gdal.destroy_transformation, "OCTDestroyCoordinateTransformation");
+  finder.find(gdal.transform, "OCTTransform");
+}
+
 Result<GdalLibrary> load() {
   void* library = dlopen(LODE_GDAL_LIBRARY, RTLD_LAZY | RTLD_LOCAL);
   if (library == nullptr) {
@@ -106,8 +142,10 @@ Result<GdalLibrary> load() {
   Finder finder(library);
   find_rasters(finder, gdal);
   find_bands(finder, gdal);
+  find_raster_output(finder, gdal);
   find_crs(finder, gdal);
   find_vectors(finder, gdal);
+  find_vector_input(finder, gdal);
   if (!finder.missing().empty())
     return fail("expected {} to have {}, got a library without it", LODE_GDAL_LIBRARY,
                 finder.missing());

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include "lode/io/input_file.h"
 #include "lode/io/text.h"
@@ -13,6 +14,11 @@ namespace {
 /// Not those that read other files or ask the network, whatever a file is called.
 constexpr std::array<const char*, 8> kFormats{"GTiff", "AAIGrid", "PNG",  "USGSDEM",
                                               "EHdr",  "ENVI",    "DTED", nullptr};
+
+/// GDAL's word for a GeoTIFF that says whether samples are points and nothing of a CRS.
+bool is_empty_crs(std::string_view wkt) {
+  return wkt.starts_with(R"(LOCAL_CS["unnamed",UNIT["unknown")");
+}
 
 }  // namespace
 
@@ -28,6 +34,8 @@ Result<GdalRaster> GdalRaster::open(const std::string& path) {
   LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
   gdal->push_error_handler(gdal->quiet_handler);
   gdal->reset_errors();
+  // Files of GeoTIFF 1.0 have vertical CRS, too, of which GDAL is silent unless asked.
+  gdal->set_option("GTIFF_REPORT_COMPD_CS", "YES");
   GdalRaster raster(path, gdal, file->size());
   raster.dataset_ = gdal->open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kFormats.data(),
                                nullptr, nullptr);
@@ -41,6 +49,7 @@ Result<GdalRaster> GdalRaster::open(const std::string& path) {
 GdalRaster::~GdalRaster() {
   if (gdal_ == nullptr) return;
   if (dataset_ != nullptr) gdal_->close(dataset_);
+  gdal_->set_option("GTIFF_REPORT_COMPD_CS", nullptr);
   gdal_->pop_error_handler();
 }
 
@@ -90,12 +99,15 @@ Result<void> GdalRaster::place(HeightRaster& raster) const {
   HeightGrid& grid = raster.grid;
   std::array<double, 6> g{};
   raster.has_place = gdal_->geotransform(dataset_, g.data()) == CE_None;
-  if (const char* crs = gdal_->projection(dataset_); crs != nullptr)
+  if (const char* crs = gdal_->projection(dataset_); crs != nullptr && !is_empty_crs(crs))
     grid.crs = without_controls(crs);
   if (!raster.has_place) {
     grid.to_world = {0, 1, 0, static_cast<double>(grid.n_rows - 1), 0, -1};
     return {};
   }
+  raster.form.geotransform = g;
+  const char* pixel = gdal_->metadata(dataset_, "AREA_OR_POINT", nullptr);
+  raster.form.is_point = pixel != nullptr && std::string_view(pixel) == "Point";
   // GDAL has moved what is given at samples to the corners of pixels.
   grid.to_world = {g[0] + (g[1] + g[2]) / 2, g[1], g[2], g[3] + (g[4] + g[5]) / 2, g[4], g[5]};
   const double determinant = g[1] * g[5] - g[2] * g[4];

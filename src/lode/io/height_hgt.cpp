@@ -85,7 +85,7 @@ Result<HeightRaster> read_hgt(const std::string& path, const HeightReadOptions& 
     return fail("{}: expected a square of 16-bit samples, such as 2 x 1201 x 1201 bytes, got {}",
                 path, bytes.size());
   const auto n = static_cast<std::int32_t>(side);
-  HeightRaster raster{make_height_grid<std::int16_t>(n, n), "HGT", "int16", true};
+  HeightRaster raster{make_height_grid<std::int16_t>(n, n), "HGT", "int16", true, {}, {}};
   HeightGrid& grid = raster.grid;
   auto& samples = std::get<HeightGrid::Samples<std::int16_t>>(grid.heights);
   const double missing = options.nodata.value_or(kVoid);
@@ -102,6 +102,8 @@ Result<HeightRaster> read_hgt(const std::string& path, const HeightReadOptions& 
   grid.to_world = {corner->longitude, step, 0, corner->latitude + 1, 0, -step};
   grid.crs = kWgs84;
   grid.vertical_unit = "m";
+  raster.form.nodata = missing;
+  raster.form.is_point = true;
   return raster;
 }
 

@@ -10,6 +10,7 @@
 #include "lode/core/out_of_memory.h"
 #include "lode/io/gdal_raster.h"
 #include "lode/io/height_hgt.h"
+#include "lode/io/height_transform.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
@@ -206,8 +207,29 @@ Result<HeightRaster> read_raster(const GdalRaster& raster, const HeightReadOptio
   HeightRaster result;
   LODE_TRY(result.grid, read_typed(raster, band, type, options, progress));
   result.type = to_lower(gdal.type_name(type));
+  if (gdal.scale(band, nullptr) != 1 || gdal.offset(band, nullptr) != 0)
+    result.type = "scaled " + result.type;
   if (const char* unit = gdal.unit(band); unit != nullptr)
     result.grid.vertical_unit = without_controls(unit);
+  result.form.nodata = BandMask(raster, band, options).nodata;
+  return result;
+}
+
+Result<HeightRaster> read_hgt_alone(const std::string& path, const HeightReadOptions& options) {
+  if (options.band != 1 || options.encoding != HeightEncoding::none)
+    return fail(
+        "{}: expected no band or encoding of a .hgt file, which has one of heights, got one", path);
+  return read_hgt(path, options);
+}
+
+Result<HeightRaster> read_with_gdal(const std::string& path, const HeightReadOptions& options,
+                                    Progress& progress) {
+  LODE_TRY(const GdalRaster raster, GdalRaster::open(path));
+  const bool is_encoded = options.encoding != HeightEncoding::none;
+  LODE_TRY(HeightRaster result, is_encoded ? read_encoded(raster, options, progress)
+                                           : read_raster(raster, options, progress));
+  result.format = raster.format();
+  LODE_CHECK(raster.place(result));
   return result;
 }
 
@@ -223,20 +245,15 @@ bool is_height_path(const std::string& path) {
 
 Result<HeightRaster> read_heights(const std::string& path, const HeightReadOptions& options,
                                   Progress& progress) try {
-  if (is_hgt_path(path)) {
-    if (options.band != 1 || options.encoding != HeightEncoding::none)
-      return fail(
-          "{}: expected no band or encoding of a .hgt file, which has one of heights, got one",
-          path);
-    return read_hgt(path, options);
-  }
-  LODE_TRY(const GdalRaster raster, GdalRaster::open(path));
-  const bool is_encoded = options.encoding != HeightEncoding::none;
-  LODE_TRY(HeightRaster result, is_encoded ? read_encoded(raster, options, progress)
-                                           : read_raster(raster, options, progress));
-  result.format = raster.format();
-  LODE_CHECK(raster.place(result));
-  return result;
+  if (auto status = check_vertical(options.vertical); !status)
+    return fail("{}: {}", path, status.error().message);
+  LODE_TRY(HeightRaster raster, is_hgt_path(path) ? read_hgt_alone(path, options)
+                                                  : read_with_gdal(path, options, progress));
+  auto outcome = set_vertical(raster, options.vertical, progress);
+  if (!outcome && progress.is_cancelled()) return outcome.error();
+  if (!outcome) return fail("{}: {}", path, outcome.error().message);
+  raster.vertical = std::move(outcome).value();
+  return raster;
 } catch (const std::bad_alloc&) {
   return out_of_memory("read the raster", path);
 }

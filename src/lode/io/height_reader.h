@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,6 +8,7 @@
 #include "lode/core/height_grid.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
+#include "lode/io/vertical_options.h"
 
 namespace lode::io {
 
@@ -18,19 +20,31 @@ struct HeightReadOptions {
   int band = 1;  ///< Of a raster, from 1.
   HeightEncoding encoding = HeightEncoding::none;
   std::optional<double> nodata{};  ///< Instead of what the file says.
+  VerticalOptions vertical{};
+};
+
+/// What the heights of a raster file are put in, for files that are to be like it.
+struct RasterForm {
+  /// GDAL's: places of pixels' corners; none: the file has no position.
+  std::optional<std::array<double, 6>> geotransform{};
+  std::optional<double> nodata{};  ///< Of missing samples, as stored; none: not by a value.
+  bool is_point = false;           ///< AREA_OR_POINT=Point: samples are at places, not of pixels.
 };
 
 /// A raster of heights and what its file says of it.
 struct HeightRaster {
   HeightGrid grid;
   std::string format;      ///< GDAL's name, such as GTiff, or HGT.
-  std::string type;        ///< Of the file's samples: int16, float32, terrain-rgb, ...
+  std::string type;        ///< Of the file's samples: int16, scaled int16, terrain-rgb, ...
   bool has_place = false;  ///< Else the world is columns, and rows counted from the last one up.
+  RasterForm form{};
+  VerticalOutcome vertical{};
 };
 
 /// Reads a raster of heights: .hgt and .hgt.gz (SRTM, named like N46W123), all else through GDAL.
 /// Samples are taken at the middle of pixels, wherever AREA_OR_POINT says that the file's position
-/// is. Missing are samples that equal the nodata value, are masked, or no finite numbers. Fails,
+/// is. Missing are samples that equal the nodata value, are masked, or no finite numbers. Heights
+/// are in the unit of the CRS's vertical part, where it has one, and set_vertical() is done. Fails,
 /// naming the file, on what is missing, truncated, not a raster, or claims more samples than a file
 /// of its size can hold.
 [[nodiscard]] Result<HeightRaster> read_heights(const std::string& path,

@@ -6,11 +6,16 @@ set(IO_HEIGHT_SOURCES
   gdal_raster.cpp
   height_hgt.cpp
   height_reader.cpp
+  height_transform.cpp
   las_crs.cpp
   point_las.cpp
   point_reader.cpp
   point_text.cpp
-  vector_file.cpp)
+  polygon_file.cpp
+  proj_library.cpp
+  raster_file.cpp
+  vector_file.cpp
+  vertical_crs.cpp)
 
 # GDAL is loaded by its name when it is needed: linked, it would triple the time to start.
 find_package(GDAL REQUIRED)
@@ -18,3 +23,10 @@ get_target_property(LODE_GDAL_HEADERS GDAL::GDAL INTERFACE_INCLUDE_DIRECTORIES)
 file(REAL_PATH ${GDAL_LIBRARY} LODE_GDAL_FILE)
 get_filename_component(LODE_GDAL_NAME ${LODE_GDAL_FILE} NAME)
 string(REGEX MATCH "^libgdal\\.so\\.[0-9]+" LODE_GDAL_NAME ${LODE_GDAL_NAME})
+
+# So is PROJ, which GDAL brings.
+pkg_check_modules(LODE_PROJ REQUIRED proj)
+find_library(LODE_PROJ_LINK proj REQUIRED HINTS ${LODE_PROJ_LIBRARY_DIRS})
+file(REAL_PATH ${LODE_PROJ_LINK} LODE_PROJ_FILE)
+get_filename_component(LODE_PROJ_NAME ${LODE_PROJ_FILE} NAME)
+string(REGEX MATCH "^libproj\\.so\\.[0-9]+" LODE_PROJ_NAME ${LODE_PROJ_NAME})

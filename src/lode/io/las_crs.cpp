@@ -87,12 +87,14 @@ Result<std::vector<std::byte>> read_record(const InputFile& file, const Found& f
 /// GeoTIFF 1.0, 2.7 and 6.3: keys whose values stand in the directory itself.
 struct GeoKeys {
   int epsg = 0;
+  int vertical = 0;  ///< EPSG code, too; 0: none.
   bool is_user_defined = false;
   std::string vertical_unit;
 
   explicit GeoKeys(std::span<const std::byte> bytes) {
     constexpr std::uint16_t kGeographic = 2048;
     constexpr std::uint16_t kProjected = 3072;
+    constexpr std::uint16_t kVertical = 4096;
     constexpr std::uint16_t kVerticalUnit = 4099;
     constexpr std::uint16_t kUserDefined = 32767;
     const LittleEndian at(bytes);
@@ -104,6 +106,7 @@ struct GeoKeys {
       if (key == kProjected && value == kUserDefined) is_user_defined = true;
       if (key == kProjected && value != kUserDefined) epsg = value;
       if (key == kGeographic && value != kUserDefined) geographic = value;
+      if (key == kVertical && value != kUserDefined) vertical = value;
       if (key == kVerticalUnit) vertical_unit = unit_name(value);
     }
     if (epsg == 0 && !is_user_defined) epsg = geographic;
@@ -124,6 +127,25 @@ std::string vertical_unit_of(const std::string& wkt) {
   return unit == nullptr ? "" : without_controls(unit);
 }
 
+/// The CRS that keys say, with its vertical part where GDAL knows that; else what is not known.
+void take_codes(const GeoKeys& keys, LasCrs& crs) {
+  if (keys.epsg == 0) {
+    crs.note = "its GeoTIFF keys have no EPSG code";
+    return;
+  }
+  const std::string code = fmt::format("EPSG:{}", keys.epsg);
+  if (keys.vertical != 0)
+    if (const auto whole = to_wkt(fmt::format("{}+{}", code, keys.vertical)); whole) {
+      crs.wkt = *whole;
+      return;
+    }
+  auto wkt = to_wkt(code);
+  if (wkt)
+    crs.wkt = std::move(wkt).value();
+  else
+    crs.note = wkt.error().message;
+}
+
 }  // namespace
 
 Result<LasCrs> read_las_crs(const InputFile& file, const LasRecords& records, LasCrsUse use) {
@@ -139,14 +161,7 @@ Result<LasCrs> read_las_crs(const InputFile& file, const LasRecords& records, La
     LODE_TRY(const std::vector<std::byte> bytes, read_record(file, *found.geo_keys));
     const GeoKeys keys(bytes);
     crs.vertical_unit = keys.vertical_unit;
-    if (crs.wkt.empty() && use == LasCrsUse::wanted) {
-      if (keys.epsg == 0)
-        crs.note = "its GeoTIFF keys have no EPSG code";
-      else if (auto wkt = to_wkt(fmt::format("EPSG:{}", keys.epsg)); wkt)
-        crs.wkt = *wkt;
-      else
-        crs.note = wkt.error().message;
-    }
+    if (crs.wkt.empty() && use == LasCrsUse::wanted) take_codes(keys, crs);
   }
   if (crs.vertical_unit.empty() && !crs.wkt.empty()) crs.vertical_unit = vertical_unit_of(crs.wkt);
   if (use == LasCrsUse::ignored) crs.wkt.clear();

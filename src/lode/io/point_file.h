@@ -10,6 +10,7 @@
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/vec.h"
+#include "lode/io/vertical_options.h"
 
 namespace lode::io {
 
@@ -17,6 +18,7 @@ struct PointReadOptions {
   std::vector<std::uint8_t> classes{};  ///< Of LAS, to be kept; none: all.
   std::optional<double> nodata{};       ///< Points of this height are missing.
   std::string crs{};                    ///< EPSG:N or WKT, instead of what the file says.
+  VerticalOptions vertical{};           ///< See set_vertical().
 };
 
 /// What a file has, and what of it was kept.
@@ -38,6 +40,7 @@ struct PointFile {
   std::string crs_note;       ///< Why it is not, where the file has one; else empty.
   std::string vertical_unit;  ///< Empty: not known.
   PointCounts counts;
+  VerticalOutcome vertical{};
 
   [[nodiscard]] bool has_classes() const { return format.starts_with("LAS"); }
 };

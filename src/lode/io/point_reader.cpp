@@ -10,6 +10,7 @@
 
 #include "lode/core/out_of_memory.h"
 #include "lode/io/gdal_crs.h"
+#include "lode/io/height_transform.h"
 #include "lode/io/point_las.h"
 #include "lode/io/point_text.h"
 #include "lode/io/text.h"
@@ -65,6 +66,8 @@ Result<PointFile> read_points(const std::string& path, const PointReadOptions& o
   if (!is_las && !options.classes.empty())
     return fail("{}: expected no classes to keep of a text file, whose points have none, got some",
                 path);
+  if (auto status = check_vertical(options.vertical); !status)
+    return fail("{}: {}", path, status.error().message);
   std::string crs;
   if (!options.crs.empty()) {
     auto wkt = to_wkt(options.crs);
@@ -75,6 +78,10 @@ Result<PointFile> read_points(const std::string& path, const PointReadOptions& o
            is_las ? read_las(path, options, progress) : read_point_text(path, options, progress));
   LODE_CHECK(check_left(path, file));
   if (!crs.empty()) file.crs = std::move(crs);
+  auto outcome = set_vertical(file, options.vertical, progress);
+  if (!outcome && progress.is_cancelled()) return outcome.error();
+  if (!outcome) return fail("{}: {}", path, outcome.error().message);
+  file.vertical = std::move(outcome).value();
   return file;
 } catch (const std::bad_alloc&) {
   return out_of_memory("read the points", path);

@@ -67,6 +67,7 @@ struct VectorWriter::Impl {
     std::optional<GdalCrs> crs;
     if (!wanted.crs.empty()) {
       LODE_TRY(GdalCrs read, GdalCrs::of(wanted.crs));
+      if (is_geojson) read.strip_heights();
       crs.emplace(std::move(read));
     }
     std::array<char*, 2> options{nullptr, nullptr};
