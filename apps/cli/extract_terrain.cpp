@@ -271,7 +271,8 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   outputs.keep();
   const TerrainReport& report = made.report;
   warn_of(report, opened.model, job, session);
-  const bool is_strict = options.max_cells || options.order == InsertionOrder::strict || opened.built.has_value();
+  const bool is_strict =
+      options.max_cells || options.order == InsertionOrder::strict || opened.built.has_value();
   const TerrainAnswer answer{job,          opened,       report,     is_strict,
                              read_seconds, made.seconds, made.raster};
   Table table;
