@@ -43,6 +43,7 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
 }
 
 Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app) {
+  if (holds_tiles(arguments.input)) return check_tile_verify(terrain_job(arguments), app);
   if (holds_terrain(arguments.input)) return check_terrain_verify(terrain_job(arguments), app);
   LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
   if (holds_cells(arguments.input)) {
@@ -135,9 +136,12 @@ Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& repo
 Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   const Stopwatch watch;
   VerifyReport report;
-  const bool is_terrain = holds_terrain(arguments.input);
+  const bool is_of_tiles = holds_tiles(arguments.input);
+  const bool is_terrain = is_of_tiles || holds_terrain(arguments.input);
   const bool is_tetra = !is_terrain && holds_cells(arguments.input);
-  if (is_terrain) {
+  if (is_of_tiles) {
+    LODE_TRY(report, verify_tile_folder(terrain_job(arguments), session));
+  } else if (is_terrain) {
     LODE_TRY(report, verify_terrain_input(terrain_job(arguments), session));
   } else if (is_tetra) {
     LODE_TRY(report, verify_tetra(tetra_job(arguments), session));
@@ -172,9 +176,12 @@ Command add_verify_command(CLI::App& program) {
       "Of terrain --surface is a TIN: Delaunay, of samples, and within --max-error.\n"
       "Of .lode files made of rasters --against looks at every level and every triangle's "
       "error.\n\n"
+      "Of a folder of tiles: that each covers its square, that they meet, and with --against that\n"
+      "every sample is within the error that layer.json states of each level.\n\n"
       "Examples:\n  lode verify scan.lode --against scan.nrrd\n"
       "  lode verify dem.tif --surface dem.ply --max-error 10\n"
       "  lode verify dem.lode --against dem.tif\n"
+      "  lode verify tiles --against dem.tif\n"
       "  lode verify mesh.vtu\n  lode verify mesh.lode --against mesh.vtu\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-error 10\n"
       "  lode verify scan.lode --surface bone.ply --isovalue 1200 --max-distance 0.5\n"

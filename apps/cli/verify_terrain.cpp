@@ -85,4 +85,23 @@ Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& 
       session.progress());
 }
 
+Result<void> check_tile_verify(const TerrainVerifyJob& job, const CLI::App& app) {
+  LODE_CHECK(check_only_terrain(app, job.input, {"--against"}));
+  if (!job.original.empty() && !is_height_path(job.original))
+    return fail("--against: expected the raster that {} was made of, got {}", job.input,
+                job.original);
+  if (job.original.empty() && !job.terrain.is_empty())
+    return fail("{}: expected --against with options of rasters, got none", job.input);
+  if (auto options = to_height_options(job.terrain, job.reading); !options) return options.error();
+  return {};
+}
+
+Result<VerifyReport> verify_tile_folder(const TerrainVerifyJob& job, Session& session) {
+  TileVerifyOptions options{.original = job.original, .threads = session.threads()};
+  LODE_TRY(options.reading, to_height_options(job.terrain, job.reading));
+  LODE_TRY(TileVerification verified, verify_tiles(job.input, options, session.progress()));
+  warn_of_vertical(verified.vertical, job.original, session);
+  return std::move(verified.report);
+}
+
 }  // namespace lode::cli

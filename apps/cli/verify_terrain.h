@@ -21,4 +21,9 @@ struct TerrainVerifyJob {
 [[nodiscard]] Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job,
                                                         Session& session);
 
+/// The same of a folder of tiles.
+[[nodiscard]] Result<void> check_tile_verify(const TerrainVerifyJob& job, const CLI::App& app);
+[[nodiscard]] Result<VerifyReport> verify_tile_folder(const TerrainVerifyJob& job,
+                                                      Session& session);
+
 }  // namespace lode::cli

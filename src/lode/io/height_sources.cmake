@@ -4,7 +4,9 @@ set(IO_HEIGHT_SOURCES
   gdal_crs.cpp
   gdal_library.cpp
   gdal_raster.cpp
+  height_band.cpp
   height_hgt.cpp
+  height_stream.cpp
   height_reader.cpp
   height_transform.cpp
   las_crs.cpp
@@ -13,6 +15,7 @@ set(IO_HEIGHT_SOURCES
   point_text.cpp
   polygon_file.cpp
   proj_library.cpp
+  quantized_mesh.cpp
   raster_file.cpp
   vector_file.cpp
   vertical_crs.cpp)

@@ -1,0 +1,64 @@
+#include "lode/api/terrain_tiles.h"
+
+#include <new>
+#include <utility>
+
+#include "lode/api/tile_folder.h"
+#include "lode/api/tile_raster.h"
+#include "lode/core/expects.h"
+#include "lode/core/out_of_memory.h"
+#include "lode/core/staged_folder.h"
+#include "lode/core/stopwatch.h"
+#include "lode/models/terrain/tile_pyramid/build.h"
+#include "lode/models/terrain/tile_pyramid/extended_raster.h"
+
+namespace lode {
+
+using tile_pyramid::FinishedTile;
+
+Result<TerrainTileReport> write_terrain_tiles(const std::string& path,
+                                              const io::HeightReadOptions& reading,
+                                              const TerrainTileOptions& options,
+                                              const std::string& folder, Progress& progress) try {
+  LODE_EXPECTS(options.max_error > 0);
+  TerrainTileReport report;
+  const Stopwatch watch;
+  LODE_TRY(const TileRaster raster, open_tile_raster(path, reading, options.most_bytes, progress));
+  auto place = tile_pyramid::ExtendedRaster::of(raster.rows->frame(), options.fill);
+  if (!place) return fail("{}: {}", path, place.error().message);
+  report.read_seconds = watch.seconds();
+
+  LODE_TRY(StagedFolder staged, StagedFolder::create(folder));
+  TileFolder tiles(staged.folder());
+  LODE_TRY(const auto levels,
+           tile_pyramid::build_tiles(
+               *raster.rows,
+               {.max_error = options.max_error,
+                .max_level = options.max_level,
+                .fill = options.fill,
+                .threads = options.threads},
+               [&](const FinishedTile& tile) { return tiles.add(tile); }, progress));
+  LODE_CHECK(tiles.write_layer(levels, place->box()));
+  LODE_CHECK(staged.commit(progress));
+  for (const auto& level : levels)
+    report.levels.push_back({.n_tiles = level.range.n_tiles(),
+                             .n_triangles = level.n_triangles,
+                             .n_vertices = level.n_vertices,
+                             .n_bytes = tiles.n_bytes(level.range.level),
+                             .max_error = level.form.max_error,
+                             .error = level.error,
+                             .height_step = level.form.height_step,
+                             .n_beyond = level.n_beyond});
+  report.frame = raster.rows->frame();
+  report.format = raster.format;
+  report.type = raster.type;
+  report.n_missing = raster.rows->n_missing();
+  report.vertical = raster.vertical;
+  report.notes = raster.notes;
+  report.build_seconds = watch.seconds() - report.read_seconds;
+  return report;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("write tiles", folder);
+}
+
+}  // namespace lode

@@ -1,0 +1,71 @@
+#include "lode/io/height_stream.h"
+
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include "lode/io/gdal_raster.h"
+#include "lode/io/height_band.h"
+#include "lode/io/height_hgt.h"
+#include "lode/io/height_transform.h"
+
+namespace lode::io {
+
+struct HeightStream::Impl {
+  GdalRaster file;
+  HeightReadOptions options;
+  HeightRaster raster;
+};
+
+HeightStream::HeightStream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+HeightStream::HeightStream(HeightStream&&) noexcept = default;
+HeightStream::~HeightStream() = default;
+
+Result<HeightStream> HeightStream::open(const std::string& path, const HeightReadOptions& options,
+                                        Progress& progress) {
+  if (is_hgt_path(path) || !options.vertical.target.empty())
+    return fail("{}: expected a raster that GDAL reads, whose heights stay what they are", path);
+  LODE_TRY(GdalRaster file, GdalRaster::open(path));
+  LODE_TRY(HeightRaster raster, describe_raster(file, options));
+  // Of no samples there is nothing to transform; declarations are checked.
+  auto outcome = set_vertical(raster, options.vertical, progress);
+  if (!outcome) return fail("{}: {}", path, outcome.error().message);
+  raster.vertical = std::move(outcome).value();
+  return HeightStream(std::make_unique<Impl>(Impl{std::move(file), options, std::move(raster)}));
+}
+
+const HeightRaster& HeightStream::raster() const { return impl_->raster; }
+
+std::uint64_t HeightStream::n_bytes() const {
+  const std::string& type = impl_->raster.type;
+  const std::uint64_t n_sample = type == "byte" || type == "int16" || type == "uint16" ? 2
+                                 : type == "float32" || type == "terrarium"            ? 4
+                                                                                       : 8;
+  return n_sample * static_cast<std::uint64_t>(impl_->raster.grid.n_samples());
+}
+
+Result<void> HeightStream::read(std::int32_t first, std::int32_t n_rows,
+                                std::span<double> out) const {
+  LODE_TRY(const HeightGrid grid, read_rows(impl_->file, impl_->options, {first, n_rows}, nullptr));
+  copy_rows(grid, 0, n_rows, out);
+  return {};
+}
+
+void copy_rows(const HeightGrid& grid, std::int32_t first, std::int32_t n_rows,
+               std::span<double> out) {
+  const auto n = static_cast<std::size_t>(grid.n_columns);
+  std::visit(
+      [&](const auto& heights) {
+        for (std::int32_t y = 0; y < n_rows; ++y) {
+          const auto* from = heights.data() + std::int64_t{first + y} * grid.stride;
+          const std::span<double> to = out.subspan(static_cast<std::size_t>(y) * n, n);
+          for (std::size_t x = 0; x < n; ++x)
+            to[x] = grid.has_height(static_cast<std::int32_t>(x), first + y)
+                        ? static_cast<double>(from[x])
+                        : std::numeric_limits<double>::quiet_NaN();
+        }
+      },
+      grid.heights);
+}
+
+}  // namespace lode::io

@@ -1,0 +1,101 @@
+#include "lode/models/terrain/tile_pyramid/extended_raster.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lode::tile_pyramid {
+namespace {
+
+/// Of a cell: what longitudes that are written in decimals may be off.
+constexpr double kTolerance = 1e-3;
+
+IndexRange between(double a, double b, std::int64_t beyond, IndexRange all) {
+  const double from = std::min(a, b);
+  const double to = std::max(a, b);
+  // Of a sample on the border rounding must not decide.
+  constexpr double kSlack = 1e-9;
+  const auto low = static_cast<double>(all.first);
+  const auto high = static_cast<double>(all.last);
+  const double first =
+      std::ceil(std::clamp(from - kSlack, low - 1, high + 1)) - static_cast<double>(beyond);
+  const double last =
+      std::floor(std::clamp(to + kSlack, low - 1, high + 1)) + static_cast<double>(beyond);
+  return {std::max(all.first, static_cast<std::int64_t>(first)),
+          std::min(all.last, static_cast<std::int64_t>(last))};
+}
+
+}  // namespace
+
+Result<ExtendedRaster> ExtendedRaster::of(const HeightFrame& frame, double fill) {
+  const auto& g = frame.to_world;
+  if (g[2] != 0 || g[4] != 0 || !(g[1] != 0) || !(g[5] != 0))
+    return fail("expected columns along longitudes and rows along latitudes, got a raster turned");
+  ExtendedRaster raster;
+  raster.n_stored_ = frame.n_columns;
+  raster.n_rows_ = frame.n_rows;
+  raster.west_ = g[0];
+  raster.step_x_ = g[1];
+  raster.north_ = g[3];
+  raster.step_y_ = g[5];
+  raster.fill_ = fill;
+  const double round = 360 / std::abs(g[1]);
+  const double whole = std::round(round);
+  raster.wraps_ = std::abs(round - whole) * std::abs(g[1]) <= kTolerance * std::abs(g[1]) &&
+                  static_cast<double>(frame.n_columns) >= whole;
+  raster.n_columns_ = raster.wraps_ ? static_cast<std::int64_t>(whole) : frame.n_columns;
+  if (static_cast<double>(frame.n_columns) > whole + 1)
+    return fail("expected longitudes once round the world, got {} columns of {} degrees",
+                frame.n_columns, std::abs(g[1]));
+  const double last = raster.latitude(static_cast<double>(frame.n_rows - 1));
+  const double slack = kTolerance * std::abs(g[5]);
+  if (std::max(std::abs(g[3]), std::abs(last)) > 90 + slack)
+    return fail("expected latitudes from -90 to 90 degrees, got samples from {} to {}", g[3], last);
+  if (!(std::abs(g[0]) <= 720))
+    return fail("expected longitudes from -720 to 720 degrees, got {}", g[0]);
+  return raster;
+}
+
+DegreeBox ExtendedRaster::box() const {
+  const auto [west, east] =
+      std::minmax({longitude(-0.5, 0), longitude(static_cast<double>(n_columns_) - 0.5, 0)});
+  const auto [south, north] =
+      std::minmax({latitude(-0.5), latitude(static_cast<double>(n_rows_) - 0.5)});
+  return {west, std::max(-90.0, south), east, std::min(90.0, north)};
+}
+
+double ExtendedRaster::spacing() const { return std::min(std::abs(step_x_), std::abs(step_y_)); }
+
+IndexRange ExtendedRaster::columns_between(double west, double east, int turn, std::int64_t lowest,
+                                           std::int64_t beyond) const {
+  return between(column(west, turn), column(east, turn), beyond, {lowest, n_columns_ - 1 - lowest});
+}
+
+IndexRange ExtendedRaster::rows_between(double south, double north, std::int64_t lowest,
+                                        std::int64_t beyond) const {
+  return between(row(south), row(north), beyond, {lowest, n_rows_ - 1 - lowest});
+}
+
+Result<void> RowStrip::read(HeightRows& rows, IndexRange wanted) {
+  rows_ = wanted;
+  first_ = std::clamp<std::int64_t>(wanted.first, 0, raster_->n_rows() - 1);
+  const std::int64_t last = std::clamp<std::int64_t>(wanted.last, 0, raster_->n_rows() - 1);
+  if (wanted.is_empty()) return {};
+  const std::int64_t n = last - first_ + 1;
+  heights_.resize(static_cast<std::size_t>(n * raster_->n_stored_columns()));
+  return rows.read(static_cast<std::int32_t>(first_), static_cast<std::int32_t>(n), heights_);
+}
+
+double RowStrip::height(std::int64_t column, std::int64_t row) const {
+  const std::int64_t n = raster_->n_columns();
+  if (raster_->wraps()) {
+    column = (column + n) % n;
+  } else {
+    if (column < -1 || column > n) return raster_->fill();
+    column = std::clamp<std::int64_t>(column, 0, n - 1);
+  }
+  if (row < -1 || row > raster_->n_rows()) return raster_->fill();
+  const double found = sample(column, std::clamp<std::int64_t>(row, 0, raster_->n_rows() - 1));
+  return std::isnan(found) ? raster_->fill() : found;
+}
+
+}  // namespace lode::tile_pyramid

@@ -1,0 +1,337 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <set>
+#include <tuple>
+
+#include "lode/delaunay/lattice.h"
+#include "lode/models/terrain/tile_pyramid/build.h"
+#include "lode/models/terrain/tile_pyramid/extended_raster.h"
+
+namespace lode::tile_pyramid {
+namespace {
+
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+
+/// Hills of a kilometre, and steps.
+double hills(int x, int y) {
+  return 500 * std::sin(0.21 * x + 0.07 * y) * std::cos(0.17 * y) + 40 * ((3 * x + 7 * y) % 5) +
+         800;
+}
+
+class MadeRows final : public HeightRows {
+ public:
+  MadeRows(int n_columns, int n_rows, std::array<double, 6> to_world,
+           const std::function<double(int, int)>& height) {
+    frame_.n_columns = n_columns;
+    frame_.n_rows = n_rows;
+    frame_.to_world = to_world;
+    for (int y = 0; y < n_rows; ++y)
+      for (int x = 0; x < n_columns; ++x) heights_.push_back(height(x, y));
+  }
+
+  const HeightFrame& frame() const override { return frame_; }
+  Result<void> read(std::int32_t first, std::int32_t n_rows, std::span<double> out) override {
+    const std::size_t n = static_cast<std::size_t>(frame_.n_columns);
+    EXPECT_LE(static_cast<std::size_t>(first + n_rows) * n, heights_.size());
+    std::copy_n(heights_.begin() + first * frame_.n_columns, static_cast<std::size_t>(n_rows) * n,
+                out.begin());
+    return {};
+  }
+  [[nodiscard]] double height(int x, int y) const {
+    return heights_[static_cast<std::size_t>(y * frame_.n_columns + x)];
+  }
+
+ private:
+  HeightFrame frame_;
+  std::vector<double> heights_;
+};
+
+struct OwnTile {
+  TileId id;
+  TileMesh mesh;
+  LevelForm form;
+  double error = 0;
+};
+using Key = std::tuple<int, std::int64_t, std::int64_t>;
+
+struct Pyramid {
+  std::map<Key, OwnTile> tiles;
+  std::vector<LevelReport> levels;
+};
+
+Pyramid build(MadeRows& rows, TileBuildOptions options) {
+  Pyramid pyramid;
+  std::mutex mutex;
+  Progress progress;
+  auto levels = build_tiles(
+      rows, options,
+      [&](const FinishedTile& tile) -> Result<void> {
+        const std::lock_guard lock(mutex);
+        const Key key{tile.id.level, tile.id.x, tile.id.y};
+        EXPECT_FALSE(pyramid.tiles.contains(key));
+        pyramid.tiles[key] = {tile.id, tile.mesh, tile.form, tile.error};
+        return {};
+      },
+      progress);
+  EXPECT_TRUE(levels) << levels.error().message;
+  if (levels) pyramid.levels = *std::move(levels);
+  return pyramid;
+}
+
+/// Vertices on a side by their place along it.
+std::map<std::int32_t, double> side_of(const OwnTile& tile, bool is_west_east, bool is_far) {
+  std::map<std::int32_t, double> side;
+  for (const TileVertex& vertex : tile.mesh.vertices) {
+    const auto [x, y] = vertex.node;
+    if ((is_west_east ? x : y) == (is_far ? kLastNode : 0))
+      side[is_west_east ? y : x] = vertex.height;
+  }
+  return side;
+}
+
+void expect_sides_meet(const Pyramid& pyramid) {
+  for (const auto& [key, tile] : pyramid.tiles) {
+    const auto& [level, x, y] = key;
+    if (const auto east = pyramid.tiles.find({level, wrapped_column(level, x + 1), y});
+        east != pyramid.tiles.end())
+      EXPECT_EQ(side_of(tile, true, true), side_of(east->second, true, false));
+    if (const auto north = pyramid.tiles.find({level, x, y + 1}); north != pyramid.tiles.end())
+      EXPECT_EQ(side_of(tile, false, true), side_of(north->second, false, false));
+    if (level == 0) continue;
+    const auto parent = pyramid.tiles.find({level - 1, x / 2, y / 2});
+    ASSERT_NE(parent, pyramid.tiles.end());
+    for (const bool is_west_east : {true, false}) {
+      const std::int64_t across = is_west_east ? x : y;
+      const std::int64_t along = is_west_east ? y : x;
+      const auto own = side_of(tile, is_west_east, across % 2 != 0);
+      for (const auto& [node, z] : side_of(parent->second, is_west_east, across % 2 != 0)) {
+        const std::int64_t at = 2 * node - along % 2 * kLastNode;
+        if (at < 0 || at > kLastNode) continue;
+        const auto found = own.find(static_cast<std::int32_t>(at));
+        ASSERT_NE(found, own.end()) << level << " " << x << " " << y;
+        // Both are rounded from one height.
+        EXPECT_LE(std::abs(found->second - z),
+                  (tile.form.height_step + parent->second.form.height_step) / 2);
+      }
+    }
+  }
+}
+
+/// Areas fill the square, and each edge within it has Delaunay triangles on both sides.
+void expect_delaunay(const OwnTile& tile) {
+  std::int64_t area = 0;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> opposite;
+  const auto node = [&](std::uint32_t v) { return tile.mesh.vertices[v].node; };
+  for (const auto& t : tile.mesh.triangles) {
+    const std::int64_t own = delaunay::doubled_area(node(t[0]), node(t[1]), node(t[2]));
+    EXPECT_GT(own, 0);
+    area += own;
+    for (std::size_t i = 0; i < 3; ++i) opposite[{t[i], t[(i + 1) % 3]}] = t[(i + 2) % 3];
+  }
+  EXPECT_EQ(area, 2 * std::int64_t{kLastNode} * kLastNode);
+  for (const auto& [edge, apex] : opposite) {
+    const auto other = opposite.find({edge.second, edge.first});
+    if (other == opposite.end()) continue;
+    EXPECT_FALSE(delaunay::is_in_circle(node(edge.first), node(edge.second), node(apex),
+                                        node(other->second)));
+  }
+  for (const TileVertex& vertex : tile.mesh.vertices)
+    EXPECT_EQ(std::fmod(vertex.height, tile.form.height_step), 0);
+}
+
+/// The largest error of a sample in a tile, in whatever triangle; -1 where none is in it.
+double worst_in(const OwnTile& tile, const MadeRows& rows, std::set<std::pair<int, int>>& seen) {
+  const HeightFrame& frame = rows.frame();
+  const double size = tile_size(tile.id.level);
+  double worst = -1;
+  for (int turn = -2; turn <= 2; ++turn)
+    for (int r = 0; r < frame.n_rows; ++r)
+      for (int c = 0; c < frame.n_columns; ++c) {
+        const auto place = frame.world(c, r);
+        const double x = (place[0] + 360 * turn - west_of(tile.id)) / size * kLastNode;
+        const double y = (place[1] - south_of(tile.id)) / size * kLastNode;
+        constexpr double kSlack = 1e-6;
+        if (x < -kSlack || x > kLastNode + kSlack || y < -kSlack || y > kLastNode + kSlack)
+          continue;
+        if (std::isnan(rows.height(c, r))) continue;
+        bool is_held = false;
+        for (const auto& t : tile.mesh.triangles) {
+          const TileVertex& a = tile.mesh.vertices[t[0]];
+          const TileVertex& b = tile.mesh.vertices[t[1]];
+          const TileVertex& d = tile.mesh.vertices[t[2]];
+          const double ux = b.node.x - a.node.x, uy = b.node.y - a.node.y;
+          const double vx = d.node.x - a.node.x, vy = d.node.y - a.node.y;
+          const double det = ux * vy - uy * vx;
+          const double p = ((x - a.node.x) * vy - (y - a.node.y) * vx) / det;
+          const double q = (ux * (y - a.node.y) - uy * (x - a.node.x)) / det;
+          const double slack = kSlack * kLastNode / std::sqrt(det);
+          if (p < -slack || q < -slack || p + q > 1 + slack) continue;
+          is_held = true;
+          const double z = a.height + p * (b.height - a.height) + q * (d.height - a.height);
+          if (p >= 0 && q >= 0 && p + q <= 1)
+            worst = std::max(worst, std::abs(z - rows.height(c, r)));
+        }
+        EXPECT_TRUE(is_held) << c << ", " << r;
+        seen.insert({c, r});
+      }
+  return worst;
+}
+
+void expect_true_errors(const Pyramid& pyramid, const MadeRows& rows) {
+  std::size_t n_valid = 0;
+  for (int r = 0; r < rows.frame().n_rows; ++r)
+    for (int c = 0; c < rows.frame().n_columns; ++c)
+      n_valid += std::isnan(rows.height(c, r)) ? 0 : 1;
+  for (const LevelReport& report : pyramid.levels) {
+    std::set<std::pair<int, int>> seen;
+    double worst = 0;
+    std::uint64_t n_beyond = 0;
+    for (const auto& [key, tile] : pyramid.tiles) {
+      if (std::get<0>(key) != report.range.level) continue;
+      const double found = worst_in(tile, rows, seen);
+      EXPECT_LE(found, tile.error + 1e-6);
+      worst = std::max(worst, tile.error);
+      n_beyond += tile.error > report.form.max_error ? 1 : 0;
+    }
+    EXPECT_EQ(worst, report.error);
+    EXPECT_EQ(n_beyond, report.n_beyond);
+    EXPECT_EQ(seen.size(), n_valid);
+  }
+}
+
+void expect_pyramid(MadeRows& rows, const TileBuildOptions& options) {
+  const Pyramid pyramid = build(rows, options);
+  ASSERT_FALSE(pyramid.levels.empty());
+  std::uint64_t n_tiles = 0;
+  for (const LevelReport& level : pyramid.levels) n_tiles += level.range.n_tiles();
+  EXPECT_EQ(n_tiles, pyramid.tiles.size());
+  EXPECT_TRUE(pyramid.tiles.contains({0, 0, 0}) && pyramid.tiles.contains({0, 1, 0}));
+  for (const auto& [key, tile] : pyramid.tiles) expect_delaunay(tile);
+  expect_sides_meet(pyramid);
+  expect_true_errors(pyramid, rows);
+}
+
+TEST(tile_pyramid, keeps_tolerances_and_meets_itself) {
+  MadeRows rows(37, 29, {10.13, 0.21, 0, 47.9, 0, -0.17}, hills);
+  expect_pyramid(rows, {.max_error = 40, .max_level = 7});
+}
+
+TEST(tile_pyramid, keeps_tolerances_round_holes) {
+  MadeRows rows(33, 31, {-3.03, 0.2, 0, -2.9, 0, 0.2}, [](int x, int y) {
+    return (x - 15) * (x - 15) + (y - 9) * (y - 9) < 30 || (x == 3 && y == 3) ? kMissing
+                                                                              : hills(x, y);
+  });
+  expect_pyramid(rows, {.max_error = 25, .max_level = 6, .fill = -120});
+}
+
+TEST(tile_pyramid, goes_round_the_world) {
+  MadeRows rows(48, 25, {0, 7.5, 0, 90, 0, -7.5}, hills);
+  expect_pyramid(rows, {.max_error = 60, .max_level = 2});
+  // The first column again at the end.
+  MadeRows closed(49, 24, {-180, 7.5, 0, 86.25, 0, -7.5},
+                  [](int x, int y) { return hills(x % 48, y); });
+  expect_pyramid(closed, {.max_error = 60, .max_level = 2});
+}
+
+TEST(tile_pyramid, may_cross_180_degrees) {
+  MadeRows rows(31, 23, {176.2, 0.3, 0, 12, 0, -0.3}, hills);
+  expect_pyramid(rows, {.max_error = 50, .max_level = 6});
+  MadeRows wide(40, 9, {100, 8.5, 0, 30, 0, -8.5}, hills);
+  expect_pyramid(wide, {.max_error = 90, .max_level = 2});
+}
+
+TEST(tile_pyramid, of_few_samples) {
+  MadeRows one(1, 1, {7.4, 0.1, 0, 46.2, 0, -0.1}, [](int, int) { return 421.5; });
+  expect_pyramid(one, {.max_error = 1, .max_level = 8});
+  MadeRows row(9, 1, {7.4, 0.1, 0, 46.2, 0, -0.1}, hills);
+  expect_pyramid(row, {.max_error = 5, .max_level = 8});
+  MadeRows four(2, 2, {0, 0.1, 0, 0, 0, -0.1}, hills);
+  expect_pyramid(four, {.max_error = 5, .max_level = 8});
+  MadeRows none(3, 2, {0, 0.1, 0, 0, 0, -0.1}, [](int, int) { return kMissing; });
+  expect_pyramid(none, {.max_error = 5, .max_level = 3});
+}
+
+TEST(tile_pyramid, is_flat_where_the_terrain_is) {
+  MadeRows rows(64, 64, {20, 0.01, 0, 40, 0, -0.01}, [](int, int) { return 12.0; });
+  const Pyramid pyramid = build(rows, {.max_error = 1, .fill = 12});
+  for (const auto& [key, tile] : pyramid.tiles) EXPECT_EQ(tile.mesh.triangles.size(), 2);
+}
+
+TEST(tile_pyramid, tells_tiles_whose_lattice_is_too_coarse) {
+  // Samples closer than nodes of the only level that there may be.
+  MadeRows rows(16, 16, {20, 1e-4, 0, 40, 0, -1e-4},
+                [](int x, int y) { return 300.0 * ((x + y) % 2); });
+  const Pyramid pyramid = build(rows, {.max_error = 10, .max_level = 1});
+  EXPECT_EQ(pyramid.levels[1].n_beyond, 1);
+  EXPECT_GT(pyramid.levels[1].error, 10);
+  expect_true_errors(pyramid, rows);
+}
+
+TEST(tile_pyramid, holds_high_terrain_of_little_relief) {
+  MadeRows rows(20, 20, {20, 0.01, 0, 40, 0, -0.01},
+                [](int x, int y) { return 1e6 + hills(x, y) / 1e4; });
+  const Pyramid pyramid = build(rows, {.max_error = 0.01, .max_level = 9, .fill = 1e6});
+  for (const auto& [key, tile] : pyramid.tiles)
+    for (const TileVertex& vertex : tile.mesh.vertices)
+      EXPECT_EQ(static_cast<double>(static_cast<float>(vertex.height)), vertex.height);
+  expect_true_errors(pyramid, rows);
+}
+
+TEST(tile_pyramid, is_the_same_for_any_number_of_threads) {
+  MadeRows rows(41, 27, {10.13, 0.21, 0, 47.9, 0, -0.17}, hills);
+  const Pyramid one = build(rows, {.max_error = 20, .max_level = 6, .threads = {1}});
+  const Pyramid many = build(rows, {.max_error = 20, .max_level = 6, .threads = {5}});
+  ASSERT_EQ(one.tiles.size(), many.tiles.size());
+  for (const auto& [key, tile] : one.tiles) {
+    const OwnTile& other = many.tiles.at(key);
+    EXPECT_EQ(tile.mesh.triangles, other.mesh.triangles);
+    ASSERT_EQ(tile.mesh.vertices.size(), other.mesh.vertices.size());
+    for (std::size_t v = 0; v < tile.mesh.vertices.size(); ++v) {
+      EXPECT_EQ(tile.mesh.vertices[v].node, other.mesh.vertices[v].node);
+      EXPECT_EQ(tile.mesh.vertices[v].height, other.mesh.vertices[v].height);
+    }
+  }
+}
+
+TEST(tile_pyramid, ends_when_cancelled_or_when_a_tile_fails) {
+  MadeRows rows(41, 27, {10.13, 0.21, 0, 47.9, 0, -0.17}, hills);
+  Progress stopped;
+  stopped.cancel();
+  const auto sink = [](const FinishedTile&) -> Result<void> { return {}; };
+  EXPECT_FALSE(build_tiles(rows, {.max_error = 20}, sink, stopped));
+  Progress progress;
+  const auto failing = [](const FinishedTile& tile) -> Result<void> {
+    if (tile.id.level == 3) return fail("no room");
+    return {};
+  };
+  const auto failed = build_tiles(rows, {.max_error = 20}, failing, progress);
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().message, "no room");
+}
+
+TEST(tile_pyramid, refuses_rasters_that_are_not_on_the_globe) {
+  const auto refusal = [](const MadeRows& rows) {
+    const auto raster = ExtendedRaster::of(rows.frame(), 0);
+    return raster ? std::string() : raster.error().message;
+  };
+  EXPECT_NE(refusal({4, 4, {0, 1, 0.1, 0, 0, 1}, hills}), "");
+  EXPECT_NE(refusal({4, 4, {0, 1, 0, 88, 0, 1}, hills}), "");
+  EXPECT_NE(refusal({400, 4, {0, 1, 0, 8, 0, 1}, hills}), "");
+  EXPECT_EQ(refusal({361, 4, {0, 1, 0, 8, 0, 1}, hills}), "");
+}
+
+TEST(tile_pyramid, has_levels_that_clients_take_for_true) {
+  const std::vector<double> errors = level_errors(10, 12);
+  EXPECT_EQ(errors[12], 10);
+  EXPECT_EQ(errors[11], 20);
+  EXPECT_EQ(level_errors(1e9, 5)[5], kLevelZeroError / 32);
+}
+
+}  // namespace
+}  // namespace lode::tile_pyramid
