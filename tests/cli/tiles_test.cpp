@@ -1,0 +1,181 @@
+// Tiles for globes, through the program.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+/// 60 x 45 heights in degrees, ESRI ASCII, some missing; one of them `raised`.
+void write_degrees(const std::string& path, int raised = 0) {
+  std::ofstream file(path);
+  file << "ncols 60\nnrows 45\nxllcorner 9.8\nyllcorner 44.9\ncellsize 0.01\nnodata_value -9999\n";
+  for (int y = 0; y < 45; ++y)
+    for (int x = 0; x < 60; ++x) {
+      const long z = std::lround(900 + 300 * std::sin(0.2 * x) * std::cos(0.3 * y));
+      file << (x > 6 && x < 10 && y == 9 ? -9999
+               : x == 31 && y == 22      ? z + raised
+                                         : z)
+           << (x + 1 < 60 ? ' ' : '\n');
+    }
+}
+
+std::string content_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::map<std::string, std::string> files_in(const std::string& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      files[std::filesystem::relative(entry.path(), folder).string()] = content_of(entry.path());
+  return files;
+}
+
+class cli_tiles : public testing::Test {
+ protected:
+  cli_tiles() { write_degrees(dem_); }
+
+  Finished cut(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"tiles", dem_, folder_, "--max-error", "5", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_lode(arguments);
+  }
+  /// Of the check by this name.
+  static bool passes(const Finished& verified, const std::string& name) {
+    const auto json = nlohmann::json::parse(verified.out);
+    for (const auto& check : json.at("checks"))
+      if (check.at("name") == name) return check.at("passed");
+    ADD_FAILURE() << name;
+    return false;
+  }
+
+  const Scratch scratch_;
+  const std::string dem_ = scratch_ / "dem.asc";
+  const std::string folder_ = scratch_ / "tiles";
+};
+
+TEST_F(cli_tiles, are_what_layer_json_says) {
+  const auto told = cut().json();
+  const auto layer = nlohmann::json::parse(content_of(folder_ + "/layer.json"));
+  EXPECT_EQ(layer.at("format"), "quantized-mesh-1.0");
+  EXPECT_EQ(layer.at("maxzoom"), told.at("levels").size() - 1);
+  std::size_t n_tiles = 0;
+  std::size_t n_bytes = 0;
+  for (std::size_t level = 0; level < told.at("levels").size(); ++level) {
+    const auto& one = told.at("levels")[level];
+    n_tiles += one.at("tiles").get<std::size_t>();
+    n_bytes += one.at("bytes").get<std::size_t>();
+    EXPECT_EQ(layer.at("errors")[level].at("achieved_error"), one.at("achieved_error"));
+    EXPECT_LE(one.at("achieved_error"), one.at("max_error"));
+    EXPECT_EQ(one.at("tiles_beyond"), 0);
+    std::size_t n_available = 0;
+    for (const auto& range : layer.at("available")[level]) {
+      const auto size = [&](const char* from, const char* to) {
+        return range.at(to).get<std::size_t>() - range.at(from).get<std::size_t>() + 1;
+      };
+      n_available += size("startX", "endX") * size("startY", "endY");
+    }
+    EXPECT_EQ(n_available, one.at("tiles"));
+  }
+  EXPECT_EQ(told.at("levels").back().at("max_error"), 5);
+  EXPECT_EQ(told.at("missing_samples"), 3);
+  auto files = files_in(folder_);
+  EXPECT_EQ(files.size(), n_tiles + 1);
+  for (const auto& [name, bytes] : files) n_bytes -= name == "layer.json" ? 0 : bytes.size();
+  EXPECT_EQ(n_bytes, 0);
+}
+
+TEST_F(cli_tiles, are_verified_against_their_raster) {
+  ASSERT_EQ(cut().exit_code, 0);
+  const Finished alone = run_lode({"verify", folder_});
+  EXPECT_EQ(alone.exit_code, 0) << alone.out << alone.err;
+  const Finished against = run_lode({"verify", folder_, "--against", dem_});
+  EXPECT_EQ(against.exit_code, 0) << against.out << against.err;
+  write_degrees(dem_, 20);
+  const Finished other = run_lode({"verify", folder_, "--against", dem_, "--json"});
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_NE(other.err.find("error of level"), std::string::npos) << other.err;
+}
+
+TEST_F(cli_tiles, are_refused_when_damaged) {
+  const auto told = cut().json();
+  const std::string level = std::to_string(told.at("levels").size() - 1);
+  std::vector<std::filesystem::path> tiles;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ + "/" + level))
+    if (entry.is_regular_file()) tiles.push_back(entry.path());
+  std::ranges::sort(tiles);
+  const std::filesystem::path& tile = tiles[tiles.size() / 2];
+  const std::string whole = content_of(tile);
+  const auto rewrite = [&](const std::string& bytes) {
+    std::ofstream(tile, std::ios::binary) << bytes;
+  };
+  // The lowest height, so that its sides are no longer its neighbours'.
+  std::string raised = whole;
+  const float lowest = 7;
+  std::memcpy(&raised[24], &lowest, sizeof lowest);
+  rewrite(raised);
+  EXPECT_FALSE(passes(run_lode({"verify", folder_, "--json"}), "tiles of a level meet"));
+  rewrite(whole.substr(0, whole.size() - 9));
+  EXPECT_FALSE(passes(run_lode({"verify", folder_, "--json"}), "tiles are there and whole"));
+  std::filesystem::remove(tile);
+  const Finished missing = run_lode({"verify", folder_});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_NE(missing.err.find(tile.filename().string()), std::string::npos) << missing.err;
+  for (
+      const char* layer :
+      {"", "[]", "{}", R"({"format":"quantized-mesh-1.0","scheme":"tms"})",
+       R"({"format":"quantized-mesh-1.0","scheme":"tms","available":[[{"startX":0,"endX":9}]]})"}) {
+    std::ofstream(folder_ + "/layer.json") << layer;
+    const Finished bad = run_lode({"verify", folder_});
+    EXPECT_EQ(bad.exit_code, 1);
+    EXPECT_NE(bad.err.find("layer.json: "), std::string::npos) << bad.err;
+  }
+}
+
+TEST_F(cli_tiles, are_the_same_when_the_raster_stays_in_its_file) {
+  ASSERT_EQ(cut().exit_code, 0);
+  const auto whole = files_in(folder_);
+  std::filesystem::remove_all(folder_);
+  ASSERT_EQ(cut({"--memory-limit", "1K", "--threads", "3"}).exit_code, 0);
+  EXPECT_EQ(files_in(folder_), whole);
+}
+
+TEST_F(cli_tiles, appear_whole_or_not_at_all) {
+  std::filesystem::create_directory(folder_);
+  EXPECT_EQ(cut().exit_code, 0);  // an empty folder may be there
+  const auto before = files_in(folder_);
+  const Finished again = cut();
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_NE(again.err.find("empty"), std::string::npos) << again.err;
+  EXPECT_EQ(files_in(folder_), before);
+  const auto files = scratch_.files();
+  EXPECT_EQ(run_lode({"tiles", dem_, scratch_ / "no/such/tiles", "--max-error", "5"}).exit_code, 1);
+  EXPECT_EQ(scratch_.files(), files);
+}
+
+TEST_F(cli_tiles, are_refused_of_what_is_not_on_the_globe) {
+  std::ofstream(dem_)
+      << "ncols 2\nnrows 2\nxllcorner 500000\nyllcorner 4000000\ncellsize 30\n1 2\n3 4\n";
+  const Finished metres = cut();
+  EXPECT_EQ(metres.exit_code, 1);
+  EXPECT_NE(metres.err.find("expected latitudes from -90 to 90"), std::string::npos) << metres.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+  EXPECT_EQ(run_lode({"tiles", dem_, folder_, "--max-error", "0"}).exit_code, 2);
+  EXPECT_EQ(run_lode({"tiles", dem_, folder_}).exit_code, 2);
+  EXPECT_EQ(run_lode({"tiles", dem_, folder_, "--max-error", "1", "--max-level", "40"}).exit_code,
+            2);
+  EXPECT_EQ(run_lode({"tiles", scratch_ / "points.xyz", folder_, "--max-error", "1"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace lode::test
