@@ -14,7 +14,8 @@ namespace {
 struct TileJob {
   TileId id;
   TileMesh mesh;
-  std::vector<WorstInTriangle> worst{};
+  std::vector<WorstInTriangle> worst{};  ///< By triangle.
+  std::vector<std::uint32_t> open{};     ///< Triangles that are to be measured.
   double error = 0;
   bool is_beyond = false;
   Result<void> status{};
@@ -94,7 +95,10 @@ class PyramidBuild {
   Result<void> settle(std::vector<TileJob>& jobs, RowStrip& strip) {
     std::vector<TileJob*> pending;
     pending.reserve(jobs.size());
-    for (TileJob& job : jobs) pending.push_back(&job);
+    for (TileJob& job : jobs) {
+      set_open(job, {});
+      pending.push_back(&job);
+    }
     while (!pending.empty()) {
       LODE_CHECK(measure_all(pending, strip));
       std::vector<std::uint8_t> is_done(pending.size());
@@ -116,16 +120,15 @@ class PyramidBuild {
   Result<void> measure_all(const std::vector<TileJob*>& pending, RowStrip& strip) {
     struct Part {
       TileJob* job;
-      std::size_t first;
-      std::size_t n;
+      std::span<const std::uint32_t> triangles;
     };
     constexpr std::size_t kPart = 512;
     std::vector<Part> parts;
-    for (TileJob* job : pending) {
-      job->worst.assign(job->mesh.triangles.size(), {});
-      for (std::size_t first = 0; first < job->worst.size(); first += kPart)
-        parts.push_back({job, first, std::min(kPart, job->worst.size() - first)});
-    }
+    for (TileJob* job : pending)
+      for (std::size_t first = 0; first < job->open.size(); first += kPart) {
+        const std::size_t n = std::min(kPart, job->open.size() - first);
+        parts.push_back({job, std::span(job->open).subspan(first, n)});
+      }
     const IndexRange all = rows_of(pending.front()->id, 0);
     const bool is_held = all.first >= strip.rows().first && all.last <= strip.rows().last;
     const std::int64_t n_rows = is_held ? all.last - all.first + 1 : BorderLines::kStripRows;
@@ -135,8 +138,8 @@ class PyramidBuild {
       if (!is_held) LODE_CHECK(strip.read(rows_, rows));
       parallel_for(parts.size(), threads_, 1, [&](std::size_t i, int) {
         const Part& part = parts[i];
-        measure(part.job->mesh, part.job->id, raster_, strip, rows, part.first,
-                std::span(part.job->worst).subspan(part.first, part.n));
+        measure(part.job->mesh, part.job->id, raster_, strip, rows, part.triangles,
+                part.job->worst);
       });
     }
     return {};
@@ -155,8 +158,22 @@ class PyramidBuild {
     }
     job.is_beyond = !candidates.empty();
     if (!job.is_beyond) return false;
+    const auto before = job.mesh.triangles;
     LODE_TRY(const std::uint64_t n, refine(job.mesh, candidates, 0, progress_));
+    set_open(job, before);
     return n > 0;
+  }
+
+  /// All triangles that are not as before: vertices keep their numbers, and so do triangles.
+  static void set_open(TileJob& job, std::span<const std::array<std::uint32_t, 3>> before) {
+    const auto& triangles = job.mesh.triangles;
+    job.worst.resize(triangles.size());
+    job.open.clear();
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      if (t < before.size() && triangles[t] == before[t]) continue;
+      job.open.push_back(t);
+      job.worst[t] = {};
+    }
   }
 
   Result<void> finish_row(std::vector<TileJob>& jobs) {

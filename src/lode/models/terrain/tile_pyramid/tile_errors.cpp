@@ -86,7 +86,7 @@ void measure_triangle(const std::array<Corner, 3>& corners, const ExtendedRaster
 }  // namespace
 
 void measure(const TileMesh& mesh, const TileId& tile, const ExtendedRaster& raster,
-             const RowStrip& strip, IndexRange rows, std::size_t first,
+             const RowStrip& strip, IndexRange rows, std::span<const std::uint32_t> triangles,
              std::span<WorstInTriangle> worst) {
   const double size = tile_size(tile.level);
   const double west = west_of(tile);
@@ -98,10 +98,10 @@ void measure(const TileMesh& mesh, const TileId& tile, const ExtendedRaster& ras
       return Corner{raster.column(west + size * vertex.node.x / kLastNode, turn),
                     raster.row(south + size * vertex.node.y / kLastNode), vertex.height};
     };
-    for (std::size_t i = 0; i < worst.size(); ++i) {
-      const auto& triangle = mesh.triangles[first + i];
+    for (const std::uint32_t t : triangles) {
+      const auto& triangle = mesh.triangles[t];
       measure_triangle({corner(triangle[0]), corner(triangle[1]), corner(triangle[2])}, raster,
-                       strip, rows, turn, worst[i]);
+                       strip, rows, turn, worst[t]);
     }
   }
 }

@@ -19,12 +19,11 @@ struct WorstInTriangle {
   int turn = 0;
 };
 
-/// Holds samples in some rows of a strip against triangles of a tile; those on edges against both.
-/// Samples are where the raster has them, vertices where the tile's lattice has. `worst`: of the
-/// triangles from `first` on, and of other rows what these had. Rounding: below 2^-48 of the
-/// heights.
+/// Holds samples in some rows of a strip against some triangles of a tile; those on edges against
+/// both. Samples are where the raster has them, vertices where the tile's lattice has. `worst`: by
+/// triangle; of other rows what these had. Rounding: below 2^-48 of the heights.
 void measure(const TileMesh& mesh, const TileId& tile, const ExtendedRaster& raster,
-             const RowStrip& strip, IndexRange rows, std::size_t first,
+             const RowStrip& strip, IndexRange rows, std::span<const std::uint32_t> triangles,
              std::span<WorstInTriangle> worst);
 
 /// The node next to a sample, which may be outside of the tile.

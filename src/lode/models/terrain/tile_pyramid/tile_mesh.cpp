@@ -98,6 +98,33 @@ void take_from(const PointMesh& mesh, const NodeTable& table, TileMesh& out) {
         {number[triangle.corner[0]], number[triangle.corner[1]], number[triangle.corner[2]]});
 }
 
+/// One stage of refine().
+Result<std::uint64_t> insert_worst(TileMesh& mesh, std::span<const TileVertex> candidates,
+                                   double max_error, Progress& progress) {
+  const NodeTable table = to_table(mesh, candidates);
+  const std::size_t n_before = mesh.vertices.size();
+  if (table.nodes.size() == n_before) return 0;
+  PointMesh points(ListedNodes(table.nodes), mesh.triangles);
+  const auto triangle_of = locate_all(points, table, n_before);
+  const auto [lower, upper] = std::ranges::minmax(table.heights);
+  LODE_TRY(const auto report,
+           delaunay::insert_points(points, PointSamples{table.nodes, table.heights, triangle_of},
+                                   HeightRange{lower, upper}, {.max_error = max_error}, progress));
+  if (report.n_inserted > 0) take_from(points, table, mesh);
+  return report.n_inserted;
+}
+
+/// Every so manyth of a list, scattered over it.
+std::vector<TileVertex> part_of(std::span<const TileVertex> candidates, std::uint32_t one_in) {
+  std::vector<TileVertex> part;
+  part.reserve(candidates.size() / one_in * 2);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const std::uint32_t mixed = static_cast<std::uint32_t>(i) * 0x9E3779B1U;
+    if ((mixed >> 16) % one_in == 0) part.push_back(candidates[i]);
+  }
+  return part;
+}
+
 }  // namespace
 
 TileMesh mesh_of_sides(std::span<const TileVertex> sides) {
@@ -123,17 +150,19 @@ TileMesh mesh_of_sides(std::span<const TileVertex> sides) {
 
 Result<std::uint64_t> refine(TileMesh& mesh, std::span<const TileVertex> candidates,
                              double max_error, Progress& progress) {
-  const NodeTable table = to_table(mesh, candidates);
-  const std::size_t n_before = mesh.vertices.size();
-  if (table.nodes.size() == n_before) return 0;
-  PointMesh points(ListedNodes(table.nodes), mesh.triangles);
-  const auto triangle_of = locate_all(points, table, n_before);
-  const auto [lower, upper] = std::ranges::minmax(table.heights);
-  LODE_TRY(const auto report,
-           delaunay::insert_points(points, PointSamples{table.nodes, table.heights, triangle_of},
-                                   HeightRange{lower, upper}, {.max_error = max_error}, progress));
-  if (report.n_inserted > 0) take_from(points, table, mesh);
-  return report.n_inserted;
+  // While triangles are large, and err by far more than they may, few candidates tell where to
+  // refine; then each is in a small one.
+  constexpr std::size_t kMany = 4096;
+  constexpr double kFar = 4;
+  std::uint64_t n_inserted = 0;
+  for (const std::uint32_t one_in : {256U, 32U, 4U}) {
+    if (candidates.size() / one_in < kMany / 32) continue;
+    LODE_TRY(const std::uint64_t n,
+             insert_worst(mesh, part_of(candidates, one_in), kFar * max_error, progress));
+    n_inserted += n;
+  }
+  LODE_TRY(const std::uint64_t n, insert_worst(mesh, candidates, max_error, progress));
+  return n_inserted + n;
 }
 
 }  // namespace lode::tile_pyramid
