@@ -54,6 +54,7 @@ void find_bands(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.scale, "GDALGetRasterScale");
   finder.find(gdal.offset, "GDALGetRasterOffset");
   finder.find(gdal.unit, "GDALGetRasterUnitType");
+  finder.find(gdal.set_cache, "GDALSetCacheMax64");
   finder.find(gdal.read, "GDALRasterIO");
 }
 

@@ -35,6 +35,7 @@ struct GdalLibrary {
   decltype(&GDALGetProjectionRef) projection = nullptr;
   decltype(&GDALGetDatasetDriver) driver = nullptr;
   decltype(&GDALGetDriverShortName) driver_name = nullptr;
+  decltype(&GDALSetCacheMax64) set_cache = nullptr;
   decltype(&GDALRasterIO) read = nullptr;  ///< And write.
   decltype(&GDALDatasetGetLayerCount) n_layers = nullptr;
   decltype(&GDALDatasetGetLayer) layer = nullptr;

@@ -1,5 +1,6 @@
 #include "lode/io/height_stream.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 #include <variant>
@@ -10,6 +11,20 @@
 #include "lode/io/height_transform.h"
 
 namespace lode::io {
+namespace {
+
+/// GDAL would keep a twentieth of the machine's memory in blocks; rows need those of two of theirs.
+void limit_cache(const GdalRaster& file, GDALRasterBandH band) {
+  constexpr std::int64_t kLeast = std::int64_t{64} << 20;
+  constexpr std::int64_t kSample = 8;
+  int block_columns = 0;
+  int block_rows = 0;
+  file.gdal().block_size(band, &block_columns, &block_rows);
+  const std::int64_t row_of_blocks = kSample * file.n_columns() * block_rows;
+  file.gdal().set_cache(std::max(kLeast, 2 * row_of_blocks));
+}
+
+}  // namespace
 
 struct HeightStream::Impl {
   GdalRaster file;
@@ -46,6 +61,8 @@ std::uint64_t HeightStream::n_bytes() const {
 
 Result<void> HeightStream::read(std::int32_t first, std::int32_t n_rows,
                                 std::span<double> out) const {
+  LODE_TRY(GDALRasterBandH band, impl_->file.band(impl_->options.band));
+  limit_cache(impl_->file, band);
   LODE_TRY(const HeightGrid grid, read_rows(impl_->file, impl_->options, {first, n_rows}, nullptr));
   copy_rows(grid, 0, n_rows, out);
   return {};
