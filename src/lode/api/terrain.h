@@ -63,8 +63,9 @@ struct TerrainSurface {
 enum class TinShape : std::uint8_t { delaunay, any };
 
 [[nodiscard]] constexpr TinShape shape_of(TerrainModel model) {
-  return model == TerrainModel::ternary_triangulation || is_quadtree(model) ? TinShape::any
-                                                                            : TinShape::delaunay;
+  return model == TerrainModel::ternary_triangulation || is_quadtree(model) || is_hierarchy(model)
+             ? TinShape::any
+             : TinShape::delaunay;
 }
 
 struct TerrainVerifyOptions {
