@@ -15,12 +15,31 @@ namespace {
 struct TerrainAnswer {
   const TerrainJob& job;
   const OpenedTerrain& opened;
+  const TerrainOptions& options;
   const TerrainReport& report;
   bool is_strict;
   double read_seconds;
   double write_seconds;
   std::optional<TerrainRasterReport> raster{};
 };
+
+/// Null without one.
+Json focus_json(const std::optional<TerrainFocus>& focus) {
+  if (!focus) return nullptr;
+  Json json;
+  json["boxes"] = Json::array();
+  for (const PlaceBox& box : focus->boxes)
+    json["boxes"].push_back({box.lower[0], box.upper[0], box.lower[1], box.upper[1]});
+  json["point"] = nullptr;
+  json["growth"] = nullptr;
+  if (focus->point) {
+    json["point"] = {(*focus->point)[0], (*focus->point)[1]};
+    json["growth"] = focus->growth;
+  }
+  json["max_error_outside"] =
+      focus->max_error_outside ? Json(*focus->max_error_outside) : Json(nullptr);
+  return json;
+}
 
 Json answer_json(const TerrainAnswer& answer, Table& table, const Session& session) {
   const TerrainReport& report = answer.report;
@@ -33,6 +52,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   json["model"] = name_of(answer.opened.model);
   if (!is_quadtree(answer.opened.model)) json["insertion"] = answer.is_strict ? "strict" : "levels";
   json["is_uniform"] = report.is_uniform;
+  json["focus"] = focus_json(answer.options.focus);
   json["max_error"] = report.max_error;
   json["max_error_is_default"] = answer.job.max_error.empty();
   json["achieved_error"] = report.achieved_error;
@@ -271,9 +291,10 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   outputs.keep();
   const TerrainReport& report = made.report;
   warn_of(report, opened.model, job, session);
-  const bool is_strict = options.max_cells || options.order == InsertionOrder::strict || opened.built.has_value();
-  const TerrainAnswer answer{job,          opened,       report,     is_strict,
-                             read_seconds, made.seconds, made.raster};
+  const bool is_strict =
+      options.max_cells || options.order == InsertionOrder::strict || opened.built.has_value();
+  const TerrainAnswer answer{job,       opened,       options,      report,
+                             is_strict, read_seconds, made.seconds, made.raster};
   Table table;
   Outcome outcome;
   outcome.json = answer_json(answer, table, session);

@@ -149,6 +149,15 @@ TEST_P(cli_terrain_model, varies_its_tolerance) {
       count({"--max-error", "2", "--focus-point", "500600,4000400", "--growth", "1"});
   EXPECT_LT(nearer, near);
   EXPECT_LT(near, fine);
+  const auto focus =
+      run_lode({"extract", model_, scratch_ / "of.vtp", "--max-error", "2", "--json",
+                "--focus-point", "500600,4000400", "--growth", "0.1", "--max-error-outside", "50"})
+          .json()
+          .at("focus");
+  EXPECT_EQ(focus.at("point"), nlohmann::json({500600, 4000400}));
+  EXPECT_EQ(focus.at("growth"), 0.1);
+  EXPECT_EQ(focus.at("max_error_outside"), 50);
+  EXPECT_TRUE(focus.at("boxes").empty());
   EXPECT_LE(count({"--max-cells", "300"}), 300);
   const Finished far =
       run_lode({"extract", model_, scratch_ / "far.ply", "--max-error", "2", "--box", "0,1,0,1"});

@@ -49,8 +49,18 @@ class Selection {
   void look_at(std::uint32_t t) {
     const Triangle& triangle = history_.triangles[t];
     if (triangle.death == kNone || applied_[triangle.death]) return;
-    const NodeFacts facts = facts_of(history_, triangle);
+    const NodeFacts facts =
+        demand_.uses_bounds() ? facts_of(history_, triangle) : facts_without_bounds(triangle);
     if (demand_.touches(facts) && to_rank(demand_(facts)) > 0) wanted_.push_back(triangle.death);
+  }
+  [[nodiscard]] NodeFacts facts_without_bounds(const Triangle& triangle) const {
+    const auto [low, high] =
+        std::minmax({history_.heights[triangle.corner[0]], history_.heights[triangle.corner[1]],
+                     history_.heights[triangle.corner[2]]});
+    NodeFacts facts;
+    facts.error = static_cast<double>(triangle.error);
+    facts.range = {low - facts.error, high + facts.error};
+    return facts;
   }
   /// After its ancestors, of which there may be long chains.
   void apply(std::uint32_t wanted) {
