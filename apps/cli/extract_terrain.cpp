@@ -50,7 +50,8 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   if (!answer.job.raster.difference.empty())
     json["outputs"].push_back(answer.job.raster.difference);
   json["model"] = name_of(answer.opened.model);
-  if (!is_quadtree(answer.opened.model)) json["insertion"] = answer.is_strict ? "strict" : "levels";
+  if (!is_quadtree(answer.opened.model) && !is_hierarchy(answer.opened.model))
+    json["insertion"] = answer.is_strict ? "strict" : "levels";
   json["is_uniform"] = report.is_uniform;
   json["focus"] = focus_json(answer.options.focus);
   json["max_error"] = report.max_error;
@@ -122,7 +123,8 @@ void warn_of(const TerrainReport& report, TerrainModel model, const TerrainJob& 
         fmt::format("coordinates are floats: heights of vertices in {} are off by up to {}",
                     job.output, format_number(report.height_slack)));
   if (!report.budget_met)
-    session.warn(fmt::format("--max-cells is not met: the outline alone has {} triangles",
+    session.warn(fmt::format("--max-cells is not met: {} has {} triangles",
+                             is_hierarchy(model) ? "the coarsest level" : "the outline alone",
                              report.triangles));
   if (model == TerrainModel::surface_quadtree && !report.is_within_error)
     session.warn(
