@@ -58,6 +58,9 @@ Result<std::uint32_t> read_head(const store::Reader& reader, HierarchyModel& mod
                 "have {} bits, got 2^{}",
                 path, kMostBits, kCoordinateBits, bits);
   h.bits = static_cast<int>(bits);
+  const auto& g = h.frame.to_world;
+  if (std::ldexp(g[1] * g[5] - g[2] * g[4], -2 * h.bits) == 0)
+    return fail("{}: metadata: expected nodes that span a plane", path);
   LODE_TRY(h.reach, in.read<std::int32_t>());
   if (h.reach < 0 || h.reach > (last << bits))
     return fail("{}: metadata: expected a reach from 0 to {}, got {}", path, last << bits, h.reach);
