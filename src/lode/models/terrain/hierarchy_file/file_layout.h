@@ -1,6 +1,6 @@
 #pragma once
 
-// What save() and open() agree on; docs/format.md, section 8.
+// What save() and open() agree on; docs/format.md, section 7.
 
 #include <array>
 #include <cstdint>
