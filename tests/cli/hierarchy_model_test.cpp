@@ -64,9 +64,17 @@ TEST_P(cli_hierarchy_model, gives_the_mesh_of_a_level) {
   const auto again =
       run_lode({"extract", dem_, out_, "--max-error", "50", "--model", GetParam(), "--json"});
   EXPECT_EQ(again.json().at("triangles"), levels[0].at("triangles"));
-  expect_refusal(run_lode({"verify", dem_, "--surface", out_, "--max-error", "50", "--model",
-                           GetParam()}),
-                 2, {"vertices are samples", GetParam()});
+  for (const std::vector<std::string>& more : {std::vector<std::string>{"--max-cells", "100"},
+                                               {"--max-cells", "100", "--max-error", "1"}}) {
+    std::vector<std::string> words{"extract", dem_, out_, "--model", GetParam(), "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto chosen = run_lode(words).json();
+    EXPECT_EQ(chosen.at("budget_met"), true);
+    EXPECT_GT(chosen.at("triangles"), 2);
+  }
+  expect_refusal(
+      run_lode({"verify", dem_, "--surface", out_, "--max-error", "50", "--model", GetParam()}), 2,
+      {"vertices are samples", GetParam()});
 }
 
 TEST_P(cli_hierarchy_model, answers_what_rasters_answer) {

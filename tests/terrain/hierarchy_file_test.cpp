@@ -157,8 +157,9 @@ TEST_F(hierarchy_file, stops_when_cancelled) {
 }
 
 TEST_F(hierarchy_file, refuses_numbers_that_cannot_be) {
-  const HierarchyModel made = build(
-      Kind::hierarchical_delaunay, test::make_grid<float>(17, 13, test::hills_with_spikes), {90, 20});
+  const HierarchyModel made =
+      build(Kind::hierarchical_delaunay, test::make_grid<float>(17, 13, test::hills_with_spikes),
+            {90, 20});
   ASSERT_GE(made.hierarchy.refinements.size(), 3U);
   const auto n = static_cast<std::uint32_t>(made.hierarchy.triangles.size());
   struct Lie {
@@ -170,14 +171,14 @@ TEST_F(hierarchy_file, refuses_numbers_that_cannot_be) {
   const std::vector<Lie> lies{
       {"columns and rows", [](auto& m) { m.source.frame.n_rows = 1; }},
       {"range of heights", [](auto& m) { m.source.range.lower = kNan; }},
-      {"levels that get finer", [](auto& m) { m.hierarchy.tolerances = {20, 90}; }},
+      {"levels that get finer",
+       [](auto& m) {
+         m.hierarchy.tolerances = {20, 90};
+       }},
       {"expected levels, got none", [](auto& m) { m.hierarchy.tolerances.clear(); }},
       {"at most 2^8 nodes", [](auto& m) { m.hierarchy.bits = 9; }},
       {"have 30 bits", [](auto& m) { m.source.frame.n_columns = 1 << 24; }},
-      {"span a plane",
-       [](auto& m) {
-         m.source.frame.to_world = {0, 1e-160, 0, 0, 0, 1e-160};
-       }},
+      {"span a plane", [](auto& m) { m.source.frame.to_world = {0, 1e-160, 0, 0, 0, 1e-160}; }},
       {"a reach", [](auto& m) { m.hierarchy.reach = -1; }},
       {"a reach", [](auto& m) { m.hierarchy.reach = 17 << 8; }},
       {"vertices that get more", [](auto& m) { m.hierarchy.vertices_until[0] = 0; }},
@@ -208,9 +209,7 @@ TEST_F(hierarchy_file, refuses_numbers_that_cannot_be) {
        [n](auto& m) { m.hierarchy.triangles[n - 1].error = 20.01F; }},
       {"a level before", [n](auto& m) { m.hierarchy.refinements[1].triangle = n - 1; }},
       {"that no other refines",
-       [](auto& m) {
-         m.hierarchy.refinements[1].triangle = m.hierarchy.refinements[0].triangle;
-       }},
+       [](auto& m) { m.hierarchy.refinements[1].triangle = m.hierarchy.refinements[0].triangle; }},
       {"expected from 2 triangles",
        [](auto& m) { m.hierarchy.refinements[1].first = m.hierarchy.refinements[0].first + 1; }},
       {"expected from 2 triangles",
@@ -235,18 +234,16 @@ TEST_F(hierarchy_file, refuses_numbers_that_cannot_be) {
 TEST_F(hierarchy_file, refuses_meshes_that_are_none) {
   expect_refused(drawn({{0, 0}, {3, 0}, {3, 3}}, {{0, 1, 2}}), "along columns and rows");
   // A square, and one in it.
-  expect_refused(
-      drawn({{0, 0}, {3, 0}, {3, 3}, {0, 3}, {1, 1}, {2, 1}, {2, 2}, {1, 2}},
-            {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}}),
-      "cover each place once");
+  expect_refused(drawn({{0, 0}, {3, 0}, {3, 3}, {0, 3}, {1, 1}, {2, 1}, {2, 2}, {1, 2}},
+                       {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}}),
+                 "cover each place once");
   // Two squares on a side of a rectangle, which has no vertex there.
   expect_refused(drawn({{0, 0}, {2, 0}, {2, 1}, {0, 1}, {1, 1}, {0, 2}, {1, 2}, {2, 2}},
                        {{0, 1, 2}, {0, 2, 3}, {3, 4, 6}, {3, 6, 5}, {4, 2, 7}, {4, 7, 6}}),
                  "a crack");
   // Three triangles at one edge.
-  expect_refused(
-      drawn({{0, 0}, {3, 0}, {3, 3}, {0, 3}, {2, 1}}, {{0, 1, 2}, {0, 2, 3}, {0, 4, 2}}),
-      "a triangle on each side, got 3");
+  expect_refused(drawn({{0, 0}, {3, 0}, {3, 3}, {0, 3}, {2, 1}}, {{0, 1, 2}, {0, 2, 3}, {0, 4, 2}}),
+                 "a triangle on each side, got 3");
   // A triangle whose refinement has a cell more.
   HierarchyModel wider = drawn({{0, 0}, {1, 0}, {1, 1}, {0, 1}, {2, 0}, {2, 1}},
                                {{0, 1, 2}, {0, 2, 3}, {0, 1, 2}, {1, 4, 5}, {1, 5, 2}});

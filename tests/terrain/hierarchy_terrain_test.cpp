@@ -7,6 +7,7 @@
 
 #include "lode/api/built_terrain.h"
 #include "lode/api/terrain_tin.h"
+#include "lode/mappers/tin_surface.h"
 #include "lode/models/terrain/hierarchy_file/hierarchy_file.h"
 #include "tests/terrain/hierarchy_fixtures.h"
 
@@ -87,8 +88,7 @@ TEST_P(hierarchy_terrain, has_heights_within_their_bounds_at_all_samples) {
   for (std::int32_t y = 0; y < grid.n_rows; ++y)
     for (std::int32_t x = 0; x < grid.n_columns; ++x) places.push_back(grid.world(x, y));
   for (const double max_error : {150.0, 45.0, 0.0}) {
-    const auto tin =
-        TerrainTin::select(opened.terrain(), {.max_error = max_error}, {}, progress_);
+    const auto tin = TerrainTin::select(opened.terrain(), {.max_error = max_error}, {}, progress_);
     ASSERT_TRUE(tin) << tin.error().message;
     EXPECT_LE(tin->report().achieved_error, max_error + rounding_of(grid));
     EXPECT_TRUE(tin->report().is_within_error);
@@ -162,8 +162,7 @@ TEST_P(hierarchy_terrain, refuses_what_it_cannot_by_its_nature) {
   EXPECT_NE(finer.error().message.find("40 or more"), std::string::npos) << finer.error().message;
   TerrainFocus focus;
   focus.boxes = {{{{1000, 9e5 - 60}}, {{1060, 9e5}}}};
-  const auto varied =
-      extract_terrain(made.terrain(), {.max_error = 40, .focus = focus}, progress_);
+  const auto varied = extract_terrain(made.terrain(), {.max_error = 40, .focus = focus}, progress_);
   ASSERT_FALSE(varied);
   EXPECT_NE(varied.error().message.find("levels alone"), std::string::npos);
   HeightGrid none = make_grid<float>(5, 5, hills_with_spikes);
@@ -209,6 +208,20 @@ TEST_P(hierarchy_terrain, is_held_against_its_own_raster_alone) {
   const auto report = made.verify(grid, {2}, progress_);
   ASSERT_TRUE(report);
   EXPECT_FALSE(report->passed());
+}
+
+TEST(fine_surface, counts_triangles_that_floats_flatten) {
+  delaunay::Tin tin;
+  // x is 0, 8000000.67, which floats have as 8000000.5, and 16000001.
+  tin.vertices = {{0, 0}, {24'000'002, 1}, {48'000'003, 2}, {0, 90}};
+  tin.heights = {0, 0, 0, 0};
+  tin.triangles = {{0, 1, 2}, {0, 2, 3}};
+  ASSERT_EQ(delaunay::doubled_area(tin.vertices[0], tin.vertices[1], tin.vertices[2]), 1);
+  HeightFrame frame;
+  frame.to_world = {0, 1.0 / 3, 0, 0, 0, 1.0 / 3};
+  EXPECT_EQ(to_surface(tin, frame).n_turned, 1U);
+  frame.to_world[5] *= -1;
+  EXPECT_EQ(to_surface(tin, frame).n_turned, 1U);
 }
 
 INSTANTIATE_TEST_SUITE_P(models, hierarchy_terrain,

@@ -76,9 +76,8 @@ Result<int> HierarchyTerrain::level_for(const TerrainOptions& options,
   const double finest = finest_error();
   const double asked = default_tolerance(options, source().range);
   if (options.max_error && asked < finest)
-    return fail(
-        "expected a tolerance of {} or more, which is what the model was built for, got {}", finest,
-        asked);
+    return fail("expected a tolerance of {} or more, which is what the model was built for, got {}",
+                finest, asked);
   int level = hierarchy().n_levels() - 1;
   if (!options.max_cells || options.max_error) {
     LODE_TRY(level, hierarchy().level_within(std::max(asked, finest)));

@@ -11,13 +11,12 @@ namespace lode {
 namespace {
 
 /// Of all levels at once.
-Result<void> check_errors(const triangle_hierarchy::Hierarchy& hierarchy, const HeightGrid& grid, Threads threads,
-                          Progress& progress, VerifyReport& report) {
+Result<void> check_errors(const triangle_hierarchy::Hierarchy& hierarchy, const HeightGrid& grid,
+                          Threads threads, Progress& progress, VerifyReport& report) {
   delaunay::Tin tin;
   tin.vertices = hierarchy.vertices;
   tin.heights = hierarchy.heights;
-  for (const auto& triangle : hierarchy.triangles)
-    tin.triangles.push_back(triangle.corner);
+  for (const auto& triangle : hierarchy.triangles) tin.triangles.push_back(triangle.corner);
   // Of z' on a plane, in doubles.
   const HeightRange range = height_range(grid);
   const double slack = 0x1p-48 * std::max(std::abs(range.lower), std::abs(range.upper));
@@ -42,8 +41,8 @@ Result<VerifyReport> HierarchyTerrain::verify(const HeightGrid& grid, Threads th
   LODE_CHECK(check_source(source(), grid, report));
   for (int level = 0; level < hierarchy().n_levels(); ++level) {
     const delaunay::Tin tin = tin_of_level(hierarchy(), level, delaunay::TinLinks::left_out);
-    LODE_TRY(const VerifyReport checked, verify_fine_tin(grid, tin, hierarchy().scale(),
-                                                         tolerance(level), threads, progress));
+    LODE_TRY(const VerifyReport checked,
+             verify_fine_tin(grid, tin, hierarchy().scale(), tolerance(level), threads, progress));
     for (const VerifyReport::Check& check : checked.checks)
       report.add(fmt::format("within {}: {}", tolerance(level), check.name), check.count,
                  check.passed ? 0 : 1, check.detail);

@@ -32,10 +32,9 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
   if (facts.n_turned > 0) return report;
   report.add("edges have two sides", facts.n_edges, facts.n_overused,
              facts.n_overused > 0 ? fmt::format("{} have more", facts.n_overused) : "");
-  const double cell =
-      facts.n_cells > 0
-          ? static_cast<double>(facts.doubled_domain_area) / static_cast<double>(facts.n_cells)
-          : 2;
+  const double cell = facts.n_cells > 0 ? static_cast<double>(facts.doubled_domain_area) /
+                                              static_cast<double>(facts.n_cells)
+                                        : 2;
   if (shape == TinShape::delaunay)
     report.add("inner edges are Delaunay", facts.n_inner_edges, facts.n_not_delaunay,
                facts.n_not_delaunay > 0 ? fmt::format("{} are not", facts.n_not_delaunay) : "");
@@ -64,6 +63,7 @@ Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOpti
   TerrainReport report = selected.report;
   report.height_slack = made.height_slack;
   report.position_slack = made.position_slack;
+  report.n_turned = made.n_turned;
   report.seconds = watch.seconds();
   return TerrainSurface{std::move(made.surface), report};
 } catch (const std::bad_alloc&) {

@@ -54,9 +54,10 @@ Result<std::uint32_t> read_head(const store::Reader& reader, HierarchyModel& mod
   LODE_TRY(const auto bits, in.read<std::uint32_t>());
   const std::int64_t last = std::int64_t{std::max(h.frame.n_columns, h.frame.n_rows)} - 1;
   if (bits > kMostBits || (last << bits) >> kCoordinateBits != 0)
-    return fail("{}: metadata: expected columns and rows at most 2^{} nodes apart, whose numbers "
-                "have {} bits, got 2^{}",
-                path, kMostBits, kCoordinateBits, bits);
+    return fail(
+        "{}: metadata: expected columns and rows at most 2^{} nodes apart, whose numbers "
+        "have {} bits, got 2^{}",
+        path, kMostBits, kCoordinateBits, bits);
   h.bits = static_cast<int>(bits);
   const auto& g = h.frame.to_world;
   if (std::ldexp(g[1] * g[5] - g[2] * g[4], -2 * h.bits) == 0)
