@@ -3,6 +3,7 @@
 
 #include "tests/cli/dem_fixture.h"
 #include "tests/cli/program.h"
+#include "tests/io/vtk_oracle.h"
 
 namespace lode::test {
 namespace {
@@ -42,6 +43,14 @@ TEST_P(cli_hierarchy_model, is_built_told_of_and_verified) {
   const std::string other = scratch_ / "other.asc";
   write_dem(other, 40, 31);
   EXPECT_NE(run_lode({"verify", model_, "--against", other}).exit_code, 0);
+}
+
+TEST_P(cli_hierarchy_model, is_read_from_the_format_document_alone) {
+  const auto& levels = built_.at("levels");
+  EXPECT_EQ(run_oracle(LODE_HIERARCHY_READER, "'" + model_ + "' '" + dem_ + "'"),
+            "vertices " + built_.at("vertices").dump() + " triangles " +
+                built_.at("triangles_ever").dump() + " levels [" +
+                levels[0].at("triangles").dump() + ", " + levels[1].at("triangles").dump() + "]\n");
 }
 
 TEST_P(cli_hierarchy_model, gives_the_mesh_of_a_level) {
