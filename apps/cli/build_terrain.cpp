@@ -55,6 +55,10 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
   json["left_out_samples"] = info.n_left_out;
   if (is_quadtree(model)) {
     json["squares"] = info.n_nodes;
+  } else if (is_hierarchy(model)) {
+    json["vertices"] = info.n_nodes;
+    json["first_triangles"] = info.n_base_triangles;
+    json["triangles_ever"] = info.n_triangles;
   } else {
     json["insertions"] = info.n_nodes;
     json["outline_triangles"] = info.n_base_triangles;
@@ -71,7 +75,7 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
   if (is_quadtree(model)) {
     table.add({"squares", format_count(info.n_nodes)});
   } else {
-    table.add({"insertions", format_count(info.n_nodes)});
+    table.add({is_hierarchy(model) ? "vertices" : "insertions", format_count(info.n_nodes)});
     table.add({"triangles ever", format_count(info.n_triangles)});
   }
   table.add({"memory", format_bytes(info.memory_bytes)});
@@ -121,7 +125,9 @@ Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) 
   if (info.n_nodes > 0)
     rate = fmt::format(" ({:.1f} bytes {})",
                        static_cast<double>(n_bytes) / static_cast<double>(info.n_nodes),
-                       is_quadtree(opened.model) ? "a square" : "an insertion");
+                       is_quadtree(opened.model)    ? "a square"
+                       : is_hierarchy(opened.model) ? "a vertex"
+                                                    : "an insertion");
   table.add({"file size", format_bytes(n_bytes) + rate});
   table.add({"output", job.output});
   outcome.text = table.to_string();

@@ -1,6 +1,7 @@
 #include "extract_terrain.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "build_terrain.h"
 #include "outputs.h"
@@ -50,7 +51,8 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   if (!answer.job.raster.difference.empty())
     json["outputs"].push_back(answer.job.raster.difference);
   json["model"] = name_of(answer.opened.model);
-  if (!is_quadtree(answer.opened.model)) json["insertion"] = answer.is_strict ? "strict" : "levels";
+  if (!is_quadtree(answer.opened.model) && !is_hierarchy(answer.opened.model))
+    json["insertion"] = answer.is_strict ? "strict" : "levels";
   json["is_uniform"] = report.is_uniform;
   json["focus"] = focus_json(answer.options.focus);
   json["max_error"] = report.max_error;
@@ -69,6 +71,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   } else {
     json["height_slack"] = report.height_slack;
     json["position_slack"] = report.position_slack;
+    json["turned_triangles"] = report.n_turned;
   }
   json["seconds"] = {{"total", answer.read_seconds + report.seconds + answer.write_seconds},
                      {"read", answer.read_seconds},
@@ -121,8 +124,14 @@ void warn_of(const TerrainReport& report, TerrainModel model, const TerrainJob& 
     session.warn(
         fmt::format("coordinates are floats: heights of vertices in {} are off by up to {}",
                     job.output, format_number(report.height_slack)));
+  if (report.n_turned > 0)
+    session.warn(
+        fmt::format("coordinates are floats: {} triangles in {}, thinner than these tell, "
+                    "are turned over or flat",
+                    format_count(report.n_turned), job.output));
   if (!report.budget_met)
-    session.warn(fmt::format("--max-cells is not met: the outline alone has {} triangles",
+    session.warn(fmt::format("--max-cells is not met: {} has {} triangles",
+                             is_hierarchy(model) ? "the coarsest level" : "the outline alone",
                              report.triangles));
   if (model == TerrainModel::surface_quadtree && !report.is_within_error)
     session.warn(
@@ -141,6 +150,16 @@ struct Wanted {
   std::optional<TerrainBuildOptions> building;  ///< Of a raster.
 };
 
+/// Of models that have no mesh but those of their levels, for a number of triangles to choose from:
+/// the default ones where there is no tolerance.
+std::vector<double> levels_above(const std::optional<double>& finest) {
+  if (!finest) return {};
+  constexpr int kDoublings = 10;
+  std::vector<double> levels;
+  for (int k = *finest > 0 ? kDoublings : 0; k >= 0; --k) levels.push_back(std::ldexp(*finest, k));
+  return levels;
+}
+
 Result<Wanted> to_wanted(const TerrainJob& job) {
   Wanted wanted;
   LODE_TRY(wanted.options, to_terrain_options(job.max_error, job.query.max_cells, job.terrain));
@@ -151,6 +170,8 @@ Result<Wanted> to_wanted(const TerrainJob& job) {
   if (finest && wanted.options.focus && wanted.options.focus->max_error_outside)
     finest = std::min(*finest, *wanted.options.focus->max_error_outside);
   LODE_TRY(wanted.building, to_build_options(job.terrain, finest));
+  if (wanted.building && is_hierarchy(wanted.building->model) && wanted.options.max_cells)
+    wanted.building->levels = levels_above(wanted.options.max_error);
   return wanted;
 }
 

@@ -130,7 +130,8 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   add("--model", arguments.model, "MODEL",
       "delaunay_selector (default): a TIN for this question; delaunay_pyramid, "
       "ternary_triangulation and implicit_delaunay_pyramid: built first, for all tolerances, which "
-      "may vary; surface_quadtree, quaternary_triangulation: with gaps; restricted_quadtree");
+      "may vary; surface_quadtree, quaternary_triangulation: with gaps; restricted_quadtree; "
+      "adaptive_triangulation, hierarchical_delaunay: in levels");
   add("--insertion", arguments.insertion, "levels|strict",
       "levels (default): errors fall by octaves, faster; strict: the worst of all "
       "samples first, fewer triangles; with --max-cells always strict");

@@ -22,6 +22,11 @@ Result<TinShape> to_shape(const std::string& model) {
   if (has_gaps(built))
     return fail("--model: expected a model without gaps, got '{}', whose files verify checks",
                 model);
+  if (is_hierarchy(built))
+    return fail(
+        "--model: expected a model whose vertices are samples, got '{}', whose files verify "
+        "checks",
+        model);
   return shape_of(built);
 }
 

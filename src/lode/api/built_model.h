@@ -24,7 +24,7 @@ class BuiltModel : public TerrainOrigin {
   [[nodiscard]] virtual Result<VerifyReport> verify_alone(Threads threads,
                                                           Progress& progress) const = 0;
 
-  [[nodiscard]] const HeightFrame& frame() const final { return source().frame; }
+  [[nodiscard]] const HeightFrame& frame() const override { return source().frame; }
   [[nodiscard]] HeightRange range() const final { return source().range; }
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lode/api/built_model.h"
+#include "lode/api/hierarchy_terrain.h"
 #include "lode/api/insertions_terrain.h"
 #include "lode/api/quadtree_terrain.h"
 #include "lode/core/out_of_memory.h"
@@ -55,6 +56,10 @@ Result<BuiltTerrain> BuiltTerrain::build(const HeightGrid& grid, const TerrainBu
     LODE_TRY(auto made, QuadtreeTerrain::build(grid, options, std::move(levels), progress));
     return BuiltTerrain(std::make_shared<const QuadtreeTerrain>(std::move(made)));
   }
+  if (is_hierarchy(options.model)) {
+    LODE_TRY(auto made, HierarchyTerrain::build(grid, options, levels, progress));
+    return BuiltTerrain(std::make_shared<const HierarchyTerrain>(std::move(made)));
+  }
   LODE_TRY(auto history, build_insertions(grid, options.model, levels.back(), progress));
   history.sample_type = options.sample_type;
   history.has_place = options.has_place;
@@ -70,6 +75,10 @@ Result<BuiltTerrain> BuiltTerrain::open(const std::string& path, Progress& progr
     LODE_TRY(auto opened, QuadtreeTerrain::open(path, progress));
     return BuiltTerrain(std::make_shared<const QuadtreeTerrain>(std::move(opened)));
   }
+  if (HierarchyTerrain::is_model_of(path)) {
+    LODE_TRY(auto opened, HierarchyTerrain::open(path, progress));
+    return BuiltTerrain(std::make_shared<const HierarchyTerrain>(std::move(opened)));
+  }
   LODE_TRY(insertions::LevelledHistory levelled, insertions::open(path, progress));
   return BuiltTerrain(std::make_shared<const InsertionsTerrain>(std::move(levelled)));
 } catch (const std::bad_alloc&) {
@@ -77,7 +86,8 @@ Result<BuiltTerrain> BuiltTerrain::open(const std::string& path, Progress& progr
 }
 
 bool BuiltTerrain::is_model_of(const std::string& path) {
-  return insertions::is_model_of(path) || QuadtreeTerrain::is_model_of(path);
+  return insertions::is_model_of(path) || QuadtreeTerrain::is_model_of(path) ||
+         HierarchyTerrain::is_model_of(path);
 }
 
 Result<std::uint64_t> BuiltTerrain::save(const std::string& path, Progress& progress) const try {
@@ -88,7 +98,7 @@ Result<std::uint64_t> BuiltTerrain::save(const std::string& path, Progress& prog
 
 Terrain BuiltTerrain::terrain() const { return Terrain(model_); }
 TerrainModel BuiltTerrain::model() const { return model_->model(); }
-const HeightFrame& BuiltTerrain::frame() const { return model_->frame(); }
+const HeightFrame& BuiltTerrain::frame() const { return model_->source().frame; }
 BuiltTerrainInfo BuiltTerrain::describe_source() const { return model_->describe_source(); }
 
 Result<BuiltTerrainInfo> BuiltTerrain::describe(Progress& progress) const try {

@@ -43,9 +43,9 @@ struct BuiltTerrainInfo {
   std::vector<Level> levels;
   std::string sample_type;
   bool has_place = true;
-  std::uint64_t n_nodes = 0;           ///< Samples that were inserted, or squares.
-  std::uint64_t n_base_triangles = 0;  ///< Of the outline; of insertions, as the next.
-  std::uint64_t n_triangles = 0;       ///< That there ever were.
+  std::uint64_t n_nodes = 0;           ///< Samples that were inserted, squares, or vertices.
+  std::uint64_t n_base_triangles = 0;  ///< Of the outline, or of level 0; of quadtrees none.
+  std::uint64_t n_triangles = 0;       ///< That there ever were; of quadtrees none.
   std::uint64_t memory_bytes = 0;
   std::uint64_t n_samples = 0;  ///< As of TerrainReport.
   std::uint64_t n_missing = 0;
@@ -55,7 +55,8 @@ struct BuiltTerrainInfo {
 };
 
 /// What was built of a raster for all tolerances: docs/models/delaunay_pyramid.md,
-/// ternary_triangulation.md, implicit_delaunay_pyramid.md and quadtrees.md. Copies are one terrain;
+/// ternary_triangulation.md, implicit_delaunay_pyramid.md, quadtrees.md and
+/// hierarchical_triangulations.md. Copies are one terrain;
 /// const members are safe from many threads.
 class BuiltTerrain {
  public:
@@ -75,6 +76,7 @@ class BuiltTerrain {
   /// mesh on the way that has no more; with a focus the fewest triangles within it.
   [[nodiscard]] Terrain terrain() const;
   [[nodiscard]] TerrainModel model() const;
+  /// Of the raster.
   [[nodiscard]] const HeightFrame& frame() const;
   /// Without levels.
   [[nodiscard]] BuiltTerrainInfo describe_source() const;

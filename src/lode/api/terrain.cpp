@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <new>
 #include <utility>
 
@@ -17,11 +19,11 @@
 namespace lode {
 namespace {
 
-/// `worst`: where the largest error is.
+/// `vertices`: what they are to be; `worst`: where the largest error is.
 VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
-                       const std::string& worst) {
+                       const std::string& worst, const char* vertices = "vertices are samples") {
   VerifyReport report;
-  report.add("vertices are samples", facts.n_vertices, facts.n_off_samples,
+  report.add(vertices, facts.n_vertices, facts.n_off_samples,
              facts.n_off_samples > 0 ? fmt::format("{} are not", facts.n_off_samples)
                                      : fmt::format("heights to within {}", facts.height_offset));
   if (facts.n_off_samples > 0) return report;
@@ -30,6 +32,9 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
   if (facts.n_turned > 0) return report;
   report.add("edges have two sides", facts.n_edges, facts.n_overused,
              facts.n_overused > 0 ? fmt::format("{} have more", facts.n_overused) : "");
+  const double cell = facts.n_cells > 0 ? static_cast<double>(facts.doubled_domain_area) /
+                                              static_cast<double>(facts.n_cells)
+                                        : 2;
   if (shape == TinShape::delaunay)
     report.add("inner edges are Delaunay", facts.n_inner_edges, facts.n_not_delaunay,
                facts.n_not_delaunay > 0 ? fmt::format("{} are not", facts.n_not_delaunay) : "");
@@ -39,7 +44,7 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
                  ? fmt::format("outline of {} edges", facts.n_border_edges)
                  : fmt::format("area of {} cells, {} border edges off the outline, {} samples in "
                                "no triangle",
-                               static_cast<double>(facts.doubled_area) / 2, facts.n_off_outline,
+                               static_cast<double>(facts.doubled_area) / cell, facts.n_off_outline,
                                facts.n_uncovered));
   report.add("samples are within the error", facts.n_samples, facts.n_beyond,
              fmt::format("worst {} of {} {}{}", facts.worst_error, max_error, worst,
@@ -58,6 +63,7 @@ Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOpti
   TerrainReport report = selected.report;
   report.height_slack = made.height_slack;
   report.position_slack = made.position_slack;
+  report.n_turned = made.n_turned;
   report.seconds = watch.seconds();
   return TerrainSurface{std::move(made.surface), report};
 } catch (const std::bad_alloc&) {
@@ -72,6 +78,18 @@ Result<VerifyReport> verify_terrain(const HeightGrid& grid, const Surface& surfa
                    fmt::format("in column {}, row {}", facts.worst.x, facts.worst.y));
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the surface");
+}
+
+Result<VerifyReport> verify_fine_tin(const HeightGrid& grid, const delaunay::Tin& tin,
+                                     std::int32_t scale, double max_error, Threads threads,
+                                     Progress& progress) {
+  const HeightRange range = height_range(grid);
+  const double rounding = 0x1p-48 * std::max(std::abs(range.lower), std::abs(range.upper));
+  LODE_TRY(const TinFacts facts,
+           check_fine_tin(tin, scale, grid, max_error + rounding, threads, progress));
+  return to_report(facts, max_error, TinShape::any,
+                   fmt::format("in column {}, row {}", facts.worst.x, facts.worst.y),
+                   "vertices are samples, or between two");
 }
 
 Result<VerifyReport> verify_terrain(const PointTerrain& terrain, const Surface& surface,

@@ -43,6 +43,7 @@ struct TerrainReport {
   std::uint64_t n_left_out = 0;  ///< With one, but not in the domain.
   double height_slack = 0;       ///< Rounding of heights in the surface's coordinates.
   double position_slack = 0;     ///< Of positions, units of the world.
+  std::uint64_t n_turned = 0;    ///< Triangles that rounding of positions turns over, or flattens.
   double seconds = 0;
 };
 
@@ -63,8 +64,9 @@ struct TerrainSurface {
 enum class TinShape : std::uint8_t { delaunay, any };
 
 [[nodiscard]] constexpr TinShape shape_of(TerrainModel model) {
-  return model == TerrainModel::ternary_triangulation || is_quadtree(model) ? TinShape::any
-                                                                            : TinShape::delaunay;
+  return model == TerrainModel::ternary_triangulation || is_quadtree(model) || is_hierarchy(model)
+             ? TinShape::any
+             : TinShape::delaunay;
 }
 
 struct TerrainVerifyOptions {

@@ -15,17 +15,29 @@ enum class TerrainModel : std::uint8_t {
   implicit_delaunay_pyramid,
   surface_quadtree,
   quaternary_triangulation,
-  restricted_quadtree
+  restricted_quadtree,
+  adaptive_triangulation,
+  hierarchical_delaunay
 };
 
 /// Those that are built, and have files.
 inline constexpr std::array kBuiltTerrainModels{
     TerrainModel::delaunay_pyramid,          TerrainModel::ternary_triangulation,
     TerrainModel::implicit_delaunay_pyramid, TerrainModel::surface_quadtree,
-    TerrainModel::quaternary_triangulation,  TerrainModel::restricted_quadtree};
+    TerrainModel::quaternary_triangulation,  TerrainModel::restricted_quadtree,
+    TerrainModel::adaptive_triangulation,    TerrainModel::hierarchical_delaunay};
 
 [[nodiscard]] constexpr bool is_quadtree(TerrainModel model) {
-  return model >= TerrainModel::surface_quadtree;
+  return model == TerrainModel::surface_quadtree ||
+         model == TerrainModel::quaternary_triangulation ||
+         model == TerrainModel::restricted_quadtree;
+}
+
+/// Whether it is of triangles refined into triangulations, one level for each tolerance. Vertices
+/// of these lie between samples, too.
+[[nodiscard]] constexpr bool is_hierarchy(TerrainModel model) {
+  return model == TerrainModel::adaptive_triangulation ||
+         model == TerrainModel::hierarchical_delaunay;
 }
 
 /// Whether its triangles leave gaps where their sizes differ.
@@ -43,6 +55,8 @@ inline constexpr std::array kBuiltTerrainModels{
     case TerrainModel::surface_quadtree: return "surface_quadtree";
     case TerrainModel::quaternary_triangulation: return "quaternary_triangulation";
     case TerrainModel::restricted_quadtree: return "restricted_quadtree";
+    case TerrainModel::adaptive_triangulation: return "adaptive_triangulation";
+    case TerrainModel::hierarchical_delaunay: return "hierarchical_delaunay";
   }
   return "";
 }

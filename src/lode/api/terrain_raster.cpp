@@ -304,6 +304,11 @@ class OtherGrid {
 Result<void> check_raster_options(const OpenedTerrain& opened, const TerrainRasterOptions& wanted) {
   if (opened.points && !wanted.cell)
     return fail("expected a cell, the size of pixels, for a raster of scattered points, got none");
+  if (!wanted.cell && is_hierarchy(opened.model))
+    return fail(
+        "expected a cell, the size of pixels, for a raster of {}, whose vertices lie between "
+        "samples, got none",
+        name_of(opened.model));
   if (wanted.cell && !(*wanted.cell > 0 && std::isfinite(*wanted.cell)))
     return fail("expected a cell > 0, got {}", *wanted.cell);
   if (!wanted.difference.empty() && (wanted.cell || !opened.grid))

@@ -25,4 +25,10 @@ struct SelectedTerrain {
                                                      const TerrainOptions& options,
                                                      delaunay::TinLinks links, Progress& progress);
 
+/// As verify_terrain(), of a TIN between the grid's samples: see check_fine_tin(). Errors up to
+/// 2^-48 of the largest |height| are rounding.
+[[nodiscard]] Result<VerifyReport> verify_fine_tin(const HeightGrid& grid, const delaunay::Tin& tin,
+                                                   std::int32_t scale, double max_error,
+                                                   Threads threads, Progress& progress);
+
 }  // namespace lode

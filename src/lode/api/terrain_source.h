@@ -17,6 +17,7 @@ struct TerrainOptions;
 class TerrainOrigin {
  public:
   virtual ~TerrainOrigin() = default;
+  /// Of the lattice that the TINs' vertices are nodes of: of a raster its own, or a finer one.
   [[nodiscard]] virtual const HeightFrame& frame() const = 0;
   /// Of all heights that there are.
   [[nodiscard]] virtual HeightRange range() const = 0;

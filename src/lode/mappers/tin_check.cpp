@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,10 @@ class CheckedDomain {
   [[nodiscard]] bool has_node(std::int32_t x, std::int32_t y) const {
     return has_cell(x, y) || has_cell(x - 1, y) || has_cell(x, y - 1) || has_cell(x - 1, y - 1);
   }
+  /// Whether the way from the sample to the right or above to that is a cell's side.
+  [[nodiscard]] bool has_side(std::int32_t x, std::int32_t y, bool is_column) const {
+    return has_cell(x, y) || (is_column ? has_cell(x - 1, y) : has_cell(x, y - 1));
+  }
   /// Whether every step from a to b has the domain on its left only.
   [[nodiscard]] bool is_outline(LatticePoint a, LatticePoint b) const {
     if ((a.x == b.x) == (a.y == b.y)) return false;
@@ -51,53 +56,48 @@ class CheckedDomain {
 
 using LatticeCorners = std::array<LatticePoint, 3>;
 
-class TinChecker {
+/// What is to be checked: triangles turn left on a lattice whose every `scale`th node along columns
+/// and rows is a sample.
+struct CheckedTin {
+  std::vector<LatticePoint> nodes;
+  std::vector<double> heights;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::int32_t scale = 1;
+};
+
+/// Puts the vertices of a surface on samples, whose heights they are to have.
+class SurfaceNodes {
  public:
-  TinChecker(const Surface& surface, const HeightGrid& grid, double max_error, Threads threads,
-             Progress& progress)
-      : surface_(surface),
-        grid_(grid),
-        domain_(grid),
-        max_error_(max_error),
-        threads_(threads),
-        progress_(progress),
-        triangles_(turning_left(surface, grid)) {}
+  SurfaceNodes(const Surface& surface, const HeightGrid& grid, double max_error)
+      : surface_(surface), grid_(grid), domain_(grid), max_error_(max_error) {}
 
-  Result<TinFacts> run() {
-    facts_.n_vertices = surface_.positions.size();
-    facts_.n_triangles = surface_.triangles.size();
-    find_nodes();
-    if (facts_.n_off_samples > 0) return facts_;
-    check_turns(triangles_, nodes_, facts_);
-    if (facts_.n_turned > 0) return facts_;
-    check_edges(
-        triangles_, nodes_,
-        [this](LatticePoint a, LatticePoint b) { return domain_.is_outline(a, b); }, facts_);
-    count_domain();
-    LODE_CHECK(check_samples());
-    return facts_;
-  }
-
- private:
-  void find_nodes() {
-    constexpr double kOff = 0.05;  // of a step
+  CheckedTin find(TinFacts& facts) const {
+    CheckedTin tin;
+    tin.triangles = turning_left(surface_, grid_);
     for (std::uint32_t v = 0; v < surface_.positions.size(); ++v) {
       const Vec3d world = surface_.world_position(v);
       const Vec<double, 2> at = grid_.lattice(world[0], world[1]);
       const LatticePoint node{to_index(at[0], grid_.n_columns), to_index(at[1], grid_.n_rows)};
-      nodes_.push_back(node);
       const bool is_near = std::abs(at[0] - node.x) <= kOff && std::abs(at[1] - node.y) <= kOff;
+      tin.nodes.push_back(node);
+      tin.heights.push_back(0);
       if (!is_near || !domain_.has_node(node.x, node.y)) {
-        ++facts_.n_off_samples;
+        ++facts.n_off_samples;
         continue;
       }
-      const double offset = std::abs(world[2] - grid_.height(node.x, node.y));
+      tin.heights.back() = grid_.height(node.x, node.y);
+      const double offset = std::abs(world[2] - tin.heights.back());
       if (offset <= allowed_offset(world[2]))
-        facts_.height_offset = std::max(facts_.height_offset, offset);
+        facts.height_offset = std::max(facts.height_offset, offset);
       else
-        ++facts_.n_off_samples;
+        ++facts.n_off_samples;
     }
+    return tin;
   }
+
+ private:
+  static constexpr double kOff = 0.05;  // of a step
+
   /// What floats explain; and no more than the error, where one is allowed.
   [[nodiscard]] double allowed_offset(double z) const {
     const double rounding =
@@ -108,9 +108,81 @@ class TinChecker {
     return static_cast<std::int32_t>(std::lround(std::clamp(value, -1.0, static_cast<double>(n))));
   }
 
+  const Surface& surface_;
+  const HeightGrid& grid_;
+  CheckedDomain domain_;
+  double max_error_;
+};
+
+/// How far the height of a node is from that of its sample, or from what is linear between the two
+/// that it lies between; nothing where it is no such node of the domain, or off by more than
+/// rounding.
+std::optional<double> offset_between_samples(LatticePoint node, double height, std::int32_t scale,
+                                             const HeightGrid& grid, const CheckedDomain& domain) {
+  const std::int32_t x = node.x / scale;
+  const std::int32_t y = node.y / scale;
+  const bool is_on_column = node.x % scale == 0;
+  const bool is_on_row = node.y % scale == 0;
+  if (is_on_column && is_on_row)
+    return domain.has_node(x, y) && height == grid.height(x, y) ? std::optional(0.0) : std::nullopt;
+  if ((!is_on_column && !is_on_row) || !domain.has_side(x, y, is_on_column)) return {};
+  const double from = grid.height(x, y);
+  const double to = is_on_column ? grid.height(x, y + 1) : grid.height(x + 1, y);
+  const double share = static_cast<double>((is_on_column ? node.y : node.x) % scale) / scale;
+  const double offset = std::abs(height - ((1 - share) * from + share * to));
+  // Of five roundings here, and as many where it was made.
+  if (!(offset <= 0x1p-49 * std::max(std::abs(from), std::abs(to)))) return {};
+  return offset;
+}
+
+class TinChecker {
+ public:
+  TinChecker(CheckedTin tin, const HeightGrid& grid, double max_error, Threads threads,
+             Progress& progress)
+      : tin_(std::move(tin)),
+        grid_(grid),
+        domain_(grid),
+        max_error_(max_error),
+        threads_(threads),
+        progress_(progress) {}
+
+  /// `facts`: of the vertices.
+  Result<TinFacts> run(const TinFacts& facts) {
+    facts_ = facts;
+    facts_.n_vertices = tin_.nodes.size();
+    facts_.n_triangles = tin_.triangles.size();
+    if (facts_.n_off_samples > 0) return facts_;
+    check_turns(tin_.triangles, tin_.nodes, facts_);
+    if (facts_.n_turned > 0) return facts_;
+    check_edges(
+        tin_.triangles, tin_.nodes,
+        [this](LatticePoint a, LatticePoint b) { return is_outline(a, b); }, facts_);
+    count_domain();
+    LODE_CHECK(check_samples());
+    return facts_;
+  }
+
+ private:
   [[nodiscard]] LatticeCorners triangle(std::size_t t) const {
-    const auto& corner = triangles_[t];
-    return {nodes_[corner[0]], nodes_[corner[1]], nodes_[corner[2]]};
+    const auto& corner = tin_.triangles[t];
+    return {tin_.nodes[corner[0]], tin_.nodes[corner[1]], tin_.nodes[corner[2]]};
+  }
+  [[nodiscard]] std::int32_t sample_below(std::int32_t node) const { return node / tin_.scale; }
+  [[nodiscard]] std::int32_t sample_above(std::int32_t node) const {
+    return (node + tin_.scale - 1) / tin_.scale;
+  }
+
+  /// Steps that it goes over in part count whole.
+  [[nodiscard]] bool is_outline(LatticePoint a, LatticePoint b) const {
+    const bool is_column = a.x == b.x;
+    if ((is_column ? a.x : a.y) % tin_.scale != 0) return false;
+    const auto widen = [this](std::int32_t from, std::int32_t to) {
+      return from < to ? std::pair(sample_below(from), sample_above(to))
+                       : std::pair(sample_above(from), sample_below(to));
+    };
+    const auto [ax, bx] = widen(a.x, b.x);
+    const auto [ay, by] = widen(a.y, b.y);
+    return domain_.is_outline({ax, ay}, {bx, by});
   }
 
   void count_domain() {
@@ -119,7 +191,8 @@ class TinChecker {
         facts_.n_cells += static_cast<std::uint64_t>(domain_.has_cell(x, y));
         facts_.n_samples += static_cast<std::uint64_t>(domain_.has_node(x, y));
       }
-    facts_.doubled_domain_area = 2 * static_cast<std::int64_t>(facts_.n_cells);
+    facts_.doubled_domain_area =
+        2 * static_cast<std::int64_t>(facts_.n_cells) * tin_.scale * tin_.scale;
   }
 
   using Seen = WorstSeen<double>;
@@ -127,10 +200,9 @@ class TinChecker {
   Result<void> check_samples() {
     constexpr std::size_t kPiece = 4096;
     std::vector<std::atomic<std::uint8_t>> is_covered(static_cast<std::size_t>(grid_.n_samples()));
-    LODE_TRY(const Seen all, look_at_triangles<double>(surface_.triangles.size(), kPiece, threads_,
-                                                       progress_, [&](std::size_t t, Seen& seen) {
-                                                         look_at(triangle(t), is_covered, seen);
-                                                       }));
+    LODE_TRY(const Seen all, look_at_triangles<double>(
+                                 tin_.triangles.size(), kPiece, threads_, progress_,
+                                 [&](std::size_t t, Seen& seen) { look_at(t, is_covered, seen); }));
     facts_.n_beyond = all.n_beyond;
     facts_.worst_error = all.worst;
     facts_.worst = all.at;
@@ -140,40 +212,40 @@ class TinChecker {
     return {};
   }
 
-  void look_at(const LatticeCorners& t, std::vector<std::atomic<std::uint8_t>>& is_covered,
+  void look_at(std::size_t number, std::vector<std::atomic<std::uint8_t>>& is_covered,
                Seen& seen) const {
+    const LatticeCorners t = triangle(number);
     const auto [left, right] = std::minmax({t[0].x, t[1].x, t[2].x});
     const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
     std::array<long double, 3> z{};
-    for (std::size_t i = 0; i < 3; ++i) z[i] = grid_.height(t[i].x, t[i].y);
+    for (std::size_t i = 0; i < 3; ++i) z[i] = tin_.heights[tin_.triangles[number][i]];
     const auto area = static_cast<long double>(delaunay::doubled_area(t[0], t[1], t[2]));
     // Rounding of four terms in 64 bits; none with integers.
     const auto limit = static_cast<long double>(max_error_) * area * (1 + 0x1p-52L);
-    for (LatticePoint p{left, low}; p.y <= high; ++p.y)
-      for (p.x = left; p.x <= right; ++p.x) {
+    for (LatticePoint s{0, sample_above(low)}; s.y <= sample_below(high); ++s.y)
+      for (s.x = sample_above(left); s.x <= sample_below(right); ++s.x) {
+        const LatticePoint p{s.x * tin_.scale, s.y * tin_.scale};
         const std::array<std::int64_t, 3> weight{delaunay::doubled_area(t[1], t[2], p),
                                                  delaunay::doubled_area(t[2], t[0], p),
                                                  delaunay::doubled_area(t[0], t[1], p)};
         if (weight[0] < 0 || weight[1] < 0 || weight[2] < 0) continue;
-        const auto at = static_cast<std::size_t>(std::int64_t{p.y} * grid_.n_columns + p.x);
+        const auto at = static_cast<std::size_t>(std::int64_t{s.y} * grid_.n_columns + s.x);
         is_covered[at].store(1, std::memory_order_relaxed);
         const long double plane = static_cast<long double>(weight[0]) * z[0] +
                                   static_cast<long double>(weight[1]) * z[1] +
                                   static_cast<long double>(weight[2]) * z[2];
-        const long double error = std::abs(grid_.height(p.x, p.y) * area - plane);
+        const long double error = std::abs(grid_.height(s.x, s.y) * area - plane);
         seen.n_beyond += static_cast<std::uint64_t>(error > limit);
-        seen.join({0, static_cast<double>(error / area), p});
+        seen.join({0, static_cast<double>(error / area), s});
       }
   }
 
-  const Surface& surface_;
+  CheckedTin tin_;
   const HeightGrid& grid_;
   CheckedDomain domain_;
   double max_error_;
   Threads threads_;
   Progress& progress_;
-  std::vector<std::array<std::uint32_t, 3>> triangles_;
-  std::vector<LatticePoint> nodes_;
   TinFacts facts_;
 };
 
@@ -181,7 +253,26 @@ class TinChecker {
 
 Result<TinFacts> check_tin(const Surface& surface, const HeightGrid& grid, double max_error,
                            Threads threads, Progress& progress) {
-  return TinChecker(surface, grid, max_error, threads, progress).run();
+  TinFacts facts;
+  CheckedTin tin = SurfaceNodes(surface, grid, max_error).find(facts);
+  return TinChecker(std::move(tin), grid, max_error, threads, progress).run(facts);
+}
+
+Result<TinFacts> check_fine_tin(const delaunay::Tin& tin, std::int32_t scale,
+                                const HeightGrid& grid, double max_error, Threads threads,
+                                Progress& progress) {
+  TinFacts facts;
+  const CheckedDomain domain(grid);
+  for (std::size_t v = 0; v < tin.vertices.size(); ++v) {
+    const auto offset =
+        offset_between_samples(tin.vertices[v], tin.heights[v], scale, grid, domain);
+    if (offset)
+      facts.height_offset = std::max(facts.height_offset, *offset);
+    else
+      ++facts.n_off_samples;
+  }
+  CheckedTin checked{tin.vertices, tin.heights, tin.triangles, scale};
+  return TinChecker(std::move(checked), grid, max_error, threads, progress).run(facts);
 }
 
 }  // namespace lode

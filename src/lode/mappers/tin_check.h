@@ -7,6 +7,7 @@
 #include "lode/core/progress.h"
 #include "lode/core/surface.h"
 #include "lode/delaunay/lattice.h"
+#include "lode/delaunay/tin.h"
 
 namespace lode {
 
@@ -23,7 +24,7 @@ struct TinFacts {
   std::uint64_t n_inner_edges = 0;
   std::uint64_t n_not_delaunay = 0;      ///< The vertex across lies inside the circle.
   std::uint64_t n_cells = 0;             ///< Of the domain of a grid.
-  std::int64_t doubled_domain_area = 0;  ///< In cells.
+  std::int64_t doubled_domain_area = 0;  ///< In squares of nodes.
   std::int64_t doubled_area = 0;         ///< Of all triangles.
   std::uint64_t n_border_edges = 0;
   std::uint64_t n_off_outline = 0;  ///< Border edges that are not on the domain's outline.
@@ -43,5 +44,13 @@ struct TinFacts {
 /// 64 bits of mantissa, integers exactly. The same for any number of threads. Fails when cancelled.
 [[nodiscard]] Result<TinFacts> check_tin(const Surface& surface, const HeightGrid& grid,
                                          double max_error, Threads threads, Progress& progress);
+
+/// The same of a TIN with heights that lies in the grid, whose columns and rows are `scale` nodes
+/// of the TIN's lattice apart: its vertices are samples, or lie on a side of a cell between two,
+/// with the height that is linear there, to within rounding. Rounded heights must be allowed for in
+/// max_error.
+[[nodiscard]] Result<TinFacts> check_fine_tin(const delaunay::Tin& tin, std::int32_t scale,
+                                              const HeightGrid& grid, double max_error,
+                                              Threads threads, Progress& progress);
 
 }  // namespace lode

@@ -38,6 +38,20 @@ Vec3d choose_origin(const std::vector<Vec3d>& places) {
   return origin;
 }
 
+/// From above, by the positions that there are.
+std::uint64_t count_turned(const Surface& surface) {
+  const auto axis = [&](std::uint32_t v, std::size_t i) {
+    return static_cast<double>(surface.positions[v][i]);
+  };
+  std::uint64_t n = 0;
+  for (const auto& [a, b, c] : surface.triangles) {
+    const double left = (axis(b, 0) - axis(a, 0)) * (axis(c, 1) - axis(a, 1));
+    const double right = (axis(b, 1) - axis(a, 1)) * (axis(c, 0) - axis(a, 0));
+    n += static_cast<std::uint64_t>(left <= right);
+  }
+  return n;
+}
+
 }  // namespace
 
 TinSurface to_surface(const delaunay::Tin& tin, const HeightFrame& frame) {
@@ -63,6 +77,7 @@ TinSurface to_surface(const delaunay::Tin& tin, const HeightFrame& frame) {
   surface.triangles = tin.triangles;
   if (frame.is_mirrored())
     for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
+  made.n_turned = count_turned(surface);
   return made;
 }
 

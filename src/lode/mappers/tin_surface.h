@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "lode/core/height_frame.h"
 #include "lode/core/surface.h"
 #include "lode/delaunay/tin.h"
@@ -12,6 +14,7 @@ struct TinSurface {
   Surface surface;
   double height_slack = 0;
   double position_slack = 0;
+  std::uint64_t n_turned = 0;  ///< Triangles that floats turn over, or make flat.
 };
 
 /// Of a TIN with heights. Triangles turn left seen from above; values are the heights, exactly. The

@@ -5,6 +5,31 @@
 #include "lode/delaunay/tin_links.h"
 
 namespace lode::triangle_hierarchy {
+namespace {
+
+struct Bounds {
+  LatticePoint lower;
+  LatticePoint upper;
+
+  void join(const Bounds& other) {
+    lower = {std::min(lower.x, other.lower.x), std::min(lower.y, other.lower.y)};
+    upper = {std::max(upper.x, other.upper.x), std::max(upper.y, other.upper.y)};
+  }
+  [[nodiscard]] bool holds(const Bounds& other, std::int32_t reach) const {
+    return other.lower.x >= lower.x - reach && other.lower.y >= lower.y - reach &&
+           other.upper.x <= upper.x + reach && other.upper.y <= upper.y + reach;
+  }
+};
+
+Bounds bounds_of(const Hierarchy& hierarchy, std::uint32_t triangle) {
+  const auto& corner = hierarchy.triangles[triangle].corner;
+  Bounds bounds{hierarchy.vertices[corner[0]], hierarchy.vertices[corner[0]]};
+  for (const std::uint32_t vertex : corner)
+    bounds.join({hierarchy.vertices[vertex], hierarchy.vertices[vertex]});
+  return bounds;
+}
+
+}  // namespace
 
 std::uint64_t Hierarchy::n_bytes() const {
   return vertices.size() * (sizeof(vertices[0]) + sizeof(heights[0]) + sizeof(in_rows[0])) +
@@ -18,6 +43,12 @@ std::array<std::uint32_t, 2> Hierarchy::triangles_of(std::uint32_t refinement) c
                                 ? refinements[next].first
                                 : static_cast<std::uint32_t>(triangles.size());
   return {refinements[refinement].first, end};
+}
+
+std::uint64_t Hierarchy::n_triangles_in(int level) const {
+  const std::uint32_t end = triangles_until[static_cast<std::size_t>(level)];
+  const auto later = std::ranges::lower_bound(refinements, end, {}, &Refinement::first);
+  return end - static_cast<std::uint64_t>(later - refinements.begin());
 }
 
 Result<int> Hierarchy::level_within(double tolerance) const {
@@ -44,6 +75,24 @@ std::uint32_t Hierarchy::neighbour(int level, std::uint32_t triangle, unsigned e
     if (twin == delaunay::kNoHalfEdge) return twin;
   }
   return twin;
+}
+
+std::uint64_t n_out_of_reach(const Hierarchy& hierarchy) {
+  std::uint64_t n = 0;
+  std::vector<Bounds> all;  // By triangle, with all that refines it.
+  all.reserve(hierarchy.triangles.size());
+  for (std::uint32_t t = 0; t < hierarchy.triangles.size(); ++t)
+    all.push_back(bounds_of(hierarchy, t));
+  // Later ones refine none before them.
+  for (auto r = static_cast<std::uint32_t>(hierarchy.refinements.size()); r-- > 0;) {
+    const auto [first, end] = hierarchy.triangles_of(r);
+    Bounds parts = all[first];
+    for (std::uint32_t t = first + 1; t < end; ++t) parts.join(all[t]);
+    const std::uint32_t refined = hierarchy.refinements[r].triangle;
+    n += static_cast<std::uint64_t>(!all[refined].holds(parts, hierarchy.reach));
+    all[refined].join(parts);
+  }
+  return n;
 }
 
 void place_vertices(const Hierarchy& hierarchy, delaunay::Tin& tin) {

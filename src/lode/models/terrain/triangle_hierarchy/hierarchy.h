@@ -64,6 +64,8 @@ struct Hierarchy {
     return refinement == kNone ||
            refinements[refinement].first >= triangles_until[static_cast<std::size_t>(level)];
   }
+  /// Triangles in the mesh of a level. O(log refinements).
+  [[nodiscard]] std::uint64_t n_triangles_in(int level) const;
   /// The first level within a tolerance. Fails where it is below the last one's.
   [[nodiscard]] Result<int> level_within(double tolerance) const;
   /// What is behind an edge of a triangle in the mesh of its level, or of a later one; kNoHalfEdge:
@@ -76,6 +78,10 @@ struct Hierarchy {
 /// than twice the mesh's, O(vertices), and O(n log n) for twins.
 [[nodiscard]] delaunay::Tin tin_of_level(const Hierarchy& hierarchy, int level,
                                          delaunay::TinLinks links);
+
+/// Refinements with triangles, or what these are refined by, whose bounds lie further out of those
+/// of the triangle than `reach`.
+[[nodiscard]] std::uint64_t n_out_of_reach(const Hierarchy& hierarchy);
 
 /// Gives a TIN's triangles, whose corners are numbers of vertices, its own vertices, in rows.
 void place_vertices(const Hierarchy& hierarchy, delaunay::Tin& tin);

@@ -1,0 +1,156 @@
+#include "lode/api/hierarchy_terrain.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lode/core/stopwatch.h"
+#include "lode/mappers/tin_quality.h"
+#include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
+#include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
+
+namespace lode {
+
+using hierarchy_file::HierarchyModel;
+using hierarchy_file::Kind;
+
+namespace {
+
+/// Of the nodes of a lattice 2^bits times as fine.
+HeightFrame fine_frame(const HeightFrame& frame, int bits) {
+  HeightFrame fine = frame;
+  fine.n_columns = ((frame.n_columns - 1) << bits) + 1;
+  fine.n_rows = ((frame.n_rows - 1) << bits) + 1;
+  for (const std::size_t i : {1U, 2U, 4U, 5U})
+    fine.to_world[i] = std::ldexp(frame.to_world[i], -bits);
+  return fine;
+}
+
+}  // namespace
+
+HierarchyTerrain::HierarchyTerrain(HierarchyModel model)
+    : model_(std::move(model)),
+      fine_frame_(fine_frame(model_.source.frame, model_.hierarchy.bits)) {}
+
+Result<HierarchyTerrain> HierarchyTerrain::build(const HeightGrid& grid,
+                                                 const TerrainBuildOptions& options,
+                                                 const std::vector<double>& levels,
+                                                 Progress& progress) {
+  HierarchyModel model;
+  LODE_TRY(model.source, source_of(grid, options));
+  if (options.model == TerrainModel::adaptive_triangulation) {
+    LODE_TRY(auto made, adaptive_triangulation::build(grid, levels, {}, progress));
+    model.kind = Kind::adaptive_triangulation;
+    model.hierarchy = std::move(made.hierarchy);
+  } else {
+    LODE_TRY(auto made, hierarchical_delaunay::build(grid, levels, {}, progress));
+    model.kind = Kind::hierarchical_delaunay;
+    model.hierarchy = std::move(made.hierarchy);
+  }
+  return HierarchyTerrain(std::move(model));
+}
+
+Result<HierarchyTerrain> HierarchyTerrain::open(const std::string& path, Progress& progress) {
+  LODE_TRY(HierarchyModel model, hierarchy_file::open(path, progress));
+  return HierarchyTerrain(std::move(model));
+}
+
+bool HierarchyTerrain::is_model_of(const std::string& path) {
+  return hierarchy_file::is_model_of(path);
+}
+
+TerrainModel HierarchyTerrain::model() const {
+  return model_.kind == Kind::adaptive_triangulation ? TerrainModel::adaptive_triangulation
+                                                     : TerrainModel::hierarchical_delaunay;
+}
+
+Result<int> HierarchyTerrain::level_for(const TerrainOptions& options,
+                                        TerrainReport& report) const {
+  if (options.focus)
+    return fail(
+        "expected one tolerance for {}, got a focus: its triangles meet in the meshes of its "
+        "levels alone, {}; a delaunay_pyramid can vary",
+        name_of(model()),
+        model_.kind == Kind::hierarchical_delaunay
+            ? "and to mend what is between them takes the raster"
+            : "and no rule says what would be between them");
+  const double finest = finest_error();
+  const double asked = default_tolerance(options, source().range);
+  if (options.max_error && asked < finest)
+    return fail("expected a tolerance of {} or more, which is what the model was built for, got {}",
+                finest, asked);
+  int level = hierarchy().n_levels() - 1;
+  if (!options.max_cells || options.max_error) {
+    LODE_TRY(level, hierarchy().level_within(std::max(asked, finest)));
+  }
+  report.max_error = options.max_cells && !options.max_error ? 0 : std::max(asked, finest);
+  if (options.max_cells) {
+    while (level > 0 && hierarchy().n_triangles_in(level) > *options.max_cells) --level;
+    report.budget_met = hierarchy().n_triangles_in(level) <= *options.max_cells;
+  }
+  report.is_within_error = tolerance(level) <= report.max_error;
+  return level;
+}
+
+double HierarchyTerrain::error_of_level(int level) const {
+  float worst = 0;
+  const std::uint32_t end = hierarchy().triangles_until[static_cast<std::size_t>(level)];
+  for (std::uint32_t t = 0; t < end; ++t)
+    if (hierarchy().is_in_level(t, level)) worst = std::max(worst, hierarchy().triangles[t].error);
+  // Triangles state floats, rounded up; the level keeps its tolerance up to rounding.
+  const HeightRange& range = source().range;
+  const double rounding = 0x1p-48 * std::max(std::abs(range.lower), std::abs(range.upper));
+  return std::min(static_cast<double>(worst), tolerance(level) + rounding);
+}
+
+Result<SelectedTerrain> HierarchyTerrain::select(const TerrainOptions& options,
+                                                 delaunay::TinLinks links,
+                                                 Progress& progress) const {
+  const Stopwatch watch;
+  if (progress.is_cancelled()) return cancelled_error();
+  SelectedTerrain selected;
+  TerrainReport& report = selected.report;
+  LODE_TRY(const int level, level_for(options, report));
+  selected.tin = tin_of_level(hierarchy(), level, links);
+  report.triangles = selected.tin.triangles.size();
+  report.vertices = selected.tin.vertices.size();
+  report.achieved_error = error_of_level(level);
+  report.n_samples = source().n_samples;
+  report.n_missing = source().n_missing;
+  report.n_left_out = source().n_left_out;
+  report.seconds = watch.seconds();
+  return selected;
+}
+
+Result<std::uint64_t> HierarchyTerrain::save(const std::string& path, Progress& progress) const {
+  return hierarchy_file::save(model_, path, progress);
+}
+
+BuiltTerrainInfo HierarchyTerrain::describe_source() const {
+  BuiltTerrainInfo info;
+  info.sample_type = source().sample_type;
+  info.has_place = source().has_place;
+  info.n_nodes = hierarchy().vertices.size();
+  info.n_base_triangles = hierarchy().triangles_until.front();
+  info.n_triangles = hierarchy().triangles.size();
+  info.memory_bytes = hierarchy().n_bytes();
+  info.n_samples = source().n_samples;
+  info.n_missing = source().n_missing;
+  info.n_left_out = source().n_left_out;
+  info.range = source().range;
+  info.max_error = finest_error();
+  return info;
+}
+
+Result<BuiltTerrainInfo> HierarchyTerrain::describe(Progress& progress) const {
+  BuiltTerrainInfo info = describe_source();
+  for (int level = 0; level < hierarchy().n_levels(); ++level) {
+    if (progress.is_cancelled()) return cancelled_error();
+    const delaunay::Tin tin = tin_of_level(hierarchy(), level, delaunay::TinLinks::left_out);
+    const TinAngles angles = measure_angles(tin, fine_frame_, {});
+    info.levels.push_back({tolerance(level), tin.triangles.size(), tin.vertices.size(),
+                           angles.smallest, angles.median});
+  }
+  return info;
+}
+
+}  // namespace lode

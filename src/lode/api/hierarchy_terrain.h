@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lode/api/built_model.h"
+#include "lode/api/terrain_selection.h"
+#include "lode/models/terrain/hierarchy_file/hierarchy_file.h"
+
+namespace lode {
+
+/// The models of triangles refined into triangulations. They have a mesh for each of their
+/// tolerances, and no others; vertices are nodes of a lattice finer than the raster.
+class HierarchyTerrain final : public BuiltModel {
+ public:
+  explicit HierarchyTerrain(hierarchy_file::HierarchyModel model);
+
+  [[nodiscard]] static Result<HierarchyTerrain> build(const HeightGrid& grid,
+                                                      const TerrainBuildOptions& options,
+                                                      const std::vector<double>& levels,
+                                                      Progress& progress);
+  [[nodiscard]] static Result<HierarchyTerrain> open(const std::string& path, Progress& progress);
+  [[nodiscard]] static bool is_model_of(const std::string& path);
+
+  [[nodiscard]] TerrainModel model() const override;
+  [[nodiscard]] const terrain_file::Source& source() const override { return model_.source; }
+  [[nodiscard]] const HeightFrame& frame() const override { return fine_frame_; }
+  [[nodiscard]] double finest_error() const override { return hierarchy().tolerances.back(); }
+  [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
+                                               delaunay::TinLinks links,
+                                               Progress& progress) const override;
+  [[nodiscard]] Result<std::uint64_t> save(const std::string& path,
+                                           Progress& progress) const override;
+  [[nodiscard]] BuiltTerrainInfo describe_source() const override;
+  [[nodiscard]] Result<BuiltTerrainInfo> describe(Progress& progress) const override;
+  [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
+                                            Progress& progress) const override;
+  [[nodiscard]] Result<VerifyReport> verify_alone(Threads threads,
+                                                  Progress& progress) const override;
+
+ private:
+  [[nodiscard]] const triangle_hierarchy::Hierarchy& hierarchy() const { return model_.hierarchy; }
+  [[nodiscard]] double tolerance(int level) const {
+    return hierarchy().tolerances[static_cast<std::size_t>(level)];
+  }
+  /// The mesh that the options mean; sets what the report says of their being met.
+  [[nodiscard]] Result<int> level_for(const TerrainOptions& options, TerrainReport& report) const;
+  /// No sample errs by more in the mesh of a level.
+  [[nodiscard]] double error_of_level(int level) const;
+
+  hierarchy_file::HierarchyModel model_;
+  HeightFrame fine_frame_;
+};
+
+}  // namespace lode

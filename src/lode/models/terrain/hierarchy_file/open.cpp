@@ -1,0 +1,194 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "lode/models/terrain/hierarchy_file/file_layout.h"
+#include "lode/models/terrain/hierarchy_file/hierarchy_file.h"
+#include "lode/models/terrain/hierarchy_file/levels_check.h"
+#include "lode/store/bytes.h"
+#include "lode/store/reader.h"
+
+namespace lode::hierarchy_file {
+namespace {
+
+using terrain_file::read_column;
+using triangle_hierarchy::Hierarchy;
+using triangle_hierarchy::kNone;
+using triangle_hierarchy::LatticePoint;
+
+/// Half-edges are numbered in 32 bits, four a triangle.
+constexpr std::uint32_t kMostTriangles = (std::uint32_t{1} << 30) - 1;
+constexpr std::uint32_t kMostBits = 8;
+constexpr int kCoordinateBits = 30;
+
+/// The last node of the fine lattice.
+LatticePoint last_node(const Hierarchy& h) {
+  return {(h.frame.n_columns - 1) << h.bits, (h.frame.n_rows - 1) << h.bits};
+}
+
+Result<void> check_rising(const std::string& path, const char* what,
+                          const std::vector<std::uint32_t>& until, std::uint32_t most) {
+  for (std::size_t i = 0; i < until.size(); ++i)
+    if (until[i] > most || until[i] < (i > 0 ? until[i - 1] : 1))
+      return fail("{}: metadata: expected {} that get more, up to {}, got {} until level {}", path,
+                  what, most, until[i], i);
+  return {};
+}
+
+/// How many refinements are there is told apart, as nothing of them is read yet.
+Result<std::uint32_t> read_head(const store::Reader& reader, HierarchyModel& model) {
+  const std::string& path = reader.path();
+  store::ByteReader in(reader.metadata(), path + ": metadata");
+  LODE_TRY(const auto layout, in.read<std::uint32_t>());
+  if (layout != kLayout)
+    return fail("{}: metadata: expected layout {} of the model {}, got {}", path, kLayout,
+                reader.model(), layout);
+  LODE_CHECK(terrain_file::read(in, path, model.source));
+  Hierarchy& h = model.hierarchy;
+  h.frame = model.source.frame;
+  LODE_TRY(h.tolerances, terrain_file::read_levels(in, path));
+  if (h.tolerances.empty()) return fail("{}: metadata: expected levels, got none", path);
+  LODE_TRY(const auto bits, in.read<std::uint32_t>());
+  const std::int64_t last = std::int64_t{std::max(h.frame.n_columns, h.frame.n_rows)} - 1;
+  if (bits > kMostBits || (last << bits) >> kCoordinateBits != 0)
+    return fail(
+        "{}: metadata: expected columns and rows at most 2^{} nodes apart, whose numbers "
+        "have {} bits, got 2^{}",
+        path, kMostBits, kCoordinateBits, bits);
+  h.bits = static_cast<int>(bits);
+  const auto& g = h.frame.to_world;
+  if (std::ldexp(g[1] * g[5] - g[2] * g[4], -2 * h.bits) == 0)
+    return fail("{}: metadata: expected nodes that span a plane", path);
+  LODE_TRY(h.reach, in.read<std::int32_t>());
+  if (h.reach < 0 || h.reach > (last << bits))
+    return fail("{}: metadata: expected a reach from 0 to {}, got {}", path, last << bits, h.reach);
+  LODE_TRY(const auto n_refinements, in.read<std::uint32_t>());
+  LODE_TRY(h.vertices_until, in.read_all<std::uint32_t>(h.tolerances.size()));
+  LODE_TRY(h.triangles_until, in.read_all<std::uint32_t>(h.tolerances.size()));
+  LODE_CHECK(in.expect_end());
+  LODE_CHECK(check_rising(path, "vertices", h.vertices_until, kNone - 1));
+  LODE_CHECK(check_rising(path, "triangles", h.triangles_until, kMostTriangles));
+  return n_refinements;
+}
+
+Result<void> read_vertices(const store::Reader& reader, HierarchyModel& model) {
+  Hierarchy& h = model.hierarchy;
+  const std::uint32_t n = h.vertices_until.back();
+  LODE_TRY(const auto x, read_column<std::int32_t>(reader, key_of(Column::x), n));
+  LODE_TRY(const auto y, read_column<std::int32_t>(reader, key_of(Column::y), n));
+  LODE_TRY(h.heights, read_column<double>(reader, key_of(Column::height), n));
+  const LatticePoint last = last_node(h);
+  const HeightRange& range = model.source.range;
+  h.vertices.reserve(n);
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (x[v] < 0 || x[v] > last.x || y[v] < 0 || y[v] > last.y)
+      return fail("{}: vertex {}: expected a node from 0, 0 to {}, {}, got {}, {}", reader.path(),
+                  v, last.x, last.y, x[v], y[v]);
+    if (!(h.heights[v] >= range.lower && h.heights[v] <= range.upper))
+      return fail("{}: vertex {}: expected a height from {} to {}, got {}", reader.path(), v,
+                  range.lower, range.upper, h.heights[v]);
+    h.vertices.push_back({x[v], y[v]});
+  }
+  h.in_rows.resize(n);
+  std::iota(h.in_rows.begin(), h.in_rows.end(), 0U);
+  const auto place = [&](std::uint32_t v) { return std::tuple(y[v], x[v]); };
+  std::ranges::sort(h.in_rows, {}, place);
+  for (std::size_t i = 1; i < h.in_rows.size(); ++i)
+    if (place(h.in_rows[i - 1]) == place(h.in_rows[i]))
+      return fail("{}: expected vertices at places of their own, got {} and {} at one",
+                  reader.path(), h.in_rows[i - 1], h.in_rows[i]);
+  return {};
+}
+
+Result<void> read_triangles(const store::Reader& reader, Hierarchy& h) {
+  const std::uint32_t n = h.triangles_until.back();
+  LODE_TRY(const auto corners,
+           read_column<std::uint32_t>(reader, key_of(Column::corner), 3 * std::uint64_t{n}));
+  LODE_TRY(const auto errors, read_column<float>(reader, key_of(Column::error), n));
+  constexpr std::uint32_t kOutside = delaunay::kNoHalfEdge;
+  h.triangles.reserve(n);
+  std::size_t level = 0;
+  for (std::uint32_t t = 0; t < n; ++t) {
+    while (t >= h.triangles_until[level]) ++level;
+    const std::array<std::uint32_t, 3> corner{corners[3 * std::size_t{t}],
+                                              corners[3 * std::size_t{t} + 1],
+                                              corners[3 * std::size_t{t} + 2]};
+    for (const std::uint32_t v : corner)
+      if (v >= h.vertices_until[level])
+        return fail("{}: triangle {}: expected vertices below {}, got {}", reader.path(), t,
+                    h.vertices_until[level], v);
+    if (delaunay::doubled_area(h.vertices[corner[0]], h.vertices[corner[1]],
+                               h.vertices[corner[2]]) <= 0)
+      return fail("{}: triangle {}: expected corners that turn left, got {}, {}, {}", reader.path(),
+                  t, corner[0], corner[1], corner[2]);
+    if (!(errors[t] >= 0) || !std::isfinite(errors[t]))
+      return fail("{}: triangle {}: expected a finite error >= 0, got {}", reader.path(), t,
+                  errors[t]);
+    h.triangles.push_back(
+        {.corner = corner, .twin = {kOutside, kOutside, kOutside}, .error = errors[t]});
+  }
+  return {};
+}
+
+/// Refinements follow one another without gaps, and none is of two levels.
+Result<void> read_refinements(const store::Reader& reader, std::uint32_t n, Hierarchy& h) {
+  LODE_TRY(const auto refined, read_column<std::uint32_t>(reader, key_of(Column::refined), n));
+  LODE_TRY(const auto counts, read_column<std::uint32_t>(reader, key_of(Column::n_triangles), n));
+  std::uint64_t first = h.triangles_until[0];
+  std::size_t level = 1;
+  h.refinements.reserve(n);
+  for (std::uint32_t r = 0; r < n; ++r) {
+    while (level < h.triangles_until.size() && first >= h.triangles_until[level]) ++level;
+    if (level == h.triangles_until.size() || counts[r] < 2 ||
+        first + counts[r] > h.triangles_until[level])
+      return fail("{}: refinement {}: expected from 2 triangles to those of a level, got {}",
+                  reader.path(), r, counts[r]);
+    if (refined[r] >= h.triangles_until[level - 1])
+      return fail("{}: refinement {}: expected a triangle of a level before, below {}, got {}",
+                  reader.path(), r, h.triangles_until[level - 1], refined[r]);
+    std::uint32_t& refinement = h.triangles[refined[r]].refinement;
+    if (refinement != kNone)
+      return fail("{}: refinement {}: expected a triangle that no other refines, got {}",
+                  reader.path(), r, refined[r]);
+    refinement = r;
+    h.refinements.push_back({refined[r], static_cast<std::uint32_t>(first)});
+    first += counts[r];
+  }
+  if (first != h.triangles.size())
+    return fail("{}: expected {} triangles in all refinements, got {}", reader.path(),
+                h.triangles.size() - h.triangles_until[0], first - h.triangles_until[0]);
+  return {};
+}
+
+}  // namespace
+
+bool is_model_of(const std::string& path) {
+  const auto reader = store::Reader::open(path);
+  return reader && std::ranges::find(kModelNames, reader->model()) != kModelNames.end();
+}
+
+Result<HierarchyModel> open(const std::string& path, Progress& progress) {
+  LODE_TRY(const store::Reader reader, store::Reader::open(path));
+  const auto kind = std::ranges::find(kModelNames, reader.model()) - kModelNames.begin();
+  if (kind == static_cast<std::ptrdiff_t>(kModelNames.size()))
+    return fail("{}: expected the model {} or {}, got {}", path, kModelNames[0], kModelNames[1],
+                reader.model());
+  HierarchyModel model;
+  model.kind = static_cast<Kind>(kind);
+  LODE_TRY(const std::uint32_t n_refinements, read_head(reader, model));
+  LODE_CHECK(read_vertices(reader, model));
+  if (progress.is_cancelled()) return cancelled_error();
+  LODE_CHECK(read_triangles(reader, model.hierarchy));
+  LODE_CHECK(read_refinements(reader, n_refinements, model.hierarchy));
+  const HeightRange& range = model.source.range;
+  const double size = std::max(std::abs(range.lower), std::abs(range.upper));
+  auto linked = link_levels(model.hierarchy, size, progress);
+  if (!linked && progress.is_cancelled()) return cancelled_error();
+  if (!linked) return fail("{}: {}", path, linked.error().message);
+  return model;
+}
+
+}  // namespace lode::hierarchy_file

@@ -1,0 +1,125 @@
+// Files of hierarchical triangulations, through the program.
+#include <gtest/gtest.h>
+
+#include "tests/cli/dem_fixture.h"
+#include "tests/cli/program.h"
+#include "tests/io/vtk_oracle.h"
+
+namespace lode::test {
+namespace {
+
+class cli_hierarchy_model : public testing::TestWithParam<std::string> {
+ protected:
+  cli_hierarchy_model() {
+    write_dem(dem_);
+    built_ = run_lode({"build", dem_, model_, "--model", GetParam(), "--levels", "10,50", "--json"})
+                 .json();
+  }
+
+  const Scratch scratch_;
+  const std::string dem_ = scratch_ / "dem.asc";
+  const std::string model_ = scratch_ / "dem.lode";
+  const std::string out_ = scratch_ / "out.ply";
+  nlohmann::json built_;
+};
+
+TEST_P(cli_hierarchy_model, is_built_told_of_and_verified) {
+  EXPECT_EQ(built_.at("model"), GetParam());
+  ASSERT_EQ(built_.at("levels").size(), 2U);
+  EXPECT_EQ(built_.at("levels")[0].at("tolerance"), 50);
+  EXPECT_EQ(built_.at("first_triangles"), built_.at("levels")[0].at("triangles"));
+  EXPECT_EQ(built_.at("vertices"), built_.at("levels")[1].at("vertices"));
+  EXPECT_EQ(built_.at("finest_error"), 10);
+  EXPECT_FALSE(built_.contains("insertions"));
+  const auto info = run_lode({"info", model_, "--json"}).json();
+  for (const char* key : {"columns", "rows", "levels", "vertices", "triangles_ever", "range",
+                          "missing_samples", "to_world"})
+    EXPECT_EQ(info.at(key), built_.at(key)) << key;
+  const Finished alone = run_lode({"verify", model_});
+  EXPECT_EQ(alone.exit_code, 0) << alone.out << alone.err;
+  const Finished against = run_lode({"verify", model_, "--against", dem_});
+  EXPECT_EQ(against.exit_code, 0) << against.out << against.err;
+  EXPECT_NE(against.out.find("within 10: samples are within the error"), std::string::npos);
+  const std::string other = scratch_ / "other.asc";
+  write_dem(other, 40, 31);
+  EXPECT_NE(run_lode({"verify", model_, "--against", other}).exit_code, 0);
+}
+
+TEST_P(cli_hierarchy_model, is_read_from_the_format_document_alone) {
+  const auto& levels = built_.at("levels");
+  EXPECT_EQ(run_oracle(LODE_HIERARCHY_READER, "'" + model_ + "' '" + dem_ + "'"),
+            "vertices " + built_.at("vertices").dump() + " triangles " +
+                built_.at("triangles_ever").dump() + " levels [" +
+                levels[0].at("triangles").dump() + ", " + levels[1].at("triangles").dump() + "]\n");
+}
+
+TEST_P(cli_hierarchy_model, gives_the_mesh_of_a_level) {
+  const auto extract = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"extract", model_, out_, "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_lode(words);
+  };
+  const auto& levels = built_.at("levels");
+  const auto fine = extract({"--max-error", "10"}).json();
+  EXPECT_EQ(fine.at("triangles"), levels[1].at("triangles"));
+  EXPECT_LE(fine.at("achieved_error"), 10 + 1e-9);
+  EXPECT_EQ(fine.at("error_met"), true);
+  EXPECT_FALSE(fine.contains("insertion"));
+  const std::string n = levels[0].at("triangles").dump();
+  EXPECT_EQ(extract({"--max-cells", n}).json().at("triangles"), levels[0].at("triangles"));
+  const Finished few = extract({"--max-cells", "1"});
+  EXPECT_EQ(few.json().at("budget_met"), false);
+  EXPECT_NE(few.err.find("the coarsest level has " + n), std::string::npos) << few.err;
+  const auto again =
+      run_lode({"extract", dem_, out_, "--max-error", "50", "--model", GetParam(), "--json"});
+  EXPECT_EQ(again.json().at("triangles"), levels[0].at("triangles"));
+  for (const std::vector<std::string>& more : {std::vector<std::string>{"--max-cells", "100"},
+                                               {"--max-cells", "100", "--max-error", "1"}}) {
+    std::vector<std::string> words{"extract", dem_, out_, "--model", GetParam(), "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto chosen = run_lode(words).json();
+    EXPECT_EQ(chosen.at("budget_met"), true);
+    EXPECT_GT(chosen.at("triangles"), 2);
+  }
+  expect_refusal(
+      run_lode({"verify", dem_, "--surface", out_, "--max-error", "50", "--model", GetParam()}), 2,
+      {"vertices are samples", GetParam()});
+}
+
+TEST_P(cli_hierarchy_model, answers_what_rasters_answer) {
+  write_bytes(scratch_ / "places.csv", "x,y\n500315,4000315\n500615,4000615\n");
+  for (const std::vector<std::string>& question :
+       {std::vector<std::string>{"height", model_, scratch_ / "places.csv", "--out",
+                                 scratch_ / "out.csv"},
+        {"profile", model_, "--from", "500100,4000100", "--to", "501000,4000700"},
+        {"contours", model_, scratch_ / "out.vtp", "--interval", "50"},
+        {"contours", model_, scratch_ / "out.gpkg", "--interval", "50", "--polygons"},
+        {"sight", model_, "--from", "500100,4000100", "--to", "501000,4000700", "--height-unit",
+         "m"},
+        {"render", model_, scratch_ / "out.png", "--size", "64x48", "--contours", "100"},
+        {"extract", model_, scratch_ / "out.tif", "--cell", "30"}}) {
+    SCOPED_TRACE(question[0]);
+    std::vector<std::string> words = question;
+    words.insert(words.end(), {"--max-error", "10", "--json"});
+    const Finished answer = run_lode(words);
+    ASSERT_EQ(answer.exit_code, 0) << answer.err;
+    EXPECT_EQ(answer.json().at("triangles"), built_.at("levels")[1].at("triangles"));
+  }
+}
+
+TEST_P(cli_hierarchy_model, refuses_what_it_cannot_by_its_nature) {
+  expect_refusal(run_lode({"extract", model_, out_, "--max-error", "9"}), 1,
+                 {"dem.lode", "10 or more", "got 9"});
+  expect_refusal(run_lode({"extract", model_, out_, "--max-error", "10", "--focus-point",
+                           "500600,4000400", "--growth", "0.1"}),
+                 1, {"dem.lode", GetParam(), "levels alone"});
+  expect_refusal(run_lode({"extract", model_, scratch_ / "out.tif", "--max-error", "10"}), 1,
+                 {"expected a cell", GetParam(), "between samples"});
+}
+
+INSTANTIATE_TEST_SUITE_P(models, cli_hierarchy_model,
+                         testing::Values("adaptive_triangulation", "hierarchical_delaunay"),
+                         [](const auto& model) { return model.param; });
+
+}  // namespace
+}  // namespace lode::test
