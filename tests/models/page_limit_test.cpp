@@ -66,7 +66,7 @@ std::pair<Standing, std::size_t> settle(const Paged& paged, std::uint64_t limit)
 }
 
 TEST(page_limit, is_kept_and_the_answer_is_as_good_as_it_allows) {
-  const Paged paged(bumpy(oracles::trials<Index3>({{257, 257, 129}}, {{193, 130, 129}})));
+  const Paged paged(bumpy({{257, 257, 129}}));
   const std::uint64_t all = paged.model->n_bytes_of_all();
   double bound = std::numeric_limits<double>::infinity();
   std::size_t n_applied = 0;
