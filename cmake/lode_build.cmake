@@ -15,6 +15,7 @@ endif()
 
 find_package(fmt REQUIRED)
 find_package(TBB REQUIRED)
+find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 
 add_library(lode_settings INTERFACE)
@@ -50,11 +51,13 @@ function(lode_room name)
   target_compile_options(lode_${name} PRIVATE -Wno-subobject-linkage)
 endfunction()
 
-# lode_test(NAME SOURCES ... [DEPENDS targets...] [LABEL fast|slow] [COMPUTES]): one GoogleTest
+# lode_test(NAME SOURCES ... [DEPENDS targets...] [LABEL fast|slow] [COMPUTES] [TRIES]): one GoogleTest
 # program, compiled at once like a room and registered with CTest test by test. COMPUTES: the tests
-# themselves work hard (oracles) and are optimised; the others would only compile longer.
+# themselves work hard (oracles) and are optimised; the others would only compile longer. TRIES: they
+# take a part of their cases (tests/oracles/trials.h), which a slow test, every_trial_of_NAME, takes
+# all of.
 function(lode_test name)
-  cmake_parse_arguments(ARG "COMPUTES" "LABEL" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES;TRIES" "LABEL" "SOURCES;DEPENDS" ${ARGN})
   set(optimise -O0)
   if(ARG_COMPUTES)
     set(optimise -O1)
@@ -73,4 +76,9 @@ function(lode_test name)
     LODE_SAMPLES_DIR="${PROJECT_SOURCE_DIR}/samples"
     LODE_TEST_FILES_DIR="${PROJECT_SOURCE_DIR}/tests/files")
   gtest_discover_tests(${name} PROPERTIES LABELS ${ARG_LABEL} DISCOVERY_TIMEOUT 60)
+  if(ARG_TRIES)
+    add_test(NAME every_trial_of_${name} COMMAND ${name})
+    set_tests_properties(every_trial_of_${name} PROPERTIES LABELS slow TIMEOUT 3600
+                                                           ENVIRONMENT LODE_TRIALS=all)
+  endif()
 endfunction()

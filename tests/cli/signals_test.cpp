@@ -6,6 +6,7 @@
 
 #include "tests/cli/dem_fixture.h"
 #include "tests/cli/program.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -58,7 +59,8 @@ TEST(cli_signals, leave_no_partial_build) {
 
 TEST(cli_signals, leave_no_partial_contours) {
   const Scratch scratch;
-  write_dem(scratch / "dem.asc", 400, 300);
+  const int n = oracles::trials(100, 40);
+  write_dem(scratch / "dem.asc", 4 * n, 3 * n);
   const std::vector<std::string> contours{
       "contours", scratch / "dem.asc", scratch / "lines.gpkg", "--interval", "1", "--max-error",
       "0"};

@@ -10,6 +10,7 @@
 #include "tests/cli/program.h"
 #include "tests/io/vtk_oracle.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -67,7 +68,8 @@ TEST_F(cli_patches, are_told_kept_and_cut_out) {
   EXPECT_EQ(report({"build", input_, model_}).at("patches"), expected);
   EXPECT_EQ(report({"info", model_}).at("patches"), expected);
   const std::string output = scratch_ / "out.vtp";
-  for (const char* const error : {"0", "0.1", "10"}) {
+  for (const char* const error :
+       oracles::trials<std::vector<const char*>>({"0", "0.1", "10"}, {"0", "10"})) {
     const auto area_of = [&](const Words& patches) {
       Words words{"extract", model_, output, "--boundary", "--max-error", error};
       words.insert(words.end(), patches.begin(), patches.end());

@@ -15,23 +15,32 @@ const std::string& shorts() {
   return kBytes;
 }
 
-SpoolSeed seed_of(std::string name, std::vector<std::pair<std::string, std::string>> files) {
-  return {
-      .name = std::move(name), .files = std::move(files), .options = {}, .n_bytes = 2 * kSamples};
+SpoolSeed seed_of(std::string name, std::function<SpoolFiles()> make_files) {
+  return {.name = std::move(name),
+          .make_files = std::move(make_files),
+          .options = {},
+          .n_bytes = 2 * kSamples};
 }
 
 std::vector<SpoolSeed> nrrd_seeds() {
   const std::string start =
       "NRRD0004\ntype: short\ndimension: 3\nsizes: " + kSizes + "\nendian: big\nencoding: gzip\n";
-  SpoolSeed vectors = seed_of(
-      "nrrd_vectors", {{"v.nrrd", "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 " + kSizes +
-                                      "\nkinds: vector domain domain domain\nencoding: gzip\n\n" +
-                                      gzipped(noise(3 * kSamples))}});
+  SpoolSeed vectors = seed_of("nrrd_vectors", [] {
+    return SpoolFiles{{"v.nrrd", "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 " + kSizes +
+                                     "\nkinds: vector domain domain domain\nencoding: gzip\n\n" +
+                                     gzipped(noise(3 * kSamples))}};
+  });
   vectors.n_bytes = 3 * kSamples;
   vectors.options.component = Magnitude{};
-  return {seed_of("nrrd", {{"a.nrrd", start + "\n" + gzipped(shorts())}}),
-          seed_of("nrrd_detached", {{"d.raw.gz", gzipped("skipped" + shorts())},
-                                    {"d.nhdr", start + "byte skip: 7\ndata file: d.raw.gz\n"}}),
+  return {seed_of("nrrd",
+                  [=] {
+                    return SpoolFiles{{"a.nrrd", start + "\n" + gzipped(shorts())}};
+                  }),
+          seed_of("nrrd_detached",
+                  [=] {
+                    return SpoolFiles{{"d.raw.gz", gzipped("skipped" + shorts())},
+                                      {"d.nhdr", start + "byte skip: 7\ndata file: d.raw.gz\n"}};
+                  }),
           std::move(vectors)};
 }
 
@@ -42,10 +51,18 @@ std::vector<SpoolSeed> nifti_seeds() {
   NiftiBytes pair = plain;
   pair.set_text(344, "ni1").set<float>(108, 8);
   std::vector<SpoolSeed> seeds = {
-      seed_of("nifti", {{"a.nii.gz", gzipped(plain.bytes() + shorts())}}),
-      seed_of("nifti_scaled", {{"b.nii.gz", gzipped(scaled.bytes() + shorts())}}),
-      seed_of("nifti_pair",
-              {{"c.hdr.gz", gzipped(pair.bytes())}, {"c.img.gz", gzipped("8 bytes." + shorts())}})};
+      seed_of("nifti",
+              [=] {
+                return SpoolFiles{{"a.nii.gz", gzipped(plain.bytes() + shorts())}};
+              }),
+      seed_of("nifti_scaled",
+              [=] {
+                return SpoolFiles{{"b.nii.gz", gzipped(scaled.bytes() + shorts())}};
+              }),
+      seed_of("nifti_pair", [=] {
+        return SpoolFiles{{"c.hdr.gz", gzipped(pair.bytes())},
+                          {"c.img.gz", gzipped("8 bytes." + shorts())}};
+      })};
   for (SpoolSeed& seed : seeds) seed.header_piece = std::uint64_t{1} << 18;
   return seeds;
 }
@@ -53,12 +70,17 @@ std::vector<SpoolSeed> nifti_seeds() {
 std::vector<SpoolSeed> other_seeds() {
   const std::string meta = "NDims = 3\nDimSize = " + kSizes +
                            "\nElementType = MET_SHORT\nCompressedData = True\nElementDataFile = ";
-  SpoolSeed raw = seed_of("raw", {{"a.raw.gz", gzipped(shorts())}});
+  SpoolSeed raw = seed_of("raw", [] { return SpoolFiles{{"a.raw.gz", gzipped(shorts())}}; });
   raw.options.raw = RawLayout{.dims = kSpoolDims, .type = ScalarType::int16};
-  return {
-      seed_of("metaimage", {{"a.mha", meta + "LOCAL\n" + zlibbed(shorts())}}),
-      seed_of("metaimage_detached", {{"b.zraw", zlibbed(shorts())}, {"b.mhd", meta + "b.zraw\n"}}),
-      std::move(raw)};
+  return {seed_of("metaimage",
+                  [=] {
+                    return SpoolFiles{{"a.mha", meta + "LOCAL\n" + zlibbed(shorts())}};
+                  }),
+          seed_of("metaimage_detached",
+                  [=] {
+                    return SpoolFiles{{"b.zraw", zlibbed(shorts())}, {"b.mhd", meta + "b.zraw\n"}};
+                  }),
+          std::move(raw)};
 }
 
 }  // namespace
@@ -70,7 +92,7 @@ std::string noise(std::size_t n) {
   return bytes;
 }
 
-std::uint64_t SpoolSeed::most_file_bytes() const {
+std::uint64_t SpoolSeed::most_file_bytes(const SpoolFiles& files) const {
   std::uint64_t n = 0;
   for (const auto& [file, bytes] : files) n += bytes.size();
   return n + std::min<std::uint64_t>(header_piece, n);
@@ -90,20 +112,26 @@ ReadOptions spooling(ReadOptions options, const std::string& directory) {
 }
 
 std::vector<SpoolSeed> part_spool_seeds() {
-  const std::size_t n_slice = shorts().size() / 48;
-  SpoolSeed raw = seed_of("nrrd_raw_slices", {});
-  SpoolSeed gzip = seed_of("nrrd_gzip_slices", {});
+  const auto seed = [](const char* name, const std::string& header, auto add_slice) {
+    return seed_of(name, [=] {
+      SpoolFiles files;
+      const std::size_t n_slice = shorts().size() / 48;
+      for (std::size_t z = 0; z < 48; ++z)
+        add_slice(files, z, "skipped" + shorts().substr(z * n_slice, n_slice));
+      files.emplace_back("slices.nhdr", "NRRD0004\ntype: short\ndimension: 3\nsizes: " + kSizes +
+                                            "\nendian: little\nbyte skip: 7\n" + header);
+      return files;
+    });
+  };
+  SpoolSeed raw = seed("nrrd_raw_slices", "encoding: raw\ndata file: s%02d.raw 0 47 1\n",
+                       [](SpoolFiles& files, std::size_t z, const std::string& slice) {
+                         files.emplace_back(fmt::format("s{:02}.raw", z), slice);
+                       });
   raw.is_spooled = false;
-  for (std::size_t z = 0; z < 48; ++z) {
-    const std::string slice = shorts().substr(z * n_slice, n_slice);
-    raw.files.emplace_back(fmt::format("s{:02}.raw", z), "skipped" + slice);
-    gzip.files.emplace_back(fmt::format("s{:02}.gz", z), gzipped("skipped" + slice));
-  }
-  const std::string start = "NRRD0004\ntype: short\ndimension: 3\nsizes: " + kSizes +
-                            "\nendian: little\nbyte skip: 7\nencoding: ";
-  raw.files.emplace_back("r.nhdr", start + "raw\ndata file: s%02d.raw 0 47 1\n");
-  gzip.files.emplace_back("g.nhdr", start + "gzip\ndata file: s%02d.gz 0 47 1\n");
-  return {std::move(raw), std::move(gzip)};
+  return {std::move(raw), seed("nrrd_gzip_slices", "encoding: gzip\ndata file: s%02d.gz 0 47 1\n",
+                               [](SpoolFiles& files, std::size_t z, const std::string& slice) {
+                                 files.emplace_back(fmt::format("s{:02}.gz", z), gzipped(slice));
+                               })};
 }
 
 std::string vtk_image(const VtkText& text) {
@@ -127,37 +155,67 @@ VtkBlocked vtk_blocked(const std::string& bytes, std::size_t block) {
   return {.header = bytes_of(header), .blocks = std::move(blocks)};
 }
 
-std::vector<SpoolSeed> vtk_spool_seeds() {
-  const std::string counted =
-      bytes_of<std::uint32_t>({static_cast<std::uint32_t>(shorts().size())}) + shorts();
+namespace {
+
+std::string counted_shorts() {
+  return bytes_of<std::uint32_t>({static_cast<std::uint32_t>(shorts().size())}) + shorts();
+}
+
+std::string raw_appended(const VtkBlocked& data) {
+  return "<AppendedData encoding=\"raw\">_" + data.header + data.blocks + "</AppendedData>";
+}
+
+std::string base64_appended(const std::string& text) {
+  return "<AppendedData encoding=\"base64\">_" + text + "</AppendedData>";
+}
+
+/// Both in base64, each by itself.
+std::string base64_blocks() {
   const auto [header, blocks] = vtk_blocked(shorts(), 32768);
-  const auto [one_header, one_block] = vtk_blocked(shorts(), shorts().size());
-  const std::string raw = "<AppendedData encoding=\"raw\">_";
-  const std::string base64_tag = "<AppendedData encoding=\"base64\">_";
-  const std::string end = "</AppendedData>";
-  const auto seed = [](const char* name, const VtkText& text) {
-    SpoolSeed result = seed_of(name, {{std::string(name) + ".vti", vtk_image(text)}});
-    result.header_piece = std::uint64_t{1} << 20;
-    return result;
-  };
-  SpoolSeed small =
-      seed("vtk_small_blocks",
-           {.root = kVtkZlib, .array = kVtkAppended, .appended = raw + header + blocks + end});
+  return base64(header) + base64(blocks);
+}
+
+SpoolSeed vtk_seed(const std::string& name, const std::function<VtkText()>& make_text) {
+  SpoolSeed seed = seed_of(name, [=] {
+    return SpoolFiles{{name + ".vti", vtk_image(make_text())}};
+  });
+  seed.header_piece = std::uint64_t{1} << 20;
+  return seed;
+}
+
+}  // namespace
+
+std::vector<SpoolSeed> vtk_spool_seeds() {
+  SpoolSeed small = vtk_seed("vtk_small_blocks", [] {
+    return VtkText{.root = kVtkZlib,
+                   .array = kVtkAppended,
+                   .appended = raw_appended(vtk_blocked(shorts(), 32768))};
+  });
   small.is_spooled = false;
   return {
       std::move(small),
-      seed("vtk_one_block", {.root = kVtkZlib,
-                             .array = kVtkAppended,
-                             .appended = raw + one_header + one_block + end}),
-      seed("vtk_appended_base64",
-           {.array = kVtkAppended, .appended = base64_tag + base64(counted) + end}),
-      seed("vtk_appended_base64_blocks",
-           {.root = kVtkZlib,
-            .array = kVtkAppended,
-            .appended = base64_tag + base64(header) + base64(blocks) + end}),
-      seed("vtk_inline", {.array = kVtkBinary, .content = base64(counted)}),
-      seed("vtk_inline_blocks",
-           {.root = kVtkZlib, .array = kVtkBinary, .content = base64(header) + base64(blocks)})};
+      vtk_seed("vtk_one_block",
+               [] {
+                 return VtkText{.root = kVtkZlib,
+                                .array = kVtkAppended,
+                                .appended = raw_appended(vtk_blocked(shorts(), shorts().size()))};
+               }),
+      vtk_seed("vtk_appended_base64",
+               [] {
+                 return VtkText{.array = kVtkAppended,
+                                .appended = base64_appended(base64(counted_shorts()))};
+               }),
+      vtk_seed("vtk_appended_base64_blocks",
+               [] {
+                 return VtkText{.root = kVtkZlib,
+                                .array = kVtkAppended,
+                                .appended = base64_appended(base64_blocks())};
+               }),
+      vtk_seed("vtk_inline",
+               [] { return VtkText{.array = kVtkBinary, .content = base64(counted_shorts())}; }),
+      vtk_seed("vtk_inline_blocks", [] {
+        return VtkText{.root = kVtkZlib, .array = kVtkBinary, .content = base64_blocks()};
+      })};
 }
 
 std::vector<std::byte> read_box(VolumeSource& source, const IndexBox& box) {

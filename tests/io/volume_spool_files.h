@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,10 +17,13 @@ constexpr Index3 kSpoolDims{{64, 50, 48}};
 /// Bytes that deflate cannot make smaller, always the same.
 std::string noise(std::size_t n);
 
+/// Names and bytes; the last is opened.
+using SpoolFiles = std::vector<std::pair<std::string, std::string>>;
+
 /// A volume of kSpoolDims that is decoded rather than read where it is.
 struct SpoolSeed {
   std::string name;
-  std::vector<std::pair<std::string, std::string>> files;  ///< Names and bytes; the last is opened.
+  std::function<SpoolFiles()> make_files;  ///< Each test runs alone, and needs few of them.
   ReadOptions options;
   std::uint64_t n_bytes = 0;  ///< Of the decoded samples: all components and times.
   bool is_spooled = true;     ///< Else decoded again for every read, beyond the memory limit.
@@ -28,7 +32,7 @@ struct SpoolSeed {
   std::uint64_t header_piece = std::uint64_t{1} << 16;
 
   /// Read by opening and one pass upwards through the volume.
-  [[nodiscard]] std::uint64_t most_file_bytes() const;
+  [[nodiscard]] std::uint64_t most_file_bytes(const SpoolFiles& files) const;
 };
 
 std::vector<SpoolSeed> spool_seeds();

@@ -101,8 +101,9 @@ TEST(volume_spool_parts, are_opened_once_to_see_whether_all_are_there) {
   for (const SpoolSeed& seed : test::part_spool_seeds()) {
     const TempDir dir;
     std::string path;
-    for (const auto& [name, bytes] : seed.files) path = dir.write(name, bytes);
-    const auto& last = seed.files[seed.files.size() - 2];
+    const test::SpoolFiles files = seed.make_files();
+    for (const auto& [name, bytes] : files) path = dir.write(name, bytes);
+    const auto& last = files[files.size() - 2];
     std::filesystem::remove(dir.path(last.first));
     const ReadOptions options = spooling({}, dir.path(""));
     const auto gone = open_volume(path, options);

@@ -29,7 +29,7 @@ std::vector<IndexBox> passes(const Index3& dims) {
 class volume_spool : public testing::TestWithParam<SpoolSeed> {
  protected:
   volume_spool() {
-    for (const auto& [name, bytes] : GetParam().files) path_ = files_.write(name, bytes);
+    for (const auto& [name, bytes] : contents_) path_ = files_.write(name, bytes);
     std::filesystem::create_directory(files_.path("spool"));
     options_ = GetParam().options;
   }
@@ -50,6 +50,7 @@ class volume_spool : public testing::TestWithParam<SpoolSeed> {
     EXPECT_TRUE(std::filesystem::is_empty(files_.path("spool")));
   }
 
+  const test::SpoolFiles contents_ = GetParam().make_files();
   TempDir files_;
   std::string path_;
   ReadOptions options_;
@@ -85,7 +86,7 @@ TEST_P(volume_spool, moves_each_byte_once_and_reads_back_what_is_read_again) {
   const auto n_slices = static_cast<std::size_t>(kSpoolDims[2]);
   for (std::size_t i = 0; i < n_slices; ++i) (void)read_box(*source, boxes[i]);
   const IoCounts first = source->io();
-  EXPECT_LE(first.n_file_bytes_read, GetParam().most_file_bytes() + 4096);
+  EXPECT_LE(first.n_file_bytes_read, GetParam().most_file_bytes(contents_) + 4096);
   EXPECT_EQ(first.n_spool_bytes_read, 0U);
   for (std::size_t i = n_slices; i < boxes.size(); ++i) (void)read_box(*source, boxes[i]);
   const IoCounts second = source->io();
@@ -127,9 +128,8 @@ class volume_spool_truncated : public volume_spool {};
 TEST_P(volume_spool_truncated, finds_damage_at_the_read_that_reaches_it) {
   const Index3 dims = kSpoolDims;
   // Two thirds of the way: the data are noise, so the place in the file is the place in the volume.
-  const SpoolSeed& seed = GetParam();
-  const auto& [name, bytes] = *std::ranges::max_element(
-      seed.files, {}, [](const auto& file) { return file.second.size(); });
+  const auto& [name, bytes] =
+      *std::ranges::max_element(contents_, {}, [](const auto& file) { return file.second.size(); });
   files_.write(name, bytes.substr(0, bytes.size() / 3 * 2));
   const auto source = open_spooling();
   ASSERT_NE(source, nullptr);

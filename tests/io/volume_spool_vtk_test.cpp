@@ -71,7 +71,7 @@ TEST(volume_spool_vtk, large_blocks_fail_at_the_read_that_reaches_the_damage) {
 TEST(volume_spool_vtk, files_that_are_too_short_are_refused_while_opening) {
   const TempDir dir;
   for (const test::SpoolSeed& seed : test::vtk_spool_seeds()) {
-    const auto& [name, bytes] = seed.files.front();
+    const auto [name, bytes] = seed.make_files().front();
     const auto path = dir.write(name, bytes.substr(0, bytes.size() / 3 * 2));
     const auto source = open_volume(path, test::spooling({}, dir.path("")));
     ASSERT_FALSE(source) << name;

@@ -48,31 +48,47 @@ class DistanceTarget {
   explicit DistanceTarget(const Surface& surface) {
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
       const auto c = corners_of(surface, t);
-      triangles_.push_back(c);
-      middles_.push_back((c[0] + c[1] + c[2]) * (1.0 / 3));
-      double radius = 0;
-      for (const Vec3d& corner : c) radius = std::max(radius, length(corner - middles_.back()));
-      radii_.push_back(radius);
+      Ball ball{c, (c[0] + c[1] + c[2]) * (1.0 / 3), 0};
+      for (const Vec3d& corner : c)
+        ball.radius = std::max(ball.radius, length(corner - ball.middle));
+      largest_radius_ = std::max(largest_radius_, ball.radius);
+      balls_.push_back(ball);
     }
+    std::ranges::sort(balls_, {}, x_of);
   }
   double distance(const Vec3d& p) {
-    double least = triangle_distance(p, triangles_[last_]);
-    for (std::size_t t = 0; t < triangles_.size(); ++t) {
-      const Vec3d d = p - middles_[t];
-      const double reach = least + radii_[t];
-      if (dot(d, d) >= reach * reach) continue;
-      const double here = triangle_distance(p, triangles_[t]);
-      if (here >= least) continue;
-      least = here;
-      last_ = t;
-    }
+    double least = triangle_distance(p, balls_[last_].triangle);
+    // Both ways along x, to where no triangle can be nearer.
+    const auto first =
+        static_cast<std::size_t>(std::ranges::lower_bound(balls_, p[0], {}, x_of) - balls_.begin());
+    for (std::size_t t = first; t < balls_.size() && look_at(t, p, least);) ++t;
+    for (std::size_t t = first; t > 0 && look_at(t - 1, p, least);) --t;
     return least;
   }
 
  private:
-  std::vector<std::array<Vec3d, 3>> triangles_;
-  std::vector<Vec3d> middles_;
-  std::vector<double> radii_;
+  struct Ball {
+    std::array<Vec3d, 3> triangle;
+    Vec3d middle;
+    double radius;
+  };
+  static double x_of(const Ball& ball) { return ball.middle[0]; }
+  /// False where this one, and so all farther along x, cannot be nearer.
+  bool look_at(std::size_t t, const Vec3d& p, double& least) {
+    const Ball& ball = balls_[t];
+    const Vec3d d = p - ball.middle;
+    if (std::abs(d[0]) >= least + largest_radius_) return false;
+    const double reach = least + ball.radius;
+    if (dot(d, d) >= reach * reach) return true;
+    const double here = triangle_distance(p, ball.triangle);
+    if (here >= least) return true;
+    least = here;
+    last_ = t;
+    return true;
+  }
+
+  std::vector<Ball> balls_;
+  double largest_radius_ = 0;
   std::size_t last_ = 0;
 };
 

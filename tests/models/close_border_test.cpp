@@ -8,6 +8,7 @@
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_topology.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/trials.h"
 #include "tests/oracles/typed_samples.h"
 
 namespace lode {
@@ -123,8 +124,8 @@ RegularGrid grid_with(const Index3& dims) {
 TEST(close_border, encloses_exactly_the_values_from_the_isovalue_up) {
   for (const Index3& dims : {Index3{{2, 2, 2}}, Index3{{3, 3, 3}}, Index3{{2, 9, 5}},
                              Index3{{9, 8, 7}}, Index3{{5, 17, 34}}})
-    for (std::uint64_t seed = 0; seed < 20; ++seed) {
-      const Case c = random_case(grid_with(dims), seed);
+    for (int seed = 0; seed < oracles::trials(20, 6); ++seed) {
+      const Case c = random_case(grid_with(dims), static_cast<std::uint64_t>(seed));
       for (const double isovalue : {-0.5, 0.0, 0.7}) {
         const Surface surface = extract(c, closed_at(isovalue, 0));
         if (surface.is_empty()) continue;
@@ -137,7 +138,7 @@ TEST(close_border, encloses_exactly_the_values_from_the_isovalue_up) {
 }
 
 TEST(close_border, holds_at_any_tolerance_and_in_any_frame) {
-  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+  for (std::uint64_t seed = 0; seed < oracles::trials(30U, 9U); ++seed) {
     RegularGrid grid = grid_with({{11, 7, 20}});
     if (seed % 3 == 1) grid.direction = {{Vec3d{{0, -1, 0}}, Vec3d{{-1, 0, 0}}, Vec3d{{0, 0, -1}}}};
     const double c = std::cos(0.3);
@@ -158,7 +159,7 @@ TEST(close_border, holds_at_any_tolerance_and_in_any_frame) {
 /// Whole numbers, some equal to the isovalue, on ramps that large simplices follow: the surface
 /// passes through samples, and halfway between them, also where simplices would reach across.
 TEST(close_border, holds_where_whole_numbers_meet_the_border) {
-  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+  for (std::uint64_t seed = 0; seed < oracles::trials(150U, 40U); ++seed) {
     oracles::Random random(seed);
     Index3 dims;
     Vec3d slope;
@@ -199,7 +200,7 @@ Mat3 random_rotation(oracles::Random& random) {
 /// In oblique frames rounding takes vertices out of the border planes and off straight lines, and
 /// round samples equal to the isovalue they are close together.
 TEST(close_border, holds_in_oblique_frames_where_samples_equal_the_isovalue) {
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (std::uint64_t seed = 0; seed < oracles::trials(100U, 24U); ++seed) {
     oracles::Random random(seed);
     RegularGrid grid = grid_with({{13, 11, 9}});
     grid.direction = random_rotation(random);

@@ -16,10 +16,13 @@
 #include "tests/models/surface_cells.h"
 #include "tests/oracles/analytic_fields.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/trials.h"
 #include "tests/oracles/typed_samples.h"
 
 namespace lode {
 namespace {
+
+using oracles::trials;
 
 class paged_model : public ::testing::Test {
  protected:
@@ -113,12 +116,12 @@ class paged_model : public ::testing::Test {
 };
 
 TEST_F(paged_model, gives_the_surface_of_the_model_in_memory) {
-  expect_same(blobs<std::uint8_t>({{130, 40, 67}}, 250, 1), 250);
-  expect_same(blobs<std::uint8_t>({{66, 129, 35}}, 250, 2), 250);
-  expect_same(blobs<std::uint16_t>({{64, 34, 128}}, 60000, 3), 60000);
-  expect_same(blobs<std::int16_t>({{97, 33, 70}}, 30000, 4), 30000);
-  expect_same(blobs<float>({{131, 66, 20}}, 1e3, 5), 1e3);
-  expect_same(blobs<double>({{67, 68, 40}}, 1e-3, 6), 1e-3);
+  expect_same(blobs<std::uint8_t>(trials<Index3>({{130, 40, 67}}, {{130, 20, 67}}), 250, 1), 250);
+  expect_same(blobs<std::uint8_t>(trials<Index3>({{66, 129, 35}}, {{66, 129, 15}}), 250, 2), 250);
+  expect_same(blobs<std::uint16_t>(trials<Index3>({{64, 34, 128}}, {{20, 34, 128}}), 6e4, 3), 6e4);
+  expect_same(blobs<std::int16_t>(trials<Index3>({{97, 33, 70}}, {{97, 17, 70}}), 3e4, 4), 3e4);
+  expect_same(blobs<float>(trials<Index3>({{131, 66, 20}}, {{131, 66, 10}}), 1e3, 5), 1e3);
+  expect_same(blobs<double>(trials<Index3>({{67, 68, 40}}, {{67, 68, 18}}), 1e-3, 6), 1e-3);
 }
 
 TEST_F(paged_model, gives_the_lines_of_2d_data) {
@@ -258,7 +261,10 @@ TEST_F(paged_model, names_the_block_that_cannot_be_read) {
   std::optional<Error> fault;
   const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
   while (!fault && std::chrono::steady_clock::now() < until)
-    if (const auto batch = session.take()) fault = batch->fault;
+    if (const auto batch = session.take())
+      fault = batch->fault;
+    else
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
   ASSERT_TRUE(fault);
   EXPECT_EQ(fault->message, failed.error().message);
 
@@ -331,8 +337,10 @@ Volume with_holes(Volume volume, const Holes& holes) {
 TEST_F(paged_model, gives_the_surface_between_holes) {
   for (const Holes& holes : {kScattered, kBall, kInterlaced, kBorder}) {
     SCOPED_TRACE(holes.name);
-    expect_same(with_holes(blobs<float>({{130, 40, 34}}, 100, 1), holes), 100);
-    expect_same(with_holes(blobs<std::uint8_t>({{70, 35, 66}}, 250, 2), holes), 250);
+    const auto dims = trials<Index3>({{130, 40, 34}}, {{130, 36, 10}});
+    expect_same(with_holes(blobs<float>(dims, 100, 1), holes), 100);
+    const auto others = trials<Index3>({{70, 35, 66}}, {{70, 9, 66}});
+    expect_same(with_holes(blobs<std::uint8_t>(others, 250, 2), holes), 250);
     expect_same(with_holes(blobs<float>({{700, 130, 1}}, 100, 2), holes), 100);
   }
 }

@@ -17,7 +17,7 @@ inline SurfaceMirror take_settled(Session& session) {
   while (std::chrono::steady_clock::now() < until) {
     const auto batch = session.take();
     if (!batch) {
-      std::this_thread::yield();
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
       continue;
     }
     if (batch->fault) {

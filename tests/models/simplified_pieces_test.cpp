@@ -5,6 +5,7 @@
 #include "lode/api/files.h"
 #include "tests/models/stored_fixtures.h"
 #include "tests/models/volume_files.h"
+#include "tests/oracles/trials.h"
 
 namespace lode {
 namespace {
@@ -16,6 +17,11 @@ RegularGrid grid_of(const Index3& dims) {
   RegularGrid grid;
   grid.dims = dims;
   return grid;
+}
+
+/// Of several chunks.
+RegularGrid long_grid() {
+  return grid_of(oracles::trials<Index3>({{560, 40, 32}}, {{1100, 16, 12}}));
 }
 
 /// Waves through several chunks, with noise that makes small pieces.
@@ -92,6 +98,7 @@ void expect_simplified(const Volume& volume, const char* extension,
   EXPECT_EQ(simplified.triangles, result.surface.triangles.size());
   EXPECT_EQ(result.report.triangles, result.surface.triangles.size());
   EXPECT_EQ(result.report.vertices, result.surface.positions.size());
+
   EXPECT_GT(simplified.triangles_before, 40'000U);  // some pieces are cut
   EXPECT_LT(simplified.triangles, simplified.triangles_before / 2);
   if (options.simplify_distance) EXPECT_LE(simplified.proven_distance, *options.simplify_distance);
@@ -103,7 +110,7 @@ void expect_simplified(const Volume& volume, const char* extension,
 }
 
 TEST(simplified_pieces, fit_together_and_keep_what_is_promised_of_the_whole) {
-  expect_simplified(noisy_waves(grid_of({{560, 40, 32}})), ".ply");
+  expect_simplified(noisy_waves(long_grid()), ".ply");
 }
 
 RegularGrid turned_grid() {
@@ -120,7 +127,7 @@ TEST(simplified_pieces, may_be_mirrored_turned_and_longer_along_an_axis) {
 }
 
 Volume waves_with_holes() {
-  Volume volume = noisy_waves(grid_of({{560, 40, 32}}));
+  Volume volume = noisy_waves(long_grid());
   volume.info.nodata = 7;
   oracles::Random random(11);
   for (std::uint8_t& sample : oracles::typed_samples<std::uint8_t>(volume))
@@ -131,16 +138,17 @@ Volume waves_with_holes() {
 TEST(simplified_pieces, may_end_at_holes) { expect_simplified(waves_with_holes(), ".ply"); }
 
 TEST(simplified_pieces, stay_within_an_error) {
-  expect_simplified(noisy_waves(grid_of({{560, 40, 32}})), ".ply", within_error(4));
-  expect_simplified(noisy_waves(grid_of({{560, 40, 32}})), ".vtp", within_error(30));
-  expect_simplified(noisy_waves(turned_grid(), 0), ".vtp", within_error(6));
+  expect_simplified(noisy_waves(long_grid()), ".ply", within_error(4));
+  expect_simplified(noisy_waves(long_grid()), ".vtp", within_error(30));
+  if (oracles::trials(true, false))
+    expect_simplified(noisy_waves(turned_grid(), 0), ".vtp", within_error(6));
   expect_simplified(waves_with_holes(), ".ply", within_error(8));
 }
 
 TEST(simplified_pieces, stay_within_an_error_and_a_distance) {
   ExtractOptions options = within_error(10);
   options.simplify_distance = 0.6;
-  expect_simplified(noisy_waves(grid_of({{560, 40, 32}})), ".ply", options);
+  expect_simplified(noisy_waves(long_grid()), ".ply", options);
 }
 
 TEST(simplified_pieces, drop_specks_in_the_band_that_lie_in_one) {
@@ -166,7 +174,7 @@ TEST(simplified_pieces, drop_specks_in_the_band_that_lie_in_one) {
 
 TEST(simplified_pieces, within_an_error_come_to_memory_too) {
   const TestPath path("collected.lode");
-  const std::string lode = stored(path, noisy_waves(grid_of({{560, 40, 32}})));
+  const std::string lode = stored(path, noisy_waves(long_grid()));
   const auto dataset = Dataset::open(lode, {2});
   ASSERT_TRUE(dataset);
   ExtractOptions options = within_error(10);
@@ -183,7 +191,8 @@ TEST(simplified_pieces, within_an_error_come_to_memory_too) {
 
 TEST(simplified_pieces, are_the_same_for_any_number_of_threads) {
   const TestPath path("threads.lode");
-  const std::string lode = stored(path, noisy_waves(grid_of({{800, 24, 20}})));
+  const std::string lode = stored(
+      path, noisy_waves(grid_of(oracles::trials<Index3>({{800, 24, 20}}, {{1100, 16, 12}}))));
   Simplified one;
   Simplified three;
   for (const ExtractOptions& options : {within_distance(), within_error(7)}) {

@@ -128,6 +128,15 @@ LatticeCorners places_of(const History& history, const std::array<std::uint32_t,
   return {history.vertices[corner[0]], history.vertices[corner[1]], history.vertices[corner[2]]};
 }
 
+bool have_boxes_in_common(const LatticeCorners& a, const LatticeCorners& b) {
+  const auto x = [](const LatticePoint& p, const LatticePoint& q) { return p.x < q.x; };
+  const auto y = [](const LatticePoint& p, const LatticePoint& q) { return p.y < q.y; };
+  const auto [left, right] = std::ranges::minmax(a, x);
+  const auto [low, high] = std::ranges::minmax(a, y);
+  return std::ranges::min(b, x).x < right.x && left.x < std::ranges::max(b, x).x &&
+         std::ranges::min(b, y).y < high.y && low.y < std::ranges::max(b, y).y;
+}
+
 /// Triangles of lattices have at least this much in common, or nothing.
 constexpr double kSomeArea = 1e-7;
 
@@ -146,7 +155,9 @@ TEST(delaunay_pyramid, links_are_those_of_all_pairs) {
       for (std::uint32_t t = 0; t < upper.triangles.size(); ++t) {
         std::vector<std::uint32_t> expected;
         for (std::uint32_t s = 0; s < lower.triangles.size(); ++s)
-          if (common_area(places_of(history, upper.triangles[t]),
+          if (have_boxes_in_common(places_of(history, upper.triangles[t]),
+                                   places_of(history, lower.triangles[s])) &&
+              common_area(places_of(history, upper.triangles[t]),
                           places_of(history, lower.triangles[s])) > kSomeArea)
             expected.push_back(s);
         const auto links = upper.links.of(t);

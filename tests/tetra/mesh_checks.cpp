@@ -60,10 +60,28 @@ double expect_conforming(const TetraMesh& mesh, const Tetrahedra& tetrahedra) {
   return volume_of(mesh, tetrahedra);
 }
 
+namespace {
+
+enum class Candidates : std::uint8_t { all, boxed };
+
+bool is_in_box(const TetraMesh& mesh, const std::array<std::uint32_t, 4>& t, const Vec3d& p) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    bool is_above = true;
+    bool is_below = true;
+    for (const std::uint32_t v : t) {
+      is_above = is_above && mesh.positions[v][axis] < p[axis];
+      is_below = is_below && mesh.positions[v][axis] > p[axis];
+    }
+    if (is_above || is_below) return false;
+  }
+  return true;
+}
+
 Located locate(const TetraMesh& mesh, const Tetrahedra& tetrahedra, const Vec3d& p,
-               std::size_t field) {
+               std::size_t field, Candidates candidates) {
   Located best{-std::numeric_limits<double>::infinity(), 0};
   for (const auto& t : tetrahedra) {
+    if (candidates == Candidates::boxed && !is_in_box(mesh, t, p)) continue;
     const double whole = six_volumes(mesh, t);
     double least = std::numeric_limits<double>::infinity();
     double value = 0;
@@ -77,6 +95,14 @@ Located locate(const TetraMesh& mesh, const Tetrahedra& tetrahedra, const Vec3d&
     if (least > best.least_weight) best = {least, value};
   }
   return best;
+}
+
+}  // namespace
+
+Located locate(const TetraMesh& mesh, const Tetrahedra& tetrahedra, const Vec3d& p,
+               std::size_t field) {
+  const Located inside = locate(mesh, tetrahedra, p, field, Candidates::boxed);
+  return inside.least_weight >= 0 ? inside : locate(mesh, tetrahedra, p, field, Candidates::all);
 }
 
 Tetrahedra replay(const Tetrahedra& tetrahedra,

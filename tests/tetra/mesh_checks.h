@@ -18,8 +18,8 @@ double expect_conforming(const TetraMesh& mesh, const Tetrahedra& tetrahedra);
 /// The sum of volumes, negative ones too.
 double volume_of(const TetraMesh& mesh, const Tetrahedra& tetrahedra);
 
-/// F' at a point, by brute force: of all tetrahedra the one in which the smallest weight is
-/// largest.
+/// F' at a point, by brute force: of all tetrahedra, or of those round whose corners a box holds
+/// it, where one does, that in which the smallest weight is largest.
 struct Located {
   double least_weight;
   double value;

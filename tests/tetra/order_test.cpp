@@ -8,6 +8,7 @@
 #include "lode/models/tetra_mt/field_quadric.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
+#include "tests/oracles/trials.h"
 #include "tests/tetra/collapse_checks.h"
 #include "tests/tetra/mesh_checks.h"
 
@@ -25,7 +26,7 @@ constexpr std::array<CollapseOrder, 3> kOrders{CollapseOrder::squared_error,
 TEST(collapse_order, whatever_it_is_errors_are_true_and_the_mesh_conforms) {
   for (const CollapseOrder order : kOrders)
     for (const double share : {0.4, 0.0}) {
-      const TetraMesh mesh = noise_mesh(13, Cut::in_six, 3);
+      const TetraMesh mesh = noise_mesh(oracles::trials(13, 10), Cut::in_six, 3);
       const auto n = static_cast<double>(mesh.tetrahedra.size());
       const auto result =
           collapsed(mesh, static_cast<std::uint64_t>(share * n), {.order = order}, {2});
@@ -101,10 +102,11 @@ double mean_square(const std::vector<float>& errors) {
 }
 
 TEST(collapse_order, makes_least_what_it_is_by) {
-  const TetraMesh mesh = noise_mesh(15, Cut::in_five, 2);
+  const int n = oracles::trials(15, 11);
+  const TetraMesh mesh = noise_mesh(n, Cut::in_five, 2);
   std::map<CollapseOrder, HalfEdgeCollapses> by;
   for (const CollapseOrder order : kOrders)
-    by[order] = collapsed(mesh, 3000, {.order = order}, {2});
+    by[order] = collapsed(mesh, mesh.tetrahedra.size() * 7 / 32, {.order = order}, {2});
   const auto& by_errors = by[CollapseOrder::squared_error];
   const auto& by_space = by[CollapseOrder::space_error];
   const auto& by_quadrics = by[CollapseOrder::quadric];
