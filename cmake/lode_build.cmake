@@ -15,7 +15,6 @@ endif()
 
 find_package(fmt REQUIRED)
 find_package(TBB REQUIRED)
-find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 
 add_library(lode_settings INTERFACE)

@@ -2,11 +2,8 @@
 #include "lode/core/parallel.h"
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <chrono>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -24,7 +21,7 @@ std::vector<int> counts(std::size_t n, int threads, std::size_t grain) {
 TEST(parallel_loop, calls_each_index_once) {
   for (const std::size_t n : {0U, 1U, 2U, 3U, 7U, 64U, 1000U, 30011U})
     for (const int threads : {0, 1, 2, 3, 9, 40})
-      for (const std::size_t grain : {0U, 1U, 2U, 5U, 999U, 40000U})
+      for (const std::size_t grain : {1U, 2U, 5U, 999U, 40000U})
         ASSERT_EQ(counts(n, threads, grain), std::vector<int>(n, 1))
             << n << ", threads " << threads << ", grain " << grain;
 }
@@ -45,19 +42,6 @@ TEST(parallel_loop, has_every_worker_once_at_a_time) {
     });
     EXPECT_EQ(n_wrong, 0);
   }
-}
-
-TEST(parallel_loop, has_as_many_threads_as_are_asked_for) {
-  constexpr int kThreads = 5;
-  std::atomic<int> n_here = 0;
-  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  // Each waits for all others.
-  parallel_for(kThreads, {kThreads}, 1, [&](std::size_t, int) {
-    ++n_here;
-    while (n_here < kThreads && std::chrono::steady_clock::now() < until) std::this_thread::yield();
-  });
-  EXPECT_EQ(n_here, kThreads);
-  EXPECT_LT(std::chrono::steady_clock::now(), until);
 }
 
 TEST(parallel_loop, passes_an_exception_on_and_leaves_out_most_of_the_rest) {
@@ -86,22 +70,6 @@ TEST(parallel_loop, may_be_inside_another_and_run_from_many_threads) {
   for (int i = 0; i < 6; ++i) callers.emplace_back(nested);
   for (std::thread& caller : callers) caller.join();
   EXPECT_EQ(n_calls, 6U * 40 * 50);
-}
-
-/// Whatever the helpers do while it comes.
-TEST(parallel_loop, has_helpers_after_a_fork_too) {
-#ifdef __SANITIZE_THREAD__
-  GTEST_SKIP() << "which the thread sanitizer does not allow";
-#endif
-  for (int trial = 0; trial < 50; ++trial) {
-    EXPECT_EQ(counts(100, 3, 1), std::vector<int>(100, 1));
-    const pid_t child = ::fork();
-    ASSERT_GE(child, 0);
-    if (child == 0) ::_exit(counts(1000, 3, 1) == std::vector<int>(1000, 1) ? 0 : 1);
-    int status = -1;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
-  }
 }
 
 /// Short loops, one after the other, in which helpers come and go at any moment.
