@@ -5,8 +5,10 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <span>
 
 #include "lode/models/terrain/insertions/file_layout.h"
+#include "lode/models/terrain/insertions/overlap.h"
 #include "lode/models/terrain/insertions/persist.h"
 #include "lode/store/reader.h"
 #include "lode/store/writer.h"
@@ -169,6 +171,63 @@ TEST(insertions_lies, are_named) {
   expect(number(Column::age), 0, std::uint32_t{1000000}, "node 0");
   expect(number(Column::error), 0, std::uint16_t{0x7F80}, "errors");
   expect(number(Column::error), 0, std::uint16_t{0x8001}, "errors");
+}
+
+/// Triangles of a base, with vertices in the order in which they come to them.
+LevelledHistory history_of_base(Model model, const HeightGrid& grid,
+                                std::span<const LatticeCorners> base) {
+  LevelledHistory made{test::history_of(grid, 1000, model), {}};
+  History& history = made.history;
+  history.level_ends.clear();
+  history.vertices.clear();
+  history.triangles.clear();
+  for (const LatticeCorners& places : base) {
+    Triangle triangle{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto at = std::ranges::find(history.vertices, places[i]) - history.vertices.begin();
+      triangle.corner[i] = static_cast<std::uint32_t>(at);
+      if (triangle.corner[i] == history.vertices.size()) history.vertices.push_back(places[i]);
+    }
+    history.triangles.push_back(triangle);
+  }
+  history.n_base_vertices = static_cast<std::uint32_t>(history.vertices.size());
+  history.heights.assign(history.vertices.size(), 0.0);
+  history.first_made = {static_cast<std::uint32_t>(base.size())};
+  history.removed.clear();
+  history.first_removed = {0};
+  return made;
+}
+
+TEST(insertions_lies, of_the_base_are_named) {
+  using Base = std::vector<LatticeCorners>;
+  const ScratchFile file("base.lode");
+  const HeightGrid grid = delaunay::test::make_grid<float>(5, 5, [](int, int) { return 0; });
+  const auto expect = [&](const Base& base, bool is_one) {
+    for (const Model model : kModels) {
+      Progress progress;
+      ASSERT_TRUE(save(history_of_base(model, grid, base), file.path(), progress));
+      if (!is_one) {
+        expect_refused(file.path(), "covers cells once");
+        continue;
+      }
+      const auto opened = open(file.path(), progress);
+      EXPECT_TRUE(opened) << opened.error().message;
+    }
+  };
+  const LatticeCorners lower{{{0, 0}, {2, 0}, {2, 2}}};
+  const LatticeCorners upper{{{0, 0}, {2, 2}, {0, 2}}};
+  const LatticeCorners right{{{2, 0}, {4, 0}, {4, 2}}};
+  const LatticeCorners above_right{{{2, 0}, {4, 2}, {2, 2}}};
+  expect({lower, upper}, true);
+  expect({lower, upper, right, above_right}, true);
+  // Squares that touch at a corner.
+  expect({lower, upper, {{{2, 2}, {4, 2}, {4, 4}}}, {{{2, 2}, {4, 4}, {2, 4}}}}, true);
+  // An oblique outline; twice the same; the same from corners of its own; a vertex that hangs.
+  expect({lower}, false);
+  expect({lower, upper, lower}, false);
+  expect({lower, upper, lower, upper}, false);
+  expect({lower, upper, {{{1, 1}, {3, 1}, {3, 3}}}, {{{1, 1}, {3, 3}, {1, 3}}}}, false);
+  expect({lower, upper, {{{2, 0}, {4, 0}, {4, 1}}}, {{{2, 0}, {4, 1}, {2, 1}}}}, false);
 }
 
 TEST(insertions_lies, never_make_meshes_that_are_none) {

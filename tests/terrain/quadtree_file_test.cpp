@@ -187,6 +187,29 @@ TEST_F(quadtree_file, lies_are_named_or_found_by_verification) {
   }
 }
 
+TEST_F(quadtree_file, ends_with_cells_whatever_errors_they_state) {
+  const HeightGrid grid = grid_with_a_hole<float>();
+  for (const TerrainModel model :
+       {TerrainModel::surface_quadtree, TerrainModel::quaternary_triangulation}) {
+    const BuiltTerrain made = saved(model, grid);
+    rewrite([&](std::uint32_t kind, std::vector<std::byte>& bytes) {
+      if (kind != static_cast<std::uint32_t>(Column::error)) return;
+      for (std::size_t at = 0; at + 4 <= bytes.size(); at += 4) {
+        float error = 0;
+        std::memcpy(&error, bytes.data() + at, 4);
+        if (!std::isinf(error)) error = 1e9F;
+        std::memcpy(bytes.data() + at, &error, 4);
+      }
+    });
+    const auto opened = BuiltTerrain::open(other_, progress_);
+    ASSERT_TRUE(opened) << opened.error().message;
+    const auto cells = extract_terrain(made.terrain(), {.max_error = 0}, progress_);
+    const auto all = extract_terrain(opened->terrain(), {.max_error = 0}, progress_);
+    ASSERT_TRUE(cells && all);
+    EXPECT_EQ(all->surface.triangles, cells->surface.triangles);
+  }
+}
+
 TEST_F(quadtree_file, never_crashes_on_random_bytes) {
   oracles::Random random(3);
   for (const TerrainModel model : kModels) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "lode/models/terrain/insertions/base_check.h"
 #include "lode/models/terrain/insertions/file_layout.h"
 #include "lode/models/terrain/insertions/persist.h"
 #include "lode/models/terrain/insertions/recorder.h"
@@ -155,8 +156,9 @@ class Replay {
              read_column<std::uint32_t>(reader_, key_of(Column::corners),
                                         3 * std::uint64_t{counts_.n_base_triangles}));
     std::vector<std::array<std::uint32_t, 3>> base(counts_.n_base_triangles);
+    std::vector<LatticeCorners> places(base.size());
     for (std::size_t t = 0; t < base.size(); ++t) {
-      std::array<LatticePoint, 3> p;
+      LatticeCorners& p = places[t];
       for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t vertex = corners[3 * t + i];
         if (vertex >= counts_.n_base_vertices)
@@ -171,6 +173,10 @@ class Replay {
             "not",
             reader_.path(), t);
     }
+    if (!cover_cells_once(places))
+      return fail(
+          "{}: expected a base that covers cells once, edge to edge, got triangles that do not",
+          reader_.path());
     return base;
   }
 

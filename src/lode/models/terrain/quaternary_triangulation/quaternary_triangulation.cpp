@@ -40,6 +40,7 @@ HalfSquare HalfSquare::child(int i) const {
 
 double linear_error(const SquareDomain& domain, const HalfSquare& triangle) {
   const Square& square = triangle.square;
+  if (square.level == 0) return 0;  // Corners are all that it has.
   const std::int32_t side = square.side();
   const double step = 1.0 / side;
   const auto corner = [&](std::int32_t u, std::int32_t v) {
@@ -135,11 +136,12 @@ std::vector<HalfSquare> QuaternaryTriangulation::leaves(
     const HalfSquare triangle = open.back();
     open.pop_back();
     if (!domain_.has(triangle.square)) continue;
-    if (error(triangle) != kOutside && !split(triangle)) {
+    const bool is_last = triangle.square.level == 0;
+    if (error(triangle) != kOutside && (is_last || !split(triangle))) {
       leaves.push_back(triangle);
       continue;
     }
-    if (triangle.square.level == 0) continue;
+    if (is_last) continue;
     for (int i = 3; i >= 0; --i) open.push_back(triangle.child(i));
   }
   return leaves;

@@ -15,7 +15,8 @@ namespace {
 
 using squares::Share;
 
-/// split(square) says whether it is to be; the leaves in the domain that come of it.
+/// split(square) says whether it is to be, but of a cell, which has no parts; the leaves in the
+/// domain that come of it.
 template <typename Split>
 std::vector<Square> leaves_by(const SquareDomain& domain, const Split& split) {
   std::vector<Square> leaves;
@@ -25,7 +26,7 @@ std::vector<Square> leaves_by(const SquareDomain& domain, const Split& split) {
     open.pop_back();
     const Share share = domain.share(square);
     if (share == Share::none) continue;
-    if (share == Share::all && !split(square)) {
+    if (share == Share::all && (square.level == 0 || !split(square))) {
       leaves.push_back(square);
       continue;
     }
@@ -37,6 +38,7 @@ std::vector<Square> leaves_by(const SquareDomain& domain, const Split& split) {
 }  // namespace
 
 double bilinear_error(const SquareDomain& domain, const Square& square) {
+  if (square.level == 0) return 0;  // Corners are all that it has.
   const std::int32_t side = square.side();
   const double step = 1.0 / side;
   const auto corner = [&](std::int32_t u, std::int32_t v) {
