@@ -12,7 +12,6 @@
 #include "lode/refine/focus.h"
 #include "tests/models/session_answers.h"
 #include "tests/models/stored_fixtures.h"
-#include "tests/oracles/trials.h"
 
 namespace lode::diamond {
 namespace {
@@ -179,7 +178,7 @@ TEST(page_limit, holds_pages_cut_and_what_is_made_of_it) {
 }
 
 TEST(page_limit, is_kept_between_holes) {
-  Volume volume = bumpy(oracles::trials<Index3>({{193, 193, 129}}, {{129, 129, 66}}));
+  Volume volume = bumpy({{193, 193, 129}});
   volume.info.nodata = 128;  // next to the surface
   const Paged paged(volume);
   const std::uint64_t all = paged.model->n_bytes_of_all();
