@@ -39,6 +39,16 @@ inline HeightGrid grid_with_gaps() {
   return grid;
 }
 
+/// Squares of 4 x 4 cells as on a chessboard, which meet at corners alone.
+inline HeightGrid grid_of_parts() {
+  HeightGrid grid = delaunay::test::make_grid<float>(17, 21, terrain);
+  for (std::int32_t y = 0; y < 21; ++y)
+    for (std::int32_t x = 0; x < 17; ++x)
+      if ((x / 4 + y / 4) % 2 == 1 && x % 4 != 0 && y % 4 != 0)
+        delaunay::test::set_missing(grid, x, y);
+  return grid;
+}
+
 struct Case {
   const char* name;
   HeightGrid grid;
@@ -48,6 +58,7 @@ inline std::vector<Case> cases() {
   std::vector<Case> all;
   all.push_back({"whole", delaunay::test::make_grid<std::int16_t>(40, 33, terrain)});
   all.push_back({"gaps", grid_with_gaps()});
+  all.push_back({"parts", grid_of_parts()});
   all.push_back({"flat", delaunay::test::make_grid<float>(17, 9, [](int, int) { return 3.5; })});
   all.push_back({"one cell", delaunay::test::make_grid<double>(2, 2, terrain)});
   all.push_back({"strip", delaunay::test::make_grid<std::uint16_t>(2, 60, terrain)});
