@@ -103,6 +103,7 @@ void warn_of(const TerrainSight& sight, const HorizontalMetric& metric, Session&
 Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
   LODE_TRY(const TerrainSightOptions options, to_sight_options(arguments));
   LODE_TRY(const TerrainInput input, read_terrain(arguments.terrain, session));
+  LODE_CHECK(check_upwards(input.opened.facts.frame, arguments.terrain.input));
   LODE_TRY(const TerrainSight sight,
            naming(arguments.terrain.input,
                   find_terrain_sight(input.opened.terrain, input.options, input.metric, options,

@@ -134,6 +134,7 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
   const Stopwatch watch;
   LODE_TRY(const OpenedTerrain opened,
            open_terrain(job.input, job.picture.terrain, job.reading, building, session));
+  LODE_CHECK(check_upwards(opened.facts.frame, job.input));
   LODE_TRY(const HorizontalMetric metric,
            naming(job.input, read_metric(opened.facts.frame.crs), session));
   const double read_seconds = watch.seconds();

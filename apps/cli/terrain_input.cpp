@@ -258,6 +258,14 @@ void warn_of_vertical(const VerticalOutcome& outcome, const std::string& path, S
   for (const std::string& note : outcome.notes) session.warn(fmt::format("{}: {}", path, note));
 }
 
+Result<void> check_upwards(const HeightFrame& frame, const std::string& path) {
+  if (!has_depths(frame.crs)) return {};
+  return fail(
+      "{}: expected heights, which grow upwards, got {}, which grows downwards: --to-vertical-crs "
+      "transforms it when a raster or points are read",
+      path, vertical_name(frame.crs));
+}
+
 void add_facts(const TerrainFacts& facts, Json& json, Table& table) {
   const HeightFrame& frame = facts.frame;
   json["columns"] = frame.n_columns;

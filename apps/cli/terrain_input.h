@@ -91,6 +91,9 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
 /// Says where heights were taken otherwise than their file says, and what was done to them.
 void warn_of_vertical(const VerticalOutcome& outcome, const std::string& path, Session& session);
 
+/// Refuses depths, where what is above what counts.
+[[nodiscard]] Result<void> check_upwards(const HeightFrame& frame, const std::string& path);
+
 /// The keys and rows of a terrain: size, CRS, unit, samples that are missing.
 void add_facts(const TerrainFacts& facts, Json& json, Table& table);
 

@@ -52,6 +52,22 @@ TEST_F(cli_vertical_crs, is_said_by_info_and_kept_by_rasters_contours_and_models
   EXPECT_EQ(run_lode(verify).exit_code, 1);
 }
 
+TEST_F(cli_vertical_crs, of_depths_is_refused_where_what_is_above_counts) {
+  const auto with = [&](Words words, Words more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  const Words sight{"sight", tile_, "--from", "10.1,45.1", "--to", "10.9,45.9"};
+  const Words render{"render", tile_, scratch_ / "dem.png"};
+  const Words depths{"--vertical-crs", "EPSG:5715"};
+  const Words heights{"--vertical-crs", "EPSG:5715", "--to-vertical-crs", "EPSG:5714"};
+  for (const Words& command : {sight, render}) {
+    expect_refusal(run_lode(with(command, depths)), 1, {"MSL depth", "--to-vertical-crs"});
+    EXPECT_EQ(run_lode(with(command, heights)).exit_code, 0);
+  }
+  EXPECT_EQ(run_lode(with({"info", tile_}, depths)).exit_code, 0);
+}
+
 TEST_F(cli_vertical_crs, warns_where_a_file_says_something_else) {
   ASSERT_EQ(run_lode({"extract", tile_, scratch_ / "dem.tif", "--max-error", "1", "--vertical-crs",
                       "EPSG:5773"})

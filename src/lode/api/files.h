@@ -48,6 +48,7 @@ using io::check_vector_path;
 using io::ComponentChoice;
 using io::describe_volume;
 using io::FileDescription;
+using io::has_depths;
 using io::HeightEncoding;
 using io::HeightRaster;
 using io::HeightReadOptions;

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "lode/core/vertical_unit.h"
@@ -32,8 +34,8 @@ bool is_vertical(const Proj& proj, const PJ* crs) {
   return itself && proj.library().type(itself.get()) == PJ_TYPE_VERTICAL_CRS;
 }
 
-/// The unit of an axis, or nothing where there are not so many.
-bool read_axis_unit(const Proj& proj, const PJ* crs, int axis, VerticalCrs& vertical) {
+/// The unit of an axis and whether it points down, or nothing where there are not so many.
+bool read_axis(const Proj& proj, const PJ* crs, int axis, VerticalCrs& vertical) {
   const ProjLibrary& library = proj.library();
   const Proj::Object itself = unbound(proj, crs);
   if (!itself) return false;
@@ -41,18 +43,20 @@ bool read_axis_unit(const Proj& proj, const PJ* crs, int axis, VerticalCrs& vert
   if (!system || library.n_axes(proj.context(), system.get()) <= axis) return false;
   double metres = 0;
   const char* unit = nullptr;
-  if (library.axis_info(proj.context(), system.get(), axis, nullptr, nullptr, nullptr, &metres,
+  const char* direction = nullptr;
+  if (library.axis_info(proj.context(), system.get(), axis, nullptr, nullptr, &direction, &metres,
                         &unit, nullptr, nullptr) == 0)
     return false;
   vertical.unit = unit == nullptr ? "" : without_controls(unit);
   vertical.metres = metres;
+  vertical.is_depth = direction != nullptr && std::string_view(direction) == "down";
   return true;
 }
 
 Result<VerticalCrs> to_vertical(const Proj& proj, Proj::Object crs) {
   VerticalCrs vertical;
   vertical.name = name_of(proj, crs.get());
-  if (!read_axis_unit(proj, crs.get(), 0, vertical))
+  if (!read_axis(proj, crs.get(), 0, vertical))
     return fail("expected the vertical CRS {} to have a unit, got none", vertical.name);
   vertical.crs = std::move(crs);
   return vertical;
@@ -83,6 +87,21 @@ void take_unit(const VerticalCrs& vertical, std::string& unit, std::vector<std::
   if (is_other || !metres_of_unit(unit)) unit = vertical.unit;
 }
 
+/// What a CRS says of heights, without PROJ's object, which goes with its context.
+struct VerticalFacts {
+  std::string name;
+  bool is_depth = false;
+};
+
+std::optional<VerticalFacts> vertical_of(const std::string& crs) {
+  if (!says_heights(crs)) return {};
+  const auto proj = Proj::make();
+  if (!proj) return {};
+  const auto split = split_crs(*proj, crs);
+  if (!split || !split->vertical) return {};
+  return VerticalFacts{split->vertical->name, split->vertical->is_depth};
+}
+
 }  // namespace
 
 Result<SplitCrs> split_crs(const Proj& proj, const std::string& wkt) {
@@ -106,7 +125,7 @@ Result<SplitCrs> split_crs(const Proj& proj, const std::string& wkt) {
     return split;
   }
   VerticalCrs above_ellipsoid{.name = kEllipsoid};
-  if (!read_axis_unit(proj, crs.get(), 2, above_ellipsoid)) {
+  if (!read_axis(proj, crs.get(), 2, above_ellipsoid)) {
     split.horizontal = std::move(crs);
     return split;
   }
@@ -209,11 +228,13 @@ std::string to_geotiff_crs(const std::string& crs) {
 }
 
 std::string vertical_name(const std::string& crs) {
-  if (!says_heights(crs)) return {};
-  const auto proj = Proj::make();
-  if (!proj) return {};
-  const auto split = split_crs(*proj, crs);
-  return split && split->vertical ? split->vertical->name : std::string();
+  const auto vertical = vertical_of(crs);
+  return vertical ? vertical->name : std::string();
+}
+
+bool has_depths(const std::string& crs) {
+  const auto vertical = vertical_of(crs);
+  return vertical && vertical->is_depth;
 }
 
 }  // namespace lode::io

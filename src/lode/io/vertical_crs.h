@@ -15,7 +15,8 @@ struct VerticalCrs {
   Proj::Object crs{};  ///< Null: the ellipsoid of the horizontal CRS.
   std::string name;
   std::string unit = "metre";
-  double metres = 1;  ///< Of the unit.
+  double metres = 1;      ///< Of the unit.
+  bool is_depth = false;  ///< It grows downwards.
 };
 
 /// A CRS in its two parts.

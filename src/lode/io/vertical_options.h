@@ -27,6 +27,9 @@ struct VerticalOutcome {
 /// empty, does not say.
 [[nodiscard]] std::string vertical_name(const std::string& crs);
 
+/// Whether a CRS, as WKT or empty, says that heights are depths, which grow downwards.
+[[nodiscard]] bool has_depths(const std::string& crs);
+
 /// A CRS as WKT, or empty, in a form that a GeoTIFF can have: of a projected one with heights above
 /// its ellipsoid, for which there is none, a compound one whose vertical part is called
 /// "ellipsoidal height", of an unknown datum; vertical_name() and transformations know it again.
