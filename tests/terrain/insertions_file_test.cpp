@@ -173,6 +173,18 @@ TEST(insertions_lies, are_named) {
   expect(number(Column::error), 0, std::uint16_t{0x8001}, "errors");
 }
 
+TEST(insertions_lies, of_heights_that_no_model_takes_are_named) {
+  const ScratchFile file("heights.lode");
+  Progress progress;
+  for (const Model model : kModels) {
+    LevelledHistory made = make_model<double>(model);
+    made.history.range.upper = 1e300;
+    made.history.heights.back() = 1e300;
+    ASSERT_TRUE(save(made, file.path(), progress));
+    expect_refused(file.path(), "1e+30");
+  }
+}
+
 /// Triangles of a base, with vertices in the order in which they come to them.
 LevelledHistory history_of_base(Model model, const HeightGrid& grid,
                                 std::span<const LatticeCorners> base) {

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "lode/core/expects.h"
+#include "lode/delaunay/grid_domain.h"
 #include "lode/delaunay/lattice.h"
 
 namespace lode::terrain_file {
@@ -58,6 +59,9 @@ Result<void> read(store::ByteReader& in, const std::string& path, Source& source
       !std::isfinite(source.range.upper - source.range.lower))
     return fail("{}: metadata: expected a finite range of heights, got {} to {}", path,
                 source.range.lower, source.range.upper);
+  // As when models are made: what is computed of these stays finite.
+  if (const auto checked = delaunay::check_heights(source.range); !checked)
+    return fail("{}: metadata: {}", path, checked.error().message);
   LODE_TRY(source.n_samples, in.read<std::uint64_t>());
   LODE_TRY(source.n_missing, in.read<std::uint64_t>());
   LODE_TRY(source.n_left_out, in.read<std::uint64_t>());
