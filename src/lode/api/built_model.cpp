@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <cmath>
 
 #include "lode/delaunay/grid_domain.h"
+#include "lode/mappers/tin_quality.h"
 
 namespace lode {
 
@@ -29,6 +32,25 @@ Result<void> check_source(const terrain_file::Source& source, const HeightGrid& 
     if (!holds[i]) wrong += fmt::format("{}{}", wrong.empty() ? "" : ", ", kNames[i]);
   report.add("the file says of the raster what it is", holds.size(), wrong.empty() ? 0 : 1,
              wrong.empty() ? "" : "not so: " + wrong);
+  return {};
+}
+
+Result<void> check_stated_errors(const delaunay::Tin& tin, std::int32_t scale,
+                                 const HeightGrid& grid, const char* name, Threads threads,
+                                 Progress& progress, VerifyReport& report) {
+  // Of z' on a plane, in doubles.
+  const HeightRange range = height_range(grid);
+  const double slack = 0x1p-48 * std::max(std::abs(range.lower), std::abs(range.upper));
+  std::atomic<std::uint64_t> n_beyond = 0;
+  constexpr std::size_t kAtOnce = 256;
+  parallel_for(tin.triangles.size(), threads, kAtOnce, [&](std::size_t t, int) {
+    if (progress.is_cancelled()) return;
+    const auto stated = static_cast<double>(tin.errors[t]);
+    if (worst_error_in(tin, t, scale, grid) > stated + slack) ++n_beyond;
+  });
+  if (progress.is_cancelled()) return cancelled_error();
+  report.add(name, tin.triangles.size(), n_beyond,
+             n_beyond > 0 ? fmt::format("{} have samples that err by more", n_beyond.load()) : "");
   return {};
 }
 

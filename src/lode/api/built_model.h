@@ -32,6 +32,13 @@ class BuiltModel : public TerrainOrigin {
 [[nodiscard]] Result<void> check_source(const terrain_file::Source& source, const HeightGrid& grid,
                                         VerifyReport& report);
 
+/// Reports whether the errors that triangles of a TIN state are no less than those of all samples
+/// in them. `scale`: its nodes are so many to a cell. Fails when cancelled.
+[[nodiscard]] Result<void> check_stated_errors(const delaunay::Tin& tin, std::int32_t scale,
+                                               const HeightGrid& grid, const char* name,
+                                               Threads threads, Progress& progress,
+                                               VerifyReport& report);
+
 /// What is to be remembered of a raster. Fails as find_domain() and check_heights() do.
 [[nodiscard]] Result<terrain_file::Source> source_of(const HeightGrid& grid,
                                                      const TerrainBuildOptions& options);

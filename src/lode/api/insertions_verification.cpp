@@ -1,13 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "lode/api/insertions_terrain.h"
-#include "lode/mappers/tin_quality.h"
 #include "lode/mappers/tin_surface.h"
 #include "lode/models/terrain/insertions/extract.h"
 
@@ -32,27 +29,11 @@ delaunay::Tin all_triangles(const History& history) {
   delaunay::Tin tin;
   tin.vertices = history.vertices;
   tin.heights = history.heights;
-  for (const auto& triangle : history.triangles) tin.triangles.push_back(triangle.corner);
+  for (const auto& triangle : history.triangles) {
+    tin.triangles.push_back(triangle.corner);
+    tin.errors.push_back(triangle.error);
+  }
   return tin;
-}
-
-Result<void> check_errors(const History& history, const HeightGrid& grid, Threads threads,
-                          Progress& progress, VerifyReport& report) {
-  const delaunay::Tin tin = all_triangles(history);
-  // Of z' on a plane, in doubles.
-  const HeightRange range = height_range(grid);
-  const double slack = 0x1p-48 * std::max(std::abs(range.lower), std::abs(range.upper));
-  std::atomic<std::uint64_t> n_beyond = 0;
-  constexpr std::size_t kAtOnce = 256;
-  parallel_for(tin.triangles.size(), threads, kAtOnce, [&](std::size_t t, int) {
-    if (progress.is_cancelled()) return;
-    const double stated = history.triangles[t].error;
-    if (worst_error_in(tin, t, 1, grid) > stated + slack) ++n_beyond;
-  });
-  if (progress.is_cancelled()) return cancelled_error();
-  report.add("triangles of all times state their errors", tin.triangles.size(), n_beyond,
-             n_beyond > 0 ? fmt::format("{} have samples that err by more", n_beyond.load()) : "");
-  return {};
 }
 
 /// Tolerances, and when they are kept.
@@ -91,7 +72,9 @@ Result<VerifyReport> InsertionsTerrain::verify(const HeightGrid& grid, Threads t
       report.add(fmt::format("within {}: {}", tolerance, check.name), check.count,
                  check.passed ? 0 : 1, check.detail);
   }
-  LODE_CHECK(check_errors(history, grid, threads, progress, report));
+  LODE_CHECK(check_stated_errors(all_triangles(history), 1, grid,
+                                 "triangles of all times state their errors", threads, progress,
+                                 report));
   return report;
 }
 

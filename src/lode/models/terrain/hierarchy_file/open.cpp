@@ -165,17 +165,11 @@ Result<void> read_refinements(const store::Reader& reader, std::uint32_t n, Hier
 
 }  // namespace
 
-bool is_model_of(const std::string& path) {
-  const auto reader = store::Reader::open(path);
-  return reader && std::ranges::find(kModelNames, reader->model()) != kModelNames.end();
-}
+bool is_model_of(const std::string& path) { return terrain_file::is_one_of(path, kModelNames); }
 
 Result<HierarchyModel> open(const std::string& path, Progress& progress) {
   LODE_TRY(const store::Reader reader, store::Reader::open(path));
-  const auto kind = std::ranges::find(kModelNames, reader.model()) - kModelNames.begin();
-  if (kind == static_cast<std::ptrdiff_t>(kModelNames.size()))
-    return fail("{}: expected the model {} or {}, got {}", path, kModelNames[0], kModelNames[1],
-                reader.model());
+  LODE_TRY(const std::size_t kind, terrain_file::find_model(reader, kModelNames));
   HierarchyModel model;
   model.kind = static_cast<Kind>(kind);
   LODE_TRY(const std::uint32_t n_refinements, read_head(reader, model));

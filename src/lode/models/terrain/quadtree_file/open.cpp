@@ -103,17 +103,11 @@ Result<QuaternaryTriangulation> read_quaternary(const store::Reader& reader, Squ
 
 }  // namespace
 
-bool is_model_of(const std::string& path) {
-  const auto reader = store::Reader::open(path);
-  return reader && std::ranges::find(kModelNames, reader->model()) != kModelNames.end();
-}
+bool is_model_of(const std::string& path) { return terrain_file::is_one_of(path, kModelNames); }
 
 Result<QuadtreeModel> open(const std::string& path, Progress& progress) {
   LODE_TRY(const store::Reader reader, store::Reader::open(path));
-  const auto kind = std::ranges::find(kModelNames, reader.model()) - kModelNames.begin();
-  if (kind == static_cast<std::ptrdiff_t>(kModelNames.size()))
-    return fail("{}: expected the model {}, {} or {}, got {}", path, kModelNames[0], kModelNames[1],
-                kModelNames[2], reader.model());
+  LODE_TRY(const std::size_t kind, terrain_file::find_model(reader, kModelNames));
   LODE_TRY(Head head, read_head(reader));
   LODE_TRY(HeightGrid grid, read_grid(reader, head));
   if (progress.is_cancelled()) return cancelled_error();

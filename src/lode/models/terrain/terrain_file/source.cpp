@@ -1,5 +1,8 @@
 #include "lode/models/terrain/terrain_file/source.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -32,6 +35,19 @@ Result<void> read_frame(store::ByteReader& in, const std::string& path, HeightFr
 }
 
 }  // namespace
+
+bool is_one_of(const std::string& path, std::span<const std::string_view> models) {
+  const auto reader = store::Reader::open(path);
+  return reader && std::ranges::find(models, reader->model()) != models.end();
+}
+
+Result<std::size_t> find_model(const store::Reader& reader,
+                               std::span<const std::string_view> models) {
+  const auto found = std::ranges::find(models, reader.model());
+  if (found != models.end()) return static_cast<std::size_t>(found - models.begin());
+  return fail("{}: expected one of the models {}, got {}", reader.path(), fmt::join(models, ", "),
+              reader.model());
+}
 
 void write(store::ByteWriter& out, const Source& source) {
   out.write(source.frame.n_columns);

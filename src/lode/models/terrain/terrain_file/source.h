@@ -1,12 +1,16 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lode/core/height_frame.h"
 #include "lode/core/result.h"
 #include "lode/store/bytes.h"
+#include "lode/store/reader.h"
 
 namespace lode::terrain_file {
 
@@ -20,6 +24,12 @@ struct Source {
   std::uint64_t n_missing = 0;
   std::uint64_t n_left_out = 0;
 };
+
+/// Whether a file is a .lode file of one of these models; also false where it cannot be read.
+[[nodiscard]] bool is_one_of(const std::string& path, std::span<const std::string_view> models);
+/// Which of these models a file is of; fails, naming the file, where it is of none.
+[[nodiscard]] Result<std::size_t> find_model(const store::Reader& reader,
+                                             std::span<const std::string_view> models);
 
 inline constexpr std::uint32_t kMaxLevels = 4096;
 
