@@ -31,6 +31,8 @@ void run_stl(Input input);
 void run_obj(Input input);
 void run_glb(Input input);
 void run_camera(Input input);
+void run_quantized_mesh(Input input);
+void run_tile_layer(Input input);
 
 struct Harness {
   const char* name;  ///< Of its corpus, tests/fuzz/corpus/NAME, and its program, fuzz_NAME.
@@ -58,6 +60,8 @@ inline constexpr Harness kHarnesses[] = {
     {"obj", run_obj},
     {"glb", run_glb},
     {"camera", run_camera},
+    {"quantized_mesh", run_quantized_mesh},
+    {"tile_layer", run_tile_layer},
 };
 
 }  // namespace lode::fuzz

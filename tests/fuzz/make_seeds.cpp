@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "lode/io/quantized_mesh.h"
 #include "lode/io/surface_file.h"
 #include "lode/models/diamond/stream_build.h"
 #include "lode/render/camera_file.h"
@@ -269,6 +270,22 @@ void keep_surfaces() {
     keep("camera", "path", load(dir.path("c.json")));
 }
 
+void keep_tiles() {
+  io::QuantizedMesh mesh{.west = 0, .south = 0, .east = 1, .north = 1};
+  mesh.highest = 32767;
+  mesh.nodes = {{0, 0}, {32767, 0}, {32767, 32767}, {0, 32767}, {9000, 12000}};
+  mesh.heights = {0, 1, 32767, 3, 700};
+  mesh.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  const std::vector<std::byte> bytes = io::encode(mesh);
+  keep("quantized_mesh", "tile",
+       std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  keep(
+      "tile_layer", "two_levels",
+      R"({"format":"quantized-mesh-1.0","scheme":"tms","projection":"EPSG:4326","available":)"
+      R"([[{"startX":0,"startY":0,"endX":1,"endY":0}],[{"startX":1,"startY":0,"endX":2,"endY":1}]],)"
+      R"("errors":[{"achieved_error":2.5},{"achieved_error":1}]})");
+}
+
 }  // namespace
 }  // namespace lode::fuzz
 
@@ -287,5 +304,6 @@ int main(int argc, char** argv) {
   lode::fuzz::keep_zarr();
   lode::fuzz::keep_ome_zarr();
   lode::fuzz::keep_surfaces();
+  lode::fuzz::keep_tiles();
   return 0;
 }
