@@ -7,7 +7,7 @@
 #include "lode/api/tile_raster.h"
 #include "lode/core/expects.h"
 #include "lode/core/out_of_memory.h"
-#include "lode/core/staged_folder.h"
+#include "lode/core/staged_file.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/terrain/tile_pyramid/build.h"
 #include "lode/models/terrain/tile_pyramid/extended_raster.h"
@@ -50,7 +50,6 @@ Result<TerrainTileReport> write_terrain_tiles(const std::string& path,
                              .height_step = level.form.height_step,
                              .n_beyond = level.n_beyond});
   report.frame = raster.rows->frame();
-  report.format = raster.format;
   report.type = raster.type;
   report.n_missing = raster.rows->n_missing();
   report.vertical = raster.vertical;

@@ -37,8 +37,7 @@ struct TerrainTileReport {
   };
   std::vector<Level> levels;
   HeightFrame frame;
-  std::string format;  ///< Of the raster, and so the next three.
-  std::string type;
+  std::string type;  ///< Of the raster, and so the next two.
   std::uint64_t n_missing = 0;
   io::VerticalOutcome vertical{};
   std::vector<std::string> notes;  ///< Of what was taken for granted.

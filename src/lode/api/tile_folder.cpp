@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "lode/io/input_file.h"
 #include "lode/io/quantized_mesh.h"
 
 namespace lode {
@@ -43,7 +44,7 @@ Result<void> write_file(const std::filesystem::path& path, const void* bytes, st
   std::ofstream file(path, std::ios::binary);
   file.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(n));
   file.close();
-  if (!file) return fail("{}: cannot write {} bytes", path.string(), n);
+  if (!file) return fail("{}: cannot write {} bytes: {}", path.string(), n, io::system_message());
   return {};
 }
 

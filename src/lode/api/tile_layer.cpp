@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
+#include <vector>
+
+#include "lode/io/input_file.h"
 
 namespace lode {
 namespace {
@@ -16,11 +16,10 @@ namespace {
 using nlohmann::json;
 using tile_pyramid::TileRange;
 
-Result<std::string> read_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail("{}: cannot open the file", path.string());
-  std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (file.bad()) return fail("{}: cannot read the file", path.string());
+Result<std::vector<std::byte>> read_bytes(const std::filesystem::path& path) {
+  LODE_TRY(const io::InputFilePtr file, io::InputFile::open(path.string()));
+  std::vector<std::byte> bytes(file->size());
+  LODE_CHECK(file->read(0, bytes));
   return bytes;
 }
 
@@ -76,17 +75,11 @@ Result<void> read_errors(const std::string& path, const json& layer, TileLayer& 
 
 }  // namespace
 
-bool TileLayer::Level::holds(std::int64_t x, std::int64_t y) const {
-  for (const TileRange& range : ranges)
-    if (x >= range.first_x && x <= range.last_x && y >= range.first_y && y <= range.last_y)
-      return true;
-  return false;
-}
-
 Result<TileLayer> read_layer(const std::string& folder) {
   const std::string path = (std::filesystem::path(folder) / "layer.json").string();
-  LODE_TRY(const std::string text, read_bytes(path));
-  const json layer = json::parse(text, nullptr, false);
+  LODE_TRY(const auto text, read_bytes(path));
+  const auto* first = reinterpret_cast<const char*>(text.data());
+  const json layer = json::parse(first, first + text.size(), nullptr, false);
   if (!layer.is_object()) return fail("{}: expected an object of JSON", path);
   LODE_CHECK(check_text(path, layer, "format", "quantized-mesh-1.0"));
   LODE_CHECK(check_text(path, layer, "scheme", "tms"));
@@ -113,10 +106,10 @@ Result<TileLayer> read_layer(const std::string& folder) {
 Result<io::QuantizedMesh> read_tile(const std::string& folder, const tile_pyramid::TileId& tile) {
   const std::filesystem::path path = std::filesystem::path(folder) / fmt::to_string(tile.level) /
                                      fmt::to_string(tile.x) / fmt::format("{}.terrain", tile.y);
-  LODE_TRY(const std::string bytes, read_bytes(path));
+  LODE_TRY(const auto bytes, read_bytes(path));
   const double size = tile_pyramid::tile_size(tile.level);
-  return io::decode_quantized_mesh(std::as_bytes(std::span(bytes)), west_of(tile), south_of(tile),
-                                   west_of(tile) + size, south_of(tile) + size, path.string());
+  return io::decode_quantized_mesh(bytes, west_of(tile), south_of(tile), west_of(tile) + size,
+                                   south_of(tile) + size, path.string());
 }
 
 }  // namespace lode

@@ -16,8 +16,6 @@ struct TileLayer {
   struct Level {
     std::vector<tile_pyramid::TileRange> ranges;  ///< Columns are called what they are.
     std::optional<double> error{};  ///< That no sample is beyond; not all files state it.
-
-    [[nodiscard]] bool holds(std::int64_t x, std::int64_t y) const;
   };
   std::vector<Level> levels;
 };

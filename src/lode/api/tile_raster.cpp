@@ -89,7 +89,6 @@ Result<TileRaster> describe(const std::string& path, const io::HeightRaster& ras
     out.notes.emplace_back(
         "heights are taken as above the ellipsoid, as tiles want them: the file does not say; "
         "--vertical-crs declares what they are above");
-  out.format = raster.format;
   out.type = raster.type;
   out.vertical = raster.vertical;
   return out;

@@ -35,8 +35,7 @@ class TileRows : public tile_pyramid::HeightRows {
 /// A raster that tiles may be made of, or held against.
 struct TileRaster {
   std::unique_ptr<TileRows> rows;
-  std::string format;  ///< See HeightRaster, and so the next two.
-  std::string type;
+  std::string type;  ///< See HeightRaster, and so the next.
   io::VerticalOutcome vertical;
   std::vector<std::string> notes;  ///< Of what was taken for granted.
 };

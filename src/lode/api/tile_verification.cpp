@@ -128,7 +128,6 @@ class TileVerifier {
 
   /// Without `rows` only what tiles say.
   Result<VerifyReport> run(tile_pyramid::HeightRows* rows, const ExtendedRaster* raster) {
-    std::vector<std::string> details;
     for (std::size_t level = 0; level < layer_.levels.size(); ++level) {
       LODE_CHECK(check_level(static_cast<int>(level), rows, raster));
       if (!unreadable_.empty()) break;

@@ -34,4 +34,31 @@ class StagedFile {
   std::string folder_;  ///< Empty: moved away.
 };
 
+/// A folder of many files that appears whole or not at all: filled under another name beside
+/// `path`, which is gone when this is. Only a process that is killed leaves it behind.
+class StagedFolder {
+ public:
+  /// Fails, naming `path`, where that is a file or a folder with something in it, or nothing can be
+  /// made beside it.
+  [[nodiscard]] static Result<StagedFolder> create(std::string path);
+
+  StagedFolder(StagedFolder&& other) noexcept
+      : path_(std::move(other.path_)), folder_(std::exchange(other.folder_, {})) {}
+  StagedFolder& operator=(StagedFolder&&) = delete;
+  ~StagedFolder();
+
+  /// Where to put files until commit().
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+  /// Renames it to `path` when all that is in it outlasts a loss of power. Fails when `progress` is
+  /// cancelled before.
+  [[nodiscard]] Result<void> commit(const Progress& progress);
+
+ private:
+  StagedFolder(std::string path, std::string folder)
+      : path_(std::move(path)), folder_(std::move(folder)) {}
+
+  std::string path_;
+  std::string folder_;  ///< Empty: moved away.
+};
+
 }  // namespace lode

@@ -16,6 +16,7 @@ set(IO_HEIGHT_SOURCES
   polygon_file.cpp
   proj_library.cpp
   quantized_mesh.cpp
+  quantized_mesh_input.cpp
   raster_file.cpp
   vector_file.cpp
   vertical_crs.cpp)

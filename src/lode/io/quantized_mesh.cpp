@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numbers>
-#include <type_traits>
 #include <utility>
 
 #include "lode/core/ellipsoid.h"
 #include "lode/core/vec.h"
+#include "lode/io/quantized_mesh_layout.h"
 
 namespace lode::io {
 namespace {
@@ -17,8 +16,6 @@ namespace {
 using Place = Vec<double, 3>;
 
 constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-constexpr std::size_t kMostSmall = 65536;  ///< Vertices that 16 bits can number.
-constexpr std::size_t kHeaderBytes = 88;
 
 double dot(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Place scaled(const Place& a, double by) { return {a[0] * by, a[1] * by, a[2] * by}; }
@@ -128,9 +125,6 @@ class ByteSink {
 std::uint16_t zigzag(std::int32_t difference) {
   return static_cast<std::uint16_t>((difference << 1) ^ (difference >> 31));
 }
-std::int32_t from_zigzag(std::uint16_t code) {
-  return static_cast<std::int32_t>(code >> 1) ^ -static_cast<std::int32_t>(code & 1);
-}
 
 /// Vertices in the order in which triangles use them.
 struct Numbering {
@@ -171,105 +165,18 @@ void add_triangles(const QuantizedMesh& mesh, const Numbering& order, ByteSink& 
     }
 }
 
-/// The sides in the file's order: west, south, east, north.
-constexpr std::size_t kSides = 4;
-
-bool is_on(LatticePoint node, std::size_t side) {
-  const std::int32_t across = side % 2 == 0 ? node.x : node.y;
-  return across == (side < 2 ? 0 : QuantizedMesh::kLast);
-}
-
 template <typename Index>
 void add_sides(const QuantizedMesh& mesh, const Numbering& order, ByteSink& out) {
-  for (std::size_t side = 0; side < kSides; ++side) {
+  for (std::size_t side = 0; side < kTileSides; ++side) {
     std::vector<std::uint32_t> found;
     for (const std::uint32_t v : order.vertices)
-      if (is_on(mesh.nodes[v], side)) found.push_back(v);
+      if (is_on_side(mesh.nodes[v], side)) found.push_back(v);
     std::ranges::sort(found, {}, [&](std::uint32_t v) {
       return side % 2 == 0 ? mesh.nodes[v].y : mesh.nodes[v].x;
     });
     out.add(static_cast<std::uint32_t>(found.size()));
     for (const std::uint32_t v : found) out.add(static_cast<Index>(order.number[v]));
   }
-}
-
-/// Little-endian values one after another; fails beyond the end.
-class ByteSource {
- public:
-  ByteSource(std::span<const std::byte> bytes, const std::string& path)
-      : bytes_(bytes), path_(path) {}
-
-  template <typename T>
-  Result<T> read() {
-    LODE_TRY(const auto values, read_all<T>(1));
-    return values[0];
-  }
-  template <typename T>
-  Result<std::vector<T>> read_all(std::uint64_t n) {
-    if (n > (bytes_.size() - at_) / sizeof(T))
-      return fail("{}: at byte {}: expected {} values of {} bytes, got {} bytes", path_, at_, n,
-                  sizeof(T), bytes_.size() - at_);
-    std::vector<T> values(n);
-    if (n > 0) std::memcpy(values.data(), &bytes_[at_], n * sizeof(T));
-    at_ += n * sizeof(T);
-    return values;
-  }
-  void align(std::size_t to) { at_ = std::min(bytes_.size(), (at_ + to - 1) / to * to); }
-  void skip(std::size_t n) { at_ = std::min(bytes_.size(), at_ + n); }
-  [[nodiscard]] std::size_t at() const { return at_; }
-
- private:
-  std::span<const std::byte> bytes_;
-  const std::string& path_;
-  std::size_t at_ = 0;
-};
-
-Result<std::vector<std::int32_t>> read_differences(ByteSource& in, std::size_t n, const char* what,
-                                                   const std::string& path) {
-  LODE_TRY(const auto codes, in.read_all<std::uint16_t>(n));
-  std::vector<std::int32_t> values(n);
-  std::int32_t value = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    value += from_zigzag(codes[i]);
-    if (value < 0 || value > QuantizedMesh::kLast)
-      return fail("{}: {} of vertex {}: expected a number from 0 to {}, got {}", path, what, i,
-                  QuantizedMesh::kLast, value);
-    values[i] = value;
-  }
-  return values;
-}
-
-template <typename Index>
-Result<void> read_triangles(ByteSource& in, QuantizedMesh& mesh, const std::string& path) {
-  in.align(sizeof(Index));
-  LODE_TRY(const auto n, in.read<std::uint32_t>());
-  LODE_TRY(const auto codes, in.read_all<Index>(3 * std::uint64_t{n}));
-  std::uint32_t next = 0;
-  mesh.triangles.resize(n);
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    if (codes[i] > next || next - codes[i] >= mesh.nodes.size())
-      return fail("{}: triangle {}: expected a vertex below {}, got {} below number {}", path,
-                  i / 3, mesh.nodes.size(), codes[i], next);
-    mesh.triangles[i / 3][i % 3] = next - codes[i];
-    if (codes[i] == 0) ++next;
-  }
-  return {};
-}
-
-template <typename Index>
-Result<void> check_sides(ByteSource& in, const QuantizedMesh& mesh, const std::string& path) {
-  for (std::size_t side = 0; side < kSides; ++side) {
-    LODE_TRY(const auto n, in.read<std::uint32_t>());
-    LODE_TRY(const auto found, in.read_all<Index>(n));
-    std::uint64_t n_on = 0;
-    for (const LatticePoint node : mesh.nodes) n_on += is_on(node, side) ? 1 : 0;
-    for (const Index v : found)
-      if (v >= mesh.nodes.size() || !is_on(mesh.nodes[v], side))
-        return fail("{}: side {}: expected vertices on it, got {}", path, side, v);
-    if (found.size() != n_on)
-      return fail("{}: side {}: expected {} vertices, got {}", path, side, n_on, found.size());
-  }
-  return {};
 }
 
 }  // namespace
@@ -293,7 +200,7 @@ std::vector<std::byte> encode(const QuantizedMesh& mesh) {
       order, [&](std::uint32_t v) { return mesh.nodes[v].y; }, out);
   add_differences(
       order, [&](std::uint32_t v) { return std::int32_t{mesh.heights[v]}; }, out);
-  if (order.vertices.size() <= kMostSmall) {
+  if (order.vertices.size() <= kMostSmallVertices) {
     out.align(sizeof(std::uint16_t));
     add_triangles<std::uint16_t>(mesh, order, out);
     add_sides<std::uint16_t>(mesh, order, out);
@@ -303,38 +210,6 @@ std::vector<std::byte> encode(const QuantizedMesh& mesh) {
     add_sides<std::uint32_t>(mesh, order, out);
   }
   return std::move(out).take();
-}
-
-Result<QuantizedMesh> decode_quantized_mesh(std::span<const std::byte> bytes, double west,
-                                            double south, double east, double north,
-                                            const std::string& path) {
-  if (bytes.size() < kHeaderBytes)
-    return fail("{}: expected a header of {} bytes, got a file of {}", path, kHeaderBytes,
-                bytes.size());
-  QuantizedMesh mesh{.west = west, .south = south, .east = east, .north = north};
-  ByteSource in(bytes, path);
-  in.skip(sizeof(Place));
-  LODE_TRY(mesh.lowest, in.read<float>());
-  LODE_TRY(mesh.highest, in.read<float>());
-  if (!std::isfinite(mesh.lowest) || !std::isfinite(mesh.highest) || mesh.lowest > mesh.highest)
-    return fail("{}: expected a range of heights, got {} to {}", path, mesh.lowest, mesh.highest);
-  in.skip(kHeaderBytes - in.at());
-  LODE_TRY(const auto n, in.read<std::uint32_t>());
-  LODE_TRY(const auto u, read_differences(in, n, "column", path));
-  LODE_TRY(const auto v, read_differences(in, n, "row", path));
-  LODE_TRY(const auto h, read_differences(in, n, "height", path));
-  for (std::size_t i = 0; i < n; ++i) {
-    mesh.nodes.push_back({u[i], v[i]});
-    mesh.heights.push_back(static_cast<std::uint16_t>(h[i]));
-  }
-  if (n <= kMostSmall) {
-    LODE_CHECK(read_triangles<std::uint16_t>(in, mesh, path));
-    LODE_CHECK(check_sides<std::uint16_t>(in, mesh, path));
-  } else {
-    LODE_CHECK(read_triangles<std::uint32_t>(in, mesh, path));
-    LODE_CHECK(check_sides<std::uint32_t>(in, mesh, path));
-  }
-  return mesh;
 }
 
 }  // namespace lode::io
