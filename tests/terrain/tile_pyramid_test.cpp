@@ -273,6 +273,11 @@ TEST(tile_pyramid, tells_tiles_whose_lattice_is_too_coarse) {
   expect_true_errors(pyramid, rows);
 }
 
+TEST(tile_pyramid, may_end_at_levels_coarser_than_its_samples) {
+  MadeRows rows(24, 700, {20, 0.05, 0, 40, 0, -0.05}, hills);
+  expect_pyramid(rows, {.max_error = 300, .max_level = 1});
+}
+
 TEST(tile_pyramid, holds_high_terrain_of_little_relief) {
   MadeRows rows(20, 20, {20, 0.01, 0, 40, 0, -0.01},
                 [](int x, int y) { return 1e6 + hills(x, y) / 1e4; });
@@ -323,6 +328,7 @@ TEST(tile_pyramid, refuses_rasters_that_are_not_on_the_globe) {
   EXPECT_NE(refusal({4, 4, {0, 1, 0.1, 0, 0, 1}, hills}), "");
   EXPECT_NE(refusal({4, 4, {0, 1, 0, 88, 0, 1}, hills}), "");
   EXPECT_NE(refusal({400, 4, {0, 1, 0, 8, 0, 1}, hills}), "");
+  EXPECT_NE(refusal({4, 4, {361, 1, 0, 8, 0, 1}, hills}), "");
   EXPECT_EQ(refusal({361, 4, {0, 1, 0, 8, 0, 1}, hills}), "");
 }
 

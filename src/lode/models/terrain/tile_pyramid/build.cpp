@@ -46,6 +46,8 @@ class PyramidBuild {
   }
 
  private:
+  static constexpr std::int64_t kMostRowsHeld = 2 * BorderLines::kStripRows;
+
   /// A row of tiles, after the two finer rows in it.
   Result<void> make_row(int level, std::int64_t y) {
     const bool is_finest = level + 1 == static_cast<int>(ranges_.size());
@@ -56,9 +58,14 @@ class PyramidBuild {
     }
     std::vector<TileJob> jobs = start_jobs(level, y);
     RowStrip strip(raster_);
-    if (is_finest) LODE_CHECK(strip.read(rows_, rows_of(jobs.front().id, 1)));
+    const IndexRange rows = rows_of(jobs.front().id, 1);
+    // Tiles of more samples than these start from their sides alone.
+    const bool has_samples = is_finest && rows.last - rows.first < kMostRowsHeld;
+    if (has_samples) LODE_CHECK(strip.read(rows_, rows));
     LODE_CHECK(for_jobs(jobs, [&](TileJob& job) {
-      return refine_by(job, is_finest ? samples_in(job.id, strip) : vertices_below(job.id));
+      return refine_by(job, has_samples ? samples_in(job.id, strip)
+                            : is_finest ? std::vector<TileVertex>{}
+                                        : vertices_below(job.id));
     }));
     LODE_CHECK(settle(jobs, strip));
     return finish_row(jobs);

@@ -57,7 +57,7 @@ using TileSink = std::function<Result<void>(const FinishedTile&)>;
 /// by their samples, coarser ones by the vertices of their four; then all samples are held against
 /// the triangles, as they will be decoded, and the worst ones inserted until none is beyond the
 /// level's tolerance. Reads the raster as often as there are levels, and a few times more. Memory:
-/// two rows of tiles of each level, 256 rows of samples, and what is on borders. Tiles are the same
+/// two rows of tiles of each level, 512 rows of samples, and what is on borders. Tiles are the same
 /// for any number of threads. Returns what became of each level; fails as reading and `sink` do,
 /// and when cancelled.
 [[nodiscard]] Result<std::vector<LevelReport>> build_tiles(HeightRows& rows,

@@ -50,8 +50,8 @@ Result<ExtendedRaster> ExtendedRaster::of(const HeightFrame& frame, double fill)
   const double slack = kTolerance * std::abs(g[5]);
   if (std::max(std::abs(g[3]), std::abs(last)) > 90 + slack)
     return fail("expected latitudes from -90 to 90 degrees, got samples from {} to {}", g[3], last);
-  if (!(std::abs(g[0]) <= 720))
-    return fail("expected longitudes from -720 to 720 degrees, got {}", g[0]);
+  if (!(std::abs(g[0]) <= 360))
+    return fail("expected a first longitude from -360 to 360 degrees, got {}", g[0]);
   return raster;
 }
 

@@ -152,11 +152,11 @@ Result<std::uint64_t> refine(TileMesh& mesh, std::span<const TileVertex> candida
                              double max_error, Progress& progress) {
   // While triangles are large, and err by far more than they may, few candidates tell where to
   // refine; then each is in a small one.
-  constexpr std::size_t kMany = 4096;
+  constexpr std::size_t kFew = 128;
   constexpr double kFar = 4;
   std::uint64_t n_inserted = 0;
   for (const std::uint32_t one_in : {256U, 32U, 4U}) {
-    if (candidates.size() / one_in < kMany / 32) continue;
+    if (candidates.size() / one_in < kFew) continue;
     LODE_TRY(const std::uint64_t n,
              insert_worst(mesh, part_of(candidates, one_in), kFar * max_error, progress));
     n_inserted += n;
