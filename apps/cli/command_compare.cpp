@@ -125,7 +125,7 @@ Command add_compare_command(CLI::App& program) {
                   "Value of missing samples, instead of the file's")
       ->type_name("V")
       ->group("Rasters of heights");
-  add_terrain_options(*app, arguments->terrain, TerrainUse::reading);
+  add_terrain_options(*app, arguments->terrain, TerrainUse::rasters);
   return {app, [arguments] { return check_compare(*arguments); },
           [arguments](Session& session) { return run_compare(*arguments, session); }};
 }

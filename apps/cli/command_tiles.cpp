@@ -41,8 +41,6 @@ Result<void> check_tiles(const TilesArguments& arguments) {
     return fail("{}: expected a raster of heights (.tif, .asc, .hgt, .png, ...), got another file",
                 arguments.input);
   if (auto options = to_options(arguments); !options) return options.error();
-  if (arguments.terrain.has_points())
-    return fail("{}: expected no options of points with a raster", arguments.input);
   if (auto options = to_height_options(arguments.terrain, arguments.reading); !options)
     return options.error();
   return check_paths_differ({arguments.input}, {arguments.output});
@@ -127,9 +125,12 @@ Command add_tiles_command(CLI::App& program) {
       "tiles", "Cut a raster of heights into quantized-mesh tiles for globes in browsers");
   app->footer(
       "OUT gets Z/X/Y.terrain and layer.json, as Cesium and others load them from any web server.\n"
-      "No sample is farther, vertically, from the finest tiles than --max-error, and from each\n"
-      "coarser level than twice as much; errors are measured on what is written, and are in\n"
-      "layer.json. Tiles of a level meet without cracks.\n\n"
+      "No sample is farther, vertically, from the finest tiles than --max-error, which doubles "
+      "with\n"
+      "each coarser level; nor than what clients take a level's error to be, 77067 / 2^Z metres.\n"
+      "Errors are measured on what is written, and are in layer.json. Tiles of a level meet "
+      "without\n"
+      "cracks.\n\n"
       "The raster has to be in degrees. Heights are to be above the ellipsoid: where the file or\n"
       "--vertical-crs says that they are above something else, they are transformed.\n\n"
       "Example:\n  lode tiles N35W119.hgt tiles --max-error 2 --vertical-crs EPSG:5773");
@@ -156,7 +157,7 @@ Command add_tiles_command(CLI::App& program) {
                   "Value of missing samples, instead of the file's")
       ->type_name("V")
       ->group("Rasters of heights");
-  add_terrain_options(*app, arguments->terrain, TerrainUse::reading);
+  add_terrain_options(*app, arguments->terrain, TerrainUse::rasters);
   return {app, [arguments] { return check_tiles(*arguments); },
           [arguments](Session& session) { return run_tiles(*arguments, session); }};
 }

@@ -87,6 +87,24 @@ Result<TerrainReadOptions> to_read_options(const std::string& path,
   return options;
 }
 
+void add_point_options(CLI::App& app, TerrainArguments& arguments) {
+  const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
+    app.add_option(name, value, help)->type_name(type)->group("Scattered points");
+  };
+  add("--class", arguments.classes, "N,N,...",
+      "Keep only points of these LAS classes, such as 2 (ground)");
+  add("--duplicates", arguments.duplicates, "mean|min|max|error",
+      "Height where several points share a position (default: mean); error: refuse them");
+  add("--max-edge", arguments.max_edge, "L",
+      "Leave out of the domain what is in triangles with a longer edge, in the unit of "
+      "the CRS, or metres where it is of longitudes and latitudes");
+  add("--outline", arguments.outline, "POLYGONS",
+      "Leave out of the domain what is outside of polygons: .geojson, .gpkg or .shp, in "
+      "any CRS, or text with x and y a line, in the points' coordinates");
+  add("--crs", arguments.crs, "EPSG:N|EPSG:N+M|WKT",
+      "CRS of x and y, perhaps of heights too, instead of the file's");
+}
+
 }  // namespace
 
 void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use) {
@@ -97,22 +115,7 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   add("--band", arguments.band, "N", "Band of heights, from 1 (default: 1)");
   add("--encoding", arguments.encoding, "terrain-rgb|terrarium",
       "What the colours of a picture stand for");
-  const auto add_of_points = [&](const char* name, std::string& value, const char* type,
-                                 const char* help) {
-    app.add_option(name, value, help)->type_name(type)->group("Scattered points");
-  };
-  add_of_points("--class", arguments.classes, "N,N,...",
-                "Keep only points of these LAS classes, such as 2 (ground)");
-  add_of_points("--duplicates", arguments.duplicates, "mean|min|max|error",
-                "Height where several points share a position (default: mean); error: refuse them");
-  add_of_points("--max-edge", arguments.max_edge, "L",
-                "Leave out of the domain what is in triangles with a longer edge, in the unit of "
-                "the CRS, or metres where it is of longitudes and latitudes");
-  add_of_points("--outline", arguments.outline, "POLYGONS",
-                "Leave out of the domain what is outside of polygons: .geojson, .gpkg or .shp, in "
-                "any CRS, or text with x and y a line, in the points' coordinates");
-  add_of_points("--crs", arguments.crs, "EPSG:N|EPSG:N+M|WKT",
-                "CRS of x and y, perhaps of heights too, instead of the file's");
+  if (use != TerrainUse::rasters) add_point_options(app, arguments);
   const auto add_of_heights = [&](const char* name, std::string& value, const char* help) {
     app.add_option(name, value, help)->type_name("EPSG:N|WKT|ellipsoid")->group("Heights");
   };
@@ -121,7 +124,7 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
                  "CRS, such as EPSG:5773, or the ellipsoid of its CRS");
   add_of_heights("--to-vertical-crs", arguments.to_vertical_crs,
                  "Transform heights to this when they are read, through PROJ; errors hold there");
-  if (use == TerrainUse::reading) return;
+  if (use == TerrainUse::rasters || use == TerrainUse::reading) return;
   if (use == TerrainUse::verification) {
     add("--model", arguments.model, "MODEL",
         "What the surface was extracted with (default: delaunay_selector)");

@@ -41,10 +41,10 @@ struct TerrainArguments {
 inline constexpr const char* kTerrainFiles =
     "a raster of heights (.tif, .asc, .hgt, .png, ...) or scattered points (.las, .xyz, ...)";
 
-enum class TerrainUse : std::uint8_t { reading, verification, extraction };
+enum class TerrainUse : std::uint8_t { rasters, reading, verification, extraction };
 
-/// reading: --band, --encoding and the options of points; verification: also --model; extraction:
-/// also --model and --insertion.
+/// rasters: --band, --encoding and what heights are above; reading: also the options of points;
+/// verification: also --model; extraction: also --model and --insertion.
 void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use);
 
 /// Refuses them for other inputs: they would silently do nothing.
