@@ -12,6 +12,7 @@
 #include "lode/delaunay/lattice.h"
 #include "lode/models/terrain/tile_pyramid/build.h"
 #include "lode/models/terrain/tile_pyramid/extended_raster.h"
+#include "tests/oracles/random.h"
 
 namespace lode::tile_pyramid {
 namespace {
@@ -273,8 +274,21 @@ TEST(tile_pyramid, tells_tiles_whose_lattice_is_too_coarse) {
   expect_true_errors(pyramid, rows);
 }
 
+TEST(tile_pyramid, keeps_tolerances_at_cliffs) {
+  // Many nodes to a sample, rough along the cliffs down to the fill.
+  for (int trial = 0; trial < 12; ++trial) {
+    oracles::Random random(static_cast<std::uint64_t>(trial));
+    const double west = random.uniform(-170, 170);
+    MadeRows rows(40, 30, {west, 0.00083, 0, 38.0004, 0, -0.00083},
+                  [&](int x, int y) { return 2000 + 3 * x + 2 * y + random.uniform(0, 60); });
+    const Pyramid pyramid = build(rows, {.max_error = 5, .max_level = 10, .fill = -9000});
+    for (std::size_t level = 4; level < pyramid.levels.size(); ++level)
+      EXPECT_EQ(pyramid.levels[level].n_beyond, 0) << trial << ", " << level;
+  }
+}
+
 TEST(tile_pyramid, may_end_at_levels_coarser_than_its_samples) {
-  MadeRows rows(24, 700, {20, 0.05, 0, 40, 0, -0.05}, hills);
+  MadeRows rows(7, 700, {20, 0.05, 0, 40, 0, -0.05}, hills);
   expect_pyramid(rows, {.max_error = 300, .max_level = 1});
 }
 

@@ -166,9 +166,24 @@ class PyramidBuild {
     job.is_beyond = !candidates.empty();
     if (!job.is_beyond) return false;
     const auto before = job.mesh.triangles;
-    LODE_TRY(const std::uint64_t n, refine(job.mesh, candidates, 0, progress_));
+    LODE_TRY(std::uint64_t n, refine(job.mesh, candidates, 0, progress_));
+    if (n == 0) {
+      LODE_TRY(n, refine(job.mesh, beside(candidates), 0, progress_));
+    }
     set_open(job, before);
     return n > 0;
+  }
+
+  /// Where samples have their vertices and yet are too far off, beside a cliff half a node away,
+  /// nodes all round are as high.
+  static std::vector<TileVertex> beside(const std::vector<TileVertex>& vertices) {
+    std::vector<TileVertex> nodes;
+    nodes.reserve(9 * vertices.size());
+    for (const TileVertex& vertex : vertices)
+      for (const std::int32_t y : {-1, 0, 1})
+        for (const std::int32_t x : {-1, 0, 1})
+          nodes.push_back({{vertex.node.x + x, vertex.node.y + y}, vertex.height});
+    return nodes;
   }
 
   /// All triangles that are not as before: vertices keep their numbers, and so do triangles.
