@@ -72,15 +72,5 @@ TEST(parallel_loop, may_be_inside_another_and_run_from_many_threads) {
   EXPECT_EQ(n_calls, 6U * 40 * 50);
 }
 
-/// Short loops, one after the other, in which helpers come and go at any moment.
-TEST(parallel_loop, may_end_while_helpers_come) {
-  std::size_t n_wrong = 0;
-  for (int trial = 0; trial < 20'000; ++trial) {
-    const auto n = static_cast<std::size_t>(2 + trial % 9);
-    n_wrong += counts(n, 2 + trial % 3, 1) == std::vector<int>(n, 1) ? 0 : 1;
-  }
-  EXPECT_EQ(n_wrong, 0U);
-}
-
 }  // namespace
 }  // namespace lode
