@@ -9,8 +9,6 @@
 namespace lode::delaunay {
 namespace {
 
-constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 30) - 8;
-
 /// Fills a TIN row by row, each cell's triangles linked with those to its left and below it.
 class FullTinMaker {
  public:

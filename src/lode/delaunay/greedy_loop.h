@@ -138,8 +138,6 @@ class GreedyLoop {
   }
 
   Result<void> check_in(double share) {
-    // Half-edges are numbered in 32 bits, four a triangle; an insertion adds two.
-    constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 30) - 8;
     if (mesh_.triangles().size() > kMostTriangles)
       return fail("expected up to {} triangles, got more: a larger tolerance takes fewer",
                   kMostTriangles);

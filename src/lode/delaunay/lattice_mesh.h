@@ -12,6 +12,9 @@ namespace lode::delaunay {
 
 /// Also says that there is no triangle behind an edge.
 inline constexpr std::uint32_t kNoHalfEdge = std::numeric_limits<std::uint32_t>::max();
+/// A mesh has no more before an insertion, which adds two: half-edges are numbered in 32 bits,
+/// four a triangle.
+inline constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 30) - 8;
 
 /// A triangle whose corners are nodes of a lattice, in 32 bytes, and what a selector keeps with it.
 /// Nodes have numbers that a mesh knows to unpack.

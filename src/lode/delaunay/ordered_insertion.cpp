@@ -135,7 +135,6 @@ template <typename T>
 Result<void> insert_in_order(LatticeMesh& mesh, const SampleRows<T>& rows, HeightRange range,
                              std::span<const OrderedNode> order, InsertionObserver& observer,
                              Progress& progress) {
-  constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 30) - 8;
   constexpr std::size_t kPerReport = 1U << 14;
   if (mesh.triangles().size() + 2 * order.size() > kMostTriangles)
     return fail("expected up to {} triangles, got {} samples to insert", kMostTriangles,

@@ -143,9 +143,9 @@ class ErrorPass {
   void find_levels(BrickState& brick) {
     brick.levels.clear();
     if (brick.is_uniform && brick.has_holes) return;
-    constexpr C kInfinity = std::numeric_limits<C>::infinity();
-    const C low = brick.has_holes ? -kInfinity : brick.low;
-    const C high = brick.has_holes ? kInfinity : brick.high;
+    constexpr C kUnbounded = std::numeric_limits<C>::infinity();
+    const C low = brick.has_holes ? -kUnbounded : brick.low;
+    const C high = brick.has_holes ? kUnbounded : brick.high;
     const CanonicalCube<D> cube(brick.position * kBrickEdge<D> + part_.origin, kBrickEdge<D>);
     for (int level = kPlanLevel<D> + 1; level < coarse_.n_levels(); ++level) {
       // In a cube as large as the brick F' is not linear on the brick's simplices.
