@@ -151,8 +151,91 @@ template <typename Nodes>
 std::span<const std::uint32_t> NodeMesh<Nodes>::insert(std::uint32_t p, std::uint32_t t) {
   const LatticePoint point = nodes_.unpack(p);
   remove_for(point, t);
-  fill_fan(p, split_edge(point));
+  const std::size_t split = split_edge(point);
+  if (cuts_.empty())
+    fill_fan(p, split);
+  else
+    fill_beside_cuts(p, split);
   return slots_;
+}
+
+/// As fill_fan(), where edges of the border may be cuts; of one that p lies on also behind it.
+template <typename Nodes>
+void NodeMesh<Nodes>::fill_beside_cuts(std::uint32_t p, std::size_t split) {
+  const std::uint32_t behind = split < border_.size() ? split_cut(p, split) : kNoHalfEdge;
+  const std::size_t n_removed = slots_.size();
+  fill_fan(p, split);
+  find_cuts();
+  if (behind == kNoHalfEdge) return;
+  const std::vector<std::uint32_t> before = slots_;
+  const LatticePoint point = nodes_.unpack(p);
+  remove_for(point, behind >> 2);
+  const std::size_t n_removed_behind = slots_.size();
+  fill_fan(p, split_edge(point));
+  find_cuts();
+  // Numbers of removed ones come first.
+  slots_.insert(slots_.begin() + static_cast<std::ptrdiff_t>(n_removed_behind),
+                before.begin() + static_cast<std::ptrdiff_t>(n_removed), before.end());
+  slots_.insert(slots_.begin(), before.begin(),
+                before.begin() + static_cast<std::ptrdiff_t>(n_removed));
+}
+
+/// Replaces the cut along the border's edge, if it is one, by two that meet at p. Returns the
+/// half-edge behind it, else kNoHalfEdge.
+template <typename Nodes>
+std::uint32_t NodeMesh<Nodes>::split_cut(std::uint32_t p, std::size_t split) {
+  const std::uint32_t from = border_[split].from;
+  const std::uint32_t to = border_[split + 1 < border_.size() ? split + 1 : 0].from;
+  const auto found = cuts_.find(cut_key(from, to));
+  if (found == cuts_.end()) return kNoHalfEdge;
+  const std::uint32_t behind = found->second[from < to ? 1 : 0];
+  cuts_.erase(found);
+  for (const std::uint32_t end : {from, to}) cuts_[cut_key(end, p)] = {kNoHalfEdge, kNoHalfEdge};
+  return behind;
+}
+
+/// Takes down where the cuts beside new triangles are.
+template <typename Nodes>
+void NodeMesh<Nodes>::find_cuts() {
+  for (const std::uint32_t slot : slots_)
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const LatticeTriangle& triangle = triangles_[slot];
+      if (triangle.twin[i] != kNoHalfEdge) continue;
+      const std::uint32_t from = triangle.corner[i];
+      const std::uint32_t to = triangle.corner[kNext[i]];
+      if (const auto found = cuts_.find(cut_key(from, to)); found != cuts_.end())
+        found->second[from < to ? 0 : 1] = 4 * slot + i;
+    }
+}
+
+template <typename Nodes>
+void NodeMesh<Nodes>::cut(std::span<const std::array<std::uint32_t, 2>> edges) {
+  for (const auto& edge : edges) cuts_[cut_key(edge[0], edge[1])] = {kNoHalfEdge, kNoHalfEdge};
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t)
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = triangles_[t].corner[i];
+      const std::uint32_t to = triangles_[t].corner[kNext[i]];
+      const auto found = cuts_.find(cut_key(from, to));
+      if (found == cuts_.end()) continue;
+      found->second[from < to ? 0 : 1] = 4 * t + i;
+      triangles_[t].twin[i] = kNoHalfEdge;
+    }
+  std::erase_if(cuts_, [](const auto& cut) {
+    return cut.second[0] == kNoHalfEdge || cut.second[1] == kNoHalfEdge;
+  });
+}
+
+template <typename Nodes>
+std::vector<std::array<std::uint32_t, 2>> NodeMesh<Nodes>::heal() {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  for (const auto& [key, sides] : cuts_) {
+    for (const std::size_t i : {0U, 1U})
+      triangles_[sides[i] >> 2].twin[sides[i] & 3] = sides[1 - i];
+    edges.push_back({static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)});
+  }
+  cuts_.clear();
+  std::ranges::sort(edges);
+  return edges;
 }
 
 template <typename Nodes>
@@ -205,7 +288,7 @@ std::uint32_t NodeMesh<Nodes>::growth(std::uint32_t p, std::uint32_t t) const {
     if (triangle.twin[i] == kNoHalfEdge &&
         doubled_area(nodes_.unpack(triangle.corner[i]), nodes_.unpack(triangle.corner[kNext[i]]),
                      point) == 0)
-      return 1;
+      return cuts_.contains(cut_key(triangle.corner[i], triangle.corner[kNext[i]])) ? 2 : 1;
   return 2;
 }
 

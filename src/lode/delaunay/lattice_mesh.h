@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "lode/delaunay/lattice.h"
@@ -34,7 +36,9 @@ enum class InsertionRule : std::uint8_t { delaunay, split };
 /// Triangles of a bounded part of the plane into which nodes are inserted one by one. Edges with
 /// nothing behind them stay, or are split where a node lies on them. By the rule delaunay all
 /// others are Delaunay, exactly: no corner of a neighbour lies inside a triangle's circle. Of a
-/// convex domain this is the Delaunay triangulation, else the one constrained by the outline.
+/// convex domain this is the Delaunay triangulation, else the one constrained by the outline. Edges
+/// inside can be fixed, too: the mesh is then cut along them, as if each side were outline, until
+/// it is healed.
 /// `Nodes`: LatticePacking or ListedNodes, of coordinates >= 0 and below 2^30.
 template <typename Nodes>
 class NodeMesh {
@@ -48,9 +52,16 @@ class NodeMesh {
   [[nodiscard]] const std::vector<LatticeTriangle>& triangles() const { return triangles_; }
   [[nodiscard]] LatticeTriangle& triangle(std::uint32_t t) { return triangles_[t]; }
 
-  /// Inserts the node p, which lies in triangle t and is none of its corners, by the rule. Returns
-  /// the numbers of the new triangles, valid until the next call: numbers of removed triangles come
-  /// first, others are new at the end.
+  /// Cuts the mesh along edges, from node to node, that have a triangle on both sides; of others
+  /// nothing needs to be done.
+  void cut(std::span<const std::array<std::uint32_t, 2>> edges);
+  /// Joins the sides of all cuts again, after which no more is to be inserted. Returns the edges
+  /// that the cuts have become: more where nodes lay on them, and sorted.
+  std::vector<std::array<std::uint32_t, 2>> heal();
+
+  /// Inserts the node p, which lies in triangle t and is none of its corners, by the rule, where it
+  /// lies on a cut on both sides. Returns the numbers of the new triangles, valid until the next
+  /// call: numbers of removed triangles come first, others are new at the end.
   std::span<const std::uint32_t> insert(std::uint32_t p, std::uint32_t t);
 
   /// The same of a mesh nobody vouches for: false, and nothing done, where what would be removed is
@@ -89,6 +100,13 @@ class NodeMesh {
   /// The border's edge that p lies on, else its size.
   [[nodiscard]] std::size_t split_edge(LatticePoint p) const;
   void fill_fan(std::uint32_t p, std::size_t split);
+  /// Of two nodes, in whatever order.
+  [[nodiscard]] static std::uint64_t cut_key(std::uint32_t a, std::uint32_t b) {
+    return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
+  }
+  void fill_beside_cuts(std::uint32_t p, std::size_t split);
+  [[nodiscard]] std::uint32_t split_cut(std::uint32_t p, std::size_t split);
+  void find_cuts();
 
   Nodes nodes_;
   InsertionRule rule_;
@@ -98,6 +116,8 @@ class NodeMesh {
   std::vector<std::uint32_t> slots_;  ///< Of removed triangles, then also of those to be made.
   std::vector<BorderEdge> border_;
   std::vector<std::uint32_t> sorted_;  ///< Of slots, where they are checked.
+  /// By cut_key(), the half-edge that runs to the larger node, and that to the smaller.
+  std::unordered_map<std::uint64_t, std::array<std::uint32_t, 2>> cuts_;
 };
 
 /// Of the nodes of a raster's lattice, and of scattered points.

@@ -209,42 +209,43 @@ bool Triangulation::crosses(std::uint32_t a, std::uint32_t b, std::uint32_t c,
   return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
 }
 
-Result<Triangulation::Place> Triangulation::find_first_crossing(std::uint32_t a,
-                                                                std::uint32_t b) const {
-  Place found;
-  std::uint32_t between = kNone;
+Triangulation::Course Triangulation::start_course(std::uint32_t a, std::uint32_t b,
+                                                  Place& first) const {
+  Course course{.end = kNone};
   visit_round(a, [&](std::uint32_t t) {
     const unsigned i = index_of(t, a);
     const std::uint32_t c = triangles_[t].corner[next(i)];
     const std::uint32_t d = triangles_[t].corner[previous(i)];
-    if (turn(a, b, c) < 0 && turn(a, b, d) > 0 && turn(c, d, b) <= 0) found = {t, i};
+    if (turn(a, b, c) < 0 && turn(a, b, d) > 0 && turn(c, d, b) <= 0) first = {t, i};
     for (const std::uint32_t corner : {c, d}) {
       const Point ahead = points_[b] - points_[a];
-      if (turn(a, b, corner) == 0 && dot(points_[corner] - points_[a], ahead) > 0) between = corner;
+      if (turn(a, b, corner) == 0 && dot(points_[corner] - points_[a], ahead) > 0)
+        course.end = corner;
     }
-    return found.triangle != kNone || between != kNone;
+    return first.triangle != kNone || course.end != kNone;
   });
-  if (between != kNone) return fail("edge {}-{} runs through point {}", a, b, between);
-  if (found.triangle == kNone) return fail("edge {}-{} has no place in the triangulation", a, b);
-  return found;
+  return course;
 }
 
-Result<std::vector<Triangulation::Ends>> Triangulation::find_crossed(std::uint32_t a,
-                                                                     std::uint32_t b) const {
-  LODE_TRY(Place place, find_first_crossing(a, b));
-  std::vector<Ends> crossed;
+Result<Triangulation::Course> Triangulation::find_course(std::uint32_t a, std::uint32_t b) const {
+  Place place;
+  Course course = start_course(a, b, place);
+  if (course.end != kNone) return course;
+  if (place.triangle == kNone) return fail("edge {}-{} has no place in the triangulation", a, b);
   while (true) {
     const Triangle& t = triangles_[place.triangle];
     const std::uint32_t right = t.corner[next(place.edge)];
     const std::uint32_t left = t.corner[previous(place.edge)];
     if (t.is_fixed[place.edge]) return fail("edges {}-{} and {}-{} cross", a, b, right, left);
-    crossed.push_back({right, left});
+    course.crossed.push_back({right, left});
     const Place across = mirror(place);
     LODE_EXPECTS(across.triangle != kNone);
     const std::uint32_t apex = triangles_[across.triangle].corner[across.edge];
-    if (apex == b) return crossed;
     const int side = turn(a, b, apex);
-    if (side == 0) return fail("edge {}-{} runs through point {}", a, b, apex);
+    if (side == 0) {
+      course.end = apex;
+      return course;
+    }
     // Seen from there the edge runs left -> right: on to the edge at the end that stays.
     place = {across.triangle, side > 0 ? next(across.edge) : previous(across.edge)};
   }
@@ -280,13 +281,27 @@ void Triangulation::flip_crossed(std::uint32_t a, std::uint32_t b, std::vector<E
 
 Result<void> Triangulation::fix_edge(std::uint32_t a, std::uint32_t b) {
   if (a == b) return fail("expected an edge between two points, got {}-{}", a, b);
-  std::vector<Ends> crossed;
-  if (find_edge(a, b).triangle == kNone && find_edge(b, a).triangle == kNone) {
-    LODE_TRY(crossed, find_crossed(a, b));
-  }
-  const bool is_forward = find_edge(a, b).triangle != kNone || !crossed.empty();
-  flip_crossed(is_forward ? a : b, is_forward ? b : a, std::move(crossed));
+  LODE_TRY(Course course, find_course(a, b));
+  if (course.end != b) return fail("edge {}-{} runs through point {}", a, b, course.end);
+  fix_course(a, std::move(course));
   return {};
+}
+
+Result<std::vector<std::uint32_t>> Triangulation::fix_path(std::uint32_t a, std::uint32_t b) {
+  std::vector<std::uint32_t> path{a};
+  while (path.back() != b) {
+    const std::uint32_t from = path.back();
+    LODE_TRY(Course course, find_course(from, b));
+    path.push_back(course.end);
+    fix_course(from, std::move(course));
+  }
+  return path;
+}
+
+void Triangulation::fix_course(std::uint32_t a, Course course) {
+  const std::uint32_t b = course.end;
+  const bool is_forward = !course.crossed.empty() || find_edge(a, b).triangle != kNone;
+  flip_crossed(is_forward ? a : b, is_forward ? b : a, std::move(course.crossed));
 }
 
 /// Floods from the left side of every edge; the right sides must stay dry.
@@ -327,9 +342,36 @@ Result<std::vector<std::array<std::uint32_t, 3>>> triangulate_region(
   LODE_TRY(Triangulation triangulation, Triangulation::of(std::move(points)));
   for (const auto& edge : edges) LODE_CHECK(triangulation.fix_edge(edge[0], edge[1]));
   LODE_TRY(const std::vector<bool> is_inside, triangulation.left_of(edges));
+  return triangulation.corners(is_inside);
+}
+
+Result<FixedRegion> triangulate_region(std::vector<Point> points,
+                                       std::span<const std::array<std::uint32_t, 2>> outline,
+                                       std::span<const std::array<std::uint32_t, 2>> lines) {
+  LODE_TRY(Triangulation triangulation, Triangulation::of(std::move(points)));
+  const auto fix = [&](std::span<const std::array<std::uint32_t, 2>> edges)
+      -> Result<std::vector<std::array<std::uint32_t, 2>>> {
+    std::vector<std::array<std::uint32_t, 2>> made;
+    for (const auto& edge : edges) {
+      LODE_TRY(const auto path, triangulation.fix_path(edge[0], edge[1]));
+      for (std::size_t i = 1; i < path.size(); ++i) made.push_back({path[i - 1], path[i]});
+    }
+    return made;
+  };
+  LODE_TRY(const auto closed, fix(outline));
+  LODE_TRY(const std::vector<bool> is_inside, triangulation.left_of(closed));
+  // What is flipped from here on is on one side of the outline, and stays there.
+  FixedRegion region;
+  LODE_TRY(region.edges, fix(lines));
+  region.triangles = triangulation.corners(is_inside);
+  return region;
+}
+
+std::vector<std::array<std::uint32_t, 3>> Triangulation::corners(
+    const std::vector<bool>& is_kept) const {
   std::vector<std::array<std::uint32_t, 3>> result;
-  for (std::size_t t = 0; t < is_inside.size(); ++t)
-    if (is_inside[t]) result.push_back(triangulation.triangles()[t].corner);
+  for (std::size_t t = 0; t < is_kept.size(); ++t)
+    if (is_kept[t]) result.push_back(triangles_[t].corner);
   return result;
 }
 

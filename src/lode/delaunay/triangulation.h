@@ -34,11 +34,18 @@ class Triangulation {
   /// crosses a fixed edge or runs through a point.
   [[nodiscard]] Result<void> fix_edge(std::uint32_t a, std::uint32_t b);
 
+  /// Makes all of the segment a-b edges, through the points that lie on it, which are returned from
+  /// a to b. Fails where it crosses a fixed edge.
+  [[nodiscard]] Result<std::vector<std::uint32_t>> fix_path(std::uint32_t a, std::uint32_t b);
+
   /// Which triangles lie in the region to the left of edges that have been fixed. Fails where the
   /// region is not closed, or on both sides of an edge.
   [[nodiscard]] Result<std::vector<bool>> left_of(
       std::span<const std::array<std::uint32_t, 2>> edges) const;
 
+  /// Of those triangles.
+  [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> corners(
+      const std::vector<bool>& is_kept) const;
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
   [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
 
@@ -68,10 +75,17 @@ class Triangulation {
   void visit_round(std::uint32_t point, const Visit& visit) const;
   /// The edge a -> b; its triangle is kNone where there is none.
   [[nodiscard]] Place find_edge(std::uint32_t a, std::uint32_t b) const;
-  /// The triangle at a whose edge opposite a the segment a-b crosses.
-  [[nodiscard]] Result<Place> find_first_crossing(std::uint32_t a, std::uint32_t b) const;
-  /// All edges that the segment a-b crosses, as their ends.
-  [[nodiscard]] Result<std::vector<Ends>> find_crossed(std::uint32_t a, std::uint32_t b) const;
+  /// Along a segment.
+  struct Course {
+    std::vector<Ends> crossed{};  ///< All edges up to the first point on it.
+    std::uint32_t end = kNone;    ///< That point.
+  };
+  /// The segment from a to b: either its first point is beside a, or it crosses the edge `first`,
+  /// of the triangle at a, opposite a.
+  [[nodiscard]] Course start_course(std::uint32_t a, std::uint32_t b, Place& first) const;
+  /// Fails at fixed edges.
+  [[nodiscard]] Result<Course> find_course(std::uint32_t a, std::uint32_t b) const;
+  void fix_course(std::uint32_t a, Course course);
   void flip_crossed(std::uint32_t a, std::uint32_t b, std::vector<Ends> crossed);
   [[nodiscard]] bool crosses(std::uint32_t a, std::uint32_t b, std::uint32_t c,
                              std::uint32_t d) const;
@@ -87,5 +101,17 @@ class Triangulation {
 /// other.
 [[nodiscard]] Result<std::vector<std::array<std::uint32_t, 3>>> triangulate_region(
     std::vector<Point> points, std::span<const std::array<std::uint32_t, 2>> edges);
+
+/// Triangles with lines among their edges.
+struct FixedRegion {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::array<std::uint32_t, 2>> edges;  ///< Of the lines, cut at points on them.
+};
+
+/// The same with lines, given as edges, that may meet the outline and each other at points only.
+/// Both may run through points. Fails where a line leaves the region, too.
+[[nodiscard]] Result<FixedRegion> triangulate_region(
+    std::vector<Point> points, std::span<const std::array<std::uint32_t, 2>> outline,
+    std::span<const std::array<std::uint32_t, 2>> lines);
 
 }  // namespace lode::delaunay
