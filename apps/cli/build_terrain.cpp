@@ -99,7 +99,7 @@ Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) 
   LODE_CHECK(check_writable(job.output));
   const Stopwatch watch;
   LODE_TRY(const OpenedTerrain opened,
-           open_terrain(job.input, job.terrain, job.reading, options, session));
+           open_terrain(job.input, job.terrain, job.reading, options, {}, session));
   const double build_seconds = watch.seconds();
   const Stopwatch write_watch;
   LODE_TRY(const std::uint64_t n_bytes, opened.built->save(job.output, session.progress()));

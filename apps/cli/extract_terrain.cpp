@@ -64,6 +64,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   json["triangles"] = report.triangles;
   json["vertices"] = report.vertices;
   add_facts(answer.opened.facts, json, table);
+  add_lines(answer.opened, json, table);
   json["samples"] = report.n_samples;
   json["left_out_samples"] = report.n_left_out;
   if (answer.raster) {
@@ -84,9 +85,9 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
 void add_rows(const TerrainAnswer& answer, Table& table) {
   const TerrainReport& report = answer.report;
   if (report.n_left_out > 0)
-    table.add(
-        {"left out", fmt::format("{} {}", format_count(report.n_left_out),
-                                 answer.opened.points ? "points outside of the domain"
+    table.add({"left out",
+               fmt::format("{} {}", format_count(report.n_left_out),
+                           answer.opened.facts.points ? "points outside of the domain"
                                                       : "samples in no cell with four heights")});
   table.add({"model", name_of(answer.opened.model)});
   const char* why = !answer.job.max_error.empty()         ? "as asked"
@@ -230,7 +231,7 @@ Result<Outcome> run_model_info(const std::string& path, Session& session) {
 
 Result<Outcome> run_points_info(const std::string& path, const TerrainArguments& terrain,
                                 const ReadingArguments& reading, Session& session) {
-  LODE_TRY(const OpenedTerrain opened, open_terrain(path, terrain, reading, {}, session));
+  LODE_TRY(const OpenedTerrain opened, open_terrain(path, terrain, reading, {}, {}, session));
   const HeightRange range = opened.terrain.range();
   Outcome outcome;
   outcome.json["command"] = "info";
@@ -299,8 +300,8 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_CHECK(check_writable(job.output));
   if (!job.raster.difference.empty()) LODE_CHECK(check_writable(job.raster.difference));
   const Stopwatch read_watch;
-  LODE_TRY(const OpenedTerrain opened,
-           open_terrain(job.input, job.terrain, job.reading, wanted.building, session));
+  LODE_TRY(const OpenedTerrain opened, open_terrain(job.input, job.terrain, job.reading,
+                                                    wanted.building, options.max_error, session));
   if (options.focus) {
     LODE_TRY(options.focus->metric,
              naming(job.input, read_metric(opened.facts.frame.crs), session));

@@ -132,8 +132,8 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
   }
   for (const std::string& path : outputs_of(job)) LODE_CHECK(check_writable(path));
   const Stopwatch watch;
-  LODE_TRY(const OpenedTerrain opened,
-           open_terrain(job.input, job.picture.terrain, job.reading, building, session));
+  LODE_TRY(const OpenedTerrain opened, open_terrain(job.input, job.picture.terrain, job.reading,
+                                                    building, options.terrain.max_error, session));
   LODE_CHECK(check_upwards(opened.facts.frame, job.input));
   LODE_TRY(const HorizontalMetric metric,
            naming(job.input, read_metric(opened.facts.frame.crs), session));

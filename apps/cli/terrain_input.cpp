@@ -66,11 +66,30 @@ Result<PointTerrainOptions> to_domain_options(const TerrainArguments& arguments)
   return options;
 }
 
+Result<void> set_lines(const TerrainArguments& arguments, TerrainReadOptions& options) {
+  if (arguments.drape && arguments.breaklines.empty())
+    return fail("--drape: expected --breaklines with it, got none");
+  options.breaklines = arguments.breaklines;
+  options.is_draped = arguments.drape;
+  options.keeps_features = arguments.keep_features;
+  if (arguments.feature_relief.empty()) return {};
+  LODE_TRY(options.least_relief, parse_number("--feature-relief", arguments.feature_relief));
+  if (!(*options.least_relief >= 0))
+    return fail("--feature-relief: expected a number >= 0, got '{}'", arguments.feature_relief);
+  return {};
+}
+
 Result<TerrainReadOptions> to_read_options(const std::string& path,
                                            const TerrainArguments& arguments,
                                            const ReadingArguments& reading) {
   TerrainReadOptions options;
+  if (holds_terrain_model(path) && arguments.has_lines())
+    return fail(
+        "{}: expected a raster or points with --keep-features, --feature-relief, --breaklines or "
+        "--drape, got a .lode file",
+        path);
   if (holds_terrain_model(path)) return options;
+  LODE_CHECK(set_lines(arguments, options));
   if (is_point_path(path)) {
     if (arguments.has_raster())
       return fail("{}: expected no --band or --encoding with points, got one", path);
@@ -85,6 +104,29 @@ Result<TerrainReadOptions> to_read_options(const std::string& path,
         path);
   LODE_TRY(options.raster, to_height_options(arguments, reading));
   return options;
+}
+
+void add_line_options(CLI::App& app, TerrainArguments& arguments) {
+  const char* group = "Lines of terrain";
+  app.add_flag(
+         "--keep-features", arguments.keep_features,
+         "Make peaks, passes and pits vertices, and the ridges and channels from passes edges, "
+         "of every mesh")
+      ->group(group);
+  app.add_option("--feature-relief", arguments.feature_relief,
+                 "Keep features that rise or fall by at least this, in units of the heights "
+                 "(default: 1 % of their range); means --keep-features")
+      ->type_name("R")
+      ->group(group);
+  app.add_option(
+         "--breaklines", arguments.breaklines,
+         "Make lines edges of every mesh: .geojson, .gpkg or .shp, in any CRS; lines without "
+         "heights get the surface's")
+      ->type_name("LINES")
+      ->group(group);
+  app.add_flag("--drape", arguments.drape,
+               "Give breaklines the surface's heights, though they have their own")
+      ->group(group);
 }
 
 void add_point_options(CLI::App& app, TerrainArguments& arguments) {
@@ -125,6 +167,7 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   add_of_heights("--to-vertical-crs", arguments.to_vertical_crs,
                  "Transform heights to this when they are read, through PROJ; errors hold there");
   if (use == TerrainUse::rasters || use == TerrainUse::reading) return;
+  add_line_options(app, arguments);
   if (use == TerrainUse::verification) {
     add("--model", arguments.model, "MODEL",
         "What the surface was extracted with (default: delaunay_selector)");
@@ -149,6 +192,11 @@ Result<void> check_no_terrain(const TerrainArguments& arguments, const std::stri
   if (arguments.has_vertical())
     return fail("{}: expected {} with --vertical-crs or --to-vertical-crs, got another file", path,
                 kTerrainFiles);
+  if (arguments.has_lines())
+    return fail(
+        "{}: expected {} with --keep-features, --feature-relief, --breaklines or --drape, got "
+        "another file",
+        path, kTerrainFiles);
   if (arguments.is_empty()) return {};
   return fail("{}: expected {} with --band, --encoding, --model or --insertion, got another file",
               path, kTerrainFiles);
@@ -156,10 +204,11 @@ Result<void> check_no_terrain(const TerrainArguments& arguments, const std::stri
 
 Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
                                 const std::vector<std::string>& allowed) {
-  constexpr std::array kAlways{"--json",           "--threads", "--quiet", "--band",
-                               "--encoding",       "--nodata",  "--class", "--duplicates",
-                               "--max-edge",       "--outline", "--crs",   "--vertical-crs",
-                               "--to-vertical-crs"};
+  constexpr std::array kAlways{
+      "--json",       "--threads",      "--quiet",           "--band",          "--encoding",
+      "--nodata",     "--class",        "--duplicates",      "--max-edge",      "--outline",
+      "--crs",        "--vertical-crs", "--to-vertical-crs", "--keep-features", "--feature-relief",
+      "--breaklines", "--drape"};
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
     const std::string name = "--" + option->get_lnames().front();
@@ -207,11 +256,69 @@ Result<void> check_terrain_reading(const std::string& path, const TerrainArgumen
   return {};
 }
 
+namespace {
+
+void warn_of_lines(const TerrainLineReport& lines, const std::string& path, Session& session) {
+  if (lines.n_outside > 0)
+    session.warn(fmt::format("{}: {} of {} lines lie outside of the domain and are left out", path,
+                             format_count(lines.n_outside), format_count(lines.n_breaklines)));
+  if (lines.n_cut > 0)
+    session.warn(fmt::format("{}: {} lines are cut where they leave the domain", path,
+                             format_count(lines.n_cut)));
+  if (lines.n_crossing > 0)
+    session.warn(fmt::format("{}: {} edges of lines are left out, as they cross the outline", path,
+                             format_count(lines.n_crossing)));
+}
+
+Json counts_of(const terrain_features::FeatureCounts& counts) {
+  return {{"peaks", counts.peaks}, {"passes", counts.passes}, {"pits", counts.pits}};
+}
+
+}  // namespace
+
+void add_lines(const OpenedTerrain& opened, Json& json, Table& table) {
+  if (!opened.lines) return;
+  const TerrainLineReport& lines = *opened.lines;
+  Json& all = json["lines"];
+  if (lines.kept_features) {
+    const auto& kept = *lines.kept_features;
+    all["features"] = {{"relief", lines.least_relief},
+                       {"kept", counts_of(kept)},
+                       {"all", counts_of(*lines.all_features)},
+                       {"ridges", lines.n_ridges},
+                       {"channels", lines.n_channels}};
+    table.add(
+        {"features", fmt::format("{} peaks, {} passes, {} pits of a relief of {} or more",
+                                 format_count(kept.peaks), format_count(kept.passes),
+                                 format_count(kept.pits), format_number(lines.least_relief))});
+  }
+  if (lines.n_breaklines > 0) {
+    all["breaklines"] = {{"lines", lines.n_breaklines},
+                         {"own_heights", lines.n_own_heights},
+                         {"outside", lines.n_outside},
+                         {"cut", lines.n_cut},
+                         {"left_out_edges", lines.n_crossing},
+                         {"replaced_samples", lines.n_replaced},
+                         {"largest_change", lines.largest_change},
+                         {"largest_move", lines.largest_move}};
+    table.add({"breaklines",
+               fmt::format("{}, {} with their own heights", format_count(lines.n_breaklines),
+                           format_count(lines.n_own_heights))});
+    if (lines.n_replaced > 0)
+      table.add({"replaced",
+                 fmt::format("{} samples under breaklines, by up to {}",
+                             format_count(lines.n_replaced), format_number(lines.largest_change))});
+  }
+  all["edges"] = lines.n_edges;
+  all["seconds"] = lines.seconds;
+}
+
 Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArguments& arguments,
                                    const ReadingArguments& reading,
                                    const std::optional<TerrainBuildOptions>& building,
-                                   Session& session) {
+                                   const std::optional<double>& max_error, Session& session) {
   LODE_TRY(TerrainReadOptions options, to_read_options(path, arguments, reading));
+  if (max_error) options.drape_error = *max_error / 2;
   if (is_polygon_path(arguments.outline)) {
     options.outline = arguments.outline;
   } else if (!arguments.outline.empty()) {
@@ -222,18 +329,29 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArgumen
   if (opened.facts.points)
     warn_of_points(*opened.facts.points, path, options.domain.repeated, session);
   warn_of_vertical(opened.facts.vertical, path, session);
+  if (opened.lines) warn_of_lines(*opened.lines, arguments.breaklines, session);
   return opened;
+}
+
+Result<void> check_lined_model(const std::string& path, const TerrainArguments& arguments) {
+  if (!arguments.has_lines() || !built_model_of(arguments.model)) return {};
+  return fail(
+      "{}: expected --model delaunay_selector with --keep-features, --feature-relief, --breaklines "
+      "or --drape, got '{}', which cannot keep edges",
+      path, arguments.model);
 }
 
 Result<void> check_terrain_model(const std::string& path, const TerrainArguments& arguments,
                                  const ReadingArguments& reading) {
+  LODE_CHECK(check_lined_model(path, arguments));
   if (is_point_path(path) && built_model_of(arguments.model))
     return fail("{}: expected a raster with --model {}, got scattered points", path,
                 arguments.model);
   if (!holds_terrain_model(path) || (arguments.is_empty() && reading.nodata.empty())) return {};
   return fail(
-      "{}: expected no --band, --encoding, --nodata, --model, --insertion or options of points or "
-      "of heights with a .lode file of terrain, got one",
+      "{}: expected no --band, --encoding, --nodata, --model, --insertion or options of lines, "
+      "points "
+      "or heights with a .lode file of terrain, got one",
       path);
 }
 

@@ -23,7 +23,14 @@ struct TerrainArguments {
   std::string to_vertical_crs;
   std::string model;
   std::string insertion;
+  bool keep_features = false;  ///< This and the next three make lines edges.
+  std::string feature_relief;
+  std::string breaklines;
+  bool drape = false;
 
+  [[nodiscard]] bool has_lines() const {
+    return keep_features || drape || !feature_relief.empty() || !breaklines.empty();
+  }
   [[nodiscard]] bool has_vertical() const {
     return !vertical_crs.empty() || !to_vertical_crs.empty();
   }
@@ -33,7 +40,8 @@ struct TerrainArguments {
              crs.empty());
   }
   [[nodiscard]] bool is_empty() const {
-    return !has_raster() && !has_points() && !has_vertical() && model.empty() && insertion.empty();
+    return !has_raster() && !has_points() && !has_vertical() && !has_lines() && model.empty() &&
+           insertion.empty();
   }
 };
 
@@ -44,7 +52,7 @@ inline constexpr const char* kTerrainFiles =
 enum class TerrainUse : std::uint8_t { rasters, reading, verification, extraction };
 
 /// rasters: --band, --encoding and what heights are above; reading: also the options of points;
-/// verification: also --model; extraction: also --model and --insertion.
+/// verification: also lines and --model; extraction: also lines, --model and --insertion.
 void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use);
 
 /// Refuses them for other inputs: they would silently do nothing.
@@ -64,18 +72,27 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
                                                  const TerrainArguments& arguments,
                                                  const ReadingArguments& reading);
 
-/// Reads a terrain, or builds what `building` says, and warns of what became of its points.
+/// Reads a terrain, or builds what `building` says, and warns of what became of its points and
+/// lines. `max_error`: that will be asked for; draped lines keep half of it.
 [[nodiscard]] Result<OpenedTerrain> open_terrain(const std::string& path,
                                                  const TerrainArguments& arguments,
                                                  const ReadingArguments& reading,
                                                  const std::optional<TerrainBuildOptions>& building,
+                                                 const std::optional<double>& max_error,
                                                  Session& session);
+
+/// Adds what became of lines, where there are some.
+void add_lines(const OpenedTerrain& opened, Json& json, Table& table);
 
 /// Refuses --model, --insertion and reading's options with .lode files, which are of a model, and
 /// a --model that is built with points.
 [[nodiscard]] Result<void> check_terrain_model(const std::string& path,
                                                const TerrainArguments& arguments,
                                                const ReadingArguments& reading);
+
+/// Refuses lines with models that are built.
+[[nodiscard]] Result<void> check_lined_model(const std::string& path,
+                                             const TerrainArguments& arguments);
 
 /// One of kBuiltTerrainModels by its name.
 [[nodiscard]] Result<TerrainModel> to_built_model(const std::string& name);

@@ -48,8 +48,9 @@ Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Sessio
            to_terrain_options(arguments.max_error, "", arguments.terrain));
   LODE_TRY(const auto building, to_build_options(arguments.terrain, options.max_error));
   const Stopwatch watch;
-  LODE_TRY(OpenedTerrain opened, open_terrain(arguments.input, arguments.terrain,
-                                              reading_of(arguments), building, session));
+  LODE_TRY(OpenedTerrain opened,
+           open_terrain(arguments.input, arguments.terrain, reading_of(arguments), building,
+                        options.max_error, session));
   LODE_TRY(HorizontalMetric metric,
            naming(arguments.input, read_metric(opened.facts.frame.crs), session));
   return TerrainInput{std::move(opened), std::move(metric), options, watch.seconds()};
@@ -71,6 +72,7 @@ void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArgumen
                       Json& json, Table& table) {
   const TerrainReport& report = answerer.tin.report();
   add_facts(answerer.opened.facts, json, table);
+  add_lines(answerer.opened, json, table);
   json["model"] = name_of(answerer.opened.model);
   json["max_error"] = report.max_error;
   json["max_error_is_default"] = arguments.max_error.empty();

@@ -49,10 +49,11 @@ Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session)
   return report;
 }
 
+/// Of scattered points, or with lines.
 Result<VerifyReport> verify_points(const TerrainVerifyJob& job, double max_error,
                                    Session& session) {
   LODE_TRY(const OpenedTerrain opened,
-           open_terrain(job.input, job.terrain, job.reading, {}, session));
+           open_terrain(job.input, job.terrain, job.reading, {}, max_error, session));
   LODE_TRY(const Surface surface, read_surface(job.surface));
   return verify_terrain(*opened.points, surface, max_error, session.threads(), session.progress());
 }
@@ -69,6 +70,7 @@ Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& a
     return fail("--surface: expected the --max-error it was extracted with, got none");
   if (auto max_error = to_max_error(job.max_error); !max_error) return max_error.error();
   if (auto shape = to_shape(job.terrain.model); !shape) return shape.error();
+  if (job.terrain.has_lines()) LODE_CHECK(check_lined_model(job.input, job.terrain));
   if (is_point_path(job.input) && built_model_of(job.terrain.model))
     return fail("{}: expected a raster with --model {}, got scattered points", job.input,
                 job.terrain.model);
@@ -78,7 +80,8 @@ Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& a
 Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& session) {
   if (holds_terrain_model(job.input)) return verify_model(job, session);
   LODE_TRY(const std::optional<double> max_error, to_max_error(job.max_error));
-  if (is_point_path(job.input)) return verify_points(job, max_error.value_or(0), session);
+  if (is_point_path(job.input) || job.terrain.has_lines())
+    return verify_points(job, max_error.value_or(0), session);
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_TRY(const HeightRaster raster, read_heights(job.input, reading, session.progress()));
   warn_of_vertical(raster.vertical, job.input, session);

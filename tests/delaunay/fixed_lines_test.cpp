@@ -109,6 +109,7 @@ TEST(fixed_lines, stay_edges_while_samples_are_inserted_round_and_on_them) {
     ASSERT_TRUE(domain);
     const auto fixed = fix_lines(packing, domain->triangles, edges);
     ASSERT_TRUE(fixed) << fixed.error().message;
+    EXPECT_TRUE(fixed->crossing.empty());
     for (const InsertionOrder order : {InsertionOrder::levels, InsertionOrder::strict})
       for (const double max_error : {0.0, 4.0, 15.0, 1000.0}) {
         LatticeMesh mesh(packing, fixed->triangles);
@@ -154,14 +155,17 @@ TEST(fixed_lines, keep_a_limit_of_triangles_where_samples_lie_on_them) {
   }
 }
 
-TEST(fixed_lines, that_cross_are_refused) {
+TEST(fixed_lines, that_cross_are_told) {
   const HeightGrid grid =
       test::make_grid<float>(9, 9, [](std::int32_t, std::int32_t) { return 0; });
   const LatticePacking packing(9);
   const auto domain = find_domain(grid);
   const std::vector<Edge> crossing{{packing.pack({1, 1}), packing.pack({6, 7})},
                                    {packing.pack({1, 7}), packing.pack({6, 2})}};
-  EXPECT_FALSE(fix_lines(packing, domain->triangles, crossing));
+  const auto fixed = fix_lines(packing, domain->triangles, crossing);
+  ASSERT_TRUE(fixed) << fixed.error().message;
+  EXPECT_EQ(fixed->crossing, std::vector<std::uint32_t>{1});
+  EXPECT_EQ(fixed->edges, (std::vector<Edge>{crossing[0]}));
 }
 
 /// All points, with lines between some of them.

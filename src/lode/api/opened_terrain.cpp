@@ -1,11 +1,13 @@
 #include "lode/api/opened_terrain.h"
 
+#include <algorithm>
 #include <memory>
 #include <new>
 #include <utility>
 
 #include "lode/api/files.h"
 #include "lode/core/out_of_memory.h"
+#include "lode/io/line_file.h"
 #include "lode/io/polygon_file.h"
 #include "lode/store/reader.h"
 
@@ -56,6 +58,35 @@ TerrainFacts point_facts_of(const io::PointFile& file, const PointTerrain& terra
           .vertical = file.vertical};
 }
 
+Result<TerrainLineOptions> read_line_options(const TerrainReadOptions& options,
+                                             const HeightFrame& frame, const HeightRange& range) {
+  constexpr double kDefaultShare = 0.0025;
+  TerrainLineOptions lines;
+  lines.least_relief = options.least_relief;
+  constexpr double kFeatureShare = 0.01;
+  if (options.keeps_features && !lines.least_relief)
+    lines.least_relief = std::max(0.0, kFeatureShare * (range.upper - range.lower));
+  lines.is_draped = options.is_draped;
+  lines.drape_error =
+      options.drape_error.value_or(std::max(0.0, kDefaultShare * (range.upper - range.lower)));
+  if (options.breaklines.empty()) return lines;
+  LODE_TRY(lines.breaklines, io::read_lines(options.breaklines, frame.crs));
+  return lines;
+}
+
+/// Of what was opened without.
+template <typename Source>
+Result<void> open_lines(const std::string& path, const TerrainReadOptions& options, Source source,
+                        const HeightRange& range, OpenedTerrain& opened, Progress& progress) {
+  LODE_TRY(const TerrainLineOptions lines, read_line_options(options, opened.facts.frame, range));
+  LODE_TRY(LinedTerrain made,
+           naming(path, add_lines(std::move(source), lines, progress), progress));
+  opened.points = std::make_shared<const PointTerrain>(std::move(made.terrain));
+  opened.terrain = to_terrain(opened.points);
+  opened.lines = made.report;
+  return {};
+}
+
 Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOptions& options,
                                   Progress& progress) {
   PointTerrainOptions domain = options.domain;
@@ -75,7 +106,10 @@ Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOpti
   made.points.vertical_unit = file.vertical_unit;
   TerrainFacts facts = point_facts_of(file, made);
   auto points = std::make_shared<const PointTerrain>(std::move(made));
-  return OpenedTerrain{.terrain = to_terrain(points), .facts = std::move(facts), .points = points};
+  OpenedTerrain opened{.terrain = to_terrain(points), .facts = std::move(facts), .points = points};
+  if (options.has_lines())
+    LODE_CHECK(open_lines(path, options, *points, height_range(points->points), opened, progress));
+  return opened;
 }
 
 }  // namespace
@@ -116,6 +150,9 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
                 name_of(building->model));
   if (io::is_point_path(path)) return open_points(path, reading, progress);
   LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
+  if (building && reading.has_lines())
+    return fail("{}: expected no lines with a {}, got some: the delaunay_selector takes them", path,
+                name_of(building->model));
   if (building) {
     TerrainBuildOptions options = *building;
     options.sample_type = read.type;
@@ -130,7 +167,11 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
   }
   const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
   const std::shared_ptr<const HeightGrid> grid(raster, &raster->grid);
-  return OpenedTerrain{.terrain = Terrain(grid), .facts = facts_of(*raster), .grid = grid};
+  OpenedTerrain opened{.terrain = Terrain(grid), .facts = facts_of(*raster), .grid = grid};
+  if (reading.has_lines())
+    LODE_CHECK(
+        open_lines<const HeightGrid&>(path, reading, *grid, height_range(*grid), opened, progress));
+  return opened;
 } catch (const std::bad_alloc&) {
   return out_of_memory("open the terrain", path);
 }

@@ -7,6 +7,7 @@
 
 #include "lode/api/built_terrain.h"
 #include "lode/api/point_terrain.h"
+#include "lode/api/terrain_lines.h"
 #include "lode/api/terrain_source.h"
 #include "lode/core/height_frame.h"
 #include "lode/core/progress.h"
@@ -52,6 +53,19 @@ struct TerrainReadOptions {
   PointTerrainOptions domain{};
   /// A file of polygons (io/polygon_file.h), in place of domain.outline; empty: none.
   std::string outline{};
+  /// Critical points of at least this relief, ridges and channels become edges: see
+  /// terrain_lines.h.
+  std::optional<double> least_relief{};
+  bool keeps_features = false;  ///< Without a least relief: of 1 % of the range of heights.
+  std::string breaklines{};  ///< A file of lines (io/line_file.h) that become edges; empty: none.
+  bool is_draped = false;    ///< Whatever heights breaklines have.
+  /// Draped lines stay that near to the surface; without: a quarter percent of the range of
+  /// heights.
+  std::optional<double> drape_error{};
+
+  [[nodiscard]] bool has_lines() const {
+    return least_relief || keeps_features || !breaklines.empty();
+  }
 };
 
 /// A terrain from a file, ready to be asked.
@@ -59,9 +73,11 @@ struct OpenedTerrain {
   Terrain terrain;
   TerrainModel model = TerrainModel::delaunay_selector;
   TerrainFacts facts;
-  std::optional<BuiltTerrain> built{};           ///< Of all but the delaunay_selector.
-  std::shared_ptr<const PointTerrain> points{};  ///< Null: it is of a raster.
+  std::optional<BuiltTerrain> built{};  ///< Of all but the delaunay_selector.
+  /// Scattered points, or a terrain with lines; null: it is of a raster without.
+  std::shared_ptr<const PointTerrain> points{};
   std::shared_ptr<const HeightGrid> grid{};  ///< The raster; null where only a model is at hand.
+  std::optional<TerrainLineReport> lines{};  ///< Where there are some.
 };
 
 /// Whether a path is read as terrain: it is a raster of heights or of scattered points by its name,
@@ -72,9 +88,9 @@ struct OpenedTerrain {
 /// That there is a .lode file whose header and directory are whole, of whatever model.
 [[nodiscard]] Result<void> check_lode_opens(const std::string& path);
 
-/// Of a raster: with `building`, the model is built of it first; of points none can be. Of a .lode
-/// file the options of reading and building mean nothing. Fails as reading, make_point_terrain()
-/// and building do, naming the file.
+/// Of a raster: with `building`, the model is built of it first; of points, and with lines, none
+/// can be. Of a .lode file the options of reading and building mean nothing. Fails as reading,
+/// make_point_terrain() and building do, naming the file.
 [[nodiscard]] Result<OpenedTerrain> open_terrain(const std::string& path,
                                                  const TerrainReadOptions& reading,
                                                  const std::optional<TerrainBuildOptions>& building,

@@ -25,7 +25,10 @@ class PointOrigin final : public TerrainOrigin {
   [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
                                                delaunay::TinLinks links,
                                                Progress& progress) const override {
-    return select_terrain(*terrain_, options, links, progress);
+    LODE_TRY(SelectedTerrain made, select_terrain(*terrain_, options, links, progress));
+    made.report.n_missing = terrain_->n_missing;
+    made.report.n_left_out += terrain_->n_in_no_cell;
+    return made;
   }
 
  private:

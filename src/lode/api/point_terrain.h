@@ -28,7 +28,9 @@ struct PointTerrainOptions {
 struct PointTerrain {
   HeightPoints points;
   delaunay_selector::PointDomain domain;
-  std::uint64_t n_outside = 0;  ///< Points outside of the outline, which are not in `points`.
+  std::uint64_t n_outside = 0;     ///< Points outside of the outline, which are not in `points`.
+  std::uint64_t n_missing = 0;     ///< Of a raster, samples without height, which are no points.
+  std::uint64_t n_in_no_cell = 0;  ///< And so those in no cell with four heights.
 };
 
 /// To ask of; kept as long as that.

@@ -36,8 +36,12 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
                                               static_cast<double>(facts.n_cells)
                                         : 2;
   if (shape == TinShape::delaunay)
-    report.add("inner edges are Delaunay", facts.n_inner_edges, facts.n_not_delaunay,
+    report.add(facts.n_lines > 0 ? "other inner edges are Delaunay" : "inner edges are Delaunay",
+               facts.n_inner_edges, facts.n_not_delaunay,
                facts.n_not_delaunay > 0 ? fmt::format("{} are not", facts.n_not_delaunay) : "");
+  if (facts.n_lines > 0)
+    report.add("lines are edges", facts.n_lines, facts.n_broken_lines,
+               facts.n_broken_lines > 0 ? fmt::format("{} are broken", facts.n_broken_lines) : "");
   report.add("the domain is covered once", facts.n_cells > 0 ? facts.n_cells : facts.n_samples,
              facts.is_covered() ? 0 : 1,
              facts.is_covered()
@@ -95,7 +99,7 @@ Result<VerifyReport> verify_fine_tin(const HeightGrid& grid, const delaunay::Tin
 Result<VerifyReport> verify_terrain(const PointTerrain& terrain, const Surface& surface,
                                     double max_error, Threads threads, Progress& progress) try {
   LODE_TRY(const TinFacts facts,
-           check_point_tin(surface, terrain.points, terrain.domain.outline,
+           check_point_tin(surface, terrain.points, terrain.domain.outline, terrain.domain.lines,
                            terrain.points.nodes.size() - terrain.domain.n_left_out, max_error,
                            threads, progress));
   const Vec<double, 2> at = terrain.points.world(facts.worst.x, facts.worst.y);

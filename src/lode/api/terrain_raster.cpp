@@ -302,7 +302,7 @@ class OtherGrid {
 };
 
 Result<void> check_raster_options(const OpenedTerrain& opened, const TerrainRasterOptions& wanted) {
-  if (opened.points && !wanted.cell)
+  if (opened.points && !opened.grid && !wanted.cell)
     return fail("expected a cell, the size of pixels, for a raster of scattered points, got none");
   if (!wanted.cell && is_hierarchy(opened.model))
     return fail(

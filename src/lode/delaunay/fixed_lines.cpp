@@ -24,8 +24,9 @@ Edges outline_of(std::span<const std::array<std::uint32_t, 3>> triangles) {
 }
 
 /// Those that edges end at, from small to large.
-std::vector<std::uint32_t> ends_of(std::initializer_list<std::span<const Edges::value_type>> all) {
-  std::vector<std::uint32_t> ends;
+std::vector<std::uint32_t> ends_of(std::initializer_list<std::span<const Edges::value_type>> all,
+                                   std::span<const std::uint32_t> single) {
+  std::vector<std::uint32_t> ends(single.begin(), single.end());
   for (const auto edges : all)
     for (const auto& edge : edges) ends.insert(ends.end(), edge.begin(), edge.end());
   std::ranges::sort(ends);
@@ -38,9 +39,10 @@ std::vector<std::uint32_t> ends_of(std::initializer_list<std::span<const Edges::
 template <typename Nodes>
 Result<FixedRegion> fix_lines(const Nodes& nodes,
                               std::span<const std::array<std::uint32_t, 3>> triangles,
-                              std::span<const std::array<std::uint32_t, 2>> edges) {
+                              std::span<const std::array<std::uint32_t, 2>> edges,
+                              std::span<const std::uint32_t> single) {
   Edges outline = outline_of(triangles);
-  const std::vector<std::uint32_t> ends = ends_of({outline, edges});
+  const std::vector<std::uint32_t> ends = ends_of({outline, edges}, single);
   const auto place_of = [&](std::uint32_t node) {
     return static_cast<std::uint32_t>(std::ranges::lower_bound(ends, node) - ends.begin());
   };
@@ -63,9 +65,11 @@ Result<FixedRegion> fix_lines(const Nodes& nodes,
 
 template Result<FixedRegion> fix_lines(const LatticePacking&,
                                        std::span<const std::array<std::uint32_t, 3>>,
-                                       std::span<const std::array<std::uint32_t, 2>>);
+                                       std::span<const std::array<std::uint32_t, 2>>,
+                                       std::span<const std::uint32_t>);
 template Result<FixedRegion> fix_lines(const ListedNodes&,
                                        std::span<const std::array<std::uint32_t, 3>>,
-                                       std::span<const std::array<std::uint32_t, 2>>);
+                                       std::span<const std::array<std::uint32_t, 2>>,
+                                       std::span<const std::uint32_t>);
 
 }  // namespace lode::delaunay

@@ -287,13 +287,14 @@ Result<void> Triangulation::fix_edge(std::uint32_t a, std::uint32_t b) {
   return {};
 }
 
-Result<std::vector<std::uint32_t>> Triangulation::fix_path(std::uint32_t a, std::uint32_t b) {
+std::vector<std::uint32_t> Triangulation::fix_path(std::uint32_t a, std::uint32_t b) {
   std::vector<std::uint32_t> path{a};
   while (path.back() != b) {
     const std::uint32_t from = path.back();
-    LODE_TRY(Course course, find_course(from, b));
-    path.push_back(course.end);
-    fix_course(from, std::move(course));
+    Result<Course> course = find_course(from, b);
+    if (!course) break;
+    path.push_back(course->end);
+    fix_course(from, *std::move(course));
   }
   return path;
 }
@@ -349,20 +350,23 @@ Result<FixedRegion> triangulate_region(std::vector<Point> points,
                                        std::span<const std::array<std::uint32_t, 2>> outline,
                                        std::span<const std::array<std::uint32_t, 2>> lines) {
   LODE_TRY(Triangulation triangulation, Triangulation::of(std::move(points)));
-  const auto fix = [&](std::span<const std::array<std::uint32_t, 2>> edges)
-      -> Result<std::vector<std::array<std::uint32_t, 2>>> {
-    std::vector<std::array<std::uint32_t, 2>> made;
-    for (const auto& edge : edges) {
-      LODE_TRY(const auto path, triangulation.fix_path(edge[0], edge[1]));
-      for (std::size_t i = 1; i < path.size(); ++i) made.push_back({path[i - 1], path[i]});
-    }
-    return made;
+  using Edges = std::vector<std::array<std::uint32_t, 2>>;
+  /// Whether all of the way is fixed.
+  const auto fix = [&](const std::array<std::uint32_t, 2>& edge, Edges& made) {
+    const std::vector<std::uint32_t> path = triangulation.fix_path(edge[0], edge[1]);
+    for (std::size_t i = 1; i < path.size(); ++i) made.push_back({path[i - 1], path[i]});
+    return path.back() == edge[1];
   };
-  LODE_TRY(const auto closed, fix(outline));
+  Edges closed;
+  for (const auto& edge : outline)
+    if (!fix(edge, closed))
+      return fail("expected an outline that does not cross itself, got edge {}-{}", edge[0],
+                  edge[1]);
   LODE_TRY(const std::vector<bool> is_inside, triangulation.left_of(closed));
   // What is flipped from here on is on one side of the outline, and stays there.
   FixedRegion region;
-  LODE_TRY(region.edges, fix(lines));
+  for (std::uint32_t i = 0; i < lines.size(); ++i)
+    if (!fix(lines[i], region.edges)) region.crossing.push_back(i);
   region.triangles = triangulation.corners(is_inside);
   return region;
 }

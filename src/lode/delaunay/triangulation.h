@@ -35,8 +35,8 @@ class Triangulation {
   [[nodiscard]] Result<void> fix_edge(std::uint32_t a, std::uint32_t b);
 
   /// Makes all of the segment a-b edges, through the points that lie on it, which are returned from
-  /// a to b. Fails where it crosses a fixed edge.
-  [[nodiscard]] Result<std::vector<std::uint32_t>> fix_path(std::uint32_t a, std::uint32_t b);
+  /// a to b; up to the last before a fixed edge that is in the way, and no further.
+  [[nodiscard]] std::vector<std::uint32_t> fix_path(std::uint32_t a, std::uint32_t b);
 
   /// Which triangles lie in the region to the left of edges that have been fixed. Fails where the
   /// region is not closed, or on both sides of an edge.
@@ -106,10 +106,11 @@ class Triangulation {
 struct FixedRegion {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::array<std::uint32_t, 2>> edges;  ///< Of the lines, cut at points on them.
+  std::vector<std::uint32_t> crossing;  ///< Numbers of lines that are not whole; see below.
 };
 
-/// The same with lines, given as edges, that may meet the outline and each other at points only.
-/// Both may run through points. Fails where a line leaves the region, too.
+/// The same with lines, given as edges, in the region. All may run through points. Of a line that
+/// crosses the outline or an earlier line nothing is kept from the last point before that on.
 [[nodiscard]] Result<FixedRegion> triangulate_region(
     std::vector<Point> points, std::span<const std::array<std::uint32_t, 2>> outline,
     std::span<const std::array<std::uint32_t, 2>> lines);

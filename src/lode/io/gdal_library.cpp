@@ -121,6 +121,7 @@ void find_vector_input(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.destroy_geometry, "OGR_G_DestroyGeometry");
   finder.find(gdal.geometry_type, "OGR_G_GetGeometryType");
   finder.find(gdal.flat_type, "OGR_GT_Flatten");
+  finder.find(gdal.has_heights, "OGR_GT_HasZ");
   finder.find(gdal.geometry_name, "OGR_G_GetGeometryName");
   finder.find(gdal.n_parts, "OGR_G_GetGeometryCount");
   finder.find(gdal.part, "OGR_G_GetGeometryRef");

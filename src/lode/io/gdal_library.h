@@ -48,6 +48,7 @@ struct GdalLibrary {
   decltype(&OGR_G_DestroyGeometry) destroy_geometry = nullptr;
   decltype(&OGR_G_GetGeometryType) geometry_type = nullptr;
   decltype(&OGR_GT_Flatten) flat_type = nullptr;
+  decltype(&OGR_GT_HasZ) has_heights = nullptr;
   decltype(&OGR_G_GetGeometryName) geometry_name = nullptr;
   decltype(&OGR_G_GetGeometryCount) n_parts = nullptr;
   decltype(&OGR_G_GetGeometryRef) part = nullptr;

@@ -13,7 +13,9 @@ set(IO_HEIGHT_SOURCES
   point_las.cpp
   point_reader.cpp
   point_text.cpp
+  line_file.cpp
   polygon_file.cpp
+  vector_input.cpp
   proj_library.cpp
   quantized_mesh.cpp
   quantized_mesh_input.cpp

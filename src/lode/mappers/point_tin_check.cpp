@@ -11,6 +11,7 @@
 
 #include "lode/delaunay/lattice.h"
 #include "lode/mappers/tin_edge_check.h"
+#include "lode/mappers/tin_lines.h"
 #include "lode/mappers/worst_seen.h"
 
 namespace lode {
@@ -118,16 +119,20 @@ class PointTinChecker {
     slack_ = 0x1p-60L * (static_cast<long double>(range.upper) - range.lower);
   }
 
-  Result<TinFacts> run(std::uint64_t n_samples, Threads threads, Progress& progress) {
+  Result<TinFacts> run(std::span<const std::array<std::uint32_t, 2>> lines, std::uint64_t n_samples,
+                       Threads threads, Progress& progress) {
     facts_.n_vertices = surface_.positions.size();
     facts_.n_triangles = surface_.triangles.size();
     find_points();
     if (facts_.n_off_samples > 0) return facts_;
     check_turns(triangles_, nodes_, facts_);
     if (facts_.n_turned > 0) return facts_;
+    const TinLines fixed(triangles_, nodes_, places_of(lines));
+    facts_.n_lines = lines.size();
+    facts_.n_broken_lines = fixed.n_broken();
     check_edges(
         triangles_, nodes_, [this](LatticePoint a, LatticePoint b) { return outline_.has(a, b); },
-        facts_);
+        facts_, [&](std::uint32_t a, std::uint32_t b) { return fixed.has(a, b); });
     facts_.doubled_domain_area = outline_.doubled_area();
     facts_.n_samples = n_samples;
     LODE_CHECK(check_samples(threads, progress));
@@ -148,10 +153,19 @@ class PointTinChecker {
     return 0x1p-23 * std::abs(world[axis] - surface_.origin[axis]) +
            0x1p-51 * std::abs(world[axis]) + 0x1p-149;
   }
+  /// In columns and rows, and a little more.
+  [[nodiscard]] std::array<double, 2> reach_of(const Vec3d& world) const {
+    constexpr double kMore = 0.05;
+    const std::array<double, 6>& g = points_.to_world;
+    const double area = std::abs(g[1] * g[5] - g[2] * g[4]);
+    const double x = rounding_of(world, 0);
+    const double y = rounding_of(world, 1);
+    return {(std::abs(g[5]) * x + std::abs(g[2]) * y) / area + kMore,
+            (std::abs(g[4]) * x + std::abs(g[1]) * y) / area + kMore};
+  }
   [[nodiscard]] std::optional<std::uint32_t> find_point(const Vec3d& world) {
     const Vec<double, 2> at = points_.lattice(world[0], world[1]);
-    const std::array<double, 2> reach{rounding_of(world, 0) / points_.step() + 0.05,
-                                      rounding_of(world, 1) / points_.step() + 0.05};
+    const std::array<double, 2> reach = reach_of(world);
     const auto node = [&](double x, double y) {
       constexpr double kMost = 1 << 30;
       return LatticePoint{static_cast<std::int32_t>(std::clamp(std::round(x), -1.0, kMost)),
@@ -173,6 +187,13 @@ class PointTinChecker {
         });
     if (best) facts_.height_offset = std::max(facts_.height_offset, least);
     return best;
+  }
+
+  [[nodiscard]] std::vector<std::array<LatticePoint, 2>> places_of(
+      std::span<const std::array<std::uint32_t, 2>> lines) const {
+    std::vector<std::array<LatticePoint, 2>> places;
+    for (const auto& [a, b] : lines) places.push_back({points_.nodes[a], points_.nodes[b]});
+    return places;
   }
 
   using Seen = WorstSeen<long double>;
@@ -233,10 +254,11 @@ class PointTinChecker {
 
 Result<TinFacts> check_point_tin(const Surface& surface, const HeightPoints& points,
                                  std::span<const std::array<std::uint32_t, 2>> outline,
+                                 std::span<const std::array<std::uint32_t, 2>> lines,
                                  std::uint64_t n_samples, double max_error, Threads threads,
                                  Progress& progress) {
   return PointTinChecker(surface, points, PointOutline(points, outline), max_error)
-      .run(n_samples, threads, progress);
+      .run(lines, n_samples, threads, progress);
 }
 
 }  // namespace lode

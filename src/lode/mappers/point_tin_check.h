@@ -15,11 +15,14 @@ namespace lode {
 /// check_tin() of scattered points: holds a surface against them by squares of points and the signs
 /// of areas. A vertex is at a point where floats explain the distance; of several the one whose
 /// height is nearest. `outline`: edges of the domain, by numbers of points, the domain on their
-/// left; `n_samples`: how many points are in it. Errors are computed in 64 bits of mantissa, and
-/// what that rounds is allowed. `worst` of what is found is a node of the points' lattice.
+/// left; `lines`: edges that are to be edges of triangles, cut where points lie on them, and need
+/// not be Delaunay; `n_samples`: how many points are in the domain. Errors are computed in 64 bits
+/// of mantissa, and what that rounds is allowed. `worst` of what is found is a node of the points'
+/// lattice.
 [[nodiscard]] Result<TinFacts> check_point_tin(
     const Surface& surface, const HeightPoints& points,
-    std::span<const std::array<std::uint32_t, 2>> outline, std::uint64_t n_samples,
-    double max_error, Threads threads, Progress& progress);
+    std::span<const std::array<std::uint32_t, 2>> outline,
+    std::span<const std::array<std::uint32_t, 2>> lines, std::uint64_t n_samples, double max_error,
+    Threads threads, Progress& progress);
 
 }  // namespace lode

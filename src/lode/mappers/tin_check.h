@@ -23,6 +23,8 @@ struct TinFacts {
   std::uint64_t n_overused = 0;  ///< Of more than two triangles, or of two on one side.
   std::uint64_t n_inner_edges = 0;
   std::uint64_t n_not_delaunay = 0;      ///< The vertex across lies inside the circle.
+  std::uint64_t n_lines = 0;             ///< Edges that were to be fixed.
+  std::uint64_t n_broken_lines = 0;      ///< Those that are not all edges of triangles.
   std::uint64_t n_cells = 0;             ///< Of the domain of a grid.
   std::int64_t doubled_domain_area = 0;  ///< In squares of nodes.
   std::int64_t doubled_area = 0;         ///< Of all triangles.

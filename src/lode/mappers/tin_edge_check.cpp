@@ -57,7 +57,7 @@ void check_turns(std::span<const VertexTriple> triangles, std::span<const Lattic
 }
 
 void check_edges(std::span<const VertexTriple> triangles, std::span<const LatticePoint> nodes,
-                 const IsOutline& is_outline, TinFacts& facts) {
+                 const IsOutline& is_outline, TinFacts& facts, const IsFixed& is_fixed) {
   const std::vector<TinEdge> edges = sorted_edges(triangles);
   for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
     while (end < edges.size() && edges[end].lower == edges[first].lower &&
@@ -75,7 +75,8 @@ void check_edges(std::span<const VertexTriple> triangles, std::span<const Lattic
     } else {
       ++facts.n_inner_edges;
       facts.n_not_delaunay += static_cast<std::uint64_t>(
-          is_hit(triangles[a.triangle], edges[first + 1].opposite, nodes));
+          is_hit(triangles[a.triangle], edges[first + 1].opposite, nodes) &&
+          !(is_fixed && is_fixed(a.lower, a.upper)));
     }
   }
 }

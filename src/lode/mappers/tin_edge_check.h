@@ -23,10 +23,13 @@ void check_turns(std::span<const std::array<std::uint32_t, 3>> triangles,
 
 /// Whether all of the way between two nodes is outline, the domain on its left.
 using IsOutline = std::function<bool(LatticePoint, LatticePoint)>;
+/// Whether the edge between two vertices is part of a line, and need not be Delaunay.
+using IsFixed = std::function<bool(std::uint32_t, std::uint32_t)>;
 
 /// Looks at all edges of triangles that turn left: what is beside them, whether those on the border
-/// are on the outline and all others Delaunay, which CGAL's exact predicates decide.
+/// are on the outline and all others Delaunay, which CGAL's exact predicates decide, or fixed.
 void check_edges(std::span<const std::array<std::uint32_t, 3>> triangles,
-                 std::span<const LatticePoint> nodes, const IsOutline& is_outline, TinFacts& facts);
+                 std::span<const LatticePoint> nodes, const IsOutline& is_outline, TinFacts& facts,
+                 const IsFixed& is_fixed = {});
 
 }  // namespace lode

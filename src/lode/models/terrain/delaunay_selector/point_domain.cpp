@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lode/delaunay/convex_hull.h"
+#include "lode/delaunay/fixed_lines.h"
 #include "lode/delaunay/lattice_side.h"
 #include "lode/delaunay/point_insertion.h"
 #include "lode/delaunay/tin.h"
@@ -59,6 +60,34 @@ Result<PointDomain> find_hull(const HeightPoints& points) {
   for (std::uint32_t i = 0; i < corners.size(); ++i)
     edges.push_back({i, i + 1 < corners.size() ? i + 1 : 0});
   return domain_within(points, corners, edges);
+}
+
+Result<PointDomain> with_lines(const HeightPoints& points, const PointDomain& domain,
+                               std::span<const Edge> edges, std::span<const std::uint32_t> single,
+                               std::uint64_t& n_crossing) {
+  LODE_TRY(delaunay::FixedRegion region, delaunay::fix_lines(delaunay::ListedNodes(points.nodes),
+                                                             domain.triangles, edges, single));
+  n_crossing = region.crossing.size();
+  PointDomain made;
+  made.outline = domain.outline;
+  made.lines = std::move(region.edges);
+  made.triangles = std::move(region.triangles);
+  delaunay::Tin tin;
+  std::vector<std::uint32_t> number_of(points.nodes.size(), delaunay::kNoHalfEdge);
+  for (const Corners& corner : made.triangles) {
+    Corners numbers{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::uint32_t& number = number_of[corner[i]];
+      if (number == delaunay::kNoHalfEdge) {
+        number = static_cast<std::uint32_t>(tin.vertices.size());
+        tin.vertices.push_back(points.nodes[corner[i]]);
+      }
+      numbers[i] = number;
+    }
+    tin.triangles.push_back(numbers);
+  }
+  locate_points(points, std::move(tin), made);
+  return made;
 }
 
 Result<PointDomain> find_part(const HeightPoints& points, const KeepTriangle& keep,

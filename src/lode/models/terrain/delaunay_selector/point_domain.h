@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "lode/core/height_points.h"
@@ -17,6 +18,7 @@ struct PointDomain {
   /// coarsest triangulation that has the whole outline.
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::array<std::uint32_t, 2>> outline;  ///< Edges, the domain on their left.
+  std::vector<std::array<std::uint32_t, 2>> lines;    ///< Inside; every TIN has them as edges.
   /// By point, one of the triangles that hold it; delaunay::kNoHalfEdge: it is left out.
   std::vector<std::uint32_t> triangle_of;
   std::uint64_t n_left_out = 0;
@@ -24,6 +26,15 @@ struct PointDomain {
 
 /// The convex hull. Fails on fewer than three points that are not on one line.
 [[nodiscard]] Result<PointDomain> find_hull(const HeightPoints& points);
+
+/// A domain with lines in it, given as edges, and single points that every TIN is to have: the
+/// triangles become those of delaunay::fix_lines(). Edges should meet at points only; of those that
+/// cross nothing is kept beyond the last point before that, and n_crossing tells how many there
+/// are.
+[[nodiscard]] Result<PointDomain> with_lines(const HeightPoints& points, const PointDomain& domain,
+                                             std::span<const std::array<std::uint32_t, 2>> edges,
+                                             std::span<const std::uint32_t> single,
+                                             std::uint64_t& n_crossing);
 
 /// Whether a triangle of points, turning left, is to be part of a domain.
 using KeepTriangle = std::function<bool(const std::array<std::uint32_t, 3>&)>;

@@ -27,8 +27,9 @@ std::vector<double> heights_of(const delaunay::Tin& tin, const HeightGrid& grid)
   return heights;
 }
 
-Selection to_selection(const delaunay::PointMesh& mesh, const SpatialOrder& order,
+Selection to_selection(delaunay::PointMesh& mesh, const SpatialOrder& order,
                        const PointDomain& domain, delaunay::TinLinks links) {
+  mesh.heal();
   Selection selection;
   selection.tin = order.to_tin(mesh, links);
   selection.n_samples = order.nodes.size() - domain.n_left_out;
@@ -70,7 +71,7 @@ Result<Selection> select_points(const HeightPoints& points, const PointDomain& d
   const HeightRange range = height_range(points);
   LODE_CHECK(delaunay::check_heights(range));
   const SpatialOrder order(points, domain);
-  delaunay::PointMesh mesh(delaunay::ListedNodes(order.nodes), order.triangles);
+  delaunay::PointMesh mesh = order.mesh();
   LODE_TRY(
       const delaunay::GreedyReport report,
       delaunay::insert_points(mesh, order.samples(), range, greedy_options(options), progress));
@@ -86,7 +87,7 @@ Result<Selection> select_all_points(const HeightPoints& points, const PointDomai
                                     Progress& progress) {
   LODE_CHECK(delaunay::check_heights(height_range(points)));
   const SpatialOrder order(points, domain);
-  delaunay::PointMesh mesh(delaunay::ListedNodes(order.nodes), order.triangles);
+  delaunay::PointMesh mesh = order.mesh();
   LODE_CHECK(delaunay::insert_all_points(mesh, order.samples(), progress));
   return to_selection(mesh, order, domain, delaunay::TinLinks::kept);
 }

@@ -40,6 +40,13 @@ SpatialOrder::SpatialOrder(const HeightPoints& points, const PointDomain& domain
   triangles.reserve(domain.triangles.size());
   for (const auto& t : domain.triangles)
     triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
+  for (const auto& [a, b] : domain.lines) lines.push_back({number[a], number[b]});
+}
+
+delaunay::PointMesh SpatialOrder::mesh() const {
+  delaunay::PointMesh made(delaunay::ListedNodes(nodes), triangles);
+  if (!lines.empty()) made.cut(lines);
+  return made;
 }
 
 delaunay::Tin SpatialOrder::to_tin(const delaunay::PointMesh& mesh,

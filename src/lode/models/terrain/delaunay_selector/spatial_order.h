@@ -19,12 +19,15 @@ struct SpatialOrder {
   std::vector<LatticePoint> nodes;
   std::vector<double> heights;
   std::vector<std::uint32_t> triangle_of;
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Of the domain.
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Of the domain, and so the lines.
+  std::vector<std::array<std::uint32_t, 2>> lines;
 
   SpatialOrder(const HeightPoints& points, const PointDomain& domain);
 
   [[nodiscard]] delaunay::PointSamples samples() const { return {nodes, heights, triangle_of}; }
-  /// The TIN of a mesh of these points, with heights, its vertices in rows.
+  /// The domain's triangles, cut along its lines.
+  [[nodiscard]] delaunay::PointMesh mesh() const;
+  /// The TIN of a mesh of these points, healed, with heights, its vertices in rows.
   [[nodiscard]] delaunay::Tin to_tin(const delaunay::PointMesh& mesh,
                                      delaunay::TinLinks links) const;
 };

@@ -1,0 +1,83 @@
+#include "lode/io/line_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <utility>
+
+#include "lode/core/out_of_memory.h"
+#include "lode/io/input_file.h"
+#include "lode/io/vector_input.h"
+
+namespace lode::io {
+namespace {
+
+/// Of a line, or of a ring.
+Result<PlaceLine> read_line(const std::string& path, const GdalLibrary& gdal, OGRGeometryH geometry,
+                            GIntBig number) {
+  PlaceLine line(static_cast<std::size_t>(std::max(0, gdal.n_points(geometry))));
+  static_assert(sizeof(Vec3d) == 3 * sizeof(double));
+  constexpr int kStep = sizeof(Vec3d);
+  if (line.size() < 2)
+    return fail("{}: expected lines of two points or more, got {} in feature {}", path, line.size(),
+                number);
+  double* first = line.data()->v.data();
+  gdal.points(geometry, first, kStep, first + 1, kStep, first + 2, kStep);
+  const bool has_heights = gdal.has_heights(gdal.geometry_type(geometry)) != 0;
+  for (Vec3d& p : line) {
+    if (!has_heights) p[2] = std::numeric_limits<double>::quiet_NaN();
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || std::isinf(p[2]))
+      return fail("{}: expected finite coordinates, got {}, {}, {} in feature {}", path, p[0], p[1],
+                  p[2], number);
+  }
+  return line;
+}
+
+Result<void> transform_lines(const PlaceTransform& way, std::vector<PlaceLine>& lines) {
+  std::vector<double> x;
+  std::vector<double> y;
+  for (PlaceLine& line : lines) {
+    x.clear();
+    y.clear();
+    for (const Vec3d& p : line) {
+      x.push_back(p[0]);
+      y.push_back(p[1]);
+    }
+    LODE_CHECK(way.apply(x, y));
+    for (std::size_t i = 0; i < line.size(); ++i) line[i] = {{x[i], y[i], line[i][2]}};
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<PlaceLine>> read_lines(const std::string& path, const std::string& crs) try {
+  if (!is_vector_path(path))
+    return fail("{}: expected a file that ends in .geojson, .json, .gpkg or .shp", path);
+  // GDAL takes URLs and the text of some formats for names, too.
+  LODE_TRY(const InputFilePtr opened, InputFile::open(path));
+  LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
+  const VectorInput input(path, "lines", gdal);
+  std::vector<PlaceLine> lines;
+  const auto add = [&](OGRGeometryH geometry, GIntBig number) -> Result<void> {
+    const OGRwkbGeometryType type = gdal->flat_type(gdal->geometry_type(geometry));
+    const bool is_polygon = type == wkbPolygon;
+    if (!is_polygon && type != wkbLineString) return input.other_than_wanted(geometry, number);
+    const int n = is_polygon ? gdal->n_parts(geometry) : 1;
+    for (int i = 0; i < n; ++i) {
+      LODE_TRY(PlaceLine line,
+               read_line(path, *gdal, is_polygon ? gdal->part(geometry, i) : geometry, number));
+      lines.push_back(std::move(line));
+    }
+    return {};
+  };
+  LODE_TRY(const std::string own_crs, input.read(add));
+  LODE_TRY(const PlaceTransform way, PlaceTransform::make(path, own_crs, crs, "samples"));
+  LODE_CHECK(transform_lines(way, lines));
+  return lines;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("read the lines", path);
+}
+
+}  // namespace lode::io

@@ -1,0 +1,148 @@
+#include "lode/models/terrain/terrain_lines/noding.h"
+
+#include <geos_c.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace lode::terrain_lines {
+namespace {
+
+/// GEOS for one thread, and what it last complained of.
+class Geos {
+ public:
+  Geos() : handle_(GEOS_init_r()) {
+    GEOSContext_setErrorMessageHandler_r(handle_, &Geos::on_error, &error_);
+  }
+  Geos(const Geos&) = delete;
+  Geos& operator=(const Geos&) = delete;
+  ~Geos() { GEOS_finish_r(handle_); }
+
+  [[nodiscard]] GEOSContextHandle_t handle() const { return handle_; }
+  [[nodiscard]] const std::string& error() const { return error_; }
+
+ private:
+  static void on_error(const char* message, void* error) {
+    *static_cast<std::string*>(error) = message;
+  }
+
+  GEOSContextHandle_t handle_;
+  std::string error_;
+};
+
+struct GeometryDeleter {
+  GEOSContextHandle_t handle;
+  void operator()(GEOSGeometry* geometry) const { GEOSGeom_destroy_r(handle, geometry); }
+};
+using Geometry = std::unique_ptr<GEOSGeometry, GeometryDeleter>;
+
+class LineNoder {
+ public:
+  Result<NodedLines> run(std::span<const std::vector<Vec3d>> lines) {
+    LODE_TRY(const Geometry all, to_geometry(lines));
+    const Geometry noded(GEOSUnaryUnionPrec_r(geos_.handle(), all.get(), 1), {geos_.handle()});
+    if (noded == nullptr) return refused();
+    LODE_CHECK(add(noded.get()));
+    return take();
+  }
+
+ private:
+  struct Vertex {
+    LatticePoint at;
+    double height;
+  };
+
+  [[nodiscard]] Error refused() const {
+    return fail("expected lines that GEOS can take together, got: {}",
+                geos_.error().empty() ? "no reason" : geos_.error());
+  }
+
+  Result<Geometry> to_geometry(std::span<const std::vector<Vec3d>> lines) const {
+    std::vector<Geometry> parts;
+    for (const std::vector<Vec3d>& line : lines) {
+      const auto n = static_cast<unsigned>(line.size());
+      GEOSCoordSequence* points =
+          GEOSCoordSeq_copyFromBuffer_r(geos_.handle(), line.data()->v.data(), n, 1, 0);
+      if (points == nullptr) return refused();
+      parts.emplace_back(GEOSGeom_createLineString_r(geos_.handle(), points),
+                         GeometryDeleter{geos_.handle()});
+      if (parts.back() == nullptr) return refused();
+    }
+    std::vector<GEOSGeometry*> raw;
+    for (Geometry& part : parts) raw.push_back(part.release());
+    Geometry all(GEOSGeom_createCollection_r(geos_.handle(), GEOS_MULTILINESTRING, raw.data(),
+                                             static_cast<unsigned>(raw.size())),
+                 {geos_.handle()});
+    if (all == nullptr) return refused();
+    return all;
+  }
+
+  Result<void> add(const GEOSGeometry* geometry) {
+    const int n = GEOSGetNumGeometries_r(geos_.handle(), geometry);
+    const int type = GEOSGeomTypeId_r(geos_.handle(), geometry);
+    if (type == GEOS_LINESTRING) return add_line(geometry);
+    for (int i = 0; i < n; ++i) LODE_CHECK(add(GEOSGetGeometryN_r(geos_.handle(), geometry, i)));
+    return {};
+  }
+
+  Result<void> add_line(const GEOSGeometry* line) {
+    const GEOSCoordSequence* points = GEOSGeom_getCoordSeq_r(geos_.handle(), line);
+    unsigned n = 0;
+    if (points == nullptr || GEOSCoordSeq_getSize_r(geos_.handle(), points, &n) == 0)
+      return refused();
+    std::vector<Vec3d> coordinates(n);
+    if (n > 0 && GEOSCoordSeq_copyToBuffer_r(geos_.handle(), points, coordinates.data()->v.data(),
+                                             1, 0) == 0)
+      return refused();
+    for (unsigned i = 0; i < n; ++i) {
+      const auto node = [](double x) { return static_cast<std::int32_t>(std::lround(x)); };
+      vertices_.push_back({{node(coordinates[i][0]), node(coordinates[i][1])}, coordinates[i][2]});
+      if (i > 0) ends_.push_back(vertices_.size() - 1);
+    }
+    return {};
+  }
+
+  /// Of vertices at one node, the first in order of heights that is one.
+  NodedLines take() const {
+    std::vector<std::size_t> order(vertices_.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    const auto row_order = [](LatticePoint p) { return std::pair(p.y, p.x); };
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return row_order(vertices_[i].at); });
+    NodedLines noded;
+    std::vector<std::uint32_t> number(order.size());
+    for (const std::size_t i : order) {
+      const Vertex& vertex = vertices_[i];
+      if (noded.nodes.empty() || noded.nodes.back() != vertex.at) {
+        noded.nodes.push_back(vertex.at);
+        noded.heights.push_back(vertex.height);
+      } else if (std::isnan(noded.heights.back())) {
+        noded.heights.back() = vertex.height;
+      }
+      number[i] = static_cast<std::uint32_t>(noded.nodes.size() - 1);
+    }
+    for (const std::size_t end : ends_) {
+      const auto [a, b] = std::minmax(number[end - 1], number[end]);
+      if (a != b) noded.edges.push_back({a, b});
+    }
+    std::ranges::sort(noded.edges);
+    noded.edges.erase(std::ranges::unique(noded.edges).begin(), noded.edges.end());
+    return noded;
+  }
+
+  Geos geos_;
+  std::vector<Vertex> vertices_;
+  std::vector<std::size_t> ends_;  ///< Of edges: vertices that the one before is joined to.
+};
+
+}  // namespace
+
+Result<NodedLines> node_lines(std::span<const std::vector<Vec3d>> lines) {
+  if (lines.empty()) return NodedLines{};
+  return LineNoder().run(lines);
+}
+
+}  // namespace lode::terrain_lines
