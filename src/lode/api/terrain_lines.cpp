@@ -45,12 +45,13 @@ struct Ground {
 /// What lines are to be made of a terrain's points.
 struct Fixed {
   std::vector<Edge> edges;
+  std::vector<Edge> own;  ///< Of them, those whose heights points on them get; sorted.
   std::vector<std::uint32_t> single;
 };
 
 /// Adds features to the lines, as edges of points.
-Result<void> add_features(const Ground& ground, double least_relief, Fixed& fixed,
-                          TerrainLineReport& report, Progress& progress) {
+Result<void> add_features(const Ground& ground, double least_relief, bool has_breaklines,
+                          Fixed& fixed, TerrainLineReport& report, Progress& progress) {
   LODE_TRY(const terrain_features::Features features,
            terrain_features::find_features(ground.surface, least_relief, progress));
   report.least_relief = least_relief;
@@ -72,7 +73,11 @@ Result<void> add_features(const Ground& ground, double least_relief, Fixed& fixe
   }
   for (const terrain_features::CriticalPoint& point : features.points)
     fixed.single.push_back(point_of(point.vertex));
-  fixed.edges = terrain_lines::straight_runs(ground.terrain.points.nodes, steps, fixed.single);
+  // Where breaklines cross them, what becomes of longer edges is no longer known.
+  if (has_breaklines)
+    fixed.edges = std::move(steps);
+  else
+    fixed.edges = terrain_lines::straight_runs(ground.terrain.points.nodes, steps, fixed.single);
   return {};
 }
 
@@ -94,6 +99,7 @@ std::vector<PlaceLine> to_surface(std::span<const PlaceLine> lines, const Ground
 std::vector<std::uint32_t> add_nodes(HeightPoints& points, const terrain_lines::NodedLines& noded,
                                      std::vector<std::uint32_t>& moved_to,
                                      TerrainLineReport& report) {
+  constexpr double kRounding = 0x1p-44;
   const HeightPoints before = points;
   points.nodes.clear();
   points.heights.clear();
@@ -108,10 +114,12 @@ std::vector<std::uint32_t> add_nodes(HeightPoints& points, const terrain_lines::
     const bool has_new = k < noded.nodes.size() &&
                          (i == before.nodes.size() || !is_before(before.nodes[i], noded.nodes[k]));
     points.nodes.push_back(has_old ? before.nodes[i] : noded.nodes[k]);
-    points.heights.push_back(has_new ? noded.heights[k] : before.heights[i]);
-    if (has_old && has_new) {
-      const double change = std::abs(noded.heights[k] - before.heights[i]);
-      report.n_replaced += static_cast<std::uint64_t>(change > 0);
+    const double change = has_old && has_new ? std::abs(noded.heights[k] - before.heights[i]) : 0;
+    // What lines took from the surface there is rounded.
+    const bool is_same = has_old && (!has_new || change <= kRounding * std::abs(before.heights[i]));
+    points.heights.push_back(is_same ? before.heights[i] : noded.heights[k]);
+    if (has_old && !is_same) {
+      ++report.n_replaced;
       report.largest_change = std::max(report.largest_change, change);
     }
     if (has_old) moved_to[i++] = number;
@@ -138,8 +146,8 @@ Result<void> add_breaklines(Ground& ground, const TerrainLineOptions& options, F
   report.n_cut = laid.n_cut;
   if (laid.parts.empty()) return {};
   const double scale = ground.scale;
-  for (PlaceLine& part : laid.parts)
-    for (Vec3d& p : part) {
+  for (terrain_lines::LineToNode& part : laid.parts)
+    for (Vec3d& p : part.places) {
       const Vec<double, 2> at{{p[0] * scale, p[1] * scale}};
       const Vec<double, 2> node{{std::round(at[0]), std::round(at[1])}};
       const auto from = points.world(at[0], at[1]);
@@ -149,7 +157,7 @@ Result<void> add_breaklines(Ground& ground, const TerrainLineOptions& options, F
       p = {{at[0], at[1], p[2]}};
     }
   for (const auto& [a, b] : fixed.edges) {
-    PlaceLine& line = laid.parts.emplace_back();
+    PlaceLine& line = laid.parts.emplace_back().places;
     for (const std::uint32_t end : {a, b})
       line.push_back({{static_cast<double>(points.nodes[end].x),
                        static_cast<double>(points.nodes[end].y), points.heights[end]}});
@@ -158,7 +166,12 @@ Result<void> add_breaklines(Ground& ground, const TerrainLineOptions& options, F
   std::vector<std::uint32_t> moved_to;
   const std::vector<std::uint32_t> numbers = add_nodes(points, noded, moved_to, report);
   fixed.edges.clear();
-  for (const auto& [a, b] : noded.edges) fixed.edges.push_back({numbers[a], numbers[b]});
+  for (std::size_t i = 0; i < noded.edges.size(); ++i) {
+    const auto [a, b] = std::minmax(numbers[noded.edges[i][0]], numbers[noded.edges[i][1]]);
+    fixed.edges.push_back({a, b});
+    if (noded.has_own_heights[i]) fixed.own.push_back({a, b});
+  }
+  std::ranges::sort(fixed.own);
   for (std::uint32_t& point : fixed.single) point = moved_to[point];
   PointDomain& domain = ground.terrain.domain;
   for (auto& corner : domain.triangles)
@@ -168,6 +181,33 @@ Result<void> add_breaklines(Ground& ground, const TerrainLineOptions& options, F
   return {};
 }
 
+/// Gives points on breaklines with own heights those.
+void put_on_lines(const PointDomain& domain, std::span<const Edge> own, HeightPoints& points,
+                  TerrainLineReport& report) {
+  if (own.empty()) return;
+  for (std::uint32_t p = 0; p < points.nodes.size(); ++p) {
+    if (domain.triangle_of[p] == delaunay::kNoHalfEdge) continue;
+    const auto& corner = domain.triangles[domain.triangle_of[p]];
+    if (std::ranges::find(corner, p) != corner.end()) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto [a, b] = std::minmax(corner[i], corner[(i + 1) % 3]);
+      const LatticePoint from = points.nodes[a];
+      const LatticePoint to = points.nodes[b];
+      const LatticePoint at = points.nodes[p];
+      if (delaunay::doubled_area(from, to, at) != 0 || !std::ranges::binary_search(own, Edge{a, b}))
+        continue;
+      const double t =
+          std::hypot(at.x - from.x, at.y - from.y) / std::hypot(to.x - from.x, to.y - from.y);
+      const double height = points.heights[a] * (1 - t) + points.heights[b] * t;
+      const double change = std::abs(height - points.heights[p]);
+      report.n_replaced += static_cast<std::uint64_t>(change > 0);
+      report.largest_change = std::max(report.largest_change, change);
+      points.heights[p] = height;
+      break;
+    }
+  }
+}
+
 Result<LinedTerrain> add_lines_to(Ground ground, const TerrainLineOptions& options,
                                   Progress& progress) {
   LODE_EXPECTS(!options.least_relief || *options.least_relief >= 0);
@@ -175,13 +215,15 @@ Result<LinedTerrain> add_lines_to(Ground ground, const TerrainLineOptions& optio
   LinedTerrain made;
   Fixed fixed;
   if (options.least_relief)
-    LODE_CHECK(add_features(ground, *options.least_relief, fixed, made.report, progress));
+    LODE_CHECK(add_features(ground, *options.least_relief, !options.breaklines.empty(), fixed,
+                            made.report, progress));
   if (!options.breaklines.empty())
     LODE_CHECK(add_breaklines(ground, options, fixed, made.report, progress));
   ground.surface = {};
   LODE_TRY(PointDomain domain,
            delaunay_selector::with_lines(ground.terrain.points, ground.terrain.domain, fixed.edges,
                                          fixed.single, made.report.n_crossing));
+  put_on_lines(domain, fixed.own, ground.terrain.points, made.report);
   made.terrain = std::move(ground.terrain);
   made.terrain.domain = std::move(domain);
   made.report.n_edges = made.terrain.domain.lines.size();

@@ -113,7 +113,7 @@ class LineLayer {
   }
 
   /// False where something is outside.
-  bool add_parts(bool is_own, std::vector<PlaceLine>& parts) {
+  bool add_parts(bool is_own, std::vector<LineToNode>& parts) {
     bool is_whole = true;
     for (std::size_t first = 0; first < looks_.size();) {
       if (std::isnan(looks_[first].height)) {
@@ -124,7 +124,7 @@ class LineLayer {
       std::size_t end = first;
       while (end < looks_.size() && !std::isnan(looks_[end].height)) ++end;
       PlaceLine part = is_own ? own_part(first, end) : draped_part(first, end);
-      if (part.size() > 1) parts.push_back(std::move(part));
+      if (part.size() > 1) parts.push_back({std::move(part), is_own});
       first = end;
     }
     return is_whole;

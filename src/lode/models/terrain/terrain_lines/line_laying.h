@@ -7,6 +7,7 @@
 #include "lode/core/place_line.h"
 #include "lode/core/progress.h"
 #include "lode/locate/tin_locator.h"
+#include "lode/models/terrain/terrain_lines/noding.h"
 
 namespace lode::terrain_lines {
 
@@ -18,10 +19,10 @@ struct LayingOptions {
 };
 
 struct LaidLines {
-  std::vector<PlaceLine> parts;  ///< Of two places or more, columns and rows; all with heights.
-  std::uint64_t n_own = 0;       ///< Lines with their own heights.
-  std::uint64_t n_outside = 0;   ///< Lines no part of which is in the domain.
-  std::uint64_t n_cut = 0;       ///< Lines of which some is outside.
+  std::vector<LineToNode> parts;  ///< Of two places or more; all with heights.
+  std::uint64_t n_own = 0;        ///< Lines with their own heights.
+  std::uint64_t n_outside = 0;    ///< Lines no part of which is in the domain, or of one place.
+  std::uint64_t n_cut = 0;        ///< Lines of which some is outside.
 };
 
 /// Lays lines, columns and rows, onto a TIN with heights: what is outside of its triangles, looked

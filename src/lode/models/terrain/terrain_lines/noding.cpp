@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -42,7 +42,7 @@ using Geometry = std::unique_ptr<GEOSGeometry, GeometryDeleter>;
 
 class LineNoder {
  public:
-  Result<NodedLines> run(std::span<const std::vector<Vec3d>> lines) {
+  Result<NodedLines> run(std::span<const LineToNode> lines) {
     LODE_TRY(const Geometry all, to_geometry(lines));
     const Geometry noded(GEOSUnaryUnionPrec_r(geos_.handle(), all.get(), 1), {geos_.handle()});
     if (noded == nullptr) return refused();
@@ -61,12 +61,12 @@ class LineNoder {
                 geos_.error().empty() ? "no reason" : geos_.error());
   }
 
-  Result<Geometry> to_geometry(std::span<const std::vector<Vec3d>> lines) const {
+  Result<Geometry> to_geometry(std::span<const LineToNode> lines) const {
     std::vector<Geometry> parts;
-    for (const std::vector<Vec3d>& line : lines) {
-      const auto n = static_cast<unsigned>(line.size());
+    for (const auto& [places, has_own_heights] : lines) {
+      const auto n = static_cast<unsigned>(places.size());
       GEOSCoordSequence* points =
-          GEOSCoordSeq_copyFromBuffer_r(geos_.handle(), line.data()->v.data(), n, 1, 0);
+          GEOSCoordSeq_copyFromBuffer_r(geos_.handle(), places.data()->v.data(), n, 1, 0);
       if (points == nullptr) return refused();
       parts.emplace_back(GEOSGeom_createLineString_r(geos_.handle(), points),
                          GeometryDeleter{geos_.handle()});
@@ -138,11 +138,80 @@ class LineNoder {
   std::vector<std::size_t> ends_;  ///< Of edges: vertices that the one before is joined to.
 };
 
+/// Finds the edges that lines with own heights have become.
+class OwnEdges {
+ public:
+  explicit OwnEdges(NodedLines& noded) : noded_(noded) {
+    noded_.has_own_heights.assign(noded_.edges.size(), false);
+    for (std::uint32_t i = 0; i < noded_.edges.size(); ++i)
+      for (const std::uint32_t end : noded_.edges[i]) sides_.push_back({end, i});
+    std::ranges::sort(sides_);
+  }
+
+  /// Along a piece of a line, by the edges that lead on and stay within the rounding of it.
+  void follow(const Vec3d& from, const Vec3d& to) {
+    const Vec<double, 2> a{{from[0], from[1]}};
+    const Vec<double, 2> way = Vec<double, 2>{{to[0], to[1]}} - a;
+    const double length = std::hypot(way[0], way[1]);
+    std::optional<std::uint32_t> at = node_at(from);
+    double along = -kReach;
+    while (at && noded_.nodes[*at] != rounded(to)) {
+      std::optional<std::uint32_t> best;
+      double least = kReach;
+      const auto ends = std::ranges::equal_range(sides_, *at, {}, &Side::node);
+      double next_along = along;
+      for (const Side& side : ends) {
+        const auto& edge = noded_.edges[side.edge];
+        const LatticePoint p = noded_.nodes[edge[0] == *at ? edge[1] : edge[0]];
+        const Vec<double, 2> off{{p.x - a[0], p.y - a[1]}};
+        const double ahead = (off[0] * way[0] + off[1] * way[1]) / length;
+        const double beside = std::abs(off[0] * way[1] - off[1] * way[0]) / length;
+        if (ahead <= along || ahead > length + kReach || beside >= least) continue;
+        least = beside;
+        best = side.edge;
+        next_along = ahead;
+      }
+      if (!best) return;
+      noded_.has_own_heights[*best] = true;
+      const auto& edge = noded_.edges[*best];
+      at = edge[0] == *at ? edge[1] : edge[0];
+      along = next_along;
+    }
+  }
+
+ private:
+  /// More than the diagonal of half a cell.
+  static constexpr double kReach = 1;
+  struct Side {
+    std::uint32_t node;
+    std::uint32_t edge;
+    auto operator<=>(const Side&) const = default;
+  };
+  static LatticePoint rounded(const Vec3d& p) {
+    return {static_cast<std::int32_t>(std::lround(p[0])),
+            static_cast<std::int32_t>(std::lround(p[1]))};
+  }
+  [[nodiscard]] std::optional<std::uint32_t> node_at(const Vec3d& p) const {
+    const auto row_order = [](LatticePoint q) { return std::pair(q.y, q.x); };
+    const auto found = std::ranges::lower_bound(noded_.nodes, row_order(rounded(p)), {}, row_order);
+    if (found == noded_.nodes.end() || *found != rounded(p)) return std::nullopt;
+    return static_cast<std::uint32_t>(found - noded_.nodes.begin());
+  }
+
+  NodedLines& noded_;
+  std::vector<Side> sides_;
+};
+
 }  // namespace
 
-Result<NodedLines> node_lines(std::span<const std::vector<Vec3d>> lines) {
+Result<NodedLines> node_lines(std::span<const LineToNode> lines) {
   if (lines.empty()) return NodedLines{};
-  return LineNoder().run(lines);
+  LODE_TRY(NodedLines noded, LineNoder().run(lines));
+  OwnEdges own(noded);
+  for (const auto& [places, has_own_heights] : lines)
+    for (std::size_t i = 0; has_own_heights && i + 1 < places.size(); ++i)
+      own.follow(places[i], places[i + 1]);
+  return noded;
 }
 
 }  // namespace lode::terrain_lines

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "lode/core/lattice_point.h"
+#include "lode/core/place_line.h"
 #include "lode/core/result.h"
-#include "lode/core/vec.h"
 
 namespace lode::terrain_lines {
 
@@ -15,15 +15,20 @@ namespace lode::terrain_lines {
 struct NodedLines {
   std::vector<LatticePoint> nodes;                  ///< Different; those that edges end at.
   std::vector<double> heights;                      ///< By node; NaN: its lines have none.
-  std::vector<std::array<std::uint32_t, 2>> edges;  ///< By numbers of nodes, none twice.
+  std::vector<std::array<std::uint32_t, 2>> edges;  ///< By numbers of nodes, sorted, none twice.
+  std::vector<bool> has_own_heights;                ///< By edge: see LineToNode.
+};
+
+struct LineToNode {
+  PlaceLine places;              ///< Columns and rows below 2^30 in size, and heights.
+  bool has_own_heights = false;  ///< Whatever else is on it has those heights, too.
 };
 
 /// Rounds lines to a lattice so that they still meet at nodes only, by GEOS's snap rounding (J. D.
 /// Hobby, "Practical segment intersection with finite precision output", Computational Geometry 13
-/// (4), 1999): no line moves by more than the diagonal of half a cell. `lines`: columns, rows and
-/// heights, which may be NaN; coordinates below 2^30 in size. New nodes get heights on the lines
-/// that cross there; where these differ, one that is between them. Fails, with GEOS's reason, where
-/// it has none.
-[[nodiscard]] Result<NodedLines> node_lines(std::span<const std::vector<Vec3d>> lines);
+/// (4), 1999): no line moves by more than the diagonal of half a cell. New nodes get heights on the
+/// lines that cross there; where these differ, one that is between them. Fails, with GEOS's reason,
+/// where it has none.
+[[nodiscard]] Result<NodedLines> node_lines(std::span<const LineToNode> lines);
 
 }  // namespace lode::terrain_lines

@@ -1,0 +1,258 @@
+#include "lode/api/terrain_lines.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <set>
+
+#include "lode/api/terrain_tin.h"
+#include "tests/delaunay/point_fixtures.h"
+#include "tests/oracles/random.h"
+#include "tests/terrain/height_grids.h"
+
+namespace lode {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+double ridges(double x, double y) {
+  return 60 * std::sin(x / 5) * std::cos(y / 7) + 20 * std::sin(x * y / 90) + x / 3;
+}
+
+/// Rows from north to south, of 30 by 20 metres.
+HeightGrid raster(int n_columns = 48, int n_rows = 39) {
+  HeightGrid grid = test::float_grid(n_columns, n_rows, [](int x, int y) { return ridges(x, y); });
+  grid.to_world = {500000, 30, 0, 4000000, 0, -20};
+  return grid;
+}
+/// World x, y of columns and rows of it, with a height.
+Vec3d at(double x, double y, double z = kNaN) { return {{500000 + 30 * x, 4000000 - 20 * y, z}}; }
+
+template <typename Source>
+LinedTerrain add(const Source& source, const TerrainLineOptions& options) {
+  Progress progress;
+  auto made = add_lines(source, options, progress);
+  if (!made) ADD_FAILURE() << made.error().message;
+  return made ? std::move(made).value() : LinedTerrain{};
+}
+
+std::shared_ptr<const PointTerrain> shared(const LinedTerrain& made) {
+  return std::make_shared<const PointTerrain>(made.terrain);
+}
+
+TerrainTin select_tin(const LinedTerrain& made, double max_error) {
+  Progress progress;
+  auto tin = TerrainTin::select(to_terrain(shared(made)), {.max_error = max_error}, {}, progress);
+  EXPECT_TRUE(tin) << tin.error().message;
+  return std::move(tin).value();
+}
+
+/// That verify has nothing to say.
+void expect_passes(const LinedTerrain& made, double max_error) {
+  Progress progress;
+  const auto surface =
+      extract_terrain(to_terrain(shared(made)), {.max_error = max_error}, progress);
+  ASSERT_TRUE(surface) << surface.error().message;
+  const auto report = verify_terrain(made.terrain, surface->surface, max_error, {}, progress);
+  ASSERT_TRUE(report) << report.error().message;
+  for (const auto& check : report->checks) EXPECT_TRUE(check.passed) << check.name;
+}
+
+/// The largest distance of a TIN's profile from a rule for heights, by where on the way from a to
+/// b.
+template <typename Rule>
+double largest_gap(const TerrainTin& tin, const Vec3d& a, const Vec3d& b, const Rule& rule) {
+  Progress progress;
+  std::vector<Place> places;
+  constexpr int kSteps = 997;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double t = static_cast<double>(i) / kSteps;
+    const Vec3d p = a * (1 - t) + b * t;
+    places.push_back({{p[0], p[1]}});
+  }
+  std::vector<TerrainHeight> heights(places.size());
+  EXPECT_TRUE(tin.heights(places, heights, {}, progress));
+  double gap = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    EXPECT_EQ(heights[i].where, TerrainHeight::Where::inside);
+    gap = std::max(gap,
+                   std::abs(heights[i].height - rule(static_cast<double>(i) / kSteps, places[i])));
+  }
+  return gap;
+}
+
+TEST(terrain_lines, of_features_are_edges_at_every_tolerance) {
+  const HeightGrid grid = raster();
+  for (const double relief : {0.0, 15.0, 1000.0}) {
+    const LinedTerrain made = add(grid, {.least_relief = relief});
+    ASSERT_TRUE(made.report.kept_features);
+    const auto& kept = *made.report.kept_features;
+    EXPECT_EQ(
+        static_cast<std::int64_t>(kept.peaks + kept.pits) - static_cast<std::int64_t>(kept.passes),
+        1);
+    for (const double max_error : {0.0, 3.0, 1e6}) {
+      SCOPED_TRACE(testing::Message() << relief << ", " << max_error);
+      expect_passes(made, max_error);
+    }
+  }
+}
+
+/// Peaks and pits by their neighbours, as no pass is needed to find them.
+TEST(terrain_lines, of_features_keep_peaks_that_a_tolerance_would_lose) {
+  const HeightGrid grid = test::float_grid(30, 30, [](int x, int y) {
+    return x == 7 && y == 11 ? 9.0 : x == 20 && y == 19 ? -9.0 : x * 0.25;
+  });
+  const auto has_vertex = [](const TerrainSurface& made, double x, double y) {
+    for (std::uint32_t v = 0; v < made.surface.positions.size(); ++v) {
+      const Vec3d p = made.surface.world_position(v);
+      if (p[0] == x && p[1] == y) return true;
+    }
+    return false;
+  };
+  Progress progress;
+  const LinedTerrain made = add(grid, {.least_relief = 5});
+  const auto with = extract_terrain(to_terrain(shared(made)), {.max_error = 50}, progress);
+  const auto without = extract_terrain(Terrain(grid), {.max_error = 50}, progress);
+  ASSERT_TRUE(with && without);
+  EXPECT_TRUE(has_vertex(*with, 7, 11));
+  EXPECT_TRUE(has_vertex(*with, 20, 19));
+  EXPECT_FALSE(has_vertex(*without, 7, 11));
+}
+
+TEST(terrain_lines, of_breaklines_have_their_own_heights_all_along) {
+  const HeightGrid grid = raster();
+  const std::vector<PlaceLine> lines{{at(3.25, 4.75, 500), at(20.125, 30.25, 540), at(40.875, 31.5, 100)},
+                                     {at(30, 5, -50), at(30, 20, -80)}};
+  const LinedTerrain made = add(grid, {.breaklines = lines});
+  EXPECT_EQ(made.report.n_own_heights, 2);
+  EXPECT_EQ(made.report.n_outside + made.report.n_cut + made.report.n_crossing, 0);
+  // On the lattice, which is 1024 times finer, so that all along is exactly that.
+  EXPECT_LT(made.report.largest_move, 1e-9);
+  EXPECT_EQ(made.report.n_replaced, 16) << "all of the second line";
+  for (const double max_error : {0.0, 5.0, 1e6}) {
+    SCOPED_TRACE(max_error);
+    expect_passes(made, max_error);
+    const TerrainTin tin = select_tin(made, max_error);
+    for (const PlaceLine& line : lines)
+      for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+        const double gap = largest_gap(tin, line[i], line[i + 1], [&](double t, const Place&) {
+          return line[i][2] * (1 - t) + line[i + 1][2] * t;
+        });
+        EXPECT_LT(gap, 1e-2);
+      }
+  }
+}
+
+TEST(terrain_lines, that_are_draped_follow_the_surface) {
+  const HeightGrid grid = raster();
+  const Vec3d a = at(2.2, 3.1, 9999);
+  const Vec3d b = at(44.6, 35.3, 9999);
+  Progress progress;
+  const auto full = TerrainTin::select(Terrain(grid), {.max_error = 0}, {}, progress);
+  ASSERT_TRUE(full);
+  for (const double drape_error : {0.0, 2.0, 30.0})
+    for (const bool has_heights : {false, true}) {
+      TerrainLineOptions options{.is_draped = has_heights, .drape_error = drape_error};
+      options.breaklines = {{a, b}};
+      for (Vec3d& p : options.breaklines[0]) p[2] = has_heights ? 9999 : kNaN;
+      const LinedTerrain made = add(grid, options);
+      EXPECT_EQ(made.report.n_own_heights, 0);
+      EXPECT_EQ(made.report.n_replaced, 0);
+      expect_passes(made, 4);
+      const TerrainTin tin = select_tin(made, 1e6);
+      const double gap = largest_gap(tin, a, b, [&](double, const Place& p) {
+        std::vector<TerrainHeight> height(1);
+        EXPECT_TRUE(full->heights(std::array{p}, height, {}, progress));
+        return height[0].height;
+      });
+      // Between looks, half a cell apart, the surface may bend once more.
+      EXPECT_LT(gap, drape_error + 4) << drape_error;
+      if (drape_error == 30) EXPECT_LT(made.report.n_edges, 12);
+    }
+}
+
+TEST(terrain_lines, that_cross_meet_in_a_vertex) {
+  const HeightGrid grid = raster();
+  const LinedTerrain made = add(grid, {.breaklines = {{at(5, 5, 10), at(35, 30, 10)},
+                                                      {at(5, 30, 10), at(35, 5, 10)},
+                                                      {at(20, 2, 10), at(20, 36, 10)},
+                                                      {at(5, 5, 10), at(35, 30, 10)}}});
+  EXPECT_EQ(made.report.n_crossing, 0);
+  // Three lines through one place, or nearly.
+  EXPECT_GE(made.report.n_edges, 6);
+  EXPECT_LE(made.report.n_edges, 9);
+  for (const double max_error : {0.0, 8.0, 1e6}) expect_passes(made, max_error);
+}
+
+TEST(terrain_lines, outside_of_the_domain_are_left_out_or_cut) {
+  HeightGrid grid = raster();
+  grid.is_valid.assign(static_cast<std::size_t>(grid.n_samples()), 1);
+  for (int y = 10; y < 20; ++y)
+    for (int x = 10; x < 20; ++x)
+      grid.is_valid[static_cast<std::size_t>(y * grid.n_columns + x)] = 0;
+  const LinedTerrain made =
+      add(grid, {.least_relief = 10,
+                 .breaklines = {{at(-30, 5, 1), at(-2, 7, 2)},          // beside
+                                {at(12, 12, 1), at(17, 17, 2)},         // in the hole
+                                {at(2, 15.3, 100), at(40, 15.6, 100)},  // across it
+                                {at(-5, 30), at(60, 33)},               // through it all
+                                {at(4, 4, 7)}}});                       // no line at all
+  EXPECT_EQ(made.report.n_breaklines, 5);
+  EXPECT_EQ(made.report.n_outside, 3);
+  EXPECT_EQ(made.report.n_cut, 2);
+  EXPECT_EQ(made.report.n_crossing, 0);
+  EXPECT_EQ(made.terrain.n_missing, 100);
+  for (const double max_error : {0.0, 6.0, 1e6}) expect_passes(made, max_error);
+}
+
+TEST(terrain_lines, of_scattered_points_are_edges) {
+  std::vector<Vec3d> points;
+  for (const LatticePoint& p : delaunay::test::random_nodes(1500, 9000, 3))
+    points.push_back({{p.x * 0.01, p.y * 0.01, ridges(p.x * 0.01, p.y * 0.01)}});
+  Progress progress;
+  const auto terrain = make_point_terrain(points, {{0, 0}, 0.01}, {}, {}, progress);
+  ASSERT_TRUE(terrain);
+  const LinedTerrain made = add(*terrain, {.least_relief = 8,
+                                           .breaklines = {{{{20, 30, 5}}, {{70, 55, 90}}},
+                                                          {{{-40, 10, kNaN}}, {{200, 80, kNaN}}},
+                                                          {{{300, 10, 4}}, {{400, 80, 5}}}}});
+  EXPECT_EQ(made.report.n_outside, 1);
+  EXPECT_EQ(made.report.n_cut, 1);
+  for (const double max_error : {0.0, 6.0, 1e6}) expect_passes(made, max_error);
+}
+
+/// Many lines at random, so that they cross, touch and run through samples.
+TEST(terrain_lines, at_random_are_edges_within_the_error) {
+  oracles::Random random(5);
+  for (int trial = 0; trial < 6; ++trial) {
+    SCOPED_TRACE(trial);
+    const HeightGrid grid = raster(25, 22);
+    TerrainLineOptions options{.is_draped = trial % 2 == 0, .drape_error = 3};
+    if (trial % 3 == 0) options.least_relief = 12;
+    const double step = trial < 3 ? 0.5 : 0.001;
+    for (int i = 0; i < 25; ++i) {
+      PlaceLine line;
+      const auto n = 2 + random.below(4);
+      for (std::uint64_t k = 0; k < n; ++k)
+        line.push_back(at(step * std::round(random.uniform(-3, 27) / step),
+                          step * std::round(random.uniform(-3, 24) / step),
+                          random.uniform(-30, 30)));
+      options.breaklines.push_back(line);
+    }
+    const LinedTerrain made = add(grid, options);
+    EXPECT_EQ(made.report.n_crossing, 0);
+    for (const double max_error : {0.0, 5.0}) expect_passes(made, max_error);
+  }
+}
+
+TEST(terrain_lines, can_be_cancelled) {
+  const HeightGrid grid = raster();
+  Progress progress;
+  progress.cancel();
+  EXPECT_FALSE(add_lines(grid, {.least_relief = 0}, progress));
+}
+
+}  // namespace
+}  // namespace lode
