@@ -260,11 +260,12 @@ namespace {
 
 void warn_of_lines(const TerrainLineReport& lines, const std::string& path, Session& session) {
   if (lines.n_outside > 0)
-    session.warn(fmt::format("{}: {} of {} lines lie outside of the domain and are left out", path,
-                             format_count(lines.n_outside), format_count(lines.n_breaklines)));
+    session.warn(fmt::format(
+        "{}: {} of {} lines lie outside of the domain, or in one place, and are left out", path,
+        format_count(lines.n_outside), format_count(lines.n_breaklines)));
   if (lines.n_cut > 0)
-    session.warn(fmt::format("{}: {} lines are cut where they leave the domain", path,
-                             format_count(lines.n_cut)));
+    session.warn(fmt::format("{}: {} of {} lines are cut where they leave the domain", path,
+                             format_count(lines.n_cut), format_count(lines.n_breaklines)));
   if (lines.n_crossing > 0)
     session.warn(fmt::format("{}: {} edges of lines are left out, as they cross the outline", path,
                              format_count(lines.n_crossing)));

@@ -1,0 +1,119 @@
+// Lines that become edges of terrain: --keep-features and --breaklines.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "tests/cli/program.h"
+
+namespace lode::test {
+namespace {
+
+class cli_terrain_lines : public testing::Test {
+ protected:
+  cli_terrain_lines() : dem_(scratch_ / "dem.asc"), lines_(scratch_ / "lines.geojson") {
+    std::ofstream dem(dem_);
+    dem << "ncols 40\nnrows 30\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n";
+    for (int y = 0; y < 30; ++y) {
+      for (int x = 0; x < 40; ++x)
+        dem << std::round(500 + 100 * std::sin(0.4 * x) * std::cos(0.3 * y)) / 10 << ' ';
+      dem << '\n';
+    }
+    std::ofstream(scratch_ / "dem.prj")
+        << "PROJCS[\"WGS 84 / UTM zone 33N\",GEOGCS[\"WGS 84\","
+           "DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,"
+           "298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\","
+           "0.0174532925199433]],PROJECTION[\"Transverse_Mercator\"],"
+           "PARAMETER[\"latitude_of_origin\",0],"
+           "PARAMETER[\"central_meridian\",15],"
+           "PARAMETER[\"scale_factor\",0.9996],"
+           "PARAMETER[\"false_easting\",500000],"
+           "PARAMETER[\"false_northing\",0],UNIT[\"metre\",1]]";
+  }
+  void write_lines(const std::string& geometry) const {
+    std::ofstream(lines_)
+        << R"({"type":"FeatureCollection","crs":{"type":"name","properties":{"name":)"
+        << R"("urn:ogc:def:crs:EPSG::32633"}},"features":[{"type":"Feature","properties":{},)"
+        << R"("geometry":)" << geometry << "}]}";
+  }
+
+  Scratch scratch_;
+  std::string dem_;
+  std::string lines_;
+};
+
+TEST_F(cli_terrain_lines, of_features_are_counted_and_verified) {
+  const std::string out = scratch_ / "out.ply";
+  const auto json =
+      run_lode({"extract", dem_, out, "--max-error", "20", "--feature-relief", "5", "--json"})
+          .json();
+  const auto& features = json.at("lines").at("features");
+  EXPECT_EQ(features.at("relief"), 5);
+  const auto& kept = features.at("kept");
+  EXPECT_GT(kept.at("peaks"), 5);
+  EXPECT_EQ(kept.at("peaks").get<int>() + kept.at("pits").get<int>(),
+            kept.at("passes").get<int>() + 1);
+  EXPECT_GT(features.at("ridges"), 5);
+  EXPECT_EQ(
+      run_lode({"verify", dem_, "--surface", out, "--max-error", "20", "--feature-relief", "5"})
+          .exit_code,
+      0);
+  // What was made without has not all of them.
+  EXPECT_EQ(run_lode({"extract", dem_, out, "--max-error", "20"}).exit_code, 0);
+  const auto run =
+      run_lode({"verify", dem_, "--surface", out, "--max-error", "20", "--feature-relief", "5"});
+  EXPECT_NE(run.exit_code, 0);
+  EXPECT_NE(run.err.find("lines are edges"), std::string::npos) << run.err;
+}
+
+TEST_F(cli_terrain_lines, that_break_the_surface_have_their_heights_in_answers) {
+  write_lines(R"({"type":"LineString","coordinates":[[5.5,5.5,80],[30.5,5.5,180]]})");
+  const auto json = run_lode({"profile", dem_, "--from", "5.5,5.5", "--to", "30.5,5.5",
+                              "--breaklines", lines_, "--max-error", "3", "--json"})
+                        .json();
+  EXPECT_EQ(json.at("lines").at("breaklines").at("lines"), 1);
+  EXPECT_EQ(json.at("lines").at("breaklines").at("own_heights"), 1);
+  // Its 26 places are samples.
+  EXPECT_EQ(json.at("lines").at("breaklines").at("replaced_samples"), 26);
+  const auto height = run_lode({"height", dem_, "--at", "18,5.5", "--breaklines", lines_,
+                                "--max-error", "3", "--json"})
+                          .json();
+  EXPECT_NEAR(height.at("points").at(0).at("height").get<double>(), 130, 1e-6);
+  const auto draped = run_lode({"height", dem_, "--at", "18.5,5.5", "--breaklines", lines_,
+                                "--drape", "--max-error", "0", "--json"})
+                          .json();
+  EXPECT_LT(draped.at("points").at(0).at("height").get<double>(), 61);
+}
+
+TEST_F(cli_terrain_lines, that_cannot_be_are_refused) {
+  const std::string out = scratch_ / "out.ply";
+  const auto expect_refused = [&](std::vector<std::string> more, const std::string& reason) {
+    std::vector<std::string> arguments{"extract", dem_, out, "--max-error", "5"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto run = run_lode(arguments);
+    EXPECT_NE(run.exit_code, 0) << reason;
+    EXPECT_NE(run.err.find(reason), std::string::npos) << run.err;
+  };
+  expect_refused({"--drape"}, "expected --breaklines");
+  expect_refused({"--feature-relief", "-1"}, "--feature-relief: expected a number >= 0");
+  expect_refused({"--keep-features", "--model", "restricted_quadtree"}, "delaunay_selector");
+  expect_refused({"--breaklines", scratch_ / "none.geojson"}, "none.geojson");
+  expect_refused({"--breaklines", dem_}, ".geojson");
+  write_lines(R"({"type":"Point","coordinates":[5,5]})");
+  expect_refused({"--breaklines", lines_}, "expected lines, got a point in feature 0");
+  write_lines(R"({"type":"LineString","coordinates":[]})");
+  expect_refused({"--breaklines", lines_}, "empty geometry");
+}
+
+TEST_F(cli_terrain_lines, outside_are_told) {
+  write_lines(
+      R"({"type":"MultiLineString","coordinates":[[[-50,-50],[-40,-40]],[[5,5],[100,25]]]})");
+  const auto run =
+      run_lode({"extract", dem_, scratch_ / "out.ply", "--max-error", "5", "--breaklines", lines_});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.err.find("1 of 2 lines lie outside"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("1 of 2 lines are cut"), std::string::npos) << run.err;
+}
+
+}  // namespace
+}  // namespace lode::test
