@@ -123,8 +123,9 @@ TEST(terrain_lines, of_features_keep_peaks_that_a_tolerance_would_lose) {
 
 TEST(terrain_lines, of_breaklines_have_their_own_heights_all_along) {
   const HeightGrid grid = raster();
-  const std::vector<PlaceLine> lines{{at(3.25, 4.75, 500), at(20.125, 30.25, 540), at(40.875, 31.5, 100)},
-                                     {at(30, 5, -50), at(30, 20, -80)}};
+  const std::vector<PlaceLine> lines{
+      {at(3.25, 4.75, 500), at(20.125, 30.25, 540), at(40.875, 31.5, 100)},
+      {at(30, 5, -50), at(30, 20, -80)}};
   const LinedTerrain made = add(grid, {.breaklines = lines});
   EXPECT_EQ(made.report.n_own_heights, 2);
   EXPECT_EQ(made.report.n_outside + made.report.n_cut + made.report.n_crossing, 0);
@@ -194,10 +195,10 @@ TEST(terrain_lines, outside_of_the_domain_are_left_out_or_cut) {
       grid.is_valid[static_cast<std::size_t>(y * grid.n_columns + x)] = 0;
   const LinedTerrain made =
       add(grid, {.least_relief = 10,
-                 .breaklines = {{at(-30, 5, 1), at(-2, 7, 2)},          // beside
+                 .breaklines = {{at(-3e12, 5, 1), at(-2, 7, 2)},        // beside
                                 {at(12, 12, 1), at(17, 17, 2)},         // in the hole
                                 {at(2, 15.3, 100), at(40, 15.6, 100)},  // across it
-                                {at(-5, 30), at(60, 33)},               // through it all
+                                {at(-5e9, 30), at(6e9, 33)},            // through it all
                                 {at(4, 4, 7)}}});                       // no line at all
   EXPECT_EQ(made.report.n_breaklines, 5);
   EXPECT_EQ(made.report.n_outside, 3);

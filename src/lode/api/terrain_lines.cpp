@@ -82,7 +82,8 @@ Result<void> add_features(const Ground& ground, double least_relief, bool has_br
 }
 
 /// Lines to columns and rows of the surface.
-std::vector<PlaceLine> to_surface(std::span<const PlaceLine> lines, const Ground& ground) {
+Result<std::vector<PlaceLine>> to_surface(std::span<const PlaceLine> lines, const Ground& ground) {
+  constexpr double kFarthest = 0x1p40;
   const double scale = ground.scale;
   std::vector<PlaceLine> made;
   for (const PlaceLine& line : lines) {
@@ -90,6 +91,9 @@ std::vector<PlaceLine> to_surface(std::span<const PlaceLine> lines, const Ground
     for (const Vec3d& p : line) {
       const Vec<double, 2> at = ground.terrain.points.lattice(p[0], p[1]);
       own.push_back({{at[0] / scale, at[1] / scale, p[2]}});
+      if (!(std::abs(own.back()[0]) <= kFarthest && std::abs(own.back()[1]) <= kFarthest))
+        return fail("expected lines within {} columns and rows of the samples, got {}, {}",
+                    kFarthest, p[0], p[1]);
     }
   }
   return made;
@@ -133,8 +137,9 @@ Result<void> add_breaklines(Ground& ground, const TerrainLineOptions& options, F
                             TerrainLineReport& report, Progress& progress) {
   HeightPoints& points = ground.terrain.points;
   const TinLocator locator(ground.surface);
+  LODE_TRY(const std::vector<PlaceLine> lines, to_surface(options.breaklines, ground));
   LODE_TRY(terrain_lines::LaidLines laid,
-           terrain_lines::lay_lines(to_surface(options.breaklines, ground), locator,
+           terrain_lines::lay_lines(lines, locator,
                                     {.is_draped = options.is_draped,
                                      .max_error = options.drape_error,
                                      .step = ground.step,

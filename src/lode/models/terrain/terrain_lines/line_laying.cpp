@@ -11,6 +11,7 @@
 namespace lode::terrain_lines {
 namespace {
 
+constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Vec3d between(const Vec3d& a, const Vec3d& b, double t) { return a * (1 - t) + b * t; }
@@ -54,7 +55,12 @@ void fill_heights(PlaceLine& line) {
 class LineLayer {
  public:
   LineLayer(const TinLocator& surface, const LayingOptions& options)
-      : surface_(surface), options_(options) {}
+      : surface_(surface), options_(options) {
+    for (const LatticePoint p : surface.tin().vertices) {
+      lower_ = {{std::min<double>(lower_[0], p.x), std::min<double>(lower_[1], p.y)}};
+      upper_ = {{std::max<double>(upper_[0], p.x), std::max<double>(upper_[1], p.y)}};
+    }
+  }
 
   void lay(const PlaceLine& given, LaidLines& laid) {
     PlaceLine line = without_repeats(given);
@@ -93,9 +99,32 @@ class LineLayer {
     return inside;
   }
   void look_along(const Vec3d& a, const Vec3d& b, bool is_first) {
-    const double n = std::max(1.0, std::ceil(distance(a, b) / options_.step));
     if (is_first) looks_.push_back(look_at(a, true));
-    for (double k = 1; k <= n; ++k) add_look(look_at(between(a, b, k / n), k == n));
+    const auto [begin, end] = within_rectangle(a, b);
+    const double n = std::ceil(distance(a, b) * (end - begin) / options_.step);
+    if (begin > 0 && begin < end) add_look(look_at(between(a, b, begin), false));
+    for (double k = 1; k <= n; ++k) {
+      const double t = begin + (end - begin) * (k / n);
+      if (t < 1) add_look(look_at(between(a, b, t), false));
+    }
+    add_look(look_at(b, true));
+  }
+  /// The part of the way from a to b that may meet the surface, and a little more; may be empty.
+  [[nodiscard]] std::pair<double, double> within_rectangle(const Vec3d& a, const Vec3d& b) const {
+    double begin = 0;
+    double end = 1;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double way = b[i] - a[i];
+      const double low = lower_[i] - 1 - a[i];
+      const double high = upper_[i] + 1 - a[i];
+      if (way == 0) {
+        if (low > 0 || high < 0) return {0, 0};
+        continue;
+      }
+      begin = std::max(begin, std::min(low / way, high / way));
+      end = std::min(end, std::max(low / way, high / way));
+    }
+    return {begin, std::max(begin, end)};
   }
   void add_look(const Look& look) {
     const Look last = looks_.back();
@@ -180,6 +209,8 @@ class LineLayer {
 
   const TinLocator& surface_;
   LayingOptions options_;
+  Vec<double, 2> lower_{{kFar, kFar}};  ///< Of all vertices.
+  Vec<double, 2> upper_{{-kFar, -kFar}};
   std::vector<Look> looks_;
 };
 
