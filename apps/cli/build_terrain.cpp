@@ -30,6 +30,7 @@ Result<TerrainBuildOptions> to_options(const TerrainBuildJob& job) {
         "--model: expected a model that is built once, such as 'delaunay_pyramid', got '{}', "
         "which makes a TIN for each question",
         terrain.model);
+  LODE_CHECK(check_lined_model(job.input, terrain));
   LODE_TRY(const auto asked, to_build_options(terrain, {}));
   TerrainBuildOptions options = asked.value();
   LODE_TRY(options.levels, to_levels(job.levels));
@@ -55,6 +56,7 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
   json["left_out_samples"] = info.n_left_out;
   if (is_quadtree(model)) {
     json["squares"] = info.n_nodes;
+    json["kept_samples"] = info.n_kept;
   } else if (is_hierarchy(model)) {
     json["vertices"] = info.n_nodes;
     json["first_triangles"] = info.n_base_triangles;
@@ -72,6 +74,7 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
   if (info.n_left_out > 0)
     table.add({"left out", fmt::format("{} samples in no cell with four heights",
                                        format_count(info.n_left_out))});
+  if (info.n_kept > 0) table.add({"kept samples", format_count(info.n_kept)});
   if (is_quadtree(model)) {
     table.add({"squares", format_count(info.n_nodes)});
   } else {
@@ -113,6 +116,7 @@ Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) 
   json["output"] = job.output;
   json["model"] = name_of(opened.model);
   add_facts(opened.facts, json, table);
+  add_lines(opened, json, table);
   table.add({"model", name_of(opened.model)});
   add_built_terrain(info, opened.model, json, table);
   json["file_bytes"] = n_bytes;

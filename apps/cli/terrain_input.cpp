@@ -110,8 +110,8 @@ void add_line_options(CLI::App& app, TerrainArguments& arguments) {
   const char* group = "Lines of terrain";
   app.add_flag(
          "--keep-features", arguments.keep_features,
-         "Make peaks, passes and pits vertices, and the ridges and channels from passes edges, "
-         "of every mesh")
+         "Make peaks, passes and pits vertices of every mesh, and the ridges and channels from "
+         "passes edges; of quadtrees all of their samples vertices")
       ->group(group);
   app.add_option("--feature-relief", arguments.feature_relief,
                  "Keep features that rise or fall by at least this, in units of the heights "
@@ -335,10 +335,13 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArgumen
 }
 
 Result<void> check_lined_model(const std::string& path, const TerrainArguments& arguments) {
-  if (!arguments.has_lines() || !built_model_of(arguments.model)) return {};
+  const auto model = built_model_of(arguments.model);
+  if (!arguments.has_lines() || !model) return {};
+  const bool has_breaklines = !arguments.breaklines.empty() || arguments.drape;
+  if (is_quadtree(*model) && !has_breaklines) return {};
   return fail(
-      "{}: expected --model delaunay_selector with --keep-features, --feature-relief, --breaklines "
-      "or --drape, got '{}', which cannot keep edges",
+      "{}: expected --model delaunay_selector with --breaklines, or with --keep-features and "
+      "--feature-relief that or a quadtree, got '{}', which cannot keep edges",
       path, arguments.model);
 }
 

@@ -96,7 +96,8 @@ TEST_F(cli_terrain_lines, that_cannot_be_are_refused) {
   };
   expect_refused({"--drape"}, "expected --breaklines");
   expect_refused({"--feature-relief", "-1"}, "--feature-relief: expected a number >= 0");
-  expect_refused({"--keep-features", "--model", "restricted_quadtree"}, "delaunay_selector");
+  expect_refused({"--keep-features", "--model", "delaunay_pyramid"}, "delaunay_selector");
+  expect_refused({"--breaklines", lines_, "--model", "restricted_quadtree"}, "delaunay_selector");
   expect_refused({"--breaklines", scratch_ / "none.geojson"}, "none.geojson");
   expect_refused({"--breaklines", dem_}, ".geojson");
   write_lines(R"({"type":"Point","coordinates":[5,5]})");

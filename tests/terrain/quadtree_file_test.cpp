@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <set>
 
 #include "lode/api/built_terrain.h"
 #include "lode/models/terrain/quadtree_file/file_layout.h"
@@ -119,6 +120,52 @@ TEST_F(quadtree_file, has_all_that_was_saved) {
   expect_round_trip<double>(save, path_);
 }
 
+/// Every tolerance has kept samples as vertices, in memory and from the file, and few others.
+TEST_F(quadtree_file, keeps_samples) {
+  const HeightGrid grid = grid_with_a_hole<float>();
+  oracles::Random random(4);
+  std::vector<LatticePoint> kept;
+  for (std::int32_t y = 0; y < grid.n_rows; ++y)
+    for (std::int32_t x = 0; x < grid.n_columns; ++x)
+      if (random.below(15) == 0 && grid.has_height(x, y)) kept.push_back({x, y});
+  ASSERT_GT(kept.size(), 8);
+  for (const TerrainModel model : kModels) {
+    SCOPED_TRACE(name_of(model));
+    const auto plain = BuiltTerrain::build(grid, {.model = model, .levels = {200, 1}}, progress_);
+    const auto made =
+        BuiltTerrain::build(grid, {.model = model, .levels = {200, 1}, .kept = kept}, progress_);
+    ASSERT_TRUE(plain && made);
+    ASSERT_TRUE(made->save(path_, progress_));
+    const auto opened = BuiltTerrain::open(path_, progress_);
+    ASSERT_TRUE(opened) << opened.error().message;
+    EXPECT_EQ(opened->describe_source().n_kept, kept.size());
+    for (const double tolerance : {200.0, 4.0, 0.0}) {
+      const auto a = extract_terrain(made->terrain(), {.max_error = tolerance}, progress_);
+      const auto b = extract_terrain(opened->terrain(), {.max_error = tolerance}, progress_);
+      const auto c = extract_terrain(plain->terrain(), {.max_error = tolerance}, progress_);
+      ASSERT_TRUE(a && b && c);
+      EXPECT_EQ(a->surface.triangles, b->surface.triangles);
+      EXPECT_GE(a->report.triangles, c->report.triangles);
+      std::set<std::pair<double, double>> vertices;
+      for (std::uint32_t v = 0; v < a->surface.positions.size(); ++v) {
+        const Vec3d p = a->surface.world_position(v);
+        vertices.insert({p[0], p[1]});
+      }
+      for (const LatticePoint p : kept) {
+        const auto at = grid.world(p.x, p.y);
+        EXPECT_TRUE(vertices.contains({at[0], at[1]})) << p.x << ", " << p.y;
+      }
+    }
+    const auto verified = opened->verify(grid, {2}, progress_);
+    ASSERT_TRUE(verified);
+    EXPECT_TRUE(verified->passed());
+    // At no tolerance at all, one more is a few squares more, not all of them.
+    const auto coarse = extract_terrain(made->terrain(), {.max_error = 1e6}, progress_);
+    ASSERT_TRUE(coarse);
+    EXPECT_LT(coarse->report.triangles, 70 * kept.size());
+  }
+}
+
 TEST_F(quadtree_file, varies_where_there_are_gaps_anyway) {
   const HeightGrid grid = grid_with_a_hole<float>();
   for (const TerrainModel model : kModels) {
@@ -167,6 +214,28 @@ TEST_F(quadtree_file, lies_are_named_or_found_by_verification) {
   expect_refused("errors");
   rewrite_number(number(Column::error), 0, std::nanf(""));
   expect_refused("errors");
+  const auto keeping = BuiltTerrain::build(
+      grid,
+      {.model = TerrainModel::restricted_quadtree, .levels = {5}, .kept = {{3, 4}, {7, 4}, {2, 9}}},
+      progress_);
+  ASSERT_TRUE(keeping && keeping->save(path_, progress_));
+  const auto kept = number(Column::kept);
+  rewrite_number(kept, 0, std::uint32_t{29});
+  expect_refused("samples to keep");
+  rewrite_number(kept, 0, std::uint32_t{8});
+  expect_refused("samples to keep");
+  rewrite_number(kept, 8, std::uint32_t{3});
+  expect_refused("samples to keep");
+  rewrite([&](std::uint32_t kind, std::vector<std::byte>& bytes) {
+    const std::uint32_t many = 1U << 31;
+    if (kind == 0) std::memcpy(bytes.data() + bytes.size() - 4, &many, 4);
+  });
+  expect_refused("samples to keep");
+  rewrite([&](std::uint32_t kind, std::vector<std::byte>& bytes) {
+    if (kind == 0) bytes.back() = bytes[bytes.size() - 2] = bytes[bytes.size() - 3] = {};
+    if (kind == 0) bytes[bytes.size() - 4] = std::byte{5};
+  });
+  expect_refused("bytes");
   for (const TerrainModel model :
        {TerrainModel::surface_quadtree, TerrainModel::quaternary_triangulation}) {
     saved(model, grid);

@@ -49,6 +49,7 @@ BuiltTerrain::BuiltTerrain(std::shared_ptr<const BuiltModel> model) : model_(std
 Result<BuiltTerrain> BuiltTerrain::build(const HeightGrid& grid, const TerrainBuildOptions& options,
                                          Progress& progress) try {
   LODE_CHECK(check_levels(options.levels));
+  LODE_EXPECTS(options.kept.empty() || is_quadtree(options.model));
   const HeightRange range = height_range(grid);
   LODE_CHECK(delaunay::check_heights(range));
   std::vector<double> levels = options.levels.empty() ? default_levels(range) : options.levels;

@@ -25,6 +25,9 @@ struct TerrainBuildOptions {
   std::vector<double> levels;
   std::string sample_type{};  ///< As HeightRaster has them, to be remembered.
   bool has_place = true;
+  /// Samples that every mesh has as vertices: different nodes in cells with four heights, in rows.
+  /// Of models on squares.
+  std::vector<LatticePoint> kept{};
 };
 
 /// From a 2000th of the range of heights, doubled as long as that is below the range; 0 where there
@@ -47,6 +50,7 @@ struct BuiltTerrainInfo {
   std::uint64_t n_base_triangles = 0;  ///< Of the outline, or of level 0; of quadtrees none.
   std::uint64_t n_triangles = 0;       ///< That there ever were; of quadtrees none.
   std::uint64_t memory_bytes = 0;
+  std::uint64_t n_kept = 0;     ///< Samples that are always vertices.
   std::uint64_t n_samples = 0;  ///< As of TerrainReport.
   std::uint64_t n_missing = 0;
   std::uint64_t n_left_out = 0;

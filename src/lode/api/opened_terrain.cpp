@@ -150,19 +150,32 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
                 name_of(building->model));
   if (io::is_point_path(path)) return open_points(path, reading, progress);
   LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
-  if (building && reading.has_lines())
-    return fail("{}: expected no lines with a {}, got some: the delaunay_selector takes them", path,
-                name_of(building->model));
+  if (building && reading.has_lines() &&
+      (!is_quadtree(building->model) || !reading.breaklines.empty()))
+    return fail(
+        "{}: expected no lines with a {}, got some: the delaunay_selector takes them, and models "
+        "on squares features",
+        path, name_of(building->model));
   if (building) {
     TerrainBuildOptions options = *building;
     options.sample_type = read.type;
     options.has_place = read.has_place;
+    std::optional<TerrainLineReport> lines;
+    if (reading.has_lines()) {
+      LODE_TRY(const TerrainLineOptions wanted,
+               read_line_options(reading, read.grid, height_range(read.grid)));
+      lines.emplace();
+      LODE_TRY(options.kept,
+               naming(path, find_feature_nodes(read.grid, *wanted.least_relief, *lines, progress),
+                      progress));
+    }
     auto built = BuiltTerrain::build(read.grid, options, progress);
     if (!built && !progress.is_cancelled()) return fail("{}: {}", path, built.error().message);
     if (!built) return built.error();
     OpenedTerrain opened = of_built(*std::move(built));
     opened.facts.form = read.form;
     opened.facts.vertical = read.vertical;
+    opened.lines = lines;
     return opened;
   }
   const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));

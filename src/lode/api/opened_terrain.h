@@ -88,8 +88,9 @@ struct OpenedTerrain {
 /// That there is a .lode file whose header and directory are whole, of whatever model.
 [[nodiscard]] Result<void> check_lode_opens(const std::string& path);
 
-/// Of a raster: with `building`, the model is built of it first; of points, and with lines, none
-/// can be. Of a .lode file the options of reading and building mean nothing. Fails as reading,
+/// Of a raster: with `building`, the model is built of it first; of points, and with breaklines,
+/// none can be, and with features those on squares alone, which keep their samples. Of a .lode file
+/// the options of reading and building mean nothing. Fails as reading,
 /// make_point_terrain() and building do, naming the file.
 [[nodiscard]] Result<OpenedTerrain> open_terrain(const std::string& path,
                                                  const TerrainReadOptions& reading,

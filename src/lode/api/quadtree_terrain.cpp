@@ -57,6 +57,7 @@ Result<QuadtreeTerrain> QuadtreeTerrain::build(const HeightGrid& grid,
                                                std::vector<double> levels, Progress& progress) {
   LODE_TRY(terrain_file::Source source, source_of(grid, options));
   const auto make = [&](auto tree) {
+    tree.keep(options.kept);
     return QuadtreeTerrain(
         QuadtreeModel{std::move(source), std::move(levels), grid, std::move(tree)});
   };
@@ -88,12 +89,7 @@ TerrainModel QuadtreeTerrain::model() const {
   return kModels[model_.tree.index()];
 }
 
-const SquareDomain& QuadtreeTerrain::domain() const {
-  if (const auto* surface = std::get_if<SurfaceQuadtree>(&model_.tree)) return surface->domain();
-  if (const auto* right = std::get_if<QuaternaryTriangulation>(&model_.tree))
-    return right->domain();
-  return std::get<SquareDomain>(model_.tree);
-}
+const SquareDomain& QuadtreeTerrain::domain() const { return domain_of(model_); }
 
 delaunay::Tin QuadtreeTerrain::tin_of(const Demand& demand) const {
   if (const auto* tree = std::get_if<SurfaceQuadtree>(&model_.tree))
@@ -169,6 +165,7 @@ BuiltTerrainInfo QuadtreeTerrain::describe_source() const {
   info.n_missing = source().n_missing;
   info.n_left_out = source().n_left_out;
   info.range = source().range;
+  info.n_kept = domain().kept().size();
   info.n_nodes = 0;
   for (std::int32_t level = 0; level < domain().n_levels(); ++level)
     info.n_nodes += domain().n_squares(level);

@@ -76,6 +76,17 @@ Result<void> check_errors(const QuaternaryTriangulation& tree, Threads threads, 
   return check_errors(tree.domain(), threads, progress, is_beyond, report);
 }
 
+/// How many nodes are no vertices.
+std::uint64_t n_lost_of(const std::vector<LatticePoint>& nodes, const delaunay::Tin& tin) {
+  const auto is_before = [](LatticePoint a, LatticePoint b) {
+    return std::pair(a.y, a.x) < std::pair(b.y, b.x);
+  };
+  std::vector<LatticePoint> vertices = tin.vertices;
+  std::ranges::sort(vertices, is_before);
+  return static_cast<std::uint64_t>(std::ranges::count_if(
+      nodes, [&](LatticePoint p) { return !std::ranges::binary_search(vertices, p, is_before); }));
+}
+
 /// It keeps none.
 Result<void> check_errors(const SquareDomain&, Threads, Progress&, VerifyReport&) { return {}; }
 
@@ -94,6 +105,11 @@ Result<VerifyReport> QuadtreeTerrain::verify(const HeightGrid& grid, Threads thr
       return fmt::format("within {}: {}", tolerance, what);
     };
     LODE_TRY(const delaunay::Tin tin, tin_within(tolerance, progress));
+    if (!domain().kept().empty()) {
+      const std::uint64_t n_lost = n_lost_of(domain().kept(), tin);
+      report.add(name("kept samples are vertices"), domain().kept().size(), n_lost,
+                 n_lost > 0 ? fmt::format("{} are not", n_lost) : "");
+    }
     if (const auto* tree = std::get_if<SurfaceQuadtree>(&model_.tree)) {
       // Each sample of a leaf is looked at again.
       const auto leaves = tree->leaves(tolerance);

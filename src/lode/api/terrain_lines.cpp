@@ -49,14 +49,23 @@ struct Fixed {
   std::vector<std::uint32_t> single;
 };
 
+Result<terrain_features::Features> find_features(const delaunay::Tin& surface, double least_relief,
+                                                 TerrainLineReport& report, Progress& progress) {
+  LODE_TRY(terrain_features::Features features,
+           terrain_features::find_features(surface, least_relief, progress));
+  report.least_relief = least_relief;
+  report.all_features = features.all;
+  report.kept_features = features.kept;
+  for (const terrain_features::FeatureLine& line : features.lines)
+    ++(line.kind == terrain_features::LineKind::ridge ? report.n_ridges : report.n_channels);
+  return features;
+}
+
 /// Adds features to the lines, as edges of points.
 Result<void> add_features(const Ground& ground, double least_relief, bool has_breaklines,
                           Fixed& fixed, TerrainLineReport& report, Progress& progress) {
   LODE_TRY(const terrain_features::Features features,
-           terrain_features::find_features(ground.surface, least_relief, progress));
-  report.least_relief = least_relief;
-  report.all_features = features.all;
-  report.kept_features = features.kept;
+           find_features(ground.surface, least_relief, report, progress));
   const std::int32_t scale = ground.scale;
   const auto point_of = [&](std::uint32_t vertex) {
     const LatticePoint p = ground.surface.vertices[vertex];
@@ -65,12 +74,9 @@ Result<void> add_features(const Ground& ground, double least_relief, bool has_br
     return *number;
   };
   std::vector<Edge> steps;
-  for (const terrain_features::FeatureLine& line : features.lines) {
-    const bool is_ridge = line.kind == terrain_features::LineKind::ridge;
-    ++(is_ridge ? report.n_ridges : report.n_channels);
+  for (const terrain_features::FeatureLine& line : features.lines)
     for (std::size_t i = 1; i < line.vertices.size(); ++i)
       steps.push_back({point_of(line.vertices[i - 1]), point_of(line.vertices[i])});
-  }
   for (const terrain_features::CriticalPoint& point : features.points)
     fixed.single.push_back(point_of(point.vertex));
   // Where breaklines cross them, what becomes of longer edges is no longer known.
@@ -279,6 +285,30 @@ Result<PointDomain> to_domain(const HeightGrid& grid, const HeightPoints& points
 }
 
 }  // namespace
+
+Result<std::vector<LatticePoint>> find_feature_nodes(const HeightGrid& grid, double least_relief,
+                                                     TerrainLineReport& report,
+                                                     Progress& progress) try {
+  const Stopwatch watch;
+  LODE_CHECK(delaunay::check_heights(height_range(grid)));
+  LODE_TRY(const delaunay::FullTin full, delaunay::to_full_tin(grid));
+  LODE_TRY(const terrain_features::Features features,
+           find_features(full.tin, least_relief, report, progress));
+  std::vector<std::uint32_t> vertices;
+  for (const terrain_features::CriticalPoint& point : features.points)
+    vertices.push_back(point.vertex);
+  for (const terrain_features::FeatureLine& line : features.lines)
+    vertices.insert(vertices.end(), line.vertices.begin(), line.vertices.end());
+  std::ranges::sort(vertices);
+  vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+  std::vector<LatticePoint> nodes;
+  // Its vertices are in rows.
+  for (const std::uint32_t vertex : vertices) nodes.push_back(full.tin.vertices[vertex]);
+  report.seconds = watch.seconds();
+  return nodes;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("find features");
+}
 
 Result<LinedTerrain> add_lines(const HeightGrid& grid, const TerrainLineOptions& options,
                                Progress& progress) try {

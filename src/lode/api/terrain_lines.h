@@ -47,6 +47,13 @@ struct LinedTerrain {
   TerrainLineReport report;
 };
 
+/// The samples that features of a raster run through, and critical points, in rows: what models on
+/// squares can keep of them. Fails as add_lines().
+[[nodiscard]] Result<std::vector<LatticePoint>> find_feature_nodes(const HeightGrid& grid,
+                                                                   double least_relief,
+                                                                   TerrainLineReport& report,
+                                                                   Progress& progress);
+
 /// Of a raster: its samples in cells with four heights are points of a lattice, with breaklines
 /// 1024 times finer or as fine as fits. Fails as select_samples() does, where lines cannot be taken
 /// together, and when cancelled. About 150 bytes a sample.

@@ -14,12 +14,13 @@ namespace lode::quadtree_file {
 inline constexpr std::array<std::string_view, 3> kModelNames{
     "surface_quadtree", "quaternary_triangulation", "restricted_quadtree"};
 
-inline constexpr std::uint32_t kLayout = 1;
+inline constexpr std::uint32_t kLayout = 2;
 
 enum class Column : std::uint32_t {
   height = 1,    ///< By sample, row by row, in the type that HeightType says; 0 where none is.
   is_valid = 2,  ///< uint8 by sample; only where heights are missing.
   error = 3,     ///< float32 by square, or two by square, of the level.
+  kept = 4,      ///< uint32 twice by kept sample: column and row.
 };
 
 /// As the alternatives of HeightGrid::heights.

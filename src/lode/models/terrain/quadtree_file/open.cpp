@@ -17,6 +17,7 @@ struct Head {
   terrain_file::Source source;
   HeightType type = HeightType::float64;
   std::vector<double> levels;
+  std::uint32_t n_kept = 0;
 };
 
 Result<Head> read_head(const store::Reader& reader) {
@@ -33,6 +34,10 @@ Result<Head> read_head(const store::Reader& reader) {
     return fail("{}: metadata: expected a type of heights up to 3, got {}", path, type);
   head.type = static_cast<HeightType>(type);
   LODE_TRY(head.levels, terrain_file::read_levels(in, path));
+  LODE_TRY(head.n_kept, in.read<std::uint32_t>());
+  if (head.n_kept > head.source.n_samples)
+    return fail("{}: metadata: expected up to {} samples to keep, got {}", path,
+                head.source.n_samples, head.n_kept);
   LODE_CHECK(in.expect_end());
   return head;
 }
@@ -80,6 +85,27 @@ Result<T> naming(const std::string& path, Result<T> result) {
   return fail("{}: {}", path, result.error().message);
 }
 
+Result<void> read_kept(const store::Reader& reader, std::uint32_t n, SquareDomain& domain) {
+  LODE_TRY(const auto numbers,
+           read_column<std::uint32_t>(reader, key_of(Column::kept), 2 * std::uint64_t{n}));
+  std::vector<LatticePoint> kept;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t x = numbers[2 * i];
+    const std::uint32_t y = numbers[2 * i + 1];
+    const bool is_in = x < static_cast<std::uint32_t>(domain.size_x()) &&
+                       y < static_cast<std::uint32_t>(domain.size_y());
+    const LatticePoint p{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+    const bool is_next =
+        kept.empty() || std::pair(kept.back().y, kept.back().x) < std::pair(p.y, p.x);
+    if (!is_in || !is_next || !domain.has_node(p))
+      return fail("{}: expected samples to keep in rows, in cells with four heights, got {}, {}",
+                  reader.path(), x, y);
+    kept.push_back(p);
+  }
+  domain.keep(std::move(kept));
+  return {};
+}
+
 Result<SurfaceQuadtree> read_surface(const store::Reader& reader, SquareDomain domain) {
   std::vector<std::vector<float>> errors;
   for (std::int32_t level = 0; level < domain.n_levels(); ++level) {
@@ -112,6 +138,7 @@ Result<QuadtreeModel> open(const std::string& path, Progress& progress) {
   LODE_TRY(HeightGrid grid, read_grid(reader, head));
   if (progress.is_cancelled()) return cancelled_error();
   LODE_TRY(SquareDomain domain, naming(path, SquareDomain::make(grid)));
+  LODE_CHECK(read_kept(reader, head.n_kept, domain));
   const auto make = [&](auto tree) {
     return QuadtreeModel{std::move(head.source), std::move(head.levels), std::move(grid),
                          std::move(tree)};

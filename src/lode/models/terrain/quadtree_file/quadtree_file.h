@@ -30,11 +30,13 @@ struct QuadtreeModel {
   std::variant<SurfaceQuadtree, QuaternaryTriangulation, SquareDomain> tree;
 };
 
+[[nodiscard]] const SquareDomain& domain_of(const QuadtreeModel& model);
+
 /// The model's name in files: that of the room that it is of.
 [[nodiscard]] std::string_view model_name(const QuadtreeModel& model);
 
-/// Writes all heights, and all errors but of restricted quadtrees, as docs/format.md says, whole or
-/// not at all. Returns the size of the file.
+/// Writes all heights, what is kept, and all errors but of restricted quadtrees, as docs/format.md
+/// says, whole or not at all. Returns the size of the file.
 [[nodiscard]] Result<std::uint64_t> save(const QuadtreeModel& model, const std::string& path,
                                          Progress& progress);
 

@@ -16,6 +16,7 @@ std::vector<std::byte> encode_head(const QuadtreeModel& model) {
   terrain_file::write(out, model.source);
   out.write(static_cast<std::uint8_t>(model.grid.heights.index()));
   terrain_file::write_levels(out, model.levels);
+  out.write(static_cast<std::uint32_t>(domain_of(model).kept().size()));
   return std::move(out).take();
 }
 
@@ -61,7 +62,25 @@ Result<void> append_errors(const QuaternaryTriangulation& tree, store::Writer& w
 
 Result<void> append_errors(const SquareDomain& /*domain*/, store::Writer& /*writer*/) { return {}; }
 
+Result<void> append_kept(const SquareDomain& domain, store::Writer& writer) {
+  const std::vector<LatticePoint>& kept = domain.kept();
+  if (kept.empty()) return {};
+  return append_column<std::uint32_t>(
+      key_of(Column::kept), 2 * kept.size(),
+      [&](std::uint64_t i) {
+        const LatticePoint p = kept[i / 2];
+        return static_cast<std::uint32_t>(i % 2 == 0 ? p.x : p.y);
+      },
+      writer);
+}
+
 }  // namespace
+
+const SquareDomain& domain_of(const QuadtreeModel& model) {
+  if (const auto* surface = std::get_if<SurfaceQuadtree>(&model.tree)) return surface->domain();
+  if (const auto* right = std::get_if<QuaternaryTriangulation>(&model.tree)) return right->domain();
+  return std::get<SquareDomain>(model.tree);
+}
 
 std::string_view model_name(const QuadtreeModel& model) { return kModelNames[model.tree.index()]; }
 
@@ -69,6 +88,7 @@ Result<std::uint64_t> save(const QuadtreeModel& model, const std::string& path,
                            Progress& progress) {
   LODE_TRY(auto writer, store::Writer::create(path, model_name(model), encode_head(model)));
   LODE_CHECK(append_heights(model.grid, writer));
+  LODE_CHECK(append_kept(domain_of(model), writer));
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(std::visit([&](const auto& tree) { return append_errors(tree, writer); }, model.tree));
   return writer.finish(progress);

@@ -137,7 +137,9 @@ std::vector<HalfSquare> QuaternaryTriangulation::leaves(
     open.pop_back();
     if (!domain_.has(triangle.square)) continue;
     const bool is_last = triangle.square.level == 0;
-    if (error(triangle) != kOutside && (is_last || !split(triangle))) {
+    const squares::KeptCounts kept = domain_.kept_in(triangle.square);
+    const bool has_kept = (triangle.is_upper ? kept.upper : kept.lower) > 0;
+    if (error(triangle) != kOutside && (is_last || (!has_kept && !split(triangle)))) {
       leaves.push_back(triangle);
       continue;
     }

@@ -46,6 +46,8 @@ class QuaternaryTriangulation {
       SquareDomain domain, std::vector<std::vector<std::array<float, 2>>> errors);
 
   [[nodiscard]] const SquareDomain& domain() const { return domain_; }
+  /// See SquareDomain::keep(): triangles are split until these are corners.
+  void keep(std::vector<LatticePoint> nodes) { domain_.keep(std::move(nodes)); }
   /// By level and SquareDomain::index().
   [[nodiscard]] const std::vector<std::vector<std::array<float, 2>>>& errors() const {
     return errors_;

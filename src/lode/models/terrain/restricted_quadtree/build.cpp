@@ -105,14 +105,30 @@ class Builder {
     return sides;
   }
 
-  /// The fewest midpoints, those required among them, within the tolerance.
+  /// Whether all samples to be kept in a square are corners, its centre or midpoints.
+  [[nodiscard]] bool keeps_all(const Square& q, SideMask midpoints) const {
+    std::uint32_t n = domain_.kept_in(q).all;
+    if (n == 0) return true;
+    const std::int32_t half = q.side() / 2;
+    const LatticePoint centre{q.x() + half, q.y() + half};
+    n -= domain_.is_kept(centre) ? 1U : 0U;
+    for (std::size_t side = 0; side < 4; ++side) {
+      const auto& [columns, rows] = kAcross[side];
+      const bool is_vertex = (midpoints >> side & 1) != 0;
+      if (is_vertex && domain_.is_kept({centre.x + columns * half, centre.y + rows * half})) --n;
+    }
+    return n == 0;
+  }
+
+  /// The fewest midpoints, those required among them, within the tolerance and with all that is
+  /// kept.
   [[nodiscard]] std::optional<SideMask> choose(const Square& q, const Sides& sides) const {
     std::optional<SideMask> best;
     for (unsigned added = 0; added < 16; ++added) {
       if ((added & ~static_cast<unsigned>(sides.free)) != 0) continue;
       if (best && std::popcount(added) >= std::popcount(unsigned{*best} & sides.free)) continue;
       const auto mask = static_cast<SideMask>(sides.required | added);
-      if (pattern_error(domain_, q, mask) <= tolerance_) best = mask;
+      if (keeps_all(q, mask) && pattern_error(domain_, q, mask) <= tolerance_) best = mask;
       if (best && added == 0) break;
     }
     return best;

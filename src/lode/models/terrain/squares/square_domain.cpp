@@ -1,6 +1,7 @@
 #include "lode/models/terrain/squares/square_domain.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lode/delaunay/grid_domain.h"
 
@@ -55,6 +56,50 @@ Result<SquareDomain> SquareDomain::make(const HeightGrid& grid) {
     domain.shares_.push_back(std::move(shares));
   }
   return domain;
+}
+
+namespace {
+
+bool is_before(LatticePoint a, LatticePoint b) { return a.y != b.y ? a.y < b.y : a.x < b.x; }
+
+/// Adds a node to the counts of a square that it lies in, by its place from the lower left corner.
+void count_kept(std::int32_t u, std::int32_t v, std::int32_t side, KeptCounts& counts) {
+  const bool is_first = u == 0 && v == 0;
+  const bool is_last = u == side && v == side;
+  const bool is_right = u == side && v == 0;
+  const bool is_left = u == 0 && v == side;
+  if (is_first || is_last) return;
+  if (v <= u && !is_right) ++counts.lower;
+  if (v >= u && !is_left) ++counts.upper;
+  if (!is_right && !is_left) ++counts.all;
+}
+
+}  // namespace
+
+void SquareDomain::keep(std::vector<LatticePoint> nodes) {
+  kept_ = std::move(nodes);
+  kept_in_.clear();
+  for (std::int32_t level = 0; level < n_levels() && !kept_.empty(); ++level) {
+    auto& counts = kept_in_.emplace_back(n_squares(level));
+    const std::int32_t side = std::int32_t{1} << level;
+    for (const LatticePoint p : kept_)
+      for (std::int32_t row = (p.y - 1) >> level; row <= p.y >> level; ++row)
+        for (std::int32_t column = (p.x - 1) >> level; column <= p.x >> level; ++column) {
+          const Square square{level, column, row};
+          if (has(square))
+            count_kept(p.x - square.x(), p.y - square.y(), side, counts[index(square)]);
+        }
+  }
+}
+
+bool SquareDomain::is_kept(LatticePoint p) const {
+  return std::ranges::binary_search(kept_, p, is_before);
+}
+
+bool SquareDomain::has_node(LatticePoint p) const {
+  for (int i = 0; i < 4; ++i)
+    if (share({0, p.x - (i & 1), p.y - (i >> 1)}) == Share::all) return true;
+  return false;
 }
 
 }  // namespace lode::squares

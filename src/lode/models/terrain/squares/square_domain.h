@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lode/core/height_grid.h"
+#include "lode/core/lattice_point.h"
 #include "lode/core/result.h"
 
 namespace lode::squares {
@@ -26,6 +27,14 @@ struct Square {
 
 /// How much of a square is in the domain.
 enum class Share : std::uint8_t { none, some, all };
+
+/// How many samples that are to be vertices a square has, on its sides, too, that are none of its
+/// corners; of its halves, cut from the lower left corner to the upper right one, none of theirs.
+struct KeptCounts {
+  std::uint32_t all = 0;
+  std::uint32_t lower = 0;  ///< The lower right half.
+  std::uint32_t upper = 0;
+};
 
 /// The heights of a raster as float64, and the squares over it: those of level 0 are its cells, the
 /// last level has one that holds all of them. The raster is not padded: what a square has beyond
@@ -63,6 +72,16 @@ class SquareDomain {
   [[nodiscard]] const double* row(std::int32_t y) const {
     return heights_.data() + std::int64_t{y} * size_x_;
   }
+  /// Makes samples vertices of all trees: different nodes of the domain, in rows.
+  void keep(std::vector<LatticePoint> nodes);
+  [[nodiscard]] const std::vector<LatticePoint>& kept() const { return kept_; }
+  [[nodiscard]] bool is_kept(LatticePoint p) const;
+  /// Of a square in the raster.
+  [[nodiscard]] KeptCounts kept_in(const Square& q) const {
+    return kept_.empty() ? KeptCounts{} : kept_in_[static_cast<std::size_t>(q.level)][index(q)];
+  }
+  /// Whether a sample is a corner of a cell with four heights.
+  [[nodiscard]] bool has_node(LatticePoint p) const;
   [[nodiscard]] std::int32_t size_x() const { return size_x_; }
   [[nodiscard]] std::int32_t size_y() const { return size_y_; }
 
@@ -71,6 +90,8 @@ class SquareDomain {
   std::int32_t size_y_ = 0;
   std::vector<double> heights_;
   std::vector<std::vector<Share>> shares_;  ///< By level.
+  std::vector<LatticePoint> kept_;
+  std::vector<std::vector<KeptCounts>> kept_in_;  ///< By level; empty where nothing is kept.
 };
 
 }  // namespace lode::squares

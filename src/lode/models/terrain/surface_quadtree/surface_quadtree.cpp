@@ -26,7 +26,8 @@ std::vector<Square> leaves_by(const SquareDomain& domain, const Split& split) {
     open.pop_back();
     const Share share = domain.share(square);
     if (share == Share::none) continue;
-    if (share == Share::all && (square.level == 0 || !split(square))) {
+    const bool is_last = square.level == 0;
+    if (share == Share::all && (is_last || (domain.kept_in(square).all == 0 && !split(square)))) {
       leaves.push_back(square);
       continue;
     }

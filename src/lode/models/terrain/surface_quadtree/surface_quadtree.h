@@ -38,6 +38,8 @@ class SurfaceQuadtree {
                                                   std::vector<std::vector<float>> errors);
 
   [[nodiscard]] const SquareDomain& domain() const { return domain_; }
+  /// See SquareDomain::keep(): squares are split until these are corners.
+  void keep(std::vector<LatticePoint> nodes) { domain_.keep(std::move(nodes)); }
   /// By level and SquareDomain::index().
   [[nodiscard]] const std::vector<std::vector<float>>& errors() const { return errors_; }
   /// Of a square in the raster, rounded up; infinite where it is not wholly in the domain.
