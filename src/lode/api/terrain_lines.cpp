@@ -300,8 +300,9 @@ Result<std::vector<LatticePoint>> find_feature_nodes(const HeightGrid& grid, dou
   for (const terrain_features::FeatureLine& line : features.lines)
     vertices.insert(vertices.end(), line.vertices.begin(), line.vertices.end());
   std::ranges::sort(vertices);
-  vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   std::vector<LatticePoint> nodes;
+  nodes.reserve(vertices.size());
   // Its vertices are in rows.
   for (const std::uint32_t vertex : vertices) nodes.push_back(full.tin.vertices[vertex]);
   report.seconds = watch.seconds();

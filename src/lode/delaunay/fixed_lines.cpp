@@ -10,12 +10,12 @@
 namespace lode::delaunay {
 namespace {
 
-using Edges = std::vector<std::array<std::uint32_t, 2>>;
+using EdgeList = std::vector<std::array<std::uint32_t, 2>>;
 
 /// The edges of triangles that have nothing behind them.
-Edges outline_of(std::span<const std::array<std::uint32_t, 3>> triangles) {
+EdgeList outline_of(std::span<const std::array<std::uint32_t, 3>> triangles) {
   const auto twins = find_twins(triangles);
-  Edges outline;
+  EdgeList outline;
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (std::size_t i = 0; i < 3; ++i)
       if (twins[t][i] == kNoHalfEdge)
@@ -24,13 +24,13 @@ Edges outline_of(std::span<const std::array<std::uint32_t, 3>> triangles) {
 }
 
 /// Those that edges end at, from small to large.
-std::vector<std::uint32_t> ends_of(std::initializer_list<std::span<const Edges::value_type>> all,
+std::vector<std::uint32_t> ends_of(std::initializer_list<std::span<const EdgeList::value_type>> all,
                                    std::span<const std::uint32_t> single) {
   std::vector<std::uint32_t> ends(single.begin(), single.end());
   for (const auto edges : all)
     for (const auto& edge : edges) ends.insert(ends.end(), edge.begin(), edge.end());
   std::ranges::sort(ends);
-  ends.erase(std::ranges::unique(ends).begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   return ends;
 }
 
@@ -41,13 +41,13 @@ Result<FixedRegion> fix_lines(const Nodes& nodes,
                               std::span<const std::array<std::uint32_t, 3>> triangles,
                               std::span<const std::array<std::uint32_t, 2>> edges,
                               std::span<const std::uint32_t> single) {
-  Edges outline = outline_of(triangles);
+  EdgeList outline = outline_of(triangles);
   const std::vector<std::uint32_t> ends = ends_of({outline, edges}, single);
   const auto place_of = [&](std::uint32_t node) {
     return static_cast<std::uint32_t>(std::ranges::lower_bound(ends, node) - ends.begin());
   };
-  const auto places_of = [&](std::span<const Edges::value_type> from) {
-    Edges places;
+  const auto places_of = [&](std::span<const EdgeList::value_type> from) {
+    EdgeList places;
     for (const auto& edge : from) places.push_back({place_of(edge[0]), place_of(edge[1])});
     return places;
   };

@@ -73,6 +73,7 @@ class LineNoder {
       if (parts.back() == nullptr) return refused();
     }
     std::vector<GEOSGeometry*> raw;
+    raw.reserve(parts.size());
     for (Geometry& part : parts) raw.push_back(part.release());
     Geometry all(GEOSGeom_createCollection_r(geos_.handle(), GEOS_MULTILINESTRING, raw.data(),
                                              static_cast<unsigned>(raw.size())),
@@ -129,7 +130,7 @@ class LineNoder {
       if (a != b) noded.edges.push_back({a, b});
     }
     std::ranges::sort(noded.edges);
-    noded.edges.erase(std::ranges::unique(noded.edges).begin(), noded.edges.end());
+    noded.edges.erase(std::unique(noded.edges.begin(), noded.edges.end()), noded.edges.end());
     return noded;
   }
 
@@ -158,17 +159,17 @@ class OwnEdges {
     while (at && noded_.nodes[*at] != rounded(to)) {
       std::optional<std::uint32_t> best;
       double least = kReach;
-      const auto ends = std::ranges::equal_range(sides_, *at, {}, &Side::node);
       double next_along = along;
-      for (const Side& side : ends) {
-        const auto& edge = noded_.edges[side.edge];
+      auto side = std::ranges::lower_bound(sides_, *at, {}, &Side::node);
+      for (; side != sides_.end() && side->node == *at; ++side) {
+        const auto& edge = noded_.edges[side->edge];
         const LatticePoint p = noded_.nodes[edge[0] == *at ? edge[1] : edge[0]];
         const Vec<double, 2> off{{p.x - a[0], p.y - a[1]}};
         const double ahead = (off[0] * way[0] + off[1] * way[1]) / length;
         const double beside = std::abs(off[0] * way[1] - off[1] * way[0]) / length;
         if (ahead <= along || ahead > length + kReach || beside >= least) continue;
         least = beside;
-        best = side.edge;
+        best = side->edge;
         next_along = ahead;
       }
       if (!best) return;

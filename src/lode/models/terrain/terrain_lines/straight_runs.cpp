@@ -19,7 +19,7 @@ std::vector<Edge> both_ways(std::span<const Edge> edges) {
     sides.push_back({b, a});
   }
   std::ranges::sort(sides);
-  sides.erase(std::ranges::unique(sides).begin(), sides.end());
+  sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
   return sides;
 }
 
@@ -51,8 +51,10 @@ class RunFinder {
 
  private:
   [[nodiscard]] std::span<const Edge> at_node(std::uint32_t node) const {
-    const auto found = std::ranges::equal_range(sides_, node, {}, &first_of);
-    return {found.begin(), found.end()};
+    const auto first = std::ranges::lower_bound(sides_, node, {}, &first_of);
+    auto end = first;
+    while (end != sides_.end() && first_of(*end) == node) ++end;
+    return {first, end};
   }
   static std::uint32_t first_of(const Edge& edge) { return edge[0]; }
   /// Whether a run goes on through a node. As lines are straight there, none comes back to itself.
