@@ -107,7 +107,8 @@ TEST(fixed_lines, stay_edges_while_samples_are_inserted_round_and_on_them) {
     for (const Line& line : lines) edges.push_back({packing.pack(line[0]), packing.pack(line[1])});
     const auto domain = find_domain(grid);
     ASSERT_TRUE(domain);
-    const auto fixed = fix_lines(packing, domain->triangles, edges);
+    Progress nobody;
+    const auto fixed = fix_lines(packing, domain->triangles, edges, {}, nobody);
     ASSERT_TRUE(fixed) << fixed.error().message;
     EXPECT_TRUE(fixed->crossing.empty());
     for (const InsertionOrder order : {InsertionOrder::levels, InsertionOrder::strict})
@@ -138,8 +139,10 @@ TEST(fixed_lines, keep_a_limit_of_triangles_where_samples_lie_on_them) {
       17, 17, [](std::int32_t x, std::int32_t y) { return y == 8 ? 50 * std::sin(x) : 0; });
   const LatticePacking packing(17);
   const auto domain = find_domain(grid);
-  const auto fixed = fix_lines(packing, domain->triangles,
-                               std::vector<Edge>{{packing.pack({2, 8}), packing.pack({14, 8})}});
+  Progress nobody;
+  const auto fixed =
+      fix_lines(packing, domain->triangles,
+                std::vector<Edge>{{packing.pack({2, 8}), packing.pack({14, 8})}}, {}, nobody);
   ASSERT_TRUE(fixed) << fixed.error().message;
   for (std::uint64_t most = fixed->triangles.size(); most < 40; ++most) {
     LatticeMesh mesh(packing, fixed->triangles);
@@ -162,7 +165,8 @@ TEST(fixed_lines, that_cross_are_told) {
   const auto domain = find_domain(grid);
   const std::vector<Edge> crossing{{packing.pack({1, 1}), packing.pack({6, 7})},
                                    {packing.pack({1, 7}), packing.pack({6, 2})}};
-  const auto fixed = fix_lines(packing, domain->triangles, crossing);
+  Progress nobody;
+  const auto fixed = fix_lines(packing, domain->triangles, crossing, {}, nobody);
   ASSERT_TRUE(fixed) << fixed.error().message;
   EXPECT_EQ(fixed->crossing, std::vector<std::uint32_t>{1});
   EXPECT_EQ(fixed->edges, (std::vector<Edge>{crossing[0]}));
@@ -200,7 +204,8 @@ TEST(fixed_lines, of_scattered_points_stay_edges) {
     const std::vector<std::array<std::uint32_t, 3>> square{
         {number({0, 0}), number({kLast, 0}), number({kLast, kLast})},
         {number({0, 0}), number({kLast, kLast}), number({0, kLast})}};
-    const auto fixed = fix_lines(listed, square, edges);
+    Progress nobody;
+    const auto fixed = fix_lines(listed, square, edges, {}, nobody);
     ASSERT_TRUE(fixed) << fixed.error().message;
     std::vector<std::uint32_t> triangle_of;
     for (const LatticePoint p : nodes) {

@@ -304,6 +304,11 @@ class OtherGrid {
 Result<void> check_raster_options(const OpenedTerrain& opened, const TerrainRasterOptions& wanted) {
   if (opened.points && !opened.grid && !wanted.cell)
     return fail("expected a cell, the size of pixels, for a raster of scattered points, got none");
+  if (!wanted.cell && opened.terrain.frame().n_columns != opened.facts.frame.n_columns &&
+      opened.lines)
+    return fail(
+        "expected a cell, the size of pixels, for a raster of a terrain with breaklines, whose "
+        "vertices lie between samples, got none");
   if (!wanted.cell && is_hierarchy(opened.model))
     return fail(
         "expected a cell, the size of pixels, for a raster of {}, whose vertices lie between "

@@ -40,7 +40,7 @@ template <typename Nodes>
 Result<FixedRegion> fix_lines(const Nodes& nodes,
                               std::span<const std::array<std::uint32_t, 3>> triangles,
                               std::span<const std::array<std::uint32_t, 2>> edges,
-                              std::span<const std::uint32_t> single) {
+                              std::span<const std::uint32_t> single, Progress& progress) {
   EdgeList outline = outline_of(triangles);
   const std::vector<std::uint32_t> ends = ends_of({outline, edges}, single);
   const auto place_of = [&](std::uint32_t node) {
@@ -55,7 +55,7 @@ Result<FixedRegion> fix_lines(const Nodes& nodes,
   points.reserve(ends.size());
   for (const std::uint32_t end : ends) points.push_back(to_point(nodes.unpack(end)));
   LODE_TRY(FixedRegion region,
-           triangulate_region(std::move(points), places_of(outline), places_of(edges)));
+           triangulate_region(std::move(points), places_of(outline), places_of(edges), progress));
   for (auto& corner : region.triangles)
     for (std::uint32_t& place : corner) place = ends[place];
   for (auto& edge : region.edges)
@@ -66,10 +66,10 @@ Result<FixedRegion> fix_lines(const Nodes& nodes,
 template Result<FixedRegion> fix_lines(const LatticePacking&,
                                        std::span<const std::array<std::uint32_t, 3>>,
                                        std::span<const std::array<std::uint32_t, 2>>,
-                                       std::span<const std::uint32_t>);
+                                       std::span<const std::uint32_t>, Progress&);
 template Result<FixedRegion> fix_lines(const ListedNodes&,
                                        std::span<const std::array<std::uint32_t, 3>>,
                                        std::span<const std::array<std::uint32_t, 2>>,
-                                       std::span<const std::uint32_t>);
+                                       std::span<const std::uint32_t>, Progress&);
 
 }  // namespace lode::delaunay

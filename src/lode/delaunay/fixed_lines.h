@@ -12,11 +12,12 @@ namespace lode::delaunay {
 /// The coarsest constrained Delaunay triangulation of a domain with lines in it: of the corners of
 /// its outline, the ends of edges, and single nodes. All numbers are of nodes. `triangles`: that
 /// together are the domain, as of GridDomain. Edges should meet each other and the outline at such
-/// nodes only: see triangulate_region(). O(n log n), and the edges that lines cross.
+/// nodes only: see triangulate_region(). Fails when cancelled.
 template <typename Nodes>
 [[nodiscard]] Result<FixedRegion> fix_lines(const Nodes& nodes,
                                             std::span<const std::array<std::uint32_t, 3>> triangles,
                                             std::span<const std::array<std::uint32_t, 2>> edges,
-                                            std::span<const std::uint32_t> single = {});
+                                            std::span<const std::uint32_t> single,
+                                            Progress& progress);
 
 }  // namespace lode::delaunay

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -49,6 +50,7 @@ class PointLists {
       for_each(slot, [&](std::uint32_t p) { loose_.push_back(p); });
       first_[slot] = kNone;
     }
+    sort_fan(mesh, made);
     for (const std::uint32_t p : loose_)
       if (p != point) add(p, find_in_fan(mesh, made, p));
     return made;
@@ -62,6 +64,40 @@ class PointLists {
  private:
   void add(std::uint32_t p, std::uint32_t t) { next_[p] = std::exchange(first_[t], p); }
 
+  static constexpr std::size_t kLargeFan = 32;
+
+  /// A spoke from the fan's middle, and the triangle to the left of it.
+  struct Spoke {
+    LatticePoint way;
+    std::uint32_t triangle;
+
+    /// By angle, from that of (1, 0) once round.
+    bool operator<(const Spoke& other) const {
+      const bool is_upper = way.y > 0 || (way.y == 0 && way.x > 0);
+      const bool is_other = other.way.y > 0 || (other.way.y == 0 && other.way.x > 0);
+      if (is_upper != is_other) return is_upper;
+      return doubled_area({}, way, other.way) > 0;
+    }
+  };
+  /// Of large fans, so that not all of their triangles need be tried.
+  void sort_fan(const PointMesh& mesh, std::span<const std::uint32_t> fan) {
+    spokes_.clear();
+    if (fan.size() < kLargeFan || loose_.size() < kLargeFan) return;
+    const LatticePoint centre = nodes_[mesh.triangles()[fan[0]].corner[2]];
+    for (const std::uint32_t t : fan) {
+      const LatticePoint p = nodes_[mesh.triangles()[t].corner[0]];
+      spokes_.push_back({{p.x - centre.x, p.y - centre.y}, t});
+    }
+    std::ranges::sort(spokes_, std::less<>());
+  }
+  /// The triangle to the left of the last spoke that p is not to the right of.
+  [[nodiscard]] std::uint32_t find_by_angle(const PointMesh& mesh, std::uint32_t p) const {
+    const LatticePoint centre = nodes_[mesh.triangles()[spokes_[0].triangle].corner[2]];
+    const Spoke own{{nodes_[p].x - centre.x, nodes_[p].y - centre.y}, kNone};
+    auto after = std::upper_bound(spokes_.begin(), spokes_.end(), own);
+    return (after == spokes_.begin() ? spokes_.end() : after)[-1].triangle;
+  }
+
   /// Of triangles that turn round their last corner, and together hold p, the first that does:
   /// it is to the left of one side at that corner and to the right of the other, which differ by
   /// less than half a turn.
@@ -69,6 +105,13 @@ class PointLists {
                                           std::uint32_t p) const {
     const LatticePoint at = nodes_[p];
     const LatticePoint centre = nodes_[mesh.triangles()[fan[0]].corner[2]];
+    if (!spokes_.empty()) {
+      const std::uint32_t t = find_by_angle(mesh, p);
+      const auto& corner = mesh.triangles()[t].corner;
+      if (doubled_area(centre, nodes_[corner[0]], at) >= 0 &&
+          doubled_area(centre, nodes_[corner[1]], at) <= 0)
+        return t;
+    }
     std::uint32_t spoke = kNone;
     std::int64_t side = 0;
     for (const std::uint32_t t : fan) {
@@ -87,6 +130,7 @@ class PointLists {
   std::vector<std::uint32_t> first_;  ///< By triangle.
   std::vector<std::uint32_t> next_;   ///< By point.
   std::vector<std::uint32_t> loose_;
+  std::vector<Spoke> spokes_;  ///< Of a large fan, sorted.
 };
 
 /// Sets candidates by choose(lists, triangle, its number).

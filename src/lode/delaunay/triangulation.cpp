@@ -348,7 +348,8 @@ Result<std::vector<std::array<std::uint32_t, 3>>> triangulate_region(
 
 Result<FixedRegion> triangulate_region(std::vector<Point> points,
                                        std::span<const std::array<std::uint32_t, 2>> outline,
-                                       std::span<const std::array<std::uint32_t, 2>> lines) {
+                                       std::span<const std::array<std::uint32_t, 2>> lines,
+                                       Progress& progress) {
   LODE_TRY(Triangulation triangulation, Triangulation::of(std::move(points)));
   using Edges = std::vector<std::array<std::uint32_t, 2>>;
   /// Whether all of the way is fixed.
@@ -365,8 +366,15 @@ Result<FixedRegion> triangulate_region(std::vector<Point> points,
   LODE_TRY(const std::vector<bool> is_inside, triangulation.left_of(closed));
   // What is flipped from here on is on one side of the outline, and stays there.
   FixedRegion region;
-  for (std::uint32_t i = 0; i < lines.size(); ++i)
-    if (!fix(lines[i], region.edges)) region.crossing.push_back(i);
+  constexpr std::uint32_t kPerReport = 1024;
+  for (std::uint32_t i = 0; i < lines.size(); ++i) {
+    if (i % kPerReport == 0 && progress.is_cancelled()) return cancelled_error();
+    if (!fix(lines[i], region.edges)) {
+      region.crossing.push_back(i);
+      fix({lines[i][1], lines[i][0]}, region.edges);
+    }
+    region.line_of.resize(region.edges.size(), i);
+  }
   region.triangles = triangulation.corners(is_inside);
   return region;
 }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/delaunay/predicates.h"
 
@@ -106,13 +107,16 @@ class Triangulation {
 struct FixedRegion {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::array<std::uint32_t, 2>> edges;  ///< Of the lines, cut at points on them.
+  std::vector<std::uint32_t> line_of;               ///< By edge, the number of its line.
   std::vector<std::uint32_t> crossing;  ///< Numbers of lines that are not whole; see below.
 };
 
 /// The same with lines, given as edges, in the region. All may run through points. Of a line that
-/// crosses the outline or an earlier line nothing is kept from the last point before that on.
+/// crosses the outline or an earlier line nothing is kept between the last points before that, seen
+/// from both of its ends. Each takes as long as there are triangles at its ends, besides those it
+/// crosses. Fails when cancelled.
 [[nodiscard]] Result<FixedRegion> triangulate_region(
     std::vector<Point> points, std::span<const std::array<std::uint32_t, 2>> outline,
-    std::span<const std::array<std::uint32_t, 2>> lines);
+    std::span<const std::array<std::uint32_t, 2>> lines, Progress& progress);
 
 }  // namespace lode::delaunay

@@ -62,13 +62,16 @@ Result<PointDomain> find_hull(const HeightPoints& points) {
   return domain_within(points, corners, edges);
 }
 
-Result<PointDomain> with_lines(const HeightPoints& points, const PointDomain& domain,
-                               std::span<const Edge> edges, std::span<const std::uint32_t> single,
-                               std::uint64_t& n_crossing) {
-  LODE_TRY(delaunay::FixedRegion region, delaunay::fix_lines(delaunay::ListedNodes(points.nodes),
-                                                             domain.triangles, edges, single));
-  n_crossing = region.crossing.size();
-  PointDomain made;
+Result<LinedDomain> with_lines(const HeightPoints& points, const PointDomain& domain,
+                               std::span<const Edge> lines, std::span<const std::uint32_t> single,
+                               Progress& progress) {
+  LODE_TRY(delaunay::FixedRegion region,
+           delaunay::fix_lines(delaunay::ListedNodes(points.nodes), domain.triangles, lines, single,
+                               progress));
+  LinedDomain lined;
+  lined.n_crossing = region.crossing.size();
+  lined.line_of = std::move(region.line_of);
+  PointDomain& made = lined.domain;
   made.outline = domain.outline;
   made.lines = std::move(region.edges);
   made.triangles = std::move(region.triangles);
@@ -87,7 +90,7 @@ Result<PointDomain> with_lines(const HeightPoints& points, const PointDomain& do
     tin.triangles.push_back(numbers);
   }
   locate_points(points, std::move(tin), made);
-  return made;
+  return lined;
 }
 
 Result<PointDomain> find_part(const HeightPoints& points, const KeepTriangle& keep,

@@ -27,14 +27,19 @@ struct PointDomain {
 /// The convex hull. Fails on fewer than three points that are not on one line.
 [[nodiscard]] Result<PointDomain> find_hull(const HeightPoints& points);
 
+struct LinedDomain {
+  PointDomain domain;
+  std::vector<std::uint32_t> line_of;  ///< By edge of the domain's lines, the number of its line.
+  std::uint64_t n_crossing = 0;        ///< Lines that are not whole.
+};
+
 /// A domain with lines in it, given as edges, and single points that every TIN is to have: the
-/// triangles become those of delaunay::fix_lines(). Edges should meet at points only; of those that
-/// cross nothing is kept beyond the last point before that, and n_crossing tells how many there
-/// are.
-[[nodiscard]] Result<PointDomain> with_lines(const HeightPoints& points, const PointDomain& domain,
-                                             std::span<const std::array<std::uint32_t, 2>> edges,
+/// triangles become those of delaunay::fix_lines(). Lines should meet at points only; of those that
+/// cross the outline or others a part is missing. Fails when cancelled.
+[[nodiscard]] Result<LinedDomain> with_lines(const HeightPoints& points, const PointDomain& domain,
+                                             std::span<const std::array<std::uint32_t, 2>> lines,
                                              std::span<const std::uint32_t> single,
-                                             std::uint64_t& n_crossing);
+                                             Progress& progress);
 
 /// Whether a triangle of points, turning left, is to be part of a domain.
 using KeepTriangle = std::function<bool(const std::array<std::uint32_t, 3>&)>;

@@ -14,7 +14,8 @@ namespace {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-Vec3d between(const Vec3d& a, const Vec3d& b, double t) { return a * (1 - t) + b * t; }
+/// Along a column or row exactly on it.
+Vec3d between(const Vec3d& a, const Vec3d& b, double t) { return a + (b - a) * t; }
 
 double distance(const Vec3d& a, const Vec3d& b) { return std::hypot(b[0] - a[0], b[1] - a[1]); }
 
@@ -105,9 +106,21 @@ class LineLayer {
     if (begin > 0 && begin < end) add_look(look_at(between(a, b, begin), false));
     for (double k = 1; k <= n; ++k) {
       const double t = begin + (end - begin) * (k / n);
-      if (t < 1) add_look(look_at(between(a, b, t), false));
+      const Vec3d at = between(a, b, t);
+      if (t < 1) add_look(look_at(at, is_near_outline(at)));
     }
     add_look(look_at(b, true));
+  }
+  /// There may be less outside than a step. With a point on each side of it an edge that crosses
+  /// the outline is a short one, and the rest of the line stays.
+  [[nodiscard]] bool is_near_outline(const Vec3d& p) const {
+    for (const double sign : {-1.0, 1.0})
+      for (const std::size_t axis : {0U, 1U}) {
+        delaunay::Point q{{p[0], p[1]}};
+        q[axis] += sign * options_.step;
+        if (!surface_.find(q)) return true;
+      }
+    return false;
   }
   /// The part of the way from a to b that may meet the surface, and a little more; may be empty.
   [[nodiscard]] std::pair<double, double> within_rectangle(const Vec3d& a, const Vec3d& b) const {

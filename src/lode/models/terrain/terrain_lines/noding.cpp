@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,11 +52,6 @@ class LineNoder {
   }
 
  private:
-  struct Vertex {
-    LatticePoint at;
-    double height;
-  };
-
   [[nodiscard]] Error refused() const {
     return fail("expected lines that GEOS can take together, got: {}",
                 geos_.error().empty() ? "no reason" : geos_.error());
@@ -64,9 +60,12 @@ class LineNoder {
   Result<Geometry> to_geometry(std::span<const LineToNode> lines) const {
     std::vector<Geometry> parts;
     for (const auto& [places, has_own_heights] : lines) {
-      const auto n = static_cast<unsigned>(places.size());
+      std::vector<Vec<double, 2>> flat;
+      flat.reserve(places.size());
+      for (const Vec3d& p : places) flat.push_back({{p[0], p[1]}});
+      const auto n = static_cast<unsigned>(flat.size());
       GEOSCoordSequence* points =
-          GEOSCoordSeq_copyFromBuffer_r(geos_.handle(), places.data()->v.data(), n, 1, 0);
+          GEOSCoordSeq_copyFromBuffer_r(geos_.handle(), flat.data()->v.data(), n, 0, 0);
       if (points == nullptr) return refused();
       parts.emplace_back(GEOSGeom_createLineString_r(geos_.handle(), points),
                          GeometryDeleter{geos_.handle()});
@@ -95,36 +94,30 @@ class LineNoder {
     unsigned n = 0;
     if (points == nullptr || GEOSCoordSeq_getSize_r(geos_.handle(), points, &n) == 0)
       return refused();
-    std::vector<Vec3d> coordinates(n);
+    std::vector<Vec<double, 2>> coordinates(n);
     if (n > 0 && GEOSCoordSeq_copyToBuffer_r(geos_.handle(), points, coordinates.data()->v.data(),
-                                             1, 0) == 0)
+                                             0, 0) == 0)
       return refused();
     for (unsigned i = 0; i < n; ++i) {
       const auto node = [](double x) { return static_cast<std::int32_t>(std::lround(x)); };
-      vertices_.push_back({{node(coordinates[i][0]), node(coordinates[i][1])}, coordinates[i][2]});
+      vertices_.push_back({node(coordinates[i][0]), node(coordinates[i][1])});
       if (i > 0) ends_.push_back(vertices_.size() - 1);
     }
     return {};
   }
 
-  /// Of vertices at one node, the first in order of heights that is one.
   NodedLines take() const {
-    std::vector<std::size_t> order(vertices_.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     const auto row_order = [](LatticePoint p) { return std::pair(p.y, p.x); };
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return row_order(vertices_[i].at); });
     NodedLines noded;
-    std::vector<std::uint32_t> number(order.size());
-    for (const std::size_t i : order) {
-      const Vertex& vertex = vertices_[i];
-      if (noded.nodes.empty() || noded.nodes.back() != vertex.at) {
-        noded.nodes.push_back(vertex.at);
-        noded.heights.push_back(vertex.height);
-      } else if (std::isnan(noded.heights.back())) {
-        noded.heights.back() = vertex.height;
-      }
-      number[i] = static_cast<std::uint32_t>(noded.nodes.size() - 1);
-    }
+    noded.nodes = vertices_;
+    std::ranges::sort(noded.nodes, {}, row_order);
+    noded.nodes.erase(std::unique(noded.nodes.begin(), noded.nodes.end()), noded.nodes.end());
+    std::vector<std::uint32_t> number;
+    number.reserve(vertices_.size());
+    for (const LatticePoint vertex : vertices_)
+      number.push_back(static_cast<std::uint32_t>(
+          std::ranges::lower_bound(noded.nodes, row_order(vertex), {}, row_order) -
+          noded.nodes.begin()));
     for (const std::size_t end : ends_) {
       const auto [a, b] = std::minmax(number[end - 1], number[end]);
       if (a != b) noded.edges.push_back({a, b});
@@ -135,7 +128,7 @@ class LineNoder {
   }
 
   Geos geos_;
-  std::vector<Vertex> vertices_;
+  std::vector<LatticePoint> vertices_;
   std::vector<std::size_t> ends_;  ///< Of edges: vertices that the one before is joined to.
 };
 
@@ -143,7 +136,8 @@ class LineNoder {
 class OwnEdges {
  public:
   explicit OwnEdges(NodedLines& noded) : noded_(noded) {
-    noded_.has_own_heights.assign(noded_.edges.size(), false);
+    noded_.is_own.assign(noded_.edges.size(), false);
+    sums_.resize(noded_.nodes.size());
     for (std::uint32_t i = 0; i < noded_.edges.size(); ++i)
       for (const std::uint32_t end : noded_.edges[i]) sides_.push_back({end, i});
     std::ranges::sort(sides_);
@@ -156,6 +150,7 @@ class OwnEdges {
     const double length = std::hypot(way[0], way[1]);
     std::optional<std::uint32_t> at = node_at(from);
     double along = -kReach;
+    if (at) add_height(*at, from[2]);
     while (at && noded_.nodes[*at] != rounded(to)) {
       std::optional<std::uint32_t> best;
       double least = kReach;
@@ -173,11 +168,19 @@ class OwnEdges {
         next_along = ahead;
       }
       if (!best) return;
-      noded_.has_own_heights[*best] = true;
+      noded_.is_own[*best] = true;
       const auto& edge = noded_.edges[*best];
       at = edge[0] == *at ? edge[1] : edge[0];
       along = next_along;
+      const double t = std::clamp(along / length, 0.0, 1.0);
+      add_height(*at, noded_.nodes[*at] == rounded(to) ? to[2] : from[2] + (to[2] - from[2]) * t);
     }
+  }
+  /// Of all lines that were followed.
+  void finish() {
+    noded_.own_heights.clear();
+    for (const auto& [n, sum] : sums_)
+      noded_.own_heights.push_back(n > 0 ? sum / n : std::numeric_limits<double>::quiet_NaN());
   }
 
  private:
@@ -199,8 +202,18 @@ class OwnEdges {
     return static_cast<std::uint32_t>(found - noded_.nodes.begin());
   }
 
+  struct HeightSum {
+    double n = 0;
+    double sum = 0;
+  };
+  void add_height(std::uint32_t node, double height) {
+    ++sums_[node].n;
+    sums_[node].sum += height;
+  }
+
   NodedLines& noded_;
   std::vector<Side> sides_;
+  std::vector<HeightSum> sums_;  ///< By node.
 };
 
 }  // namespace
@@ -212,6 +225,7 @@ Result<NodedLines> node_lines(std::span<const LineToNode> lines) {
   for (const auto& [places, has_own_heights] : lines)
     for (std::size_t i = 0; has_own_heights && i + 1 < places.size(); ++i)
       own.follow(places[i], places[i + 1]);
+  own.finish();
   return noded;
 }
 

@@ -13,22 +13,21 @@ namespace lode::terrain_lines {
 
 /// Lines of which any two meet at nodes only.
 struct NodedLines {
-  std::vector<LatticePoint> nodes;                  ///< Different; those that edges end at.
-  std::vector<double> heights;                      ///< By node; NaN: its lines have none.
+  std::vector<LatticePoint> nodes;                  ///< In rows, different.
+  std::vector<double> own_heights;                  ///< By node: see LineToNode; NaN: none.
   std::vector<std::array<std::uint32_t, 2>> edges;  ///< By numbers of nodes, sorted, none twice.
-  std::vector<bool> has_own_heights;                ///< By edge: see LineToNode.
+  std::vector<bool> is_own;                         ///< By edge: of a line with own heights.
 };
 
 struct LineToNode {
   PlaceLine places;              ///< Columns and rows below 2^30 in size, and heights.
-  bool has_own_heights = false;  ///< Whatever else is on it has those heights, too.
+  bool has_own_heights = false;  ///< Whatever is on it has those heights, too.
 };
 
 /// Rounds lines to a lattice so that they still meet at nodes only, by GEOS's snap rounding (J. D.
 /// Hobby, "Practical segment intersection with finite precision output", Computational Geometry 13
-/// (4), 1999): no line moves by more than the diagonal of half a cell. New nodes get heights on the
-/// lines that cross there; where these differ, one that is between them. Fails, with GEOS's reason,
-/// where it has none.
+/// (4), 1999): no line moves by more than the diagonal of half a cell. Nodes on lines with own
+/// heights get those, where several cross their mean. Fails, with GEOS's reason, where it has none.
 [[nodiscard]] Result<NodedLines> node_lines(std::span<const LineToNode> lines);
 
 }  // namespace lode::terrain_lines
