@@ -118,7 +118,7 @@ std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened)
   return summary_of(report, opened) + (crs.empty() ? "" : ", CRS " + crs);
 }
 
-void warn_of(const TerrainReport& report, TerrainModel model, const TerrainJob& job,
+void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const TerrainJob& job,
              Session& session) {
   constexpr double kMuch = 1e-3;
   if (report.height_slack > kMuch * report.max_error)
@@ -132,9 +132,11 @@ void warn_of(const TerrainReport& report, TerrainModel model, const TerrainJob& 
                     format_count(report.n_turned), job.output));
   if (!report.budget_met)
     session.warn(fmt::format("--max-cells is not met: {} has {} triangles",
-                             is_hierarchy(model) ? "the coarsest level" : "the outline alone",
+                             is_hierarchy(opened.model) ? "the coarsest level"
+                             : opened.lines.has_value() ? "the outline with its lines"
+                                                        : "the outline alone",
                              report.triangles));
-  if (model == TerrainModel::surface_quadtree && !report.is_within_error)
+  if (opened.model == TerrainModel::surface_quadtree && !report.is_within_error)
     session.warn(
         fmt::format("the tolerance holds for bilinear squares; their triangles err by up to {}",
                     format_number(report.achieved_error)));
@@ -312,7 +314,7 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_TRY(const Written made, write_tin(job, opened, options, session));
   outputs.keep();
   const TerrainReport& report = made.report;
-  warn_of(report, opened.model, job, session);
+  warn_of(report, opened, job, session);
   const bool is_strict =
       options.max_cells || options.order == InsertionOrder::strict || opened.built.has_value();
   const TerrainAnswer answer{job,       opened,       options,      report,

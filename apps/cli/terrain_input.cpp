@@ -67,8 +67,13 @@ Result<PointTerrainOptions> to_domain_options(const TerrainArguments& arguments)
 }
 
 Result<void> set_lines(const TerrainArguments& arguments, TerrainReadOptions& options) {
-  if (arguments.drape && arguments.breaklines.empty())
-    return fail("--drape: expected --breaklines with it, got none");
+  if ((arguments.drape || !arguments.drape_error.empty()) && arguments.breaklines.empty())
+    return fail("--drape, --drape-error: expected --breaklines with them, got none");
+  if (!arguments.drape_error.empty()) {
+    LODE_TRY(options.drape_error, parse_number("--drape-error", arguments.drape_error));
+    if (!(*options.drape_error >= 0))
+      return fail("--drape-error: expected a number >= 0, got '{}'", arguments.drape_error);
+  }
   options.breaklines = arguments.breaklines;
   options.is_draped = arguments.drape;
   options.keeps_features = arguments.keep_features;
@@ -126,6 +131,12 @@ void add_line_options(CLI::App& app, TerrainArguments& arguments) {
       ->group(group);
   app.add_flag("--drape", arguments.drape,
                "Give breaklines the surface's heights, though they have their own")
+      ->group(group);
+  app.add_option(
+         "--drape-error", arguments.drape_error,
+         "How far breaklines without heights of their own may be from the surface (default: "
+         "half of --max-error, or without that a quarter percent of the range)")
+      ->type_name("E")
       ->group(group);
 }
 
@@ -296,6 +307,7 @@ void add_lines(const OpenedTerrain& opened, Json& json, Table& table) {
   if (lines.n_breaklines > 0) {
     all["breaklines"] = {{"lines", lines.n_breaklines},
                          {"own_heights", lines.n_own_heights},
+                         {"drape_error", lines.drape_error},
                          {"outside", lines.n_outside},
                          {"cut", lines.n_cut},
                          {"left_out_edges", lines.n_crossing},
@@ -319,7 +331,7 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArgumen
                                    const std::optional<TerrainBuildOptions>& building,
                                    const std::optional<double>& max_error, Session& session) {
   LODE_TRY(TerrainReadOptions options, to_read_options(path, arguments, reading));
-  if (max_error) options.drape_error = *max_error / 2;
+  if (max_error && !options.drape_error) options.drape_error = *max_error / 2;
   if (is_polygon_path(arguments.outline)) {
     options.outline = arguments.outline;
   } else if (!arguments.outline.empty()) {

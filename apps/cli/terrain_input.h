@@ -23,13 +23,15 @@ struct TerrainArguments {
   std::string to_vertical_crs;
   std::string model;
   std::string insertion;
-  bool keep_features = false;  ///< This and the next three make lines edges.
+  bool keep_features = false;  ///< This and the next four make lines edges.
   std::string feature_relief;
   std::string breaklines;
   bool drape = false;
+  std::string drape_error;
 
   [[nodiscard]] bool has_lines() const {
-    return keep_features || drape || !feature_relief.empty() || !breaklines.empty();
+    return keep_features || drape || !drape_error.empty() || !feature_relief.empty() ||
+           !breaklines.empty();
   }
   [[nodiscard]] bool has_vertical() const {
     return !vertical_crs.empty() || !to_vertical_crs.empty();

@@ -95,6 +95,7 @@ TEST_F(cli_terrain_lines, that_cannot_be_are_refused) {
     EXPECT_NE(run.err.find(reason), std::string::npos) << run.err;
   };
   expect_refused({"--drape"}, "expected --breaklines");
+  expect_refused({"--drape-error", "-1", "--breaklines", lines_}, "--drape-error: expected");
   expect_refused({"--feature-relief", "-1"}, "--feature-relief: expected a number >= 0");
   expect_refused({"--keep-features", "--model", "delaunay_pyramid"}, "delaunay_selector");
   expect_refused({"--breaklines", lines_, "--model", "restricted_quadtree"}, "delaunay_selector");
@@ -104,6 +105,32 @@ TEST_F(cli_terrain_lines, that_cannot_be_are_refused) {
   expect_refused({"--breaklines", lines_}, "expected lines, got a point in feature 0");
   write_lines(R"({"type":"LineString","coordinates":[]})");
   expect_refused({"--breaklines", lines_}, "empty geometry");
+}
+
+TEST_F(cli_terrain_lines, are_in_rasters_too) {
+  const std::string out = scratch_ / "out.tif";
+  EXPECT_EQ(run_lode({"extract", dem_, out, "--max-error", "5", "--keep-features"}).exit_code, 0);
+  write_lines(R"({"type":"LineString","coordinates":[[5.5,5.5,80],[30.2,17.7,80]]})");
+  const Words words{"extract", dem_, out, "--max-error", "5", "--breaklines", lines_};
+  expect_refusal(run_lode(words), 1, {"expected a cell", "breaklines"});
+  Words with_cell = words;
+  with_cell.insert(with_cell.end(), {"--cell", "0.5"});
+  EXPECT_EQ(run_lode(with_cell).exit_code, 0);
+}
+
+TEST_F(cli_terrain_lines, within_a_number_of_triangles_are_verified_with_their_drape_error) {
+  write_lines(R"({"type":"LineString","coordinates":[[2,3],[37,26]]})");
+  const std::string out = scratch_ / "out.ply";
+  const auto json = run_lode({"extract", dem_, out, "--max-cells", "150", "--breaklines", lines_,
+                              "--drape-error", "1", "--json"})
+                        .json();
+  EXPECT_EQ(json.at("lines").at("breaklines").at("drape_error"), 1);
+  EXPECT_LE(json.at("triangles"), 150);
+  const std::string error = std::to_string(json.at("achieved_error").get<double>() + 1e-6);
+  EXPECT_EQ(run_lode({"verify", dem_, "--surface", out, "--max-error", error, "--breaklines",
+                      lines_, "--drape-error", "1"})
+                .exit_code,
+            0);
 }
 
 TEST_F(cli_terrain_lines, outside_are_told) {

@@ -174,6 +174,7 @@ Result<void> add_breaklines(Ground& ground, const TerrainLineOptions& options, F
                                     progress));
   report.n_breaklines = options.breaklines.size();
   report.n_own_heights = laid.n_own;
+  report.drape_error = options.drape_error;
   report.n_outside = laid.n_outside;
   report.n_cut = laid.n_cut;
   if (laid.parts.empty()) return {};

@@ -31,6 +31,7 @@ struct TerrainLineReport {
   std::uint64_t n_channels = 0;
   std::uint64_t n_breaklines = 0;
   std::uint64_t n_own_heights = 0;  ///< Breaklines whose heights are kept.
+  double drape_error = 0;           ///< Of the others: see TerrainLineOptions.
   std::uint64_t n_outside = 0;      ///< Breaklines no part of which is in the domain.
   std::uint64_t n_cut = 0;          ///< Those that end at its outline.
   std::uint64_t n_crossing = 0;     ///< Edges left out as they cross the outline after rounding.
