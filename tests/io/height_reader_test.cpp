@@ -64,6 +64,8 @@ TEST_F(height_reader, finds_missing_floats_by_the_decimals_of_their_files) {
   write_raster((*this)("a.tif"), {.type = GDT_Float32, .samples = samples});
   EXPECT_EQ(read((*this)("a.tif")).grid.n_missing(), 0U);
   EXPECT_EQ(read((*this)("a.tif"), {.nodata = -9999.9}).grid.n_missing(), 2U);
+  write_raster((*this)("scaled.tif"), {.type = GDT_Float32, .samples = samples, .scale = 0.1});
+  EXPECT_EQ(read((*this)("scaled.tif"), {.nodata = -9999.9}).grid.n_missing(), 2U);
 }
 
 TEST_F(height_reader, takes_no_format_that_reads_other_files_or_the_network) {
@@ -175,6 +177,11 @@ TEST_F(height_reader, decodes_colours) {
   const HeightRaster terrarium = read((*this)("a.png"), {.encoding = HeightEncoding::terrarium});
   EXPECT_EQ(terrarium.grid.height(2, 0), 256 * 3 + 255 - 32768 + 255 / 256.0);
   EXPECT_NE(refusal((*this)("a.png")).find("terrain-rgb or terrarium"), std::string::npos);
+  picture.type = GDT_UInt16;
+  write_raster((*this)("wide.tif"), picture);
+  EXPECT_NE(
+      refusal((*this)("wide.tif"), {.encoding = HeightEncoding::terrarium}).find("got UInt16"),
+      std::string::npos);
   write_raster((*this)("gray.tif"), {.samples = twelve(1)});
   EXPECT_NE(
       refusal((*this)("gray.tif"), {.encoding = HeightEncoding::terrarium}).find("three bands"),

@@ -136,6 +136,45 @@ TEST(quantized_mesh, has_a_sphere_and_a_horizon_that_hide_nothing) {
   }
 }
 
+TEST(quantized_mesh, has_an_occlusion_point_that_is_seen_from_above_the_tile) {
+  // Half the world, with vertices within it on one side alone.
+  QuantizedMesh mesh = make_mesh(1, -180, 180);
+  mesh.south = -90;
+  mesh.north = 90;
+  mesh.nodes.push_back({32000, 26000});
+  mesh.heights.push_back(9);
+  mesh.triangles = {{0, 1, 4}, {1, 3, 4}, {3, 2, 4}, {2, 0, 4}};
+  const auto decoded = decode(encode(mesh), mesh);
+  ASSERT_TRUE(decoded);
+  const auto& point = decoded->bounds.occlusion_point;
+  for (int longitude = -179; longitude < 0; ++longitude)
+    for (const double height : {0.01, 0.1, 0.5, 2.0}) {
+      const double angle = longitude * std::numbers::pi / 180;
+      const Vec<double, 3> eye{(1 + height) * std::cos(angle), (1 + height) * std::sin(angle), 0};
+      // As clients decide: beyond the plane of the horizon, and within its cone.
+      const double horizon = dot(eye, eye) - 1;
+      const double way = dot(eye - point, eye);
+      EXPECT_FALSE(way > horizon && way * way / dot(point - eye, point - eye) > horizon)
+          << longitude << ", " << height;
+    }
+}
+
+TEST(quantized_mesh, has_bounds_that_can_be_checked) {
+  QuantizedMesh mesh = make_mesh(5, 7, 0.5);
+  const auto decoded = decode(encode(mesh), mesh);
+  ASSERT_TRUE(decoded);
+  EXPECT_TRUE(check_bounds(*decoded));
+  const auto is_good = [&](auto change) {
+    QuantizedMesh changed = *decoded;
+    change(changed.bounds);
+    return check_bounds(changed).has_value();
+  };
+  EXPECT_FALSE(is_good([](TileBounds& bounds) { bounds.centre[1] = std::nan(""); }));
+  EXPECT_FALSE(is_good([](TileBounds& bounds) { bounds.sphere_radius *= 0.99; }));
+  EXPECT_FALSE(is_good([](TileBounds& bounds) { bounds.sphere_centre[2] += 1e4; }));
+  EXPECT_FALSE(is_good([](TileBounds& bounds) { bounds.occlusion_point[0] *= 0.5; }));
+}
+
 TEST(quantized_mesh, is_refused_wherever_it_is_cut) {
   const QuantizedMesh mesh = make_mesh(5, 7, 0.5);
   const auto bytes = encode(mesh);

@@ -32,17 +32,11 @@ void set_missing(HeightGrid& grid, std::int32_t x, std::int32_t y) {
   grid.is_valid[static_cast<std::size_t>(std::int64_t{y} * grid.n_columns + x)] = 0;
 }
 
-/// Files say in decimals which float it is.
-template <typename T>
-bool is_nodata(T sample, double nodata) {
-  if constexpr (std::is_same_v<T, float>) return sample == static_cast<float>(nodata);
-  return static_cast<double>(sample) == nodata;
-}
-
 /// What a band says of which of its samples count.
 struct BandMask {
   GDALRasterBandH band = nullptr;  ///< Zero where a sample is missing; null: there is none.
   std::optional<double> nodata{};
+  bool is_float32 = false;  ///< So are samples, whatever they are read as.
 
   /// GDAL's mask is asked only for what samples themselves do not say; of colours for all.
   BandMask(const GdalRaster& raster, GDALRasterBandH of, const HeightReadOptions& options) {
@@ -55,6 +49,13 @@ struct BandMask {
     const double value = gdal.nodata(of, &has_nodata);
     if (has_nodata != 0) nodata = value;
     if (options.nodata) nodata = options.nodata;
+    is_float32 = gdal.type(of) == GDT_Float32;
+  }
+  /// Of a sample as stored. Files and people say in decimals which float it is.
+  [[nodiscard]] bool is_nodata(double sample) const {
+    if (!nodata) return false;
+    return is_float32 ? static_cast<float>(sample) == static_cast<float>(*nodata)
+                      : sample == *nodata;
   }
   /// Of a row of the grid, which is row `of_file` of the file.
   Result<void> apply(const GdalRaster& raster, HeightGrid& grid, std::int32_t y,
@@ -89,7 +90,7 @@ Result<HeightGrid> read_band(const GdalRaster& raster, GDALRasterBandH band, con
     LODE_CHECK(raster.read_row(band, rows.first + y, row, kGdalType<T>));
     for (std::int32_t x = 0; x < grid.n_columns; ++x) {
       const auto z = static_cast<double>(row[x]);
-      if (mask.nodata && is_nodata(row[x], *mask.nodata)) set_missing(grid, x, y);
+      if (mask.is_nodata(z)) set_missing(grid, x, y);
       if constexpr (std::is_same_v<T, double>)
         if (!scaling.is_plain()) row[x] = z * scaling.scale + scaling.offset;
       if (!std::isfinite(static_cast<double>(row[x]))) set_missing(grid, x, y);
@@ -119,11 +120,16 @@ Result<HeightGrid> read_typed(const GdalRaster& raster, const HeightReadOptions&
   }
 }
 
-/// Of types that float64 holds exactly.
-Result<void> check_type(const GdalRaster& raster, GDALRasterBandH band, GDALDataType type) {
+Result<void> check_unsigned(const GdalRaster& raster, GDALRasterBandH band) {
   const char* pixel = raster.gdal().metadata(band, "PIXELTYPE", "IMAGE_STRUCTURE");
   if (pixel != nullptr && std::string_view(pixel) == "SIGNEDBYTE")
     return fail("{}: expected unsigned bytes, got signed ones", raster.path());
+  return {};
+}
+
+/// Of types that float64 holds exactly.
+Result<void> check_type(const GdalRaster& raster, GDALRasterBandH band, GDALDataType type) {
+  LODE_CHECK(check_unsigned(raster, band));
   switch (type) {
     case GDT_Byte:
     case GDT_Int16:
@@ -179,6 +185,15 @@ Result<HeightRaster> describe_encoded(const GdalRaster& raster, const HeightRead
   if (raster.n_bands() < 3)
     return fail("{}: expected three bands of colours to decode, got {}", raster.path(),
                 raster.n_bands());
+  // Others would be clamped to bytes as they are read.
+  for (int number = 1; number <= 3; ++number) {
+    LODE_TRY(GDALRasterBandH band, raster.band(number));
+    const GDALDataType type = raster.gdal().type(band);
+    if (type != GDT_Byte)
+      return fail("{}: expected colours of a byte each to decode, got {} in band {}", raster.path(),
+                  raster.gdal().type_name(type), number);
+    LODE_CHECK(check_unsigned(raster, band));
+  }
   HeightRaster result;
   result.type = options.encoding == HeightEncoding::terrarium ? "terrarium" : "terrain-rgb";
   result.grid.vertical_unit = "m";

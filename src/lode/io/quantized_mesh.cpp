@@ -17,10 +17,13 @@ using Place = Vec<double, 3>;
 
 constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
 
-double dot(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Place scaled(const Place& a, double by) { return {a[0] * by, a[1] * by, a[2] * by}; }
 double semi_minor() {
   return kWgs84Ellipsoid.semi_major * (1 - 1 / kWgs84Ellipsoid.inverse_flattening);
+}
+
+Place to_unit_sphere(const Place& p) {
+  const double a = kWgs84Ellipsoid.semi_major;
+  return {p[0] / a, p[1] / a, p[2] / semi_minor()};
 }
 
 /// Earth-centred, earth-fixed.
@@ -63,11 +66,8 @@ Sphere sphere_round(const std::vector<Place>& places) {
     }
   Sphere sphere;
   for (std::size_t k = 0; k < 3; ++k) sphere.centre[k] = (lower[k] + upper[k]) / 2;
-  for (const Place& place : places) {
-    const Place way{place[0] - sphere.centre[0], place[1] - sphere.centre[1],
-                    place[2] - sphere.centre[2]};
-    sphere.radius = std::max(sphere.radius, std::sqrt(dot(way, way)));
-  }
+  for (const Place& place : places)
+    sphere.radius = std::max(sphere.radius, length(place - sphere.centre));
   return sphere;
 }
 
@@ -83,24 +83,19 @@ double occlusion_distance(const Place& place, const Place& direction) {
   return 1 / (cos_alpha * cos_beta - sin_alpha * sin_beta);
 }
 
-/// A point that is below the horizon only when all places are; in the space of the unit sphere.
-Place occlusion_point(const std::vector<Place>& places, const Place& centre) {
-  const double a = kWgs84Ellipsoid.semi_major;
-  const Place radii{a, a, semi_minor()};
-  const auto to_unit = [&](const Place& p) {
-    return Place{p[0] / radii[0], p[1] / radii[1], p[2] / radii[2]};
-  };
-  constexpr double kNever = 100;  // radii: of a tile that goes round half the world
-  const Place middle = to_unit(centre);
-  const double length = std::sqrt(dot(middle, middle));
-  if (!(length > 0)) return {kNever, 0, 0};
-  const Place direction = scaled(middle, 1 / length);
-  double most = 0;
+/// A point that is below the horizon only when all places are; in the space of the unit sphere. It
+/// is out above the middle of the tile: of vertices alone, which may be on one side of it, the
+/// middle may be elsewhere, and the horizon with it. Of a tile of half the world there is no such
+/// point: from above its rim it has to be infinitely far out.
+Place occlusion_point(const std::vector<Place>& places, const Place& middle) {
+  constexpr double kNever = 1e6;  // radii
+  const Place direction = to_unit_sphere(middle) * (1 / length(to_unit_sphere(middle)));
+  double most = 1;
   for (const Place& place : places) {
-    const double distance = occlusion_distance(to_unit(place), direction);
+    const double distance = occlusion_distance(to_unit_sphere(place), direction);
     most = distance > 0 && distance < kNever ? std::max(most, distance) : kNever;
   }
-  return scaled(direction, std::min(most, kNever));
+  return direction * most;
 }
 
 class ByteSink {
@@ -179,20 +174,46 @@ void add_sides(const QuantizedMesh& mesh, const Numbering& order, ByteSink& out)
   }
 }
 
+bool has_finite(const Place& place) {
+  return std::isfinite(place[0]) && std::isfinite(place[1]) && std::isfinite(place[2]);
+}
+
 }  // namespace
+
+Result<void> check_bounds(const QuantizedMesh& mesh) {
+  const TileBounds& bounds = mesh.bounds;
+  if (!has_finite(bounds.centre) || !has_finite(bounds.sphere_centre) ||
+      !std::isfinite(bounds.sphere_radius) || !has_finite(bounds.occlusion_point))
+    return fail("expected bounds that are finite");
+  // Others may take the sphere of vertices before these are put on the lattice.
+  const double slack =
+      (2 * std::abs(bounds.sphere_radius) + mesh.highest - mesh.lowest) / QuantizedMesh::kLast;
+  for (const Place& place : places_of(mesh)) {
+    const double distance = length(place - bounds.sphere_centre);
+    if (!(distance <= bounds.sphere_radius + slack))
+      return fail("expected a sphere round all vertices, got one of {} m and a vertex at {} m",
+                  bounds.sphere_radius, distance);
+  }
+  constexpr double kRounding = 1e-6;
+  if (!(length(bounds.occlusion_point) >= 1 - kRounding))
+    return fail("expected an occlusion point outside of the ellipsoid, got one at {} radii",
+                length(bounds.occlusion_point));
+  return {};
+}
 
 std::vector<std::byte> encode(const QuantizedMesh& mesh) {
   const Numbering order = number_by_use(mesh);
   const std::vector<Place> places = places_of(mesh);
   const Sphere sphere = sphere_round(places);
   ByteSink out;
-  out.add_place(to_earth((mesh.west + mesh.east) / 2, (mesh.south + mesh.north) / 2,
-                         (mesh.lowest + mesh.highest) / 2));
+  const double longitude = (mesh.west + mesh.east) / 2;
+  const double latitude = (mesh.south + mesh.north) / 2;
+  out.add_place(to_earth(longitude, latitude, (mesh.lowest + mesh.highest) / 2));
   out.add(static_cast<float>(mesh.lowest));
   out.add(static_cast<float>(mesh.highest));
   out.add_place(sphere.centre);
   out.add(sphere.radius);
-  out.add_place(occlusion_point(places, sphere.centre));
+  out.add_place(occlusion_point(places, to_earth(longitude, latitude, 0)));
   out.add(static_cast<std::uint32_t>(order.vertices.size()));
   add_differences(
       order, [&](std::uint32_t v) { return mesh.nodes[v].x; }, out);

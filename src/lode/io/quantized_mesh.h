@@ -9,8 +9,18 @@
 
 #include "lode/core/lattice_point.h"
 #include "lode/core/result.h"
+#include "lode/core/vec.h"
 
 namespace lode::io {
+
+/// What a tile's header says of where it is: earth-centred, earth-fixed, in metres.
+struct TileBounds {
+  Vec<double, 3> centre{};
+  Vec<double, 3> sphere_centre{};
+  double sphere_radius = 0;
+  /// In the space where the ellipsoid is the unit sphere.
+  Vec<double, 3> occlusion_point{};
+};
 
 /// A tile of terrain as quantized-mesh 1.0 has it (Cesium, "quantized-mesh-1.0 terrain format"):
 /// heights above the ellipsoid WGS 84, in metres.
@@ -25,6 +35,8 @@ struct QuantizedMesh {
   std::vector<std::uint16_t> heights{};  ///< Numbers from 0 to kLast.
   std::vector<std::array<std::uint32_t, 3>> triangles{};  ///< Turning left.
 
+  TileBounds bounds{};  ///< As read; encode() makes its own.
+
   /// As a client decodes it.
   [[nodiscard]] double height(std::size_t vertex) const {
     return lowest + (highest - lowest) * (static_cast<double>(heights[vertex]) / kLast);
@@ -35,6 +47,10 @@ struct QuantizedMesh {
 /// the order in which triangles use them first, triangles, and the vertices on each side in order.
 /// `mesh`: vertices are different and used, heights and nodes in their ranges.
 [[nodiscard]] std::vector<std::byte> encode(const QuantizedMesh& mesh);
+
+/// Fails where bounds as read are not finite, where the sphere misses vertices by more than the
+/// lattice's steps, or where the occlusion point is inside of the ellipsoid, and so always hidden.
+[[nodiscard]] Result<void> check_bounds(const QuantizedMesh& mesh);
 
 /// Reads such bytes of the tile between the given degrees, with its extensions left out. Fails,
 /// naming `path`, on what the format does not allow: sizes beyond the file, vertices and heights

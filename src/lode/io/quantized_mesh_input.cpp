@@ -7,7 +7,6 @@
 namespace lode::io {
 namespace {
 
-constexpr std::size_t kPlaceBytes = 24;
 constexpr std::size_t kHeaderBytes = 88;
 
 std::int32_t from_zigzag(std::uint16_t code) {
@@ -36,14 +35,17 @@ class ByteSource {
     return values;
   }
   void align(std::size_t to) { at_ = std::min(bytes_.size(), (at_ + to - 1) / to * to); }
-  void skip(std::size_t n) { at_ = std::min(bytes_.size(), at_ + n); }
-  [[nodiscard]] std::size_t at() const { return at_; }
 
  private:
   std::span<const std::byte> bytes_;
   const std::string& path_;
   std::size_t at_ = 0;
 };
+
+Result<Vec<double, 3>> read_place(ByteSource& in) {
+  LODE_TRY(const auto values, in.read_all<double>(3));
+  return Vec<double, 3>{values[0], values[1], values[2]};
+}
 
 Result<std::vector<std::int32_t>> read_differences(ByteSource& in, std::size_t n, const char* what,
                                                    const std::string& path) {
@@ -103,12 +105,14 @@ Result<QuantizedMesh> decode_quantized_mesh(std::span<const std::byte> bytes, do
                 bytes.size());
   QuantizedMesh mesh{.west = west, .south = south, .east = east, .north = north};
   ByteSource in(bytes, path);
-  in.skip(kPlaceBytes);
+  LODE_TRY(mesh.bounds.centre, read_place(in));
   LODE_TRY(mesh.lowest, in.read<float>());
   LODE_TRY(mesh.highest, in.read<float>());
   if (!std::isfinite(mesh.lowest) || !std::isfinite(mesh.highest) || mesh.lowest > mesh.highest)
     return fail("{}: expected a range of heights, got {} to {}", path, mesh.lowest, mesh.highest);
-  in.skip(kHeaderBytes - in.at());
+  LODE_TRY(mesh.bounds.sphere_centre, read_place(in));
+  LODE_TRY(mesh.bounds.sphere_radius, in.read<double>());
+  LODE_TRY(mesh.bounds.occlusion_point, read_place(in));
   LODE_TRY(const auto n, in.read<std::uint32_t>());
   LODE_TRY(const auto u, read_differences(in, n, "column", path));
   LODE_TRY(const auto v, read_differences(in, n, "row", path));
