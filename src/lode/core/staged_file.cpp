@@ -71,8 +71,13 @@ Result<void> StagedFile::commit(const Progress& progress) {
 
 Result<StagedFolder> StagedFolder::create(std::string path) {
   while (path.size() > 1 && path.back() == '/') path.pop_back();
+  const std::string last = std::filesystem::path(path).filename().string();
+  if (last.empty() || last == "." || last == "..")
+    return fail("expected a folder by its own name, which it can be renamed to, got '{}'", path);
   std::error_code status;
-  const auto kind = std::filesystem::status(path, status).type();
+  const auto kind = std::filesystem::symlink_status(path, status).type();
+  if (kind == std::filesystem::file_type::symlink)
+    return fail("{}: expected a folder that is empty or can be made, got a symbolic link", path);
   const bool is_free = kind == std::filesystem::file_type::not_found ||
                        (kind == std::filesystem::file_type::directory &&
                         std::filesystem::is_empty(path, status) && !status);

@@ -38,8 +38,8 @@ class StagedFile {
 /// `path`, which is gone when this is. Only a process that is killed leaves it behind.
 class StagedFolder {
  public:
-  /// Fails, naming `path`, where that is a file or a folder with something in it, or nothing can be
-  /// made beside it.
+  /// Fails, naming `path`, where that is a file, a link or a folder with something in it, has no
+  /// name of its own ("", ".", ".."), or nothing can be made beside it.
   [[nodiscard]] static Result<StagedFolder> create(std::string path);
 
   StagedFolder(StagedFolder&& other) noexcept
