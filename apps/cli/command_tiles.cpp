@@ -1,3 +1,4 @@
+#include <cmath>
 #include <memory>
 
 #include "command.h"
@@ -30,6 +31,9 @@ Result<TerrainTileOptions> to_options(const TilesArguments& arguments) {
     options.max_level = static_cast<int>(level);
   }
   LODE_TRY(options.fill, parse_number("--fill", arguments.fill));
+  if (!(std::abs(options.fill) <= kMostTileHeight))
+    return fail("--fill: expected a height of at most {} m, got '{}'", kMostTileHeight,
+                arguments.fill);
   if (!arguments.memory_limit.empty()) {
     LODE_TRY(options.most_bytes, parse_bytes("--memory-limit", arguments.memory_limit));
   }

@@ -45,8 +45,12 @@ class cli_tiles : public testing::Test {
  protected:
   cli_tiles() { write_degrees(dem_); }
 
-  Finished cut(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{"tiles", dem_, folder_, "--max-error", "5", "--json"};
+  Finished cut(std::vector<std::string> more = {}) {
+    more.emplace_back("--json");
+    return cut_in_words(more);
+  }
+  Finished cut_in_words(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"tiles", dem_, folder_, "--max-error", "5"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_lode(arguments);
   }
@@ -125,6 +129,9 @@ TEST_F(cli_tiles, are_refused_when_damaged) {
   std::memcpy(&raised[24], &lowest, sizeof lowest);
   rewrite(raised);
   EXPECT_FALSE(passes(run_lode({"verify", folder_, "--json"}), "tiles of a level meet"));
+  rewrite(whole.substr(0, 56) + std::string(8, '\0') + whole.substr(64));
+  EXPECT_FALSE(passes(run_lode({"verify", folder_, "--json"}),
+                      "spheres hold their tiles, and occlusion points are outside"));
   rewrite(whole.substr(0, whole.size() - 9));
   EXPECT_FALSE(passes(run_lode({"verify", folder_, "--json"}), "tiles are there and whole"));
   std::filesystem::remove(tile);
@@ -140,6 +147,30 @@ TEST_F(cli_tiles, are_refused_when_damaged) {
     EXPECT_EQ(bad.exit_code, 1);
     EXPECT_NE(bad.err.find("layer.json: "), std::string::npos) << bad.err;
   }
+}
+
+TEST_F(cli_tiles, have_to_cover_their_raster_to_be_verified) {
+  const auto told = cut().json();
+  const std::size_t last = told.at("levels").size() - 1;
+  const std::string layer_path = folder_ + "/layer.json";
+  const auto layer = nlohmann::json::parse(content_of(layer_path));
+  const auto verify = [&](const nlohmann::json& changed) {
+    std::ofstream(layer_path) << changed;
+    return run_lode({"verify", folder_, "--against", dem_, "--json"});
+  };
+  const char* coverage = "tiles cover the raster, on every level";
+  const char* parents = "each level has tiles, and each tile a parent";
+  EXPECT_TRUE(passes(verify(layer), coverage));
+  auto fewer = layer;
+  fewer["available"][last][0]["startX"] = fewer["available"][last][0]["endX"];
+  EXPECT_FALSE(passes(verify(fewer), coverage));
+  fewer = layer;
+  fewer["available"][last] = nlohmann::json::array();
+  EXPECT_FALSE(passes(verify(fewer), coverage));
+  EXPECT_FALSE(passes(verify(fewer), parents));
+  fewer = layer;
+  fewer["available"][0] = nlohmann::json::parse(R"([{"startX":0,"endX":0,"startY":0,"endY":0}])");
+  EXPECT_FALSE(passes(verify(fewer), parents));
 }
 
 TEST_F(cli_tiles, are_the_same_when_the_raster_stays_in_its_file) {
@@ -161,6 +192,35 @@ TEST_F(cli_tiles, appear_whole_or_not_at_all) {
   const auto files = scratch_.files();
   EXPECT_EQ(run_lode({"tiles", dem_, scratch_ / "no/such/tiles", "--max-error", "5"}).exit_code, 1);
   EXPECT_EQ(scratch_.files(), files);
+  // What is empty, but nothing can be renamed to.
+  std::filesystem::create_directory(scratch_ / "other");
+  std::filesystem::create_directory_symlink(scratch_ / "other", scratch_ / "link");
+  for (const std::string& path : {std::string(), scratch_ / "link", scratch_ / "link/",
+                                  scratch_ / "other/.", scratch_ / "other/.."})
+    expect_refusal(run_lode({"tiles", dem_, path, "--max-error", "5"}), 1, {"expected a folder"});
+  EXPECT_TRUE(std::filesystem::is_empty(scratch_ / "other"));
+  EXPECT_EQ(scratch_.files(), (std::vector<std::string>{"dem.asc", "link", "other", "tiles"}));
+}
+
+TEST_F(cli_tiles, are_refused_of_heights_that_there_are_not) {
+  for (const char* value : {"-3.4028235e38", "1e39", "1.7e308", "10000001"}) {
+    std::ofstream(dem_) << "ncols 3\nnrows 2\nxllcorner 8\nyllcorner 4\ncellsize 1\n1 2 3\n4 "
+                        << value << " 6\n";
+    expect_refusal(cut_in_words(), 1, {dem_, "row 1", "--nodata"});
+    EXPECT_FALSE(std::filesystem::exists(folder_));
+  }
+  EXPECT_EQ(cut({"--nodata", "10000001"}).exit_code, 0);
+  std::filesystem::remove_all(folder_);
+  expect_refusal(cut_in_words({"--nodata", "10000001", "--fill", "1e39"}), 2, {"--fill", "1e39"});
+}
+
+TEST_F(cli_tiles, are_refused_when_there_would_be_millions) {
+  std::ofstream(dem_) << "ncols 40\nnrows 2\nxllcorner 0\nyllcorner 4\ndx 8\ndy 1e-8\n";
+  std::ofstream file(dem_, std::ios::app);
+  for (int i = 0; i < 80; ++i) file << i << (i == 39 ? '\n' : ' ');
+  file.close();
+  expect_refusal(cut_in_words(), 1, {dem_, "tiles", "--max-level"});
+  EXPECT_EQ(cut({"--max-level", "2"}).exit_code, 0);
 }
 
 TEST_F(cli_tiles, are_refused_of_what_is_not_on_the_globe) {

@@ -147,10 +147,15 @@ void expect_delaunay(const OwnTile& tile) {
 }
 
 /// The largest error of a sample in a tile, in whatever triangle; -1 where none is in it.
-double worst_in(const OwnTile& tile, const MadeRows& rows, std::set<std::pair<int, int>>& seen) {
+struct WorstSample {
+  double inside = -1;  ///< Of samples that are in a triangle for sure,
+  double beside = -1;  ///< and of those that may be, by rounding.
+};
+WorstSample worst_in(const OwnTile& tile, const MadeRows& rows,
+                     std::set<std::pair<int, int>>& seen) {
   const HeightFrame& frame = rows.frame();
   const double size = tile_size(tile.id.level);
-  double worst = -1;
+  WorstSample worst;
   for (int turn = -2; turn <= 2; ++turn)
     for (int r = 0; r < frame.n_rows; ++r)
       for (int c = 0; c < frame.n_columns; ++c) {
@@ -175,8 +180,9 @@ double worst_in(const OwnTile& tile, const MadeRows& rows, std::set<std::pair<in
           if (p < -slack || q < -slack || p + q > 1 + slack) continue;
           is_held = true;
           const double z = a.height + p * (b.height - a.height) + q * (d.height - a.height);
-          if (p >= 0 && q >= 0 && p + q <= 1)
-            worst = std::max(worst, std::abs(z - rows.height(c, r)));
+          const double error = std::abs(z - rows.height(c, r));
+          if (p >= 0 && q >= 0 && p + q <= 1) worst.inside = std::max(worst.inside, error);
+          worst.beside = std::max(worst.beside, error);
         }
         EXPECT_TRUE(is_held) << c << ", " << r;
         seen.insert({c, r});
@@ -195,8 +201,9 @@ void expect_true_errors(const Pyramid& pyramid, const MadeRows& rows) {
     std::uint64_t n_beyond = 0;
     for (const auto& [key, tile] : pyramid.tiles) {
       if (std::get<0>(key) != report.range.level) continue;
-      const double found = worst_in(tile, rows, seen);
-      EXPECT_LE(found, tile.error + 1e-6);
+      const WorstSample found = worst_in(tile, rows, seen);
+      EXPECT_LE(found.inside, tile.error + 1e-6);
+      EXPECT_GE(std::max(0.0, found.beside), tile.error - 1e-6);
       worst = std::max(worst, tile.error);
       n_beyond += tile.error > report.form.max_error ? 1 : 0;
     }
@@ -206,12 +213,15 @@ void expect_true_errors(const Pyramid& pyramid, const MadeRows& rows) {
   }
 }
 
-void expect_pyramid(MadeRows& rows, const TileBuildOptions& options) {
+/// `first_kept`: the first level that keeps its tolerance.
+void expect_pyramid(MadeRows& rows, const TileBuildOptions& options, std::size_t first_kept = 0) {
   const Pyramid pyramid = build(rows, options);
   ASSERT_FALSE(pyramid.levels.empty());
   std::uint64_t n_tiles = 0;
   for (const LevelReport& level : pyramid.levels) n_tiles += level.range.n_tiles();
   EXPECT_EQ(n_tiles, pyramid.tiles.size());
+  for (std::size_t level = first_kept; level < pyramid.levels.size(); ++level)
+    EXPECT_EQ(pyramid.levels[level].n_beyond, 0) << level;
   EXPECT_TRUE(pyramid.tiles.contains({0, 0, 0}) && pyramid.tiles.contains({0, 1, 0}));
   for (const auto& [key, tile] : pyramid.tiles) expect_delaunay(tile);
   expect_sides_meet(pyramid);
@@ -332,6 +342,59 @@ TEST(tile_pyramid, ends_when_cancelled_or_when_a_tile_fails) {
   const auto failed = build_tiles(rows, {.max_error = 20}, failing, progress);
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().message, "no room");
+}
+
+std::string refusal_of(MadeRows& rows, const TileBuildOptions& options) {
+  Progress progress;
+  const auto levels = build_tiles(
+      rows, options, [](const FinishedTile&) -> Result<void> { return {}; }, progress);
+  return levels ? std::string() : levels.error().message;
+}
+
+TEST(tile_pyramid, refuses_heights_that_there_are_not) {
+  for (const double z :
+       {-3.4028234663852886e38, 1.7e308, 1.1e7, -std::numeric_limits<double>::infinity()}) {
+    MadeRows rows(9, 7, {20, 0.1, 0, 40, 0, -0.1},
+                  [&](int x, int y) { return x == 4 && y == 5 ? z : 100.0; });
+    EXPECT_NE(refusal_of(rows, {.max_error = 5}).find("column 4 of row 5"), std::string::npos);
+  }
+}
+
+TEST(tile_pyramid, ends_with_the_least_of_tolerances) {
+  for (const double max_error : {5e-324, 1e-300, 1e-12}) {
+    MadeRows rows(5, 4, {20, 0.1, 0, 40, 0, -0.1}, [](int x, int y) { return 1.0 + x * y / 7.0; });
+    const Pyramid pyramid = build(rows, {.max_error = max_error, .max_level = 3});
+    EXPECT_GT(pyramid.levels[3].form.height_step, 0);
+    expect_true_errors(pyramid, rows);
+  }
+  MadeRows flat(5, 4, {20, 0.1, 0, 40, 0, -0.1}, [](int, int) { return 0.0; });
+  EXPECT_GE(build(flat, {.max_error = 5e-324}).levels[0].form.height_step, 0x1p-30);
+}
+
+TEST(tile_pyramid, holds_rows_that_rounding_put_beyond_the_poles) {
+  for (const double beyond : {0.0, 1e-12, 4e-4}) {
+    MadeRows rows(8, 5, {0, 1, 0, 90 + beyond, 0, -45 - beyond / 2}, hills);
+    const auto raster = ExtendedRaster::of(rows.frame(), 0);
+    ASSERT_TRUE(raster);
+    const IndexRange all = raster->rows_between(-90, 90, 0, 0);
+    EXPECT_EQ(all.first, 0);
+    EXPECT_EQ(all.last, 4);
+  }
+}
+
+TEST(tile_pyramid, refuses_a_last_column_that_is_not_the_first_again) {
+  for (const double other : {0.0, 1.0, kMissing}) {
+    MadeRows rows(9, 5, {-180, 45, 0, 80, 0, -40},
+                  [&](int x, int y) { return hills(x % 8, y) + (x == 8 && y == 3 ? other : 0); });
+    const std::string refusal = refusal_of(rows, {.max_error = 50, .max_level = 1});
+    EXPECT_EQ(refusal.find("row 3") != std::string::npos, other != 0) << refusal;
+  }
+}
+
+TEST(tile_pyramid, refuses_millions_of_tiles_that_nobody_asked_for) {
+  MadeRows rows(36, 2, {-170, 9, 0, 10, 0, -1e-8}, hills);
+  EXPECT_NE(refusal_of(rows, {.max_error = 5}).find("--max-level"), std::string::npos);
+  EXPECT_EQ(refusal_of(rows, {.max_error = 50, .max_level = 4}), "");
 }
 
 TEST(tile_pyramid, refuses_rasters_that_are_not_on_the_globe) {

@@ -301,6 +301,20 @@ TEST_F(vertical_crs, changes_no_place_of_contours_in_longitudes_and_latitudes) {
   EXPECT_EQ(lines[0], lines[2]);
 }
 
+TEST_F(vertical_crs, of_tiles_is_over_the_globe_of_their_clients) {
+  const auto cut = [&](const std::string& crs) {
+    const std::string dem = write(crs);
+    const auto report =
+        write_terrain_tiles(dem, {}, {.max_error = 50, .max_level = 3}, path("tiles"), progress_);
+    std::filesystem::remove_all(path("tiles"));
+    return report ? std::string() : report.error().message;
+  };
+  EXPECT_EQ(cut("EPSG:4979"), "");
+  EXPECT_EQ(cut("EPSG:4267"), "");  // Clarke's ellipsoid of 1866
+  EXPECT_NE(cut("EPSG:4813").find("prime meridian Jakarta"), std::string::npos);
+  EXPECT_NE(cut("+proj=longlat +R=1737400 +no_defs").find("1737400"), std::string::npos);
+}
+
 TEST_F(vertical_crs, of_points_is_that_of_their_keys_or_as_declared) {
   using io::test::LasFile;
   LasFile las{.geo_keys = {1, 1, 0, 2, 3072, 0, 1, 32633, 4096, 0, 1, 5703}};

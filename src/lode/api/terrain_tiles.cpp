@@ -1,5 +1,6 @@
 #include "lode/api/terrain_tiles.h"
 
+#include <cmath>
 #include <new>
 #include <utility>
 
@@ -20,15 +21,16 @@ Result<TerrainTileReport> write_terrain_tiles(const std::string& path,
                                               const io::HeightReadOptions& reading,
                                               const TerrainTileOptions& options,
                                               const std::string& folder, Progress& progress) try {
-  LODE_EXPECTS(options.max_error > 0);
+  static_assert(kMostTileHeight == tile_pyramid::kMostHeight);
+  LODE_EXPECTS(options.max_error > 0 && std::abs(options.fill) <= kMostTileHeight);
   TerrainTileReport report;
   const Stopwatch watch;
+  LODE_TRY(StagedFolder staged, StagedFolder::create(folder));
   LODE_TRY(const TileRaster raster, open_tile_raster(path, reading, options.most_bytes, progress));
   auto place = tile_pyramid::ExtendedRaster::of(raster.rows->frame(), options.fill);
   if (!place) return fail("{}: {}", path, place.error().message);
   report.read_seconds = watch.seconds();
 
-  LODE_TRY(StagedFolder staged, StagedFolder::create(folder));
   TileFolder tiles(staged.folder());
   LODE_TRY(const auto levels,
            tile_pyramid::build_tiles(

@@ -15,6 +15,9 @@ namespace lode {
 /// Of TerrainTileOptions::max_level, at most.
 inline constexpr int kMostTileLevels = 22;
 
+/// Metres from the ellipsoid, of heights and TerrainTileOptions::fill, at most.
+inline constexpr double kMostTileHeight = 1e7;
+
 struct TerrainTileOptions {
   double max_error = 1;  ///< > 0, metres: of the finest level; of coarser ones see levels.
   std::optional<int>
@@ -49,7 +52,8 @@ struct TerrainTileReport {
 /// which says what tiles there are and their measured errors. The folder is made, or is empty; it
 /// is filled whole or not at all. Heights above something other than the ellipsoid are transformed
 /// where the file, or what is declared, says what they are above. Fails on rasters that are not in
-/// degrees, on units of heights that are not known, and as reading does.
+/// degrees, on units of heights that are not known, on heights beyond kMostTileHeight, on more than
+/// 2^22 tiles that nobody asked for, and as reading does.
 [[nodiscard]] Result<TerrainTileReport> write_terrain_tiles(const std::string& path,
                                                             const io::HeightReadOptions& reading,
                                                             const TerrainTileOptions& options,

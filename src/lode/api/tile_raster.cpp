@@ -15,7 +15,8 @@ namespace {
 
 class GridRows final : public TileRows {
  public:
-  GridRows(HeightGrid grid, double metres) : TileRows(metres), grid_(std::move(grid)) {}
+  GridRows(const std::string& path, HeightGrid grid, double metres)
+      : TileRows(path, metres), grid_(std::move(grid)) {}
   const HeightFrame& frame() const override { return grid_; }
 
  private:
@@ -29,7 +30,8 @@ class GridRows final : public TileRows {
 
 class FileRows final : public TileRows {
  public:
-  FileRows(io::HeightStream stream, double metres) : TileRows(metres), stream_(std::move(stream)) {}
+  FileRows(const std::string& path, io::HeightStream stream, double metres)
+      : TileRows(path, metres), stream_(std::move(stream)) {}
   const HeightFrame& frame() const override { return stream_.raster().grid; }
 
  private:
@@ -53,6 +55,31 @@ Result<double> metres_of(const std::string& path, const HeightFrame& frame,
   return *metres;
 }
 
+double semi_minor_of(const Ellipsoid& ellipsoid) {
+  const double inverse = ellipsoid.inverse_flattening;
+  return inverse == 0 ? ellipsoid.semi_major : ellipsoid.semi_major * (1 - 1 / inverse);
+}
+
+/// Clients put places on WGS 84, from Greenwich on. Datums of the Earth, whose axes are within
+/// 0.02 % of its, are told apart by less than most rasters err; other worlds and spheres are not.
+Result<void> check_globe(const std::string& path, const HorizontalMetric& metric) {
+  if (metric.prime_meridian != 0)
+    return fail(
+        "{}: expected longitudes from Greenwich, got the prime meridian {} at {} degrees: put it "
+        "in WGS 84 first, for example by gdalwarp -t_srs EPSG:4326 -r cubic",
+        path, metric.prime_meridian_name, metric.prime_meridian);
+  constexpr double kMostApart = 1e-3;
+  const auto is_near = [](double a, double b) { return std::abs(a / b - 1) <= kMostApart; };
+  if (!is_near(metric.ellipsoid->semi_major, kWgs84Ellipsoid.semi_major) ||
+      !is_near(semi_minor_of(*metric.ellipsoid), semi_minor_of(kWgs84Ellipsoid)))
+    return fail(
+        "{}: expected an ellipsoid whose axes are within 0.1 % of those of WGS 84, got {} of {} "
+        "and {} m: where it is the Earth gdal_translate -a_srs EPSG:4326 says so",
+        path, metric.ellipsoid_name, metric.ellipsoid->semi_major,
+        semi_minor_of(*metric.ellipsoid));
+  return {};
+}
+
 /// Degrees on an ellipsoid.
 Result<void> check_place(const std::string& path, const io::HeightRaster& raster,
                          std::vector<std::string>& notes) {
@@ -72,7 +99,7 @@ Result<void> check_place(const std::string& path, const io::HeightRaster& raster
   constexpr double kRounding = 1e-9;
   if (std::abs(metric.angle_unit / kDegree - 1) > kRounding)
     return fail("{}: expected longitudes and latitudes in degrees, got another unit", path);
-  return {};
+  return check_globe(path, metric);
 }
 
 bool is_above_ellipsoid(const io::HeightRaster& raster) {
@@ -105,7 +132,7 @@ Result<std::optional<TileRaster>> stream(const std::string& path,
   if (is_above_something(raster) && !is_above_ellipsoid(raster)) return std::optional<TileRaster>();
   LODE_TRY(TileRaster out, describe(path, raster));
   LODE_TRY(const double metres, metres_of(path, raster.grid, out.notes));
-  out.rows = std::make_unique<FileRows>(std::move(opened).value(), metres);
+  out.rows = std::make_unique<FileRows>(path, std::move(opened).value(), metres);
   return std::optional(std::move(out));
 }
 
@@ -141,7 +168,7 @@ Result<TileRaster> open_tile_raster(const std::string& path, const io::HeightRea
   }
   LODE_TRY(TileRaster out, describe(path, raster));
   LODE_TRY(const double metres, metres_of(path, raster.grid, out.notes));
-  out.rows = std::make_unique<GridRows>(std::move(raster.grid), metres);
+  out.rows = std::make_unique<GridRows>(path, std::move(raster.grid), metres);
   return out;
 }
 

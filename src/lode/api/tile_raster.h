@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lode/core/height_frame.h"
@@ -18,15 +19,17 @@ class TileRows : public tile_pyramid::HeightRows {
  public:
   [[nodiscard]] Result<void> read(std::int32_t first, std::int32_t n_rows,
                                   std::span<double> out) final;
+  [[nodiscard]] std::string name() const final { return path_; }
   /// Of the rows read so far.
   [[nodiscard]] std::uint64_t n_missing() const { return n_missing_; }
 
  protected:
-  explicit TileRows(double metres) : metres_(metres) {}
+  TileRows(std::string path, double metres) : path_(std::move(path)), metres_(metres) {}
   [[nodiscard]] virtual Result<void> read_own(std::int32_t first, std::int32_t n_rows,
                                               std::span<double> out) = 0;
 
  private:
+  std::string path_;
   double metres_;
   std::int32_t n_counted_ = 0;
   std::uint64_t n_missing_ = 0;

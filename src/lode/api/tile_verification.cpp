@@ -9,6 +9,7 @@
 #include <map>
 #include <new>
 #include <numeric>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -113,10 +114,10 @@ struct Count {
   std::uint64_t n_failed = 0;
   std::string first{};
 
-  void add(bool is_good, const TileId& tile) {
+  void add(bool is_good, const TileId& tile, std::string_view detail = {}) {
     ++n;
     if (is_good) return;
-    if (n_failed++ == 0) first = fmt::format("tile {}/{}/{}", tile.level, tile.x, tile.y);
+    if (n_failed++ == 0) first = fmt::format("tile {}/{}/{}{}", tile.level, tile.x, tile.y, detail);
   }
 };
 
@@ -135,9 +136,14 @@ class TileVerifier {
     VerifyReport report;
     report.add("tiles are there and whole", decoded_.n, decoded_.n_failed, unreadable_);
     report.add("each tile covers its square once", squares_.n, squares_.n_failed, squares_.first);
+    report.add("spheres hold their tiles, and occlusion points are outside", bounds_.n,
+               bounds_.n_failed, bounds_.first);
+    report.add("each level has tiles, and each tile a parent", parents_.n, parents_.n_failed,
+               parents_.first);
     report.add("tiles of a level meet", borders_.n, borders_.n_failed, borders_.first);
     report.add("sides have the vertices of coarser ones", nested_.n, nested_.n_failed,
                nested_.first);
+    if (rows != nullptr && unreadable_.empty()) report.checks.push_back(coverage_);
     if (rows != nullptr && unreadable_.empty())
       report.checks.insert(report.checks.end(), errors_.begin(), errors_.end());
     return report;
@@ -161,9 +167,27 @@ class TileVerifier {
         n_tiles += static_cast<std::uint64_t>(range.n_columns());
       }
     compare_sides(level, sides);
+    if (sides.empty()) parents_.add(false, {level, 0, 0});
+    if (rows != nullptr) {
+      add_coverage(tile_pyramid::tiles_of(raster->box(), level).back(), sides);
+      add_error(level, worst, n_tiles);
+    }
     coarser_ = std::move(sides);
-    if (rows != nullptr) add_error(level, worst, n_tiles);
     return {};
+  }
+
+  /// Whether all tiles are there that the raster has samples in.
+  void add_coverage(const TileRange& wanted, const Sides& sides) {
+    coverage_.count += wanted.n_tiles();
+    if (!coverage_.passed) return;
+    for (std::int64_t y = wanted.first_y; y <= wanted.last_y; ++y)
+      for (std::int64_t x = wanted.first_x; x <= wanted.last_x; ++x) {
+        const std::int64_t column = tile_pyramid::wrapped_column(wanted.level, x);
+        if (sides.contains({column, y})) continue;
+        coverage_.passed = false;
+        coverage_.detail = fmt::format("no tile {}/{}/{}", wanted.level, column, y);
+        return;
+      }
   }
 
   void add_error(int level, double worst, std::uint64_t n_tiles) {
@@ -187,6 +211,9 @@ class TileVerifier {
         unreadable_ = mesh.error().message;
         return 0.0;
       }
+      const auto bounded = io::check_bounds(*mesh);
+      bounds_.add(bounded.has_value(), {range.level, x, y},
+                  bounded ? "" : ": " + bounded.error().message);
       tiles.push_back(to_decoded(*mesh));
       squares_.add(covers_square(tiles.back().mesh), {range.level, x, y});
       sides[{x, y}] = tiles.back().sides;
@@ -231,7 +258,9 @@ class TileVerifier {
       if (const auto above = sides.find({x, y + 1}); above != sides.end())
         borders_.add(are_equal(tile.sides[north], above->second.sides[south]), id);
       const auto parent = coarser_.find({x / 2, y / 2});
-      if (level == 0 || parent == coarser_.end()) continue;
+      if (level == 0) continue;
+      parents_.add(parent != coarser_.end(), id);
+      if (parent == coarser_.end()) continue;
       const Side across = x % 2 == 0 ? west : east;
       const Side along = y % 2 == 0 ? south : north;
       nested_.add(holds_nodes(tile.sides[across], parent->second.sides[across], y % 2) &&
@@ -244,8 +273,9 @@ class TileVerifier {
   const TileLayer& layer_;
   Threads threads_;
   Progress& progress_;
-  Count decoded_, squares_, borders_, nested_;
+  Count decoded_, squares_, bounds_, parents_, borders_, nested_;
   std::string unreadable_;
+  VerifyReport::Check coverage_{"tiles cover the raster, on every level", 0, true, {}};
   std::vector<VerifyReport::Check> errors_;
   Sides coarser_;  ///< Of the level before.
 };

@@ -28,10 +28,12 @@ struct TileVerification {
 };
 
 /// Decodes all tiles that a folder's layer.json says there are, and looks whether each covers its
-/// square once, without cracks; tiles of a level meet; vertices on sides of a coarser level are
-/// on those of the finer one; and, with the original, whether all its samples are within the errors
-/// that layer.json states. Fails on a layer.json that is none of quantized-mesh tiles in degrees,
-/// and where the original cannot be read.
+/// square once, without cracks; bounding spheres
+/// hold vertices; each level has tiles, and each tile a parent; tiles of a level meet;
+/// vertices on sides of a coarser level are on those of the finer one; and, with the original,
+/// whether there are tiles of every level wherever it has samples, and all of these are within the
+/// errors that layer.json states. Fails on a layer.json that is none of quantized-mesh tiles in
+/// degrees, and where the original cannot be read.
 [[nodiscard]] Result<TileVerification> verify_tiles(const std::string& folder,
                                                     const TileVerifyOptions& options,
                                                     Progress& progress);

@@ -18,6 +18,8 @@ struct HorizontalMetric {
   double length_unit = 1;                ///< Metres, of coordinates in the plane.
   std::string unit = "";                 ///< Of distances; empty: not known.
   std::string ellipsoid_name{};
+  double prime_meridian = 0;  ///< Of the ellipsoid's: degrees east of Greenwich.
+  std::string prime_meridian_name{};
 
   /// Along the segment that is straight in the coordinates.
   [[nodiscard]] double distance(const Vec<double, 2>& from, const Vec<double, 2>& to) const {

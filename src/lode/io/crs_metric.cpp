@@ -21,6 +21,9 @@ Result<HorizontalMetric> read_metric(const std::string& crs) try {
     const char* name = gdal->attribute(read.handle(), "SPHEROID", 0);
     if (name == nullptr) name = gdal->attribute(read.handle(), "ELLIPSOID", 0);
     metric.ellipsoid_name = name == nullptr ? "unnamed" : without_controls(name);
+    char* meridian = nullptr;
+    metric.prime_meridian = gdal->prime_meridian(read.handle(), &meridian);
+    metric.prime_meridian_name = meridian == nullptr ? "unnamed" : without_controls(meridian);
     metric.unit = "metre";
     if (!(metric.angle_unit > 0 && metric.ellipsoid->semi_major > 0 &&
           (metric.ellipsoid->inverse_flattening == 0 || metric.ellipsoid->inverse_flattening > 1)))

@@ -83,6 +83,7 @@ void find_crs(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.attribute, "OSRGetAttrValue");
   finder.find(gdal.semi_major, "OSRGetSemiMajor");
   finder.find(gdal.inverse_flattening, "OSRGetInvFlattening");
+  finder.find(gdal.prime_meridian, "OSRGetPrimeMeridian");
   finder.find(gdal.angular_units, "OSRGetAngularUnits");
   finder.find(gdal.linear_units, "OSRGetLinearUnits");
 }

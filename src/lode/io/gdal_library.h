@@ -79,6 +79,7 @@ struct GdalLibrary {
   decltype(&OSRGetAttrValue) attribute = nullptr;
   decltype(&OSRGetSemiMajor) semi_major = nullptr;
   decltype(&OSRGetInvFlattening) inverse_flattening = nullptr;
+  decltype(&OSRGetPrimeMeridian) prime_meridian = nullptr;
   decltype(&OSRGetAngularUnits) angular_units = nullptr;
   decltype(&OSRGetLinearUnits) linear_units = nullptr;
   decltype(&GDALGetDriverByName) driver_named = nullptr;

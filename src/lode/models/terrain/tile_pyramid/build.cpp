@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lode/core/expects.h"
 #include "lode/models/terrain/tile_pyramid/level_forms.h"
 #include "lode/models/terrain/tile_pyramid/tile_errors.h"
 
@@ -318,9 +319,13 @@ class PyramidBuild {
 
 Result<std::vector<LevelReport>> build_tiles(HeightRows& rows, const TileBuildOptions& options,
                                              const TileSink& sink, Progress& progress) {
+  LODE_EXPECTS(options.max_error > 0 && std::abs(options.fill) <= kMostHeight);
   LODE_TRY(const ExtendedRaster raster, ExtendedRaster::of(rows.frame(), options.fill));
   const int last = options.max_level.value_or(finest_level(raster));
   const std::vector<TileRange> ranges = tiles_of(raster.box(), last);
+  if (!options.max_level)
+    if (const auto few = check_number_of_tiles(ranges); !few)
+      return fail("{}: {}", rows.name(), few.error().message);
   LODE_TRY(const BorderLines lines,
            BorderLines::scan(rows, raster, ranges.back(), options.threads, progress));
   std::vector<LevelForm> forms = level_forms(lines, ranges, options.fill, options.max_error);

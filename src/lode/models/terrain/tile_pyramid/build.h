@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lode/core/parallel.h"
@@ -20,15 +21,21 @@ namespace lode::tile_pyramid {
 /// equator.
 inline constexpr double kLevelZeroError = 77067.33987351177;
 
+/// Of a pyramid whose finest level nobody asked for.
+inline constexpr std::uint64_t kMostTiles = std::uint64_t{1} << 22;
+
 struct TileBuildOptions {
   double max_error = 1;            ///< > 0: of the finest level; see level_errors().
   std::optional<int> max_level{};  ///< Without: finest_level() of the raster.
-  double fill = 0;                 ///< Height where there are no samples.
+  double fill = 0;                 ///< Height where there are no samples; at most kMostHeight.
   Threads threads{};
 };
 
 /// The first level whose tiles are at most 256 samples wide and high.
 [[nodiscard]] int finest_level(const ExtendedRaster& raster);
+
+/// Fails, naming their number, where there are more than kMostTiles.
+[[nodiscard]] Result<void> check_number_of_tiles(std::span<const TileRange> ranges);
 
 /// By level: max_error for the last, twice as much for each before, but nowhere more than what
 /// clients take it to be.
@@ -58,8 +65,8 @@ using TileSink = std::function<Result<void>(const FinishedTile&)>;
 /// the triangles, as they will be decoded, and the worst ones inserted until none is beyond the
 /// level's tolerance. Reads the raster as often as there are levels, and a few times more. Memory:
 /// two rows of tiles of each level, 512 rows of samples, and what is on borders. Tiles are the same
-/// for any number of threads. Returns what became of each level; fails as reading and `sink` do,
-/// and when cancelled.
+/// for any number of threads. Returns what became of each level; fails as RowStrip and `sink` do,
+/// without max_level as check_number_of_tiles() does, and when cancelled.
 [[nodiscard]] Result<std::vector<LevelReport>> build_tiles(HeightRows& rows,
                                                            const TileBuildOptions& options,
                                                            const TileSink& sink,

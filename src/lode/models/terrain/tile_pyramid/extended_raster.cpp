@@ -24,6 +24,12 @@ IndexRange between(double a, double b, std::int64_t beyond, IndexRange all) {
           std::min(all.last, static_cast<std::int64_t>(last))};
 }
 
+/// Of one sample, known twice: both missing, or equal but for rounding in transformations.
+bool is_same(double a, double b) {
+  constexpr double kRounding = 1e-6;  // metres
+  return std::isnan(a) ? std::isnan(b) : std::abs(a - b) <= kRounding;
+}
+
 }  // namespace
 
 Result<ExtendedRaster> ExtendedRaster::of(const HeightFrame& frame, double fill) {
@@ -50,6 +56,9 @@ Result<ExtendedRaster> ExtendedRaster::of(const HeightFrame& frame, double fill)
   const double slack = kTolerance * std::abs(g[5]);
   if (std::max(std::abs(g[3]), std::abs(last)) > 90 + slack)
     return fail("expected latitudes from -90 to 90 degrees, got samples from {} to {}", g[3], last);
+  raster.north_ = std::clamp(g[3], -90.0, 90.0);
+  if (frame.n_rows > 1)
+    raster.step_y_ = (std::clamp(last, -90.0, 90.0) - raster.north_) / (frame.n_rows - 1);
   if (!(std::abs(g[0]) <= 360))
     return fail("expected a first longitude from -360 to 360 degrees, got {}", g[0]);
   return raster;
@@ -82,7 +91,33 @@ Result<void> RowStrip::read(HeightRows& rows, IndexRange wanted) {
   if (wanted.is_empty()) return {};
   const std::int64_t n = last - first_ + 1;
   heights_.resize(static_cast<std::size_t>(n * raster_->n_stored_columns()));
-  return rows.read(static_cast<std::int32_t>(first_), static_cast<std::int32_t>(n), heights_);
+  LODE_CHECK(rows.read(static_cast<std::int32_t>(first_), static_cast<std::int32_t>(n), heights_));
+  return check(rows);
+}
+
+Result<void> RowStrip::check(const HeightRows& rows) const {
+  const std::int64_t n_stored = raster_->n_stored_columns();
+  const auto wrong =
+      std::ranges::find_if(heights_, [](double z) { return std::abs(z) > kMostHeight; });
+  if (wrong != heights_.end()) {
+    const std::int64_t at = wrong - heights_.begin();
+    return fail(
+        "{}: expected heights of at most {} m, got {} in column {} of row {}: --nodata tells which "
+        "value stands for missing samples",
+        rows.name(), kMostHeight, *wrong, at % n_stored, first_ + at / n_stored);
+  }
+  if (n_stored == raster_->n_columns()) return {};
+  const std::int64_t last = n_stored - 1;
+  for (std::size_t at = 0; at < heights_.size(); at += static_cast<std::size_t>(n_stored)) {
+    const double west = heights_[at];
+    const double east = heights_[at + static_cast<std::size_t>(last)];
+    if (!is_same(west, east))
+      return fail(
+          "{}: expected the last column, once round the world, to be the first again, got {} and "
+          "{} in row {}: leave one out, for example by gdal_translate -srcwin",
+          rows.name(), east, west, first_ + static_cast<std::int64_t>(at) / n_stored);
+  }
+  return {};
 }
 
 double RowStrip::height(std::int64_t column, std::int64_t row) const {

@@ -27,7 +27,7 @@ class ExtendedRaster {
   static constexpr std::int64_t kMargin = 2;
 
   /// Of columns along longitudes and rows along latitudes; fails on others, and on latitudes beyond
-  /// the poles, or more than once round.
+  /// the poles, or more than once round. Rows that rounding put beyond a pole are put on it.
   [[nodiscard]] static Result<ExtendedRaster> of(const HeightFrame& frame, double fill);
 
   [[nodiscard]] std::int64_t n_rows() const { return n_rows_; }
@@ -76,7 +76,8 @@ class RowStrip {
  public:
   explicit RowStrip(const ExtendedRaster& raster) : raster_(&raster) {}
 
-  /// Reads what these rows need, which may be margins.
+  /// Reads what these rows need, which may be margins. Fails as reading does, on heights beyond
+  /// kMostHeight, and where a last column that is the first again has other heights.
   [[nodiscard]] Result<void> read(HeightRows& rows, IndexRange wanted);
 
   /// Rows that height() may be asked for.
@@ -90,6 +91,8 @@ class RowStrip {
   }
 
  private:
+  [[nodiscard]] Result<void> check(const HeightRows& rows) const;
+
   const ExtendedRaster* raster_;
   IndexRange rows_;
   std::int64_t first_ = 0;  ///< Stored.

@@ -17,6 +17,8 @@ HeightRange join(HeightRange a, HeightRange b) {
 /// By tile of a range, in rows.
 using Ranges = std::vector<HeightRange>;
 
+constexpr double kMostSamples = 256;
+
 Ranges ranges_of(const BorderLines& lines, const TileRange& finest) {
   Ranges ranges;
   for (std::int64_t y = finest.first_y; y <= finest.last_y; ++y)
@@ -49,7 +51,8 @@ double step_for(double max_error, const Ranges& ranges, HeightRange fill) {
   // Rounding may add a step.
   constexpr double kMostSteps = kLastNode - 2;
   constexpr double kMostNumber = 1 << 23;
-  double step = std::exp2(std::floor(std::log2(max_error / 8)));
+  constexpr double kLeastStep = 1.0 / (1 << 30);
+  double step = std::exp2(std::floor(std::log2(std::max(max_error / 8, kLeastStep))));
   for (HeightRange range : ranges) {
     range = join(range, fill);
     const double largest = std::max(std::abs(range.lower), std::abs(range.upper));
@@ -62,10 +65,19 @@ double step_for(double max_error, const Ranges& ranges, HeightRange fill) {
 }  // namespace
 
 int finest_level(const ExtendedRaster& raster) {
-  constexpr double kMostSamples = 256;
   int level = 0;
   while (level < kMaxLevel && tile_size(level) > kMostSamples * raster.spacing()) ++level;
   return level;
+}
+
+Result<void> check_number_of_tiles(std::span<const TileRange> ranges) {
+  std::uint64_t n = 0;
+  for (const TileRange& range : ranges) n += range.n_tiles();
+  if (n <= kMostTiles) return {};
+  return fail(
+      "expected at most {} tiles without --max-level, got {} down to level {}, the first whose "
+      "tiles have at most {} samples a side",
+      kMostTiles, n, ranges.back().level, kMostSamples);
 }
 
 std::vector<double> level_errors(double max_error, int last) {
