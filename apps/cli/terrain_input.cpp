@@ -219,7 +219,7 @@ Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
       "--json",       "--threads",      "--quiet",           "--band",          "--encoding",
       "--nodata",     "--class",        "--duplicates",      "--max-edge",      "--outline",
       "--crs",        "--vertical-crs", "--to-vertical-crs", "--keep-features", "--feature-relief",
-      "--breaklines", "--drape"};
+      "--breaklines", "--drape",        "--drape-error"};
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
     const std::string name = "--" + option->get_lnames().front();
