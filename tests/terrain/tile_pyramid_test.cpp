@@ -6,12 +6,16 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <numbers>
 #include <set>
 #include <tuple>
 
+#include "lode/core/ellipsoid.h"
+#include "lode/core/vec.h"
 #include "lode/delaunay/lattice.h"
 #include "lode/models/terrain/tile_pyramid/build.h"
 #include "lode/models/terrain/tile_pyramid/extended_raster.h"
+#include "lode/models/terrain/tile_pyramid/globe_lattice.h"
 #include "tests/oracles/random.h"
 
 namespace lode::tile_pyramid {
@@ -270,8 +274,65 @@ TEST(tile_pyramid, of_few_samples) {
 
 TEST(tile_pyramid, is_flat_where_the_terrain_is) {
   MadeRows rows(64, 64, {20, 0.01, 0, 40, 0, -0.01}, [](int, int) { return 12.0; });
-  const Pyramid pyramid = build(rows, {.max_error = 1, .fill = 12});
-  for (const auto& [key, tile] : pyramid.tiles) EXPECT_EQ(tile.mesh.triangles.size(), 2);
+  const Pyramid pyramid = build(rows, {.max_error = 1, .max_level = 12, .fill = 12});
+  for (const auto& [key, tile] : pyramid.tiles) {
+    const int n = n_globe_cells(tile.id.level);
+    EXPECT_GE(tile.mesh.triangles.size(), 2 * n * n);
+    // Sides have what coarser levels have, too.
+    EXPECT_LE(tile.mesh.triangles.size(), 2 * n * n + 4 * n) << tile.id.level;
+    EXPECT_LE(tile.error, tile.form.height_step / 2);
+  }
+}
+
+/// Metres, earth-centred: of a place in a tile.
+Vec<double, 3> on_globe(const OwnTile& tile, double x, double y, double height) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const double size = tile_size(tile.id.level) * kDegree;
+  const double longitude = west_of(tile.id) * kDegree + size * x / kLastNode;
+  const double latitude = south_of(tile.id) * kDegree + size * y / kLastNode;
+  const double f = 1 / kWgs84Ellipsoid.inverse_flattening;
+  const double e2 = f * (2 - f);
+  const double across =
+      kWgs84Ellipsoid.semi_major / std::sqrt(1 - e2 * std::pow(std::sin(latitude), 2));
+  return {(across + height) * std::cos(latitude) * std::cos(longitude),
+          (across + height) * std::cos(latitude) * std::sin(longitude),
+          (across * (1 - e2) + height) * std::sin(latitude)};
+}
+
+/// How far straight triangles are from what they stand for, at middles of edges and of triangles.
+double largest_sag(const OwnTile& tile) {
+  double sag = 0;
+  for (const auto& t : tile.mesh.triangles)
+    for (const std::array<double, 3>& part : {std::array{1 / 3.0, 1 / 3.0, 1 / 3.0},
+                                              {0.5, 0.5, 0.0},
+                                              {0.5, 0.0, 0.5},
+                                              {0.0, 0.5, 0.5}}) {
+      Vec<double, 3> chord{};
+      double x = 0, y = 0, z = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto& [node, height] = tile.mesh.vertices[t[k]];
+        chord = chord + on_globe(tile, node.x, node.y, height) * part[k];
+        x += part[k] * node.x;
+        y += part[k] * node.y;
+        z += part[k] * height;
+      }
+      sag = std::max(sag, length(chord - on_globe(tile, x, y, z)));
+    }
+  return sag;
+}
+
+TEST(tile_pyramid, is_round_where_the_globe_is) {
+  // Flat and rough, on the equator and near a pole, and most of it the fill.
+  for (const double latitude : {3.0, 48.0, 88.0})
+    for (const double relief : {0.0, 1.0}) {
+      MadeRows rows(20, 15, {20, 0.1, 0, latitude, 0, -0.1},
+                    [&](int x, int y) { return relief * hills(x, y); });
+      const Pyramid pyramid = build(rows, {.max_error = 30, .max_level = 10});
+      for (const auto& [key, tile] : pyramid.tiles)
+        EXPECT_LE(largest_sag(tile), std::ldexp(kLevelZeroError, -tile.id.level))
+            << tile.id.level << ", " << tile.id.x << ", " << tile.id.y;
+      expect_sides_meet(pyramid);
+    }
 }
 
 TEST(tile_pyramid, tells_tiles_whose_lattice_is_too_coarse) {
@@ -295,6 +356,12 @@ TEST(tile_pyramid, keeps_tolerances_at_cliffs) {
     for (std::size_t level = 4; level < pyramid.levels.size(); ++level)
       EXPECT_EQ(pyramid.levels[level].n_beyond, 0) << trial << ", " << level;
   }
+}
+
+TEST(tile_pyramid, keeps_tolerances_of_levels_with_globe_nodes_at_cliffs) {
+  MadeRows rows(60, 40, {-4.875, 0.25, 0, 49.875, 0, -0.25},
+                [](int x, int) { return x < 20 ? 0.0 : 4000.0; });
+  expect_pyramid(rows, {.max_error = 5});
 }
 
 TEST(tile_pyramid, may_end_at_levels_coarser_than_its_samples) {

@@ -35,7 +35,8 @@ Worst worst_between(const Profile& profile, std::uint16_t from, std::uint16_t to
 double rounded(double height, double step) { return std::floor(height / step + 0.5) * step; }
 
 std::vector<std::uint16_t> refine_chain(const Profile& profile, std::span<const std::uint16_t> kept,
-                                        double max_error, double height_step) {
+                                        const LevelForm& form) {
+  const double max_error = kSidePart * form.max_error;
   std::vector<std::uint16_t> chain{0};
   std::vector<std::uint16_t> ahead{kLastNode};
   for (auto node = kept.rbegin(); node != kept.rend(); ++node)
@@ -43,11 +44,16 @@ std::vector<std::uint16_t> refine_chain(const Profile& profile, std::span<const 
   while (!ahead.empty()) {
     const std::uint16_t from = chain.back();
     const std::uint16_t to = ahead.back();
-    const Worst worst = worst_between(profile, from, to, rounded(profile.height(from), height_step),
-                                      rounded(profile.height(to), height_step));
+    const Worst worst =
+        worst_between(profile, from, to, rounded(profile.height(from), form.height_step),
+                      rounded(profile.height(to), form.height_step));
     if (worst.error > max_error && to - from > 1) {
       const double nearest = std::round(worst.at);
       ahead.push_back(static_cast<std::uint16_t>(std::clamp(nearest, from + 1.0, to - 1.0)));
+      continue;
+    }
+    if (const std::int32_t n = (to - from + form.most_gap - 1) / form.most_gap; n > 1) {
+      ahead.push_back(static_cast<std::uint16_t>(from + (to - from) * (n / 2) / n));
       continue;
     }
     chain.push_back(to);
@@ -72,8 +78,7 @@ BorderChains::BorderChains(const BorderLines& lines, std::span<const TileRange> 
       const std::int64_t x = wrapped_column(range.level, range.first_x + k % n_columns);
       const TileSide side{{range.level, x, range.first_y + k / n_columns}, is_west};
       auto& chain = is_west ? level.west_sides[i] : level.south_sides[i - n_wests];
-      chain = refine_chain(lines.profile(side), inherited(side), kSidePart * form.max_error,
-                           form.height_step);
+      chain = refine_chain(lines.profile(side), inherited(side), form);
     });
     levels_.push_back(std::move(level));
   }

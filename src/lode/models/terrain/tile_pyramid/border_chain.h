@@ -12,8 +12,9 @@ namespace lode::tile_pyramid {
 
 /// What a level is made to.
 struct LevelForm {
-  double max_error = 0;    ///< Vertical, of the samples.
-  double height_step = 0;  ///< A power of 2: heights of vertices are multiples of it.
+  double max_error = 0;               ///< Vertical, of the samples.
+  double height_step = 0;             ///< A power of 2: heights of vertices are multiples of it.
+  std::int32_t most_gap = kLastNode;  ///< Nodes between neighbours on a side, at most.
 };
 
 /// The multiple that is nearest.
@@ -22,10 +23,10 @@ struct LevelForm {
 /// Nodes of a side such that the line through them, at rounded heights, is nowhere farther than
 /// max_error from the profile, as far as nodes allow it: those in `kept`, which rise, both ends,
 /// and where that is too far off the node next to the worst place, again and again (U. Ramer 1972;
-/// D. Douglas, T. Peucker 1973).
+/// D. Douglas, T. Peucker 1973). Gaps beyond the largest are cut into equal ones.
 [[nodiscard]] std::vector<std::uint16_t> refine_chain(const Profile& profile,
                                                       std::span<const std::uint16_t> kept,
-                                                      double max_error, double height_step);
+                                                      const LevelForm& form);
 
 /// The nodes of all sides of tiles, level by level. Tiles of one level share those of the side
 /// between them; nodes of a coarser level are nodes of the finer ones, too.

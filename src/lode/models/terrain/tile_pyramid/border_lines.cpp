@@ -3,42 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace lode::tile_pyramid {
 namespace {
 
 constexpr std::int64_t kMargin = ExtendedRaster::kMargin;
-
-/// A place between two columns or rows.
-struct Between {
-  std::int64_t first = 0;
-  double part = 0;
-
-  [[nodiscard]] double mix(double a, double b) const { return part == 0 ? a : a + part * (b - a); }
-};
-
-/// Nothing where there is only the fill.
-std::optional<Between> between(double index, std::int64_t n) {
-  if (!(index > -static_cast<double>(kMargin) && index < static_cast<double>(n - 1 + kMargin)))
-    return std::nullopt;
-  const double first = std::floor(index);
-  return Between{static_cast<std::int64_t>(first), index - first};
-}
-
-/// In the first turn that has it.
-std::optional<Between> column_at(const ExtendedRaster& raster, double longitude) {
-  std::optional<Between> margin;
-  for (int turn = ExtendedRaster::kFirstTurn; turn <= ExtendedRaster::kLastTurn; ++turn) {
-    const auto found = between(raster.column(longitude, turn), raster.n_columns());
-    if (!found) continue;
-    const bool is_inside =
-        found->first >= 0 && (raster.wraps() || found->first + 1 < raster.n_columns());
-    if (is_inside) return found;
-    if (!margin) margin = found;
-  }
-  return margin;
-}
 
 void join(HeightRange& range, double z) {
   const bool is_empty = range.lower > range.upper;
@@ -66,12 +35,12 @@ BorderLines::BorderLines(const ExtendedRaster& raster, const TileRange& finest)
   for (std::size_t line = 0; line < meridians_.size(); ++line) {
     const std::int64_t x =
         wrapped_column(finest.level, finest.first_x + static_cast<std::int64_t>(line));
-    if (column_at(raster, west_of({finest.level, x, 0})))
+    if (raster.column_at(west_of({finest.level, x, 0})))
       meridians_[line].resize(static_cast<std::size_t>(raster.n_rows()), raster.fill());
   }
   for (std::size_t line = 0; line < parallels_.size(); ++line) {
     const std::int64_t y = finest.first_y + static_cast<std::int64_t>(line);
-    if (between(raster.row(south_of({finest.level, 0, y})), raster.n_rows()))
+    if (raster.row_at(south_of({finest.level, 0, y})))
       parallels_[line].resize(static_cast<std::size_t>(raster.n_columns()), raster.fill());
   }
 }
@@ -104,7 +73,7 @@ void BorderLines::add_meridian(std::size_t line, const RowStrip& strip, IndexRan
   if (meridians_[line].empty()) return;
   const std::int64_t x =
       wrapped_column(finest_.level, finest_.first_x + static_cast<std::int64_t>(line));
-  const auto column = column_at(raster_, west_of({finest_.level, x, 0}));
+  const auto column = raster_.column_at(west_of({finest_.level, x, 0}));
   for (std::int64_t row = rows.first; row <= rows.last; ++row)
     meridians_[line][static_cast<std::size_t>(row)] =
         column->mix(strip.height(column->first, row), strip.height(column->first + 1, row));
@@ -113,7 +82,7 @@ void BorderLines::add_meridian(std::size_t line, const RowStrip& strip, IndexRan
 void BorderLines::add_parallel(std::size_t line, const RowStrip& strip, IndexRange rows) {
   if (parallels_[line].empty()) return;
   const std::int64_t y = finest_.first_y + static_cast<std::int64_t>(line);
-  const auto row = between(raster_.row(south_of({finest_.level, 0, y})), raster_.n_rows());
+  const auto row = raster_.row_at(south_of({finest_.level, 0, y}));
   const std::int64_t stored = std::clamp<std::int64_t>(row->first, 0, raster_.n_rows() - 1);
   if (stored < rows.first || stored > rows.last) return;
   for (std::int64_t column = 0; column < raster_.n_columns(); ++column)

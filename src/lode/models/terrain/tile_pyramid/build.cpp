@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lode/core/expects.h"
+#include "lode/models/terrain/tile_pyramid/globe_lattice.h"
 #include "lode/models/terrain/tile_pyramid/level_forms.h"
 #include "lode/models/terrain/tile_pyramid/tile_errors.h"
 
@@ -68,6 +69,7 @@ class PyramidBuild {
                             : is_finest ? std::vector<TileVertex>{}
                                         : vertices_below(job.id));
     }));
+    LODE_CHECK(add_globe_nodes(jobs));
     LODE_CHECK(settle(jobs, strip));
     return finish_row(jobs);
   }
@@ -97,6 +99,42 @@ class PyramidBuild {
     LODE_TRY(const std::uint64_t n, refine(job.mesh, candidates, tolerance, progress_));
     static_cast<void>(n);
     return {};
+  }
+
+  /// At the height of the raster's surface: that of triangles is bound at samples alone.
+  Result<void> add_globe_nodes(std::vector<TileJob>& jobs) {
+    if (n_globe_cells(jobs.front().id.level) == 1) return {};
+    std::vector<std::vector<LatticePoint>> nodes(jobs.size());
+    parallel_for(jobs.size(), threads_, 1, [&](std::size_t i, int) {
+      nodes[i] = missing_globe_nodes(jobs[i].mesh, jobs[i].id.level);
+    });
+    std::vector<std::int32_t> rows;
+    for (const auto& of_tile : nodes)
+      for (const LatticePoint node : of_tile) rows.push_back(node.y);
+    std::ranges::sort(rows);
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    std::vector<std::vector<TileVertex>> vertices(jobs.size());
+    for (const std::int32_t y : rows) {
+      if (progress_.is_cancelled()) return cancelled_error();
+      const TileId& id = jobs.front().id;
+      const auto row = raster_.row_at(south_of(id) + tile_size(id.level) * y / kLastNode);
+      RowStrip strip(raster_);
+      if (row) LODE_CHECK(strip.read(rows_, {row->first, row->first + 1}));
+      for (std::size_t i = 0; i < jobs.size(); ++i)
+        for (const LatticePoint node : nodes[i])
+          if (node.y == y) vertices[i].push_back({node, surface_at(jobs[i].id, node, row, strip)});
+    }
+    parallel_for(jobs.size(), threads_, 1,
+                 [&](std::size_t i, int) { insert_all(jobs[i].mesh, vertices[i]); });
+    return {};
+  }
+
+  [[nodiscard]] double surface_at(const TileId& tile, LatticePoint node,
+                                  const std::optional<Between>& row, const RowStrip& strip) const {
+    const auto column =
+        raster_.column_at(west_of(tile) + tile_size(tile.level) * node.x / kLastNode);
+    const double height = row && column ? strip.surface(*column, *row) : raster_.fill();
+    return rounded(height, form_of(tile).height_step);
   }
 
   /// Inserts worst samples until all are within the tolerance, or nothing helps.

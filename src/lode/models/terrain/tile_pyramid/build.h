@@ -61,7 +61,8 @@ struct FinishedTile {
 using TileSink = std::function<Result<void>(const FinishedTile&)>;
 
 /// A pyramid of tiles of a raster in degrees; docs/models/tile_pyramid.md. Finest tiles are refined
-/// by their samples, coarser ones by the vertices of their four; then all samples are held against
+/// by their samples, coarser ones by the vertices of their four, and both by nodes that the globe's
+/// curvature needs, see n_globe_cells(); then all samples are held against
 /// the triangles, as they will be decoded, and the worst ones inserted until none is beyond the
 /// level's tolerance. Reads the raster as often as there are levels, and a few times more. Memory:
 /// two rows of tiles of each level, 512 rows of samples, and what is on borders. Tiles are the same

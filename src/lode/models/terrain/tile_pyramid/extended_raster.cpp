@@ -24,6 +24,13 @@ IndexRange between(double a, double b, std::int64_t beyond, IndexRange all) {
           std::min(all.last, static_cast<std::int64_t>(last))};
 }
 
+std::optional<Between> place_between(double index, std::int64_t n) {
+  constexpr auto kBeyond = static_cast<double>(ExtendedRaster::kMargin);
+  if (!(index > -kBeyond && index < static_cast<double>(n - 1) + kBeyond)) return std::nullopt;
+  const double first = std::floor(index);
+  return Between{static_cast<std::int64_t>(first), index - first};
+}
+
 /// Of one sample, known twice: both missing, or equal but for rounding in transformations.
 bool is_same(double a, double b) {
   constexpr double kRounding = 1e-6;  // metres
@@ -82,6 +89,22 @@ IndexRange ExtendedRaster::columns_between(double west, double east, int turn, s
 IndexRange ExtendedRaster::rows_between(double south, double north, std::int64_t lowest,
                                         std::int64_t beyond) const {
   return between(row(south), row(north), beyond, {lowest, n_rows_ - 1 - lowest});
+}
+
+std::optional<Between> ExtendedRaster::column_at(double longitude) const {
+  std::optional<Between> margin;
+  for (int turn = kFirstTurn; turn <= kLastTurn; ++turn) {
+    const auto found = place_between(column(longitude, turn), n_columns_);
+    if (!found) continue;
+    const bool is_inside = found->first >= 0 && (wraps_ || found->first + 1 < n_columns_);
+    if (is_inside) return found;
+    if (!margin) margin = found;
+  }
+  return margin;
+}
+
+std::optional<Between> ExtendedRaster::row_at(double latitude) const {
+  return place_between(row(latitude), n_rows_);
 }
 
 Result<void> RowStrip::read(HeightRows& rows, IndexRange wanted) {

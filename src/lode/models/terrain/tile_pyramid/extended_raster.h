@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "lode/core/height_frame.h"
@@ -16,6 +17,14 @@ struct IndexRange {
   std::int64_t last = -1;
 
   [[nodiscard]] bool is_empty() const { return last < first; }
+};
+
+/// A place between two columns or rows, `part` of the way from the first to the next.
+struct Between {
+  std::int64_t first = 0;
+  double part = 0;
+
+  [[nodiscard]] double mix(double a, double b) const { return part == 0 ? a : a + part * (b - a); }
 };
 
 /// Where the samples of a raster in degrees lie on the globe. It is continued: by one column and
@@ -51,6 +60,10 @@ class ExtendedRaster {
   }
   [[nodiscard]] double row(double latitude) const { return (latitude - north_) / step_y_; }
 
+  /// Nothing where there is only the fill; of columns in the first turn that has it.
+  [[nodiscard]] std::optional<Between> column_at(double longitude) const;
+  [[nodiscard]] std::optional<Between> row_at(double latitude) const;
+
   /// Turns that may hold a part of the world between -180 and 180.
   static constexpr int kFirstTurn = -2;
   static constexpr int kLastTurn = 2;
@@ -84,6 +97,13 @@ class RowStrip {
   [[nodiscard]] IndexRange rows() const { return rows_; }
   /// Also of margins and missing samples. column: from -kMargin to n_columns() - 1 + kMargin.
   [[nodiscard]] double height(std::int64_t column, std::int64_t row) const;
+  /// Between four of these.
+  [[nodiscard]] double surface(const Between& column, const Between& row) const {
+    const auto along = [&](std::int64_t y) {
+      return column.mix(height(column.first, y), height(column.first + 1, y));
+    };
+    return row.mix(along(row.first), along(row.first + 1));
+  }
   /// Of a sample; NaN: missing.
   [[nodiscard]] double sample(std::int64_t column, std::int64_t row) const {
     return heights_[static_cast<std::size_t>((row - first_) * raster_->n_stored_columns() +

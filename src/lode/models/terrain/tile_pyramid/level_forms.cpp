@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lode/models/terrain/tile_pyramid/build.h"
+#include "lode/models/terrain/tile_pyramid/globe_lattice.h"
 
 namespace lode::tile_pyramid {
 namespace {
@@ -95,7 +96,9 @@ std::vector<LevelForm> level_forms(const BorderLines& lines, std::span<const Til
   std::vector<LevelForm> forms(ranges.size());
   Ranges heights = ranges_of(lines, ranges.back());
   for (std::size_t level = ranges.size(); level-- > 0;) {
-    forms[level] = {errors[level], step_for(errors[level], heights, outside)};
+    forms[level] = {.max_error = errors[level],
+                    .height_step = step_for(errors[level], heights, outside),
+                    .most_gap = most_gap(static_cast<int>(level))};
     if (level > 0) heights = coarser(heights, ranges[level], ranges[level - 1], outside);
   }
   return forms;

@@ -9,10 +9,10 @@
 
 namespace lode::tile_pyramid {
 
-/// By level: tolerances, and the largest steps of heights that are at most an eighth of them; but
-/// no less than what fits the heights of each tile into kLastNode steps, and all heights into what
-/// float32 has exactly, and than a millionth of a millimetre. Heights, and the fill, are at most
-/// kMostHeight.
+/// By level: tolerances, gaps as most_gap() has them, and the largest steps of heights that are at
+/// most an eighth of them; but no less than what fits the heights of each tile into kLastNode
+/// steps, and all heights into what float32 has exactly, and than a millionth of a millimetre.
+/// Heights, and the fill, are at most kMostHeight.
 [[nodiscard]] std::vector<LevelForm> level_forms(const BorderLines& lines,
                                                  std::span<const TileRange> ranges, double fill,
                                                  double max_error);

@@ -148,6 +148,21 @@ TileMesh mesh_of_sides(std::span<const TileVertex> sides) {
   return out;
 }
 
+void insert_all(TileMesh& mesh, std::span<const TileVertex> vertices) {
+  if (vertices.empty()) return;
+  NodeTable table;
+  for (const TileVertex& vertex : mesh.vertices) table.add(vertex);
+  const std::size_t n_before = table.nodes.size();
+  for (const TileVertex& vertex : vertices) table.add(vertex);
+  PointMesh points(ListedNodes(table.nodes), mesh.triangles);
+  std::uint32_t t = 0;
+  for (std::size_t i = n_before; i < table.nodes.size(); ++i) {
+    t = find_from(points, table, t, table.nodes[i]);
+    t = points.insert(static_cast<std::uint32_t>(i), t)[0];
+  }
+  take_from(points, table, mesh);
+}
+
 Result<std::uint64_t> refine(TileMesh& mesh, std::span<const TileVertex> candidates,
                              double max_error, Progress& progress) {
   // While triangles are large, and err by far more than they may, few candidates tell where to

@@ -27,6 +27,9 @@ struct TileMesh {
 /// Of vertices on the four sides alone, which are all different, the corners among them.
 [[nodiscard]] TileMesh mesh_of_sides(std::span<const TileVertex> sides);
 
+/// Inserts vertices at nodes that are inside of the square and different, also from vertices.
+void insert_all(TileMesh& mesh, std::span<const TileVertex> vertices);
+
 /// Inserts vertices greedily (delaunay/point_insertion.h), of candidates inside of the square,
 /// until none errs by more than max_error. Of several candidates at one node, or at a vertex, the
 /// first counts, or none. Returns how many were inserted; fails when cancelled.
