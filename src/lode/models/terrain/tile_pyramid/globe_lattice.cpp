@@ -33,7 +33,7 @@ std::vector<LatticePoint> missing_globe_nodes(const TileMesh& mesh, int level) {
     return (2 * node * n + kLastNode) / (2 * kLastNode);
   };
   const std::int32_t near = most_gap(level) / 4;
-  const auto row_size = static_cast<std::size_t>(n + 1);
+  const auto row_size = static_cast<std::size_t>(n) + 1;
   std::vector<bool> is_near(row_size * row_size);
   for (const TileVertex& vertex : mesh.vertices) {
     const int i = nearest(vertex.node.x);
