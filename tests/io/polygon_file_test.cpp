@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "lode/io/gdal_crs.h"
+#include "lode/io/line_file.h"
 
 namespace lode::io {
 namespace {
@@ -180,6 +181,25 @@ TEST_F(polygon_file, is_refused_where_the_crs_of_the_points_has_no_such_places) 
   const auto made = polygons_in(*pole, *to_wkt("EPSG:3857"));
   ASSERT_FALSE(made);
   EXPECT_NE(made.error().message.find("pole.geojson"), std::string::npos);
+}
+
+/// On the central meridian of the zone, whose x is 500 km; heights stay.
+TEST_F(polygon_file, of_lines_is_read_in_another_crs_with_its_heights) {
+  const std::string file =
+      write("lines.gpkg", "GPKG",
+            {{"LINESTRING Z (15 36 7,15 37 8,15.5 37 9)", "LINESTRING (15 36,15 37)"}}, 4326);
+  const auto lines = read_lines(file, *to_wkt("EPSG:32633"));
+  ASSERT_TRUE(lines) << lines.error().message;
+  ASSERT_EQ(lines->size(), 2);
+  const PlaceLine& line = lines->front();
+  ASSERT_EQ(line.size(), 3);
+  EXPECT_NEAR(line[0][0], 500000, 1e-6);
+  EXPECT_NEAR(line[1][0], 500000, 1e-6);
+  EXPECT_GT(line[2][0], 540000);
+  EXPECT_NEAR(line[1][1] - line[0][1], 110900, 200);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(line[i][2], 7 + static_cast<double>(i));
+  EXPECT_TRUE(std::isnan(lines->back()[0][2]));
+  EXPECT_FALSE(read_lines(file, ""));
 }
 
 }  // namespace

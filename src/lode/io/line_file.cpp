@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <span>
 #include <utility>
 
 #include "lode/core/out_of_memory.h"
@@ -34,22 +35,6 @@ Result<PlaceLine> read_line(const std::string& path, const GdalLibrary& gdal, OG
   return line;
 }
 
-Result<void> transform_lines(const PlaceTransform& way, std::vector<PlaceLine>& lines) {
-  std::vector<double> x;
-  std::vector<double> y;
-  for (PlaceLine& line : lines) {
-    x.clear();
-    y.clear();
-    for (const Vec3d& p : line) {
-      x.push_back(p[0]);
-      y.push_back(p[1]);
-    }
-    LODE_CHECK(way.apply(x, y));
-    for (std::size_t i = 0; i < line.size(); ++i) line[i] = {{x[i], y[i], line[i][2]}};
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<std::vector<PlaceLine>> read_lines(const std::string& path, const std::string& crs) try {
@@ -74,7 +59,7 @@ Result<std::vector<PlaceLine>> read_lines(const std::string& path, const std::st
   };
   LODE_TRY(const std::string own_crs, input.read(add));
   LODE_TRY(const PlaceTransform way, PlaceTransform::make(path, own_crs, crs, "samples"));
-  LODE_CHECK(transform_lines(way, lines));
+  for (PlaceLine& line : lines) LODE_CHECK(way.apply(std::span(line)));
   return lines;
 } catch (const std::bad_alloc&) {
   return out_of_memory("read the lines", path);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <span>
 #include <utility>
 
 #include "lode/core/out_of_memory.h"
@@ -63,19 +64,10 @@ Ring divided(const Ring& ring, double step) {
 Result<std::vector<PlacePolygon>> transformed(const PolygonFile& file, const PlaceTransform& way) {
   std::vector<PlacePolygon> polygons = file.polygons;
   const double step = longest_step(polygons);
-  std::vector<double> x;
-  std::vector<double> y;
   for (PlacePolygon& polygon : polygons)
     for (Ring& ring : polygon) {
       ring = divided(ring, step);
-      x.clear();
-      y.clear();
-      for (const auto& p : ring) {
-        x.push_back(p[0]);
-        y.push_back(p[1]);
-      }
-      LODE_CHECK(way.apply(x, y));
-      for (std::size_t i = 0; i < ring.size(); ++i) ring[i] = {{x[i], y[i]}};
+      LODE_CHECK(way.apply(std::span(ring)));
     }
   return polygons;
 }

@@ -3,6 +3,8 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "lode/core/result.h"
 #include "lode/core/vec.h"
@@ -57,10 +59,28 @@ class PlaceTransform {
 
   /// Both CRS are the same, or neither is known.
   [[nodiscard]] bool is_identity() const { return way_ == nullptr; }
-  /// Fails, naming the file, on places that the CRS has not.
-  [[nodiscard]] Result<void> apply(std::span<double> x, std::span<double> y) const;
+  /// Of places of two or three coordinates, of which the third stays. Fails, naming the file, on
+  /// places that the CRS has not.
+  template <std::size_t N>
+  [[nodiscard]] Result<void> apply(std::span<Vec<double, N>> places) const {
+    std::vector<double> x;
+    std::vector<double> y;
+    x.reserve(places.size());
+    y.reserve(places.size());
+    for (const auto& p : places) {
+      x.push_back(p[0]);
+      y.push_back(p[1]);
+    }
+    LODE_CHECK(apply(x, y));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      places[i][0] = x[i];
+      places[i][1] = y[i];
+    }
+    return {};
+  }
 
  private:
+  [[nodiscard]] Result<void> apply(std::span<double> x, std::span<double> y) const;
   PlaceTransform(std::string path, const char* samples)
       : path_(std::move(path)), samples_(samples) {}
 
