@@ -1,0 +1,190 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lode/delaunay/grid_domain.h"
+#include "lode/models/terrain/right_triangle_bisection/bisection.h"
+#include "lode/models/terrain/right_triangle_bisection/cell_counts.h"
+#include "lode/models/terrain/right_triangle_bisection/nested_errors.h"
+#include "lode/models/terrain/right_triangle_bisection/own_errors.h"
+#include "lode/models/terrain/right_triangle_bisection/stretched_diamonds.h"
+
+namespace lode::bisection {
+namespace {
+
+constexpr float kAlways = std::numeric_limits<float>::infinity();
+
+/// Heights of a row of a raster without gaps; more than one sum at a time.
+template <typename T>
+HeightRange range_of_row(const T* row, std::int32_t n) {
+  T lower = row[0];
+  T upper = row[0];
+  for (std::int32_t x = 1; x < n; ++x) {
+    lower = std::min(lower, row[x]);
+    upper = std::max(upper, row[x]);
+  }
+  return {static_cast<double>(lower), static_cast<double>(upper)};
+}
+
+template <typename T>
+HeightRange find_range(const HeightGrid& grid, const RasterRows<T>& rows, Threads threads) {
+  if (!grid.is_valid.empty()) return height_range(grid);
+  std::vector<HeightRange> ranges(static_cast<std::size_t>(grid.n_rows));
+  parallel_for(ranges.size(), threads, 64, [&](std::size_t y, int) {
+    ranges[y] = range_of_row(rows.row(static_cast<std::int32_t>(y)), grid.n_columns);
+  });
+  HeightRange all = ranges.front();
+  for (const HeightRange& range : ranges) {
+    all.lower = std::min(all.lower, range.lower);
+    all.upper = std::max(all.upper, range.upper);
+  }
+  return all;
+}
+
+/// Strips, and what they owe to each other's first rows.
+template <typename T>
+void set_own_errors(const RasterRows<T>& rows, const Lattice& lattice, Threads threads,
+                    Progress& progress, float* errors) {
+  for (std::int32_t y = 0; y <= lattice.last().y; y += kStripRows)
+    for (std::int32_t x = 0; x <= lattice.last().x; x += kStripRows)
+      errors[lattice.index({x, y})] = 0;
+  const auto n_strips = static_cast<std::size_t>((lattice.last().y + kStripRows - 1) / kStripRows);
+  const auto stride = static_cast<std::size_t>(lattice.stride());
+  UninitializedArray<float> upper(n_strips * stride);
+  const AddStripErrors<T> add_errors = add_strip_errors<T>();
+  parallel_for(n_strips, threads, 1, [&](std::size_t i, int) {
+    if (progress.is_cancelled()) return;
+    add_errors(rows, lattice, static_cast<std::int32_t>(i) * kStripRows, errors,
+               &upper[i * stride]);
+  });
+  for (std::size_t i = 0; i < n_strips; ++i) {
+    const auto y = static_cast<std::int32_t>(i + 1) * kStripRows;
+    if (y > lattice.last().y || progress.is_cancelled()) break;
+    const bool is_last = y == lattice.last().y;
+    float* const row = errors + y * lattice.stride();
+    for (std::int32_t x = 0; x <= lattice.last().x; ++x) {
+      if (x % kStripRows == 0) continue;
+      const float owed = upper[i * stride + static_cast<std::size_t>(x)];
+      row[x] = is_last ? owed : std::max(row[x], owed);
+    }
+  }
+}
+
+/// Whether arithmetic of float64 on these heights is exact for all sides of squares: multiples of
+/// 2^-8 below 2^22.
+template <typename T>
+bool is_exact(const HeightGrid& grid, const RasterRows<T>& rows, const HeightRange& range,
+              Threads threads) {
+  if constexpr (std::is_integral_v<T>) return true;
+  if (!(std::max(std::abs(range.lower), std::abs(range.upper)) < 0x1p22)) return false;
+  std::vector<std::uint8_t> has_others(static_cast<std::size_t>(grid.n_rows), 0);
+  parallel_for(has_others.size(), threads, 64, [&](std::size_t y, int) {
+    const T* row = rows.row(static_cast<std::int32_t>(y));
+    int n_others = 0;
+    for (std::int32_t x = 0; x < grid.n_columns; ++x) {
+      const T scaled = row[x] * T{256};
+      n_others += static_cast<T>(static_cast<std::int32_t>(scaled)) == scaled ? 0 : 1;
+    }
+    has_others[y] = n_others > 0 ? 1 : 0;
+  });
+  return std::ranges::count(has_others, 1) == 0;
+}
+
+/// Adds what rounding may have hidden to all errors but where all corners have one height.
+template <typename T>
+void add_slack(const RasterRows<T>& rows, const Lattice& lattice, double slack, Threads threads,
+               float* errors) {
+  const auto z = [&](LatticePoint node) {
+    const LatticePoint p = lattice.place(node);
+    return rows.row(p.y)[p.x];
+  };
+  const auto is_level = [&](LatticePoint node) {
+    const Diamond diamond(node);
+    const T height = z(node);
+    const auto differs = [&](LatticePoint p) { return lattice.has(p) && z(p) != height; };
+    return std::ranges::none_of(diamond.ends, differs) &&
+           std::ranges::none_of(diamond.apexes, differs);
+  };
+  parallel_for(static_cast<std::size_t>(lattice.last().y) + 1, threads, 16,
+               [&](std::size_t row, int) {
+                 const auto y = static_cast<std::int32_t>(row);
+                 for (std::int32_t x = 0; x <= lattice.last().x; ++x) {
+                   if (lattice.is_corner({x, y})) continue;
+                   float& error = errors[lattice.index({x, y})];
+                   if (error > 0 || !is_level({x, y}))
+                     error = rounded_up(static_cast<double>(error) + slack);
+                 }
+               });
+}
+
+}  // namespace
+
+float rounded_up(double error) {
+  const auto nearest = static_cast<float>(error);
+  return static_cast<double>(nearest) < error
+             ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
+             : nearest;
+}
+
+Result<Bisection> Bisection::build(const HeightGrid& grid, Threads threads, Progress& progress) {
+  if (grid.n_columns < 2 || grid.n_rows < 2)
+    return fail("expected two columns and rows or more, got {} x {} samples", grid.n_columns,
+                grid.n_rows);
+  if (!delaunay::LatticePacking::fits(grid.n_columns, grid.n_rows))
+    return fail("expected a raster whose columns and rows need up to 32 bits, got {} x {}",
+                grid.n_columns, grid.n_rows);
+  Bisection made{Lattice(grid.n_columns, grid.n_rows)};
+  const Lattice& lattice = made.lattice_;
+  std::optional<CellCounts> counts;
+  if (!grid.is_valid.empty()) {
+    made.cells_ = domain_cells(grid);
+    counts.emplace(made.cells_, lattice);
+    if (counts->all() == 0)
+      return fail("expected a cell with four heights, got none in {} x {} samples", grid.n_columns,
+                  grid.n_rows);
+    if (counts->all() == made.cells_.size()) {
+      made.cells_.clear();
+      counts.reset();
+    }
+  }
+  made.errors_.resize(lattice.size());
+  float* const errors = made.errors_.data();
+  const auto set_errors = [&]<typename T>(const HeightGrid::Samples<T>& samples) -> Result<void> {
+    const RasterRows<T> rows{samples.data(), grid.stride};
+    const HeightRange range = find_range(grid, rows, threads);
+    LODE_CHECK(delaunay::check_heights(range));
+    set_own_errors(rows, lattice, threads, progress, errors);
+    if (progress.is_cancelled()) return cancelled_error();
+    const double largest = std::max(std::abs(range.lower), std::abs(range.upper));
+    // Missing heights may be anything: then it is not looked for.
+    if (!(grid.is_valid.empty() && is_exact(grid, rows, range, threads)) && !std::is_integral_v<T>)
+      add_slack(rows, lattice, 0x1p-46 * largest, threads, errors);
+    set_stretched_errors(rows, range, lattice, threads, errors);
+    return {};
+  };
+  LODE_CHECK(std::visit(set_errors, grid.heights));
+  if (counts) mark_outline(*counts, lattice, threads, errors);
+  if (progress.is_cancelled()) return cancelled_error();
+  nest_errors(lattice, threads, errors);
+  return made;
+}
+
+void Bisection::keep(std::vector<LatticePoint> nodes) {
+  std::vector<LatticePoint> waiting;
+  for (const LatticePoint node : nodes)
+    if (!lattice_.is_corner(node)) waiting.push_back(node);
+  while (!waiting.empty()) {
+    const LatticePoint node = waiting.back();
+    waiting.pop_back();
+    float& error = errors_[lattice_.index(node)];
+    if (error == kAlways) continue;
+    error = kAlways;
+    for (const LatticePoint apex : Diamond(node).apexes)
+      if (lattice_.has(apex) && !lattice_.is_corner(apex)) waiting.push_back(apex);
+  }
+  kept_ = std::move(nodes);
+}
+
+}  // namespace lode::bisection

@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "lode/models/terrain/right_triangle_bisection/extract.h"
+
+namespace lode::bisection {
+namespace {
+
+/// Refines what a demand wants, from the base on.
+class Selection {
+ public:
+  Selection(const Bisection& bisection, const HeightGrid& grid, const HeightRange& range,
+            const Demand& demand)
+      : bisection_(bisection),
+        lattice_(bisection.lattice()),
+        grid_(grid),
+        range_(range),
+        demand_(demand),
+        uses_bounds_(demand.uses_bounds()),
+        refined_(lattice_) {}
+
+  NodeSet run() {
+    for (const LatticePoint node : bisection_.kept())
+      if (!lattice_.is_corner(node)) refine(node);
+    const std::int32_t half = lattice_.side() / 2;
+    if (half > 0) look_at({half, half}, half);
+    while (!wanted_.empty()) {
+      const LatticePoint node = wanted_.back();
+      wanted_.pop_back();
+      refine(node);
+    }
+    return std::move(refined_);
+  }
+
+ private:
+  [[nodiscard]] std::int64_t index(LatticePoint node) const {
+    return static_cast<std::int64_t>(lattice_.index(node));
+  }
+  void look_at(LatticePoint node, std::int32_t reach) {
+    if (!lattice_.has(node) || !lattice_.has_area(node, reach) || refined_.has(index(node))) return;
+    const float error = bisection_.error(node);
+    // Where the outline passes there is no triangle yet; and what has no error is never wanted but
+    // by demands that want all.
+    const bool is_outline = std::isinf(error);
+    if (!is_outline) {
+      const NodeFacts facts = facts_of(node, static_cast<double>(error));
+      if (!demand_.touches(facts) || !(to_rank(demand_(facts)) > 0)) return;
+    }
+    wanted_.push_back(node);
+  }
+  /// After those that it waits for.
+  void refine(LatticePoint wanted) {
+    chain_.assign(1, wanted);
+    while (!chain_.empty()) {
+      const LatticePoint node = chain_.back();
+      const std::size_t n_before = chain_.size();
+      const Diamond diamond(node);
+      if (!refined_.has(index(node)))
+        for (const LatticePoint apex : diamond.apexes)
+          if (lattice_.has(apex) && !lattice_.is_corner(apex) && !refined_.has(index(apex)))
+            chain_.push_back(apex);
+      if (chain_.size() > n_before) continue;
+      chain_.pop_back();
+      if (!refined_.add(index(node)) || !diamond.has_children()) continue;
+      const std::int32_t reach = diamond.is_square ? diamond.reach : diamond.reach / 2;
+      for (const LatticePoint child : diamond.children()) look_at(child, reach);
+    }
+  }
+
+  [[nodiscard]] double height(LatticePoint place) const {
+    const auto at = static_cast<std::size_t>(place.y * grid_.stride + place.x);
+    if (const auto* samples = std::get_if<HeightGrid::Samples<std::int16_t>>(&grid_.heights))
+      return static_cast<double>((*samples)[at]);
+    return grid_.height(place.x, place.y);
+  }
+  [[nodiscard]] NodeFacts facts_of(LatticePoint node, double error) const {
+    NodeFacts facts;
+    facts.error = error;
+    facts.range = {range_.lower, range_.upper};
+    if (!uses_bounds_) return facts;
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Vec3d lower{{kInfinity, kInfinity, kInfinity}};
+    Vec3d upper{{-kInfinity, -kInfinity, -kInfinity}};
+    const Diamond diamond(node);
+    for (const LatticePoint corner :
+         {diamond.ends[0], diamond.ends[1], diamond.apexes[0], diamond.apexes[1]}) {
+      if (!lattice_.has(corner)) continue;
+      const LatticePoint place = lattice_.place(corner);
+      const Vec<double, 2> at = grid_.world(place.x, place.y);
+      const Vec3d p{{at[0], at[1], height(place)}};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        lower[axis] = std::min(lower[axis], p[axis]);
+        upper[axis] = std::max(upper[axis], p[axis]);
+      }
+    }
+    lower[2] = std::max(lower[2] - error, range_.lower);
+    upper[2] = std::min(upper[2] + error, range_.upper);
+    facts.range = {lower[2], upper[2]};
+    facts.bounds.centre = (lower + upper) * 0.5;
+    facts.bounds.half = (upper - lower) * 0.5;
+    // For rounding, so that what touches a diamond touches its bounds.
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      facts.bounds.radius = std::max(
+          {facts.bounds.radius, std::abs(lower[axis]) * 0x1p-50, std::abs(upper[axis]) * 0x1p-50});
+    return facts;
+  }
+
+  const Bisection& bisection_;
+  const Lattice& lattice_;
+  const HeightGrid& grid_;
+  const HeightRange& range_;
+  const Demand& demand_;
+  bool uses_bounds_;
+  NodeSet refined_;
+  std::vector<LatticePoint> wanted_;
+  std::vector<LatticePoint> chain_;
+};
+
+}  // namespace
+
+NodeSet select_nodes(const Bisection& bisection, const HeightGrid& grid, const HeightRange& range,
+                     const Demand& demand) {
+  return Selection(bisection, grid, range, demand).run();
+}
+
+}  // namespace lode::bisection

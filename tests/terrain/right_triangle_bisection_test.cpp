@@ -1,0 +1,288 @@
+// Right triangles bisected over rasters of any size, with and without gaps in their heights.
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "lode/mappers/tin_gaps.h"
+#include "lode/models/terrain/right_triangle_bisection/extract.h"
+#include "tests/delaunay/lattice_fixtures.h"
+
+namespace lode {
+namespace {
+
+using bisection::Bisection;
+using bisection::Diamond;
+using bisection::Lattice;
+using delaunay::LatticePoint;
+using delaunay::Tin;
+using delaunay::test::has_cell;
+using delaunay::test::make_grid;
+using delaunay::test::set_missing;
+
+double hills(std::int32_t x, std::int32_t y) {
+  const bool is_spike = (x * 7 + y * 13) % 61 == 0;
+  return std::round(300 * std::sin(0.21 * x) * std::cos(0.17 * y)) + (is_spike ? 64 : 0);
+}
+
+struct Case {
+  const char* name;
+  HeightGrid grid;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  all.push_back({"a cell", make_grid<double>(2, 2, hills)});
+  all.push_back({"two cells", make_grid<std::int16_t>(3, 2, hills)});
+  all.push_back({"three rows", make_grid<std::uint16_t>(
+                                   3, 3, [](int x, int y) { return 65535.0 * ((x + y) % 2); })});
+  all.push_back({"a power of two and one", make_grid<std::int16_t>(65, 65, hills)});
+  all.push_back({"a power of two", make_grid<std::int16_t>(64, 64, hills)});
+  all.push_back({"odd", make_grid<float>(45, 22, hills)});
+  all.push_back({"a strip", make_grid<std::int16_t>(2, 40, hills)});
+  all.push_back({"wide", make_grid<std::int16_t>(300, 37, hills)});
+  all.push_back({"large", make_grid<std::int16_t>(273, 290, hills)});
+  // Differences of these heights are not what float64 makes of them.
+  all.push_back({"rounded", make_grid<double>(21, 49, [](int x, int y) {
+                   return std::exp2(y % 5 * 9) * std::sin(0.7 * x + y) / 3;
+                 })});
+  all.push_back(
+      {"tenths", make_grid<float>(70, 41, [](int x, int y) { return hills(x, y) / 10; })});
+  all.push_back({"flat", make_grid<float>(40, 17, [](int, int) { return 0.1; })});
+  all.push_back(
+      {"slanted", make_grid<std::int16_t>(50, 33, [](int x, int y) { return 3 * x - 2 * y; })});
+  Case gaps{"gaps", make_grid<std::int16_t>(38, 41, hills)};
+  for (std::int32_t y = 10; y < 17; ++y)
+    for (std::int32_t x = 5; x < 9 + y / 2; ++x) set_missing(gaps.grid, x, y);
+  set_missing(gaps.grid, 0, 40);
+  set_missing(gaps.grid, 37, 20);
+  set_missing(gaps.grid, 30, 30);
+  all.push_back(std::move(gaps));
+  Case holes{"missing values are no numbers", make_grid<float>(40, 29, hills)};
+  for (std::int32_t i = 0; i < 30; ++i) {
+    const std::int32_t x = i * 37 % 40;
+    const std::int32_t y = i * 11 % 29;
+    set_missing(holes.grid, x, y);
+    std::get<HeightGrid::Samples<float>>(
+        holes.grid.heights)[static_cast<std::size_t>(y * holes.grid.stride + x)] =
+        std::numeric_limits<float>::quiet_NaN();
+  }
+  all.push_back(std::move(holes));
+  return all;
+}
+
+constexpr std::array kTolerances{70000.0, 1000.0, 150.0, 40.0, 7.0, 0.5, 0.0};
+
+Bisection build(const HeightGrid& grid, int n_threads = 2) {
+  Progress progress;
+  auto made = Bisection::build(grid, {n_threads}, progress);
+  EXPECT_TRUE(made) << made.error().message;
+  return *std::move(made);
+}
+
+/// All nodes whose diamonds have some area.
+std::vector<Diamond> diamonds_of(const Lattice& lattice) {
+  std::vector<Diamond> all;
+  for (std::int32_t y = 0; y <= lattice.side(); ++y)
+    for (std::int32_t x = 0; x <= lattice.side(); ++x) {
+      if (lattice.is_corner({x, y})) continue;
+      const Diamond diamond({x, y});
+      if (lattice.has_area(diamond.node, diamond.reach)) all.push_back(diamond);
+    }
+  return all;
+}
+
+/// From the definition, in long doubles: over all samples in the closed triangles that are there.
+long double own_error(const Diamond& diamond, const Lattice& lattice, const HeightGrid& grid) {
+  long double worst = 0;
+  const LatticePoint a = lattice.place(diamond.ends[0]);
+  const LatticePoint b = lattice.place(diamond.ends[1]);
+  for (const LatticePoint apex : diamond.apexes) {
+    if (!lattice.has(apex)) continue;
+    const LatticePoint c = lattice.place(apex);
+    const long double area = delaunay::doubled_area(a, b, c);
+    if (area == 0) continue;
+    for (std::int32_t y = std::min({a.y, b.y, c.y}); y <= std::max({a.y, b.y, c.y}); ++y)
+      for (std::int32_t x = std::min({a.x, b.x, c.x}); x <= std::max({a.x, b.x, c.x}); ++x) {
+        const long double u = delaunay::doubled_area(b, c, {x, y}) / area;
+        const long double v = delaunay::doubled_area(c, a, {x, y}) / area;
+        const long double w = delaunay::doubled_area(a, b, {x, y}) / area;
+        if (u < 0 || v < 0 || w < 0) continue;
+        const long double plane =
+            u * grid.height(a.x, a.y) + v * grid.height(b.x, b.y) + w * grid.height(c.x, c.y);
+        worst = std::max(worst, std::abs(plane - grid.height(x, y)));
+      }
+  }
+  return worst;
+}
+
+TEST(right_triangle_bisection, errors_are_the_largest_of_all_that_waits) {
+  for (const Case& c : cases()) {
+    if (!c.grid.is_valid.empty()) continue;
+    SCOPED_TRACE(c.name);
+    const Bisection made = build(c.grid);
+    const Lattice& lattice = made.lattice();
+    const bool is_whole_numbers = c.grid.heights.index() < 2;
+    std::map<std::pair<std::int32_t, std::int32_t>, long double> nested;
+    std::vector<Diamond> diamonds = diamonds_of(lattice);
+    std::ranges::stable_sort(diamonds, [](const Diamond& p, const Diamond& q) {
+      return std::pair(p.reach, p.is_square) < std::pair(q.reach, q.is_square);
+    });
+    for (const Diamond& diamond : diamonds) {
+      long double error = own_error(diamond, lattice, c.grid);
+      if (diamond.has_children())
+        for (const LatticePoint child : diamond.children()) {
+          const auto known = nested.find({child.x, child.y});
+          if (known != nested.end()) error = std::max(error, known->second);
+        }
+      nested[{diamond.node.x, diamond.node.y}] = error;
+      const auto found = static_cast<long double>(made.error(diamond.node));
+      ASSERT_GE(found, error - 0x1p-60L * 65536) << diamond.node.x << ", " << diamond.node.y;
+      // Stretched ones may be off by rounding of float32.
+      ASSERT_LE(found, error * (1 + 1e-6L) + (is_whole_numbers ? 0.1L : 0.3L))
+          << diamond.node.x << ", " << diamond.node.y;
+    }
+  }
+}
+
+TEST(right_triangle_bisection, errors_of_whole_numbers_are_exact) {
+  const HeightGrid grid = make_grid<std::int16_t>(129, 129, hills);
+  const Bisection made = build(grid);
+  std::vector<Diamond> diamonds = diamonds_of(made.lattice());
+  for (const Diamond& diamond : diamonds) {
+    if (diamond.has_children() && diamond.reach < 32) continue;
+    const long double own = own_error(diamond, made.lattice(), grid);
+    long double error = own;
+    if (diamond.has_children())
+      for (const LatticePoint child : diamond.children())
+        if (made.lattice().has(child))
+          error = std::max(error, static_cast<long double>(made.error(child)));
+    EXPECT_FLOAT_EQ(made.error(diamond.node), static_cast<float>(error));
+  }
+}
+
+TEST(right_triangle_bisection, meshes_fill_the_domain_and_keep_their_tolerance) {
+  for (const Case& c : cases()) {
+    const Bisection made = build(c.grid);
+    std::size_t n_last = 0;
+    for (const double tolerance : kTolerances) {
+      SCOPED_TRACE(testing::Message() << c.name << ", " << tolerance);
+      const Tin tin = tin_within(made, c.grid, tolerance);
+      delaunay::test::expect_fills(tin, c.grid);
+      EXPECT_LE(static_cast<double>(delaunay::test::largest_error(tin, c.grid)),
+                tolerance + 0x1p-46 * 65536);
+      EXPECT_EQ(measure_gaps(tin).n_hanging, 0U);
+      EXPECT_GE(tin.triangles.size(), n_last);
+      n_last = tin.triangles.size();
+      EXPECT_EQ(count_triangles(made, tolerance, 1U << 30), n_last);
+    }
+  }
+}
+
+TEST(right_triangle_bisection, flat_and_slanted_ground_has_the_fewest_triangles) {
+  for (const Case& c : cases())
+    if (c.name == std::string_view("flat") || c.name == std::string_view("slanted"))
+      EXPECT_EQ(tin_within(build(c.grid), c.grid, 0).triangles.size(), 2U) << c.name;
+}
+
+TEST(right_triangle_bisection, is_the_same_for_any_number_of_threads) {
+  for (const Case& c : cases()) {
+    const Bisection one = build(c.grid, 1);
+    const Bisection more = build(c.grid, 7);
+    for (const Diamond& diamond : diamonds_of(one.lattice()))
+      ASSERT_EQ(one.error(diamond.node), more.error(diamond.node)) << c.name;
+  }
+}
+
+TEST(right_triangle_bisection, a_demand_for_one_tolerance_is_that_mesh) {
+  for (const Case& c : cases()) {
+    const Bisection made = build(c.grid);
+    for (const double tolerance : {150.0, 7.0}) {
+      const Tin uniform = tin_within(made, c.grid, tolerance);
+      const Demand demand = [tolerance](const NodeFacts& facts) { return facts.error - tolerance; };
+      const Tin selected =
+          tin_of(made, c.grid, select_nodes(made, c.grid, height_range(c.grid), demand));
+      EXPECT_EQ(selected.triangles, uniform.triangles) << c.name << ", " << tolerance;
+      EXPECT_EQ(selected.vertices, uniform.vertices) << c.name << ", " << tolerance;
+    }
+  }
+}
+
+TEST(right_triangle_bisection, is_fine_in_a_box_and_coarse_elsewhere) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const Bisection made = build(c.grid);
+    const double middle = c.grid.n_columns / 2.0;
+    // Whatever reaches into the left half is to be within 7.
+    const Demand demand = [middle](const NodeFacts& facts) {
+      return facts.bounds.centre[0] - facts.bounds.half[0] <= middle ? facts.error - 7 : 0;
+    };
+    const Tin tin = tin_of(made, c.grid, select_nodes(made, c.grid, height_range(c.grid), demand));
+    delaunay::test::expect_fills(tin, c.grid);
+    EXPECT_EQ(measure_gaps(tin).n_hanging, 0U);
+    EXPECT_LE(tin.triangles.size(), tin_within(made, c.grid, 7).triangles.size());
+    Tin left;
+    left.vertices = tin.vertices;
+    left.heights = tin.heights;
+    for (const auto& t : tin.triangles)
+      if (std::ranges::any_of(t, [&](std::uint32_t v) { return tin.vertices[v].x <= middle; }))
+        left.triangles.push_back(t);
+    EXPECT_LE(static_cast<double>(delaunay::test::largest_error(left, c.grid)), 7);
+  }
+}
+
+TEST(right_triangle_bisection, keeps_samples_as_vertices) {
+  for (const Case& c : cases()) {
+    if (c.grid.n_columns < 20) continue;
+    SCOPED_TRACE(c.name);
+    Bisection made = build(c.grid);
+    std::vector<LatticePoint> kept;
+    for (std::int32_t y = 0; y < c.grid.n_rows; y += 7)
+      for (std::int32_t x = y % 5; x < c.grid.n_columns; x += 9) {
+        bool is_in = false;
+        for (const std::int32_t dy : {-1, 0})
+          for (const std::int32_t dx : {-1, 0}) is_in = is_in || has_cell(c.grid, x + dx, y + dy);
+        if (is_in) kept.push_back({x, y});
+      }
+    made.keep(kept);
+    const Tin tin = tin_within(made, c.grid, 70000);
+    delaunay::test::expect_fills(tin, c.grid);
+    for (const LatticePoint p : kept)
+      EXPECT_TRUE(std::ranges::find(tin.vertices, p) != tin.vertices.end()) << p.x << ", " << p.y;
+  }
+}
+
+TEST(right_triangle_bisection, finds_the_tolerance_of_a_number_of_triangles) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const Bisection made = build(c.grid);
+    const std::uint64_t coarsest = tin_within(made, c.grid, 1e9).triangles.size();
+    EXPECT_FALSE(tolerance_of_cells(made, coarsest - 1));
+    for (const std::uint64_t most :
+         {coarsest, coarsest + 7, 3 * coarsest, std::uint64_t{1} << 30}) {
+      const auto tolerance = tolerance_of_cells(made, most);
+      ASSERT_TRUE(tolerance);
+      EXPECT_LE(tin_within(made, c.grid, *tolerance).triangles.size(), most);
+      if (*tolerance > 0)
+        EXPECT_GT(tin_within(made, c.grid, std::nextafter(static_cast<float>(*tolerance), 0.0F))
+                      .triangles.size(),
+                  most);
+    }
+  }
+}
+
+TEST(right_triangle_bisection, refuses_what_has_no_cell) {
+  Progress progress;
+  HeightGrid grid = make_grid<float>(3, 3, hills);
+  set_missing(grid, 1, 1);
+  const auto none = Bisection::build(grid, {1}, progress);
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("four heights"), std::string::npos);
+  EXPECT_FALSE(Bisection::build(make_grid<float>(1, 9, hills), {1}, progress));
+  EXPECT_FALSE(Bisection::build(make_grid<double>(3, 3, [](int x, int) { return 1e31 * x; }), {1},
+                                progress));
+  progress.cancel();
+  EXPECT_FALSE(Bisection::build(make_grid<float>(9, 9, hills), {1}, progress));
+}
+
+}  // namespace
+}  // namespace lode
