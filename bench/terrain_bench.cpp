@@ -66,7 +66,7 @@ std::string check(const HeightGrid& grid, double max_error, InsertionOrder order
   Progress progress;
   const auto made = extract_terrain(grid, {.max_error = max_error, .order = order}, progress);
   if (!made) return made.error().message;
-  const auto report = verify_terrain(grid, made->surface, max_error, {}, progress);
+  const auto report = verify_terrain(grid, made->surface, {.max_error = max_error}, progress);
   if (!report) return report.error().message;
   for (const VerifyReport::Check& one : report->checks)
     if (!one.passed) return one.name + ": " + one.detail;
