@@ -74,6 +74,7 @@ struct Command {
 [[nodiscard]] Command add_compare_command(CLI::App& program);
 [[nodiscard]] Command add_profile_command(CLI::App& program);
 [[nodiscard]] Command add_contours_command(CLI::App& program);
+[[nodiscard]] Command add_features_command(CLI::App& program);
 [[nodiscard]] Command add_sight_command(CLI::App& program);
 [[nodiscard]] Command add_tiles_command(CLI::App& program);
 [[nodiscard]] Command add_verify_command(CLI::App& program);

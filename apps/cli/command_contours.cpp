@@ -8,6 +8,7 @@
 #include "outputs.h"
 #include "stopwatch.h"
 #include "terrain_query.h"
+#include "vector_output.h"
 
 namespace lode::cli {
 namespace {
@@ -24,12 +25,10 @@ Result<void> check_contours(const ContourArguments& arguments) {
                                  "isosurfaces of volumes and meshes, and contour lines of images, "
                                  "are made by lode extract --isovalue"));
   if (auto levels = to_levels(arguments.levels); !levels) return levels.error();
-  const bool is_surface = is_contour_surface(arguments.output);
-  if (arguments.is_polygons && is_surface)
+  if (arguments.is_polygons && is_vtp_path(arguments.output))
     return fail("--polygons: expected an output that ends in .gpkg or .geojson, got {}",
                 arguments.output);
-  if (!is_surface && !check_vector_path(arguments.output))
-    return fail("{}: expected an output that ends in .gpkg, .geojson or .vtp", arguments.output);
+  LODE_CHECK(check_line_output(arguments.output));
   return check_paths_differ({arguments.terrain.input}, {arguments.output});
 }
 
@@ -116,18 +115,12 @@ Result<Outcome> run_polygons(const ContourAnswer& answer, Session& session) {
   return outcome;
 }
 
-Result<void> check_crs(const ContourArguments& arguments, const TerrainFacts& facts) {
-  if (!is_geojson_path(arguments.output) || !facts.frame.crs.empty()) return {};
-  return fail(
-      "{}: expected a raster whose CRS is known, as GeoJSON has longitudes and latitudes of WGS 84 "
-      "(RFC 7946), got {}, which has none; .gpkg takes coordinates as they are",
-      arguments.output, arguments.terrain.input);
-}
-
 Result<Outcome> run_contours(const ContourArguments& arguments, Session& session) {
   LODE_TRY(const ContourLevels wanted, to_levels(arguments.levels));
   LODE_CHECK(check_writable(arguments.output));
-  const auto accept = [&](const TerrainFacts& facts) { return check_crs(arguments, facts); };
+  const auto accept = [&](const TerrainFacts& facts) {
+    return check_known_crs(arguments.output, arguments.terrain.input, facts);
+  };
   LODE_TRY(const TerrainAnswerer answerer, answer_terrain(arguments.terrain, session, accept));
   const HeightRange range = answerer.tin.height_range();
   LODE_TRY(const std::vector<double> levels, wanted.within(range.lower, range.upper));

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "outputs.h"
+#include "vector_output.h"
 
 namespace lode::cli {
 namespace {
@@ -56,30 +56,11 @@ Result<Surface> to_line_surface(const TerrainContours& contours) {
   return surface;
 }
 
-/// Calls add(i) for each of n features, and says how far it is.
-template <typename Add>
-Result<void> write_features(VectorWriter& writer, std::size_t n, Progress& progress,
-                            const Add& add) {
-  constexpr std::size_t kPerReport = 256;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (i % kPerReport == 0) {
-      if (progress.is_cancelled()) return cancelled_error();
-      progress.report("writing", static_cast<double>(i) / static_cast<double>(n));
-    }
-    LODE_CHECK(add(i));
-  }
-  return writer.commit(progress);
-}
-
 }  // namespace
-
-bool is_contour_surface(const std::string& path) {
-  return check_extension(path, ".vtp").has_value();
-}
 
 Result<void> write_contours(const std::string& path, const TerrainAnswerer& answerer,
                             const TerrainContours& contours, Progress& progress) {
-  if (is_contour_surface(path)) {
+  if (is_vtp_path(path)) {
     LODE_TRY(const Surface surface, to_line_surface(contours));
     return write_surface(path, surface,
                          {.comment = contour_comment(answerer), .value_name = "height"}, progress);
@@ -87,9 +68,9 @@ Result<void> write_contours(const std::string& path, const TerrainAnswerer& answ
   LODE_TRY(VectorWriter writer,
            VectorWriter::create(path, {.name = "contours",
                                        .shape = VectorShape::lines,
-                                       .columns = {"height"},
+                                       .columns = {{"height"}},
                                        .crs = answerer.opened.facts.frame.crs}));
-  return write_features(writer, contours.lines.size(), progress, [&](std::size_t i) {
+  return write_each(writer, contours.lines.size(), progress, [&](std::size_t i) {
     const TerrainContours::Line& line = contours.lines[i];
     return writer.add({&line.height, 1}, {&line.points, 1});
   });
@@ -100,9 +81,9 @@ Result<void> write_bands(const std::string& path, const TerrainAnswerer& answere
   LODE_TRY(VectorWriter writer,
            VectorWriter::create(path, {.name = "bands",
                                        .shape = VectorShape::polygons,
-                                       .columns = {"lower", "upper"},
+                                       .columns = {{"lower"}, {"upper"}},
                                        .crs = answerer.opened.facts.frame.crs}));
-  return write_features(writer, bands.polygons.size(), progress, [&](std::size_t i) {
+  return write_each(writer, bands.polygons.size(), progress, [&](std::size_t i) {
     const TerrainBands::Polygon& polygon = bands.polygons[i];
     return writer.add(std::array{polygon.lower, polygon.upper}, polygon.rings);
   });

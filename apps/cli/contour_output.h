@@ -6,9 +6,6 @@
 
 namespace lode::cli {
 
-/// Whether contours become a surface file: .vtp.
-[[nodiscard]] bool is_contour_surface(const std::string& path);
-
 /// To .gpkg, .geojson or .vtp, whole or not at all.
 [[nodiscard]] Result<void> write_contours(const std::string& path, const TerrainAnswerer& answerer,
                                           const TerrainContours& contours, Progress& progress);

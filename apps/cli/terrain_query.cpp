@@ -14,21 +14,25 @@ ReadingArguments reading_of(const TerrainQueryArguments& arguments) {
 
 }  // namespace
 
-void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
+void add_terrain_source(CLI::App& app, TerrainQueryArguments& arguments, TerrainUse use) {
   app.add_option(
          "dem", arguments.input,
          "Raster of heights (.tif, .asc, .hgt, .png, ...), points (.las, .xyz, ...), or a .lode "
          "file made of a raster")
       ->type_name("DEM")
       ->required();
+  app.add_option("--nodata", arguments.nodata, "Value of missing samples, instead of the file's")
+      ->type_name("V")
+      ->group("Terrain");
+  add_terrain_options(app, arguments.terrain, use);
+}
+
+void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
+  add_terrain_source(app, arguments, TerrainUse::extraction);
   app.add_option("--max-error", arguments.max_error,
                  "Tolerance of the TIN in units of the heights (default: 0.5 % of their range; 0: "
                  "full resolution)")
       ->type_name("E");
-  app.add_option("--nodata", arguments.nodata, "Value of missing samples, instead of the file's")
-      ->type_name("V")
-      ->group("Terrain");
-  add_terrain_options(app, arguments.terrain, TerrainUse::extraction);
 }
 
 Result<void> check_terrain_query(const TerrainQueryArguments& arguments,

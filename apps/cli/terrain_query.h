@@ -16,7 +16,9 @@ struct TerrainQueryArguments {
   TerrainArguments terrain;
 };
 
-/// The terrain, --max-error, --nodata, and what extraction of terrain has.
+/// The terrain, --nodata, and what that use of it has.
+void add_terrain_source(CLI::App& app, TerrainQueryArguments& arguments, TerrainUse use);
+/// For extraction, with --max-error.
 void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments);
 
 /// Looks at the arguments alone. `instead`: what there is for volumes and meshes, or empty.

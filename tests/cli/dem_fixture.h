@@ -18,4 +18,15 @@ inline void write_dem(const std::string& path, int n_columns = 40, int n_rows = 
            << (x + 1 < n_columns ? ' ' : '\n');
 }
 
+/// A CRS beside it, as dem.prj beside dem.asc, which GDAL reads.
+inline void write_dem_crs(const std::string& path) {
+  std::ofstream(path) << R"(PROJCS["WGS 84 / UTM zone 11N",GEOGCS["WGS 84",)"
+                         R"(DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
+                         R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],)"
+                         R"(PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],)"
+                         R"(PARAMETER["central_meridian",-117],PARAMETER["scale_factor",0.9996],)"
+                         R"(PARAMETER["false_easting",500000],PARAMETER["false_northing",0],)"
+                         R"(UNIT["metre",1]])";
+}
+
 }  // namespace lode::test

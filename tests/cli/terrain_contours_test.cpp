@@ -17,14 +17,7 @@ class cli_terrain_contours : public testing::Test {
 
   /// The same with a CRS beside it, which GDAL reads.
   [[nodiscard]] std::string with_crs() const {
-    write_bytes(scratch_ / "dem.prj",
-                R"(PROJCS["WGS 84 / UTM zone 11N",GEOGCS["WGS 84",)"
-                R"(DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
-                R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],)"
-                R"(PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],)"
-                R"(PARAMETER["central_meridian",-117],PARAMETER["scale_factor",0.9996],)"
-                R"(PARAMETER["false_easting",500000],PARAMETER["false_northing",0],)"
-                R"(UNIT["metre",1]])");
+    write_dem_crs(scratch_ / "dem.prj");
     return dem_;
   }
 

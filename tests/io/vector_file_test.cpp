@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 namespace lode::io {
@@ -55,7 +56,7 @@ class vector_file : public testing::Test {
 
 Result<void> write_two(const std::string& path, const std::string& crs) {
   LODE_TRY(VectorWriter writer,
-           VectorWriter::create(path, {.name = "contours", .columns = {"height"}, .crs = crs}));
+           VectorWriter::create(path, {.name = "contours", .columns = {{"height"}}, .crs = crs}));
   const Points first{{{500000.1, 4000000.2}}, {{500010.3, 4000020.4}}};
   const Points second{
       {{500100, 4000100}}, {{500200, 4000100}}, {{500100, 4000300}}, {{500100, 4000100}}};
@@ -110,7 +111,7 @@ TEST_F(vector_file, of_geojson_has_longitudes_and_latitudes_of_wgs_84) {
 TEST_F(vector_file, of_polygons_has_rings) {
   const std::string file = path("areas.gpkg");
   auto writer = VectorWriter::create(
-      file, {.name = "bands", .shape = VectorShape::polygons, .columns = {"lower", "upper"}});
+      file, {.name = "bands", .shape = VectorShape::polygons, .columns = {{"lower"}, {"upper"}}});
   ASSERT_TRUE(writer) << writer.error().message;
   const std::vector<Points> rings{{{{0, 0}}, {{9, 0}}, {{9, 9}}, {{0, 9}}, {{0, 0}}},
                                   {{{3, 3}}, {{3, 6}}, {{6, 6}}, {{6, 3}}, {{3, 3}}}};
@@ -126,16 +127,75 @@ TEST_F(vector_file, of_polygons_has_rings) {
   GDALClose(dataset);
 }
 
+TEST_F(vector_file, of_several_layers_has_heights_texts_and_nulls) {
+  const std::string file = path("features.gpkg");
+  const std::vector<VectorLayer> layers{
+      {.name = "places",
+       .shape = VectorShape::points,
+       .columns = {{"kind", ColumnType::text}, {"n", ColumnType::integer}, {"value"}},
+       .has_heights = true},
+      {.name = "ways", .columns = {{"value"}}, .has_heights = true},
+      {.name = "none", .columns = {{"value"}}}};
+  auto writer = VectorWriter::create(file, layers);
+  ASSERT_TRUE(writer) << writer.error().message;
+  const std::vector<Vec3d> places{{{1, 2, 3.5}}, {{4, 5, -6}}};
+  const VectorValue infinite = std::numeric_limits<double>::infinity();
+  ASSERT_TRUE(writer->add(1, std::vector<VectorValue>{infinite}, places));
+  ASSERT_TRUE(writer->add(0, std::vector<VectorValue>{"peak", 2.0, 0.25}, {&places[0], 1}));
+  ASSERT_TRUE(writer->commit(Progress()));
+  GDALDatasetH dataset = GDALOpenEx(file.c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr);
+  ASSERT_NE(dataset, nullptr);
+  ASSERT_EQ(GDALDatasetGetLayerCount(dataset), 3);
+  OGRLayerH points = GDALDatasetGetLayerByName(dataset, "places");
+  EXPECT_EQ(OGR_L_GetGeomType(points), wkbPoint25D);
+  OGRFeatureH point = OGR_L_GetNextFeature(points);
+  EXPECT_STREQ(OGR_F_GetFieldAsString(point, 0), "peak");
+  EXPECT_EQ(OGR_F_GetFieldAsInteger(point, 1), 2);
+  EXPECT_EQ(OGR_F_GetFieldAsDouble(point, 2), 0.25);
+  EXPECT_EQ(OGR_G_GetZ(OGR_F_GetGeometryRef(point), 0), 3.5);
+  OGR_F_Destroy(point);
+  OGRFeatureH way = OGR_L_GetNextFeature(GDALDatasetGetLayerByName(dataset, "ways"));
+  EXPECT_TRUE(OGR_F_IsFieldNull(way, 0));
+  EXPECT_EQ(OGR_G_GetPointCount(OGR_F_GetGeometryRef(way)), 2);
+  EXPECT_EQ(OGR_G_GetZ(OGR_F_GetGeometryRef(way), 1), -6);
+  OGR_F_Destroy(way);
+  EXPECT_EQ(OGR_L_GetFeatureCount(GDALDatasetGetLayerByName(dataset, "none"), 1), 0);
+  GDALClose(dataset);
+}
+
+TEST_F(vector_file, of_geojson_leaves_out_heights_and_values_that_are_none) {
+  const std::string file = path("mixed.geojson");
+  auto writer = VectorWriter::create(file, {.name = "features",
+                                            .shape = VectorShape::mixed,
+                                            .columns = {{"kind", ColumnType::text}, {"a"}, {"b"}},
+                                            .crs = wkt_of(4326),
+                                            .has_heights = true});
+  ASSERT_TRUE(writer) << writer.error().message;
+  const std::vector<Vec3d> places{{{10, 20, 1000}}, {{10.5, 20, 2000}}};
+  const VectorValue infinite = std::numeric_limits<double>::infinity();
+  ASSERT_TRUE(writer->add(0, std::vector<VectorValue>{"peak", infinite, {}}, {&places[0], 1}));
+  ASSERT_TRUE(writer->add(0, std::vector<VectorValue>{"ridge", {}, 7.5}, places));
+  ASSERT_TRUE(writer->commit(Progress()));
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  const std::string json = text.str();
+  EXPECT_NE(json.find(R"("properties": { "kind": "peak", "a": null })"), std::string::npos) << json;
+  EXPECT_NE(json.find(R"("properties": { "kind": "ridge", "b": 7.5 })"), std::string::npos) << json;
+  EXPECT_NE(json.find(R"("type": "Point", "coordinates": [ 10.0, 20.0 ])"), std::string::npos)
+      << json;
+  EXPECT_EQ(json.find("1000"), std::string::npos) << "a height above no ellipsoid";
+}
+
 TEST_F(vector_file, is_whole_or_absent) {
   const std::string file = path("lines.gpkg");
   {
-    auto writer = VectorWriter::create(file, {.name = "contours", .columns = {"height"}});
+    auto writer = VectorWriter::create(file, {.name = "contours", .columns = {{"height"}}});
     ASSERT_TRUE(writer) << writer.error().message;
     EXPECT_FALSE(std::filesystem::exists(file));
   }
   EXPECT_TRUE(files().empty()) << "nothing is left of a writer that did not commit";
   {
-    auto writer = VectorWriter::create(file, {.name = "contours", .columns = {"height"}});
+    auto writer = VectorWriter::create(file, {.name = "contours", .columns = {{"height"}}});
     ASSERT_TRUE(writer);
     Progress cancelled;
     cancelled.cancel();

@@ -289,7 +289,7 @@ TEST_F(vertical_crs, changes_no_place_of_contours_in_longitudes_and_latitudes) {
   for (const char* crs : {"EPSG:26710", "EPSG:26710+5703", "EPSG:26710+5773"}) {
     const std::string file = path("lines.geojson");
     auto writer = VectorWriter::create(
-        file, {.name = "contours", .columns = {"height"}, .crs = *io::to_wkt(crs)});
+        file, {.name = "contours", .columns = {{"height"}}, .crs = *io::to_wkt(crs)});
     ASSERT_TRUE(writer) << writer.error().message;
     const VectorWriter::Points line{{{560000, 5110000}}, {{560100, 5110200}}};
     const double height = 0;

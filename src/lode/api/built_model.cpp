@@ -7,10 +7,19 @@
 #include <atomic>
 #include <cmath>
 
+#include "lode/api/terrain_selection.h"
 #include "lode/delaunay/grid_domain.h"
 #include "lode/mappers/tin_quality.h"
 
 namespace lode {
+
+Result<SelectedTerrain> BuiltModel::select_all(Progress& /*progress*/) const {
+  return fail(
+      "expected a raster, points, or a model that keeps all heights of its raster (the quadtrees, "
+      "the quaternary triangulation, the implicit Delaunay pyramid), got a {}, which keeps those "
+      "of its vertices",
+      name_of(model()));
+}
 
 Result<void> check_source(const terrain_file::Source& source, const HeightGrid& grid,
                           VerifyReport& report) {

@@ -24,6 +24,8 @@ class BuiltModel : public TerrainOrigin {
   [[nodiscard]] virtual Result<VerifyReport> verify_alone(Threads threads,
                                                           Progress& progress) const = 0;
 
+  /// Of models that keep all heights; others fail.
+  [[nodiscard]] Result<SelectedTerrain> select_all(Progress& progress) const override;
   [[nodiscard]] const HeightFrame& frame() const override { return source().frame; }
   [[nodiscard]] HeightRange range() const final { return source().range; }
 };

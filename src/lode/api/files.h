@@ -24,6 +24,7 @@
 #include "lode/io/mesh_file.h"
 #include "lode/io/mesh_reader.h"
 #include "lode/io/mesh_vtu.h"
+#include "lode/io/network_vtp.h"
 #include "lode/io/polygon_file.h"
 #include "lode/io/surface_file.h"
 #include "lode/io/tetrahedra.h"
@@ -45,6 +46,7 @@ using io::can_hold_values;
 using io::check_mesh_path;
 using io::check_surface_path;
 using io::check_vector_path;
+using io::ColumnType;
 using io::ComponentChoice;
 using io::describe_volume;
 using io::FileDescription;
@@ -59,6 +61,7 @@ using io::is_point_path;
 using io::is_polygon_path;
 using io::Magnitude;
 using io::MeshWriteOptions;
+using io::Network;
 using io::open_volume;
 using io::PointCounts;
 using io::PointReadOptions;
@@ -75,13 +78,16 @@ using io::TetrahedraOutcome;
 using io::TetraOptions;
 using io::TetraReport;
 using io::to_tetrahedra;
+using io::VectorColumn;
 using io::VectorLayer;
 using io::VectorShape;
+using io::VectorValue;
 using io::VectorWriter;
 using io::vertical_name;
 using io::VerticalOptions;
 using io::VerticalOutcome;
 using io::write_mesh;
+using io::write_network_vtp;
 using io::write_surface;
 using io::write_vtu;
 

@@ -77,6 +77,20 @@ Result<SelectedTerrain> InsertionsTerrain::select(const TerrainOptions& options,
   return selected;
 }
 
+Result<SelectedTerrain> InsertionsTerrain::select_all(Progress& progress) const {
+  if (history().is_worst_first()) return BuiltModel::select_all(progress);
+  // Samples of the domain are its vertices, so the same cells have four heights.
+  HeightGrid grid = make_height_grid<double>(frame().n_columns, frame().n_rows);
+  auto& heights = std::get<HeightGrid::Samples<double>>(grid.heights);
+  grid.is_valid.assign(static_cast<std::size_t>(grid.n_samples()), 0);
+  for (std::size_t v = 0; v < history().vertices.size(); ++v) {
+    const auto [x, y] = history().vertices[v];
+    heights[static_cast<std::size_t>(y * grid.stride + x)] = history().heights[v];
+    grid.is_valid[static_cast<std::size_t>(std::int64_t{y} * grid.n_columns + x)] = 1;
+  }
+  return select_terrain(grid, {.max_error = 0}, delaunay::TinLinks::kept, progress);
+}
+
 std::uint64_t InsertionsTerrain::finest_triangles() const {
   return history().triangles.size() - history().removed.size();
 }

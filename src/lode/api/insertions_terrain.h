@@ -18,6 +18,8 @@ class InsertionsTerrain final : public BuiltModel {
   [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
                                                delaunay::TinLinks links,
                                                Progress& progress) const override;
+  /// Of an implicit pyramid, which has all samples as vertices.
+  [[nodiscard]] Result<SelectedTerrain> select_all(Progress& progress) const override;
   [[nodiscard]] Result<std::uint64_t> save(const std::string& path,
                                            Progress& progress) const override;
   [[nodiscard]] BuiltTerrainInfo describe_source() const override;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lode/api/files.h"
+#include "lode/api/terrain_features.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/io/line_file.h"
 #include "lode/io/polygon_file.h"
@@ -63,9 +64,7 @@ Result<TerrainLineOptions> read_line_options(const TerrainReadOptions& options,
   constexpr double kDefaultShare = 0.0025;
   TerrainLineOptions lines;
   lines.least_relief = options.least_relief;
-  constexpr double kFeatureShare = 0.01;
-  if (options.keeps_features && !lines.least_relief)
-    lines.least_relief = std::max(0.0, kFeatureShare * (range.upper - range.lower));
+  if (options.keeps_features && !lines.least_relief) lines.least_relief = default_relief(range);
   lines.is_draped = options.is_draped;
   lines.drape_error =
       options.drape_error.value_or(std::max(0.0, kDefaultShare * (range.upper - range.lower)));

@@ -153,6 +153,10 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
   return selected;
 }
 
+Result<SelectedTerrain> QuadtreeTerrain::select_all(Progress& progress) const {
+  return select_terrain(model_.grid, {.max_error = 0}, delaunay::TinLinks::kept, progress);
+}
+
 Result<std::uint64_t> QuadtreeTerrain::save(const std::string& path, Progress& progress) const {
   return quadtree_file::save(model_, path, progress);
 }

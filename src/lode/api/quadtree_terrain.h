@@ -28,6 +28,7 @@ class QuadtreeTerrain final : public BuiltModel {
   [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
                                                delaunay::TinLinks links,
                                                Progress& progress) const override;
+  [[nodiscard]] Result<SelectedTerrain> select_all(Progress& progress) const override;
   [[nodiscard]] Result<std::uint64_t> save(const std::string& path,
                                            Progress& progress) const override;
   [[nodiscard]] BuiltTerrainInfo describe_source() const override;

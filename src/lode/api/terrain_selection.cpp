@@ -63,6 +63,10 @@ Result<SelectedTerrain> selected(const TerrainOptions& options, const HeightRang
 
 }  // namespace
 
+Result<SelectedTerrain> TerrainOrigin::select_all(Progress& progress) const {
+  return select({.max_error = 0}, delaunay::TinLinks::kept, progress);
+}
+
 // Of another's grid.
 Terrain::Terrain(const HeightGrid& grid)
     : Terrain(std::shared_ptr<const HeightGrid>(std::shared_ptr<void>(), &grid)) {}

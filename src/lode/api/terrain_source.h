@@ -28,6 +28,9 @@ class TerrainOrigin {
   [[nodiscard]] virtual Result<SelectedTerrain> select(const TerrainOptions& options,
                                                        delaunay::TinLinks links,
                                                        Progress& progress) const = 0;
+  /// The TIN of all samples or points of the domain, with heights and twins, by the rule of
+  /// to_full_tin() where it is of a raster. Fails where not all heights are at hand.
+  [[nodiscard]] virtual Result<SelectedTerrain> select_all(Progress& progress) const;
 };
 
 /// A terrain to ask of: a raster, scattered points, or what was built of a raster. Copies are one

@@ -102,6 +102,8 @@ void find_vectors(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.new_feature, "OGR_F_Create");
   finder.find(gdal.destroy_feature, "OGR_F_Destroy");
   finder.find(gdal.set_number, "OGR_F_SetFieldDouble");
+  finder.find(gdal.set_text, "OGR_F_SetFieldString");
+  finder.find(gdal.set_null, "OGR_F_SetFieldNull");
   finder.find(gdal.set_geometry, "OGR_F_SetGeometryDirectly");
   finder.find(gdal.new_geometry, "OGR_G_CreateGeometry");
   finder.find(gdal.add_geometry, "OGR_G_AddGeometryDirectly");

@@ -94,7 +94,9 @@ struct GdalLibrary {
   decltype(&OGR_L_CreateFeature) add_feature = nullptr;
   decltype(&OGR_F_Create) new_feature = nullptr;
   decltype(&OGR_F_Destroy) destroy_feature = nullptr;
-  decltype(&OGR_F_SetFieldDouble) set_number = nullptr;
+  decltype(&OGR_F_SetFieldDouble) set_number = nullptr;  ///< Of integers, too.
+  decltype(&OGR_F_SetFieldString) set_text = nullptr;
+  decltype(&OGR_F_SetFieldNull) set_null = nullptr;
   decltype(&OGR_F_SetGeometryDirectly) set_geometry = nullptr;
   decltype(&OGR_G_CreateGeometry) new_geometry = nullptr;
   decltype(&OGR_G_AddGeometryDirectly) add_geometry = nullptr;

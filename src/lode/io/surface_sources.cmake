@@ -1,6 +1,7 @@
 # Writing and reading surfaces; included by CMakeLists.txt beside it.
 set(IO_SURFACE_SOURCES
   mesh_vtu.cpp
+  network_vtp.cpp
   spool_buffer.cpp
   surface_file.cpp
   surface_glb.cpp
