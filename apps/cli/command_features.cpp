@@ -40,7 +40,8 @@ std::int64_t alternating_sum(const terrain_features::FeatureCounts& counts) {
 
 /// What was found, and that it adds up.
 void add_found(const TerrainFeatures& features, bool is_default, Json& json, Table& table) {
-  const auto& [kept, all] = std::tie(features.kept, features.all);
+  const terrain_features::FeatureCounts& kept = features.kept;
+  const terrain_features::FeatureCounts& all = features.all;
   const auto add_counts = [&](const char* name, std::uint64_t n_kept, std::uint64_t n_all) {
     json["kept"][name] = n_kept;
     json["all"][name] = n_all;

@@ -26,8 +26,10 @@ const char* kind_name(CriticalKind kind) {
   return "";
 }
 
-/// Points, then ridges, then channels.
-enum FeatureLayer : std::size_t { kPointLayer, kRidgeLayer, kChannelLayer };
+/// Of a GeoPackage.
+constexpr std::size_t kPointLayer = 0;
+constexpr std::size_t kRidgeLayer = 1;
+constexpr std::size_t kChannelLayer = 2;
 
 std::vector<VectorLayer> to_layers(const std::string& crs) {
   const std::vector<VectorColumn> of_lines{{"from_height"}, {"to_height"}, {"persistence"}};
