@@ -39,6 +39,13 @@ Result<TerrainBuildOptions> to_options(const TerrainBuildJob& job) {
   return options;
 }
 
+/// Of BuiltTerrainInfo::n_nodes, one of them.
+const char* what_nodes_are(TerrainModel model) {
+  if (is_quadtree(model)) return "a square";
+  if (is_hierarchy(model)) return "a vertex";
+  return model == TerrainModel::right_triangle_bisection ? "a sample" : "an insertion";
+}
+
 }  // namespace
 
 Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app) {
@@ -56,6 +63,9 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
   json["left_out_samples"] = info.n_left_out;
   if (is_quadtree(model)) {
     json["squares"] = info.n_nodes;
+    json["kept_samples"] = info.n_kept;
+  } else if (model == TerrainModel::right_triangle_bisection) {
+    json["first_triangles"] = info.n_base_triangles;
     json["kept_samples"] = info.n_kept;
   } else if (is_hierarchy(model)) {
     json["vertices"] = info.n_nodes;
@@ -77,6 +87,8 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
   if (info.n_kept > 0) table.add({"kept samples", format_count(info.n_kept)});
   if (is_quadtree(model)) {
     table.add({"squares", format_count(info.n_nodes)});
+  } else if (model == TerrainModel::right_triangle_bisection) {
+    table.add({"first triangles", format_count(info.n_base_triangles)});
   } else {
     table.add({is_hierarchy(model) ? "vertices" : "insertions", format_count(info.n_nodes)});
     table.add({"triangles ever", format_count(info.n_triangles)});
@@ -129,9 +141,7 @@ Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) 
   if (info.n_nodes > 0)
     rate = fmt::format(" ({:.1f} bytes {})",
                        static_cast<double>(n_bytes) / static_cast<double>(info.n_nodes),
-                       is_quadtree(opened.model)    ? "a square"
-                       : is_hierarchy(opened.model) ? "a vertex"
-                                                    : "an insertion");
+                       what_nodes_are(opened.model));
   table.add({"file size", format_bytes(n_bytes) + rate});
   table.add({"output", job.output});
   outcome.text = table.to_string();

@@ -51,7 +51,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   if (!answer.job.raster.difference.empty())
     json["outputs"].push_back(answer.job.raster.difference);
   json["model"] = name_of(answer.opened.model);
-  if (!is_quadtree(answer.opened.model) && !is_hierarchy(answer.opened.model))
+  if (!is_on_squares(answer.opened.model) && !is_hierarchy(answer.opened.model))
     json["insertion"] = answer.is_strict ? "strict" : "levels";
   json["is_uniform"] = report.is_uniform;
   json["focus"] = focus_json(answer.options.focus);

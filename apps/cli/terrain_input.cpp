@@ -188,7 +188,8 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
       "delaunay_selector (default): a TIN for this question; delaunay_pyramid, "
       "ternary_triangulation and implicit_delaunay_pyramid: built first, for all tolerances, which "
       "may vary; surface_quadtree, quaternary_triangulation: with gaps; restricted_quadtree; "
-      "adaptive_triangulation, hierarchical_delaunay: in levels");
+      "right_triangle_bisection: any tolerance, which may vary; adaptive_triangulation, "
+      "hierarchical_delaunay: in levels");
   add("--insertion", arguments.insertion, "levels|strict",
       "levels (default): errors fall by octaves, faster; strict: the worst of all "
       "samples first, fewer triangles; with --max-cells always strict");
@@ -350,10 +351,10 @@ Result<void> check_lined_model(const std::string& path, const TerrainArguments& 
   const auto model = built_model_of(arguments.model);
   if (!arguments.has_lines() || !model) return {};
   const bool has_breaklines = !arguments.breaklines.empty() || arguments.drape;
-  if (is_quadtree(*model) && !has_breaklines) return {};
+  if (is_on_squares(*model) && !has_breaklines) return {};
   return fail(
       "{}: expected --model delaunay_selector with --breaklines, or with --keep-features and "
-      "--feature-relief that or a quadtree, got '{}', which cannot keep edges",
+      "--feature-relief that or a model on squares, got '{}', which cannot keep edges",
       path, arguments.model);
 }
 

@@ -36,8 +36,8 @@ Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session)
            verify_every_byte(job.input, session.threads(), session.progress()));
   if (!report.passed()) return report;
   LODE_TRY(const BuiltTerrain built, BuiltTerrain::open(job.input, session.progress()));
-  // Quadtrees have all heights: what they can be held against is no more than the raster.
-  if (job.original.empty() || !is_quadtree(built.model())) {
+  // Models on squares have all heights: what they can be held against is no more than the raster.
+  if (job.original.empty() || !is_on_squares(built.model())) {
     LODE_TRY(const VerifyReport alone, built.verify_alone(session.threads(), session.progress()));
     report.checks.insert(report.checks.end(), alone.checks.begin(), alone.checks.end());
   }

@@ -37,12 +37,12 @@ TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
   EXPECT_GT(models[10].at("meshes")[1].at("hanging_vertices"), 0);
   EXPECT_EQ(models[13].at("name"), "restricted_quadtree");
   EXPECT_EQ(models[13].at("meshes")[1].at("hanging_vertices"), 0);
-  EXPECT_EQ(models[14].at("name"), "diamond2d");
+  EXPECT_EQ(models[14].at("name"), "right_triangle_bisection");
   EXPECT_NE(models[15].at("refusal").get<std::string>().find("1 missing"), std::string::npos);
   const std::string html = read_bytes(page);
   EXPECT_TRUE(html.starts_with("<!doctype html>"));
   EXPECT_EQ(html.find("http"), std::string::npos) << "nothing outside the page";
-  for (const char* part : {"<svg", "Tolerance 50", "diamond2d", "not run: "})
+  for (const char* part : {"<svg", "Tolerance 50", "right_triangle_bisection", "not run: "})
     EXPECT_NE(html.find(part), std::string::npos) << part;
   const std::size_t begin = html.find("id=\"comparison\">") + 16;
   const auto kept = nlohmann::json::parse(html.substr(begin, html.find("</script>") - begin));

@@ -195,7 +195,7 @@ TEST(feature_network, of_models_with_all_heights_is_that_of_their_raster) {
     const auto built = BuiltTerrain::build(grid, {.model = model, .levels = {20, 0}}, progress);
     ASSERT_TRUE(built) << built.error().message;
     const auto found = find_terrain_features(built->terrain(), 12, progress);
-    if (is_quadtree(model) || model == TerrainModel::implicit_delaunay_pyramid) {
+    if (is_on_squares(model) || model == TerrainModel::implicit_delaunay_pyramid) {
       ASSERT_TRUE(found) << found.error().message;
       EXPECT_TRUE(is_same(*found, wanted));
     } else {

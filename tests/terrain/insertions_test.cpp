@@ -144,7 +144,7 @@ TEST(insertions, find_places_and_windows_as_a_search_does) {
     SCOPED_TRACE(c.name);
     const History history = history_of(c.grid, 20, c.model);
     const HistoryLocator locator(history);
-    const Window window{{c.grid.n_columns / 4, c.grid.n_rows / 3},
+    const delaunay::Window window{{c.grid.n_columns / 4, c.grid.n_rows / 3},
                         {c.grid.n_columns / 2, c.grid.n_rows / 3 + 2}};
     for (const double tolerance : {500.0, 60.0, 20.0}) {
       const NodeSet nodes = nodes_within(history, tolerance);
@@ -164,7 +164,7 @@ TEST(insertions, find_places_and_windows_as_a_search_does) {
       for (std::uint32_t t = 0; t < history.triangles.size(); ++t) {
         const auto& corner = history.triangles[t].corner;
         if (is_in_mesh(history, nodes, t) &&
-            meets_window({history.vertices[corner[0]], history.vertices[corner[1]],
+            delaunay::meets_window({history.vertices[corner[0]], history.vertices[corner[1]],
                           history.vertices[corner[2]]},
                          window))
           expected.push_back(t);

@@ -10,6 +10,7 @@
 #include "lode/api/built_terrain.h"
 #include "lode/models/terrain/quadtree_file/file_layout.h"
 #include "lode/models/terrain/quadtree_file/quadtree_file.h"
+#include "lode/models/terrain/terrain_file/stored_raster.h"
 #include "lode/store/reader.h"
 #include "lode/store/writer.h"
 #include "tests/delaunay/lattice_fixtures.h"
@@ -19,7 +20,8 @@ namespace lode::quadtree_file {
 namespace {
 
 constexpr std::array kModels{TerrainModel::surface_quadtree, TerrainModel::quaternary_triangulation,
-                             TerrainModel::restricted_quadtree};
+                             TerrainModel::restricted_quadtree,
+                             TerrainModel::right_triangle_bisection};
 
 double dunes(std::int32_t x, std::int32_t y) {
   return 30 * std::sin(0.4 * x + 0.1 * y) * std::cos(0.3 * y) + (x * 3 + y * 7) % 5 + 100;
@@ -166,7 +168,7 @@ TEST_F(quadtree_file, keeps_samples) {
   }
 }
 
-TEST_F(quadtree_file, varies_where_there_are_gaps_anyway) {
+TEST_F(quadtree_file, varies_where_there_are_gaps_anyway_or_never) {
   const HeightGrid grid = grid_with_a_hole<float>();
   for (const TerrainModel model : kModels) {
     const BuiltTerrain made = saved(model, grid);
@@ -175,13 +177,14 @@ TEST_F(quadtree_file, varies_where_there_are_gaps_anyway) {
     focus.max_error_outside = 20;
     const auto varied =
         extract_terrain(made.terrain(), {.max_error = 1, .focus = focus}, progress_);
-    const bool has_gaps = model != TerrainModel::restricted_quadtree;
-    ASSERT_EQ(varied.has_value(), has_gaps);
+    const bool is_bisection = model == TerrainModel::right_triangle_bisection;
+    ASSERT_EQ(varied.has_value(), has_gaps(model) || is_bisection);
     // What needs a surface is refused by those that are none.
     const auto tin = TerrainTin::select(made.terrain(), {.max_error = 1}, {}, progress_);
-    EXPECT_EQ(tin.has_value(), !has_gaps);
-    EXPECT_FALSE(extract_terrain(made.terrain(), {.max_cells = 50}, progress_));
-    if (!has_gaps) continue;
+    EXPECT_EQ(tin.has_value(), !has_gaps(model));
+    EXPECT_EQ(extract_terrain(made.terrain(), {.max_cells = 250}, progress_).has_value(),
+              is_bisection);
+    if (!varied) continue;
     const auto fine = extract_terrain(made.terrain(), {.max_error = 1}, progress_);
     const auto coarse = extract_terrain(made.terrain(), {.max_error = 20}, progress_);
     ASSERT_TRUE(fine && coarse);
@@ -192,7 +195,7 @@ TEST_F(quadtree_file, varies_where_there_are_gaps_anyway) {
 
 TEST_F(quadtree_file, lies_are_named_or_found_by_verification) {
   const HeightGrid grid = grid_with_a_hole<float>();
-  const auto number = [](Column column) { return static_cast<std::uint32_t>(column); };
+  const auto number = [](auto column) { return static_cast<std::uint32_t>(column); };
   const auto expect_refused = [&](const char* why) {
     const auto opened = open(other_, progress_);
     ASSERT_FALSE(opened) << why;
@@ -206,36 +209,52 @@ TEST_F(quadtree_file, lies_are_named_or_found_by_verification) {
   expect_refused("columns and rows");
   rewrite_number(0, 4, std::int32_t{30});
   expect_refused("bytes");
-  rewrite_number(number(Column::height), 8, 1e9F);
+  rewrite_number(number(terrain_file::RasterColumn::height), 8, 1e9F);
   expect_refused("expected a height");
-  rewrite_number(number(Column::is_valid), 0, std::uint8_t{0});
+  rewrite_number(number(terrain_file::RasterColumn::is_valid), 0, std::uint8_t{0});
   expect_refused("without a height");
   rewrite_number(number(Column::error), 0, -1.0F);
   expect_refused("errors");
   rewrite_number(number(Column::error), 0, std::nanf(""));
   expect_refused("errors");
-  const auto keeping = BuiltTerrain::build(
-      grid,
-      {.model = TerrainModel::restricted_quadtree, .levels = {5}, .kept = {{3, 4}, {7, 4}, {2, 9}}},
-      progress_);
-  ASSERT_TRUE(keeping && keeping->save(path_, progress_));
-  const auto kept = number(Column::kept);
-  rewrite_number(kept, 0, std::uint32_t{29});
-  expect_refused("samples to keep");
-  rewrite_number(kept, 0, std::uint32_t{8});
-  expect_refused("samples to keep");
-  rewrite_number(kept, 8, std::uint32_t{3});
-  expect_refused("samples to keep");
-  rewrite([&](std::uint32_t kind, std::vector<std::byte>& bytes) {
-    const std::uint32_t many = 1U << 31;
-    if (kind == 0) std::memcpy(bytes.data() + bytes.size() - 4, &many, 4);
-  });
-  expect_refused("samples to keep");
-  rewrite([&](std::uint32_t kind, std::vector<std::byte>& bytes) {
-    if (kind == 0) bytes.back() = bytes[bytes.size() - 2] = bytes[bytes.size() - 3] = {};
-    if (kind == 0) bytes[bytes.size() - 4] = std::byte{5};
-  });
-  expect_refused("bytes");
+}
+
+TEST_F(quadtree_file, lies_of_kept_samples_are_named) {
+  const HeightGrid grid = grid_with_a_hole<float>();
+  const auto kept = static_cast<std::uint32_t>(terrain_file::RasterColumn::kept);
+  for (const TerrainModel model :
+       {TerrainModel::restricted_quadtree, TerrainModel::right_triangle_bisection}) {
+    const auto expect_refused = [&](const char* why) {
+      const auto opened = BuiltTerrain::open(other_, progress_);
+      ASSERT_FALSE(opened) << why;
+      EXPECT_NE(opened.error().message.find(other_), std::string::npos) << opened.error().message;
+      EXPECT_NE(opened.error().message.find(why), std::string::npos) << opened.error().message;
+    };
+    const auto keeping = BuiltTerrain::build(
+        grid, {.model = model, .levels = {5}, .kept = {{3, 4}, {7, 4}, {2, 9}}}, progress_);
+    ASSERT_TRUE(keeping && keeping->save(path_, progress_));
+    rewrite_number(kept, 0, std::uint32_t{29});
+    expect_refused("samples to keep");
+    rewrite_number(kept, 0, std::uint32_t{8});
+    expect_refused("samples to keep");
+    rewrite_number(kept, 8, std::uint32_t{3});
+    expect_refused("samples to keep");
+    rewrite([&](std::uint32_t kind, std::vector<std::byte>& bytes) {
+      const std::uint32_t many = 1U << 31;
+      if (kind == 0) std::memcpy(bytes.data() + bytes.size() - 4, &many, 4);
+    });
+    expect_refused("samples to keep");
+    rewrite([&](std::uint32_t kind, std::vector<std::byte>& bytes) {
+      if (kind == 0) bytes.back() = bytes[bytes.size() - 2] = bytes[bytes.size() - 3] = {};
+      if (kind == 0) bytes[bytes.size() - 4] = std::byte{5};
+    });
+    expect_refused("bytes");
+  }
+}
+
+TEST_F(quadtree_file, errors_too_small_are_found) {
+  const HeightGrid grid = grid_with_a_hole<float>();
+  const auto number = [](Column column) { return static_cast<std::uint32_t>(column); };
   for (const TerrainModel model :
        {TerrainModel::surface_quadtree, TerrainModel::quaternary_triangulation}) {
     saved(model, grid);

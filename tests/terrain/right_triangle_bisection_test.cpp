@@ -4,6 +4,7 @@
 
 #include "lode/mappers/tin_gaps.h"
 #include "lode/models/terrain/right_triangle_bisection/extract.h"
+#include "lode/models/terrain/right_triangle_bisection/locate.h"
 #include "tests/delaunay/lattice_fixtures.h"
 
 namespace lode {
@@ -277,6 +278,59 @@ TEST(right_triangle_bisection, finds_the_tolerance_of_a_number_of_triangles) {
         EXPECT_GT(tin_within(made, c.grid, std::nextafter(static_cast<float>(*tolerance), 0.0F))
                       .triangles.size(),
                   most);
+    }
+  }
+}
+
+bool is_in(const std::array<LatticePoint, 3>& corners, LatticePoint p) {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (delaunay::doubled_area(corners[i], corners[(i + 1) % 3], p) < 0) return false;
+  return true;
+}
+
+using Places = std::set<std::pair<std::int32_t, std::int32_t>>;
+
+Places places_of(const std::array<LatticePoint, 3>& corners) {
+  Places places;
+  for (const LatticePoint p : corners) places.insert({p.x, p.y});
+  return places;
+}
+
+TEST(right_triangle_bisection, finds_the_triangles_of_its_meshes) {
+  for (const Case& c : cases()) {
+    const Bisection made = build(c.grid);
+    for (const double tolerance : {150.0, 7.0}) {
+      SCOPED_TRACE(testing::Message() << c.name << ", " << tolerance);
+      const Tin tin = tin_within(made, c.grid, tolerance);
+      std::set<Places> all;
+      for (const auto& t : tin.triangles)
+        all.insert(places_of({tin.vertices[t[0]], tin.vertices[t[1]], tin.vertices[t[2]]}));
+      for (std::int32_t y = 0; y < c.grid.n_rows; y += 3)
+        for (std::int32_t x = y % 2; x < c.grid.n_columns; x += 2) {
+          const auto found = find_triangle(made, tolerance, x, y);
+          ASSERT_EQ(found.has_value(), made.has_node({x, y})) << x << ", " << y;
+          if (!found) continue;
+          EXPECT_TRUE(is_in(found->corners, {x, y})) << x << ", " << y;
+          EXPECT_TRUE(all.contains(places_of(found->corners))) << x << ", " << y;
+          EXPECT_LE(static_cast<double>(found->error), tolerance);
+        }
+    }
+  }
+}
+
+TEST(right_triangle_bisection, counts_what_meets_a_window) {
+  for (const Case& c : cases()) {
+    const Bisection made = build(c.grid);
+    const Tin tin = tin_within(made, c.grid, 7);
+    const LatticePoint last = made.lattice().last();
+    for (const delaunay::Window& window : {delaunay::Window{{0, 0}, last},
+                                           {{last.x / 3, last.y / 4}, {last.x / 2, last.y / 2}},
+                                           {{last.x - 1, last.y - 1}, last},
+                                           {{last.x + 5, 0}, {last.x + 9, 9}}}) {
+      std::uint64_t n = 0;
+      for (const auto& t : tin.triangles)
+        if (meets_window({tin.vertices[t[0]], tin.vertices[t[1]], tin.vertices[t[2]]}, window)) ++n;
+      EXPECT_EQ(count_in_window(made, 7, window), n) << c.name;
     }
   }
 }

@@ -90,10 +90,10 @@ TEST(terrain_comparison, has_every_model_within_every_tolerance) {
     EXPECT_LT(model.meshes[0].triangles, model.meshes[3].triangles);
   }
   EXPECT_LT(named(made, "delaunay_selector").meshes[1].triangles,
-            named(made, "diamond2d").meshes[1].triangles);
-  EXPECT_TRUE(named(made, "diamond2d").meshes[1].variable_seconds);
-  EXPECT_LT(named(made, "diamond2d").meshes[1].variable_triangles,
-            named(made, "diamond2d").meshes[1].triangles);
+            named(made, "right_triangle_bisection").meshes[1].triangles);
+  EXPECT_TRUE(named(made, "right_triangle_bisection").meshes[1].variable_seconds);
+  EXPECT_LT(named(made, "right_triangle_bisection").meshes[1].variable_triangles,
+            named(made, "right_triangle_bisection").meshes[1].triangles);
   EXPECT_FALSE(named(made, "regular grid").meshes[0].variable_seconds);
   expect_one_pyramid(made);
 }
@@ -105,7 +105,7 @@ TEST(terrain_comparison, says_why_a_model_is_not_run) {
   const TerrainComparison made = compared(grid, {3});
   EXPECT_NE(named(made, "regular grid").refusal.find("1 missing"), std::string::npos);
   EXPECT_LE(named(made, "delaunay_selector").meshes[0].quality.worst_error, 3);
-  EXPECT_LE(named(made, "diamond2d").meshes[0].quality.worst_error, 3);
+  EXPECT_LE(named(made, "right_triangle_bisection").meshes[0].quality.worst_error, 3);
 }
 
 TEST(terrain_comparison, is_the_same_but_for_times_for_any_number_of_threads) {

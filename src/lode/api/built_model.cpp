@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <utility>
 
 #include "lode/api/terrain_selection.h"
 #include "lode/delaunay/grid_domain.h"
@@ -16,7 +17,8 @@ namespace lode {
 Result<SelectedTerrain> BuiltModel::select_all(Progress& /*progress*/) const {
   return fail(
       "expected a raster, points, or a model that keeps all heights of its raster (the quadtrees, "
-      "the quaternary triangulation, the implicit Delaunay pyramid), got a {}, which keeps those "
+      "the quaternary triangulation, right_triangle_bisection, the implicit Delaunay pyramid), got "
+      "a {}, which keeps those "
       "of its vertices",
       name_of(model()));
 }
@@ -44,22 +46,53 @@ Result<void> check_source(const terrain_file::Source& source, const HeightGrid& 
   return {};
 }
 
-Result<void> check_stated_errors(const delaunay::Tin& tin, std::int32_t scale,
-                                 const HeightGrid& grid, const char* name, Threads threads,
-                                 Progress& progress, VerifyReport& report) {
-  // Of z' on a plane, in doubles.
+void check_stored_heights(const HeightGrid& own, const HeightGrid& grid, VerifyReport& report) {
+  std::uint64_t n_other = 0;
+  for (std::int32_t y = 0; y < grid.n_rows; ++y)
+    for (std::int32_t x = 0; x < grid.n_columns; ++x) {
+      const bool has = grid.has_height(x, y);
+      if (has != own.has_height(x, y) || (has && grid.height(x, y) != own.height(x, y))) ++n_other;
+    }
+  report.add("heights are the raster's", static_cast<std::uint64_t>(grid.n_samples()), n_other,
+             n_other > 0 ? fmt::format("{} are others", n_other) : "");
+}
+
+std::uint64_t count_lost(const std::vector<LatticePoint>& nodes, const delaunay::Tin& tin) {
+  const auto is_before = [](LatticePoint a, LatticePoint b) {
+    return std::pair(a.y, a.x) < std::pair(b.y, b.x);
+  };
+  std::vector<LatticePoint> vertices = tin.vertices;
+  std::ranges::sort(vertices, is_before);
+  return static_cast<std::uint64_t>(std::ranges::count_if(
+      nodes, [&](LatticePoint p) { return !std::ranges::binary_search(vertices, p, is_before); }));
+}
+
+double plane_rounding(const HeightGrid& grid) {
   const HeightRange range = height_range(grid);
-  const double slack = 0x1p-48 * std::max(std::abs(range.lower), std::abs(range.upper));
+  return 0x1p-48 * std::max(std::abs(range.lower), std::abs(range.upper));
+}
+
+Result<std::uint64_t> count_understated(const delaunay::Tin& tin, std::int32_t scale,
+                                        const HeightGrid& grid, double rounding, Threads threads,
+                                        Progress& progress) {
   std::atomic<std::uint64_t> n_beyond = 0;
   constexpr std::size_t kAtOnce = 256;
   parallel_for(tin.triangles.size(), threads, kAtOnce, [&](std::size_t t, int) {
     if (progress.is_cancelled()) return;
     const auto stated = static_cast<double>(tin.errors[t]);
-    if (worst_error_in(tin, t, scale, grid) > stated + slack) ++n_beyond;
+    if (worst_error_in(tin, t, scale, grid) > stated + rounding) ++n_beyond;
   });
   if (progress.is_cancelled()) return cancelled_error();
+  return n_beyond.load();
+}
+
+Result<void> check_stated_errors(const delaunay::Tin& tin, std::int32_t scale,
+                                 const HeightGrid& grid, const char* name, Threads threads,
+                                 Progress& progress, VerifyReport& report) {
+  LODE_TRY(const std::uint64_t n_beyond,
+           count_understated(tin, scale, grid, plane_rounding(grid), threads, progress));
   report.add(name, tin.triangles.size(), n_beyond,
-             n_beyond > 0 ? fmt::format("{} have samples that err by more", n_beyond.load()) : "");
+             n_beyond > 0 ? fmt::format("{} have samples that err by more", n_beyond) : "");
   return {};
 }
 

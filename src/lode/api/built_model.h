@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "lode/api/built_terrain.h"
 #include "lode/api/terrain_source.h"
@@ -34,6 +35,20 @@ class BuiltModel : public TerrainOrigin {
 [[nodiscard]] Result<void> check_source(const terrain_file::Source& source, const HeightGrid& grid,
                                         VerifyReport& report);
 
+/// Reports whether a model's own samples are those of the raster.
+void check_stored_heights(const HeightGrid& own, const HeightGrid& grid, VerifyReport& report);
+
+/// How many nodes are no vertices.
+[[nodiscard]] std::uint64_t count_lost(const std::vector<LatticePoint>& nodes,
+                                       const delaunay::Tin& tin);
+
+/// How far float64 may be off a plane through heights of the grid.
+[[nodiscard]] double plane_rounding(const HeightGrid& grid);
+/// How many triangles of a TIN state less than the error of a sample in them, by more than
+/// rounding. `scale`: its nodes are so many to a cell. Fails when cancelled.
+[[nodiscard]] Result<std::uint64_t> count_understated(const delaunay::Tin& tin, std::int32_t scale,
+                                                      const HeightGrid& grid, double rounding,
+                                                      Threads threads, Progress& progress);
 /// Reports whether the errors that triangles of a TIN state are no less than those of all samples
 /// in them. `scale`: its nodes are so many to a cell. Fails when cancelled.
 [[nodiscard]] Result<void> check_stated_errors(const delaunay::Tin& tin, std::int32_t scale,

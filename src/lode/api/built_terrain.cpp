@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "lode/api/bisection_terrain.h"
 #include "lode/api/built_model.h"
 #include "lode/api/hierarchy_terrain.h"
 #include "lode/api/insertions_terrain.h"
@@ -49,13 +50,17 @@ BuiltTerrain::BuiltTerrain(std::shared_ptr<const BuiltModel> model) : model_(std
 Result<BuiltTerrain> BuiltTerrain::build(const HeightGrid& grid, const TerrainBuildOptions& options,
                                          Progress& progress) try {
   LODE_CHECK(check_levels(options.levels));
-  LODE_EXPECTS(options.kept.empty() || is_quadtree(options.model));
+  LODE_EXPECTS(options.kept.empty() || is_on_squares(options.model));
   const HeightRange range = height_range(grid);
   LODE_CHECK(delaunay::check_heights(range));
   std::vector<double> levels = options.levels.empty() ? default_levels(range) : options.levels;
   if (is_quadtree(options.model)) {
     LODE_TRY(auto made, QuadtreeTerrain::build(grid, options, std::move(levels), progress));
     return BuiltTerrain(std::make_shared<const QuadtreeTerrain>(std::move(made)));
+  }
+  if (options.model == TerrainModel::right_triangle_bisection) {
+    LODE_TRY(auto made, BisectionTerrain::build(grid, options, std::move(levels), progress));
+    return BuiltTerrain(std::make_shared<const BisectionTerrain>(std::move(made)));
   }
   if (is_hierarchy(options.model)) {
     LODE_TRY(auto made, HierarchyTerrain::build(grid, options, levels, progress));
@@ -76,6 +81,10 @@ Result<BuiltTerrain> BuiltTerrain::open(const std::string& path, Progress& progr
     LODE_TRY(auto opened, QuadtreeTerrain::open(path, progress));
     return BuiltTerrain(std::make_shared<const QuadtreeTerrain>(std::move(opened)));
   }
+  if (BisectionTerrain::is_model_of(path)) {
+    LODE_TRY(auto opened, BisectionTerrain::open(path, progress));
+    return BuiltTerrain(std::make_shared<const BisectionTerrain>(std::move(opened)));
+  }
   if (HierarchyTerrain::is_model_of(path)) {
     LODE_TRY(auto opened, HierarchyTerrain::open(path, progress));
     return BuiltTerrain(std::make_shared<const HierarchyTerrain>(std::move(opened)));
@@ -88,7 +97,7 @@ Result<BuiltTerrain> BuiltTerrain::open(const std::string& path, Progress& progr
 
 bool BuiltTerrain::is_model_of(const std::string& path) {
   return insertions::is_model_of(path) || QuadtreeTerrain::is_model_of(path) ||
-         HierarchyTerrain::is_model_of(path);
+         BisectionTerrain::is_model_of(path) || HierarchyTerrain::is_model_of(path);
 }
 
 Result<std::uint64_t> BuiltTerrain::save(const std::string& path, Progress& progress) const try {

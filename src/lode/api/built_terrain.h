@@ -59,8 +59,8 @@ struct BuiltTerrainInfo {
 };
 
 /// What was built of a raster for all tolerances: docs/models/delaunay_pyramid.md,
-/// ternary_triangulation.md, implicit_delaunay_pyramid.md, quadtrees.md and
-/// hierarchical_triangulations.md. Copies are one terrain;
+/// ternary_triangulation.md, implicit_delaunay_pyramid.md, quadtrees.md,
+/// right_triangle_bisection.md and hierarchical_triangulations.md. Copies are one terrain;
 /// const members are safe from many threads.
 class BuiltTerrain {
  public:

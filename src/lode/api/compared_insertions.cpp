@@ -51,7 +51,7 @@ class Insertions final : public HistoryCandidate {
                   delaunay::TinLinks::left_out);
   }
   [[nodiscard]] std::optional<std::uint64_t> zoom_level(std::size_t level,
-                                                        const insertions::Window& window) override {
+                                                        const delaunay::Window& window) override {
     return zoom_in(history(), shared().nodes[level], window).size();
   }
   [[nodiscard]] std::optional<std::uint64_t> locate_in_level(

@@ -11,8 +11,8 @@
 #include "lode/api/compared_terrain.h"
 #include "lode/api/terrain_model.h"
 #include "lode/core/stopwatch.h"
+#include "lode/delaunay/window.h"
 #include "lode/models/terrain/insertions/history.h"
-#include "lode/models/terrain/insertions/window.h"
 
 namespace lode {
 
@@ -56,7 +56,7 @@ class HistoryCandidate : public TerrainCandidate {
   [[nodiscard]] int n_levels() const final { return static_cast<int>(shared_->levels.size()); }
   [[nodiscard]] Result<std::optional<std::uint64_t>> zoom(double tolerance,
                                                           const TerrainWindow& window) final {
-    return zoom_level(shared_->level_of(tolerance), insertions::Window{window.lower, window.upper});
+    return zoom_level(shared_->level_of(tolerance), delaunay::Window{window.lower, window.upper});
   }
   [[nodiscard]] std::optional<std::uint64_t> locate(
       double tolerance, std::span<const delaunay::LatticePoint> places) final {
@@ -66,8 +66,8 @@ class HistoryCandidate : public TerrainCandidate {
  protected:
   virtual Result<void> encode(Progress& progress) = 0;
   [[nodiscard]] virtual delaunay::Tin tin_of_level(std::size_t level) = 0;
-  [[nodiscard]] virtual std::optional<std::uint64_t> zoom_level(
-      std::size_t level, const insertions::Window& window) = 0;
+  [[nodiscard]] virtual std::optional<std::uint64_t> zoom_level(std::size_t level,
+                                                                const delaunay::Window& window) = 0;
   [[nodiscard]] virtual std::optional<std::uint64_t> locate_in_level(
       std::size_t level, std::span<const delaunay::LatticePoint> places) = 0;
   /// How many of the places find(place) finds.

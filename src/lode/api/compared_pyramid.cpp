@@ -55,7 +55,7 @@ class Lists final : public HistoryCandidate {
     return lists_->extract(history(), level);
   }
   [[nodiscard]] std::optional<std::uint64_t> zoom_level(std::size_t level,
-                                                        const insertions::Window& window) override {
+                                                        const delaunay::Window& window) override {
     if (!has_links()) return {};
     return lists_->zoom(history(), level, window).size();
   }
@@ -94,7 +94,7 @@ class Complete final : public HistoryCandidate {
     return pyramid_->extract(history(), level);
   }
   [[nodiscard]] std::optional<std::uint64_t> zoom_level(std::size_t level,
-                                                        const insertions::Window& window) override {
+                                                        const delaunay::Window& window) override {
     return pyramid_->zoom(history(), level, window).size();
   }
   [[nodiscard]] std::optional<std::uint64_t> locate_in_level(

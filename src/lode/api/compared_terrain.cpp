@@ -1,16 +1,13 @@
 #include "lode/api/compared_terrain.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <limits>
 #include <utility>
 
+#include "lode/api/compared_bisection.h"
 #include "lode/api/compared_hierarchies.h"
 #include "lode/api/compared_pyramid.h"
 #include "lode/api/compared_quadtrees.h"
-#include "lode/api/dataset.h"
-#include "lode/api/mesh_extraction.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/tin_quality.h"
@@ -45,103 +42,6 @@ class Selector final : public TerrainCandidate {
  private:
   InsertionOrder order_;
   const HeightGrid* grid_ = nullptr;
-};
-
-/// As a volume of one layer, columns and rows for coordinates; missing samples are NaN.
-Volume to_volume(const HeightGrid& grid) {
-  Volume volume;
-  volume.info.grid.dims = {{grid.n_columns, grid.n_rows, 1}};
-  volume.info.field_name = "height";
-  std::visit(
-      [&]<typename T>(const HeightGrid::Samples<T>& samples) {
-        const bool has_gaps = !grid.is_valid.empty();
-        // Floats hold all numbers of 16 bits.
-        using Wide = std::conditional_t<std::is_same_v<T, double>, double, float>;
-        const auto fill = [&]<typename S>(S) {
-          volume.info.type = scalar_type_of<S>;
-          volume.samples.resize(static_cast<std::size_t>(grid.n_samples()) * sizeof(S));
-          std::byte* out = volume.samples.data();
-          for (std::int32_t y = 0; y < grid.n_rows; ++y)
-            for (std::int32_t x = 0; x < grid.n_columns; ++x, out += sizeof(S)) {
-              S value = static_cast<S>(samples[static_cast<std::size_t>(y * grid.stride + x)]);
-              if constexpr (std::is_floating_point_v<S>)
-                if (!grid.has_height(x, y)) value = std::numeric_limits<S>::quiet_NaN();
-              std::memcpy(out, &value, sizeof(S));
-            }
-        };
-        if (has_gaps)
-          fill(Wide{});
-        else
-          fill(T{});
-      },
-      grid.heights);
-  return volume;
-}
-
-constexpr std::int32_t kMostScale = 16;
-
-bool is_on_lattice(const SimplexMesh& mesh, std::int32_t scale) {
-  return std::ranges::all_of(mesh.positions, [scale](const Vec3d& p) {
-    return std::floor(p[0] * scale) == p[0] * scale && std::floor(p[1] * scale) == p[1] * scale;
-  });
-}
-
-class Bisection final : public TerrainCandidate {
- public:
-  [[nodiscard]] std::string name() const override { return "diamond2d"; }
-  [[nodiscard]] std::string what() const override {
-    return "longest-edge bisection of right triangles, with errors stored once for all tolerances";
-  }
-  [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double>,
-                                     Threads threads, Progress& progress) override {
-    volume_ = to_volume(grid);
-    const Stopwatch watch;
-    const auto source = make_memory_source(volume_);
-    LODE_TRY(Dataset made, Dataset::build(*source, {.threads = threads}, progress));
-    seconds_ = watch.seconds();
-    dataset_.emplace(std::move(made));
-    return {};
-  }
-  [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) override {
-    SimplexMesh mesh;
-    MeshOptions options;
-    options.query.max_error = tolerance;
-    LODE_TRY(const MeshReport report, dataset_->extract_mesh(options, mesh, progress));
-    Answer answer{.tin = {}, .stated_error = report.largest_error};
-    // Where the raster ends in the middle of a triangle, that is cut: between columns, too.
-    while (answer.scale <= kMostScale && !is_on_lattice(mesh, answer.scale)) answer.scale *= 2;
-    if (answer.scale > kMostScale)
-      return fail("expected vertices at parts of columns and rows, got some at other places");
-    answer.tin.triangles = std::move(mesh.triangles);
-    answer.tin.heights = std::move(mesh.values);
-    answer.tin.vertices.reserve(mesh.positions.size());
-    for (const Vec3d& p : mesh.positions)
-      answer.tin.vertices.push_back({static_cast<std::int32_t>(p[0] * answer.scale),
-                                     static_cast<std::int32_t>(p[1] * answer.scale)});
-    return answer;
-  }
-  [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance,
-                                                     Progress& progress) override {
-    const Index3& dims = volume_.info.grid.dims;
-    const auto at = [&](std::size_t i, double share) { return share * (dims[i] - 1); };
-    SimplexMesh mesh;
-    MeshOptions options;
-    options.query.boxes = {{{{at(0, 0.375), at(1, 0.375), -1}}, {{at(0, 0.625), at(1, 0.625), 1}}}};
-    options.query.max_error = tolerance;
-    options.query.max_error_outside = 10 * tolerance;
-    LODE_TRY(const MeshReport report, dataset_->extract_mesh(options, mesh, progress));
-    return report.n_cells;
-  }
-  [[nodiscard]] bool can_vary() const override { return true; }
-  [[nodiscard]] std::optional<double> build_seconds() const override { return seconds_; }
-  [[nodiscard]] int n_levels() const override {
-    return static_cast<int>(dataset_->describe().levels.size());
-  }
-
- private:
-  Volume volume_;
-  std::optional<Dataset> dataset_;
-  double seconds_ = 0;
 };
 
 /// Every s-th column and row, and the last ones.
@@ -249,7 +149,7 @@ std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates() {
   for (auto& candidate : pyramid_candidates()) all.push_back(std::move(candidate));
   for (auto& candidate : hierarchy_candidates()) all.push_back(std::move(candidate));
   for (auto& candidate : quadtree_candidates()) all.push_back(std::move(candidate));
-  all.push_back(std::make_unique<Bisection>());
+  all.push_back(bisection_candidate());
   all.push_back(std::make_unique<Subsampling>());
   return all;
 }

@@ -150,7 +150,7 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
   if (io::is_point_path(path)) return open_points(path, reading, progress);
   LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
   if (building && reading.has_lines() &&
-      (!is_quadtree(building->model) || !reading.breaklines.empty()))
+      (!is_on_squares(building->model) || !reading.breaklines.empty()))
     return fail(
         "{}: expected no lines with a {}, got some: the delaunay_selector takes them, and models "
         "on squares features",

@@ -18,17 +18,6 @@ using squares::Square;
 using squares::SquareDomain;
 using surface_quadtree::SurfaceQuadtree;
 
-void check_heights(const HeightGrid& own, const HeightGrid& grid, VerifyReport& report) {
-  std::uint64_t n_other = 0;
-  for (std::int32_t y = 0; y < grid.n_rows; ++y)
-    for (std::int32_t x = 0; x < grid.n_columns; ++x) {
-      const bool has = grid.has_height(x, y);
-      if (has != own.has_height(x, y) || (has && grid.height(x, y) != own.height(x, y))) ++n_other;
-    }
-  report.add("heights are the raster's", static_cast<std::uint64_t>(grid.n_samples()), n_other,
-             n_other > 0 ? fmt::format("{} are others", n_other) : "");
-}
-
 /// Whether no square has a sample that errs by more than it states: is_beyond(square) says so of
 /// one.
 template <typename IsBeyond>
@@ -76,17 +65,6 @@ Result<void> check_errors(const QuaternaryTriangulation& tree, Threads threads, 
   return check_errors(tree.domain(), threads, progress, is_beyond, report);
 }
 
-/// How many nodes are no vertices.
-std::uint64_t n_lost_of(const std::vector<LatticePoint>& nodes, const delaunay::Tin& tin) {
-  const auto is_before = [](LatticePoint a, LatticePoint b) {
-    return std::pair(a.y, a.x) < std::pair(b.y, b.x);
-  };
-  std::vector<LatticePoint> vertices = tin.vertices;
-  std::ranges::sort(vertices, is_before);
-  return static_cast<std::uint64_t>(std::ranges::count_if(
-      nodes, [&](LatticePoint p) { return !std::ranges::binary_search(vertices, p, is_before); }));
-}
-
 /// It keeps none.
 Result<void> check_errors(const SquareDomain&, Threads, Progress&, VerifyReport&) { return {}; }
 
@@ -96,7 +74,7 @@ Result<VerifyReport> QuadtreeTerrain::verify(const HeightGrid& grid, Threads thr
                                              Progress& progress) const {
   VerifyReport report;
   LODE_CHECK(check_source(source(), grid, report));
-  check_heights(model_.grid, grid, report);
+  check_stored_heights(model_.grid, grid, report);
   LODE_CHECK(
       std::visit([&](const auto& tree) { return check_errors(tree, threads, progress, report); },
                  model_.tree));
@@ -106,7 +84,7 @@ Result<VerifyReport> QuadtreeTerrain::verify(const HeightGrid& grid, Threads thr
     };
     LODE_TRY(const delaunay::Tin tin, tin_within(tolerance, progress));
     if (!domain().kept().empty()) {
-      const std::uint64_t n_lost = n_lost_of(domain().kept(), tin);
+      const std::uint64_t n_lost = count_lost(domain().kept(), tin);
       report.add(name("kept samples are vertices"), domain().kept().size(), n_lost,
                  n_lost > 0 ? fmt::format("{} are not", n_lost) : "");
     }

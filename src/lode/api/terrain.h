@@ -64,7 +64,7 @@ struct TerrainSurface {
 enum class TinShape : std::uint8_t { delaunay, any };
 
 [[nodiscard]] constexpr TinShape shape_of(TerrainModel model) {
-  return model == TerrainModel::ternary_triangulation || is_quadtree(model) || is_hierarchy(model)
+  return model == TerrainModel::ternary_triangulation || is_on_squares(model) || is_hierarchy(model)
              ? TinShape::any
              : TinShape::delaunay;
 }

@@ -16,6 +16,7 @@ enum class TerrainModel : std::uint8_t {
   surface_quadtree,
   quaternary_triangulation,
   restricted_quadtree,
+  right_triangle_bisection,
   adaptive_triangulation,
   hierarchical_delaunay
 };
@@ -25,12 +26,19 @@ inline constexpr std::array kBuiltTerrainModels{
     TerrainModel::delaunay_pyramid,          TerrainModel::ternary_triangulation,
     TerrainModel::implicit_delaunay_pyramid, TerrainModel::surface_quadtree,
     TerrainModel::quaternary_triangulation,  TerrainModel::restricted_quadtree,
-    TerrainModel::adaptive_triangulation,    TerrainModel::hierarchical_delaunay};
+    TerrainModel::right_triangle_bisection,  TerrainModel::adaptive_triangulation,
+    TerrainModel::hierarchical_delaunay};
 
 [[nodiscard]] constexpr bool is_quadtree(TerrainModel model) {
   return model == TerrainModel::surface_quadtree ||
          model == TerrainModel::quaternary_triangulation ||
          model == TerrainModel::restricted_quadtree;
+}
+
+/// Whether its triangles are halves and quarters of squares of samples. Files of these have all
+/// heights, and samples can be kept as vertices of all meshes.
+[[nodiscard]] constexpr bool is_on_squares(TerrainModel model) {
+  return is_quadtree(model) || model == TerrainModel::right_triangle_bisection;
 }
 
 /// Whether it is of triangles refined into triangulations, one level for each tolerance. Vertices
@@ -55,6 +63,7 @@ inline constexpr std::array kBuiltTerrainModels{
     case TerrainModel::surface_quadtree: return "surface_quadtree";
     case TerrainModel::quaternary_triangulation: return "quaternary_triangulation";
     case TerrainModel::restricted_quadtree: return "restricted_quadtree";
+    case TerrainModel::right_triangle_bisection: return "right_triangle_bisection";
     case TerrainModel::adaptive_triangulation: return "adaptive_triangulation";
     case TerrainModel::hierarchical_delaunay: return "hierarchical_delaunay";
   }

@@ -12,6 +12,9 @@ namespace lode::delaunay {
 
 using lode::LatticePoint;
 
+/// Of a triangle.
+using LatticeCorners = std::array<LatticePoint, 3>;
+
 /// Nodes of a lattice in 32 bits each, ordered as they lie in rows.
 class LatticePacking {
  public:

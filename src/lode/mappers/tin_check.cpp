@@ -54,7 +54,7 @@ class CheckedDomain {
   const HeightGrid& grid_;
 };
 
-using LatticeCorners = std::array<LatticePoint, 3>;
+using delaunay::LatticeCorners;
 
 /// What is to be checked: triangles turn left on a lattice whose every `scale`th node along columns
 /// and rows is a sample.

@@ -12,13 +12,13 @@
 #include "lode/delaunay/tin.h"
 #include "lode/models/terrain/insertions/history.h"
 #include "lode/models/terrain/insertions/start_finder.h"
-#include "lode/models/terrain/insertions/window.h"
+#include "lode/delaunay/window.h"
 
 namespace lode::delaunay_pyramid {
 
 using insertions::History;
 using insertions::StartFinder;
-using insertions::Window;
+using delaunay::Window;
 
 /// Lists of numbers one after the other.
 struct LinkLists {

@@ -15,7 +15,7 @@ using insertions::Descent;
 using insertions::do_interiors_meet;
 using insertions::holds;
 using insertions::LatticeCorners;
-using insertions::meets_window;
+using delaunay::meets_window;
 using insertions::Triangle;
 
 /// By triangle of the mesh at `time`, those of the mesh at `later` whose interiors meet its own.

@@ -42,14 +42,15 @@ std::optional<std::uint32_t> HistoryLocator::find(const NodeSet& nodes,
 }
 
 std::vector<std::uint32_t> zoom_in(const History& history, const NodeSet& nodes,
-                                   const Window& window) {
+                                   const delaunay::Window& window) {
   std::vector<std::uint32_t> found;
   Descent descent(history);
   for (std::uint32_t t = 0; t < history.n_base_triangles(); ++t)
     descent.run(
         t, nodes,
         [&](std::uint32_t other) {
-          return meets_window(corners_of(history, history.triangles[other].corner), window);
+          return delaunay::meets_window(corners_of(history, history.triangles[other].corner),
+                                        window);
         },
         [&](std::uint32_t other) { found.push_back(other); });
   std::ranges::sort(found);

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "lode/delaunay/predicates.h"
+#include "lode/delaunay/window.h"
 #include "lode/models/terrain/insertions/history.h"
 #include "lode/models/terrain/insertions/start_finder.h"
-#include "lode/models/terrain/insertions/window.h"
 
 namespace lode::insertions {
 
@@ -30,6 +30,6 @@ class HistoryLocator {
 
 /// The triangles of the nodes' mesh that meet a window, in the order of their numbers.
 [[nodiscard]] std::vector<std::uint32_t> zoom_in(const History& history, const NodeSet& nodes,
-                                                 const Window& window);
+                                                 const delaunay::Window& window);
 
 }  // namespace lode::insertions

@@ -6,7 +6,7 @@
 
 namespace lode::insertions {
 
-using LatticeCorners = std::array<delaunay::LatticePoint, 3>;
+using delaunay::LatticeCorners;
 
 /// Whether an edge of `a` has all of `b` to its right, or on it.
 [[nodiscard]] inline bool is_separated_by_edges(const LatticeCorners& a, const LatticeCorners& b) {

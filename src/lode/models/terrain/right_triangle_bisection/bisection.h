@@ -41,6 +41,8 @@ class Bisection {
            cells_[static_cast<std::size_t>(std::int64_t{cell.y} * lattice_.last().x + cell.x)] != 0;
   }
   [[nodiscard]] bool is_whole() const { return cells_.empty(); }
+  /// Whether a sample is a corner of a cell of the domain.
+  [[nodiscard]] bool has_node(LatticePoint p) const;
 
   /// Makes samples vertices of all meshes: different nodes of the domain, in rows.
   void keep(std::vector<LatticePoint> nodes);

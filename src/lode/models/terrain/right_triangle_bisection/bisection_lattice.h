@@ -47,6 +47,10 @@ class Lattice {
   [[nodiscard]] bool has_area(LatticePoint node, std::int32_t reach) const {
     return node.x - reach < last_.x && node.y - reach < last_.y;
   }
+  /// Whether there is something to refine.
+  [[nodiscard]] bool has_node(LatticePoint node, std::int32_t reach) const {
+    return has(node) && !is_corner(node) && has_area(node, reach);
+  }
   [[nodiscard]] bool is_stretched(LatticePoint node, std::int32_t reach) const {
     return std::min(node.x + reach, side_) > last_.x || std::min(node.y + reach, side_) > last_.y;
   }
@@ -112,8 +116,10 @@ struct Diamond {
   static bool runs_up(LatticePoint p, std::int32_t r) {
     return (((p.x - r) / (2 * r) + (p.y - r) / (2 * r)) & 1) == 0;
   }
-  /// The nodes that are to be refined before this one is those of the apexes in the lattice. Those
-  /// that have to wait for it, where they are in the lattice:
+  /// Of the apexes' nodes, which are to be refined before this one where Lattice::has_node() them.
+  [[nodiscard]] std::int32_t apex_reach() const { return is_square ? 2 * reach : reach; }
+  /// Of the children, which have to wait for this one.
+  [[nodiscard]] std::int32_t child_reach() const { return is_square ? reach : reach / 2; }
   [[nodiscard]] std::array<LatticePoint, 4> children() const {
     const std::int32_t r = reach;
     if (is_square)

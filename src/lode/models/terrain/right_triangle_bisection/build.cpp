@@ -171,6 +171,14 @@ Result<Bisection> Bisection::build(const HeightGrid& grid, Threads threads, Prog
   return made;
 }
 
+bool Bisection::has_node(LatticePoint p) const {
+  for (const std::int32_t y : {p.y - 1, p.y})
+    for (const std::int32_t x : {p.x - 1, p.x})
+      if (x >= 0 && y >= 0 && x < lattice_.last().x && y < lattice_.last().y && has_cell({x, y}))
+        return true;
+  return false;
+}
+
 void Bisection::keep(std::vector<LatticePoint> nodes) {
   std::vector<LatticePoint> waiting;
   for (const LatticePoint node : nodes)
@@ -181,8 +189,9 @@ void Bisection::keep(std::vector<LatticePoint> nodes) {
     float& error = errors_[lattice_.index(node)];
     if (error == kAlways) continue;
     error = kAlways;
-    for (const LatticePoint apex : Diamond(node).apexes)
-      if (lattice_.has(apex) && !lattice_.is_corner(apex)) waiting.push_back(apex);
+    const Diamond diamond(node);
+    for (const LatticePoint apex : diamond.apexes)
+      if (lattice_.has_node(apex, diamond.apex_reach())) waiting.push_back(apex);
   }
   kept_ = std::move(nodes);
 }

@@ -102,10 +102,9 @@ class Nesting {
   /// Of any node.
   void join_children(LatticePoint node) const {
     const Diamond diamond(node);
-    const std::int32_t reach = diamond.is_square ? diamond.reach : diamond.reach / 2;
     float& error = errors_[lattice_.index(node)];
     for (const LatticePoint child : diamond.children())
-      if (lattice_.has(child) && lattice_.has_area(child, reach))
+      if (lattice_.has_node(child, diamond.child_reach()))
         error = std::max(error, errors_[lattice_.index(child)]);
   }
 

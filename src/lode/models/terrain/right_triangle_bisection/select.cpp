@@ -39,7 +39,7 @@ class Selection {
     return static_cast<std::int64_t>(lattice_.index(node));
   }
   void look_at(LatticePoint node, std::int32_t reach) {
-    if (!lattice_.has(node) || !lattice_.has_area(node, reach) || refined_.has(index(node))) return;
+    if (!lattice_.has_node(node, reach) || refined_.has(index(node))) return;
     const float error = bisection_.error(node);
     // Where the outline passes there is no triangle yet; and what has no error is never wanted but
     // by demands that want all.
@@ -59,13 +59,12 @@ class Selection {
       const Diamond diamond(node);
       if (!refined_.has(index(node)))
         for (const LatticePoint apex : diamond.apexes)
-          if (lattice_.has(apex) && !lattice_.is_corner(apex) && !refined_.has(index(apex)))
+          if (lattice_.has_node(apex, diamond.apex_reach()) && !refined_.has(index(apex)))
             chain_.push_back(apex);
       if (chain_.size() > n_before) continue;
       chain_.pop_back();
       if (!refined_.add(index(node)) || !diamond.has_children()) continue;
-      const std::int32_t reach = diamond.is_square ? diamond.reach : diamond.reach / 2;
-      for (const LatticePoint child : diamond.children()) look_at(child, reach);
+      for (const LatticePoint child : diamond.children()) look_at(child, diamond.child_reach());
     }
   }
 

@@ -1,10 +1,8 @@
-#include "lode/models/terrain/insertions/window.h"
+#include "lode/delaunay/window.h"
 
 #include <algorithm>
 
-namespace lode::insertions {
-
-using delaunay::LatticePoint;
+namespace lode::delaunay {
 
 bool meets_window(const LatticeCorners& triangle, const Window& window) {
   const auto [x0, x1] = std::minmax({triangle[0].x, triangle[1].x, triangle[2].x});
@@ -17,9 +15,9 @@ bool meets_window(const LatticeCorners& triangle, const Window& window) {
     // The corner of the window farthest to the left of the edge.
     const LatticePoint p{b.y > a.y ? window.lower.x : window.upper.x,
                          b.x > a.x ? window.upper.y : window.lower.y};
-    if (delaunay::doubled_area(a, b, p) < 0) return false;
+    if (doubled_area(a, b, p) < 0) return false;
   }
   return true;
 }
 
-}  // namespace lode::insertions
+}  // namespace lode::delaunay

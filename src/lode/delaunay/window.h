@@ -1,17 +1,17 @@
 #pragma once
 
-#include "lode/models/terrain/insertions/overlap.h"
+#include "lode/delaunay/lattice.h"
 
-namespace lode::insertions {
+namespace lode::delaunay {
 
 /// The rectangle that a zoom window is: columns and rows, with its border.
 struct Window {
-  delaunay::LatticePoint lower;
-  delaunay::LatticePoint upper;
+  LatticePoint lower;
+  LatticePoint upper;
 };
 
 /// Whether a closed triangle, which turns left, meets a window: exactly, as convex sets that do not
 /// are separated by a side of one of them.
 [[nodiscard]] bool meets_window(const LatticeCorners& triangle, const Window& window);
 
-}  // namespace lode::insertions
+}  // namespace lode::delaunay
