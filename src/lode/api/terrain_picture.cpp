@@ -1,15 +1,13 @@
 #include "lode/api/terrain_picture.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <new>
-#include <numbers>
 
+#include "lode/api/picture_frame.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
-#include "lode/core/vertical_unit.h"
 #include "lode/mappers/contour_levels.h"
 #include "lode/mappers/tin_contours.h"
 #include "lode/render/ray_scene.h"
@@ -17,88 +15,9 @@
 namespace lode {
 namespace {
 
-constexpr double kReliefShare = 0.125;
 constexpr double kPixelShare = 0.25;
-constexpr double kMostExaggeration = 1e6;
 constexpr Color kContourColor{74, 52, 38};
 constexpr double kContourWidth = 1.2;
-
-/// From the world to metres from its middle.
-struct PictureFrame {
-  Vec<double, 2> middle;
-  double x_scale = 1;
-  double y_scale = 1;
-  double z_scale = 1;  ///< With exaggeration.
-  double z_middle = 0;
-  Vec<double, 2> half;  ///< Metres.
-
-  [[nodiscard]] Vec3d place(const Vec<double, 2>& at, double height) const {
-    return {{(at[0] - middle[0]) * x_scale, (at[1] - middle[1]) * y_scale,
-             (height - z_middle) * z_scale}};
-  }
-  [[nodiscard]] double longer_side() const { return 2 * std::max(half[0], half[1]); }
-};
-
-/// Of the ellipsoid at the middle, but not nearer to the poles than 85 degrees.
-void take_metric(const HorizontalMetric& metric, PictureFrame& frame) {
-  frame.x_scale = frame.y_scale = metric.metres();
-  if (!metric.ellipsoid) return;
-  constexpr double kStep = 1e-4;
-  const double most = 85 * std::numbers::pi / 180 / metric.angle_unit;
-  const double latitude = std::clamp(frame.middle[1], -most, most);
-  frame.x_scale = metric.distance({{0, latitude}}, {{kStep, latitude}}) / kStep;
-  frame.y_scale = metric.distance({{0, latitude}}, {{0, latitude + kStep}}) / kStep;
-}
-
-/// The largest of 1, 2, 5, 10, ... that is no more.
-double nice_below(double most) {
-  if (!(most > 1)) return 1;
-  const double power = std::pow(10, std::floor(std::log10(most)));
-  for (const double step : {5.0, 2.0})
-    if (step * power <= most) return step * power;
-  return power;
-}
-
-/// Round the raster, in its coordinates.
-struct Extent {
-  Vec<double, 2> lower;
-  Vec<double, 2> upper;
-};
-
-Extent extent_of(const HeightFrame& grid) {
-  const double columns = grid.n_columns - 1;
-  const double rows = grid.n_rows - 1;
-  const std::array corners{grid.world(0, 0), grid.world(columns, 0), grid.world(0, rows),
-                           grid.world(columns, rows)};
-  Extent extent{corners[0], corners[0]};
-  for (const auto& corner : corners)
-    for (std::size_t i = 0; i < 2; ++i) {
-      extent.lower[i] = std::min(extent.lower[i], corner[i]);
-      extent.upper[i] = std::max(extent.upper[i], corner[i]);
-    }
-  return extent;
-}
-
-PictureFrame frame_of(const HeightFrame& grid, const HorizontalMetric& metric,
-                      const HeightRange& range, const TerrainPictureOptions& options,
-                      TerrainPictureReport& report) {
-  PictureFrame frame;
-  const auto [lower, upper] = extent_of(grid);
-  frame.middle = (lower + upper) * 0.5;
-  take_metric(metric, frame);
-  frame.half = {
-      {(upper[0] - lower[0]) * frame.x_scale / 2, (upper[1] - lower[1]) * frame.y_scale / 2}};
-  const double unit = metres_of_unit(grid.vertical_unit).value_or(1);
-  report.is_vertical_unit_known = metres_of_unit(grid.vertical_unit).has_value();
-  const double relief = (range.upper - range.lower) * unit;
-  report.exaggeration = options.exaggeration.value_or(
-      relief > 0 ? nice_below(kReliefShare * frame.longer_side() / relief) : 1);
-  report.width = 2 * frame.half[0];
-  report.depth = 2 * frame.half[1];
-  frame.z_scale = unit * report.exaggeration;
-  frame.z_middle = (range.lower + range.upper) / 2;
-  return frame;
-}
 
 TerrainOptions tolerance_for(const TerrainPictureOptions& options, const PictureFrame& frame,
                              double finest) {
@@ -171,10 +90,6 @@ Camera camera_of(const Box3d& bounds, const TerrainPictureOptions& options) {
 }
 
 Result<void> check_picture(const TerrainPictureOptions& options) {
-  const auto& times = options.exaggeration;
-  if (times && !(*times >= 1 / kMostExaggeration && *times <= kMostExaggeration))
-    return fail("exaggeration: expected a number from {} to {}, got {}", 1 / kMostExaggeration,
-                kMostExaggeration, *times);
   const auto& interval = options.contour_interval;
   if (interval && !(*interval > 0 && std::isfinite(*interval)))
     return fail("contours: expected an interval > 0, got {}", *interval);
@@ -190,9 +105,11 @@ Result<Image> draw_terrain(const Terrain& terrain, const HorizontalMetric& metri
   LODE_CHECK(check_picture(options));
   const HeightFrame& grid = terrain.frame();
   const HeightRange range = terrain.range();
-  const Extent extent = extent_of(grid);
-  LODE_CHECK(check_angles(metric, extent.lower, extent.upper));
-  const PictureFrame frame = frame_of(grid, metric, range, options, report);
+  LODE_TRY(const PictureFrame frame, picture_frame(grid, range, metric, options.exaggeration));
+  report.exaggeration = frame.exaggeration;
+  report.is_vertical_unit_known = frame.is_vertical_unit_known;
+  report.width = 2 * frame.half[0];
+  report.depth = 2 * frame.half[1];
   const bool has_contours = options.contour_interval.has_value();
   const auto links = has_contours ? delaunay::TinLinks::kept : delaunay::TinLinks::left_out;
   LODE_TRY(const SelectedTerrain selected,
