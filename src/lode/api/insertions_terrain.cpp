@@ -55,9 +55,13 @@ Result<SelectedTerrain> InsertionsTerrain::select(const TerrainOptions& options,
           "model was built for, got {}",
           history().max_error, *outside);
     if (options.max_cells) return fail("expected a focus or a number of triangles, got both");
-    LODE_TRY(const Demand demand, to_demand(*options.focus, tolerance));
-    selected.tin = tin_of(history(), select_nodes(history(), demand), delaunay::TinLinks::kept);
+    LODE_TRY(const TerrainDemand focus,
+             TerrainDemand::make(*options.focus, tolerance, history().frame, history().range));
+    selected.tin =
+        tin_of(history(), select_nodes(history(), focus.demand()), delaunay::TinLinks::kept);
     report.is_uniform = false;
+    report.view = focus.measure(selected.tin, history().frame);
+    report.is_within_error = !report.view || report.view->is_within_error();
     report.is_focus_empty =
         selected.tin.triangles.size() == history().n_base_triangles() && history().n_nodes() > 0;
   } else {

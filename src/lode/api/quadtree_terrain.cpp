@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "lode/api/terrain_focus.h"
 #include "lode/core/stopwatch.h"
 #include "lode/delaunay/tin_links.h"
+#include "lode/delaunay/triangle_error.h"
 #include "lode/mappers/tin_quality.h"
 #include "lode/models/terrain/restricted_quadtree/restricted_quadtree.h"
 
@@ -22,19 +24,21 @@ using surface_quadtree::SurfaceQuadtree;
 
 namespace {
 
-/// What a demand sees of a square: its error, and where it is in the world, at any height.
-NodeFacts facts_of(const terrain_file::Source& source, const Square& square, double error) {
-  Vec3d lower{{0, 0, source.range.lower - error}};
-  Vec3d upper{{0, 0, source.range.upper + error}};
-  for (int corner = 0; corner < 4; ++corner) {
-    const double x = square.x() + (corner & 1 ? square.side() : 0);
-    const double y = square.y() + (corner & 2 ? square.side() : 0);
-    const Vec<double, 2> at = source.frame.world(x, y);
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      lower[axis] = corner == 0 ? at[axis] : std::min(lower[axis], at[axis]);
-      upper[axis] = corner == 0 ? at[axis] : std::max(upper[axis], at[axis]);
+/// What a demand sees of a polygon between samples: its error, and where it is in the world.
+NodeFacts facts_of(const SquareDomain& domain, const HeightFrame& frame,
+                   std::span<const LatticePoint> corners, double error) {
+  Vec3d lower;
+  Vec3d upper;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec<double, 2> at = frame.world(corners[i].x, corners[i].y);
+    const Vec3d place{{at[0], at[1], domain.height(corners[i].x, corners[i].y)}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lower[axis] = i == 0 ? place[axis] : std::min(lower[axis], place[axis]);
+      upper[axis] = i == 0 ? place[axis] : std::max(upper[axis], place[axis]);
     }
   }
+  lower[2] -= error;
+  upper[2] += error;
   NodeFacts facts;
   facts.error = error;
   facts.range = {lower[2], upper[2]};
@@ -44,6 +48,18 @@ NodeFacts facts_of(const terrain_file::Source& source, const Square& square, dou
     facts.bounds.radius = std::max(
         {facts.bounds.radius, std::abs(lower[axis]) * 0x1p-50, std::abs(upper[axis]) * 0x1p-50});
   return facts;
+}
+
+/// The ends of the diagonal from the lower left, then the upper left and the lower right.
+std::array<LatticePoint, 4> corners_of(const Square& square) {
+  const LatticePoint a{square.x(), square.y()};
+  const LatticePoint c{a.x + square.side(), a.y + square.side()};
+  return {a, c, LatticePoint{a.x, c.y}, LatticePoint{c.x, a.y}};
+}
+
+std::array<LatticePoint, 3> corners_of(const HalfSquare& half) {
+  const auto all = corners_of(half.square);
+  return {all[0], all[1], half.is_upper ? all[2] : all[3]};
 }
 
 bool wants(const Demand& demand, const NodeFacts& facts) {
@@ -94,13 +110,20 @@ const SquareDomain& QuadtreeTerrain::domain() const { return domain_of(model_); 
 delaunay::Tin QuadtreeTerrain::tin_of(const Demand& demand) const {
   if (const auto* tree = std::get_if<SurfaceQuadtree>(&model_.tree))
     return to_tin(*tree, tree->leaves([&](const Square& square) {
-      return wants(demand, facts_of(source(), square, static_cast<double>(tree->error(square))));
+      return wants(demand, facts_of(domain(), source().frame, corners_of(square),
+                                    static_cast<double>(tree->error(square))));
     }));
   const auto& tree = std::get<QuaternaryTriangulation>(model_.tree);
   return to_tin(tree, tree.leaves([&](const HalfSquare& triangle) {
-    return wants(demand,
-                 facts_of(source(), triangle.square, static_cast<double>(tree.error(triangle))));
+    return wants(demand, facts_of(domain(), source().frame, corners_of(triangle),
+                                  static_cast<double>(tree.error(triangle))));
   }));
+}
+
+void QuadtreeTerrain::measure_errors(delaunay::Tin& tin) const {
+  if (model() != TerrainModel::surface_quadtree) return;
+  for (std::size_t t = 0; t < tin.triangles.size(); ++t)
+    tin.errors[t] = delaunay::to_float_above(worst_error_in(tin, t, 1, model_.grid));
 }
 
 Result<delaunay::Tin> QuadtreeTerrain::tin_within(double tolerance, Progress& progress) const {
@@ -131,9 +154,12 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
   TerrainReport& report = selected.report;
   report.max_error = default_tolerance(options, source().range);
   if (options.focus) {
-    LODE_TRY(const Demand demand, to_demand(*options.focus, report.max_error));
-    selected.tin = tin_of(demand);
+    LODE_TRY(const TerrainDemand focus,
+             TerrainDemand::make(*options.focus, report.max_error, source().frame, source().range));
+    selected.tin = tin_of(focus.demand());
     report.is_uniform = false;
+    if (options.focus->view) measure_errors(selected.tin);
+    report.view = focus.measure(selected.tin, source().frame);
   } else {
     LODE_TRY(selected.tin, tin_within(report.max_error, progress));
   }
@@ -145,7 +171,8 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
   report.achieved_error = model() == TerrainModel::surface_quadtree
                               ? measure_quality(selected.tin, 1, model_.grid, {}).worst_error
                               : largest_error(selected.tin);
-  report.is_within_error = options.focus || report.achieved_error <= report.max_error;
+  report.is_within_error = options.focus ? !report.view || report.view->is_within_error()
+                                         : report.achieved_error <= report.max_error;
   report.n_samples = source().n_samples;
   report.n_missing = source().n_missing;
   report.n_left_out = source().n_left_out;

@@ -44,6 +44,8 @@ class QuadtreeTerrain final : public BuiltModel {
   [[nodiscard]] Result<delaunay::Tin> tin_within(double tolerance, Progress& progress) const;
   /// Of those with gaps.
   [[nodiscard]] delaunay::Tin tin_of(const Demand& demand) const;
+  /// Bilinear squares are no triangles: finds what these err by, where a TIN has errors of squares.
+  void measure_errors(delaunay::Tin& tin) const;
 
   quadtree_file::QuadtreeModel model_;
 };

@@ -35,8 +35,9 @@ struct TerrainReport {
   double max_error = 0;       ///< That was asked for, or chosen.
   double achieved_error = 0;  ///< |z - z'| at every sample of the domain; rounded up.
   bool is_within_error = true;
-  bool is_uniform = true;        ///< Else max_error holds in the focus alone.
-  bool is_focus_empty = false;   ///< Nothing was refined for it, though something could be.
+  bool is_uniform = true;       ///< Else max_error holds in the focus alone.
+  bool is_focus_empty = false;  ///< Nothing was refined for it, though something could be.
+  std::optional<TerrainViewReport> view{};  ///< Of a focus that has one.
   bool budget_met = true;        ///< Else the domain's outline alone has more than max_cells.
   std::uint64_t n_samples = 0;   ///< Of the domain: corners of cells with four heights, or points.
   std::uint64_t n_missing = 0;   ///< Without a height; of rasters.

@@ -30,8 +30,16 @@ struct GrowingDemand {
   }
 };
 
+FocusDemand demand_in(const PlaceBox& box, double tolerance) {
+  FocusDemand demand;
+  demand.foci.emplace_back(BoxFocus{
+      {{{box.lower[0], box.lower[1], -kAllHeights}}, {{box.upper[0], box.upper[1], kAllHeights}}}});
+  demand.inside = tolerance;
+  return demand;
+}
+
 Result<void> check_focus(const TerrainFocus& focus) {
-  if (focus.is_empty()) return fail("focus: expected a box or a point, got none");
+  if (focus.is_empty()) return fail("focus: expected a box, a point or a view, got none");
   for (const PlaceBox& box : focus.boxes)
     for (std::size_t i = 0; i < 2; ++i)
       if (!(box.lower[i] <= box.upper[i]) || !std::isfinite(box.upper[i] - box.lower[i]))
@@ -48,20 +56,27 @@ Result<void> check_focus(const TerrainFocus& focus) {
 
 }  // namespace
 
-Result<Demand> to_demand(const TerrainFocus& focus, double tolerance) {
+Result<TerrainDemand> TerrainDemand::make(const TerrainFocus& focus, double tolerance,
+                                          const HeightFrame& grid, const HeightRange& range) {
   LODE_CHECK(check_focus(focus));
+  TerrainDemand made;
   std::vector<Demand> demands;
-  for (const PlaceBox& box : focus.boxes) {
-    FocusDemand inside;
-    inside.foci.emplace_back(BoxFocus{{{{box.lower[0], box.lower[1], -kAllHeights}},
-                                       {{box.upper[0], box.upper[1], kAllHeights}}}});
-    inside.inside = tolerance;
-    demands.emplace_back(inside);
-  }
+  for (const PlaceBox& box : focus.boxes) demands.emplace_back(demand_in(box, tolerance));
   if (focus.point)
     demands.emplace_back(GrowingDemand{*focus.point, tolerance, focus.growth, focus.metric});
+  if (focus.view) {
+    LODE_TRY(made.view_, TerrainViewFocus::make(*focus.view, grid, range, focus.metric));
+    demands.push_back(made.view_->to_demand(tolerance));
+  }
   if (focus.max_error_outside) demands.push_back(uniform_demand(*focus.max_error_outside));
-  return max_of(std::move(demands));
+  made.demand_ = max_of(std::move(demands));
+  return made;
+}
+
+std::optional<TerrainViewReport> TerrainDemand::measure(const delaunay::Tin& tin,
+                                                        const HeightFrame& grid) const {
+  if (!view_) return {};
+  return view_->measure(tin, grid);
 }
 
 }  // namespace lode

@@ -3,6 +3,8 @@
 #include <optional>
 #include <vector>
 
+#include "lode/api/terrain_view.h"
+#include "lode/core/height_frame.h"
 #include "lode/core/horizontal_metric.h"
 #include "lode/core/result.h"
 #include "lode/core/vec.h"
@@ -22,14 +24,31 @@ struct TerrainFocus {
   std::vector<PlaceBox> boxes;  ///< The tolerance where a triangle's bounding box meets one.
   std::optional<Vec<double, 2>> point{};  ///< The tolerance there, and `growth` more of it with
   double growth = 0;                      ///< each unit of distance, as the metric has it; >= 0.
-  HorizontalMetric metric{};
+  std::optional<TerrainView> view{};      ///< Where it shows them, what it says.
+  HorizontalMetric metric{};              ///< Also of the view's picture.
   std::optional<double> max_error_outside{};  ///< Elsewhere; unset: anything.
 
-  [[nodiscard]] bool is_empty() const { return boxes.empty() && !point; }
+  [[nodiscard]] bool has_place() const { return !boxes.empty() || point.has_value(); }
+  [[nodiscard]] bool is_empty() const { return !has_place() && !view; }
 };
 
-/// Of a tolerance, in units of the heights. Distances are those to the nearest place of a
-/// triangle's box, nearest by coordinates. Fails on what has no answer.
-[[nodiscard]] Result<Demand> to_demand(const TerrainFocus& focus, double tolerance);
+/// A focus on a terrain, ready to be asked.
+class TerrainDemand {
+ public:
+  /// Of a tolerance, in units of the heights. Distances are those to the nearest place of a
+  /// triangle's box, nearest by coordinates. Fails on what has no answer.
+  [[nodiscard]] static Result<TerrainDemand> make(const TerrainFocus& focus, double tolerance,
+                                                  const HeightFrame& grid,
+                                                  const HeightRange& range);
+
+  [[nodiscard]] const Demand& demand() const { return demand_; }
+  /// What the focus's view shows of a TIN with heights and errors; nothing without a view.
+  [[nodiscard]] std::optional<TerrainViewReport> measure(const delaunay::Tin& tin,
+                                                         const HeightFrame& grid) const;
+
+ private:
+  Demand demand_;
+  std::optional<TerrainViewFocus> view_;
+};
 
 }  // namespace lode
