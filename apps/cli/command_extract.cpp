@@ -77,8 +77,9 @@ Result<void> check_extract(const ExtractArguments& arguments, const CLI::App& ap
   if (holds_terrain(arguments.input)) return check_terrain_job(arguments.terrain_job(), app);
   LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
   if (!arguments.focus.is_empty())
-    return fail("{}: expected terrain with --focus-point or --growth, got another file",
-                arguments.input);
+    return fail(
+        "{}: expected terrain with --focus-point, --growth or --exaggeration, got another file",
+        arguments.input);
   LODE_CHECK(check_no_raster(arguments.raster, arguments.input));
   LODE_CHECK(check_unused(arguments.query, holds_tetrahedra(arguments.input)));
   if (arguments.reading.salvage && !arguments.memory_limit.empty())
@@ -363,14 +364,17 @@ Command add_extract_command(CLI::App& program) {
       "Of rasters of heights (.tif, .asc, .hgt, .png, ...) and scattered points (.las, .xyz, ...)\n"
       "there is a TIN: no sample is farther from it, vertically, than --max-error. Of .lode files "
       "of\n"
-      "rasters, and with --model delaunay_pyramid, that may hold in a --box X0,X1,Y0,Y1 alone, or\n"
-      "vary. OUT may end in .tif, too: the TIN's heights on the raster's own grid, or on one of\n"
+      "rasters, and with --model delaunay_pyramid, that may hold in a --box X0,X1,Y0,Y1 alone,\n"
+      "vary, or be in pixels of a picture through the --view of a camera that lode render writes,\n"
+      "in metres from the raster's middle. OUT may end in .tif, too: the TIN's heights on the "
+      "raster's own grid, or on one of\n"
       "pixels of --cell; within --max-error of every sample also after rounding.\n\n"
       "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
       "  lode extract dem.tif dem.ply --max-error 10\n"
       "  lode extract dem.tif near.tif --max-error 10 --difference less.tif\n"
       "  lode extract survey.las ground.tif --class 2 --max-error 0.1 --cell 1\n"
       "  lode extract dem.lode dem.ply --max-error 1 --focus-point 562000,5117000 --growth 0.002\n"
+      "  lode extract dem.lode seen.ply --view camera.json --max-error-px 1\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-error 0 --style cubes\n"
       "  lode extract scan.lode seen.ply --isovalue 1200 --view camera.json --max-error-px 1\n"
       "  lode extract scan.lode bone.ply --isovalue 1200 --max-distance 0.5\n"

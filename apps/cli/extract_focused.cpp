@@ -93,12 +93,7 @@ void warn_of_focused(Session& session, const FocusedReport& report, const Surfac
 
 Result<void> check_focused_job(const MeshJob& job) {
   LODE_CHECK(to_focused_options(job.query, job.extraction));
-  if (!job.query.view_size.empty()) {
-    LODE_TRY(const auto size, parse_dims("--view-size", job.query.view_size, 16384));
-    if (size.size() != 2)
-      return fail("--view-size: expected width and height as 1920x1080, got '{}'",
-                  job.query.view_size);
-  }
+  LODE_CHECK(to_view(job.query));
   LODE_CHECK(check_surface_extension(job.output));
   LODE_CHECK(check_reading_options(job.reading, job.input));
   if (job.query.view.empty()) return check_paths_differ({job.input}, {job.output});

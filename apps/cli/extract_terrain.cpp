@@ -24,22 +24,14 @@ struct TerrainAnswer {
   std::optional<TerrainRasterReport> raster{};
 };
 
-/// Null without one.
-Json focus_json(const std::optional<TerrainFocus>& focus) {
-  if (!focus) return nullptr;
-  Json json;
-  json["boxes"] = Json::array();
-  for (const PlaceBox& box : focus->boxes)
-    json["boxes"].push_back({box.lower[0], box.upper[0], box.lower[1], box.upper[1]});
-  json["point"] = nullptr;
-  json["growth"] = nullptr;
-  if (focus->point) {
-    json["point"] = {(*focus->point)[0], (*focus->point)[1]};
-    json["growth"] = focus->growth;
-  }
-  json["max_error_outside"] =
-      focus->max_error_outside ? Json(*focus->max_error_outside) : Json(nullptr);
-  return json;
+/// Whether max_error holds somewhere: there may be pixels of a view alone.
+bool has_tolerance(const std::optional<TerrainFocus>& focus) {
+  return !focus || focus->has_place() || focus->view->has_tolerance;
+}
+
+/// Pixels, if there are some that can be told.
+Json pixels_json(const std::optional<double>& pixels) {
+  return pixels && std::isfinite(*pixels) ? Json(*pixels) : Json(nullptr);
 }
 
 Json answer_json(const TerrainAnswer& answer, Table& table, const Session& session) {
@@ -54,9 +46,13 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   if (!is_on_squares(answer.opened.model) && !is_hierarchy(answer.opened.model))
     json["insertion"] = answer.is_strict ? "strict" : "levels";
   json["is_uniform"] = report.is_uniform;
-  json["focus"] = focus_json(answer.options.focus);
-  json["max_error"] = report.max_error;
+  const auto& focus = answer.options.focus;
+  json["focus"] = focus_json(focus, report.view);
+  json["max_error"] = has_tolerance(focus) ? Json(report.max_error) : Json(nullptr);
   json["max_error_is_default"] = answer.job.max_error.empty();
+  json["max_error_px"] = pixels_json(report.view ? report.view->max_error_px : std::nullopt);
+  json["achieved_px"] =
+      pixels_json(report.view ? std::optional(report.view->achieved_px) : std::nullopt);
   json["achieved_error"] = report.achieved_error;
   json["error_kind"] = "at samples";
   json["error_met"] = report.is_within_error;
@@ -93,8 +89,10 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
   const char* why = !answer.job.max_error.empty()         ? "as asked"
                     : !answer.job.query.max_cells.empty() ? "the triangles decide"
                                                           : "default: 0.5 % of the range";
-  table.add({"max error", fmt::format("{} ({}){}", format_number(report.max_error), why,
-                                      report.is_uniform ? "" : ", in the focus")});
+  if (has_tolerance(answer.options.focus))
+    table.add({"max error", fmt::format("{} ({}){}", format_number(report.max_error), why,
+                                        report.is_uniform ? "" : ", in the focus")});
+  if (report.view) add_view_rows(*answer.options.focus, *report.view, table);
   table.add({"achieved error", fmt::format("{} at samples", format_number(report.achieved_error))});
   table.add({"triangles", format_count(report.triangles)});
   table.add({"vertices", format_count(report.vertices)});
@@ -107,8 +105,12 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
 
 std::string summary_of(const TerrainReport& report, const OpenedTerrain& opened) {
   const std::string& unit = opened.facts.frame.vertical_unit;
-  return fmt::format("Lode {}: {}, max_error {}, achieved_error {} at samples{}", LODE_VERSION,
-                     name_of(opened.model), report.max_error, report.achieved_error,
+  const std::string tolerance =
+      report.view && report.view->max_error_px
+          ? fmt::format("max_error_px {} in view", *report.view->max_error_px)
+          : fmt::format("max_error {}", report.max_error);
+  return fmt::format("Lode {}: {}, {}, achieved_error {} at samples{}", LODE_VERSION,
+                     name_of(opened.model), tolerance, report.achieved_error,
                      unit.empty() ? "" : " " + unit);
 }
 
@@ -136,14 +138,17 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
                              : opened.lines.has_value() ? "the outline with its lines"
                                                         : "the outline alone",
                              report.triangles));
-  if (opened.model == TerrainModel::surface_quadtree && !report.is_within_error)
+  if (report.view) {
+    warn_of_view(*report.view, opened.model, opened.terrain.origin().finest_error(), session);
+    warn_of_unit(report.view->is_vertical_unit_known, opened.facts.frame, job.input, session);
+  } else if (opened.model == TerrainModel::surface_quadtree && !report.is_within_error)
     session.warn(
         fmt::format("the tolerance holds for bilinear squares; their triangles err by up to {}",
                     format_number(report.achieved_error)));
   else if (!job.max_error.empty() && !report.is_within_error)
     session.warn(fmt::format("--max-error is not met: --max-cells allows {} only",
                              format_number(report.achieved_error)));
-  if (!report.is_uniform && report.is_focus_empty)
+  if (!report.is_uniform && report.is_focus_empty && !report.view)
     session.warn("the focus meets no triangle that could be finer: is it in the terrain's CRS?");
 }
 
@@ -166,10 +171,14 @@ std::vector<double> levels_above(const std::optional<double>& finest) {
 Result<Wanted> to_wanted(const TerrainJob& job) {
   Wanted wanted;
   LODE_TRY(wanted.options, to_terrain_options(job.max_error, job.query.max_cells, job.terrain));
-  LODE_TRY(wanted.options.focus, to_terrain_focus(job.query, job.focus));
+  LODE_TRY(wanted.options.focus, to_terrain_focus(job.query, job.focus, job.max_error));
   // Nothing finer is asked for; a number of triangles may take all samples.
   std::optional<double> finest = wanted.options.max_error;
   if (!finest && wanted.options.max_cells) finest = 0;
+  // Pixels may take any tolerance.
+  if (wanted.options.focus && wanted.options.focus->view &&
+      wanted.options.focus->view->max_error_px)
+    finest = 0;
   if (finest && wanted.options.focus && wanted.options.focus->max_error_outside)
     finest = std::min(*finest, *wanted.options.focus->max_error_outside);
   LODE_TRY(wanted.building, to_build_options(job.terrain, finest));
@@ -274,10 +283,11 @@ Result<TerrainOptions> to_terrain_options(const std::string& max_error,
 }
 
 Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
-  LODE_CHECK(check_only_terrain(
-      app, job.input,
-      {"--max-error", "--max-cells", "--model", "--insertion", "--box", "--focus-point", "--growth",
-       "--max-error-outside", "--cell", "--difference"}));
+  LODE_CHECK(
+      check_only_terrain(app, job.input,
+                         {"--max-error", "--max-cells", "--model", "--insertion", "--box",
+                          "--focus-point", "--growth", "--view", "--view-size", "--max-error-px",
+                          "--exaggeration", "--max-error-outside", "--cell", "--difference"}));
   LODE_CHECK(check_terrain_model(job.input, job.terrain, job.reading));
   if (!is_geotiff_path(job.output)) LODE_CHECK(check_terrain_surface(job.output));
   LODE_CHECK(check_raster_arguments(job.raster, job.input, job.output));
@@ -289,21 +299,28 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
         "ternary_triangulation can vary, and so can a .lode file that `lode build` makes",
         job.input);
   if (wanted.options.focus && wanted.options.max_cells)
-    return fail("--max-cells: expected no --box or --focus-point with it");
+    return fail("--max-cells: expected no --box, --focus-point or --view with it");
   LODE_CHECK(check_terrain_reading(job.input, job.terrain, job.reading));
   std::vector<std::string> outputs{job.output};
   if (!job.raster.difference.empty()) outputs.push_back(job.raster.difference);
-  return check_paths_differ({job.input}, outputs);
+  return check_paths_differ(
+      job.query.view.empty() ? std::vector{job.input} : std::vector{job.input, job.query.view},
+      outputs);
 }
 
 Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_TRY(Wanted wanted, to_wanted(job));
   TerrainOptions& options = wanted.options;
+  const bool has_view = options.focus && options.focus->view;
+  if (has_view) {
+    LODE_TRY(options.focus->view->view, read_view(job.query));
+  }
   LODE_CHECK(check_writable(job.output));
   if (!job.raster.difference.empty()) LODE_CHECK(check_writable(job.raster.difference));
   const Stopwatch read_watch;
   LODE_TRY(const OpenedTerrain opened, open_terrain(job.input, job.terrain, job.reading,
                                                     wanted.building, options.max_error, session));
+  if (has_view) LODE_CHECK(check_upwards(opened.facts.frame, job.input));
   if (options.focus) {
     LODE_TRY(options.focus->metric,
              naming(job.input, read_metric(opened.facts.frame.crs), session));

@@ -142,22 +142,32 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "Accurate where a camera sees it (as render --save-camera writes them)");
   add("--view-size", arguments.view_size, "WxH", "Pixels of the view (default: 1920x1080)");
   add("--max-error-px", arguments.max_error_px, "P",
-      "Tolerance in pixels of the view, by an estimate of distances");
+      "Tolerance in pixels of the view, by an estimate of distances; of terrain a bound, of "
+      "vertical errors");
   add("--max-error-outside", arguments.max_error_outside, "E",
-      "Tolerance outside the focus, in the unit of the other (default: any)");
+      "Tolerance outside the focus, in the unit of the other, or of terrain's heights (default: "
+      "any)");
   add("--max-cells", arguments.max_cells, "N",
       "At most N simplices, before clipping; without --max-error, as accurate as they allow");
   add("--deadline-ms", arguments.deadline_ms, "T",
       "The best answer that is ready T milliseconds after the file is open");
 }
 
-Result<View> read_view(const QueryArguments& arguments) {
+Result<View> to_view(const QueryArguments& arguments) {
   View view;
-  LODE_TRY(view.camera, read_camera(arguments.view));
   if (arguments.view_size.empty()) return view;
   LODE_TRY(const auto size, parse_dims("--view-size", arguments.view_size, 16384));
+  if (size.size() != 2)
+    return fail("--view-size: expected width and height as 1920x1080, got '{}'",
+                arguments.view_size);
   view.width = static_cast<int>(size[0]);
   view.height = static_cast<int>(size[1]);
+  return view;
+}
+
+Result<View> read_view(const QueryArguments& arguments) {
+  LODE_TRY(View view, to_view(arguments));
+  LODE_TRY(view.camera, read_camera(arguments.view));
   return view;
 }
 

@@ -48,7 +48,9 @@ void add_query_options(CLI::App& app, QueryArguments& arguments);
 /// deadlines of all kinds.
 [[nodiscard]] Result<void> check_unused(const QueryArguments& arguments, bool is_of_cells);
 
-/// The camera of --view, from its file.
+/// What --view-size says, without the camera.
+[[nodiscard]] Result<View> to_view(const QueryArguments& arguments);
+/// With the camera of --view, from its file.
 [[nodiscard]] Result<View> read_view(const QueryArguments& arguments);
 /// Of --deadline-ms, in seconds.
 [[nodiscard]] Result<std::optional<double>> to_deadline(const QueryArguments& arguments);

@@ -143,11 +143,7 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
       const Image image,
       naming(job.input, draw_terrain(opened.terrain, metric, options, report, session.progress()),
              session));
-  if (!report.is_vertical_unit_known)
-    session.warn(fmt::format("{}: heights are taken for metres, as the file {}", job.input,
-                             opened.facts.frame.vertical_unit.empty()
-                                 ? "does not say their unit"
-                                 : "says a unit that is not known"));
+  warn_of_unit(report.is_vertical_unit_known, opened.facts.frame, job.input, session);
   OutputSet outputs(outputs_of(job));
   LODE_CHECK(write_png(image, job.output));
   outputs.add(job.output);

@@ -1,6 +1,9 @@
 #include "terrain_focus_options.h"
 
+#include <cmath>
+
 #include "parse.h"
+#include "render_tetra.h"
 
 namespace lode::cli {
 namespace {
@@ -29,6 +32,37 @@ Result<void> add_point(const TerrainFocusArguments& arguments, TerrainFocus& foc
   return {};
 }
 
+/// In the view hold pixels, and --max-error where that is not for places, or nothing else is said.
+Result<void> add_view(const QueryArguments& query, const TerrainFocusArguments& arguments,
+                      const std::string& max_error, TerrainFocus& focus) {
+  if (query.view.empty()) {
+    for (const auto& [name, is_set] : {std::pair{"--view-size", !query.view_size.empty()},
+                                       {"--max-error-px", !query.max_error_px.empty()},
+                                       {"--exaggeration", !arguments.exaggeration.empty()}})
+      if (is_set) return fail("{}: expected --view with it", name);
+    return {};
+  }
+  TerrainView& wanted = focus.view.emplace();
+  LODE_TRY(wanted.view, to_view(query));
+  if (!query.max_error_px.empty()) {
+    LODE_TRY(wanted.max_error_px, parse_number("--max-error-px", query.max_error_px));
+    if (*wanted.max_error_px < 0)
+      return fail("--max-error-px: expected a number >= 0, got '{}'", query.max_error_px);
+  }
+  if (!arguments.exaggeration.empty()) {
+    LODE_TRY(wanted.exaggeration, parse_number("--exaggeration", arguments.exaggeration));
+    if (!(*wanted.exaggeration > 0))
+      return fail("--exaggeration: expected a number > 0, got '{}'", arguments.exaggeration);
+  }
+  wanted.has_tolerance = !wanted.max_error_px || (!max_error.empty() && !focus.has_place());
+  return {};
+}
+
+std::string describe_achieved(double pixels) {
+  return std::isfinite(pixels) ? fmt::format("{} pixels", format_number(pixels))
+                               : "any number of pixels, as triangles reach to the camera";
+}
+
 }  // namespace
 
 void add_terrain_focus_options(CLI::App& app, TerrainFocusArguments& arguments) {
@@ -42,16 +76,23 @@ void add_terrain_focus_options(CLI::App& app, TerrainFocusArguments& arguments) 
                  "coordinates are angles)")
       ->type_name("G")
       ->group(group);
+  app.add_option("--exaggeration", arguments.exaggeration,
+                 "Of terrain: heights count so many times in the --view (default: as in lode "
+                 "render)")
+      ->type_name("X")
+      ->group(group);
 }
 
 Result<std::optional<TerrainFocus>> to_terrain_focus(const QueryArguments& query,
-                                                     const TerrainFocusArguments& arguments) {
+                                                     const TerrainFocusArguments& arguments,
+                                                     const std::string& max_error) {
   TerrainFocus focus;
   for (const std::string& text : query.boxes) {
     LODE_TRY(const PlaceBox box, parse_place_box(text));
     focus.boxes.push_back(box);
   }
   LODE_CHECK(add_point(arguments, focus));
+  LODE_CHECK(add_view(query, arguments, max_error, focus));
   if (!query.max_error_outside.empty()) {
     LODE_TRY(const double outside, parse_number("--max-error-outside", query.max_error_outside));
     if (outside < 0)
@@ -60,8 +101,59 @@ Result<std::optional<TerrainFocus>> to_terrain_focus(const QueryArguments& query
   }
   if (!focus.is_empty()) return std::optional(std::move(focus));
   if (focus.max_error_outside)
-    return fail("--max-error-outside: expected --box or --focus-point with it");
+    return fail("--max-error-outside: expected --box, --focus-point or --view with it");
   return std::optional<TerrainFocus>();
+}
+
+Json focus_json(const std::optional<TerrainFocus>& focus,
+                const std::optional<TerrainViewReport>& report) {
+  if (!focus) return nullptr;
+  Json json;
+  json["boxes"] = Json::array();
+  for (const PlaceBox& box : focus->boxes)
+    json["boxes"].push_back({box.lower[0], box.upper[0], box.lower[1], box.upper[1]});
+  json["point"] = nullptr;
+  json["growth"] = nullptr;
+  if (focus->point) {
+    json["point"] = {(*focus->point)[0], (*focus->point)[1]};
+    json["growth"] = focus->growth;
+  }
+  json["view"] = nullptr;
+  if (focus->view && report)
+    json["view"] = {
+        {"camera", camera_json(focus->view->view.camera)},
+        {"size", fmt::format("{}x{}", focus->view->view.width, focus->view->view.height)},
+        {"exaggeration", report->exaggeration},
+        {"exaggeration_is_default", !focus->view->exaggeration.has_value()},
+        {"height_unit_is_known", report->is_vertical_unit_known},
+        {"shown_triangles", report->n_shown}};
+  json["max_error_outside"] =
+      focus->max_error_outside ? Json(*focus->max_error_outside) : Json(nullptr);
+  return json;
+}
+
+void add_view_rows(const TerrainFocus& focus, const TerrainViewReport& report, Table& table) {
+  if (report.max_error_px)
+    table.add({"max error in view", format_number(*report.max_error_px) + " pixels"});
+  table.add({"achieved in view", describe_achieved(report.achieved_px)});
+  table.add({"heights in view", fmt::format("{} times{}", format_number(report.exaggeration),
+                                            focus.view->exaggeration ? "" : " (default)")});
+  table.add({"in view", fmt::format("{} triangles", format_count(report.n_shown))});
+}
+
+void warn_of_view(const TerrainViewReport& report, TerrainModel model, double finest_error,
+                  Session& session) {
+  if (report.n_shown == 0)
+    session.warn(
+        "the view shows no terrain: cameras are in metres from the raster's middle, as lode render "
+        "--save-camera writes them");
+  if (report.is_within_error()) return;
+  session.warn(fmt::format(
+      "--max-error-px is not met: {}, of up to {}",
+      model == TerrainModel::surface_quadtree
+          ? "it holds for bilinear squares; their triangles show errors"
+          : fmt::format("the model, built within {}, shows errors", format_number(finest_error)),
+      describe_achieved(report.achieved_px)));
 }
 
 }  // namespace lode::cli

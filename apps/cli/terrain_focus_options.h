@@ -13,14 +13,30 @@ namespace lode::cli {
 struct TerrainFocusArguments {
   std::string point;
   std::string growth;
+  std::string exaggeration;  ///< Of the view's picture.
 
-  [[nodiscard]] bool is_empty() const { return point.empty() && growth.empty(); }
+  [[nodiscard]] bool is_empty() const {
+    return point.empty() && growth.empty() && exaggeration.empty();
+  }
 };
 
 void add_terrain_focus_options(CLI::App& app, TerrainFocusArguments& arguments);
 
-/// Where the tolerance holds; nothing where it does everywhere. The metric is left to the caller.
+/// Where the tolerance holds; nothing where it does everywhere. The metric and the view's camera,
+/// which is in a file, are left to the caller. `max_error`: as typed; empty: not given.
 [[nodiscard]] Result<std::optional<TerrainFocus>> to_terrain_focus(
-    const QueryArguments& query, const TerrainFocusArguments& arguments);
+    const QueryArguments& query, const TerrainFocusArguments& arguments,
+    const std::string& max_error);
+
+/// Null without one. `report`: of a focus with a view.
+[[nodiscard]] Json focus_json(const std::optional<TerrainFocus>& focus,
+                              const std::optional<TerrainViewReport>& report);
+
+/// Rows of what is seen.
+void add_view_rows(const TerrainFocus& focus, const TerrainViewReport& report, Table& table);
+
+/// Says where the view shows nothing, or the model is not as fine as it would take.
+void warn_of_view(const TerrainViewReport& report, TerrainModel model, double finest_error,
+                  Session& session);
 
 }  // namespace lode::cli

@@ -72,6 +72,14 @@ Result<TerrainAnswerer> answer_terrain(const TerrainQueryArguments& arguments, S
                          input.read_seconds};
 }
 
+void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& path,
+                  Session& session) {
+  if (is_known) return;
+  session.warn(fmt::format(
+      "{}: heights are taken for metres, as the file {}", path,
+      frame.vertical_unit.empty() ? "does not say their unit" : "says a unit that is not known"));
+}
+
 void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArguments& arguments,
                       Json& json, Table& table) {
   const TerrainReport& report = answerer.tin.report();

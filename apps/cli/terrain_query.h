@@ -50,6 +50,10 @@ using AcceptTerrain = std::function<Result<void>(const TerrainFacts&)>;
                                                      Session& session,
                                                      const AcceptTerrain& accept = {});
 
+/// Warns that heights are taken for metres, where their unit is not known.
+void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& path,
+                  Session& session);
+
 /// The keys and rows that all answers begin with.
 void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArguments& arguments,
                       Json& json, Table& table);

@@ -193,7 +193,6 @@ TEST_P(cli_terrain_model, refuses_what_it_cannot_keep) {
                  {"delaunay_pyramid", "ternary_triangulation", "got 'quaternary'"});
   expect_refusal(run_lode({"verify", model_, "--surface", out}), 2, {"--surface"});
   expect_refusal(run_lode({"extract", model_, out, "--nodata", "5"}), 2, {"--nodata"});
-  expect_refusal(run_lode({"extract", model_, out, "--view", "camera.json"}), 2, {"--view"});
   if (!is_implicit())
     expect_refusal(run_lode({"extract", model_, out, "--max-error", "10", "--box", "1,2,3,4",
                              "--max-error-outside", "0.1"}),
