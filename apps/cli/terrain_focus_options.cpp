@@ -1,6 +1,7 @@
 #include "terrain_focus_options.h"
 
 #include <cmath>
+#include <utility>
 
 #include "parse.h"
 #include "render_tetra.h"

@@ -5,7 +5,9 @@
 #include <string>
 
 #include "input.h"
+#include "lode/api/terrain.h"
 #include "query_options.h"
+#include "text.h"
 
 namespace lode::cli {
 
