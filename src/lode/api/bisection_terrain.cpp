@@ -63,10 +63,12 @@ Result<SelectedTerrain> BisectionTerrain::select(const TerrainOptions& options,
   report.max_error = default_tolerance(options, source().range);
   if (options.focus) {
     if (options.max_cells) return fail("expected a focus or a number of triangles, got both");
-    LODE_TRY(const Demand demand, to_demand(*options.focus, report.max_error));
+    LODE_TRY(const TerrainDemand focus,
+             TerrainDemand::make(*options.focus, report.max_error, source().frame, source().range));
     selected.tin = tin_of(model_.tree, model_.grid,
-                          select_nodes(model_.tree, model_.grid, source().range, demand));
+                          select_nodes(model_.tree, model_.grid, source().range, focus.demand()));
     report.is_uniform = false;
+    report.view = focus.measure(selected.tin, source().frame);
     const auto n = static_cast<std::uint64_t>(selected.tin.triangles.size());
     report.is_focus_empty = count_triangles(model_.tree, kNoTolerance, n) == n &&
                             count_triangles(model_.tree, 0, n) > n;
@@ -79,7 +81,8 @@ Result<SelectedTerrain> BisectionTerrain::select(const TerrainOptions& options,
   report.triangles = selected.tin.triangles.size();
   report.vertices = selected.tin.vertices.size();
   report.achieved_error = largest_error(selected.tin);
-  report.is_within_error = options.focus || report.achieved_error <= report.max_error;
+  report.is_within_error = options.focus ? !report.view || report.view->is_within_error()
+                                         : report.achieved_error <= report.max_error;
   report.n_samples = source().n_samples;
   report.n_missing = source().n_missing;
   report.n_left_out = source().n_left_out;
