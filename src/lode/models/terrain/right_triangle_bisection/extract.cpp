@@ -1,69 +1,43 @@
 #include "lode/models/terrain/right_triangle_bisection/extract.h"
 
-#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "lode/models/terrain/right_triangle_bisection/sample_numbers.h"
 #include "lode/models/terrain/right_triangle_bisection/walk.h"
 
 namespace lode::bisection {
 namespace {
 
-using Corners = std::array<std::uint32_t, 3>;
-
-/// Triangles between samples, by their indices.
+/// Triangles between samples, by their indices, and the samples that are corners of some.
 struct Collected {
-  std::vector<Corners> corners;
+  std::vector<SampleCorners> corners;
   std::vector<float> errors;
+  SampleMarks marks;
 };
-
-/// A bit for each sample: numbers corners in rows, and puts the numbers for the indices.
-std::vector<std::uint32_t> number_corners(std::size_t n_indices, std::vector<Corners>& triangles) {
-  std::vector<std::uint64_t> words(n_indices / 64 + 1, 0);
-  for (const Corners& corners : triangles)
-    for (const std::uint32_t i : corners) words[i / 64] |= std::uint64_t{1} << (i % 64);
-  std::vector<std::uint32_t> n_before(words.size());
-  std::uint32_t n = 0;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    n_before[i] = n;
-    n += static_cast<std::uint32_t>(std::popcount(words[i]));
-  }
-  std::vector<std::uint32_t> used;
-  used.reserve(n);
-  for (std::size_t i = 0; i < words.size(); ++i)
-    for (std::uint64_t word = words[i]; word != 0; word &= word - 1)
-      used.push_back(static_cast<std::uint32_t>(64 * i) +
-                     static_cast<std::uint32_t>(std::countr_zero(word)));
-  for (Corners& corners : triangles)
-    for (std::uint32_t& i : corners) {
-      const std::uint64_t below = words[i / 64] & ((std::uint64_t{1} << (i % 64)) - 1);
-      i = n_before[i / 64] + static_cast<std::uint32_t>(std::popcount(below));
-    }
-  return used;
-}
 
 delaunay::Tin to_tin(const Bisection& bisection, const HeightGrid& grid, Collected&& collected) {
   delaunay::Tin tin;
-  const auto stride = static_cast<std::uint32_t>(bisection.lattice().stride());
-  const auto used =
-      number_corners(stride * static_cast<std::size_t>(grid.n_rows), collected.corners);
+  const std::vector<std::uint32_t> used = number_samples(collected.marks, collected.corners);
   tin.triangles = std::move(collected.corners);
   tin.errors = std::move(collected.errors);
   tin.vertices.reserve(used.size());
   tin.heights.reserve(used.size());
-  std::visit(
-      [&](const auto& samples) {
-        for (const std::uint32_t i : used) {
-          const auto x = static_cast<std::int32_t>(i % stride);
-          const auto y = static_cast<std::int32_t>(i / stride);
-          tin.vertices.push_back({x, y});
-          tin.heights.push_back(
-              static_cast<double>(samples[static_cast<std::size_t>(y * grid.stride + x)]));
-        }
-      },
-      grid.heights);
+  const auto stride = static_cast<std::uint32_t>(bisection.lattice().stride());
+  const auto add_vertices = [&](const auto& samples) {
+    std::int32_t y = 0;
+    std::uint32_t row = 0;
+    for (const std::uint32_t i : used) {
+      for (; i - row >= stride; row += stride) ++y;
+      const auto x = static_cast<std::int32_t>(i - row);
+      tin.vertices.push_back({x, y});
+      tin.heights.push_back(
+          static_cast<double>(samples[static_cast<std::size_t>(y * grid.stride + x)]));
+    }
+  };
+  std::visit(add_vertices, grid.heights);
   return tin;
 }
 
@@ -95,30 +69,48 @@ class InDomain {
   std::int64_t stride_;
 };
 
+struct PassNone {
+  void operator()(std::int64_t /*sample*/) const {}
+};
+
 /// visit(a, b, c, node) of all triangles in the domain.
 template <typename IsRefined, typename Visit>
 void walk_domain(const Bisection& bisection, const IsRefined& is_refined, const Visit& visit) {
   if (bisection.is_whole()) {
-    Walk(bisection.lattice(), is_refined, visit).all();
+    Walk(bisection.lattice(), is_refined, visit, PassNone()).all();
     return;
   }
   const InDomain is_in_domain(bisection);
   const auto visit_if = [&](std::int64_t a, std::int64_t b, std::int64_t c, std::int64_t node) {
     if (is_in_domain(a, b, c)) visit(a, b, c, node);
   };
-  Walk(bisection.lattice(), is_refined, visit_if).all();
+  Walk(bisection.lattice(), is_refined, visit_if, PassNone()).all();
 }
 
 template <typename IsRefined>
 Collected collect(const Bisection& bisection, const IsRefined& is_refined) {
-  Collected collected;
-  walk_domain(
-      bisection, is_refined,
-      [&](std::int64_t a, std::int64_t b, std::int64_t c, std::int64_t node) {
-        collected.corners.push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b),
-                                     static_cast<std::uint32_t>(c)});
-        collected.errors.push_back(node < 0 ? 0.0F : bisection.errors()[node]);
-      });
+  const Lattice& lattice = bisection.lattice();
+  Collected collected{{}, {}, SampleMarks(lattice.stride() * (std::int64_t{lattice.last().y} + 1))};
+  const float* errors = bisection.errors();
+  const auto add = [&](std::int64_t a, std::int64_t b, std::int64_t c, std::int64_t node) {
+    collected.corners.push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b),
+                                 static_cast<std::uint32_t>(c)});
+    collected.errors.push_back(node < 0 ? 0.0F : errors[node]);
+  };
+  if (!bisection.is_whole()) {
+    // Refined nodes beyond the outline are no corners.
+    walk_domain(bisection, is_refined,
+                [&](std::int64_t a, std::int64_t b, std::int64_t c, std::int64_t node) {
+                  add(a, b, c, node);
+                  for (const std::int64_t i : {a, b, c}) collected.marks.add(i);
+                });
+    return collected;
+  }
+  for (const LatticePoint corner :
+       {LatticePoint{0, 0}, {lattice.last().x, 0}, {0, lattice.last().y}, lattice.last()})
+    collected.marks.add(static_cast<std::int64_t>(lattice.index(corner)));
+  const auto mark = [&](std::int64_t i) { collected.marks.add(i); };
+  Walk(lattice, is_refined, add, mark).all();
   return collected;
 }
 

@@ -25,14 +25,15 @@ struct LatticeTriangle {
 /// Goes through the triangles of a mesh, from left to right in the two binary trees that bisection
 /// makes. is_refined(i) says whether the node of index i of the lattice is, nodes that it waits for
 /// being so, too; visit(a, b, c, i) gets the corners as indices of samples, and of the node that
-/// was not refined, or kNoNode.
-template <typename IsRefined, typename Visit>
+/// was not refined, or kNoNode; pass(i) the indices of the samples that refined nodes stand on,
+/// once or twice each.
+template <typename IsRefined, typename Visit, typename Pass>
 class Walk {
  public:
   static constexpr std::int64_t kNoNode = -1;
 
-  Walk(const Lattice& lattice, const IsRefined& is_refined, const Visit& visit)
-      : lattice_(lattice), is_refined_(is_refined), visit_(visit) {}
+  Walk(const Lattice& lattice, const IsRefined& is_refined, const Visit& visit, const Pass& pass)
+      : lattice_(lattice), is_refined_(is_refined), visit_(visit), pass_(pass) {}
 
   void all() const {
     for (const LatticeTriangle& root : roots(lattice_)) under(root, 2 * (lattice_.n_levels() - 1));
@@ -55,6 +56,7 @@ class Walk {
     }
     const std::int64_t middle = index(t.middle());
     if (depth > 0 && is_refined_(middle)) {
+      pass_(index(lattice_.place(t.middle())));
       under(t.left(), depth - 1);
       under(t.right(), depth - 1);
     } else {
@@ -70,6 +72,7 @@ class Walk {
   /// Of corners that are samples, whose node is refined.
   void within(std::int64_t a, std::int64_t b, std::int64_t c, std::int64_t middle,
               int depth) const {
+    pass_(middle);
     if (depth == 1) {
       visit_(c, a, middle, kNoNode);
       visit_(b, c, middle, kNoNode);
@@ -90,6 +93,7 @@ class Walk {
   const Lattice& lattice_;
   const IsRefined& is_refined_;
   const Visit& visit_;
+  const Pass& pass_;
 };
 
 }  // namespace lode::bisection
