@@ -6,20 +6,29 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "bench/data_directory.h"
 #include "bench/timing.h"
+#include "lode/api/built_terrain.h"
 #include "lode/api/files.h"
+#include "lode/api/picture_frame.h"
+#include "lode/api/terrain_selection.h"
+#include "lode/io/crs_metric.h"
 #include "lode/models/terrain/right_triangle_bisection/extract.h"
+#include "lode/models/terrain/right_triangle_bisection/locate.h"
 #include "tests/oracles/fractal_terrain.h"
 
 namespace lode::bench {
 namespace {
 
 using bisection::Bisection;
+using bisection::find_triangle;
+using bisection::height_in;
 
 struct Settings {
   int n_runs = 21;
@@ -57,6 +66,30 @@ void measure(const std::string& name, const HeightGrid& grid, const std::vector<
                 [&] { return tin_within(*built, grid, tolerance).triangles.size(); });
 }
 
+/// Heights at random places from the errors alone, one thread: millions a second.
+void ask_heights(const std::string& name, const HeightGrid& grid, double tolerance) {
+  constexpr int kPlaces = 1'000'000;
+  Progress progress;
+  const auto tree = Bisection::build(grid, {}, progress);
+  if (!tree) return;
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> column(0, grid.n_columns - 1);
+  std::uniform_real_distribution<double> row(0, grid.n_rows - 1);
+  std::vector<std::array<double, 2>> places(kPlaces);
+  for (auto& place : places) place = {column(random), row(random)};
+  double sum = 0;
+  const double seconds = median_seconds([&] {
+    const auto start = Clock::now();
+    for (const auto& [x, y] : places)
+      if (const auto found = find_triangle(*tree, tolerance, x, y))
+        sum += height_in(*found, grid, x, y);
+    return seconds_since(start);
+  });
+  fmt::print("{:44} {:>10.3f} million heights a second (mean {:.3f})\n",
+             fmt::format("{}: heights within {}", name, tolerance), kPlaces / seconds / 1e6,
+             sum / 7 / kPlaces);
+}
+
 void measure_file(const std::string& name, const HeightReadOptions& options,
                   const std::vector<double>& tolerances, const Settings& settings) {
   const auto path = data_directory() / "terrain" / name;
@@ -83,6 +116,51 @@ HeightGrid closed_fractal(std::int32_t side, std::uint64_t seed) {
   return grid;
 }
 
+/// A flight over etopo5 from the Atlantic to the Himalaya, down from 3000 to 150 km of its picture
+/// with heights ten times: each frame's mesh within a pixel of 1920 x 1080, made anew.
+void fly(const HeightGrid& grid, const std::string& name, double exaggeration,
+         const Settings& settings) {
+  constexpr int kFrames = 100;
+  Progress progress;
+  const auto built = BuiltTerrain::build(
+      grid, {.model = TerrainModel::right_triangle_bisection, .levels = {0}}, progress);
+  const auto metric = io::read_metric(grid.crs);
+  if (!built || !metric) return;
+  const auto frame = picture_frame(grid, height_range(grid), *metric, exaggeration);
+  if (!frame) return;
+  std::vector<double> ms;
+  std::vector<double> n_triangles;
+  double worst_px = 0;
+  for (int i = 0; i < kFrames * std::max(1, settings.n_runs / 21); ++i) {
+    const double t = static_cast<double>(i % kFrames) / (kFrames - 1);
+    const double height = 3e6 * std::pow(150e3 / 3e6, t);
+    Vec3d target = frame->place(
+        {{-40 + 126 * t + 360 * (grid.to_world[0] >= 0 && -40 + 126 * t < 0), 10 + 18 * t}}, 0);
+    Camera camera;
+    camera.target = target;
+    camera.eye = target + Vec3d{{-1.2 * height, -0.4 * height, height}};
+    camera.field_of_view_deg = 45;
+    TerrainFocus focus;
+    focus.metric = *metric;
+    focus.view =
+        TerrainView{.view = {camera, 1920, 1080}, .exaggeration = exaggeration, .max_error_px = 1};
+    const auto start = Clock::now();
+    const auto made =
+        built->terrain().origin().select({.focus = focus}, delaunay::TinLinks::left_out, progress);
+    ms.push_back(1000 * seconds_since(start));
+    if (!made) {
+      fmt::print("{}: {}\n", name, made.error().message);
+      return;
+    }
+    n_triangles.push_back(static_cast<double>(made->report.triangles));
+    worst_px = std::max(worst_px, made->report.view->achieved_px);
+  }
+  fmt::print("{:44} {:>10.3f} {:>10.3f} {:>12}  most {:.1f} ms, {} triangles; worst {:.3f} px\n",
+             fmt::format("{}: frames of a flight, {} times", name, exaggeration), median(ms),
+             *std::ranges::min_element(ms), median(n_triangles), *std::ranges::max_element(ms),
+             *std::ranges::max_element(n_triangles), worst_px);
+}
+
 int run(const Settings& settings) {
   fmt::print("{:44} {:>10} {:>10} {:>12}\n", "", "median ms", "fastest ms", "triangles");
   measure_file("fuji_terrain_rgb_512x512.png", {.encoding = HeightEncoding::terrain_rgb},
@@ -92,6 +170,14 @@ int run(const Settings& settings) {
   const HeightGrid fractal = closed_fractal(4096, settings.seed);
   measure("fractal 4097^2", fractal, {655.35, 196.605, 65.535}, settings);
   measure_file("etopo5_4320x2161_int16.tif", {}, {1000, 100}, settings);
+  Progress progress;
+  const auto path = data_directory() / "terrain" / "etopo5_4320x2161_int16.tif";
+  if (const auto etopo = read_heights(path.string(), {}, progress)) {
+    for (const double tolerance : {1000.0, 100.0, 0.0})
+      ask_heights("etopo5", etopo->grid, tolerance);
+    for (const double exaggeration : {1.0, 10.0})
+      fly(etopo->grid, "etopo5", exaggeration, settings);
+  }
   return 0;
 }
 

@@ -313,6 +313,8 @@ TEST(right_triangle_bisection, finds_the_triangles_of_its_meshes) {
           EXPECT_TRUE(is_in(found->corners, {x, y})) << x << ", " << y;
           EXPECT_TRUE(all.contains(places_of(found->corners))) << x << ", " << y;
           EXPECT_LE(static_cast<double>(found->error), tolerance);
+          EXPECT_LE(std::abs(height_in(*found, c.grid, x, y) - c.grid.height(x, y)),
+                    static_cast<double>(found->error) + 1e-9);
         }
     }
   }

@@ -121,6 +121,16 @@ std::optional<MeshTriangle> find_triangle(const Bisection& bisection, double tol
   return found;
 }
 
+double height_in(const MeshTriangle& triangle, const HeightGrid& grid, double x, double y) {
+  const auto& [a, b, c] = triangle.corners;
+  const double in_a = doubled_area(b, c, {x, y});
+  const double in_b = doubled_area(c, a, {x, y});
+  const double in_c = doubled_area(a, b, {x, y});
+  return (in_a * grid.height(a.x, a.y) + in_b * grid.height(b.x, b.y) +
+          in_c * grid.height(c.x, c.y)) /
+         (in_a + in_b + in_c);
+}
+
 std::uint64_t count_in_window(const Bisection& bisection, double tolerance,
                               const delaunay::Window& window) {
   const Descent descent(bisection, tolerance);

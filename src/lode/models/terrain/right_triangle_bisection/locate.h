@@ -19,6 +19,10 @@ struct MeshTriangle {
 [[nodiscard]] std::optional<MeshTriangle> find_triangle(const Bisection& bisection,
                                                         double tolerance, double x, double y);
 
+/// Of its plane at a place in it; samples in it are not farther from that than its error.
+[[nodiscard]] double height_in(const MeshTriangle& triangle, const HeightGrid& grid, double x,
+                               double y);
+
 /// How many triangles of tin_within() meet a window: O(log n) and what is counted.
 [[nodiscard]] std::uint64_t count_in_window(const Bisection& bisection, double tolerance,
                                             const delaunay::Window& window);
