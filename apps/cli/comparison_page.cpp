@@ -108,6 +108,9 @@ std::string models_list(const TerrainComparison& comparison) {
     if (model.n_levels > 0) html += fmt::format("; {} levels", model.n_levels);
     if (model.memory_bytes)
       html += fmt::format("; {} of memory", format_bytes(*model.memory_bytes));
+    if (model.peak_bytes)
+      html += fmt::format("; building took {} at most", format_bytes(*model.peak_bytes));
+    if (model.file_bytes) html += fmt::format("; file of {}", format_bytes(*model.file_bytes));
     if (model.n_links) html += fmt::format("; {} links", format_count(*model.n_links));
     if (!model.refusal.empty())
       html += fmt::format("; <span class=\"no\">not run: {}</span>", escaped(model.refusal));
@@ -222,6 +225,8 @@ Json comparison_json(const TerrainComparison& comparison) {
     json["build_seconds"] = model.build_seconds ? Json(*model.build_seconds) : Json(nullptr);
     json["levels"] = model.n_levels > 0 ? Json(model.n_levels) : Json(nullptr);
     json["memory_bytes"] = model.memory_bytes ? Json(*model.memory_bytes) : Json(nullptr);
+    json["peak_build_bytes"] = model.peak_bytes ? Json(*model.peak_bytes) : Json(nullptr);
+    json["file_bytes"] = model.file_bytes ? Json(*model.file_bytes) : Json(nullptr);
     json["links"] = model.n_links ? Json(*model.n_links) : Json(nullptr);
     json["meshes"] = Json::array();
     for (const ComparedMesh& mesh : model.meshes) json["meshes"].push_back(mesh_json(mesh));

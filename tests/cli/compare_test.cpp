@@ -1,6 +1,7 @@
 // Comparisons of models of terrain, through the program.
 #include <gtest/gtest.h>
 
+#include "lode/api/terrain_model.h"
 #include "tests/cli/ball_fixture.h"
 #include "tests/cli/dem_fixture.h"
 #include "tests/cli/program.h"
@@ -22,6 +23,15 @@ TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
   EXPECT_EQ(models[0].at("meshes")[1].at("is_met"), true);
   EXPECT_EQ(models[2].at("name"), "delaunay_pyramid");
   EXPECT_EQ(models[2].at("links"), nullptr);
+  EXPECT_EQ(models[0].at("file_bytes"), nullptr);
+  for (const auto& model : models)
+    EXPECT_EQ(model.at("file_bytes").is_number(),
+              built_model_of(model.at("name").get<std::string>()).has_value());
+  const std::string file = scratch / "same.lode";
+  ASSERT_EQ(run_lode({"build", dem, file, "--levels", "50,10"}).exit_code, 0);
+  // But for what the raster's file says of it.
+  EXPECT_NEAR(models[2].at("file_bytes").get<double>(),
+              static_cast<double>(read_bytes(file).size()), 200);
   EXPECT_GT(models[5].at("links"), 0);
   EXPECT_EQ(models[6].at("name"), "ternary_triangulation");
   EXPECT_EQ(models[6].at("meshes")[1].at("hanging_vertices"), 0);

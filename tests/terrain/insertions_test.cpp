@@ -145,7 +145,7 @@ TEST(insertions, find_places_and_windows_as_a_search_does) {
     const History history = history_of(c.grid, 20, c.model);
     const HistoryLocator locator(history);
     const delaunay::Window window{{c.grid.n_columns / 4, c.grid.n_rows / 3},
-                        {c.grid.n_columns / 2, c.grid.n_rows / 3 + 2}};
+                                  {c.grid.n_columns / 2, c.grid.n_rows / 3 + 2}};
     for (const double tolerance : {500.0, 60.0, 20.0}) {
       const NodeSet nodes = nodes_within(history, tolerance);
       for (std::int32_t y = 0; y < c.grid.n_rows; ++y)
@@ -165,8 +165,8 @@ TEST(insertions, find_places_and_windows_as_a_search_does) {
         const auto& corner = history.triangles[t].corner;
         if (is_in_mesh(history, nodes, t) &&
             delaunay::meets_window({history.vertices[corner[0]], history.vertices[corner[1]],
-                          history.vertices[corner[2]]},
-                         window))
+                                    history.vertices[corner[2]]},
+                                   window))
           expected.push_back(t);
       }
       EXPECT_EQ(zoom_in(history, nodes, window), expected);

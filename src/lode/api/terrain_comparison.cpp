@@ -1,15 +1,21 @@
 #include "lode/api/terrain_comparison.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <new>
 #include <random>
+#include <string>
+#include <system_error>
 
+#include "lode/api/built_terrain.h"
 #include "lode/api/compared_terrain.h"
 #include "lode/core/out_of_memory.h"
+#include "lode/core/peak_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/delaunay/grid_domain.h"
 #include "lode/delaunay/tin_links.h"
@@ -74,6 +80,7 @@ class Comparison {
  private:
   Result<ComparedModel> compare(TerrainCandidate& model) {
     ComparedModel compared{.name = model.name(), .what = model.what()};
+    const PeakMemory memory;
     if (auto refusal = model.prepare(grid_, options_.tolerances, options_.threads, progress_);
         !refusal) {
       if (progress_.is_cancelled()) return cancelled_error();
@@ -81,6 +88,7 @@ class Comparison {
       return compared;
     }
     compared.build_seconds = model.build_seconds();
+    if (compared.build_seconds) compared.peak_bytes = memory.bytes();
     compared.n_levels = model.n_levels();
     compared.memory_bytes = model.memory_bytes();
     compared.n_links = model.n_links();
@@ -94,7 +102,25 @@ class Comparison {
       }
       compared.meshes.push_back(*mesh);
     }
+    if (const auto kind = built_model_of(compared.name)) {
+      LODE_TRY(compared.file_bytes, measure_file(*kind));
+    }
     return compared;
+  }
+
+  /// Builds it once more, for a file that is removed again.
+  Result<std::uint64_t> measure_file(TerrainModel kind) {
+    TerrainBuildOptions options{.model = kind, .levels = options_.tolerances};
+    std::ranges::sort(options.levels, std::greater());
+    options.levels.erase(std::unique(options.levels.begin(), options.levels.end()),
+                         options.levels.end());
+    LODE_TRY(const BuiltTerrain built, BuiltTerrain::build(grid_, options, progress_));
+    const std::string path = fmt::format(
+        "{}/lode-compare-{}.lode", std::filesystem::temp_directory_path().string(), ::getpid());
+    auto size = built.save(path, progress_);
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+    return size;
   }
 
   Result<ComparedMesh> measure(TerrainCandidate& model, double tolerance) {

@@ -61,7 +61,10 @@ struct ComparedModel {
   int n_levels = 0;                             ///< 0: it has none.
   std::optional<std::uint64_t> memory_bytes{};  ///< Of the model itself.
   std::optional<std::uint64_t> n_links{};       ///< Between levels.
-  std::vector<ComparedMesh> meshes{};           ///< By tolerance, as given.
+  /// That building took beside the raster, at most, as the system counts it; where it does.
+  std::optional<std::uint64_t> peak_bytes{};
+  std::optional<std::uint64_t> file_bytes{};  ///< Of a .lode file with these tolerances.
+  std::vector<ComparedMesh> meshes{};         ///< By tolerance, as given.
 };
 
 struct TerrainComparison {

@@ -10,15 +10,15 @@
 #include "lode/core/result.h"
 #include "lode/delaunay/predicates.h"
 #include "lode/delaunay/tin.h"
+#include "lode/delaunay/window.h"
 #include "lode/models/terrain/insertions/history.h"
 #include "lode/models/terrain/insertions/start_finder.h"
-#include "lode/delaunay/window.h"
 
 namespace lode::delaunay_pyramid {
 
+using delaunay::Window;
 using insertions::History;
 using insertions::StartFinder;
-using delaunay::Window;
 
 /// Lists of numbers one after the other.
 struct LinkLists {

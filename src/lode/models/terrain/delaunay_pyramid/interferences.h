@@ -10,12 +10,12 @@
 
 namespace lode::delaunay_pyramid {
 
+using delaunay::meets_window;
 using insertions::corners_of;
 using insertions::Descent;
 using insertions::do_interiors_meet;
 using insertions::holds;
 using insertions::LatticeCorners;
-using delaunay::meets_window;
 using insertions::Triangle;
 
 /// By triangle of the mesh at `time`, those of the mesh at `later` whose interiors meet its own.
