@@ -216,7 +216,8 @@ class BlockLanes {
   /// Raises errors of a node to a residual times `side`.
   HWY_INLINE void raise_error(int x, int y, Vec residual, int side) const {
     S* const at = &blocks_.errors[y][x][lane_];
-    const Vec scaled = hn::Mul(residual, hn::Set(Tag<S>(), static_cast<S>(kBlock / side)));
+    const Vec scaled =
+        hn::Mul(residual, hn::Set(Tag<S>(), static_cast<S>(kBlock) / static_cast<S>(side)));
     hn::Store(hn::Max(hn::Load(Tag<S>(), at), scaled), Tag<S>(), at);
   }
 
