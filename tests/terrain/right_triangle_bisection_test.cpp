@@ -6,6 +6,8 @@
 #include "lode/models/terrain/right_triangle_bisection/extract.h"
 #include "lode/models/terrain/right_triangle_bisection/locate.h"
 #include "tests/delaunay/lattice_fixtures.h"
+#include "tests/oracles/random.h"
+#include "tests/oracles/trials.h"
 
 namespace lode {
 namespace {
@@ -187,6 +189,82 @@ TEST(right_triangle_bisection, meshes_fill_the_domain_and_keep_their_tolerance) 
       n_last = tin.triangles.size();
       EXPECT_EQ(count_triangles(made, tolerance, 1U << 30), n_last);
     }
+  }
+}
+
+/// Of any size from a cell to a few strips, with noise of any kind, and often with holes.
+HeightGrid random_grid(oracles::Random& random) {
+  const auto side = [&] {
+    const std::int32_t around = 1 << random.below(9);
+    return std::max<std::int32_t>(2, around + static_cast<std::int32_t>(random.below(5)) - 1);
+  };
+  std::int32_t n_columns = side();
+  const std::int32_t n_rows = side();
+  if (random.below(3) == 0) n_columns = 2 + static_cast<std::int32_t>(random.below(90));
+  const double rough = std::exp2(random.uniform(-10, 14));
+  const double offset = random.below(4) == 0 ? 1e9 : 0;
+  const auto noise = [&](int x, int y) {
+    return rough * (std::sin(0.05 * x) + std::cos(0.07 * y) + 0.2 * random.uniform());
+  };
+  HeightGrid grid;
+  switch (random.below(4)) {
+    case 0:
+      grid = make_grid<std::int16_t>(n_columns, n_rows, [&](int x, int y) {
+        return std::clamp(noise(x, y), -32768.0, 32767.0);
+      });
+      break;
+    case 1:
+      grid = make_grid<std::uint16_t>(
+          n_columns, n_rows, [&](int, int) { return static_cast<double>(random.below(65536)); });
+      break;
+    case 2: grid = make_grid<float>(n_columns, n_rows, noise); break;
+    default:
+      grid =
+          make_grid<double>(n_columns, n_rows, [&](int x, int y) { return offset + noise(x, y); });
+  }
+  if (random.below(2) == 0)
+    for (std::uint64_t i = random.below(1 + static_cast<std::uint64_t>(grid.n_samples()) / 4);
+         i > 0; i /= 2)
+      set_missing(grid,
+                  static_cast<std::int32_t>(random.below(static_cast<std::uint64_t>(n_columns))),
+                  static_cast<std::int32_t>(random.below(static_cast<std::uint64_t>(n_rows))));
+  return grid;
+}
+
+TEST(right_triangle_bisection, any_raster_is_filled_within_any_tolerance) {
+  oracles::Random random(2026);
+  for (int trial = 0; trial < oracles::trials(3000, 60); ++trial) {
+    const HeightGrid grid = random_grid(random);
+    SCOPED_TRACE(testing::Message() << "trial " << trial << ": " << grid.n_columns << " x "
+                                    << grid.n_rows << ", type " << grid.heights.index());
+    Progress progress;
+    const auto made = Bisection::build(grid, {1 + trial % 2}, progress);
+    if (!made) {
+      EXPECT_NE(made.error().message.find("four heights"), std::string::npos);
+      continue;
+    }
+    const HeightRange range = height_range(grid);
+    const double rounding = 0x1p-45 * std::max(std::abs(range.lower), std::abs(range.upper));
+    const double tolerance = (range.upper - range.lower) * std::exp2(random.uniform(-12, 0));
+    for (const double within : {tolerance, 0.0}) {
+      const Tin tin = tin_within(*made, grid, within);
+      delaunay::test::expect_fills(tin, grid);
+      EXPECT_LE(largest_error(tin, grid), within + rounding);
+    }
+    // Somewhere fine: still no gaps, and the tolerance holds there.
+    const double middle = random.uniform(0, grid.n_columns);
+    const Demand demand = [&](const NodeFacts& facts) {
+      return facts.bounds.centre[0] - facts.bounds.half[0] <= middle ? facts.error - tolerance : 0;
+    };
+    const Tin varied = tin_of(*made, grid, select_nodes(*made, grid, range, demand));
+    delaunay::test::expect_fills(varied, grid);
+    const auto x =
+        static_cast<std::int32_t>(random.below(static_cast<std::uint64_t>(grid.n_columns)));
+    const auto y = static_cast<std::int32_t>(random.below(static_cast<std::uint64_t>(grid.n_rows)));
+    EXPECT_EQ(find_triangle(*made, tolerance, x, y).has_value(), made->has_node({x, y}));
+    const delaunay::Window all{{0, 0}, made->lattice().last()};
+    EXPECT_EQ(count_in_window(*made, tolerance, all), count_triangles(*made, tolerance, 1U << 30));
+    if (testing::Test::HasFailure()) return;
   }
 }
 
