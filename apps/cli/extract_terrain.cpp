@@ -149,7 +149,7 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
     session.warn(fmt::format("--max-error is not met: --max-cells allows {} only",
                              format_number(report.achieved_error)));
   if (!report.is_uniform && report.is_focus_empty && !report.view)
-    session.warn("the focus meets no triangle that could be finer: is it in the terrain's CRS?");
+    session.warn("the focus lies beside the terrain: is it in its CRS?");
 }
 
 /// What a job asks for, but for the metric of its focus.

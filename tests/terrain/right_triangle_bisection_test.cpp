@@ -268,10 +268,37 @@ TEST(right_triangle_bisection, any_raster_is_filled_within_any_tolerance) {
   }
 }
 
-TEST(right_triangle_bisection, flat_and_slanted_ground_has_the_fewest_triangles) {
+TEST(right_triangle_bisection, planes_have_the_fewest_triangles) {
+  const auto slanted = [](int x, int y) { return 3 * x - 2 * y; };
+  const auto in_quarters = [](int x, int y) { return 0.25 * x - 7.75 * y + 1000; };
+  const auto flat = [](int, int) { return 0.1; };
+  for (const auto& [n_columns, n_rows] : {std::pair{50, 33}, {64, 64}, {65, 65}, {300, 41}}) {
+    SCOPED_TRACE(testing::Message() << n_columns << " x " << n_rows);
+    for (const HeightGrid& grid :
+         {make_grid<std::int16_t>(n_columns, n_rows, slanted),
+          make_grid<double>(n_columns, n_rows, slanted),
+          make_grid<float>(n_columns, n_rows, in_quarters),
+          make_grid<float>(n_columns, n_rows, flat), make_grid<double>(n_columns, n_rows, flat)}) {
+      Bisection made = build(grid);
+      EXPECT_EQ(tin_within(made, grid, 0).triangles.size(), 2U) << grid.heights.index();
+      // The raster's corners are vertices anyway.
+      const LatticePoint last = made.lattice().last();
+      made.keep({{0, 0}, {last.x, 0}, {0, last.y}, last});
+      EXPECT_EQ(tin_within(made, grid, 0).triangles.size(), 2U) << grid.heights.index();
+      // Whoever asks for no error at a place gets no triangle for it where there is none.
+      const Demand all = [](const NodeFacts&) { return 1.0; };
+      EXPECT_EQ(
+          tin_of(made, grid, select_nodes(made, grid, height_range(grid), all)).triangles.size(),
+          2U);
+    }
+  }
+}
+
+TEST(right_triangle_bisection, holes_stay_whatever_the_tolerance) {
   for (const Case& c : cases())
-    if (c.name == std::string_view("flat") || c.name == std::string_view("slanted"))
-      EXPECT_EQ(tin_within(build(c.grid), c.grid, 0).triangles.size(), 2U) << c.name;
+    for (const double tolerance :
+         {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::max()})
+      delaunay::test::expect_fills(tin_within(build(c.grid), c.grid, tolerance), c.grid);
 }
 
 TEST(right_triangle_bisection, is_the_same_for_any_number_of_threads) {

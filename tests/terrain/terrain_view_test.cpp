@@ -11,6 +11,7 @@
 #include "lode/api/terrain_picture.h"
 #include "lode/api/terrain_selection.h"
 #include "tests/delaunay/lattice_fixtures.h"
+#include "tests/oracles/random.h"
 
 namespace lode::test {
 namespace {
@@ -221,6 +222,38 @@ TEST_P(terrain_view, errs_by_no_more_pixels_than_asked_where_a_camera_sees_it) {
         EXPECT_LE(made.report.triangles, all);
         if (!has_gaps()) delaunay::test::expect_fills(made.tin, setting.grid);
       }
+  }
+}
+
+/// Anywhere over the terrain and round it, often close to the ground.
+LittleCamera random_camera(const Setting& setting, oracles::Random& random) {
+  const double size = setting.steps[0] * kColumns;
+  const HeightRange range = height_range(setting.grid);
+  const auto at = [&](double lowest) {
+    const double height = setting.place(0, 0, range.lower)[2] * (1 - lowest) +
+                          setting.place(0, 0, range.upper)[2] * lowest;
+    const double above = random.below(2) == 0 ? 0.02 * size : size;
+    return Vec3d{{random.uniform(-size, size), random.uniform(-size, size),
+                  height + random.uniform(0, above)}};
+  };
+  return {{at(1), at(0), {{0, 0, 1}}, random.uniform(10, 90)}, 400, 300};
+}
+
+TEST_P(terrain_view, says_of_any_camera_that_what_was_asked_is_met) {
+  oracles::Random random(11);
+  for (const Setting& setting : {plain_metres(), feet()}) {
+    const BuiltTerrain built = build(setting.grid);
+    for (int trial = 0; trial < 40; ++trial) {
+      SCOPED_TRACE(testing::Message() << setting.name << ", camera " << trial);
+      const LittleCamera camera = random_camera(setting, random);
+      const double max_error_px = std::exp2(random.uniform(-2, 4));
+      const SelectedTerrain made =
+          select(built, {.focus = focus_of(camera, setting, max_error_px)});
+      EXPECT_TRUE(made.report.is_within_error);
+      EXPECT_LE(made.report.view->achieved_px, max_error_px);
+      EXPECT_LE(seen_by(camera, made.tin, setting).worst_px,
+                made.report.view->achieved_px * (1 + 1e-6));
+    }
   }
 }
 

@@ -69,23 +69,17 @@ Result<SelectedTerrain> BisectionTerrain::select(const TerrainOptions& options,
                           select_nodes(model_.tree, model_.grid, source().range, focus.demand()));
     report.is_uniform = false;
     report.view = focus.measure(selected.tin, source().frame);
-    const auto n = static_cast<std::uint64_t>(selected.tin.triangles.size());
-    report.is_focus_empty = count_triangles(model_.tree, kNoTolerance, n) == n &&
-                            count_triangles(model_.tree, 0, n) > n;
+    report.is_focus_empty = !focus.meets_terrain();
   } else {
     selected.tin = tin_for(options, report);
   }
   if (progress.is_cancelled()) return cancelled_error();
   if (links == delaunay::TinLinks::kept)
     selected.tin.twins = delaunay::find_twins(selected.tin.triangles);
-  report.triangles = selected.tin.triangles.size();
-  report.vertices = selected.tin.vertices.size();
+  count_selection(source(), selected);
   report.achieved_error = largest_error(selected.tin);
   report.is_within_error = options.focus ? !report.view || report.view->is_within_error()
                                          : report.achieved_error <= report.max_error;
-  report.n_samples = source().n_samples;
-  report.n_missing = source().n_missing;
-  report.n_left_out = source().n_left_out;
   report.seconds = watch.seconds();
   return selected;
 }

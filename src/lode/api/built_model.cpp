@@ -8,7 +8,6 @@
 #include <cmath>
 #include <utility>
 
-#include "lode/api/terrain_selection.h"
 #include "lode/delaunay/grid_domain.h"
 #include "lode/mappers/tin_quality.h"
 
@@ -21,6 +20,14 @@ Result<SelectedTerrain> BuiltModel::select_all(Progress& /*progress*/) const {
       "a {}, which keeps those "
       "of its vertices",
       name_of(model()));
+}
+
+void count_selection(const terrain_file::Source& source, SelectedTerrain& selected) {
+  selected.report.triangles = selected.tin.triangles.size();
+  selected.report.vertices = selected.tin.vertices.size();
+  selected.report.n_samples = source.n_samples;
+  selected.report.n_missing = source.n_missing;
+  selected.report.n_left_out = source.n_left_out;
 }
 
 Result<void> check_source(const terrain_file::Source& source, const HeightGrid& grid,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lode/api/built_terrain.h"
+#include "lode/api/terrain_selection.h"
 #include "lode/api/terrain_source.h"
 #include "lode/models/terrain/terrain_file/source.h"
 
@@ -30,6 +31,9 @@ class BuiltModel : public TerrainOrigin {
   [[nodiscard]] const HeightFrame& frame() const override { return source().frame; }
   [[nodiscard]] HeightRange range() const final { return source().range; }
 };
+
+/// What a report says of the mesh's size and of the raster.
+void count_selection(const terrain_file::Source& source, SelectedTerrain& selected);
 
 /// Reports whether what a file says of its raster is so. Fails on rasters of another size.
 [[nodiscard]] Result<void> check_source(const terrain_file::Source& source, const HeightGrid& grid,

@@ -111,12 +111,8 @@ Result<SelectedTerrain> HierarchyTerrain::select(const TerrainOptions& options,
   TerrainReport& report = selected.report;
   LODE_TRY(const int level, level_for(options, report));
   selected.tin = tin_of_level(hierarchy(), level, links);
-  report.triangles = selected.tin.triangles.size();
-  report.vertices = selected.tin.vertices.size();
+  count_selection(source(), selected);
   report.achieved_error = error_of_level(level);
-  report.n_samples = source().n_samples;
-  report.n_missing = source().n_missing;
-  report.n_left_out = source().n_left_out;
   report.seconds = watch.seconds();
   return selected;
 }

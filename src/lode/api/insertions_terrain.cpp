@@ -62,21 +62,16 @@ Result<SelectedTerrain> InsertionsTerrain::select(const TerrainOptions& options,
     report.is_uniform = false;
     report.view = focus.measure(selected.tin, history().frame);
     report.is_within_error = !report.view || report.view->is_within_error();
-    report.is_focus_empty =
-        selected.tin.triangles.size() == history().n_base_triangles() && history().n_nodes() > 0;
+    report.is_focus_empty = !focus.meets_terrain();
   } else {
     selected.tin = tin_for(options, tolerance, report);
   }
-  report.triangles = selected.tin.triangles.size();
-  report.vertices = selected.tin.vertices.size();
+  count_selection(source(), selected);
   report.max_error = tolerance;
   report.achieved_error = largest_error(selected.tin);
   // Errors of triangles are rounded up; that of all samples is known better.
   if (report.triangles == finest_triangles())
     report.achieved_error = std::min(report.achieved_error, history().max_error);
-  report.n_samples = history().n_samples;
-  report.n_missing = history().n_missing;
-  report.n_left_out = history().n_left_out;
   report.seconds = watch.seconds();
   return selected;
 }

@@ -12,6 +12,7 @@
 #include "lode/delaunay/triangle_error.h"
 #include "lode/mappers/tin_quality.h"
 #include "lode/models/terrain/restricted_quadtree/restricted_quadtree.h"
+#include "lode/refine/surface_facts.h"
 
 namespace lode {
 
@@ -25,29 +26,14 @@ using surface_quadtree::SurfaceQuadtree;
 namespace {
 
 /// What a demand sees of a polygon between samples: its error, and where it is in the world.
-NodeFacts facts_of(const SquareDomain& domain, const HeightFrame& frame,
+NodeFacts facts_of(const SquareDomain& domain, const terrain_file::Source& source,
                    std::span<const LatticePoint> corners, double error) {
-  Vec3d lower;
-  Vec3d upper;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec<double, 2> at = frame.world(corners[i].x, corners[i].y);
-    const Vec3d place{{at[0], at[1], domain.height(corners[i].x, corners[i].y)}};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lower[axis] = i == 0 ? place[axis] : std::min(lower[axis], place[axis]);
-      upper[axis] = i == 0 ? place[axis] : std::max(upper[axis], place[axis]);
-    }
+  SurfacePatch patch;
+  for (const LatticePoint p : corners) {
+    const Vec<double, 2> at = source.frame.world(p.x, p.y);
+    patch.add({{at[0], at[1], domain.height(p.x, p.y)}});
   }
-  lower[2] -= error;
-  upper[2] += error;
-  NodeFacts facts;
-  facts.error = error;
-  facts.range = {lower[2], upper[2]};
-  facts.bounds.centre = (lower + upper) * 0.5;
-  facts.bounds.half = (upper - lower) * 0.5;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    facts.bounds.radius = std::max(
-        {facts.bounds.radius, std::abs(lower[axis]) * 0x1p-50, std::abs(upper[axis]) * 0x1p-50});
-  return facts;
+  return patch.facts(error, {source.range.lower, source.range.upper});
 }
 
 /// The ends of the diagonal from the lower left, then the upper left and the lower right.
@@ -110,12 +96,12 @@ const SquareDomain& QuadtreeTerrain::domain() const { return domain_of(model_); 
 delaunay::Tin QuadtreeTerrain::tin_of(const Demand& demand) const {
   if (const auto* tree = std::get_if<SurfaceQuadtree>(&model_.tree))
     return to_tin(*tree, tree->leaves([&](const Square& square) {
-      return wants(demand, facts_of(domain(), source().frame, corners_of(square),
+      return wants(demand, facts_of(domain(), source(), corners_of(square),
                                     static_cast<double>(tree->error(square))));
     }));
   const auto& tree = std::get<QuaternaryTriangulation>(model_.tree);
   return to_tin(tree, tree.leaves([&](const HalfSquare& triangle) {
-    return wants(demand, facts_of(domain(), source().frame, corners_of(triangle),
+    return wants(demand, facts_of(domain(), source(), corners_of(triangle),
                                   static_cast<double>(tree.error(triangle))));
   }));
 }
@@ -158,6 +144,7 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
              TerrainDemand::make(*options.focus, report.max_error, source().frame, source().range));
     selected.tin = tin_of(focus.demand());
     report.is_uniform = false;
+    report.is_focus_empty = !focus.meets_terrain();
     if (options.focus->view) measure_errors(selected.tin);
     report.view = focus.measure(selected.tin, source().frame);
   } else {
@@ -165,17 +152,13 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
   }
   if (links == delaunay::TinLinks::kept)
     selected.tin.twins = delaunay::find_twins(selected.tin.triangles);
-  report.triangles = selected.tin.triangles.size();
-  report.vertices = selected.tin.vertices.size();
+  count_selection(source(), selected);
   // Bilinear squares are no triangles, whose errors are others.
   report.achieved_error = model() == TerrainModel::surface_quadtree
                               ? measure_quality(selected.tin, 1, model_.grid, {}).worst_error
                               : largest_error(selected.tin);
   report.is_within_error = options.focus ? !report.view || report.view->is_within_error()
                                          : report.achieved_error <= report.max_error;
-  report.n_samples = source().n_samples;
-  report.n_missing = source().n_missing;
-  report.n_left_out = source().n_left_out;
   report.seconds = watch.seconds();
   return selected;
 }

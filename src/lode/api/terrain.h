@@ -32,11 +32,13 @@ struct TerrainOptions {
 struct TerrainReport {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
-  double max_error = 0;       ///< That was asked for, or chosen.
-  double achieved_error = 0;  ///< |z - z'| at every sample of the domain; rounded up.
+  double max_error = 0;  ///< That was asked for, or chosen.
+  /// A bound of |z - z'| at every sample of the domain: the largest one, rounded up, but of a
+  /// right_triangle_bisection that of finer meshes where it is larger.
+  double achieved_error = 0;
   bool is_within_error = true;
-  bool is_uniform = true;       ///< Else max_error holds in the focus alone.
-  bool is_focus_empty = false;  ///< Nothing was refined for it, though something could be.
+  bool is_uniform = true;                   ///< Else max_error holds in the focus alone.
+  bool is_focus_empty = false;              ///< It lies beside the terrain.
   std::optional<TerrainViewReport> view{};  ///< Of a focus that has one.
   bool budget_met = true;        ///< Else the domain's outline alone has more than max_cells.
   std::uint64_t n_samples = 0;   ///< Of the domain: corners of cells with four heights, or points.

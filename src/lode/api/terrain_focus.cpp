@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lode/refine/focus.h"
+#include "lode/refine/surface_facts.h"
 
 namespace lode {
 namespace {
@@ -38,6 +39,17 @@ FocusDemand demand_in(const PlaceBox& box, double tolerance) {
   return demand;
 }
 
+/// Of all of a terrain, as if nothing were known of it.
+NodeFacts worst_facts(const HeightFrame& grid, const HeightRange& range) {
+  SurfacePatch patch;
+  for (const double x : {0, grid.n_columns - 1})
+    for (const double y : {0, grid.n_rows - 1}) {
+      const Vec<double, 2> at = grid.world(x, y);
+      patch.add({{at[0], at[1], range.lower}});
+    }
+  return patch.facts(kAllHeights, {range.lower, range.upper});
+}
+
 Result<void> check_focus(const TerrainFocus& focus) {
   if (focus.is_empty()) return fail("focus: expected a box, a point or a view, got none");
   for (const PlaceBox& box : focus.boxes)
@@ -68,6 +80,7 @@ Result<TerrainDemand> TerrainDemand::make(const TerrainFocus& focus, double tole
     LODE_TRY(made.view_, TerrainViewFocus::make(*focus.view, grid, range, focus.metric));
     demands.push_back(made.view_->to_demand(tolerance));
   }
+  made.meets_terrain_ = max_of(demands)(worst_facts(grid, range)) > 0;
   if (focus.max_error_outside) demands.push_back(uniform_demand(*focus.max_error_outside));
   made.demand_ = max_of(std::move(demands));
   return made;

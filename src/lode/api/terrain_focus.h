@@ -42,12 +42,15 @@ class TerrainDemand {
                                                   const HeightRange& range);
 
   [[nodiscard]] const Demand& demand() const { return demand_; }
+  /// Whether it has to do with the terrain at all, and does not lie beside it.
+  [[nodiscard]] bool meets_terrain() const { return meets_terrain_; }
   /// What the focus's view shows of a TIN with heights and errors; nothing without a view.
   [[nodiscard]] std::optional<TerrainViewReport> measure(const delaunay::Tin& tin,
                                                          const HeightFrame& grid) const;
 
  private:
   Demand demand_;
+  bool meets_terrain_ = true;
   std::optional<TerrainViewFocus> view_;
 };
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "lode/core/expects.h"
+#include "lode/refine/surface_facts.h"
 
 namespace lode {
 namespace {
@@ -24,27 +25,15 @@ Result<void> check_terrain_view(const TerrainView& view) {
   return check_camera(view.view.camera);
 }
 
-/// Of a triangle and what errs by no more than `error` in it.
-Bounds bounds_of(const delaunay::Tin& tin, std::size_t triangle, const HeightFrame& grid) {
-  Vec3d lower;
-  Vec3d upper;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::uint32_t v = tin.triangles[triangle][i];
+/// Of a triangle and the heights that its error leaves possible in it, as models see it.
+Bounds bounds_of(const delaunay::Tin& tin, std::size_t triangle, const HeightFrame& grid,
+                 const HeightRange& range) {
+  SurfacePatch patch;
+  for (const std::uint32_t v : tin.triangles[triangle]) {
     const Vec<double, 2> at = grid.world(tin.vertices[v].x, tin.vertices[v].y);
-    const Vec3d place{{at[0], at[1], tin.heights[v]}};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lower[axis] = i == 0 ? place[axis] : std::min(lower[axis], place[axis]);
-      upper[axis] = i == 0 ? place[axis] : std::max(upper[axis], place[axis]);
-    }
+    patch.add({{at[0], at[1], tin.heights[v]}});
   }
-  const double error = tin.errors[triangle];
-  lower[2] -= error;
-  upper[2] += error;
-  Bounds bounds{.centre = (lower + upper) * 0.5, .half = (upper - lower) * 0.5};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    bounds.radius =
-        std::max({bounds.radius, std::abs(lower[axis]) * 0x1p-50, std::abs(upper[axis]) * 0x1p-50});
-  return bounds;
+  return patch.bounds(static_cast<double>(tin.errors[triangle]), {range.lower, range.upper});
 }
 
 struct ViewDemand {
@@ -67,15 +56,16 @@ Result<TerrainViewFocus> TerrainViewFocus::make(const TerrainView& view, const H
                                                 const HorizontalMetric& metric) {
   LODE_CHECK(check_terrain_view(view));
   LODE_TRY(const PictureFrame frame, picture_frame(grid, range, metric, view.exaggeration));
-  return TerrainViewFocus(view, frame);
+  return TerrainViewFocus(view, frame, range);
 }
 
 // Two points A and B = A + d at depths a and b, seen at slopes p and q beside the axis: from
 // q b = p a + d' and b = a + d'' (d' beside, d'' along the axis) follows q - p = (d' - p d'') / b.
 // With A in the picture p is no larger than its corners, and b at least the depth of the bounds, or
 // that of the picture's part of the sphere round the eye that they do not reach into, less |d''|.
-TerrainViewFocus::TerrainViewFocus(const TerrainView& view, const PictureFrame& frame)
-    : view_(view), frame_(frame), focus_(to_view_focus(view.view)) {
+TerrainViewFocus::TerrainViewFocus(const TerrainView& view, const PictureFrame& frame,
+                                   const HeightRange& range)
+    : view_(view), frame_(frame), range_(range), focus_(to_view_focus(view.view)) {
   const Camera& camera = view.view.camera;
   const CameraAxes axes = axes_of(camera);
   const double up = std::tan(camera.field_of_view_deg * std::numbers::pi / 360);
@@ -112,7 +102,7 @@ TerrainViewReport TerrainViewFocus::measure(const delaunay::Tin& tin,
                            .max_error_px = view_.max_error_px,
                            .has_tolerance = view_.has_tolerance};
   for (std::size_t t = 0; t < tin.triangles.size(); ++t) {
-    const Bounds bounds = bounds_of(tin, t, grid);
+    const Bounds bounds = bounds_of(tin, t, grid, range_);
     if (!shows(bounds)) continue;
     ++report.n_shown;
     report.achieved_px =

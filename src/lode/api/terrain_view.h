@@ -56,10 +56,11 @@ class TerrainViewFocus {
   [[nodiscard]] TerrainViewReport measure(const delaunay::Tin& tin, const HeightFrame& grid) const;
 
  private:
-  TerrainViewFocus(const TerrainView& view, const PictureFrame& frame);
+  TerrainViewFocus(const TerrainView& view, const PictureFrame& frame, const HeightRange& range);
 
   TerrainView view_;
   PictureFrame frame_;
+  HeightRange range_;  ///< Of all heights.
   ViewFocus focus_;
   Vec3d forward_;
   double pixels_per_slope_ = 0;  ///< A point at depth 1, beside the axis by 1, is so far from it.

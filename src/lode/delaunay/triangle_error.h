@@ -1,7 +1,9 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "lode/delaunay/lattice_mesh.h"
 
@@ -13,6 +15,14 @@ namespace lode::delaunay {
   const auto bits = std::bit_cast<std::uint32_t>(nearest);
   return std::bit_cast<float>(bits +
                               static_cast<std::uint32_t>(static_cast<double>(nearest) < value));
+}
+
+/// Any number, rounded down.
+[[nodiscard]] inline float to_float_below(double value) {
+  const auto nearest = static_cast<float>(value);
+  return static_cast<double>(nearest) > value
+             ? std::nextafter(nearest, -std::numeric_limits<float>::infinity())
+             : nearest;
 }
 
 /// As errors are kept where there are many: rounded up to 8 significant bits, by less than 1/128.

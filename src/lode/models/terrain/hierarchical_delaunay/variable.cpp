@@ -12,6 +12,7 @@
 #include "lode/delaunay/tin_links.h"
 #include "lode/delaunay/triangle_error.h"
 #include "lode/models/terrain/hierarchical_delaunay/polygon.h"
+#include "lode/refine/surface_facts.h"
 
 namespace lode::hierarchical_delaunay {
 namespace {
@@ -22,30 +23,14 @@ using triangle_hierarchy::kNone;
 using Corners = std::array<std::uint32_t, 3>;
 
 NodeFacts facts_of(const Hierarchy& hierarchy, const Corners& corners, double error) {
-  Vec3d lower;
-  Vec3d upper;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const delaunay::LatticePoint p = hierarchy.vertices[corners[i]];
+  SurfacePatch patch;
+  for (const std::uint32_t v : corners) {
+    const delaunay::LatticePoint p = hierarchy.vertices[v];
     const Vec<double, 2> at =
         hierarchy.frame.world(std::ldexp(p.x, -hierarchy.bits), std::ldexp(p.y, -hierarchy.bits));
-    const Vec3d place{{at[0], at[1], hierarchy.heights[corners[i]]}};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lower[axis] = i == 0 ? place[axis] : std::min(lower[axis], place[axis]);
-      upper[axis] = i == 0 ? place[axis] : std::max(upper[axis], place[axis]);
-    }
+    patch.add({{at[0], at[1], hierarchy.heights[v]}});
   }
-  lower[2] -= error;
-  upper[2] += error;
-  NodeFacts facts;
-  facts.error = error;
-  facts.range = {lower[2], upper[2]};
-  facts.bounds.centre = (lower + upper) * 0.5;
-  facts.bounds.half = (upper - lower) * 0.5;
-  // For rounding, so that what touches a triangle touches its bounds.
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    facts.bounds.radius = std::max(
-        {facts.bounds.radius, std::abs(lower[axis]) * 0x1p-50, std::abs(upper[axis]) * 0x1p-50});
-  return facts;
+  return patch.facts(error);
 }
 
 /// The triangles of a mesh of mixed levels, by their directed edges.

@@ -10,6 +10,7 @@
 
 #include "lode/delaunay/tin_links.h"
 #include "lode/refine/focus.h"
+#include "lode/refine/surface_facts.h"
 
 namespace lode::insertions {
 namespace {
@@ -187,30 +188,13 @@ delaunay::Tin tin_of(const History& history, const NodeSet& nodes, delaunay::Tin
 }
 
 NodeFacts facts_of(const History& history, const Triangle& triangle) {
-  Vec3d lower;
-  Vec3d upper;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const delaunay::LatticePoint p = history.vertices[triangle.corner[i]];
-    const Vec<double, 2> at = history.frame.world(p.x, p.y);
-    const Vec3d place{{at[0], at[1], history.heights[triangle.corner[i]]}};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lower[axis] = i == 0 ? place[axis] : std::min(lower[axis], place[axis]);
-      upper[axis] = i == 0 ? place[axis] : std::max(upper[axis], place[axis]);
-    }
+  SurfacePatch patch;
+  for (const std::uint32_t v : triangle.corner) {
+    const Vec<double, 2> at = history.frame.world(history.vertices[v].x, history.vertices[v].y);
+    patch.add({{at[0], at[1], history.heights[v]}});
   }
-  const double error = triangle.error;
-  lower[2] -= error;
-  upper[2] += error;
-  NodeFacts facts;
-  facts.error = error;
-  facts.range = {lower[2], upper[2]};
-  facts.bounds.centre = (lower + upper) * 0.5;
-  facts.bounds.half = (upper - lower) * 0.5;
-  // For rounding, so that what touches a triangle touches its bounds.
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    facts.bounds.radius = std::max(
-        {facts.bounds.radius, std::abs(lower[axis]) * 0x1p-50, std::abs(upper[axis]) * 0x1p-50});
-  return facts;
+  return patch.facts(static_cast<double>(triangle.error),
+                     {history.range.lower, history.range.upper});
 }
 
 }  // namespace lode::insertions

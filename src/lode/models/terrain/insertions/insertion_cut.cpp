@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "lode/delaunay/triangle_error.h"
+
 namespace lode::insertions {
 namespace {
 
@@ -42,13 +44,6 @@ Box3d rounded(const Bounds& bounds, const Vec3d& step) {
   return box;
 }
 
-float to_float_below(double value) {
-  const auto nearest = static_cast<float>(value);
-  return static_cast<double>(nearest) > value
-             ? std::nextafter(nearest, -std::numeric_limits<float>::infinity())
-             : nearest;
-}
-
 /// The latest of the nodes that it depends on, or kNone.
 std::uint32_t latest_parent(const History& history, std::uint32_t node) {
   std::uint32_t latest = kNone;
@@ -79,8 +74,8 @@ InsertionFacts::InsertionFacts(const History& history) : history_(&history) {
       own.error = std::max(own.error, facts_[child].error);
       join(boxes_[node], boxes_[child]);
     }
-    own.low = to_float_below(boxes_[node].lower[2] - history.range.lower);
-    own.high = -to_float_below(history.range.lower - boxes_[node].upper[2]);
+    own.low = delaunay::to_float_below(boxes_[node].lower[2] - history.range.lower);
+    own.high = -delaunay::to_float_below(history.range.lower - boxes_[node].upper[2]);
   }
 }
 

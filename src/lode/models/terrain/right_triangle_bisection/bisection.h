@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -41,6 +42,9 @@ class Bisection {
            cells_[static_cast<std::size_t>(std::int64_t{cell.y} * lattice_.last().x + cell.x)] != 0;
   }
   [[nodiscard]] bool is_whole() const { return cells_.empty(); }
+  /// Of a triangle of a mesh, its last corner the one at the right angle: as all of its cells are
+  /// in the domain or none, the one in that corner tells.
+  [[nodiscard]] bool has_triangle(const std::array<LatticePoint, 3>& corners) const;
   /// Whether a sample is a corner of a cell of the domain.
   [[nodiscard]] bool has_node(LatticePoint p) const;
 

@@ -43,6 +43,10 @@ class Lattice {
   [[nodiscard]] bool is_corner(LatticePoint node) const {
     return (node.x == 0 || node.x == side_) && (node.y == 0 || node.y == side_);
   }
+  /// Whether a sample is what a corner stands on: it is a vertex of every mesh.
+  [[nodiscard]] bool is_under_corner(LatticePoint sample) const {
+    return (sample.x == 0 || sample.x == last_.x) && (sample.y == 0 || sample.y == last_.y);
+  }
   /// Of a node's diamond: whether it has any area, and whether it reaches beyond the raster.
   [[nodiscard]] bool has_area(LatticePoint node, std::int32_t reach) const {
     return node.x - reach < last_.x && node.y - reach < last_.y;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lode/delaunay/grid_domain.h"
+#include "lode/delaunay/triangle_error.h"
 #include "lode/models/terrain/right_triangle_bisection/bisection.h"
 #include "lode/models/terrain/right_triangle_bisection/cell_counts.h"
 #include "lode/models/terrain/right_triangle_bisection/nested_errors.h"
@@ -114,19 +115,12 @@ void add_slack(const RasterRows<T>& rows, const Lattice& lattice, double slack, 
                    if (lattice.is_corner({x, y})) continue;
                    float& error = errors[lattice.index({x, y})];
                    if (error > 0 || !is_level({x, y}))
-                     error = rounded_up(static_cast<double>(error) + slack);
+                     error = delaunay::to_float_above(static_cast<double>(error) + slack);
                  }
                });
 }
 
 }  // namespace
-
-float rounded_up(double error) {
-  const auto nearest = static_cast<float>(error);
-  return static_cast<double>(nearest) < error
-             ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
-             : nearest;
-}
 
 Result<Bisection> Bisection::build(const HeightGrid& grid, Threads threads, Progress& progress) {
   if (grid.n_columns < 2 || grid.n_rows < 2)
@@ -137,6 +131,9 @@ Result<Bisection> Bisection::build(const HeightGrid& grid, Threads threads, Prog
                 grid.n_columns, grid.n_rows);
   Bisection made{Lattice(grid.n_columns, grid.n_rows)};
   const Lattice& lattice = made.lattice_;
+  if (lattice.index(lattice.last()) > std::numeric_limits<std::uint32_t>::max())
+    return fail("expected a raster of up to some 2^32 samples, got {} x {}", grid.n_columns,
+                grid.n_rows);
   std::optional<CellCounts> counts;
   if (!grid.is_valid.empty()) {
     made.cells_ = domain_cells(grid);
@@ -159,9 +156,10 @@ Result<Bisection> Bisection::build(const HeightGrid& grid, Threads threads, Prog
     if (progress.is_cancelled()) return cancelled_error();
     const double largest = std::max(std::abs(range.lower), std::abs(range.upper));
     // Missing heights may be anything: then it is not looked for.
-    if (!(grid.is_valid.empty() && is_exact(grid, rows, range, threads)) && !std::is_integral_v<T>)
-      add_slack(rows, lattice, 0x1p-46 * largest, threads, errors);
-    set_stretched_errors(rows, range, lattice, threads, errors);
+    const bool has_exact =
+        std::is_integral_v<T> || (grid.is_valid.empty() && is_exact(grid, rows, range, threads));
+    if (!has_exact) add_slack(rows, lattice, 0x1p-46 * largest, threads, errors);
+    set_stretched_errors(rows, range, has_exact, lattice, threads, errors);
     return {};
   };
   LODE_CHECK(std::visit(set_errors, grid.heights));
@@ -169,6 +167,14 @@ Result<Bisection> Bisection::build(const HeightGrid& grid, Threads threads, Prog
   if (progress.is_cancelled()) return cancelled_error();
   nest_errors(lattice, threads, errors);
   return made;
+}
+
+bool Bisection::has_triangle(const std::array<LatticePoint, 3>& corners) const {
+  const auto& [a, b, apex] = corners;
+  // Both ends are on the side of the apex that the cell is on, or level with it.
+  const bool is_left = a.x + b.x < 2 * apex.x || apex.x == lattice_.last().x;
+  const bool is_below = a.y + b.y < 2 * apex.y || apex.y == lattice_.last().y;
+  return has_cell({apex.x - (is_left ? 1 : 0), apex.y - (is_below ? 1 : 0)});
 }
 
 bool Bisection::has_node(LatticePoint p) const {
@@ -182,7 +188,7 @@ bool Bisection::has_node(LatticePoint p) const {
 void Bisection::keep(std::vector<LatticePoint> nodes) {
   std::vector<LatticePoint> waiting;
   for (const LatticePoint node : nodes)
-    if (!lattice_.is_corner(node)) waiting.push_back(node);
+    if (!lattice_.is_under_corner(node)) waiting.push_back(node);
   while (!waiting.empty()) {
     const LatticePoint node = waiting.back();
     waiting.pop_back();

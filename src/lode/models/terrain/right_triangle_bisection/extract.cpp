@@ -1,10 +1,12 @@
 #include "lode/models/terrain/right_triangle_bisection/extract.h"
 
+#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
 #include <utility>
 
+#include "lode/core/expects.h"
+#include "lode/delaunay/triangle_error.h"
 #include "lode/models/terrain/right_triangle_bisection/sample_numbers.h"
 #include "lode/models/terrain/right_triangle_bisection/walk.h"
 
@@ -41,23 +43,14 @@ delaunay::Tin to_tin(const Bisection& bisection, const HeightGrid& grid, Collect
   return tin;
 }
 
-/// Whether a triangle of a mesh is in the domain, as all of it is or none: as its cell next to the
-/// right angle is.
+/// Of corners by their indices: see Bisection::has_triangle().
 class InDomain {
  public:
   explicit InDomain(const Bisection& bisection)
       : bisection_(bisection), stride_(bisection.lattice().stride()) {}
 
   [[nodiscard]] bool operator()(std::int64_t a, std::int64_t b, std::int64_t c) const {
-    const LatticePoint p = at(a), q = at(b), apex = at(c);
-    // Both ends are on the side of the apex that the cell is on, or level with it.
-    const std::int32_t dx = p.x + q.x - 2 * apex.x;
-    const std::int32_t dy = p.y + q.y - 2 * apex.y;
-    const std::int32_t last_x = bisection_.lattice().last().x;
-    const std::int32_t last_y = bisection_.lattice().last().y;
-    const bool is_left = dx < 0 || apex.x == last_x;
-    const bool is_below = dy < 0 || apex.y == last_y;
-    return bisection_.has_cell({apex.x - (is_left ? 1 : 0), apex.y - (is_below ? 1 : 0)});
+    return bisection_.has_triangle({at(a), at(b), at(c)});
   }
 
  private:
@@ -114,19 +107,17 @@ Collected collect(const Bisection& bisection, const IsRefined& is_refined) {
   return collected;
 }
 
-/// The largest float32 that is no larger: errors are compared with that.
-float rounded_down(double tolerance) {
-  const auto nearest = static_cast<float>(tolerance);
-  return static_cast<double>(nearest) > tolerance
-             ? std::nextafter(nearest, -std::numeric_limits<float>::infinity())
-             : nearest;
+/// What errors are compared with. Those of the outline are beyond any tolerance.
+float limit_of(double tolerance) {
+  LODE_EXPECTS(tolerance >= 0);
+  return std::min(delaunay::to_float_below(tolerance), std::numeric_limits<float>::max());
 }
 
 }  // namespace
 
 delaunay::Tin tin_within(const Bisection& bisection, const HeightGrid& grid, double tolerance) {
   const float* errors = bisection.errors();
-  const float limit = rounded_down(tolerance);
+  const float limit = limit_of(tolerance);
   return to_tin(bisection, grid,
                 collect(bisection, [errors, limit](std::int64_t i) { return errors[i] > limit; }));
 }
@@ -138,7 +129,7 @@ delaunay::Tin tin_of(const Bisection& bisection, const HeightGrid& grid, const N
 
 std::uint64_t count_triangles(const Bisection& bisection, double tolerance, std::uint64_t most) {
   const float* errors = bisection.errors();
-  const float limit = rounded_down(tolerance);
+  const float limit = limit_of(tolerance);
   std::uint64_t n = 0;
   // Once there are too many nothing is refined any more.
   const auto is_refined = [&](std::int64_t i) { return errors[i] > limit && n <= most; };

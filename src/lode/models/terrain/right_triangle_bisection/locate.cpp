@@ -69,7 +69,7 @@ class Descent {
     const auto [y0, y1] = std::minmax({own[0].y, own[1].y, own[2].y});
     if (!(p.x >= x0 && p.x <= x1 && p.y >= y0 && p.y <= y1) || !has_area(own)) return {};
     if (!is_refined(t, left)) {
-      if (holds(own, p) && is_in_domain(own)) return leaf(t, left);
+      if (holds(own, p) && bisection_.has_triangle(own)) return leaf(t, left);
       return {};
     }
     if (const auto found = searched(t.left(), left - 1, p)) return found;
@@ -80,17 +80,10 @@ class Descent {
                                     const delaunay::Window& window) const {
     const LatticeCorners own = placed(t);
     if (!has_area(own)) return 0;
-    if (!is_refined(t, left)) return meets_window(own, window) && is_in_domain(own) ? 1 : 0;
+    if (!is_refined(t, left))
+      return meets_window(own, window) && bisection_.has_triangle(own) ? 1 : 0;
     if (is_whole(t) ? !meets_window(own, window) : is_beside(own, window)) return 0;
     return count(t.left(), left - 1, window) + count(t.right(), left - 1, window);
-  }
-  /// Of a triangle of a mesh: the cell at its last corner is, as all of its cells are or none.
-  [[nodiscard]] bool is_in_domain(const LatticeCorners& t) const {
-    const LatticePoint last = lattice_.last();
-    const LatticePoint apex = t[2];
-    const bool is_left = t[0].x + t[1].x < 2 * apex.x || apex.x == last.x;
-    const bool is_below = t[0].y + t[1].y < 2 * apex.y || apex.y == last.y;
-    return bisection_.has_cell({apex.x - (is_left ? 1 : 0), apex.y - (is_below ? 1 : 0)});
   }
 
  private:
@@ -113,7 +106,7 @@ std::optional<MeshTriangle> find_triangle(const Bisection& bisection, double tol
   if (!(x >= 0 && y >= 0 && x <= last.x && y <= last.y)) return {};
   const Descent descent(bisection, tolerance);
   std::optional<MeshTriangle> found = descent.straight({x, y});
-  if (found && descent.is_in_domain(found->corners)) return found;
+  if (found && bisection.has_triangle(found->corners)) return found;
   // Beyond the straight way there are stretched triangles, and neighbours along the outline.
   found.reset();
   for (const LatticeTriangle& root : roots(bisection.lattice()))

@@ -40,7 +40,4 @@ void for_each_node(const Lattice& lattice, std::int32_t reach, NodeKind kind, Th
 /// Joins own errors into nested ones: a node's with those of all that wait for it.
 void nest_errors(const Lattice& lattice, Threads threads, float* errors);
 
-/// To float32.
-[[nodiscard]] float rounded_up(double error);
-
 }  // namespace lode::bisection

@@ -1,11 +1,11 @@
 // Included again by Highway for each instruction set.
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <type_traits>
 
+#include "lode/delaunay/triangle_error.h"
 #include "lode/models/terrain/right_triangle_bisection/own_errors.h"
 
 #define HWY_DISABLED_TARGETS (HWY_SSE4 | HWY_AVX3_DL)
@@ -42,12 +42,6 @@ HWY_INLINE hn::Vec<Tag<S>> load(const T* samples) {
   } else {
     return hn::PromoteTo(d, hn::LoadU(of_sample, samples));
   }
-}
-
-/// Rounded up; of d >= 0 and the float32 range.
-HWY_INLINE float rounded_up(double d) {
-  const auto f = static_cast<float>(d);
-  return static_cast<double>(f) < d ? std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) + 1) : f;
 }
 
 HWY_INLINE void raise(float& error, float to) {
@@ -182,7 +176,8 @@ void add_big_squares(const RasterRows<T>& rows, const Lattice& lattice, std::int
   const std::int32_t end = is_last ? last.y + 1 - y0 : y + kStripRows - y0;
   const double unit = 1.0 / side;
   const auto raise_at = [&](std::int32_t x, std::int32_t row, S residual) {
-    raise(errors[lattice.index({x, row})], rounded_up(static_cast<double>(residual) * unit));
+    raise(errors[lattice.index({x, row})],
+          delaunay::to_float_above(static_cast<double>(residual) * unit));
   };
   for (std::int32_t x = 0; x + half <= last.x; x += side) {
     const BigSquare<S, T> square{rows, last, x, y0, side, y - y0, end};
@@ -370,7 +365,7 @@ HWY_INLINE float error_of(S residual) {
   if constexpr (std::is_integral_v<S>)
     return static_cast<float>(residual) * (1.0F / kBlock);
   else
-    return rounded_up(residual * (1.0 / kBlock));
+    return delaunay::to_float_above(residual * (1.0 / kBlock));
 }
 
 template <typename S>

@@ -1,9 +1,8 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "lode/models/terrain/right_triangle_bisection/extract.h"
+#include "lode/refine/surface_facts.h"
 
 namespace lode::bisection {
 namespace {
@@ -23,7 +22,7 @@ class Selection {
 
   NodeSet run() {
     for (const LatticePoint node : bisection_.kept())
-      if (!lattice_.is_corner(node)) refine(node);
+      if (!lattice_.is_under_corner(node)) refine(node);
     const std::int32_t half = lattice_.side() / 2;
     if (half > 0) look_at({half, half}, half);
     while (!wanted_.empty()) {
@@ -41,10 +40,9 @@ class Selection {
   void look_at(LatticePoint node, std::int32_t reach) {
     if (!lattice_.has_node(node, reach) || refined_.has(index(node))) return;
     const float error = bisection_.error(node);
-    // Where the outline passes there is no triangle yet; and what has no error is never wanted but
-    // by demands that want all.
-    const bool is_outline = std::isinf(error);
-    if (!is_outline) {
+    // There is nothing to gain. And where the outline passes there is no triangle yet.
+    if (error == 0) return;
+    if (!std::isinf(error)) {
       const NodeFacts facts = facts_of(node, static_cast<double>(error));
       if (!demand_.touches(facts) || !(to_rank(demand_(facts)) > 0)) return;
     }
@@ -68,42 +66,23 @@ class Selection {
     }
   }
 
-  [[nodiscard]] double height(LatticePoint place) const {
-    const auto at = static_cast<std::size_t>(place.y * grid_.stride + place.x);
-    if (const auto* samples = std::get_if<HeightGrid::Samples<std::int16_t>>(&grid_.heights))
-      return static_cast<double>((*samples)[at]);
-    return grid_.height(place.x, place.y);
-  }
   [[nodiscard]] NodeFacts facts_of(LatticePoint node, double error) const {
-    NodeFacts facts;
-    facts.error = error;
-    facts.range = {range_.lower, range_.upper};
-    if (!uses_bounds_) return facts;
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    Vec3d lower{{kInfinity, kInfinity, kInfinity}};
-    Vec3d upper{{-kInfinity, -kInfinity, -kInfinity}};
+    if (!uses_bounds_) {
+      NodeFacts facts;
+      facts.error = error;
+      facts.range = {range_.lower, range_.upper};
+      return facts;
+    }
+    SurfacePatch patch;
     const Diamond diamond(node);
     for (const LatticePoint corner :
          {diamond.ends[0], diamond.ends[1], diamond.apexes[0], diamond.apexes[1]}) {
       if (!lattice_.has(corner)) continue;
       const LatticePoint place = lattice_.place(corner);
       const Vec<double, 2> at = grid_.world(place.x, place.y);
-      const Vec3d p{{at[0], at[1], height(place)}};
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        lower[axis] = std::min(lower[axis], p[axis]);
-        upper[axis] = std::max(upper[axis], p[axis]);
-      }
+      patch.add({{at[0], at[1], grid_.height(place.x, place.y)}});
     }
-    lower[2] = std::max(lower[2] - error, range_.lower);
-    upper[2] = std::min(upper[2] + error, range_.upper);
-    facts.range = {lower[2], upper[2]};
-    facts.bounds.centre = (lower + upper) * 0.5;
-    facts.bounds.half = (upper - lower) * 0.5;
-    // For rounding, so that what touches a diamond touches its bounds.
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      facts.bounds.radius = std::max(
-          {facts.bounds.radius, std::abs(lower[axis]) * 0x1p-50, std::abs(upper[axis]) * 0x1p-50});
-    return facts;
+    return patch.facts(error, {range_.lower, range_.upper});
   }
 
   const Bisection& bisection_;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 #include <vector>
 
+#include "lode/delaunay/triangle_error.h"
+#include "lode/delaunay/triangle_rows.h"
 #include "lode/delaunay/worst_sample.h"
-#include "lode/models/terrain/right_triangle_bisection/nested_errors.h"
 
 namespace lode::bisection {
 namespace {
@@ -37,8 +39,10 @@ std::vector<LatticePoint> stretched_nodes(const Lattice& lattice) {
 template <typename T>
 class TriangleMeter {
  public:
-  TriangleMeter(const RasterRows<T>& rows, const HeightRange& range, const Lattice& lattice)
-      : rows_{rows.samples, rows.stride, delaunay::LatticePacking(lattice.last().x + 1)},
+  TriangleMeter(const RasterRows<T>& rows, const HeightRange& range, bool is_exact,
+                const Lattice& lattice)
+      : is_exact_(is_exact),
+        rows_{rows.samples, rows.stride, delaunay::LatticePacking(lattice.last().x + 1)},
         slack_(delaunay::lane_slack<T>(range.lower, range.upper)),
         exact_slack_(delaunay::double_slack(range.lower, range.upper)),
         find_(delaunay::find_worst_sample<T>()) {}
@@ -52,13 +56,37 @@ class TriangleMeter {
       z[i] = rows_.height(corners[i]);
     }
     const auto worst = find_(rows_, slack_, packed, z);
-    // Where rounding is much of it: flat ground has no error at all.
-    if (worst.error <= 4 * worst.slack)
-      return delaunay::find_worst_exactly(rows_, exact_slack_, packed).error;
-    return worst.error;
+    // Where rounding is much of it: planes have no error at all.
+    if (worst.error > 4 * worst.slack) return worst.error;
+    if constexpr (std::is_floating_point_v<T>)
+      if (is_exact_) return multiples_error(corners);
+    return delaunay::find_worst_exactly(rows_, exact_slack_, packed).error;
   }
 
  private:
+  /// Of heights that are multiples of 2^-8, in integers.
+  [[nodiscard]] double multiples_error(const std::array<LatticePoint, 3>& corners) const {
+    __extension__ using Wide = __int128;
+    constexpr double kMultiples = 256;
+    const auto& [a, b, c] = corners;
+    const auto z = [&](LatticePoint p) {
+      return static_cast<std::int64_t>(rows_.height(p) * kMultiples);
+    };
+    const std::int64_t area = delaunay::doubled_area(a, b, c);
+    Wide worst = 0;
+    for (delaunay::TriangleRows row(a, b, c); row.has_row(); row.next())
+      for (std::int32_t x = row.first(); x <= row.last(); ++x) {
+        const LatticePoint p{x, row.y()};
+        const Wide residual = Wide{area} * z(p) - Wide{delaunay::doubled_area(b, c, p)} * z(a) -
+                              Wide{delaunay::doubled_area(c, a, p)} * z(b) -
+                              Wide{delaunay::doubled_area(a, b, p)} * z(c);
+        worst = std::max(worst, residual < 0 ? -residual : residual);
+      }
+    // Three roundings.
+    return static_cast<double>(worst) / (static_cast<double>(area) * kMultiples) * (1 + 0x1p-50);
+  }
+
+  bool is_exact_;
   delaunay::SampleRows<T> rows_;
   delaunay::RoundingSlack slack_;
   delaunay::RoundingSlack exact_slack_;
@@ -68,11 +96,11 @@ class TriangleMeter {
 }  // namespace
 
 template <typename T>
-void set_stretched_errors(const RasterRows<T>& rows, const HeightRange& range,
+void set_stretched_errors(const RasterRows<T>& rows, const HeightRange& range, bool is_exact,
                           const Lattice& lattice, Threads threads, float* errors) {
   const std::vector<LatticePoint> nodes = stretched_nodes(lattice);
   if (nodes.empty()) return;
-  const TriangleMeter<T> meter(rows, range, lattice);
+  const TriangleMeter<T> meter(rows, range, is_exact, lattice);
   parallel_for(nodes.size(), threads, 16, [&](std::size_t i, int) {
     const Diamond diamond(nodes[i]);
     const LatticePoint a = lattice.place(diamond.ends[0]);
@@ -86,17 +114,17 @@ void set_stretched_errors(const RasterRows<T>& rows, const HeightRange& range,
       if (delaunay::doubled_area(corners[0], corners[1], corners[2]) > 0)
         error = std::max(error, meter.error(corners));
     }
-    errors[lattice.index(nodes[i])] = rounded_up(error);
+    errors[lattice.index(nodes[i])] = delaunay::to_float_above(error);
   });
 }
 
-template void set_stretched_errors(const RasterRows<std::int16_t>&, const HeightRange&,
+template void set_stretched_errors(const RasterRows<std::int16_t>&, const HeightRange&, bool,
                                    const Lattice&, Threads, float*);
-template void set_stretched_errors(const RasterRows<std::uint16_t>&, const HeightRange&,
+template void set_stretched_errors(const RasterRows<std::uint16_t>&, const HeightRange&, bool,
                                    const Lattice&, Threads, float*);
-template void set_stretched_errors(const RasterRows<float>&, const HeightRange&, const Lattice&,
-                                   Threads, float*);
-template void set_stretched_errors(const RasterRows<double>&, const HeightRange&, const Lattice&,
-                                   Threads, float*);
+template void set_stretched_errors(const RasterRows<float>&, const HeightRange&, bool,
+                                   const Lattice&, Threads, float*);
+template void set_stretched_errors(const RasterRows<double>&, const HeightRange&, bool,
+                                   const Lattice&, Threads, float*);
 
 }  // namespace lode::bisection
