@@ -149,7 +149,7 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
     session.warn(fmt::format("--max-error is not met: --max-cells allows {} only",
                              format_number(report.achieved_error)));
   if (!report.is_uniform && report.is_focus_empty && !report.view)
-    session.warn("the focus lies beside the terrain: is it in its CRS?");
+    session.warn("the focus meets no triangle of the terrain: is it in its CRS?");
 }
 
 /// What a job asks for, but for the metric of its focus.
@@ -293,10 +293,15 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   LODE_CHECK(check_raster_arguments(job.raster, job.input, job.output));
   LODE_TRY(const Wanted wanted, to_wanted(job));
   const bool can_vary = wanted.building || holds_terrain_model(job.input);
+  if (wanted.options.focus && is_point_path(job.input))
+    return fail(
+        "{}: expected one tolerance for all of scattered points, got a focus: models that can vary "
+        "are of rasters",
+        job.input);
   if (wanted.options.focus && !can_vary)
     return fail(
         "{}: expected one tolerance for all of a raster, got a focus: --model delaunay_pyramid or "
-        "ternary_triangulation can vary, and so can a .lode file that `lode build` makes",
+        "right_triangle_bisection can vary, and so can a .lode file that `lode build` makes",
         job.input);
   if (wanted.options.focus && wanted.options.max_cells)
     return fail("--max-cells: expected no --box, --focus-point or --view with it");

@@ -1,5 +1,7 @@
 #include "input.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <limits>
 #include <system_error>
@@ -65,6 +67,14 @@ bool is_same_file(const std::string& a, const std::string& b) {
 }
 
 }  // namespace
+
+Error no_isovalue(const std::string& path) {
+  constexpr const char* kExpected = "--isovalue: expected at least one value, got none";
+  if (is_lode_path(path))
+    if (const auto opens = check_lode_opens(path); !opens)
+      return Error{fmt::format("{}; of a volume, {}", opens.error().message, kExpected)};
+  return Error{kExpected};
+}
 
 Result<void> expect_no_mesh(const std::string& path) {
   if (is_cells_path(path))

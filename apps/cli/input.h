@@ -55,6 +55,10 @@ struct Input {
   bool was_built = false;   ///< From a foreign file, in memory.
 };
 
+/// For --isovalue, which a volume needs; and that a .lode file cannot be opened, as whoever meant
+/// one of a terrain or a mesh has to know that first.
+[[nodiscard]] Error no_isovalue(const std::string& path);
+
 /// Fails on a mesh of cells, naming it.
 [[nodiscard]] Result<void> expect_no_mesh(const std::string& path);
 

@@ -80,6 +80,19 @@ TEST_F(cli_bisection_model, varies_and_keeps_a_number_of_triangles) {
   EXPECT_EQ(enough.at("triangles"), built_.at("levels")[0].at("triangles"));
 }
 
+TEST_F(cli_bisection_model, warns_of_a_focus_beside_the_terrain_alone) {
+  const auto warning_of = [&](const char* box, const char* max_error) {
+    const Finished made =
+        run_lode({"extract", model_, out_, "--max-error", max_error, "--box", box});
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    return made.err;
+  };
+  EXPECT_NE(warning_of("0,10,0,10", "1").find("meets no triangle"), std::string::npos);
+  EXPECT_EQ(warning_of("500300,500600,4000300,4000500", "1"), "");
+  // Nothing has to be refined.
+  EXPECT_EQ(warning_of("500300,500600,4000300,4000500", "100000"), "");
+}
+
 TEST_F(cli_bisection_model, keeps_features) {
   const auto made = run_lode({"build", dem_, model_, "--model", "right_triangle_bisection",
                               "--feature-relief", "20", "--levels", "50", "--json"})

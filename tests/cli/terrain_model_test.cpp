@@ -199,6 +199,10 @@ TEST_P(cli_terrain_model, refuses_what_it_cannot_keep) {
                    1, {"or more outside"});
   expect_refusal(run_lode({"height", scratch_ / "absent.lode", "--at", "1,2"}), 2,
                  {"absent.lode", "No such file"});
+  expect_refusal(run_lode({"extract", scratch_ / "absent.lode", "out.ply", "--max-error", "1"}), 2,
+                 {"absent.lode", "No such file"});
+  expect_refusal(run_lode({"render", scratch_ / "absent.lode", "out.png"}), 2,
+                 {"absent.lode", "No such file"});
   std::string bytes = read_bytes(model_);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   write_bytes(model_, bytes);

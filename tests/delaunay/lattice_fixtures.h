@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -28,6 +29,12 @@ HeightGrid make_grid(std::int32_t n_columns, std::int32_t n_rows, const Rule& ru
     for (std::int32_t x = 0; x < n_columns; ++x)
       samples[static_cast<std::size_t>(y * grid.stride + x)] = static_cast<T>(rule(x, y));
   return grid;
+}
+
+/// Whole numbers: smooth, but for some spikes.
+inline double spiky_hills(std::int32_t x, std::int32_t y) {
+  const bool is_spike = (x * 7 + y * 13) % 61 == 0;
+  return std::round(300 * std::sin(0.21 * x) * std::cos(0.17 * y)) + (is_spike ? 64 : 0);
 }
 
 inline void set_missing(HeightGrid& grid, std::int32_t x, std::int32_t y) {

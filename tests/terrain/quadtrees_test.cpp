@@ -16,10 +16,7 @@ using delaunay::test::make_grid;
 using squares::Square;
 using squares::SquareDomain;
 
-double hills(std::int32_t x, std::int32_t y) {
-  const bool is_spike = (x * 7 + y * 13) % 61 == 0;
-  return std::round(300 * std::sin(0.21 * x) * std::cos(0.17 * y)) + (is_spike ? 64 : 0);
-}
+constexpr auto hills = delaunay::test::spiky_hills;
 
 struct Case {
   const char* name;
