@@ -31,6 +31,7 @@ Result<TerrainBuildOptions> to_options(const TerrainBuildJob& job) {
         "which makes a TIN for each question",
         terrain.model);
   LODE_CHECK(check_lined_model(job.input, terrain));
+  LODE_CHECK(check_model_of_points(job.input, terrain));
   LODE_TRY(const auto asked, to_build_options(terrain, {}));
   TerrainBuildOptions options = asked.value();
   LODE_TRY(options.levels, to_levels(job.levels));
@@ -75,6 +76,7 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
     json["insertions"] = info.n_nodes;
     json["outline_triangles"] = info.n_base_triangles;
     json["triangles_ever"] = info.n_triangles;
+    json["fixed_edges"] = info.n_lines;
   }
   json["memory_bytes"] = info.memory_bytes;
   json["finest_error"] = info.max_error;
@@ -82,8 +84,11 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
   table.add({"range", fmt::format("{} to {}", format_number(info.range.lower),
                                   format_number(info.range.upper))});
   if (info.n_left_out > 0)
-    table.add({"left out", fmt::format("{} samples in no cell with four heights",
-                                       format_count(info.n_left_out))});
+    table.add(
+        {"left out", fmt::format("{} {}", format_count(info.n_left_out),
+                                 info.is_of_points ? "points that are not in the domain"
+                                                   : "samples in no cell with four heights")});
+  if (info.n_lines > 0) table.add({"fixed edges", format_count(info.n_lines)});
   if (info.n_kept > 0) table.add({"kept samples", format_count(info.n_kept)});
   if (is_quadtree(model)) {
     table.add({"squares", format_count(info.n_nodes)});

@@ -54,11 +54,13 @@ Result<void> check_mesh_build(const BuildArguments& arguments) {
 }
 
 Result<void> check_build(const BuildArguments& arguments, const CLI::App& app) {
-  if (is_height_path(arguments.input)) return check_terrain_build(arguments.of_terrain(), app);
+  if (is_terrain_path(arguments.input)) return check_terrain_build(arguments.of_terrain(), app);
   LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
   if (!arguments.levels.empty())
-    return fail("{}: expected a raster of heights with --levels, got another file",
-                arguments.input);
+    return fail(
+        "{}: expected a raster of heights or scattered points with --levels, got another "
+        "file",
+        arguments.input);
   if (is_cells_path(arguments.input)) return check_mesh_build(arguments);
   if (!arguments.base_cells.empty() || !arguments.boundary_tolerance.empty() ||
       arguments.is_everywhere)
@@ -139,7 +141,7 @@ Outcome report_build(const BuildArguments& arguments, const FileBuildReport& rep
 }
 
 Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
-  if (is_height_path(arguments.input)) return run_terrain_build(arguments.of_terrain(), session);
+  if (is_terrain_path(arguments.input)) return run_terrain_build(arguments.of_terrain(), session);
   if (is_cells_path(arguments.input)) return run_tetra_build(arguments.tetra(), session);
   LODE_TRY(ReadOptions options, to_read_options(arguments.reading, session.threads()));
   LODE_CHECK(check_writable(arguments.output));
@@ -177,12 +179,14 @@ Result<Outcome> run_build(const BuildArguments& arguments, Session& session) {
 Command add_build_command(CLI::App& program) {
   auto arguments = std::make_shared<BuildArguments>();
   CLI::App* app = program.add_subcommand(
-      "build", "Turn a volume, a mesh of cells or a raster of heights into a .lode file");
+      "build", "Turn a volume, a mesh of cells or terrain into a .lode file");
   app->footer(
       "Examples:\n  lode build scan.nrrd scan.lode\n"
       "  lode build wing.vtu wing.lode --field Density\n"
-      "  lode build dem.tif dem.lode --levels 50,20,10,5,2,1");
-  app->add_option("input", arguments->input, "Volume, mesh of cells, or raster of heights, to read")
+      "  lode build dem.tif dem.lode --levels 50,20,10,5,2,1\n"
+      "  lode build lidar.las dem.lode --class 2 --breaklines dikes.gpkg");
+  app->add_option("input", arguments->input,
+                  "Volume, mesh of cells, raster of heights, or scattered points, to read")
       ->type_name("IN")
       ->required();
   app->add_option("output", arguments->output, "File to write")->type_name("OUT.lode")->required();
@@ -206,7 +210,7 @@ Command add_build_command(CLI::App& program) {
                 "Of a mesh: errors hold at all points (default: at its own vertices alone); takes "
                 "a few times as long");
   app->add_option("--levels", arguments->levels,
-                  "Of a raster of heights: tolerances of the levels, in units of the heights; the "
+                  "Of terrain: tolerances of the levels, in units of the heights; the "
                   "finest is what questions may ask for (default: a 2000th of the range, doubled "
                   "as long as that is below it)")
       ->type_name("E,E,...");

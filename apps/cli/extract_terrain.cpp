@@ -293,11 +293,6 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   LODE_CHECK(check_raster_arguments(job.raster, job.input, job.output));
   LODE_TRY(const Wanted wanted, to_wanted(job));
   const bool can_vary = wanted.building || holds_terrain_model(job.input);
-  if (wanted.options.focus && is_point_path(job.input))
-    return fail(
-        "{}: expected one tolerance for all of scattered points, got a focus: models that can vary "
-        "are of rasters",
-        job.input);
   if (wanted.options.focus && !can_vary)
     return fail(
         "{}: expected one tolerance for all of a raster, got a focus: --model delaunay_pyramid or "

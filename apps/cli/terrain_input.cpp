@@ -351,19 +351,27 @@ Result<void> check_lined_model(const std::string& path, const TerrainArguments& 
   const auto model = built_model_of(arguments.model);
   if (!arguments.has_lines() || !model) return {};
   const bool has_breaklines = !arguments.breaklines.empty() || arguments.drape;
-  if (is_on_squares(*model) && !has_breaklines) return {};
+  if (is_of_any_points(*model) || (is_on_squares(*model) && !has_breaklines)) return {};
   return fail(
-      "{}: expected --model delaunay_selector with --breaklines, or with --keep-features and "
-      "--feature-relief that or a model on squares, got '{}', which cannot keep edges",
+      "{}: expected --model delaunay_selector, delaunay_pyramid or ternary_triangulation with "
+      "--breaklines, or with --keep-features and --feature-relief one of these or a model on "
+      "squares, got '{}', which cannot keep edges",
+      path, arguments.model);
+}
+
+Result<void> check_model_of_points(const std::string& path, const TerrainArguments& arguments) {
+  const auto model = built_model_of(arguments.model);
+  if (!is_point_path(path) || !model || is_of_any_points(*model)) return {};
+  return fail(
+      "{}: expected a raster with --model {}, got scattered points: delaunay_pyramid and "
+      "ternary_triangulation can be built of these",
       path, arguments.model);
 }
 
 Result<void> check_terrain_model(const std::string& path, const TerrainArguments& arguments,
                                  const ReadingArguments& reading) {
   LODE_CHECK(check_lined_model(path, arguments));
-  if (is_point_path(path) && built_model_of(arguments.model))
-    return fail("{}: expected a raster with --model {}, got scattered points", path,
-                arguments.model);
+  LODE_CHECK(check_model_of_points(path, arguments));
   if (!holds_terrain_model(path) || (arguments.is_empty() && reading.nodata.empty())) return {};
   return fail(
       "{}: expected no --band, --encoding, --nodata, --model, --insertion or options of lines, "
@@ -421,8 +429,12 @@ void add_facts(const TerrainFacts& facts, Json& json, Table& table) {
     json["vertical_transformation"] = {
         {"name", outcome.transformation},
         {"accuracy", outcome.accuracy ? Json(*outcome.accuracy) : Json(nullptr)}};
+  json["is_of_points"] = facts.is_of_points || facts.points.has_value();
   if (facts.points) {
     add_point_facts(*facts.points, json, table);
+  } else if (facts.is_of_points) {
+    table.add({"lattice", fmt::format("{} x {}, of {}", frame.n_columns, frame.n_rows,
+                                      facts.type == "points" ? "points" : "a raster with lines")});
   } else {
     const std::int64_t n_samples = std::int64_t{frame.n_columns} * frame.n_rows;
     table.add(

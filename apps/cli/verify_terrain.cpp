@@ -7,13 +7,13 @@ namespace {
 
 Result<void> check_model_verify(const TerrainVerifyJob& job, const CLI::App& app) {
   LODE_CHECK(check_only_terrain(app, job.input, {"--against"}));
-  if (!job.original.empty() && !is_height_path(job.original))
-    return fail("--against: expected the raster that {} was built of, got {}", job.input,
+  if (!job.original.empty() && !is_terrain_path(job.original))
+    return fail("--against: expected the raster or points that {} was built of, got {}", job.input,
                 job.original);
   if (job.original.empty() && !job.terrain.is_empty())
-    return fail("{}: expected --against with --band or --encoding, got none", job.input);
-  if (auto options = to_height_options(job.terrain, job.reading); !options) return options.error();
-  return {};
+    return fail("{}: expected --against with options of reading, got none", job.input);
+  if (job.original.empty()) return {};
+  return check_terrain_reading(job.original, job.terrain, job.reading);
 }
 
 Result<TinShape> to_shape(const std::string& model) {
@@ -30,7 +30,23 @@ Result<TinShape> to_shape(const std::string& model) {
   return shape_of(built);
 }
 
-/// Every byte, then all that it says against the raster.
+/// Against the raster or points that it was built of.
+Result<VerifyReport> verify_origin(const TerrainVerifyJob& job, const BuiltTerrain& built,
+                                   Session& session) {
+  if (is_point_path(job.original) || job.terrain.has_lines()) {
+    LODE_TRY(const OpenedTerrain opened,
+             open_terrain(job.original, job.terrain, job.reading, {}, {}, session));
+    return naming(job.original, built.verify(*opened.points, session.threads(), session.progress()),
+                  session);
+  }
+  LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
+  LODE_TRY(const HeightRaster raster, read_heights(job.original, reading, session.progress()));
+  warn_of_vertical(raster.vertical, job.original, session);
+  return naming(job.original, built.verify(raster.grid, session.threads(), session.progress()),
+                session);
+}
+
+/// Every byte, then all that it says against its origin.
 Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session) {
   LODE_TRY(VerifyReport report,
            verify_every_byte(job.input, session.threads(), session.progress()));
@@ -42,12 +58,7 @@ Result<VerifyReport> verify_model(const TerrainVerifyJob& job, Session& session)
     report.checks.insert(report.checks.end(), alone.checks.begin(), alone.checks.end());
   }
   if (job.original.empty()) return report;
-  LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
-  LODE_TRY(const HeightRaster raster, read_heights(job.original, reading, session.progress()));
-  warn_of_vertical(raster.vertical, job.original, session);
-  LODE_TRY(const VerifyReport against,
-           naming(job.original, built.verify(raster.grid, session.threads(), session.progress()),
-                  session));
+  LODE_TRY(const VerifyReport against, verify_origin(job, built, session));
   report.checks.insert(report.checks.end(), against.checks.begin(), against.checks.end());
   return report;
 }
@@ -58,7 +69,10 @@ Result<VerifyReport> verify_points(const TerrainVerifyJob& job, double max_error
   LODE_TRY(const OpenedTerrain opened,
            open_terrain(job.input, job.terrain, job.reading, {}, max_error, session));
   LODE_TRY(const Surface surface, read_surface(job.surface));
-  return verify_terrain(*opened.points, surface, max_error, session.threads(), session.progress());
+  LODE_TRY(const TinShape shape, to_shape(job.terrain.model));
+  return verify_terrain(*opened.points, surface,
+                        {.max_error = max_error, .shape = shape, .threads = session.threads()},
+                        session.progress());
 }
 
 }  // namespace
@@ -73,14 +87,12 @@ Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& a
     return fail("--surface: expected the --max-error it was extracted with, got none");
   if (auto max_error = to_max_error(job.max_error); !max_error) return max_error.error();
   if (auto shape = to_shape(job.terrain.model); !shape) return shape.error();
-  if (job.terrain.has_lines() && built_model_of(job.terrain.model))
+  const auto model = built_model_of(job.terrain.model);
+  if (job.terrain.has_lines() && model && !is_of_any_points(*model))
     return fail(
-        "{}: expected --model delaunay_selector with lines, got '{}', whose files verify "
-        "checks",
+        "{}: expected a model that keeps lines with them, got '{}', whose files verify checks",
         job.input, job.terrain.model);
-  if (is_point_path(job.input) && built_model_of(job.terrain.model))
-    return fail("{}: expected a raster with --model {}, got scattered points", job.input,
-                job.terrain.model);
+  LODE_CHECK(check_model_of_points(job.input, job.terrain));
   return check_terrain_reading(job.input, job.terrain, job.reading);
 }
 

@@ -95,6 +95,52 @@ TEST_F(cli_points, answers_all_questions) {
   EXPECT_EQ(render.at("outputs").size(), 1U);
 }
 
+TEST_F(cli_points, become_models_of_all_tolerances) {
+  const std::string file = scratch_ / "hill.lode";
+  const std::string out = scratch_ / "hill.ply";
+  for (const std::string model : {"delaunay_pyramid", "ternary_triangulation"}) {
+    SCOPED_TRACE(model);
+    const auto built = run_lode({"build", las_, file, "--model", model, "--class", "2",
+                                 "--max-edge", "30", "--levels", "8,1,0.2", "--json"})
+                           .json();
+    EXPECT_EQ(built.at("levels").size(), 3U);
+    EXPECT_EQ(built.at("classes").at("5"), 120);
+    EXPECT_EQ(built.at("fixed_edges"), 0);
+    EXPECT_EQ(run_lode({"verify", file}).exit_code, 0);
+    EXPECT_EQ(
+        run_lode({"verify", file, "--against", las_, "--class", "2", "--max-edge", "30"}).exit_code,
+        0);
+    expect_refusal(run_lode({"verify", file, "--against", las_}), 1,
+                   {"hill.las", "read as it was"});
+    const auto info = run_lode({"info", file, "--json"}).json();
+    EXPECT_EQ(info.at("is_of_points"), true);
+    EXPECT_EQ(info.at("type"), "points");
+    EXPECT_EQ(info.at("vertical_unit"), "m");
+    EXPECT_EQ(run_lode({"extract", file, out, "--max-error", "0.5"}).exit_code, 0);
+    EXPECT_EQ(run_lode({"verify", las_, "--surface", out, "--max-error", "0.5", "--class", "2",
+                        "--max-edge", "30", "--model", model})
+                  .exit_code,
+              0);
+    const auto fine = run_lode({"extract", file, out, "--max-error", "0.2", "--json"}).json();
+    const auto focused = run_lode({"extract", file, out, "--max-error", "0.2", "--focus-point",
+                                   "500050,4000050", "--growth", "0.05", "--json"})
+                             .json();
+    EXPECT_LT(focused.at("triangles"), fine.at("triangles"));
+    const auto height =
+        run_lode({"height", file, "--at", "500090,4000080", "--max-error", "1", "--json"}).json();
+    EXPECT_GT(height.at("points").at(0).at("height").get<double>(), 40);
+    expect_refusal(run_lode({"extract", file, out, "--class", "2"}), 2, {"hill.lode"});
+    expect_refusal(run_lode({"extract", file, scratch_ / "hill.tif"}), 1, {"a cell"});
+    EXPECT_EQ(
+        run_lode({"contours", las_, scratch_ / "c.gpkg", "--model", model, "--interval", "10"})
+            .exit_code,
+        0);
+  }
+  expect_refusal(run_lode({"build", las_, file, "--model", "restricted_quadtree"}), 2,
+                 {"hill.las", "scattered points", "delaunay_pyramid"});
+  expect_refusal(run_lode({"build", las_, file, "--band", "1"}), 2, {"--band", "points"});
+}
+
 TEST_F(cli_points, takes_text_with_an_outline_and_a_crs) {
   std::string text = "lon lat depth\n";
   for (int i = 0; i < 400; ++i)

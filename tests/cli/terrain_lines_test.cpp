@@ -97,7 +97,7 @@ TEST_F(cli_terrain_lines, that_cannot_be_are_refused) {
   expect_refused({"--drape"}, "expected --breaklines");
   expect_refused({"--drape-error", "-1", "--breaklines", lines_}, "--drape-error: expected");
   expect_refused({"--feature-relief", "-1"}, "--feature-relief: expected a number >= 0");
-  expect_refused({"--keep-features", "--model", "delaunay_pyramid"}, "delaunay_selector");
+  expect_refused({"--keep-features", "--model", "implicit_delaunay_pyramid"}, "delaunay_pyramid");
   expect_refused({"--breaklines", lines_, "--model", "restricted_quadtree"}, "delaunay_selector");
   expect_refused({"--breaklines", scratch_ / "none.geojson"}, "none.geojson");
   expect_refused({"--breaklines", dem_}, ".geojson");
@@ -131,6 +131,44 @@ TEST_F(cli_terrain_lines, within_a_number_of_triangles_are_verified_with_their_d
                       lines_, "--drape-error", "1"})
                 .exit_code,
             0);
+}
+
+/// Built once, then asked at any tolerance; and built for one question.
+TEST_F(cli_terrain_lines, are_edges_of_models_of_all_tolerances) {
+  write_lines(R"({"type":"LineString","coordinates":[[5.5,5.5,80],[30.2,17.7,80]]})");
+  const std::string file = scratch_ / "dem.lode";
+  const std::string out = scratch_ / "out.ply";
+  const Words lines{"--breaklines", lines_, "--feature-relief", "5"};
+  const auto with_lines = [&](Words words) {
+    words.insert(words.end(), lines.begin(), lines.end());
+    return run_lode(words);
+  };
+  for (const std::string model : {"delaunay_pyramid", "ternary_triangulation"}) {
+    SCOPED_TRACE(model);
+    const auto json =
+        with_lines({"build", dem_, file, "--model", model, "--levels", "40,5", "--json"}).json();
+    EXPECT_GT(json.at("fixed_edges"), 5);
+    EXPECT_EQ(json.at("is_of_points"), true);
+    EXPECT_EQ(with_lines({"verify", file, "--against", dem_}).exit_code, 0);
+    expect_refusal(run_lode({"verify", file, "--against", dem_}), 1, {"dem.asc", "its lines"});
+    expect_refusal(run_lode({"verify", file, "--against", dem_, "--keep-features"}), 1,
+                   {"dem.asc", "read as it was"});
+    EXPECT_EQ(run_lode({"extract", file, out, "--max-error", "17"}).exit_code, 0);
+    Words verify{"verify", dem_, "--surface", out, "--max-error", "17", "--model", model,
+                 // As when it was built, whatever the tolerance.
+                 "--drape-error", "0.1"};
+    EXPECT_EQ(with_lines(verify).exit_code, 0);
+    const auto height =
+        run_lode({"height", file, "--at", "17.85,11.6", "--max-error", "40", "--json"}).json();
+    // The line is rounded to 1024ths of a cell, beside which there is a cliff.
+    EXPECT_NEAR(height.at("points").at(0).at("height").get<double>(), 80, 0.05);
+    expect_refusal(run_lode({"extract", file, scratch_ / "out.tif"}), 1, {"a cell"});
+    EXPECT_EQ(run_lode({"extract", file, scratch_ / "out.tif", "--cell", "1"}).exit_code, 0);
+    EXPECT_EQ(with_lines({"extract", dem_, out, "--model", model, "--max-error", "9", "--box",
+                          "3,10,3,10", "--max-error-outside", "60"})
+                  .exit_code,
+              0);
+  }
 }
 
 TEST_F(cli_terrain_lines, outside_are_told) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lode/core/parallel.h"
+#include "lode/models/terrain/delaunay_selector/spatial_order.h"
 #include "lode/models/terrain/implicit_pyramid/build.h"
 #include "lode/models/terrain/insertions/build.h"
 #include "lode/models/terrain/insertions/insertion_cut.h"
@@ -20,7 +21,8 @@
 
 namespace lode::test {
 
-template <insertions::Model kModel>
+/// `kIsOfPoints`: some nodes of the lattice, with a line between them.
+template <insertions::Model kModel, bool kIsOfPoints = false>
 class InsertionsContract {
  public:
   static constexpr int kDimension = 2;
@@ -29,6 +31,7 @@ class InsertionsContract {
 
   static InsertionsContract make(std::uint32_t seed, Threads /*threads*/) {
     Progress progress;
+    if constexpr (kIsOfPoints) return InsertionsContract({history_of_points(seed), {}});
     auto history = kModel == insertions::Model::implicit_delaunay_pyramid
                        ? implicit_pyramid::build(noise(seed), progress)
                        : insertions::build_history(noise(seed), 0, kModel, progress);
@@ -102,6 +105,38 @@ class InsertionsContract {
         heights[static_cast<std::size_t>(y * grid.stride + x)] =
             static_cast<float>(std::round(random.uniform(0, 125)));
     return grid;
+  }
+
+  static insertions::History history_of_points(std::uint32_t seed) {
+    const HeightGrid grid = noise(seed);
+    oracles::Random random(seed + 1);
+    HeightPoints points;
+    points.n_columns = kColumns;
+    points.n_rows = kRows;
+    std::vector<std::uint32_t> inner;
+    for (std::int32_t y = 0; y < kRows; ++y)
+      for (std::int32_t x = 0; x < kColumns; ++x) {
+        const bool is_corner = (x == 0 || x == kColumns - 1) && (y == 0 || y == kRows - 1);
+        if (!is_corner && random.below(3) == 0) continue;
+        if (x > 1 && x < kColumns - 2 && y > 1 && y < kRows - 2)
+          inner.push_back(static_cast<std::uint32_t>(points.nodes.size()));
+        points.nodes.push_back({x, y});
+        points.heights.push_back(grid.height(x, y));
+      }
+    Progress progress;
+    const auto hull = delaunay_selector::find_hull(points);
+    const std::vector<std::array<std::uint32_t, 2>> lines{{inner.front(), inner.back()}};
+    const auto lined = delaunay_selector::with_lines(points, *hull, lines, {}, progress);
+    const delaunay_selector::SpatialOrder order(points, lined->domain);
+    auto made = insertions::build_history({.frame = points,
+                                           .range = height_range(points),
+                                           .samples = order.samples(),
+                                           .triangles = order.triangles,
+                                           .lines = order.lines,
+                                           .n_left_out = 0},
+                                          0, kModel, progress);
+    EXPECT_TRUE(made && !made->lines.empty());
+    return *std::move(made);
   }
 
   std::unique_ptr<const insertions::LevelledHistory> made_;

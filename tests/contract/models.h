@@ -14,6 +14,7 @@ namespace lode::test {
 
 using DelaunayPyramidContract = InsertionsContract<insertions::Model::delaunay_pyramid>;
 using TernaryContract = InsertionsContract<insertions::Model::ternary_triangulation>;
+using PointPyramidContract = InsertionsContract<insertions::Model::delaunay_pyramid, true>;
 using ImplicitPyramidContract = InsertionsContract<insertions::Model::implicit_delaunay_pyramid>;
 
 /// Those that can be saved and opened.
@@ -23,6 +24,7 @@ using StoredModels = ::testing::Types<  //
     TetraContract,                      //
     DelaunayPyramidContract,            //
     TernaryContract,                    //
+    PointPyramidContract,               //
     ImplicitPyramidContract>;
 
 /// All that the engine refines.
@@ -33,6 +35,7 @@ using AllModels = ::testing::Types<  //
     MidpointContract,                //
     DelaunayPyramidContract,         //
     TernaryContract,                 //
+    PointPyramidContract,            //
     ImplicitPyramidContract,         //
     SplitTableContract,              //
     SplitLabelsContract>;

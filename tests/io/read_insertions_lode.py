@@ -41,7 +41,8 @@ class Cursor:
 
 def read_metadata(raw):
     cursor = Cursor(raw)
-    expect(cursor.take("I") == 2, "another layout")
+    expect(cursor.take("I") == 3, "another layout")
+    expect(cursor.take("B") == 0, "of points, which this does not read")
     m = {"size": cursor.take("2i"), "world": cursor.take("6d")}
     m["crs"], m["unit"], m["type"] = cursor.text(), cursor.text(), cursor.text()
     m["has_place"] = cursor.take("B")
@@ -54,7 +55,9 @@ def read_metadata(raw):
     cursor.at += 8 * n_levels
     n_ends = cursor.take("I")
     m["ends"] = struct.unpack_from(f"<{n_ends}I", raw, cursor.at)
-    expect(cursor.at + 4 * n_ends == len(raw), "bytes left over")
+    cursor.at += 4 * n_ends
+    expect(cursor.take("I") == 0, "lines in a raster")
+    expect(cursor.at == len(raw), "bytes left over")
     return m
 
 

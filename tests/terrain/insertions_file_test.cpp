@@ -5,8 +5,10 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <span>
 
+#include "lode/models/terrain/delaunay_selector/spatial_order.h"
 #include "lode/models/terrain/insertions/file_layout.h"
 #include "lode/models/terrain/insertions/overlap.h"
 #include "lode/models/terrain/insertions/persist.h"
@@ -53,12 +55,57 @@ LevelledHistory make_model(Model model) {
   return {std::move(history), levels};
 }
 
+/// With a line across its domain, and a lattice larger than rasters have.
+LevelledHistory make_point_model(Model model) {
+  HeightPoints points;
+  oracles::Random random(3);
+  const auto scaled = [](std::uint64_t x) { return static_cast<std::int32_t>(x << 20); };
+  constexpr std::uint64_t kSize = 60;
+  std::vector<LatticePoint> nodes{{0, 0},
+                                  {scaled(kSize), 0},
+                                  {0, scaled(kSize)},
+                                  {scaled(kSize), scaled(kSize)},
+                                  {scaled(20), scaled(20)},
+                                  {scaled(30), scaled(30)},
+                                  {scaled(45), scaled(45)}};
+  for (int i = 0; i < 240; ++i)
+    nodes.push_back({scaled(random.below(kSize)), scaled(random.below(kSize))});
+  const auto row = [](LatticePoint p) { return std::pair(p.y, p.x); };
+  std::ranges::sort(nodes, {}, row);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  points.nodes = nodes;
+  for (const LatticePoint& p : nodes) points.heights.push_back(hills(p.x >> 20, p.y >> 20));
+  points.n_columns = points.n_rows = scaled(kSize) + 1;
+  points.crs = "PROJCS[\"somewhere\"]";
+  const auto number = [&](std::int32_t x, std::int32_t y) {
+    const auto at = std::ranges::lower_bound(points.nodes, std::pair(y << 20, x << 20), {}, row);
+    return static_cast<std::uint32_t>(at - points.nodes.begin());
+  };
+  Progress progress;
+  const auto hull = delaunay_selector::find_hull(points);
+  const std::vector<std::array<std::uint32_t, 2>> line{{number(20, 20), number(45, 45)}};
+  const auto lined = delaunay_selector::with_lines(points, *hull, line, {}, progress);
+  const delaunay_selector::SpatialOrder order(points, lined->domain);
+  auto history = build_history({.frame = points,
+                                .range = height_range(points),
+                                .samples = order.samples(),
+                                .triangles = order.triangles,
+                                .lines = order.lines,
+                                .n_left_out = 0},
+                               1.5, model, progress);
+  EXPECT_TRUE(history) << history.error().message;
+  history->sample_type = "points";
+  return {*std::move(history), {20, 6, 1.5}};
+}
+
 void expect_same(const LevelledHistory& a, const LevelledHistory& b) {
   const History& x = a.history;
   const History& y = b.history;
   EXPECT_EQ(a.levels, b.levels);
   EXPECT_EQ(x.model, y.model);
   EXPECT_EQ(x.level_ends, y.level_ends);
+  EXPECT_EQ(x.is_of_points, y.is_of_points);
+  EXPECT_EQ(x.lines, y.lines);
   EXPECT_EQ(x.frame.to_world, y.frame.to_world);
   EXPECT_EQ(x.frame.n_columns, y.frame.n_columns);
   EXPECT_EQ(x.frame.n_rows, y.frame.n_rows);
@@ -101,6 +148,21 @@ TYPED_TEST(insertions_file, has_all_that_was_saved) {
     EXPECT_EQ(*size, std::filesystem::file_size(path));
     EXPECT_TRUE(is_model_of(path));
     const auto opened = open(path, progress);
+    ASSERT_TRUE(opened) << opened.error().message;
+    expect_same(made, *opened);
+  }
+}
+
+constexpr std::array kPointModels{Model::delaunay_pyramid, Model::ternary_triangulation};
+
+TEST(insertions_point_file, has_all_that_was_saved) {
+  const ScratchFile file("points.lode");
+  for (const Model model : kPointModels) {
+    const LevelledHistory made = make_point_model(model);
+    EXPECT_EQ(made.history.lines.size(), 1U);
+    Progress progress;
+    ASSERT_TRUE(save(made, file.path(), progress));
+    const auto opened = open(file.path(), progress);
     ASSERT_TRUE(opened) << opened.error().message;
     expect_same(made, *opened);
   }
@@ -157,10 +219,11 @@ TEST(insertions_lies, are_named) {
     expect_refused(lie.path(), why);
   };
   expect(0, 0, std::uint32_t{77}, "layout");
-  expect(0, 4, std::int32_t{-3}, "columns and rows");
-  expect(0, 4, std::int32_t{1 << 30}, "columns and rows");
-  expect(0, 12, std::nan(""), "finite numbers");
-  expect(0, 20, 0.0, "span a plane");
+  expect(0, 4, std::uint8_t{2}, "kind 2");
+  expect(0, 5, std::int32_t{-3}, "columns and rows");
+  expect(0, 5, std::int32_t{1 << 30}, "columns and rows");
+  expect(0, 13, std::nan(""), "finite numbers");
+  expect(0, 21, 0.0, "span a plane");
   expect(number(Column::x), 4, std::int32_t{31}, "column 31");
   expect(number(Column::x), 4, std::int32_t{-1}, "column -1");
   expect(number(Column::height), 4, 1e9F, "heights");
@@ -171,6 +234,51 @@ TEST(insertions_lies, are_named) {
   expect(number(Column::age), 0, std::uint32_t{1000000}, "node 0");
   expect(number(Column::error), 0, std::uint16_t{0x7F80}, "errors");
   expect(number(Column::error), 0, std::uint16_t{0x8001}, "errors");
+}
+
+TEST(insertions_lies, of_points_are_named) {
+  const ScratchFile file("points_lie.lode");
+  Progress progress;
+  const LevelledHistory made = make_point_model(Model::delaunay_pyramid);
+  const auto expect = [&](const char* why, const auto& change) {
+    SCOPED_TRACE(why);
+    LevelledHistory lie = made;
+    change(lie.history);
+    ASSERT_TRUE(save(lie, file.path(), progress));
+    expect_refused(file.path(), why);
+  };
+  const std::uint32_t base = made.history.n_base_vertices;
+  expect("fixed edges", [&](History& h) { h.lines[0] = {h.lines[0][1], h.lines[0][0]}; });
+  expect("fixed edges", [&](History& h) { h.lines.push_back({base, base + 1}); });
+  expect("fixed edges", [&](History& h) { h.lines.push_back(h.lines.back()); });
+  // Of the outline, which has no two sides.
+  expect("fixed edges", [&](History& h) {
+    h.lines.clear();
+    std::set<std::array<std::uint32_t, 2>> edges;
+    for (std::uint32_t t = 0; t < h.n_base_triangles(); ++t)
+      for (std::size_t i = 0; i < 3; ++i)
+        edges.insert({h.triangles[t].corner[i], h.triangles[t].corner[(i + 1) % 3]});
+    for (const auto& [a, b] : edges)
+      if (a < b && !edges.contains({b, a})) h.lines.assign(1, {a, b});
+    ASSERT_FALSE(h.lines.empty());
+  });
+  // The line is all that keeps its edges.
+  expect("it can be inserted into", [&](History& h) { h.lines.clear(); });
+  expect("fixed edges of a base", [&](History& h) { h.lines.resize(100'000); });
+  expect("columns and rows", [&](History& h) { h.frame.n_columns = (1 << 30) + 1; });
+  expect("vertices in", [&](History& h) { h.vertices.back().x = 1 << 29; });
+  // Twice the same place, and a corner pulled over the other side.
+  expect("covers its domain once", [&](History& h) {
+    const auto t = h.triangles[0].corner;
+    h.triangles.push_back(h.triangles.back());
+    std::copy_backward(h.triangles.begin() + 1, h.triangles.end() - 1, h.triangles.end());
+    h.triangles[1] = {t, kNone, 0};
+    for (std::uint32_t& first : h.first_made) ++first;
+  });
+  expect("kind 1", [&](History& h) {
+    h.model = Model::implicit_delaunay_pyramid;
+    h.level_ends = {h.n_nodes()};
+  });
 }
 
 TEST(insertions_lies, of_heights_that_no_model_takes_are_named) {
@@ -248,11 +356,14 @@ TEST(insertions_lies, never_make_meshes_that_are_none) {
   Progress progress;
   oracles::Random random(5);
   int n_refused = 0;
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int trial = 0; trial < 500; ++trial) {
+    const auto kind = static_cast<std::size_t>(trial / 100);
     if (trial % 100 == 0)
-      ASSERT_TRUE(save(make_model<std::int16_t>(kModels[static_cast<std::size_t>(trial / 100)]),
+      ASSERT_TRUE(save(kind < kModels.size()
+                           ? make_model<std::int16_t>(kModels[kind])
+                           : make_point_model(kPointModels[kind - kModels.size()]),
                        whole.path(), progress));
-    const std::size_t victim = random.below(7);
+    const std::size_t victim = random.below(8);
     rewrite(whole.path(), lie.path(), [&](std::uint32_t column, std::vector<std::byte>& bytes) {
       if (column != victim || bytes.empty()) return;
       for (std::size_t k = 0; k <= random.below(3); ++k)

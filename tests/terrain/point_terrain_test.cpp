@@ -60,7 +60,8 @@ TerrainSurface extract(const PointTerrain& terrain, const TerrainOptions& option
 /// The first check that fails, or "".
 std::string failed(const PointTerrain& terrain, const Surface& surface, double max_error) {
   Progress progress;
-  const auto report = verify_terrain(terrain, surface, max_error, {2}, progress);
+  const auto report =
+      verify_terrain(terrain, surface, {.max_error = max_error, .threads = {2}}, progress);
   EXPECT_TRUE(report);
   for (const VerifyReport::Check& check : report->checks)
     if (!check.passed) return check.name;

@@ -55,7 +55,8 @@ void expect_passes(const LinedTerrain& made, double max_error) {
   const auto surface =
       extract_terrain(to_terrain(shared(made)), {.max_error = max_error}, progress);
   ASSERT_TRUE(surface) << surface.error().message;
-  const auto report = verify_terrain(made.terrain, surface->surface, max_error, {}, progress);
+  const auto report =
+      verify_terrain(made.terrain, surface->surface, {.max_error = max_error}, progress);
   ASSERT_TRUE(report) << report.error().message;
   for (const auto& check : report->checks) EXPECT_TRUE(check.passed) << check.name;
 }

@@ -6,8 +6,10 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <span>
 #include <utility>
 
+#include "lode/api/point_terrain.h"
 #include "lode/delaunay/grid_domain.h"
 #include "lode/mappers/tin_quality.h"
 
@@ -22,6 +24,12 @@ Result<SelectedTerrain> BuiltModel::select_all(Progress& /*progress*/) const {
       name_of(model()));
 }
 
+Result<VerifyReport> BuiltModel::verify(const PointTerrain& /*terrain*/, Threads /*threads*/,
+                                        Progress& /*progress*/) const {
+  return fail("expected the raster that the {} was built of, got points, or lines with it",
+              name_of(model()));
+}
+
 void count_selection(const terrain_file::Source& source, SelectedTerrain& selected) {
   selected.report.triangles = selected.tin.triangles.size();
   selected.report.vertices = selected.tin.vertices.size();
@@ -30,26 +38,72 @@ void count_selection(const terrain_file::Source& source, SelectedTerrain& select
   selected.report.n_left_out = source.n_left_out;
 }
 
+namespace {
+
+/// Of what the model says of its origin, and whether it is so.
+struct Said {
+  const char* what;
+  bool holds;
+};
+
+void report_said(std::span<const Said> all, const char* name, VerifyReport& report) {
+  std::string wrong;
+  for (const Said& said : all)
+    if (!said.holds) wrong += fmt::format("{}{}", wrong.empty() ? "" : ", ", said.what);
+  report.add(name, all.size(), wrong.empty() ? 0 : 1, wrong.empty() ? "" : "not so: " + wrong);
+}
+
+bool is_same_place(const HeightFrame& a, const HeightFrame& b) { return a.to_world == b.to_world; }
+
+bool is_same_range(const HeightRange& a, const HeightRange& b) {
+  return a.lower == b.lower && a.upper == b.upper;
+}
+
+}  // namespace
+
+Result<void> check_source(const terrain_file::Source& source, const PointTerrain& terrain,
+                          VerifyReport& report) {
+  if (!source.is_of_points)
+    return fail("expected the raster that it was built of, without lines, got points");
+  const HeightPoints& points = terrain.points;
+  // Where points of another choice lie on another lattice nothing else can be right.
+  if (!is_same_place(source.frame, points) || source.frame.n_columns != points.n_columns ||
+      source.frame.n_rows != points.n_rows)
+    return fail(
+        "expected what it was built of, read as it was, on a lattice of {} x {} nodes from {}, "
+        "{}, got one of {} x {} from {}, {}",
+        source.frame.n_columns, source.frame.n_rows, source.frame.to_world[0],
+        source.frame.to_world[3], points.n_columns, points.n_rows, points.to_world[0],
+        points.to_world[3]);
+  const std::array said{
+      Said{"CRS", source.frame.crs == points.crs},
+      Said{"unit", source.frame.vertical_unit == points.vertical_unit},
+      Said{"range", is_same_range(source.range, height_range(points))},
+      Said{"points", source.n_samples == points.nodes.size() - terrain.domain.n_left_out},
+      Said{"missing", source.n_missing == terrain.n_missing},
+      Said{"left out", source.n_left_out == terrain.domain.n_left_out + terrain.n_in_no_cell}};
+  report_said(said, "the file says of the points what they are", report);
+  return {};
+}
+
 Result<void> check_source(const terrain_file::Source& source, const HeightGrid& grid,
                           VerifyReport& report) {
+  if (source.is_of_points)
+    return fail(
+        "expected the points, or the raster with its lines, that it was built of, got a raster "
+        "without");
   if (source.frame.n_columns != grid.n_columns || source.frame.n_rows != grid.n_rows)
     return fail("expected the raster that it was built of, {} x {} samples, got one of {} x {}",
                 source.frame.n_columns, source.frame.n_rows, grid.n_columns, grid.n_rows);
   LODE_TRY(const delaunay::GridDomain domain, delaunay::find_domain(grid));
-  const HeightRange range = height_range(grid);
-  const std::array holds{source.frame.to_world == grid.to_world,
-                         source.frame.crs == grid.crs,
-                         source.frame.vertical_unit == grid.vertical_unit,
-                         source.range.lower == range.lower && source.range.upper == range.upper,
-                         source.n_samples == domain.n_samples,
-                         source.n_missing == grid.n_missing(),
-                         source.n_left_out == domain.n_left_out};
-  constexpr std::array kNames{"place", "CRS", "unit", "range", "samples", "missing", "left out"};
-  std::string wrong;
-  for (std::size_t i = 0; i < holds.size(); ++i)
-    if (!holds[i]) wrong += fmt::format("{}{}", wrong.empty() ? "" : ", ", kNames[i]);
-  report.add("the file says of the raster what it is", holds.size(), wrong.empty() ? 0 : 1,
-             wrong.empty() ? "" : "not so: " + wrong);
+  const std::array said{Said{"place", is_same_place(source.frame, grid)},
+                        Said{"CRS", source.frame.crs == grid.crs},
+                        Said{"unit", source.frame.vertical_unit == grid.vertical_unit},
+                        Said{"range", is_same_range(source.range, height_range(grid))},
+                        Said{"samples", source.n_samples == domain.n_samples},
+                        Said{"missing", source.n_missing == grid.n_missing()},
+                        Said{"left out", source.n_left_out == domain.n_left_out}};
+  report_said(said, "the file says of the raster what it is", report);
   return {};
 }
 

@@ -23,6 +23,9 @@ class BuiltModel : public TerrainOrigin {
   [[nodiscard]] virtual Result<BuiltTerrainInfo> describe(Progress& progress) const = 0;
   [[nodiscard]] virtual Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
                                                     Progress& progress) const = 0;
+  /// Of models of points; others fail.
+  [[nodiscard]] virtual Result<VerifyReport> verify(const PointTerrain& terrain, Threads threads,
+                                                    Progress& progress) const;
   [[nodiscard]] virtual Result<VerifyReport> verify_alone(Threads threads,
                                                           Progress& progress) const = 0;
 
@@ -38,6 +41,10 @@ void count_selection(const terrain_file::Source& source, SelectedTerrain& select
 /// Reports whether what a file says of its raster is so. Fails on rasters of another size.
 [[nodiscard]] Result<void> check_source(const terrain_file::Source& source, const HeightGrid& grid,
                                         VerifyReport& report);
+
+/// The same of points. Fails where it is of none, and on points of another lattice.
+[[nodiscard]] Result<void> check_source(const terrain_file::Source& source,
+                                        const PointTerrain& terrain, VerifyReport& report);
 
 /// Reports whether a model's own samples are those of the raster.
 void check_stored_heights(const HeightGrid& own, const HeightGrid& grid, VerifyReport& report);

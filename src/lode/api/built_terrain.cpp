@@ -76,6 +76,22 @@ Result<BuiltTerrain> BuiltTerrain::build(const HeightGrid& grid, const TerrainBu
   return out_of_memory("build the model");
 }
 
+Result<BuiltTerrain> BuiltTerrain::build(const PointTerrain& terrain,
+                                         const TerrainBuildOptions& options,
+                                         Progress& progress) try {
+  LODE_CHECK(check_levels(options.levels));
+  LODE_EXPECTS(is_of_any_points(options.model) && options.kept.empty());
+  const HeightRange range = height_range(terrain.points);
+  std::vector<double> levels = options.levels.empty() ? default_levels(range) : options.levels;
+  LODE_TRY(auto history, build_insertions(terrain, options.model, levels.back(), progress));
+  history.sample_type = options.sample_type;
+  history.has_place = options.has_place;
+  return BuiltTerrain(std::make_shared<const InsertionsTerrain>(
+      insertions::LevelledHistory{std::move(history), std::move(levels)}));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("build the model");
+}
+
 Result<BuiltTerrain> BuiltTerrain::open(const std::string& path, Progress& progress) try {
   if (QuadtreeTerrain::is_model_of(path)) {
     LODE_TRY(auto opened, QuadtreeTerrain::open(path, progress));
@@ -120,6 +136,13 @@ Result<BuiltTerrainInfo> BuiltTerrain::describe(Progress& progress) const try {
 Result<VerifyReport> BuiltTerrain::verify(const HeightGrid& grid, Threads threads,
                                           Progress& progress) const try {
   return model_->verify(grid, threads, progress);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("verify the model");
+}
+
+Result<VerifyReport> BuiltTerrain::verify(const PointTerrain& terrain, Threads threads,
+                                          Progress& progress) const try {
+  return model_->verify(terrain, threads, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("verify the model");
 }

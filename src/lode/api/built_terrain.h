@@ -16,6 +16,7 @@
 namespace lode {
 
 class BuiltModel;
+struct PointTerrain;
 
 struct TerrainBuildOptions {
   TerrainModel model = TerrainModel::delaunay_pyramid;  ///< One of kBuiltTerrainModels.
@@ -51,6 +52,8 @@ struct BuiltTerrainInfo {
   std::uint64_t n_triangles = 0;       ///< That there ever were; of quadtrees none.
   std::uint64_t memory_bytes = 0;
   std::uint64_t n_kept = 0;     ///< Samples that are always vertices.
+  std::uint64_t n_lines = 0;    ///< Edges of the coarsest mesh that are always edges, or chains.
+  bool is_of_points = false;    ///< Scattered ones, or of a raster with lines.
   std::uint64_t n_samples = 0;  ///< As of TerrainReport.
   std::uint64_t n_missing = 0;
   std::uint64_t n_left_out = 0;
@@ -58,7 +61,7 @@ struct BuiltTerrainInfo {
   double max_error = 0;  ///< The finest that it can give: |z - z'| at every sample.
 };
 
-/// What was built of a raster for all tolerances: docs/models/delaunay_pyramid.md,
+/// What was built of a raster, or of points, for all tolerances: docs/models/delaunay_pyramid.md,
 /// ternary_triangulation.md, implicit_delaunay_pyramid.md, quadtrees.md,
 /// right_triangle_bisection.md and hierarchical_triangulations.md. Copies are one terrain;
 /// const members are safe from many threads.
@@ -66,6 +69,11 @@ class BuiltTerrain {
  public:
   /// Fails as extract_terrain() does, and on levels that are none.
   [[nodiscard]] static Result<BuiltTerrain> build(const HeightGrid& grid,
+                                                  const TerrainBuildOptions& options,
+                                                  Progress& progress);
+  /// The same of scattered points, or of a raster with lines: models that is_of_any_points(). Lines
+  /// are edges of every mesh. Default levels and options are those of rasters.
+  [[nodiscard]] static Result<BuiltTerrain> build(const PointTerrain& terrain,
                                                   const TerrainBuildOptions& options,
                                                   Progress& progress);
   /// Reads all of a file. Fails on what docs/format.md does not allow.
@@ -80,7 +88,7 @@ class BuiltTerrain {
   /// mesh on the way that has no more; with a focus the fewest triangles within it.
   [[nodiscard]] Terrain terrain() const;
   [[nodiscard]] TerrainModel model() const;
-  /// Of the raster.
+  /// Of the raster, or the points' lattice.
   [[nodiscard]] const HeightFrame& frame() const;
   /// Without levels.
   [[nodiscard]] BuiltTerrainInfo describe_source() const;
@@ -91,6 +99,10 @@ class BuiltTerrain {
   /// the errors that triangles state, and Delaunay pyramids for being Delaunay, by other means than
   /// they were made.
   [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
+                                            Progress& progress) const;
+  /// The same of a model of points. Fails where it is of none, as that of a raster does where it is
+  /// of points.
+  [[nodiscard]] Result<VerifyReport> verify(const PointTerrain& terrain, Threads threads,
                                             Progress& progress) const;
   /// What can be held against nothing but itself: that opening made all triangles again; of models
   /// that have all heights, as verify() with these.

@@ -7,6 +7,7 @@
 #include "lode/core/expects.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/tin_quality.h"
+#include "lode/models/terrain/delaunay_selector/spatial_order.h"
 #include "lode/models/terrain/implicit_pyramid/build.h"
 #include "lode/models/terrain/insertions/build.h"
 #include "lode/models/terrain/insertions/extract.h"
@@ -15,16 +16,37 @@ namespace lode {
 
 using insertions::History;
 
+namespace {
+
+insertions::Model worst_first(TerrainModel model) {
+  return model == TerrainModel::ternary_triangulation ? insertions::Model::ternary_triangulation
+                                                      : insertions::Model::delaunay_pyramid;
+}
+
+}  // namespace
+
 Result<History> build_insertions(const HeightGrid& grid, TerrainModel model, double max_error,
                                  Progress& progress) {
   LODE_EXPECTS(model != TerrainModel::delaunay_selector);
   if (model == TerrainModel::implicit_delaunay_pyramid)
     return implicit_pyramid::build(grid, progress);
-  return insertions::build_history(grid, max_error,
-                                   model == TerrainModel::ternary_triangulation
-                                       ? insertions::Model::ternary_triangulation
-                                       : insertions::Model::delaunay_pyramid,
-                                   progress);
+  return insertions::build_history(grid, max_error, worst_first(model), progress);
+}
+
+Result<History> build_insertions(const PointTerrain& terrain, TerrainModel model, double max_error,
+                                 Progress& progress) {
+  LODE_EXPECTS(is_of_any_points(model));
+  const delaunay_selector::SpatialOrder order(terrain.points, terrain.domain);
+  LODE_TRY(History history, insertions::build_history({.frame = terrain.points,
+                                                       .range = height_range(terrain.points),
+                                                       .samples = order.samples(),
+                                                       .triangles = order.triangles,
+                                                       .lines = order.lines,
+                                                       .n_left_out = terrain.domain.n_left_out},
+                                                      max_error, worst_first(model), progress));
+  history.n_missing = terrain.n_missing;
+  history.n_left_out += terrain.n_in_no_cell;
+  return history;
 }
 
 TerrainModel InsertionsTerrain::model() const {
@@ -129,6 +151,8 @@ BuiltTerrainInfo InsertionsTerrain::describe_source() const {
   info.n_base_triangles = history().n_base_triangles();
   info.n_triangles = history().triangles.size();
   info.memory_bytes = history().n_bytes();
+  info.n_lines = history().lines.size();
+  info.is_of_points = history().is_of_points;
   info.n_samples = history().n_samples;
   info.n_missing = history().n_missing;
   info.n_left_out = history().n_left_out;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lode/api/built_model.h"
+#include "lode/api/point_terrain.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/models/terrain/insertions/persist.h"
 
@@ -26,12 +27,18 @@ class InsertionsTerrain final : public BuiltModel {
   [[nodiscard]] Result<BuiltTerrainInfo> describe(Progress& progress) const override;
   [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
                                             Progress& progress) const override;
+  [[nodiscard]] Result<VerifyReport> verify(const PointTerrain& terrain, Threads threads,
+                                            Progress& progress) const override;
   [[nodiscard]] Result<VerifyReport> verify_alone(Threads threads,
                                                   Progress& progress) const override;
 
  private:
   [[nodiscard]] const insertions::History& history() const { return levelled_.history; }
   [[nodiscard]] std::uint64_t finest_triangles() const;
+  /// Against a raster or points.
+  template <typename Origin>
+  [[nodiscard]] Result<void> verify_levels(const Origin& origin, Threads threads,
+                                           VerifyReport& report, Progress& progress) const;
   [[nodiscard]] Result<double> tolerance_of(const TerrainOptions& options) const;
   /// Of one tolerance or number of triangles.
   [[nodiscard]] delaunay::Tin tin_for(const TerrainOptions& options, double tolerance,
@@ -42,6 +49,10 @@ class InsertionsTerrain final : public BuiltModel {
 
 /// Of one of these models; an implicit pyramid has all samples, whatever max_error.
 [[nodiscard]] Result<insertions::History> build_insertions(const HeightGrid& grid,
+                                                           TerrainModel model, double max_error,
+                                                           Progress& progress);
+/// Of one that is_of_any_points().
+[[nodiscard]] Result<insertions::History> build_insertions(const PointTerrain& terrain,
                                                            TerrainModel model, double max_error,
                                                            Progress& progress);
 

@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "lode/api/insertions_terrain.h"
+#include "lode/mappers/point_errors.h"
 #include "lode/mappers/tin_surface.h"
 #include "lode/models/terrain/insertions/extract.h"
 
 namespace lode {
 namespace {
 
+using delaunay::LatticePoint;
 using insertions::History;
 
 /// The height of each vertex.
@@ -21,6 +23,21 @@ void check_vertices(const History& history, const HeightGrid& grid, VerifyReport
     if (!grid.has_height(p.x, p.y) || grid.height(p.x, p.y) != history.heights[v]) ++n_other;
   }
   report.add("vertices have the samples' heights", history.vertices.size(), n_other,
+             n_other > 0 ? fmt::format("{} have others", n_other) : "");
+}
+
+void check_vertices(const History& history, const HeightPoints& points, VerifyReport& report) {
+  const auto place = [](LatticePoint p) { return std::pair(p.y, p.x); };
+  std::uint64_t n_other = 0;
+  for (std::size_t v = 0; v < history.vertices.size(); ++v) {
+    const LatticePoint p = history.vertices[v];
+    const auto at = std::ranges::lower_bound(points.nodes, place(p), {}, place);
+    const bool is_point = at != points.nodes.end() && *at == p;
+    if (!is_point ||
+        points.heights[static_cast<std::size_t>(at - points.nodes.begin())] != history.heights[v])
+      ++n_other;
+  }
+  report.add("vertices have the points' heights", history.vertices.size(), n_other,
              n_other > 0 ? fmt::format("{} have others", n_other) : "");
 }
 
@@ -54,24 +71,44 @@ std::vector<std::pair<double, std::uint32_t>> levels_to_check(const History& his
 
 }  // namespace
 
-Result<VerifyReport> InsertionsTerrain::verify(const HeightGrid& grid, Threads threads,
-                                               Progress& progress) const {
-  const History& history = levelled_.history;
-  VerifyReport report;
-  LODE_CHECK(check_source(history, grid, report));
-  check_vertices(history, grid, report);
-  for (const auto& [tolerance, time] : levels_to_check(history, levelled_.levels)) {
-    const delaunay::Tin tin = tin_at(history, time, delaunay::TinLinks::left_out);
-    const Surface surface = to_surface(tin, history.frame).surface;
+template <typename Origin>
+Result<void> InsertionsTerrain::verify_levels(const Origin& origin, Threads threads,
+                                              VerifyReport& report, Progress& progress) const {
+  for (const auto& [tolerance, time] : levels_to_check(history(), levelled_.levels)) {
+    const delaunay::Tin tin = tin_at(history(), time, delaunay::TinLinks::left_out);
+    const Surface surface = to_surface(tin, history().frame).surface;
     LODE_TRY(
         const VerifyReport level,
-        verify_terrain(grid, surface,
+        verify_terrain(origin, surface,
                        {.max_error = tolerance, .shape = shape_of(model()), .threads = threads},
                        progress));
     for (const VerifyReport::Check& check : level.checks)
       report.add(fmt::format("within {}: {}", tolerance, check.name), check.count,
                  check.passed ? 0 : 1, check.detail);
   }
+  return {};
+}
+
+Result<VerifyReport> InsertionsTerrain::verify(const PointTerrain& terrain, Threads threads,
+                                               Progress& progress) const {
+  VerifyReport report;
+  LODE_CHECK(check_source(history(), terrain, report));
+  check_vertices(history(), terrain.points, report);
+  LODE_CHECK(verify_levels(terrain, threads, report, progress));
+  LODE_TRY(const std::uint64_t n_beyond,
+           count_understated_points(all_triangles(history()), terrain.points, threads, progress));
+  report.add("triangles of all times state their errors", history().triangles.size(), n_beyond,
+             n_beyond > 0 ? fmt::format("{} have points that err by more", n_beyond) : "");
+  return report;
+}
+
+Result<VerifyReport> InsertionsTerrain::verify(const HeightGrid& grid, Threads threads,
+                                               Progress& progress) const {
+  const History& history = levelled_.history;
+  VerifyReport report;
+  LODE_CHECK(check_source(history, grid, report));
+  check_vertices(history, grid, report);
+  LODE_CHECK(verify_levels(grid, threads, report, progress));
   LODE_CHECK(check_stated_errors(all_triangles(history), 1, grid,
                                  "triangles of all times state their errors", threads, progress,
                                  report));

@@ -21,7 +21,8 @@ TerrainFacts facts_of(const BuiltTerrain& built) {
           .format = "LODE",
           .type = info.sample_type,
           .has_place = info.has_place,
-          .n_missing = info.n_missing};
+          .n_missing = info.n_missing,
+          .is_of_points = info.is_of_points};
 }
 
 OpenedTerrain of_built(BuiltTerrain built) {
@@ -111,6 +112,21 @@ Result<OpenedTerrain> open_points(const std::string& path, const TerrainReadOpti
   return opened;
 }
 
+/// Of points, or of a raster with lines: what was opened becomes what was built of it.
+Result<void> build_of_points(const std::string& path, const TerrainBuildOptions& building,
+                             OpenedTerrain& opened, Progress& progress) {
+  TerrainBuildOptions options = building;
+  options.sample_type = opened.facts.type;
+  options.has_place = opened.facts.has_place;
+  LODE_TRY(BuiltTerrain built,
+           naming(path, BuiltTerrain::build(*opened.points, options, progress), progress));
+  opened.terrain = built.terrain();
+  opened.model = built.model();
+  opened.facts.is_of_points = true;
+  opened.built = std::move(built);
+  return {};
+}
+
 }  // namespace
 
 TerrainFacts facts_of(const io::HeightRaster& raster) {
@@ -144,18 +160,23 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
     LODE_TRY(BuiltTerrain opened, BuiltTerrain::open(path, progress));
     return of_built(std::move(opened));
   }
-  if (io::is_point_path(path) && building)
+  if (io::is_point_path(path) && building && !is_of_any_points(building->model))
     return fail("{}: expected a raster to build a {} of, got scattered points", path,
                 name_of(building->model));
-  if (io::is_point_path(path)) return open_points(path, reading, progress);
+  if (io::is_point_path(path)) {
+    LODE_TRY(OpenedTerrain opened, open_points(path, reading, progress));
+    if (building) LODE_CHECK(build_of_points(path, *building, opened, progress));
+    return opened;
+  }
   LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
-  if (building && reading.has_lines() &&
+  const bool has_edges = building && reading.has_lines() && is_of_any_points(building->model);
+  if (building && !has_edges && reading.has_lines() &&
       (!is_on_squares(building->model) || !reading.breaklines.empty()))
     return fail(
-        "{}: expected no lines with a {}, got some: the delaunay_selector takes them, and models "
-        "on squares features",
+        "{}: expected no lines with a {}, got some: the delaunay_selector takes them, the "
+        "delaunay_pyramid and the ternary_triangulation, and models on squares features",
         path, name_of(building->model));
-  if (building) {
+  if (building && !has_edges) {
     TerrainBuildOptions options = *building;
     options.sample_type = read.type;
     options.has_place = read.has_place;
@@ -183,6 +204,7 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
   if (reading.has_lines())
     LODE_CHECK(
         open_lines<const HeightGrid&>(path, reading, *grid, height_range(*grid), opened, progress));
+  if (building) LODE_CHECK(build_of_points(path, *building, opened, progress));
   return opened;
 } catch (const std::bad_alloc&) {
   return out_of_memory("open the terrain", path);

@@ -39,8 +39,9 @@ struct TerrainFacts {
   std::string type;        ///< Of the raster's samples; see HeightRaster.
   bool has_place = false;  ///< See HeightRaster.
   std::uint64_t n_missing = 0;
-  std::optional<PointFacts> points{};
-  io::RasterForm form{};  ///< Of a raster's file.
+  bool is_of_points = false;           ///< A model, of points or of a raster with lines.
+  std::optional<PointFacts> points{};  ///< Where their file was read.
+  io::RasterForm form{};               ///< Of a raster's file.
   io::VerticalOutcome vertical{};
 };
 
@@ -74,7 +75,8 @@ struct OpenedTerrain {
   TerrainModel model = TerrainModel::delaunay_selector;
   TerrainFacts facts;
   std::optional<BuiltTerrain> built{};  ///< Of all but the delaunay_selector.
-  /// Scattered points, or a terrain with lines; null: it is of a raster without.
+  /// Scattered points, or a terrain with lines; null: it is of a raster without, or of a file of a
+  /// model.
   std::shared_ptr<const PointTerrain> points{};
   std::shared_ptr<const HeightGrid> grid{};  ///< The raster; null where only a model is at hand.
   std::optional<TerrainLineReport> lines{};  ///< Where there are some.
@@ -88,9 +90,9 @@ struct OpenedTerrain {
 /// That there is a .lode file whose header and directory are whole, of whatever model.
 [[nodiscard]] Result<void> check_lode_opens(const std::string& path);
 
-/// Of a raster: with `building`, the model is built of it first; of points, and with breaklines,
-/// none can be, and with features those on squares alone, which keep their samples. Of a .lode file
-/// the options of reading and building mean nothing. Fails as reading,
+/// With `building` the model is built first: of points, and with lines, one that
+/// is_of_any_points(); models on squares keep samples of features. Of a .lode file the options of
+/// reading and building mean nothing. Fails as reading,
 /// make_point_terrain() and building do, naming the file.
 [[nodiscard]] Result<OpenedTerrain> open_terrain(const std::string& path,
                                                  const TerrainReadOptions& reading,

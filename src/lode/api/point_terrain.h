@@ -46,8 +46,10 @@ struct PointTerrain {
 
 /// As of rasters: checks that a surface is a Delaunay TIN of the points, covers exactly their
 /// domain, and that no point is farther than max_error from it, by other means than it was made.
+/// Of TinShape::any it need not be Delaunay.
 [[nodiscard]] Result<VerifyReport> verify_terrain(const PointTerrain& terrain,
-                                                  const Surface& surface, double max_error,
-                                                  Threads threads, Progress& progress);
+                                                  const Surface& surface,
+                                                  const TerrainVerifyOptions& options,
+                                                  Progress& progress);
 
 }  // namespace lode

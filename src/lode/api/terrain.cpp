@@ -97,13 +97,13 @@ Result<VerifyReport> verify_fine_tin(const HeightGrid& grid, const delaunay::Tin
 }
 
 Result<VerifyReport> verify_terrain(const PointTerrain& terrain, const Surface& surface,
-                                    double max_error, Threads threads, Progress& progress) try {
+                                    const TerrainVerifyOptions& options, Progress& progress) try {
   LODE_TRY(const TinFacts facts,
            check_point_tin(surface, terrain.points, terrain.domain.outline, terrain.domain.lines,
-                           terrain.points.nodes.size() - terrain.domain.n_left_out, max_error,
-                           threads, progress));
+                           terrain.points.nodes.size() - terrain.domain.n_left_out,
+                           options.max_error, options.threads, progress));
   const Vec<double, 2> at = terrain.points.world(facts.worst.x, facts.worst.y);
-  return to_report(facts, max_error, TinShape::delaunay, fmt::format("at {}, {}", at[0], at[1]));
+  return to_report(facts, options.max_error, options.shape, fmt::format("at {}, {}", at[0], at[1]));
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the surface");
 }

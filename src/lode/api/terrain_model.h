@@ -48,6 +48,11 @@ inline constexpr std::array kBuiltTerrainModels{
          model == TerrainModel::hierarchical_delaunay;
 }
 
+/// Whether it can be built of scattered points, and keep lines as edges.
+[[nodiscard]] constexpr bool is_of_any_points(TerrainModel model) {
+  return model == TerrainModel::delaunay_pyramid || model == TerrainModel::ternary_triangulation;
+}
+
 /// Whether its triangles leave gaps where their sizes differ.
 [[nodiscard]] constexpr bool has_gaps(TerrainModel model) {
   return model == TerrainModel::surface_quadtree || model == TerrainModel::quaternary_triangulation;

@@ -302,6 +302,10 @@ class OtherGrid {
 };
 
 Result<void> check_raster_options(const OpenedTerrain& opened, const TerrainRasterOptions& wanted) {
+  if (opened.facts.is_of_points && !wanted.cell)
+    return fail(
+        "expected a cell, the size of pixels, for a raster of a model of points, or of a raster "
+        "with lines, got none");
   if (opened.points && !opened.grid && !wanted.cell)
     return fail("expected a cell, the size of pixels, for a raster of scattered points, got none");
   if (!wanted.cell && opened.terrain.frame().n_columns != opened.facts.frame.n_columns &&

@@ -15,23 +15,28 @@ namespace lode::delaunay {
 /// cache; about as many points.
 enum class InsertionOrder : std::uint8_t { levels, strict };
 
-/// Is told what happens to a mesh while samples are inserted. Triangles are judged by then: their
-/// errors are known.
-class InsertionObserver {
+/// Is told what happens to a mesh while samples are inserted. Triangles are judged by then:
+/// `errors` are those of all samples in them, edges included, by triangle or in the order of the
+/// slots; empty: they are what the mesh says.
+template <typename Nodes>
+class MeshObserver {
  public:
-  virtual ~InsertionObserver() = default;
-  virtual void on_start(const LatticeMesh& mesh) = 0;
+  virtual ~MeshObserver() = default;
+  virtual void on_start(const NodeMesh<Nodes>& mesh, std::span<const float> errors) = 0;
   /// `slots`: of the new triangles; the first n_removed of them were those of removed ones, the
-  /// very first of the one that `node` (packed) lies in.
-  virtual void on_insertion(const LatticeMesh& mesh, std::uint32_t node,
-                            std::span<const std::uint32_t> slots, std::size_t n_removed) = 0;
+  /// very first of the one that `node` (its number in the mesh) lies in.
+  virtual void on_insertion(const NodeMesh<Nodes>& mesh, std::uint32_t node,
+                            std::span<const std::uint32_t> slots, std::size_t n_removed,
+                            std::span<const float> errors) = 0;
 };
+using InsertionObserver = MeshObserver<LatticePacking>;
+using PointObserver = MeshObserver<ListedNodes>;
 
 struct GreedyOptions {
   double max_error = 0;  ///< >= 0: no sample errs by more in the end.
   std::uint64_t max_triangles = std::numeric_limits<std::uint64_t>::max();  ///< strict only
   InsertionOrder order = InsertionOrder::levels;
-  InsertionObserver* observer = nullptr;
+  InsertionObserver* observer = nullptr;  ///< Of rasters' samples.
 };
 
 struct GreedyReport {

@@ -180,16 +180,24 @@ void NodeMesh<Nodes>::fill_beside_cuts(std::uint32_t p, std::size_t split) {
                 before.begin() + static_cast<std::ptrdiff_t>(n_removed));
 }
 
+/// Behind the border's edge, where it is a cut.
+template <typename Nodes>
+std::uint32_t NodeMesh<Nodes>::behind_cut(std::size_t split) const {
+  const std::uint32_t from = border_[split].from;
+  const std::uint32_t to = border_[split + 1 < border_.size() ? split + 1 : 0].from;
+  const auto found = cuts_.find(cut_key(from, to));
+  return found == cuts_.end() ? kNoHalfEdge : found->second[from < to ? 1 : 0];
+}
+
 /// Replaces the cut along the border's edge, if it is one, by two that meet at p. Returns the
 /// half-edge behind it, else kNoHalfEdge.
 template <typename Nodes>
 std::uint32_t NodeMesh<Nodes>::split_cut(std::uint32_t p, std::size_t split) {
+  const std::uint32_t behind = behind_cut(split);
+  if (behind == kNoHalfEdge) return behind;
   const std::uint32_t from = border_[split].from;
   const std::uint32_t to = border_[split + 1 < border_.size() ? split + 1 : 0].from;
-  const auto found = cuts_.find(cut_key(from, to));
-  if (found == cuts_.end()) return kNoHalfEdge;
-  const std::uint32_t behind = found->second[from < to ? 1 : 0];
-  cuts_.erase(found);
+  cuts_.erase(cut_key(from, to));
   for (const std::uint32_t end : {from, to}) cuts_[cut_key(end, p)] = {kNoHalfEdge, kNoHalfEdge};
   return behind;
 }
@@ -226,6 +234,16 @@ void NodeMesh<Nodes>::cut(std::span<const std::array<std::uint32_t, 2>> edges) {
 }
 
 template <typename Nodes>
+std::uint32_t NodeMesh<Nodes>::behind(std::uint32_t t, std::uint32_t edge) const {
+  const LatticeTriangle& triangle = triangles_[t];
+  if (triangle.twin[edge] != kNoHalfEdge || cuts_.empty()) return triangle.twin[edge];
+  const std::uint32_t from = triangle.corner[edge];
+  const std::uint32_t to = triangle.corner[kNext[edge]];
+  const auto found = cuts_.find(cut_key(from, to));
+  return found == cuts_.end() ? kNoHalfEdge : found->second[from < to ? 1 : 0];
+}
+
+template <typename Nodes>
 std::vector<std::array<std::uint32_t, 2>> NodeMesh<Nodes>::heal() {
   std::vector<std::array<std::uint32_t, 2>> edges;
   for (const auto& [key, sides] : cuts_) {
@@ -254,6 +272,16 @@ bool NodeMesh<Nodes>::is_disk_round(LatticePoint p, std::size_t split) {
   return true;
 }
 
+/// Of what p replaces behind the border's edge, if that is a cut.
+template <typename Nodes>
+bool NodeMesh<Nodes>::is_disk_behind(LatticePoint p, std::size_t split) {
+  const std::uint32_t behind = behind_cut(split);
+  if (behind == kNoHalfEdge) return true;
+  remove_for(p, behind >> 2);
+  const std::size_t split_behind = split_edge(p);
+  return split_behind < border_.size() && is_disk_round(p, split_behind);
+}
+
 template <typename Nodes>
 bool NodeMesh<Nodes>::try_insert(std::uint32_t p, std::uint32_t t,
                                  std::span<const std::uint32_t>& slots) {
@@ -261,7 +289,15 @@ bool NodeMesh<Nodes>::try_insert(std::uint32_t p, std::uint32_t t,
   remove_for(point, t);
   const std::size_t split = split_edge(point);
   if (!is_disk_round(point, split)) return false;
-  fill_fan(p, split);
+  if (cuts_.empty()) {
+    fill_fan(p, split);
+  } else {
+    if (split < border_.size()) {
+      if (!is_disk_behind(point, split)) return false;
+      remove_for(point, t);
+    }
+    fill_beside_cuts(p, split);
+  }
   slots = slots_;
   return true;
 }

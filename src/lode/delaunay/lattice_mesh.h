@@ -55,6 +55,9 @@ class NodeMesh {
   /// Cuts the mesh along edges, from node to node, that have a triangle on both sides; of others
   /// nothing needs to be done.
   void cut(std::span<const std::array<std::uint32_t, 2>> edges);
+  /// What is behind the edge of a triangle, cut or not: 4 times a triangle and its edge, or
+  /// kNoHalfEdge.
+  [[nodiscard]] std::uint32_t behind(std::uint32_t t, std::uint32_t edge) const;
   /// Joins the sides of all cuts again, after which no more is to be inserted. Returns the edges
   /// that the cuts have become: more where nodes lay on them, and sorted.
   std::vector<std::array<std::uint32_t, 2>> heal();
@@ -65,7 +68,7 @@ class NodeMesh {
   std::span<const std::uint32_t> insert(std::uint32_t p, std::uint32_t t);
 
   /// The same of a mesh nobody vouches for: false, and nothing done, where what would be removed is
-  /// no disk that p sees all of, or p is a corner.
+  /// no disk that p sees all of, on both sides of a cut, or p is a corner.
   [[nodiscard]] bool try_insert(std::uint32_t p, std::uint32_t t,
                                 std::span<const std::uint32_t>& slots);
 
@@ -104,6 +107,8 @@ class NodeMesh {
   [[nodiscard]] static std::uint64_t cut_key(std::uint32_t a, std::uint32_t b) {
     return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
   }
+  [[nodiscard]] bool is_disk_behind(LatticePoint p, std::size_t split);
+  [[nodiscard]] std::uint32_t behind_cut(std::size_t split) const;
   void fill_beside_cuts(std::uint32_t p, std::size_t split);
   [[nodiscard]] std::uint32_t split_cut(std::uint32_t p, std::size_t split);
   void find_cuts();

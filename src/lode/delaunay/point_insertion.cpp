@@ -133,26 +133,41 @@ class PointLists {
   std::vector<Spoke> spokes_;  ///< Of a large fan, sorted.
 };
 
-/// Sets candidates by choose(lists, triangle, its number).
-template <typename Choose>
-class PointJudge {
+/// The plane of a triangle of points.
+class PointPlane {
  public:
-  PointJudge(const PointMesh& mesh, const PointSamples& samples, Choose choose)
-      : lists_(mesh, samples), choose_(choose) {}
+  PointPlane(const PointSamples& samples, const std::array<std::uint32_t, 3>& corner)
+      : samples_(samples),
+        at_{samples.nodes[corner[0]], samples.nodes[corner[1]], samples.nodes[corner[2]]},
+        base_(samples.heights[corner[2]]),
+        rise_{samples.heights[corner[0]] - base_, samples.heights[corner[1]] - base_},
+        area_(doubled_area(at_[0], at_[1], at_[2])) {}
 
-  void judge_all(PointMesh& mesh) const {
-    const auto n = static_cast<std::uint32_t>(mesh.triangles().size());
-    for (std::uint32_t t = 0; t < n; ++t) choose_(lists_, mesh.triangle(t), t);
+  struct Seen {
+    double error = 0;
+    std::uint32_t edge = 3;  ///< Of the triangle, that the point lies on; 3: none.
+  };
+  [[nodiscard]] Seen look_at(std::uint32_t p) const {
+    const LatticePoint q = samples_.nodes[p];
+    const std::int64_t weight_0 = doubled_area(at_[1], at_[2], q);
+    const std::int64_t weight_1 = doubled_area(at_[2], at_[0], q);
+    const double way =
+        (static_cast<double>(weight_0) * rise_[0] + static_cast<double>(weight_1) * rise_[1]) /
+        static_cast<double>(area_);
+    const std::uint32_t edge = weight_0 == 0                  ? 1
+                               : weight_1 == 0                ? 2
+                               : weight_0 + weight_1 == area_ ? 0
+                                                              : 3;
+    return {std::abs((samples_.heights[p] - base_) - way), edge};
   }
-  std::span<const std::uint32_t> insert(PointMesh& mesh, std::uint32_t t) {
-    const std::span<const std::uint32_t> made = lists_.insert(mesh, mesh.triangle(t).candidate, t);
-    for (const std::uint32_t one : made) choose_(lists_, mesh.triangle(one), one);
-    return made;
-  }
+  [[nodiscard]] bool is_level() const { return rise_[0] == 0 && rise_[1] == 0; }
 
  private:
-  PointLists lists_;
-  Choose choose_;
+  const PointSamples& samples_;
+  std::array<LatticePoint, 3> at_;
+  double base_;
+  std::array<double, 2> rise_;
+  std::int64_t area_;
 };
 
 /// The worst point of triangles that are beyond the tolerance.
@@ -163,32 +178,35 @@ class WorstPoint {
         slack_(kRounding * std::max(0.0, range.upper - range.lower) + kUnderflow),
         max_error_(max_error) {}
 
-  void operator()(const PointLists& lists, LatticeTriangle& triangle, std::uint32_t t) const {
-    const auto& corner = triangle.corner;
-    const std::array<LatticePoint, 3> at{samples_.nodes[corner[0]], samples_.nodes[corner[1]],
-                                         samples_.nodes[corner[2]]};
-    const double base = samples_.heights[corner[2]];
-    const double rise_0 = samples_.heights[corner[0]] - base;
-    const double rise_1 = samples_.heights[corner[1]] - base;
-    const auto area = static_cast<double>(doubled_area(at[0], at[1], at[2]));
+  /// Whether there are points on the triangle's edges.
+  bool operator()(const PointLists& lists, LatticeTriangle& triangle, std::uint32_t t) const {
+    const PointPlane plane(samples_, triangle.corner);
     double worst = 0;
     std::uint32_t node = kNone;
+    bool has_edge_points = false;
     lists.for_each(t, [&](std::uint32_t p) {
-      const LatticePoint q = samples_.nodes[p];
-      const auto weight_0 = static_cast<double>(doubled_area(at[1], at[2], q));
-      const auto weight_1 = static_cast<double>(doubled_area(at[2], at[0], q));
-      const double way = (weight_0 * rise_0 + weight_1 * rise_1) / area;
-      const double error = std::abs((samples_.heights[p] - base) - way);
+      const auto [error, edge] = plane.look_at(p);
+      has_edge_points = has_edge_points || edge < 3;
       const bool is_first = node == kNone || shuffled(p) < shuffled(node);
       if (error < worst || (error == worst && !is_first)) return;
       worst = error;
       node = p;
     });
-    // Of a level triangle only one difference is rounded, and zero is exact.
-    const bool is_level = rise_0 == 0 && rise_1 == 0;
-    const double bound = node == kNone ? 0 : is_level ? worst * kRoundedUp : worst + slack_;
+    const double bound = node == kNone ? 0 : bound_of(plane, worst);
     triangle.candidate = bound > max_error_ ? node : kNone;
     triangle.error = to_float_above(bound);
+    return has_edge_points;
+  }
+  /// Calls visit(edge, error) for each point of a triangle's list that lies on one of its edges;
+  /// the error is a bound, no larger than the triangle's.
+  template <typename Visit>
+  void visit_edges(const PointLists& lists, const LatticeTriangle& triangle, std::uint32_t t,
+                   const Visit& visit) const {
+    const PointPlane plane(samples_, triangle.corner);
+    lists.for_each(t, [&](std::uint32_t p) {
+      const auto [error, edge] = plane.look_at(p);
+      if (edge < 3) visit(edge, to_float_above(bound_of(plane, error)));
+    });
   }
 
  private:
@@ -199,6 +217,11 @@ class WorstPoint {
   static constexpr double kUnderflow = 0x1p-1040;
   static constexpr double kRoundedUp = 1 + 0x1p-51;
 
+  /// Of a level triangle only one difference is rounded, and zero is exact.
+  [[nodiscard]] double bound_of(const PointPlane& plane, double error) const {
+    return plane.is_level() ? error * kRoundedUp : error + slack_;
+  }
+
   PointSamples samples_;
   double slack_;
   double max_error_;
@@ -206,14 +229,96 @@ class WorstPoint {
 
 /// Any point, as long as there are some.
 struct AnyPoint {
-  void operator()(const PointLists& lists, LatticeTriangle& triangle, std::uint32_t t) const {
+  bool operator()(const PointLists& lists, LatticeTriangle& triangle, std::uint32_t t) const {
     triangle.candidate = kNone;
     lists.for_each(t, [&](std::uint32_t p) {
       if (triangle.candidate == kNone || shuffled(p) < shuffled(triangle.candidate))
         triangle.candidate = p;
     });
     triangle.error = triangle.candidate == kNone ? 0.0F : 1.0F;
+    return false;
   }
+  template <typename Visit>
+  void visit_edges(const PointLists&, const LatticeTriangle&, std::uint32_t, const Visit&) const {}
+};
+
+/// Sets candidates by choose(lists, triangle, its number), which says whether there are points on
+/// edges. Such a point is in the list of one triangle, and counts for the one behind the edge, too:
+/// not for its candidate, but for what observers are told, and for errors in the end.
+template <typename Choose>
+class PointJudge {
+ public:
+  /// `observer` may be null.
+  PointJudge(const PointMesh& mesh, const PointSamples& samples, Choose choose,
+             PointObserver* observer = nullptr)
+      : lists_(mesh, samples), choose_(choose), observer_(observer) {}
+
+  void judge_all(PointMesh& mesh) {
+    const auto n = static_cast<std::uint32_t>(mesh.triangles().size());
+    has_edge_points_.resize(n);
+    for (std::uint32_t t = 0; t < n; ++t)
+      has_edge_points_[t] = choose_(lists_, mesh.triangle(t), t);
+    if (observer_ == nullptr) return;
+    for (const LatticeTriangle& triangle : mesh.triangles()) errors_.push_back(triangle.error);
+    for (std::uint32_t t = 0; t < n; ++t)
+      raise_behind(mesh, t, [&](std::uint32_t behind, float error) { raise(behind, error); });
+    observer_->on_start(mesh, errors_);
+  }
+  std::span<const std::uint32_t> insert(PointMesh& mesh, std::uint32_t t) {
+    const std::size_t n_before = mesh.triangles().size();
+    const std::uint32_t node = mesh.triangle(t).candidate;
+    const std::span<const std::uint32_t> made = lists_.insert(mesh, node, t);
+    has_edge_points_.resize(mesh.triangles().size());
+    for (const std::uint32_t one : made)
+      has_edge_points_[one] = choose_(lists_, mesh.triangle(one), one);
+    if (observer_ != nullptr) {
+      find_errors(mesh, made);
+      const std::size_t n_added = mesh.triangles().size() - n_before;
+      observer_->on_insertion(mesh, node, made, made.size() - n_added, made_errors_);
+    }
+    return made;
+  }
+  /// When no more is inserted.
+  void share_errors(PointMesh& mesh) const {
+    for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t)
+      raise_behind(mesh, t, [&](std::uint32_t behind, float error) {
+        mesh.triangle(behind).error = std::max(mesh.triangle(behind).error, error);
+      });
+  }
+
+ private:
+  void raise(std::uint32_t t, float error) { errors_[t] = std::max(errors_[t], error); }
+  /// raise(triangle behind an edge, error of a point on it) for the points in t's list.
+  template <typename Raise>
+  void raise_behind(const PointMesh& mesh, std::uint32_t t, const Raise& raise) const {
+    if (!has_edge_points_[t]) return;
+    choose_.visit_edges(lists_, mesh.triangles()[t], t, [&](std::uint32_t edge, float error) {
+      if (const std::uint32_t twin = mesh.behind(t, edge); twin != kNoHalfEdge)
+        raise(twin >> 2, error);
+    });
+  }
+  /// Of new triangles. What is behind their border knows the points on it since that edge is there:
+  /// those of lists that were replaced, and its own.
+  void find_errors(const PointMesh& mesh, std::span<const std::uint32_t> made) {
+    errors_.resize(mesh.triangles().size());
+    for (const std::uint32_t one : made) errors_[one] = mesh.triangles()[one].error;
+    for (const std::uint32_t one : made) {
+      raise_behind(mesh, one, [&](std::uint32_t behind, float error) { raise(behind, error); });
+      const std::uint32_t twin = mesh.behind(one, 0);
+      if (twin != kNoHalfEdge)
+        raise_behind(mesh, twin >> 2,
+                     [&](std::uint32_t behind, float error) { raise(behind, error); });
+    }
+    made_errors_.clear();
+    for (const std::uint32_t one : made) made_errors_.push_back(errors_[one]);
+  }
+
+  PointLists lists_;
+  Choose choose_;
+  PointObserver* observer_;
+  std::vector<bool> has_edge_points_;  ///< By triangle, in its list.
+  std::vector<float> errors_;          ///< By triangle, those on its edges included.
+  std::vector<float> made_errors_;
 };
 
 /// Tiles of some thousand points.
@@ -232,14 +337,18 @@ int tile_bits_of(LatticePoint last, std::size_t n_points) {
 }  // namespace
 
 Result<GreedyReport> insert_points(PointMesh& mesh, const PointSamples& samples, HeightRange range,
-                                   const GreedyOptions& options, Progress& progress) {
-  LODE_EXPECTS(options.max_error >= 0 && samples.triangle_of.size() == samples.nodes.size());
+                                   const GreedyOptions& options, Progress& progress,
+                                   PointObserver* observer) {
+  LODE_EXPECTS(options.max_error >= 0 && options.observer == nullptr);
+  LODE_EXPECTS(samples.triangle_of.size() == samples.nodes.size());
   LODE_EXPECTS(options.order == InsertionOrder::strict ||
                options.max_triangles == std::numeric_limits<std::uint64_t>::max());
-  PointJudge judge(mesh, samples, WorstPoint(samples, range, options.max_error));
+  PointJudge judge(mesh, samples, WorstPoint(samples, range, options.max_error), observer);
   const LatticePoint last = last_node(mesh);
-  return GreedyLoop(mesh, judge, options, progress)
-      .run(last, tile_bits_of(last, samples.nodes.size()));
+  LODE_TRY(const GreedyReport report, GreedyLoop(mesh, judge, options, progress)
+                                          .run(last, tile_bits_of(last, samples.nodes.size())));
+  judge.share_errors(mesh);
+  return report;
 }
 
 Result<void> insert_all_points(PointMesh& mesh, const PointSamples& samples, Progress& progress) {

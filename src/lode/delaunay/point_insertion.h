@@ -20,13 +20,15 @@ struct PointSamples {
 /// The Delaunay selector, as insert_greedily(), of scattered points. Each triangle has a list of
 /// the points in it that are not inserted; those of the triangles that an insertion removes are
 /// handed to the new ones round it. A point on an edge is in one list, of whose triangle does not
-/// matter: both planes agree there. Of points of a triangle that err equally by computation the
-/// one whose shuffled number is smallest is taken. Errors are computed in float64; what rounding
-/// may hide counts as error, so of triangles that are not level a tolerance of 0 leaves no point
-/// out. `range`: of the heights. O(n log n) usually. Fails when cancelled.
+/// matter: both planes agree there; in the end both triangles' errors count it. Of points of a
+/// triangle that err equally by computation the one whose shuffled number is smallest is taken.
+/// Errors are computed in float64; what rounding may hide counts as error, so of triangles that are
+/// not level a tolerance of 0 leaves no point out. `range`: of the heights. `observer` may be null.
+/// O(n log n) usually. Fails when cancelled.
 [[nodiscard]] Result<GreedyReport> insert_points(PointMesh& mesh, const PointSamples& samples,
                                                  HeightRange range, const GreedyOptions& options,
-                                                 Progress& progress);
+                                                 Progress& progress,
+                                                 PointObserver* observer = nullptr);
 
 /// Inserts all points in triangles, whatever their heights, which may be left out. O(n log n)
 /// expected, as orders are shuffled.

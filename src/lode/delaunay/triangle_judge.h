@@ -67,7 +67,7 @@ class TriangleJudge {
   void judge_all(LatticeMesh& mesh) const {
     const auto n = static_cast<std::uint32_t>(mesh.triangles().size());
     for (std::uint32_t t = 0; t < n; ++t) judge(mesh.triangle(t));
-    if (observer_ != nullptr) observer_->on_start(mesh);
+    if (observer_ != nullptr) observer_->on_start(mesh, {});
   }
   /// Inserts the candidate of a triangle into the mesh, and judges the new triangles.
   std::span<const std::uint32_t> insert(LatticeMesh& mesh, std::uint32_t t) const {
@@ -77,7 +77,7 @@ class TriangleJudge {
     for (const std::uint32_t one : made) judge(mesh.triangle(one));
     if (observer_ != nullptr) {
       const std::size_t n_added = mesh.triangles().size() - n_before;
-      observer_->on_insertion(mesh, node, made, made.size() - n_added);
+      observer_->on_insertion(mesh, node, made, made.size() - n_added, {});
     }
     return made;
   }

@@ -51,20 +51,23 @@ Result<std::vector<OrderedNode>> order_samples(const HeightGrid& grid,
 
 Result<History> build(const HeightGrid& grid, Progress& progress) {
   LODE_TRY(const delaunay::GridDomain domain, delaunay::find_domain(grid));
-  LODE_TRY(History history, insertions::HistoryWriter::begin(
-                                grid, domain, insertions::Model::implicit_delaunay_pyramid));
+  LODE_TRY(History history,
+           insertions::begin_history(grid, domain, insertions::Model::implicit_delaunay_pyramid));
   const LatticePacking packing(grid.n_columns);
   LODE_TRY(const std::vector<OrderedNode> order,
            order_samples(grid, domain, packing, history.level_ends, progress));
   delaunay::LatticeMesh mesh(packing, domain.triangles);
-  insertions::HistoryWriter writer(history);
+  insertions::HistoryWriter<LatticePacking> writer(history);
   const auto insert = [&](const auto& samples) {
     using T = typename std::decay_t<decltype(samples)>::value_type;
     const delaunay::SampleRows<T> rows{samples.data(), grid.stride, packing};
     return delaunay::insert_in_order(mesh, rows, history.range, order, writer, progress);
   };
   LODE_CHECK(std::visit(insert, grid.heights));
-  writer.finish(grid);
+  writer.finish([&](std::uint32_t node) {
+    const delaunay::LatticePoint p = packing.unpack(node);
+    return grid.height(p.x, p.y);
+  });
   // Every sample is a vertex.
   history.max_error = 0;
   return history;

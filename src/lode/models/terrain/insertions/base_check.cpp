@@ -8,6 +8,9 @@
 #include <tuple>
 #include <vector>
 
+#include "lode/delaunay/lattice_side.h"
+#include "lode/delaunay/triangulation.h"
+
 namespace lode::insertions {
 namespace {
 
@@ -126,6 +129,27 @@ class Covered {
 };
 
 }  // namespace
+
+bool cover_part_once(std::span<const LatticePoint> nodes,
+                     std::span<const std::array<std::uint32_t, 3>> triangles) {
+  using Ends = std::array<std::uint32_t, 2>;
+  std::vector<Ends> edges;
+  edges.reserve(3 * triangles.size());
+  for (const auto& corner : triangles)
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back({corner[i], corner[(i + 1) % 3]});
+  std::ranges::sort(edges);
+  // One that is there twice has two triangles on one side.
+  if (std::ranges::adjacent_find(edges) != edges.end()) return false;
+  std::vector<Ends> outline;
+  for (const auto& [a, b] : edges)
+    if (!std::ranges::binary_search(edges, Ends{b, a})) outline.push_back({a, b});
+  // What is left to the left of edges that do not cross, and of none to the right, these go round
+  // once: the winding number is the number of triangles over a place.
+  std::vector<delaunay::Point> places;
+  places.reserve(nodes.size());
+  for (const LatticePoint node : nodes) places.push_back(delaunay::to_point(node));
+  return delaunay::triangulate_region(std::move(places), outline).has_value();
+}
 
 bool cover_cells_once(std::span<const LatticeCorners> triangles) {
   Outline outline;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
 
 #include "lode/models/terrain/insertions/overlap.h"
@@ -10,5 +12,11 @@ namespace lode::insertions {
 /// whole edges or none, what is left of those runs along columns and rows, and no two overlap.
 /// O(n log n).
 [[nodiscard]] bool cover_cells_once(std::span<const LatticeCorners> triangles);
+
+/// Whether triangles, which turn left, given by numbers of nodes, are a triangulation of a part of
+/// the plane: they share whole edges or none, and no two overlap. False where two nodes are one.
+/// O(n log n) usually.
+[[nodiscard]] bool cover_part_once(std::span<const delaunay::LatticePoint> nodes,
+                                   std::span<const std::array<std::uint32_t, 3>> triangles);
 
 }  // namespace lode::insertions

@@ -15,13 +15,14 @@ enum class Column : std::uint32_t {
   height = 3,   ///< By vertex, in the type that HeightType says.
   corners = 4,  ///< uint32, three by triangle of the base.
   age = 5,      ///< uint32 by node: how many triangles were made after the one its vertex lies in.
+  lines = 7,    ///< uint32, two by fixed edge of the base.
   error = 6,    ///< uint16 by triangle: the upper half of a float32.
 };
 
 enum class HeightType : std::uint8_t { int16 = 1, float32 = 2, float64 = 3 };
 
 /// Of the metadata and the columns; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 2;
+inline constexpr std::uint32_t kLayout = 3;
 
 [[nodiscard]] inline terrain_file::ColumnKey key_of(Column column) {
   return {static_cast<std::uint32_t>(column)};

@@ -53,6 +53,9 @@ struct History : terrain_file::Source {
   /// the base on; ascending, the last after all nodes.
   std::vector<std::uint32_t> level_ends;
   double max_error = 0;  ///< |z - z'| at every sample once all nodes are inserted.
+  /// Edges of the base that all meshes have, or what nodes on them have made of them; between
+  /// triangles.
+  std::vector<std::array<std::uint32_t, 2>> lines;
 
   std::vector<delaunay::LatticePoint> vertices;  ///< Of the base, then of the nodes.
   std::vector<double> heights;                   ///< Of these, exactly.

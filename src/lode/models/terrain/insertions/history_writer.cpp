@@ -4,10 +4,12 @@
 
 namespace lode::insertions {
 
-using delaunay::LatticeMesh;
+using delaunay::LatticePacking;
+using delaunay::ListedNodes;
+using delaunay::NodeMesh;
 
-Result<History> HistoryWriter::begin(const HeightGrid& grid, const delaunay::GridDomain& domain,
-                                     Model model) {
+Result<History> begin_history(const HeightGrid& grid, const delaunay::GridDomain& domain,
+                              Model model) {
   History history;
   history.model = model;
   history.frame = grid;
@@ -19,25 +21,31 @@ Result<History> HistoryWriter::begin(const HeightGrid& grid, const delaunay::Gri
   return history;
 }
 
-void HistoryWriter::on_start(const LatticeMesh& mesh) {
+template <typename Nodes>
+void HistoryWriter<Nodes>::on_start(const NodeMesh<Nodes>& mesh, std::span<const float> errors) {
   recorder_.start(mesh);
-  for (std::size_t t = 0; t < history_.triangles.size(); ++t)
-    history_.triangles[t].error = delaunay::to_coarse_above(mesh.triangles()[t].error);
+  nodes_.resize(history_.vertices.size());
+  for (std::size_t t = 0; t < history_.triangles.size(); ++t) {
+    Triangle& triangle = history_.triangles[t];
+    triangle.error =
+        delaunay::to_coarse_above(errors.empty() ? mesh.triangles()[t].error : errors[t]);
+    for (std::size_t i = 0; i < 3; ++i) nodes_[triangle.corner[i]] = mesh.triangles()[t].corner[i];
+  }
 }
 
-void HistoryWriter::on_insertion(const LatticeMesh& mesh, std::uint32_t node,
-                                 std::span<const std::uint32_t> slots, std::size_t n_removed) {
+template <typename Nodes>
+void HistoryWriter<Nodes>::on_insertion(const NodeMesh<Nodes>& mesh, std::uint32_t node,
+                                        std::span<const std::uint32_t> slots, std::size_t n_removed,
+                                        std::span<const float> errors) {
   recorder_.add_node(mesh, mesh.nodes().unpack(node), slots, n_removed);
-  std::size_t t = history_.triangles.size() - slots.size();
-  for (const std::uint32_t slot : slots)
-    history_.triangles[t++].error = delaunay::to_coarse_above(mesh.triangles()[slot].error);
+  nodes_.push_back(node);
+  const std::size_t first = history_.triangles.size() - slots.size();
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    history_.triangles[first + i].error =
+        delaunay::to_coarse_above(errors.empty() ? mesh.triangles()[slots[i]].error : errors[i]);
 }
 
-void HistoryWriter::finish(const HeightGrid& grid) {
-  recorder_.finish();
-  history_.heights.reserve(history_.vertices.size());
-  for (const delaunay::LatticePoint& p : history_.vertices)
-    history_.heights.push_back(grid.height(p.x, p.y));
-}
+template class HistoryWriter<LatticePacking>;
+template class HistoryWriter<ListedNodes>;
 
 }  // namespace lode::insertions

@@ -35,6 +35,7 @@ struct Counts {
   std::uint32_t n_base_triangles = 0;
   std::uint32_t n_nodes = 0;
   std::uint32_t n_triangles = 0;
+  std::uint32_t n_lines = 0;
   HeightType type = HeightType::float64;
 };
 
@@ -84,6 +85,12 @@ Result<Counts> read_head(const store::Reader& reader, LevelledHistory& levelled)
     return fail("{}: metadata: expected layout {} of the model {}, got {}", path, kLayout,
                 reader.model(), layout);
   History& history = levelled.history;
+  LODE_TRY(const auto is_of_points, in.read<std::uint8_t>());
+  const bool may_be = history.model != Model::implicit_delaunay_pyramid;
+  if (is_of_points > (may_be ? 1 : 0))
+    return fail("{}: metadata: expected a {} of a raster{}, got kind {}", path, reader.model(),
+                may_be ? " or of points" : "", is_of_points);
+  history.is_of_points = is_of_points != 0;
   LODE_CHECK(terrain_file::read(in, path, history));
   LODE_TRY(history.max_error, in.read<double>());
   if (!(history.max_error >= 0) || !std::isfinite(history.max_error))
@@ -92,6 +99,10 @@ Result<Counts> read_head(const store::Reader& reader, LevelledHistory& levelled)
   LODE_CHECK(read_counts(in, path, counts));
   LODE_TRY(levelled.levels, terrain_file::read_levels(in, path));
   LODE_CHECK(read_level_ends(in, path, counts.n_nodes, history));
+  LODE_TRY(counts.n_lines, in.read<std::uint32_t>());
+  if (counts.n_lines > (history.is_of_points ? 3 * std::uint64_t{counts.n_base_triangles} : 0))
+    return fail("{}: metadata: expected up to {} fixed edges of a base of points, got {}", path,
+                3 * std::uint64_t{counts.n_base_triangles}, counts.n_lines);
   LODE_CHECK(in.expect_end());
   return counts;
 }
@@ -111,12 +122,33 @@ Result<void> read_heights(const store::Reader& reader, std::uint64_t n, History&
 class Replay {
  public:
   Replay(const store::Reader& reader, const Counts& counts, History& history)
-      : reader_(reader), counts_(counts), history_(history), packing_(history.frame.n_columns) {}
+      : reader_(reader), counts_(counts), history_(history) {}
 
   Result<void> run(Progress& progress) {
     LODE_CHECK(read_points());
-    LODE_TRY(const auto base, read_base());
-    delaunay::LatticeMesh mesh(packing_, base, rule_of(history_.model));
+    LODE_CHECK(read_base());
+    LODE_CHECK(read_lines());
+    const InsertionRule rule = rule_of(history_.model);
+    if (history_.is_of_points) {
+      delaunay::PointMesh mesh(delaunay::ListedNodes(points_), base_, rule);
+      // Edges of triangles that are split stay without being cut.
+      if (rule == InsertionRule::delaunay) mesh.cut(history_.lines);
+      return replay(mesh, progress, [](std::uint32_t vertex) { return vertex; });
+    }
+    const delaunay::LatticePacking packing(history_.frame.n_columns);
+    const auto pack = [&](std::uint32_t vertex) { return packing.pack(points_[vertex]); };
+    std::vector<std::array<std::uint32_t, 3>> packed;
+    packed.reserve(base_.size());
+    for (const auto& corner : base_)
+      packed.push_back({pack(corner[0]), pack(corner[1]), pack(corner[2])});
+    delaunay::LatticeMesh mesh(packing, packed, rule);
+    return replay(mesh, progress, pack);
+  }
+
+ private:
+  /// number(vertex): in the mesh.
+  template <typename Mesh, typename Number>
+  Result<void> replay(Mesh& mesh, Progress& progress, const Number& number) {
     if (rule_of(history_.model) == InsertionRule::delaunay && !mesh.is_delaunay())
       return fail("{}: expected a base that is Delaunay, got edges that are not", reader_.path());
     Recorder recorder(history_);
@@ -125,12 +157,11 @@ class Replay {
         !std::equal(history_.vertices.begin(), history_.vertices.end(), points_.begin()))
       return fail("{}: expected the {} vertices of the base first, as its triangles come to them",
                   reader_.path(), counts_.n_base_vertices);
-    LODE_CHECK(insert_nodes(mesh, recorder, progress));
+    LODE_CHECK(insert_nodes(mesh, recorder, progress, number));
     recorder.finish();
     return read_errors();
   }
 
- private:
   Result<void> read_points() {
     const std::uint64_t n = std::uint64_t{counts_.n_base_vertices} + counts_.n_nodes;
     LODE_TRY(const auto xs, read_column<std::int32_t>(reader_, key_of(Column::x), n));
@@ -150,14 +181,14 @@ class Replay {
     return {};
   }
 
-  /// Packed corners, each of triangles that turn left.
-  Result<std::vector<std::array<std::uint32_t, 3>>> read_base() const {
+  /// Triangles that turn left, by vertices.
+  Result<void> read_base() {
     LODE_TRY(const auto corners,
              read_column<std::uint32_t>(reader_, key_of(Column::corners),
                                         3 * std::uint64_t{counts_.n_base_triangles}));
-    std::vector<std::array<std::uint32_t, 3>> base(counts_.n_base_triangles);
-    std::vector<LatticeCorners> places(base.size());
-    for (std::size_t t = 0; t < base.size(); ++t) {
+    base_.resize(counts_.n_base_triangles);
+    std::vector<LatticeCorners> places(base_.size());
+    for (std::size_t t = 0; t < base_.size(); ++t) {
       LatticeCorners& p = places[t];
       for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t vertex = corners[3 * t + i];
@@ -165,7 +196,7 @@ class Replay {
           return fail("{}: expected one of {} vertices of the base, got {}", reader_.path(),
                       counts_.n_base_vertices, vertex);
         p[i] = points_[vertex];
-        base[t][i] = packing_.pack(p[i]);
+        base_[t][i] = vertex;
       }
       if (delaunay::doubled_area(p[0], p[1], p[2]) <= 0)
         return fail(
@@ -173,14 +204,39 @@ class Replay {
             "not",
             reader_.path(), t);
     }
-    if (!cover_cells_once(places))
+    const auto vertices = std::span(points_).first(counts_.n_base_vertices);
+    if (history_.is_of_points ? !cover_part_once(vertices, base_) : !cover_cells_once(places))
       return fail(
-          "{}: expected a base that covers cells once, edge to edge, got triangles that do not",
-          reader_.path());
-    return base;
+          "{}: expected a base that covers {} once, edge to edge, got triangles that do not",
+          reader_.path(), history_.is_of_points ? "its domain" : "cells");
+    return {};
   }
 
-  Result<void> insert_nodes(delaunay::LatticeMesh& mesh, Recorder& recorder, Progress& progress) {
+  Result<void> read_lines() {
+    LODE_TRY(const auto ends, read_column<std::uint32_t>(reader_, key_of(Column::lines),
+                                                         2 * std::uint64_t{counts_.n_lines}));
+    using Ends = std::array<std::uint32_t, 2>;
+    std::vector<Ends> edges;
+    for (const auto& corner : base_)
+      for (std::size_t i = 0; i < 3 && !ends.empty(); ++i)
+        edges.push_back({corner[i], corner[(i + 1) % 3]});
+    std::ranges::sort(edges);
+    for (std::size_t i = 0; i < ends.size(); i += 2) {
+      const Ends line{ends[i], ends[i + 1]};
+      const bool follows = history_.lines.empty() || history_.lines.back() < line;
+      if (!follows || line[0] > line[1] || !std::ranges::binary_search(edges, line) ||
+          !std::ranges::binary_search(edges, Ends{line[1], line[0]}))
+        return fail(
+            "{}: expected fixed edges between two triangles of the base, in order, got {} to {}",
+            reader_.path(), line[0], line[1]);
+      history_.lines.push_back(line);
+    }
+    return {};
+  }
+
+  template <typename Mesh, typename Number>
+  Result<void> insert_nodes(Mesh& mesh, Recorder& recorder, Progress& progress,
+                            const Number& number) {
     constexpr std::uint32_t kPerReport = 1U << 16;
     LODE_TRY(const auto ages,
              read_column<std::uint32_t>(reader_, key_of(Column::age), counts_.n_nodes));
@@ -191,11 +247,12 @@ class Replay {
         if (progress.is_cancelled()) return cancelled_error();
         progress.report("inserting", static_cast<double>(node) / counts_.n_nodes);
       }
-      const LatticePoint p = points_[std::size_t{counts_.n_base_vertices} + node];
+      const std::uint32_t vertex = counts_.n_base_vertices + node;
+      const LatticePoint p = points_[vertex];
       const auto seed = seed_of(ages[node], p);
       std::span<const std::uint32_t> slots;
       const std::size_t n_before = mesh.triangles().size();
-      if (!seed || !mesh.try_insert(packing_.pack(p), slot_of[*seed], slots))
+      if (!seed || !mesh.try_insert(number(vertex), slot_of[*seed], slots))
         return fail(
             "{}: node {}: expected column {}, row {} in a triangle of its time that it "
             "can be inserted into",
@@ -241,8 +298,8 @@ class Replay {
   const store::Reader& reader_;
   const Counts& counts_;
   History& history_;
-  delaunay::LatticePacking packing_;
   std::vector<LatticePoint> points_;
+  std::vector<std::array<std::uint32_t, 3>> base_;
 };
 
 }  // namespace

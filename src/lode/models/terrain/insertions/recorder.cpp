@@ -5,11 +5,14 @@
 
 namespace lode::insertions {
 
-using delaunay::LatticeMesh;
+using delaunay::LatticePacking;
 using delaunay::LatticePoint;
 using delaunay::LatticeTriangle;
+using delaunay::ListedNodes;
+using delaunay::NodeMesh;
 
-void Recorder::start(const LatticeMesh& mesh) {
+template <typename Nodes>
+void Recorder::start(const NodeMesh<Nodes>& mesh) {
   std::unordered_map<std::uint32_t, std::uint32_t> vertex_of;
   for (const LatticeTriangle& triangle : mesh.triangles()) {
     Triangle made{.corner = {}, .death = kNone, .error = 0};
@@ -25,7 +28,8 @@ void Recorder::start(const LatticeMesh& mesh) {
   history_.n_base_vertices = static_cast<std::uint32_t>(history_.vertices.size());
 }
 
-void Recorder::add_node(const LatticeMesh& mesh, LatticePoint at,
+template <typename Nodes>
+void Recorder::add_node(const NodeMesh<Nodes>& mesh, LatticePoint at,
                         std::span<const std::uint32_t> slots, std::size_t n_removed) {
   const std::uint32_t node = history_.n_nodes();
   const auto vertex = static_cast<std::uint32_t>(history_.vertices.size());
@@ -58,5 +62,12 @@ std::uint32_t Recorder::border_vertex(LatticePoint p) const {
 void Recorder::finish() {
   history_.first_made.push_back(static_cast<std::uint32_t>(history_.triangles.size()));
 }
+
+template void Recorder::start(const NodeMesh<LatticePacking>&);
+template void Recorder::start(const NodeMesh<ListedNodes>&);
+template void Recorder::add_node(const NodeMesh<LatticePacking>&, LatticePoint,
+                                 std::span<const std::uint32_t>, std::size_t);
+template void Recorder::add_node(const NodeMesh<ListedNodes>&, LatticePoint,
+                                 std::span<const std::uint32_t>, std::size_t);
 
 }  // namespace lode::insertions

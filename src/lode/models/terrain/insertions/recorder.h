@@ -16,10 +16,11 @@ class Recorder {
   explicit Recorder(History& history) : history_(history) { history_.first_removed = {0}; }
 
   /// The base, in the order of its slots.
-  void start(const delaunay::LatticeMesh& mesh);
-  /// As InsertionObserver::on_insertion(): the next node; its triangles are in the order of the
-  /// slots.
-  void add_node(const delaunay::LatticeMesh& mesh, delaunay::LatticePoint at,
+  template <typename Nodes>
+  void start(const delaunay::NodeMesh<Nodes>& mesh);
+  /// As MeshObserver::on_insertion(): the next node; its triangles are in the order of the slots.
+  template <typename Nodes>
+  void add_node(const delaunay::NodeMesh<Nodes>& mesh, delaunay::LatticePoint at,
                 std::span<const std::uint32_t> slots, std::size_t n_removed);
   /// When all nodes are there.
   void finish();

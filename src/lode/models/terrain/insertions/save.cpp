@@ -31,6 +31,7 @@ std::vector<std::byte> encode_head(const LevelledHistory& levelled, HeightType t
   const History& history = levelled.history;
   store::ByteWriter out;
   out.write(kLayout);
+  out.write(static_cast<std::uint8_t>(history.is_of_points));
   terrain_file::write(out, history);
   out.write(history.max_error);
   out.write(history.n_base_vertices);
@@ -41,6 +42,7 @@ std::vector<std::byte> encode_head(const LevelledHistory& levelled, HeightType t
   terrain_file::write_levels(out, levelled.levels);
   out.write(static_cast<std::uint32_t>(history.level_ends.size()));
   out.write_all(std::span<const std::uint32_t>(history.level_ends));
+  out.write(static_cast<std::uint32_t>(history.lines.size()));
   return std::move(out).take();
 }
 
@@ -79,6 +81,9 @@ Result<std::uint64_t> save(const LevelledHistory& levelled, const std::string& p
         return history.first_made[node] - 1 - history.removed_by(node).front();
       },
       writer));
+  LODE_CHECK(append_column<std::uint32_t>(
+      key_of(Column::lines), 2 * history.lines.size(),
+      [&](std::size_t i) { return history.lines[i / 2][i % 2]; }, writer));
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(append_column<std::uint16_t>(
       key_of(Column::error), history.triangles.size(),

@@ -13,11 +13,14 @@
 namespace lode::terrain_file {
 namespace {
 
-Result<void> read_frame(store::ByteReader& in, const std::string& path, HeightFrame& frame) {
+Result<void> read_frame(store::ByteReader& in, const std::string& path, Source& source) {
+  HeightFrame& frame = source.frame;
   LODE_TRY(frame.n_columns, in.read<std::int32_t>());
   LODE_TRY(frame.n_rows, in.read<std::int32_t>());
-  if (frame.n_columns < 2 || frame.n_rows < 2 ||
-      !delaunay::LatticePacking::fits(frame.n_columns, frame.n_rows))
+  const bool fits = source.is_of_points
+                        ? std::max(frame.n_columns, frame.n_rows) <= kMostPointNodes
+                        : delaunay::LatticePacking::fits(frame.n_columns, frame.n_rows);
+  if (frame.n_columns < 2 || frame.n_rows < 2 || !fits)
     return fail("{}: metadata: expected columns and rows whose numbers fit 32 bits, got {} x {}",
                 path, frame.n_columns, frame.n_rows);
   for (double& x : frame.to_world) {
@@ -65,7 +68,7 @@ void write(store::ByteWriter& out, const Source& source) {
 }
 
 Result<void> read(store::ByteReader& in, const std::string& path, Source& source) {
-  LODE_CHECK(read_frame(in, path, source.frame));
+  LODE_CHECK(read_frame(in, path, source));
   LODE_TRY(source.sample_type, in.read_string());
   LODE_TRY(const auto has_place, in.read<std::uint8_t>());
   source.has_place = has_place != 0;

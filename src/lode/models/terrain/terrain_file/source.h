@@ -14,9 +14,12 @@
 
 namespace lode::terrain_file {
 
-/// What a model remembers of the raster that it was built of.
+/// What a model remembers of the raster or points that it was built of.
 struct Source {
   HeightFrame frame;
+  /// Of scattered points, or of a raster with lines: nodes of the lattice need have no heights, and
+  /// there are up to kMostPointNodes columns and rows. Nothing that write() writes.
+  bool is_of_points = false;
   HeightRange range;            ///< Of all samples.
   std::string sample_type;      ///< As the raster's reader names it.
   bool has_place = true;        ///< Else the frame is that of columns and rows.
@@ -33,7 +36,11 @@ struct Source {
 
 inline constexpr std::uint32_t kMaxLevels = 4096;
 
-/// As docs/format.md has it. Reading fails on what it does not allow, naming the path.
+/// See HeightPoints.
+inline constexpr std::int32_t kMostPointNodes = 1 << 30;
+
+/// As docs/format.md has it. Reading fails on what it does not allow, naming the path; the source
+/// says by then whether it is of points.
 void write(store::ByteWriter& out, const Source& source);
 [[nodiscard]] Result<void> read(store::ByteReader& in, const std::string& path, Source& source);
 
