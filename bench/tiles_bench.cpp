@@ -24,9 +24,14 @@
 namespace lode::bench {
 namespace {
 
+/// Of the whole raster, and degrees between samples.
+constexpr std::int32_t kSide = 40'000;
+constexpr double kStep = 0.0025;
+
 struct Settings {
   std::int32_t side = 4000;
-  double extent = 0;  ///< Degrees; 0: samples are as far apart as those of 40,000 in 100 degrees.
+  std::int32_t first_column = 0;  ///< Of 40,000 by 40,000 samples in 100 by 100 degrees.
+  std::int32_t first_row = 0;
   double max_error = 100;
   std::uint64_t most_bytes = std::uint64_t{512} << 20;
   int n_threads = 2;
@@ -52,22 +57,25 @@ bool write_raster(const std::string& path, const HeightGrid& etopo, const Settin
   static_assert(std::endian::native == std::endian::little);
   const auto* samples = std::get_if<HeightGrid::Samples<std::int16_t>>(&etopo.heights);
   if (samples == nullptr) return false;
-  const double step = settings.extent / settings.side;
   std::ofstream header(path + ".hdr");
   header << fmt::format(
       "ncols {0}\nnrows {0}\nnbands 1\nnbits 16\npixeltype signedint\nbyteorder I\nlayout bil\n"
       "ulxmap {1}\nulymap {2}\nxdim {3}\nydim {3}\n",
-      settings.side, -settings.extent / 2 + step / 2, settings.extent / 2 - step / 2, step);
+      settings.side, (settings.first_column - kSide / 2 + 0.5) * kStep,
+      (kSide / 2 - settings.first_row - 0.5) * kStep, kStep);
   std::ofstream projection(path + ".prj");
   projection << "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],"
                 "PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]\n";
   std::ofstream file(path + ".bil", std::ios::binary);
   std::vector<std::int16_t> row(static_cast<std::size_t>(settings.side));
   for (std::int32_t y = 0; y < settings.side; ++y) {
-    const std::int16_t* from = samples->data() + mirrored(y, etopo.n_rows) * etopo.stride;
-    for (std::int32_t x = 0; x < settings.side; ++x)
-      row[static_cast<std::size_t>(x)] =
-          static_cast<std::int16_t>(from[mirrored(x, etopo.n_columns)] + perturbation(y, x));
+    const std::int32_t whole_y = settings.first_row + y;
+    const std::int16_t* from = samples->data() + mirrored(whole_y, etopo.n_rows) * etopo.stride;
+    for (std::int32_t x = 0; x < settings.side; ++x) {
+      const std::int32_t whole_x = settings.first_column + x;
+      row[static_cast<std::size_t>(x)] = static_cast<std::int16_t>(
+          from[mirrored(whole_x, etopo.n_columns)] + perturbation(whole_y, whole_x));
+    }
     file.write(reinterpret_cast<const char*>(row.data()),
                static_cast<std::streamsize>(row.size() * sizeof row[0]));
   }
@@ -86,8 +94,7 @@ void print(const TerrainTileReport& report, double seconds, const Settings& sett
   fmt::print("{:.1f} s, {:.3f} million samples a second\n", seconds, 1e-6 * samples / seconds);
 }
 
-int run(Settings settings) {
-  if (settings.extent == 0) settings.extent = std::min(170.0, settings.side * 0.0025);
+int run(const Settings& settings) {
   Progress progress;
   const auto path = data_directory() / "terrain" / "etopo5_4320x2161_int16.tif";
   std::string folder = settings.folder;
@@ -110,7 +117,7 @@ int run(Settings settings) {
     }
   }
   fmt::print("{0} x {0} samples of {1:.6g} degrees, within {2} m, {3} threads, limit {4} MB\n",
-             settings.side, settings.extent / settings.side, settings.max_error, settings.n_threads,
+             settings.side, kStep, settings.max_error, settings.n_threads,
              settings.most_bytes >> 20U);
   std::fflush(stdout);
   const PeakMemory memory;
@@ -136,9 +143,12 @@ int run(Settings settings) {
 int main(int argc, char** argv) {
   lode::bench::Settings settings;
   CLI::App app("Tiles of etopo5 beside itself");
-  app.add_option("--side", settings.side, "Samples along a side")->check(CLI::Range(2, 100'000));
-  app.add_option("--extent", settings.extent, "Degrees along a side")
-      ->check(CLI::Range(0.0, 170.0));
+  app.add_option("--side", settings.side, "Samples along a side")
+      ->check(CLI::Range(2, lode::bench::kSide));
+  app.add_option("--first-column", settings.first_column, "Of the whole")
+      ->check(CLI::Range(0, lode::bench::kSide));
+  app.add_option("--first-row", settings.first_row, "Of the whole")
+      ->check(CLI::Range(0, lode::bench::kSide));
   app.add_option("--max-error", settings.max_error, "Of the finest level, metres");
   app.add_option("--memory-limit", settings.most_bytes, "Of what is kept of the raster, bytes");
   app.add_option("--threads", settings.n_threads)->check(CLI::Range(1, 64));

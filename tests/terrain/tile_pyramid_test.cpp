@@ -245,6 +245,15 @@ TEST(tile_pyramid, keeps_tolerances_round_holes) {
   expect_pyramid(rows, {.max_error = 25, .max_level = 6, .fill = -120});
 }
 
+/// Every second corner is half a step high, but for rounding, which is another on each side.
+TEST(tile_pyramid, meets_itself_at_corners_half_a_step_high) {
+  MadeRows rows(12, 40000, {10.18125, 0.0025, 0, 49.99875, 0, -0.0025},
+                [](int, int y) { return 64.0 * std::abs(y % 40 - 20); });
+  const Pyramid pyramid = build(rows, {.max_error = 128});
+  EXPECT_EQ(pyramid.levels.back().range.level, 9);
+  expect_sides_meet(pyramid);
+}
+
 TEST(tile_pyramid, goes_round_the_world) {
   MadeRows rows(48, 25, {0, 7.5, 0, 90, 0, -7.5}, hills);
   expect_pyramid(rows, {.max_error = 60, .max_level = 2});

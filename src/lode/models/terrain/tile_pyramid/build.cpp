@@ -270,6 +270,12 @@ class PyramidBuild {
     return raster_.rows_between(south, south + tile_size(tile.level), lowest, beyond);
   }
 
+  /// Of the tile's corner in the south-west. There four tiles meet, and all have it from the side
+  /// that begins there: where another ends rounding may see a height on the other side of a half.
+  [[nodiscard]] double corner_height(const TileId& tile) const {
+    return lines_.profile({tile, true}).height(0);
+  }
+
   std::vector<TileVertex> sides_of(const TileId& tile) const {
     std::vector<TileVertex> sides;
     const auto add = [&](const TileSide& side, std::int32_t offset) {
@@ -279,7 +285,10 @@ class PyramidBuild {
             side.is_west ? LatticePoint{offset, node} : LatticePoint{node, offset};
         const bool is_corner = node == 0 || node == kLastNode;
         if (is_corner && !side.is_west) continue;
-        sides.push_back({at, rounded(profile.height(node), form_of(tile).height_step)});
+        const double height = node == kLastNode
+                                  ? corner_height({tile.level, side.tile.x, side.tile.y + 1})
+                                  : profile.height(node);
+        sides.push_back({at, rounded(height, form_of(tile).height_step)});
       }
     };
     const std::int64_t east = wrapped_column(tile.level, tile.x + 1);
