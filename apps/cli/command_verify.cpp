@@ -45,7 +45,11 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
 Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app) {
   if (holds_tiles(arguments.input)) return check_tile_verify(terrain_job(arguments), app);
   if (holds_terrain(arguments.input)) return check_terrain_verify(terrain_job(arguments), app);
-  LODE_CHECK(check_no_terrain(arguments.terrain, arguments.input));
+  if (const auto none = check_no_terrain(arguments.terrain, arguments.input); !none) {
+    // A file that is not there is of no model either.
+    if (is_lode_path(arguments.input)) LODE_CHECK(check_lode_opens(arguments.input));
+    return none;
+  }
   if (holds_cells(arguments.input)) {
     if (!arguments.surface.empty())
       return fail("--surface: expected a volume or its .lode file with it, got the mesh '{}'",

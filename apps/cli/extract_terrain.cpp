@@ -295,8 +295,10 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   const bool can_vary = wanted.building || holds_terrain_model(job.input);
   if (wanted.options.focus && !can_vary)
     return fail(
-        "{}: expected one tolerance for all of a raster, got a focus: --model delaunay_pyramid or "
-        "right_triangle_bisection can vary, and so can a .lode file that `lode build` makes",
+        "{}: expected one tolerance for all of a terrain, got a focus: --model delaunay_pyramid "
+        "can "
+        "vary, of rasters right_triangle_bisection, too, and so can a .lode file that `lode build` "
+        "makes",
         job.input);
   if (wanted.options.focus && wanted.options.max_cells)
     return fail("--max-cells: expected no --box, --focus-point or --view with it");
@@ -311,6 +313,7 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
 Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_TRY(Wanted wanted, to_wanted(job));
   TerrainOptions& options = wanted.options;
+  options.threads = session.threads();
   const bool has_view = options.focus && options.focus->view;
   if (has_view) {
     LODE_TRY(options.focus->view->view, read_view(job.query));

@@ -127,6 +127,7 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
   LODE_TRY(TerrainPictureOptions options, to_options(job));
   LODE_TRY(const auto building, to_build_options(job.picture.terrain, options.terrain.max_error));
   options.render.threads = session.threads();
+  options.terrain.threads = session.threads();
   if (!job.camera.empty()) {
     LODE_TRY(options.render.camera, read_camera(job.camera));
   }

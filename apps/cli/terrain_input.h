@@ -92,7 +92,6 @@ void add_lines(const OpenedTerrain& opened, Json& json, Table& table);
                                                const TerrainArguments& arguments,
                                                const ReadingArguments& reading);
 
-/// Refuses lines with models that are built.
 /// Whether it is a raster of heights or of scattered points by its name.
 [[nodiscard]] inline bool is_terrain_path(const std::string& path) {
   return is_height_path(path) || is_point_path(path);
@@ -100,6 +99,7 @@ void add_lines(const OpenedTerrain& opened, Json& json, Table& table);
 /// Of scattered points: that a model can be built of them.
 [[nodiscard]] Result<void> check_model_of_points(const std::string& path,
                                                  const TerrainArguments& arguments);
+/// Refuses lines with models that cannot keep them.
 [[nodiscard]] Result<void> check_lined_model(const std::string& path,
                                              const TerrainArguments& arguments);
 

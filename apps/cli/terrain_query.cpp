@@ -18,7 +18,7 @@ void add_terrain_source(CLI::App& app, TerrainQueryArguments& arguments, Terrain
   app.add_option(
          "dem", arguments.input,
          "Raster of heights (.tif, .asc, .hgt, .png, ...), points (.las, .xyz, ...), or a .lode "
-         "file made of a raster")
+         "file made of these")
       ->type_name("DEM")
       ->required();
   app.add_option("--nodata", arguments.nodata, "Value of missing samples, instead of the file's")
@@ -39,7 +39,7 @@ Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
                                  const std::string& instead) {
   if (is_lode_path(arguments.input)) LODE_CHECK(check_lode_opens(arguments.input));
   if (!holds_terrain(arguments.input))
-    return fail("{}: expected {}, or a .lode file made of a raster, got another file{}",
+    return fail("{}: expected {}, or a .lode file made of these, got another file{}",
                 arguments.input, kTerrainFiles, instead.empty() ? "" : "; " + instead);
   LODE_CHECK(check_terrain_model(arguments.input, arguments.terrain, reading_of(arguments)));
   if (auto options = to_terrain_options(arguments.max_error, "", arguments.terrain); !options)
@@ -48,8 +48,8 @@ Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
 }
 
 Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Session& session) {
-  LODE_TRY(const TerrainOptions options,
-           to_terrain_options(arguments.max_error, "", arguments.terrain));
+  LODE_TRY(TerrainOptions options, to_terrain_options(arguments.max_error, "", arguments.terrain));
+  options.threads = session.threads();
   LODE_TRY(const auto building, to_build_options(arguments.terrain, options.max_error));
   const Stopwatch watch;
   LODE_TRY(OpenedTerrain opened,

@@ -33,7 +33,8 @@ Result<TinShape> to_shape(const std::string& model) {
 /// Against the raster or points that it was built of.
 Result<VerifyReport> verify_origin(const TerrainVerifyJob& job, const BuiltTerrain& built,
                                    Session& session) {
-  if (is_point_path(job.original) || job.terrain.has_lines()) {
+  const bool is_of_points = built.describe_source().is_of_points;
+  if (is_point_path(job.original) || (is_of_points && job.terrain.has_lines())) {
     LODE_TRY(const OpenedTerrain opened,
              open_terrain(job.original, job.terrain, job.reading, {}, {}, session));
     return naming(job.original, built.verify(*opened.points, session.threads(), session.progress()),

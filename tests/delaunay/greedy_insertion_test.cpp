@@ -41,6 +41,120 @@ double terrain(std::int32_t x, std::int32_t y) {
   return std::round((is_plain ? 0 : hills) + (is_spike ? 150 : 0)) + 2000;
 }
 
+/// |z - z'| at all samples in a triangle's box.
+void expect_within(const LatticeMesh& mesh, const HeightGrid& grid, double max_error) {
+  for (const LatticeTriangle& triangle : mesh.triangles()) {
+    std::array<LatticePoint, 3> at;
+    for (std::size_t i = 0; i < 3; ++i) at[i] = mesh.nodes().unpack(triangle.corner[i]);
+    const auto area = static_cast<double>(doubled_area(at[0], at[1], at[2]));
+    const auto [left, right] = std::minmax({at[0].x, at[1].x, at[2].x});
+    const auto [low, high] = std::minmax({at[0].y, at[1].y, at[2].y});
+    for (std::int32_t y = low; y <= high; ++y)
+      for (std::int32_t x = left; x <= right; ++x) {
+        const std::array<std::int64_t, 3> weight{doubled_area(at[1], at[2], {x, y}),
+                                                 doubled_area(at[2], at[0], {x, y}),
+                                                 doubled_area(at[0], at[1], {x, y})};
+        if (weight[0] < 0 || weight[1] < 0 || weight[2] < 0) continue;
+        double z = 0;
+        for (std::size_t i = 0; i < 3; ++i)
+          z += static_cast<double>(weight[i]) / area * grid.height(at[i].x, at[i].y);
+        ASSERT_LE(std::abs(z - grid.height(x, y)), max_error + 1e-9);
+        ASSERT_LE(std::abs(z - grid.height(x, y)), static_cast<double>(triangle.error) + 1e-9);
+      }
+  }
+}
+
+/// Rasters that are refined in regions, with a gap through several of them.
+template <typename T>
+HeightGrid large_grid() {
+  HeightGrid grid = test::make_grid<T>(230, 190, [](std::int32_t x, std::int32_t y) {
+    const auto mixed =
+        (static_cast<std::uint32_t>(x) * 73856093U) ^ (static_cast<std::uint32_t>(y) * 19349663U);
+    return std::round(2000 + 900 * std::sin(0.031 * x) * std::cos(0.023 * y) +
+                      static_cast<double>(mixed * 2654435761U >> 24) / 4);
+  });
+  for (std::int32_t y = 40; y < 150; ++y)
+    for (std::int32_t x = 90; x < 94 + y / 9; ++x) test::set_missing(grid, x, y);
+  return grid;
+}
+
+template <typename T>
+class regional_insertion : public testing::Test {};
+using RegionalTypes = testing::Types<std::int16_t, float, double>;
+TYPED_TEST_SUITE(regional_insertion, RegionalTypes);
+
+TYPED_TEST(regional_insertion, is_delaunay_within_the_error_and_the_same_for_any_threads) {
+  const HeightGrid grid = large_grid<TypeParam>();
+  const auto domain = find_domain(grid);
+  ASSERT_TRUE(domain);
+  const LatticePacking packing(grid.n_columns);
+  const HeightRange range = height_range(grid);
+  for (const double max_error : {0.0, 0.8, 4.0}) {
+    SCOPED_TRACE(max_error);
+    const auto make = [&](int n_threads, InsertionOrder order) {
+      LatticeMesh mesh(packing, domain->triangles);
+      const auto& samples = std::get<HeightGrid::Samples<TypeParam>>(grid.heights);
+      Progress progress;
+      const auto report = insert_greedily(
+          mesh, SampleRows<TypeParam>{samples.data(), grid.stride, packing}, range.lower,
+          range.upper, {.max_error = max_error, .order = order, .threads = {n_threads}}, progress);
+      EXPECT_TRUE(report);
+      EXPECT_LE(report->achieved_error, max_error);
+      EXPECT_EQ(
+          report->n_inserted + to_tin(LatticeMesh(packing, domain->triangles)).vertices.size(),
+          to_tin(mesh).vertices.size());
+      return mesh;
+    };
+    const LatticeMesh one = make(1, InsertionOrder::levels);
+    ASSERT_GT(one.triangles().size(), 10'000U) << "else there are no regions";
+    EXPECT_TRUE(one.is_delaunay());
+    test::expect_fills(to_tin(one), grid);
+    expect_within(one, grid, max_error);
+    for (const int n_threads : {2, 3}) {
+      const LatticeMesh other = make(n_threads, InsertionOrder::levels);
+      EXPECT_EQ(to_tin(one).vertices, to_tin(other).vertices);
+      EXPECT_EQ(to_tin(one).triangles, to_tin(other).triangles);
+    }
+    const std::size_t n_strict = make(1, InsertionOrder::strict).triangles().size();
+    EXPECT_LE(one.triangles().size(), n_strict + n_strict / 33);
+  }
+}
+
+/// Turning all edges that are not Delaunay makes a triangulation such.
+TEST(lattice_mesh, becomes_delaunay_by_turning_edges) {
+  const LatticePacking packing(256);
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  // A fan over a comb: thin triangles from one corner.
+  const auto node = [&](std::int32_t x, std::int32_t y) { return packing.pack({x, y}); };
+  for (std::int32_t i = 1; i < 40; ++i)
+    triangles.push_back(
+        {node(0, 0), node(200 + (i * i) % 3, i - 1), node(200 + (i + 1) * (i + 1) % 3, i)});
+  LatticeMesh mesh(packing, triangles);
+  std::vector<std::uint32_t> suspects;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (std::uint32_t i = 0; i < 3; ++i) suspects.push_back(4 * t + i);
+  std::int64_t area = 0;
+  const auto area_of = [&](const LatticeTriangle& t) {
+    return doubled_area(packing.unpack(t.corner[0]), packing.unpack(t.corner[1]),
+                        packing.unpack(t.corner[2]));
+  };
+  for (const LatticeTriangle& t : mesh.triangles()) area += area_of(t);
+  EXPECT_FALSE(mesh.is_delaunay());
+  EXPECT_FALSE(mesh.make_delaunay(suspects).empty());
+  EXPECT_TRUE(mesh.is_delaunay());
+  for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {
+    const LatticeTriangle& triangle = mesh.triangles()[t];
+    EXPECT_GT(area_of(triangle), 0);
+    area -= area_of(triangle);
+    for (std::uint32_t i = 0; i < 3; ++i)
+      if (const std::uint32_t twin = triangle.twin[i]; twin != kNoHalfEdge) {
+        EXPECT_EQ(mesh.triangles()[twin >> 2].twin[twin & 3], 4 * t + i);
+        EXPECT_EQ(mesh.triangles()[twin >> 2].corner[twin & 3], triangle.corner[(i + 1) % 3]);
+      }
+  }
+  EXPECT_EQ(area, 0);
+}
+
 template <typename T>
 class greedy_insertion : public testing::Test {};
 using Types = testing::Types<std::int16_t, std::uint16_t, float, double>;
@@ -159,7 +273,7 @@ TEST(worst_sample, is_found_by_lanes_within_the_slack_of_the_exact_search) {
     const std::uint64_t size = 2 + random.below(60);
     const HeightGrid grid = test::make_grid<std::uint16_t>(
         64, 64, [&](std::int32_t, std::int32_t) { return random.below(65536); });
-    const LatticePacking packing(64);
+    const LatticePacking packing(256);
     std::array<LatticePoint, 3> v{};
     for (LatticePoint& p : v)
       p = {static_cast<std::int32_t>(random.below(size)),

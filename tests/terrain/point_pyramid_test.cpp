@@ -297,6 +297,74 @@ TEST(point_pyramid, lies_are_found) {
   EXPECT_FALSE(InsertionsTerrain({*of_raster, {}}).verify(terrain, {}, progress));
 }
 
+TEST(point_pyramid, of_other_lines_is_found_out) {
+  const HeightGrid grid =
+      test::float_grid(31, 24, [](int x, int y) { return rough_hills(2 * x, 2 * y); });
+  Progress progress;
+  const auto many = add_lines(grid, {.least_relief = 5}, progress);
+  const auto few = add_lines(grid, {.least_relief = 40}, progress);
+  ASSERT_TRUE(many && few);
+  for (const TerrainModel model : kModels) {
+    SCOPED_TRACE(name_of(model));
+    const History history = history_of(many->terrain, model, 1);
+    EXPECT_EQ(failed(InsertionsTerrain({history, {30, 1}}), many->terrain), "");
+    EXPECT_EQ(failed(InsertionsTerrain({history, {30, 1}}), few->terrain),
+              "fixed edges are those of the lines");
+  }
+}
+
+/// Heights that float32 does not hold, and no error but rounding; and a lattice of 2^26 nodes a
+/// side, whose points are nearer to each other than floats tell.
+TEST(point_pyramid, holds_where_floats_do_not_tell) {
+  std::vector<Vec3d> plane;
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 12; ++x)
+      plane.push_back({{x + 0.25 * y, y + 0.125 * x, 1000 + 0.01 * x + 0.03 * y}});
+  std::vector<Vec3d> fine;
+  oracles::Random random(3);
+  for (int i = 0; i < 300; ++i) {
+    const double x = 0.001 * static_cast<double>(random.below(60'000'000));
+    const double y = 0.001 * static_cast<double>(random.below(60'000'000));
+    const double z = std::round(rough_hills(x / 1000, y / 1000));
+    for (const double step : {0.0, 0.001, 0.002}) fine.push_back({{x + step, y + 2 * step, z}});
+  }
+  for (const auto& [points, lattice] :
+       {std::pair{plane, PointLattice{{0, 0}, 0.125}}, {fine, PointLattice{{0, 0}, 0.001}}}) {
+    Progress progress;
+    const auto terrain = make_point_terrain(points, lattice, {}, {}, progress);
+    ASSERT_TRUE(terrain) << terrain.error().message;
+    for (const TerrainModel model : kModels) {
+      const History history = history_of(*terrain, model, 0.005);
+      EXPECT_EQ(failed(InsertionsTerrain({history, {5, 0.005}}), *terrain), "");
+    }
+  }
+}
+
+/// Draped vertices are beside it by rounding, and edges between these outside.
+TEST(point_pyramid, lines_along_an_oblique_outline_are_whole_or_told) {
+  std::vector<Vec3d> points{{{0, 0, 5}}, {{997, 313, 40}}, {{683, 1009, 10}}, {{-314, 696, 80}}};
+  oracles::Random random(8);
+  for (int i = 0; i < 200; ++i) {
+    const double s = random.uniform(0.01, 0.99);
+    const double t = random.uniform(0.01, 0.99);
+    points.push_back({{std::round(997 * s - 314 * t), std::round(313 * s + 696 * t),
+                       std::round(rough_hills(30 * s, 30 * t))}});
+  }
+  Progress progress;
+  const auto terrain = make_point_terrain(points, {{0, 0}, 1}, {}, {}, progress);
+  ASSERT_TRUE(terrain);
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  TerrainLineOptions lines{.drape_error = 0.5};
+  lines.breaklines.push_back(
+      {{{{0, 0, kNaN}}, {{997, 313, kNaN}}, {{683, 1009, kNaN}}, {{100, 500, kNaN}}}});
+  const auto lined = add_lines(*terrain, lines, progress);
+  ASSERT_TRUE(lined) << lined.error().message;
+  for (const TerrainModel model : kModels)
+    EXPECT_EQ(
+        failed(InsertionsTerrain({history_of(lined->terrain, model, 1), {30, 1}}), lined->terrain),
+        "");
+}
+
 /// Of the selector's triangles, too, that of a point on an edge on both sides.
 TEST(point_pyramid, triangles_state_errors_of_points_on_edges) {
   for (const Case& c : cases())

@@ -35,10 +35,10 @@ class InsertionsTerrain final : public BuiltModel {
  private:
   [[nodiscard]] const insertions::History& history() const { return levelled_.history; }
   [[nodiscard]] std::uint64_t finest_triangles() const;
-  /// Against a raster or points.
-  template <typename Origin>
-  [[nodiscard]] Result<void> verify_levels(const Origin& origin, Threads threads,
-                                           VerifyReport& report, Progress& progress) const;
+  /// verify_tin(tin, options) of each level.
+  template <typename Verify>
+  [[nodiscard]] Result<void> verify_levels(const Verify& verify_tin, Threads threads,
+                                           VerifyReport& report) const;
   [[nodiscard]] Result<double> tolerance_of(const TerrainOptions& options) const;
   /// Of one tolerance or number of triangles.
   [[nodiscard]] delaunay::Tin tin_for(const TerrainOptions& options, double tolerance,

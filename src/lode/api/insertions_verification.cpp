@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <iterator>
+#include <map>
 #include <utility>
 #include <vector>
 
 #include "lode/api/insertions_terrain.h"
+#include "lode/api/terrain_selection.h"
 #include "lode/mappers/point_errors.h"
 #include "lode/mappers/tin_surface.h"
 #include "lode/models/terrain/insertions/extract.h"
@@ -41,6 +45,41 @@ void check_vertices(const History& history, const HeightPoints& points, VerifyRe
              n_other > 0 ? fmt::format("{} have others", n_other) : "");
 }
 
+/// A line's edge, from the end that is first in rows on.
+using FixedEdge = std::array<std::pair<std::int32_t, std::int32_t>, 2>;
+
+FixedEdge fixed_edge(LatticePoint a, LatticePoint b) {
+  FixedEdge edge{std::pair(a.y, a.x), std::pair(b.y, b.x)};
+  std::ranges::sort(edge);
+  return edge;
+}
+
+/// That the file's are those of the terrain that are not on its outline.
+void check_lines(const History& history, const PointTerrain& terrain, VerifyReport& report) {
+  const auto& nodes = terrain.points.nodes;
+  std::map<FixedEdge, int> n_sides;
+  for (const auto& [a, b] : terrain.domain.lines) n_sides[fixed_edge(nodes[a], nodes[b])] = 0;
+  for (const auto& corner : terrain.domain.triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto found = n_sides.find(fixed_edge(nodes[corner[i]], nodes[corner[(i + 1) % 3]]));
+      if (found != n_sides.end()) ++found->second;
+    }
+  std::vector<FixedEdge> wanted;
+  for (const auto& [edge, n] : n_sides)
+    if (n == 2) wanted.push_back(edge);
+  std::vector<FixedEdge> own;
+  own.reserve(history.lines.size());
+  for (const auto& [a, b] : history.lines)
+    own.push_back(fixed_edge(history.vertices[a], history.vertices[b]));
+  std::ranges::sort(own);
+  std::vector<FixedEdge> other;
+  std::ranges::set_symmetric_difference(own, wanted, std::back_inserter(other));
+  report.add("fixed edges are those of the lines", wanted.size(), other.size(),
+             other.empty() ? ""
+                           : fmt::format("{} here, {} there, {} of one alone", own.size(),
+                                         wanted.size(), other.size()));
+}
+
 /// All triangles that there ever were.
 delaunay::Tin all_triangles(const History& history) {
   delaunay::Tin tin;
@@ -71,17 +110,15 @@ std::vector<std::pair<double, std::uint32_t>> levels_to_check(const History& his
 
 }  // namespace
 
-template <typename Origin>
-Result<void> InsertionsTerrain::verify_levels(const Origin& origin, Threads threads,
-                                              VerifyReport& report, Progress& progress) const {
+template <typename Verify>
+Result<void> InsertionsTerrain::verify_levels(const Verify& verify_tin, Threads threads,
+                                              VerifyReport& report) const {
   for (const auto& [tolerance, time] : levels_to_check(history(), levelled_.levels)) {
     const delaunay::Tin tin = tin_at(history(), time, delaunay::TinLinks::left_out);
-    const Surface surface = to_surface(tin, history().frame).surface;
-    LODE_TRY(
-        const VerifyReport level,
-        verify_terrain(origin, surface,
-                       {.max_error = tolerance, .shape = shape_of(model()), .threads = threads},
-                       progress));
+    LODE_TRY(const VerifyReport level,
+             verify_tin(
+                 tin, TerrainVerifyOptions{
+                          .max_error = tolerance, .shape = shape_of(model()), .threads = threads}));
     for (const VerifyReport::Check& check : level.checks)
       report.add(fmt::format("within {}: {}", tolerance, check.name), check.count,
                  check.passed ? 0 : 1, check.detail);
@@ -94,7 +131,12 @@ Result<VerifyReport> InsertionsTerrain::verify(const PointTerrain& terrain, Thre
   VerifyReport report;
   LODE_CHECK(check_source(history(), terrain, report));
   check_vertices(history(), terrain.points, report);
-  LODE_CHECK(verify_levels(terrain, threads, report, progress));
+  check_lines(history(), terrain, report);
+  LODE_CHECK(verify_levels(
+      [&](const delaunay::Tin& tin, const TerrainVerifyOptions& options) {
+        return verify_point_tin(terrain, tin, options, progress);
+      },
+      threads, report));
   LODE_TRY(const std::uint64_t n_beyond,
            count_understated_points(all_triangles(history()), terrain.points, threads, progress));
   report.add("triangles of all times state their errors", history().triangles.size(), n_beyond,
@@ -108,7 +150,11 @@ Result<VerifyReport> InsertionsTerrain::verify(const HeightGrid& grid, Threads t
   VerifyReport report;
   LODE_CHECK(check_source(history, grid, report));
   check_vertices(history, grid, report);
-  LODE_CHECK(verify_levels(grid, threads, report, progress));
+  LODE_CHECK(verify_levels(
+      [&](const delaunay::Tin& tin, const TerrainVerifyOptions& options) {
+        return verify_terrain(grid, to_surface(tin, history.frame).surface, options, progress);
+      },
+      threads, report));
   LODE_CHECK(check_stated_errors(all_triangles(history), 1, grid,
                                  "triangles of all times state their errors", threads, progress,
                                  report));

@@ -96,14 +96,30 @@ Result<VerifyReport> verify_fine_tin(const HeightGrid& grid, const delaunay::Tin
                    "vertices are samples, or between two");
 }
 
-Result<VerifyReport> verify_terrain(const PointTerrain& terrain, const Surface& surface,
-                                    const TerrainVerifyOptions& options, Progress& progress) try {
+namespace {
+
+/// `Mesh`: Surface or delaunay::Tin.
+template <typename Mesh>
+Result<VerifyReport> verify_of_points(const PointTerrain& terrain, const Mesh& mesh,
+                                      const TerrainVerifyOptions& options, Progress& progress) {
   LODE_TRY(const TinFacts facts,
-           check_point_tin(surface, terrain.points, terrain.domain.outline, terrain.domain.lines,
+           check_point_tin(mesh, terrain.points, terrain.domain.outline, terrain.domain.lines,
                            terrain.points.nodes.size() - terrain.domain.n_left_out,
                            options.max_error, options.threads, progress));
   const Vec<double, 2> at = terrain.points.world(facts.worst.x, facts.worst.y);
   return to_report(facts, options.max_error, options.shape, fmt::format("at {}, {}", at[0], at[1]));
+}
+
+}  // namespace
+
+Result<VerifyReport> verify_point_tin(const PointTerrain& terrain, const delaunay::Tin& tin,
+                                      const TerrainVerifyOptions& options, Progress& progress) {
+  return verify_of_points(terrain, tin, options, progress);
+}
+
+Result<VerifyReport> verify_terrain(const PointTerrain& terrain, const Surface& surface,
+                                    const TerrainVerifyOptions& options, Progress& progress) try {
+  return verify_of_points(terrain, surface, options, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the surface");
 }

@@ -26,6 +26,7 @@ struct TerrainOptions {
   std::optional<double> max_error{};
   std::optional<std::uint64_t> max_cells{};  ///< At most so many triangles; orders strictly.
   InsertionOrder order = InsertionOrder::levels;
+  Threads threads{};                    ///< Of rasters in levels; the TIN is the same for any.
   std::optional<TerrainFocus> focus{};  ///< Where max_error holds; of models that can vary.
 };
 

@@ -44,7 +44,8 @@ Result<SelectedTerrain> selected(const TerrainOptions& options, const HeightRang
       .max_error = max_error,
       .max_cells = options.max_cells,
       .order = options.max_cells ? InsertionOrder::strict : options.order,
-      .links = links};
+      .links = links,
+      .threads = options.threads};
   // What is asked of may have more triangles than a file should: all samples are had sooner than
   // those that matter.
   const bool is_full = max_error == 0 && !options.max_cells && links == delaunay::TinLinks::kept;

@@ -25,6 +25,12 @@ struct SelectedTerrain {
                                                      const TerrainOptions& options,
                                                      delaunay::TinLinks links, Progress& progress);
 
+/// As verify_terrain(), of a TIN of points, with heights, before it is rounded to floats.
+[[nodiscard]] Result<VerifyReport> verify_point_tin(const PointTerrain& terrain,
+                                                    const delaunay::Tin& tin,
+                                                    const TerrainVerifyOptions& options,
+                                                    Progress& progress);
+
 /// As verify_terrain(), of a TIN between the grid's samples: see check_fine_tin(). Errors up to
 /// 2^-48 of the largest |height| are rounding.
 [[nodiscard]] Result<VerifyReport> verify_fine_tin(const HeightGrid& grid, const delaunay::Tin& tin,

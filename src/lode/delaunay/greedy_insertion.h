@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/delaunay/lattice_mesh.h"
 #include "lode/delaunay/worst_sample.h"
@@ -12,7 +13,8 @@ namespace lode::delaunay {
 
 /// strict: always the sample with the largest error of all. levels: errors fall by octaves, and
 /// within one level samples are inserted where they lie close together, which keeps the work in
-/// cache; about as many points.
+/// cache; about as many points. Large rasters are refined in parts, on all threads: the same mesh
+/// for any number of them.
 enum class InsertionOrder : std::uint8_t { levels, strict };
 
 /// Is told what happens to a mesh while samples are inserted. Triangles are judged by then:
@@ -36,7 +38,9 @@ struct GreedyOptions {
   double max_error = 0;  ///< >= 0: no sample errs by more in the end.
   std::uint64_t max_triangles = std::numeric_limits<std::uint64_t>::max();  ///< strict only
   InsertionOrder order = InsertionOrder::levels;
-  InsertionObserver* observer = nullptr;  ///< Of rasters' samples.
+  InsertionObserver* observer = nullptr;  ///< Of rasters' samples; strict only.
+  Threads threads{};                      ///< Of rasters' samples in levels.
+  bool reports = true;                    ///< Progress; it is asked anyway whether to go on.
 };
 
 struct GreedyReport {
@@ -49,7 +53,7 @@ struct GreedyReport {
 /// sample in it is at most max_error (M. Garland, P. Heckbert, "Fast polygonal approximation of
 /// terrains and height fields", 1995; the refinement of L. De Floriani, B. Falcidieno, C.
 /// Pienovi, 1985). Each triangle knows its worst sample, looked for when the triangle is made.
-/// Equal errors are settled by position: rows first. One thread. `lower` and `upper`: of the
+/// Equal errors are settled by position: rows first. `lower` and `upper`: of the
 /// heights. All samples in the mesh's triangles must be finite. Fails when cancelled.
 template <typename T>
 [[nodiscard]] Result<GreedyReport> insert_greedily(LatticeMesh& mesh, const SampleRows<T>& rows,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <vector>
 
 #include "lode/delaunay/greedy_insertion.h"
@@ -53,21 +55,40 @@ class StrictQueue {
 
 /// What both orders do with a mesh. The judge sets candidates (WorstSample::kNone: nothing is to be
 /// inserted) and errors: judge_all(mesh) of all triangles, insert(mesh, t) of those that inserting
-/// the candidate of t makes, which it returns.
+/// the candidate of t makes, which it returns; judge_some(mesh, slots) where a run goes on.
 template <typename Mesh, typename Judge>
 class GreedyLoop {
  public:
   GreedyLoop(Mesh& mesh, Judge& judge, const GreedyOptions& options, Progress& progress)
       : mesh_(mesh), judge_(judge), options_(options), progress_(progress) {}
 
-  /// `size`: the last column and row; `tile_bits`: see LevelQueue.
-  Result<GreedyReport> run(LatticePoint size, int tile_bits) {
+  /// `part`: that holds the mesh; `tile_bits`: see LevelQueue.
+  Result<GreedyReport> run(const LatticePart& part, int tile_bits) {
     judge_.judge_all(mesh_);
     if (options_.order == InsertionOrder::strict) {
       LODE_CHECK(run_strict());
     } else {
-      LODE_CHECK(run_levels(size, tile_bits));
+      LODE_CHECK(run_levels(part, tile_bits));
     }
+    return report();
+  }
+  /// In levels to the end of the first that leaves so many triangles.
+  Result<GreedyReport> begin(const LatticePart& part, int tile_bits, std::size_t most_triangles) {
+    judge_.judge_all(mesh_);
+    LODE_CHECK(run_levels(part, tile_bits, most_triangles));
+    return report();
+  }
+  /// In levels, of a mesh of which those triangles alone are to be judged; others have candidates
+  /// and errors.
+  Result<GreedyReport> go_on(std::span<const std::uint32_t> slots, const LatticePart& part,
+                             int tile_bits) {
+    judge_.judge_some(mesh_, slots);
+    LODE_CHECK(run_levels(part, tile_bits));
+    return report();
+  }
+
+ private:
+  [[nodiscard]] GreedyReport report() {
     for (const LatticeTriangle& triangle : mesh_.triangles())
       report_.achieved_error =
           std::max(report_.achieved_error, static_cast<double>(triangle.error));
@@ -77,7 +98,6 @@ class GreedyLoop {
     return report_;
   }
 
- private:
   Result<void> run_strict() {
     StrictQueue queue;
     for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t) queue_if_needed(queue, t);
@@ -96,8 +116,9 @@ class GreedyLoop {
     }
   }
 
-  Result<void> run_levels(LatticePoint size, int tile_bits) {
-    LevelQueue queue(mesh_.nodes(), size, tile_bits, largest_error());
+  Result<void> run_levels(const LatticePart& part, int tile_bits,
+                          std::size_t most_triangles = kMostTriangles) {
+    LevelQueue queue(mesh_.nodes(), part, tile_bits, largest_error());
     for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t) queue_if_needed(queue, t);
     do {
       while (!queue.is_level_empty())
@@ -108,7 +129,7 @@ class GreedyLoop {
             LODE_CHECK(check_in(queue.share_done()));
             insert(queue, t);
           }
-    } while (queue.next_level());
+    } while (mesh_.triangles().size() < most_triangles && queue.next_level());
     return {};
   }
 
@@ -144,7 +165,7 @@ class GreedyLoop {
     constexpr std::uint64_t kPerReport = 1 << 14;
     if (report_.n_inserted % kPerReport != 0) return {};
     if (progress_.is_cancelled()) return cancelled_error();
-    progress_.report("inserting", share);
+    if (options_.reports) progress_.report("inserting", share);
     return {};
   }
 
@@ -155,16 +176,18 @@ class GreedyLoop {
   GreedyReport report_;
 };
 
-/// The last column and row of a mesh's corners.
+/// That holds a mesh's corners.
 template <typename Mesh>
-[[nodiscard]] LatticePoint last_node(const Mesh& mesh) {
-  LatticePoint last;
+[[nodiscard]] LatticePart part_of(const Mesh& mesh) {
+  LatticePart part{{std::numeric_limits<std::int32_t>::max(), 0}, {}};
+  part.first.y = part.first.x;
   for (const LatticeTriangle& triangle : mesh.triangles())
     for (const std::uint32_t corner : triangle.corner) {
       const LatticePoint p = mesh.nodes().unpack(corner);
-      last = {std::max(last.x, p.x), std::max(last.y, p.y)};
+      part.first = {std::min(part.first.x, p.x), std::min(part.first.y, p.y)};
+      part.last = {std::max(part.last.x, p.x), std::max(part.last.y, p.y)};
     }
-  return last;
+  return part;
 }
 
 }  // namespace lode::delaunay

@@ -15,6 +15,12 @@ using lode::LatticePoint;
 /// Of a triangle.
 using LatticeCorners = std::array<LatticePoint, 3>;
 
+/// The nodes of some columns and rows.
+struct LatticePart {
+  LatticePoint first;
+  LatticePoint last;
+};
+
 /// Nodes of a lattice in 32 bits each, ordered as they lie in rows.
 class LatticePacking {
  public:

@@ -22,17 +22,29 @@ NodeMesh<Nodes>::NodeMesh(Nodes nodes, std::span<const std::array<std::uint32_t,
     : nodes_(nodes), rule_(rule) {
   resize_large(triangles_, triangles.size());
   const auto twins = find_twins(triangles);
-  std::int32_t largest = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const auto& corner = triangles[t];
     LODE_EXPECTS(doubled_area(nodes_.unpack(corner[0]), nodes_.unpack(corner[1]),
                               nodes_.unpack(corner[2])) > 0);
-    for (const std::uint32_t packed : corner) {
-      const LatticePoint p = nodes_.unpack(packed);
-      largest = std::max({largest, p.x, p.y});
-    }
     triangles_[t] = {corner, twins[t], 0, 0};
   }
+  find_size();
+}
+
+template <typename Nodes>
+NodeMesh<Nodes>::NodeMesh(Nodes nodes, std::vector<LatticeTriangle> linked, InsertionRule rule)
+    : nodes_(nodes), rule_(rule), triangles_(std::move(linked)) {
+  find_size();
+}
+
+template <typename Nodes>
+void NodeMesh<Nodes>::find_size() {
+  std::int32_t largest = 0;
+  for (const LatticeTriangle& triangle : triangles_)
+    for (const std::uint32_t corner : triangle.corner) {
+      const LatticePoint p = nodes_.unpack(corner);
+      largest = std::max({largest, p.x, p.y});
+    }
   is_narrow_ = largest < kNarrowLattice;
 }
 
@@ -300,6 +312,56 @@ bool NodeMesh<Nodes>::try_insert(std::uint32_t p, std::uint32_t t,
   }
   slots = slots_;
   return true;
+}
+
+/// Whether the corner across lies in the triangle's circle.
+template <typename Nodes>
+bool NodeMesh<Nodes>::is_turned_better(std::uint32_t half_edge) const {
+  const LatticeTriangle& triangle = triangles_[half_edge >> 2];
+  const std::uint32_t twin = triangle.twin[half_edge & 3];
+  if (twin == kNoHalfEdge) return false;
+  const LatticePoint across = nodes_.unpack(triangles_[twin >> 2].corner[kPrevious[twin & 3]]);
+  const auto& corner = triangle.corner;
+  return is_in_circle(nodes_.unpack(corner[0]), nodes_.unpack(corner[1]), nodes_.unpack(corner[2]),
+                      across);
+}
+
+/// Of the two triangles (a, b, c) and (b, a, d) beside an edge it makes (a, d, c) and (d, b, c).
+template <typename Nodes>
+void NodeMesh<Nodes>::turn(std::uint32_t half_edge) {
+  const std::uint32_t t = half_edge >> 2;
+  const std::uint32_t i = half_edge & 3;
+  const LatticeTriangle left = triangles_[t];
+  const std::uint32_t u = left.twin[i] >> 2;
+  const std::uint32_t j = left.twin[i] & 3;
+  const LatticeTriangle right = triangles_[u];
+  const std::uint32_t c = left.corner[kPrevious[i]];
+  const std::uint32_t d = right.corner[kPrevious[j]];
+  triangles_[t].corner = {left.corner[i], d, c};
+  triangles_[t].twin = {right.twin[kNext[j]], 4 * u + 2, left.twin[kPrevious[i]]};
+  triangles_[u].corner = {d, right.corner[j], c};
+  triangles_[u].twin = {right.twin[kPrevious[j]], left.twin[kNext[i]], 4 * t + 1};
+  const auto link = [&](std::uint32_t own) {
+    const std::uint32_t twin = triangles_[own >> 2].twin[own & 3];
+    if (twin != kNoHalfEdge) triangles_[twin >> 2].twin[twin & 3] = own;
+  };
+  for (const std::uint32_t own : {4 * t, 4 * t + 2, 4 * u, 4 * u + 1}) link(own);
+}
+
+template <typename Nodes>
+std::vector<std::uint32_t> NodeMesh<Nodes>::make_delaunay(std::vector<std::uint32_t> suspects) {
+  std::vector<std::uint32_t> changed;
+  while (!suspects.empty()) {
+    const std::uint32_t half_edge = suspects.back();
+    suspects.pop_back();
+    if (!is_turned_better(half_edge)) continue;
+    const std::uint32_t t = half_edge >> 2;
+    const std::uint32_t u = triangles_[t].twin[half_edge & 3] >> 2;
+    turn(half_edge);
+    changed.insert(changed.end(), {t, u});
+    suspects.insert(suspects.end(), {4 * t, 4 * t + 2, 4 * u, 4 * u + 1});
+  }
+  return changed;
 }
 
 template <typename Nodes>

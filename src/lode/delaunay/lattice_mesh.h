@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "lode/delaunay/lattice.h"
@@ -48,6 +49,10 @@ class NodeMesh {
   NodeMesh(Nodes nodes, std::span<const std::array<std::uint32_t, 3>> triangles,
            InsertionRule rule = InsertionRule::delaunay);
 
+  /// Of triangles that are linked, such as parts of another mesh; those must be right.
+  NodeMesh(Nodes nodes, std::vector<LatticeTriangle> linked,
+           InsertionRule rule = InsertionRule::delaunay);
+
   [[nodiscard]] const Nodes& nodes() const { return nodes_; }
   [[nodiscard]] const std::vector<LatticeTriangle>& triangles() const { return triangles_; }
   [[nodiscard]] LatticeTriangle& triangle(std::uint32_t t) { return triangles_[t]; }
@@ -55,6 +60,7 @@ class NodeMesh {
   /// Cuts the mesh along edges, from node to node, that have a triangle on both sides; of others
   /// nothing needs to be done.
   void cut(std::span<const std::array<std::uint32_t, 2>> edges);
+  [[nodiscard]] bool has_cuts() const { return !cuts_.empty(); }
   /// What is behind the edge of a triangle, cut or not: 4 times a triangle and its edge, or
   /// kNoHalfEdge.
   [[nodiscard]] std::uint32_t behind(std::uint32_t t, std::uint32_t edge) const;
@@ -71,6 +77,16 @@ class NodeMesh {
   /// no disk that p sees all of, on both sides of a cut, or p is a corner.
   [[nodiscard]] bool try_insert(std::uint32_t p, std::uint32_t t,
                                 std::span<const std::uint32_t>& slots);
+
+  /// Turns edges that are not Delaunay, from half-edges (4 times a triangle and its edge) of those
+  /// that may not be, until all are (C. Lawson, "Software for C1 surface interpolation", 1977).
+  /// Returns the triangles that became others, some twice.
+  std::vector<std::uint32_t> make_delaunay(std::vector<std::uint32_t> suspects);
+
+  /// Takes all triangles away, and leaves none.
+  [[nodiscard]] std::vector<LatticeTriangle> take_triangles() {
+    return std::exchange(triangles_, {});
+  }
 
   /// Whether all edges with something behind them are Delaunay.
   [[nodiscard]] bool is_delaunay() const;
@@ -112,6 +128,9 @@ class NodeMesh {
   void fill_beside_cuts(std::uint32_t p, std::size_t split);
   [[nodiscard]] std::uint32_t split_cut(std::uint32_t p, std::size_t split);
   void find_cuts();
+  void find_size();
+  [[nodiscard]] bool is_turned_better(std::uint32_t half_edge) const;
+  void turn(std::uint32_t half_edge);
 
   Nodes nodes_;
   InsertionRule rule_;

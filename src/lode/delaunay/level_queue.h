@@ -17,14 +17,15 @@ class LevelQueue {
  public:
   static constexpr std::uint32_t kEmpty = 0xffffffff;
 
-  /// `size`: the last column and row; tiles are 2^tile_bits of them wide. `first_error`: about the
-  /// largest that there will be.
-  LevelQueue(Nodes nodes, LatticePoint size, int tile_bits, float first_error)
+  /// Tiles of the part are 2^tile_bits columns and rows wide. `first_error`: about the largest that
+  /// there will be.
+  LevelQueue(Nodes nodes, const LatticePart& part, int tile_bits, float first_error)
       : nodes_(nodes),
+        first_(part.first),
         tile_bits_(tile_bits),
-        n_tiles_x_((size.x >> tile_bits) + 1),
+        n_tiles_x_(((part.last.x - part.first.x) >> tile_bits) + 1),
         n_tiles_(static_cast<std::uint32_t>(n_tiles_x_) *
-                 static_cast<std::uint32_t>((size.y >> tile_bits) + 1)),
+                 static_cast<std::uint32_t>(((part.last.y - part.first.y) >> tile_bits) + 1)),
         top_(step_of(first_error)),
         heads_(std::size_t{n_tiles_} * kSteps, kEmpty),
         n_waiting_(kLevels, 0) {}
@@ -34,8 +35,8 @@ class LevelQueue {
   /// The triangle has a candidate. It waits in the current level where its error is above that.
   void push(std::uint32_t t, const LatticeTriangle& triangle) {
     const LatticePoint at = nodes_.unpack(triangle.candidate);
-    const auto tile =
-        static_cast<std::uint32_t>((at.y >> tile_bits_) * n_tiles_x_ + (at.x >> tile_bits_));
+    const auto tile = static_cast<std::uint32_t>(((at.y - first_.y) >> tile_bits_) * n_tiles_x_ +
+                                                 ((at.x - first_.x) >> tile_bits_));
     const int step =
         std::clamp(top_ - step_of(triangle.error), level_ * kStepsPerLevel, kSteps - 1);
     std::uint32_t& head = head_of(tile, step);
@@ -100,6 +101,7 @@ class LevelQueue {
   }
 
   Nodes nodes_;
+  LatticePoint first_;
   int tile_bits_;
   std::int32_t n_tiles_x_;
   std::uint32_t n_tiles_;

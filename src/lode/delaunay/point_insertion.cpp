@@ -344,9 +344,10 @@ Result<GreedyReport> insert_points(PointMesh& mesh, const PointSamples& samples,
   LODE_EXPECTS(options.order == InsertionOrder::strict ||
                options.max_triangles == std::numeric_limits<std::uint64_t>::max());
   PointJudge judge(mesh, samples, WorstPoint(samples, range, options.max_error), observer);
-  const LatticePoint last = last_node(mesh);
-  LODE_TRY(const GreedyReport report, GreedyLoop(mesh, judge, options, progress)
-                                          .run(last, tile_bits_of(last, samples.nodes.size())));
+  const LatticePart part = part_of(mesh);
+  LODE_TRY(const GreedyReport report,
+           GreedyLoop(mesh, judge, options, progress)
+               .run(part, tile_bits_of(part.last, samples.nodes.size())));
   judge.share_errors(mesh);
   return report;
 }
@@ -354,9 +355,9 @@ Result<GreedyReport> insert_points(PointMesh& mesh, const PointSamples& samples,
 Result<void> insert_all_points(PointMesh& mesh, const PointSamples& samples, Progress& progress) {
   LODE_EXPECTS(samples.triangle_of.size() == samples.nodes.size());
   PointJudge judge(mesh, samples, AnyPoint());
-  const LatticePoint last = last_node(mesh);
-  const auto report =
-      GreedyLoop(mesh, judge, {}, progress).run(last, tile_bits_of(last, samples.nodes.size()));
+  const LatticePart part = part_of(mesh);
+  const auto report = GreedyLoop(mesh, judge, {}, progress)
+                          .run(part, tile_bits_of(part.last, samples.nodes.size()));
   if (!report) return report.error();
   return {};
 }

@@ -69,6 +69,9 @@ class TriangleJudge {
     for (std::uint32_t t = 0; t < n; ++t) judge(mesh.triangle(t));
     if (observer_ != nullptr) observer_->on_start(mesh, {});
   }
+  void judge_some(LatticeMesh& mesh, std::span<const std::uint32_t> slots) const {
+    for (const std::uint32_t t : slots) judge(mesh.triangle(t));
+  }
   /// Inserts the candidate of a triangle into the mesh, and judges the new triangles.
   std::span<const std::uint32_t> insert(LatticeMesh& mesh, std::uint32_t t) const {
     const std::size_t n_before = mesh.triangles().size();

@@ -346,6 +346,30 @@ Result<std::vector<std::array<std::uint32_t, 3>>> triangulate_region(
   return triangulation.corners(is_inside);
 }
 
+/// Those with nothing inside on either side, beside an outline that is not convex or that points
+/// are off by rounding.
+void Triangulation::leave_out_edges(const std::vector<bool>& is_inside, FixedRegion& region) const {
+  const auto has_inside = [&](std::uint32_t a, std::uint32_t b) {
+    const Place place = find_edge(a, b);
+    return place.triangle != kNone && is_inside[place.triangle];
+  };
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < region.edges.size(); ++i) {
+    const auto [a, b] = region.edges[i];
+    if (has_inside(a, b) || has_inside(b, a)) {
+      region.edges[n] = region.edges[i];
+      region.line_of[n++] = region.line_of[i];
+    } else {
+      region.crossing.push_back(region.line_of[i]);
+    }
+  }
+  region.edges.resize(n);
+  region.line_of.resize(n);
+  std::ranges::sort(region.crossing);
+  region.crossing.erase(std::unique(region.crossing.begin(), region.crossing.end()),
+                        region.crossing.end());
+}
+
 Result<FixedRegion> triangulate_region(std::vector<Point> points,
                                        std::span<const std::array<std::uint32_t, 2>> outline,
                                        std::span<const std::array<std::uint32_t, 2>> lines,
@@ -375,6 +399,7 @@ Result<FixedRegion> triangulate_region(std::vector<Point> points,
     }
     region.line_of.resize(region.edges.size(), i);
   }
+  triangulation.leave_out_edges(is_inside, region);
   region.triangles = triangulation.corners(is_inside);
   return region;
 }

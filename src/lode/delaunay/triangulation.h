@@ -22,6 +22,8 @@ struct Triangle {
   std::array<bool, 3> is_fixed{};  ///< Edge i is a constraint.
 };
 
+struct FixedRegion;
+
 /// The constrained Delaunay triangulation of points in the plane: of all triangulations of their
 /// convex hull that contain the fixed edges, the one whose other edges are all locally Delaunay.
 /// All decisions are exact; ties (cocircular points) are settled by the order of insertion.
@@ -43,6 +45,10 @@ class Triangulation {
   /// region is not closed, or on both sides of an edge.
   [[nodiscard]] Result<std::vector<bool>> left_of(
       std::span<const std::array<std::uint32_t, 2>> edges) const;
+
+  /// Leaves edges of lines out that are in none of those triangles, and counts their lines as not
+  /// whole.
+  void leave_out_edges(const std::vector<bool>& is_inside, FixedRegion& region) const;
 
   /// Of those triangles.
   [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> corners(
@@ -113,8 +119,8 @@ struct FixedRegion {
 
 /// The same with lines, given as edges, in the region. All may run through points. Of a line that
 /// crosses the outline or an earlier line nothing is kept between the last points before that, seen
-/// from both of its ends. Each takes as long as there are triangles at its ends, besides those it
-/// crosses. Fails when cancelled.
+/// from both of its ends, nor what lies outside. Each takes as long as there are triangles at its
+/// ends, besides those it crosses. Fails when cancelled.
 [[nodiscard]] Result<FixedRegion> triangulate_region(
     std::vector<Point> points, std::span<const std::array<std::uint32_t, 2>> outline,
     std::span<const std::array<std::uint32_t, 2>> lines, Progress& progress);

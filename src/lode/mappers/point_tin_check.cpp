@@ -58,23 +58,35 @@ class PointOutline {
 
 class PointTinChecker {
  public:
-  PointTinChecker(const Surface& surface, const HeightPoints& points, PointOutline outline,
-                  double max_error)
-      : surface_(surface),
-        points_(points),
-        outline_(std::move(outline)),
-        squares_(points),
-        max_error_(max_error),
-        triangles_(turning_left(surface, points)) {
+  PointTinChecker(const HeightPoints& points, PointOutline outline, double max_error)
+      : points_(points), outline_(std::move(outline)), squares_(points), max_error_(max_error) {
     const HeightRange range = height_range(points);
     slack_ = 0x1p-60L * (static_cast<long double>(range.upper) - range.lower);
   }
 
+  /// In floats.
+  void take(const Surface& surface) {
+    triangles_ = turning_left(surface, points_);
+    for (std::uint32_t v = 0; v < surface.positions.size(); ++v)
+      add_vertex(find_point(surface, surface.world_position(v)));
+  }
+  /// Exactly.
+  void take(const delaunay::Tin& tin) {
+    triangles_ = tin.triangles;
+    const auto place = [](LatticePoint p) { return std::pair(p.y, p.x); };
+    for (std::size_t v = 0; v < tin.vertices.size(); ++v) {
+      const auto at = std::ranges::lower_bound(points_.nodes, place(tin.vertices[v]), {}, place);
+      const auto number = static_cast<std::uint32_t>(at - points_.nodes.begin());
+      const bool is_point = at != points_.nodes.end() && *at == tin.vertices[v] &&
+                            points_.heights[number] == tin.heights[v];
+      add_vertex(is_point ? std::optional(number) : std::nullopt);
+    }
+  }
+
   Result<TinFacts> run(std::span<const std::array<std::uint32_t, 2>> lines, std::uint64_t n_samples,
                        Threads threads, Progress& progress) {
-    facts_.n_vertices = surface_.positions.size();
-    facts_.n_triangles = surface_.triangles.size();
-    find_points();
+    facts_.n_vertices = numbers_.size();
+    facts_.n_triangles = triangles_.size();
     if (facts_.n_off_samples > 0) return facts_;
     check_turns(triangles_, nodes_, facts_);
     if (facts_.n_turned > 0) return facts_;
@@ -91,38 +103,37 @@ class PointTinChecker {
   }
 
  private:
-  void find_points() {
-    for (std::uint32_t v = 0; v < surface_.positions.size(); ++v) {
-      const auto point = find_point(surface_.world_position(v));
-      numbers_.push_back(point.value_or(0));
-      nodes_.push_back(points_.nodes[numbers_.back()]);
-      facts_.n_off_samples += static_cast<std::uint64_t>(!point.has_value());
-    }
+  void add_vertex(const std::optional<std::uint32_t>& point) {
+    numbers_.push_back(point.value_or(0));
+    nodes_.push_back(points_.nodes[numbers_.back()]);
+    facts_.n_off_samples += static_cast<std::uint64_t>(!point.has_value());
   }
   /// What floats explain of a coordinate.
-  [[nodiscard]] double rounding_of(const Vec3d& world, std::size_t axis) const {
-    return 0x1p-23 * std::abs(world[axis] - surface_.origin[axis]) +
+  [[nodiscard]] static double rounding_of(const Surface& surface, const Vec3d& world,
+                                          std::size_t axis) {
+    return 0x1p-23 * std::abs(world[axis] - surface.origin[axis]) +
            0x1p-51 * std::abs(world[axis]) + 0x1p-149;
   }
   /// In columns and rows, and a little more.
-  [[nodiscard]] std::array<double, 2> reach_of(const Vec3d& world) const {
+  [[nodiscard]] std::array<double, 2> reach_of(const Surface& surface, const Vec3d& world) const {
     constexpr double kMore = 0.05;
     const std::array<double, 6>& g = points_.to_world;
     const double area = std::abs(g[1] * g[5] - g[2] * g[4]);
-    const double x = rounding_of(world, 0);
-    const double y = rounding_of(world, 1);
+    const double x = rounding_of(surface, world, 0);
+    const double y = rounding_of(surface, world, 1);
     return {(std::abs(g[5]) * x + std::abs(g[2]) * y) / area + kMore,
             (std::abs(g[4]) * x + std::abs(g[1]) * y) / area + kMore};
   }
-  [[nodiscard]] std::optional<std::uint32_t> find_point(const Vec3d& world) {
+  [[nodiscard]] std::optional<std::uint32_t> find_point(const Surface& surface,
+                                                        const Vec3d& world) {
     const Vec<double, 2> at = points_.lattice(world[0], world[1]);
-    const std::array<double, 2> reach = reach_of(world);
+    const std::array<double, 2> reach = reach_of(surface, world);
     const auto node = [&](double x, double y) {
       constexpr double kMost = 1 << 30;
       return LatticePoint{static_cast<std::int32_t>(std::clamp(std::round(x), -1.0, kMost)),
                           static_cast<std::int32_t>(std::clamp(std::round(y), -1.0, kMost))};
     };
-    double allowed = rounding_of(world, 2);
+    double allowed = rounding_of(surface, world, 2);
     if (max_error_ > 0) allowed = std::min(allowed, max_error_);
     std::optional<std::uint32_t> best;
     double least = allowed;
@@ -189,7 +200,6 @@ class PointTinChecker {
     });
   }
 
-  const Surface& surface_;
   const HeightPoints& points_;
   PointOutline outline_;
   PointSquares squares_;
@@ -203,13 +213,24 @@ class PointTinChecker {
 
 }  // namespace
 
-Result<TinFacts> check_point_tin(const Surface& surface, const HeightPoints& points,
+template <typename Mesh>
+Result<TinFacts> check_point_tin(const Mesh& mesh, const HeightPoints& points,
                                  std::span<const std::array<std::uint32_t, 2>> outline,
                                  std::span<const std::array<std::uint32_t, 2>> lines,
                                  std::uint64_t n_samples, double max_error, Threads threads,
                                  Progress& progress) {
-  return PointTinChecker(surface, points, PointOutline(points, outline), max_error)
-      .run(lines, n_samples, threads, progress);
+  PointTinChecker checker(points, PointOutline(points, outline), max_error);
+  checker.take(mesh);
+  return checker.run(lines, n_samples, threads, progress);
 }
+
+template Result<TinFacts> check_point_tin(const Surface&, const HeightPoints&,
+                                          std::span<const std::array<std::uint32_t, 2>>,
+                                          std::span<const std::array<std::uint32_t, 2>>,
+                                          std::uint64_t, double, Threads, Progress&);
+template Result<TinFacts> check_point_tin(const delaunay::Tin&, const HeightPoints&,
+                                          std::span<const std::array<std::uint32_t, 2>>,
+                                          std::span<const std::array<std::uint32_t, 2>>,
+                                          std::uint64_t, double, Threads, Progress&);
 
 }  // namespace lode

@@ -8,6 +8,7 @@
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/surface.h"
+#include "lode/delaunay/tin.h"
 #include "lode/mappers/tin_check.h"
 
 namespace lode {
@@ -19,8 +20,11 @@ namespace lode {
 /// not be Delaunay; `n_samples`: how many points are in the domain. Errors are computed in 64 bits
 /// of mantissa, and what that rounds is allowed. `worst` of what is found is a node of the points'
 /// lattice.
+/// `Mesh`: Surface; or delaunay::Tin, which has places and heights as they are, so that nothing is
+/// allowed for floats.
+template <typename Mesh>
 [[nodiscard]] Result<TinFacts> check_point_tin(
-    const Surface& surface, const HeightPoints& points,
+    const Mesh& mesh, const HeightPoints& points,
     std::span<const std::array<std::uint32_t, 2>> outline,
     std::span<const std::array<std::uint32_t, 2>> lines, std::uint64_t n_samples, double max_error,
     Threads threads, Progress& progress);

@@ -15,7 +15,8 @@ namespace lode::delaunay_selector {
 namespace {
 
 delaunay::GreedyOptions greedy_options(const SelectorOptions& options) {
-  delaunay::GreedyOptions greedy{.max_error = options.max_error, .order = options.order};
+  delaunay::GreedyOptions greedy{
+      .max_error = options.max_error, .order = options.order, .threads = options.threads};
   if (options.max_cells) greedy.max_triangles = *options.max_cells;
   return greedy;
 }

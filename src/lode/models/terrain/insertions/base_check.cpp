@@ -144,10 +144,21 @@ bool cover_part_once(std::span<const LatticePoint> nodes,
   for (const auto& [a, b] : edges)
     if (!std::ranges::binary_search(edges, Ends{b, a})) outline.push_back({a, b});
   // What is left to the left of edges that do not cross, and of none to the right, these go round
-  // once: the winding number is the number of triangles over a place.
+  // once: the winding number is the number of triangles over a place. So no vertex within hangs in
+  // an edge either.
+  std::vector<std::uint32_t> number(nodes.size(), delaunay::kNone);
+  std::vector<std::uint32_t> n_edges;
   std::vector<delaunay::Point> places;
-  places.reserve(nodes.size());
-  for (const LatticePoint node : nodes) places.push_back(delaunay::to_point(node));
+  for (Ends& edge : outline)
+    for (std::uint32_t& end : edge) {
+      if (number[end] == delaunay::kNone) {
+        number[end] = static_cast<std::uint32_t>(places.size());
+        places.push_back(delaunay::to_point(nodes[end]));
+        n_edges.push_back(0);
+      }
+      end = number[end];
+      if (++n_edges[end] > kMostOutlineEdges) return false;
+    }
   return delaunay::triangulate_region(std::move(places), outline).has_value();
 }
 

@@ -14,9 +14,12 @@ namespace lode::insertions {
 [[nodiscard]] bool cover_cells_once(std::span<const LatticeCorners> triangles);
 
 /// Whether triangles, which turn left, given by numbers of nodes, are a triangulation of a part of
-/// the plane: they share whole edges or none, and no two overlap. False where two nodes are one.
-/// O(n log n) usually.
+/// the plane: they share whole edges or none, and no two overlap. False also where more than
+/// kMostOutlineEdges of the outline meet at a node. O(n log n) usually.
 [[nodiscard]] bool cover_part_once(std::span<const delaunay::LatticePoint> nodes,
                                    std::span<const std::array<std::uint32_t, 3>> triangles);
+
+/// The outline's triangulation takes time by its square.
+inline constexpr std::uint32_t kMostOutlineEdges = 8192;
 
 }  // namespace lode::insertions
