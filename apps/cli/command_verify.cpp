@@ -48,7 +48,7 @@ Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app)
   if (const auto none = check_no_terrain(arguments.terrain, arguments.input); !none) {
     // A file that is not there is of no model either.
     if (is_lode_path(arguments.input)) LODE_CHECK(check_lode_opens(arguments.input));
-    return none;
+    return none.error();
   }
   if (holds_cells(arguments.input)) {
     if (!arguments.surface.empty())
