@@ -59,9 +59,8 @@ class RegionJudge {
   const Region& region_;
 };
 
-/// In levels, on several threads: a mesh within a few times the tolerance is cut into regions, and
-/// each refined on its own; then they are joined, made Delaunay along their borders, and refined
-/// there. What is not within the tolerance before is done then, so borders cost few samples more.
+/// In levels, on several threads: a mesh of some thousand triangles is cut into regions, and each
+/// refined on its own; then they are joined, made Delaunay along their borders, and refined there.
 template <typename T>
 class RegionalInsertion {
  public:
