@@ -177,20 +177,27 @@ Tetrahedron renumbered(const Hierarchy& hierarchy, Tetrahedron t) {
   return t;
 }
 
+std::uint32_t region_of(const TetraCut& cut, std::uint32_t slot) { return cut.region(slot); }
+std::uint32_t region_of(const midpoint::MidpointCut& cut, std::uint32_t slot) {
+  return cut.slots()[slot].region;
+}
+
 /// The mesh of a cut.
 template <typename Cut, typename Renumber>
 Regions regions_of_cut(const TetraMesh& mesh, const Cut& cut, const Renumber& renumber) {
   PatchMarks marks;
   test::Tetrahedra inside;
   std::vector<std::uint32_t> regions;
-  for (const auto& cell : cut.slots()) {
+  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
+    const auto& cell = cut.slots()[slot];
     if (cell.corners[0] == kNone) continue;
+    const std::uint32_t region = region_of(cut, slot);
     const Tetrahedron t = renumber(cell.corners);
     if (cut.is_inside(cell)) {
       inside.push_back(t);
-      regions.push_back(cell.region);
+      regions.push_back(region);
     } else {
-      add_mark(mesh, t, cell.region, marks);
+      add_mark(mesh, t, region, marks);
     }
   }
   return test::describe_regions(mesh, inside, regions, marks);

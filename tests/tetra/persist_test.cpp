@@ -189,10 +189,11 @@ TEST_F(tetra_file, keeps_regions_through_refining_and_coarsening) {
   for (int round = 0; round < 2; ++round) {
     for (const std::uint32_t node : hierarchy.order) cut.apply(NodeId{node});
     TetraMesh found{.positions = hierarchy.positions, .region_ids = mesh.region_ids};
-    for (const TetraCut::Cell& cell : cut.slots()) {
+    for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
+      const TetraCut::Cell& cell = cut.slots()[slot];
       if (!cut.is_inside(cell)) continue;
       found.tetrahedra.push_back(cell.corners);
-      found.regions.push_back(cell.region);
+      found.regions.push_back(cut.region(slot));
     }
     // Compared as maps: whoever is of another region differs.
     EXPECT_TRUE(regions_by_corners(found) == regions_by_corners(mesh));
@@ -273,12 +274,13 @@ TEST_F(tetra_file, with_patches_that_lies_does_no_harm) {
     engine.set_query(uniform_demand(0.05));
     engine.run([&] { return cut.is_damaged(); });
     const HierarchyHead& head = opened->hierarchy.head();
-    for (const TetraCut::Cell& cell : cut.slots()) {
+    for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
+      const TetraCut::Cell& cell = cut.slots()[slot];
       if (cell.corners[0] == kNone) continue;
       if (cut.is_inside(cell))
-        EXPECT_LT(cell.region, std::max<std::size_t>(head.region_ids.size(), 1));
+        EXPECT_LT(cut.region(slot), std::max<std::size_t>(head.region_ids.size(), 1));
       else
-        EXPECT_LE(cell.region, head.patches.size());
+        EXPECT_LE(cut.region(slot), head.patches.size());
     }
   }
 }

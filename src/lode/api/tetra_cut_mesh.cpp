@@ -79,7 +79,7 @@ void add_patch_sides(const TetraCut& cut, std::uint32_t slot, SimplexMesh& mesh)
   for (std::uint32_t corner = 0; corner < 4; ++corner) {
     const std::uint32_t across = cell.across[corner];
     if (across == kNone || cut.is_inside(cut.slots()[across])) continue;
-    const std::uint32_t mark = cut.slots()[across].region;
+    const std::uint32_t mark = cut.region(across);
     if (mark > 0)
       mesh.patch_sides.push_back(
           {static_cast<std::uint32_t>(mesh.tetrahedra.size() - 1), corner, mark - 1});
@@ -126,18 +126,18 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
   mesh.patches = hierarchy.head().patches;
   for (const std::size_t field : fields.along)
     mesh.attributes.push_back({heads[field].name, heads[field].has_narrow_values, {}});
-  const auto error_of = [&](const TetraCut::Cell& cell, std::size_t field) {
-    return cell.maker == kNone ? 0.0F : hierarchy.facts(cell.maker, field).error;
+  const auto error_of = [&](std::uint32_t slot, std::size_t field) {
+    const std::uint32_t maker = cut.maker(slot);
+    return maker == kNone ? 0.0F : hierarchy.facts(maker, field).error;
   };
   for (const std::uint32_t slot : sorted_cells(cut, numbers, vertex_ids.size())) {
-    const TetraCut::Cell& cell = cut.slots()[slot];
-    auto& corners = mesh.tetrahedra.emplace_back(cell.corners);
+    auto& corners = mesh.tetrahedra.emplace_back(cut.slots()[slot].corners);
     for (std::uint32_t& v : corners) v = numbers[v];
-    mesh.errors.push_back(error_of(cell, fields.measured));
+    mesh.errors.push_back(error_of(slot, fields.measured));
     for (std::size_t i = 0; i < fields.along.size(); ++i)
-      mesh.attributes[i].errors.push_back(error_of(cell, fields.along[i]));
+      mesh.attributes[i].errors.push_back(error_of(slot, fields.along[i]));
     if (hierarchy.head().region_ids.size() > 1)
-      mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
+      mesh.regions.push_back(hierarchy.head().region_ids[cut.region(slot)]);
     if (!mesh.patches.empty()) add_patch_sides(cut, slot, mesh);
   }
   for (const std::uint32_t v : vertex_ids) {

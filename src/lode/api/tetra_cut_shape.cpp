@@ -107,10 +107,11 @@ double TetraVertices::boundary_allowance() const {
 }
 
 TetraCells::TetraCells(const tetra_mt::TetraCut& cut) {
-  for (const tetra_mt::TetraCut::Cell& cell : cut.slots()) {
+  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
+    const tetra_mt::TetraCut::Cell& cell = cut.slots()[slot];
     if (!cut.is_inside(cell)) continue;
     corners.push_back(cell.corners);
-    makers.push_back(cell.maker);
+    makers.push_back(cut.maker(slot));
   }
 }
 

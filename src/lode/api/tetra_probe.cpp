@@ -105,11 +105,11 @@ void fill_cells(const PackedHierarchy& hierarchy, std::size_t field, const Tetra
   for (const std::uint32_t slot : slots) {
     const TetraCut::Cell& cell = cut.slots()[slot];
     mesh.tetrahedra.push_back(cell.corners);
-    const bool is_exact = cell.maker == kNone;
+    const bool is_exact = cut.maker(slot) == kNone;
     cells.is_exact.push_back(is_exact ? 1 : 0);
-    mesh.errors.push_back(is_exact ? 0 : hierarchy.facts(cell.maker, field).error);
+    mesh.errors.push_back(is_exact ? 0 : hierarchy.facts(cut.maker(slot), field).error);
     if (hierarchy.head().region_ids.size() > 1)
-      mesh.regions.push_back(hierarchy.head().region_ids[cell.region]);
+      mesh.regions.push_back(hierarchy.head().region_ids[cut.region(slot)]);
     vertices.insert(vertices.end(), cell.corners.begin(), cell.corners.end());
   }
   std::ranges::sort(vertices);

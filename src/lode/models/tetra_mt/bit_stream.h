@@ -64,11 +64,15 @@ class BitReader {
       : bytes_(bytes), at_(8 * first_byte) {}
 
   [[nodiscard]] std::uint32_t read(int n_bits) {
-    std::uint64_t window = 0;
-    std::memcpy(&window, bytes_ + at_ / 8, sizeof window);
-    window >>= at_ % 8;
+    const std::uint64_t next = window();
     at_ += static_cast<std::size_t>(n_bits);
-    return static_cast<std::uint32_t>(window & ((std::uint64_t{1} << n_bits) - 1));
+    return static_cast<std::uint32_t>(next & ((std::uint64_t{1} << n_bits) - 1));
+  }
+  /// What comes: 57 bits at least.
+  [[nodiscard]] std::uint64_t window() const {
+    std::uint64_t eight = 0;
+    std::memcpy(&eight, bytes_ + at_ / 8, sizeof eight);
+    return eight >> at_ % 8;
   }
   void skip(std::size_t n_bits) { at_ += n_bits; }
 

@@ -118,33 +118,53 @@ class NodePage {
     const std::uint32_t first = i / kGroup * kGroup;
     std::size_t begin = begins_[i / kGroup];
     if (!has_long_) {
-      // All of a group, without branches.
-      std::uint16_t sum = 0;
-      for (std::uint32_t k = 0; k < kGroup; ++k)
-        sum = static_cast<std::uint16_t>(sum + (k < i - first ? lengths_[first + k] : 0));
-      return begin + sum;
+      return begin + sum_of(&lengths_[first], i - first);
     }
     for (std::uint32_t k = first; k < i; ++k)
       begin += lengths_[k] == kLong ? long_at(begin) : lengths_[k];
     return lengths_[i] == kLong ? begin + kLengthBits / 8 : begin;
   }
+  /// Of the first n of a group, eight at once.
+  [[nodiscard]] static std::size_t sum_of(const std::uint8_t* lengths, std::uint32_t n) {
+    std::uint64_t sums = 0;  // four of 16 bits
+    for (std::uint32_t k = 0; k < kGroup; k += 8) {
+      std::uint64_t eight = 0;
+      std::memcpy(&eight, lengths + k, sizeof eight);
+      const std::uint32_t n_wanted = std::min(n - std::min(n, k), 8U);
+      eight &= n_wanted == 8 ? ~std::uint64_t{0} : (std::uint64_t{1} << 8 * n_wanted) - 1;
+      constexpr std::uint64_t kEven = 0x00FF00FF00FF00FFU;
+      sums += (eight & kEven) + (eight >> 8 & kEven);
+    }
+    return static_cast<std::uint16_t>((sums * 0x0001000100010001U) >> 48);
+  }
   [[nodiscard]] std::size_t long_at(std::size_t begin) const {
     return BitReader(bits_.data(), begin).read(kLengthBits);
   }
-  [[nodiscard]] std::uint32_t read_page(BitReader& bits) const {
-    if (bits.read(1) == 0) return own_;
-    return pages_[bits.read(bits.read(1) == 0 ? kFewBits : n_page_bits_)];
+  /// How a link to a vertex begins: its own page, one of the few, or any. Which of them no
+  /// processor can guess, so all are read in the same way.
+  struct Form {
+    std::uint32_t n_kind_bits;
+    std::uint32_t n_page_bits;
+  };
+  [[nodiscard]] Form form_of(std::uint64_t window) const {
+    const auto kind = static_cast<std::uint32_t>(window & 3);
+    const std::uint32_t is_other = kind & 1;
+    const std::uint32_t is_any = kind >> 1 & is_other;
+    const auto n_bits = static_cast<std::uint32_t>(n_page_bits_);
+    return {1 + is_other, is_any * n_bits + (is_other - is_any) * kFewBits};
   }
   [[nodiscard]] std::uint32_t read_vertex(BitReader& bits) const {
-    const std::uint32_t begin = read_page(bits);
-    return begin + bits.read(kPageBits);
+    const std::uint64_t window = bits.window();
+    const Form form = form_of(window);
+    const std::uint64_t rest = window >> form.n_kind_bits;
+    const std::uint64_t page = rest & ((std::uint64_t{1} << form.n_page_bits) - 1);
+    const std::uint32_t* const begin = (window & 1) != 0 ? pages_.data() + page : &own_;
+    bits.skip(form.n_kind_bits + form.n_page_bits + kPageBits);
+    return *begin + static_cast<std::uint32_t>(rest >> form.n_page_bits & (kPageNodes - 1));
   }
   void skip_vertex(BitReader& bits) const {
-    if (bits.read(1) != 0) {
-      const bool is_few = bits.read(1) == 0;
-      bits.skip(static_cast<std::size_t>(is_few ? kFewBits : n_page_bits_));
-    }
-    bits.skip(kPageBits);
+    const Form form = form_of(bits.window());
+    bits.skip(form.n_kind_bits + form.n_page_bits + kPageBits);
   }
 
   std::vector<std::uint32_t> words_;  ///< Of positions.

@@ -8,6 +8,7 @@
 
 #include "lode/core/uninitialized_array.h"
 #include "lode/models/tetra_mt/packed_hierarchy.h"
+#include "lode/models/tetra_mt/small_order.h"
 #include "lode/refine/model.h"
 
 namespace lode::tetra_mt {
@@ -21,13 +22,8 @@ class TetraCut {
     /// By corner, the slot across from it; kNone where a face has more than two tetrahedra, which
     /// are of the vertex outside, at edges where the boundary is no manifold.
     std::array<std::uint32_t, 4> across;
-    std::uint32_t maker;  ///< The node that made it, kNone for the reference mesh's.
-    /// Place in HierarchyHead::region_ids; outside patch_mark() of its face.
-    std::uint32_t region;
-    std::uint32_t visit;  ///< The last one that came here.
-    std::array<std::uint32_t, 5> unused;
   };
-  static_assert(sizeof(Cell) == 64, "one line of the cache");
+  static_assert(sizeof(Cell) == 32, "half a line of the cache");
 
   explicit TetraCut(const PackedHierarchy& hierarchy, std::size_t field = 0);
 
@@ -53,6 +49,12 @@ class TetraCut {
   [[nodiscard]] const HierarchyHead& head() const { return hierarchy_->head(); }
   /// By slot, with those to the vertex outside.
   [[nodiscard]] std::span<const Cell> slots() const { return cells_; }
+  /// The node that made a slot's, kNone for the reference mesh's.
+  [[nodiscard]] std::uint32_t maker(std::uint32_t slot) const { return makers_[slot]; }
+  /// Of a slot's, place in HierarchyHead::region_ids; outside patch_mark() of its face.
+  [[nodiscard]] std::uint32_t region(std::uint32_t slot) const {
+    return regions_.empty() ? 0 : regions_[slot];
+  }
   /// Neither gone nor to the vertex outside.
   [[nodiscard]] bool is_inside(const Cell& cell) const;
   /// The corners of those inside.
@@ -63,15 +65,16 @@ class TetraCut {
   [[nodiscard]] bool is_damaged() const { return is_damaged_; }
 
  private:
-  /// What is put in order by vertices: a face, or an edge and kNone.
-  struct Placed {
-    std::uint64_t first;  ///< The smallest corner, and the next one.
-    std::uint64_t last;   ///< The largest, and the place in region_ or outline_.
-  };
   /// A tetrahedron that a node replaces.
   struct Face {
     std::uint32_t slot;
     std::uint32_t place;  ///< Of the target among the corners.
+  };
+  /// Where it is at the outline.
+  struct Side {
+    std::uint32_t slot;
+    std::uint16_t place;  ///< Of the target,
+    std::uint16_t other;  ///< and which of the others is across from it.
   };
   /// A tetrahedron that goes, and places of two of its corners.
   struct Gone {
@@ -82,7 +85,7 @@ class TetraCut {
   /// What a node replaces or brings, and room for what may prove too much.
   template <typename Item>
   struct Few {
-    std::array<Item, kMaxBrought + 4> items;
+    std::array<Item, SmallOrder::kMost> items;
     std::size_t n = 0;
 
     [[nodiscard]] const Item* begin() const { return items.data(); }
@@ -99,52 +102,59 @@ class TetraCut {
     std::uint32_t slot;    ///< and itself.
   };
 
+  static constexpr std::uint32_t kReads = 16;
   /// What is read of a node: parents and children are asked for before it is applied.
   struct Read {
     std::uint32_t node = kNone;
-    std::vector<std::uint32_t> children;  ///< And kNone.
-    std::vector<std::uint32_t> parents;
+    std::uint32_t target = kNone;
+    std::uint32_t n_discovered = 0;
+    Few<std::uint32_t> children;  ///< Those it discovers, others, and kNone.
+    Few<std::uint32_t> parents;
     std::optional<NodePage::Links> rest;  ///< Of its links, from makers on.
   };
 
-  /// At their begin.
-  [[nodiscard]] NodePage::Links links_of(std::uint32_t node) const {
-    if (!links_ || links_of_ != node) links_ = hierarchy_->links(node);
-    links_of_ = node;
-    return *links_;
-  }
-  [[nodiscard]] const Read& read(std::uint32_t node) const;
+  const Read& read(std::uint32_t node) const;
   [[nodiscard]] static std::uint32_t index(NodeId node) { return static_cast<std::uint32_t>(node); }
-  void place_key(const FaceKey& key, std::size_t place);
-  void start_visit();
-  bool visit(std::uint32_t slot, bool is_wanted);
-  void fetch_beside(const Cell& cell) const;
+  void fetch_beside(std::uint32_t slot) const;
   void find_region(std::uint32_t node, std::uint32_t target);
   void find_star(std::uint32_t slot, std::uint32_t vertex);
   void set_across(std::uint32_t slot, std::uint32_t from, std::uint32_t to);
+  void find_outline();
+  void place_face(std::size_t i, std::uint32_t a, std::uint32_t b, std::uint32_t c);
+  void find_orders();
+  void read_makers(const Read& read);
+  void set_maker(std::uint32_t slot, std::uint32_t rank);
+  void take_slots();
   void place_edges(std::uint32_t vertex, std::uint32_t target);
   void join_edges();
-  void find_regions(NodePage::Links& links);
-  std::uint32_t take_slot();
+  [[nodiscard]] std::size_t edge_after(const Edge& edge) const;
+  void find_regions();
 
   const PackedHierarchy* hierarchy_;
   std::size_t field_;
   std::uint32_t outside_;
   UninitializedArray<Cell> cells_;
+  UninitializedArray<std::uint32_t> makers_;   ///< By slot: what walks ask of all they come to.
+  UninitializedArray<std::uint32_t> regions_;  ///< Likewise; of nothing where all are of one.
   std::vector<std::uint32_t> free_;
   /// By node: a tetrahedron that it made, where there is one; when it is applied, one that it
-  /// brought.
+  /// brought. The last one is of the reference mesh, and means nothing.
   std::vector<std::uint32_t> slot_of_;
-  std::uint32_t n_visits_ = 0;
-  mutable std::optional<NodePage::Links> links_;
-  mutable std::uint32_t links_of_ = kNone;
-  mutable Read read_;
+  /// By node, a few: what waits for its parents is asked for again.
+  mutable std::array<Read, kReads> reads_;
   bool is_damaged_ = false;
   mutable std::uint64_t n_asked_ = 0;  ///< For parents, since a node was applied.
   Few<Face> region_;
+  Few<Side> sides_;
   Few<Edge> outline_;
   Few<Gone> gone_;
-  Few<Placed> order_;  ///< Of region_ or outline_.
+  SmallOrder faces_{3};                  ///< Of region_, by the corners that stay,
+  SmallOrder edges_{2};                  ///< and of outline_.
+  std::optional<NodePage::Links> rest_;  ///< Of the node that is applied, after makers.
+  Few<std::uint32_t> brought_;           ///< Makers of faces, then edges, in these orders.
+  Few<std::uint32_t> taken_;             ///< Slots for edges, in theirs.
+  /// By the last bits of a vertex, the place of an edge that may begin there.
+  std::array<std::uint8_t, 1024> edge_at_{};
 };
 
 }  // namespace lode::tetra_mt
