@@ -353,9 +353,9 @@ Result<void> check_lined_model(const std::string& path, const TerrainArguments& 
   const bool has_breaklines = !arguments.breaklines.empty() || arguments.drape;
   if (is_of_any_points(*model) || (is_on_squares(*model) && !has_breaklines)) return {};
   return fail(
-      "{}: expected --model delaunay_selector, delaunay_pyramid or ternary_triangulation with "
-      "--breaklines, or with --keep-features and --feature-relief one of these or a model on "
-      "squares, got '{}', which cannot keep edges",
+      "{}: expected --model delaunay_selector, delaunay_pyramid, ternary_triangulation or "
+      "implicit_delaunay_pyramid with --breaklines, or with --keep-features and --feature-relief "
+      "one of these or a model on squares, got '{}', which cannot keep edges",
       path, arguments.model);
 }
 
@@ -363,8 +363,8 @@ Result<void> check_model_of_points(const std::string& path, const TerrainArgumen
   const auto model = built_model_of(arguments.model);
   if (!is_point_path(path) || !model || is_of_any_points(*model)) return {};
   return fail(
-      "{}: expected a raster with --model {}, got scattered points: delaunay_pyramid and "
-      "ternary_triangulation can be built of these",
+      "{}: expected a raster with --model {}, got scattered points: delaunay_pyramid, "
+      "ternary_triangulation and implicit_delaunay_pyramid can be built of these",
       path, arguments.model);
 }
 

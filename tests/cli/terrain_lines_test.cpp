@@ -97,7 +97,7 @@ TEST_F(cli_terrain_lines, that_cannot_be_are_refused) {
   expect_refused({"--drape"}, "expected --breaklines");
   expect_refused({"--drape-error", "-1", "--breaklines", lines_}, "--drape-error: expected");
   expect_refused({"--feature-relief", "-1"}, "--feature-relief: expected a number >= 0");
-  expect_refused({"--keep-features", "--model", "implicit_delaunay_pyramid"}, "delaunay_pyramid");
+  expect_refused({"--keep-features", "--model", "adaptive_triangulation"}, "delaunay_pyramid");
   expect_refused({"--breaklines", lines_, "--model", "restricted_quadtree"}, "delaunay_selector");
   expect_refused({"--breaklines", scratch_ / "none.geojson"}, "none.geojson");
   expect_refused({"--breaklines", dem_}, ".geojson");
@@ -143,10 +143,12 @@ TEST_F(cli_terrain_lines, are_edges_of_models_of_all_tolerances) {
     words.insert(words.end(), lines.begin(), lines.end());
     return run_lode(words);
   };
-  for (const std::string model : {"delaunay_pyramid", "ternary_triangulation"}) {
+  for (const std::string model :
+       {"delaunay_pyramid", "ternary_triangulation", "implicit_delaunay_pyramid"}) {
     SCOPED_TRACE(model);
-    const auto json =
-        with_lines({"build", dem_, file, "--model", model, "--levels", "40,5", "--json"}).json();
+    Words build{"build", dem_, file, "--model", model, "--json"};
+    if (model != "implicit_delaunay_pyramid") build.insert(build.end(), {"--levels", "40,5"});
+    const auto json = with_lines(build).json();
     EXPECT_GT(json.at("fixed_edges"), 5);
     EXPECT_EQ(json.at("is_of_points"), true);
     EXPECT_EQ(with_lines({"verify", file, "--against", dem_}).exit_code, 0);
@@ -168,6 +170,27 @@ TEST_F(cli_terrain_lines, are_edges_of_models_of_all_tolerances) {
                           "3,10,3,10", "--max-error-outside", "60"})
                   .exit_code,
               0);
+  }
+}
+
+/// Python inserts the vertices again, and follows each fixed edge through each level.
+TEST_F(cli_terrain_lines, in_files_are_read_from_the_format_document_alone) {
+  write_lines(R"({"type":"LineString","coordinates":[[5.5,5.5],[30.2,17.7]]})");
+  const std::string file = scratch_ / "dem.lode";
+  for (const std::string model :
+       {"delaunay_pyramid", "ternary_triangulation", "implicit_delaunay_pyramid"}) {
+    SCOPED_TRACE(model);
+    for (const bool has_breaklines : {false, true}) {
+      Words build{"build", dem_, file, "--model", model, "--feature-relief", "3", "--json"};
+      if (has_breaklines) build.insert(build.end(), {"--breaklines", lines_});
+      if (model != "implicit_delaunay_pyramid") build.insert(build.end(), {"--levels", "5,1"});
+      const auto built = run_lode(build).json();
+      std::string levels;
+      for (const auto& level : built.at("levels"))
+        levels += (levels.empty() ? "" : ", ") + std::to_string(level.at("triangles").get<int>());
+      const std::string said = run_oracle(LODE_INSERTIONS_READER, "'" + file + "' '" + dem_ + "'");
+      EXPECT_NE(said.find(" levels [" + levels + "]\n"), std::string::npos) << said << levels;
+    }
   }
 }
 

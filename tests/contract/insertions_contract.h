@@ -128,13 +128,15 @@ class InsertionsContract {
     const std::vector<std::array<std::uint32_t, 2>> lines{{inner.front(), inner.back()}};
     const auto lined = delaunay_selector::with_lines(points, *hull, lines, {}, progress);
     const delaunay_selector::SpatialOrder order(points, lined->domain);
-    auto made = insertions::build_history({.frame = points,
-                                           .range = height_range(points),
-                                           .samples = order.samples(),
-                                           .triangles = order.triangles,
-                                           .lines = order.lines,
-                                           .n_left_out = 0},
-                                          0, kModel, progress);
+    const insertions::PointGround ground{.frame = points,
+                                         .range = height_range(points),
+                                         .samples = order.samples(),
+                                         .triangles = order.triangles,
+                                         .lines = order.lines,
+                                         .n_left_out = 0};
+    auto made = kModel == insertions::Model::implicit_delaunay_pyramid
+                    ? implicit_pyramid::build(ground, progress)
+                    : insertions::build_history(ground, 0, kModel, progress);
     EXPECT_TRUE(made && !made->lines.empty());
     return *std::move(made);
   }

@@ -15,6 +15,8 @@ namespace lode::test {
 using DelaunayPyramidContract = InsertionsContract<insertions::Model::delaunay_pyramid>;
 using TernaryContract = InsertionsContract<insertions::Model::ternary_triangulation>;
 using PointPyramidContract = InsertionsContract<insertions::Model::delaunay_pyramid, true>;
+using ImplicitPointsContract =
+    InsertionsContract<insertions::Model::implicit_delaunay_pyramid, true>;
 using ImplicitPyramidContract = InsertionsContract<insertions::Model::implicit_delaunay_pyramid>;
 
 /// Those that can be saved and opened.
@@ -25,6 +27,7 @@ using StoredModels = ::testing::Types<  //
     DelaunayPyramidContract,            //
     TernaryContract,                    //
     PointPyramidContract,               //
+    ImplicitPointsContract,             //
     ImplicitPyramidContract>;
 
 /// All that the engine refines.
@@ -36,6 +39,7 @@ using AllModels = ::testing::Types<  //
     DelaunayPyramidContract,         //
     TernaryContract,                 //
     PointPyramidContract,            //
+    ImplicitPointsContract,          //
     ImplicitPyramidContract,         //
     SplitTableContract,              //
     SplitLabelsContract>;

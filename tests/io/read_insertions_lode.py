@@ -1,5 +1,6 @@
-"""Reads a delaunay_pyramid or ternary_triangulation file, inserts its vertices again, and holds the meshes of its levels
-against the raster: the model's part of section 7 written from docs/format.md alone.
+"""Reads a delaunay_pyramid, ternary_triangulation or implicit_delaunay_pyramid file, inserts its vertices again, and holds
+the meshes of its levels against the raster: the model's part of section 8 written from docs/format.md alone. Of a raster
+with lines, whose file is of points, samples lie at every k-th node, and fixed edges are edges of every level.
 
 read_insertions_lode.py FILE.lode RASTER.asc
 
@@ -20,7 +21,7 @@ import independent_reader as container  # noqa: E402
 from independent_reader import BadFile, expect  # noqa: E402
 
 PART = 65536
-X, Y, HEIGHT, CORNERS, AGE, ERROR = range(1, 7)
+X, Y, HEIGHT, CORNERS, AGE, ERROR, LINES = range(1, 8)
 HEIGHT_TYPES = {1: "h", 2: "f", 3: "d"}
 
 
@@ -42,8 +43,9 @@ class Cursor:
 def read_metadata(raw):
     cursor = Cursor(raw)
     expect(cursor.take("I") == 3, "another layout")
-    expect(cursor.take("B") == 0, "of points, which this does not read")
-    m = {"size": cursor.take("2i"), "world": cursor.take("6d")}
+    kind = cursor.take("B")
+    expect(kind in (0, 1), "neither of a raster nor of points")
+    m = {"is_of_points": kind == 1, "size": cursor.take("2i"), "world": cursor.take("6d")}
     m["crs"], m["unit"], m["type"] = cursor.text(), cursor.text(), cursor.text()
     m["has_place"] = cursor.take("B")
     m["range"] = cursor.take("2d")
@@ -56,7 +58,8 @@ def read_metadata(raw):
     n_ends = cursor.take("I")
     m["ends"] = struct.unpack_from(f"<{n_ends}I", raw, cursor.at)
     cursor.at += 4 * n_ends
-    expect(cursor.take("I") == 0, "lines in a raster")
+    m["n_lines"] = cursor.take("I")
+    expect(m["is_of_points"] or m["n_lines"] == 0, "lines in a raster")
     expect(cursor.at == len(raw), "bytes left over")
     return m
 
@@ -112,10 +115,18 @@ class Insertions:
             struct.unpack("<f", struct.pack("<I", e << 16))[0]
             for e in file.column(ERROR, m["T"], "H")
         ]
+        ends = file.column(LINES, 2 * m["n_lines"], "I")
         expect(not file.blocks, "blocks left over")
+        self.lines = [tuple(ends[i : i + 2]) for i in range(0, len(ends), 2)]
+        expect(all(a < b for a, b in self.lines), "a fixed edge that is turned round")
+        expect(self.lines == sorted(set(self.lines)), "fixed edges out of order")
+        # Split triangles keep their edges anyhow.
+        self.fixed = set() if self.is_split else set(self.lines)
         self.triangles, self.deaths, self.of_edge, self.removed = [], [], {}, []
         for t in range(m["n_base"]):
             self.make(tuple(corners[3 * t : 3 * t + 3]))
+        for a, b in self.lines:
+            expect((a, b) in self.of_edge and (b, a) in self.of_edge, "a fixed edge of one side")
         for node in range(m["n"]):
             self.insert(node, ages[node])
         expect(len(self.triangles) == m["T"], "another number of triangles")
@@ -139,11 +150,35 @@ class Insertions:
         for i in range(3):
             a, b = self.places[corner[i]], self.places[corner[(i + 1) % 3]]
             expect(a != place and area(a, b, place) >= 0, "a vertex outside its triangle")
+        sides = [self.cavity(seed, place)]
+        across = sides[0][2]
+        if across is not None and self.is_fixed(*across):
+            sides.append(self.cavity(self.of_edge[across[1], across[0]][0], place))
+            self.fixed.remove((min(across), max(across)))
+            self.fixed |= {(min(v, p), max(v, p)) for v in across}
+        removed = [t for side in sides for t in side[0]]
+        for t in removed:
+            self.deaths[t] = node
+            for i in range(3):
+                c = self.triangles[t]
+                del self.of_edge[c[i], c[(i + 1) % 3]]
+        self.removed.append(removed)
+        heads = [edge for gone, border, _ in sides for edge in border[: len(gone)]]
+        tails = [edge for gone, border, _ in sides for edge in border[len(gone) :]]
+        for a, b in heads + tails:
+            self.make((a, b, p))
+
+    def is_fixed(self, a, b):
+        return (min(a, b), max(a, b)) in self.fixed
+
+    def cavity(self, seed, place):
+        """What goes, the border's edges that make triangles, and the one that the place lies on."""
+        corner = self.triangles[seed]
         removed, border = [seed], []
         stack = [(corner[i], corner[(i + 1) % 3]) for i in (2, 1, 0)]
         while stack:
             a, b = stack.pop()
-            behind = self.of_edge.get((b, a))
+            behind = None if self.is_fixed(a, b) else self.of_edge.get((b, a))
             if behind is not None:
                 other = self.triangles[behind[0]]
                 if self.is_split:
@@ -157,21 +192,15 @@ class Insertions:
                     continue
             border.append((a, b, behind is None))
         expect(len(border) == len(removed) + 2, "no disk")
-        for t in removed:
-            self.deaths[t] = node
-            for i in range(3):
-                c = self.triangles[t]
-                del self.of_edge[c[i], c[(i + 1) % 3]]
-        self.removed.append(removed)
+        edges = [edge[:2] for edge in border]
         on = [
             i
             for i, (a, b, is_outline) in enumerate(border)
             if is_outline and area(self.places[a], self.places[b], place) == 0
         ]
-        if on:
-            border = border[on[0] + 1 :] + border[: on[0]]
-        for a, b, _ in border:
-            self.make((a, b, p))
+        if not on:
+            return removed, edges, None
+        return removed, edges[on[0] + 1 :] + edges[: on[0]], edges[on[0]]
 
     def mesh_within(self, tolerance):
         time = self.m["n"]
@@ -190,49 +219,94 @@ class Insertions:
         return alive
 
 
-def read_raster(path):
+def read_raster(path, made):
+    """Heights by node, and how many nodes a cell has."""
     words = pathlib.Path(path).read_text().split()
     header = {words[i].lower(): float(words[i + 1]) for i in range(0, 12, 2)}
-    n_columns = int(header["ncols"])
-    values = [float(w) for w in words[12:]]
+    n_columns, n_rows = int(header["ncols"]), int(header["nrows"])
+    step = (made.m["size"][0] - 1) // (n_columns - 1)
+    size = step * (n_columns - 1) + 1, step * (n_rows - 1) + 1
+    expect(made.m["size"] == size, f"a lattice of {made.m['size']} nodes, expected {size}")
+    values = array.array("f" if made.m["type"] == "float32" else "d", map(float, words[12:]))
     nodata = header["nodata_value"]
-    return {
-        (i % n_columns, i // n_columns): z for i, z in enumerate(values) if z != nodata
-    }
+    # The file's first row is the northernmost.
+    is_upwards = made.m["world"][5] > 0
+    raster = {}
+    for i, z in enumerate(values):
+        row = n_rows - 1 - i // n_columns if is_upwards else i // n_columns
+        if z != nodata:
+            raster[step * (i % n_columns), step * row] = z
+    return raster, step
 
 
-def check_errors(made, triangles, raster, bound_of):
+def check_vertices(made, raster):
+    for v, (place, z) in enumerate(zip(made.places, made.heights)):
+        # Lines have vertices of their own, in the base.
+        is_of_line = made.lines and v < made.m["b"] and place not in raster
+        expect(is_of_line or raster[place] == z, f"node {place} has another height")
+
+
+def check_lines(made, triangles):
+    """Each is a chain of edges of a mesh, through the nodes on it."""
+    of_edge = {}
+    for t in triangles:
+        c = made.triangles[t]
+        for i in range(3):
+            of_edge.setdefault(c[i], set()).add(c[(i + 1) % 3])
+    for a, b in made.lines:
+        at = a
+        while at != b:
+            ahead = [
+                v
+                for v in of_edge.get(at, ())
+                if area(made.places[a], made.places[b], made.places[v]) == 0
+                and sum(
+                    (made.places[v][k] - made.places[at][k])
+                    * (made.places[b][k] - made.places[a][k])
+                    for k in (0, 1)
+                )
+                > 0
+            ]
+            expect(len(ahead) == 1, f"the line from {made.places[a]} ends at {made.places[at]}")
+            at = ahead[0]
+
+
+def check_errors(made, triangles, samples, bound_of):
+    raster, step = samples
     for t in triangles:
         corner = made.triangles[t]
         a, b, c = (made.places[v] for v in corner)
         z = [fractions.Fraction(made.heights[v]) for v in corner]
-        for y in range(min(a[1], b[1], c[1]), max(a[1], b[1], c[1]) + 1):
-            for x in range(min(a[0], b[0], c[0]), max(a[0], b[0], c[0]) + 1):
+        low = [-(-min(a[k], b[k], c[k]) // step) * step for k in (0, 1)]
+        high = [max(a[k], b[k], c[k]) + 1 for k in (0, 1)]
+        for y in range(low[1], high[1], step):
+            for x in range(low[0], high[0], step):
                 w = area(b, c, (x, y)), area(c, a, (x, y)), area(a, b, (x, y))
                 if min(w) < 0:
                     continue
                 plane = sum(wi * zi for wi, zi in zip(w, z)) / sum(w)
                 error = abs(plane - fractions.Fraction(raster[x, y]))
-                expect(error <= bound_of(t), f"column {x}, row {y} errs by {float(error)}")
+                expect(error <= bound_of(t), f"node {x}, {y} errs by {float(error)}")
 
 
 def main():
     made = Insertions(File(sys.argv[1]))
-    raster = read_raster(sys.argv[2])
-    for place, z in zip(made.places, made.heights):
-        expect(raster[place] == z, f"column {place[0]}, row {place[1]} has another height")
+    samples = read_raster(sys.argv[2], made)
+    check_vertices(made, samples[0])
     check_errors(
-        made, range(len(made.triangles)), raster, lambda t: fractions.Fraction(made.errors[t])
+        made, range(len(made.triangles)), samples, lambda t: fractions.Fraction(made.errors[t])
     )
     counts = []
     for level in made.m["levels"]:
         mesh = made.mesh_within(level)
-        check_errors(made, mesh, raster, lambda t, level=level: fractions.Fraction(level))
+        check_errors(made, mesh, samples, lambda t, level=level: fractions.Fraction(level))
+        check_lines(made, mesh)
         counts.append(len(mesh))
     for end in made.m["ends"]:
         mesh = made.mesh_at(end)
         worst = max(fractions.Fraction(made.errors[t]) for t in mesh)
-        check_errors(made, mesh, raster, lambda t, worst=worst: worst)
+        check_errors(made, mesh, samples, lambda t, worst=worst: worst)
+        check_lines(made, mesh)
         counts.append(len(mesh))
     print(f"vertices {len(made.places)} triangles {len(made.triangles)} levels {counts}")
 

@@ -275,9 +275,9 @@ TEST(insertions_lies, of_points_are_named) {
     h.triangles[1] = {t, kNone, 0};
     for (std::uint32_t& first : h.first_made) ++first;
   });
-  expect("kind 1", [&](History& h) {
+  expect("levels that end", [&](History& h) {
     h.model = Model::implicit_delaunay_pyramid;
-    h.level_ends = {h.n_nodes()};
+    h.level_ends = {h.n_nodes() - 1};
   });
 }
 

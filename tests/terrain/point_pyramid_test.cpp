@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "lode/api/built_terrain.h"
 #include "lode/api/insertions_terrain.h"
@@ -27,7 +28,8 @@ namespace {
 
 using insertions::History;
 
-constexpr std::array kModels{TerrainModel::delaunay_pyramid, TerrainModel::ternary_triangulation};
+constexpr std::array kModels{TerrainModel::delaunay_pyramid, TerrainModel::ternary_triangulation,
+                             TerrainModel::implicit_delaunay_pyramid};
 
 double rough_hills(double x, double y) {
   return 40 * std::sin(x / 9) * std::cos(y / 7) + 7 * std::sin(x * y / 90) + x / 5;
@@ -159,6 +161,23 @@ TEST(point_pyramid, is_the_strict_selector_at_all_tolerances) {
   }
 }
 
+/// Levels lose a fraction each, and what is on lines comes first.
+TEST(point_pyramid, of_all_points_has_logarithmically_many_levels) {
+  const History history =
+      history_of(scattered(4000, 100'000, 6), TerrainModel::implicit_delaunay_pyramid, 0);
+  EXPECT_EQ(history.vertices.size(), 4000U);
+  EXPECT_EQ(history.max_error, 0);
+  EXPECT_LT(history.level_ends.size(), 40U);
+  EXPECT_GT(history.level_ends.size(), 8U);
+  const Case lined = cases()[4];
+  ASSERT_EQ(lined.name, "lines");
+  const History with_lines = history_of(lined.terrain, TerrainModel::implicit_delaunay_pyramid, 0);
+  std::size_t n_points = 0;
+  for (const std::uint32_t t : lined.terrain.domain.triangle_of)
+    n_points += t != delaunay::kNoHalfEdge ? 1 : 0;
+  EXPECT_EQ(with_lines.vertices.size(), n_points);
+}
+
 /// Each node with a chance of one in `n`, and all that these depend on.
 insertions::AppliedNodes random_set(const History& history, oracles::Random& random,
                                     std::size_t n) {
@@ -255,6 +274,11 @@ TEST(point_pyramid, finds_points_beside_lines) {
   }
 }
 
+/// An implicit pyramid has its own.
+std::vector<double> levels_for(const History& history, std::vector<double> levels) {
+  return history.is_worst_first() ? std::move(levels) : std::vector<double>{};
+}
+
 /// The first check that fails, or "".
 std::string failed(const InsertionsTerrain& model, const PointTerrain& terrain) {
   Progress progress;
@@ -307,8 +331,9 @@ TEST(point_pyramid, of_other_lines_is_found_out) {
   for (const TerrainModel model : kModels) {
     SCOPED_TRACE(name_of(model));
     const History history = history_of(many->terrain, model, 1);
-    EXPECT_EQ(failed(InsertionsTerrain({history, {30, 1}}), many->terrain), "");
-    EXPECT_EQ(failed(InsertionsTerrain({history, {30, 1}}), few->terrain),
+    const std::vector<double> levels = levels_for(history, {30, 1});
+    EXPECT_EQ(failed(InsertionsTerrain({history, levels}), many->terrain), "");
+    EXPECT_EQ(failed(InsertionsTerrain({history, levels}), few->terrain),
               "fixed edges are those of the lines");
   }
 }
@@ -335,7 +360,8 @@ TEST(point_pyramid, holds_where_floats_do_not_tell) {
     ASSERT_TRUE(terrain) << terrain.error().message;
     for (const TerrainModel model : kModels) {
       const History history = history_of(*terrain, model, 0.005);
-      EXPECT_EQ(failed(InsertionsTerrain({history, {5, 0.005}}), *terrain), "");
+      EXPECT_EQ(failed(InsertionsTerrain({history, levels_for(history, {5, 0.005})}), *terrain),
+                "");
     }
   }
 }
@@ -359,10 +385,11 @@ TEST(point_pyramid, lines_along_an_oblique_outline_are_whole_or_told) {
       {{{{0, 0, kNaN}}, {{997, 313, kNaN}}, {{683, 1009, kNaN}}, {{100, 500, kNaN}}}});
   const auto lined = add_lines(*terrain, lines, progress);
   ASSERT_TRUE(lined) << lined.error().message;
-  for (const TerrainModel model : kModels)
-    EXPECT_EQ(
-        failed(InsertionsTerrain({history_of(lined->terrain, model, 1), {30, 1}}), lined->terrain),
-        "");
+  for (const TerrainModel model : kModels) {
+    const History history = history_of(lined->terrain, model, 1);
+    EXPECT_EQ(failed(InsertionsTerrain({history, levels_for(history, {30, 1})}), lined->terrain),
+              "");
+  }
 }
 
 /// Of the selector's triangles, too, that of a point on an edge on both sides.

@@ -86,6 +86,7 @@ Result<BuiltTerrain> BuiltTerrain::build(const PointTerrain& terrain,
   LODE_TRY(auto history, build_insertions(terrain, options.model, levels.back(), progress));
   history.sample_type = options.sample_type;
   history.has_place = options.has_place;
+  if (!history.is_worst_first()) levels.clear();
   return BuiltTerrain(std::make_shared<const InsertionsTerrain>(
       insertions::LevelledHistory{std::move(history), std::move(levels)}));
 } catch (const std::bad_alloc&) {

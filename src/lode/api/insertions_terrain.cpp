@@ -37,13 +37,16 @@ Result<History> build_insertions(const PointTerrain& terrain, TerrainModel model
                                  Progress& progress) {
   LODE_EXPECTS(is_of_any_points(model));
   const delaunay_selector::SpatialOrder order(terrain.points, terrain.domain);
-  LODE_TRY(History history, insertions::build_history({.frame = terrain.points,
-                                                       .range = height_range(terrain.points),
-                                                       .samples = order.samples(),
-                                                       .triangles = order.triangles,
-                                                       .lines = order.lines,
-                                                       .n_left_out = terrain.domain.n_left_out},
-                                                      max_error, worst_first(model), progress));
+  const insertions::PointGround ground{.frame = terrain.points,
+                                       .range = height_range(terrain.points),
+                                       .samples = order.samples(),
+                                       .triangles = order.triangles,
+                                       .lines = order.lines,
+                                       .n_left_out = terrain.domain.n_left_out};
+  LODE_TRY(History history,
+           model == TerrainModel::implicit_delaunay_pyramid
+               ? implicit_pyramid::build(ground, progress)
+               : insertions::build_history(ground, max_error, worst_first(model), progress));
   history.n_missing = terrain.n_missing;
   history.n_left_out += terrain.n_in_no_cell;
   return history;
@@ -99,8 +102,8 @@ Result<SelectedTerrain> InsertionsTerrain::select(const TerrainOptions& options,
 }
 
 Result<SelectedTerrain> InsertionsTerrain::select_all(Progress& progress) const {
-  if (history().is_worst_first()) return BuiltModel::select_all(progress);
-  // Samples of the domain are its vertices, so the same cells have four heights.
+  if (history().is_worst_first() || history().is_of_points) return BuiltModel::select_all(progress);
+  // Samples of a raster's domain are its vertices, so the same cells have four heights.
   HeightGrid grid = make_height_grid<double>(frame().n_columns, frame().n_rows);
   auto& heights = std::get<HeightGrid::Samples<double>>(grid.heights);
   grid.is_valid.assign(static_cast<std::size_t>(grid.n_samples()), 0);

@@ -174,7 +174,8 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
       (!is_on_squares(building->model) || !reading.breaklines.empty()))
     return fail(
         "{}: expected no lines with a {}, got some: the delaunay_selector takes them, the "
-        "delaunay_pyramid and the ternary_triangulation, and models on squares features",
+        "delaunay_pyramid, the ternary_triangulation and the implicit_delaunay_pyramid, and models "
+        "on squares features",
         path, name_of(building->model));
   if (building && !has_edges) {
     TerrainBuildOptions options = *building;

@@ -50,7 +50,8 @@ inline constexpr std::array kBuiltTerrainModels{
 
 /// Whether it can be built of scattered points, and keep lines as edges.
 [[nodiscard]] constexpr bool is_of_any_points(TerrainModel model) {
-  return model == TerrainModel::delaunay_pyramid || model == TerrainModel::ternary_triangulation;
+  return model == TerrainModel::delaunay_pyramid || model == TerrainModel::ternary_triangulation ||
+         model == TerrainModel::implicit_delaunay_pyramid;
 }
 
 /// Whether its triangles leave gaps where their sizes differ.

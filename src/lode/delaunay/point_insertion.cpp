@@ -24,13 +24,17 @@ std::uint32_t shuffled(std::uint32_t p) {
   return p ^ (p >> 16);
 }
 
+/// Whether it is known of each point in which triangle's list it is.
+enum class Finding : std::uint8_t { none, by_point };
+
 /// The points of each triangle.
 class PointLists {
  public:
-  PointLists(const PointMesh& mesh, const PointSamples& samples)
+  PointLists(const PointMesh& mesh, const PointSamples& samples, Finding finding)
       : nodes_(samples.nodes),
         first_(mesh.triangles().size(), kNone),
-        next_(samples.nodes.size(), kNone) {
+        next_(samples.nodes.size(), kNone),
+        triangle_of_(finding == Finding::by_point ? samples.nodes.size() : 0, kNone) {
     std::vector<bool> is_corner(nodes_.size(), false);
     for (const LatticeTriangle& triangle : mesh.triangles())
       for (const std::uint32_t corner : triangle.corner) is_corner[corner] = true;
@@ -56,13 +60,18 @@ class PointLists {
     return made;
   }
 
+  /// Where it is known; kNone: in none.
+  [[nodiscard]] std::uint32_t triangle_of(std::uint32_t point) const { return triangle_of_[point]; }
   template <typename Visit>
   void for_each(std::uint32_t t, const Visit& visit) const {
     for (std::uint32_t p = first_[t]; p != kNone; p = next_[p]) visit(p);
   }
 
  private:
-  void add(std::uint32_t p, std::uint32_t t) { next_[p] = std::exchange(first_[t], p); }
+  void add(std::uint32_t p, std::uint32_t t) {
+    next_[p] = std::exchange(first_[t], p);
+    if (!triangle_of_.empty()) triangle_of_[p] = t;
+  }
 
   static constexpr std::size_t kLargeFan = 32;
 
@@ -127,8 +136,9 @@ class PointLists {
   }
 
   std::span<const LatticePoint> nodes_;
-  std::vector<std::uint32_t> first_;  ///< By triangle.
-  std::vector<std::uint32_t> next_;   ///< By point.
+  std::vector<std::uint32_t> first_;        ///< By triangle.
+  std::vector<std::uint32_t> next_;         ///< By point.
+  std::vector<std::uint32_t> triangle_of_;  ///< Likewise; empty: not known.
   std::vector<std::uint32_t> loose_;
   std::vector<Spoke> spokes_;  ///< Of a large fan, sorted.
 };
@@ -250,8 +260,8 @@ class PointJudge {
  public:
   /// `observer` may be null.
   PointJudge(const PointMesh& mesh, const PointSamples& samples, Choose choose,
-             PointObserver* observer = nullptr)
-      : lists_(mesh, samples), choose_(choose), observer_(observer) {}
+             PointObserver* observer = nullptr, Finding finding = Finding::none)
+      : lists_(mesh, samples, finding), choose_(choose), observer_(observer) {}
 
   void judge_all(PointMesh& mesh) {
     const auto n = static_cast<std::uint32_t>(mesh.triangles().size());
@@ -277,6 +287,13 @@ class PointJudge {
       observer_->on_insertion(mesh, node, made, made.size() - n_added, made_errors_);
     }
     return made;
+  }
+  /// The point's triangle gets it for its candidate.
+  [[nodiscard]] std::uint32_t choose(PointMesh& mesh, std::uint32_t point) const {
+    const std::uint32_t t = lists_.triangle_of(point);
+    LODE_EXPECTS(t != kNone);
+    mesh.triangle(t).candidate = point;
+    return t;
   }
   /// When no more is inserted.
   void share_errors(PointMesh& mesh) const {
@@ -350,6 +367,29 @@ Result<GreedyReport> insert_points(PointMesh& mesh, const PointSamples& samples,
                .run(part, tile_bits_of(part.last, samples.nodes.size())));
   judge.share_errors(mesh);
   return report;
+}
+
+Result<void> insert_points_in_order(PointMesh& mesh, const PointSamples& samples, HeightRange range,
+                                    std::span<const std::uint32_t> order, PointObserver& observer,
+                                    Progress& progress) {
+  constexpr std::size_t kPerReport = 1U << 14;
+  LODE_EXPECTS(samples.triangle_of.size() == samples.nodes.size());
+  if (mesh.triangles().size() + 2 * order.size() > kMostTriangles)
+    return fail("expected up to {} triangles, got {} points to insert", kMostTriangles,
+                order.size());
+  // No error is beyond this, so that all are found as they are.
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  PointJudge judge(mesh, samples, WorstPoint(samples, range, kAny), &observer, Finding::by_point);
+  judge.judge_all(mesh);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i % kPerReport == 0) {
+      if (progress.is_cancelled()) return cancelled_error();
+      progress.report("inserting", static_cast<double>(i) / static_cast<double>(order.size()));
+    }
+    judge.insert(mesh, judge.choose(mesh, order[i]));
+  }
+  judge.share_errors(mesh);
+  return {};
 }
 
 Result<void> insert_all_points(PointMesh& mesh, const PointSamples& samples, Progress& progress) {

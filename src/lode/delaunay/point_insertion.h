@@ -35,4 +35,12 @@ struct PointSamples {
 [[nodiscard]] Result<void> insert_all_points(PointMesh& mesh, const PointSamples& samples,
                                              Progress& progress);
 
+/// Inserts points in an order that is given, whatever their errors, and finds those of all
+/// triangles that there ever are, as insert_points() does. `order`: nodes that lie in triangles and
+/// are no corners, none twice. Fails when cancelled.
+[[nodiscard]] Result<void> insert_points_in_order(PointMesh& mesh, const PointSamples& samples,
+                                                  HeightRange range,
+                                                  std::span<const std::uint32_t> order,
+                                                  PointObserver& observer, Progress& progress);
+
 }  // namespace lode::delaunay

@@ -3,6 +3,8 @@
 #include "lode/models/terrain/implicit_pyramid/build.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -11,6 +13,8 @@
 #include "lode/delaunay/full_tin.h"
 #include "lode/delaunay/grid_domain.h"
 #include "lode/delaunay/ordered_insertion.h"
+#include "lode/delaunay/point_insertion.h"
+#include "lode/delaunay/tin.h"
 #include "lode/models/terrain/implicit_pyramid/thinning.h"
 #include "lode/models/terrain/insertions/history_writer.h"
 
@@ -20,6 +24,7 @@ namespace {
 using delaunay::LatticePacking;
 using delaunay::OrderedNode;
 using insertions::History;
+using insertions::PointGround;
 
 /// The samples that are taken away, as they are to be inserted again; `ends` gets where levels end.
 Result<std::vector<OrderedNode>> order_samples(const HeightGrid& grid,
@@ -47,6 +52,63 @@ Result<std::vector<OrderedNode>> order_samples(const HeightGrid& grid,
   return order;
 }
 
+/// Points that are taken away, as they are to be inserted again.
+class PointOrder {
+ public:
+  explicit PointOrder(const PointGround& ground) : ground_(ground) {}
+
+  /// `ends` gets where levels end.
+  Result<std::vector<std::uint32_t>> find(std::vector<std::uint32_t>& ends, Progress& progress) {
+    delaunay::PointMesh mesh = make_mesh(ground_, insertions::Model::implicit_delaunay_pyramid);
+    LODE_CHECK(delaunay::insert_all_points(mesh, ground_.samples, progress));
+    const auto lines = mesh.heal();
+    delaunay::Tin full = to_tin(mesh, delaunay::TinLinks::kept);
+    number_nodes(mesh);
+    for (const std::uint32_t node : nodes_) full.heights.push_back(ground_.samples.heights[node]);
+    keep_base();
+    std::vector<std::uint32_t> order = keep_lines(lines);
+    if (!order.empty()) ends.push_back(static_cast<std::uint32_t>(order.size()));
+    LODE_TRY(const Thinning thinning, thin(std::move(full), must_stay_, progress));
+    for (auto level = thinning.rbegin(); level != thinning.rend(); ++level) {
+      for (const RemovedVertex& removed : *level) order.push_back(nodes_[removed.vertex]);
+      ends.push_back(static_cast<std::uint32_t>(order.size()));
+    }
+    return order;
+  }
+
+ private:
+  /// As to_tin() numbers vertices.
+  void number_nodes(const delaunay::PointMesh& mesh) {
+    for (const delaunay::LatticeTriangle& triangle : mesh.triangles())
+      nodes_.insert(nodes_.end(), triangle.corner.begin(), triangle.corner.end());
+    std::ranges::sort(nodes_);
+    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+    must_stay_.assign(nodes_.size(), false);
+  }
+  [[nodiscard]] std::size_t vertex_of(std::uint32_t node) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(nodes_, node) - nodes_.begin());
+  }
+  void keep_base() {
+    for (const auto& corners : ground_.triangles)
+      for (const std::uint32_t corner : corners) must_stay_[vertex_of(corner)] = true;
+  }
+  /// Ends of edges that lines have become; returns those that are not of the base.
+  std::vector<std::uint32_t> keep_lines(std::span<const std::array<std::uint32_t, 2>> lines) {
+    std::vector<std::uint32_t> kept;
+    for (const auto& ends : lines)
+      for (const std::uint32_t node : ends) {
+        if (must_stay_[vertex_of(node)]) continue;
+        must_stay_[vertex_of(node)] = true;
+        kept.push_back(node);
+      }
+    return kept;
+  }
+
+  const PointGround& ground_;
+  std::vector<std::uint32_t> nodes_;  ///< By vertex of the TIN of all, ascending.
+  std::vector<bool> must_stay_;
+};
+
 }  // namespace
 
 Result<History> build(const HeightGrid& grid, Progress& progress) {
@@ -69,6 +131,21 @@ Result<History> build(const HeightGrid& grid, Progress& progress) {
     return grid.height(p.x, p.y);
   });
   // Every sample is a vertex.
+  history.max_error = 0;
+  return history;
+}
+
+Result<History> build(const PointGround& ground, Progress& progress) {
+  constexpr auto kModel = insertions::Model::implicit_delaunay_pyramid;
+  LODE_TRY(History history, insertions::begin_history(ground, kModel));
+  LODE_TRY(const std::vector<std::uint32_t> order,
+           PointOrder(ground).find(history.level_ends, progress));
+  delaunay::PointMesh mesh = make_mesh(ground, kModel);
+  insertions::HistoryWriter<delaunay::ListedNodes> writer(history);
+  LODE_CHECK(delaunay::insert_points_in_order(mesh, ground.samples, history.range, order, writer,
+                                              progress));
+  writer.finish([&](std::uint32_t node) { return ground.samples.heights[node]; });
+  history.lines = lines_between(ground, writer.nodes().first(history.n_base_vertices));
   history.max_error = 0;
   return history;
 }

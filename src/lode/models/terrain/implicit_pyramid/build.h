@@ -4,6 +4,7 @@
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/models/terrain/insertions/history.h"
+#include "lode/models/terrain/insertions/point_ground.h"
 
 namespace lode::implicit_pyramid {
 
@@ -14,5 +15,10 @@ namespace lode::implicit_pyramid {
 /// depend on each other but for cells of four, whose diagonals may differ. O(n log n), one thread.
 /// Fails as select_samples() does.
 [[nodiscard]] Result<insertions::History> build(const HeightGrid& grid, Progress& progress);
+
+/// The same of scattered points, perhaps with lines. Points on lines inside are inserted before all
+/// others, in a level of their own. Fails as select_points() does.
+[[nodiscard]] Result<insertions::History> build(const insertions::PointGround& ground,
+                                                Progress& progress);
 
 }  // namespace lode::implicit_pyramid

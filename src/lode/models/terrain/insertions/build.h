@@ -1,14 +1,10 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <span>
-
 #include "lode/core/height_grid.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
-#include "lode/delaunay/point_insertion.h"
 #include "lode/models/terrain/insertions/history.h"
+#include "lode/models/terrain/insertions/point_ground.h"
 
 namespace lode::insertions {
 
@@ -20,18 +16,6 @@ namespace lode::insertions {
 /// n) usually, one thread. Fails as select_samples() does.
 [[nodiscard]] Result<History> build_history(const HeightGrid& grid, double max_error, Model model,
                                             Progress& progress);
-
-/// Scattered points, and the part of the plane that they are a terrain over.
-struct PointGround {
-  HeightFrame frame;
-  HeightRange range;  ///< Of all heights.
-  delaunay::PointSamples samples;
-  /// Of points, turning left, constrained Delaunay: the base.
-  std::span<const std::array<std::uint32_t, 3>> triangles;
-  /// Edges of these that are to stay; those of the outline do, anyway.
-  std::span<const std::array<std::uint32_t, 2>> lines;
-  std::uint64_t n_left_out = 0;  ///< Points that are in no triangle.
-};
 
 /// The same of scattered points, perhaps with lines. Fails as select_points() does.
 [[nodiscard]] Result<History> build_history(const PointGround& ground, double max_error,

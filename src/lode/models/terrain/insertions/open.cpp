@@ -86,10 +86,9 @@ Result<Counts> read_head(const store::Reader& reader, LevelledHistory& levelled)
                 reader.model(), layout);
   History& history = levelled.history;
   LODE_TRY(const auto is_of_points, in.read<std::uint8_t>());
-  const bool may_be = history.model != Model::implicit_delaunay_pyramid;
-  if (is_of_points > (may_be ? 1 : 0))
-    return fail("{}: metadata: expected a {} of a raster{}, got kind {}", path, reader.model(),
-                may_be ? " or of points" : "", is_of_points);
+  if (is_of_points > 1)
+    return fail("{}: metadata: expected a {} of a raster or of points, got kind {}", path,
+                reader.model(), is_of_points);
   history.is_of_points = is_of_points != 0;
   LODE_CHECK(terrain_file::read(in, path, history));
   LODE_TRY(history.max_error, in.read<double>());
