@@ -10,6 +10,7 @@ namespace lode::cli {
 namespace {
 
 Result<double> parse_pixels(const std::string& text) {
+  if (text.empty()) return 1.0;
   LODE_TRY(const double pixels, parse_number("--max-error-px", text));
   if (!(pixels > 0)) return fail("--max-error-px: expected a number > 0, got '{}'", text);
   return pixels;
@@ -44,7 +45,8 @@ void add_path_options(CLI::App& app, PathArguments& arguments) {
   add("--frames", arguments.frames, "DIR",
       "Draw a frame for each camera, frame-0000.png and so on, to a new or empty directory");
   add("--max-error-px", arguments.max_error_px, "P",
-      "Tolerance of these frames in pixels, by an estimate of distances (default: 1)");
+      "Tolerance of these frames in pixels, by an estimate of distances (default: 1); of terrain "
+      "of the picture, proven, by a model whose tolerances vary");
 }
 
 Result<void> check_path(const PathArguments& arguments, const ExtractionArguments& extraction) {

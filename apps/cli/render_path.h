@@ -10,7 +10,7 @@ namespace lode::cli {
 struct PathArguments {
   std::string path;
   std::string frames;
-  std::string max_error_px = "1";
+  std::string max_error_px;  ///< Empty: one pixel.
 
   [[nodiscard]] bool is_wanted() const { return !path.empty() || !frames.empty(); }
 };

@@ -5,6 +5,7 @@
 #include "parse.h"
 #include "render_tetra.h"
 #include "stopwatch.h"
+#include "terrain_focus_options.h"
 #include "terrain_query.h"
 
 namespace lode::cli {
@@ -22,6 +23,11 @@ Result<TerrainPictureOptions> to_options(const TerrainPictureJob& job) {
   LODE_TRY(options.terrain, to_terrain_options(job.max_error, job.max_cells, job.picture.terrain));
   LODE_TRY(options.exaggeration, to_positive("--exaggeration", job.picture.exaggeration));
   LODE_TRY(options.contour_interval, to_positive("--contours", job.picture.contours));
+  if (!job.max_error_px.empty()) {
+    LODE_TRY(options.max_error_px, parse_number("--max-error-px", job.max_error_px));
+    if (*options.max_error_px < 0)
+      return fail("--max-error-px: expected a number >= 0, got '{}'", job.max_error_px);
+  }
   options.is_from_above = job.picture.is_from_above;
   options.render = job.options;
   return options;
@@ -30,6 +36,33 @@ Result<TerrainPictureOptions> to_options(const TerrainPictureJob& job) {
 std::vector<std::string> outputs_of(const TerrainPictureJob& job) {
   if (job.save_camera.empty()) return {job.output};
   return {job.output, job.save_camera};
+}
+
+/// Whether no tolerance was given.
+bool is_default(const TerrainPictureJob& job) {
+  return job.max_error.empty() && job.max_cells.empty() && job.max_error_px.empty();
+}
+
+/// Pixels have a bound where something that is asked for a view can vary.
+Result<void> check_pixels(const TerrainPictureJob& job) {
+  if (job.max_error_px.empty()) return {};
+  if (!job.max_cells.empty()) return fail("--max-error-px: expected no --max-cells with it");
+  LODE_TRY(const auto building, to_build_options(job.picture.terrain, {}));
+  if (building || holds_terrain_model(job.input)) return {};
+  return fail(
+      "{}: expected one tolerance for all of a terrain, got --max-error-px: --model "
+      "delaunay_pyramid can vary, of rasters right_triangle_bisection too, and so can a .lode file "
+      "that `lode build` makes",
+      job.input);
+}
+
+void add_pixels(const TerrainPictureReport& report, Json& json, Table& table) {
+  const auto& view = report.terrain.view;
+  json["max_error_px"] = view ? Json(*view->max_error_px) : Json(nullptr);
+  json["achieved_px"] = view ? Json(view->achieved_px) : Json(nullptr);
+  if (!view) return;
+  table.add({"max error", format_number(*view->max_error_px) + " pixels"});
+  table.add({"achieved in view", describe_achieved(view->achieved_px)});
 }
 
 std::string describe_extent(double metres) {
@@ -48,8 +81,10 @@ Outcome outcome_of(const TerrainPictureJob& job, const OpenedTerrain& opened,
   json["outputs"] = outputs_of(job);
   add_facts(opened.facts, json, table);
   json["model"] = name_of(opened.model);
-  json["max_error"] = report.terrain.max_error;
-  json["max_error_is_default"] = job.max_error.empty() && job.max_cells.empty();
+  // In pixels nothing is promised of heights, unless that was asked for.
+  const bool has_tolerance = job.max_error_px.empty() || !job.max_error.empty();
+  json["max_error"] = has_tolerance ? Json(report.terrain.max_error) : Json(nullptr);
+  json["max_error_is_default"] = is_default(job);
   json["achieved_error"] = report.terrain.achieved_error;
   json["error_kind"] = "at samples";
   json["triangles"] = report.terrain.triangles;
@@ -65,11 +100,12 @@ Outcome outcome_of(const TerrainPictureJob& job, const OpenedTerrain& opened,
                      {"render", report.seconds - report.terrain.seconds}};
   json["warnings"] = session.warnings();
   table.add({"extent", describe_extent(report.width) + " x " + describe_extent(report.depth)});
-  table.add({"max error", format_number(report.terrain.max_error) +
-                              (job.max_error.empty() && job.max_cells.empty()
-                                   ? " (default: a quarter of a pixel)"
-                                   : "")});
-  table.add({"achieved error", format_number(report.terrain.achieved_error) + " at samples"});
+  add_pixels(report, json, table);
+  if (has_tolerance)
+    table.add({"max error", format_number(report.terrain.max_error) +
+                                (is_default(job) ? " (default: a quarter of a pixel)" : "")});
+  table.add({"achieved error", format_number(report.terrain.achieved_error) + " at samples" +
+                                   (job.max_error_px.empty() ? "" : ", seen or not")});
   table.add({"triangles", format_count(report.terrain.triangles)});
   table.add({"heights", fmt::format("{} times{}", format_number(report.exaggeration),
                                     job.picture.exaggeration.empty() ? " (default)" : "")});
@@ -108,13 +144,15 @@ Result<void> check_no_terrain_picture(const TerrainPictureArguments& arguments,
 }
 
 Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App& app) {
-  LODE_CHECK(check_only_terrain(
-      app, job.input,
-      {"--max-error", "--max-cells", "--model", "--insertion", "--exaggeration", "--contours",
-       "--top", "--size", "--camera", "--save-camera", "--color", "--background", "--samples"}));
+  LODE_CHECK(
+      check_only_terrain(app, job.input,
+                         {"--max-error", "--max-cells", "--model", "--insertion", "--exaggeration",
+                          "--contours", "--top", "--size", "--camera", "--save-camera", "--color",
+                          "--background", "--samples", "--max-error-px"}));
   LODE_CHECK(check_terrain_model(job.input, job.picture.terrain, job.reading));
   LODE_CHECK(check_extension(job.output, ".png"));
   if (auto options = to_options(job); !options) return options.error();
+  LODE_CHECK(check_pixels(job));
   LODE_CHECK(check_terrain_reading(job.input, job.picture.terrain, job.reading));
   if (job.picture.is_from_above && !job.camera.empty())
     return fail("--top: expected no --camera with it, got {}", job.camera);
@@ -144,6 +182,8 @@ Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& sessi
       const Image image,
       naming(job.input, draw_terrain(opened.terrain, metric, options, report, session.progress()),
              session));
+  if (const auto& view = report.terrain.view)
+    warn_of_view(*view, opened.model, opened.terrain.origin().finest_error(), session);
   warn_of_unit(report.is_vertical_unit_known, opened.facts.frame, job.input, session);
   OutputSet outputs(outputs_of(job));
   LODE_CHECK(write_png(image, job.output));

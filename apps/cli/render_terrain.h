@@ -35,6 +35,7 @@ struct TerrainPictureJob {
   const std::string& save_camera;  ///< The same.
   const std::string& max_error;
   const std::string& max_cells;
+  const std::string& max_error_px;
   const ReadingArguments& reading;
   const TerrainPictureArguments& picture;
   RenderOptions options;  ///< All but the camera.

@@ -59,12 +59,12 @@ Result<void> add_view(const QueryArguments& query, const TerrainFocusArguments& 
   return {};
 }
 
+}  // namespace
+
 std::string describe_achieved(double pixels) {
   return std::isfinite(pixels) ? fmt::format("{} pixels", format_number(pixels))
                                : "any number of pixels, as triangles reach to the camera";
 }
-
-}  // namespace
 
 void add_terrain_focus_options(CLI::App& app, TerrainFocusArguments& arguments) {
   const char* group = "Focus and budget";

@@ -34,6 +34,9 @@ void add_terrain_focus_options(CLI::App& app, TerrainFocusArguments& arguments);
 [[nodiscard]] Json focus_json(const std::optional<TerrainFocus>& focus,
                               const std::optional<TerrainViewReport>& report);
 
+/// TerrainViewReport::achieved_px.
+[[nodiscard]] std::string describe_achieved(double pixels);
+
 /// Rows of what is seen.
 void add_view_rows(const TerrainFocus& focus, const TerrainViewReport& report, Table& table);
 

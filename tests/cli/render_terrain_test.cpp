@@ -36,6 +36,46 @@ TEST(cli_render_terrain, draws_a_map_and_a_view_and_says_how) {
   EXPECT_EQ(read_bytes(scratch / "view.png"), read_bytes(scratch / "again.png"));
 }
 
+/// What is drawn in pixels is what `extract` gives for the picture's camera.
+TEST(cli_render_terrain, keeps_pixels_with_models_that_vary) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  const std::string model = scratch / "dem.lode";
+  const std::string camera = scratch / "camera.json";
+  write_dem(dem);
+  ASSERT_EQ(run_lode({"build", dem, model, "--levels", "50,0"}).exit_code, 0);
+  const auto draw = [&](const std::string& input, const Words& more) {
+    Words words{"render", input, scratch / "out.png", "--size", "320x240", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_lode(words).json();
+  };
+  const auto coarse = draw(model, {"--max-error-px", "6", "--save-camera", camera});
+  const auto fine = draw(model, {"--max-error-px", "1.5"});
+  EXPECT_EQ(coarse.at("max_error_px"), 6);
+  EXPECT_EQ(coarse.at("max_error"), nullptr);
+  EXPECT_EQ(coarse.at("max_error_is_default"), false);
+  EXPECT_LE(coarse.at("achieved_px").get<double>(), 6);
+  EXPECT_LE(fine.at("achieved_px").get<double>(), 1.5);
+  EXPECT_LT(coarse.at("triangles"), fine.at("triangles"));
+  const auto extracted = run_lode({"extract", model, scratch / "seen.ply", "--view", camera,
+                                   "--view-size", "320x240", "--max-error-px", "6", "--json"})
+                             .json();
+  EXPECT_EQ(extracted.at("triangles"), coarse.at("triangles"));
+  EXPECT_EQ(draw(dem, {"--max-error-px", "6", "--model", "right_triangle_bisection", "--top"})
+                .at("max_error_px"),
+            6);
+  // A tolerance of heights holds there, too.
+  EXPECT_GT(draw(model, {"--max-error-px", "6", "--max-error", "1"}).at("triangles"),
+            coarse.at("triangles"));
+  EXPECT_EQ(draw(dem, {}).at("max_error_px"), nullptr);
+  const std::string out = scratch / "none.png";
+  expect_refusal(run_lode({"render", dem, out, "--max-error-px", "1"}), 2,
+                 {"dem.asc", "--max-error-px", "delaunay_pyramid"});
+  expect_refusal(run_lode({"render", model, out, "--max-error-px", "-1"}), 2, {"--max-error-px"});
+  expect_refusal(run_lode({"render", model, out, "--max-error-px", "1", "--max-cells", "50"}), 2,
+                 {"--max-error-px", "--max-cells"});
+}
+
 TEST(cli_render_terrain, refuses_what_cannot_be_meant) {
   const Scratch scratch;
   const std::string dem = scratch / "dem.asc";

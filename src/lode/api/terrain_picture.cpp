@@ -20,8 +20,17 @@ constexpr Color kContourColor{74, 52, 38};
 constexpr double kContourWidth = 1.2;
 
 TerrainOptions tolerance_for(const TerrainPictureOptions& options, const PictureFrame& frame,
-                             double finest) {
+                             const Camera& camera, const HorizontalMetric& metric, double finest) {
   TerrainOptions terrain = options.terrain;
+  if (options.max_error_px) {
+    TerrainFocus& focus = terrain.focus.emplace();
+    focus.metric = metric;
+    focus.view = TerrainView{.view = {camera, options.render.width, options.render.height},
+                             .exaggeration = frame.exaggeration,
+                             .max_error_px = options.max_error_px,
+                             .has_tolerance = terrain.max_error.has_value()};
+    return terrain;
+  }
   if (terrain.max_error || terrain.max_cells) return terrain;
   const int pixels = std::max(options.render.width, options.render.height);
   terrain.max_error = std::max(finest, kPixelShare * frame.longer_side() / pixels / frame.z_scale);
@@ -112,8 +121,11 @@ Result<Image> draw_terrain(const Terrain& terrain, const HorizontalMetric& metri
   report.depth = 2 * frame.half[1];
   const bool has_contours = options.contour_interval.has_value();
   const auto links = has_contours ? delaunay::TinLinks::kept : delaunay::TinLinks::left_out;
+  const Box3d bounds = bounds_of(frame, range);
+  report.camera = options.render.camera.value_or(camera_of(bounds, options));
   LODE_TRY(const SelectedTerrain selected,
-           terrain.origin().select(tolerance_for(options, frame, terrain.origin().finest_error()),
+           terrain.origin().select(tolerance_for(options, frame, report.camera, metric,
+                                                 terrain.origin().finest_error()),
                                    links, progress));
   report.terrain = selected.report;
   Surface surface = picture_surface(selected.tin, grid, frame);
@@ -130,9 +142,7 @@ Result<Image> draw_terrain(const Terrain& terrain, const HorizontalMetric& metri
   }
   surface.values.clear();  // Of the TIN's vertices alone.
   render.vertex_colors = colors;
-  const Box3d bounds = bounds_of(frame, range);
-  if (!render.camera) render.camera = camera_of(bounds, options);
-  report.camera = *render.camera;
+  render.camera = report.camera;
   LODE_TRY(Image image, render_surface(surface, bounds, render, progress));
   report.seconds = watch.seconds();
   return image;

@@ -17,6 +17,10 @@ namespace lode {
 struct TerrainPictureOptions {
   /// Without max_error and max_cells: a quarter of a pixel, at the raster's longer side.
   TerrainOptions terrain;
+  /// Pixels that no vertical error at a sample takes in the picture, >= 0: of models whose
+  /// tolerances vary. What the picture does not show is as coarse as it may be; max_error, where it
+  /// is given, holds in the picture, too.
+  std::optional<double> max_error_px{};
   /// Heights count so many times, > 0. Unset: 1, or the largest of 1, 2, 5, 10, ... that makes the
   /// relief at most an eighth of the raster's longer side.
   std::optional<double> exaggeration{};
