@@ -194,6 +194,10 @@ TEST(tetra_pages, hold_nodes_with_more_links_than_a_byte_counts) {
     ASSERT_EQ(links.n_children(), content.children[i].size()) << i;
     for (const std::uint32_t child : content.children[i]) EXPECT_EQ(links.next_node(), child);
     links.start_makers();
+    const std::size_t n_makers = content.makers[i].size();
+    EXPECT_TRUE(links.have_makers(n_makers)) << i;
+    // Of a bit or more each.
+    if (content.children[i].size() > 1) EXPECT_FALSE(links.have_makers(n_makers + 8)) << i;
     for (const std::uint8_t maker : content.makers[i]) EXPECT_EQ(links.next_maker(), maker);
   }
 }

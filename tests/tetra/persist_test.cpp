@@ -296,6 +296,9 @@ TEST_F(tetra_file, that_lies_is_refused_or_gives_something_but_does_no_harm) {
     Engine<TetraCut> engine(cut);
     engine.set_query(trial % 2 == 0 ? uniform_demand(0.05) : box_demand(0));
     engine.run([&] { return cut.is_damaged(); });
+    // Back, where parents and children may not agree.
+    engine.set_query(uniform_demand(0.3));
+    engine.run([&] { return cut.is_damaged(); });
     for (const Tetrahedron& t : cut.cells())
       for (const std::uint32_t v : t) EXPECT_LT(v, opened->hierarchy.head().outside());
     static_cast<void>(cut.check());

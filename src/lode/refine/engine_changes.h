@@ -221,6 +221,7 @@ void Engine<M>::apply(NodeId id, Place at) {
   for (const NodeId child : children_) discover(child, limit);
 }
 
+/// Files that lie may have applied what this has discovered, or forgotten what it depends on.
 template <RefinableModel M>
 void Engine<M>::undo(NodeId id) {
   is_in_order_ = false;
@@ -230,18 +231,19 @@ void Engine<M>::undo(NodeId id) {
   model_.add_parents(id, parents_);
   for (const NodeId parent : parents_) {
     const Place at = cut_.find(parent);
-    if (cut_[at].n_dependents == Cut::kMany) continue;
+    if (at == Cut::kNowhere || cut_[at].n_dependents == Cut::kMany) continue;
     if (--cut_[at].n_dependents == 0) queue_spare(at);
   }
   children_.clear();
   model_.add_children(id, children_);
   for (const NodeId child : children_) {
     const Place at = cut_.find(child);
-    if (at == Cut::kNowhere) continue;
+    if (at == Cut::kNowhere || cut_[at].state == State::applied) continue;
     errors_.remove(cut_[at].error);
     cut_.erase(at);
   }
   const Place at = cut_.find(id);
+  if (at == Cut::kNowhere) return;
   if (!demand_.touches(facts(id, cut_[at].facts()))) return cut_.erase(at);
   cut_.set_state(at, State::candidate);
   errors_.add(cut_[at].error);

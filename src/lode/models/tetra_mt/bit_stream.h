@@ -75,6 +75,8 @@ class BitReader {
     return eight >> at_ % 8;
   }
   void skip(std::size_t n_bits) { at_ += n_bits; }
+  /// In bits.
+  [[nodiscard]] std::size_t at() const { return at_; }
 
  private:
   const std::uint8_t* bytes_;

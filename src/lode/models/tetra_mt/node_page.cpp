@@ -150,9 +150,12 @@ NodePage::NodePage(const PageContent& content, std::uint32_t number, const PageS
   pages_.shrink_to_fit();
 }
 
-NodePage::Links::Links(const NodePage& page, std::uint32_t i)
+NodePage::Links::Links(const NodePage& page, std::uint32_t i) : Links(page, i, page.begin_of(i)) {}
+
+NodePage::Links::Links(const NodePage& page, std::uint32_t i, std::size_t begin)
     : page_(&page),
-      bits_(page.bits_.data(), page.begin_of(i)),
+      end_(8 * page.end_of(i, begin)),
+      bits_(page.bits_.data(), begin),
       target_((bits_.skip(BoxCodes::kBits), page.read_vertex(bits_))),
       n_children_(read_count(bits_)),
       n_parents_(read_count(bits_)),

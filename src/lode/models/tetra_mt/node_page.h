@@ -71,13 +71,24 @@ class NodePage {
     }
     /// After all of them; then for each tetrahedron a place among the children, or n_children().
     void start_makers();
+    /// Whether there are makers of so many.
+    [[nodiscard]] bool have_makers(std::size_t n) const {
+      return bits_.at() + n * static_cast<std::size_t>(n_maker_bits_) <= end_;
+    }
     [[nodiscard]] std::uint32_t next_maker() { return bits_.read(n_maker_bits_); }
     /// After those: whether there are regions, and then each of the tetrahedra with an edge.
     [[nodiscard]] bool start_regions() { return page_->n_region_bits_ > 0 && bits_.read(1) != 0; }
     [[nodiscard]] std::uint32_t next_region() { return bits_.read(page_->n_region_bits_); }
+    /// Whether there are regions of so many.
+    [[nodiscard]] bool have_regions(std::size_t n) const {
+      return bits_.at() + n * static_cast<std::size_t>(page_->n_region_bits_) <= end_;
+    }
 
    private:
+    Links(const NodePage& page, std::uint32_t i, std::size_t begin);
+
     const NodePage* page_;
+    std::size_t end_;  ///< Of the node's links, in bits.
     BitReader bits_;
     std::uint32_t target_;
     std::uint32_t n_children_;
@@ -123,6 +134,12 @@ class NodePage {
     for (std::uint32_t k = first; k < i; ++k)
       begin += lengths_[k] == kLong ? long_at(begin) : lengths_[k];
     return lengths_[i] == kLong ? begin + kLengthBits / 8 : begin;
+  }
+  /// Where they end.
+  [[nodiscard]] std::size_t end_of(std::uint32_t i, std::size_t begin) const {
+    constexpr std::size_t kLengthBytes = kLengthBits / 8;
+    if (lengths_[i] != kLong) return begin + lengths_[i];
+    return begin - kLengthBytes + long_at(begin - kLengthBytes);
   }
   /// Of the first n of a group, eight at once.
   [[nodiscard]] static std::size_t sum_of(const std::uint8_t* lengths, std::uint32_t n) {

@@ -22,8 +22,8 @@ HWY_INLINE void count_before(const std::array<const std::uint32_t*, 3>& parts, s
   for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
     auto rank = hn::Zero(d);
     for (std::size_t j = 0; j < n; ++j) {
-      const auto other = [&](std::size_t k) { return hn::Set(d, parts[k][j]); };
-      const auto mine = [&](std::size_t k) { return hn::Load(d, parts[k] + i); };
+      const auto other = [&](std::size_t k) HWY_ATTR { return hn::Set(d, parts[k][j]); };
+      const auto mine = [&](std::size_t k) HWY_ATTR { return hn::Load(d, parts[k] + i); };
       auto is_before = hn::Lt(other(kParts - 1), mine(kParts - 1));
       for (std::size_t k = kParts - 1; k-- > 0;)
         is_before =

@@ -141,6 +141,12 @@ void TetraCut::read_makers(const Read& read) {
   brought_.n = region_.n + outline_.n;
   const auto last = static_cast<std::uint32_t>(read.children.n - 1);
   rest_ = read.rest;
+  // How many there are to be the mesh says, not the file.
+  if (!rest_->have_makers(brought_.n)) {
+    is_damaged_ = true;
+    std::fill_n(brought_.items.begin(), brought_.n, kNone);
+    return;
+  }
   for (std::size_t i = 0; i < brought_.n; ++i)
     brought_.items[i] = read.children.items[std::min(rest_->next_maker(), last)];
 }
@@ -194,7 +200,11 @@ void TetraCut::join_edges() {
 /// Of the tetrahedra with an edge, once they are in their places.
 void TetraCut::find_regions() {
   NodePage::Links& links = *rest_;
-  const bool is_stored = links.start_regions();
+  bool is_stored = links.start_regions();
+  if (is_stored && !links.have_regions(taken_.n)) {
+    is_damaged_ = true;
+    is_stored = false;
+  }
   std::array<std::uint32_t, 2> common{};  // of those outside, and inside
   for (const Face& face : region_) {
     common[is_inside(cells_[face.slot]) ? 1 : 0] = regions_[face.slot];
