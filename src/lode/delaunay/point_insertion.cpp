@@ -372,7 +372,8 @@ Result<GreedyReport> insert_points(PointMesh& mesh, const PointSamples& samples,
 Result<void> insert_points_in_order(PointMesh& mesh, const PointSamples& samples, HeightRange range,
                                     std::span<const std::uint32_t> order, PointObserver& observer,
                                     Progress& progress) {
-  constexpr std::size_t kPerReport = 1U << 14;
+  // The first ones hand on all points.
+  constexpr std::size_t kPerReport = 64;
   LODE_EXPECTS(samples.triangle_of.size() == samples.nodes.size());
   if (mesh.triangles().size() + 2 * order.size() > kMostTriangles)
     return fail("expected up to {} triangles, got {} points to insert", kMostTriangles,

@@ -67,6 +67,7 @@ class PointOrder {
     for (const std::uint32_t node : nodes_) full.heights.push_back(ground_.samples.heights[node]);
     keep_base();
     std::vector<std::uint32_t> order = keep_lines(lines);
+    shuffle(order);
     if (!order.empty()) ends.push_back(static_cast<std::uint32_t>(order.size()));
     LODE_TRY(const Thinning thinning, thin(std::move(full), must_stay_, progress));
     for (auto level = thinning.rbegin(); level != thinning.rend(); ++level) {
@@ -102,6 +103,12 @@ class PointOrder {
         kept.push_back(node);
       }
     return kept;
+  }
+
+  /// From one end on, each would leave nearly all of its line to one triangle.
+  static void shuffle(std::vector<std::uint32_t>& order) {
+    constexpr std::uint32_t kGolden = 0x9e3779b1U;  // odd: different nodes have different products
+    std::ranges::sort(order, {}, [](std::uint32_t node) { return node * kGolden; });
   }
 
   const PointGround& ground_;
