@@ -105,6 +105,9 @@ Result<void> check_tetra_render(const RenderArguments& arguments) {
   if (arguments.progressive.is_wanted() || arguments.path.is_wanted())
     return fail("{}: expected no --progressive or --camera-path with a mesh of cells",
                 arguments.input);
+  if (!arguments.path.max_error_px.empty())
+    return fail("{}: expected --max-error with a mesh of cells, got --max-error-px",
+                arguments.input);
   LODE_TRY(const RenderOptions options, to_render_options(arguments));
   return check_tetra_picture(tetra_job(arguments, options));
 }

@@ -158,16 +158,6 @@ struct Wanted {
   std::optional<TerrainBuildOptions> building;  ///< Of a raster.
 };
 
-/// Of models that have no mesh but those of their levels, for a number of triangles to choose from:
-/// the default ones where there is no tolerance.
-std::vector<double> levels_above(const std::optional<double>& finest) {
-  if (!finest) return {};
-  constexpr int kDoublings = 10;
-  std::vector<double> levels;
-  for (int k = *finest > 0 ? kDoublings : 0; k >= 0; --k) levels.push_back(std::ldexp(*finest, k));
-  return levels;
-}
-
 Result<Wanted> to_wanted(const TerrainJob& job) {
   Wanted wanted;
   LODE_TRY(wanted.options, to_terrain_options(job.max_error, job.query.max_cells, job.terrain));
@@ -176,14 +166,15 @@ Result<Wanted> to_wanted(const TerrainJob& job) {
   std::optional<double> finest = wanted.options.max_error;
   if (!finest && wanted.options.max_cells) finest = 0;
   // Pixels may take any tolerance.
-  if (wanted.options.focus && wanted.options.focus->view &&
-      wanted.options.focus->view->max_error_px)
-    finest = 0;
+  const bool by_pixels = wanted.options.focus && wanted.options.focus->view &&
+                         wanted.options.focus->view->max_error_px;
+  if (by_pixels) finest = 0;
   if (finest && wanted.options.focus && wanted.options.focus->max_error_outside)
     finest = std::min(*finest, *wanted.options.focus->max_error_outside);
   LODE_TRY(wanted.building, to_build_options(job.terrain, finest));
-  if (wanted.building && is_hierarchy(wanted.building->model) && wanted.options.max_cells)
-    wanted.building->levels = levels_above(wanted.options.max_error);
+  if (wanted.building && (wanted.options.max_cells || wanted.options.focus))
+    choose_levels(by_pixels || wanted.options.max_cells ? wanted.options.max_error : finest,
+                  *wanted.building);
   return wanted;
 }
 
@@ -296,8 +287,8 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   if (wanted.options.focus && !can_vary)
     return fail(
         "{}: expected one tolerance for all of a terrain, got a focus: --model delaunay_pyramid "
-        "can vary, of rasters right_triangle_bisection too, and so can a .lode file that `lode "
-        "build` makes",
+        "can vary, of rasters right_triangle_bisection and hierarchical_delaunay too, and so can a "
+        ".lode file that `lode build` makes",
         job.input);
   if (wanted.options.focus && wanted.options.max_cells)
     return fail("--max-cells: expected no --box, --focus-point or --view with it");

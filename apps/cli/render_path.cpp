@@ -54,6 +54,8 @@ Result<void> check_path(const PathArguments& arguments, const ExtractionArgument
     return fail("{}: expected {} with it", arguments.path.empty() ? "--frames" : "--camera-path",
                 arguments.path.empty() ? "--camera-path" : "--frames");
   LODE_CHECK(parse_pixels(arguments.max_error_px));
+  if (!arguments.is_wanted() && !arguments.max_error_px.empty())
+    return fail("--max-error-px: expected --camera-path with it, or terrain");
   if (!arguments.is_wanted()) return {};
   LODE_TRY(const ExtractOptions options, to_extract_options(extraction));
   if (options.isovalues.size() != 1)

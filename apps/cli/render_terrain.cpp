@@ -38,9 +38,8 @@ std::vector<std::string> outputs_of(const TerrainPictureJob& job) {
   return {job.output, job.save_camera};
 }
 
-/// Whether no tolerance was given.
 bool is_default(const TerrainPictureJob& job) {
-  return job.max_error.empty() && job.max_cells.empty() && job.max_error_px.empty();
+  return job.max_error.empty() && job.max_cells.empty();
 }
 
 /// Pixels have a bound where something that is asked for a view can vary.
@@ -48,11 +47,11 @@ Result<void> check_pixels(const TerrainPictureJob& job) {
   if (job.max_error_px.empty()) return {};
   if (!job.max_cells.empty()) return fail("--max-error-px: expected no --max-cells with it");
   LODE_TRY(const auto building, to_build_options(job.picture.terrain, {}));
-  if (building || holds_terrain_model(job.input)) return {};
+  if (holds_terrain_model(job.input) || (building && may_vary(building->model))) return {};
   return fail(
       "{}: expected one tolerance for all of a terrain, got --max-error-px: --model "
-      "delaunay_pyramid can vary, of rasters right_triangle_bisection too, and so can a .lode file "
-      "that `lode build` makes",
+      "delaunay_pyramid can vary, of rasters right_triangle_bisection and hierarchical_delaunay "
+      "too, and so can a .lode file that `lode build` makes",
       job.input);
 }
 
@@ -86,6 +85,7 @@ Outcome outcome_of(const TerrainPictureJob& job, const OpenedTerrain& opened,
   json["max_error"] = has_tolerance ? Json(report.terrain.max_error) : Json(nullptr);
   json["max_error_is_default"] = is_default(job);
   json["achieved_error"] = report.terrain.achieved_error;
+  json["error_met"] = report.terrain.is_within_error;
   json["error_kind"] = "at samples";
   json["triangles"] = report.terrain.triangles;
   json["exaggeration"] = report.exaggeration;
@@ -163,7 +163,11 @@ Result<void> check_terrain_picture(const TerrainPictureJob& job, const CLI::App&
 
 Result<Outcome> run_terrain_picture(const TerrainPictureJob& job, Session& session) {
   LODE_TRY(TerrainPictureOptions options, to_options(job));
-  LODE_TRY(const auto building, to_build_options(job.picture.terrain, options.terrain.max_error));
+  // Pixels may take any tolerance.
+  const std::optional<double> all{0};
+  LODE_TRY(auto building, to_build_options(job.picture.terrain,
+                                           options.max_error_px ? all : options.terrain.max_error));
+  if (building && options.max_error_px) choose_levels(options.terrain.max_error, *building);
   options.render.threads = session.threads();
   options.terrain.threads = session.threads();
   if (!job.camera.empty()) {

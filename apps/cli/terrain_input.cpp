@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "parse.h"
@@ -188,8 +189,8 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
       "delaunay_selector (default): a TIN for this question; delaunay_pyramid, "
       "ternary_triangulation and implicit_delaunay_pyramid: built first, for all tolerances, which "
       "may vary; surface_quadtree, quaternary_triangulation: with gaps; restricted_quadtree; "
-      "right_triangle_bisection: any tolerance, which may vary; adaptive_triangulation, "
-      "hierarchical_delaunay: in levels");
+      "right_triangle_bisection: any tolerance, which may vary; adaptive_triangulation: in levels; "
+      "hierarchical_delaunay: in levels, of a raster it may vary");
   add("--insertion", arguments.insertion, "levels|strict",
       "levels (default): errors fall by octaves, faster; strict: the worst of all "
       "samples first, fewer triangles; with --max-cells always strict");
@@ -398,6 +399,15 @@ Result<std::optional<TerrainBuildOptions>> to_build_options(const TerrainArgumen
     return fail("--insertion: expected none with --model {}, which is 'strict'", arguments.model);
   if (finest) options.levels = {*finest};
   return std::optional(options);
+}
+
+void choose_levels(const std::optional<double>& finest, TerrainBuildOptions& building) {
+  if (!is_hierarchy(building.model)) return;
+  building.levels.clear();
+  if (!finest) return;
+  constexpr int kDoublings = 10;
+  for (int k = *finest > 0 ? kDoublings : 0; k >= 0; --k)
+    building.levels.push_back(std::ldexp(*finest, k));
 }
 
 void warn_of_vertical(const VerticalOutcome& outcome, const std::string& path, Session& session) {

@@ -111,6 +111,10 @@ void add_lines(const OpenedTerrain& opened, Json& json, Table& table);
 [[nodiscard]] Result<std::optional<TerrainBuildOptions>> to_build_options(
     const TerrainArguments& arguments, const std::optional<double>& finest);
 
+/// Of hierarchies, whose meshes come from several levels: `finest`, doubled again and again, or
+/// without it the default ones.
+void choose_levels(const std::optional<double>& finest, TerrainBuildOptions& building);
+
 /// A number >= 0, or nothing where none was given.
 [[nodiscard]] Result<std::optional<double>> to_max_error(const std::string& text);
 

@@ -53,7 +53,7 @@ TEST(cli_render_terrain, keeps_pixels_with_models_that_vary) {
   const auto fine = draw(model, {"--max-error-px", "1.5"});
   EXPECT_EQ(coarse.at("max_error_px"), 6);
   EXPECT_EQ(coarse.at("max_error"), nullptr);
-  EXPECT_EQ(coarse.at("max_error_is_default"), false);
+  EXPECT_EQ(coarse.at("error_met"), true);
   EXPECT_LE(coarse.at("achieved_px").get<double>(), 6);
   EXPECT_LE(fine.at("achieved_px").get<double>(), 1.5);
   EXPECT_LT(coarse.at("triangles"), fine.at("triangles"));
@@ -72,6 +72,13 @@ TEST(cli_render_terrain, keeps_pixels_with_models_that_vary) {
   expect_refusal(run_lode({"render", dem, out, "--max-error-px", "1"}), 2,
                  {"dem.asc", "--max-error-px", "delaunay_pyramid"});
   expect_refusal(run_lode({"render", model, out, "--max-error-px", "-1"}), 2, {"--max-error-px"});
+  expect_refusal(
+      run_lode({"render", dem, out, "--max-error-px", "1", "--model", "restricted_quadtree"}), 2,
+      {"dem.asc", "--max-error-px"});
+  write_ball(scratch / "ball.nrrd");
+  expect_refusal(
+      run_lode({"render", scratch / "ball.nrrd", out, "--isovalue", "3", "--max-error-px", "1"}), 2,
+      {"--max-error-px", "--camera-path"});
   expect_refusal(run_lode({"render", model, out, "--max-error-px", "1", "--max-cells", "50"}), 2,
                  {"--max-error-px", "--max-cells"});
 }

@@ -136,7 +136,7 @@ TEST_F(cli_terrain_view, refuses_what_cannot_be_meant) {
                  {"camera.json.ply"});
   const Words view{"--view", camera_, "--max-error-px", "1"};
   expect_refusal(extract(view, dem_), 2, {"delaunay_pyramid", "got a focus"});
-  for (const char* model : {"restricted_quadtree", "hierarchical_delaunay"}) {
+  for (const char* model : {"restricted_quadtree", "adaptive_triangulation"}) {
     Words words = view;
     words.insert(words.end(), {"--model", model});
     expect_refusal(extract(words, dem_), 1, {model, "got a focus"});

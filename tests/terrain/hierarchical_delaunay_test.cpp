@@ -116,7 +116,7 @@ TEST(hierarchical_delaunay, varies_within_every_demand) {
       // Errors are kept rounded up, so the last tolerance is a little larger.
       focus.inside = n % 2 == 0 ? 7.5 : 0.01;
       focus.outside = n % 4 < 2 ? 200 : 45;
-      const auto tin = tin_of_demand(built.model, built.grid, focus);
+      const auto tin = tin_of_demand(built.model.hierarchy, built.model.chains, built.grid, focus);
       ASSERT_TRUE(tin);
       delaunay::test::expect_fills(*tin, c.grid, h.scale());
       expect_within(*tin, h.scale(), c.grid, focus.outside);
@@ -141,8 +141,10 @@ TEST(hierarchical_delaunay, varies_from_the_first_level_to_the_last) {
     SCOPED_TRACE(c.name);
     const Built built = build(c.grid);
     const Hierarchy& h = built.model.hierarchy;
-    const auto first = tin_of_demand(built.model, built.grid, Demand());
-    const auto all = tin_of_demand(built.model, built.grid, uniform_demand(0));
+    const auto first =
+        tin_of_demand(built.model.hierarchy, built.model.chains, built.grid, Demand());
+    const auto all =
+        tin_of_demand(built.model.hierarchy, built.model.chains, built.grid, uniform_demand(0));
     ASSERT_TRUE(first && all);
     EXPECT_EQ(first->triangles, tin_of_level(h, 0, delaunay::TinLinks::left_out).triangles);
     const auto finest = tin_of_level(h, h.n_levels() - 1, delaunay::TinLinks::left_out);
@@ -159,13 +161,13 @@ TEST(hierarchical_delaunay, is_much_smaller_where_only_a_part_must_be_fine) {
   focus.foci = {BoxFocus{world_box(50, 50, 66, 66)}};
   focus.inside = 1.1;
   focus.outside = 100.1;
-  const auto tin = tin_of_demand(built.model, built.grid, focus);
+  const auto tin = tin_of_demand(built.model.hierarchy, built.model.chains, built.grid, focus);
   ASSERT_TRUE(tin);
   const auto finest = tin_of_level(built.model.hierarchy, 4, delaunay::TinLinks::left_out);
   EXPECT_LT(tin->triangles.size(), finest.triangles.size() / 4);
   const auto other = FineGrid::make(make_grid<float>(9, 9, hills_with_spikes));
   ASSERT_TRUE(other);
-  EXPECT_FALSE(tin_of_demand(built.model, *other, focus));
+  EXPECT_FALSE(tin_of_demand(built.model.hierarchy, built.model.chains, *other, focus));
 }
 
 TEST(hierarchical_delaunay, triangulates_only_polygons) {

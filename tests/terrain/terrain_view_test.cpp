@@ -12,6 +12,7 @@
 #include "lode/api/terrain_selection.h"
 #include "tests/delaunay/lattice_fixtures.h"
 #include "tests/oracles/random.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::test {
 namespace {
@@ -243,7 +244,7 @@ TEST_P(terrain_view, says_of_any_camera_that_what_was_asked_is_met) {
   oracles::Random random(11);
   for (const Setting& setting : {plain_metres(), feet()}) {
     const BuiltTerrain built = build(setting.grid);
-    for (int trial = 0; trial < 40; ++trial) {
+    for (int trial = 0; trial < oracles::trials(40, 12); ++trial) {
       SCOPED_TRACE(testing::Message() << setting.name << ", camera " << trial);
       const LittleCamera camera = random_camera(setting, random);
       const double max_error_px = std::exp2(random.uniform(-2, 4));
@@ -396,7 +397,8 @@ TEST(terrain_view_refusals, name_what_they_expect) {
   };
   const auto as_it_is = [](TerrainFocus&) {};
   EXPECT_EQ(refusal(TerrainModel::delaunay_pyramid, as_it_is), "");
-  EXPECT_NE(refusal(TerrainModel::hierarchical_delaunay, as_it_is).find("got a focus"),
+  EXPECT_EQ(refusal(TerrainModel::hierarchical_delaunay, as_it_is), "");
+  EXPECT_NE(refusal(TerrainModel::adaptive_triangulation, as_it_is).find("got a focus"),
             std::string::npos);
   EXPECT_NE(refusal(TerrainModel::restricted_quadtree, as_it_is).find("got a focus"),
             std::string::npos);

@@ -97,8 +97,8 @@ class Delaunay final : public HierarchyCandidate {
   }
   [[nodiscard]] bool can_vary() const override { return true; }
   [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) override {
-    LODE_TRY(const delaunay::Tin tin,
-             tin_of_demand(made_, *grid_, middle_demand(hierarchy().frame, tolerance)));
+    LODE_TRY(const delaunay::Tin tin, tin_of_demand(made_.hierarchy, made_.chains, *grid_,
+                                                    middle_demand(hierarchy().frame, tolerance)));
     return std::uint64_t{tin.triangles.size()};
   }
 

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lode/api/terrain_focus.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/tin_quality.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
+#include "lode/models/terrain/hierarchical_delaunay/variable.h"
 
 namespace lode {
 
@@ -27,8 +29,9 @@ HeightFrame fine_frame(const HeightFrame& frame, int bits) {
 
 }  // namespace
 
-HierarchyTerrain::HierarchyTerrain(HierarchyModel model)
+HierarchyTerrain::HierarchyTerrain(HierarchyModel model, std::optional<Mending> mending)
     : model_(std::move(model)),
+      mending_(std::move(mending)),
       fine_frame_(fine_frame(model_.source.frame, model_.hierarchy.bits)) {}
 
 Result<HierarchyTerrain> HierarchyTerrain::build(const HeightGrid& grid,
@@ -41,12 +44,13 @@ Result<HierarchyTerrain> HierarchyTerrain::build(const HeightGrid& grid,
     LODE_TRY(auto made, adaptive_triangulation::build(grid, levels, {}, progress));
     model.kind = Kind::adaptive_triangulation;
     model.hierarchy = std::move(made.hierarchy);
-  } else {
-    LODE_TRY(auto made, hierarchical_delaunay::build(grid, levels, {}, progress));
-    model.kind = Kind::hierarchical_delaunay;
-    model.hierarchy = std::move(made.hierarchy);
+    return HierarchyTerrain(std::move(model));
   }
-  return HierarchyTerrain(std::move(model));
+  LODE_TRY(auto fine, triangle_hierarchy::FineGrid::make(grid));
+  LODE_TRY(auto made, hierarchical_delaunay::build(fine, levels, {}, progress));
+  model.kind = Kind::hierarchical_delaunay;
+  model.hierarchy = std::move(made.hierarchy);
+  return HierarchyTerrain(std::move(model), Mending{std::move(made.chains), std::move(fine)});
 }
 
 Result<HierarchyTerrain> HierarchyTerrain::open(const std::string& path, Progress& progress) {
@@ -71,7 +75,7 @@ Result<int> HierarchyTerrain::level_for(const TerrainOptions& options,
         "levels alone, {}; a delaunay_pyramid can vary",
         name_of(model()),
         model_.kind == Kind::hierarchical_delaunay
-            ? "and to mend what is between them takes the raster"
+            ? "and to mend what is between them takes the raster, in the file's place"
             : "and no rule says what would be between them");
   const double finest = finest_error();
   const double asked = default_tolerance(options, source().range);
@@ -102,11 +106,42 @@ double HierarchyTerrain::error_of_level(int level) const {
   return std::min(static_cast<double>(worst), tolerance(level) + rounding);
 }
 
+Result<SelectedTerrain> HierarchyTerrain::select_focused(const TerrainOptions& options) const {
+  const TerrainFocus& focus = *options.focus;
+  const double finest = finest_error();
+  const double tolerance = default_tolerance(options, source().range);
+  for (const std::optional<double>& asked : {options.max_error, focus.max_error_outside})
+    if (asked && *asked < finest)
+      return fail(
+          "expected a tolerance of {} or more, which is what the model was built for, got {}",
+          finest, *asked);
+  if (options.max_cells) return fail("expected a focus or a number of triangles, got both");
+  SelectedTerrain selected;
+  TerrainReport& report = selected.report;
+  LODE_TRY(const TerrainDemand demand,
+           TerrainDemand::make(focus, std::max(tolerance, finest), source().frame, source().range));
+  LODE_TRY(selected.tin,
+           tin_of_demand(hierarchy(), mending_->chains, mending_->grid, demand.demand()));
+  count_selection(source(), selected);
+  report.is_uniform = false;
+  report.view = demand.measure(selected.tin, fine_frame_);
+  report.is_within_error = !report.view || report.view->is_within_error();
+  report.is_focus_empty = !demand.meets_terrain();
+  report.max_error = std::max(tolerance, finest);
+  report.achieved_error = largest_error(selected.tin);
+  return selected;
+}
+
 Result<SelectedTerrain> HierarchyTerrain::select(const TerrainOptions& options,
                                                  delaunay::TinLinks links,
                                                  Progress& progress) const {
   const Stopwatch watch;
   if (progress.is_cancelled()) return cancelled_error();
+  if (options.focus && mending_) {
+    LODE_TRY(SelectedTerrain focused, select_focused(options));
+    focused.report.seconds = watch.seconds();
+    return focused;
+  }
   SelectedTerrain selected;
   TerrainReport& report = selected.report;
   LODE_TRY(const int level, level_for(options, report));

@@ -1,20 +1,31 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lode/api/built_model.h"
 #include "lode/api/terrain_selection.h"
+#include "lode/models/terrain/hierarchical_delaunay/edge_chains.h"
 #include "lode/models/terrain/hierarchy_file/hierarchy_file.h"
+#include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
 
 namespace lode {
 
 /// The models of triangles refined into triangulations. They have a mesh for each of their
-/// tolerances, and no others; vertices are nodes of a lattice finer than the raster.
+/// tolerances; a hierarchical Delaunay triangulation that was built and not opened also meshes of
+/// tolerances that vary. Vertices are nodes of a lattice finer than the raster.
 class HierarchyTerrain final : public BuiltModel {
  public:
-  explicit HierarchyTerrain(hierarchy_file::HierarchyModel model);
+  /// What meshes of varying tolerances take besides, which files do not keep.
+  struct Mending {
+    hierarchical_delaunay::EdgeChains chains;
+    triangle_hierarchy::FineGrid grid;  ///< Of the raster.
+  };
+
+  explicit HierarchyTerrain(hierarchy_file::HierarchyModel model,
+                            std::optional<Mending> mending = {});
 
   [[nodiscard]] static Result<HierarchyTerrain> build(const HeightGrid& grid,
                                                       const TerrainBuildOptions& options,
@@ -49,7 +60,10 @@ class HierarchyTerrain final : public BuiltModel {
   /// No sample errs by more in the mesh of a level.
   [[nodiscard]] double error_of_level(int level) const;
 
+  [[nodiscard]] Result<SelectedTerrain> select_focused(const TerrainOptions& options) const;
+
   hierarchy_file::HierarchyModel model_;
+  std::optional<Mending> mending_;
   HeightFrame fine_frame_;
 };
 

@@ -54,6 +54,12 @@ inline constexpr std::array kBuiltTerrainModels{
          model == TerrainModel::implicit_delaunay_pyramid;
 }
 
+/// Whether tolerances may vary, of what is built and not opened from a file.
+[[nodiscard]] constexpr bool may_vary(TerrainModel model) {
+  return model != TerrainModel::delaunay_selector && model != TerrainModel::restricted_quadtree &&
+         model != TerrainModel::adaptive_triangulation;
+}
+
 /// Whether its triangles leave gaps where their sizes differ.
 [[nodiscard]] constexpr bool has_gaps(TerrainModel model) {
   return model == TerrainModel::surface_quadtree || model == TerrainModel::quaternary_triangulation;

@@ -36,15 +36,16 @@ NodeFacts facts_of(const Hierarchy& hierarchy, const Corners& corners, double er
 /// The triangles of a mesh of mixed levels, by their directed edges.
 class Leaves {
  public:
-  explicit Leaves(const HierarchicalDelaunay& model) : model_(model) {}
+  Leaves(const Hierarchy& hierarchy, const EdgeChains& chains)
+      : hierarchy_(hierarchy), chains_(chains) {}
 
   void add(std::uint32_t triangle) {
-    const Corners& corner = model_.hierarchy.triangles[triangle].corner;
+    const Corners& corner = hierarchy_.triangles[triangle].corner;
     for (std::size_t i = 0; i < 3; ++i)
       edges_.insert(key(corner[i], corner[(i + 1) % 3]), triangle);
   }
   void remove(std::uint32_t triangle) {
-    const Corners& corner = model_.hierarchy.triangles[triangle].corner;
+    const Corners& corner = hierarchy_.triangles[triangle].corner;
     for (std::size_t i = 0; i < 3; ++i) edges_.erase(key(corner[i], corner[(i + 1) % 3]));
   }
   /// The vertices that what is behind an edge has in it.
@@ -74,7 +75,7 @@ class Leaves {
   /// Until visit(a, b) is true of a part, which it returns.
   template <typename Visit>
   bool visit_parts(std::uint32_t from, std::uint32_t to, const Visit& visit) const {
-    const auto chain = model_.chains.find(from, to);
+    const auto chain = chains_.find(from, to);
     if (chain.empty()) return false;
     std::uint32_t a = from;
     for (std::size_t k = 0; k < chain.size(); ++k) {
@@ -85,7 +86,8 @@ class Leaves {
     return visit(a, to);
   }
 
-  const HierarchicalDelaunay& model_;
+  const Hierarchy& hierarchy_;
+  const EdgeChains& chains_;
   FlatIndex edges_;
 };
 
@@ -98,12 +100,13 @@ struct Replacement {
 
 class VariableMesh {
  public:
-  VariableMesh(const HierarchicalDelaunay& model, const FineGrid& grid, const Demand& demand)
-      : hierarchy_(model.hierarchy),
+  VariableMesh(const Hierarchy& hierarchy, const EdgeChains& chains, const FineGrid& grid,
+               const Demand& demand)
+      : hierarchy_(hierarchy),
         grid_(grid),
         demand_(demand),
-        leaves_(model),
-        is_leaf_(model.hierarchy.triangles.size()) {}
+        leaves_(hierarchy, chains),
+        is_leaf_(hierarchy.triangles.size()) {}
 
   Result<delaunay::Tin> run() {
     for (std::uint32_t t = 0; t < hierarchy_.triangles_until[0]; ++t) add(t);
@@ -216,14 +219,14 @@ class VariableMesh {
 
 }  // namespace
 
-Result<delaunay::Tin> tin_of_demand(const HierarchicalDelaunay& model, const FineGrid& grid,
-                                    const Demand& demand) {
-  const HeightFrame& frame = model.hierarchy.frame;
+Result<delaunay::Tin> tin_of_demand(const Hierarchy& hierarchy, const EdgeChains& chains,
+                                    const FineGrid& grid, const Demand& demand) {
+  const HeightFrame& frame = hierarchy.frame;
   if (grid.frame().n_columns != frame.n_columns || grid.frame().n_rows != frame.n_rows ||
-      grid.bits() != model.hierarchy.bits)
+      grid.bits() != hierarchy.bits)
     return fail("expected the raster of the model, of {} x {} samples, got {} x {}",
                 frame.n_columns, frame.n_rows, grid.frame().n_columns, grid.frame().n_rows);
-  return VariableMesh(model, grid, demand).run();
+  return VariableMesh(hierarchy, chains, grid, demand).run();
 }
 
 }  // namespace lode::hierarchical_delaunay

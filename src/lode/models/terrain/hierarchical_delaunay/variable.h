@@ -13,8 +13,10 @@ namespace lode::hierarchical_delaunay {
 /// constrained Delaunay triangulation between its own corners and the chain stands for it, if that,
 /// measured anew at all samples in it, satisfies the demand, and else it is refined, too: so the
 /// mesh conforms, and what it says of its errors holds. Triangles of the last level are all that
-/// there is. The grid is the one that the model was built of: it must have its samples.
-[[nodiscard]] Result<delaunay::Tin> tin_of_demand(const HierarchicalDelaunay& model,
-                                                  const FineGrid& grid, const Demand& demand);
+/// there is. The grid is the one that the model, `hierarchy` and `chains`, was built of: it must
+/// have its samples.
+[[nodiscard]] Result<delaunay::Tin> tin_of_demand(const triangle_hierarchy::Hierarchy& hierarchy,
+                                                  const EdgeChains& chains, const FineGrid& grid,
+                                                  const Demand& demand);
 
 }  // namespace lode::hierarchical_delaunay
