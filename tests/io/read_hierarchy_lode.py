@@ -121,7 +121,7 @@ def check_level(h, level, samples, n_cells):
 
 def main():
     h = Hierarchy(sys.argv[1])
-    samples = read_raster(sys.argv[2])
+    samples, _ = read_raster(sys.argv[2])
     n_cells = sum(
         all((x + i, y + j) in samples for i in (0, 1) for j in (0, 1)) for x, y in samples
     )

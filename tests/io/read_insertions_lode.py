@@ -1,5 +1,5 @@
 """Reads a delaunay_pyramid, ternary_triangulation or implicit_delaunay_pyramid file, inserts its vertices again, and holds
-the meshes of its levels against the raster: the model's part of section 8 written from docs/format.md alone. Of a raster
+the meshes of its levels against the raster: the model's part of section 7 written from docs/format.md alone. Of a raster
 with lines, whose file is of points, samples lie at every k-th node, and fixed edges are edges of every level.
 
 read_insertions_lode.py FILE.lode RASTER.asc
@@ -219,24 +219,26 @@ class Insertions:
         return alive
 
 
-def read_raster(path, made):
-    """Heights by node, and how many nodes a cell has."""
+def read_raster(path, code="d"):
+    """Heights by column and row, and how many of these there are. `code`: the type of the heights."""
     words = pathlib.Path(path).read_text().split()
     header = {words[i].lower(): float(words[i + 1]) for i in range(0, 12, 2)}
-    n_columns, n_rows = int(header["ncols"]), int(header["nrows"])
-    step = (made.m["size"][0] - 1) // (n_columns - 1)
-    size = step * (n_columns - 1) + 1, step * (n_rows - 1) + 1
-    expect(made.m["size"] == size, f"a lattice of {made.m['size']} nodes, expected {size}")
-    values = array.array("f" if made.m["type"] == "float32" else "d", map(float, words[12:]))
+    size = int(header["ncols"]), int(header["nrows"])
+    values = array.array(code, map(float, words[12:]))
     nodata = header["nodata_value"]
+    raster = {(i % size[0], i // size[0]): z for i, z in enumerate(values) if z != nodata}
+    return raster, size
+
+
+def read_samples(path, made):
+    """Heights by node, and how many nodes a cell has."""
+    raster, size = read_raster(path, "f" if made.m["type"] == "float32" else "d")
+    step = (made.m["size"][0] - 1) // (size[0] - 1)
+    nodes = tuple(step * (n - 1) + 1 for n in size)
+    expect(made.m["size"] == nodes, f"a lattice of {made.m['size']} nodes, expected {nodes}")
     # The file's first row is the northernmost.
-    is_upwards = made.m["world"][5] > 0
-    raster = {}
-    for i, z in enumerate(values):
-        row = n_rows - 1 - i // n_columns if is_upwards else i // n_columns
-        if z != nodata:
-            raster[step * (i % n_columns), step * row] = z
-    return raster, step
+    last = nodes[1] - 1 if made.m["world"][5] > 0 else 0
+    return {(step * x, abs(last - step * y)): z for (x, y), z in raster.items()}, step
 
 
 def check_vertices(made, raster):
@@ -291,7 +293,7 @@ def check_errors(made, triangles, samples, bound_of):
 
 def main():
     made = Insertions(File(sys.argv[1]))
-    samples = read_raster(sys.argv[2], made)
+    samples = read_samples(sys.argv[2], made)
     check_vertices(made, samples[0])
     check_errors(
         made, range(len(made.triangles)), samples, lambda t: fractions.Fraction(made.errors[t])
