@@ -177,15 +177,35 @@ class VariableMesh {
       corners.push_back({hierarchy_.vertices[v], hierarchy_.heights[v]});
     const auto patch = triangulate_polygon(std::move(corners));
     if (!patch) return false;
-    for (const auto& [a, b, c] : patch->triangles) {
-      const auto errors =
-          measure_samples(grid_, {patch->places[a], patch->places[b], patch->places[c]},
-                          triangle_hierarchy::kNoEdges);
+    for (const Corners& places : patch->triangles) {
+      const auto& [a, b, c] = places;
       out.triangles.push_back({border[a], border[b], border[c]});
-      out.errors.push_back(delaunay::to_float_above(errors.closed + grid_.rounding()));
+      double error = measure_samples(grid_, {patch->places[a], patch->places[b], patch->places[c]},
+                                     triangle_hierarchy::kNoEdges)
+                         .closed;
+      if (wants_more(out.triangles.back(), stated(error))) return false;
+      error = std::max(error, error_inside(*patch, places));
+      out.errors.push_back(stated(error));
       if (wants_more(out.triangles.back(), out.errors.back())) return false;
     }
     return true;
+  }
+  [[nodiscard]] float stated(double error) const {
+    return delaunay::to_float_above(error + grid_.rounding());
+  }
+
+  /// Of a triangle's edges that are none of the polygon's, where they cross columns and rows: a
+  /// sliver between vertices of a chain has no samples, and may be a wall.
+  template <typename Patch>
+  [[nodiscard]] double error_inside(const Patch& patch, const Corners& places) const {
+    double error = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = places[i];
+      const std::uint32_t b = places[(i + 1) % 3];
+      if ((a + 1) % patch.places.size() != b)
+        error = std::max(error, worst_crossing(grid_, patch.places[a], patch.places[b]).error);
+    }
+    return error;
   }
 
   [[nodiscard]] delaunay::Tin to_tin() const {
