@@ -67,9 +67,7 @@ Result<SelectedTerrain> BisectionTerrain::select(const TerrainOptions& options,
              TerrainDemand::make(*options.focus, report.max_error, source().frame, source().range));
     selected.tin = tin_of(model_.tree, model_.grid,
                           select_nodes(model_.tree, model_.grid, source().range, focus.demand()));
-    report.is_uniform = false;
-    report.view = focus.measure(selected.tin, source().frame);
-    report.is_focus_empty = !focus.meets_terrain();
+    report_focus(focus, source().frame, selected);
   } else {
     selected.tin = tin_for(options, report);
   }
@@ -78,8 +76,7 @@ Result<SelectedTerrain> BisectionTerrain::select(const TerrainOptions& options,
     selected.tin.twins = delaunay::find_twins(selected.tin.triangles);
   count_selection(source(), selected);
   report.achieved_error = largest_error(selected.tin);
-  report.is_within_error = options.focus ? !report.view || report.view->is_within_error()
-                                         : report.achieved_error <= report.max_error;
+  if (!options.focus) report.is_within_error = report.achieved_error <= report.max_error;
   report.seconds = watch.seconds();
   return selected;
 }

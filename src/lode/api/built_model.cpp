@@ -38,6 +38,14 @@ void count_selection(const terrain_file::Source& source, SelectedTerrain& select
   selected.report.n_left_out = source.n_left_out;
 }
 
+void report_focus(const TerrainDemand& focus, const HeightFrame& frame, SelectedTerrain& selected) {
+  TerrainReport& report = selected.report;
+  report.is_uniform = false;
+  report.view = focus.measure(selected.tin, frame);
+  report.is_within_error = !report.view || report.view->is_within_error();
+  report.is_focus_empty = !focus.meets_terrain();
+}
+
 namespace {
 
 /// Of what the model says of its origin, and whether it is so.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lode/api/built_terrain.h"
+#include "lode/api/terrain_focus.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/api/terrain_source.h"
 #include "lode/models/terrain/terrain_file/source.h"
@@ -37,6 +38,10 @@ class BuiltModel : public TerrainOrigin {
 
 /// What a report says of the mesh's size and of the raster.
 void count_selection(const terrain_file::Source& source, SelectedTerrain& selected);
+
+/// What the report says of a mesh within a focus. The TIN has heights and errors; `frame`: of its
+/// nodes.
+void report_focus(const TerrainDemand& focus, const HeightFrame& frame, SelectedTerrain& selected);
 
 /// Reports whether what a file says of its raster is so. Fails on rasters of another size.
 [[nodiscard]] Result<void> check_source(const terrain_file::Source& source, const HeightGrid& grid,

@@ -123,10 +123,7 @@ Result<SelectedTerrain> HierarchyTerrain::select_focused(const TerrainOptions& o
   LODE_TRY(selected.tin,
            tin_of_demand(hierarchy(), mending_->chains, mending_->grid, demand.demand()));
   count_selection(source(), selected);
-  report.is_uniform = false;
-  report.view = demand.measure(selected.tin, fine_frame_);
-  report.is_within_error = !report.view || report.view->is_within_error();
-  report.is_focus_empty = !demand.meets_terrain();
+  report_focus(demand, fine_frame_, selected);
   report.max_error = std::max(tolerance, finest);
   report.achieved_error = largest_error(selected.tin);
   return selected;

@@ -84,10 +84,7 @@ Result<SelectedTerrain> InsertionsTerrain::select(const TerrainOptions& options,
              TerrainDemand::make(*options.focus, tolerance, history().frame, history().range));
     selected.tin =
         tin_of(history(), select_nodes(history(), focus.demand()), delaunay::TinLinks::kept);
-    report.is_uniform = false;
-    report.view = focus.measure(selected.tin, history().frame);
-    report.is_within_error = !report.view || report.view->is_within_error();
-    report.is_focus_empty = !focus.meets_terrain();
+    report_focus(focus, history().frame, selected);
   } else {
     selected.tin = tin_for(options, tolerance, report);
   }

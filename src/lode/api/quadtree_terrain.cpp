@@ -143,10 +143,8 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
     LODE_TRY(const TerrainDemand focus,
              TerrainDemand::make(*options.focus, report.max_error, source().frame, source().range));
     selected.tin = tin_of(focus.demand());
-    report.is_uniform = false;
-    report.is_focus_empty = !focus.meets_terrain();
     if (options.focus->view) measure_errors(selected.tin);
-    report.view = focus.measure(selected.tin, source().frame);
+    report_focus(focus, source().frame, selected);
   } else {
     LODE_TRY(selected.tin, tin_within(report.max_error, progress));
   }
@@ -157,8 +155,7 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
   report.achieved_error = model() == TerrainModel::surface_quadtree
                               ? measure_quality(selected.tin, 1, model_.grid, {}).worst_error
                               : largest_error(selected.tin);
-  report.is_within_error = options.focus ? !report.view || report.view->is_within_error()
-                                         : report.achieved_error <= report.max_error;
+  if (!options.focus) report.is_within_error = report.achieved_error <= report.max_error;
   report.seconds = watch.seconds();
   return selected;
 }
