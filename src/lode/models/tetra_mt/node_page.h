@@ -128,9 +128,7 @@ class NodePage {
   [[nodiscard]] std::size_t begin_of(std::uint32_t i) const {
     const std::uint32_t first = i / kGroup * kGroup;
     std::size_t begin = begins_[i / kGroup];
-    if (!has_long_) {
-      return begin + sum_of(&lengths_[first], i - first);
-    }
+    if (!has_long_) return begin + sum_of(&lengths_[first], i - first);
     for (std::uint32_t k = first; k < i; ++k)
       begin += lengths_[k] == kLong ? long_at(begin) : lengths_[k];
     return lengths_[i] == kLong ? begin + kLengthBits / 8 : begin;

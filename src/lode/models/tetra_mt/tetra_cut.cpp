@@ -60,7 +60,7 @@ void TetraCut::add_parents(NodeId node, std::vector<NodeId>& out) const {
   for (const std::uint32_t parent : read(index(node)).parents) out.push_back(NodeId{parent});
 }
 
-/// Until it is applied, or others are read in its place.
+/// Until others are read in its place.
 const TetraCut::Read& TetraCut::read(std::uint32_t node) const {
   // Applying it begins there, and the memory answers while this is read.
   if (slot_of_[node] != kNone) fetch_beside(slot_of_[node]);

@@ -80,10 +80,11 @@ class PointOrder {
  private:
   /// As to_tin() numbers vertices.
   void number_nodes(const delaunay::PointMesh& mesh) {
+    std::vector<bool> is_vertex(ground_.samples.nodes.size());
     for (const delaunay::LatticeTriangle& triangle : mesh.triangles())
-      nodes_.insert(nodes_.end(), triangle.corner.begin(), triangle.corner.end());
-    std::ranges::sort(nodes_);
-    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+      for (const std::uint32_t corner : triangle.corner) is_vertex[corner] = true;
+    for (std::uint32_t node = 0; node < is_vertex.size(); ++node)
+      if (is_vertex[node]) nodes_.push_back(node);
     must_stay_.assign(nodes_.size(), false);
   }
   [[nodiscard]] std::size_t vertex_of(std::uint32_t node) const {
