@@ -1,5 +1,10 @@
 // Chains, Delaunay refinements, and variable resolution.
 #include <algorithm>
+#include <array>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
 #include "lode/models/terrain/hierarchical_delaunay/polygon.h"
@@ -134,6 +139,58 @@ TEST(hierarchical_delaunay, varies_within_every_demand) {
       EXPECT_LE(tin->triangles.size(), finest.triangles.size());
     }
   }
+}
+
+using Places = std::array<std::array<std::int32_t, 2>, 3>;
+
+Places places_of(const std::array<std::uint32_t, 3>& corner,
+                 const std::vector<LatticePoint>& vertices) {
+  Places places{};
+  for (std::size_t i = 0; i < 3; ++i) places[i] = {vertices[corner[i]].x, vertices[corner[i]].y};
+  std::ranges::sort(places);
+  return places;
+}
+
+/// A sliver between vertices of a chain has no samples in it, and would be a wall.
+TEST(hierarchical_delaunay, states_errors_of_edges_between_levels) {
+  int n_edges = 0;
+  for (const TerrainCase& c : terrain_cases()) {
+    SCOPED_TRACE(c.name);
+    const Built built = build(c.grid);
+    const Hierarchy& h = built.model.hierarchy;
+    std::set<Places> own;
+    std::set<std::array<std::array<std::int32_t, 2>, 2>> edges;
+    for (const auto& triangle : h.triangles) {
+      const Places places = places_of(triangle.corner, h.vertices);
+      own.insert(places);
+      for (const auto& [i, k] : {std::pair{0U, 1U}, {0U, 2U}, {1U, 2U}})
+        edges.insert({places[i], places[k]});
+    }
+    FocusDemand focus;
+    focus.foci = {BoxFocus{world_box(2, 2, 6, 6)}};
+    focus.inside = 0.01;
+    focus.outside = 200;
+    const auto tin = tin_of_demand(h, built.model.chains, built.grid, focus);
+    ASSERT_TRUE(tin);
+    for (std::size_t t = 0; t < tin->triangles.size(); ++t) {
+      const auto& corner = tin->triangles[t];
+      if (own.contains(places_of(corner, tin->vertices))) continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto at = [&](std::size_t k) {
+          const std::uint32_t v = corner[(i + k) % 3];
+          return Place{tin->vertices[v], tin->heights[v]};
+        };
+        std::array<std::array<std::int32_t, 2>, 2> edge{};
+        for (std::size_t k = 0; k < 2; ++k) edge[k] = {at(k).at.x, at(k).at.y};
+        std::ranges::sort(edge);
+        if (edges.contains(edge)) continue;
+        ++n_edges;
+        EXPECT_LE(worst_crossing(built.grid, at(0), at(1)).error,
+                  static_cast<double>(tin->errors[t]));
+      }
+    }
+  }
+  EXPECT_GT(n_edges, 50);
 }
 
 TEST(hierarchical_delaunay, varies_from_the_first_level_to_the_last) {

@@ -131,20 +131,22 @@ std::vector<LittleCamera> cameras(const Setting& setting) {
       {{{{0, 0, top + 0.01 * size}}, {{size, 0.3 * size, 0}}, {{0.3, 0.1, 1}}, 100}, 500, 500}};
 }
 
-/// Calls visit(column, row, height in the TIN) for all samples in each of its triangles.
+/// Calls visit(column, row, height in the TIN) for all samples in each of its triangles. `scale`:
+/// its nodes are so many to a cell.
 template <typename Visit>
-void visit_samples(const delaunay::Tin& tin, const HeightGrid& grid, const Visit& visit) {
+void visit_samples(const delaunay::Tin& tin, std::int32_t scale, const HeightGrid& grid,
+                   const Visit& visit) {
   for (const auto& t : tin.triangles) {
     std::array<delaunay::LatticePoint, 3> c;
     for (std::size_t i = 0; i < 3; ++i) c[i] = tin.vertices[t[i]];
     const auto [x0, x1] = std::minmax({c[0].x, c[1].x, c[2].x});
     const auto [y0, y1] = std::minmax({c[0].y, c[1].y, c[2].y});
-    for (std::int32_t y = y0; y <= y1; ++y)
-      for (std::int32_t x = x0; x <= x1; ++x) {
+    for (std::int32_t y = (y0 + scale - 1) / scale; y * scale <= y1; ++y)
+      for (std::int32_t x = (x0 + scale - 1) / scale; x * scale <= x1; ++x) {
         std::array<double, 3> share{};
         for (std::size_t i = 0; i < 3; ++i)
-          share[i] =
-              static_cast<double>(delaunay::doubled_area(c[(i + 1) % 3], c[(i + 2) % 3], {x, y}));
+          share[i] = static_cast<double>(
+              delaunay::doubled_area(c[(i + 1) % 3], c[(i + 2) % 3], {x * scale, y * scale}));
         if (share[0] < 0 || share[1] < 0 || share[2] < 0 || !grid.has_height(x, y)) continue;
         double height = 0;
         for (std::size_t i = 0; i < 3; ++i)
@@ -161,9 +163,10 @@ struct Seen {
   int n_inside = 0;
 };
 
-Seen seen_by(const LittleCamera& camera, const delaunay::Tin& tin, const Setting& setting) {
+Seen seen_by(const LittleCamera& camera, const delaunay::Tin& tin, const Setting& setting,
+             std::int32_t scale = 1) {
   Seen seen;
-  visit_samples(tin, setting.grid, [&](std::int32_t x, std::int32_t y, double height) {
+  visit_samples(tin, scale, setting.grid, [&](std::int32_t x, std::int32_t y, double height) {
     const double own = setting.grid.height(x, y);
     const auto px = camera.pixels_between(setting.place(x, y, own), setting.place(x, y, height));
     seen.n_inside += px ? 1 : 0;
@@ -292,7 +295,7 @@ TEST_P(terrain_view, keeps_its_tolerances_outside_and_in_other_foci) {
   const SelectedTerrain joined = select(built, {.max_error = 1, .focus = focus});
   EXPECT_LE(seen_by(camera, joined.tin, setting).worst_px, 3);
   double in_box = 0;
-  visit_samples(joined.tin, setting.grid, [&](std::int32_t x, std::int32_t y, double height) {
+  visit_samples(joined.tin, 1, setting.grid, [&](std::int32_t x, std::int32_t y, double height) {
     if (x <= 6 && y >= 44) in_box = std::max(in_box, std::abs(setting.grid.height(x, y) - height));
   });
   EXPECT_LE(in_box, 1 + 1e-9);
@@ -309,7 +312,7 @@ TEST_P(terrain_view, holds_a_tolerance_of_heights_where_it_is_seen) {
   focus.view->has_tolerance = true;
   const SelectedTerrain made = select(built, {.max_error = 12, .focus = focus});
   double inside = 0;
-  visit_samples(made.tin, setting.grid, [&](std::int32_t x, std::int32_t y, double height) {
+  visit_samples(made.tin, 1, setting.grid, [&](std::int32_t x, std::int32_t y, double height) {
     const double own = setting.grid.height(x, y);
     if (camera.has(camera.project(setting.place(x, y, own))))
       inside = std::max(inside, std::abs(own - height));
@@ -367,6 +370,39 @@ INSTANTIATE_TEST_SUITE_P(models, terrain_view,
                                          TerrainModel::quaternary_triangulation,
                                          TerrainModel::right_triangle_bisection),
                          [](const auto& model) { return name_of(model.param); });
+
+/// Its vertices are nodes of a lattice finer than the raster; what it was built of mends it.
+TEST(terrain_view_of_levels, errs_by_no_more_pixels_than_asked_where_a_camera_sees_it) {
+  Progress progress;
+  for (const Setting& setting : {plain_metres(), feet(), degrees()}) {
+    SCOPED_TRACE(setting.name);
+    const auto built = BuiltTerrain::build(
+        setting.grid,
+        {.model = TerrainModel::hierarchical_delaunay, .levels = {64, 16, 4, 1, 0.25, 0}},
+        progress);
+    ASSERT_TRUE(built) << built.error().message;
+    const Terrain terrain = built->terrain();
+    const auto& origin = terrain.origin();
+    const std::int32_t scale = (origin.frame().n_columns - 1) / (setting.grid.n_columns - 1);
+    const auto all = origin.select({.max_error = 0}, delaunay::TinLinks::left_out, progress);
+    ASSERT_TRUE(all);
+    for (const LittleCamera& camera : cameras(setting))
+      for (const double max_error_px : {0.4, 6.0}) {
+        const auto made = origin.select({.focus = focus_of(camera, setting, max_error_px)},
+                                        delaunay::TinLinks::kept, progress);
+        ASSERT_TRUE(made) << made.error().message;
+        const Seen seen = seen_by(camera, made->tin, setting, scale);
+        ASSERT_GT(seen.n_inside, 60);
+        const TerrainViewReport& report = made->report.view.value();
+        EXPECT_LE(seen.worst_px, max_error_px);
+        EXPECT_LE(seen.worst_px, report.achieved_px * (1 + 1e-6));
+        EXPECT_LE(report.achieved_px, max_error_px);
+        EXPECT_TRUE(made->report.is_within_error);
+        EXPECT_LE(made->report.triangles, all->report.triangles);
+        delaunay::test::expect_fills(made->tin, setting.grid, scale);
+      }
+  }
+}
 
 TEST(terrain_view_of_squares, says_what_their_triangles_err_by) {
   const Setting setting = plain_metres();
