@@ -136,6 +136,19 @@ TEST_F(cli_points, become_models_of_all_tolerances) {
         run_lode({"height", file, "--at", "500090,4000080", "--max-error", "1", "--json"}).json();
     EXPECT_GT(height.at("points").at(0).at("height").get<double>(), 40);
     expect_refusal(run_lode({"extract", file, out, "--class", "2"}), 2, {"hill.lode"});
+    const Words features{"features", file, scratch_ / "f.gpkg", "--feature-relief", "1", "--json"};
+    if (has_own_levels) {
+      // It has all points.
+      Words of_points = features;
+      of_points[1] = las_;
+      of_points.insert(of_points.end(), {"--class", "2", "--max-edge", "30"});
+      const auto found = run_lode(features).json();
+      const auto wanted = run_lode(of_points).json();
+      for (const char* key : {"euler_number", "triangles", "kept"})
+        EXPECT_EQ(found.at(key), wanted.at(key)) << key;
+    } else {
+      EXPECT_NE(run_lode(features).exit_code, 0);
+    }
     expect_refusal(run_lode({"extract", file, scratch_ / "hill.tif"}), 1, {"a cell"});
     EXPECT_EQ(
         run_lode({"contours", las_, scratch_ / "c.gpkg", "--model", model, "--interval", "10"})

@@ -99,7 +99,9 @@ Result<SelectedTerrain> InsertionsTerrain::select(const TerrainOptions& options,
 }
 
 Result<SelectedTerrain> InsertionsTerrain::select_all(Progress& progress) const {
-  if (history().is_worst_first() || history().is_of_points) return BuiltModel::select_all(progress);
+  if (history().is_worst_first()) return BuiltModel::select_all(progress);
+  // All points are its vertices, and no cells say how to join them.
+  if (history().is_of_points) return select({.max_error = 0}, delaunay::TinLinks::kept, progress);
   // Samples of a raster's domain are its vertices, so the same cells have four heights.
   HeightGrid grid = make_height_grid<double>(frame().n_columns, frame().n_rows);
   auto& heights = std::get<HeightGrid::Samples<double>>(grid.heights);
