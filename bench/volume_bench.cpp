@@ -220,11 +220,12 @@ Result<void> run_adaptive(const VolumeCase& volume_case, const Volume& volume,
 /// Simplified within one voxel, against decimation to as many triangles. Each side's surface is
 /// held against its own full resolution; only ours promises anything.
 Result<void> run_simplified(const VolumeCase& volume_case, const Volume& volume,
-                            const Dataset& dataset, Table& table) {
+                            const Dataset& dataset, SurfaceStyle style, Table& table) {
   const Vec3d& spacing = volume.info.grid.spacing;
   const double voxel = std::min({spacing[0], spacing[1], spacing[2]});
   ExtractOptions options{.isovalues = {volume_case.isovalue},
                          .max_error = 0,
+                         .style = style,
                          .normals = Normals::off,
                          .threads = kThreads};
   Progress progress;
@@ -249,8 +250,8 @@ Result<void> run_simplified(const VolumeCase& volume_case, const Volume& volume,
   LODE_CHECK(peer.extract());
   const TwoSidedDistance own = measure_distance(full, surface, voxel / 3, kThreads);
   const TwoSidedDistance other = measure_distance(peer.surface(), decimated, voxel / 3, kThreads);
-  table.add(versus("simplified/" + volume_case.name, ours,
-                   "vtkFlyingEdges3D + vtkQuadricDecimation", theirs,
+  const std::string name = style == SurfaceStyle::cubes ? "simplified_cubes/" : "simplified/";
+  table.add(versus(name + volume_case.name, ours, "vtkFlyingEdges3D + vtkQuadricDecimation", theirs,
                    fmt::format("in voxels, measured from and to full resolution: ours {:.3f} and "
                                "{:.3f} (proven {:.3f}), theirs {:.3f} and {:.3f}",
                                own.from_first / voxel, own.from_second / voxel, proven / voxel,
@@ -261,13 +262,17 @@ Result<void> run_simplified(const VolumeCase& volume_case, const Volume& volume,
 Result<void> run_case(const VolumeCase& volume_case, const Settings& settings, Table& table) {
   LODE_TRY(const Volume volume, load(volume_case));
   LODE_TRY(const Dataset dataset, run_build(volume_case, volume, table));
-  if (settings.is_simplified) return run_simplified(volume_case, volume, dataset, table);
+  const auto simplify = [&]() -> Result<void> {
+    LODE_CHECK(run_simplified(volume_case, volume, dataset, SurfaceStyle::tetra, table));
+    return run_simplified(volume_case, volume, dataset, SurfaceStyle::cubes, table);
+  };
+  if (settings.is_simplified) return simplify();
   LODE_TRY(const Timed peer, run_full(volume_case, volume, dataset, Normals::off, table));
   LODE_CHECK(run_cubes(volume_case, dataset, peer, table));
   LODE_CHECK(run_full_otherwise(volume_case, dataset, peer, table));
   LODE_CHECK(run_full(volume_case, volume, dataset, Normals::on, table));
   LODE_CHECK(run_adaptive(volume_case, volume, dataset, peer, table));
-  return run_simplified(volume_case, volume, dataset, table);
+  return simplify();
 }
 
 int run(const Settings& settings) {

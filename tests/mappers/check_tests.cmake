@@ -12,7 +12,10 @@ lode_test(mappers_check_test
 
 # The oracle tries every triangle for many points.
 lode_test(simplify_test
-  SOURCES ${CMAKE_CURRENT_LIST_DIR}/simplify_surface_test.cpp
+  SOURCES
+    ${CMAKE_CURRENT_LIST_DIR}/collapse_undo_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/shadow_cover_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/simplify_surface_test.cpp
   DEPENDS lode_mappers lode_core
   COMPUTES)
 

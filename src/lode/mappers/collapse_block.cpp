@@ -85,6 +85,7 @@ void BlockSimplifier::load_triangle(const Block& block, std::uint32_t global) {
 }
 
 void BlockSimplifier::prepare(const Block& block) {
+  marks_.resize(vertices_.size());
   quadrics_.assign(vertices_.size(), {});
   costs_.assign(vertices_.size(), -1.0F);
   if (!block.is_open.empty())

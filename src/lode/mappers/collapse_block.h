@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -35,6 +36,33 @@ struct BlockLimits {
   Vec3f lower, upper;
 };
 
+/// Numbers of some vertices, below kMost, which are all forgotten at once.
+class VertexMarks {
+ public:
+  static constexpr std::uint32_t kMost = 64;
+
+  void resize(std::size_t n) {
+    marks_.assign(n, 0);
+    round_ = 0;
+  }
+  void forget() {
+    round_ += kMost;
+    if (round_ != 0) return;
+    std::fill(marks_.begin(), marks_.end(), 0);  // once in 2^26 rounds
+    round_ = kMost;
+  }
+  void set(std::uint32_t v, std::uint32_t number) { marks_[v] = round_ | number; }
+  /// kNone where it was not set since.
+  [[nodiscard]] std::uint32_t of(std::uint32_t v) const {
+    const std::uint32_t number = marks_[v] ^ round_;
+    return number < kMost ? number : kNone;
+  }
+
+ private:
+  std::vector<std::uint32_t> marks_;
+  std::uint32_t round_ = 0;
+};
+
 /// Once over all vertices.
 struct Sweep {
   float threshold = 0;  ///< Of the quadric's cost; in `kSweeps` of area times reach squared.
@@ -59,6 +87,7 @@ class BlockSimplifier {
  private:
   static constexpr std::uint32_t kMaxValence = 24;
   static constexpr std::size_t kMaxStar = 2 * kMaxValence;
+  static_assert(kMaxStar <= VertexMarks::kMost);
 
   static constexpr std::uint8_t kLockedFlag = 1;
   static constexpr std::uint8_t kBorderFlag = 2;
@@ -113,8 +142,8 @@ class BlockSimplifier {
   [[nodiscard]] bool may_collapse(std::uint32_t v, std::uint32_t other) const;
   [[nodiscard]] bool try_collapse(std::uint32_t kept, std::uint32_t removed,
                                   const Star& star_of_removed, const Vec3f& position);
-  [[nodiscard]] static bool is_link_simple(std::uint32_t kept, const Star& of_kept,
-                                           const Star& of_removed);
+  [[nodiscard]] bool is_link_simple(std::uint32_t kept, const Star& of_kept,
+                                    const Star& of_removed);
   [[nodiscard]] bool make_triangles(std::uint32_t kept, std::uint32_t removed, const Star& of_kept,
                                     const Star& of_removed, const Vec3f& position);
   [[nodiscard]] bool keeps_shape(const NewTriangle& t, std::uint32_t old) const;
@@ -152,6 +181,7 @@ class BlockSimplifier {
 
   // Of the collapse that is being tried.
   Star other_star_;
+  VertexMarks marks_;
   std::array<NewTriangle, kMaxStar> new_triangles_;
   std::uint32_t n_new_ = 0;
   std::array<std::uint32_t, 2> dead_{};

@@ -70,6 +70,7 @@ bool BlockSimplifier::try_others(std::uint32_t v, const Star& star, const Choice
 /// The edge between them.
 bool BlockSimplifier::may_collapse(std::uint32_t v, std::uint32_t other) const {
   if ((flags_[other] & kLockedFlag) != 0) return false;
+  if (!(limits_.longest2 < std::numeric_limits<float>::infinity())) return true;
   const Vec3f e = position(other) - position(v);
   return dot(e, e) <= limits_.longest2;
 }

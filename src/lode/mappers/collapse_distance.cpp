@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lode/core/point_triangle.h"
+#include "lode/mappers/shadow_cover.h"
 
 namespace lode::simplification {
 namespace {
@@ -84,6 +85,7 @@ double DistanceProof::bound_from(std::uint32_t triangle) const {
   const Piece piece = original_corners(triangle);
   const double limit = limit_ * (1 - 2 * kRounding);
   const double limit2 = limit * limit;
+  if (const double of_one = bound_from_one(triangle); of_one <= limit2) return of_one;
   std::array<std::uint32_t, 3> at{kNone, kNone, kNone};
   std::array<Piece, 3> near;
   std::size_t n = 0;
@@ -113,10 +115,36 @@ double DistanceProof::bound_from(std::uint32_t triangle) const {
   return bound_pieces(piece, targets, limit2, kManyCuts);
 }
 
+/// Where all three vertices are attached to one triangle, and find_distances() has been called.
+double DistanceProof::bound_from_one(std::uint32_t triangle) const {
+  if (attached_distance2_.empty()) return kUnproven;
+  const auto& v = original_.triangles[triangle];
+  const std::uint32_t t = mesh_.attached_to[v[0]];
+  if (mesh_.attached_to[v[1]] != t || mesh_.attached_to[v[2]] != t) return kUnproven;
+  return std::max(
+      {attached_distance2_[v[0]], attached_distance2_[v[1]], attached_distance2_[v[2]]});
+}
+
+/// Of original vertices from the triangles they are attached to, squared.
+void DistanceProof::find_distances(Threads threads) {
+  attached_distance2_.resize(original_.positions.size());
+  constexpr std::size_t kPiece = 1 << 14;
+  const std::size_t n = attached_distance2_.size();
+  parallel_for((n + kPiece - 1) / kPiece, threads, 1, [&](std::size_t piece, int) {
+    for (std::size_t v = piece * kPiece; v < std::min(n, (piece + 1) * kPiece); ++v)
+      attached_distance2_[v] = squared_distance_to_triangle(
+          widened(original_.positions[v]), widened_corners(corners(mesh_, mesh_.attached_to[v])));
+  });
+}
+
 DistanceReport DistanceProof::from_original(std::span<const std::uint32_t> triangles,
-                                            Threads threads) const {
-  return collect(triangles, limit_, threads, progress_,
-                 [this](std::uint32_t t, int) { return bound_from(t); });
+                                            Threads threads) {
+  // Most triangles are attached to one, and each of their vertices has six.
+  if (triangles.size() > original_.positions.size()) find_distances(threads);
+  DistanceReport report = collect(triangles, limit_, threads, progress_,
+                                  [this](std::uint32_t t, int) { return bound_from(t); });
+  attached_distance2_.clear();
+  return report;
 }
 
 /// Original vertices attached to the triangle or one that has a vertex with it.
@@ -157,12 +185,38 @@ DistanceReport DistanceProof::cover(std::span<const std::uint32_t> triangles,
 
 DistanceReport DistanceProof::to_original(std::span<const std::uint32_t> triangles,
                                           Threads threads) {
-  DistanceReport report = cover(triangles, {}, threads);
-  if (report.failing.empty()) return report;
-  if (first_around_.empty()) find_triangles_around();
-  DistanceReport again = cover(report.failing, {first_around_, around_}, threads);
-  again.proven = std::max(again.proven, report.proven);
-  return again;
+  const Surroundings around = surroundings();
+  std::vector<ShadowCover> shadows(static_cast<std::size_t>(n_workers(threads)),
+                                   ShadowCover(original_, around, limit_ * (1 - 2 * kRounding)));
+  double proven = 0;
+  std::vector<std::uint32_t> left(triangles.begin(), triangles.end());
+  const auto take = [&](DistanceReport report) {
+    proven = std::max(proven, report.proven);
+    left = std::move(report.failing);
+  };
+  // What is proven fastest goes first.
+  take(collect(left, limit_, threads, progress_, [&](std::uint32_t t, int worker) {
+    const Piece triangle = widened_corners(corners(mesh_, t));
+    return shadows[static_cast<std::size_t>(worker)].bound(triangle, vertex_near(t));
+  }));
+  if (!left.empty()) take(cover(left, {}, threads));
+  if (!left.empty()) take(cover(left, around, threads));
+  return {proven, std::move(left)};
+}
+
+/// An original vertex near the middle of the triangle, if there is one.
+std::uint32_t DistanceProof::vertex_near(std::uint32_t triangle) const {
+  const auto t = corners(mesh_, triangle);
+  const Vec3f middle = (1.0F / 3) * (t[0] + t[1] + t[2]);
+  std::uint32_t nearest = mesh_.triangles[triangle].v[0];
+  float least = std::numeric_limits<float>::infinity();
+  for (std::uint32_t p = mesh_.triangles[triangle].points; p != kNone; p = mesh_.next_point[p]) {
+    const Vec3f d = original_.positions[p] - middle;
+    if (dot(d, d) >= least) continue;
+    least = dot(d, d);
+    nearest = p;
+  }
+  return nearest;
 }
 
 void DistanceProof::find_triangles_around() {

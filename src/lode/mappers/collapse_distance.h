@@ -22,9 +22,10 @@ struct DistanceReport {
 /// Proves, in both directions, that no point is farther than a limit. A triangle, or a piece of it
 /// where it is cut in four again and again, is near where its three corners are near one convex
 /// set: the distance to such a set is a convex function. Original triangles and their pieces are
-/// held against single new triangles; pieces of new triangles against single original vertices,
-/// and then against single original triangles. No nearest point is searched for: attached vertices
-/// say where to look, and what is not found there counts as failing.
+/// held against single new triangles. New triangles are covered by shadows of original ones, or
+/// else their pieces are held against single original vertices, and then against single original
+/// triangles. No nearest point is searched for: attached vertices say where to look, and what is
+/// not found there counts as failing.
 class DistanceProof {
  public:
   /// `edge`: about the longest of original triangles; how far to look round original vertices.
@@ -40,20 +41,28 @@ class DistanceProof {
 
   /// From all points of original triangles to the new surface.
   [[nodiscard]] DistanceReport from_original(std::span<const std::uint32_t> triangles,
-                                             Threads threads) const;
+                                             Threads threads);
   /// From all points of new triangles to the original surface.
   [[nodiscard]] DistanceReport to_original(std::span<const std::uint32_t> triangles,
                                            Threads threads);
+  /// Original triangles round original vertices; found once.
+  [[nodiscard]] Surroundings surroundings() {
+    if (first_around_.empty()) find_triangles_around();
+    return {first_around_, around_};
+  }
 
  private:
   using Corners = std::array<Vec3d, 3>;
 
   [[nodiscard]] double bound_from(std::uint32_t triangle) const;
+  [[nodiscard]] double bound_from_one(std::uint32_t triangle) const;
   [[nodiscard]] DistanceReport cover(std::span<const std::uint32_t> triangles,
                                      const Surroundings& around, Threads threads) const;
   template <typename Add>
   void for_each_near(std::uint32_t triangle, const Add& add) const;
   [[nodiscard]] Corners original_corners(std::uint32_t triangle) const;
+  [[nodiscard]] std::uint32_t vertex_near(std::uint32_t triangle) const;
+  void find_distances(Threads threads);
   void find_triangles_around();
 
   const Surface& original_;
@@ -64,6 +73,7 @@ class DistanceProof {
   const Progress& progress_;
   std::vector<std::uint32_t> first_around_;  ///< Original triangles round original vertices,
   std::vector<std::uint32_t> around_;        ///< once they are wanted.
+  std::vector<double> attached_distance2_;   ///< Empty where it is not worth finding.
 };
 
 }  // namespace lode::simplification

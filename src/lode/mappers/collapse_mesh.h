@@ -46,6 +46,11 @@ struct CollapseMesh {
   [[nodiscard]] bool is_removed(std::uint32_t v) const {
     return last[v] != kNone && collapses[last[v]].removed == v;
   }
+  /// The vertex that v has gone into.
+  [[nodiscard]] std::uint32_t root_of(std::uint32_t v) const {
+    while (is_removed(v)) v = collapses[last[v]].kept;
+    return v;
+  }
 };
 
 [[nodiscard]] inline std::array<Vec3f, 3> corners(const CollapseMesh& mesh,

@@ -17,23 +17,50 @@ std::uint32_t later(std::uint32_t a, std::uint32_t b) {
 
 /// Original triangles of which a corner is attached to a changed triangle or a neighbour of one:
 /// their proofs may have been about what is no more.
-std::vector<std::uint32_t> CollapseProof::to_recheck(std::span<const std::uint32_t> changed) const {
+std::vector<std::uint32_t> CollapseProof::to_recheck(std::span<const std::uint32_t> live,
+                                                     std::span<const std::uint32_t> changed) {
   std::vector<std::uint8_t> is_near(mesh_.triangles.size(), 0);
+  std::vector<std::uint32_t> near;
   for (const std::uint32_t t : changed)
     for (const std::uint32_t v : mesh_.triangles[t].v)
-      stars_.for_each_around(v, [&](std::uint32_t s) { is_near[s] = 1; });
-  const auto is_asked = [&](std::size_t i) {
-    if (!mesh_.triangles[i].is_dead() && stars_.maker(static_cast<std::uint32_t>(i)) == kNone)
-      return false;  // as it was
-    return std::ranges::any_of(original_.triangles[i],
-                               [&](std::uint32_t v) { return is_near[mesh_.attached_to[v]] != 0; });
+      stars_.for_each_around(v, [&](std::uint32_t s) {
+        if (is_near[s] != 0) return;
+        is_near[s] = 1;
+        near.push_back(s);
+      });
+  return near.size() * 4 < live.size() ? original_of_few(near) : original_of_many(is_near);
+}
+
+/// Whether an original triangle is no more, or has a corner that collapses moved.
+bool CollapseProof::is_changed(std::uint32_t triangle) const {
+  return mesh_.triangles[triangle].is_dead() || stars_.maker(triangle) != kNone;
+}
+
+std::vector<std::uint32_t> CollapseProof::original_of_few(std::span<const std::uint32_t> near) {
+  const Surroundings around = distance_.surroundings();
+  std::vector<std::uint32_t> found;
+  for (const std::uint32_t s : near)
+    for (std::uint32_t p = mesh_.triangles[s].points; p != kNone; p = mesh_.next_point[p])
+      for (const std::uint32_t t : around.of(p))
+        if (is_changed(t)) found.push_back(t);
+  sort_unique(found);
+  return found;
+}
+
+std::vector<std::uint32_t> CollapseProof::original_of_many(
+    std::span<const std::uint8_t> is_near) const {
+  const auto is_asked = [&](std::uint32_t t) {
+    return is_changed(t) && std::ranges::any_of(original_.triangles[t], [&](std::uint32_t v) {
+             return is_near[mesh_.attached_to[v]] != 0;
+           });
   };
   constexpr std::size_t kPiece = 1 << 16;
   std::vector<std::vector<std::uint32_t>> pieces(original_.triangles.size() / kPiece + 1);
   parallel_for(pieces.size(), options_.threads, 1, [&](std::size_t piece, int) {
     const std::size_t end = std::min(original_.triangles.size(), (piece + 1) * kPiece);
     for (std::size_t i = piece * kPiece; i < end; ++i)
-      if (is_asked(i)) pieces[piece].push_back(static_cast<std::uint32_t>(i));
+      if (is_asked(static_cast<std::uint32_t>(i)))
+        pieces[piece].push_back(static_cast<std::uint32_t>(i));
   });
   std::vector<std::uint32_t> found;
   for (const auto& piece : pieces) found.insert(found.end(), piece.begin(), piece.end());
@@ -42,11 +69,11 @@ std::vector<std::uint32_t> CollapseProof::to_recheck(std::span<const std::uint32
 
 /// Adds collapses whose triangles are not proven near, to `bad`.
 void CollapseProof::find_far(std::span<const std::uint32_t> made,
-                             std::span<const std::uint32_t> changed,
+                             std::span<const std::uint32_t> to_prove_near,
                              std::vector<std::uint32_t>& bad) {
   const DistanceReport to = distance_.to_original(made, options_.threads);
   for (const std::uint32_t t : to.failing) bad.push_back(stars_.maker(t));
-  const DistanceReport from = distance_.from_original(to_recheck(changed), options_.threads);
+  const DistanceReport from = distance_.from_original(to_prove_near, options_.threads);
   for (const std::uint32_t t : from.failing) {
     // Of what its corners are attached to, or else what took it away, at one of its corners.
     std::uint32_t maker = kNone;
@@ -92,7 +119,7 @@ Result<std::vector<std::uint32_t>> CollapseProof::find_bad(std::span<const std::
   std::vector<std::uint32_t> made;  // original ones need no proof
   for (const std::uint32_t t : changed)
     if (stars_.maker(t) != kNone) made.push_back(t);
-  if (std::isfinite(options_.max_distance)) find_far(made, changed, bad);
+  if (std::isfinite(options_.max_distance)) find_far(made, to_recheck(live, changed), bad);
   if (options_.band != nullptr) find_beyond(made, bad);
   if (progress_.is_cancelled()) return cancelled_error();
   sort_unique(bad);

@@ -38,8 +38,13 @@ class CollapseProof {
   [[nodiscard]] bool meets_itself_already() const { return meets_itself_already_; }
 
  private:
-  [[nodiscard]] std::vector<std::uint32_t> to_recheck(std::span<const std::uint32_t> changed) const;
-  void find_far(std::span<const std::uint32_t> made, std::span<const std::uint32_t> changed,
+  [[nodiscard]] std::vector<std::uint32_t> to_recheck(std::span<const std::uint32_t> live,
+                                                      std::span<const std::uint32_t> changed);
+  [[nodiscard]] bool is_changed(std::uint32_t triangle) const;
+  [[nodiscard]] std::vector<std::uint32_t> original_of_few(std::span<const std::uint32_t> near);
+  [[nodiscard]] std::vector<std::uint32_t> original_of_many(
+      std::span<const std::uint8_t> is_near) const;
+  void find_far(std::span<const std::uint32_t> made, std::span<const std::uint32_t> to_prove_near,
                 std::vector<std::uint32_t>& bad);
   void find_beyond(std::span<const std::uint32_t> made, std::vector<std::uint32_t>& bad);
 

@@ -33,18 +33,18 @@ bool BlockSimplifier::is_link_simple(std::uint32_t kept, const Star& of_kept,
   if (of_kept.size == 3 && of_removed.size == 3 && !of_kept.is_open && !of_removed.is_open)
     return false;  // a tetrahedron, or a pyramid's top
   // Neighbours of one that are neighbours of the other: the ends of spokes, each once.
-  const auto has_neighbour = [](const Star& star, std::uint32_t x) {
-    for (const Spoke& spoke : star.all())
-      if (spoke.a == x || spoke.b == x) return true;
-    return false;
-  };
+  marks_.forget();
+  for (const Spoke& spoke : of_kept.all()) {
+    marks_.set(spoke.a, 0);
+    marks_.set(spoke.b, 0);
+  }
   std::uint32_t n_common = 0;
   for (const Spoke& spoke : of_removed.all()) {
-    if (spoke.a != kept && has_neighbour(of_kept, spoke.a)) ++n_common;
+    if (spoke.a != kept && marks_.of(spoke.a) != kNone) ++n_common;
     if (!of_removed.is_open) continue;
     bool is_last = true;
     for (const Spoke& other : of_removed.all()) is_last = is_last && other.a != spoke.b;
-    if (is_last && spoke.b != kept && has_neighbour(of_kept, spoke.b)) ++n_common;
+    if (is_last && spoke.b != kept && marks_.of(spoke.b) != kNone) ++n_common;
   }
   return n_common == n_dead;
 }
@@ -99,14 +99,15 @@ bool BlockSimplifier::keeps_shape(const NewTriangle& t, std::uint32_t old) const
 }
 
 void BlockSimplifier::join_triangles() {
+  marks_.forget();
   for (std::uint32_t i = 0; i < n_new_; ++i) {
-    NewTriangle& t = new_triangles_[i];
-    t.across_b = kNone;
-    for (std::uint32_t j = 0; j < n_new_; ++j)
-      if (new_triangles_[j].a == t.b) t.across_b = j;
-    t.across_a = kNone;
-    for (std::uint32_t j = 0; j < n_new_; ++j)
-      if (new_triangles_[j].b == t.a) t.across_a = j;
+    marks_.set(new_triangles_[i].a, i);
+    new_triangles_[i].across_a = kNone;
+  }
+  for (std::uint32_t i = 0; i < n_new_; ++i) {
+    const std::uint32_t next = marks_.of(new_triangles_[i].b);
+    new_triangles_[i].across_b = next;
+    if (next != kNone) new_triangles_[next].across_a = i;
   }
 }
 
@@ -125,15 +126,15 @@ bool BlockSimplifier::folds_little() const {
 
 bool BlockSimplifier::attach_points(const Vec3f& position) {
   nearest_point_ = 1e30F;
-  for (std::uint32_t i = 0; i < n_new_; ++i) {
-    const std::uint32_t t = new_triangles_[i].triangle;
-    for (std::uint32_t p = triangles_[t].points; p != kNone; p = next_point_[p])
-      if (!attach_point(p, position, i)) return false;
-  }
   for (const std::uint32_t t : dead_) {
     if (t == kNone) continue;
     for (std::uint32_t p = triangles_[t].points; p != kNone; p = next_point_[p])
       if (!attach_point(p, position, 0)) return false;
+  }
+  for (std::uint32_t i = 0; i < n_new_; ++i) {
+    const std::uint32_t t = new_triangles_[i].triangle;
+    for (std::uint32_t p = triangles_[t].points; p != kNone; p = next_point_[p])
+      if (!attach_point(p, position, i)) return false;
   }
   // Between original vertices the surface may be nearer than these.
   return nearest_point_ <= limits_.distance * limits_.distance + limits_.area;

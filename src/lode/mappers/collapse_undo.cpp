@@ -6,8 +6,8 @@
 
 namespace lode::simplification {
 
-CollapseUndo::CollapseUndo(CollapseMesh& mesh, std::span<const Vec3f> original, float near)
-    : mesh_(mesh), original_(original), near_(near) {
+CollapseUndo::CollapseUndo(CollapseMesh& mesh, const Surface& original, UndoOrder order, float near)
+    : mesh_(mesh), original_(original), order_(order), near_(near) {
   first_.resize(mesh.positions.size());
   std::fill(first_.begin(), first_.end(), kNone);
   next_.resize(4 * mesh.triangles.size());
@@ -47,15 +47,32 @@ std::uint32_t CollapseUndo::undo(std::uint32_t collapse, std::vector<std::uint32
   return n;
 }
 
-/// A later collapse at a vertex of the star that this one left. Triangles of the star are only
-/// changed by such; so without any it is as it was.
+/// One that must be taken back before. The vertex is split into the two that were collapsed, of
+/// which each takes the triangles of what went into it: that is an inverse of an edge collapse, and
+/// so a homeomorphism, if what the two had in common, left and right, still is two vertices.
 std::uint32_t CollapseUndo::find_later(std::uint32_t collapse) const {
-  const std::uint32_t kept = mesh_.collapses[collapse].kept;
-  if (mesh_.last[kept] != collapse) return mesh_.last[kept];
-  for (std::uint32_t c = first_[kept]; c != kNone; c = next_[c])
+  const Collapse& c = mesh_.collapses[collapse];
+  if (mesh_.last[c.kept] != collapse) return mesh_.last[c.kept];
+  if (order_ == UndoOrder::stars) return find_later_in_star(collapse);
+  if (c.dead[0] == kNone || c.dead[1] == kNone) return kNone;  // the surface's border
+  const std::uint32_t left = apex_of(c.dead[0], c.kept);
+  return left == apex_of(c.dead[1], c.kept) ? mesh_.last[left] : kNone;
+}
+
+/// Triangles of the star are only changed by collapses at its vertices; so without any it is as it
+/// was.
+std::uint32_t CollapseUndo::find_later_in_star(std::uint32_t collapse) const {
+  for (std::uint32_t c = first_[mesh_.collapses[collapse].kept]; c != kNone; c = next_[c])
     for (const std::uint32_t v : mesh_.triangles[c >> 2].v)
       if (mesh_.last[v] != kNone && mesh_.last[v] > collapse) return mesh_.last[v];
   return kNone;
+}
+
+/// Of a triangle that an edge took with it which is now the vertex `kept`.
+std::uint32_t CollapseUndo::apex_of(std::uint32_t dead, std::uint32_t kept) const {
+  for (const std::uint32_t v : original_.triangles[dead])
+    if (const std::uint32_t root = mesh_.root_of(v); root != kept) return root;
+  return kept;
 }
 
 void CollapseUndo::undo_one(const Collapse& collapse, std::vector<std::uint32_t>& changed) {
@@ -70,12 +87,9 @@ void CollapseUndo::undo_one(const Collapse& collapse, std::vector<std::uint32_t>
   mesh_.last[collapse.removed] = collapse.last_removed;
   mesh_.positions[collapse.kept].v = collapse.kept_position;
   first_[collapse.removed] = kNone;
-  move_fan(collapse);
-  for (const std::uint32_t t : collapse.dead) {
-    if (t == kNone) continue;
-    mesh_.triangles[t].points = kNone;
-    for (std::uint32_t k = 0; k < 3; ++k) link(mesh_.triangles[t].v[k], 4 * t + k);
-  }
+  split(collapse);
+  for (const std::uint32_t t : collapse.dead)
+    if (t != kNone) bring_back(t);
   std::vector<std::uint32_t> around;
   for (const std::uint32_t v : {collapse.kept, collapse.removed})
     for_each_around(v, [&](std::uint32_t t) { around.push_back(t); });
@@ -83,54 +97,37 @@ void CollapseUndo::undo_one(const Collapse& collapse, std::vector<std::uint32_t>
   changed.insert(changed.end(), around.begin(), around.end());
 }
 
-/// Gives the removed vertex its triangles back: those between the two dead ones, on its side. A
-/// dead triangle that runs from kept to removed to a has them begin beyond the edge removed-a.
-void CollapseUndo::move_fan(const Collapse& collapse) {
-  std::uint32_t begin = kNone;
-  std::uint32_t end = kNone;
-  for (const std::uint32_t t : collapse.dead) {
-    if (t == kNone) continue;
-    const auto& v = mesh_.triangles[t].v;
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t next = v[(k + 1) % 3];
-      if (v[k] == collapse.kept && next == collapse.removed) begin = v[(k + 2) % 3];
-      if (v[k] == collapse.removed && next == collapse.kept) end = v[(k + 2) % 3];
+/// Gives the removed vertex its triangles back.
+void CollapseUndo::split(const Collapse& collapse) {
+  std::uint32_t* at = &first_[collapse.kept];
+  while (*at != kNone) {
+    const std::uint32_t corner = *at;
+    const std::uint32_t t = corner >> 2;
+    if (mesh_.root_of(original_.triangles[t][corner & 3]) == collapse.kept) {
+      at = &next_[corner];
+      continue;
     }
-  }
-  // Forward, each triangle (kept, x, y) is followed by the one with y = x; backward the other way.
-  const bool is_forward = begin != kNone;
-  const std::uint32_t stop = is_forward ? end : kNone;
-  std::uint32_t at = is_forward ? begin : end;
-  while (at != stop) {
-    const std::uint32_t corner = find_spoke(collapse.kept, is_forward ? 2 : 1, at);
-    if (corner == kNone) break;  // the surface's border
-    const auto& v = mesh_.triangles[corner >> 2].v;
-    at = v[((corner & 3) + (is_forward ? 1 : 2)) % 3];
-    move_corner(corner, collapse.kept, collapse.removed);
+    *at = next_[corner];
+    mesh_.triangles[t].v[corner & 3] = collapse.removed;
+    link(collapse.removed, corner);
   }
 }
 
-/// The corner at v of the triangle whose k-th vertex from there is `end`.
-std::uint32_t CollapseUndo::find_spoke(std::uint32_t v, std::uint32_t k, std::uint32_t end) const {
-  for (std::uint32_t c = first_[v]; c != kNone; c = next_[c])
-    if (mesh_.triangles[c >> 2].v[((c & 3) + k) % 3] == end) return c;
-  return kNone;
-}
-
-void CollapseUndo::move_corner(std::uint32_t corner, std::uint32_t from, std::uint32_t to) {
-  std::uint32_t* at = &first_[from];
-  while (*at != corner) at = &next_[*at];
-  *at = next_[corner];
-  mesh_.triangles[corner >> 2].v[corner & 3] = to;
-  link(to, corner);
+void CollapseUndo::bring_back(std::uint32_t triangle) {
+  WorkTriangle& t = mesh_.triangles[triangle];
+  t.points = kNone;
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    t.v[k] = mesh_.root_of(original_.triangles[triangle][k]);
+    link(t.v[k], 4 * triangle + k);
+  }
 }
 
 void CollapseUndo::attach(std::uint32_t point, std::span<const std::uint32_t> triangles) {
   std::uint32_t best = mesh_.attached_to[point];
-  float least = squared_distance_to_triangle(original_[point], corners(mesh_, best));
+  float least = squared_distance_to_triangle(original_.positions[point], corners(mesh_, best));
   for (const std::uint32_t t : triangles) {
     if (least <= near_ * near_) break;
-    const float here = squared_distance_to_triangle(original_[point], corners(mesh_, t));
+    const float here = squared_distance_to_triangle(original_.positions[point], corners(mesh_, t));
     if (here >= least) continue;
     least = here;
     best = t;

@@ -4,20 +4,28 @@
 #include <span>
 #include <vector>
 
+#include "lode/core/surface.h"
 #include "lode/mappers/collapse_mesh.h"
 
 namespace lode::simplification {
 
+/// Which collapses go before one is taken back.
+enum class UndoOrder {
+  splits,  ///< Those without which the vertex cannot be split: few.
+  stars    ///< All later ones at vertices of the star, so that it is the one that was collapsed.
+};
+
 /// A collapsed surface with the star of each vertex, from which collapses can be taken back one by
-/// one: what is left is what the remaining ones make of the original.
+/// one: what is left is what the remaining ones make of the original. Each vertex stands for the
+/// original ones that went into it, and triangles for the original ones whose corners have gone
+/// into three vertices.
 class CollapseUndo {
  public:
   /// `near`: points stay attached where they are if they are no farther away than this.
-  CollapseUndo(CollapseMesh& mesh, std::span<const Vec3f> original, float near);
+  CollapseUndo(CollapseMesh& mesh, const Surface& original, UndoOrder order, float near);
 
-  /// Takes `collapse` back, and before it all later ones at vertices of its star. Adds the
-  /// triangles that come or change to `changed`, some more than once, and returns how many
-  /// collapses it took.
+  /// Takes `collapse` back, and before it those that the order asks for. Adds the triangles that
+  /// come or change to `changed`, some more than once, and returns how many collapses it took.
   std::uint32_t undo(std::uint32_t collapse, std::vector<std::uint32_t>& changed);
 
   /// The last collapse that made a triangle what it is; kNone of an original one.
@@ -32,14 +40,16 @@ class CollapseUndo {
  private:
   void undo_one(const Collapse& collapse, std::vector<std::uint32_t>& changed);
   [[nodiscard]] std::uint32_t find_later(std::uint32_t collapse) const;
-  void move_fan(const Collapse& collapse);
-  [[nodiscard]] std::uint32_t find_spoke(std::uint32_t v, std::uint32_t k, std::uint32_t end) const;
-  void move_corner(std::uint32_t triangle, std::uint32_t from, std::uint32_t to);
+  [[nodiscard]] std::uint32_t find_later_in_star(std::uint32_t collapse) const;
+  [[nodiscard]] std::uint32_t apex_of(std::uint32_t dead, std::uint32_t kept) const;
+  void bring_back(std::uint32_t triangle);
+  void split(const Collapse& collapse);
   void link(std::uint32_t v, std::uint32_t corner);
   void attach(std::uint32_t point, std::span<const std::uint32_t> triangles);
 
   CollapseMesh& mesh_;
-  std::span<const Vec3f> original_;
+  const Surface& original_;
+  UndoOrder order_;
   float near_;
   UninitializedArray<std::uint32_t> first_;  ///< By vertex: the first of its corners.
   UninitializedArray<std::uint32_t> next_;   ///< By corner: 4 * triangle + k.

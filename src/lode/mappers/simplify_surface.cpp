@@ -26,7 +26,7 @@ constexpr double kBlockTriangles = 8000;
 /// Rounds of blocks, each shifted by half a block: what is on a border in one is not in the next.
 constexpr int kRounds = 3;
 /// Collapses and proofs: where a proof fails and collapses are taken back, others are tried.
-constexpr int kPasses = 3;
+constexpr int kPasses = 2;
 /// How far attached vertices may be, of the distance allowed: what lies between them may be
 /// farther. On bonsai at one voxel, 0.9 leaves fewer triangles than 1 and takes half the undoing.
 constexpr double kReach = 0.9;
@@ -202,7 +202,9 @@ void Simplifier::collapse_round(const Partition& partition, bool attaches,
 /// Proves what collapses from `first` on have made, and takes back what fails.
 Result<void> Simplifier::prove(std::uint32_t first) {
   progress_.report("proving", 0);
-  CollapseUndo stars(mesh_, surface_.positions, static_cast<float>(0.3 * options_.max_distance));
+  // What was proven of a band is what each collapse sweeps, so its star must be what it was.
+  const UndoOrder order = options_.band == nullptr ? UndoOrder::splits : UndoOrder::stars;
+  CollapseUndo stars(mesh_, surface_, order, static_cast<float>(0.3 * options_.max_distance));
   CollapseProof proof(surface_, mesh_, stars, options_, 2.5 * std::sqrt(mean_area(surface_)),
                       progress_);
   std::vector<std::uint32_t> changed;
@@ -262,17 +264,11 @@ Result<void> Simplifier::count_input_crossings() {
   return {};
 }
 
-/// The vertex that v has gone into.
-std::uint32_t root_of(const CollapseMesh& mesh, std::uint32_t v) {
-  while (mesh.is_removed(v)) v = mesh.collapses[mesh.last[v]].kept;
-  return v;
-}
-
 void Simplifier::finish_vertices() {
   std::vector<Vec3f>& normals = surface_.normals;
   for (std::uint32_t v = 0; v < normals.size(); ++v)
     if (mesh_.is_removed(v)) {
-      const std::uint32_t root = root_of(mesh_, v);
+      const std::uint32_t root = mesh_.root_of(v);
       normals[root] = normals[root] + normals[v];
     }
   for (std::uint32_t v = 0; v < normals.size(); ++v)
