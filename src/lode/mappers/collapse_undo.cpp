@@ -6,8 +6,9 @@
 
 namespace lode::simplification {
 
-CollapseUndo::CollapseUndo(CollapseMesh& mesh, const Surface& original, UndoOrder order, float near)
-    : mesh_(mesh), original_(original), order_(order), near_(near) {
+CollapseUndo::CollapseUndo(CollapseMesh& mesh, const Surface& original, const SurfaceBand* band,
+                           float near)
+    : mesh_(mesh), original_(original), band_(band), near_(near) {
   first_.resize(mesh.positions.size());
   std::fill(first_.begin(), first_.end(), kNone);
   next_.resize(4 * mesh.triangles.size());
@@ -53,10 +54,11 @@ std::uint32_t CollapseUndo::undo(std::uint32_t collapse, std::vector<std::uint32
 std::uint32_t CollapseUndo::find_later(std::uint32_t collapse) const {
   const Collapse& c = mesh_.collapses[collapse];
   if (mesh_.last[c.kept] != collapse) return mesh_.last[c.kept];
-  if (order_ == UndoOrder::stars) return find_later_in_star(collapse);
-  if (c.dead[0] == kNone || c.dead[1] == kNone) return kNone;  // the surface's border
-  const std::uint32_t left = apex_of(c.dead[0], c.kept);
-  return left == apex_of(c.dead[1], c.kept) ? mesh_.last[left] : kNone;
+  if (c.dead[0] != kNone && c.dead[1] != kNone) {  // else it was on the surface's border
+    const std::uint32_t left = apex_of(c.dead[0], c.kept);
+    if (left == apex_of(c.dead[1], c.kept)) return mesh_.last[left];
+  }
+  return band_ == nullptr || may_sweep_back(collapse) ? kNone : find_later_in_star(collapse);
 }
 
 /// Triangles of the star are only changed by collapses at its vertices; so without any it is as it
@@ -73,6 +75,45 @@ std::uint32_t CollapseUndo::apex_of(std::uint32_t dead, std::uint32_t kept) cons
   for (const std::uint32_t v : original_.triangles[dead])
     if (const std::uint32_t root = mesh_.root_of(v); root != kept) return root;
   return kept;
+}
+
+/// Whether no sample outside the band is in what the split sweeps: the removed vertex goes back to
+/// its place with its triangles, then the other one.
+bool CollapseUndo::may_sweep_back(std::uint32_t collapse) const {
+  const Collapse& c = mesh_.collapses[collapse];
+  const Vec3d from = in_band(mesh_.positions[c.kept]);
+  const Vec3d kept = in_band(Vec3f{c.kept_position});
+  const Vec3d removed = in_band(mesh_.positions[c.removed]);
+  const bool stays = mesh_.positions[c.kept].v == c.kept_position;
+  for (std::uint32_t corner = first_[c.kept]; corner != kNone; corner = next_[corner]) {
+    const std::uint32_t t = corner >> 2;
+    const std::uint32_t k = corner & 3;
+    const bool is_removed = is_of_removed(original_.triangles[t][k], collapse);
+    if (!is_removed && stays) continue;
+    const auto& v = mesh_.triangles[t].v;
+    if (band_->may_hold_fixed({from, is_removed ? removed : kept,
+                               in_band(mesh_.positions[v[(k + 1) % 3]]),
+                               in_band(mesh_.positions[v[(k + 2) % 3]])}))
+      return false;
+  }
+  return stays || std::ranges::none_of(c.dead, [&](std::uint32_t t) {
+           return t != kNone &&
+                  band_->may_hold_fixed(
+                      {from, kept, removed, in_band(mesh_.positions[apex_of(t, c.kept)])});
+         });
+}
+
+/// Of an original vertex that has gone into the collapse's: by which of the two.
+bool CollapseUndo::is_of_removed(std::uint32_t vertex, std::uint32_t collapse) const {
+  while (mesh_.is_removed(vertex)) {
+    if (mesh_.last[vertex] == collapse) return true;
+    vertex = mesh_.collapses[mesh_.last[vertex]].kept;
+  }
+  return false;
+}
+
+Vec3d CollapseUndo::in_band(const Vec3f& position) const {
+  return band_->own_coordinates(widened(position));
 }
 
 void CollapseUndo::undo_one(const Collapse& collapse, std::vector<std::uint32_t>& changed) {

@@ -6,14 +6,9 @@
 
 #include "lode/core/surface.h"
 #include "lode/mappers/collapse_mesh.h"
+#include "lode/mappers/surface_band.h"
 
 namespace lode::simplification {
-
-/// Which collapses go before one is taken back.
-enum class UndoOrder {
-  splits,  ///< Those without which the vertex cannot be split: few.
-  stars    ///< All later ones at vertices of the star, so that it is the one that was collapsed.
-};
 
 /// A collapsed surface with the star of each vertex, from which collapses can be taken back one by
 /// one: what is left is what the remaining ones make of the original. Each vertex stands for the
@@ -21,11 +16,14 @@ enum class UndoOrder {
 /// into three vertices.
 class CollapseUndo {
  public:
-  /// `near`: points stay attached where they are if they are no farther away than this.
-  CollapseUndo(CollapseMesh& mesh, const Surface& original, UndoOrder order, float near);
+  /// `band`: of the mesh's positions, if no sample outside it may change sides; or null. `near`:
+  /// points stay attached where they are if they are no farther away than this.
+  CollapseUndo(CollapseMesh& mesh, const Surface& original, const SurfaceBand* band, float near);
 
-  /// Takes `collapse` back, and before it those that the order asks for. Adds the triangles that
-  /// come or change to `changed`, some more than once, and returns how many collapses it took.
+  /// Takes `collapse` back, and before it those without which its vertex cannot be split: few,
+  /// unless a sample outside the band is in the way, where it may be all later ones at vertices of
+  /// the star, as what a collapse swept may be swept back. Adds the triangles that come or change
+  /// to `changed`, some more than once, and returns how many collapses it took.
   std::uint32_t undo(std::uint32_t collapse, std::vector<std::uint32_t>& changed);
 
   /// The last collapse that made a triangle what it is; kNone of an original one.
@@ -42,6 +40,9 @@ class CollapseUndo {
   [[nodiscard]] std::uint32_t find_later(std::uint32_t collapse) const;
   [[nodiscard]] std::uint32_t find_later_in_star(std::uint32_t collapse) const;
   [[nodiscard]] std::uint32_t apex_of(std::uint32_t dead, std::uint32_t kept) const;
+  [[nodiscard]] bool may_sweep_back(std::uint32_t collapse) const;
+  [[nodiscard]] bool is_of_removed(std::uint32_t vertex, std::uint32_t collapse) const;
+  [[nodiscard]] Vec3d in_band(const Vec3f& position) const;
   void bring_back(std::uint32_t triangle);
   void split(const Collapse& collapse);
   void link(std::uint32_t v, std::uint32_t corner);
@@ -49,7 +50,7 @@ class CollapseUndo {
 
   CollapseMesh& mesh_;
   const Surface& original_;
-  UndoOrder order_;
+  const SurfaceBand* band_;
   float near_;
   UninitializedArray<std::uint32_t> first_;  ///< By vertex: the first of its corners.
   UninitializedArray<std::uint32_t> next_;   ///< By corner: 4 * triangle + k.

@@ -202,9 +202,8 @@ void Simplifier::collapse_round(const Partition& partition, bool attaches,
 /// Proves what collapses from `first` on have made, and takes back what fails.
 Result<void> Simplifier::prove(std::uint32_t first) {
   progress_.report("proving", 0);
-  // What was proven of a band is what each collapse sweeps, so its star must be what it was.
-  const UndoOrder order = options_.band == nullptr ? UndoOrder::splits : UndoOrder::stars;
-  CollapseUndo stars(mesh_, surface_, order, static_cast<float>(0.3 * options_.max_distance));
+  CollapseUndo stars(mesh_, surface_, options_.band,
+                     static_cast<float>(0.3 * options_.max_distance));
   CollapseProof proof(surface_, mesh_, stars, options_, 2.5 * std::sqrt(mean_area(surface_)),
                       progress_);
   std::vector<std::uint32_t> changed;
