@@ -1,11 +1,13 @@
 #include "lode/mappers/simplify_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lode/core/stopwatch.h"
@@ -23,10 +25,16 @@ namespace {
 /// Blocks have about as many triangles: their data fit a core's cache, and their borders, where
 /// nothing collapses until the next round, are short.
 constexpr double kBlockTriangles = 8000;
-/// Rounds of blocks, each shifted by half a block: what is on a border in one is not in the next.
-constexpr int kRounds = 3;
 /// Collapses and proofs: where a proof fails and collapses are taken back, others are tried.
 constexpr int kPasses = 2;
+/// Blocks of one round, in edges of those of the first: what is on their borders stays as it is.
+/// They grow with what is left, and no border is where one of the rounds before was.
+struct Round {
+  double edge;
+  double shift;
+};
+constexpr std::array<Round, 4> kFirstRounds{{{1, 0}, {1.5, 0.75}, {2, 0.5}, {2, 1.5}}};
+constexpr std::array<Round, 1> kLaterRounds{{{2, 1}}};
 /// How far attached vertices may be, of the distance allowed: what lies between them may be
 /// farther. On bonsai at one voxel, 0.9 leaves fewer triangles than 1 and takes half the undoing.
 constexpr double kReach = 0.9;
@@ -153,15 +161,17 @@ Result<void> Simplifier::collapse(int pass) {
       .is_piece = numbers_ != nullptr,
       .lower = lower,
       .upper = upper};
-  const int n_rounds = pass == 0 ? kRounds : 1;
-  for (int round = 0; round < n_rounds; ++round) {
-    progress_.report("simplifying", static_cast<double>(round) / n_rounds);
-    const auto shift = static_cast<float>(edge * (0.5 * round + 0.25 * pass));
-    Partition partition = make_partition(mesh_, {{{shift, shift, shift}}, static_cast<float>(edge)},
-                                         options_.threads);
+  const std::span<const Round> rounds =
+      pass == 0 ? std::span<const Round>(kFirstRounds) : std::span<const Round>(kLaterRounds);
+  for (std::size_t i = 0; i < rounds.size(); ++i) {
+    progress_.report("simplifying", static_cast<double>(i) / static_cast<double>(rounds.size()));
+    const auto shift = static_cast<float>(edge * rounds[i].shift);
+    Partition partition =
+        make_partition(mesh_, {{{shift, shift, shift}}, static_cast<float>(edge * rounds[i].edge)},
+                       options_.threads);
     if (pass > 0)
       for (std::size_t v = 0; v < is_failed_.size(); ++v) partition.is_locked[v] |= is_failed_[v];
-    const bool attaches = pass == 0 && round == 0 && std::isfinite(options_.max_distance);
+    const bool attaches = pass == 0 && i == 0 && std::isfinite(options_.max_distance);
     collapse_round(partition, attaches, limits);
     if (progress_.is_cancelled()) return cancelled_error();
   }
