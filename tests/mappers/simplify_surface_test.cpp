@@ -272,6 +272,15 @@ TEST(simplify_surface, takes_attributes_along) {
   }
 }
 
+TEST(simplify_surface, drops_no_vertex_that_no_triangle_has) {
+  Surface surface = make_sphere(24, 7, {{0, 0, 0}});
+  surface.positions.push_back(point(1, 2, 3));
+  SimplifyReport report;
+  const Surface simple = simplified(surface, 0.5, 2, report);
+  EXPECT_LT(simple.triangles.size(), 400U);
+  EXPECT_EQ(simple.positions.back(), point(1, 2, 3));
+}
+
 TEST(simplify_surface, does_nothing_to_nothing) {
   SimplifyReport report;
   EXPECT_TRUE(simplified(Surface(), 1, 2, report).is_empty());

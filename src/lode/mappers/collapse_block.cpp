@@ -88,6 +88,10 @@ void BlockSimplifier::prepare(const Block& block) {
   marks_.resize(vertices_.size());
   quadrics_.assign(vertices_.size(), {});
   costs_.assign(vertices_.size(), -1.0F);
+  if (limits_.band != nullptr) {
+    in_band_.resize(vertices_.size());
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v) in_band_[v] = find_in_band(v);
+  }
   if (!block.is_open.empty())
     for (std::uint32_t v = 0; v < vertices_.size(); ++v)
       if (block.is_open[vertex_ids_[v]] == 0) costs_[v] = kTried;
@@ -181,6 +185,7 @@ void BlockSimplifier::apply(std::uint32_t kept, std::uint32_t removed, const Vec
   if (!(vertices_[kept].position == position)) {
     vertices_[kept].position = position;
     flags_[kept] |= kMovedFlag;
+    if (limits_.band != nullptr) in_band_[kept] = find_in_band(kept);
   }
   quadrics_[kept].add(quadrics_[removed]);
   costs_[kept] = -1;

@@ -151,7 +151,7 @@ class BlockSimplifier {
   [[nodiscard]] bool folds_little() const;
   [[nodiscard]] bool keeps_to_band(std::uint32_t kept, std::uint32_t removed,
                                    const Star& star_of_removed, const Vec3f& position) const;
-  [[nodiscard]] Vec3d in_band(std::uint32_t v) const;
+  [[nodiscard]] Vec3d find_in_band(std::uint32_t v) const;
   [[nodiscard]] Vec3f stored_position(std::uint32_t v) const;
   [[nodiscard]] bool attach_points(const Vec3f& position);
   [[nodiscard]] bool attach_point(std::uint32_t point, const Vec3f& position, std::uint32_t start);
@@ -170,6 +170,7 @@ class BlockSimplifier {
   std::vector<std::uint32_t> vertex_ids_;
   std::vector<std::uint32_t> last_;
   std::vector<Quadric> quadrics_;
+  std::vector<Vec3d> in_band_;  ///< Of vertices, the band's own coordinates; empty without one.
   std::vector<std::uint8_t> flags_;
   std::vector<float> costs_;  ///< Of the best collapse at a vertex; negative: not known.
   std::vector<WorkTriangle> triangles_;

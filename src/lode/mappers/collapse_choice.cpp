@@ -113,9 +113,9 @@ BlockSimplifier::Choice BlockSimplifier::choose_on_border(std::uint32_t v, const
   }
   if (n_planes == 0) return best;
   if (limits_.band != nullptr) {  // at holes the border may turn in its plane
-    const unsigned outer = limits_.band->border_planes(in_band(v)) &
-                           limits_.band->border_planes(in_band(ends[0])) &
-                           limits_.band->border_planes(in_band(ends[1]));
+    const unsigned outer = limits_.band->border_planes(in_band_[v]) &
+                           limits_.band->border_planes(in_band_[ends[0]]) &
+                           limits_.band->border_planes(in_band_[ends[1]]);
     if (std::popcount(outer) < n_planes) return best;
   }
   const float aside = squared_distance_to_segment(p, a, b - a);

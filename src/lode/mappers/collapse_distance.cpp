@@ -132,14 +132,16 @@ void DistanceProof::find_distances(Threads threads) {
   const std::size_t n = attached_distance2_.size();
   parallel_for((n + kPiece - 1) / kPiece, threads, 1, [&](std::size_t piece, int) {
     for (std::size_t v = piece * kPiece; v < std::min(n, (piece + 1) * kPiece); ++v)
-      attached_distance2_[v] = squared_distance_to_triangle(
-          widened(original_.positions[v]), widened_corners(corners(mesh_, mesh_.attached_to[v])));
+      if (mesh_.attached_to[v] != kNone)  // else it is in no triangle
+        attached_distance2_[v] = squared_distance_to_triangle(
+            widened(original_.positions[v]), widened_corners(corners(mesh_, mesh_.attached_to[v])));
   });
 }
 
 DistanceReport DistanceProof::from_original(std::span<const std::uint32_t> triangles,
                                             Threads threads) {
-  // Most triangles are attached to one, and each of their vertices has six.
+  // Where all are asked for; vertices have some six triangles each, and most of these one they are
+  // attached to.
   if (triangles.size() > original_.positions.size()) find_distances(threads);
   DistanceReport report = collect(triangles, limit_, threads, progress_,
                                   [this](std::uint32_t t, int) { return bound_from(t); });
@@ -187,7 +189,7 @@ DistanceReport DistanceProof::to_original(std::span<const std::uint32_t> triangl
                                           Threads threads) {
   const Surroundings around = surroundings();
   std::vector<ShadowCover> shadows(static_cast<std::size_t>(n_workers(threads)),
-                                   ShadowCover(original_, around, limit_ * (1 - 2 * kRounding)));
+                                   ShadowCover(original_, around, limit_ * (1 - 3 * kRounding)));
   double proven = 0;
   std::vector<std::uint32_t> left(triangles.begin(), triangles.end());
   const auto take = [&](DistanceReport report) {

@@ -22,8 +22,8 @@ struct WorkTriangle {
   [[nodiscard]] bool is_dead() const { return points == kDead; }
 };
 
-/// An edge collapse, with what undoing it takes. The removed vertex and the dead triangles keep
-/// their position and corners.
+/// An edge collapse, with what undoing it takes. The removed vertex keeps its position; corners of
+/// dead triangles mean nothing.
 struct Collapse {
   std::uint32_t kept;
   std::uint32_t removed;

@@ -16,7 +16,9 @@ std::uint32_t later(std::uint32_t a, std::uint32_t b) {
 }  // namespace
 
 /// Original triangles of which a corner is attached to a changed triangle or a neighbour of one:
-/// their proofs may have been about what is no more.
+/// their proofs may have been about what is no more. Those that failed, wherever they are attached,
+/// and to begin with those of which a corner has collapsed since all was proven, so that they may
+/// not have been looked at.
 std::vector<std::uint32_t> CollapseProof::to_recheck(std::span<const std::uint32_t> live,
                                                      std::span<const std::uint32_t> changed) {
   std::vector<std::uint8_t> is_near(mesh_.triangles.size(), 0);
@@ -28,7 +30,12 @@ std::vector<std::uint32_t> CollapseProof::to_recheck(std::span<const std::uint32
         is_near[s] = 1;
         near.push_back(s);
       });
-  return near.size() * 4 < live.size() ? original_of_few(near) : original_of_many(is_near);
+  const bool are_few = has_begun_ && near.size() * 4 < live.size();
+  std::vector<std::uint32_t> found = are_few ? original_of_few(near) : original_of_many(is_near);
+  has_begun_ = true;
+  found.insert(found.end(), far_.begin(), far_.end());
+  sort_unique(found);
+  return found;
 }
 
 /// Whether an original triangle is no more, or has a corner that collapses moved.
@@ -51,7 +58,8 @@ std::vector<std::uint32_t> CollapseProof::original_of_many(
     std::span<const std::uint8_t> is_near) const {
   const auto is_asked = [&](std::uint32_t t) {
     return is_changed(t) && std::ranges::any_of(original_.triangles[t], [&](std::uint32_t v) {
-             return is_near[mesh_.attached_to[v]] != 0;
+             const bool is_new = mesh_.last[v] != kNone && mesh_.last[v] >= first_;
+             return is_near[mesh_.attached_to[v]] != 0 || (is_new && !has_begun_);
            });
   };
   constexpr std::size_t kPiece = 1 << 16;
@@ -83,6 +91,7 @@ void CollapseProof::find_far(std::span<const std::uint32_t> made,
       for (const std::uint32_t v : original_.triangles[t]) maker = later(maker, mesh_.last[v]);
     bad.push_back(maker);
   }
+  far_ = from.failing;
   proven_distance_ = std::max({proven_distance_, to.proven, from.proven});
 }
 

@@ -18,13 +18,16 @@ namespace lode::simplification {
 /// is near, and in the band, as far as the options ask.
 class CollapseProof {
  public:
-  /// `edge`: about the longest of original triangles.
+  /// `edge`: about the longest of original triangles. `first`: of the collapses since all was
+  /// proven.
   CollapseProof(const Surface& original, const CollapseMesh& mesh, const CollapseUndo& stars,
-                const SimplifyOptions& options, double edge, Progress& progress)
+                const SimplifyOptions& options, double edge, std::uint32_t first,
+                Progress& progress)
       : original_(original),
         mesh_(mesh),
         stars_(stars),
         options_(options),
+        first_(first),
         progress_(progress),
         distance_(original, mesh, stars, options.max_distance, edge, progress) {}
 
@@ -52,8 +55,11 @@ class CollapseProof {
   const CollapseMesh& mesh_;
   const CollapseUndo& stars_;
   const SimplifyOptions& options_;
+  std::uint32_t first_;
   Progress& progress_;
   DistanceProof distance_;
+  bool has_begun_ = false;
+  std::vector<std::uint32_t> far_;  ///< Original triangles that were not proven near the last time.
   double proven_distance_ = 0;
   double proven_error_ = 0;
   bool meets_itself_already_ = false;

@@ -6,9 +6,9 @@
 
 namespace lode::simplification {
 
-CollapseUndo::CollapseUndo(CollapseMesh& mesh, const Surface& original, const SurfaceBand* band,
-                           float near)
-    : mesh_(mesh), original_(original), band_(band), near_(near) {
+CollapseUndo::CollapseUndo(CollapseMesh& mesh, const Surface& original, UndoOrder order,
+                           const SurfaceBand* band, float near)
+    : mesh_(mesh), original_(original), order_(order), band_(band), near_(near) {
   first_.resize(mesh.positions.size());
   std::fill(first_.begin(), first_.end(), kNone);
   next_.resize(4 * mesh.triangles.size());
@@ -36,7 +36,14 @@ std::uint32_t CollapseUndo::undo(std::uint32_t collapse, std::vector<std::uint32
   pending_.assign(1, collapse);
   while (!pending_.empty()) {
     const std::uint32_t c = pending_.back();
-    const std::uint32_t later = find_later(c);
+    std::uint32_t later = find_later(c);
+    const bool asks_band = order_ == UndoOrder::splits && band_ != nullptr;
+    if (later == kNone && asks_band && !may_sweep_back(c)) {
+      // With fewer of the others it may, as it might in the end by itself.
+      later = find_later_in_star(c);
+      is_stuck_ = later == kNone;
+      if (is_stuck_) return n;
+    }
     if (later != kNone) {
       pending_.push_back(later);
       continue;
@@ -54,11 +61,10 @@ std::uint32_t CollapseUndo::undo(std::uint32_t collapse, std::vector<std::uint32
 std::uint32_t CollapseUndo::find_later(std::uint32_t collapse) const {
   const Collapse& c = mesh_.collapses[collapse];
   if (mesh_.last[c.kept] != collapse) return mesh_.last[c.kept];
-  if (c.dead[0] != kNone && c.dead[1] != kNone) {  // else it was on the surface's border
-    const std::uint32_t left = apex_of(c.dead[0], c.kept);
-    if (left == apex_of(c.dead[1], c.kept)) return mesh_.last[left];
-  }
-  return band_ == nullptr || may_sweep_back(collapse) ? kNone : find_later_in_star(collapse);
+  if (order_ == UndoOrder::stars) return find_later_in_star(collapse);
+  if (c.dead[0] == kNone || c.dead[1] == kNone) return kNone;  // the surface's border
+  const std::uint32_t left = apex_of(c.dead[0], c.kept);
+  return left == apex_of(c.dead[1], c.kept) ? mesh_.last[left] : kNone;
 }
 
 /// Triangles of the star are only changed by collapses at its vertices; so without any it is as it

@@ -10,6 +10,13 @@
 
 namespace lode::simplification {
 
+/// Which collapses go before one is taken back.
+enum class UndoOrder {
+  splits,  ///< Those without which the vertex cannot be split: few.
+  stars    ///< All later ones at vertices of the star: where only this is asked for, from the first
+           ///< one taken back on, each star is then the one that its collapse left.
+};
+
 /// A collapsed surface with the star of each vertex, from which collapses can be taken back one by
 /// one: what is left is what the remaining ones make of the original. Each vertex stands for the
 /// original ones that went into it, and triangles for the original ones whose corners have gone
@@ -18,13 +25,17 @@ class CollapseUndo {
  public:
   /// `band`: of the mesh's positions, if no sample outside it may change sides; or null. `near`:
   /// points stay attached where they are if they are no farther away than this.
-  CollapseUndo(CollapseMesh& mesh, const Surface& original, const SurfaceBand* band, float near);
+  CollapseUndo(CollapseMesh& mesh, const Surface& original, UndoOrder order,
+               const SurfaceBand* band, float near);
 
-  /// Takes `collapse` back, and before it those without which its vertex cannot be split: few,
-  /// unless a sample outside the band is in the way, where it may be all later ones at vertices of
-  /// the star, as what a collapse swept may be swept back. Adds the triangles that come or change
-  /// to `changed`, some more than once, and returns how many collapses it took.
+  /// Takes `collapse` back, and before it those that the order asks for. Adds the triangles that
+  /// come or change to `changed`, some more than once, and returns how many collapses it took.
   std::uint32_t undo(std::uint32_t collapse, std::vector<std::uint32_t>& changed);
+
+  /// A sample outside the band may be in what a split would sweep, whatever else was taken back at
+  /// its star, and it was not made. Not in the order of stars, where what each collapse swept is
+  /// swept back.
+  [[nodiscard]] bool is_stuck() const { return is_stuck_; }
 
   /// The last collapse that made a triangle what it is; kNone of an original one.
   [[nodiscard]] std::uint32_t maker(std::uint32_t triangle) const;
@@ -50,11 +61,13 @@ class CollapseUndo {
 
   CollapseMesh& mesh_;
   const Surface& original_;
+  UndoOrder order_;
   const SurfaceBand* band_;
   float near_;
   UninitializedArray<std::uint32_t> first_;  ///< By vertex: the first of its corners.
   UninitializedArray<std::uint32_t> next_;   ///< By corner: 4 * triangle + k.
   std::vector<std::uint32_t> pending_;
+  bool is_stuck_ = false;
 };
 
 }  // namespace lode::simplification

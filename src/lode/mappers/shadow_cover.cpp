@@ -4,21 +4,36 @@
 #include <cmath>
 
 namespace lode::simplification {
-namespace {
+/// Of a large one most would be emptied for nothing.
+void ShadowCover::Set::clear() {
+  if (n_ == 0) return;
+  table_.assign(table_.size() > kLarge ? kLeast : table_.size(), kNone);
+  n_ = 0;
+}
 
-constexpr std::uint32_t kNowhere = 0xFFFFFFFFU;
-
-}  // namespace
+bool ShadowCover::Set::insert(std::uint32_t number) {
+  const auto place = [this](std::uint32_t x) {
+    std::size_t at = (x * 0x9E3779B1U) & (table_.size() - 1);
+    while (table_[at] != kNone && table_[at] != x) at = (at + 1) & (table_.size() - 1);
+    return at;
+  };
+  const std::size_t at = place(number);
+  if (table_[at] == number) return false;
+  table_[at] = number;
+  if (2 * ++n_ <= table_.size()) return true;
+  std::vector<std::uint32_t> old(2 * table_.size(), kNone);
+  std::swap(old, table_);
+  for (const std::uint32_t x : old)
+    if (x != kNone) table_[place(x)] = x;
+  return true;
+}
 
 ShadowCover::ShadowCover(const Surface& original, const Surroundings& around, double limit)
     : original_(original), around_(around), limit_(limit), margin_(kMargin * limit) {}
 
 double ShadowCover::bound(const Piece& triangle, std::uint32_t start) {
   if (!place(triangle)) return kUnproven;
-  if (last_call_.empty() || ++n_calls_ == 0) {
-    last_call_.assign(original_.triangles.size(), 0);
-    n_calls_ = 1;
-  }
+  met_.clear();
   highest_ = 0;
   is_odd_ = false;
   pending_.clear();
@@ -28,7 +43,8 @@ double ShadowCover::bound(const Piece& triangle, std::uint32_t start) {
     pending_.pop_back();
     if (!take(entry)) return kUnproven;
   }
-  return is_odd_ ? highest_ * highest_ : kUnproven;
+  const double bound = highest_ + margin_;  // for what rounding may have lifted
+  return is_odd_ ? bound * bound : kUnproven;
 }
 
 /// The plane, and the triangle in it; whether it has one that rounding does not blur.
@@ -36,16 +52,16 @@ bool ShadowCover::place(const Piece& triangle) {
   const Vec3d b = triangle[1] - triangle[0];
   const Vec3d c = triangle[2] - triangle[0];
   const double longest2 = std::max({dot(b, b), dot(c, c), dot(c - b, c - b)});
-  const Vec3d n = lode::cross(b, c);
+  const Vec3d n = cross(b, c);
   // The least height is the length of n by the longest edge.
   constexpr double kThinnest = 1e-4;
   if (!(dot(n, n) > kThinnest * kThinnest * longest2 * longest2)) return false;
   if (!(longest2 < kLargest * kLargest * limit_ * limit_)) return false;
   origin_ = triangle[0];
-  u_ = normalized(b);
-  w_ = normalized(n);
-  v_ = lode::cross(w_, u_);
-  corners_ = {{{0, 0}, {dot(b, u_), 0}, {dot(c, u_), dot(c, v_)}}};
+  right_ = normalized(b);
+  up_ = normalized(n);
+  forward_ = cross(up_, right_);
+  corners_ = {{{0, 0}, {dot(b, right_), 0}, {dot(c, right_), dot(c, forward_)}}};
   for (std::size_t k = 0; k < 3; ++k) {
     const auto& from = corners_[k];
     const auto& to = corners_[(k + 1) % 3];
@@ -64,7 +80,7 @@ bool ShadowCover::place(const Piece& triangle) {
 
 ShadowCover::Shadow ShadowCover::shadow_of(std::uint32_t vertex) const {
   const Vec3d d = widened(original_.positions[vertex]) - origin_;
-  Shadow shadow{dot(d, u_), dot(d, v_), dot(d, w_), {}};
+  Shadow shadow{dot(d, right_), dot(d, forward_), dot(d, up_), {}};
   for (std::size_t k = 0; k < 3; ++k)
     shadow.inside[k] =
         (shadow.x - corners_[k][0]) * inward_[k][0] + (shadow.y - corners_[k][1]) * inward_[k][1];
@@ -86,7 +102,7 @@ bool ShadowCover::is_low(const std::array<const Shadow*, 3>& corners) {
 /// The largest height of a triangle where its shadow is on the new one: what is left of it is cut
 /// by the line of each edge.
 double ShadowCover::height_inside(const std::array<const Shadow*, 3>& corners) const {
-  constexpr std::size_t kMostCorners = 6;
+  constexpr std::size_t kMostCorners = 24;  // each cut could double them, by rounding
   std::array<Shadow, kMostCorners> left{*corners[0], *corners[1], *corners[2]};
   std::size_t n = 3;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -120,37 +136,38 @@ bool ShadowCover::start_at(std::uint32_t vertex) {
   const std::uint32_t t = around.front();
   const auto& corners = original_.triangles[t];
   const Entry entry{t, corners[0], corners[1], shadow_of(corners[0]), shadow_of(corners[1])};
-  last_call_[t] = n_calls_;
-  return take(entry) && cross(t, entry.v, entry.w, entry.at_v, entry.at_w);
+  met_.insert(t);
+  return take(entry) && go_across(t, entry.v, entry.w, entry.at_v, entry.at_w);
 }
 
 /// Counts the triangle, and goes on across its two other edges.
 bool ShadowCover::take(const Entry& entry) {
-  std::uint32_t apex = kNowhere;
+  std::uint32_t apex = kNone;
   for (const std::uint32_t x : original_.triangles[entry.triangle])
     if (x != entry.v && x != entry.w) apex = x;
-  if (apex == kNowhere) return false;
+  if (apex == kNone) return false;
   const Shadow at_apex = shadow_of(apex);
   const std::array<const Shadow*, 3> corners{&entry.at_v, &entry.at_w, &at_apex};
   if (!is_low(corners) || !count(corners)) return false;
-  return cross(entry.triangle, entry.v, apex, entry.at_v, at_apex) &&
-         cross(entry.triangle, entry.w, apex, entry.at_w, at_apex);
+  return go_across(entry.triangle, entry.v, apex, entry.at_v, at_apex) &&
+         go_across(entry.triangle, entry.w, apex, entry.at_w, at_apex);
 }
 
-/// To what lies beyond an edge, if its shadow meets the new triangle; false at a border.
-bool ShadowCover::cross(std::uint32_t triangle, std::uint32_t v, std::uint32_t w,
-                        const Shadow& at_v, const Shadow& at_w) {
+/// To the one triangle that lies beyond an edge, if its shadow meets the new triangle; false at a
+/// border, and where there are more.
+bool ShadowCover::go_across(std::uint32_t triangle, std::uint32_t v, std::uint32_t w,
+                            const Shadow& at_v, const Shadow& at_w) {
   if (misses(at_v, at_w)) return true;
+  std::uint32_t beyond = kNone;
   for (const std::uint32_t t : around_.of(v)) {
-    if (t == triangle) continue;
     const auto& corners = original_.triangles[t];
-    if (corners[0] != w && corners[1] != w && corners[2] != w) continue;
-    if (last_call_[t] == n_calls_) return true;
-    last_call_[t] = n_calls_;
-    pending_.push_back({t, v, w, at_v, at_w});
-    return true;
+    if (t == triangle || (corners[0] != w && corners[1] != w && corners[2] != w)) continue;
+    if (beyond != kNone) return false;
+    beyond = t;
   }
-  return false;
+  if (beyond == kNone) return false;
+  if (met_.insert(beyond)) pending_.push_back({beyond, v, w, at_v, at_w});
+  return true;
 }
 
 /// Whether the edge's shadow is clearly apart from the new triangle: a line between two convex sets

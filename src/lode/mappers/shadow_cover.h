@@ -6,6 +6,7 @@
 
 #include "lode/core/surface.h"
 #include "lode/mappers/collapse_cover.h"
+#include "lode/mappers/collapse_mesh.h"
 #include "lode/mappers/collapse_pieces.h"
 
 namespace lode::simplification {
@@ -15,8 +16,24 @@ namespace lode::simplification {
 /// farther than at a corner. Modulo 2, how many shadows a point of the plane lies in changes only
 /// at shadows of edges that an odd number of the triangles has. From one triangle on, neighbours
 /// are taken in across all edges whose shadows meet the new triangle; then no such edge does, and
-/// where one point of the new triangle lies in an odd number of shadows, all lie in some.
+/// where one point of the new triangle lies in an odd number of shadows, all lie in some. Where the
+/// original ends, or three of its triangles have an edge, nothing is proven.
 class ShadowCover {
+  /// Numbers in a table that grows with them.
+  class Set {
+   public:
+    void clear();
+    /// Whether it was not there.
+    bool insert(std::uint32_t number);
+
+   private:
+    static constexpr std::size_t kLeast = 64;
+    static constexpr std::size_t kLarge = 4096;
+
+    std::vector<std::uint32_t> table_ = std::vector<std::uint32_t>(kLeast, kNone);
+    std::size_t n_ = 0;
+  };
+
  public:
   ShadowCover(const Surface& original, const Surroundings& around, double limit);
 
@@ -44,8 +61,8 @@ class ShadowCover {
   [[nodiscard]] double height_inside(const std::array<const Shadow*, 3>& corners) const;
   [[nodiscard]] bool start_at(std::uint32_t vertex);
   [[nodiscard]] bool take(const Entry& entry);
-  [[nodiscard]] bool cross(std::uint32_t triangle, std::uint32_t v, std::uint32_t w,
-                           const Shadow& at_v, const Shadow& at_w);
+  [[nodiscard]] bool go_across(std::uint32_t triangle, std::uint32_t v, std::uint32_t w,
+                               const Shadow& at_v, const Shadow& at_w);
   [[nodiscard]] bool misses(const Shadow& a, const Shadow& b) const;
   [[nodiscard]] bool count(const std::array<const Shadow*, 3>& corners);
 
@@ -57,15 +74,14 @@ class ShadowCover {
   Surroundings around_;
   double limit_;
   double margin_;
-  Vec3d origin_, u_, v_, w_;
+  Vec3d origin_, right_, forward_, up_;
   std::array<std::array<double, 2>, 3> corners_{};  ///< Of the new triangle, in its plane.
   std::array<std::array<double, 2>, 3> inward_{};   ///< Unit normals of its edges there.
   std::array<double, 2> middle_{};                  ///< A point inside.
   double highest_ = 0;
   bool is_odd_ = false;
   std::vector<Entry> pending_;
-  std::vector<std::uint32_t> last_call_;  ///< By original triangle: that met it.
-  std::uint32_t n_calls_ = 0;
+  Set met_;  ///< Original triangles.
 };
 
 }  // namespace lode::simplification

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lode/core/stopwatch.h"
@@ -103,16 +104,8 @@ class Simplifier {
   Result<SimplifyReport> run() {
     report_.max_distance = options_.max_distance;
     report_.triangles_before = surface_.triangles.size();
-    for (int pass = 0; pass < kPasses; ++pass) {
-      const std::uint32_t first = next_collapse_;
-      const Stopwatch collapsing;
-      LODE_CHECK(collapse(pass));
-      report_.seconds.collapse += collapsing.seconds();
-      const Stopwatch checking;
-      LODE_CHECK(prove(first));
-      report_.seconds.check += checking.seconds();
-      if (!has_reopened_) break;
-    }
+    has_reopened_ = true;
+    for (int pass = 0; pass < kPasses && has_reopened_; ++pass) LODE_CHECK(run_pass(pass));
     if (meets_itself_already_) LODE_CHECK(count_input_crossings());
     const Stopwatch finishing;
     finish();
@@ -123,10 +116,23 @@ class Simplifier {
   }
 
  private:
+  /// What taking collapses back changes.
+  struct State {
+    UninitializedArray<Vec3f> positions;
+    UninitializedArray<WorkTriangle> triangles;
+    UninitializedArray<std::uint32_t> next_point;
+    UninitializedArray<std::uint32_t> attached_to;
+    UninitializedArray<std::uint32_t> last;
+    SimplifyReport report;
+  };
+
+  Result<void> run_pass(int pass);
+  [[nodiscard]] State state() const;
+  void restore(State state);
   Result<void> collapse(int pass);
   void collapse_round(const Partition& partition, bool attaches, const BlockLimits& limits);
   [[nodiscard]] double reach() const;
-  Result<void> prove(std::uint32_t first);
+  Result<bool> prove(std::uint32_t first);
   void find_live();
   void add_live(std::span<const std::uint32_t> changed);
   void reopen(std::span<const std::uint32_t> changed);
@@ -141,12 +147,51 @@ class Simplifier {
   CollapseMesh mesh_;
   SimplifyReport report_;
   std::uint32_t next_collapse_ = 0;
+  UndoOrder order_ = UndoOrder::splits;
   std::vector<std::uint32_t> live_;      ///< Triangles that are there, while they are proven.
   std::vector<std::uint8_t> is_open_;    ///< By vertex: to be tried in the next pass; empty: all.
   std::vector<std::uint8_t> is_failed_;  ///< By vertex: of a collapse that failed a proof.
   bool has_reopened_ = false;
   bool meets_itself_already_ = false;
 };
+
+/// In a band taking back may get stuck, which is rare: then the first pass takes back in the order
+/// of stars from the beginning, and a later one leaves what the one before has proven.
+Result<void> Simplifier::run_pass(int pass) {
+  const bool may_stick = options_.band != nullptr && order_ == UndoOrder::splits;
+  const std::uint32_t first = next_collapse_;
+  const Stopwatch collapsing;
+  std::optional<State> saved;
+  if (may_stick && pass > 0) saved = state();
+  LODE_CHECK(collapse(pass));
+  if (may_stick && pass == 0) saved = state();
+  report_.seconds.collapse += collapsing.seconds();
+  const Stopwatch checking;
+  LODE_TRY(const bool is_proven, prove(first));
+  if (!is_proven) {
+    restore(std::move(*saved));
+    has_reopened_ = false;
+    if (pass > 0) return {};
+    order_ = UndoOrder::stars;
+    LODE_CHECK(prove(first));
+  }
+  report_.seconds.check += checking.seconds();
+  return {};
+}
+
+Simplifier::State Simplifier::state() const {
+  return {mesh_.positions,   mesh_.triangles, mesh_.next_point,
+          mesh_.attached_to, mesh_.last,      report_};
+}
+
+void Simplifier::restore(State state) {
+  mesh_.positions = std::move(state.positions);
+  mesh_.triangles = std::move(state.triangles);
+  mesh_.next_point = std::move(state.next_point);
+  mesh_.attached_to = std::move(state.attached_to);
+  mesh_.last = std::move(state.last);
+  report_ = state.report;
+}
 
 Result<void> Simplifier::collapse(int pass) {
   const double area = mean_area(surface_);
@@ -209,12 +254,13 @@ void Simplifier::collapse_round(const Partition& partition, bool attaches,
   if (attaches) attach_rest(partition.between, mesh_);
 }
 
-/// Proves what collapses from `first` on have made, and takes back what fails.
-Result<void> Simplifier::prove(std::uint32_t first) {
+/// Proves what collapses from `first` on have made, and takes back what fails; false where that
+/// gets stuck.
+Result<bool> Simplifier::prove(std::uint32_t first) {
   progress_.report("proving", 0);
-  CollapseUndo stars(mesh_, surface_, options_.band,
+  CollapseUndo stars(mesh_, surface_, order_, options_.band,
                      static_cast<float>(0.3 * options_.max_distance));
-  CollapseProof proof(surface_, mesh_, stars, options_, 2.5 * std::sqrt(mean_area(surface_)),
+  CollapseProof proof(surface_, mesh_, stars, options_, 2.5 * std::sqrt(mean_area(surface_)), first,
                       progress_);
   std::vector<std::uint32_t> changed;
   find_live();
@@ -230,10 +276,12 @@ Result<void> Simplifier::prove(std::uint32_t first) {
     LODE_TRY(const auto bad, proof.find_bad(live_, changed));
     changed.clear();
     for (const std::uint32_t c : bad) {
+      if (progress_.is_cancelled()) return cancelled_error();
       const Collapse& collapse = mesh_.collapses[c];
       if (mesh_.last[collapse.removed] != c) continue;  // another has taken it with it
       is_failed_[collapse.kept] = is_failed_[collapse.removed] = 1;
       report_.undone += stars.undo(c, changed);
+      if (stars.is_stuck()) return false;
     }
     sort_unique(changed);
     add_live(changed);
@@ -242,7 +290,7 @@ Result<void> Simplifier::prove(std::uint32_t first) {
   report_.proven_distance = std::max(report_.proven_distance, proof.proven_distance());
   report_.proven_error = std::max(report_.proven_error, proof.proven_error());
   meets_itself_already_ = meets_itself_already_ || proof.meets_itself_already();
-  return {};
+  return true;
 }
 
 void Simplifier::find_live() {

@@ -265,6 +265,9 @@ template <typename T>
 bool FieldBand<T>::seems_within(const Vec3d& apex,
                                 std::span<const std::array<Vec3d, 2>> fan) const {
   if (!is_inside(apex) || !is_within(apex)) return false;
+  // Those that fail most often first.
+  for (const auto& [a, b] : fan)
+    if (!is_within((apex + a + b) * (1.0 / 3))) return false;
   for (const auto& [a, b] : fan) {
     const Vec3d u = a - apex;
     const int n = n_parts(u);
