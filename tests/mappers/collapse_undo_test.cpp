@@ -179,17 +179,8 @@ class CollapseUndoOrder : public testing::TestWithParam<std::tuple<UndoOrder, un
   static Surface make(int shape) {
     if (shape == 0) return test::make_torus(20, 9, 5, 2);
     if (shape == 1) return test::make_sphere(8, 3, {{1, 2, 3}});
-    Surface patch;  // with a border
-    constexpr std::uint32_t kSide = 12;
-    for (std::uint32_t i = 0; i < kSide * kSide; ++i)
-      patch.positions.push_back(test::point(i % kSide, i / kSide, 0.1 * (i % 5)));
-    for (std::uint32_t y = 0; y + 1 < kSide; ++y)
-      for (std::uint32_t x = 0; x + 1 < kSide; ++x) {
-        const std::uint32_t p = y * kSide + x;
-        patch.triangles.push_back({p, p + 1, p + kSide + 1});
-        patch.triangles.push_back({p, p + kSide + 1, p + kSide});
-      }
-    return patch;
+    return test::make_patch(
+        11, [](std::uint32_t x, std::uint32_t y) { return 0.1 * ((12 * y + x) % 5); });
   }
 };
 

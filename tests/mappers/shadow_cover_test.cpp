@@ -52,20 +52,11 @@ double largest_distance(const Piece& t, DistanceTarget& target) {
   return largest;
 }
 
-/// Up to 1 high, in [0, n]².
+/// Over [0, n]², up to `height` high at random.
 Surface make_rough_patch(std::uint32_t n, double height, unsigned seed) {
-  Surface surface;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> up(0, height);
-  for (std::uint32_t i = 0; i < (n + 1) * (n + 1); ++i)
-    surface.positions.push_back(test::point(i % (n + 1), i / (n + 1), up(random)));
-  for (std::uint32_t y = 0; y < n; ++y)
-    for (std::uint32_t x = 0; x < n; ++x) {
-      const std::uint32_t p = y * (n + 1) + x;
-      surface.triangles.push_back({p, p + 1, p + n + 2});
-      surface.triangles.push_back({p, p + n + 2, p + n + 1});
-    }
-  return surface;
+  return test::make_patch(n, [&](std::uint32_t, std::uint32_t) { return up(random); });
 }
 
 struct Tally {

@@ -59,6 +59,21 @@ inline Surface make_sphere(std::uint32_t rings, double radius, const Vec3d& cent
   return surface;
 }
 
+/// A patch over [0, n]², height(x, y) high.
+template <typename Height>
+Surface make_patch(std::uint32_t n, const Height& height) {
+  Surface surface;
+  for (std::uint32_t y = 0; y <= n; ++y)
+    for (std::uint32_t x = 0; x <= n; ++x) surface.positions.push_back(point(x, y, height(x, y)));
+  for (std::uint32_t y = 0; y < n; ++y)
+    for (std::uint32_t x = 0; x < n; ++x) {
+      const std::uint32_t p = y * (n + 1) + x;
+      surface.triangles.push_back({p, p + 1, p + n + 2});
+      surface.triangles.push_back({p, p + n + 2, p + n + 1});
+    }
+  return surface;
+}
+
 /// A Möbius strip: a band of n quadrilaterals with half a twist.
 inline Surface make_moebius_strip(std::uint32_t n) {
   Surface surface;

@@ -42,21 +42,11 @@ Surface make_rough_sphere(double amount) {
 
 /// A patch over [0, n]² whose border lies in four planes; up to `height` high.
 Surface make_hills(std::uint32_t n, double height, unsigned seed) {
-  Surface surface;
   std::mt19937 random(seed);
-  for (std::uint32_t y = 0; y <= n; ++y)
-    for (std::uint32_t x = 0; x <= n; ++x)
-      surface.positions.push_back(
-          point(x, y,
-                height * (std::sin(0.3 * x) * std::cos(0.2 * y) +
-                          0.2 * (static_cast<double>(random()) / 4294967296.0))));
-  for (std::uint32_t y = 0; y < n; ++y)
-    for (std::uint32_t x = 0; x < n; ++x) {
-      const std::uint32_t p = y * (n + 1) + x;
-      surface.triangles.push_back({p, p + 1, p + n + 2});
-      surface.triangles.push_back({p, p + n + 2, p + n + 1});
-    }
-  return surface;
+  return test::make_patch(n, [&](std::uint32_t x, std::uint32_t y) {
+    return height * (std::sin(0.3 * x) * std::cos(0.2 * y) +
+                     0.2 * (static_cast<double>(random()) / 4294967296.0));
+  });
 }
 
 /// A closed plate: two sheets with this gap between them, bent.

@@ -67,8 +67,8 @@ class ShadowCover {
   [[nodiscard]] bool count(const std::array<const Shadow*, 3>& corners);
 
   static constexpr double kMargin = 1e-7;  ///< Of distances in the plane, in limits.
-  static constexpr double kLargest =
-      1e5;  ///< Edges and what else is in the plane, at most, in limits.
+  /// Edges and what else is in the plane, at most, in limits.
+  static constexpr double kLargest = 1e5;
 
   const Surface& original_;
   Surroundings around_;

@@ -164,8 +164,8 @@ Result<void> Simplifier::run_pass(int pass) {
   std::optional<State> saved;
   if (may_stick && pass > 0) saved = state();
   LODE_CHECK(collapse(pass));
-  if (may_stick && pass == 0) saved = state();
   report_.seconds.collapse += collapsing.seconds();
+  if (may_stick && pass == 0) saved = state();
   const Stopwatch checking;
   LODE_TRY(const bool is_proven, prove(first));
   if (!is_proven) {

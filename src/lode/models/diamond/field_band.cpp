@@ -265,7 +265,7 @@ template <typename T>
 bool FieldBand<T>::seems_within(const Vec3d& apex,
                                 std::span<const std::array<Vec3d, 2>> fan) const {
   if (!is_inside(apex) || !is_within(apex)) return false;
-  // Those that fail most often first.
+  // One point of each first: it may be enough to say no.
   for (const auto& [a, b] : fan)
     if (!is_within((apex + a + b) * (1.0 / 3))) return false;
   for (const auto& [a, b] : fan) {
