@@ -29,6 +29,7 @@ struct Settings {
   std::string only;  ///< Only cases whose name contains this.
   std::string json_path;
   bool is_simplified = false;  ///< Only the rows of simplification.
+  bool is_full = false;        ///< Only those of full resolution without normals.
 };
 
 struct Timed {
@@ -270,6 +271,7 @@ Result<void> run_case(const VolumeCase& volume_case, const Settings& settings, T
   LODE_TRY(const Timed peer, run_full(volume_case, volume, dataset, Normals::off, table));
   LODE_CHECK(run_cubes(volume_case, dataset, peer, table));
   LODE_CHECK(run_full_otherwise(volume_case, dataset, peer, table));
+  if (settings.is_full) return {};
   LODE_CHECK(run_full(volume_case, volume, dataset, Normals::on, table));
   LODE_CHECK(run_adaptive(volume_case, volume, dataset, peer, table));
   return simplify();
@@ -295,6 +297,7 @@ int main(int argc, char** argv) {
   lode::bench::Settings settings;
   app.add_option("--only", settings.only, "Only cases whose name contains this");
   app.add_flag("--simplified", settings.is_simplified, "Only build and simplified surfaces");
+  app.add_flag("--full", settings.is_full, "Only build and full resolution, without normals");
   app.add_option("--json", settings.json_path, "Also write the rows to this file");
   CLI11_PARSE(app, argc, argv);
   return lode::bench::run(settings);

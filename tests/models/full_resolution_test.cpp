@@ -57,6 +57,38 @@ void expect_same_surface(const Surface& ours, const Surface& oracle, double slac
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(m[i], n[i], slack) << "moment " << i;
 }
 
+/// Into the memory of any other surface, with any number of threads, it is the same.
+TEST(full_resolution_memory, says_nothing_about_the_surface) {
+  RegularGrid grid;
+  grid.dims = {{37, 21, 70}};
+  const Volume volume = test::random_volume(grid, 5);
+  const auto source = make_memory_source(volume);
+  Progress progress;
+  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+  ASSERT_TRUE(dataset);
+  for (const auto style : {SurfaceStyle::tetra, SurfaceStyle::cubes})
+    for (const auto normals : {Normals::off, Normals::on}) {
+      ExtractOptions options{
+          .isovalues = {0.25}, .max_error = 0, .style = style, .normals = normals, .threads = {1}};
+      Surface alone;
+      ASSERT_TRUE(dataset->extract(options, alone, progress));
+      ASSERT_EQ(alone.isovalues, std::vector<float>(alone.positions.size(), 0.25F));
+      Surface reused;
+      for (const double other : {0.9, 0.25, 0.5, 2.0, 0.25})
+        for (const int threads : {1, 2, 3}) {
+          options.threads = {threads};
+          options.isovalues = {other};
+          ASSERT_TRUE(dataset->extract(options, reused, progress));
+          options.isovalues = {0.25};
+          ASSERT_TRUE(dataset->extract(options, reused, progress));
+          EXPECT_EQ(reused.positions, alone.positions);
+          EXPECT_EQ(reused.triangles, alone.triangles);
+          EXPECT_EQ(reused.normals, alone.normals);
+          EXPECT_EQ(reused.isovalues, alone.isovalues);
+        }
+    }
+}
+
 class full_resolution_shapes : public testing::TestWithParam<Index3> {};
 
 TEST_P(full_resolution_shapes, has_the_oracles_surface) {

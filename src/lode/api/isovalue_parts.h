@@ -50,6 +50,7 @@ diamond::IsosurfaceQuery query_of(double isovalue, const ExtractOptions& options
           .with_deviation = options.deviation == Deviation::measured,
           .threads = options.threads,
           .with_normals = D == 3 && options.normals == Normals::on,
+          .with_isovalues = true,
           .replaces = options.isovalues.size() == 1};
 }
 

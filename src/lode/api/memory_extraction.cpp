@@ -40,7 +40,7 @@ Result<FieldFacts> extract_in_memory(const Dataset::Impl& impl, const ExtractOpt
           LODE_TRY(const auto part, extract_one(impl, model, query_of<D>(isovalue, options, report),
                                                 options, surface, report, progress));
           add_part(part, report);
-          add_isovalue(isovalue, options, surface);
+          if (!part.has_isovalues) add_isovalue(isovalue, options, surface);
         }
         const bool closes = options.border == Border::closed;
         return FieldFacts{model.info.grid,

@@ -190,21 +190,47 @@ HWY_INLINE WordsV n_cube_triangles(const EvenOddCorners& all, const CubePieces& 
   return hn::Sub(n, hn::Add(discs, discs));
 }
 
+/// Of each own series the vertices, then the triangles.
+using RowSums = std::array<std::uint32_t, kOwnSeries + 1>;
+
+/// The sum of each vector's lanes.
+HWY_INLINE void put_sums(const WordsV (&v)[kOwnSeries + 1], RowSums& sums) {
+  const Words d;
+  const hn::Repartition<std::uint64_t, Words> d64;
+  // Four vectors' sums side by side in each block of four lanes.
+  const auto pair = [&](std::size_t i) HWY_ATTR {
+    return hn::BitCast(d64, hn::Add(hn::InterleaveLower(d, v[i], v[i + 1]),
+                                    hn::InterleaveUpper(d, v[i], v[i + 1])));
+  };
+  alignas(64) std::uint32_t blocks[SignField::kPadding];
+  const hn::CappedTag<std::uint32_t, 4> d4;
+  for (std::size_t i = 0; i < sums.size(); i += 4) {
+    const auto low = pair(i);
+    const auto high = pair(i + 2);
+    hn::Store(hn::Add(hn::BitCast(d, hn::InterleaveLower(d64, low, high)),
+                      hn::BitCast(d, hn::InterleaveUpper(d64, low, high))),
+              d, blocks);
+    auto sum = hn::Load(d4, blocks);
+    for (std::size_t k = 4; k < hn::Lanes(d); k += 4) sum = hn::Add(sum, hn::Load(d4, blocks + k));
+    hn::StoreU(sum, d4, sums.data() + i);
+  }
+}
+
+/// False if there is nothing to count.
 template <bool kCubes>
-RowCounts count_in(const CellRow& cells) {
+HWY_INLINE bool count_in(const CellRow& cells, RowSums& sums) {
   const Words d;
   const auto zero = hn::Zero(d);
-  WordsV vertices[kOwnSeries]{zero, zero, zero, zero, zero, zero, zero};
-  auto triangles = zero;
+  WordsV n[kOwnSeries + 1]{zero, zero, zero, zero, zero, zero, zero, zero};
+  WordsV& triangles = n[kOwnSeries];
   const bool has_cells = cells.has_row(1, 1);
   bool is_empty = true;
   for (std::size_t word = 0; word < cells.field().n_words(); word += hn::Lanes(d)) {
     const CornerWords c(cells, word);
     if (c.is_uniform()) continue;
     is_empty = false;
-    const auto add = [&](std::size_t s, WordsV crossed) HWY_ATTR {
-      vertices[s] = hn::Add(vertices[s], hn::PopulationCount(crossed));
-    };
+    const auto add = [&](std::size_t s, WordsV crossed)
+                         HWY_ATTR { n[s] = hn::Add(n[s], hn::PopulationCount(crossed)); };
     if constexpr (kCubes) {
       for_each_grid_series<false>(cells, c, add);
       if (!has_cells) continue;
@@ -218,12 +244,29 @@ RowCounts count_in(const CellRow& cells) {
       if (has_cells) triangles = hn::Add(triangles, n_triangles(cells, c));
     }
   }
-  RowCounts counts;
-  if (is_empty) return counts;
-  for (std::size_t s = 0; s < kOwnSeries; ++s)
-    counts.vertices[s] = hn::GetLane(hn::SumOfLanes(d, vertices[s]));
-  counts.triangles = hn::GetLane(hn::SumOfLanes(d, triangles));
-  return counts;
+  if (!is_empty) put_sums(n, sums);
+  return !is_empty;
+}
+
+template <bool kCubes>
+SliceCounts count_rows(const SignField& field, std::int32_t z, RowStart* starts) {
+  SliceCounts all;
+  RowSums sums;
+  for (std::int32_t y = 0; y < field.dims[1]; ++y) {
+    RowStart& start = starts[y];
+    if (!field.may_cross(y, z) || !count_in<kCubes>(CellRow(field, y, z), sums)) {
+      start.vertex.fill(all.vertices);
+      start.triangle = all.triangles;
+      continue;
+    }
+    for (std::size_t s = 0; s < kOwnSeries; ++s) {
+      start.vertex[s] = all.vertices;
+      all.vertices += sums[s];
+    }
+    start.triangle = all.triangles;
+    all.triangles += sums[kOwnSeries];
+  }
+  return all;
 }
 
 HWY_INLINE std::uint32_t lanes_that(hn::Mask<Words> mask) {
@@ -283,8 +326,10 @@ std::size_t find_in(const CellRow& cells, WordGroup* out) {
   return n;
 }
 
-RowCounts run_count(const CellRow& cells, SurfaceStyle style) {
-  return style == SurfaceStyle::cubes ? count_in<true>(cells) : count_in<false>(cells);
+SliceCounts run_count(const SignField& field, std::int32_t z, SurfaceStyle style,
+                      RowStart* starts) {
+  return style == SurfaceStyle::cubes ? count_rows<true>(field, z, starts)
+                                      : count_rows<false>(field, z, starts);
 }
 std::size_t run_find(const CellRow& cells, SurfaceStyle style, WordGroup* out) {
   return style == SurfaceStyle::cubes ? find_in<true>(cells, out) : find_in<false>(cells, out);
@@ -299,8 +344,9 @@ namespace lode::diamond {
 HWY_EXPORT(run_count);
 HWY_EXPORT(run_find);
 
-RowCounts count_row(const CellRow& row, SurfaceStyle style) {
-  return HWY_DYNAMIC_DISPATCH(run_count)(row, style);
+SliceCounts count_slice(const SignField& field, std::int32_t z, SurfaceStyle style,
+                        RowStart* starts) {
+  return HWY_DYNAMIC_DISPATCH(run_count)(field, z, style, starts);
 }
 std::size_t find_words(const CellRow& row, SurfaceStyle style, WordGroup* out) {
   return HWY_DYNAMIC_DISPATCH(run_find)(row, style, out);

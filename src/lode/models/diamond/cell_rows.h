@@ -9,8 +9,8 @@
 
 namespace lode::diamond {
 
-/// The signs at the four rows of corners of 32 cells (row y, z at [y + 2z]); bit 32 is the next
-/// word's first.
+/// The signs at the four rows of corners of 32 cells (row y, z at [y + 2z]), and those of the next
+/// word: its first one is at the last cell's other corners.
 using CornerRows = std::array<std::uint64_t, 4>;
 
 /// A number for each series of edges that a row of cells touches (edge_series()), and padding.
@@ -45,7 +45,7 @@ class CellRow {
   [[nodiscard]] CornerRows corners(std::size_t word) const {
     CornerRows r;
     for (std::size_t i = 0; i < 4; ++i)
-      r[i] = rows_[i][word] | (static_cast<std::uint64_t>(rows_[i][word + 1]) & 1) << 32;
+      r[i] = rows_[i][word] | static_cast<std::uint64_t>(rows_[i][word + 1]) << 32;
     return r;
   }
 
@@ -57,8 +57,16 @@ class CellRow {
   std::array<const std::uint32_t*, 4> rows_{};
 };
 
-struct RowCounts {
-  std::array<std::uint32_t, kOwnSeries> vertices{};  ///< Crossed edges, by series.
+/// The first vertex of each own series of a row, and its first triangle.
+struct RowStart {
+  std::array<std::uint32_t, kOwnSeries> vertex;
+  std::uint32_t triangle;
+};
+static_assert(sizeof(RowStart) == 32);
+
+/// What there is to write.
+struct SliceCounts {
+  std::uint32_t vertices = 0;
   std::uint32_t triangles = 0;
 };
 
@@ -74,8 +82,9 @@ struct WordGroup {
   std::size_t first = 0;                               ///< The first word's number.
 };
 
-/// What there is to write of a row of cells.
-[[nodiscard]] RowCounts count_row(const CellRow& row, SurfaceStyle style);
+/// Counts the vertices and triangles of a slice of cells, and says where each row's begin in it.
+[[nodiscard]] SliceCounts count_slice(const SignField& field, std::int32_t z, SurfaceStyle style,
+                                      RowStart* starts);
 /// Lists the groups that the surface meets, for which there is room, and returns their number.
 /// Series that the style has no vertices on are left as they are: 0.
 [[nodiscard]] std::size_t find_words(const CellRow& row, SurfaceStyle style, WordGroup* out);

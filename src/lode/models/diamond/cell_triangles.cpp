@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
 namespace lode::diamond::HWY_NAMESPACE {
@@ -121,21 +122,33 @@ struct CornerCodes {
         _mm256_mask_blend_epi32(0xAA, own, _mm256_slli_epi64(_mm256_srli_epi64(own, 1), 32));
     const __m256i turned = _mm256_shuffle_epi32(pairs, 0xB1);
     constexpr int kSelect = 0xCA;
-    alignas(32) std::uint32_t words[8];
-    _mm256_store_si256(
-        reinterpret_cast<__m256i*>(words),
-        _mm256_ternarylogic_epi32(_mm256_set1_epi32(0x55555555), pairs, turned, kSelect));
-    const auto bits_of = [&](std::size_t k) HWY_ATTR {
-      return _mm256_maskz_mov_epi8(words[k], _mm256_set1_epi8(static_cast<char>(1 << k)));
-    };
-    const auto any = [](__m256i a, __m256i b, __m256i c)
-                         HWY_ATTR { return _mm256_ternarylogic_epi32(a, b, c, 0xFE); };
-    const __m256i low = any(bits_of(0), bits_of(1), bits_of(2));
-    const __m256i high = any(bits_of(3), bits_of(4), bits_of(5));
-    const __m256i all = any(low, high, _mm256_or_si256(bits_of(6), bits_of(7)));
-    _mm256_store_si256(reinterpret_cast<__m256i*>(codes), all);
+    const __m256i words =
+        _mm256_ternarylogic_epi32(_mm256_set1_epi32(0x55555555), pairs, turned, kSelect);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(codes), bits_by_cell(words));
   }
   alignas(32) std::uint8_t codes[32];
+
+ private:
+  /// From eight words of 32 bits to 32 bytes: byte i has the words' bits i.
+  static HWY_INLINE __m256i bits_by_cell(__m256i words) {
+    // The words' first bytes, then their second ones, ...
+    const __m256i in_halves = _mm256_shuffle_epi8(
+        words, _mm256_set_epi8(15, 11, 7, 3, 14, 10, 6, 2, 13, 9, 5, 1, 12, 8, 4, 0, 15, 11, 7, 3,
+                               14, 10, 6, 2, 13, 9, 5, 1, 12, 8, 4, 0));
+    __m256i x = _mm256_permutevar8x32_epi32(in_halves, _mm256_set_epi32(7, 3, 6, 2, 5, 1, 4, 0));
+    // Each of the eight by eight bits turned over: in squares of one, of two, of four.
+    const auto exchange = [&](auto shift, long long mask) HWY_ATTR {
+      constexpr int kXorAnd = 0x28;  // (a ^ b) & c
+      constexpr int kXor3 = 0x96;
+      const __m256i t = _mm256_ternarylogic_epi64(x, _mm256_srli_epi64(x, shift.value),
+                                                  _mm256_set1_epi64x(mask), kXorAnd);
+      x = _mm256_ternarylogic_epi64(x, t, _mm256_slli_epi64(t, shift.value), kXor3);
+    };
+    exchange(std::integral_constant<int, 7>(), 0x00AA00AA00AA00AALL);
+    exchange(std::integral_constant<int, 14>(), 0x0000CCCC0000CCCCLL);
+    exchange(std::integral_constant<int, 28>(), 0x00000000F0F0F0F0LL);
+    return x;
+  }
 };
 
 /// The crossed cells of a group of words, one after the other.
@@ -185,6 +198,8 @@ class RowWriter {
         first_id_{_mm512_permutex2var_epi32(hn::LoadU(D32(), run.start->vertex.data()).raw,
                                             hn::LoadU(D32(), kStartOfSeries.data()).raw,
                                             hn::LoadU(D32(), run.above->vertex.data()).raw)} {
+    if constexpr (kCubes)  // not all are written
+      for (PerSeries& word : crossings_) word = {};
     for (std::size_t i = 0; i < 2; ++i)
       turns_[i] =
           hn::Load(hn::CappedTag<std::uint8_t, 16>(), kTurns[edges_[i]->is_flipped ? 1 : 0]);
@@ -268,7 +283,7 @@ class RowWriter {
   hn::Vec<hn::CappedTag<std::uint8_t, 16>> turns_[2];  ///< Likewise, of five triangles.
   std::uint32_t* out_;
   V32 first_id_;
-  alignas(64) PerSeries crossings_[WordGroup::kWords]{};
+  alignas(64) PerSeries crossings_[WordGroup::kWords];
   alignas(64) PerSeries first_ids_[WordGroup::kWords];
   EdgesOfWord<kCubes> words_[WordGroup::kWords][2];
   CellList list_;

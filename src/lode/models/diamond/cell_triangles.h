@@ -10,13 +10,6 @@
 
 namespace lode::diamond {
 
-/// The first vertex of each own series of a row, and its first triangle.
-struct RowStart {
-  std::array<std::uint32_t, kOwnSeries> vertex;
-  std::uint32_t triangle;
-};
-static_assert(sizeof(RowStart) == 32);
-
 /// The triangles of a row of cells, and where they go.
 struct CellRun {
   const CellRow* row;

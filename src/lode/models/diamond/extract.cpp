@@ -73,6 +73,7 @@ class Extraction {
     LODE_TRY(const auto flat,
              extract_full_resolution(selection, frame_, query_, surface, progress));
     IsosurfaceReport report;
+    report.has_isovalues = query_.with_isovalues;
     report.coordinate_slack = slack_of(frame_, flat.largest_step, flat.largest_snap);
     report.nodes_visited = flat.n_bricks_read;
     report.select_seconds = flat.sign_seconds;

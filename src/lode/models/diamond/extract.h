@@ -23,11 +23,14 @@ struct IsosurfaceQuery {
   bool with_deviation = false;  ///< Of cubes, whether their deviation is measured.
   Threads threads{};
   bool with_normals = false;  ///< Normals too; see normals.h.
-  bool replaces = false;      ///< The surface is overwritten, its memory used as it is.
+  /// Full resolution gives its vertices their isovalue too, while they are at hand.
+  bool with_isovalues = false;
+  bool replaces = false;  ///< The surface is overwritten, its memory used as it is.
 };
 
 struct IsosurfaceReport {
   double achieved_error = 0;    ///< Largest nested error of an active node left unrefined.
+  bool has_isovalues = false;   ///< The surface's vertices have theirs.
   CubeDeviation deviation;      ///< Where asked for.
   double coordinate_slack = 0;  ///< What margins and rounding may add to |F - isovalue|.
   std::uint64_t nodes_visited = 0;

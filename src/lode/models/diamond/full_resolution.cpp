@@ -1,143 +1,173 @@
 #include "lode/models/diamond/full_resolution.h"
 
-#include <chrono>
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <memory>
-#include <utility>
+#include <mutex>
 #include <vector>
 
+#include "lode/core/stopwatch.h"
+#include "lode/models/diamond/slab_schedule.h"
 #include "lode/models/diamond/slice_writer.h"
 
 namespace lode::diamond {
 namespace {
 
-/// One thread's, which looks at most samples twice: in two neighbouring slices.
-constexpr std::size_t kSlicesAtOnce = 8;
+/// Slices of a slab: most samples are looked at in two, and those of a few slabs stay in the
+/// caches.
+constexpr std::int32_t kSlabEdge = 8;
+static_assert(kBrickEdge<3> % kSlabEdge == 0);
+
+/// As bricks, slabs share the samples between them; the last one has those at its end too.
+std::int32_t n_slabs(std::int32_t n_slices) {
+  return std::max(1, (n_slices - 1 + kSlabEdge - 1) / kSlabEdge);
+}
 
 class FullResolution {
  public:
   FullResolution(const Selection<3>& selection, const LatticeFrame& frame,
                  const IsosurfaceQuery& query, Surface& surface, Progress& progress)
-      : selection_(selection),
-        model_(selection.model()),
-        frame_(frame),
+      : model_(selection.model()),
         query_(query),
         surface_(surface),
-        progress_(progress) {}
+        progress_(progress),
+        finder_(selection, field_),
+        n_rows_(as_size(field_.dims[1])),
+        starts_(std::make_unique_for_overwrite<RowStart[]>(n_rows_ * as_size(field_.dims[2]))),
+        bases_(as_size(field_.dims[2]) + 1),
+        all_{model_,        frame,  selection.isovalue(), query.style, field_,
+             starts_.get(), bases_, query.with_normals,   surface},
+        writers_(as_size(n_workers(query.threads))),
+        schedule_(as_size(n_slabs(field_.dims[2])),
+                  [this](std::size_t slab) { return place(slab); }) {
+    if (!query.replaces) bases_[0] = {surface.positions.size(), surface.triangles.size()};
+  }
 
+  /// At first as much is written as the surface has elements for: all, where it replaces one that
+  /// is no smaller.
   Result<FullResolutionReport> run() {
-    const auto start = std::chrono::steady_clock::now();
-    field_ = sign_field(selection_, query_.threads, report_.n_bricks_read);
-    count();
-    LODE_CHECK(place());
-    const auto counted = std::chrono::steady_clock::now();
-    visit_storage_type(model_.storage, [&]<typename T>() { write<T>(); });
+    const Stopwatch watch;
+    if (query_.replaces) surface_.lines.clear();
+    work();
+    if (!progress_.is_cancelled()) LODE_CHECK(make_room());
+    if (!progress_.is_cancelled() && !schedule_.is_complete()) work();
     if (progress_.is_cancelled()) return cancelled_error();
-    const auto done = std::chrono::steady_clock::now();
-    report_.sign_seconds = std::chrono::duration<double>(counted - start).count();
-    report_.write_seconds = std::chrono::duration<double>(done - counted).count();
-    return report_;
+    return report(watch.seconds());
   }
 
  private:
-  void count() {
-    const auto n_rows = as_size(field_.dims[1]);
-    n_starts_ = n_rows * as_size(field_.dims[2]) + 1;
-    starts_ = std::make_unique_for_overwrite<RowStart[]>(n_starts_);
-    slices_.assign(as_size(field_.dims[2]), {});
-    for_each_slice([&](std::size_t z) {
-      for (std::size_t y = 0; y < n_rows; ++y) {
-        RowStart& row = starts_[z * n_rows + y];
-        row = {};
-        if (!may_cross(y, z)) continue;
-        const RowCounts n =
-            count_row(CellRow(field_, static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)),
-                      query_.style);
-        row = {n.vertices, n.triangles};
-        for (const std::uint32_t n_own : n.vertices) slices_[z].vertices += n_own;
-        slices_[z].triangles += n.triangles;
-      }
+  using Step = SlabSchedule::Step;
+  static constexpr std::uint64_t kMostNumbers = std::numeric_limits<std::uint32_t>::max();
+
+  void work() {
+    parallel_for(writers_.size(), query_.threads, 1, [this](std::size_t, int worker) {
+      schedule_.work([&](const SlabSchedule::Task& task) {
+        if (!progress_.is_cancelled()) run(task, as_size(worker));
+      });
     });
   }
 
-  /// Turns counts into first numbers and makes room.
-  Result<void> place() {
-    const auto n_rows = as_size(field_.dims[1]);
-    std::uint64_t n_vertices = query_.replaces ? 0 : surface_.positions.size();
-    std::uint64_t n_triangles = query_.replaces ? 0 : surface_.triangles.size();
-    for (SliceCounts& slice : slices_) {
-      n_vertices += std::exchange(slice.vertices, n_vertices);
-      n_triangles += std::exchange(slice.triangles, n_triangles);
+  void run(const SlabSchedule::Task& task, std::size_t worker) {
+    const Stopwatch watch;
+    const std::int32_t begin = static_cast<std::int32_t>(task.slab) * kSlabEdge;
+    switch (task.step) {
+      case Step::find: finder_.find(begin, end_of(task.slab)); break;
+      case Step::count:
+        for (std::int32_t z = begin; z < end_of(task.slab); ++z) {
+          const SliceCounts n =
+              count_slice(field_, z, query_.style, &starts_[as_size(z) * n_rows_]);
+          bases_[as_size(z) + 1] = {n.vertices, n.triangles};
+        }
+        break;
+      case Step::write: write(task.slab, worker); break;
     }
-    for_each_slice([&](std::size_t z) {
-      auto vertices = static_cast<std::uint32_t>(slices_[z].vertices);
-      auto triangles = static_cast<std::uint32_t>(slices_[z].triangles);
-      for (std::size_t y = 0; y < n_rows; ++y) {
-        RowStart& row = starts_[z * n_rows + y];
-        for (std::uint32_t& first : row.vertex) vertices += std::exchange(first, vertices);
-        triangles += std::exchange(row.triangle, triangles);
-      }
-    });
-    RowStart& end = starts_[n_starts_ - 1];
-    end.vertex.fill(static_cast<std::uint32_t>(n_vertices));
-    end.triangle = static_cast<std::uint32_t>(n_triangles);
-    if (std::max(n_vertices, n_triangles) > std::numeric_limits<std::uint32_t>::max())
+    const std::lock_guard lock(mutex_);
+    (task.step == Step::write ? write_seconds_ : sign_seconds_) += watch.seconds();
+  }
+
+  [[nodiscard]] std::int32_t end_of(std::size_t slab) const {
+    const auto next = static_cast<std::int32_t>(slab) + 1;
+    return next == n_slabs(field_.dims[2]) ? field_.dims[2] : next * kSlabEdge;
+  }
+
+  /// Makes sums of its slices' numbers. Whether there is room for all that they count.
+  bool place(std::size_t slab) {
+    const auto end = as_size(end_of(slab));
+    for (auto z = slab * as_size(kSlabEdge); z < end; ++z) {
+      bases_[z + 1].vertices += bases_[z].vertices;
+      bases_[z + 1].triangles += bases_[z].triangles;
+    }
+    return has_room(bases_[end]);
+  }
+
+  [[nodiscard]] bool has_room(const SliceBase& end) const {
+    if (!query_.replaces || std::max(end.vertices, end.triangles) > kMostNumbers) return false;
+    return end.triangles <= surface_.triangles.size() &&
+           end.vertices <= surface_.positions.size() &&
+           (!query_.with_isovalues || end.vertices <= surface_.isovalues.size()) &&
+           (!query_.with_normals || end.vertices <= surface_.normals.size());
+  }
+
+  Result<void> make_room() {
+    const auto [n_vertices, n_triangles] = bases_.back();
+    if (std::max(n_vertices, n_triangles) > kMostNumbers)
       return fail("the surface has {} vertices and {} triangles, more than {}: give it a tolerance",
-                  n_vertices, n_triangles, std::numeric_limits<std::uint32_t>::max());
-    if (query_.replaces) surface_.lines.clear();
+                  n_vertices, n_triangles, kMostNumbers);
     resize_large(surface_.positions, n_vertices);
     resize_large(surface_.triangles, n_triangles);
     resize_large(surface_.normals, query_.with_normals ? n_vertices : 0);
+    if (query_.with_isovalues) resize_large(surface_.isovalues, n_vertices);
+    schedule_.make_room();
     return {};
   }
 
-  [[nodiscard]] bool may_cross(std::size_t y, std::size_t z) const {
-    return field_.may_cross(static_cast<std::int32_t>(y), static_cast<std::int32_t>(z));
-  }
-  /// body(z), in parallel.
-  template <typename Body>
-  void for_each_slice(const Body& body) {
-    parallel_for(as_size(field_.dims[2]), query_.threads, kSlicesAtOnce, [&](std::size_t z, int) {
-      if (!progress_.is_cancelled()) body(z);
-    });
+  void write(std::size_t slab, std::size_t worker) {
+    auto& writer = writers_[worker];
+    if (!writer)
+      visit_storage_type(model_.storage,
+                         [&]<typename T>() { writer = std::make_unique<SliceWriterOf<T>>(all_); });
+    const std::int32_t begin = static_cast<std::int32_t>(slab) * kSlabEdge;
+    for (std::int32_t z = begin; z < end_of(slab); ++z) writer->write(z);
+    if (query_.with_isovalues)
+      std::fill(surface_.isovalues.data() + bases_[as_size(begin)].vertices,
+                surface_.isovalues.data() + bases_[as_size(end_of(slab))].vertices,
+                static_cast<float>(query_.isovalue));
   }
 
-  template <typename T>
-  void write() {
-    const FullSurface all{model_,       frame_, selection_.isovalue(),
-                          query_.style, field_, {starts_.get(), n_starts_},
-                          surface_};
-    std::vector<std::unique_ptr<SliceWriter<T>>> writers(as_size(n_workers(query_.threads)));
-    parallel_for(as_size(field_.dims[2]), query_.threads, kSlicesAtOnce,
-                 [&](std::size_t z, int worker) {
-                   if (progress_.is_cancelled()) return;
-                   auto& writer = writers[as_size(worker)];
-                   if (!writer) writer = std::make_unique<SliceWriter<T>>(all);
-                   writer->write(static_cast<std::int32_t>(z));
-                 });
-    for (const auto& writer : writers) {
+  /// The steps run together: each has its share of the time.
+  [[nodiscard]] FullResolutionReport report(double seconds) const {
+    FullResolutionReport report;
+    const double all_seconds = sign_seconds_ + write_seconds_;
+    if (all_seconds > 0) {
+      report.sign_seconds = seconds * sign_seconds_ / all_seconds;
+      report.write_seconds = seconds * write_seconds_ / all_seconds;
+    }
+    report.n_bricks_read = finder_.n_met();
+    for (const auto& writer : writers_) {
       if (!writer) continue;
       const EdgeExtremes& e = writer->extremes();
-      report_.largest_step = std::max(report_.largest_step, e.largest_step);
-      report_.largest_snap = std::max(report_.largest_snap, e.largest_snap);
+      report.largest_step = std::max(report.largest_step, e.largest_step);
+      report.largest_snap = std::max(report.largest_snap, e.largest_snap);
     }
+    return report;
   }
 
-  const Selection<3>& selection_;
   const Model<3>& model_;
-  const LatticeFrame& frame_;
   const IsosurfaceQuery& query_;
   Surface& surface_;
   Progress& progress_;
   SignField field_;
-  std::unique_ptr<RowStart[]> starts_;  ///< By row, and one behind the last.
-  std::size_t n_starts_ = 0;
-  struct SliceCounts {
-    std::uint64_t vertices = 0;
-    std::uint64_t triangles = 0;
-  };
-  std::vector<SliceCounts> slices_;  ///< Of each slice; then of those before it.
-  FullResolutionReport report_;
+  SignFinder finder_;  ///< Sizes the field.
+  std::size_t n_rows_;
+  std::unique_ptr<RowStart[]> starts_;
+  std::vector<SliceBase> bases_;
+  FullSurface all_;
+  std::vector<std::unique_ptr<SliceWriter>> writers_;  ///< By worker.
+  SlabSchedule schedule_;
+  std::mutex mutex_;
+  double sign_seconds_ = 0;  ///< Of all workers.
+  double write_seconds_ = 0;
 };
 
 }  // namespace

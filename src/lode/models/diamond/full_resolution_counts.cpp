@@ -234,19 +234,22 @@ CrossingSums::Counts count_full_resolution(const Model<3>& model, double isovalu
   std::uint64_t n_bricks_read = 0;
   const SignField field = sign_field(selection, threads, n_bricks_read);
   constexpr std::size_t kSlicesAtOnce = 8;
-  std::vector<CrossingSums::Counts> by_worker(as_size(n_workers(threads)));
+  struct Worker {
+    CrossingSums::Counts counts;
+    std::vector<RowStart> starts;
+  };
+  std::vector<Worker> workers(as_size(n_workers(threads)));
   parallel_for(as_size(field.dims[2]), threads, kSlicesAtOnce, [&](std::size_t z, int worker) {
     if (progress.is_cancelled()) return;
-    for (std::int32_t y = 0; y < field.dims[1]; ++y) {
-      if (!field.may_cross(y, static_cast<std::int32_t>(z))) continue;
-      const RowCounts row =
-          count_row(CellRow(field, y, static_cast<std::int32_t>(z)), SurfaceStyle::tetra);
-      by_worker[as_size(worker)].cells += row.triangles;
-      for (const std::uint32_t n : row.vertices) by_worker[as_size(worker)].vertices += n;
-    }
+    auto& [counts, starts] = workers[as_size(worker)];
+    starts.resize(as_size(field.dims[1]));
+    const SliceCounts n =
+        count_slice(field, static_cast<std::int32_t>(z), SurfaceStyle::tetra, starts.data());
+    counts.cells += n.triangles;
+    counts.vertices += n.vertices;
   });
   CrossingSums::Counts total;
-  for (const CrossingSums::Counts& counts : by_worker) {
+  for (const auto& [counts, starts] : workers) {
     total.cells += counts.cells;
     total.vertices += counts.vertices;
   }

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "lode/models/diamond/selection.h"
+#include "lode/models/diamond/sign_rows.h"
 
 namespace lode::diamond {
 
@@ -39,8 +41,47 @@ struct SignField {
   }
 };
 
-/// The signs of a model without holes. Bricks whose stored range misses the isovalue are not
-/// read, and of others only the eighths whose range does not; `n_bricks_read` counts these others.
+/// Finds the signs of a model without holes, slices by slices. Bricks whose stored range misses the
+/// isovalue are not read, and of others only the eighths whose range does not.
+class SignFinder {
+ public:
+  /// Sizes the field. Both must stay as they are and where they are.
+  SignFinder(const Selection<3>& selection, SignField& field);
+
+  /// Slices [begin, end), none of them in two layers of bricks. Others may be found meanwhile.
+  void find(std::int32_t begin, std::int32_t end);
+  /// Bricks that the surface may meet.
+  [[nodiscard]] std::uint64_t n_met() const;
+
+ private:
+  enum class State : std::uint8_t { outside, inside, met };
+  /// Samples from `lower` on, n[i] of them along axis i: those of a brick, or of a part of one.
+  struct SampleBox {
+    Index<3> lower;
+    Index<3> n;
+  };
+
+  [[nodiscard]] std::size_t n_x() const { return as_size(model_.brick_dims[0]); }
+  void look_at(std::size_t row);
+  [[nodiscard]] bool is_wanted(std::size_t row) const;
+  [[nodiscard]] SampleBox samples_of(const Index<3>& brick) const;
+  [[nodiscard]] std::optional<bool> uniform_sign(const Index<3>& lower, int level) const;
+  void find_row(std::size_t row, std::int32_t begin, std::int32_t end);
+  void clear(const SampleBox& first);
+  void fill(const SampleBox& box, std::uint32_t wanted);
+  void read(const Index<3>& brick, const SampleBox& box);
+  void read_part(const Index<3>& brick, const SampleBox& part, const Index<3>& eighth);
+  void read_samples(const Index<3>& brick, const SampleBox& part, SignPart wanted);
+  [[nodiscard]] std::uint32_t* words_at(const Index<3>& p) const;
+
+  const Selection<3>& selection_;
+  const Model<3>& model_;
+  SignField& field_;
+  int level_;                  ///< Whose cubes are the bricks, or a coarsest one.
+  std::vector<State> states_;  ///< By brick.
+};
+
+/// All signs; `n_bricks_read` counts the bricks that the surface may meet.
 [[nodiscard]] SignField sign_field(const Selection<3>& selection, Threads threads,
                                    std::uint64_t& n_bricks_read);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lode/models/diamond/cell_rows.h"
@@ -13,6 +14,12 @@
 
 namespace lode::diamond {
 
+/// The vertices and triangles of the slices before one.
+struct SliceBase {
+  std::uint64_t vertices = 0;
+  std::uint64_t triangles = 0;
+};
+
 /// What the writers of all slices have in common.
 struct FullSurface {
   const Model<3>& model;
@@ -20,42 +27,79 @@ struct FullSurface {
   double isovalue;
   SurfaceStyle style;
   const SignField& signs;
-  std::span<const RowStart> starts;  ///< By row, y fastest, and one behind the last.
-  Surface& surface;                  ///< Has room for all; normals only where they are wanted.
+  const RowStart* starts;            ///< By row, y fastest; from where its slice begins.
+  std::span<const SliceBase> bases;  ///< By slice, and one behind the last.
+  bool with_normals;
+  Surface& surface;
 
-  [[nodiscard]] std::size_t row_of(std::int32_t y, std::int32_t z) const {
-    return as_size(z) * as_size(signs.dims[1]) + as_size(y);
+  /// The rows of a slice, and one behind the last: behind all slices, where the surface ends.
+  void place(std::int32_t z, std::vector<RowStart>& out) const {
+    const auto n_rows = as_size(signs.dims[1]);
+    const bool is_behind = z == signs.dims[2];
+    const auto put = [&](std::size_t y, const RowStart& from, const SliceBase& base) {
+      for (std::size_t s = 0; s < kOwnSeries; ++s)
+        out[y].vertex[s] = from.vertex[s] + static_cast<std::uint32_t>(base.vertices);
+      out[y].triangle = from.triangle + static_cast<std::uint32_t>(base.triangles);
+    };
+    for (std::size_t y = 0; y < n_rows; ++y)
+      put(y, is_behind ? RowStart{} : starts[as_size(z) * n_rows + y], bases[as_size(z)]);
+    put(n_rows, {}, bases[is_behind ? as_size(z) : as_size(z) + 1]);
   }
 };
 
-/// Writes the vertices and triangles of slices of cells; one per worker. T: the model's storage.
-template <typename T>
+/// Writes the vertices and triangles of slices of cells, for which the surface has room and the
+/// next slice is placed; one per worker.
 class SliceWriter {
  public:
-  explicit SliceWriter(const FullSurface& all)
-      : all_(all), sampler_(all.model), groups_(all.signs.n_words() / WordGroup::kWords + 1) {
+  SliceWriter() = default;
+  SliceWriter(const SliceWriter&) = delete;
+  SliceWriter& operator=(const SliceWriter&) = delete;
+  virtual ~SliceWriter() = default;
+
+  virtual void write(std::int32_t z) = 0;
+  [[nodiscard]] const EdgeExtremes& extremes() const { return extremes_; }
+
+ protected:
+  EdgeExtremes extremes_;
+};
+
+/// T: the model's storage.
+template <typename T>
+class SliceWriterOf final : public SliceWriter {
+ public:
+  explicit SliceWriterOf(const FullSurface& all)
+      : all_(all),
+        sampler_(all.model),
+        own_(as_size(all.signs.dims[1]) + 1),
+        above_(own_.size()),
+        groups_(all.signs.n_words() / WordGroup::kWords + 1) {
     const std::size_t n = n_most() + kEdgesPerRun + kEdgePadding;
     first_.resize(n);
     second_.resize(n);
     place_.resize(n);
     for (int parity = 0; parity < 8; ++parity)
       edges_[as_size(parity)] = &cell_edges(parity, all.frame.is_mirrored, all.style);
-    if (all.surface.normals.empty()) return;
+    if (!all.with_normals) return;
     kept_.resize(n);
     for (auto* gradients : {&first_gradient_, &second_gradient_})
       for (auto& along : *gradients) along.resize(n);
   }
 
-  void write(std::int32_t z) {
+  void write(std::int32_t z) override {
+    if (z == placed_above_)
+      std::swap(own_, above_);
+    else
+      all_.place(z, own_);
+    all_.place(z + 1, above_);
+    placed_above_ = z + 1;
     z_ = z;
-    const RowStart& next = all_.starts[all_.row_of(0, z + 1)];
-    positions_end_ = all_.surface.positions.data() + next.vertex[0];
-    triangles_end_ = all_.surface.triangles.data() + next.triangle;
+    const RowStart& end = own_.back();
+    positions_end_ = all_.surface.positions.data() + end.vertex[0];
+    triangles_end_ = all_.surface.triangles.data() + end.triangle;
     run_.n = 0;
     for (std::int32_t y = 0; y < all_.signs.dims[1]; ++y) write_row(y);
     write_vertices();
   }
-  [[nodiscard]] const EdgeExtremes& extremes() const { return extremes_; }
 
  private:
   /// Beyond as many the vertices are written.
@@ -66,7 +110,7 @@ class SliceWriter {
 
   void write_row(std::int32_t y) {
     if (!all_.signs.may_cross(y, z_)) return;
-    const RowStart* start = &all_.starts[all_.row_of(y, z_)];
+    const RowStart* start = &own_[as_size(y)];
     const bool has_vertices = start[1].vertex[0] != start[0].vertex[0];
     const bool has_triangles = start[1].triangle != start[0].triangle;
     if (!has_vertices && !has_triangles) return;
@@ -102,14 +146,13 @@ class SliceWriter {
     run_.first = first_.data();
     run_.second = second_.data();
     run_.place = place_.data();
-    const std::size_t first = all_.starts[all_.row_of(y_, z_)].vertex[0];
+    const std::size_t first = own_[as_size(y_)].vertex[0];
     Surface& surface = all_.surface;
-    const bool with_normals = !surface.normals.empty();
     place_vertices(run_,
                    {&all_.frame, all_.isovalue, y_, z_, surface.positions.data() + first,
-                    positions_end_, with_normals ? kept_.data() : nullptr},
+                    positions_end_, all_.with_normals ? kept_.data() : nullptr},
                    extremes_);
-    if (with_normals) write_normals(first);
+    if (all_.with_normals) write_normals(first);
     run_.n = 0;
   }
 
@@ -162,13 +205,15 @@ class SliceWriter {
   void write_triangles(std::int32_t y, const CellRow& row, std::span<const WordGroup> groups,
                        const RowStart* start) {
     const std::size_t parity = as_size(y & 1) << 1 | as_size(z_ & 1) << 2;
-    write_cells({&row, groups, start, &all_.starts[all_.row_of(y, z_ + 1)], all_.style,
-                 edges_[parity], edges_[parity | 1], all_.surface.triangles[start->triangle].data(),
+    write_cells({&row, groups, start, &above_[as_size(y)], all_.style, edges_[parity],
+                 edges_[parity | 1], all_.surface.triangles[start->triangle].data(),
                  triangles_end_->data()});
   }
 
   const FullSurface& all_;
   NormalSampler<3, T> sampler_;
+  std::vector<RowStart> own_, above_;  ///< Of the slice, and of the next one.
+  std::int32_t placed_above_ = -1;
   std::int32_t z_ = 0;
   std::int32_t y_ = 0;  ///< Of the first row that the run has edges of.
   const Vec3f* positions_end_ = nullptr;
@@ -180,7 +225,6 @@ class SliceWriter {
   Gradients first_gradient_, second_gradient_;  ///< At the ends of the edges.
   std::array<const CellEdges*, 8> edges_{};     ///< Of cells, by parity.
   EdgeRun<T> run_{};
-  EdgeExtremes extremes_;
 };
 
 }  // namespace lode::diamond
