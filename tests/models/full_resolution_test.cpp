@@ -6,6 +6,7 @@
 
 #include "lode/api/dataset.h"
 #include "lode/mappers/surface_topology.h"
+#include "lode/models/diamond/cell_rows.h"
 #include "tests/models/all_targets.h"
 #include "tests/models/finest_level_set.h"
 #include "tests/oracles/random.h"
@@ -57,28 +58,50 @@ void expect_same_surface(const Surface& ours, const Surface& oracle, double slac
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(m[i], n[i], slack) << "moment " << i;
 }
 
+/// Blocks of 16 samples along each axis that are low, high, or noise: bricks and eighths of one
+/// side, and rows of bricks that no surface meets, beside others.
+Volume volume_of_blocks(const Index3& dims, std::uint32_t seed) {
+  RegularGrid grid;
+  grid.dims = dims;
+  Volume volume = test::random_volume(grid, seed);
+  auto* const samples = reinterpret_cast<float*>(volume.samples.data());
+  EXPECT_EQ(volume.info.type, ScalarType::float32);
+  std::size_t at = 0;
+  for (std::int32_t z = 0; z < dims[2]; ++z)
+    for (std::int32_t y = 0; y < dims[1]; ++y)
+      for (std::int32_t x = 0; x < dims[0]; ++x, ++at) {
+        const std::int32_t block = (x / 16 * 5 + y / 16 * 3 + z / 16 * 7) / 4 % 3;
+        if (block < 2) samples[at] = block == 0 ? -3.0F : 3.0F;
+      }
+  return volume;
+}
+
 /// Into the memory of any other surface, with any number of threads, it is the same.
 TEST(full_resolution_memory, says_nothing_about_the_surface) {
-  RegularGrid grid;
-  grid.dims = {{37, 21, 70}};
-  const Volume volume = test::random_volume(grid, 5);
-  const auto source = make_memory_source(volume);
-  Progress progress;
-  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
-  ASSERT_TRUE(dataset);
-  for (const auto style : {SurfaceStyle::tetra, SurfaceStyle::cubes})
-    for (const auto normals : {Normals::off, Normals::on}) {
-      ExtractOptions options{
-          .isovalues = {0.25}, .max_error = 0, .style = style, .normals = normals, .threads = {1}};
+  for (const Index3 dims : {Index3{{37, 21, 70}}, Index3{{97, 98, 34}}, Index3{{65, 66, 9}},
+                            Index3{{130, 40, 10}}, Index3{{66, 100, 97}}}) {
+    const Volume volume = volume_of_blocks(dims, 5);
+    const auto source = make_memory_source(volume);
+    Progress progress;
+    const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+    ASSERT_TRUE(dataset);
+    for (const auto style : {SurfaceStyle::tetra, SurfaceStyle::cubes}) {
+      ExtractOptions options{.isovalues = {0.25},
+                             .max_error = 0,
+                             .style = style,
+                             .normals = dims[2] == 70 ? Normals::on : Normals::off,
+                             .threads = {1}};
       Surface alone;
       ASSERT_TRUE(dataset->extract(options, alone, progress));
       ASSERT_EQ(alone.isovalues, std::vector<float>(alone.positions.size(), 0.25F));
       Surface reused;
-      for (const double other : {0.9, 0.25, 0.5, 2.0, 0.25})
-        for (const int threads : {1, 2, 3}) {
+      for (const double other : {0.9, 0.25, -0.5, 5.0})
+        for (const int threads : {1, 2, 3, 6}) {
           options.threads = {threads};
           options.isovalues = {other};
           ASSERT_TRUE(dataset->extract(options, reused, progress));
+          if (threads == 3) reused.isovalues.resize(reused.isovalues.size() / 2);
+          if (threads == 6) reused.positions.resize(reused.positions.size() / 2);
           options.isovalues = {0.25};
           ASSERT_TRUE(dataset->extract(options, reused, progress));
           EXPECT_EQ(reused.positions, alone.positions);
@@ -87,6 +110,71 @@ TEST(full_resolution_memory, says_nothing_about_the_surface) {
           EXPECT_EQ(reused.isovalues, alone.isovalues);
         }
     }
+  }
+}
+
+TEST(full_resolution_memory, appends_the_same_for_any_number_of_threads) {
+  const Volume volume = volume_of_blocks({{66, 50, 97}}, 6);
+  const auto source = make_memory_source(volume);
+  Progress progress;
+  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+  ASSERT_TRUE(dataset);
+  ExtractOptions options{.isovalues = {0.25, -0.5, 0.5}, .max_error = 0, .threads = {1}};
+  Surface alone;
+  ASSERT_TRUE(dataset->extract(options, alone, progress));
+  for (const int threads : {2, 5}) {
+    options.threads = {threads};
+    Surface surface;
+    ASSERT_TRUE(dataset->extract(options, surface, progress));
+    EXPECT_EQ(surface.positions, alone.positions);
+    EXPECT_EQ(surface.triangles, alone.triangles);
+    EXPECT_EQ(surface.isovalues, alone.isovalues);
+  }
+}
+
+TEST(full_resolution_memory, is_empty_after_an_error) {
+  const Volume volume = volume_of_blocks({{66, 50, 97}}, 6);
+  const auto source = make_memory_source(volume);
+  Progress progress;
+  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
+  ASSERT_TRUE(dataset);
+  ExtractOptions options{.isovalues = {0.25}, .max_error = 0, .threads = {2}};
+  Surface surface;
+  ASSERT_TRUE(dataset->extract(options, surface, progress));
+  options.isovalues = {0.3};
+  Progress cancelled;
+  cancelled.cancel();
+  EXPECT_FALSE(dataset->extract(options, surface, cancelled));
+  EXPECT_TRUE(surface.is_empty());
+  EXPECT_TRUE(surface.positions.empty());
+}
+
+/// As signs change from each sample to the next all cells have twelve triangles, the most there
+/// are.
+TEST(full_resolution_memory, counts_more_than_four_billion_triangles_a_slice) {
+  constexpr std::int32_t kSide = 19000;
+  diamond::SignField field;
+  field.dims = {{kSide, kSide, 2}};
+  field.brick_dims = {{(kSide + 30) / 32, (kSide + 30) / 32, 1}};
+  field.stride = (kSide + 31) / 32 + 1;
+  const std::size_t n_rows = 2 * std::size_t{kSide};
+  field.words = std::make_unique_for_overwrite<std::uint32_t[]>(field.stride * n_rows +
+                                                                diamond::SignField::kPadding);
+  for (std::size_t row = 0; row < n_rows; ++row)
+    std::fill_n(field.words.get() + row * field.stride, field.stride,
+                (row + row / kSide) % 2 == 0 ? 0x55555555U : 0xAAAAAAAAU);
+  for (std::size_t i = 0; i < field.stride + diamond::SignField::kPadding; ++i) {
+    const auto bits = [&](std::int64_t n) {
+      const std::int64_t left = n - 32 * static_cast<std::int64_t>(i);
+      return left >= 32 ? ~0U : left <= 0 ? 0U : (1U << left) - 1;
+    };
+    field.sample_bits.push_back(bits(kSide));
+    field.cell_bits.push_back(bits(kSide - 1));
+  }
+  field.is_met.assign(diamond::as_size(field.brick_dims[1]), 1);
+  std::vector<diamond::RowStart> starts(kSide);
+  const auto n = diamond::count_slice(field, 0, SurfaceStyle::tetra, starts.data());
+  EXPECT_EQ(n.triangles, 12 * std::uint64_t{kSide - 1} * (kSide - 1));
 }
 
 class full_resolution_shapes : public testing::TestWithParam<Index3> {};

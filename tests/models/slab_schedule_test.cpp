@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <memory>
+#include <functional>
 #include <stdexcept>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 namespace lode::diamond {

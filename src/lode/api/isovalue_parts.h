@@ -36,8 +36,7 @@ inline void add_isovalue(double isovalue, const ExtractOptions& options, Surface
   resize_large(surface.isovalues, surface.positions.size());
   for_each_piece(surface.isovalues.size() - first, options.threads,
                  [&](std::size_t begin, std::size_t end) {
-                   std::fill(surface.isovalues.data() + first + begin,
-                             surface.isovalues.data() + first + end, value);
+                   fill_by_copies(surface.isovalues.data() + first + begin, end - begin, value);
                  });
 }
 

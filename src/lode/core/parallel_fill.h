@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 
 #include "lode/core/parallel.h"
 #include "lode/core/uninitialized_array.h"
@@ -17,6 +18,19 @@ void for_each_piece(std::size_t n, Threads threads, const Body& body) {
   });
 }
 
+/// std::fill() by copying what has been filled, which needs no vectors to be fast.
+template <typename T>
+void fill_by_copies(T* first, std::size_t n, T value) {
+  constexpr std::size_t kBlock = 4096 / sizeof(T);
+  std::size_t n_done = std::min<std::size_t>(n, 64 / sizeof(T));
+  std::fill_n(first, n_done, value);
+  while (n_done < n) {
+    const std::size_t n_more = std::min({n_done, kBlock, n - n_done});
+    std::memcpy(first + n_done, first, n_more * sizeof(T));
+    n_done += n_more;
+  }
+}
+
 /// Makes an array n elements long, all but the first n_kept of them `value`; large memory that is
 /// new is slow to touch.
 template <typename T>
@@ -24,7 +38,7 @@ void fill_anew(UninitializedArray<T>& array, std::size_t n_kept, std::size_t n, 
                Threads threads) {
   resize_anew(array, n);
   for_each_piece(n - n_kept, threads, [&](std::size_t first, std::size_t end) {
-    std::fill(array.data() + n_kept + first, array.data() + n_kept + end, value);
+    fill_by_copies(array.data() + n_kept + first, end - first, value);
   });
 }
 

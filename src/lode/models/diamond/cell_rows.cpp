@@ -255,18 +255,29 @@ SliceCounts count_rows(const SignField& field, std::int32_t z, RowStart* starts)
   for (std::int32_t y = 0; y < field.dims[1]; ++y) {
     RowStart& start = starts[y];
     if (!field.may_cross(y, z) || !count_in<kCubes>(CellRow(field, y, z), sums)) {
-      start.vertex.fill(all.vertices);
-      start.triangle = all.triangles;
+      start.vertex.fill(static_cast<std::uint32_t>(all.vertices));
+      start.triangle = static_cast<std::uint32_t>(all.triangles);
       continue;
     }
     for (std::size_t s = 0; s < kOwnSeries; ++s) {
-      start.vertex[s] = all.vertices;
+      start.vertex[s] = static_cast<std::uint32_t>(all.vertices);
       all.vertices += sums[s];
     }
-    start.triangle = all.triangles;
+    start.triangle = static_cast<std::uint32_t>(all.triangles);
     all.triangles += sums[kOwnSeries];
   }
   return all;
+}
+
+void run_place(const RowStart* starts, std::size_t n, const RowStart& base, RowStart* out) {
+  const hn::CappedTag<std::uint32_t, kOwnSeries + 1> d;
+  static_assert(sizeof(RowStart) == (kOwnSeries + 1) * sizeof(std::uint32_t));
+  const auto* from = reinterpret_cast<const std::uint32_t*>(starts);
+  const auto* add = reinterpret_cast<const std::uint32_t*>(&base);
+  auto* to = reinterpret_cast<std::uint32_t*>(out);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k <= kOwnSeries; k += hn::Lanes(d))
+      hn::StoreU(hn::Add(hn::LoadU(d, from + 8 * i + k), hn::LoadU(d, add + k)), d, to + 8 * i + k);
 }
 
 HWY_INLINE std::uint32_t lanes_that(hn::Mask<Words> mask) {
@@ -343,10 +354,14 @@ namespace lode::diamond {
 
 HWY_EXPORT(run_count);
 HWY_EXPORT(run_find);
+HWY_EXPORT(run_place);
 
 SliceCounts count_slice(const SignField& field, std::int32_t z, SurfaceStyle style,
                         RowStart* starts) {
   return HWY_DYNAMIC_DISPATCH(run_count)(field, z, style, starts);
+}
+void place_rows(const RowStart* starts, std::size_t n, const RowStart& base, RowStart* out) {
+  HWY_DYNAMIC_DISPATCH(run_place)(starts, n, base, out);
 }
 std::size_t find_words(const CellRow& row, SurfaceStyle style, WordGroup* out) {
   return HWY_DYNAMIC_DISPATCH(run_find)(row, style, out);

@@ -66,8 +66,8 @@ static_assert(sizeof(RowStart) == 32);
 
 /// What there is to write.
 struct SliceCounts {
-  std::uint32_t vertices = 0;
-  std::uint32_t triangles = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t triangles = 0;
 };
 
 /// What the surface meets of 16 words of a row, each of 32 cells and anchors.
@@ -82,9 +82,12 @@ struct WordGroup {
   std::size_t first = 0;                               ///< The first word's number.
 };
 
-/// Counts the vertices and triangles of a slice of cells, and says where each row's begin in it.
+/// Counts the vertices and triangles of a slice of cells, and says where each row's begin in it:
+/// modulo 2^32.
 [[nodiscard]] SliceCounts count_slice(const SignField& field, std::int32_t z, SurfaceStyle style,
                                       RowStart* starts);
+/// Adds to n starts what a slice begins with.
+void place_rows(const RowStart* starts, std::size_t n, const RowStart& base, RowStart* out);
 /// Lists the groups that the surface meets, for which there is room, and returns their number.
 /// Series that the style has no vertices on are left as they are: 0.
 [[nodiscard]] std::size_t find_words(const CellRow& row, SurfaceStyle style, WordGroup* out);

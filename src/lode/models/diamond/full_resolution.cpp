@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "lode/core/parallel_fill.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/slab_schedule.h"
 #include "lode/models/diamond/slice_writer.h"
@@ -14,14 +15,19 @@
 namespace lode::diamond {
 namespace {
 
-/// Slices of a slab: most samples are looked at in two, and those of a few slabs stay in the
-/// caches.
-constexpr std::int32_t kSlabEdge = 8;
-static_assert(kBrickEdge<3> % kSlabEdge == 0);
+/// How many threads have enough to do.
+std::size_t n_useful(const Index<3>& dims, Threads threads) {
+  constexpr std::size_t kSamplesPerThread = 1 << 16;
+  const std::size_t n_samples = as_size(dims[0]) * as_size(dims[1]) * as_size(dims[2]);
+  return std::clamp<std::size_t>(n_samples / kSamplesPerThread, 1, as_size(n_workers(threads)));
+}
 
-/// As bricks, slabs share the samples between them; the last one has those at its end too.
-std::int32_t n_slabs(std::int32_t n_slices) {
-  return std::max(1, (n_slices - 1 + kSlabEdge - 1) / kSlabEdge);
+/// Of eight slices: most samples are looked at in two, and those of a few slabs stay in the caches.
+/// Of fewer where threads would have nothing to do.
+Slabs slabs_for(std::int32_t n_slices, std::size_t n_threads) {
+  std::int32_t edge = 8;
+  while (edge > 1 && n_threads > 1 && Slabs(n_slices, edge).n() < 4 * n_threads) edge /= 2;
+  return {n_slices, edge};
 }
 
 class FullResolution {
@@ -38,22 +44,21 @@ class FullResolution {
         bases_(as_size(field_.dims[2]) + 1),
         all_{model_,        frame,  selection.isovalue(), query.style, field_,
              starts_.get(), bases_, query.with_normals,   surface},
-        writers_(as_size(n_workers(query.threads))),
-        schedule_(as_size(n_slabs(field_.dims[2])),
-                  [this](std::size_t slab) { return place(slab); }) {
+        writers_(n_useful(field_.dims, query.threads)),
+        slabs_(slabs_for(field_.dims[2], writers_.size())),
+        schedule_(slabs_.n(), [this](std::size_t slab) { return place(slab); }) {
     if (!query.replaces) bases_[0] = {surface.positions.size(), surface.triangles.size()};
   }
 
   /// At first as much is written as the surface has elements for: all, where it replaces one that
   /// is no smaller.
   Result<FullResolutionReport> run() {
-    const Stopwatch watch;
     if (query_.replaces) surface_.lines.clear();
     work();
     if (!progress_.is_cancelled()) LODE_CHECK(make_room());
     if (!progress_.is_cancelled() && !schedule_.is_complete()) work();
     if (progress_.is_cancelled()) return cancelled_error();
-    return report(watch.seconds());
+    return report(watch_.seconds());
   }
 
  private:
@@ -61,7 +66,8 @@ class FullResolution {
   static constexpr std::uint64_t kMostNumbers = std::numeric_limits<std::uint32_t>::max();
 
   void work() {
-    parallel_for(writers_.size(), query_.threads, 1, [this](std::size_t, int worker) {
+    const Threads threads{static_cast<int>(writers_.size())};
+    parallel_for(writers_.size(), threads, 1, [this](std::size_t, int worker) {
       schedule_.work([&](const SlabSchedule::Task& task) {
         if (!progress_.is_cancelled()) run(task, as_size(worker));
       });
@@ -70,11 +76,12 @@ class FullResolution {
 
   void run(const SlabSchedule::Task& task, std::size_t worker) {
     const Stopwatch watch;
-    const std::int32_t begin = static_cast<std::int32_t>(task.slab) * kSlabEdge;
+    const std::int32_t begin = slabs_.begin(task.slab);
+    const std::int32_t end = slabs_.end(task.slab);
     switch (task.step) {
-      case Step::find: finder_.find(begin, end_of(task.slab)); break;
+      case Step::find: finder_.find(begin, end); break;
       case Step::count:
-        for (std::int32_t z = begin; z < end_of(task.slab); ++z) {
+        for (std::int32_t z = begin; z < end; ++z) {
           const SliceCounts n =
               count_slice(field_, z, query_.style, &starts_[as_size(z) * n_rows_]);
           bases_[as_size(z) + 1] = {n.vertices, n.triangles};
@@ -86,15 +93,10 @@ class FullResolution {
     (task.step == Step::write ? write_seconds_ : sign_seconds_) += watch.seconds();
   }
 
-  [[nodiscard]] std::int32_t end_of(std::size_t slab) const {
-    const auto next = static_cast<std::int32_t>(slab) + 1;
-    return next == n_slabs(field_.dims[2]) ? field_.dims[2] : next * kSlabEdge;
-  }
-
   /// Makes sums of its slices' numbers. Whether there is room for all that they count.
   bool place(std::size_t slab) {
-    const auto end = as_size(end_of(slab));
-    for (auto z = slab * as_size(kSlabEdge); z < end; ++z) {
+    const auto end = as_size(slabs_.end(slab));
+    for (auto z = as_size(slabs_.begin(slab)); z < end; ++z) {
       bases_[z + 1].vertices += bases_[z].vertices;
       bases_[z + 1].triangles += bases_[z].triangles;
     }
@@ -127,12 +129,13 @@ class FullResolution {
     if (!writer)
       visit_storage_type(model_.storage,
                          [&]<typename T>() { writer = std::make_unique<SliceWriterOf<T>>(all_); });
-    const std::int32_t begin = static_cast<std::int32_t>(slab) * kSlabEdge;
-    for (std::int32_t z = begin; z < end_of(slab); ++z) writer->write(z);
-    if (query_.with_isovalues)
-      std::fill(surface_.isovalues.data() + bases_[as_size(begin)].vertices,
-                surface_.isovalues.data() + bases_[as_size(end_of(slab))].vertices,
-                static_cast<float>(query_.isovalue));
+    const std::int32_t begin = slabs_.begin(slab);
+    const std::int32_t end = slabs_.end(slab);
+    for (std::int32_t z = begin; z < end; ++z) writer->write(z);
+    if (!query_.with_isovalues) return;
+    const std::uint64_t first = bases_[as_size(begin)].vertices;
+    fill_by_copies(surface_.isovalues.data() + first, bases_[as_size(end)].vertices - first,
+                   static_cast<float>(query_.isovalue));
   }
 
   /// The steps run together: each has its share of the time.
@@ -153,6 +156,7 @@ class FullResolution {
     return report;
   }
 
+  Stopwatch watch_;
   const Model<3>& model_;
   const IsosurfaceQuery& query_;
   Surface& surface_;
@@ -164,6 +168,7 @@ class FullResolution {
   std::vector<SliceBase> bases_;
   FullSurface all_;
   std::vector<std::unique_ptr<SliceWriter>> writers_;  ///< By worker.
+  Slabs slabs_;
   SlabSchedule schedule_;
   std::mutex mutex_;
   double sign_seconds_ = 0;  ///< Of all workers.
@@ -176,8 +181,16 @@ Result<FullResolutionReport> extract_full_resolution(const Selection<3>& selecti
                                                      const LatticeFrame& frame,
                                                      const IsosurfaceQuery& query, Surface& surface,
                                                      Progress& progress) {
+  struct Emptied {
+    Surface* surface;
+    ~Emptied() {
+      if (surface != nullptr) surface->clear();
+    }
+  } unless_done{&surface};  // of numbers of vertices that are not there
   surface.origin = frame.surface_origin;
-  return FullResolution(selection, frame, query, surface, progress).run();
+  auto report = FullResolution(selection, frame, query, surface, progress).run();
+  if (report) unless_done.surface = nullptr;
+  return report;
 }
 
 }  // namespace lode::diamond

@@ -180,12 +180,9 @@ std::uint32_t* SignFinder::words_at(const Index<3>& p) const {
 SignField sign_field(const Selection<3>& selection, Threads threads, std::uint64_t& n_bricks_read) {
   SignField field;
   SignFinder finder(selection, field);
-  const std::int32_t n_slices = field.dims[2];
-  parallel_for(as_size(field.brick_dims[2]), threads, 1, [&](std::size_t layer, int) {
-    const auto begin = static_cast<std::int32_t>(layer) * kEdge;
-    const bool is_last = layer + 1 == as_size(field.brick_dims[2]);
-    finder.find(begin, is_last ? n_slices : begin + kEdge);
-  });
+  const Slabs slabs(field.dims[2], 8);
+  parallel_for(slabs.n(), threads, 1,
+               [&](std::size_t slab, int) { finder.find(slabs.begin(slab), slabs.end(slab)); });
   n_bricks_read = finder.n_met();
   return field;
 }

@@ -41,6 +41,28 @@ struct SignField {
   }
 };
 
+/// The slices of a volume, some at a time: as bricks, slabs share the samples between them, and the
+/// last one has those at its end too. None of them is in two layers of bricks.
+class Slabs {
+ public:
+  /// `edge`: a power of two, at most a brick's.
+  Slabs(std::int32_t n_slices, std::int32_t edge)
+      : n_slices_(n_slices), edge_(edge), n_(as_size(std::max(1, (n_slices + edge - 2) / edge))) {}
+
+  [[nodiscard]] std::size_t n() const { return n_; }
+  [[nodiscard]] std::int32_t begin(std::size_t slab) const {
+    return static_cast<std::int32_t>(slab) * edge_;
+  }
+  [[nodiscard]] std::int32_t end(std::size_t slab) const {
+    return slab + 1 == n_ ? n_slices_ : begin(slab + 1);
+  }
+
+ private:
+  std::int32_t n_slices_;
+  std::int32_t edge_;
+  std::size_t n_;
+};
+
 /// Finds the signs of a model without holes, slices by slices. Bricks whose stored range misses the
 /// isovalue are not read, and of others only the eighths whose range does not.
 class SignFinder {

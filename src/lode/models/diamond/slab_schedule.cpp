@@ -25,7 +25,9 @@ std::optional<SlabSchedule::Task> SlabSchedule::take() {
   while (!is_stopped_) {
     if (const auto task = next_ready()) return task;
     if (is_idle_for_good()) return {};
+    ++n_waiting_;
     changed_.wait(lock);
+    --n_waiting_;
   }
   return {};
 }
@@ -63,7 +65,7 @@ void SlabSchedule::finish(const Task& task) {
       break;
     case Step::write: ++n_written_; break;
   }
-  changed_.notify_all();
+  if (n_waiting_ > 0) changed_.notify_all();
 }
 
 void SlabSchedule::stop() {

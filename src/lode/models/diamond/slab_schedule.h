@@ -52,6 +52,7 @@ class SlabSchedule {
   std::size_t n_placed_ = 0;     ///< and these.
   std::size_t n_with_room_ = 0;  ///< The first ones.
   std::size_t n_written_ = 0;
+  int n_waiting_ = 0;
   bool is_full_ = false;  ///< A placed slab had no room.
   bool is_stopped_ = false;
 };

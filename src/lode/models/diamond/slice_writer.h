@@ -34,16 +34,22 @@ struct FullSurface {
 
   /// The rows of a slice, and one behind the last: behind all slices, where the surface ends.
   void place(std::int32_t z, std::vector<RowStart>& out) const {
+    const auto slice = as_size(z);
+    if (z == signs.dims[2]) {
+      std::ranges::fill(out, start_of(bases[slice]));
+      return;
+    }
     const auto n_rows = as_size(signs.dims[1]);
-    const bool is_behind = z == signs.dims[2];
-    const auto put = [&](std::size_t y, const RowStart& from, const SliceBase& base) {
-      for (std::size_t s = 0; s < kOwnSeries; ++s)
-        out[y].vertex[s] = from.vertex[s] + static_cast<std::uint32_t>(base.vertices);
-      out[y].triangle = from.triangle + static_cast<std::uint32_t>(base.triangles);
-    };
-    for (std::size_t y = 0; y < n_rows; ++y)
-      put(y, is_behind ? RowStart{} : starts[as_size(z) * n_rows + y], bases[as_size(z)]);
-    put(n_rows, {}, bases[is_behind ? as_size(z) : as_size(z) + 1]);
+    place_rows(starts + slice * n_rows, n_rows, start_of(bases[slice]), out.data());
+    out.back() = start_of(bases[slice + 1]);
+  }
+
+ private:
+  [[nodiscard]] static RowStart start_of(const SliceBase& base) {
+    RowStart start;
+    start.vertex.fill(static_cast<std::uint32_t>(base.vertices));
+    start.triangle = static_cast<std::uint32_t>(base.triangles);
+    return start;
   }
 };
 
