@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "build_terrain.h"
 #include "outputs.h"
@@ -86,12 +88,16 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
                            answer.opened.facts.points ? "points outside of the domain"
                                                       : "samples in no cell with four heights")});
   table.add({"model", name_of(answer.opened.model)});
-  const char* why = !answer.job.max_error.empty()         ? "as asked"
-                    : !answer.job.query.max_cells.empty() ? "the triangles decide"
-                                                          : "default: 0.5 % of the range";
-  if (has_tolerance(answer.options.focus))
-    table.add({"max error", fmt::format("{} ({}){}", format_number(report.max_error), why,
-                                        report.is_uniform ? "" : ", in the focus")});
+  if (has_tolerance(answer.options.focus)) {
+    const bool is_given = !answer.job.max_error.empty();
+    const bool is_budget = !is_given && !answer.job.query.max_cells.empty();
+    std::string said = is_budget
+                           ? "as small as --max-cells allows"
+                           : fmt::format("{} ({})", format_number(report.max_error),
+                                         is_given ? "as asked" : "default: 0.5 % of the range");
+    if (!report.is_uniform) said += ", in the focus";
+    table.add({"max error", std::move(said)});
+  }
   if (report.view) add_view_rows(*answer.options.focus, *report.view, table);
   table.add({"achieved error", fmt::format("{} at samples", format_number(report.achieved_error))});
   table.add({"triangles", format_count(report.triangles)});

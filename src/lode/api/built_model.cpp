@@ -19,8 +19,7 @@ Result<SelectedTerrain> BuiltModel::select_all(Progress& /*progress*/) const {
   return fail(
       "expected a raster, points, or a model that keeps all heights of its raster (the quadtrees, "
       "the quaternary triangulation, right_triangle_bisection, the implicit Delaunay pyramid), got "
-      "a {}, which keeps those "
-      "of its vertices",
+      "{}, which keeps those of its vertices",
       name_of(model()));
 }
 
