@@ -8,6 +8,7 @@
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/cell_rows.h"
 #include "tests/models/all_targets.h"
+#include "tests/models/built_dataset.h"
 #include "tests/models/finest_level_set.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/typed_samples.h"
@@ -76,15 +77,19 @@ Volume volume_of_blocks(const Index3& dims, std::uint32_t seed) {
   return volume;
 }
 
+void expect_same_numbers(const Surface& a, const Surface& b) {
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.normals, b.normals);
+  EXPECT_EQ(a.isovalues, b.isovalues);
+}
+
 /// Into the memory of any other surface, with any number of threads, it is the same.
 TEST(full_resolution_memory, says_nothing_about_the_surface) {
   for (const Index3 dims : {Index3{{37, 21, 70}}, Index3{{97, 98, 34}}, Index3{{65, 66, 9}},
                             Index3{{130, 40, 10}}, Index3{{66, 100, 97}}}) {
-    const Volume volume = volume_of_blocks(dims, 5);
-    const auto source = make_memory_source(volume);
+    const Dataset dataset = test::built_dataset(volume_of_blocks(dims, 5));
     Progress progress;
-    const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
-    ASSERT_TRUE(dataset);
     for (const auto style : {SurfaceStyle::tetra, SurfaceStyle::cubes}) {
       ExtractOptions options{.isovalues = {0.25},
                              .max_error = 0,
@@ -92,59 +97,48 @@ TEST(full_resolution_memory, says_nothing_about_the_surface) {
                              .normals = dims[2] == 70 ? Normals::on : Normals::off,
                              .threads = {1}};
       Surface alone;
-      ASSERT_TRUE(dataset->extract(options, alone, progress));
+      ASSERT_TRUE(dataset.extract(options, alone, progress));
       ASSERT_EQ(alone.isovalues, std::vector<float>(alone.positions.size(), 0.25F));
       Surface reused;
       for (const double other : {0.9, 0.25, -0.5, 5.0})
         for (const int threads : {1, 2, 3, 6}) {
           options.threads = {threads};
           options.isovalues = {other};
-          ASSERT_TRUE(dataset->extract(options, reused, progress));
+          ASSERT_TRUE(dataset.extract(options, reused, progress));
           if (threads == 3) reused.isovalues.resize(reused.isovalues.size() / 2);
           if (threads == 6) reused.positions.resize(reused.positions.size() / 2);
           options.isovalues = {0.25};
-          ASSERT_TRUE(dataset->extract(options, reused, progress));
-          EXPECT_EQ(reused.positions, alone.positions);
-          EXPECT_EQ(reused.triangles, alone.triangles);
-          EXPECT_EQ(reused.normals, alone.normals);
-          EXPECT_EQ(reused.isovalues, alone.isovalues);
+          ASSERT_TRUE(dataset.extract(options, reused, progress));
+          expect_same_numbers(reused, alone);
         }
     }
   }
 }
 
 TEST(full_resolution_memory, appends_the_same_for_any_number_of_threads) {
-  const Volume volume = volume_of_blocks({{66, 50, 97}}, 6);
-  const auto source = make_memory_source(volume);
+  const Dataset dataset = test::built_dataset(volume_of_blocks({{66, 50, 97}}, 6));
   Progress progress;
-  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
-  ASSERT_TRUE(dataset);
   ExtractOptions options{.isovalues = {0.25, -0.5, 0.5}, .max_error = 0, .threads = {1}};
   Surface alone;
-  ASSERT_TRUE(dataset->extract(options, alone, progress));
+  ASSERT_TRUE(dataset.extract(options, alone, progress));
   for (const int threads : {2, 5}) {
     options.threads = {threads};
     Surface surface;
-    ASSERT_TRUE(dataset->extract(options, surface, progress));
-    EXPECT_EQ(surface.positions, alone.positions);
-    EXPECT_EQ(surface.triangles, alone.triangles);
-    EXPECT_EQ(surface.isovalues, alone.isovalues);
+    ASSERT_TRUE(dataset.extract(options, surface, progress));
+    expect_same_numbers(surface, alone);
   }
 }
 
 TEST(full_resolution_memory, is_empty_after_an_error) {
-  const Volume volume = volume_of_blocks({{66, 50, 97}}, 6);
-  const auto source = make_memory_source(volume);
+  const Dataset dataset = test::built_dataset(volume_of_blocks({{66, 50, 97}}, 6));
   Progress progress;
-  const auto dataset = Dataset::build(*source, {.threads = {2}}, progress);
-  ASSERT_TRUE(dataset);
   ExtractOptions options{.isovalues = {0.25}, .max_error = 0, .threads = {2}};
   Surface surface;
-  ASSERT_TRUE(dataset->extract(options, surface, progress));
+  ASSERT_TRUE(dataset.extract(options, surface, progress));
   options.isovalues = {0.3};
   Progress cancelled;
   cancelled.cancel();
-  EXPECT_FALSE(dataset->extract(options, surface, cancelled));
+  EXPECT_FALSE(dataset.extract(options, surface, cancelled));
   EXPECT_TRUE(surface.is_empty());
   EXPECT_TRUE(surface.positions.empty());
 }

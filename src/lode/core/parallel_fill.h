@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <type_traits>
 
 #include "lode/core/parallel.h"
 #include "lode/core/uninitialized_array.h"
@@ -21,6 +22,7 @@ void for_each_piece(std::size_t n, Threads threads, const Body& body) {
 /// std::fill() by copying what has been filled, which needs no vectors to be fast.
 template <typename T>
 void fill_by_copies(T* first, std::size_t n, T value) {
+  static_assert(sizeof(T) <= 64 && std::is_trivially_copyable_v<T>);
   constexpr std::size_t kBlock = 4096 / sizeof(T);
   std::size_t n_done = std::min<std::size_t>(n, 64 / sizeof(T));
   std::fill_n(first, n_done, value);

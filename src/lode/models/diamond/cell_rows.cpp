@@ -270,14 +270,14 @@ SliceCounts count_rows(const SignField& field, std::int32_t z, RowStart* starts)
 }
 
 void run_place(const RowStart* starts, std::size_t n, const RowStart& base, RowStart* out) {
-  const hn::CappedTag<std::uint32_t, kOwnSeries + 1> d;
-  static_assert(sizeof(RowStart) == (kOwnSeries + 1) * sizeof(std::uint32_t));
+  constexpr std::size_t kNumbers = sizeof(RowStart) / sizeof(std::uint32_t);
+  const hn::CappedTag<std::uint32_t, kNumbers> d;
   const auto* from = reinterpret_cast<const std::uint32_t*>(starts);
   const auto* add = reinterpret_cast<const std::uint32_t*>(&base);
   auto* to = reinterpret_cast<std::uint32_t*>(out);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k <= kOwnSeries; k += hn::Lanes(d))
-      hn::StoreU(hn::Add(hn::LoadU(d, from + 8 * i + k), hn::LoadU(d, add + k)), d, to + 8 * i + k);
+  for (std::size_t i = 0; i < n * kNumbers; i += kNumbers)
+    for (std::size_t k = 0; k < kNumbers; k += hn::Lanes(d))
+      hn::StoreU(hn::Add(hn::LoadU(d, from + i + k), hn::LoadU(d, add + k)), d, to + i + k);
 }
 
 HWY_INLINE std::uint32_t lanes_that(hn::Mask<Words> mask) {

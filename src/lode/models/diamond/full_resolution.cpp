@@ -1,10 +1,8 @@
 #include "lode/models/diamond/full_resolution.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "lode/core/parallel_fill.h"
@@ -22,10 +20,9 @@ std::size_t n_useful(const Index<3>& dims, Threads threads) {
   return std::clamp<std::size_t>(n_samples / kSamplesPerThread, 1, as_size(n_workers(threads)));
 }
 
-/// Of eight slices: most samples are looked at in two, and those of a few slabs stay in the caches.
-/// Of fewer where threads would have nothing to do.
+/// Of fewer slices than usual where threads would have nothing to do.
 Slabs slabs_for(std::int32_t n_slices, std::size_t n_threads) {
-  std::int32_t edge = 8;
+  std::int32_t edge = Slabs::kUsualEdge;
   while (edge > 1 && n_threads > 1 && Slabs(n_slices, edge).n() < 4 * n_threads) edge /= 2;
   return {n_slices, edge};
 }
@@ -44,8 +41,8 @@ class FullResolution {
         bases_(as_size(field_.dims[2]) + 1),
         all_{model_,        frame,  selection.isovalue(), query.style, field_,
              starts_.get(), bases_, query.with_normals,   surface},
-        writers_(n_useful(field_.dims, query.threads)),
-        slabs_(slabs_for(field_.dims[2], writers_.size())),
+        workers_(n_useful(field_.dims, query.threads)),
+        slabs_(slabs_for(field_.dims[2], workers_.size())),
         schedule_(slabs_.n(), [this](std::size_t slab) { return place(slab); }) {
     if (!query.replaces) bases_[0] = {surface.positions.size(), surface.triangles.size()};
   }
@@ -63,18 +60,23 @@ class FullResolution {
 
  private:
   using Step = SlabSchedule::Step;
+  struct Worker {
+    std::unique_ptr<SliceWriter> writer;
+    double sign_seconds = 0;
+    double write_seconds = 0;
+  };
   static constexpr std::uint64_t kMostNumbers = std::numeric_limits<std::uint32_t>::max();
 
   void work() {
-    const Threads threads{static_cast<int>(writers_.size())};
-    parallel_for(writers_.size(), threads, 1, [this](std::size_t, int worker) {
+    const Threads threads{static_cast<int>(workers_.size())};
+    parallel_for(workers_.size(), threads, 1, [this](std::size_t, int worker) {
       schedule_.work([&](const SlabSchedule::Task& task) {
-        if (!progress_.is_cancelled()) run(task, as_size(worker));
+        if (!progress_.is_cancelled()) run(task, workers_[as_size(worker)]);
       });
     });
   }
 
-  void run(const SlabSchedule::Task& task, std::size_t worker) {
+  void run(const SlabSchedule::Task& task, Worker& worker) {
     const Stopwatch watch;
     const std::int32_t begin = slabs_.begin(task.slab);
     const std::int32_t end = slabs_.end(task.slab);
@@ -87,10 +89,9 @@ class FullResolution {
           bases_[as_size(z) + 1] = {n.vertices, n.triangles};
         }
         break;
-      case Step::write: write(task.slab, worker); break;
+      case Step::write: write(task.slab, worker.writer); break;
     }
-    const std::lock_guard lock(mutex_);
-    (task.step == Step::write ? write_seconds_ : sign_seconds_) += watch.seconds();
+    (task.step == Step::write ? worker.write_seconds : worker.sign_seconds) += watch.seconds();
   }
 
   /// Makes sums of its slices' numbers. Whether there is room for all that they count.
@@ -124,8 +125,7 @@ class FullResolution {
     return {};
   }
 
-  void write(std::size_t slab, std::size_t worker) {
-    auto& writer = writers_[worker];
+  void write(std::size_t slab, std::unique_ptr<SliceWriter>& writer) {
     if (!writer)
       visit_storage_type(model_.storage,
                          [&]<typename T>() { writer = std::make_unique<SliceWriterOf<T>>(all_); });
@@ -141,18 +141,19 @@ class FullResolution {
   /// The steps run together: each has its share of the time.
   [[nodiscard]] FullResolutionReport report(double seconds) const {
     FullResolutionReport report;
-    const double all_seconds = sign_seconds_ + write_seconds_;
-    if (all_seconds > 0) {
-      report.sign_seconds = seconds * sign_seconds_ / all_seconds;
-      report.write_seconds = seconds * write_seconds_ / all_seconds;
-    }
     report.n_bricks_read = finder_.n_met();
-    for (const auto& writer : writers_) {
-      if (!writer) continue;
-      const EdgeExtremes& e = writer->extremes();
+    for (const Worker& worker : workers_) {
+      report.sign_seconds += worker.sign_seconds;
+      report.write_seconds += worker.write_seconds;
+      if (!worker.writer) continue;
+      const EdgeExtremes& e = worker.writer->extremes();
       report.largest_step = std::max(report.largest_step, e.largest_step);
       report.largest_snap = std::max(report.largest_snap, e.largest_snap);
     }
+    const double all_seconds = report.sign_seconds + report.write_seconds;
+    const double share = all_seconds > 0 ? seconds / all_seconds : 0;
+    report.sign_seconds *= share;
+    report.write_seconds *= share;
     return report;
   }
 
@@ -167,12 +168,9 @@ class FullResolution {
   std::unique_ptr<RowStart[]> starts_;
   std::vector<SliceBase> bases_;
   FullSurface all_;
-  std::vector<std::unique_ptr<SliceWriter>> writers_;  ///< By worker.
+  std::vector<Worker> workers_;
   Slabs slabs_;
   SlabSchedule schedule_;
-  std::mutex mutex_;
-  double sign_seconds_ = 0;  ///< Of all workers.
-  double write_seconds_ = 0;
 };
 
 }  // namespace

@@ -180,7 +180,7 @@ std::uint32_t* SignFinder::words_at(const Index<3>& p) const {
 SignField sign_field(const Selection<3>& selection, Threads threads, std::uint64_t& n_bricks_read) {
   SignField field;
   SignFinder finder(selection, field);
-  const Slabs slabs(field.dims[2], 8);
+  const Slabs slabs(field.dims[2], Slabs::kUsualEdge);
   parallel_for(slabs.n(), threads, 1,
                [&](std::size_t slab, int) { finder.find(slabs.begin(slab), slabs.end(slab)); });
   n_bricks_read = finder.n_met();

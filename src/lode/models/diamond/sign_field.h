@@ -45,6 +45,10 @@ struct SignField {
 /// last one has those at its end too. None of them is in two layers of bricks.
 class Slabs {
  public:
+  /// As many slices as most are of: most samples are looked at in two, and those of a few slabs
+  /// stay in the caches.
+  static constexpr std::int32_t kUsualEdge = 8;
+
   /// `edge`: a power of two, at most a brick's.
   Slabs(std::int32_t n_slices, std::int32_t edge)
       : n_slices_(n_slices), edge_(edge), n_(as_size(std::max(1, (n_slices + edge - 2) / edge))) {}
