@@ -277,7 +277,7 @@ TEST(keep_topology, verification_checks_the_cut_that_was_extracted) {
   ASSERT_TRUE(extracted && report);
   EXPECT_TRUE(report->passed());
   const auto& model = std::get<diamond::Model<3>>(**dataset.impl().model(progress));
-  const auto nodes = diamond::find_critical_nodes(model, 0.2, 0, {2}, progress);
+  const auto nodes = diamond::find_critical_nodes(model, {0.2, 0, {2}}, progress);
   diamond::IsosurfaceQuery query{.isovalue = 0.2, .tolerance = 1};
   const auto coarse = diamond::check_cut<3>(model, query, progress);
   query.wanted = &nodes->nodes;

@@ -72,8 +72,8 @@ struct ExtractOptions {
   std::optional<double> max_distance{};
   /// 0: the surface has the components, tunnels and voids of that of full resolution, each joined
   /// as there: it is that surface but for where it lies. P > 0 (field units): those at least that
-  /// there are from P below the isovalue to P above it. Of volumes in memory, unclipped, with all
-  /// pieces kept.
+  /// there are from P below the isovalue to P above it. Of volumes, unclipped, with all pieces kept;
+  /// in files that are larger than the memory limit a quarter of it is for the nodes that it takes.
   std::optional<double> keep_topology{};
   /// cubes, of volumes in memory: full resolution; where the style error would be larger than the
   /// max_error, and in bricks of 32^3 cells that holes touch, tetrahedra stay. A max_error of 0

@@ -14,6 +14,7 @@
 #include "lode/api/piece_finisher.h"
 #include "lode/api/piece_simplifier.h"
 #include "lode/api/simplification.h"
+#include "lode/api/topology_extraction.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/close_border.h"
@@ -60,6 +61,9 @@ std::uint64_t memory_limit_of(const ExtractOptions& options) {
   return options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
 }
 
+/// And what the nodes that keep its topology may.
+constexpr std::uint64_t kNodesShare = 4;
+
 /// For which simplifying takes a quarter of the memory limit.
 std::size_t simplified_at_once(const ExtractOptions& options) {
   constexpr std::uint64_t kBytesPerTriangle = 200;  // 3.3 million took 0.6 GB
@@ -71,12 +75,14 @@ Result<void> extract_chunks(const Dataset::Impl& impl, Dataset::Impl::Chunks& ch
                             Progress& progress) {
   surface.clear();
   SurfaceCollector collector(surface);
+  begin_topology(options, report);
+  CriticalOfChunks critical(chunks, options, memory_limit_of(options) / kNodesShare);
   return std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) -> Result<void> {
         LODE_CHECK(extract_passes<D>(
             field, chunks.blocks, options, memory_limit_of(options) / kHeldShare, collector, report,
             [](double) {}, [&](double isovalue) { add_isovalue(isovalue, options, surface); },
-            progress));
+            critical.nodes_of(report, progress), progress));
         return finish_surface(impl, {field.info.grid, false, field.value({})}, options, surface,
                               report, progress);
       },
@@ -92,6 +98,8 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   const double tolerance = report.max_error;
   const bool is_in_band = has_band(options, tolerance);
   if (is_in_band) report.max_error = 0;
+  begin_topology(options, report);
+  CriticalOfChunks critical(chunks, options, memory_limit_of(options) / kNodesShare);
   LODE_CHECK(std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) {
         if (options.simplify != Simplify::off)
@@ -113,7 +121,8 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
             };
         return extract_passes<D>(
             field, chunks.blocks, options, memory_limit_of(options) / kHeldShare, sink, report,
-            [&](double isovalue) { finisher.begin(isovalue); }, [](double) {}, progress, see_part);
+            [&](double isovalue) { finisher.begin(isovalue); }, [](double) {},
+            critical.nodes_of(report, progress), progress, see_part);
       },
       chunks.field));
   report.max_error = tolerance;
@@ -153,7 +162,6 @@ struct ExtractPlan {
 const char* need_of_whole_model(const ExtractOptions& options, const RegularGrid& grid,
                                 double tolerance) {
   if (options.max_distance) return "max_distance";
-  if (options.keep_topology) return "keep_topology";
   if (has_band(options, tolerance) && !is_edited_by_piece(options, grid, tolerance))
     return "simplifying within a max_error, in a grid whose axes are not the world's";
   return options.style == SurfaceStyle::cubes ? "style cubes" : nullptr;

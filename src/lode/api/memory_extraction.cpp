@@ -30,10 +30,7 @@ Result<diamond::IsosurfaceReport> extract_one(const Dataset::Impl& impl,
 Result<FieldFacts> extract_in_memory(const Dataset::Impl& impl, const ExtractOptions& options,
                                      Surface& surface, ExtractReport& report, Progress& progress) {
   LODE_TRY(const auto* const held, impl.model(progress));
-  if (options.keep_topology)
-    report.topology =
-        KeptTopology{.persistence = *options.keep_topology,
-                     .is_searched = report.max_error > 0 && options.style == SurfaceStyle::tetra};
+  begin_topology(options, report);
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<FieldFacts> {
         for (const double isovalue : options.isovalues) {

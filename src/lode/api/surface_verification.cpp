@@ -169,7 +169,7 @@ Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads,
   std::optional<diamond::CriticalNodes> critical;
   if constexpr (D == 3)
     if (expected.keeps_topology) {
-      LODE_TRY(critical, diamond::find_critical_nodes(model, isovalue, 0, threads, progress));
+      LODE_TRY(critical, diamond::find_critical_nodes(model, {isovalue, 0, threads}, progress));
       query.wanted = &critical->nodes;
     }
   LODE_TRY(const auto cut, diamond::check_cut<D>(model, query, progress));

@@ -5,6 +5,16 @@
 #include "lode/core/stopwatch.h"
 
 namespace lode {
+namespace {
+
+void add_critical(const diamond::CriticalNodes& found, const Stopwatch& watch,
+                  ExtractReport& report) {
+  report.seconds.topology += watch.seconds();
+  report.topology->critical_nodes += found.n_critical;
+  report.topology->nodes += found.n_nodes;
+}
+
+}  // namespace
 
 Result<void> check_keep_topology(const ExtractOptions& options) {
   if (!options.keep_topology) return {};
@@ -20,17 +30,37 @@ Result<void> check_keep_topology(const ExtractOptions& options) {
   return {};
 }
 
+void begin_topology(const ExtractOptions& options, ExtractReport& report) {
+  if (!options.keep_topology) return;
+  report.topology =
+      KeptTopology{.persistence = *options.keep_topology,
+                   .is_searched = report.max_error > 0 && options.style == SurfaceStyle::tetra};
+}
+
 Result<diamond::CriticalNodes> critical_nodes(const diamond::Model<3>& model, double isovalue,
                                               const ExtractOptions& options, ExtractReport& report,
                                               Progress& progress) {
   const Stopwatch watch;
   progress.report("finding critical nodes", 0);
-  LODE_TRY(auto found, diamond::find_critical_nodes(model, isovalue, *options.keep_topology,
-                                                    options.threads, progress));
-  report.seconds.topology += watch.seconds();
-  report.topology->critical_nodes += found.n_critical;
-  report.topology->nodes += found.n_nodes;
+  LODE_TRY(auto found, diamond::find_critical_nodes(
+                           model, {isovalue, *options.keep_topology, options.threads}, progress));
+  add_critical(found, watch, report);
   return found;
+}
+
+NodesOfIsovalue CriticalOfChunks::nodes_of(ExtractReport& report, Progress& progress) {
+  const auto* const field = std::get_if<diamond::CoarseField<3>>(&chunks_.field);
+  if (!report.topology || !report.topology->is_searched || field == nullptr) return {};
+  return [this, field, &report, &progress](double isovalue) -> Result<const diamond::NodeSet<3>*> {
+    const Stopwatch watch;
+    progress.report("finding critical nodes", 0);
+    found_.reset();
+    LODE_TRY(found_, diamond::find_critical_nodes(
+                         *field, chunks_.blocks, max_bytes_,
+                         {isovalue, *options_.keep_topology, options_.threads}, progress));
+    add_critical(*found_, watch, report);
+    return &found_->nodes;
+  };
 }
 
 }  // namespace lode

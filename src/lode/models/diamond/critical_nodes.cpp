@@ -1,194 +1,187 @@
 #include "lode/models/diamond/critical_nodes.h"
 
-#include <array>
 #include <mutex>
 #include <vector>
 
+#include "lode/models/diamond/brick_work.h"
+#include "lode/models/diamond/kept_nodes.h"
 #include "lode/models/diamond/refinable.h"
-#include "lode/models/diamond/sample_rows.h"
+#include "lode/models/diamond/selection.h"
+#include "lode/models/diamond/side_box.h"
 
 namespace lode::diamond {
 namespace {
 
-/// The vertices of a star round its axis, in order, in steps of h from the centre.
-struct Ring {
-  std::array<Index<3>, 8> steps{};
-  std::size_t n = 0;
-
-  void add(const Index<3>& step) { steps[n++] = step; }
-  /// The first end of the axis with one or two of its odd coordinates mirrored.
-  void add_mirrored(Index<3> first, std::size_t i, std::size_t j) {
-    first[i] = -first[i];
-    if (j != i) first[j] = -first[j];
-    add(first);
-  }
-};
-
-Index<3> unit(std::size_t axis, std::int32_t sign) {
-  Index<3> step;
-  step[axis] = sign;
-  return step;
-}
-
-/// `first` leads to one end of the axis.
-Ring ring_round(const Index<3>& first) {
-  Ring ring;
-  std::array<std::size_t, 3> odd{};
-  std::array<std::size_t, 3> even{};
-  std::size_t n_odd = 0;
-  std::size_t n_even = 0;
-  for (std::size_t i = 0; i < 3; ++i) (first[i] != 0 ? odd[n_odd++] : even[n_even++]) = i;
-  if (n_odd == 3) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      ring.add_mirrored(first, i, i);
-      ring.add_mirrored(first, i, (i + 1) % 3);
-    }
-  } else if (n_odd == 2) {
-    ring.add_mirrored(first, odd[0], odd[0]);
-    ring.add(unit(even[0], 1));
-    ring.add_mirrored(first, odd[1], odd[1]);
-    ring.add(unit(even[0], -1));
-  } else {
-    const Index<3> u = unit(even[0], 1);
-    const Index<3> v = unit(even[1], 1);
-    for (const Index<3>& step : {u, u + v, v, v - u, u * -1, (u + v) * -1, v * -1, u - v})
-      ring.add(step);
-  }
-  return ring;
-}
-
-/// By the first end's steps, in base 3.
-const Ring& ring_of(const Index<3>& first) {
-  static const auto kRings = [] {
-    std::array<Ring, 27> rings;
-    for (std::size_t i = 0; i < rings.size(); ++i) {
-      const Index<3> step = point_of<3>(all_equal<3>(3), i) - all_equal<3>(1);
-      if (step != Index<3>{}) rings[i] = ring_round(step);
-    }
-    return rings;
-  }();
-  return kRings[linear_index<3>(all_equal<3>(3), first + all_equal<3>(1))];
-}
-
-/// The sides of an isovalue that a volume's samples are on.
-class NodeSides {
+/// `Field`: has the nodes of levels kKeptLevel and coarser, and their samples. Finer nodes are
+/// found brick by brick, coarser ones on the grid of that level.
+template <typename Field>
+class CriticalSearch {
  public:
-  enum Side : std::uint8_t { outside, inside, hole };
+  CriticalSearch(const Field& field, const CriticalQuery& query, const Progress& progress)
+      : field_(field),
+        query_(query),
+        progress_(progress),
+        selection_(field, query.isovalue, 0),
+        critical_{NodeSet<3>(field.shape)} {}
 
-  NodeSides(const Model<3>& model, double isovalue, Threads threads)
-      : dims_(model.shape.dims), sides_(n_points<3>(dims_)) {
-    const auto n_x = as_size(dims_[0]);
-    visit_storage_type(model.storage, [&]<typename T>() {
-      parallel_for(sides_.size() / n_x, threads, 64, [&](std::size_t row, int) {
-        std::vector<T> samples(n_x);
-        copy_samples<T, 3>(model, point_of<3>(dims_, row * n_x), dims_[0], 1, samples.data());
-        for (std::size_t x = 0; x < n_x; ++x) {
-          const auto value = static_cast<double>(samples[x]);
-          const bool is_hole = model.has_holes() && model.is_hole(value);
-          sides_[row * n_x + x] = is_hole ? hole : value >= isovalue ? inside : outside;
-        }
+  /// Whether finer nodes with a centre in a brick may be critical.
+  [[nodiscard]] bool is_met(const Index<3>& brick) const {
+    if (field_.shape.n_levels <= kKeptLevel) return true;
+    return any_kept_node<3>(field_.shape, brick, [&](const Index<3>&, std::size_t at) {
+      return selection_.is_active(kKeptLevel, at);
+    });
+  }
+
+  void find_coarse() {
+    const int n_levels = field_.shape.n_levels - kKeptLevel;
+    if (n_levels <= 0) return;
+    LatticeBox<3> all{{}, {}};
+    for (std::size_t i = 0; i < 3; ++i)
+      all.upper[i] = ((field_.shape.dims[i] - 1) >> kKeptLevel) + 1;
+    SideBox sides(query_.isovalue);
+    sides.open(all.upper, all);
+    parallel_for(sides.n_rows(), query_.threads, 64,
+                 [&](std::size_t row, int) { sides.fill_row(field_, row, kStep); });
+    const auto n_layers = as_size(all.upper[2]);
+    parallel_for(n_layers, query_.threads, 1, [&](std::size_t z, int) {
+      if (progress_.is_cancelled()) return;
+      LatticeBox<3> layer = all;
+      layer.lower[2] = static_cast<std::int32_t>(z);
+      layer.upper[2] = layer.lower[2] + 1;
+      std::vector<Index<3>> found;
+      for (int level = 0; level < n_levels; ++level) sides.find(level, layer, found);
+      for (Index<3>& centre : found) centre = centre * kStep;
+      add(found, {}, [&](const Diamond<3>& node) {
+        const std::size_t at = selection_.index_of(node);
+        const NodeLevel& nodes = field_.levels[as_size(node.level)];
+        return without_bounds(
+            {.error = decode_error(nodes.error[at]), .low = nodes.low[at], .high = nodes.high[at]},
+            field_.range_reference());
       });
     });
   }
 
-  /// Appends the centres of the critical nodes in a row of a level's grid. Most nodes are told by
-  /// three samples.
-  void find_in_row(int level, const Index<3>& row, std::vector<Index<3>>& found) const {
-    std::array<std::ptrdiff_t, 3> strides{};
-    std::ptrdiff_t stride = std::ptrdiff_t{1} << level;
-    for (std::size_t i = 0; i < 3; stride *= dims_[i++]) strides[i] = stride;
-    std::ptrdiff_t to_end = 0;  // from a node to an end of its axis, without the x part
-    bool is_even = true;
-    for (std::size_t i = 1; i < 3; ++i) {
-      if ((row[i] & 1) == 0) continue;
-      if (!has_ends(level, row, i)) return;
-      is_even = false;
-      to_end += (row[i] & 3) == 1 ? -strides[i] : strides[i];
-    }
-    const std::uint8_t* const sides =
-        sides_.data() + linear_index<3>(dims_, row * (std::int32_t{1} << level));
-    Index<3> q = row;
-    for (q[0] = is_even ? 1 : 0; q[0] << level < dims_[0]; q[0] += is_even ? 2 : 1) {
-      const bool is_odd = (q[0] & 1) != 0;
-      if (is_odd && !has_ends(level, q, 0)) return;
-      const std::ptrdiff_t x_part = !is_odd ? 0 : (q[0] & 3) == 1 ? -strides[0] : strides[0];
-      const std::uint8_t* const centre = sides + q[0] * strides[0];
-      const std::uint8_t end = centre[to_end + x_part];
-      if (end == *centre || end != centre[-(to_end + x_part)]) continue;
-      const Diamond<3> node = diamond_at<3>(q * (std::int32_t{1} << level));
-      if (*centre != hole && end != hole && is_critical(node)) found.push_back(node.centre);
-    }
+  /// The finer ones of some bricks of a part of the field that begins at `origin`: their samples
+  /// and those round them are there. facts(node) asks for its own.
+  template <typename Samples, typename Facts>
+  void find_fine(const Samples& samples, std::span<const Index<3>> bricks, const Index<3>& origin,
+                 const Facts& facts) {
+    const int n_levels = std::min(field_.shape.n_levels, kKeptLevel);
+    const Index<3>& dims = samples.shape.dims;
+    std::vector<SideBox> workers(as_size(n_workers(query_.threads)), SideBox(query_.isovalue));
+    parallel_for(bricks.size(), query_.threads, 1, [&](std::size_t i, int number) {
+      if (progress_.is_cancelled()) return;
+      LatticeBox<3> brick{bricks[i] * kBrickEdge<3>, {}};
+      LatticeBox<3> round;
+      for (std::size_t a = 0; a < 3; ++a) {
+        brick.upper[a] = brick.lower[a] + kBrickEdge<3>;
+        if (brick.upper[a] == dims[a] - 1) ++brick.upper[a];  // no other brick has the last sample
+        brick.upper[a] = std::min(brick.upper[a], dims[a]);
+        round.lower[a] = std::max(brick.lower[a] - kReach, 0);
+        round.upper[a] = std::min(brick.upper[a] + kReach, dims[a]);
+      }
+      SideBox& sides = workers[as_size(number)];
+      sides.open(dims, round);
+      for (std::size_t row = 0; row < sides.n_rows(); ++row) sides.fill_row(samples, row, 1);
+      std::vector<Index<3>> found;
+      for (int level = 0; level < n_levels; ++level) sides.find(level, brick, found);
+      add(found, origin, facts);
+    });
   }
+
+  [[nodiscard]] const NodeSet<3>& nodes() const { return critical_.nodes; }
+  [[nodiscard]] CriticalNodes take() { return std::move(critical_); }
 
  private:
-  /// Whether both ends of the axis are samples, as far as one odd coordinate goes.
-  [[nodiscard]] bool has_ends(int level, const Index<3>& q, std::size_t axis) const {
-    return (q[axis] + 1) << level < dims_[axis];
+  static constexpr std::int32_t kStep = 1 << kKeptLevel;
+  /// Of the stars of finer nodes.
+  static constexpr std::int32_t kReach = kStep / 2;
+  static_assert(kReach <= FilePart<3>::kMargin);
+
+  template <typename Facts>
+  void add(std::vector<Index<3>>& found, const Index<3>& origin, const Facts& facts) {
+    if (query_.persistence > 0)
+      std::erase_if(
+          found, [&](const Index<3>& centre) { return is_slight(facts(diamond_at<3>(centre))); });
+    if (found.empty()) return;
+    const std::lock_guard lock(mutex_);  // a set, whatever the order
+    critical_.n_critical += found.size();
+    for (const Index<3>& centre : found)
+      critical_.nodes.insert(centre + origin, [&](const Index<3>&) { ++critical_.n_nodes; });
+  }
+  [[nodiscard]] bool is_slight(const NodeFacts& facts) const {
+    const double c = query_.isovalue;
+    const double persistence = query_.persistence;
+    return facts.error <= persistence ||
+           (facts.range.low >= c - persistence && facts.range.high < c + persistence);
   }
 
-  /// Whether round the axis, whose ends lie on the other side than the centre, there is anything
-  /// but one arc of either side. At the data's border the ring is a path: then one change of
-  /// sides. Nodes with holes have infinite errors, and are refined for that.
-  [[nodiscard]] bool is_critical(const Diamond<3>& node) const {
-    constexpr int kNone = -1;
-    Index<3> first = axis_ends<3>(node)[0] - node.centre;
-    for (std::size_t i = 0; i < 3; ++i) first[i] >>= node.level;
-    const Ring& ring = ring_of(first);
-    std::array<int, 8> sides{};
-    bool is_closed = true;
-    for (std::size_t i = 0; i < ring.n; ++i) {
-      const Index<3> p = node.centre + ring.steps[i] * node.h();
-      bool is_sample = true;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        is_sample = is_sample && p[axis] >= 0 && p[axis] < dims_[axis];
-      sides[i] = is_sample ? sides_[linear_index<3>(dims_, p)] : kNone;
-      if (sides[i] == hole) return false;
-      is_closed = is_closed && is_sample;
-    }
-    int n_changes = 0;
-    for (std::size_t i = 0; i < ring.n; ++i) {
-      const int next = sides[(i + 1) % ring.n];
-      n_changes += sides[i] != kNone && next != kNone && sides[i] != next ? 1 : 0;
-    }
-    return n_changes != (is_closed ? 2 : 1);
-  }
-
-  Index<3> dims_;
-  std::vector<std::uint8_t> sides_;  ///< x fastest.
+  const Field& field_;
+  CriticalQuery query_;
+  const Progress& progress_;
+  Selection<3, Field> selection_;
+  std::mutex mutex_;
+  CriticalNodes critical_;
 };
 
 }  // namespace
 
-Result<CriticalNodes> find_critical_nodes(const Model<3>& model, double isovalue,
-                                          double persistence, Threads threads,
+Result<CriticalNodes> find_critical_nodes(const Model<3>& model, const CriticalQuery& query,
                                           const Progress& progress) {
-  CriticalNodes critical{NodeSet<3>(model.shape)};
-  if (!model.shape.has_cells()) return critical;
-  const NodeSides sides(model, isovalue, threads);
-  const Refinable<3> nodes(model);
-  const auto is_slight = [&](const Index<3>& centre) {
-    const NodeFacts facts = nodes.facts_at(diamond_at<3>(centre));
-    return facts.error <= persistence ||
-           (facts.range.low >= isovalue - persistence && facts.range.high < isovalue + persistence);
-  };
-  std::mutex mutex;
-  for (int level = 0; level < model.shape.n_levels; ++level) {
-    if (progress.is_cancelled()) return cancelled_error();
-    Index<3> dims;  // of the level's grid points those that are samples
-    for (std::size_t i = 0; i < 3; ++i) dims[i] = ((model.shape.dims[i] - 1) >> level) + 1;
-    const auto n_x = as_size(dims[0]);
-    parallel_for(n_points<3>(dims) / n_x, threads, 64, [&](std::size_t row, int) {
-      std::vector<Index<3>> found;
-      sides.find_in_row(level, point_of<3>(dims, row * n_x), found);
-      if (persistence > 0) std::erase_if(found, is_slight);
-      if (found.empty()) return;
-      const std::lock_guard lock(mutex);  // a set, whatever the order
-      critical.n_critical += found.size();
-      for (const Index<3>& centre : found)
-        critical.nodes.insert(centre, [&](const Index<3>&) { ++critical.n_nodes; });
-    });
+  CriticalSearch<Model<3>> search(model, query, progress);
+  if (!model.shape.has_cells()) return search.take();
+  search.find_coarse();
+  std::vector<Index<3>> bricks;
+  for (std::size_t i = 0; i < model.n_bricks(); ++i) {
+    const Index<3> brick = point_of<3>(model.brick_dims, i);
+    if (search.is_met(brick)) bricks.push_back(brick);
   }
-  return critical;
+  const Refinable<3> nodes(model);
+  search.find_fine(model, bricks, {}, [&](const Diamond<3>& node) { return nodes.facts_at(node); });
+  if (progress.is_cancelled()) return cancelled_error();
+  return search.take();
+}
+
+Result<CriticalNodes> find_critical_nodes(const CoarseField<3>& field, store::BlockCache& blocks,
+                                          std::uint64_t max_bytes, const CriticalQuery& query,
+                                          Progress& progress) {
+  CriticalSearch<CoarseField<3>> search(field, query, progress);
+  if (!field.shape.has_cells()) return search.take();
+  search.find_coarse();
+  const Index<3> brick_dims = brick_counts<3>(field.shape);
+  std::vector<std::vector<Index<3>>> bricks(n_points<3>(chunk_counts<3>(field.shape)));
+  for (std::size_t i = 0; i < n_points<3>(brick_dims); ++i) {
+    const Index<3> brick = point_of<3>(brick_dims, i);
+    if (search.is_met(brick)) bricks[chunk_of_brick<3>(field.shape, brick)].push_back(brick);
+  }
+  FilePart<3> part(field, blocks, query.threads);
+  for (std::size_t chunk = 0; chunk < bricks.size(); ++chunk) {
+    if (progress.is_cancelled()) return cancelled_error();
+    if (bricks[chunk].empty()) continue;
+    const auto position = [&](std::size_t number) {
+      return point_of<3>(chunk_counts<3>(field.shape), number);
+    };
+    if (query.persistence > 0) {
+      LODE_CHECK(part.load(position(chunk), bricks[chunk], {}));
+      part.fill_beside();
+    } else {
+      LODE_CHECK(part.load_samples(position(chunk), bricks[chunk]));
+    }
+    if (chunk + 1 < bricks.size()) part.will_load(position(chunk + 1), bricks[chunk + 1]);
+    const Refinable<3> nodes(part.model());
+    search.find_fine(part.samples(), part.fine(), part.origin(),
+                     [&](const Diamond<3>& node) { return nodes.facts_at(node); });
+    if (search.nodes().n_bytes() > max_bytes)
+      return fail(
+          "keeping the topology: expected at most {} MB for the nodes that it takes, got {} MB "
+          "after {} of {} chunks: a higher memory limit, or a persistence, leaves room for them",
+          max_bytes / 1'000'000, search.nodes().n_bytes() / 1'000'000 + 1, chunk + 1,
+          bricks.size());
+    progress.report("finding critical nodes",
+                    static_cast<double>(chunk + 1) / static_cast<double>(bricks.size()));
+  }
+  if (progress.is_cancelled()) return cancelled_error();
+  return search.take();
 }
 
 }  // namespace lode::diamond

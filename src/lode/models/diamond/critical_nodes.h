@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "lode/core/progress.h"
-#include "lode/models/diamond/model.h"
+#include "lode/models/diamond/file_parts.h"
 #include "lode/models/diamond/node_set.h"
 
 namespace lode::diamond {
@@ -16,17 +16,31 @@ struct CriticalNodes {
   std::uint64_t n_nodes = 0;     ///< and with the ancestors.
 };
 
+struct CriticalQuery {
+  double isovalue = 0;
+  double persistence = 0;  ///< Field units.
+  Threads threads{};
+};
+
 /// Finds all nodes of a volume that are critical at an isovalue: refining one changes the topology
 /// of the surface in its star. Its centre lies on one side, both ends of its axis on the other, and
 /// round the axis the star's other vertices are not one arc of either side. All others move the
 /// surface without tearing or joining it, in whatever order they are refined, so in a cut with all
 /// critical nodes refined it has the topology of full resolution: docs/models/diamond3d.md, "The
 /// topology kept". After Gerstner and Pajarola, Visualization 2000. Those whose nested error is at
-/// most `persistence` (field units), or whose range lies within so much of the isovalue, are left
-/// out: what there is from so far below the isovalue to so far above is kept without them. A byte
-/// a sample of scratch memory; deterministic; fails when cancelled.
-[[nodiscard]] Result<CriticalNodes> find_critical_nodes(const Model<3>& model, double isovalue,
-                                                        double persistence, Threads threads,
+/// most the persistence, or whose range lies within so much of the isovalue, are left out: what
+/// there is from so far below the isovalue to so far above is kept without them. Only bricks that
+/// the surface may cross are looked at. Deterministic; fails when cancelled.
+[[nodiscard]] Result<CriticalNodes> find_critical_nodes(const Model<3>& model,
+                                                        const CriticalQuery& query,
                                                         const Progress& progress);
+
+/// The same nodes of a file, chunk by chunk, as extract_from_file() goes through it. Fails where
+/// their set takes more than max_bytes.
+[[nodiscard]] Result<CriticalNodes> find_critical_nodes(const CoarseField<3>& field,
+                                                        store::BlockCache& blocks,
+                                                        std::uint64_t max_bytes,
+                                                        const CriticalQuery& query,
+                                                        Progress& progress);
 
 }  // namespace lode::diamond

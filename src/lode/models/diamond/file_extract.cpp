@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/brick_marcher.h"
 #include "lode/models/diamond/isovalue_list.h"
+#include "lode/models/diamond/kept_nodes.h"
 #include "lode/models/diamond/normals.h"
 
 namespace lode::diamond {
@@ -47,7 +49,7 @@ class FileExtraction {
         isovalues_(isovalues),
         query_(query),
         frame_(LatticeFrame::of(field.info.grid)),
-        selection_(field, isovalues, query.tolerance),
+        selection_(field, isovalues, query.tolerance, wanted()),
         brick_dims_(brick_counts<D>(field.shape)),
         part_(field, blocks, query.threads),
         sink_of_(sink_of),
@@ -103,6 +105,10 @@ class FileExtraction {
   using CoarseSelection = ManySelection<D, CoarseField<D>>;
   using Pieces = std::vector<BrickPiece<D>>;
 
+  [[nodiscard]] const NodeSet<D>* wanted() const {
+    if constexpr (D == 3) return query_.wanted;
+    return nullptr;
+  }
   [[nodiscard]] Index<D> brick_of(std::size_t work) const {
     return point_of<D>(brick_dims_, work_[work].brick);
   }
@@ -138,32 +144,22 @@ class FileExtraction {
   }
 
   [[nodiscard]] bool has_fine_node(const Index<D>& brick) const {
-    const Index<D> dims = field_.shape.grid_dims(kKeptLevel);
-    const std::int32_t n = kBrickEdge<D> >> kKeptLevel;
-    const Index<D> edges = all_equal<D>(n + 1);
-    for (std::size_t i = 0; i < n_points<D>(edges); ++i) {
-      const Index<D> q = brick * n + point_of<D>(edges, i);
-      std::int32_t odd = 0;
-      bool exists = true;
-      for (std::size_t a = 0; a < as_size(D); ++a) {
-        odd |= q[a] & 1;
-        exists = exists && q[a] < dims[a];
-      }
-      if (odd == 0 || !exists) continue;
-      const std::size_t at = linear_index<D>(dims, q);
-      if (!selection_.is_active(kKeptLevel, at)) continue;
-      if (selection_.exceeds_tolerance(selection_.error(kKeptLevel, at)) ||
-          field_.shape.reaches_across(q * (std::int32_t{1} << kKeptLevel), kKeptLevel))
-        return true;
-    }
-    return false;
+    return any_kept_node<D>(field_.shape, brick, [&](const Index<D>& q, std::size_t at) {
+      const Index<D> centre = q * (std::int32_t{1} << kKeptLevel);
+      return selection_.is_active(kKeptLevel, at) &&
+             (selection_.exceeds_tolerance(selection_.error(kKeptLevel, at)) ||
+              field_.shape.reaches_across(centre, kKeptLevel) || selection_.is_wanted(centre));
+    });
   }
 
   /// By work from `begin` to before `end`, all in the chunk that is loaded.
   std::vector<Pieces> march_chunk(std::size_t begin, std::size_t end) {
+    std::optional<NodeSet<D>> wanted_here;
+    if (wanted() != nullptr) wanted_here = wanted()->part(part_.model().shape, part_.origin());
     std::vector<Selection<D>> selections;
     for (std::size_t i = 0; i < isovalues_.size(); ++i)
-      selections.emplace_back(part_.model(), isovalues_[i], query_.tolerance);
+      selections.emplace_back(part_.model(), isovalues_[i], query_.tolerance,
+                              wanted_here ? &*wanted_here : nullptr);
     std::vector<Pieces> pieces(end - begin);
     std::vector<TraversalStats> stats(end - begin);
     std::vector<std::unique_ptr<BrickMarcher<D>>> workers(as_size(n_workers(query_.threads)));

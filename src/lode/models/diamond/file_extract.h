@@ -20,9 +20,10 @@ using SeePart = std::function<void(FilePart<D>&)>;
 /// extract_isosurface(), of all isovalues in one pass, from a file, chunk by chunk: blocks are read
 /// where bricks that a surface may cross need them, and not kept. The same surfaces, vertex by
 /// vertex, as from memory with a tolerance above 0; sinks take each chunk's pieces. `query`: its
-/// isovalue does not count. Where there are holes, all samples of such bricks are read, and of
-/// coarser simplices one cell's, as only they tell what is removed. In memory are `field`, one
-/// chunk and all surfaces' pieces of it, vertices that later chunks share, and what `blocks` keeps.
+/// isovalue does not count; nodes are wanted of all isovalues. Where there are holes, all samples
+/// of such bricks are read, and of coarser simplices one cell's, as only they tell what is removed.
+/// In memory are `field`, one chunk and all surfaces' pieces of it, vertices that later chunks
+/// share, and what `blocks` keeps.
 template <int D>
 [[nodiscard]] Result<IsosurfaceReport> extract_from_file(
     const CoarseField<D>& field, store::BlockCache& blocks, const IsovalueList& isovalues,

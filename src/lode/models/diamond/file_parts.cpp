@@ -158,7 +158,7 @@ void FilePart<D>::begin(const Index<D>& chunk, int first_level) {
 }
 
 template <int D>
-void FilePart<D>::take_coarse() {
+void FilePart<D>::take_coarse_samples() {
   if (!field_.is_needed()) return;
   const std::size_t size = field_.sample_size();
   const Index<D> origin = plan_.part.origin;
@@ -171,6 +171,11 @@ void FilePart<D>::take_coarse() {
     std::memcpy(flat_.samples.data() + linear_index<D>(plan_.dims, q * (1 << kKeptLevel)) * size,
                 field_.samples.data() + linear_index<D>(field_.dims, from) * size, size);
   }
+}
+
+template <int D>
+void FilePart<D>::take_coarse_nodes() {
+  const Index<D> origin = plan_.part.origin;
   for (std::size_t level = as_size(kKeptLevel); level < model_.levels.size(); ++level) {
     NodeLevel& to = model_.levels[level];
     const NodeLevel& from = field_.levels[level];
@@ -281,28 +286,23 @@ Result<void> FilePart<D>::read_attributes(int level, std::span<const Index<D>> b
 }
 
 template <int D>
-Result<void> FilePart<D>::read_blocks(std::span<const Index<D>> bricks) {
-  const int coarsest = std::min(kChunkLevel, field_.shape.n_levels - 1);
-  for (int level = coarsest; level >= 0; --level) {
-    if (level > 0) LODE_CHECK(read_attributes(level, bricks));
-    LODE_CHECK(visit_storage_type(field_.storage, [&]<typename T>() {
-      return read_kind<T>(
-          Kind::samples, level, bricks, kMargin,
-          [&](const Index<D>& q, std::int32_t n, std::int32_t stride, const std::byte* from) {
-            Index<D> p = q;
-            for (std::int32_t& x : p.v) x *= 1 << level;
-            for (std::size_t i = 1; i < as_size(D); ++i)
-              if (p[i] < 0 || p[i] >= plan_.dims[i]) return;
-            std::byte* row = flat_.samples.data();
-            const std::int32_t step = stride << level;
-            for (std::int32_t i = 0; i < n; ++i, p[0] += step)
-              if (p[0] >= 0 && p[0] < plan_.dims[0])
-                std::memcpy(row + linear_index<D>(plan_.dims, p) * sizeof(T),
-                            from + as_size(i) * sizeof(T), sizeof(T));
-          });
-    }));
-  }
-  return {};
+Result<void> FilePart<D>::read_samples(int level, std::span<const Index<D>> bricks) {
+  return visit_storage_type(field_.storage, [&]<typename T>() {
+    return read_kind<T>(
+        Kind::samples, level, bricks, kMargin,
+        [&](const Index<D>& q, std::int32_t n, std::int32_t stride, const std::byte* from) {
+          Index<D> p = q;
+          for (std::int32_t& x : p.v) x *= 1 << level;
+          for (std::size_t i = 1; i < as_size(D); ++i)
+            if (p[i] < 0 || p[i] >= plan_.dims[i]) return;
+          std::byte* row = flat_.samples.data();
+          const std::int32_t step = stride << level;
+          for (std::int32_t i = 0; i < n; ++i, p[0] += step)
+            if (p[0] >= 0 && p[0] < plan_.dims[0])
+              std::memcpy(row + linear_index<D>(plan_.dims, p) * sizeof(T),
+                          from + as_size(i) * sizeof(T), sizeof(T));
+        });
+  });
 }
 
 template <int D>
@@ -314,7 +314,7 @@ void FilePart<D>::will_load(const Index<D>& chunk, std::span<const Index<D>> fin
     for (const Region<D>& r : regions_near(kind, level, samples, fine, margin))
       if (const auto at = blocks_.reader().find(key_of(kind, r))) blocks_.will_need(*at);
   };
-  for (int level = std::min(kChunkLevel, field_.shape.n_levels - 1); level >= 0; --level) {
+  for (int level = coarsest_in_blocks(); level >= 0; --level) {
     if (level > 0)
       for (const Kind kind : {Kind::errors, Kind::lows, Kind::highs}) ask(kind, level, 0);
     ask(Kind::samples, level, kMargin);
@@ -430,6 +430,12 @@ void FilePart<D>::find_leaf_attributes(std::span<const Index<D>> bricks) {
       [&](const Index<D>& brick, C* values) { gather(brick, values); });
 }
 
+template <int D>
+void FilePart<D>::set_fine(std::span<const Index<D>> bricks) {
+  fine_.clear();
+  for (const Index<D>& brick : bricks) fine_.push_back(to_local(brick));
+}
+
 /// A brick of the field, numbered as one of the part's.
 template <int D>
 Index<D> FilePart<D>::to_local(const Index<D>& brick) const {
@@ -442,10 +448,13 @@ template <int D>
 Result<void> FilePart<D>::load(const Index<D>& chunk, std::span<const Index<D>> fine,
                                std::span<const Index<D>> coarse) {
   begin(chunk, fine.empty() && field_.is_needed() ? kKeptLevel : 0);
-  take_coarse();
-  fine_.clear();
-  for (const Index<D>& brick : fine) fine_.push_back(to_local(brick));
-  if (!fine.empty()) LODE_CHECK(read_blocks(fine));
+  set_fine(fine);
+  take_coarse_samples();
+  if (field_.is_needed()) take_coarse_nodes();
+  for (int level = coarsest_in_blocks(); level >= 0 && !fine.empty(); --level) {
+    if (level > 0) LODE_CHECK(read_attributes(level, fine));
+    LODE_CHECK(read_samples(level, fine));
+  }
   parallel_for(fine.size(), threads_, 1,
                [&](std::size_t i, int) { fill_brick(to_local(fine[i])); });
   parallel_for(coarse.size(), threads_, 1,
@@ -455,6 +464,15 @@ Result<void> FilePart<D>::load(const Index<D>& chunk, std::span<const Index<D>> 
     find_leaf_attributes<float>(fine);
   else
     find_leaf_attributes<double>(fine);
+  return {};
+}
+
+template <int D>
+Result<void> FilePart<D>::load_samples(const Index<D>& chunk, std::span<const Index<D>> fine) {
+  begin(chunk, kBrickLevel<D> + 1);
+  set_fine(fine);
+  take_coarse_samples();
+  for (int level = coarsest_in_blocks(); level >= 0; --level) LODE_CHECK(read_samples(level, fine));
   return {};
 }
 

@@ -62,6 +62,9 @@ class FilePart {
   [[nodiscard]] Result<void> load(const Index<D>& chunk, std::span<const Index<D>> fine,
                                   std::span<const Index<D>> coarse);
 
+  /// Only samples() of these bricks, and what fine() and origin() say.
+  [[nodiscard]] Result<void> load_samples(const Index<D>& chunk, std::span<const Index<D>> fine);
+
   /// What load() with these fine bricks will read is asked for; returns at once. What is loaded
   /// stays.
   void will_load(const Index<D>& chunk, std::span<const Index<D>> fine) const;
@@ -81,8 +84,14 @@ class FilePart {
  private:
   /// Levels below `first_level` are not asked for.
   void begin(const Index<D>& chunk, int first_level);
-  void take_coarse();
-  [[nodiscard]] Result<void> read_blocks(std::span<const Index<D>> bricks);
+  void set_fine(std::span<const Index<D>> bricks);
+  /// Of the levels that are read chunk by chunk.
+  [[nodiscard]] int coarsest_in_blocks() const {
+    return std::min(kChunkLevel, field_.shape.n_levels - 1);
+  }
+  void take_coarse_samples();
+  void take_coarse_nodes();
+  [[nodiscard]] Result<void> read_samples(int level, std::span<const Index<D>> bricks);
   template <typename T, typename Put>
   [[nodiscard]] Result<void> read_kind(Kind kind, int level, std::span<const Index<D>> bricks,
                                        std::int32_t margin, const Put& put);

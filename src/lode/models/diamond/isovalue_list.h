@@ -75,8 +75,10 @@ class IsovalueList {
 template <int D, typename Field = Model<D>>
 class ManySelection : public ToleranceSelection<D, Field> {
  public:
-  ManySelection(const Field& model, const IsovalueList& isovalues, double tolerance)
-      : ToleranceSelection<D, Field>(model, tolerance), isovalues_(isovalues) {
+  /// `wanted`, of all of them: may be null; must outlive it.
+  ManySelection(const Field& model, const IsovalueList& isovalues, double tolerance,
+                const NodeSet<D>* wanted = nullptr)
+      : ToleranceSelection<D, Field>(model, tolerance), isovalues_(isovalues), wanted_(wanted) {
     const double reference = model.range_reference();
     below_.reserve(isovalues.size());
     above_.reserve(isovalues.size());
@@ -95,6 +97,10 @@ class ManySelection : public ToleranceSelection<D, Field> {
     return first != above_.end() && below_[static_cast<std::size_t>(first - above_.begin())] <=
                                         static_cast<double>(nodes.high[at]);
   }
+  [[nodiscard]] bool has_wanted() const { return wanted_ != nullptr; }
+  [[nodiscard]] bool is_wanted(const Index<D>& centre) const {
+    return wanted_ != nullptr && wanted_->contains(centre);
+  }
   /// Values of one rank have no surface between them.
   [[nodiscard]] std::size_t side(double value) const { return isovalues_.rank(value); }
   [[nodiscard]] bool is_clear(double low, double high) const {
@@ -103,6 +109,7 @@ class ManySelection : public ToleranceSelection<D, Field> {
 
  private:
   const IsovalueList& isovalues_;
+  const NodeSet<D>* wanted_;
   std::vector<double> below_;  ///< As RelativeIsovalue.
   std::vector<double> above_;
 };

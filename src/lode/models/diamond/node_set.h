@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -8,30 +9,50 @@
 
 namespace lode::diamond {
 
-/// Nodes that are to be refined whatever their error, by a bit for each sample, and with each all
-/// that must come before it. Nodes with centres beyond the data need no mention: they reach across
-/// its border (Shape::reaches_across), and so do those that come before them.
+/// Nodes that are to be refined whatever their error, and with each all that must come before it: a
+/// bit for each sample, in tiles of which only those that have any take memory. Nodes with centres
+/// beyond the data need no mention: they reach across its border (Shape::reaches_across), and so do
+/// those that come before them.
 template <int D>
 class NodeSet {
  public:
-  explicit NodeSet(const Shape<D>& shape)
-      : shape_(shape), bits_((n_points<D>(shape.dims) + 63) / 64) {}
+  explicit NodeSet(const Shape<D>& shape) : shape_(shape), tiles_(1) {
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      n_tiles_[i] = (shape.dims[i] - 1) / kTileEdge[i] + 1;
+    tile_of_.resize(n_points<D>(n_tiles_));
+  }
 
   [[nodiscard]] bool contains(const Index<D>& centre) const {
-    if (!shape_.is_sample(centre)) return false;
-    const std::size_t at = linear_index<D>(shape_.dims, centre);
-    return ((bits_[at / 64] >> (at % 64)) & 1U) != 0;
+    return shape_.is_sample(centre) && ((word_of(centre) >> (centre[0] % kRow)) & 1U) != 0;
   }
   /// Bit i: whether the point at `first` + i along the first axis is in the set; n <= 64 of them.
   [[nodiscard]] std::uint64_t row(const Index<D>& first, std::int32_t n) const {
-    for (std::size_t i = 1; i < static_cast<std::size_t>(D); ++i)
+    for (std::size_t i = 1; i < as_size(D); ++i)
       if (first[i] >= shape_.dims[i]) return 0;
     n = std::min(n, shape_.dims[0] - first[0]);
     if (n <= 0) return 0;
-    const std::size_t at = linear_index<D>(shape_.dims, first);
-    std::uint64_t bits = bits_[at / 64] >> (at % 64);
-    if (at % 64 != 0 && at / 64 + 1 < bits_.size()) bits |= bits_[at / 64 + 1] << (64 - at % 64);
-    return n == 64 ? bits : bits & ((std::uint64_t{1} << n) - 1);
+    const std::int32_t skipped = first[0] % kRow;
+    std::uint64_t bits = word_of(first) >> skipped;
+    if (skipped + n > kRow) {
+      Index<D> next = first;
+      next[0] += kRow - skipped;
+      bits |= word_of(next) << (kRow - skipped);
+    }
+    return n == kRow ? bits : bits & ((std::uint64_t{1} << n) - 1);
+  }
+  /// Those in a smaller lattice, which begins at `origin`.
+  [[nodiscard]] NodeSet part(const Shape<D>& shape, const Index<D>& origin) const {
+    NodeSet part(shape);
+    Index<D> words = shape.dims;
+    words[0] = part.n_tiles_[0];
+    for (std::size_t i = 0; i < n_points<D>(words); ++i) {
+      Index<D> first = point_of<D>(words, i);
+      first[0] *= kRow;
+      const std::uint64_t bits =
+          row(first + origin, std::min<std::int32_t>(kRow, shape.dims[0] - first[0]));
+      if (bits != 0) part.word_at(first) = bits;
+    }
+    return part;
   }
   /// With its ancestors, in which on_new(centre) is called for each that was not there.
   template <typename OnNew>
@@ -47,20 +68,62 @@ class NodeSet {
         waiting.push_back(parent);
     }
   }
-  void clear() { std::fill(bits_.begin(), bits_.end(), 0); }
+  void clear() {
+    tiles_.resize(1);
+    std::fill(tile_of_.begin(), tile_of_.end(), 0);
+  }
 
   /// Alone; false if it was there. `centre` is a sample.
   bool set(const Index<D>& centre) {
-    const std::size_t at = linear_index<D>(shape_.dims, centre);
-    const std::uint64_t bit = std::uint64_t{1} << (at % 64);
-    if ((bits_[at / 64] & bit) != 0) return false;
-    bits_[at / 64] |= bit;
+    std::uint64_t& word = word_at(centre);
+    const std::uint64_t bit = std::uint64_t{1} << (centre[0] % kRow);
+    if ((word & bit) != 0) return false;
+    word |= bit;
     return true;
+  }
+  /// What it takes of memory.
+  [[nodiscard]] std::uint64_t n_bytes() const {
+    return tiles_.capacity() * sizeof(Tile) + tile_of_.capacity() * sizeof(std::uint32_t);
   }
 
  private:
+  /// Of a tile: along x one word, along the other axes 8 of them.
+  static constexpr std::int32_t kRow = 64;
+  static constexpr std::int32_t kRows = 8;
+  static constexpr Index<D> kTileEdge = [] {
+    Index<D> edge = all_equal<D>(kRows);
+    edge[0] = kRow;
+    return edge;
+  }();
+  using Tile = std::array<std::uint64_t, power(as_size(kRows), D - 1)>;
+
+  [[nodiscard]] std::size_t tile_at(const Index<D>& p) const {
+    Index<D> tile;
+    for (std::size_t i = 0; i < as_size(D); ++i) tile[i] = p[i] / kTileEdge[i];
+    return linear_index<D>(n_tiles_, tile);
+  }
+  /// Of a point's row in its tile.
+  [[nodiscard]] static std::size_t row_at(const Index<D>& p) {
+    std::size_t at = 0;
+    for (std::size_t i = as_size(D); i-- > 1;) at = at * as_size(kRows) + as_size(p[i] % kRows);
+    return at;
+  }
+  [[nodiscard]] std::uint64_t word_of(const Index<D>& p) const {
+    return tiles_[tile_of_[tile_at(p)]][row_at(p)];
+  }
+  [[nodiscard]] std::uint64_t& word_at(const Index<D>& p) {
+    std::uint32_t& tile = tile_of_[tile_at(p)];
+    if (tile == 0) {
+      tile = static_cast<std::uint32_t>(tiles_.size());
+      tiles_.emplace_back();
+    }
+    return tiles_[tile][row_at(p)];
+  }
+
   Shape<D> shape_;
-  std::vector<std::uint64_t> bits_;
+  Index<D> n_tiles_;
+  std::vector<std::uint32_t> tile_of_;  ///< By position, x fastest: which; 0 where there is none.
+  std::vector<Tile> tiles_;             ///< The first is empty.
 };
 
 }  // namespace lode::diamond
