@@ -9,6 +9,7 @@
 #include "input.h"
 #include "parse.h"
 #include "text.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -125,6 +126,8 @@ Result<Outcome> run_count(const CountArguments& arguments, Session& session) {
   LODE_TRY(const EvenIsovalues evenly, parse_evenly(arguments.evenly));
   options.threads = session.threads();
   LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading));
+  set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
+            options.max_error);
   if (options.isovalues.empty())
     options.isovalues = evenly.in(input.info.range_min, input.info.range_max);
   LODE_TRY(const CountReport report, input.dataset.count(options, session.progress()));
@@ -156,7 +159,8 @@ Command add_count_command(CLI::App& program) {
       ->allow_extra_args(false)
       ->excludes(evenly);
   app->add_option("--max-error", arguments->extraction.max_error,
-                  "Tolerance in field units; 0 is full resolution (default: 0.5 % of the range)")
+                  "Tolerance in field units, or with % of the range of values; 0 is full "
+                  "resolution (default: 0.5%)")
       ->type_name("E");
   app->add_option("--memory-limit", arguments->memory_limit,
                   "Memory for the hierarchy, such as 512M (default: a quarter of the machine's); "

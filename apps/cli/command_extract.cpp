@@ -16,6 +16,7 @@
 #include "simplify_options.h"
 #include "tetra_input.h"
 #include "text.h"
+#include "tolerance.h"
 #include "vtk_import.h"
 
 namespace lode::cli {
@@ -144,6 +145,7 @@ struct Totals {
     if (!report.distance) report.distance.emplace();
     DistanceReport& all = *report.distance;
     all.max_distance = job.distance->max_distance;
+    all.memory_limit = job.distance->memory_limit;
     all.proven_distance = std::max(all.proven_distance, job.distance->proven_distance);
     all.rounds += job.distance->rounds;
     all.nodes_refined += job.distance->nodes_refined;
@@ -319,6 +321,8 @@ Result<Outcome> run_plain(const ExtractArguments& arguments, Session& session) {
     return check_holds(arguments.output, volume);
   };
   LODE_TRY(const Input input, open_input(session, arguments.input, arguments.reading, accept));
+  set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
+            options.max_error);
   Totals totals;
   OutputSet outputs(paths);
   Json steps;

@@ -9,6 +9,7 @@
 #include "stopwatch.h"
 #include "tetra_input.h"
 #include "text.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -120,6 +121,9 @@ Result<Outcome> run_probe(const ProbeArguments& arguments, Session& session) {
   }
   LODE_TRY(const TetraInput input, open_tetra_input(arguments.input, arguments.reading, session));
   job.options.field = job.integral.field = input.fields.measured;
+  const TetraFieldInfo& field = input.field();
+  set_share(arguments.max_error, field.range_min, field.range_max, job.options.max_error);
+  job.integral.max_error = job.options.max_error;
   LODE_TRY(const ProbeAnswer answer, answer_of(input.dataset, job, session.progress()));
   warn_of_answer(session, answer);
   if (!arguments.output.empty())

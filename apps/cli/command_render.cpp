@@ -14,6 +14,7 @@
 #include "stopwatch.h"
 #include "tetra_input.h"
 #include "text.h"
+#include "tolerance.h"
 #include "vtk_import.h"
 
 namespace lode::cli {
@@ -235,6 +236,8 @@ Result<Outcome> run_render(const RenderArguments& arguments, Session& session) {
   LODE_TRY(OutputFolder folder, OutputFolder::make(arguments.progressive.directory));
   LODE_TRY(OutputFolder path_folder, OutputFolder::make(arguments.path.frames));
   LODE_TRY(const Input input, load_input(session, arguments.input, arguments.reading));
+  set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
+            extraction.max_error);
   Rendering rendering;
   Surface surface;
   LODE_TRY(rendering.extraction, input.dataset.extract(extraction, surface, session.progress()));

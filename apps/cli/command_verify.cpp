@@ -9,6 +9,7 @@
 #include "simplify_options.h"
 #include "stopwatch.h"
 #include "text.h"
+#include "tolerance.h"
 #include "verify_terrain.h"
 #include "verify_tetra.h"
 #include "vtk_import.h"
@@ -20,6 +21,7 @@ struct VerifyArguments {
   std::string input;
   std::string original;
   std::string surface;
+  std::string memory_limit;
   bool is_exact = false;
   SimplifyArguments simplify;
   ExtractionArguments extraction;
@@ -30,6 +32,13 @@ struct VerifyArguments {
 Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
   LODE_CHECK(apply_simplify_options(arguments.simplify, options));
+  if (!arguments.memory_limit.empty()) {
+    if (!options.max_distance)
+      return fail(
+          "--memory-limit: expected --max-distance with it, without --simplify: only its surface "
+          "depends on it");
+    LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
+  }
   return options;
 }
 
@@ -90,7 +99,20 @@ void append(VerifyReport& report, VerifyReport more) {
 
 Result<void> verify_model(const VerifyArguments& arguments, Session& session,
                           VerifyReport& report) {
-  LODE_TRY(const Input input, load_input(session, arguments.input, arguments.reading));
+  LODE_TRY(const ExtractOptions asked, options_of(arguments));
+  // Within a distance the query is repeated as it was made, by chunks where that is how, before the
+  // model is loaded.
+  const auto get = asked.max_distance ? open_input : load_input;
+  LODE_TRY(const Input input, get(session, arguments.input, arguments.reading, {}));
+  VerifyReport of_surface;
+  if (!arguments.surface.empty()) {
+    ExtractOptions options = asked;
+    set_share(arguments.extraction.max_error, input.info.range_min, input.info.range_max,
+              options.max_error);
+    options.threads = session.threads();
+    LODE_TRY(const Surface surface, read_surface(arguments.surface));
+    LODE_TRY(of_surface, input.dataset.verify_surface(surface, options, session.progress()));
+  }
   if (!arguments.original.empty()) {
     LODE_TRY(const ReadOptions options, to_read_options(arguments.reading, session.threads()));
     LODE_TRY(const auto original, open_foreign_volume(arguments.original, options));
@@ -98,13 +120,7 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
              input.dataset.verify_against(*original, session.threads(), session.progress()));
     append(report, std::move(more));
   }
-  if (!arguments.surface.empty()) {
-    LODE_TRY(ExtractOptions options, options_of(arguments));
-    options.threads = session.threads();
-    LODE_TRY(const Surface surface, read_surface(arguments.surface));
-    LODE_TRY(VerifyReport more, input.dataset.verify_surface(surface, options, session.progress()));
-    append(report, std::move(more));
-  }
+  append(report, std::move(of_surface));
   return {};
 }
 
@@ -208,6 +224,10 @@ Command add_verify_command(CLI::App& program) {
                   "Distance that it was extracted within, world units: measured, from full "
                   "resolution and back; with --simplify from the surface before and back")
       ->type_name("D");
+  app->add_option("--memory-limit", arguments->memory_limit,
+                  "As given to extract: within --max-distance a file larger than that has other "
+                  "triangles. Verifying takes the whole model all the same")
+      ->type_name("BYTES");
   add_extraction_options(*app, arguments->extraction);
   add_reading_options(*app, arguments->reading);
   add_terrain_options(*app, arguments->terrain, TerrainUse::verification);

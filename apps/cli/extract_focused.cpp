@@ -5,6 +5,7 @@
 #include "salvage.h"
 #include "stopwatch.h"
 #include "text.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -112,6 +113,8 @@ Result<Outcome> run_focused_job(const MeshJob& job, Session& session) {
   LODE_CHECK(check_writable(job.output));
   const auto accept = [&](const VolumeInfo& volume) { return check_holds(job.output, volume); };
   LODE_TRY(const Input input, open_input(session, job.input, job.reading, accept));
+  set_share(job.extraction.max_error, input.info.range_min, input.info.range_max,
+            options.query.max_error);
   Surface surface;
   LODE_TRY(const FocusedReport report,
            extract_focused(input.dataset, options, surface, session.progress()));

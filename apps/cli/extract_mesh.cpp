@@ -7,6 +7,7 @@
 #include "salvage.h"
 #include "stopwatch.h"
 #include "text.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -112,6 +113,8 @@ Result<Outcome> run_mesh(const MeshJob& job, Session& session) {
   LODE_TRY(MeshOptions options, to_mesh_options(job.query, job.extraction));
   LODE_TRY(options.memory_limit, memory_limit_of(job));
   LODE_TRY(const Input input, open_input(session, job.input, job.reading));
+  set_share(job.extraction.max_error, input.info.range_min, input.info.range_max,
+            options.query.max_error);
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
   Made made = to_made(report, !options.query.max_error);
@@ -153,6 +156,8 @@ Result<Outcome> run_section(const MeshJob& job, Session& session) {
   LODE_TRY(options.memory_limit, memory_limit_of(job));
   LODE_TRY(const Input input, open_input(session, job.input, job.reading, check_is_volume));
   LODE_CHECK(check_is_volume(input.info.volume));
+  set_share(job.extraction.max_error, input.info.range_min, input.info.range_max,
+            options.max_error);
   Surface section;
   LODE_TRY(const SectionReport report,
            input.dataset.extract_section(options, section, session.progress()));

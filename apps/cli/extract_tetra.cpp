@@ -5,6 +5,7 @@
 #include "stopwatch.h"
 #include "tetra_input.h"
 #include "text.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -222,6 +223,7 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
            open_tetra_input(job.input, with_warp(job.reading, job.query.warp), session));
   const TetraFieldInfo& field = input.field();
   TetraMeshOptions options = wanted.mesh;
+  set_share(job.extraction.max_error, field.range_min, field.range_max, options.query.max_error);
   options.fields = input.fields;
   SimplexMesh mesh;
   LODE_TRY(const MeshReport report, input.dataset.extract_mesh(options, mesh, session.progress()));
@@ -249,6 +251,10 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
 Result<TetraSurfaceReport> make_surface(const TetraInput& input, const MeshJob& job,
                                         TetraJob wanted, Surface& surface, Progress& progress) {
   wanted.mesh.fields = wanted.sections.fields = wanted.surface.fields = input.fields;
+  const TetraFieldInfo& field = input.field();
+  for (std::optional<double>* const tolerance :
+       {&wanted.mesh.query.max_error, &wanted.sections.max_error, &wanted.surface.query.max_error})
+    set_share(job.extraction.max_error, field.range_min, field.range_max, *tolerance);
   if (job.query.is_boundary) return input.dataset.extract_boundary(wanted.mesh, surface, progress);
   if (!job.query.sections.empty())
     return input.dataset.extract_section(wanted.sections, surface, progress);

@@ -6,6 +6,7 @@
 
 #include "parse.h"
 #include "text.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -41,7 +42,8 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
       ->allow_extra_args(false)
       ->group(group);
   app.add_option("--max-error", arguments.max_error,
-                 "Tolerance in field units; 0 is full resolution (default: 0.5 % of the range)")
+                 "Tolerance in field units, or with % of the range of values; 0 is full "
+                 "resolution (default: 0.5%)")
       ->type_name("E")
       ->group(group);
   app.add_option("--style", arguments.style,
@@ -77,10 +79,7 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
   ExtractOptions options;
   LODE_TRY(options.isovalues, parse_isovalues(arguments.isovalues));
   if (!arguments.max_error.empty()) {
-    LODE_TRY(const double max_error, parse_number("--max-error", arguments.max_error));
-    if (max_error < 0)
-      return fail("--max-error: expected a number >= 0, got '{}'", arguments.max_error);
-    options.max_error = max_error;
+    LODE_TRY(options.max_error, parse_tolerance("--max-error", arguments.max_error));
   }
   if (arguments.style != "tetra" && arguments.style != "cubes")
     return fail("--style: expected 'tetra' or 'cubes', got '{}'", arguments.style);

@@ -23,7 +23,8 @@ struct ExtractionArguments {
 
 void add_extraction_options(CLI::App& app, ExtractionArguments& arguments);
 
-/// Checks the arguments; an empty list of isovalues is left to the caller. Threads are not set.
+/// Checks the arguments; an empty list of isovalues is left to the caller. Threads are not set,
+/// nor, before set_share(), a max_error that is a share of the field's range.
 [[nodiscard]] Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments);
 
 /// "10 (as asked)" or "1.275 (default: 0.5 % of the value range)".

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "parse.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -95,7 +96,8 @@ void add_probe_options(CLI::App& app, ProbeArguments& arguments) {
   add("--region", arguments.regions, "ID",
       "With --integral: over a region (block, material, zone) of a mesh of cells; may be repeated");
   add("--max-error", arguments.max_error, "E",
-      "Tolerance in field units: coarser, and with wider bounds (default: 0, full resolution)");
+      "Tolerance in field units, or with % of the range of values: coarser, and with wider bounds "
+      "(default: 0, full resolution)");
   add("-o,--output", arguments.output, "OUT.csv", "Write the rows to a file, too");
 }
 
@@ -110,9 +112,7 @@ Result<ProbeJob> to_probe_job(const ProbeArguments& arguments, Threads threads) 
     LODE_TRY(job.line, parse_line(arguments.line));
   }
   if (!arguments.max_error.empty()) {
-    LODE_TRY(job.options.max_error, parse_number("--max-error", arguments.max_error));
-    if (job.options.max_error < 0)
-      return fail("--max-error: expected a number >= 0, got '{}'", arguments.max_error);
+    LODE_TRY(job.options.max_error, parse_tolerance("--max-error", arguments.max_error));
   }
   job.options.threads = threads;
   job.integral = {.max_error = job.options.max_error, .threads = threads};

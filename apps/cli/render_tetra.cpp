@@ -8,6 +8,7 @@
 #include "stopwatch.h"
 #include "tetra_input.h"
 #include "text.h"
+#include "tolerance.h"
 
 namespace lode::cli {
 namespace {
@@ -134,7 +135,9 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
     LODE_TRY(options.opacity,
              to_transfer_function(job.picture.opacity, info.bounds, options.colors));
   }
-  LODE_TRY(const Query query, to_query(job, options));
+  LODE_TRY(Query query, to_query(job, options));
+  set_share(job.extraction.max_error, input.field().range_min, input.field().range_max,
+            query.max_error);
   if (!job.camera.empty()) {
     LODE_TRY(options.render.camera, read_camera(job.camera));
   }

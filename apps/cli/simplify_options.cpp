@@ -87,8 +87,10 @@ std::string simplify_comment(const ExtractReport& report) {
 
 std::string distance_comment(const ExtractReport& report) {
   if (!report.distance) return "";
-  return fmt::format(", max_distance {}, proven_distance {}", report.distance->max_distance,
-                     report.distance->proven_distance);
+  const DistanceReport& kept = *report.distance;
+  return fmt::format(
+      ", max_distance {}, proven_distance {}{}", kept.max_distance, kept.proven_distance,
+      kept.memory_limit > 0 ? fmt::format(", memory_limit {}", kept.memory_limit) : "");
 }
 
 void add_distance(Json& json, const ExtractReport& report) {
@@ -102,6 +104,7 @@ void add_distance(Json& json, const ExtractReport& report) {
   distance["full_triangles"] = kept.full_triangles;
   distance["lost_triangles"] = kept.lost_triangles;
   distance["lost_size"] = kept.lost_size;
+  distance["memory_limit"] = kept.memory_limit > 0 ? Json(kept.memory_limit) : Json(nullptr);
   json["seconds"]["distance"] = report.seconds.distance;
 }
 
@@ -120,6 +123,9 @@ void add_distance(Table& table, const ExtractReport& report) {
   table.add({"refined for it",
              fmt::format("{} nodes in {} rounds, {}", format_count(kept.nodes_refined),
                          format_count(kept.rounds), format_seconds(report.seconds.distance))});
+  if (kept.memory_limit > 0)
+    table.add({"in windows", fmt::format("for a memory limit of {} bytes, which verify is to know",
+                                         format_count(kept.memory_limit))});
 }
 
 void add_simplified(Json& json, const ExtractReport& report) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/cli/program.h"
 
@@ -99,6 +100,36 @@ TEST(cli_verify, every_format_comes_back_from_a_volume_with_holes) {
     EXPECT_EQ(run.exit_code, 0) << name << ": " << run.err;
     EXPECT_EQ(run.out.find(" 0 hole or clip twins"), std::string::npos) << name;
   }
+}
+
+/// Of a file larger than the memory limit other triangles keep the distance than of one in memory.
+TEST(cli_verify, repeats_a_distance_in_the_windows_of_its_memory_limit) {
+  const Scratch scratch;
+  const std::string volume = scratch / "long.nrrd";
+  const std::string lode = scratch / "long.lode";
+  const std::string ply = scratch / "s.ply";
+  write_nrrd(volume, {{1100, 17, 14}}, [](int x, int y, int z) {
+    return 100 + static_cast<int>(40 * std::sin(0.03 * x) + 10 * std::sin(0.4 * y + 0.1 * z));
+  });
+  ASSERT_EQ(run_lode({"build", volume, lode}).exit_code, 0);
+  const Words query{"--isovalue", "100.5", "--max-distance", "2"};
+  const auto run = [&](Words words, const Words& more) {
+    words.insert(words.end(), query.begin(), query.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return run_lode(words);
+  };
+  const Finished made = run({"extract", lode, ply}, {"--memory-limit", "1M", "--json"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(made.json().at("distance").at("memory_limit"), 1 << 20);
+  EXPECT_NE(read_bytes(ply).find("memory_limit 1048576"), std::string::npos);
+  for (const Words& more :
+       {Words{"--memory-limit", "1M"}, {"--memory-limit", "1M", "--against", volume}}) {
+    const Finished verified = run({"verify", lode, "--surface", ply}, more);
+    EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  }
+  EXPECT_EQ(run({"verify", lode, "--surface", ply}, {}).exit_code, 1) << "in memory it is another";
+  expect_refusal(run({"verify", lode, "--surface", ply}, {"--simplify", "--memory-limit", "1M"}), 2,
+                 {"--memory-limit", "without --simplify"});
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ void expect_found_in_file(const Volume& volume, const CriticalQuery& query) {
   store::BlockCache blocks(*reader, 1'000'000);
   Progress progress;
   const auto expected = diamond::find_critical_nodes(model, query, progress);
-  const auto got = diamond::find_critical_nodes(*field, blocks, 1'000'000'000, query, progress);
+  const auto got = diamond::find_critical_nodes(*field, blocks, query, progress);
   ASSERT_TRUE(expected && got) << (got ? "" : got.error().message);
   EXPECT_GT(expected->n_critical, 100U);
   expect_same_nodes(*got, *expected, model.shape.dims);
@@ -232,7 +232,7 @@ TEST(stored_topology, says_so_where_its_nodes_do_not_fit) {
   store::BlockCache blocks(*reader, 1'000'000);
   Progress progress;
   const auto refused =
-      diamond::find_critical_nodes(*field, blocks, 10'000, {120.5, 0, {2}}, progress);
+      diamond::find_critical_nodes(*field, blocks, {120.5, 0, {2}, 10'000}, progress);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("keeping the topology"), std::string::npos);
 }

@@ -68,12 +68,14 @@ struct ExtractOptions {
   /// Field units, >= 0; unset: 0.5 % of the value range, or none where there is a max_distance.
   std::optional<double> max_error{};
   /// World units, > 0: no point of the surface is farther from that of full resolution, nor any of
-  /// that one from it, proven. Of volumes in memory, with an open border and all pieces kept.
+  /// that one from it, proven. Of volumes, with an open border and all pieces kept. Of files larger
+  /// than the memory limit in windows, for whose triangles half of it is taken beside, and a
+  /// quarter for the nodes that it takes: another limit gives another surface, as near.
   std::optional<double> max_distance{};
   /// 0: the surface has the components, tunnels and voids of that of full resolution, each joined
   /// as there: it is that surface but for where it lies. P > 0 (field units): those at least that
-  /// there are from P below the isovalue to P above it. Of volumes, unclipped, with all pieces kept;
-  /// in files that are larger than the memory limit a quarter of it is for the nodes that it takes.
+  /// there are from P below the isovalue to P above it. Of volumes, unclipped, with all pieces
+  /// kept; of files larger than the memory limit a quarter of it may be taken beside, for nodes.
   std::optional<double> keep_topology{};
   /// cubes, of volumes in memory: full resolution; where the style error would be larger than the
   /// max_error, and in bricks of 32^3 cells that holes touch, tetrahedra stay. A max_error of 0
@@ -139,6 +141,7 @@ struct DistanceReport {
   std::uint64_t full_triangles = 0;  ///< Of full resolution's surface.
   std::uint64_t lost_triangles = 0;  ///< Of them, those without any surface near,
   double lost_size = 0;              ///< and the diagonal of the box round them, world units.
+  std::uint64_t memory_limit = 0;    ///< That windows were made for; 0: all in memory.
 };
 
 struct ExtractReport {

@@ -7,18 +7,17 @@
 #include "lode/models/diamond/distance_cut.h"
 
 namespace lode {
-namespace {
 
-void add_distance(const diamond::DistanceCutReport& found, DistanceReport& report) {
-  report.proven_distance = std::max(report.proven_distance, found.proven);
-  report.rounds += found.n_rounds;
-  report.nodes_refined += found.n_nodes;
-  report.full_triangles += found.n_full_triangles;
-  report.lost_triangles += found.n_lost;
-  report.lost_size = std::max(report.lost_size, found.lost_size);
+void add_distance(const diamond::DistanceCutReport& found, double seconds, ExtractReport& report) {
+  DistanceReport& distance = *report.distance;
+  distance.proven_distance = std::max(distance.proven_distance, found.proven);
+  distance.rounds += found.n_rounds;
+  distance.nodes_refined += found.n_nodes;
+  distance.full_triangles += found.n_full_triangles;
+  distance.lost_triangles += found.n_lost;
+  distance.lost_size = std::max(distance.lost_size, found.lost_size);
+  report.seconds.distance += seconds;
 }
-
-}  // namespace
 
 Result<void> check_max_distance(const ExtractOptions& options) {
   if (!options.max_distance) return {};
@@ -55,8 +54,7 @@ Result<diamond::IsosurfaceReport> extract_within_distance(const Dataset::Impl& i
   LODE_TRY(const auto worlds, impl.world_errors(progress));
   LODE_TRY(const diamond::DistanceCut cut,
            diamond::find_distance_cut(model, query, *options.max_distance, *worlds, progress));
-  add_distance(cut.report, *report.distance);
-  report.seconds.distance += watch.seconds();
+  add_distance(cut.report, watch.seconds(), report);
   query.wanted = &cut.nodes;
   return diamond::extract_isosurface<3>(model, query, surface, progress);
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "lode/api/dataset_impl.h"
-#include "lode/models/diamond/extract.h"
+#include "lode/models/diamond/distance_cut.h"
 
 namespace lode {
 
@@ -13,5 +13,8 @@ namespace lode {
 [[nodiscard]] Result<diamond::IsosurfaceReport> extract_within_distance(
     const Dataset::Impl& impl, diamond::IsosurfaceQuery query, const ExtractOptions& options,
     Surface& surface, ExtractReport& report, Progress& progress);
+
+/// Adds how one surface's distance was kept to report.distance, which is there.
+void add_distance(const diamond::DistanceCutReport& found, double seconds, ExtractReport& report);
 
 }  // namespace lode

@@ -6,6 +6,7 @@
 #include <new>
 #include <vector>
 
+#include "lode/api/chunk_nodes.h"
 #include "lode/api/dataset_impl.h"
 #include "lode/api/file_build.h"
 #include "lode/api/finishing.h"
@@ -14,7 +15,6 @@
 #include "lode/api/piece_finisher.h"
 #include "lode/api/piece_simplifier.h"
 #include "lode/api/simplification.h"
-#include "lode/api/topology_extraction.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/close_border.h"
@@ -61,9 +61,6 @@ std::uint64_t memory_limit_of(const ExtractOptions& options) {
   return options.memory_limit > 0 ? options.memory_limit : physical_memory() / 4;
 }
 
-/// And what the nodes that keep its topology may.
-constexpr std::uint64_t kNodesShare = 4;
-
 /// For which simplifying takes a quarter of the memory limit.
 std::size_t simplified_at_once(const ExtractOptions& options) {
   constexpr std::uint64_t kBytesPerTriangle = 200;  // 3.3 million took 0.6 GB
@@ -75,14 +72,13 @@ Result<void> extract_chunks(const Dataset::Impl& impl, Dataset::Impl::Chunks& ch
                             Progress& progress) {
   surface.clear();
   SurfaceCollector collector(surface);
-  begin_topology(options, report);
-  CriticalOfChunks critical(chunks, options, memory_limit_of(options) / kNodesShare);
+  ChunkNodes nodes(chunks, options, memory_limit_of(options));
   return std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) -> Result<void> {
         LODE_CHECK(extract_passes<D>(
             field, chunks.blocks, options, memory_limit_of(options) / kHeldShare, collector, report,
             [](double) {}, [&](double isovalue) { add_isovalue(isovalue, options, surface); },
-            critical.nodes_of(report, progress), progress));
+            nodes.begin(report, progress), progress));
         return finish_surface(impl, {field.info.grid, false, field.value({})}, options, surface,
                               report, progress);
       },
@@ -98,8 +94,7 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   const double tolerance = report.max_error;
   const bool is_in_band = has_band(options, tolerance);
   if (is_in_band) report.max_error = 0;
-  begin_topology(options, report);
-  CriticalOfChunks critical(chunks, options, memory_limit_of(options) / kNodesShare);
+  ChunkNodes nodes(chunks, options, memory_limit_of(options));
   LODE_CHECK(std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) {
         if (options.simplify != Simplify::off)
@@ -122,7 +117,7 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
         return extract_passes<D>(
             field, chunks.blocks, options, memory_limit_of(options) / kHeldShare, sink, report,
             [&](double isovalue) { finisher.begin(isovalue); }, [](double) {},
-            critical.nodes_of(report, progress), progress, see_part);
+            nodes.begin(report, progress), progress, see_part);
       },
       chunks.field));
   report.max_error = tolerance;
@@ -145,6 +140,11 @@ bool is_edited_by_piece(const ExtractOptions& options, const RegularGrid& grid, 
          (options.simplify == Simplify::off || is_simplified_by_piece);
 }
 
+/// At full resolution it is the surface that it is to be near.
+void add_full_resolution(ExtractReport& report) {
+  if (report.distance && report.max_error == 0) report.distance->full_triangles = report.triangles;
+}
+
 /// What has been read of the file since then.
 void add_reads(const store::ReadCounts& before, const Dataset::Impl& impl, ExtractReport& report) {
   const store::ReadCounts now = impl.reads();
@@ -161,7 +161,6 @@ struct ExtractPlan {
 /// What cannot be done by pieces of the model; null: all can.
 const char* need_of_whole_model(const ExtractOptions& options, const RegularGrid& grid,
                                 double tolerance) {
-  if (options.max_distance) return "max_distance";
   if (has_band(options, tolerance) && !is_edited_by_piece(options, grid, tolerance))
     return "simplifying within a max_error, in a grid whose axes are not the world's";
   return options.style == SurfaceStyle::cubes ? "style cubes" : nullptr;
@@ -183,9 +182,10 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
                   size_of(impl.info().type), limit / 1'000'000);
     LODE_TRY(plan.chunks, impl.chunks(limit));
   }
-  // At full resolution all in memory is faster, and numbers vertices in another order.
-  if (!is_too_large &&
-      (plan.report.max_error == 0 || need != nullptr || has_band(options, plan.report.max_error)))
+  // At full resolution all in memory is faster, and numbers vertices in another order; within a
+  // distance it is faster and takes fewer nodes.
+  if (!is_too_large && (plan.report.max_error == 0 || options.max_distance || need != nullptr ||
+                        has_band(options, plan.report.max_error)))
     plan.chunks = nullptr;
   if (need != nullptr && plan.chunks != nullptr)
     return fail(
@@ -216,6 +216,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
     } else {
       LODE_CHECK(extract_chunks(*impl_, *plan.chunks, options, surface, report, progress));
     }
+    add_full_resolution(report);
     add_reads(before, *impl_, report);
   } else {
     const double tolerance = report.max_error;
@@ -247,6 +248,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSin
   if (plan.chunks != nullptr && is_edited_by_piece(options, impl_->info().grid, report.max_error)) {
     const store::ReadCounts before = impl_->reads();
     LODE_CHECK(stream_chunks(*plan.chunks, options, surface, report, progress));
+    add_full_resolution(report);
     add_reads(before, *impl_, report);
   } else {
     SurfacePiece whole;

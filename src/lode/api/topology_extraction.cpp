@@ -5,16 +5,6 @@
 #include "lode/core/stopwatch.h"
 
 namespace lode {
-namespace {
-
-void add_critical(const diamond::CriticalNodes& found, const Stopwatch& watch,
-                  ExtractReport& report) {
-  report.seconds.topology += watch.seconds();
-  report.topology->critical_nodes += found.n_critical;
-  report.topology->nodes += found.n_nodes;
-}
-
-}  // namespace
 
 Result<void> check_keep_topology(const ExtractOptions& options) {
   if (!options.keep_topology) return {};
@@ -37,6 +27,12 @@ void begin_topology(const ExtractOptions& options, ExtractReport& report) {
                    .is_searched = report.max_error > 0 && options.style == SurfaceStyle::tetra};
 }
 
+void add_critical(const diamond::CriticalNodes& found, double seconds, ExtractReport& report) {
+  report.seconds.topology += seconds;
+  report.topology->critical_nodes += found.n_critical;
+  report.topology->nodes += found.n_nodes;
+}
+
 Result<diamond::CriticalNodes> critical_nodes(const diamond::Model<3>& model, double isovalue,
                                               const ExtractOptions& options, ExtractReport& report,
                                               Progress& progress) {
@@ -44,23 +40,8 @@ Result<diamond::CriticalNodes> critical_nodes(const diamond::Model<3>& model, do
   progress.report("finding critical nodes", 0);
   LODE_TRY(auto found, diamond::find_critical_nodes(
                            model, {isovalue, *options.keep_topology, options.threads}, progress));
-  add_critical(found, watch, report);
+  add_critical(found, watch.seconds(), report);
   return found;
-}
-
-NodesOfIsovalue CriticalOfChunks::nodes_of(ExtractReport& report, Progress& progress) {
-  const auto* const field = std::get_if<diamond::CoarseField<3>>(&chunks_.field);
-  if (!report.topology || !report.topology->is_searched || field == nullptr) return {};
-  return [this, field, &report, &progress](double isovalue) -> Result<const diamond::NodeSet<3>*> {
-    const Stopwatch watch;
-    progress.report("finding critical nodes", 0);
-    found_.reset();
-    LODE_TRY(found_, diamond::find_critical_nodes(
-                         *field, chunks_.blocks, max_bytes_,
-                         {isovalue, *options_.keep_topology, options_.threads}, progress));
-    add_critical(*found_, watch, report);
-    return &found_->nodes;
-  };
 }
 
 }  // namespace lode

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <optional>
-
 #include "lode/api/dataset_impl.h"
-#include "lode/api/isovalue_passes.h"
 #include "lode/models/diamond/critical_nodes.h"
 
 namespace lode {
@@ -22,22 +19,7 @@ void begin_topology(const ExtractOptions& options, ExtractReport& report);
                                                             ExtractReport& report,
                                                             Progress& progress);
 
-/// The same of a file, chunk by chunk: those of one isovalue at a time.
-class CriticalOfChunks {
- public:
-  /// They may take max_bytes.
-  CriticalOfChunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
-                   std::uint64_t max_bytes)
-      : chunks_(chunks), options_(options), max_bytes_(max_bytes) {}
-
-  /// Empty where the topology is not searched; else adds to the report.
-  [[nodiscard]] NodesOfIsovalue nodes_of(ExtractReport& report, Progress& progress);
-
- private:
-  Dataset::Impl::Chunks& chunks_;
-  const ExtractOptions& options_;
-  std::uint64_t max_bytes_;
-  std::optional<diamond::CriticalNodes> found_;
-};
+/// Adds them to the report.
+void add_critical(const diamond::CriticalNodes& found, double seconds, ExtractReport& report);
 
 }  // namespace lode

@@ -143,8 +143,7 @@ Result<CriticalNodes> find_critical_nodes(const Model<3>& model, const CriticalQ
 }
 
 Result<CriticalNodes> find_critical_nodes(const CoarseField<3>& field, store::BlockCache& blocks,
-                                          std::uint64_t max_bytes, const CriticalQuery& query,
-                                          Progress& progress) {
+                                          const CriticalQuery& query, Progress& progress) {
   CriticalSearch<CoarseField<3>> search(field, query, progress);
   if (!field.shape.has_cells()) return search.take();
   search.find_coarse();
@@ -171,11 +170,11 @@ Result<CriticalNodes> find_critical_nodes(const CoarseField<3>& field, store::Bl
     const Refinable<3> nodes(part.model());
     search.find_fine(part.samples(), part.fine(), part.origin(),
                      [&](const Diamond<3>& node) { return nodes.facts_at(node); });
-    if (search.nodes().n_bytes() > max_bytes)
+    if (search.nodes().n_bytes() > query.max_bytes)
       return fail(
           "keeping the topology: expected at most {} MB for the nodes that it takes, got {} MB "
           "after {} of {} chunks: a higher memory limit, or a persistence, leaves room for them",
-          max_bytes / 1'000'000, search.nodes().n_bytes() / 1'000'000 + 1, chunk + 1,
+          query.max_bytes / 1'000'000, search.nodes().n_bytes() / 1'000'000 + 1, chunk + 1,
           bricks.size());
     progress.report("finding critical nodes",
                     static_cast<double>(chunk + 1) / static_cast<double>(bricks.size()));

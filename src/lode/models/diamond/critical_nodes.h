@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "lode/core/progress.h"
 #include "lode/models/diamond/file_parts.h"
@@ -20,6 +21,7 @@ struct CriticalQuery {
   double isovalue = 0;
   double persistence = 0;  ///< Field units.
   Threads threads{};
+  std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max();  ///< Of a file's set.
 };
 
 /// Finds all nodes of a volume that are critical at an isovalue: refining one changes the topology
@@ -36,10 +38,9 @@ struct CriticalQuery {
                                                         const Progress& progress);
 
 /// The same nodes of a file, chunk by chunk, as extract_from_file() goes through it. Fails where
-/// their set takes more than max_bytes.
+/// their set takes more than the query lets it.
 [[nodiscard]] Result<CriticalNodes> find_critical_nodes(const CoarseField<3>& field,
                                                         store::BlockCache& blocks,
-                                                        std::uint64_t max_bytes,
                                                         const CriticalQuery& query,
                                                         Progress& progress);
 

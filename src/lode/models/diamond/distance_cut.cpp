@@ -1,68 +1,23 @@
 #include "lode/models/diamond/distance_cut.h"
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "lode/core/box.h"
-#include "lode/mappers/facet_proof.h"
 #include "lode/models/diamond/leaf_facets.h"
-#include "lode/models/diamond/leaf_node.h"
 #include "lode/models/diamond/refinable.h"
 #include "lode/models/diamond/selection.h"
 
 namespace lode::diamond {
 namespace {
 
-/// Facets that failed, and the largest bound of those that did not.
-struct Found {
-  double proven = 0;
-  std::vector<std::uint32_t> failing;
-};
-
-/// prove(i, hint) -> FacetProof for i in 0 .. n, in parallel; failing ones in order. `hint`: a
-/// witness of one before it.
-template <typename Prove>
-Found prove_all(std::size_t n, Threads threads, const Progress& progress, const Prove& prove) {
-  constexpr std::size_t kChunk = 1024;
-  std::vector<Found> parts((n + kChunk - 1) / kChunk);
-  parallel_for(parts.size(), threads, 1, [&](std::size_t chunk, int) {
-    if (progress.is_cancelled()) return;
-    Found& part = parts[chunk];
-    std::uint32_t hint = FacetGrid::kNone;
-    for (std::size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
-      const FacetProof proof = prove(i, hint);
-      if (proof.witness != FacetGrid::kNone) hint = proof.witness;
-      if (proof.holds)
-        part.proven = std::max(part.proven, proof.bound);
-      else
-        part.failing.push_back(static_cast<std::uint32_t>(i));
-    }
-  });
-  Found all;
-  for (const Found& part : parts) {
-    all.proven = std::max(all.proven, part.proven);
-    all.failing.insert(all.failing.end(), part.failing.begin(), part.failing.end());
-  }
-  return all;
-}
-
-double largest_coordinate(std::span<const Facet> facets) {
-  double largest = 0;
-  for (const Facet& facet : facets)
-    for (const Vec3f& p : facet.corner)
-      for (const float x : p.v) largest = std::max(largest, std::abs(static_cast<double>(x)));
-  return largest;
-}
-
-class DistanceSearch {
+/// All of a model in memory.
+class WholeWindow : public DistanceWindow {
  public:
-  DistanceSearch(const Model<3>& model, const IsosurfaceQuery& query, double max_distance,
-                 Progress& progress)
+  WholeWindow(const Model<3>& model, const IsosurfaceQuery& query, double max_distance,
+              const WorldErrors& worlds)
       : model_(model),
         nodes_(model),
         query_(query),
-        progress_(progress),
+        worlds_(worlds),
         wanted_(model.shape),
         fresh_(model.shape),
         tolerance_(tolerance_code(query.tolerance)),
@@ -71,231 +26,73 @@ class DistanceSearch {
     query_.wanted = &wanted_;
   }
 
-  Result<DistanceCut> run(const WorldErrors& worlds) {
-    progress_.report("finding the full-resolution surface", 0);
-    full_ = full_facets(model_, query_, progress_);
-    if (progress_.is_cancelled()) return cancelled_error();
-    report_.n_full_triangles = full_.size();
-    limit_ = max_distance_ - distance_rounding(largest_coordinate(full_));
-    if (!(limit_ > 0)) {
-      refine_everywhere();
-    } else if (!full_.empty() && query_.tolerance > 0) {
-      guess(worlds);
-      LODE_CHECK(search());
-    }
-    return DistanceCut{std::move(wanted_), report_};
+  Facets full(const Progress& progress) override {
+    return own(full_facets(model_, query_, progress));
   }
-
- private:
-  /// Of a facet of full resolution: not known, or not by a single witness; else the place of its
-  /// witness's leaf, or where it fails that of its own, marked.
-  static constexpr std::uint64_t kUnknown = ~std::uint64_t{0};
-  static constexpr std::uint64_t kFailing = LeafPlace::kFresh;
-  static constexpr int kOldest = 63;
-  /// Facets of full resolution are small.
-  static constexpr int kMostPiecesOfCut = 4096;
-  static constexpr int kMostPiecesOfTruth = 256;
-  /// What is refined in a round, as a share of what fails, at least.
-  static constexpr double kShareAtOnce = 0.5;
-
-  /// Estimates of more than this many distances asked for are not tried. A larger number leaves
-  /// fewer triangles (bonsai at 1 voxel: 665,000 with 4, 612,000 with 8) and takes longer (2.5
-  /// times).
-  static constexpr double kFarOff = 4;
-
-  void insert(const Index<3>& centre) {
-    wanted_.insert(centre, [&](const Index<3>& p) {
-      fresh_.set(p);
-      ++report_.n_nodes;
-    });
-  }
-
-  void refine_everywhere() {
-    const auto is_above_finest = [](const Simplex<3>& s) {
-      const Diamond<3> node = diamond_at<3>(s.bisection_point());
-      return node.level > 0 || node.tier < 2;
-    };
-    for (const Facet& facet : full_)
-      if (const auto node = leaf_node(model_.shape, to_point(facet.place), is_above_finest))
-        insert(*node);
+  Facets cut(const Progress& progress) override {
+    const NodeSet<3>* const fresh = is_all_fresh_ ? nullptr : &fresh_;
+    return own(cut_facets(model_, query_, fresh, progress));
   }
 
   /// What is estimated to be far off: it does not matter whether all of it is.
-  void guess(const WorldErrors& worlds) {
+  std::uint64_t insert_guess() override {
+    std::uint64_t n = 0;
     const Selection<3> selection(model_, query_.isovalue, query_.tolerance);
     const double edge = WorldScales<3>(model_).in_double.edge;
     for (int level = model_.shape.n_levels - 1; level >= 0; --level) {
-      const auto& codes = worlds[as_size(level)];
+      const auto& codes = worlds_[as_size(level)];
       const Index<3> dims = model_.shape.attribute_dims(level);
       for (std::size_t at = 0; at < codes.size(); ++at) {
         const double estimate =
             static_cast<double>(decode_world(codes[at])) * std::ldexp(edge, level);
-        if (!(estimate > kFarOff * max_distance_)) continue;
+        if (!(estimate > kFarOffDistances * max_distance_)) continue;
         const Index<3> q = point_of<3>(dims, at);
         Index<3> centre;
         for (std::size_t i = 0; i < 3; ++i) centre[i] = level > 0 ? q[i] << level : 2 * q[i] + 1;
         if (common_exponent<3>(centre) != level || !model_.shape.is_sample(centre)) continue;
-        if (selection.is_active(level, at)) insert(centre);
+        if (selection.is_active(level, at)) n += insert(centre);
       }
     }
+    return n;
   }
-
-  Result<void> search() {
-    const FacetGrid truth(full_, max_distance_);
-    states_.assign(full_.size(), kUnknown);
-    const NodeSet<3>* fresh = nullptr;
-    while (true) {
-      progress_.report("proving the distance", 0);
-      ++report_.n_rounds;
-      const std::vector<Facet> facets = cut_facets(model_, query_, fresh, progress_);
-      prove_cut(facets, truth);
-      const FacetGrid cut(facets, max_distance_);
-      prove_truth(cut);
-      while (next_turn() < turn_) {
-        turn_ = next_turn();
-        prove_truth(cut);
-      }
-      if (progress_.is_cancelled()) return cancelled_error();
-      if (!refine_failing()) {
-        list_lost();
-        return {};
-      }
-      fresh = &fresh_;
-    }
+  std::uint64_t insert(const Index<3>& centre) override {
+    std::uint64_t n = 0;
+    wanted_.insert(centre, [&](const Index<3>& p) {
+      fresh_.set(p);
+      ++n;
+    });
+    return n;
   }
-
-  /// From what is new of the cut's surface to the true one, which does not change.
-  void prove_cut(const std::vector<Facet>& facets, const FacetGrid& truth) {
-    const Found found =
-        prove_all(facets.size(), query_.threads, progress_, [&](std::size_t i, std::uint32_t hint) {
-          if ((facets[i].place & LeafPlace::kFresh) == 0) return FacetProof{true, 0};
-          return prove_near(facets[i], truth, {limit_, kMostPiecesOfCut, hint});
-        });
-    report_.proven = std::max(report_.proven, found.proven);
-    for (const std::uint32_t f : found.failing)
-      failing_leaves_.push_back(facets[f].place & ~LeafPlace::kFresh);
-  }
-
-  /// And back: from what has no proof, or one by a leaf that is no more. What has failed in a leaf
-  /// that is there still waits for its turn.
-  void prove_truth(const FacetGrid& cut) {
-    const Found found =
-        prove_all(full_.size(), query_.threads, progress_, [&](std::size_t i, std::uint32_t hint) {
-          std::uint64_t& state = states_[i];
-          if (is_settled(state)) return FacetProof{true, 0};
-          const FacetProof proof = prove_near(full_[i], cut, {limit_, kMostPiecesOfTruth, hint});
-          if (!proof.holds) {
-            state = leaf_round(full_[i]);
-            // There both surfaces are the same.
-            if (state == LeafPlace::kFinest) return FacetProof{true, 0};
-            state |= kFailing;
-          } else {
-            state = proof.witness == FacetGrid::kNone
-                        ? kUnknown
-                        : cut.facets()[proof.witness].place & ~LeafPlace::kFresh;
-          }
-          return proof;
-        });
-    report_.proven = std::max(report_.proven, found.proven);
-  }
-
-  /// Whether there is no need to look at a facet of full resolution again.
-  [[nodiscard]] bool is_settled(std::uint64_t state) const {
-    if (state == kUnknown) return false;
-    if (state == LeafPlace::kFinest) return true;
-    const Index<3> node = to_point(state & ~kFailing);
-    if (wanted_.contains(node)) return false;
-    return (state & kFailing) == 0 || age_of(node) < turn_;
-  }
-
-  /// Coarser nodes first.
-  [[nodiscard]] static int age_of(const Index<3>& centre) {
-    const Diamond<3> node = diamond_at<3>(centre);
-    return 3 * node.level - node.tier + 2;
-  }
-
-  /// The nodes that bisect leaves in which something fails, each once.
-  [[nodiscard]] std::vector<std::uint64_t> failing() const {
-    std::vector<std::uint64_t> leaves;
-    for (const std::uint64_t leaf : failing_leaves_)
-      if (!wanted_.contains(to_point(leaf))) leaves.push_back(leaf);
-    for (const std::uint64_t state : states_)
-      if (state != kUnknown && (state & kFailing) != 0) leaves.push_back(state & ~kFailing);
-    std::sort(leaves.begin(), leaves.end());
-    leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
-    return leaves;
-  }
-
-  /// The age from which on nodes are refined next.
-  [[nodiscard]] int next_turn() const {
-    const std::vector<std::uint64_t> leaves = failing();
-    std::array<std::size_t, kOldest + 1> n_of_age{};
-    for (const std::uint64_t leaf : leaves) ++n_of_age[as_size(age_of(to_point(leaf)))];
-    std::size_t n = 0;
-    for (int age = kOldest; age > 0; --age) {
-      n += n_of_age[as_size(age)];
-      if (static_cast<double>(n) > kShareAtOnce * static_cast<double>(leaves.size())) return age;
-    }
-    return 0;
-  }
-
-  /// Refines the coarsest of what fails; false if nothing is left to refine. Much of what fails in
-  /// finer leaves no longer does then.
-  bool refine_failing() {
+  void forget_new() override {
+    is_all_fresh_ = false;
     fresh_.clear();
-    const std::uint64_t n_before = report_.n_nodes;
-    turn_ = next_turn();
-    for (const std::uint64_t leaf : failing())
-      if (age_of(to_point(leaf)) >= turn_) insert(to_point(leaf));
-    return report_.n_nodes > n_before;
   }
-
-  /// What still fails. The proof in docs/models/diamond3d.md says that there is none: in a finest
-  /// leaf both surfaces are the same.
-  void list_lost() {
-    std::optional<Box3d> box;
-    for (std::size_t i = 0; i < full_.size(); ++i) {
-      if (states_[i] == kUnknown || (states_[i] & kFailing) == 0) continue;
-      ++report_.n_lost;
-      for (const Vec3d& p : corners_of(full_[i])) {
-        if (!box) box = Box3d{p, p};
-        for (std::size_t k = 0; k < 3; ++k) {
-          box->lower[k] = std::min(box->lower[k], p[k]);
-          box->upper[k] = std::max(box->upper[k], p[k]);
-        }
-      }
-    }
-    if (box) report_.lost_size = length(box->upper - box->lower);
-  }
-
-  [[nodiscard]] bool is_refined(const Simplex<3>& s) const {
+  bool contains(const Index<3>& centre) const override { return wanted_.contains(centre); }
+  bool is_refined(const Simplex<3>& s) const override {
     const Diamond<3> node = diamond_at<3>(s.bisection_point());
     if (wanted_.contains(node.centre) || model_.shape.reaches_across(node.centre, node.level))
       return true;
     return encode_error(static_cast<float>(nodes_.facts_at(node).error)) > tolerance_;
   }
+  const Shape<3>& shape() const override { return model_.shape; }
 
-  /// The place of the leaf that a facet of full resolution lies in.
-  [[nodiscard]] std::uint64_t leaf_round(const Facet& facet) const {
-    const auto node = leaf_node(model_.shape, to_point(facet.place),
-                                [this](const Simplex<3>& s) { return is_refined(s); });
-    return node ? to_key(*node) : LeafPlace::kFinest;
+  [[nodiscard]] NodeSet<3> take_nodes() { return std::move(wanted_); }
+
+ private:
+  static Facets own(std::vector<Facet> facets) {
+    const std::size_t n = facets.size();
+    return {std::move(facets), n};
   }
 
   const Model<3>& model_;
   Refinable<3> nodes_;
   IsosurfaceQuery query_;
-  Progress& progress_;
+  const WorldErrors& worlds_;
   NodeSet<3> wanted_;
-  NodeSet<3> fresh_;  ///< Of the last round.
+  NodeSet<3> fresh_;
+  bool is_all_fresh_ = true;
   ErrorCode tolerance_;
   double max_distance_;
-  double limit_ = 0;
-  std::vector<Facet> full_;
-  std::vector<std::uint64_t> states_;          ///< By facet of full resolution.
-  std::vector<std::uint64_t> failing_leaves_;  ///< With facets that are far from full resolution.
-  int turn_ = 0;                               ///< Failing leaves as old are looked at again.
-  DistanceCutReport report_;
 };
 
 }  // namespace
@@ -303,7 +100,9 @@ class DistanceSearch {
 Result<DistanceCut> find_distance_cut(const Model<3>& model, const IsosurfaceQuery& query,
                                       double max_distance, const WorldErrors& worlds,
                                       Progress& progress) {
-  return DistanceSearch(model, query, max_distance, progress).run(worlds);
+  WholeWindow window(model, query, max_distance, worlds);
+  LODE_TRY(const auto report, search_distance(window, max_distance, query.threads, progress));
+  return DistanceCut{window.take_nodes(), report};
 }
 
 }  // namespace lode::diamond

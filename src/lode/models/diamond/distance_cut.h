@@ -1,20 +1,12 @@
 #pragma once
 
 #include "lode/core/progress.h"
+#include "lode/models/diamond/distance_search.h"
 #include "lode/models/diamond/extract.h"
+#include "lode/models/diamond/file_parts.h"
 #include "lode/models/diamond/world_code.h"
 
 namespace lode::diamond {
-
-/// How a distance was kept.
-struct DistanceCutReport {
-  double proven = 0;                   ///< World units: no point of either surface is farther.
-  std::uint64_t n_rounds = 0;          ///< How often the surface was held against the true one.
-  std::uint64_t n_nodes = 0;           ///< Refined for the distance.
-  std::uint64_t n_full_triangles = 0;  ///< Of the true surface.
-  std::uint64_t n_lost = 0;            ///< Its triangles that no refinement brought near,
-  double lost_size = 0;                ///< and the diagonal of the box round them, world units.
-};
 
 struct DistanceCut {
   NodeSet<3> nodes;  ///< IsosurfaceQuery::wanted, with those that the query had there.
@@ -31,5 +23,24 @@ struct DistanceCut {
                                                     const IsosurfaceQuery& query,
                                                     double max_distance, const WorldErrors& worlds,
                                                     Progress& progress);
+
+struct FileDistanceQuery {
+  IsosurfaceQuery surface;  ///< With no nodes wanted, but
+  NodeSet<3> wanted;        ///< these.
+  double max_distance = 0;  ///< World units, > 0.
+  /// What it may take of memory, in bytes, beside a part of the file: the nodes, or it fails; and
+  /// the triangles of a window, which is made smaller for that, down to a brick.
+  std::uint64_t node_bytes = 0;
+  std::uint64_t window_bytes = 0;
+};
+
+/// The same of a file with more than kBrickLevel levels, in windows of a chunk or less, each with
+/// what lies within a brick round it: until no window has anything left to refine. All nodes larger
+/// than bricks that the surface may cross are refined, so that leaves lie in windows. The nodes are
+/// others than those of the model in memory, and other windows give others; what is promised is the
+/// same.
+[[nodiscard]] Result<DistanceCut> find_distance_cut(const CoarseField<3>& field,
+                                                    store::BlockCache& blocks,
+                                                    FileDistanceQuery query, Progress& progress);
 
 }  // namespace lode::diamond

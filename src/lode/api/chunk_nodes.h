@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+
+#include "lode/api/dataset_impl.h"
+#include "lode/api/isovalue_passes.h"
+#include "lode/models/diamond/critical_nodes.h"
+#include "lode/models/diamond/distance_cut.h"
+
+namespace lode {
+
+/// The nodes of a file that keep_topology and max_distance want refined, found chunk by chunk: of
+/// one isovalue at a time.
+class ChunkNodes {
+ public:
+  /// Beside what extraction takes, a quarter of the limit is for the nodes, half of it for the
+  /// triangles that finding them takes.
+  ChunkNodes(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
+             std::uint64_t memory_limit)
+      : chunks_(chunks), options_(options), memory_limit_(memory_limit) {}
+
+  /// Begins what the report says of surfaces within its max_error, and says where their nodes come
+  /// from; nowhere if none are wanted.
+  [[nodiscard]] NodesOfIsovalue begin(ExtractReport& report, Progress& progress);
+
+ private:
+  [[nodiscard]] Result<const diamond::NodeSet<3>*> find(double isovalue, ExtractReport& report,
+                                                        Progress& progress);
+
+  Dataset::Impl::Chunks& chunks_;
+  const ExtractOptions& options_;
+  std::uint64_t memory_limit_;
+  std::optional<diamond::CriticalNodes> critical_;
+  std::optional<diamond::DistanceCut> near_;
+};
+
+}  // namespace lode
