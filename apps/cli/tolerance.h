@@ -2,8 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
-#include "lode/core/result.h"
+#include "lode/api/dataset.h"
 
 namespace lode::cli {
 

@@ -1,12 +1,12 @@
 // Distances of files' surfaces, window by window.
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "lode/models/diamond/distance_cut.h"
 #include "lode/models/diamond/kept_nodes.h"
+#include "lode/models/diamond/open_bricks.h"
 #include "lode/models/diamond/part_window.h"
 #include "lode/models/diamond/read_region.h"
 #include "lode/models/diamond/sample_scale.h"
@@ -25,15 +25,12 @@ class FileDistance {
         query_(std::move(query)),
         progress_(progress),
         selection_(field, query_.surface.isovalue, query_.surface.tolerance),
-        brick_dims_(brick_counts<3>(field.shape)),
         n_chunks_(chunk_counts<3>(field.shape)),
-        part_(field, blocks, query_.surface.threads),
-        bricks_(n_points<3>(brick_dims_)) {
-    find_reach();
-  }
+        bricks_(field.shape, field.info.grid, query_.max_distance,
+                [this](const Index<3>& brick) { return is_met(brick); }),
+        part_(field, blocks, query_.surface.threads) {}
 
   Result<DistanceCut> run() {
-    find_met();
     refine_coarse();
     const bool has_worlds = diamond::has_worlds(blocks_.reader());
     if (has_worlds) LODE_CHECK(guess(coarse_blocks<3>(field_.shape), selection_, {}));
@@ -50,51 +47,11 @@ class FileDistance {
   static constexpr std::uint64_t kBytesPerFacet = 150;
   static constexpr std::size_t kEndless = std::numeric_limits<std::size_t>::max();
 
-  struct Brick {
-    bool is_met = false;   ///< By the surface, perhaps.
-    bool is_open = false;  ///< What it sees of the cut has changed since it was held,
-    bool is_held = false;  ///< as it has been.
-  };
-
-  [[nodiscard]] Brick& at(const Index<3>& brick) {
-    return bricks_[linear_index<3>(brick_dims_, brick)];
-  }
-  [[nodiscard]] const Brick& at(const Index<3>& brick) const {
-    return bricks_[linear_index<3>(brick_dims_, brick)];
-  }
-
-  /// How many steps of the lattice an axis's coordinate may change by within the distance; no more
-  /// than matters. Round a window a brick is seen; what an own triangle is proven by may be as far
-  /// from it as the other end of that.
-  void find_reach() {
-    const RegularGrid& grid = field_.info.grid;
-    const Vec3d first = grid.to_index({});
-    for (std::size_t i = 0; i < 3; ++i) {
-      double squared = 0;
-      for (std::size_t j = 0; j < 3; ++j) {
-        Vec3d p;
-        p[j] = 1;
-        const double change = grid.to_index(p)[i] - first[i];
-        squared += change * change;
-      }
-      const double steps = std::ceil(std::sqrt(squared) * query_.max_distance * (1 + 1e-6)) + 1;
-      const auto at_most = [&](std::int32_t most) {
-        return static_cast<std::int32_t>(std::min<double>(most, steps));
-      };
-      seen_[i] = at_most(kBrickEdge<3>);
-      reach_[i] = at_most(kChunkEdge<3> + kBrickEdge<3>);
-    }
-  }
-
-  void find_met() {
-    for (std::size_t i = 0; i < bricks_.size(); ++i) {
-      bricks_[i].is_met =
-          !field_.is_needed() || any_kept_node<3>(field_.shape, point_of<3>(brick_dims_, i),
-                                                  [&](const Index<3>&, std::size_t node) {
-                                                    return selection_.is_active(kKeptLevel, node);
-                                                  });
-      bricks_[i].is_open = bricks_[i].is_met;
-    }
+  [[nodiscard]] bool is_met(const Index<3>& brick) const {
+    return !field_.is_needed() ||
+           any_kept_node<3>(field_.shape, brick, [&](const Index<3>&, std::size_t node) {
+             return selection_.is_active(kKeptLevel, node);
+           });
   }
 
   /// All nodes larger than bricks that the surface may cross.
@@ -112,7 +69,7 @@ class FileDistance {
 
   void want(const Index<3>& centre) {
     query_.wanted.insert(centre, [&](const Index<3>& p) {
-      open_near(p);
+      bricks_.open_near(p);
       ++report_.n_nodes;
     });
   }
@@ -144,41 +101,12 @@ class FileDistance {
     return {};
   }
 
-  [[nodiscard]] LatticeBox<3> bricks_of(const Index<3>& chunk) const {
-    constexpr std::int32_t kBricks = kChunkEdge<3> / kBrickEdge<3>;
-    LatticeBox<3> box{chunk * kBricks, (chunk + all_equal<3>(1)) * kBricks};
-    for (std::size_t i = 0; i < 3; ++i) box.upper[i] = std::min(box.upper[i], brick_dims_[i]);
-    return box;
-  }
-  /// With a brick more on all sides.
-  [[nodiscard]] LatticeBox<3> widened(LatticeBox<3> box) const {
-    for (std::size_t i = 0; i < 3; ++i) {
-      box.lower[i] = std::max(box.lower[i] - 1, 0);
-      box.upper[i] = std::min(box.upper[i] + 1, brick_dims_[i]);
-    }
-    return box;
-  }
-  template <typename Is>
-  [[nodiscard]] static std::vector<Index<3>> those_in(const LatticeBox<3>& box, const Is& is) {
-    std::vector<Index<3>> bricks;
-    const Index<3> n = box.upper - box.lower;
-    for (std::size_t i = 0; i < n_points<3>(n); ++i)
-      if (const Index<3> brick = box.lower + point_of<3>(n, i); is(brick)) bricks.push_back(brick);
-    return bricks;
-  }
-  [[nodiscard]] std::vector<Index<3>> open_in(const LatticeBox<3>& box) const {
-    return those_in(box, [&](const Index<3>& brick) { return at(brick).is_open; });
-  }
-  [[nodiscard]] std::vector<Index<3>> met_in(const LatticeBox<3>& box) const {
-    return those_in(box, [&](const Index<3>& brick) { return at(brick).is_met; });
-  }
-
   /// Each in its turn; whether there were any.
   Result<bool> hold_open_chunks(bool is_guessed) {
     bool was_open = false;
     for (std::size_t i = 0; i < n_points<3>(n_chunks_); ++i) {
       const Index<3> chunk = point_of<3>(n_chunks_, i);
-      if (open_in(bricks_of(chunk)).empty()) continue;
+      if (bricks_.open_in(bricks_.of_chunk(chunk)).empty()) continue;
       was_open = true;
       LODE_CHECK(hold_chunk(chunk, is_guessed));
     }
@@ -188,8 +116,8 @@ class FileDistance {
   /// Holds both surfaces against each other in the open bricks of a chunk until nothing fails
   /// there.
   Result<void> hold_chunk(const Index<3>& chunk, bool is_guessed) {
-    const LatticeBox<3> all = bricks_of(chunk);
-    LODE_CHECK(part_.load(chunk, met_in(widened(all)), {}));
+    const LatticeBox<3> all = bricks_.of_chunk(chunk);
+    LODE_CHECK(part_.load(chunk, bricks_.met_in(bricks_.widened(all)), {}));
     part_.fill_beside();
     if (is_guessed) {
       const Selection<3> selection(part_.model(), query_.surface.isovalue,
@@ -200,21 +128,21 @@ class FileDistance {
     while (!waiting.empty()) {
       const LatticeBox<3> box = waiting.back();
       waiting.pop_back();
-      const std::vector<Index<3>> own = open_in(box);
+      const std::vector<Index<3>> own = bricks_.open_in(box);
       if (own.empty()) continue;
       const bool is_single = box.edge(0) == 1 && box.edge(1) == 1 && box.edge(2) == 1;
       const auto n_most = static_cast<std::size_t>(query_.window_bytes / kBytesPerFacet);
       PartWindow window({field_, part_}, query_.surface, bricks_in(box), query_.wanted,
-                        [this](const Index<3>& centre) { open_near(centre); });
+                        [this](const Index<3>& centre) { bricks_.open_near(centre); });
       if (!window.find_full(is_single ? kEndless : n_most, progress_)) {
         halve(box, waiting);
         continue;
       }
-      for (const Index<3>& brick : own) at(brick).is_held = true;
+      for (const Index<3>& brick : own) bricks_.set_held(brick);
       report_.n_full_triangles += window.n_first();
-      window.set_share_done(share_closed());
+      window.set_share_done(bricks_.share_closed());
       LODE_CHECK(search(window));
-      for (const Index<3>& brick : own) at(brick).is_open = false;
+      for (const Index<3>& brick : own) bricks_.close(brick);
       LODE_CHECK(check_memory());
     }
     return {};
@@ -242,20 +170,21 @@ class FileDistance {
       bool is_inside = true;
       for (std::size_t i = 0; i < 3; ++i)
         is_inside = is_inside && brick[i] >= box.lower[i] && brick[i] < box.upper[i];
-      return is_inside && at(brick).is_open;
+      return is_inside && bricks_.at(brick).is_open;
     };
     PartWindow::Bricks bricks;
     bricks.near = {box.upper * kBrickEdge<3>, box.lower * kBrickEdge<3>};
-    for (const Index<3>& brick : met_in(widened(box))) {
+    for (const Index<3>& brick : bricks_.met_in(bricks_.widened(box))) {
       if (is_own(brick)) {
-        (at(brick).is_held ? bricks.again : bricks.fresh).push_back(local(brick));
+        (bricks_.at(brick).is_held ? bricks.again : bricks.fresh).push_back(local(brick));
         for (std::size_t i = 0; i < 3; ++i) {
-          const std::int32_t lower = brick[i] * kBrickEdge<3> - seen_[i];
+          const std::int32_t lower = brick[i] * kBrickEdge<3> - bricks_.seen()[i];
           bricks.near.lower[i] = std::min(bricks.near.lower[i], lower);
           bricks.near.upper[i] =
-              std::max(bricks.near.upper[i], lower + kBrickEdge<3> + 2 * seen_[i]);
+              std::max(bricks.near.upper[i], lower + kBrickEdge<3> + 2 * bricks_.seen()[i]);
         }
-      } else if (!those_in(widened({brick, brick + all_equal<3>(1)}), is_own).empty()) {
+      } else if (!OpenBricks::those_in(bricks_.widened({brick, brick + all_equal<3>(1)}), is_own)
+                      .empty()) {
         bricks.round.push_back(local(brick));
       }
     }
@@ -276,27 +205,6 @@ class FileDistance {
     out.push_back(lower);
   }
 
-  /// Bricks that see how a new node changes the cut are open.
-  void open_near(const Index<3>& centre) {
-    const std::int32_t h = std::int32_t{1} << common_exponent<3>(centre);
-    LatticeBox<3> near;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::int32_t reach = h + reach_[i];
-      near.lower[i] = std::min(std::max(centre[i] - reach, 0) / kBrickEdge<3>, brick_dims_[i] - 1);
-      near.upper[i] = std::min((centre[i] + reach) / kBrickEdge<3>, brick_dims_[i] - 1) + 1;
-    }
-    const Index<3> n = near.upper - near.lower;
-    for (std::size_t i = 0; i < n_points<3>(n); ++i) {
-      Brick& brick = at(near.lower + point_of<3>(n, i));
-      brick.is_open = brick.is_met;
-    }
-  }
-
-  [[nodiscard]] double share_closed() const {
-    const auto n = std::ranges::count_if(bricks_, [](const Brick& brick) { return brick.is_open; });
-    return 1 - static_cast<double>(n) / static_cast<double>(bricks_.size());
-  }
-
   [[nodiscard]] Result<void> check_memory() const {
     if (query_.wanted.n_bytes() <= query_.node_bytes) return {};
     return fail(
@@ -310,12 +218,9 @@ class FileDistance {
   FileDistanceQuery query_;
   Progress& progress_;
   Selection<3, CoarseField<3>> selection_;
-  Index<3> brick_dims_;
   Index<3> n_chunks_;
-  Index<3> seen_;   ///< Of full resolution, round a window.
-  Index<3> reach_;  ///< Round a new node's star.
+  OpenBricks bricks_;
   FilePart<3> part_;
-  std::vector<Brick> bricks_;
   DistanceCutReport report_;
 };
 
