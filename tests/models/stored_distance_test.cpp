@@ -88,7 +88,7 @@ TEST(stored_distance, is_kept_across_chunks) {
 }
 
 TEST(stored_distance, is_kept_by_noise) {
-  expect_near_of_file(spotted_hills(several_chunks(), 60), 190.5, {1.2});
+  expect_near_of_file(spotted_hills(several_chunks(), 60), 205.5, {1.2});
 }
 
 TEST(stored_distance, is_kept_between_holes) {
@@ -158,9 +158,11 @@ void expect_near_in_windows(const Volume& volume, const Windows& windows) {
 
 TEST(stored_distance, is_kept_in_windows_of_any_size) {
   const Volume volume = spotted_hills({{310, 17, 36}}, 20);
+  const bool has_all = oracles::trials(true, false);
   for (const std::uint64_t bytes : {std::uint64_t{0}, std::uint64_t{6'000'000}}) {
-    expect_near_in_windows(volume, {.distance = 1.5, .bytes = bytes});
-    expect_near_in_windows(volume, {.distance = 40, .tolerance = 12, .bytes = bytes});
+    if (has_all || bytes == 0) expect_near_in_windows(volume, {.distance = 1.5, .bytes = bytes});
+    if (has_all || bytes > 0)
+      expect_near_in_windows(volume, {.distance = 40, .tolerance = 12, .bytes = bytes});
   }
 }
 
@@ -168,7 +170,7 @@ TEST(stored_distance, is_kept_in_windows_of_any_size) {
 TEST(stored_distance, is_kept_where_the_data_end_beside_a_chunk) {
   for (const std::int32_t n :
        oracles::trials<std::vector<std::int32_t>>({257, 289, 290, 298, 319, 321, 330}, {290}))
-    for (const double distance : {3.0, 60.0})
+    for (const double distance : oracles::trials<std::vector<double>>({3, 60}, {60}))
       expect_near_in_windows(spotted_hills({{n, 65, 65}}, 0), {.distance = distance});
 }
 
