@@ -258,6 +258,8 @@ Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
 
 Result<std::optional<double>> to_max_error(const std::string& text) {
   if (text.empty()) return std::optional<double>();
+  if (text.ends_with('%'))
+    return fail("--max-error: expected units of the heights with terrain, got '{}'", text);
   LODE_TRY(const double max_error, parse_number("--max-error", text));
   if (max_error < 0) return fail("--max-error: expected a number >= 0, got '{}'", text);
   return std::optional<double>(max_error);

@@ -58,6 +58,13 @@ TEST_F(cli_share, is_a_number_with_one_sign) {
                    {"--max-error"});
 }
 
+TEST_F(cli_share, is_of_values_and_not_of_heights) {
+  write_bytes(file("dem.asc"),
+              "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
+  expect_refusal(run_lode({"extract", file("dem.asc"), file("t.ply"), "--max-error", "1%"}), 2,
+                 {"--max-error", "units of the heights"});
+}
+
 using cli_tetra_share = cli_tetra;
 
 TEST_F(cli_tetra_share, of_a_mesh_s_range_is_what_all_its_commands_take) {

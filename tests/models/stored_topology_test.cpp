@@ -23,19 +23,14 @@ Volume rough_waves(const Index3& dims, ScalarType type, std::uint64_t seed = 3) 
   RegularGrid grid;
   grid.dims = dims;
   grid.spacing = {{1, 0.5, 2}};
-  Volume volume = oracles::empty_volume(grid, type);
   oracles::Random random(seed);
-  visit_scalar_type(type, [&]<typename T>() {
-    auto samples = oracles::typed_samples<T>(volume);
-    std::size_t at = 0;
-    for (int z = 0; z < dims[2]; ++z)
-      for (int y = 0; y < dims[1]; ++y)
-        for (int x = 0; x < dims[0]; ++x)
-          samples[at++] = static_cast<T>(120 + 40 * std::sin(0.11 * x) * std::cos(0.09 * y) +
-                                         20 * std::sin(0.3 * z + 0.02 * x) +
-                                         (x % 90 < 50 ? random.uniform(-25, 25) : 0.0));
+  return visit_scalar_type(type, [&]<typename T>() {
+    return oracles::volume_of<T>(grid, [&](const Index3& p) {
+      return 120 + 40 * std::sin(0.11 * p[0]) * std::cos(0.09 * p[1]) +
+             20 * std::sin(0.3 * p[2] + 0.02 * p[0]) +
+             (p[0] % 90 < 50 ? random.uniform(-25, 25) : 0.0);
+    });
   });
-  return volume;
 }
 
 void add_holes(Volume& volume) {

@@ -23,7 +23,7 @@ PartWindow::PartWindow(const Place& place, const IsosurfaceQuery& query, Bricks 
       wanted_here_(wanted.part(part_.model().shape, part_.origin())),
       fresh_here_(part_.model().shape),
       on_new_(std::move(on_new)),
-      tolerance_(tolerance_code(query.tolerance)) {
+      selection_(place.field, query.tolerance) {
   query_.wanted = &wanted_here_;
 }
 
@@ -71,14 +71,11 @@ bool PartWindow::is_refined(const Simplex<3>& s) const {
   Diamond<3> node = diamond_at<3>(s.bisection_point());
   if (wanted_.contains(node.centre) || field_.shape.reaches_across(node.centre, node.level))
     return true;
-  if (node.level >= kKeptLevel) {
-    Index<3> q;
-    for (std::size_t i = 0; i < 3; ++i) q[i] = node.centre[i] >> node.level;
-    const std::size_t at = linear_index<3>(field_.shape.grid_dims(node.level), q);
-    return field_.levels[as_size(node.level)].error[at] > tolerance_;
-  }
+  if (node.level >= kKeptLevel)
+    return selection_.exceeds_tolerance(selection_.error(node.level, selection_.index_of(node)));
   node.centre = node.centre - part_.origin();
-  return encode_error(static_cast<float>(nodes_.facts_at(node).error)) > tolerance_;
+  return selection_.exceeds_tolerance(
+      encode_error(static_cast<float>(nodes_.facts_at(node).error)));
 }
 
 /// Where the part ends inside the data, the errors of level 0 in its last cells do not know of

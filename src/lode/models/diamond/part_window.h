@@ -7,6 +7,7 @@
 #include "lode/models/diamond/file_parts.h"
 #include "lode/models/diamond/leaf_facets.h"
 #include "lode/models/diamond/refinable.h"
+#include "lode/models/diamond/selection.h"
 
 namespace lode::diamond {
 
@@ -74,7 +75,7 @@ class PartWindow : public DistanceWindow {
   NodeSet<3> fresh_here_;
   bool is_all_fresh_ = true;
   std::function<void(const Index<3>&)> on_new_;
-  ErrorCode tolerance_;
+  ToleranceSelection<3, CoarseField<3>> selection_;
   Facets full_;
   std::uint64_t n_first_ = 0;
   double share_done_ = 0;
