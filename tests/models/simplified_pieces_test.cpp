@@ -99,7 +99,8 @@ void expect_simplified(const Volume& volume, const char* extension,
   EXPECT_EQ(result.report.triangles, result.surface.triangles.size());
   EXPECT_EQ(result.report.vertices, result.surface.positions.size());
 
-  EXPECT_GT(simplified.triangles_before, 40'000U);  // some pieces are cut
+  // Some pieces are cut.
+  EXPECT_GT(simplified.triangles_before, options.style == SurfaceStyle::cubes ? 20'000U : 40'000U);
   EXPECT_LT(simplified.triangles, simplified.triangles_before / 2);
   if (options.simplify_distance) EXPECT_LE(simplified.proven_distance, *options.simplify_distance);
   EXPECT_EQ(result.report.max_error, *options.max_error);
@@ -149,6 +150,16 @@ TEST(simplified_pieces, stay_within_an_error_and_a_distance) {
   ExtractOptions options = within_error(10);
   options.simplify_distance = 0.6;
   expect_simplified(noisy_waves(long_grid()), ".ply", options);
+}
+
+TEST(simplified_pieces, may_be_of_cubes) {
+  ExtractOptions near = within_distance();
+  near.style = SurfaceStyle::cubes;
+  expect_simplified(noisy_waves(long_grid()), ".ply", near);
+  ExtractOptions in_band = within_error(8);
+  in_band.style = SurfaceStyle::cubes;
+  expect_simplified(noisy_waves(long_grid()), ".ply", in_band);
+  expect_simplified(waves_with_holes(), ".vtp", in_band);
 }
 
 TEST(simplified_pieces, drop_specks_in_the_band_that_lie_in_one) {

@@ -77,7 +77,7 @@ struct ExtractOptions {
   /// there are from P below the isovalue to P above it. Of volumes, unclipped, with all pieces
   /// kept; of files larger than the memory limit a quarter of it may be taken beside, for nodes.
   std::optional<double> keep_topology{};
-  /// cubes, of volumes in memory: full resolution; where the style error would be larger than the
+  /// cubes, of volumes: full resolution; where the style error would be larger than the
   /// max_error, and in bricks of 32^3 cells that holes touch, tetrahedra stay. A max_error of 0
   /// is no bound.
   SurfaceStyle style = SurfaceStyle::tetra;
@@ -94,7 +94,7 @@ struct ExtractOptions {
   /// - Within simplify_distance (world units, > 0): no point of the surface, or of what it was, is
   ///   farther from the other.
   /// Of one isovalue, in a grid whose axes are the world's, piece by piece where the model is
-  /// larger than the memory limit; the surface before is then that of full resolution.
+  /// larger than the memory limit; the surface before is then that of full resolution, or cubes.
   Simplify simplify = Simplify::off;
   std::optional<double> simplify_distance{};
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.

@@ -85,15 +85,18 @@ Result<void> extract_chunks(const Dataset::Impl& impl, Dataset::Impl::Chunks& ch
       chunks.field);
 }
 
-/// The same without ever having all of the surface. Within an error, what is simplified is that of
-/// full resolution.
+/// The same without ever having all of the surface. Within an error, what is simplified is of full
+/// resolution: all tetrahedra, or what cubes keep to of it.
 Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& options,
                            SurfaceSink& surface, ExtractReport& report, Progress& progress) {
   PieceFinisher finisher(options, surface);
   std::optional<PieceSimplifier> simplifier;
   const double tolerance = report.max_error;
   const bool is_in_band = has_band(options, tolerance);
-  if (is_in_band) report.max_error = 0;
+  if (is_in_band)
+    report.max_error = options.style == SurfaceStyle::cubes
+                           ? *before_simplification(options, tolerance).max_error
+                           : 0;
   ChunkNodes nodes(chunks, options, memory_limit_of(options));
   LODE_CHECK(std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) {
@@ -163,7 +166,7 @@ const char* need_of_whole_model(const ExtractOptions& options, const RegularGrid
                                 double tolerance) {
   if (has_band(options, tolerance) && !is_edited_by_piece(options, grid, tolerance))
     return "simplifying within a max_error, in a grid whose axes are not the world's";
-  return options.style == SurfaceStyle::cubes ? "style cubes" : nullptr;
+  return nullptr;
 }
 
 Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOptions& options) {
@@ -184,7 +187,8 @@ Result<ExtractPlan> plan_extraction(const Dataset::Impl& impl, const ExtractOpti
   }
   // At full resolution all in memory is faster, and numbers vertices in another order; within a
   // distance it is faster and takes fewer nodes.
-  if (!is_too_large && (plan.report.max_error == 0 || options.max_distance || need != nullptr ||
+  const bool is_full = plan.report.max_error == 0 || options.style == SurfaceStyle::cubes;
+  if (!is_too_large && (is_full || options.max_distance || need != nullptr ||
                         has_band(options, plan.report.max_error)))
     plan.chunks = nullptr;
   if (need != nullptr && plan.chunks != nullptr)

@@ -2,6 +2,7 @@
 
 // Marching the leaves of selections' cuts, brick by brick.
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -74,14 +75,15 @@ class BrickMarcher {
   BrickMarcher(std::span<const Selection<D>> selections, const LatticeFrame& frame)
       : selections_(selections), frame_(frame), marchers_(selections.size()), mapper_(frame) {}
 
-  /// Which cells are to be marched in the style of cubes, of the first selection; null: none.
-  void set_cubes(const CubeCells* cubes) { cubes_ = cubes; }
+  /// Which cells are to be marched in the style of cubes, by selection; empty: none.
+  void set_cubes(std::span<const CubeCells> cubes) { cubes_ = cubes; }
   /// How far at most that has moved a vertex, in world units.
   [[nodiscard]] double farthest_move() const {
+    double farthest = 0;
     if constexpr (D == 3)
-      return marchers_.front() ? marchers_.front()->rows().farthest_move() : 0;
-    else
-      return 0;
+      for (const auto& marcher : marchers_)
+        if (marcher) farthest = std::max(farthest, marcher->rows().farthest_move());
+    return farthest;
   }
 
   /// `simplices`: those of the brick, in the lattice of the selections' model, down to which one of
@@ -95,7 +97,8 @@ class BrickMarcher {
       auto& marcher = marchers_[i];
       if (!marcher) {
         marcher = std::make_unique<LeafMarcher<D>>(selections_[i], frame_);
-        if constexpr (D == 3) marcher->rows().set_cubes(cubes_);
+        if constexpr (D == 3)
+          if (!cubes_.empty()) marcher->rows().set_cubes(&cubes_[i]);
       }
       StitchPart<D> part;
       marcher->march(place, simplices, mapper_, stats, part);
@@ -109,7 +112,7 @@ class BrickMarcher {
   LatticeFrame frame_;
   std::vector<std::unique_ptr<LeafMarcher<D>>> marchers_;  ///< By selection.
   BrickIsosurface<D> mapper_;
-  const CubeCells* cubes_ = nullptr;
+  std::span<const CubeCells> cubes_;
 };
 
 /// Of everything coarser than bricks what one isovalue crosses.

@@ -15,6 +15,13 @@
 
 namespace lode::diamond {
 
+/// Refuses a style that the data have none of.
+template <int D>
+[[nodiscard]] Result<void> check_style(const IsosurfaceQuery& query, const Shape<D>& shape) {
+  if (D == 3 || query.style == SurfaceStyle::tetra || !shape.has_cells()) return {};
+  return fail("style cubes: expected a volume, got data one sample thick");
+}
+
 /// The number of the chunk that a brick lies in.
 template <int D>
 std::size_t chunk_of_brick(const Shape<D>& shape, const Index<D>& brick) {
@@ -122,6 +129,27 @@ std::vector<BrickWork<D>> work_of(const CoarseCut<D>& cut) {
   return work;
 }
 
+/// A brick, and those of its Kuhn simplices that the cut has been refined down to.
+template <int D>
+struct CutBrick {
+  Index<D> brick;
+  std::vector<Simplex<D>> simplices;
+};
+
+/// `origin`: where the lattice begins that they are in, in the cut's; a brick's corner.
+template <int D>
+CutBrick<D> cut_brick(const CoarseCut<D>& cut, const Index<D>& brick_dims, const BrickWork<D>& work,
+                      const Index<D>& origin = {}) {
+  CutBrick<D> result{point_of<D>(brick_dims, work.brick), {}};
+  for (std::size_t a = 0; a < as_size(D); ++a) result.brick[a] -= origin[a] / kBrickEdge<D>;
+  result.simplices.reserve(work.end - work.begin);
+  for (std::size_t s = work.begin; s < work.end; ++s) {
+    Simplex<D>& simplex = result.simplices.emplace_back(cut.brick_simplices[s].second);
+    for (Index<D>& v : simplex.v) v = v - origin;
+  }
+  return result;
+}
+
 /// Says of edges whether a vertex there may belong to a part other than its brick: its midpoint is
 /// on the brick's border, or the edge joins two of its corners.
 template <int D>
@@ -156,6 +184,11 @@ class PartsOfBricks {
       : axes_(axes), brick_dims_(brick_dims), part_of_(n_points<D>(brick_dims), 0) {
     for (std::size_t i = 0; i < work.size(); ++i)
       part_of_[work[i].brick] = static_cast<std::uint32_t>(i + 1);
+  }
+
+  /// What a brick has become; none: 0.
+  [[nodiscard]] std::uint32_t of(const Index<D>& brick) const {
+    return part_of_[linear_index<D>(brick_dims_, brick)];
   }
 
   /// The parts whose closed region contains a doubled midpoint: the coarse one, and up to 2^D

@@ -1,45 +1,71 @@
 #include "lode/models/diamond/cube_cells.h"
 
 #include <bit>
+#include <cmath>
 #include <memory>
 
 #include "lode/models/diamond/brick_nodes.h"
-#include "lode/models/diamond/model_samples.h"
 
 namespace lode::diamond {
 namespace {
+
+/// Those of one brick after another.
+class SamplesOfBrick final : public FieldSamples {
+ public:
+  explicit SamplesOfBrick(const Model<3>& model) : model_(model), samples_(model) {}
+
+  void open(const Index<3>& brick) { samples_.open(brick); }
+  [[nodiscard]] const BrickSamples<3>& brick() const { return samples_; }
+  [[nodiscard]] const RegularGrid& grid() const override { return model_.info.grid; }
+  [[nodiscard]] double sample(const Index3& index) const override {
+    return samples_.value(samples_.point(index - samples_.base()).offset);
+  }
+  [[nodiscard]] Index<3> n_cells() const {
+    Index<3> n;
+    for (std::size_t i = 0; i < 3; ++i)
+      n[i] = std::min(kBrickEdge<3>, model_.shape.dims[i] - 1 - samples_.base()[i]);
+    return n;
+  }
+
+ private:
+  const Model<3>& model_;
+  BrickSamples<3> samples_;
+};
+
+/// Calls visit(the cell at its begin) for each row of cells of the brick that is open.
+template <typename Visit>
+void visit_rows(const SamplesOfBrick& samples, const Visit& visit) {
+  const Index<3> n = samples.n_cells();
+  for (std::int32_t z = 0; z < n[2]; ++z)
+    for (std::int32_t y = 0; y < n[1]; ++y) visit(samples.brick().base() + Index<3>{{0, y, z}});
+}
 
 /// Finds the cells of one brick after another.
 class CellSearch {
  public:
   CellSearch(const Selection<3>& selection, const LatticeFrame& frame, double limit)
       : samples_(selection.model()),
-        all_samples_(selection.model()),
         nodes_(selection),
         meter_(frame, selection.isovalue()),
         limit_(limit) {}
 
   /// Calls put(cell at the row's begin, whole cells within the limit, others that are met).
   template <typename Put>
-  void run(const Index<3>& brick, std::span<const Simplex<3>> simplices, const Put& put) {
-    samples_.open(brick);
-    const bool is_known = nodes_.open(samples_, simplices);
+  void run(const CutBrick<3>& brick, const Put& put) {
+    samples_.open(brick.brick);
+    const bool is_known = nodes_.open(samples_.brick(), brick.simplices);
     if (is_known && !nodes_.is_met()) return;
-    Index<3> n;
-    for (std::size_t i = 0; i < 3; ++i)
-      n[i] = std::min(kBrickEdge<3>, nodes_.model().shape.dims[i] - 1 - samples_.base()[i]);
-    for (std::int32_t z = 0; z < n[2]; ++z)
-      for (std::int32_t y = 0; y < n[1]; ++y) {
-        const Index<3> first = samples_.base() + Index<3>{{0, y, z}};
-        if (!is_known) {
-          put(first, std::uint32_t{0}, ~std::uint32_t{0});
-          continue;
-        }
-        const std::uint32_t crossed = nodes_.crossed_cells(as_size(y), as_size(z));
-        if (crossed == 0) continue;
-        const std::uint32_t whole = crossed & whole_cells(as_size(y), as_size(z));
-        put(first, within_limit(first, whole), crossed & ~whole);
+    visit_rows(samples_, [&](const Index<3>& first) {
+      if (!is_known) {
+        put(first, std::uint32_t{0}, ~std::uint32_t{0});
+        return;
       }
+      const Index<3> local = first - samples_.brick().base();
+      const std::uint32_t crossed = nodes_.crossed_cells(as_size(local[1]), as_size(local[2]));
+      if (crossed == 0) return;
+      const std::uint32_t whole = crossed & whole_cells(as_size(local[1]), as_size(local[2]));
+      put(first, within_limit(first, whole), crossed & ~whole);
+    });
   }
 
  private:
@@ -49,88 +75,112 @@ class CellSearch {
     return static_cast<std::uint32_t>(axes[0] & axes[1] & axes[2]);
   }
   std::uint32_t within_limit(const Index<3>& first, std::uint32_t cells) {
+    if (std::isinf(limit_)) return cells;
     for (std::uint32_t left = cells; left != 0; left &= left - 1) {
       Index3 cell = first;
       cell[0] += std::countr_zero(left);
-      if (meter_.error_of(all_samples_, cell) > limit_) cells &= ~(left & (~left + 1));
+      if (meter_.error_of(samples_, cell) > limit_) cells &= ~(left & (~left + 1));
     }
     return cells;
   }
 
-  BrickSamples<3> samples_;
-  ModelSamples<3> all_samples_;
+  SamplesOfBrick samples_;
   BrickNodes nodes_;
   CubeMeter meter_;
   double limit_;
 };
 
+/// run(worker, brick) in parallel; a worker is made by make() when it is first needed.
+template <typename Worker, typename Make, typename Run>
+std::vector<std::unique_ptr<Worker>> for_each_brick(std::span<const CutBrick<3>> bricks,
+                                                    Threads threads, const Make& make,
+                                                    const Run& run) {
+  std::vector<std::unique_ptr<Worker>> workers(as_size(n_workers(threads)));
+  parallel_for(bricks.size(), threads, 1, [&](std::size_t i, int number) {
+    auto& worker = workers[as_size(number)];
+    if (!worker) worker = std::make_unique<Worker>(make());
+    run(*worker, bricks[i]);
+  });
+  return workers;
+}
+
 }  // namespace
 
-Result<CubeCells> CubeCells::find(const Selection<3>& selection, const CoarseCut<3>& cut,
-                                  std::span<const BrickWork<3>> work, const LatticeFrame& frame,
+CubeCells::CubeCells(const Shape<3>& shape) {
+  for (std::size_t i = 0; i < 3; ++i) n_cells_[i] = shape.dims[i] - 1;
+  n_words_ = as_size(brick_counts<3>(shape)[0]);
+  cubes_.resize(n_words_ * as_size(n_cells_[1]) * as_size(n_cells_[2]));
+}
+
+bool CubeCells::are_all(bool has_holes, double limit) { return !has_holes && std::isinf(limit); }
+
+Result<CubeCells> CubeCells::find(const Selection<3>& selection,
+                                  std::span<const CutBrick<3>> bricks, const LatticeFrame& frame,
                                   double limit, Threads threads, Progress& progress) {
-  const Model<3>& model = selection.model();
-  CubeCells result;
-  for (std::size_t i = 0; i < 3; ++i) result.n_cells_[i] = model.shape.dims[i] - 1;
-  result.n_words_ = as_size(model.brick_dims[0]);
-  const auto n_y = as_size(result.n_cells_[1]);
-  const auto n_z = as_size(result.n_cells_[2]);
-  result.cubes_.resize(result.n_words_ * n_y * n_z);
+  CubeCells result(selection.model().shape);
+  result.are_all_ = are_all(selection.model().has_holes(), limit);
   std::vector<std::uint32_t> others(result.cubes_.size());
-  std::vector<std::unique_ptr<CellSearch>> workers(as_size(n_workers(threads)));
-  parallel_for(work.size(), threads, 1, [&](std::size_t i, int worker) {
-    if (progress.is_cancelled()) return;
-    auto& search = workers[as_size(worker)];
-    if (!search) search = std::make_unique<CellSearch>(selection, frame, limit);
-    std::vector<Simplex<3>> simplices;
-    for (std::size_t s = work[i].begin; s < work[i].end; ++s)
-      simplices.push_back(cut.brick_simplices[s].second);
-    search->run(point_of<3>(model.brick_dims, work[i].brick), simplices,
-                [&](const Index<3>& first, std::uint32_t cubes, std::uint32_t rest) {
-                  result.cubes_[result.word_of(first)] = cubes;
-                  others[result.word_of(first)] = rest;
-                });
-  });
+  for_each_brick<CellSearch>(
+      bricks, threads, [&] { return CellSearch(selection, frame, limit); },
+      [&](CellSearch& search, const CutBrick<3>& brick) {
+        if (progress.is_cancelled()) return;
+        search.run(brick, [&](const Index<3>& first, std::uint32_t cubes, std::uint32_t rest) {
+          result.cubes_[result.word_of(first)] = cubes;
+          others[result.word_of(first)] = rest;
+        });
+      });
   if (progress.is_cancelled()) return cancelled_error();
-  // Not beside others.
+  if (!result.are_all_) result.leave_out_beside(others, threads);
+  return result;
+}
+
+/// Those that share a face with others.
+void CubeCells::leave_out_beside(std::span<const std::uint32_t> others, Threads threads) {
+  const auto n_y = as_size(n_cells_[1]);
+  const auto n_z = as_size(n_cells_[2]);
   parallel_for(n_z, threads, 8, [&](std::size_t z, int) {
     for (std::size_t y = 0; y < n_y; ++y)
-      for (std::size_t word = 0; word < result.n_words_; ++word) {
-        const std::size_t row = (z * n_y + y) * result.n_words_;
+      for (std::size_t word = 0; word < n_words_; ++word) {
+        const std::size_t row = (z * n_y + y) * n_words_;
         const std::uint32_t* const other = others.data() + row + word;
         std::uint32_t beside = *other << 1 | *other >> 1;
         if (word > 0) beside |= other[-1] >> 31;
-        if (word + 1 < result.n_words_) beside |= other[1] << 31;
-        const auto row_step = static_cast<std::ptrdiff_t>(result.n_words_);
-        const auto slice_step = static_cast<std::ptrdiff_t>(result.n_words_ * n_y);
+        if (word + 1 < n_words_) beside |= other[1] << 31;
+        const auto row_step = static_cast<std::ptrdiff_t>(n_words_);
+        const auto slice_step = static_cast<std::ptrdiff_t>(n_words_ * n_y);
         if (y > 0) beside |= other[-row_step];
         if (y + 1 < n_y) beside |= other[row_step];
         if (z > 0) beside |= other[-slice_step];
         if (z + 1 < n_z) beside |= other[slice_step];
-        result.cubes_[row + word] &= ~beside;
+        cubes_[row + word] &= ~beside;
       }
   });
-  return result;
 }
 
-CubeDeviation CubeCells::measure(const Model<3>& model, const LatticeFrame& frame, double isovalue,
-                                 Threads threads) const {
-  const ModelSamples<3> samples(model);
-  std::vector<CubeMeter> meters(as_size(n_workers(threads)), CubeMeter(frame, isovalue));
-  parallel_for(as_size(n_cells_[2]), threads, 1, [&](std::size_t z, int worker) {
-    for (std::int32_t y = 0; y < n_cells_[1]; ++y)
-      for (std::size_t word = 0; word < n_words_; ++word) {
-        const Index<3> first{
-            {static_cast<std::int32_t>(32 * word), y, static_cast<std::int32_t>(z)}};
-        for (std::uint32_t left = cubes_[word_of(first)]; left != 0; left &= left - 1) {
-          Index3 cell = first;
-          cell[0] += std::countr_zero(left);
-          meters[as_size(worker)].add(samples, cell);
-        }
-      }
-  });
+CubeDeviation CubeCells::measure(const Selection<3>& selection, std::span<const CutBrick<3>> bricks,
+                                 const LatticeFrame& frame, Threads threads) const {
+  struct Worker {
+    SamplesOfBrick samples;
+    CubeMeter meter;
+  };
+  const auto workers = for_each_brick<Worker>(
+      bricks, threads,
+      [&] {
+        return Worker{SamplesOfBrick(selection.model()), CubeMeter(frame, selection.isovalue())};
+      },
+      [&](Worker& worker, const CutBrick<3>& brick) {
+        worker.samples.open(brick.brick);
+        visit_rows(worker.samples, [&](const Index<3>& first) {
+          for (std::uint32_t left = cubes_[word_of(first)]; left != 0; left &= left - 1) {
+            Index3 cell = first;
+            cell[0] += std::countr_zero(left);
+            worker.meter.add(worker.samples, cell);
+          }
+        });
+      });
   CubeDeviation deviation;
-  for (const CubeMeter& meter : meters) deviation.join(meter.deviation());
+  for (const auto& worker : workers)
+    if (worker) deviation.join(worker->meter.deviation());
   return deviation;
 }
 

@@ -11,38 +11,50 @@
 
 namespace lode::diamond {
 
-/// Which unit cells of a volume are marched in the style of cubes where others are not: all of
-/// whose simplices are in the cut, whose triangles stay within a limit of F = isovalue, and beside
-/// which there is no cell that the surface meets and that is not whole. Cells of bricks that holes
-/// are beside are none.
+/// Which unit cells of a volume, or of a file's part, are marched in the style of cubes where
+/// others are not: all of whose simplices are in the cut, whose triangles stay within a limit of
+/// F = isovalue, and beside which there is no cell that the surface meets and that is not whole.
+/// Cells of bricks that holes are beside are none.
 class CubeCells {
  public:
-  /// `limit`: of |F - isovalue|, field units; may be infinite.
+  /// None.
+  CubeCells() = default;
+  /// Of bricks of the selection's lattice; what lies round them counts as none, but where all cells
+  /// are cubes. `limit`: of |F - isovalue|, field units; may be infinite.
   [[nodiscard]] static Result<CubeCells> find(const Selection<3>& selection,
-                                              const CoarseCut<3>& cut,
-                                              std::span<const BrickWork<3>> work,
+                                              std::span<const CutBrick<3>> bricks,
                                               const LatticeFrame& frame, double limit,
                                               Threads threads, Progress& progress);
 
-  /// `cell`: its lowest corner; may be none of the volume's.
+  /// Whether all cells are cubes that the surface meets, so that none has to be looked at for the
+  /// sake of its neighbours.
+  [[nodiscard]] static bool are_all(bool has_holes, double limit);
+
+  /// `cell`: its lowest corner; may be none of the lattice's. Of cells that the surface does not
+  /// meet it says nothing.
   [[nodiscard]] bool contains(const Index<3>& cell) const {
     for (std::size_t i = 0; i < 3; ++i)
       if (cell[i] < 0 || cell[i] >= n_cells_[i]) return false;
-    return (cubes_[word_of(cell)] >> (cell[0] & 31) & 1) != 0;
+    return are_all_ || (cubes_[word_of(cell)] >> (cell[0] & 31) & 1) != 0;
   }
-  /// Of all their triangles.
-  [[nodiscard]] CubeDeviation measure(const Model<3>& model, const LatticeFrame& frame,
-                                      double isovalue, Threads threads) const;
+  /// Of the triangles of those in some of the bricks.
+  [[nodiscard]] CubeDeviation measure(const Selection<3>& selection,
+                                      std::span<const CutBrick<3>> bricks,
+                                      const LatticeFrame& frame, Threads threads) const;
 
  private:
+  explicit CubeCells(const Shape<3>& shape);
+
   [[nodiscard]] std::size_t word_of(const Index<3>& cell) const {
     return (as_size(cell[2]) * as_size(n_cells_[1]) + as_size(cell[1])) * n_words_ +
            as_size(cell[0] / 32);
   }
+  void leave_out_beside(std::span<const std::uint32_t> others, Threads threads);
 
   Index<3> n_cells_;
   std::size_t n_words_ = 0;           ///< Of a row of cells; a brick's are one.
   std::vector<std::uint32_t> cubes_;  ///< By row, y first.
+  bool are_all_ = false;
 };
 
 }  // namespace lode::diamond

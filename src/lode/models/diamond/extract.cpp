@@ -1,6 +1,5 @@
 #include "lode/models/diamond/extract.h"
 
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -15,11 +14,10 @@ namespace {
 
 template <int D>
 Selection<D> selection_of(const Model<D>& model, const IsosurfaceQuery& query) {
-  const double tolerance = query.style == SurfaceStyle::cubes ? 0 : query.tolerance;
   if constexpr (D == 3)
-    return Selection<D>(model, query.isovalue, tolerance, query.wanted);
+    return Selection<D>(model, query.isovalue, query.cut_tolerance(), query.wanted);
   else
-    return Selection<D>(model, query.isovalue, tolerance);
+    return Selection<D>(model, query.isovalue, query.cut_tolerance());
 }
 
 template <int D>
@@ -34,7 +32,7 @@ class Extraction {
   Result<IsosurfaceReport> run(Surface& surface, Progress& progress) {
     const Stopwatch watch;
     IsosurfaceReport report;
-    LODE_CHECK(check_style());
+    LODE_CHECK(check_style<D>(query_, model_.shape));
     if constexpr (D == 3)
       if (model_.shape.has_cells() && query_.tolerance == 0 && !model_.has_holes())
         return run_flat(selection_, surface, progress);
@@ -62,12 +60,6 @@ class Extraction {
   }
 
  private:
-  Result<void> check_style() const {
-    if (query_.style == SurfaceStyle::tetra || !model_.shape.has_cells()) return {};
-    if (D == 2) return fail("style cubes: expected a volume, got data one sample thick");
-    return {};
-  }
-
   Result<IsosurfaceReport> run_flat(const Selection<3>& selection, Surface& surface,
                                     Progress& progress) {
     LODE_TRY(const auto flat,
@@ -89,17 +81,16 @@ class Extraction {
   Result<void> find_cubes(Progress& progress) {
     if constexpr (D == 3) {
       if (query_.style != SurfaceStyle::cubes) return {};
-      const double limit =
-          query_.tolerance > 0 ? query_.tolerance : std::numeric_limits<double>::infinity();
-      LODE_TRY(cubes_,
-               CubeCells::find(selection_, cut_, work_, frame_, limit, query_.threads, progress));
+      for (const BrickWork<D>& work : work_)
+        bricks_.push_back(cut_brick<D>(cut_, model_.brick_dims, work));
+      LODE_TRY(cubes_, CubeCells::find(selection_, bricks_, frame_, query_.style_limit(),
+                                       query_.threads, progress));
     }
     return {};
   }
   [[nodiscard]] CubeDeviation measure_found() const {
     CubeDeviation deviation;
-    if constexpr (D == 3)
-      deviation = cubes_->measure(model_, frame_, query_.isovalue, query_.threads);
+    if constexpr (D == 3) deviation = cubes_->measure(selection_, bricks_, frame_, query_.threads);
     deviation.distance = std::max(deviation.distance, farthest_move_);
     return deviation;
   }
@@ -114,7 +105,7 @@ class Extraction {
       auto& own = workers[as_size(worker)];
       if (!own) {
         own = std::make_unique<BrickMarcher<D>>(std::span(&selection_, 1), frame_);
-        if (cubes_) own->set_cubes(&*cubes_);
+        if (cubes_) own->set_cubes(std::span(&*cubes_, 1));
       }
       march_brick(*own, i, stats[i]);
     });
@@ -126,13 +117,11 @@ class Extraction {
   }
 
   void march_brick(BrickMarcher<D>& marcher, std::size_t i, TraversalStats& stats) {
-    std::vector<Simplex<D>> simplices;
-    for (std::size_t s = work_[i].begin; s < work_[i].end; ++s)
-      simplices.push_back(cut_.brick_simplices[s].second);
+    const CutBrick<D> brick = cut_brick<D>(cut_, model_.brick_dims, work_[i]);
     std::vector<BrickPiece<D>> pieces;
     marcher.march(
-        {point_of<D>(model_.brick_dims, work_[i].brick), {}, model_.axes}, simplices,
-        [](std::size_t) { return true; }, stats, pieces);
+        {brick.brick, {}, model_.axes}, brick.simplices, [](std::size_t) { return true; }, stats,
+        pieces);
     if (!pieces.empty()) parts_[i + 1] = std::move(pieces.front().part);
   }
 
@@ -142,7 +131,8 @@ class Extraction {
   Selection<D> selection_;
   CoarseCut<D> cut_;
   std::vector<BrickWork<D>> work_;
-  std::optional<CubeCells> cubes_;  ///< In the style of cubes.
+  std::vector<CutBrick<D>> bricks_;  ///< The same, in the style of cubes,
+  std::optional<CubeCells> cubes_;   ///< and which cells of them are cubes.
   double farthest_move_ = 0;
   std::vector<StitchPart<D>> parts_;  ///< Everything coarser, then one per brick of work_.
   PartsOfBricks<D> parts_of_bricks_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "lode/core/progress.h"
@@ -26,6 +27,15 @@ struct IsosurfaceQuery {
   /// Full resolution gives its vertices their isovalue too, while they are at hand.
   bool with_isovalues = false;
   bool replaces = false;  ///< The surface is overwritten, its memory used as it is.
+
+  /// Of nodes' errors: cubes are of full resolution.
+  [[nodiscard]] double cut_tolerance() const {
+    return style == SurfaceStyle::cubes ? 0 : tolerance;
+  }
+  /// Of |F - isovalue| on cubes.
+  [[nodiscard]] double style_limit() const {
+    return tolerance > 0 ? tolerance : std::numeric_limits<double>::infinity();
+  }
 };
 
 struct IsosurfaceReport {

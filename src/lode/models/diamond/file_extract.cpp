@@ -6,8 +6,8 @@
 
 #include "lode/core/stopwatch.h"
 #include "lode/models/diamond/brick_marcher.h"
+#include "lode/models/diamond/chunk_work.h"
 #include "lode/models/diamond/isovalue_list.h"
-#include "lode/models/diamond/kept_nodes.h"
 #include "lode/models/diamond/normals.h"
 
 namespace lode::diamond {
@@ -49,8 +49,7 @@ class FileExtraction {
         isovalues_(isovalues),
         query_(query),
         frame_(LatticeFrame::of(field.info.grid)),
-        selection_(field, isovalues, query.tolerance, wanted()),
-        brick_dims_(brick_counts<D>(field.shape)),
+        selection_(field, isovalues, query.cut_tolerance(), wanted()),
         part_(field, blocks, query.threads),
         sink_of_(sink_of),
         see_part_(see_part),
@@ -65,9 +64,9 @@ class FileExtraction {
 
   Result<IsosurfaceReport> run(Progress& progress) {
     const Stopwatch watch;
+    LODE_CHECK(check_style<D>(query_, field_.shape));
     if (field_.shape.has_cells()) CoarseTraversal<D, CoarseSelection>(selection_, cut_).run();
-    work_ = work_of(cut_);
-    parts_of_bricks_ = PartsOfBricks<D>(field_.axes, brick_dims_, work_);
+    work_ = ChunkWork<D>(field_, selection_, cut_);
     stats_ = cut_.stats;
     for (std::size_t i = 0; i < isovalues_.size(); ++i) {
       std::vector<StitchPart<D>> coarse(1);
@@ -75,15 +74,15 @@ class FileExtraction {
       find_normals(coarse[0], nullptr, {});
       LODE_CHECK(join(i, coarse, 0));
     }
-    Bricks bricks = bricks_of(0);
+    typename ChunkWork<D>::Bricks bricks = work_.bricks_of(0, needs_round());
     for (std::size_t i = 0; i < work_.size();) {
       if (progress.is_cancelled()) return cancelled_error();
-      const std::size_t end = end_of_chunk(i);
-      LODE_CHECK(part_.load(chunk_at(i), bricks.fine, bricks.coarse));
+      const std::size_t end = work_.end_of_chunk(i);
+      LODE_CHECK(part_.load(work_.chunk_of(i), bricks.fine, bricks.coarse));
       // The system reads the next chunk's blocks while this one is marched.
-      bricks = bricks_of(end);
-      if (end < work_.size()) part_.will_load(chunk_at(end), bricks.fine);
-      std::vector<Pieces> pieces = march_chunk(i, end);
+      bricks = work_.bricks_of(end, needs_round());
+      if (end < work_.size()) part_.will_load(work_.chunk_of(end), bricks.fine);
+      LODE_TRY(std::vector<Pieces> pieces, march_chunk(i, end, progress));
       if (see_part_) see_part_(part_);
       LODE_CHECK(join_chunk(std::move(pieces), i));
       forget_below(end);
@@ -96,95 +95,87 @@ class FileExtraction {
           std::max(report.coordinate_slack, slack_of(frame_, largest.step, largest.snap));
     report.surface_bytes = *std::ranges::max_element(surface_bytes_);
     report.part_bytes = part_bytes_;
+    report.deviation = deviation_;
     report.geometry_seconds = joining_seconds_;
-    report.select_seconds = watch.seconds() - joining_seconds_;
+    report.measure_seconds = measuring_seconds_;
+    report.select_seconds = watch.seconds() - joining_seconds_ - measuring_seconds_;
     return report;
   }
 
  private:
-  using CoarseSelection = ManySelection<D, CoarseField<D>>;
+  using CoarseSelection = typename ChunkWork<D>::CoarseSelection;
   using Pieces = std::vector<BrickPiece<D>>;
 
   [[nodiscard]] const NodeSet<D>* wanted() const {
     if constexpr (D == 3) return query_.wanted;
     return nullptr;
   }
-  [[nodiscard]] Index<D> brick_of(std::size_t work) const {
-    return point_of<D>(brick_dims_, work_[work].brick);
-  }
-  struct Bricks {
-    std::vector<Index<D>> fine;
-    std::vector<Index<D>> coarse;
-  };
-  /// Of the chunk that `begin` is in, from there on.
-  [[nodiscard]] Bricks bricks_of(std::size_t begin) const {
-    Bricks bricks;
-    for (std::size_t i = begin, end = end_of_chunk(begin); i < end; ++i) {
-      const Index<D> brick = brick_of(i);
-      (is_fine(brick) ? bricks.fine : bricks.coarse).push_back(brick);
-    }
-    return bricks;
-  }
-  [[nodiscard]] Index<D> chunk_at(std::size_t work) const {
-    return point_of<D>(chunk_counts<D>(field_.shape), chunk_of(work));
-  }
-  [[nodiscard]] std::size_t chunk_of(std::size_t work) const {
-    return chunk_of_brick<D>(field_.shape, brick_of(work));
-  }
-  /// Behind the last work of the chunk that `begin` is in.
-  [[nodiscard]] std::size_t end_of_chunk(std::size_t begin) const {
-    std::size_t end = begin;
-    while (end < work_.size() && chunk_of(end) == chunk_of(begin)) ++end;
-    return end;
+  /// Whether which cells are cubes depends on bricks round the chunk.
+  [[nodiscard]] bool needs_round() const {
+    return query_.style == SurfaceStyle::cubes &&
+           !CubeCells::are_all(field_.has_holes(), query_.style_limit());
   }
 
-  /// Whether finer nodes of a brick matter: nodes of level kKeptLevel are refined.
-  [[nodiscard]] bool is_fine(const Index<D>& brick) const {
-    return !field_.is_needed() || has_fine_node(brick);
-  }
-
-  [[nodiscard]] bool has_fine_node(const Index<D>& brick) const {
-    return any_kept_node<D>(field_.shape, brick, [&](const Index<D>& q, std::size_t at) {
-      const Index<D> centre = q * (std::int32_t{1} << kKeptLevel);
-      return selection_.is_active(kKeptLevel, at) &&
-             (selection_.exceeds_tolerance(selection_.error(kKeptLevel, at)) ||
-              field_.shape.reaches_across(centre, kKeptLevel) || selection_.is_wanted(centre));
-    });
-  }
-
-  /// By work from `begin` to before `end`, all in the chunk that is loaded.
-  std::vector<Pieces> march_chunk(std::size_t begin, std::size_t end) {
+  /// By brick from number `begin` to before `end`, all in the chunk that is loaded.
+  Result<std::vector<Pieces>> march_chunk(std::size_t begin, std::size_t end, Progress& progress) {
     std::optional<NodeSet<D>> wanted_here;
     if (wanted() != nullptr) wanted_here = wanted()->part(part_.model().shape, part_.origin());
     std::vector<Selection<D>> selections;
     for (std::size_t i = 0; i < isovalues_.size(); ++i)
-      selections.emplace_back(part_.model(), isovalues_[i], query_.tolerance,
+      selections.emplace_back(part_.model(), isovalues_[i], query_.cut_tolerance(),
                               wanted_here ? &*wanted_here : nullptr);
+    LODE_TRY(const std::vector<CubeCells> cubes, find_cubes(selections, begin, end, progress));
     std::vector<Pieces> pieces(end - begin);
     std::vector<TraversalStats> stats(end - begin);
     std::vector<std::unique_ptr<BrickMarcher<D>>> workers(as_size(n_workers(query_.threads)));
     parallel_for(end - begin, query_.threads, 1, [&](std::size_t i, int number) {
       auto& worker = workers[as_size(number)];
-      if (!worker) worker = std::make_unique<BrickMarcher<D>>(selections, frame_);
+      if (!worker) {
+        worker = std::make_unique<BrickMarcher<D>>(selections, frame_);
+        worker->set_cubes(cubes);
+      }
       march_brick(*worker, begin + i, pieces[i], stats[i]);
       for (BrickPiece<D>& piece : pieces[i])
         find_normals(piece.part, &part_.samples(), part_.origin());
     });
     for (const TraversalStats& s : stats) stats_.join(s);
+    if (query_.with_deviation)
+      for (const auto& worker : workers)
+        if (worker) deviation_.distance = std::max(deviation_.distance, worker->farthest_move());
     return pieces;
   }
 
-  void march_brick(BrickMarcher<D>& marcher, std::size_t i, Pieces& pieces, TraversalStats& stats) {
-    const Index<D> origin = part_.origin();
-    Index<D> local = brick_of(i);
-    for (std::size_t a = 0; a < as_size(D); ++a) local[a] -= origin[a] / kBrickEdge<D>;
-    std::vector<Simplex<D>> simplices;
-    for (std::size_t s = work_[i].begin; s < work_[i].end; ++s) {
-      Simplex<D>& simplex = simplices.emplace_back(cut_.brick_simplices[s].second);
-      for (Index<D>& v : simplex.v) v = v - origin;
+  /// Of each isovalue that is wanted, in the style of cubes, and measures them.
+  Result<std::vector<CubeCells>> find_cubes(std::span<const Selection<D>> selections,
+                                            std::size_t begin, std::size_t end,
+                                            Progress& progress) {
+    std::vector<CubeCells> cubes;
+    if constexpr (D == 3) {
+      if (query_.style == SurfaceStyle::tetra) return cubes;
+      std::vector<CutBrick<D>> bricks;
+      for (std::size_t i = begin; i < end; ++i) bricks.push_back(work_.local(i, part_.origin()));
+      if (needs_round())
+        for (const std::size_t i : work_.round(begin))
+          bricks.push_back(work_.local(i, part_.origin()));
+      for (std::size_t i = 0; i < selections.size(); ++i) {
+        cubes.emplace_back();
+        if (sink_of_(i) == nullptr) continue;
+        LODE_TRY(cubes.back(), CubeCells::find(selections[i], bricks, frame_, query_.style_limit(),
+                                               query_.threads, progress));
+        if (!query_.with_deviation) continue;
+        const Stopwatch watch;
+        deviation_.join(cubes.back().measure(selections[i], std::span(bricks).first(end - begin),
+                                             frame_, query_.threads));
+        measuring_seconds_ += watch.seconds();
+      }
     }
+    return cubes;
+  }
+
+  void march_brick(BrickMarcher<D>& marcher, std::size_t i, Pieces& pieces, TraversalStats& stats) {
+    const CutBrick<D> brick = work_.local(i, part_.origin());
     marcher.march(
-        {local, origin, field_.axes}, simplices,
+        {brick.brick, part_.origin(), field_.axes}, brick.simplices,
         [&](std::size_t isovalue) { return sink_of_(isovalue) != nullptr; }, stats, pieces);
   }
 
@@ -221,7 +212,7 @@ class FileExtraction {
     largest_[isovalue].add(parts);
     part_bytes_ = std::max(part_bytes_, bytes_of(parts));
     const auto candidates = [&](LatticeKey key, std::vector<std::uint32_t>& out) {
-      parts_of_bricks_.candidates(key, out);
+      work_.parts().candidates(key, out);
       std::erase_if(out, [&](std::uint32_t part) { return part < first; });
       for (std::uint32_t& part : out) part -= static_cast<std::uint32_t>(first);
       std::erase_if(out, [&](std::uint32_t part) { return part >= parts.size(); });
@@ -257,7 +248,7 @@ class FileExtraction {
   void forget_below(std::size_t next) {
     if (next == work_.size()) return;
     const std::size_t last = as_size(D) - 1;
-    const std::int32_t layer = point_of<D>(chunk_counts<D>(field_.shape), chunk_of(next))[last];
+    const std::int32_t layer = work_.chunk_of(next)[last];
     if (layer == layer_) return;
     layer_ = layer;
     const auto axis = as_size(field_.axes.axis[last]);
@@ -271,11 +262,9 @@ class FileExtraction {
   IsosurfaceQuery query_;
   LatticeFrame frame_;
   CoarseSelection selection_;
-  Index<D> brick_dims_;
   FilePart<D> part_;
   CoarseCut<D> cut_;
-  std::vector<BrickWork<D>> work_;
-  PartsOfBricks<D> parts_of_bricks_;
+  ChunkWork<D> work_;
   std::vector<PieceStitcher<D>> stitchers_;  ///< By isovalue.
   const SinkOfIsovalue& sink_of_;
   const SeePart<D>& see_part_;
@@ -284,7 +273,9 @@ class FileExtraction {
   std::vector<LargestSteps> largest_;         ///< By isovalue.
   std::vector<std::uint64_t> surface_bytes_;  ///< Likewise.
   std::uint64_t part_bytes_ = 0;              ///< The most that one's parts of a chunk take.
+  CubeDeviation deviation_;
   double joining_seconds_ = 0;
+  double measuring_seconds_ = 0;
 };
 
 }  // namespace
