@@ -49,6 +49,22 @@ std::vector<Case> cases() {
   all.push_back({"flat", make_grid<float>(40, 17, [](int, int) { return 0.1; })});
   all.push_back(
       {"slanted", make_grid<std::int16_t>(50, 33, [](int x, int y) { return 3 * x - 2 * y; })});
+  // Whole numbers of steps in floating point, with and without rounding of their own.
+  all.push_back({"tenths of float64", make_grid<double>(64, 48, [](int x, int y) {
+                   return std::round(hills(x, y) * (x < 30 ? 7 : 0) - 23000) / 10;
+                 })});
+  all.push_back({"hundredths, some beside them", make_grid<double>(65, 40, [](int x, int y) {
+                   const double z = x < 20 ? 12.34 : std::round(hills(x, y) * 31) / 100;
+                   return (x * 5 + y * 3) % 11 == 0 ? std::nextafter(z, 1e9) : z;
+                 })});
+  all.push_back({"whole floats",
+                 make_grid<float>(70, 64, [](int x, int y) { return 1e6 + 90 * hills(x, y); })});
+  all.push_back({"multiples of 1/256", make_grid<float>(40, 66, [](int x, int y) {
+                   return 40 + hills(x, y) / 16 + (x % 3) / 256.0;
+                 })});
+  all.push_back({"more than 16 bits apart", make_grid<double>(33, 20, [](int x, int y) {
+                   return x == 4 && y == 5 ? 65536 : hills(x, y);
+                 })});
   Case gaps{"gaps", make_grid<std::int16_t>(38, 41, hills)};
   for (std::int32_t y = 10; y < 17; ++y)
     for (std::int32_t x = 5; x < 9 + y / 2; ++x) set_missing(gaps.grid, x, y);
@@ -169,6 +185,31 @@ TEST(right_triangle_bisection, errors_of_whole_numbers_are_exact) {
         if (made.lattice().has(child))
           error = std::max(error, static_cast<long double>(made.error(child)));
     EXPECT_FLOAT_EQ(made.error(diamond.node), static_cast<float>(error));
+  }
+}
+
+/// The same heights in other steps: where these have rounding of their own, it comes to the errors.
+TEST(right_triangle_bisection, errors_of_steps_are_those_of_their_numbers) {
+  for (const auto& [n_columns, n_rows] : {std::pair{129, 129}, {64, 100}, {257, 40}}) {
+    const auto numbers = [](int x, int y) { return x < 40 && y < 30 ? 90 : 5 * hills(x, y); };
+    const Bisection expected = build(make_grid<std::int16_t>(n_columns, n_rows, numbers));
+    for (const double per_unit : {1.0, 10.0, 100.0, 256.0}) {
+      SCOPED_TRACE(per_unit);
+      const HeightGrid grid = make_grid<double>(
+          n_columns, n_rows, [&](int x, int y) { return (numbers(x, y) + 400) / per_unit; });
+      // Of stretched diamonds errors are off by rounding of heights in float32.
+      const bool is_stretched = n_columns != n_rows;
+      const bool is_exact = !is_stretched && (per_unit == 1 || per_unit == 256);
+      const double slack = is_exact ? 0 : is_stretched ? 0.004 / per_unit : 1e-9;
+      const Bisection made = build(grid);
+      EXPECT_EQ(made.error({12, 12}), 0);  // all is level round it
+      for (const Diamond& diamond : diamonds_of(made.lattice())) {
+        const double error = static_cast<double>(expected.error(diamond.node)) / per_unit;
+        const auto found = static_cast<double>(made.error(diamond.node));
+        ASSERT_GE(found, error);
+        ASSERT_LE(found, error * (1 + (is_exact ? 0 : 0x1p-20)) + slack);
+      }
+    }
   }
 }
 

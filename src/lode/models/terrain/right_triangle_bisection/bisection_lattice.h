@@ -66,6 +66,10 @@ class Lattice {
     return static_cast<std::size_t>(std::int64_t{folded(node.y, last_.y)} * stride_ +
                                     folded(node.x, last_.x));
   }
+  /// The node whose error is there; may be none.
+  [[nodiscard]] LatticePoint node_at(std::int32_t column, std::int32_t row) const {
+    return {unfolded(column, last_.x), unfolded(row, last_.y)};
+  }
   [[nodiscard]] std::int64_t stride() const { return stride_; }
   [[nodiscard]] std::size_t size() const {
     return static_cast<std::size_t>(stride_ * (std::int64_t{last_.y} + n_levels() + 2));
@@ -74,6 +78,9 @@ class Lattice {
  private:
   static std::int32_t folded(std::int32_t i, std::int32_t last) {
     return i <= last ? i : last + 1 + std::countr_zero(static_cast<std::uint32_t>(i));
+  }
+  static std::int32_t unfolded(std::int32_t at, std::int32_t last) {
+    return at <= last ? at : std::int32_t{1} << std::min(at - last - 1, 30);
   }
 
   LatticePoint last_;

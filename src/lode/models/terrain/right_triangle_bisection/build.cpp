@@ -11,6 +11,7 @@
 #include "lode/models/terrain/right_triangle_bisection/nested_errors.h"
 #include "lode/models/terrain/right_triangle_bisection/own_errors.h"
 #include "lode/models/terrain/right_triangle_bisection/stretched_diamonds.h"
+#include "lode/models/terrain/right_triangle_bisection/whole_heights.h"
 
 namespace lode::bisection {
 namespace {
@@ -93,31 +94,108 @@ bool is_exact(const HeightGrid& grid, const RasterRows<T>& rows, const HeightRan
   return std::ranges::count(has_others, 1) == 0;
 }
 
+/// Whether a node and all corners of its diamond have one height.
+template <typename T>
+bool is_level(const RasterRows<T>& rows, const Lattice& lattice, LatticePoint node) {
+  const auto z = [&](LatticePoint p) {
+    const LatticePoint place = lattice.place(p);
+    return rows.row(place.y)[place.x];
+  };
+  const Diamond diamond(node);
+  const T height = z(node);
+  const auto differs = [&](LatticePoint p) { return lattice.has(p) && z(p) != height; };
+  return std::ranges::none_of(diamond.ends, differs) &&
+         std::ranges::none_of(diamond.apexes, differs);
+}
+
+/// Calls visit(x) for values equal to one that few of them are equal to.
+template <typename Visit>
+void find_equal(const float* values, std::int32_t n, float rare, const Visit& visit) {
+  constexpr std::int32_t kPiece = 32;
+  std::int32_t x = 0;
+  for (; x + kPiece <= n; x += kPiece) {
+    std::int32_t n_equal = 0;
+    for (std::int32_t i = 0; i < kPiece; ++i) n_equal += values[x + i] == rare ? 1 : 0;
+    for (std::int32_t i = 0; n_equal > 0 && i < kPiece; ++i)
+      if (values[x + i] == rare) visit(x + i);
+  }
+  for (; x < n; ++x)
+    if (values[x] == rare) visit(x);
+}
+
+/// Errors of whole steps in units of heights, and what rounding may have hidden added to them: but
+/// where all corners have one height, and no step is in between. Should samples in between differ
+/// from these by what is less than a step, nodes that wait for this one say so.
+void finish_errors(const RasterRows<double>& rows, const Lattice& lattice, double unit,
+                   double slack, Threads threads, float* errors) {
+  const float least = delaunay::to_float_above(slack);
+  const auto n = static_cast<std::int32_t>(lattice.stride());
+  const std::size_t n_rows = lattice.size() / static_cast<std::size_t>(n);
+  parallel_for(n_rows, threads, 64, [&](std::size_t row, int) {
+    const auto y = static_cast<std::int32_t>(row);
+    float* const at = errors + y * lattice.stride();
+    for (std::int32_t x = 0; x < n; ++x)
+      at[x] = delaunay::to_float_above(static_cast<double>(at[x]) * unit + slack);
+    find_equal(at, n, least, [&](std::int32_t x) {
+      const LatticePoint node = lattice.node_at(x, y);
+      if (lattice.has(node) && (lattice.is_corner(node) || is_level(rows, lattice, node)))
+        at[x] = 0;
+    });
+  });
+}
+
+/// The same of exact ones.
+void scale_errors(const Lattice& lattice, double unit, Threads threads, float* errors) {
+  constexpr std::size_t kPiece = 1 << 15;
+  const std::size_t n = lattice.size();
+  parallel_for((n + kPiece - 1) / kPiece, threads, 1, [&](std::size_t piece, int) {
+    for (std::size_t i = piece * kPiece; i < std::min(n, (piece + 1) * kPiece); ++i)
+      errors[i] = delaunay::to_float_above(static_cast<double>(errors[i]) * unit);
+  });
+}
+
 /// Adds what rounding may have hidden to all errors but where all corners have one height.
 template <typename T>
 void add_slack(const RasterRows<T>& rows, const Lattice& lattice, double slack, Threads threads,
                float* errors) {
-  const auto z = [&](LatticePoint node) {
-    const LatticePoint p = lattice.place(node);
-    return rows.row(p.y)[p.x];
-  };
-  const auto is_level = [&](LatticePoint node) {
-    const Diamond diamond(node);
-    const T height = z(node);
-    const auto differs = [&](LatticePoint p) { return lattice.has(p) && z(p) != height; };
-    return std::ranges::none_of(diamond.ends, differs) &&
-           std::ranges::none_of(diamond.apexes, differs);
-  };
   parallel_for(static_cast<std::size_t>(lattice.last().y) + 1, threads, 16,
                [&](std::size_t row, int) {
                  const auto y = static_cast<std::int32_t>(row);
                  for (std::int32_t x = 0; x <= lattice.last().x; ++x) {
                    if (lattice.is_corner({x, y})) continue;
                    float& error = errors[lattice.index({x, y})];
-                   if (error > 0 || !is_level({x, y}))
+                   if (error > 0 || !is_level(rows, lattice, {x, y}))
                      error = delaunay::to_float_above(static_cast<double>(error) + slack);
                  }
                });
+}
+
+/// Of all nodes.
+template <typename T>
+void set_errors(const HeightGrid& grid, const RasterRows<T>& rows, const HeightRange& range,
+                const Lattice& lattice, Threads threads, Progress& progress, float* errors) {
+  // Missing heights may be anything: then numbers are not looked for.
+  const bool may_be_whole = std::is_floating_point_v<T> && grid.is_valid.empty();
+  const double slack = 0x1p-46 * std::max(std::abs(range.lower), std::abs(range.upper));
+  if constexpr (std::is_floating_point_v<T>)
+    if (const auto whole = may_be_whole ? find_whole_heights(rows, lattice.last(), range, threads)
+                                        : std::nullopt) {
+      const RasterRows<std::uint16_t> steps{whole->samples.data(), whole->stride};
+      set_own_errors(steps, lattice, threads, progress, errors);
+      set_stretched_errors(steps, {0, whole->largest}, true, lattice, threads, errors);
+      if constexpr (std::is_same_v<T, double>)
+        if (!whole->is_exact) {
+          finish_errors(rows, lattice, 1 / whole->per_unit, slack, threads, errors);
+          return;
+        }
+      scale_errors(lattice, 1 / whole->per_unit, threads, errors);
+      return;
+    }
+  set_own_errors(rows, lattice, threads, progress, errors);
+  const bool has_exact =
+      std::is_integral_v<T> || (may_be_whole && is_exact(grid, rows, range, threads));
+  if (!has_exact) add_slack(rows, lattice, slack, threads, errors);
+  set_stretched_errors(rows, range, has_exact, lattice, threads, errors);
 }
 
 }  // namespace
@@ -148,21 +226,15 @@ Result<Bisection> Bisection::build(const HeightGrid& grid, Threads threads, Prog
   }
   made.errors_.resize(lattice.size());
   float* const errors = made.errors_.data();
-  const auto set_errors = [&]<typename T>(const HeightGrid::Samples<T>& samples) -> Result<void> {
+  const auto find_errors = [&]<typename T>(const HeightGrid::Samples<T>& samples) -> Result<void> {
     const RasterRows<T> rows{samples.data(), grid.stride};
     const HeightRange range = find_range(grid, rows, threads);
     LODE_CHECK(delaunay::check_heights(range));
-    set_own_errors(rows, lattice, threads, progress, errors);
+    set_errors(grid, rows, range, lattice, threads, progress, errors);
     if (progress.is_cancelled()) return cancelled_error();
-    const double largest = std::max(std::abs(range.lower), std::abs(range.upper));
-    // Missing heights may be anything: then it is not looked for.
-    const bool has_exact =
-        std::is_integral_v<T> || (grid.is_valid.empty() && is_exact(grid, rows, range, threads));
-    if (!has_exact) add_slack(rows, lattice, 0x1p-46 * largest, threads, errors);
-    set_stretched_errors(rows, range, has_exact, lattice, threads, errors);
     return {};
   };
-  LODE_CHECK(std::visit(set_errors, grid.heights));
+  LODE_CHECK(std::visit(find_errors, grid.heights));
   if (counts) mark_outline(*counts, lattice, threads, errors);
   if (progress.is_cancelled()) return cancelled_error();
   nest_errors(lattice, threads, errors);
