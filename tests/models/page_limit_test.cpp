@@ -12,10 +12,12 @@
 #include "lode/refine/focus.h"
 #include "tests/models/session_answers.h"
 #include "tests/models/stored_fixtures.h"
+#include "tests/oracles/trials.h"
 
 namespace lode::diamond {
 namespace {
 
+using oracles::trials;
 using store::TestPath;
 
 Volume bumpy(const Index3& dims) {
@@ -65,7 +67,7 @@ std::pair<Standing, std::size_t> settle(const Paged& paged, std::uint64_t limit)
 }
 
 TEST(page_limit, is_kept_and_the_answer_is_as_good_as_it_allows) {
-  const Paged paged(bumpy({{257, 257, 129}}));
+  const Paged paged(bumpy(trials<Index3>({{257, 257, 129}}, {{193, 193, 97}})));
   const std::uint64_t all = paged.model->n_bytes_of_all();
   double bound = std::numeric_limits<double>::infinity();
   std::size_t n_applied = 0;

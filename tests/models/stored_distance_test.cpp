@@ -79,7 +79,7 @@ std::array<std::size_t, 3> expect_near_of_file(const Volume& volume, double isov
 }
 
 TEST(stored_distance, is_kept_across_chunks) {
-  for (const double distance : {0.4, 1.0, 4.0}) {
+  for (const double distance : oracles::trials<std::vector<double>>({0.4, 1, 4}, {1})) {
     const auto [pieces, whole, full] =
         expect_near_of_file(spotted_hills(several_chunks(), 3), 120.5, {distance});
     EXPECT_LT(5 * pieces, 4 * full);
@@ -88,7 +88,8 @@ TEST(stored_distance, is_kept_across_chunks) {
 }
 
 TEST(stored_distance, is_kept_by_noise) {
-  expect_near_of_file(spotted_hills(several_chunks(), 60), 205.5, {1.2});
+  expect_near_of_file(spotted_hills(several_chunks(), oracles::trials(60.0, 40.0)),
+                      oracles::trials(205.5, 190.5), {1.2});
 }
 
 TEST(stored_distance, is_kept_between_holes) {
@@ -121,7 +122,9 @@ struct Windows {
   std::uint64_t bytes = 0;  ///< 0: single bricks.
 };
 
-/// The whole, held against full resolution as in memory, has nothing left to refine.
+/// The whole, held against full resolution as in memory, has nothing left to refine; but proofs
+/// try few of the facets near a piece, so one that a window has may not be found again. What has
+/// none is measured closely.
 void expect_near_in_windows(const Volume& volume, const Windows& windows) {
   SCOPED_TRACE(::testing::Message()
                << volume.info.grid.dims[0] << " x " << volume.info.grid.dims[1] << " within "
@@ -153,11 +156,15 @@ void expect_near_in_windows(const Volume& volume, const Windows& windows) {
   const diamond::WorldErrors no_guess(model.levels.size());
   const auto again = diamond::find_distance_cut(model, query, windows.distance, no_guess, progress);
   ASSERT_TRUE(again);
-  EXPECT_EQ(again->report.n_nodes, 0U);
+  if (again->report.n_nodes == 0) return;
+  const auto measured = measure_distance(surface, full, {windows.distance / 512, {2}}, progress);
+  ASSERT_TRUE(measured);
+  EXPECT_LE(measured->upper(), windows.distance);
 }
 
 TEST(stored_distance, is_kept_in_windows_of_any_size) {
-  const Volume volume = spotted_hills({{310, 17, 36}}, 20);
+  const Volume volume = spotted_hills(oracles::trials<Index3>({{310, 17, 36}}, {{290, 12, 33}}),
+                                      oracles::trials(20.0, 12.0));
   const bool has_all = oracles::trials(true, false);
   for (const std::uint64_t bytes : {std::uint64_t{0}, std::uint64_t{6'000'000}}) {
     if (has_all || bytes == 0) expect_near_in_windows(volume, {.distance = 1.5, .bytes = bytes});
@@ -171,7 +178,9 @@ TEST(stored_distance, is_kept_where_the_data_end_beside_a_chunk) {
   for (const std::int32_t n :
        oracles::trials<std::vector<std::int32_t>>({257, 289, 290, 298, 319, 321, 330}, {290}))
     for (const double distance : oracles::trials<std::vector<double>>({3, 60}, {60}))
-      expect_near_in_windows(spotted_hills({{n, 65, 65}}, 0), {.distance = distance});
+      expect_near_in_windows(
+          spotted_hills(oracles::trials<Index3>({{n, 65, 65}}, {{n, 40, 65}}), 0),
+          {.distance = distance});
 }
 
 /// `low` up to a step in x and 131 behind it, but for samples that a coarse cut loses.
@@ -201,7 +210,7 @@ TEST(stored_distance, is_proven_again_where_a_far_surface_moves) {
 
 /// Chunks beside each other along all axes, of a grid that is turned and has other steps.
 TEST(stored_distance, is_kept_in_windows_beside_each_other_along_all_axes) {
-  Volume volume = spotted_hills(oracles::trials<Index3>({{65, 290, 298}}, {{34, 270, 290}}), 0);
+  Volume volume = spotted_hills(oracles::trials<Index3>({{65, 290, 298}}, {{18, 262, 290}}), 0);
   volume.info.grid.spacing = {{0.7, 1.9, 1.1}};
   volume.info.grid.direction.rows = {Vec3d{{0.6, 0, -0.8}}, Vec3d{{0, 1, 0}}, Vec3d{{0.8, 0, 0.6}}};
   expect_near_in_windows(volume, {.distance = 2, .bytes = 9'000'000});
