@@ -79,7 +79,7 @@ class CellSearch {
     for (std::uint32_t left = cells; left != 0; left &= left - 1) {
       Index3 cell = first;
       cell[0] += std::countr_zero(left);
-      if (meter_.error_of(samples_, cell) > limit_) cells &= ~(left & (~left + 1));
+      if (meter_.exceeds(samples_, cell, limit_)) cells &= ~(left & (~left + 1));
     }
     return cells;
   }

@@ -6,8 +6,7 @@
 
 namespace lode::diamond {
 
-/// Measures what the query's full resolution in the style of cubes makes of a model without holes:
-/// about a microsecond a cell.
+/// Measures what the query's full resolution in the style of cubes makes of a model without holes.
 [[nodiscard]] Result<CubeDeviation> measure_cubes(const Model<3>& model,
                                                   const IsosurfaceQuery& query, Progress& progress);
 

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <utility>
 
 #include "lode/mappers/cube_cases.h"
 #include "lode/mappers/tetrahedron_cases.h"
@@ -13,6 +13,10 @@ namespace lode::diamond {
 namespace {
 
 constexpr double kRounding = 0x1p-40;
+
+/// Of each tetrahedron: the axes along which its corners follow each other from the even corner.
+constexpr std::array<std::array<std::size_t, 3>, 6> kAxes{
+    {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
 
 double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   const Vec3d along = b - a;
@@ -23,7 +27,20 @@ double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& 
   return dot(rest, rest);
 }
 
-/// Of CubeMeter's, in their order: by axes, that of the largest coordinate first.
+/// How far a point of a triangle is at most from the nearest of its corners: that of the centre of
+/// its circumcircle, or, if that is outside, of the two points of the longest side that are as far
+/// from one of its ends as from the third corner.
+double farthest_from_corners(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  double x = dot(c - b, c - b);
+  double y = dot(a - c, a - c);
+  double z = dot(b - a, b - a);
+  if (x > z) std::swap(x, z);
+  if (y > z) std::swap(y, z);
+  if (z >= x + y) return std::sqrt(z) * std::max(x / (x + z - y), y / (y + z - x));
+  return std::sqrt(x * y * z / (2 * (x * y + y * z + z * x) - (x * x + y * y + z * z)));
+}
+
+/// By kAxes: that of the largest coordinate comes first.
 std::size_t tetrahedron_of(const Piece& part) {
   Vec3d sum;
   for (std::size_t i = 0; i < part.size(); ++i) sum = sum + part[i];
@@ -80,14 +97,14 @@ void CubeMeter::add(const FieldSamples& samples, const Index3& cell) {
                  vertices_[case_->triangles[t][2]]);
 }
 
-double CubeMeter::error_of(const FieldSamples& samples, const Index3& cell) {
+bool CubeMeter::exceeds(const FieldSamples& samples, const Index3& cell, double limit) {
   open(samples, cell);
-  double error = 0;
+  if (field_.magnitude() * (1 + kRounding) <= limit) return false;
   for (std::size_t t = 0; t < case_->n_triangles; ++t)
-    error = std::max(error,
-                     error_of(vertices_[case_->triangles[t][0]], vertices_[case_->triangles[t][1]],
-                              vertices_[case_->triangles[t][2]]));
-  return error;
+    if (error_of(vertices_[case_->triangles[t][0]], vertices_[case_->triangles[t][1]],
+                 vertices_[case_->triangles[t][2]]) > limit)
+      return true;
+  return false;
 }
 
 /// In local coordinates.
@@ -103,22 +120,51 @@ Vec3d CubeMeter::vertex_on(std::size_t a, std::size_t b) const {
   return p;
 }
 
+/// What can be no more than was found is not looked at: first what is known of the cell's corners,
+/// then of the triangle's, which are on the level set.
 void CubeMeter::add_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const double most =
+      farthest_from_corners(to_world_ * a, to_world_ * b, to_world_ * c) * (1 + kRounding);
+  const bool may_be_largest = field_.magnitude() * (1 + kRounding) > deviation_.error;
+  if (!may_be_largest && most <= deviation_.distance) return;
   const double error = error_of(a, b, c);
   deviation_.error = std::max(deviation_.error, error);
-  if (error <= kRounding * field_.magnitude()) return;
-  // Its corners are on the level set, and no point of it is farther from all of them than this.
-  double longest = 0;
-  for (const Vec3d& side : {to_world_ * (b - a), to_world_ * (c - b), to_world_ * (a - c)})
-    longest = std::max(longest, length(side));
-  const double most = longest / std::numbers::sqrt3;
-  if (most <= deviation_.distance) return;
-  if (!has_level_set_) find_level_set();
+  if (error <= kRounding * field_.magnitude() || most <= deviation_.distance) return;
   Piece triangle;
   for (const Vec3d& p : {a, b, c}) triangle.add(p);
   visit_kuhn_simplices(triangle, [&](const Piece& part) {
+    if (distance_to_values(part) <= deviation_.distance) return;
     deviation_.distance = std::max(deviation_.distance, std::min(most, distance_of(part)));
   });
+}
+
+/// A bound for the points of a part of a triangle in one tetrahedron that is cheap: on the way from
+/// a point to a corner with the other sign F, which is linear, reaches the isovalue. Infinite where
+/// all corners have one sign.
+double CubeMeter::distance_to_values(const Piece& part) const {
+  const auto& axes = kAxes[tetrahedron_of(part)];
+  std::size_t highest = 0;
+  std::size_t lowest = 0;
+  std::size_t corner = 0;
+  for (const std::size_t axis : axes) {
+    corner |= std::size_t{1} << axis;
+    if (field_.at_corner(corner) > field_.at_corner(highest)) highest = corner;
+    if (field_.at_corner(corner) < field_.at_corner(lowest)) lowest = corner;
+  }
+  if (field_.at_corner(lowest) >= 0 || field_.at_corner(highest) < 0)
+    return std::numeric_limits<double>::infinity();
+  double farthest = 0;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    const double value = field_.value_at(part[i]);
+    const std::size_t other = value >= 0 ? lowest : highest;
+    const double way = std::abs(value) + std::abs(field_.at_corner(other));
+    if (!(way > 0)) continue;
+    Vec3d to_other;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      to_other[axis] = static_cast<double>(other >> axis & 1) - part[i][axis];
+    farthest = std::max(farthest, std::abs(value) / way * length(to_world_ * to_other));
+  }
+  return farthest * (1 + kRounding);
 }
 
 /// At its corners, where its edges meet the planes between tetrahedra, and where it meets the
@@ -153,14 +199,13 @@ double CubeMeter::error_of(const Vec3d& a, const Vec3d& b, const Vec3d& c) const
   return error;
 }
 
-/// What the level set is in each tetrahedron, in world coordinates from the even corner. The
-/// orders of axes follow each other as they do in dictionaries.
+/// What the level set is in each tetrahedron, in world coordinates from the even corner.
 void CubeMeter::find_level_set() {
   has_level_set_ = true;
-  std::array<std::size_t, 3> axes{0, 1, 2};
-  for (FlatPolygon& polygon : level_set_) {
+  for (std::size_t t = 0; t < level_set_.size(); ++t) {
+    FlatPolygon& polygon = level_set_[t];
     std::array<std::size_t, 4> corner{};
-    for (std::size_t i = 0; i < 3; ++i) corner[i + 1] = corner[i] | std::size_t{1} << axes[i];
+    for (std::size_t i = 0; i < 3; ++i) corner[i + 1] = corner[i] | std::size_t{1} << kAxes[t][i];
     std::size_t inside = 0;
     for (std::size_t i = 0; i < 4; ++i)
       inside |= (field_.at_corner(corner[i]) >= 0 ? std::size_t{1} : 0U) << i;
@@ -176,13 +221,13 @@ void CubeMeter::find_level_set() {
       for (const auto& [i, j] : {std::array<std::size_t, 2>{0, 2}, {0, 3}, {1, 3}, {1, 2}})
         put(i, j);
     if (polygon.n > 0) polygon.find_normal();
-    std::next_permutation(axes.begin(), axes.end());
   }
 }
 
 /// A bound for the points of a part of a triangle in one tetrahedron, as long as it matters. Most
 /// often what that one has of the level set is near enough.
-double CubeMeter::distance_of(const Piece& part) const {
+double CubeMeter::distance_of(const Piece& part) {
+  if (!has_level_set_) find_level_set();
   double best = std::numeric_limits<double>::infinity();
   const double enough = deviation_.distance * deviation_.distance;
   const std::size_t own = tetrahedron_of(part);

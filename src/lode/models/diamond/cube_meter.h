@@ -29,12 +29,11 @@ class CubeMeter {
  public:
   CubeMeter(const LatticeFrame& frame, double isovalue) : frame_(frame), isovalue_(isovalue) {}
 
-  /// About a microsecond.
   void add(const FieldSamples& samples, const Index3& cell);
   /// Of those added.
   [[nodiscard]] const CubeDeviation& deviation() const { return deviation_; }
-  /// Largest |F - isovalue| on one cell's triangles, which is not added.
-  [[nodiscard]] double error_of(const FieldSamples& samples, const Index3& cell);
+  /// Whether |F - isovalue| is above a limit on one cell's triangles, which are not added.
+  [[nodiscard]] bool exceeds(const FieldSamples& samples, const Index3& cell, double limit);
 
  private:
   /// A convex polygon in a plane, of three or four corners, or none.
@@ -52,7 +51,8 @@ class CubeMeter {
   void add_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c);
   [[nodiscard]] double error_of(const Vec3d& a, const Vec3d& b, const Vec3d& c) const;
   void find_level_set();
-  [[nodiscard]] double distance_of(const Piece& part) const;
+  [[nodiscard]] double distance_to_values(const Piece& part) const;
+  [[nodiscard]] double distance_of(const Piece& part);
   [[nodiscard]] static double squared_distance(const Vec3d& p, const FlatPolygon& polygon);
 
   LatticeFrame frame_;
