@@ -11,6 +11,7 @@
 #include "lode/mappers/self_intersections.h"
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/cell_field.h"
+#include "lode/models/diamond/cube_meter.h"
 #include "lode/models/diamond/level_set_check.h"
 #include "tests/models/all_targets.h"
 #include "tests/oracles/random.h"
@@ -295,6 +296,38 @@ TEST(cube_style, measures_how_far_it_is_from_the_level_set) {
     EXPECT_LE(farthest, report->style_distance + kSpacing / 2);
     EXPECT_GE(farthest, report->style_distance / 3);
     EXPECT_LT(report->style_distance, length(grid.spacing));
+  }
+}
+
+/// Of two cells beside each other, which share no sample, at x = 500.
+double distance_of_cells(const std::array<std::array<float, 8>, 2>& cells, double isovalue,
+                         bool is_second_first) {
+  RegularGrid grid;
+  grid.dims = {{4, 2, 2}};
+  const Volume volume = oracles::volume_of<float>(grid, [&](const Index3& p) {
+    const auto& cell = cells[static_cast<std::size_t>(p[0] / 2)];
+    return static_cast<double>(cell[static_cast<std::size_t>(p[0] % 2 + 2 * p[1] + 4 * p[2])]);
+  });
+  RegularGrid far;
+  far.dims = {{16, 16, 16}};
+  far.origin = {{500, 0, 0}};
+  diamond::CubeMeter meter(LatticeFrame::of(far), isovalue);
+  const diamond::VolumeSamples samples(volume);
+  for (const std::int32_t x : is_second_first ? std::array{2, 0} : std::array{0, 2})
+    meter.add(samples, {{x, 0, 0}});
+  return meter.deviation().distance;
+}
+
+TEST(cube_style, is_as_far_from_the_level_set_whatever_cell_is_measured_first) {
+  const std::array<std::array<float, 8>, 2> known{
+      {{9, 12, 14, 3, 10, 1, 13, 1}, {15, 4, 7, 8, 12, 8, 0, 3}}};
+  EXPECT_EQ(distance_of_cells(known, 8, false), distance_of_cells(known, 8, true));
+  std::mt19937 random(6);
+  for (int i = 0; i < 5000; ++i) {
+    std::array<std::array<float, 8>, 2> cells;
+    for (auto& cell : cells)
+      for (float& value : cell) value = static_cast<float>(random() % 5);
+    ASSERT_EQ(distance_of_cells(cells, 2, false), distance_of_cells(cells, 2, true)) << i;
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "lode/mappers/surface_topology.h"
+#include "lode/models/diamond/file_extract.h"
 #include "tests/models/stored_extract.h"
 #include "tests/models/stored_fixtures.h"
 #include "tests/models/volume_files.h"
@@ -80,12 +81,48 @@ TEST(stored_cubes, are_those_of_memory) {
     }
 }
 
-TEST(stored_cubes, of_several_isovalues_come_side_by_side) {
+TEST(stored_cubes, of_several_isovalues_come_one_after_the_other) {
   const TestPath path("several_cubes.lode");
   const std::string lode =
       stored(path, noisy_cubes({{1100, 18, 14}}, ScalarType::uint8, test::Holes::some));
-  for (const double max_error : {0.0, 3.0})
-    expect_as_in_memory(lode, cubes_within(max_error, {120.5, 95.5, 110.5}));
+  expect_as_in_memory(lode, cubes_within(3, {120.5, 95.5, 110.5}));
+}
+
+/// In one pass; one of them is not wanted at all, one no more after its first piece.
+TEST(stored_cubes, of_several_isovalues_come_side_by_side) {
+  const TestPath path("one_pass.lode");
+  const std::string lode =
+      stored(path, noisy_cubes({{1100, 18, 14}}, ScalarType::uint8, test::Holes::some));
+  const std::vector<double> isovalues{90.5, 100.5, 110.5, 120.5};
+  const auto reader = store::Reader::open(lode);
+  ASSERT_TRUE(reader);
+  const auto field = diamond::load_coarse<3>(*reader, *diamond::read_metadata(*reader), {2});
+  ASSERT_TRUE(field);
+  store::BlockCache blocks(*reader, 1'000'000);
+  std::array<Surface, 4> surfaces;
+  std::vector<SurfaceCollector> sinks(surfaces.begin(), surfaces.end());
+  const auto sink_of = [&](std::size_t i) -> SurfaceSink* {
+    if (i == 1 || (i == 2 && !surfaces[2].triangles.empty())) return nullptr;
+    return &sinks[i];
+  };
+  Progress progress;
+  const auto report = diamond::extract_from_file<3>(
+      *field, blocks, diamond::IsovalueList::of(isovalues),
+      {.tolerance = 3, .style = SurfaceStyle::cubes, .with_deviation = true, .threads = {2}},
+      sink_of, progress);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_LE(report->deviation.error, 3);
+  for (const std::size_t i : {0U, 2U, 3U}) {
+    StoredExtract alone;
+    test::extract_stored(lode, cubes_within(3, {isovalues[i]}), false, alone);
+    if (i != 2)
+      EXPECT_TRUE(oracles::sorted_triangles(surfaces[i]) ==
+                  oracles::sorted_triangles(alone.surface));
+    else
+      EXPECT_LT(surfaces[i].triangles.size(), alone.surface.triangles.size());
+    EXPECT_LE(alone.report.style_error, 3);
+  }
+  EXPECT_TRUE(surfaces[1].is_empty());
 }
 
 TEST(stored_cubes, are_the_same_for_any_threads) {

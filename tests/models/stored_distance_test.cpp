@@ -157,6 +157,7 @@ void expect_near_in_windows(const Volume& volume, const Windows& windows) {
   const auto again = diamond::find_distance_cut(model, query, windows.distance, no_guess, progress);
   ASSERT_TRUE(again);
   if (again->report.n_nodes == 0) return;
+  EXPECT_LE(again->report.n_nodes * 100, cut->report.n_nodes);
   const auto measured = measure_distance(surface, full, {windows.distance / 512, {2}}, progress);
   ASSERT_TRUE(measured);
   EXPECT_LE(measured->upper(), windows.distance);

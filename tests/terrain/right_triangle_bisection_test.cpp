@@ -1,6 +1,8 @@
 // Right triangles bisected over rasters of any size, with and without gaps in their heights.
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 
 #include "lode/mappers/tin_gaps.h"
 #include "lode/models/terrain/right_triangle_bisection/extract.h"
@@ -185,6 +187,44 @@ TEST(right_triangle_bisection, errors_of_whole_numbers_are_exact) {
         if (made.lattice().has(child))
           error = std::max(error, static_cast<long double>(made.error(child)));
     EXPECT_FLOAT_EQ(made.error(diamond.node), static_cast<float>(error));
+  }
+}
+
+TEST(right_triangle_bisection, nodes_are_found_again_by_where_their_errors_are) {
+  for (const auto& [n_columns, n_rows] :
+       {std::pair{2, 2}, {601, 40}, {100, 100}, {64, 65}, {7, 300}, {513, 66}}) {
+    const Lattice lattice(n_columns, n_rows);
+    std::set<std::size_t> used;
+    for (const Diamond& diamond : diamonds_of(lattice)) {
+      const std::size_t i = lattice.index(diamond.node);
+      ASSERT_LT(i, lattice.size());
+      ASSERT_TRUE(used.insert(i).second);
+      const auto stride = static_cast<std::size_t>(lattice.stride());
+      ASSERT_EQ(lattice.node_at(static_cast<std::int32_t>(i % stride),
+                                static_cast<std::int32_t>(i / stride)),
+                diamond.node);
+    }
+  }
+}
+
+/// Which levels are is asked of nodes beyond the raster, too: one sample that is no tenth takes all
+/// others to the other way of finding errors.
+TEST(right_triangle_bisection, level_parts_have_no_errors_whatever_the_steps) {
+  for (const auto& [n_columns, n_rows] : {std::pair{100, 100}, {601, 40}, {70, 64}}) {
+    const auto tenths = [&](int x, int y) {
+      return 2 * x > n_columns || 2 * y > n_rows ? 71.3 : std::round(7 * hills(x, y)) / 10;
+    };
+    HeightGrid grid = make_grid<double>(n_columns, n_rows, tenths);
+    const Bisection made = build(grid);
+    std::get<HeightGrid::Samples<double>>(grid.heights)[0] += 0.01234567;
+    const Bisection expected = build(grid);
+    const auto n_level = [&](const Bisection& bisection) {
+      return std::ranges::count_if(diamonds_of(bisection.lattice()), [&](const Diamond& diamond) {
+        return bisection.error(diamond.node) == 0;
+      });
+    };
+    EXPECT_GT(n_level(expected), n_columns * n_rows / 2);
+    EXPECT_EQ(n_level(made), n_level(expected));
   }
 }
 

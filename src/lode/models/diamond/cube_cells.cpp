@@ -54,7 +54,9 @@ class CellSearch {
   void run(const CutBrick<3>& brick, const Put& put) {
     samples_.open(brick.brick);
     const bool is_known = nodes_.open(samples_.brick(), brick.simplices);
-    if (is_known && !nodes_.is_met()) return;
+    // Of a file's bricks not all samples are there where no cell is crossed: no node as fine as
+    // cells is refined in these.
+    if (is_known && (!nodes_.is_met() || nodes_.finest() > 0)) return;
     visit_rows(samples_, [&](const Index<3>& first) {
       if (!is_known) {
         put(first, std::uint32_t{0}, ~std::uint32_t{0});
@@ -70,7 +72,6 @@ class CellSearch {
 
  private:
   [[nodiscard]] std::uint32_t whole_cells(std::size_t y, std::size_t z) const {
-    if (nodes_.finest() > 0) return 0;
     const auto axes = nodes_.simplices_along(y, z);
     return static_cast<std::uint32_t>(axes[0] & axes[1] & axes[2]);
   }
@@ -109,7 +110,12 @@ std::vector<std::unique_ptr<Worker>> for_each_brick(std::span<const CutBrick<3>>
 CubeCells::CubeCells(const Shape<3>& shape) {
   for (std::size_t i = 0; i < 3; ++i) n_cells_[i] = shape.dims[i] - 1;
   n_words_ = as_size(brick_counts<3>(shape)[0]);
-  cubes_.resize(n_words_ * as_size(n_cells_[1]) * as_size(n_cells_[2]));
+}
+
+CubeCells CubeCells::all(const Shape<3>& shape) {
+  CubeCells result(shape);
+  result.are_all_ = true;
+  return result;
 }
 
 bool CubeCells::are_all(bool has_holes, double limit) { return !has_holes && std::isinf(limit); }
@@ -118,6 +124,7 @@ Result<CubeCells> CubeCells::find(const Selection<3>& selection,
                                   std::span<const CutBrick<3>> bricks, const LatticeFrame& frame,
                                   double limit, Threads threads, Progress& progress) {
   CubeCells result(selection.model().shape);
+  result.cubes_.resize(result.n_words_ * as_size(result.n_cells_[1]) * as_size(result.n_cells_[2]));
   result.are_all_ = are_all(selection.model().has_holes(), limit);
   std::vector<std::uint32_t> others(result.cubes_.size());
   for_each_brick<CellSearch>(

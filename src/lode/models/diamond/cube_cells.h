@@ -19,6 +19,8 @@ class CubeCells {
  public:
   /// None.
   CubeCells() = default;
+  /// All cells, which measure() does not know of.
+  [[nodiscard]] static CubeCells all(const Shape<3>& shape);
   /// Of bricks of the selection's lattice; what lies round them counts as none, but where all cells
   /// are cubes. `limit`: of |F - isovalue|, field units; may be infinite.
   [[nodiscard]] static Result<CubeCells> find(const Selection<3>& selection,
@@ -37,6 +39,8 @@ class CubeCells {
       if (cell[i] < 0 || cell[i] >= n_cells_[i]) return false;
     return are_all_ || (cubes_[word_of(cell)] >> (cell[0] & 31) & 1) != 0;
   }
+  /// Twice that while they are found.
+  [[nodiscard]] std::uint64_t n_bytes() const { return cubes_.size() * sizeof(std::uint32_t); }
   /// Of the triangles of those in some of the bricks.
   [[nodiscard]] CubeDeviation measure(const Selection<3>& selection,
                                       std::span<const CutBrick<3>> bricks,

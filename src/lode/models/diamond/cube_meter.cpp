@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <numbers>
 
 #include "lode/mappers/cube_cases.h"
 #include "lode/mappers/tetrahedron_cases.h"
@@ -31,13 +31,16 @@ double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& 
 /// its circumcircle, or, if that is outside, of the two points of the longest side that are as far
 /// from one of its ends as from the third corner.
 double farthest_from_corners(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  double x = dot(c - b, c - b);
-  double y = dot(a - c, a - c);
-  double z = dot(b - a, b - a);
-  if (x > z) std::swap(x, z);
-  if (y > z) std::swap(y, z);
-  if (z >= x + y) return std::sqrt(z) * std::max(x / (x + z - y), y / (y + z - x));
-  return std::sqrt(x * y * z / (2 * (x * y + y * z + z * x) - (x * x + y * y + z * z)));
+  std::array<double, 3> squares{dot(c - b, c - b), dot(a - c, a - c), dot(b - a, b - a)};
+  std::ranges::sort(squares);
+  const double longest = squares[2];
+  const double x = squares[0] / longest;
+  const double y = squares[1] / longest;
+  // Needles too: no difference of large numbers is small but 1 - y, which is at most x.
+  const double square = x + y <= 1 ? std::max(x / (x + 1 - y), y / (y + 1 - x))
+                                   : std::sqrt(y / (2 * (y + 1) - x - (1 - y) * (1 - y) / x));
+  constexpr double kMost = 1 / std::numbers::sqrt3;  // of one with three equal sides
+  return std::sqrt(longest) * (square <= kMost ? square : kMost);
 }
 
 /// By kAxes: that of the largest coordinate comes first.
@@ -132,9 +135,11 @@ void CubeMeter::add_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   if (error <= kRounding * field_.magnitude() || most <= deviation_.distance) return;
   Piece triangle;
   for (const Vec3d& p : {a, b, c}) triangle.add(p);
+  // The least of all bounds, so that what is skipped changes nothing.
   visit_kuhn_simplices(triangle, [&](const Piece& part) {
-    if (distance_to_values(part) <= deviation_.distance) return;
-    deviation_.distance = std::max(deviation_.distance, std::min(most, distance_of(part)));
+    const double bound = std::min(most, distance_to_values(part));
+    if (bound <= deviation_.distance) return;
+    deviation_.distance = std::max(deviation_.distance, std::min(bound, distance_of(part)));
   });
 }
 

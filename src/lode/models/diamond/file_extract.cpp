@@ -157,11 +157,17 @@ class FileExtraction {
       if (needs_round())
         for (const std::size_t i : work_.round(begin))
           bricks.push_back(work_.local(i, part_.origin()));
+      const bool are_all = CubeCells::are_all(field_.has_holes(), query_.style_limit());
       for (std::size_t i = 0; i < selections.size(); ++i) {
         cubes.emplace_back();
         if (sink_of_(i) == nullptr) continue;
+        if (are_all && !query_.with_deviation) {
+          cubes.back() = CubeCells::all(part_.model().shape);
+          continue;
+        }
         LODE_TRY(cubes.back(), CubeCells::find(selections[i], bricks, frame_, query_.style_limit(),
                                                query_.threads, progress));
+        cube_bytes_ = std::max(cube_bytes_, 2 * cubes.back().n_bytes());
         if (!query_.with_deviation) continue;
         const Stopwatch watch;
         deviation_.join(cubes.back().measure(selections[i], std::span(bricks).first(end - begin),
@@ -210,7 +216,7 @@ class FileExtraction {
                     std::size_t first) {
     const Stopwatch watch;
     largest_[isovalue].add(parts);
-    part_bytes_ = std::max(part_bytes_, bytes_of(parts));
+    part_bytes_ = std::max(part_bytes_, bytes_of(parts) + cube_bytes_);
     const auto candidates = [&](LatticeKey key, std::vector<std::uint32_t>& out) {
       work_.parts().candidates(key, out);
       std::erase_if(out, [&](std::uint32_t part) { return part < first; });
@@ -274,6 +280,7 @@ class FileExtraction {
   std::vector<std::uint64_t> surface_bytes_;  ///< Likewise.
   std::uint64_t part_bytes_ = 0;              ///< The most that one's parts of a chunk take.
   CubeDeviation deviation_;
+  std::uint64_t cube_bytes_ = 0;  ///< The most that one's bits of a chunk take.
   double joining_seconds_ = 0;
   double measuring_seconds_ = 0;
 };

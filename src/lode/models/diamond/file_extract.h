@@ -22,8 +22,9 @@ using SeePart = std::function<void(FilePart<D>&)>;
 /// vertex, as from memory with a tolerance above 0; sinks take each chunk's pieces. `query`: its
 /// isovalue does not count; nodes are wanted of all isovalues. Where there are holes, all samples
 /// of such bricks are read, and of coarser simplices one cell's, as only they tell what is removed.
-/// In memory are `field`, one chunk and all surfaces' pieces of it, vertices that later chunks
-/// share, and what `blocks` keeps.
+/// Cubes within a tolerance, or beside holes, depend on the bricks round a chunk, which are loaded
+/// with it then. In memory are `field`, one chunk and all surfaces' pieces of it, vertices that
+/// later chunks share, and what `blocks` keeps.
 template <int D>
 [[nodiscard]] Result<IsosurfaceReport> extract_from_file(
     const CoarseField<D>& field, store::BlockCache& blocks, const IsovalueList& isovalues,

@@ -28,7 +28,8 @@ class Bisection {
  public:
   /// Fails where no cell has four heights, on heights beyond 1e30, on rasters whose columns and
   /// rows need more than 32 bits together, and when cancelled. The same for any number of threads.
-  /// Memory: 4 bytes a sample, and where heights are missing 5 more while it is built.
+  /// Memory: 4 bytes a sample; while it is built 5 more where heights are missing, and 2 where
+  /// those in floating point are whole numbers.
   [[nodiscard]] static Result<Bisection> build(const HeightGrid& grid, Threads threads,
                                                Progress& progress);
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "lode/core/lattice_point.h"
 
@@ -66,7 +67,7 @@ class Lattice {
     return static_cast<std::size_t>(std::int64_t{folded(node.y, last_.y)} * stride_ +
                                     folded(node.x, last_.x));
   }
-  /// The node whose error is there; may be none.
+  /// The node whose error index() puts there; none of the lattice if there is none.
   [[nodiscard]] LatticePoint node_at(std::int32_t column, std::int32_t row) const {
     return {unfolded(column, last_.x), unfolded(row, last_.y)};
   }
@@ -79,8 +80,15 @@ class Lattice {
   static std::int32_t folded(std::int32_t i, std::int32_t last) {
     return i <= last ? i : last + 1 + std::countr_zero(static_cast<std::uint32_t>(i));
   }
+  /// Beyond the last one diamonds reach back from the first multiple of a power of two, unless that
+  /// is one of twice that power.
   static std::int32_t unfolded(std::int32_t at, std::int32_t last) {
-    return at <= last ? at : std::int32_t{1} << std::min(at - last - 1, 30);
+    if (at <= last) return at;
+    constexpr std::int32_t kNone = std::numeric_limits<std::int32_t>::max();
+    const int k = at - last - 1;
+    if (k > 30 || ((last >> k) & 1) != 0) return kNone;
+    const std::int64_t node = ((std::int64_t{last} >> k) + 1) << k;
+    return node < kNone ? static_cast<std::int32_t>(node) : kNone;
   }
 
   LatticePoint last_;

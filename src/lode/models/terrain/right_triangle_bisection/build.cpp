@@ -182,16 +182,18 @@ void set_errors(const HeightGrid& grid, const RasterRows<T>& rows, const HeightR
                                         : std::nullopt) {
       const RasterRows<std::uint16_t> steps{whole->samples.data(), whole->stride};
       set_own_errors(steps, lattice, threads, progress, errors);
+      if (progress.is_cancelled()) return;
       set_stretched_errors(steps, {0, whole->largest}, true, lattice, threads, errors);
       if constexpr (std::is_same_v<T, double>)
         if (!whole->is_exact) {
           finish_errors(rows, lattice, 1 / whole->per_unit, slack, threads, errors);
           return;
         }
-      scale_errors(lattice, 1 / whole->per_unit, threads, errors);
+      if (whole->per_unit != 1) scale_errors(lattice, 1 / whole->per_unit, threads, errors);
       return;
     }
   set_own_errors(rows, lattice, threads, progress, errors);
+  if (progress.is_cancelled()) return;
   const bool has_exact =
       std::is_integral_v<T> || (may_be_whole && is_exact(grid, rows, range, threads));
   if (!has_exact) add_slack(rows, lattice, slack, threads, errors);
