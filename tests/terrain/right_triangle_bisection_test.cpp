@@ -210,11 +210,11 @@ TEST(right_triangle_bisection, nodes_are_found_again_by_where_their_errors_are) 
 /// Which levels are is asked of nodes beyond the raster, too: one sample that is no tenth takes all
 /// others to the other way of finding errors.
 TEST(right_triangle_bisection, level_parts_have_no_errors_whatever_the_steps) {
-  for (const auto& [n_columns, n_rows] : {std::pair{100, 100}, {601, 40}, {70, 64}}) {
+  for (const LatticePoint size : {LatticePoint{100, 100}, {601, 40}, {70, 64}}) {
     const auto tenths = [&](int x, int y) {
-      return 2 * x > n_columns || 2 * y > n_rows ? 71.3 : std::round(7 * hills(x, y)) / 10;
+      return 2 * x > size.x || 2 * y > size.y ? 71.3 : std::round(7 * hills(x, y)) / 10;
     };
-    HeightGrid grid = make_grid<double>(n_columns, n_rows, tenths);
+    HeightGrid grid = make_grid<double>(size.x, size.y, tenths);
     const Bisection made = build(grid);
     std::get<HeightGrid::Samples<double>>(grid.heights)[0] += 0.01234567;
     const Bisection expected = build(grid);
@@ -223,7 +223,7 @@ TEST(right_triangle_bisection, level_parts_have_no_errors_whatever_the_steps) {
         return bisection.error(diamond.node) == 0;
       });
     };
-    EXPECT_GT(n_level(expected), n_columns * n_rows / 2);
+    EXPECT_GT(n_level(expected), size.x * size.y / 2);
     EXPECT_EQ(n_level(made), n_level(expected));
   }
 }
