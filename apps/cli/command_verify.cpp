@@ -188,8 +188,11 @@ Command add_verify_command(CLI::App& program) {
   CLI::App* app =
       program.add_subcommand("verify", "Check a .lode file, a mesh's hierarchy, or a surface");
   app->footer(
-      "Reads and checks every byte of FILE; --against recomputes its errors from the original\n"
-      "data; --surface checks a surface, given the options it was extracted with.\n"
+      "Reads and checks every byte of FILE, and finds errors anew from its samples; --against\n"
+      "compares these with the original data, and recomputes errors by their definition (16 "
+      "million\n"
+      "samples take minutes); --surface checks a surface, given the options it was extracted "
+      "with.\n"
       "Of meshes of tetrahedra, or .lode files made from them: nodes and their order, random "
       "cuts,\n"
       "and all stated errors and ranges; --against compares every vertex, value and cell.\n\n"

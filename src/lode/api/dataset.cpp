@@ -1,5 +1,7 @@
 #include "lode/api/dataset.h"
 
+#include <algorithm>
+#include <iterator>
 #include <new>
 
 #include "lode/api/dataset_impl.h"
@@ -207,13 +209,18 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
 Result<VerifyReport> verify_file(const std::string& path, Threads threads, Progress& progress) try {
   LODE_TRY(VerifyReport report, verify_every_byte(path, threads, progress));
   LODE_TRY(const auto reader, store::Reader::open(path));
-  // Loading compares what blocks hold with what the metadata say of them.
   LODE_TRY(const auto dataset, Dataset::open(path, threads));
-  LODE_CHECK(dataset.load(progress));
+  VerifyReport attributes;
+  if (dataset.impl().is_flat())
+    LODE_CHECK(verify_attributes<2>(reader, threads, progress, attributes));
+  else
+    LODE_CHECK(verify_attributes<3>(reader, threads, progress, attributes));
+  // Loading compares what blocks hold with what the metadata say of them.
   report.checks.push_back({.name = "blocks and metadata agree",
                            .count = reader.blocks().size(),
                            .passed = true,
                            .detail = "range, holes, errors, samples beyond the data"});
+  std::ranges::move(attributes.checks, std::back_inserter(report.checks));
   return report;
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the file", path);

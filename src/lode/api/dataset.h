@@ -276,8 +276,9 @@ class Dataset {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Reads every byte of a .lode file and checks it, then loads it, which checks what blocks and
-/// metadata say of each other.
+/// Reads every byte of a .lode file and checks it, loads it, which checks what blocks and metadata
+/// say of each other, and finds errors and ranges anew from its samples: those stored are to be the
+/// same.
 [[nodiscard]] Result<VerifyReport> verify_file(const std::string& path, Threads threads,
                                                Progress& progress);
 

@@ -33,6 +33,8 @@ class Dataset::Impl {
   /// Of the file; none for a model that was built.
   [[nodiscard]] const std::optional<diamond::StoredBytes>& stored() const { return stored_; }
 
+  /// Of the file; empty for a model that was built.
+  [[nodiscard]] std::string path() const { return reader_ ? reader_->path() : std::string(); }
   /// Of the file so far.
   [[nodiscard]] store::ReadCounts reads() const {
     return reader_ ? reader_->reads() : store::ReadCounts();

@@ -148,6 +148,16 @@ void add_full_resolution(ExtractReport& report) {
   if (report.distance && report.max_error == 0) report.distance->full_triangles = report.triangles;
 }
 
+/// Errors of files are believed as far as they go: one of what was not refined tells where they are
+/// not nested.
+Result<void> check_within(const Dataset::Impl& impl, const ExtractReport& report) {
+  if (report.achieved_error <= report.max_error) return {};
+  return fail(
+      "{}: expected errors that cover those of finer nodes, got {} below one within the max_error "
+      "of {}: they are not those of the samples, as verifying the file tells",
+      impl.path(), report.achieved_error, report.max_error);
+}
+
 /// What has been read of the file since then.
 void add_reads(const store::ReadCounts& before, const Dataset::Impl& impl, ExtractReport& report) {
   const store::ReadCounts now = impl.reads();
@@ -230,6 +240,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
     report.max_error = tolerance;
     LODE_CHECK(finish_surface(*impl_, field, options, surface, report, progress));
   }
+  LODE_CHECK(check_within(*impl_, report));
   report.seconds.total = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
@@ -252,6 +263,7 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, SurfaceSin
   if (plan.chunks != nullptr && is_edited_by_piece(options, impl_->info().grid, report.max_error)) {
     const store::ReadCounts before = impl_->reads();
     LODE_CHECK(stream_chunks(*plan.chunks, options, surface, report, progress));
+    LODE_CHECK(check_within(*impl_, report));
     add_full_resolution(report);
     add_reads(before, *impl_, report);
   } else {

@@ -2,10 +2,14 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <atomic>
+#include <utility>
 
 #include "lode/models/diamond/attribute_check.h"
+#include "lode/models/diamond/build.h"
 #include "lode/models/diamond/model_samples.h"
+#include "lode/models/diamond/persist.h"
 
 namespace lode {
 namespace {
@@ -89,7 +93,74 @@ void add_finding(VerifyReport& report, std::string name, const diamond::Attribut
       finding.n_wrong == 0 ? "" : fmt::format("{} wrong; {}", finding.n_wrong, finding.worst));
 }
 
+/// Of a level's nodes those whose attributes are not what they should be, by what is_equal(its
+/// place among these) says; describe(place): what is wrong.
+template <int D, typename IsEqual, typename Describe>
+void compare_nodes(const diamond::Shape<D>& shape, int level, const IsEqual& is_equal,
+                   const Describe& describe, diamond::AttributeFinding& finding) {
+  const diamond::Index<D> dims = shape.grid_dims(level);
+  for (std::size_t at = 0; at < diamond::n_points<D>(dims); ++at) {
+    const diamond::Index<D> q = diamond::point_of<D>(dims, at);
+    if (std::ranges::none_of(q.v, [](std::int32_t x) { return (x & 1) != 0; })) continue;
+    ++finding.n_checked;
+    if (is_equal(at)) continue;
+    if (finding.n_wrong++ == 0)
+      finding.worst = fmt::format("first: level {}, node {} of its grid: {}", level,
+                                  fmt::join(q.v, " "), describe(at));
+  }
+}
+
+template <int D>
+void compare_levels(const Model<D>& found, const std::vector<diamond::NodeLevel>& stored,
+                    diamond::AttributeFinding& finding) {
+  for (std::size_t l = 1; l < stored.size(); ++l) {  // those of level 0 are not stored
+    const diamond::NodeLevel& ours = found.levels[l];
+    const diamond::NodeLevel& theirs = stored[l];
+    compare_nodes<D>(
+        found.shape, static_cast<int>(l),
+        [&](std::size_t at) {
+          return ours.error[at] == theirs.error[at] && ours.low[at] == theirs.low[at] &&
+                 ours.high[at] == theirs.high[at];
+        },
+        [&](std::size_t at) {
+          return fmt::format("error {}, range {} to {}; of the samples {}, {} to {}",
+                             diamond::decode_error(theirs.error[at]), theirs.low[at],
+                             theirs.high[at], diamond::decode_error(ours.error[at]), ours.low[at],
+                             ours.high[at]);
+        },
+        finding);
+  }
+}
+
 }  // namespace
+
+template <int D>
+Result<void> verify_attributes(const store::Reader& reader, Threads threads, Progress& progress,
+                               VerifyReport& report) {
+  LODE_TRY(Model<D> model, diamond::load<D>(reader, threads, progress));
+  const std::vector<diamond::NodeLevel> stored = std::move(model.levels);
+  const diamond::WorldErrors worlds = std::move(model.worlds);
+  LODE_CHECK(diamond::build_attributes<D>(model, !worlds.empty(), threads, progress));
+  diamond::AttributeFinding levels;
+  compare_levels<D>(model, stored, levels);
+  add_finding(report, "errors and ranges are the samples'", levels);
+  if (worlds.empty()) return {};
+  diamond::AttributeFinding finding;
+  for (std::size_t l = 1; l < worlds.size(); ++l)
+    compare_nodes<D>(
+        model.shape, static_cast<int>(l),
+        [&](std::size_t at) { return worlds[l][at] == model.worlds[l][at]; },
+        [&](std::size_t at) {
+          return fmt::format("{} edges; of the samples {}", diamond::decode_world(worlds[l][at]),
+                             diamond::decode_world(model.worlds[l][at]));
+        },
+        finding);
+  add_finding(report, "world errors are the samples'", finding);
+  return {};
+}
+
+template Result<void> verify_attributes<2>(const store::Reader&, Threads, Progress&, VerifyReport&);
+template Result<void> verify_attributes<3>(const store::Reader&, Threads, Progress&, VerifyReport&);
 
 template <int D>
 Result<VerifyReport> verify_model_against(const Model<D>& model, VolumeSource& original,

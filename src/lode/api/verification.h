@@ -2,6 +2,7 @@
 
 #include "lode/api/dataset.h"
 #include "lode/models/diamond/model.h"
+#include "lode/store/reader.h"
 
 namespace lode {
 
@@ -11,6 +12,12 @@ template <int D>
 [[nodiscard]] Result<VerifyReport> verify_model_against(const diamond::Model<D>& model,
                                                         VolumeSource& original, Threads threads,
                                                         Progress& progress);
+
+/// Loads a file's model, finds errors, ranges and, where it has them, world errors anew from its
+/// samples, as a build does, and compares: a file must not claim smaller errors than it has.
+template <int D>
+[[nodiscard]] Result<void> verify_attributes(const store::Reader& reader, Threads threads,
+                                             Progress& progress, VerifyReport& report);
 
 /// What a query makes.
 struct ExpectedSurface {
