@@ -145,7 +145,7 @@ class FileExtraction {
     return pieces;
   }
 
-  /// Of each isovalue that is wanted, in the style of cubes, and measures them.
+  /// In the style of cubes, of each isovalue that is wanted.
   Result<std::vector<CubeCells>> find_cubes(std::span<const Selection<D>> selections,
                                             std::size_t begin, std::size_t end,
                                             Progress& progress) {
@@ -157,24 +157,27 @@ class FileExtraction {
       if (needs_round())
         for (const std::size_t i : work_.round(begin))
           bricks.push_back(work_.local(i, part_.origin()));
-      const bool are_all = CubeCells::are_all(field_.has_holes(), query_.style_limit());
       for (std::size_t i = 0; i < selections.size(); ++i) {
         cubes.emplace_back();
         if (sink_of_(i) == nullptr) continue;
-        if (are_all && !query_.with_deviation) {
-          cubes.back() = CubeCells::all(part_.model().shape);
-          continue;
-        }
-        LODE_TRY(cubes.back(), CubeCells::find(selections[i], bricks, frame_, query_.style_limit(),
-                                               query_.threads, progress));
-        cube_bytes_ = std::max(cube_bytes_, 2 * cubes.back().n_bytes());
-        if (!query_.with_deviation) continue;
-        const Stopwatch watch;
-        deviation_.join(cubes.back().measure(selections[i], std::span(bricks).first(end - begin),
-                                             frame_, query_.threads));
-        measuring_seconds_ += watch.seconds();
+        LODE_TRY(cubes.back(), cubes_of(selections[i], bricks, end - begin, progress));
       }
     }
+    return cubes;
+  }
+  /// Those in the first bricks are measured, where that is asked for.
+  Result<CubeCells> cubes_of(const Selection<3>& selection, std::span<const CutBrick<3>> bricks,
+                             std::size_t n_own, Progress& progress) {
+    const double limit = query_.style_limit();
+    if (!query_.with_deviation && CubeCells::are_all(field_.has_holes(), limit))
+      return CubeCells::all(part_.model().shape);
+    LODE_TRY(CubeCells cubes,
+             CubeCells::find(selection, bricks, frame_, limit, query_.threads, progress));
+    cube_bytes_ = std::max(cube_bytes_, 2 * cubes.n_bytes());
+    if (!query_.with_deviation) return cubes;
+    const Stopwatch watch;
+    deviation_.join(cubes.measure(selection, bricks.first(n_own), frame_, query_.threads));
+    measuring_seconds_ += watch.seconds();
     return cubes;
   }
 
