@@ -33,10 +33,11 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
   LODE_CHECK(apply_simplify_options(arguments.simplify, options));
   if (!arguments.memory_limit.empty()) {
-    if (!options.max_distance)
+    const bool is_of_file = arguments.surface.empty() && arguments.original.empty();
+    if (!options.max_distance && !is_of_file)
       return fail(
-          "--memory-limit: expected --max-distance with it, without --simplify: only its surface "
-          "depends on it");
+          "--memory-limit: expected --max-distance with it, without --simplify, or FILE alone: no "
+          "other surface depends on it");
     LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
   return options;
@@ -156,6 +157,7 @@ Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& repo
 Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   const Stopwatch watch;
   VerifyReport report;
+  const bool needs_model = !arguments.original.empty() || !arguments.surface.empty();
   const bool is_of_tiles = holds_tiles(arguments.input);
   const bool is_terrain = is_of_tiles || holds_terrain(arguments.input);
   const bool is_tetra = !is_terrain && holds_cells(arguments.input);
@@ -166,9 +168,10 @@ Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   } else if (is_tetra) {
     LODE_TRY(report, verify_tetra(tetra_job(arguments), session));
   } else if (is_lode_path(arguments.input)) {
-    LODE_TRY(report, verify_file(arguments.input, session.threads(), session.progress()));
+    LODE_TRY(const ExtractOptions options, options_of(arguments));
+    const std::uint64_t limit = needs_model ? 0 : options.memory_limit;
+    LODE_TRY(report, verify_file(arguments.input, session.threads(), session.progress(), limit));
   }
-  const bool needs_model = !arguments.original.empty() || !arguments.surface.empty();
   if (!is_tetra && !is_terrain && needs_model && report.passed())
     LODE_CHECK(verify_model(arguments, session, report));
   for (const VerifyReport::Check& check : report.checks) {
@@ -227,9 +230,12 @@ Command add_verify_command(CLI::App& program) {
                   "Distance that it was extracted within, world units: measured, from full "
                   "resolution and back; with --simplify from the surface before and back")
       ->type_name("D");
-  app->add_option("--memory-limit", arguments->memory_limit,
-                  "As given to extract: within --max-distance a file larger than that has other "
-                  "triangles. Verifying takes the whole model all the same")
+  app->add_option(
+         "--memory-limit", arguments->memory_limit,
+         "Of FILE alone: where more would be taken, only its bytes are checked, which the "
+         "report says (default: the machine's memory). Of a surface within --max-distance, "
+         "as given to extract, as it has other triangles then; that takes the whole model "
+         "all the same")
       ->type_name("BYTES");
   add_extraction_options(*app, arguments->extraction);
   add_reading_options(*app, arguments->reading);

@@ -102,6 +102,24 @@ TEST(cli_verify, every_format_comes_back_from_a_volume_with_holes) {
   }
 }
 
+TEST(cli_verify, says_what_it_has_no_memory_to_look_at) {
+  const Scratch scratch;
+  const std::string volume = scratch / "waves.nrrd";
+  const std::string lode = scratch / "waves.lode";
+  write_nrrd(volume, {{60, 50, 40}}, [](int x, int y, int z) {
+    return 100 + static_cast<int>(40 * std::sin(0.1 * x) + 20 * std::sin(0.4 * y + 0.1 * z));
+  });
+  ASSERT_EQ(run_lode({"build", volume, lode}).exit_code, 0);
+  const Finished all = run_lode({"verify", lode, "--json"});
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_EQ(all.json().at("checks").size(), 4U);
+  EXPECT_GT(all.json().at("checks").at(2).at("count"), 10'000);
+  const Finished some = run_lode({"verify", lode, "--json", "--memory-limit", "200K"});
+  EXPECT_EQ(some.exit_code, 0) << some.err;
+  EXPECT_EQ(some.json().at("checks").size(), 2U);
+  EXPECT_NE(some.out.find("not looked at"), std::string::npos);
+}
+
 /// Of a file larger than the memory limit other triangles keep the distance than of one in memory.
 TEST(cli_verify, repeats_a_distance_in_the_windows_of_its_memory_limit) {
   const Scratch scratch;

@@ -40,6 +40,12 @@ void expect_found_out(const Index3& dims, ScalarType type, test::Holes holes) {
   ASSERT_GE(honest->checks.size(), 3U);
   EXPECT_GT(honest->checks[2].count, 100U);
 
+  const auto limited = verify_file(path.str(), {2}, progress, 10'000);
+  ASSERT_TRUE(limited);
+  ASSERT_EQ(limited->checks.size(), 2U);
+  EXPECT_EQ(limited->checks[1].count, 0U);
+  EXPECT_NE(limited->checks[1].detail.find("not looked at"), std::string::npos);
+
   test::rewrite(path.str(), {}, make_small);
   const auto lying = verify_file(path.str(), {2}, progress);
   ASSERT_TRUE(lying) << lying.error().message;

@@ -1,5 +1,7 @@
 #include "lode/api/dataset.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <new>
@@ -206,10 +208,20 @@ Result<VerifyReport> Dataset::verify_surface(const Surface& surface, const Extra
   return out_of_memory("check the surface");
 }
 
-Result<VerifyReport> verify_file(const std::string& path, Threads threads, Progress& progress) try {
+Result<VerifyReport> verify_file(const std::string& path, Threads threads, Progress& progress,
+                                 std::uint64_t memory_limit) try {
   LODE_TRY(VerifyReport report, verify_every_byte(path, threads, progress));
   LODE_TRY(const auto reader, store::Reader::open(path));
   LODE_TRY(const auto dataset, Dataset::open(path, threads));
+  const std::uint64_t limit = memory_limit > 0 ? memory_limit : physical_memory();
+  const std::uint64_t wanted =
+      2 * dataset.impl().model_bytes();  // what is stored and what is found
+  if (wanted > limit) {
+    report.add("blocks, metadata and samples agree", 0, 0,
+               fmt::format("not looked at: takes about {} MB of memory, of {} MB",
+                           wanted / 1'000'000 + 1, limit / 1'000'000));
+    return report;
+  }
   VerifyReport attributes;
   if (dataset.impl().is_flat())
     LODE_CHECK(verify_attributes<2>(reader, threads, progress, attributes));

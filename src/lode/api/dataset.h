@@ -278,8 +278,9 @@ class Dataset {
 
 /// Reads every byte of a .lode file and checks it, loads it, which checks what blocks and metadata
 /// say of each other, and finds errors and ranges anew from its samples: those stored are to be the
-/// same.
+/// same. But for the bytes that is left out, and the report says so, where it would take more
+/// memory than a limit (0: than the machine has).
 [[nodiscard]] Result<VerifyReport> verify_file(const std::string& path, Threads threads,
-                                               Progress& progress);
+                                               Progress& progress, std::uint64_t memory_limit = 0);
 
 }  // namespace lode
