@@ -64,6 +64,9 @@ Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app)
     if (!arguments.surface.empty())
       return fail("--surface: expected a volume or its .lode file with it, got the mesh '{}'",
                   arguments.input);
+    if (!arguments.memory_limit.empty())
+      return fail("--memory-limit: expected a volume's .lode file with it, got the mesh '{}'",
+                  arguments.input);
     return check_tetra_verify(tetra_job(arguments));
   }
   if (arguments.is_exact)
@@ -191,11 +194,10 @@ Command add_verify_command(CLI::App& program) {
   CLI::App* app =
       program.add_subcommand("verify", "Check a .lode file, a mesh's hierarchy, or a surface");
   app->footer(
-      "Reads and checks every byte of FILE, and finds errors anew from its samples; --against\n"
-      "compares these with the original data, and recomputes errors by their definition (16 "
-      "million\n"
-      "samples take minutes); --surface checks a surface, given the options it was extracted "
-      "with.\n"
+      "Reads and checks every byte of FILE, and finds errors anew from its samples.\n"
+      "--against compares these with the original data, and finds errors by their definition,\n"
+      "which takes a minute or two for 16 million samples.\n"
+      "--surface checks a surface, given the options it was extracted with.\n"
       "Of meshes of tetrahedra, or .lode files made from them: nodes and their order, random "
       "cuts,\n"
       "and all stated errors and ranges; --against compares every vertex, value and cell.\n\n"
@@ -232,7 +234,8 @@ Command add_verify_command(CLI::App& program) {
       ->type_name("D");
   app->add_option(
          "--memory-limit", arguments->memory_limit,
-         "Of FILE alone: where more would be taken, only its bytes are checked, which the "
+         "Of a volume's FILE alone: where more would be taken, only its bytes are checked, which "
+         "the "
          "report says (default: the machine's memory). Of a surface within --max-distance, "
          "as given to extract, as it has other triangles then; that takes the whole model "
          "all the same")
