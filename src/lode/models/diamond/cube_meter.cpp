@@ -36,11 +36,11 @@ double farthest_from_corners(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const double longest = squares[2];
   const double x = squares[0] / longest;
   const double y = squares[1] / longest;
-  // Needles too: no difference of large numbers is small but 1 - y, which is at most x.
-  const double square = x + y <= 1 ? std::max(x / (x + 1 - y), y / (y + 1 - x))
-                                   : std::sqrt(y / (2 * (y + 1) - x - (1 - y) * (1 - y) / x));
+  // Of the longest side. For needles too: of large numbers only 1 - y is small, at most x.
+  const double share = x + y <= 1 ? std::max(x / (x + 1 - y), y / (y + 1 - x))
+                                  : std::sqrt(y / (2 * (y + 1) - x - (1 - y) * (1 - y) / x));
   constexpr double kMost = 1 / std::numbers::sqrt3;  // of one with three equal sides
-  return std::sqrt(longest) * (square <= kMost ? square : kMost);
+  return std::sqrt(longest) * (share <= kMost ? share : kMost);
 }
 
 /// By kAxes: that of the largest coordinate comes first.

@@ -110,7 +110,7 @@ class FileExtraction {
     if constexpr (D == 3) return query_.wanted;
     return nullptr;
   }
-  /// Whether which cells are cubes depends on bricks round the chunk.
+  /// Whether which cells are cubes depends on bricks round the chunk: not all are.
   [[nodiscard]] bool needs_round() const {
     return query_.style == SurfaceStyle::cubes &&
            !CubeCells::are_all(field_.has_holes(), query_.style_limit());
@@ -169,8 +169,7 @@ class FileExtraction {
   Result<CubeCells> cubes_of(const Selection<3>& selection, std::span<const CutBrick<3>> bricks,
                              std::size_t n_own, Progress& progress) {
     const double limit = query_.style_limit();
-    if (!query_.with_deviation && CubeCells::are_all(field_.has_holes(), limit))
-      return CubeCells::all(part_.model().shape);
+    if (!query_.with_deviation && !needs_round()) return CubeCells::all(part_.model().shape);
     LODE_TRY(CubeCells cubes,
              CubeCells::find(selection, bricks, frame_, limit, query_.threads, progress));
     cube_bytes_ = std::max(cube_bytes_, 2 * cubes.n_bytes());

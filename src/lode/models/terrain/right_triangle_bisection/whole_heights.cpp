@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <type_traits>
+#include <vector>
 
 namespace lode::bisection {
 namespace {
