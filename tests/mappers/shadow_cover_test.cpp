@@ -29,6 +29,18 @@ struct Original {
     ShadowCover cover(surface, {first, around}, limit);
     return cover.bound(triangle, start);
   }
+  /// Cells of an n by n triangle that shadows from `start` cover where not all of it is.
+  [[nodiscard]] std::vector<std::size_t> covered_cells(const Piece& triangle, std::uint32_t start,
+                                                       double limit, std::size_t n) const {
+    ShadowCover cover(surface, {first, around}, limit);
+    std::vector<std::size_t> cells;
+    if (cover.bound(triangle, start) < kUnproven || !cover.has_rims()) return cells;
+    std::vector<std::int32_t> is_covered(n * n);
+    cover.mark_covered(triangle, n, radius_of(cell_of(triangle, 0, n)), is_covered);
+    for (std::size_t i = 0; i < n * n; ++i)
+      if (is_covered[i] != 0) cells.push_back(i);
+    return cells;
+  }
   [[nodiscard]] std::uint32_t nearest(const Vec3d& p) const {
     std::uint32_t best = 0;
     for (std::uint32_t v = 1; v < surface.positions.size(); ++v)
@@ -62,6 +74,7 @@ Surface make_rough_patch(std::uint32_t n, double height, unsigned seed) {
 struct Tally {
   int n_proven = 0;
   int n_near = 0;
+  std::size_t n_cells = 0;  ///< Of others, that are covered.
 };
 
 constexpr int kTriangles = 1000;
@@ -86,6 +99,11 @@ Tally try_triangles(const Original& original, double size, double off, double li
     const double bound = std::sqrt(original.bound(piece, start, limit));
     const double found = largest_distance(piece, target);
     if (found <= limit) ++tally.n_near;
+    constexpr std::size_t kCells = 7;
+    for (const std::size_t cell : original.covered_cells(piece, start, limit, kCells)) {
+      ++tally.n_cells;
+      EXPECT_LE(largest_distance(cell_of(piece, cell, kCells), target), limit + 1e-12);
+    }
     if (!(bound <= limit)) continue;
     ++tally.n_proven;
     EXPECT_LE(found, bound * (1 + 1e-9) + 1e-12);
@@ -106,6 +124,7 @@ TEST(shadow_cover, never_proves_what_is_farther) {
     for (const double limit : {0.2, 0.5, 1.0}) {
       const Tally tally = try_triangles(patch, 4, 0.4, limit);
       EXPECT_LT(tally.n_proven, kTriangles);
+      EXPECT_GT(tally.n_cells, 0);
     }
   }
   // Both sides of thin ones are near their triangles, and tubes close behind them.
@@ -131,6 +150,15 @@ TEST(shadow_cover, a_hole_is_not_covered) {
   const Original patch(surface);
   const Piece over{Vec3d{{1.2, 1.3, 0}}, Vec3d{{9.1, 1.2, 0}}, Vec3d{{5.3, 9.4, 0}}};
   EXPECT_EQ(patch.bound(over, patch.nearest({{4, 2, 0}}), 0.2), kUnproven);
+  // Around it: of ten by ten cells all but those near [4, 5]².
+  const auto cells = patch.covered_cells(over, patch.nearest({{4, 2, 0}}), 0.2, 8);
+  EXPECT_GT(cells.size(), 48U);
+  EXPECT_LT(cells.size(), 64U);
+  for (const std::size_t cell : cells) {
+    const Piece c = cell_of(over, cell, 8);
+    const Vec3d middle = (c[0] + c[1] + c[2]) * (1.0 / 3);
+    EXPECT_TRUE(middle[0] < 4 || middle[0] > 5 || middle[1] < 4 || middle[1] > 5);
+  }
   const Piece beside{Vec3d{{1.2, 1.3, 0}}, Vec3d{{9.1, 1.2, 0}}, Vec3d{{5.3, 3.4, 0}}};
   EXPECT_LT(patch.bound(beside, patch.nearest({{5, 2, 0}}), 0.2), 1e-9);
 }
@@ -145,7 +173,11 @@ TEST(shadow_cover, nothing_is_proven_across_an_edge_of_three_triangles) {
   surface.triangles = {{0, 2, 3}, {0, 3, 1}, {2, 3, 4}, {2, 3, 5}};
   const Original original(surface);
   const Piece triangle{Vec3d{{-2, -0.5, 0}}, Vec3d{{3, 0, 0}}, Vec3d{{-2, 0.5, 0}}};
-  for (std::uint32_t v = 0; v < 6; ++v) EXPECT_EQ(original.bound(triangle, v, 0.5), kUnproven);
+  for (std::uint32_t v = 0; v < 6; ++v) {
+    EXPECT_EQ(original.bound(triangle, v, 0.5), kUnproven);
+    for (const std::size_t cell : original.covered_cells(triangle, v, 0.5, 8))
+      for (const Vec3d& corner : cell_of(triangle, cell, 8)) EXPECT_LE(corner[0], 0);
+  }
 }
 
 TEST(shadow_cover, flat_triangles_are_left_to_others) {

@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "lode/mappers/collapse_pieces.h"
+#include "lode/mappers/shadow_cover.h"
 
 namespace lode::simplification {
 
-inline constexpr double kCellRadius = 0.3;   ///< Of cells, at most, in units of the limit.
+inline constexpr double kCellRadius = 0.4;   ///< Of cells, at most, in units of the limit.
 inline constexpr std::size_t kMaxCells = 8;  ///< Along an edge.
 
 /// The cells of a triangle in its plane.
@@ -45,7 +48,7 @@ class Cells {
       }
     radius_ = 1.001F * static_cast<float>(radius_of(cell_of(t, 0, n)));
   }
-  /// To be called after place() where cells are marked by triangles.
+  /// To be called after place() for what asks where cells are.
   void place_points(const Piece& t, const Vec3d& lower) {
     n_points_ = 0;
     for (std::size_t r = 0; r <= n_; ++r)
@@ -57,6 +60,11 @@ class Cells {
         is_near_any_[n_points_] = 0;
         is_wanted_[n_points_] = 0;
       }
+  }
+  /// Those that shadows on the plane of t cover.
+  void mark(const ShadowCover& shadows, const Piece& t) {
+    static_assert(kMaxCells * kMaxCells <= ShadowCover::kMostCells);
+    shadows.mark_covered(t, n_, static_cast<double>(radius_), is_marked_);
   }
   void mark(const Vec3f& point, float limit2) {
     const Vec3f q = point - base_;
@@ -73,7 +81,7 @@ class Cells {
     }
   }
   /// Whether a triangle within this box, widened by the limit, could be near all corners of a cell
-  /// that is not marked, or the first to be near one of them; after unmarked_box().
+  /// that is not marked, or the first to be near one of them; after want_unmarked().
   [[nodiscard]] bool may_use(const Vec3f& low, const Vec3f& high) const {
     std::array<std::int32_t, kMaxPoints> is_in;
     std::int32_t is_first = 0;
@@ -102,12 +110,15 @@ class Cells {
       is_marked_[cell] |= is_near[a] & is_near[b] & is_near[c];
     });
   }
+  /// Triangles are to be near corners of cells that are not marked.
+  void want_unmarked() {
+    for_each_unmarked_corner([&](std::size_t point) { is_wanted_[point] = 1; });
+  }
   /// That holds all cells that are not marked; after place_points().
-  [[nodiscard]] std::pair<Vec3f, Vec3f> unmarked_box() {
+  [[nodiscard]] std::pair<Vec3f, Vec3f> unmarked_box() const {
     constexpr float kFar = std::numeric_limits<float>::max();
     std::pair<Vec3f, Vec3f> box{{{kFar, kFar, kFar}}, {{-kFar, -kFar, -kFar}}};
     for_each_unmarked_corner([&](std::size_t point) {
-      is_wanted_[point] = 1;
       for (std::size_t i = 0; i < 3; ++i) {
         box.first[i] = std::min(box.first[i], points_[i][point]);
         box.second[i] = std::max(box.second[i], points_[i][point]);

@@ -6,21 +6,12 @@
 
 #include "lode/core/surface.h"
 #include "lode/mappers/collapse_cells.h"
+#include "lode/mappers/shadow_cover.h"
 
 namespace lode::simplification {
 
-/// Original triangles round original vertices.
-struct Surroundings {
-  std::span<const std::uint32_t> first;  ///< Empty where nobody has found them.
-  std::span<const std::uint32_t> triangles;
-
-  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t v) const {
-    return triangles.subspan(first[v], first[v + 1] - first[v]);
-  }
-};
-
-/// Pieces of a new triangle against original vertices near it, in floats with a margin, and where
-/// these are too far apart against original triangles round them.
+/// Pieces of a new triangle that shadows do not cover, against original vertices near it, in floats
+/// with a margin, and where these are too far apart against original triangles round them.
 class Cover {
  public:
   Cover(const Surface& original, const Surroundings& around, double limit, float longest_edge)
@@ -31,10 +22,12 @@ class Cover {
 
   /// Empties it, for another triangle.
   void begin(const Piece& triangle);
-  /// What is too far away to be of use is left out; where triangles come in too, less is.
-  void add(std::uint32_t vertex);
-  /// Or gives up: what takes too long counts as not covered.
-  [[nodiscard]] bool covers(const Piece& triangle);
+  void add(std::uint32_t vertex) { push(vertex, local_position(original_.positions[vertex])); }
+  /// Of those added the nearest to a point; kNone of none.
+  [[nodiscard]] std::uint32_t nearest(const Vec3d& point);
+  /// Or gives up: what takes too long counts as not covered. `shadows`: on the triangle's plane;
+  /// may be null.
+  [[nodiscard]] bool covers(const Piece& triangle, const ShadowCover* shadows);
 
  private:
   void clear() {
@@ -57,7 +50,7 @@ class Cover {
   bool covers_part(const Piece& piece, std::size_t begin, std::size_t end, int depth);
 
   /// By triangles near what is not marked yet.
-  void mark_by_triangles(const Piece& piece, std::size_t begin, std::size_t end, float limit2);
+  void mark_by_triangles(std::size_t begin, std::size_t end, float limit2);
 
   /// Vertices that are too far away left out.
   bool covers_quarters(const Piece& piece, std::size_t begin, std::size_t end, int depth);
@@ -68,6 +61,7 @@ class Cover {
 
   const Surface& original_;
   Surroundings around_;
+  const ShadowCover* shadows_ = nullptr;
   std::size_t n_tests_ = 0;
   float limit_;
   float longest_edge_;  ///< About, of original triangles.

@@ -51,7 +51,7 @@ double bound_pieces(const Piece& piece, std::span<const Piece> targets, double l
 template <typename Bound>
 DistanceReport collect(std::span<const std::uint32_t> triangles, double limit, Threads threads,
                        const Progress& progress, const Bound& bound) {
-  constexpr std::size_t kChunk = 2048;
+  constexpr std::size_t kChunk = 64;
   std::vector<DistanceReport> parts((triangles.size() + kChunk - 1) / kChunk);
   parallel_for(parts.size(), threads, 1, [&](std::size_t chunk, int worker) {
     DistanceReport& part = parts[chunk];
@@ -172,38 +172,36 @@ void DistanceProof::for_each_near(std::uint32_t triangle, const Add& add) const 
   });
 }
 
-DistanceReport DistanceProof::cover(std::span<const std::uint32_t> triangles,
-                                    const Surroundings& around, Threads threads) const {
-  std::vector<Cover> covers(static_cast<std::size_t>(n_workers(threads)),
-                            Cover(original_, around, limit_ * (1 - 2 * kRounding), longest_edge_));
+DistanceReport DistanceProof::to_original(std::span<const std::uint32_t> triangles,
+                                          Threads threads) {
+  struct Worker {
+    ShadowCover shadows;
+    Cover cover;
+  };
+  const Surroundings around = surroundings();
+  std::vector<Worker> workers(
+      static_cast<std::size_t>(n_workers(threads)),
+      {ShadowCover(original_, around, limit_ * (1 - 3 * kRounding)),
+       Cover(original_, around, limit_ * (1 - 2 * kRounding), longest_edge_)});
   return collect(triangles, limit_, threads, progress_, [&](std::uint32_t t, int worker) {
-    Cover& own = covers[static_cast<std::size_t>(worker)];
-    const Piece triangle = widened_corners(corners(mesh_, t));
-    own.begin(triangle);
-    for_each_near(t, [&](std::uint32_t p) { own.add(p); });
-    return own.covers(triangle) ? limit_ * limit_ * (1 - 4 * kRounding) : kUnproven;
+    Worker& own = workers[static_cast<std::size_t>(worker)];
+    return bound_to(t, own.shadows, own.cover);
   });
 }
 
-DistanceReport DistanceProof::to_original(std::span<const std::uint32_t> triangles,
-                                          Threads threads) {
-  const Surroundings around = surroundings();
-  std::vector<ShadowCover> shadows(static_cast<std::size_t>(n_workers(threads)),
-                                   ShadowCover(original_, around, limit_ * (1 - 3 * kRounding)));
-  double proven = 0;
-  std::vector<std::uint32_t> left(triangles.begin(), triangles.end());
-  const auto take = [&](DistanceReport report) {
-    proven = std::max(proven, report.proven);
-    left = std::move(report.failing);
-  };
-  // What is proven fastest goes first.
-  take(collect(left, limit_, threads, progress_, [&](std::uint32_t t, int worker) {
-    const Piece triangle = widened_corners(corners(mesh_, t));
-    return shadows[static_cast<std::size_t>(worker)].bound(triangle, vertex_near(t));
-  }));
-  if (!left.empty()) take(cover(left, {}, threads));
-  if (!left.empty()) take(cover(left, around, threads));
-  return {proven, std::move(left)};
+double DistanceProof::bound_to(std::uint32_t triangle, ShadowCover& shadows, Cover& cover) const {
+  const Piece piece = widened_corners(corners(mesh_, triangle));
+  double bound = shadows.bound(piece, vertex_near(triangle));
+  if (bound < kUnproven) return bound;
+  cover.begin(piece);
+  for_each_near(triangle, [&](std::uint32_t p) { cover.add(p); });
+  const std::uint32_t nearest = cover.nearest((piece[0] + piece[1] + piece[2]) * (1.0 / 3));
+  if (nearest == kNone) return kUnproven;
+  if (!shadows.has_rims()) bound = shadows.bound_with(nearest);
+  if (bound < kUnproven) return bound;
+  return cover.covers(piece, shadows.has_rims() ? &shadows : nullptr)
+             ? limit_ * limit_ * (1 - 4 * kRounding)
+             : kUnproven;
 }
 
 /// An original vertex near the middle of the triangle, if there is one.

@@ -22,8 +22,8 @@ struct DistanceReport {
 /// Proves, in both directions, that no point is farther than a limit. A triangle, or a piece of it
 /// where it is cut in four again and again, is near where its three corners are near one convex
 /// set: the distance to such a set is a convex function. Original triangles and their pieces are
-/// held against single new triangles. New triangles are covered by shadows of original ones, or
-/// else their pieces are held against single original vertices, and then against single original
+/// held against single new triangles. New triangles are covered by shadows of original ones; where
+/// they are not, pieces are held against single original vertices, and then against single original
 /// triangles. No nearest point is searched for: attached vertices say where to look, and what is
 /// not found there counts as failing.
 class DistanceProof {
@@ -56,8 +56,7 @@ class DistanceProof {
 
   [[nodiscard]] double bound_from(std::uint32_t triangle) const;
   [[nodiscard]] double bound_from_one(std::uint32_t triangle) const;
-  [[nodiscard]] DistanceReport cover(std::span<const std::uint32_t> triangles,
-                                     const Surroundings& around, Threads threads) const;
+  [[nodiscard]] double bound_to(std::uint32_t triangle, ShadowCover& shadows, Cover& cover) const;
   template <typename Add>
   void for_each_near(std::uint32_t triangle, const Add& add) const;
   [[nodiscard]] Corners original_corners(std::uint32_t triangle) const;

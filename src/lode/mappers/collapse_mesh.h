@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lode/core/uninitialized_array.h"
@@ -58,6 +59,16 @@ struct CollapseMesh {
   const WorkTriangle& t = mesh.triangles[triangle];
   return {mesh.positions[t.v[0]], mesh.positions[t.v[1]], mesh.positions[t.v[2]]};
 }
+
+/// Original triangles round original vertices.
+struct Surroundings {
+  std::span<const std::uint32_t> first;  ///< By vertex, and one more.
+  std::span<const std::uint32_t> triangles;
+
+  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t v) const {
+    return triangles.subspan(first[v], first[v + 1] - first[v]);
+  }
+};
 
 /// Lower and upper corner of the box round some points, at least one.
 template <typename Points>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "lode/mappers/collapse_crossings.h"
 
@@ -33,9 +34,10 @@ std::vector<std::uint32_t> CollapseProof::to_recheck(std::span<const std::uint32
   const bool are_few = has_begun_ && near.size() * 4 < live.size();
   std::vector<std::uint32_t> found = are_few ? original_of_few(near) : original_of_many(is_near);
   has_begun_ = true;
-  found.insert(found.end(), far_.begin(), far_.end());
-  sort_unique(found);
-  return found;
+  std::vector<std::uint32_t> all;
+  all.reserve(found.size() + far_.size());
+  std::ranges::set_union(found, far_, std::back_inserter(all));
+  return all;
 }
 
 /// Whether an original triangle is no more, or has a corner that collapses moved.

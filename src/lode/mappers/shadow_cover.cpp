@@ -11,12 +11,13 @@ void ShadowCover::Set::clear() {
   n_ = 0;
 }
 
+std::size_t ShadowCover::Set::place(std::uint32_t number) const {
+  std::size_t at = (number * 0x9E3779B1U) & (table_.size() - 1);
+  while (table_[at] != kNone && table_[at] != number) at = (at + 1) & (table_.size() - 1);
+  return at;
+}
+
 bool ShadowCover::Set::insert(std::uint32_t number) {
-  const auto place = [this](std::uint32_t x) {
-    std::size_t at = (x * 0x9E3779B1U) & (table_.size() - 1);
-    while (table_[at] != kNone && table_[at] != x) at = (at + 1) & (table_.size() - 1);
-    return at;
-  };
   const std::size_t at = place(number);
   if (table_[at] == number) return false;
   table_[at] = number;
@@ -32,19 +33,29 @@ ShadowCover::ShadowCover(const Surface& original, const Surroundings& around, do
     : original_(original), around_(around), limit_(limit), margin_(kMargin * limit) {}
 
 double ShadowCover::bound(const Piece& triangle, std::uint32_t start) {
-  if (!place(triangle)) return kUnproven;
   met_.clear();
+  high_.clear();
+  shadows_.clear();
+  rims_.clear();
   highest_ = 0;
-  is_odd_ = false;
-  pending_.clear();
-  if (!start_at(start)) return kUnproven;
+  is_odd_ = is_blurred_ = false;
+  is_placed_ = place(triangle);
+  return bound_with(start);
+}
+
+double ShadowCover::bound_with(std::uint32_t start) {
+  if (!is_placed_) return kUnproven;
+  start_at(start);
   while (!pending_.empty()) {
-    const Entry entry = pending_.back();
+    const Cast cast = pending_.back();
     pending_.pop_back();
-    if (!take(entry)) return kUnproven;
+    if (!cast.is_entered) go_across(cast, 0, 1);
+    go_across(cast, 1, 2);
+    go_across(cast, 2, 0);
   }
+  if (!is_odd_ || is_blurred_ || has_rims()) return kUnproven;
   const double bound = highest_ + margin_;  // for what rounding may have lifted
-  return is_odd_ ? bound * bound : kUnproven;
+  return bound * bound;
 }
 
 /// The plane, and the triangle in it; whether it has one that rounding does not blur.
@@ -88,22 +99,23 @@ ShadowCover::Shadow ShadowCover::shadow_of(std::uint32_t vertex) const {
 }
 
 /// Whether what of a triangle is over the new one is within the limit of the plane.
-bool ShadowCover::is_low(const std::array<const Shadow*, 3>& corners) {
+bool ShadowCover::is_low(const std::array<Shadow, 3>& corners) {
   double highest = 0;
-  for (const Shadow* corner : corners) {
-    if (!(std::abs(corner->x) + std::abs(corner->y) < 4 * kLargest * limit_)) return false;
-    highest = std::max(highest, std::abs(corner->height));
+  for (const Shadow& corner : corners) {
+    if (!(std::abs(corner.x) + std::abs(corner.y) < 4 * kLargest * limit_)) return false;
+    highest = std::max(highest, std::abs(corner.height));
   }
   if (highest > limit_) highest = height_inside(corners);
+  if (!(highest <= limit_)) return false;
   highest_ = std::max(highest_, highest);
-  return highest <= limit_;
+  return true;
 }
 
 /// The largest height of a triangle where its shadow is on the new one: what is left of it is cut
 /// by the line of each edge.
-double ShadowCover::height_inside(const std::array<const Shadow*, 3>& corners) const {
+double ShadowCover::height_inside(const std::array<Shadow, 3>& corners) const {
   constexpr std::size_t kMostCorners = 24;  // each cut could double them, by rounding
-  std::array<Shadow, kMostCorners> left{*corners[0], *corners[1], *corners[2]};
+  std::array<Shadow, kMostCorners> left{corners[0], corners[1], corners[2]};
   std::size_t n = 3;
   for (std::size_t k = 0; k < 3; ++k) {
     std::array<Shadow, kMostCorners> cut;
@@ -129,45 +141,54 @@ double ShadowCover::height_inside(const std::array<const Shadow*, 3>& corners) c
   return highest;
 }
 
-/// With one triangle round the vertex, across two of its edges and the third.
-bool ShadowCover::start_at(std::uint32_t vertex) {
-  const auto around = around_.of(vertex);
-  if (around.empty()) return false;
-  const std::uint32_t t = around.front();
-  const auto& corners = original_.triangles[t];
-  const Entry entry{t, corners[0], corners[1], shadow_of(corners[0]), shadow_of(corners[1])};
-  met_.insert(t);
-  return take(entry) && go_across(t, entry.v, entry.w, entry.at_v, entry.at_w);
+/// With the triangles round the vertex.
+void ShadowCover::start_at(std::uint32_t vertex) {
+  for (const std::uint32_t t : around_.of(vertex)) {
+    if (!met_.insert(t)) continue;
+    const auto& v = original_.triangles[t];
+    if (!take({t, v, {shadow_of(v[0]), shadow_of(v[1]), shadow_of(v[2])}, false})) high_.insert(t);
+  }
 }
 
-/// Counts the triangle, and goes on across its two other edges.
-bool ShadowCover::take(const Entry& entry) {
-  std::uint32_t apex = kNone;
-  for (const std::uint32_t x : original_.triangles[entry.triangle])
-    if (x != entry.v && x != entry.w) apex = x;
-  if (apex == kNone) return false;
-  const Shadow at_apex = shadow_of(apex);
-  const std::array<const Shadow*, 3> corners{&entry.at_v, &entry.at_w, &at_apex};
-  if (!is_low(corners) || !count(corners)) return false;
-  return go_across(entry.triangle, entry.v, apex, entry.at_v, at_apex) &&
-         go_across(entry.triangle, entry.w, apex, entry.at_w, at_apex);
+/// If it is not too high.
+bool ShadowCover::take(const Cast& cast) {
+  if (!is_low(cast.at)) return false;
+  auto& shadow = shadows_.emplace_back();
+  for (std::size_t k = 0; k < 3; ++k) shadow[k] = {cast.at[k].x, cast.at[k].y};
+  const Holds holds = held_by(shadow, middle_);
+  is_odd_ = is_odd_ != (holds != Holds::no);
+  is_blurred_ = is_blurred_ || holds == Holds::blurred;
+  pending_.push_back(cast);
+  return true;
 }
 
-/// To the one triangle that lies beyond an edge, if its shadow meets the new triangle; false at a
-/// border, and where there are more.
-bool ShadowCover::go_across(std::uint32_t triangle, std::uint32_t v, std::uint32_t w,
-                            const Shadow& at_v, const Shadow& at_w) {
-  if (misses(at_v, at_w)) return true;
-  std::uint32_t beyond = kNone;
+/// To the triangle that lies beyond an edge, if its shadow meets the new triangle.
+void ShadowCover::go_across(const Cast& cast, std::size_t i, std::size_t j) {
+  if (misses(cast.at[i], cast.at[j])) return;
+  const std::uint32_t next = beyond(cast.triangle, cast.v[i], cast.v[j]);
+  bool is_taken = next != kNone && !high_.contains(next);
+  if (is_taken && met_.insert(next)) {
+    std::uint32_t apex = kNone;
+    for (const std::uint32_t x : original_.triangles[next])
+      if (x != cast.v[i] && x != cast.v[j]) apex = x;
+    is_taken =
+        apex != kNone &&
+        take({next, {cast.v[i], cast.v[j], apex}, {cast.at[i], cast.at[j], shadow_of(apex)}, true});
+    if (!is_taken) high_.insert(next);
+  }
+  if (!is_taken) rims_.push_back({{{cast.at[i].x, cast.at[i].y}, {cast.at[j].x, cast.at[j].y}}});
+}
+
+/// The one other triangle with an edge; kNone at a border, and where there are more.
+std::uint32_t ShadowCover::beyond(std::uint32_t triangle, std::uint32_t v, std::uint32_t w) const {
+  std::uint32_t found = kNone;
   for (const std::uint32_t t : around_.of(v)) {
     const auto& corners = original_.triangles[t];
     if (t == triangle || (corners[0] != w && corners[1] != w && corners[2] != w)) continue;
-    if (beyond != kNone) return false;
-    beyond = t;
+    if (found != kNone) return kNone;
+    found = t;
   }
-  if (beyond == kNone) return false;
-  if (met_.insert(beyond)) pending_.push_back({beyond, v, w, at_v, at_w});
-  return true;
+  return found;
 }
 
 /// Whether the edge's shadow is clearly apart from the new triangle: a line between two convex sets
@@ -188,25 +209,28 @@ bool ShadowCover::misses(const Shadow& a, const Shadow& b) const {
   return least > margin || largest < -margin;
 }
 
-/// Whether it is clear if the shadow holds the point inside; counts it if it does.
-bool ShadowCover::count(const std::array<const Shadow*, 3>& corners) {
+/// Whether a point lies in a shadow: on an edge that is not clear.
+ShadowCover::Holds ShadowCover::held_by(const std::array<Point, 3>& shadow, const Point& p) const {
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto [low, high] = std::minmax({shadow[0][i], shadow[1][i], shadow[2][i]});
+    if (p[i] < low - margin_ || p[i] > high + margin_) return Holds::no;
+  }
   bool is_left = true;
   bool is_right = true;
-  bool is_blurred = false;
+  bool is_near_edge = false;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Shadow& a = *corners[k];
-    const Shadow& b = *corners[(k + 1) % 3];
-    const double dx = b.x - a.x;
-    const double dy = b.y - a.y;
-    const double side = dx * (middle_[1] - a.y) - dy * (middle_[0] - a.x);
+    const Point& a = shadow[k];
+    const Point& b = shadow[(k + 1) % 3];
+    const double dx = b[0] - a[0];
+    const double dy = b[1] - a[1];
+    const double side = dx * (p[1] - a[1]) - dy * (p[0] - a[0]);
     const double margin = margin_ * (std::abs(dx) + std::abs(dy));
     is_left = is_left && side >= -margin;
     is_right = is_right && side <= margin;
-    is_blurred = is_blurred || std::abs(side) <= margin;
+    is_near_edge = is_near_edge || std::abs(side) <= margin;
   }
-  if (!is_left && !is_right) return true;  // clearly outside
-  is_odd_ = !is_odd_;
-  return !is_blurred;
+  if (!is_left && !is_right) return Holds::no;
+  return is_near_edge ? Holds::blurred : Holds::yes;
 }
 
 }  // namespace lode::simplification
