@@ -124,18 +124,34 @@ Result<Pairs> find(const CollapseMesh& mesh, std::span<const std::uint32_t> live
   std::vector<std::uint8_t> is_asked(mesh.triangles.size(), 0);
   for (const std::uint32_t t : triangles) is_asked[t] = 1;
   const CoarseBoxes near(mesh, triangles);
+  struct Part {
+    std::vector<std::uint32_t> numbers;
+    std::vector<Box3f> boxes;
+    Pairs flat;
+  };
+  constexpr std::size_t kPiece = 4096;
+  std::vector<Part> parts((live.size() + kPiece - 1) / kPiece);
+  parallel_for(parts.size(), threads, 1, [&](std::size_t i, int) {
+    Part& part = parts[i];
+    for (const std::uint32_t t :
+         live.subspan(i * kPiece, std::min(kPiece, live.size() - i * kPiece))) {
+      const Box3f box = box_of(mesh, t);
+      if (is_asked[t] == 0 && !near.may_meet(box)) continue;
+      if (has_zero_area(mesh, t)) {
+        if (is_asked[t] != 0) part.flat.push_back({t, t});
+        continue;
+      }
+      part.numbers.push_back(t);
+      part.boxes.push_back(box);
+    }
+  });
   std::vector<std::uint32_t> numbers;
   std::vector<Box3f> boxes;
   Pairs found;
-  for (const std::uint32_t t : live) {
-    const Box3f box = box_of(mesh, t);
-    if (is_asked[t] == 0 && !near.may_meet(box)) continue;
-    if (has_zero_area(mesh, t)) {
-      if (is_asked[t] != 0) found.push_back({t, t});
-      continue;
-    }
-    numbers.push_back(t);
-    boxes.push_back(box);
+  for (const Part& part : parts) {
+    numbers.insert(numbers.end(), part.numbers.begin(), part.numbers.end());
+    boxes.insert(boxes.end(), part.boxes.begin(), part.boxes.end());
+    found.insert(found.end(), part.flat.begin(), part.flat.end());
   }
   std::vector<Pairs> by_worker(static_cast<std::size_t>(n_workers(threads)));
   LODE_CHECK(visit_box_pairs(boxes, threads, progress, [&](auto pairs, int worker) {

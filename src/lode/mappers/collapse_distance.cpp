@@ -178,7 +178,7 @@ DistanceReport DistanceProof::to_original(std::span<const std::uint32_t> triangl
     ShadowCover shadows;
     Cover cover;
   };
-  const Surroundings around = surroundings();
+  const Surroundings around = surroundings(threads);
   std::vector<Worker> workers(
       static_cast<std::size_t>(n_workers(threads)),
       {ShadowCover(original_, around, limit_ * (1 - 3 * kRounding)),
@@ -219,15 +219,27 @@ std::uint32_t DistanceProof::vertex_near(std::uint32_t triangle) const {
   return nearest;
 }
 
-void DistanceProof::find_triangles_around() {
-  first_around_.assign(original_.positions.size() + 1, 0);
-  for (const auto& t : original_.triangles)
-    for (const std::uint32_t v : t) ++first_around_[v + 1];
-  for (std::size_t v = 1; v < first_around_.size(); ++v) first_around_[v] += first_around_[v - 1];
+/// Each thread has vertices of its own, and looks at all triangles.
+void DistanceProof::find_triangles_around(Threads threads) {
+  const std::size_t n = original_.positions.size();
+  const auto n_parts = static_cast<std::size_t>(n_workers(threads));
+  first_around_.assign(n + 1, 0);
+  const auto for_each_corner = [&](std::size_t part, const auto& visit) {
+    const std::size_t begin = n * part / n_parts;
+    const std::size_t end = n * (part + 1) / n_parts;
+    for (std::uint32_t t = 0; t < original_.triangles.size(); ++t)
+      for (const std::uint32_t v : original_.triangles[t])
+        if (v - begin < end - begin) visit(v, t);
+  };
+  parallel_for(n_parts, threads, 1, [&](std::size_t part, int) {
+    for_each_corner(part, [&](std::uint32_t v, std::uint32_t) { ++first_around_[v]; });
+  });
+  std::exclusive_scan(first_around_.begin(), first_around_.end(), first_around_.begin(), 0U);
   around_.resize(first_around_.back());
   std::vector<std::uint32_t> at(first_around_.begin(), first_around_.end() - 1);
-  for (std::uint32_t t = 0; t < original_.triangles.size(); ++t)
-    for (const std::uint32_t v : original_.triangles[t]) around_[at[v]++] = t;
+  parallel_for(n_parts, threads, 1, [&](std::size_t part, int) {
+    for_each_corner(part, [&](std::uint32_t v, std::uint32_t t) { around_[at[v]++] = t; });
+  });
 }
 
 }  // namespace lode::simplification

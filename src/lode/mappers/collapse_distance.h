@@ -46,8 +46,8 @@ class DistanceProof {
   [[nodiscard]] DistanceReport to_original(std::span<const std::uint32_t> triangles,
                                            Threads threads);
   /// Original triangles round original vertices; found once.
-  [[nodiscard]] Surroundings surroundings() {
-    if (first_around_.empty()) find_triangles_around();
+  [[nodiscard]] Surroundings surroundings(Threads threads) {
+    if (first_around_.empty()) find_triangles_around(threads);
     return {first_around_, around_};
   }
 
@@ -62,7 +62,7 @@ class DistanceProof {
   [[nodiscard]] Corners original_corners(std::uint32_t triangle) const;
   [[nodiscard]] std::uint32_t vertex_near(std::uint32_t triangle) const;
   void find_distances(Threads threads);
-  void find_triangles_around();
+  void find_triangles_around(Threads threads);
 
   const Surface& original_;
   const CollapseMesh& mesh_;

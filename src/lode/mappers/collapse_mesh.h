@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "lode/core/parallel.h"
 #include "lode/core/uninitialized_array.h"
 #include "lode/core/vec.h"
 
@@ -80,6 +81,22 @@ template <typename Points>
       box[1][i] = std::max(box[1][i], p[i]);
     }
   return box;
+}
+
+/// Numbers below n that are to be taken, ascending.
+template <typename Take>
+[[nodiscard]] std::vector<std::uint32_t> numbers_where(std::size_t n, Threads threads,
+                                                       const Take& take) {
+  constexpr std::size_t kPiece = 1 << 16;
+  std::vector<std::vector<std::uint32_t>> pieces((n + kPiece - 1) / kPiece);
+  parallel_for(pieces.size(), threads, 1, [&](std::size_t piece, int) {
+    for (std::size_t i = piece * kPiece; i < std::min(n, (piece + 1) * kPiece); ++i)
+      if (take(static_cast<std::uint32_t>(i)))
+        pieces[piece].push_back(static_cast<std::uint32_t>(i));
+  });
+  std::vector<std::uint32_t> found;
+  for (const auto& piece : pieces) found.insert(found.end(), piece.begin(), piece.end());
+  return found;
 }
 
 inline void sort_unique(std::vector<std::uint32_t>& numbers) {

@@ -1,6 +1,7 @@
 #include "lode/mappers/collapse_proof.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <iterator>
 
@@ -46,35 +47,25 @@ bool CollapseProof::is_changed(std::uint32_t triangle) const {
 }
 
 std::vector<std::uint32_t> CollapseProof::original_of_few(std::span<const std::uint32_t> near) {
-  const Surroundings around = distance_.surroundings();
-  std::vector<std::uint32_t> found;
-  for (const std::uint32_t s : near)
-    for (std::uint32_t p = mesh_.triangles[s].points; p != kNone; p = mesh_.next_point[p])
+  const Surroundings around = distance_.surroundings(options_.threads);
+  std::vector<std::uint8_t> is_asked(original_.triangles.size(), 0);
+  parallel_for(near.size(), options_.threads, 64, [&](std::size_t i, int) {
+    for (std::uint32_t p = mesh_.triangles[near[i]].points; p != kNone; p = mesh_.next_point[p])
       for (const std::uint32_t t : around.of(p))
-        if (is_changed(t)) found.push_back(t);
-  sort_unique(found);
-  return found;
+        if (is_changed(t)) std::atomic_ref(is_asked[t]).store(1, std::memory_order_relaxed);
+  });
+  return numbers_where(is_asked.size(), options_.threads,
+                       [&](std::uint32_t t) { return is_asked[t] != 0; });
 }
 
 std::vector<std::uint32_t> CollapseProof::original_of_many(
     std::span<const std::uint8_t> is_near) const {
-  const auto is_asked = [&](std::uint32_t t) {
+  return numbers_where(original_.triangles.size(), options_.threads, [&](std::uint32_t t) {
     return is_changed(t) && std::ranges::any_of(original_.triangles[t], [&](std::uint32_t v) {
              const bool is_new = mesh_.last[v] != kNone && mesh_.last[v] >= first_;
              return is_near[mesh_.attached_to[v]] != 0 || (is_new && !has_begun_);
            });
-  };
-  constexpr std::size_t kPiece = 1 << 16;
-  std::vector<std::vector<std::uint32_t>> pieces(original_.triangles.size() / kPiece + 1);
-  parallel_for(pieces.size(), options_.threads, 1, [&](std::size_t piece, int) {
-    const std::size_t end = std::min(original_.triangles.size(), (piece + 1) * kPiece);
-    for (std::size_t i = piece * kPiece; i < end; ++i)
-      if (is_asked(static_cast<std::uint32_t>(i)))
-        pieces[piece].push_back(static_cast<std::uint32_t>(i));
   });
-  std::vector<std::uint32_t> found;
-  for (const auto& piece : pieces) found.insert(found.end(), piece.begin(), piece.end());
-  return found;
 }
 
 /// Adds collapses whose triangles are not proven near, to `bad`.

@@ -6,15 +6,15 @@
 
 namespace lode::simplification {
 
-CollapseUndo::CollapseUndo(CollapseMesh& mesh, const Surface& original, UndoOrder order,
+CollapseUndo::CollapseUndo(CollapseMesh& mesh, const Surface& original,
+                           std::span<const std::uint32_t> live, UndoOrder order,
                            const SurfaceBand* band, float near)
     : mesh_(mesh), original_(original), order_(order), band_(band), near_(near) {
   first_.resize(mesh.positions.size());
   std::fill(first_.begin(), first_.end(), kNone);
   next_.resize(4 * mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    if (!mesh.triangles[t].is_dead())
-      for (std::uint32_t k = 0; k < 3; ++k) link(mesh.triangles[t].v[k], 4 * t + k);
+  for (const std::uint32_t t : live)
+    for (std::uint32_t k = 0; k < 3; ++k) link(mesh.triangles[t].v[k], 4 * t + k);
 }
 
 void CollapseUndo::link(std::uint32_t v, std::uint32_t corner) {

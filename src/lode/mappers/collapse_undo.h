@@ -23,10 +23,11 @@ enum class UndoOrder {
 /// into three vertices.
 class CollapseUndo {
  public:
-  /// `band`: of the mesh's positions, if no sample outside it may change sides; or null. `near`:
-  /// points stay attached where they are if they are no farther away than this.
-  CollapseUndo(CollapseMesh& mesh, const Surface& original, UndoOrder order,
-               const SurfaceBand* band, float near);
+  /// `live`: triangles that are there, ascending. `band`: of the mesh's positions, if no sample
+  /// outside it may change sides; or null. `near`: points stay attached where they are if they are
+  /// no farther away than this.
+  CollapseUndo(CollapseMesh& mesh, const Surface& original, std::span<const std::uint32_t> live,
+               UndoOrder order, const SurfaceBand* band, float near);
 
   /// Takes `collapse` back, and before it those that the order asks for. Adds the triangles that
   /// come or change to `changed`, some more than once, and returns how many collapses it took.

@@ -258,12 +258,12 @@ void Simplifier::collapse_round(const Partition& partition, bool attaches,
 /// gets stuck.
 Result<bool> Simplifier::prove(std::uint32_t first) {
   progress_.report("proving", 0);
-  CollapseUndo stars(mesh_, surface_, order_, options_.band,
+  find_live();
+  CollapseUndo stars(mesh_, surface_, live_, order_, options_.band,
                      static_cast<float>(0.3 * options_.max_distance));
   CollapseProof proof(surface_, mesh_, stars, options_, 2.5 * std::sqrt(mean_area(surface_)), first,
                       progress_);
   std::vector<std::uint32_t> changed;
-  find_live();
   for (const std::uint32_t t : live_) {
     const std::uint32_t maker = stars.maker(t);
     if (maker != kNone && maker >= first) changed.push_back(t);
@@ -294,9 +294,8 @@ Result<bool> Simplifier::prove(std::uint32_t first) {
 }
 
 void Simplifier::find_live() {
-  live_.clear();
-  for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
-    if (!mesh_.triangles[t].is_dead()) live_.push_back(t);
+  live_ = numbers_where(mesh_.triangles.size(), options_.threads,
+                        [this](std::uint32_t t) { return !mesh_.triangles[t].is_dead(); });
 }
 
 /// Undoing brings triangles back, and takes none away.
