@@ -53,6 +53,11 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
                  "bricks of 32^3 that holes touch")
       ->type_name("tetra|cubes")
       ->group(group);
+  app.add_option("--style-distance", arguments.style_distance,
+                 "With --style cubes: tetrahedra stay, too, where cubes are not within D of them, "
+                 "or they of cubes, world units")
+      ->type_name("D")
+      ->group(group);
   app.add_flag("--keep-topology{0}", arguments.keep_topology,
                "Refine where the surface would tear, join, lose or gain a piece: components, "
                "tunnels and voids are those of full resolution; with =P those at least that there "
@@ -84,6 +89,13 @@ Result<ExtractOptions> to_extract_options(const ExtractionArguments& arguments) 
   if (arguments.style != "tetra" && arguments.style != "cubes")
     return fail("--style: expected 'tetra' or 'cubes', got '{}'", arguments.style);
   if (arguments.style == "cubes") options.style = SurfaceStyle::cubes;
+  if (!arguments.style_distance.empty()) {
+    if (options.style != SurfaceStyle::cubes)
+      return fail("--style-distance: expected --style cubes with it");
+    LODE_TRY(options.style_distance, parse_number("--style-distance", arguments.style_distance));
+    if (!(*options.style_distance > 0))
+      return fail("--style-distance: expected a number > 0, got '{}'", arguments.style_distance);
+  }
   if (!arguments.clip.empty()) {
     LODE_TRY(options.clip, parse_clip(arguments.clip));
   }
@@ -143,6 +155,7 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
   json["achieved_error"] = report.achieved_error;
   if (options.style == SurfaceStyle::cubes) {
     json["style"] = "cubes";
+    if (options.style_distance) json["max_style_distance"] = *options.style_distance;
     if (options.deviation == Deviation::measured) {
       json["style_error"] = report.style_error;
       json["style_distance"] = report.style_distance;

@@ -13,6 +13,7 @@ struct ExtractionArguments {
   std::vector<std::string> isovalues;
   std::string max_error;
   std::string style = "tetra";
+  std::string style_distance;
   std::string clip;
   std::string normals = "on";
   std::string min_component;

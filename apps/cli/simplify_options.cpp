@@ -137,6 +137,7 @@ void add_simplified(Json& json, const ExtractReport& report) {
   simplified["proven_distance"] = has_distance ? Json(done.proven_distance) : Json(nullptr);
   simplified["max_error"] = done.max_error > 0 ? Json(done.max_error) : Json(nullptr);
   simplified["proven_error"] = done.max_error > 0 ? Json(done.proven_error) : Json(nullptr);
+  simplified["start_distance"] = done.start_distance;
   simplified["triangles_before"] = done.triangles_before;
   simplified["triangles"] = done.triangles;
   simplified["collapses"] = done.collapses;
@@ -153,6 +154,9 @@ void add_simplified(Table& table, const ExtractReport& report) {
   table.add({"simplified", fmt::format("from {} triangles, {} collapses ({} undone)",
                                        format_count(done.triangles_before),
                                        format_count(done.collapses), format_count(done.undone))});
+  if (done.start_distance > 0)
+    table.add({"beginning with", fmt::format("cubes where they are within {} of the tetrahedra",
+                                             format_number(done.start_distance))});
   if (done.max_error > 0)
     table.add({"simplified within",
                fmt::format("|F - isovalue| at most {} where edges collapsed (asked for: {})",

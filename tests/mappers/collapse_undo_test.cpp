@@ -199,7 +199,7 @@ TEST_P(CollapseUndoOrder, leaves_a_manifold_and_in_the_end_the_original) {
   const std::size_t n = mesh.collapses.size();
   ASSERT_GT(n, original.positions.size() / 2);
   expect_consistent(mesh, original);
-  CollapseUndo stars(mesh, original, order, nullptr, 0);
+  CollapseUndo stars(mesh, original, live_triangles(mesh, {1}), order, nullptr, 0);
   std::vector<std::uint32_t> in_turn(n);
   std::iota(in_turn.begin(), in_turn.end(), 0U);
   std::shuffle(in_turn.begin(), in_turn.end(), std::mt19937(seed + 100));
@@ -245,7 +245,7 @@ TEST(collapse_undo, moves_no_sample_outside_the_band_to_another_side) {
     std::vector<std::uint32_t> in_turn(mesh.collapses.size());
     std::iota(in_turn.begin(), in_turn.end(), 0U);
     std::shuffle(in_turn.begin(), in_turn.end(), random);
-    CollapseUndo stars(mesh, original, UndoOrder::splits, &band, 0);
+    CollapseUndo stars(mesh, original, live_triangles(mesh, {1}), UndoOrder::splits, &band, 0);
     std::vector<std::uint32_t> changed;
     for (const std::uint32_t c : in_turn) {
       if (mesh.last[mesh.collapses[c].removed] == c) stars.undo(c, changed);
@@ -267,7 +267,8 @@ TEST(collapse_undo, takes_little_along_to_split_a_vertex) {
     for (unsigned seed = 0; seed < 3; ++seed) {
       RandomCollapses collapsed(original, seed);
       collapsed.run(20'000);
-      CollapseUndo stars(collapsed.mesh, original, order, nullptr, 0);
+      CollapseUndo stars(collapsed.mesh, original, live_triangles(collapsed.mesh, {1}), order,
+                         nullptr, 0);
       std::vector<std::uint32_t> changed;
       n_undone[order == UndoOrder::splits ? 0 : 1] +=
           stars.undo(static_cast<std::uint32_t>(collapsed.mesh.collapses.size() / 2), changed);

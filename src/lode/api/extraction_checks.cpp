@@ -38,6 +38,10 @@ Result<void> check_extract_options(const ExtractOptions& options) {
     if (!std::isfinite(c)) return fail("expected a finite isovalue, got {}", c);
   if (options.max_error && !(*options.max_error >= 0 && std::isfinite(*options.max_error)))
     return fail("expected a finite max_error >= 0, got {}", *options.max_error);
+  if (options.style_distance && options.style != SurfaceStyle::cubes)
+    return fail("style_distance: expected the style of cubes with it, got that of tetrahedra");
+  if (options.style_distance && !(*options.style_distance > 0))
+    return fail("expected a style_distance > 0, got {}", *options.style_distance);
   if (options.clip)
     for (std::size_t i = 0; i < 3; ++i)
       if (!(options.clip->lower[i] < options.clip->upper[i]))

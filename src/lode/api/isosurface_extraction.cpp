@@ -37,8 +37,8 @@ Result<void> close_surface(const FieldFacts& field, const ExtractOptions& option
 }
 
 Result<void> finish_surface(const Dataset::Impl& impl, const FieldFacts& field,
-                            const ExtractOptions& options, Surface& surface, ExtractReport& report,
-                            Progress& progress) {
+                            const ExtractOptions& options, const SimplifyStart& start,
+                            Surface& surface, ExtractReport& report, Progress& progress) {
   const Stopwatch watch;
   if (options.border == Border::closed) LODE_CHECK(close_surface(field, options, surface, report));
   const Dropped dropped = finish_edits(options, surface);
@@ -46,7 +46,7 @@ Result<void> finish_surface(const Dataset::Impl& impl, const FieldFacts& field,
   report.triangles_dropped = dropped.cells;
   report.seconds.finish += watch.seconds();
   if (options.simplify != Simplify::off)
-    LODE_CHECK(simplify(impl, options, surface, report, progress));
+    LODE_CHECK(simplify(impl, options, start, surface, report, progress));
   report.triangles = surface.triangles.size();
   report.lines = surface.lines.size();
   report.vertices = surface.positions.size();
@@ -68,19 +68,20 @@ std::size_t simplified_at_once(const ExtractOptions& options) {
 }
 
 Result<void> extract_chunks(const Dataset::Impl& impl, Dataset::Impl::Chunks& chunks,
-                            const ExtractOptions& options, Surface& surface, ExtractReport& report,
-                            Progress& progress) {
+                            const ExtractOptions& options, const SimplifyStart& start,
+                            Surface& surface, ExtractReport& report, Progress& progress) {
   surface.clear();
   SurfaceCollector collector(surface);
   ChunkNodes nodes(chunks, options, memory_limit_of(options));
   return std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) -> Result<void> {
         LODE_CHECK(extract_passes<D>(
-            field, chunks.blocks, options, memory_limit_of(options) / kHeldShare, collector, report,
-            [](double) {}, [&](double isovalue) { add_isovalue(isovalue, options, surface); },
+            field, chunks.blocks, start.options, memory_limit_of(options) / kHeldShare, collector,
+            report, [](double) {},
+            [&](double isovalue) { add_isovalue(isovalue, options, surface); },
             nodes.begin(report, progress), progress));
-        return finish_surface(impl, {field.info.grid, false, field.value({})}, options, surface,
-                              report, progress);
+        return finish_surface(impl, {field.info.grid, false, field.value({})}, options, start,
+                              surface, report, progress);
       },
       chunks.field);
 }
@@ -92,6 +93,9 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   PieceFinisher finisher(options, surface);
   std::optional<PieceSimplifier> simplifier;
   const double tolerance = report.max_error;
+  const SimplifyStart start = start_of_simplification(
+      options, std::visit([](const auto& field) { return field.info.grid; }, chunks.field),
+      tolerance);
   const bool is_in_band = has_band(options, tolerance);
   if (is_in_band)
     report.max_error = options.style == SurfaceStyle::cubes
@@ -101,7 +105,7 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   LODE_CHECK(std::visit(
       [&]<int D>(const diamond::CoarseField<D>& field) {
         if (options.simplify != Simplify::off)
-          simplifier.emplace(simplify_options_of(options),
+          simplifier.emplace(simplify_options_of(options, start),
                              PieceShape{.grid = field.info.grid,
                                         .n_apart = diamond::n_pieces_apart<D>(field.shape),
                                         .max_triangles = simplified_at_once(options),
@@ -118,8 +122,8 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
               simplifier->set_band(band.get());
             };
         return extract_passes<D>(
-            field, chunks.blocks, options, memory_limit_of(options) / kHeldShare, sink, report,
-            [&](double isovalue) { finisher.begin(isovalue); }, [](double) {},
+            field, chunks.blocks, start.options, memory_limit_of(options) / kHeldShare, sink,
+            report, [&](double isovalue) { finisher.begin(isovalue); }, [](double) {},
             nodes.begin(report, progress), progress, see_part);
       },
       chunks.field));
@@ -127,6 +131,7 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   finisher.finish(report);
   if (simplifier) {
     report.simplified = simplifier->report();
+    add_start(start, options, *report.simplified);
     const SimplifySeconds& seconds = report.simplified->seconds;
     report.seconds.simplify = seconds.collapse + seconds.check + seconds.finish;
     report.seconds.geometry = std::max(0.0, report.seconds.geometry - report.seconds.simplify);
@@ -220,6 +225,8 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   const Stopwatch watch;
   LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
   ExtractReport& report = plan.report;
+  const SimplifyStart start =
+      start_of_simplification(options, impl_->info().grid, report.max_error);
   if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
   if (plan.chunks != nullptr) {
     const store::ReadCounts before = impl_->reads();
@@ -228,17 +235,17 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
       SurfaceCollector collector(surface);
       LODE_CHECK(stream_chunks(*plan.chunks, options, collector, report, progress));
     } else {
-      LODE_CHECK(extract_chunks(*impl_, *plan.chunks, options, surface, report, progress));
+      LODE_CHECK(extract_chunks(*impl_, *plan.chunks, options, start, surface, report, progress));
     }
     add_full_resolution(report);
     add_reads(before, *impl_, report);
   } else {
     const double tolerance = report.max_error;
-    const ExtractOptions before = before_simplification(options, tolerance);
-    report.max_error = before.max_error.value_or(tolerance);
-    LODE_TRY(const FieldFacts field, extract_in_memory(*impl_, before, surface, report, progress));
+    report.max_error = start.options.max_error.value_or(tolerance);
+    LODE_TRY(const FieldFacts field,
+             extract_in_memory(*impl_, start.options, surface, report, progress));
     report.max_error = tolerance;
-    LODE_CHECK(finish_surface(*impl_, field, options, surface, report, progress));
+    LODE_CHECK(finish_surface(*impl_, field, options, start, surface, report, progress));
   }
   LODE_CHECK(check_within(*impl_, report));
   report.seconds.total = watch.seconds();

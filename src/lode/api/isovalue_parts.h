@@ -3,6 +3,7 @@
 // What extraction from memory and from files have in common.
 
 #include <algorithm>
+#include <limits>
 
 #include "lode/api/dataset.h"
 #include "lode/core/parallel_fill.h"
@@ -46,6 +47,8 @@ diamond::IsosurfaceQuery query_of(double isovalue, const ExtractOptions& options
   return {.isovalue = isovalue,
           .tolerance = report.max_error,
           .style = options.style,
+          .style_distance =
+              options.style_distance.value_or(std::numeric_limits<double>::infinity()),
           .with_deviation = options.deviation == Deviation::measured,
           .threads = options.threads,
           .with_normals = D == 3 && options.normals == Normals::on,

@@ -1,11 +1,13 @@
 #include "lode/api/simplification.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/band_components.h"
+#include "lode/mappers/lattice_frame.h"
 #include "lode/models/diamond/field_band.h"
 
 namespace lode {
@@ -14,6 +16,33 @@ namespace {
 /// Of max_error what extraction takes. Simplification needs the rest, and nothing that is there
 /// already has to be collapsed: on bonsai 0.25 leaves more triangles, after more time.
 constexpr double kExtractionShare = 0.5;
+/// Of a distance what cubes may take where simplification begins with them: with more there are
+/// fewer triangles to begin with, but what is left of the distance takes longer to prove.
+constexpr double kStartShare = 0.2;
+
+double longest_step(const RegularGrid& grid) {
+  double longest = 0;
+  for (const double step : grid.spacing.v) longest = std::max(longest, std::abs(step));
+  return longest;
+}
+
+bool is_flat(const RegularGrid& grid) {
+  return grid.dims[0] == 1 || grid.dims[1] == 1 || grid.dims[2] == 1;
+}
+
+/// How far a point of the grid is at most from where its coordinates are stored.
+double coordinate_rounding(const RegularGrid& grid) {
+  const Vec3d shift = LatticeFrame::of(grid).surface_origin;
+  Vec3d last;
+  for (std::size_t i = 0; i < 3; ++i) last[i] = static_cast<double>(grid.dims[i] - 1);
+  double largest = 0;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    Vec3d index;
+    for (std::size_t i = 0; i < 3; ++i) index[i] = (corner >> i & 1) != 0 ? last[i] : 0;
+    largest = std::max(largest, length(grid.to_world(index) - shift));
+  }
+  return largest * static_cast<double>(std::numeric_limits<float>::epsilon());
+}
 
 Result<std::unique_ptr<SurfaceBand>> band_of(const Dataset::Impl& impl,
                                              const ExtractOptions& options, double tolerance,
@@ -76,27 +105,56 @@ ExtractOptions before_simplification(const ExtractOptions& options, double toler
   return before;
 }
 
-SimplifyOptions simplify_options_of(const ExtractOptions& options) {
+SimplifyStart start_of_simplification(const ExtractOptions& options, const RegularGrid& grid,
+                                      double tolerance) {
+  SimplifyStart start{before_simplification(options, tolerance)};
+  // Boxes and the sizes of components are to be those of the tetrahedra's surface. Of less than a
+  // step few cubes are near enough to make up for what they take.
+  const bool begins_near = options.simplify == Simplify::edges && options.simplify_distance &&
+                           options.style == SurfaceStyle::tetra && tolerance == 0 &&
+                           !options.max_distance && !options.clip && options.min_component <= 1 &&
+                           !is_flat(grid) && *options.simplify_distance >= longest_step(grid);
+  if (!begins_near) return start;
+  const double near = kStartShare * *options.simplify_distance;
+  const double distance = near + 2 * coordinate_rounding(grid);
+  if (!(distance < 2 * near)) return start;
+  start.distance = distance;
+  start.options.style = SurfaceStyle::cubes;
+  start.options.style_distance = near;
+  start.options.deviation = Deviation::unknown;
+  return start;
+}
+
+SimplifyOptions simplify_options_of(const ExtractOptions& options, const SimplifyStart& start) {
   SimplifyOptions simplify{.threads = options.threads};
   simplify.max_distance =
-      options.simplify_distance.value_or(std::numeric_limits<double>::infinity());
+      options.simplify_distance.value_or(std::numeric_limits<double>::infinity()) - start.distance;
   if (options.simplify == Simplify::slivers) simplify.longest_edge = simplify.max_distance;
   return simplify;
 }
 
-Result<void> simplify(const Dataset::Impl& impl, const ExtractOptions& options, Surface& surface,
-                      ExtractReport& report, Progress& progress) {
+void add_start(const SimplifyStart& start, const ExtractOptions& options, SimplifyReport& report) {
+  if (start.distance == 0) return;
+  report.max_distance = *options.simplify_distance;
+  report.start_distance = start.distance;
+  report.proven_distance += start.distance;
+}
+
+Result<void> simplify(const Dataset::Impl& impl, const ExtractOptions& options,
+                      const SimplifyStart& start, Surface& surface, ExtractReport& report,
+                      Progress& progress) {
   const Stopwatch watch;
   LODE_TRY(const auto band, band_of(impl, options, report.max_error, progress));
   Dropped dropped;
   if (band && drops_components(options)) {
     LODE_TRY(dropped, drop_components_in_band(surface, *band, options.threads, progress));
   }
-  SimplifyOptions simplify = simplify_options_of(options);
+  SimplifyOptions simplify = simplify_options_of(options, start);
   simplify.band = band.get();
   LODE_TRY(report.simplified, simplify_surface(surface, simplify, progress));
   report.simplified->components_dropped = dropped.components;
   report.simplified->triangles_dropped = dropped.cells;
+  add_start(start, options, *report.simplified);
   report.seconds.simplify = watch.seconds();
   return {};
 }

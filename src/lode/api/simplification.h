@@ -17,11 +17,25 @@ namespace lode {
 /// The same query without simplification: what that starts from.
 [[nodiscard]] ExtractOptions before_simplification(const ExtractOptions& options, double tolerance);
 
+/// What simplification begins with, and what of its distance is left.
+struct SimplifyStart {
+  ExtractOptions options;  ///< As before_simplification(), but maybe with cubes among tetrahedra.
+  double distance = 0;     ///< Of that from what it stands for, at most, both ways; world units.
+};
+/// Within a distance of full resolution cubes stand for tetrahedra where they are near: a third of
+/// the triangles, and the same topology.
+[[nodiscard]] SimplifyStart start_of_simplification(const ExtractOptions& options,
+                                                    const RegularGrid& grid, double tolerance);
+
 /// Without a band.
-[[nodiscard]] SimplifyOptions simplify_options_of(const ExtractOptions& options);
+[[nodiscard]] SimplifyOptions simplify_options_of(const ExtractOptions& options,
+                                                  const SimplifyStart& start);
+/// Adds the start's distance to what was found from there on.
+void add_start(const SimplifyStart& start, const ExtractOptions& options, SimplifyReport& report);
 
 /// Simplifies an extracted surface as the options say, within report.max_error.
 [[nodiscard]] Result<void> simplify(const Dataset::Impl& impl, const ExtractOptions& options,
-                                    Surface& surface, ExtractReport& report, Progress& progress);
+                                    const SimplifyStart& start, Surface& surface,
+                                    ExtractReport& report, Progress& progress);
 
 }  // namespace lode

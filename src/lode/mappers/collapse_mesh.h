@@ -99,6 +99,13 @@ template <typename Take>
   return found;
 }
 
+/// Triangles that are there, ascending.
+[[nodiscard]] inline std::vector<std::uint32_t> live_triangles(const CollapseMesh& mesh,
+                                                               Threads threads) {
+  return numbers_where(mesh.triangles.size(), threads,
+                       [&](std::uint32_t t) { return !mesh.triangles[t].is_dead(); });
+}
+
 inline void sort_unique(std::vector<std::uint32_t>& numbers) {
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());

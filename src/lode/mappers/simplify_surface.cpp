@@ -133,7 +133,6 @@ class Simplifier {
   void collapse_round(const Partition& partition, bool attaches, const BlockLimits& limits);
   [[nodiscard]] double reach() const;
   Result<bool> prove(std::uint32_t first);
-  void find_live();
   void add_live(std::span<const std::uint32_t> changed);
   void reopen(std::span<const std::uint32_t> changed);
   Result<void> count_input_crossings();
@@ -258,7 +257,7 @@ void Simplifier::collapse_round(const Partition& partition, bool attaches,
 /// gets stuck.
 Result<bool> Simplifier::prove(std::uint32_t first) {
   progress_.report("proving", 0);
-  find_live();
+  live_ = live_triangles(mesh_, options_.threads);
   CollapseUndo stars(mesh_, surface_, live_, order_, options_.band,
                      static_cast<float>(0.3 * options_.max_distance));
   CollapseProof proof(surface_, mesh_, stars, options_, 2.5 * std::sqrt(mean_area(surface_)), first,
@@ -293,11 +292,6 @@ Result<bool> Simplifier::prove(std::uint32_t first) {
   return true;
 }
 
-void Simplifier::find_live() {
-  live_ = numbers_where(mesh_.triangles.size(), options_.threads,
-                        [this](std::uint32_t t) { return !mesh_.triangles[t].is_dead(); });
-}
-
 /// Undoing brings triangles back, and takes none away.
 void Simplifier::add_live(std::span<const std::uint32_t> changed) {
   std::vector<std::uint32_t> all;
@@ -314,7 +308,7 @@ void Simplifier::reopen(std::span<const std::uint32_t> changed) {
 }
 
 Result<void> Simplifier::count_input_crossings() {
-  find_live();
+  live_ = live_triangles(mesh_, options_.threads);
   LODE_TRY(const auto crossings, find_crossings(mesh_, live_, live_, options_.threads, progress_));
   report_.input_crossings = crossings.size();
   return {};
@@ -446,6 +440,7 @@ Result<SimplifyReport> simplify(Surface& surface, const SimplifyOptions& options
 
 void SimplifyReport::join(const SimplifyReport& other) {
   max_distance = std::max(max_distance, other.max_distance);
+  start_distance = std::max(start_distance, other.start_distance);
   triangles_before += other.triangles_before;
   triangles += other.triangles;
   collapses += other.collapses;

@@ -29,6 +29,9 @@ struct SimplifySeconds {
 
 struct SimplifyReport {
   double max_distance = 0;  ///< As asked for.
+  /// Of max_distance and proven_distance what lies between the surface before and what that stands
+  /// for.
+  double start_distance = 0;
   std::uint64_t triangles_before = 0;
   std::uint64_t triangles = 0;
   std::uint64_t collapses = 0;  ///< Edges that stay collapsed.

@@ -43,7 +43,7 @@ void visit_rows(const SamplesOfBrick& samples, const Visit& visit) {
 /// Finds the cells of one brick after another.
 class CellSearch {
  public:
-  CellSearch(const Selection<3>& selection, const LatticeFrame& frame, double limit)
+  CellSearch(const Selection<3>& selection, const LatticeFrame& frame, const CubeLimit& limit)
       : samples_(selection.model()),
         nodes_(selection),
         meter_(frame, selection.isovalue()),
@@ -76,7 +76,7 @@ class CellSearch {
     return static_cast<std::uint32_t>(axes[0] & axes[1] & axes[2]);
   }
   std::uint32_t within_limit(const Index<3>& first, std::uint32_t cells) {
-    if (std::isinf(limit_)) return cells;
+    if (limit_.is_none()) return cells;
     for (std::uint32_t left = cells; left != 0; left &= left - 1) {
       Index3 cell = first;
       cell[0] += std::countr_zero(left);
@@ -88,7 +88,7 @@ class CellSearch {
   SamplesOfBrick samples_;
   BrickNodes nodes_;
   CubeMeter meter_;
-  double limit_;
+  CubeLimit limit_;
 };
 
 /// run(worker, brick) in parallel; a worker is made by make() when it is first needed.
@@ -118,11 +118,13 @@ CubeCells CubeCells::all(const Shape<3>& shape) {
   return result;
 }
 
-bool CubeCells::are_all(bool has_holes, double limit) { return !has_holes && std::isinf(limit); }
+bool CubeCells::are_all(bool has_holes, const CubeLimit& limit) {
+  return !has_holes && limit.is_none();
+}
 
 Result<CubeCells> CubeCells::find(const Selection<3>& selection,
                                   std::span<const CutBrick<3>> bricks, const LatticeFrame& frame,
-                                  double limit, Threads threads, Progress& progress) {
+                                  const CubeLimit& limit, Threads threads, Progress& progress) {
   CubeCells result(selection.model().shape);
   result.cubes_.resize(result.n_words_ * as_size(result.n_cells_[1]) * as_size(result.n_cells_[2]));
   result.are_all_ = are_all(selection.model().has_holes(), limit);

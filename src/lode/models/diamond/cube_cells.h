@@ -12,9 +12,9 @@
 namespace lode::diamond {
 
 /// Which unit cells of a volume, or of a file's part, are marched in the style of cubes where
-/// others are not: all of whose simplices are in the cut, whose triangles stay within a limit of
-/// F = isovalue, and beside which there is no cell that the surface meets and that is not whole.
-/// Cells of bricks that holes are beside are none.
+/// others are not: all of whose simplices are in the cut, whose triangles keep to a limit, and
+/// beside which there is no cell that the surface meets and that is not whole. Cells of bricks that
+/// holes are beside are none.
 class CubeCells {
  public:
   /// None.
@@ -22,15 +22,15 @@ class CubeCells {
   /// All cells, which measure() does not know of.
   [[nodiscard]] static CubeCells all(const Shape<3>& shape);
   /// Of bricks of the selection's lattice; what lies round them counts as none, but where all cells
-  /// are cubes. `limit`: of |F - isovalue|, field units; may be infinite.
+  /// are cubes.
   [[nodiscard]] static Result<CubeCells> find(const Selection<3>& selection,
                                               std::span<const CutBrick<3>> bricks,
-                                              const LatticeFrame& frame, double limit,
+                                              const LatticeFrame& frame, const CubeLimit& limit,
                                               Threads threads, Progress& progress);
 
   /// Whether all cells are cubes that the surface meets, so that none has to be looked at for the
   /// sake of its neighbours.
-  [[nodiscard]] static bool are_all(bool has_holes, double limit);
+  [[nodiscard]] static bool are_all(bool has_holes, const CubeLimit& limit);
 
   /// `cell`: its lowest corner; may be none of the lattice's. Of cells that the surface does not
   /// meet it says nothing.

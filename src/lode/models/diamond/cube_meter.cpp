@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "lode/core/point_triangle.h"
 #include "lode/mappers/cube_cases.h"
 #include "lode/mappers/tetrahedron_cases.h"
 
@@ -18,14 +19,17 @@ constexpr double kRounding = 0x1p-40;
 constexpr std::array<std::array<std::size_t, 3>, 6> kAxes{
     {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
 
-double squared_distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
-  const Vec3d along = b - a;
-  const double squared_length = dot(along, along);
-  const double t =
-      squared_length > 0 ? std::clamp(dot(p - a, along) / squared_length, 0.0, 1.0) : 0;
-  const Vec3d rest = p - a - t * along;
-  return dot(rest, rest);
-}
+constexpr std::uint8_t kNoEdge = 0xFF;
+
+/// Numbers of the 19 edges of the tetrahedra, by their corners in any order.
+constexpr auto kEdgeOf = [] {
+  std::array<std::array<std::uint8_t, 8>, 8> edges{};
+  std::uint8_t n = 0;
+  for (std::size_t a = 0; a < 8; ++a)
+    for (std::size_t b = a; b < 8; ++b)
+      edges[a][b] = edges[b][a] = a != b && (a & b) == a ? n++ : kNoEdge;
+  return edges;
+}();
 
 /// How far a point of a triangle is at most from the nearest of its corners: that of the centre of
 /// its circumcircle, or, if that is outside, of the two points of the longest side that are as far
@@ -60,6 +64,26 @@ void CubeMeter::FlatPolygon::find_normal() {
   normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
   if (n == 4) normal = normal + cross(corner[2] - corner[0], corner[3] - corner[0]);
   squared_normal = dot(normal, normal);
+  for (std::size_t i = 0; i < n; ++i)
+    inward[i] = cross(normal, corner[i + 1 == n ? 0 : i + 1] - corner[i]);
+}
+
+bool CubeMeter::FlatPolygon::is_near(const Vec3d& p, double limit2) const {
+  const double height = dot(p - corner[0], normal);
+  if (height * height > limit2 * squared_normal) return false;
+  bool is_above = squared_normal > 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double inside = dot(inward[i], p - corner[i]);
+    if (inside >= 0) continue;
+    if (inside * inside > limit2 * dot(inward[i], inward[i])) return false;
+    is_above = false;
+  }
+  if (is_above) return true;
+  for (std::size_t i = 0; i < n; ++i)
+    if (squared_distance_to_segment(p, corner[i], corner[i + 1 == n ? 0 : i + 1] - corner[i]) <=
+        limit2)
+      return true;
+  return false;
 }
 
 double CubeMeter::squared_distance(const Vec3d& p, const FlatPolygon& polygon) {
@@ -67,14 +91,14 @@ double CubeMeter::squared_distance(const Vec3d& p, const FlatPolygon& polygon) {
   const auto next = [&](std::size_t i) { return c[i + 1 == polygon.n ? 0 : i + 1]; };
   bool is_above = polygon.squared_normal > 0;
   for (std::size_t i = 0; i < polygon.n && is_above; ++i)
-    is_above = dot(cross(polygon.normal, next(i) - c[i]), p - c[i]) >= 0;
+    is_above = dot(polygon.inward[i], p - c[i]) >= 0;
   if (is_above) {
     const double height = dot(p - c[0], polygon.normal);
     return height * height / polygon.squared_normal;
   }
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < polygon.n; ++i)
-    nearest = std::min(nearest, squared_distance_to_segment(p, c[i], next(i)));
+    nearest = std::min(nearest, squared_distance_to_segment(p, c[i], next(i) - c[i]));
   return nearest;
 }
 
@@ -100,14 +124,143 @@ void CubeMeter::add(const FieldSamples& samples, const Index3& cell) {
                  vertices_[case_->triangles[t][2]]);
 }
 
-bool CubeMeter::exceeds(const FieldSamples& samples, const Index3& cell, double limit) {
+bool CubeMeter::exceeds(const FieldSamples& samples, const Index3& cell, const CubeLimit& limit) {
   open(samples, cell);
+  return errs(limit.error) || (!std::isinf(limit.distance) && strays(limit.distance));
+}
+
+bool CubeMeter::errs(double limit) const {
   if (field_.magnitude() * (1 + kRounding) <= limit) return false;
   for (std::size_t t = 0; t < case_->n_triangles; ++t)
     if (error_of(vertices_[case_->triangles[t][0]], vertices_[case_->triangles[t][1]],
                  vertices_[case_->triangles[t][2]]) > limit)
       return true;
   return false;
+}
+
+bool CubeMeter::strays(double limit) {
+  const double move = farthest_move();
+  if (move > limit) return true;
+  if (std::max(move, farthest_inside()) <= limit) return false;
+  find_level_set();
+  for (std::size_t t = 0; t < case_->n_triangles; ++t) {
+    cube_[t].n = 3;
+    for (std::size_t k = 0; k < 3; ++k)
+      cube_[t].corner[k] = to_world_ * vertices_[case_->triangles[t][k]];
+    cube_[t].find_normal();
+  }
+  return !is_level_set_near(limit) || !is_cube_near(limit);
+}
+
+/// How far at most points inside the cell go if those on its faces' diagonals move as they do there
+/// and the level set's triangles follow; infinite where that may not end on the cube's triangles.
+/// A piece that is one of these goes onto it, whatever way it was cut. Where the body diagonal is
+/// crossed the level set is a fan round its vertex, which may go onto the edge between two.
+double CubeMeter::farthest_inside() const {
+  const bool has_body_vertex = (field_.at_corner(0) >= 0) != (field_.at_corner(7) >= 0);
+  if (!has_body_vertex && case_->n_edges == 3 * case_->n_triangles) return 0;
+  if (!has_body_vertex || case_->n_triangles > 2 || case_->n_edges != case_->n_triangles + 2)
+    return std::numeric_limits<double>::infinity();
+  const Vec3d body = to_world_ * vertex_on(0, 7);
+  const auto& first = case_->triangles[0];
+  std::array<Vec3d, 3> p;
+  std::size_t n = 0;
+  for (const std::size_t k : first) {
+    const auto& other = case_->triangles[case_->n_triangles - 1U];
+    if (std::ranges::find(other, k) != other.end()) p[n++] = to_world_ * vertices_[k];
+  }
+  return std::sqrt(n == 2 ? squared_distance_to_segment(body, p[0], p[1] - p[0])
+                          : squared_distance_to_triangle(body, p));
+}
+
+/// All points of the triangles to the level set.
+bool CubeMeter::is_cube_near(double limit) {
+  bool is_far = false;
+  for (std::size_t t = 0; t < case_->n_triangles && !is_far; ++t) {
+    Piece triangle;
+    for (const std::size_t k : case_->triangles[t]) triangle.add(vertices_[k]);
+    visit_kuhn_simplices(triangle, [&](const Piece& part) {
+      is_far = is_far || (distance_to_values(part) > limit && distance_of(part, limit) > limit);
+    });
+  }
+  return !is_far;
+}
+
+/// All points of the level set to the triangles.
+bool CubeMeter::is_level_set_near(double limit) const {
+  const double limit2 = limit * limit;
+  std::array<unsigned, kLatticeEdges> near{};  // bits: triangles
+  for (std::size_t e = 0; e < kLatticeEdges; ++e) {
+    if ((crossed_ >> e & 1) == 0) continue;
+    near[e] = triangles_near(crossings_[e], limit2);
+    if (near[e] == 0) return false;
+  }
+  for (const FlatPolygon& polygon : level_set_) {
+    if (polygon.n == 0) continue;
+    unsigned near_all = ~0U;
+    for (std::size_t i = 0; i < polygon.n; ++i) near_all &= near[polygon.edge[i]];
+    constexpr int kCuts = 2;
+    if (near_all == 0 && !are_parts_near(std::span(polygon.corner).first(polygon.n), limit2, kCuts))
+      return false;
+  }
+  return true;
+}
+
+/// Bits: the cube's triangles that are near a point.
+unsigned CubeMeter::triangles_near(const Vec3d& p, double limit2) const {
+  unsigned near = 0;
+  for (std::size_t t = 0; t < case_->n_triangles; ++t)
+    if (cube_[t].is_near(p, limit2)) near |= 1U << t;
+  return near;
+}
+
+/// Whether parts of a convex polygon are each near one triangle of the cube, as far as it is cut.
+bool CubeMeter::are_parts_near(std::span<const Vec3d> polygon, double limit2, int depth) const {
+  const auto is_near = [&](const std::array<Vec3d, 3>& part) {
+    unsigned near_all = ~0U;
+    for (const Vec3d& p : part) near_all &= triangles_near(p, limit2);
+    return near_all != 0;
+  };
+  for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
+    const std::array<Vec3d, 3> p{polygon[0], polygon[k], polygon[k + 1]};
+    const Vec3d a = 0.5 * (p[1] + p[2]);
+    const Vec3d b = 0.5 * (p[2] + p[0]);
+    const Vec3d c = 0.5 * (p[0] + p[1]);
+    for (const auto& part : {std::array{p[0], c, b}, {c, p[1], a}, {b, a, p[2]}, {a, b, c}})
+      if (!is_near(part) && (depth == 1 || !are_parts_near(part, limit2, depth - 1))) return false;
+  }
+  return true;
+}
+
+/// How far at most a vertex on a face's diagonal goes, onto the segment between the face's two
+/// crossed edges.
+double CubeMeter::farthest_move() const {
+  double farthest = 0;
+  const auto is_crossed = [&](std::size_t a, std::size_t b) {
+    return (field_.at_corner(a) >= 0) != (field_.at_corner(b) >= 0);
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::size_t first = std::size_t{1} << (axis + 1) % 3;
+      const std::size_t second = std::size_t{1} << (axis + 2) % 3;
+      const std::size_t even = side << axis;
+      const std::size_t odd = even | first | second;
+      if (!is_crossed(even, odd)) continue;
+      // Of what is off the diagonal the two have as much on either side.
+      std::array<Vec3d, 2> p;
+      std::size_t n = 0;
+      for (const auto& [a, b] : {std::array{even, even | first},
+                                 {even | first, odd},
+                                 {even, even | second},
+                                 {even | second, odd}})
+        if (is_crossed(a, b)) p[n++] = vertex_on(a, b);
+      const auto aside = [&](const Vec3d& q) { return q[(axis + 1) % 3] - q[(axis + 2) % 3]; };
+      const double from = aside(p[0]);
+      const double to = aside(p[1]);
+      const Vec3d moved = p[0] + from / (from - to) * (p[1] - p[0]);
+      farthest = std::max(farthest, length(to_world_ * (moved - vertex_on(even, odd))));
+    }
+  return farthest;
 }
 
 /// In local coordinates.
@@ -139,7 +292,8 @@ void CubeMeter::add_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   visit_kuhn_simplices(triangle, [&](const Piece& part) {
     const double bound = std::min(most, distance_to_values(part));
     if (bound <= deviation_.distance) return;
-    deviation_.distance = std::max(deviation_.distance, std::min(bound, distance_of(part)));
+    deviation_.distance =
+        std::max(deviation_.distance, std::min(bound, distance_of(part, deviation_.distance)));
   });
 }
 
@@ -206,7 +360,16 @@ double CubeMeter::error_of(const Vec3d& a, const Vec3d& b, const Vec3d& c) const
 
 /// What the level set is in each tetrahedron, in world coordinates from the even corner.
 void CubeMeter::find_level_set() {
+  if (has_level_set_) return;
   has_level_set_ = true;
+  crossed_ = 0;
+  for (std::size_t a = 0; a < 8; ++a)
+    for (std::size_t b = a + 1; b < 8; ++b) {
+      const std::uint8_t edge = kEdgeOf[a][b];
+      if (edge == kNoEdge || (field_.at_corner(a) >= 0) == (field_.at_corner(b) >= 0)) continue;
+      crossed_ |= 1U << edge;
+      crossings_[edge] = to_world_ * vertex_on(a, b);
+    }
   for (std::size_t t = 0; t < level_set_.size(); ++t) {
     FlatPolygon& polygon = level_set_[t];
     std::array<std::size_t, 4> corner{};
@@ -217,7 +380,9 @@ void CubeMeter::find_level_set() {
     const auto& o = kTetrahedronOrder[inside];
     polygon.n = 0;
     const auto put = [&](std::size_t i, std::size_t j) {
-      polygon.corner[polygon.n++] = to_world_ * vertex_on(corner[o[i]], corner[o[j]]);
+      const std::uint8_t edge = kEdgeOf[corner[o[i]]][corner[o[j]]];
+      polygon.edge[polygon.n] = edge;
+      polygon.corner[polygon.n++] = crossings_[edge];
     };
     const int n_inside = std::popcount(inside);
     if (n_inside == 1 || n_inside == 3)
@@ -231,12 +396,12 @@ void CubeMeter::find_level_set() {
 
 /// A bound for the points of a part of a triangle in one tetrahedron, as long as it matters. Most
 /// often what that one has of the level set is near enough.
-double CubeMeter::distance_of(const Piece& part) {
-  if (!has_level_set_) find_level_set();
+double CubeMeter::distance_of(const Piece& part, double enough) {
+  find_level_set();
   double best = std::numeric_limits<double>::infinity();
-  const double enough = deviation_.distance * deviation_.distance;
+  const double enough2 = enough * enough;
   const std::size_t own = tetrahedron_of(part);
-  for (std::size_t k = 0; k < level_set_.size() && best > enough; ++k) {
+  for (std::size_t k = 0; k < level_set_.size() && best > enough2; ++k) {
     const FlatPolygon& polygon = level_set_[(own + k) % level_set_.size()];
     if (polygon.n == 0) continue;
     double farthest = 0;

@@ -1,5 +1,6 @@
 #include "lode/models/diamond/extract.h"
 
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -34,7 +35,8 @@ class Extraction {
     IsosurfaceReport report;
     LODE_CHECK(check_style<D>(query_, model_.shape));
     if constexpr (D == 3)
-      if (model_.shape.has_cells() && query_.tolerance == 0 && !model_.has_holes())
+      if (model_.shape.has_cells() && query_.tolerance == 0 && !model_.has_holes() &&
+          std::isinf(query_.style_distance))
         return run_flat(selection_, surface, progress);
     if (query_.replaces) surface.clear();
     surface.origin = frame_.surface_origin;

@@ -21,6 +21,8 @@ struct IsosurfaceQuery {
   /// cubes, of a volume: full resolution, where tetrahedra stay wherever |F - isovalue| would not
   /// keep within the tolerance; at tolerance 0 there is no bound (see CubeCells).
   SurfaceStyle style = SurfaceStyle::tetra;
+  /// Tetrahedra stay, too, where cubes are not within this of them and back, world units.
+  double style_distance = std::numeric_limits<double>::infinity();
   bool with_deviation = false;  ///< Of cubes, whether their deviation is measured.
   Threads threads{};
   bool with_normals = false;  ///< Normals too; see normals.h.
@@ -32,9 +34,10 @@ struct IsosurfaceQuery {
   [[nodiscard]] double cut_tolerance() const {
     return style == SurfaceStyle::cubes ? 0 : tolerance;
   }
-  /// Of |F - isovalue| on cubes.
-  [[nodiscard]] double style_limit() const {
-    return tolerance > 0 ? tolerance : std::numeric_limits<double>::infinity();
+  /// Of cubes.
+  [[nodiscard]] CubeLimit style_limit() const {
+    return {.error = tolerance > 0 ? tolerance : std::numeric_limits<double>::infinity(),
+            .distance = style_distance};
   }
 };
 

@@ -168,7 +168,7 @@ class FileExtraction {
   /// Those in the first bricks are measured, where that is asked for.
   Result<CubeCells> cubes_of(const Selection<3>& selection, std::span<const CutBrick<3>> bricks,
                              std::size_t n_own, Progress& progress) {
-    const double limit = query_.style_limit();
+    const CubeLimit limit = query_.style_limit();
     if (!query_.with_deviation && !needs_round()) return CubeCells::all(part_.model().shape);
     LODE_TRY(CubeCells cubes,
              CubeCells::find(selection, bricks, frame_, limit, query_.threads, progress));
