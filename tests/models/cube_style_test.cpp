@@ -282,6 +282,35 @@ TEST(cube_style, keeps_tetrahedra_on_noise_too) {
   }
 }
 
+/// Single cells of all cases: what is taken for near is, and most that is near is taken for it.
+TEST(cube_style, tells_of_single_cells_how_far_cubes_are) {
+  RegularGrid grid;
+  grid.dims = {{2, 2, 2}};
+  grid.spacing = {{1, 0.8, 1.2}};
+  oracles::Random random(5);
+  int n_cells = 0;
+  int n_close = 0;
+  for (int i = 0; i < oracles::trials(20'000, 1500); ++i) {
+    const Volume volume =
+        oracles::volume_of<float>(grid, [&](const Index3&) { return random.uniform(-1, 1); });
+    const Dataset dataset = dataset_of(volume);
+    const Surface tetra = styled(dataset, 0, SurfaceStyle::tetra);
+    const Surface cube = styled(dataset, 0, SurfaceStyle::cubes);
+    if (tetra.triangles.empty()) continue;
+    constexpr int kPoints = 7;
+    const double found = std::max(test::one_sided_distance(tetra, cube, kPoints),
+                                  test::one_sided_distance(cube, tetra, kPoints));
+    diamond::CubeMeter meter(LatticeFrame::of(grid), 0);
+    const diamond::VolumeSamples samples(volume);
+    double near = 0.01;
+    while (near < 3 && meter.exceeds(samples, {{0, 0, 0}}, {.distance = near})) near *= 1.2;
+    ASSERT_LE(found, near + 1e-6) << i;
+    ++n_cells;
+    if (near <= 2 * found + 0.05) ++n_close;
+  }
+  EXPECT_GT(n_close, n_cells * 3 / 4);
+}
+
 TEST(cube_style, a_distance_is_one_of_cubes_and_positive) {
   RegularGrid grid;
   grid.dims = {{5, 6, 4}};

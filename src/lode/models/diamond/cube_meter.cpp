@@ -8,6 +8,7 @@
 
 #include "lode/core/point_triangle.h"
 #include "lode/mappers/cube_cases.h"
+#include "lode/mappers/cube_following.h"
 #include "lode/mappers/tetrahedron_cases.h"
 
 namespace lode::diamond {
@@ -108,9 +109,9 @@ void CubeMeter::open(const FieldSamples& samples, const Index3& cell) {
     for (std::size_t i = 0; i < 3; ++i)
       to_world_.rows[i][axis] = frame_.to_world.rows[i][axis] * field_.step()[axis];
   has_level_set_ = false;
-  unsigned corners = 0;
-  for (std::size_t k = 0; k < 8; ++k) corners |= (field_.at_corner(k) >= 0 ? 1U : 0U) << k;
-  case_ = &cube_cases(0, false)[corners];
+  corners_ = 0;
+  for (std::size_t k = 0; k < 8; ++k) corners_ |= (field_.at_corner(k) >= 0 ? 1U : 0U) << k;
+  case_ = &cube_cases(0, false)[corners_];
   for (std::size_t e = 0; e < case_->n_edges; ++e) {
     const auto [a, b] = edge_corners(case_->edges[e]);
     vertices_[e] = vertex_on(a, b);
@@ -154,23 +155,17 @@ bool CubeMeter::strays(double limit) {
 
 /// How far at most points inside the cell go if those on its faces' diagonals move as they do there
 /// and the level set's triangles follow; infinite where that may not end on the cube's triangles.
-/// A piece that is one of these goes onto it, whatever way it was cut. Where the body diagonal is
-/// crossed the level set is a fan round its vertex, which may go onto the edge between two.
 double CubeMeter::farthest_inside() const {
-  const bool has_body_vertex = (field_.at_corner(0) >= 0) != (field_.at_corner(7) >= 0);
-  if (!has_body_vertex && case_->n_edges == 3 * case_->n_triangles) return 0;
-  if (!has_body_vertex || case_->n_triangles > 2 || case_->n_edges != case_->n_triangles + 2)
+  const CubeFollowing& following = cube_following(corners_);
+  if (following.body == CubeFollowing::Body::unknown)
     return std::numeric_limits<double>::infinity();
-  const Vec3d body = to_world_ * vertex_on(0, 7);
-  const auto& first = case_->triangles[0];
+  if (following.body == CubeFollowing::Body::none) return 0;
   std::array<Vec3d, 3> p;
-  std::size_t n = 0;
-  for (const std::size_t k : first) {
-    const auto& other = case_->triangles[case_->n_triangles - 1U];
-    if (std::ranges::find(other, k) != other.end()) p[n++] = to_world_ * vertices_[k];
-  }
-  return std::sqrt(n == 2 ? squared_distance_to_segment(body, p[0], p[1] - p[0])
-                          : squared_distance_to_triangle(body, p));
+  for (std::size_t i = 0; i < 3; ++i) p[i] = to_world_ * vertices_[following.vertices[i]];
+  const Vec3d body = to_world_ * vertex_on(0, 7);
+  return std::sqrt(following.body == CubeFollowing::Body::on_edge
+                       ? squared_distance_to_segment(body, p[0], p[1] - p[0])
+                       : squared_distance_to_triangle(body, p));
 }
 
 /// All points of the triangles to the level set.

@@ -86,7 +86,8 @@ class CubeMeter {
   double isovalue_;
   CellField field_;
   Mat3 to_world_;
-  const KuhnCubeCase* case_ = nullptr;              ///< Of the open cell,
+  unsigned corners_ = 0;  ///< Inside, of the open cell: bits;
+  const KuhnCubeCase* case_ = nullptr;
   std::array<Vec3d, 19> vertices_;                  ///< and its vertices, in local coordinates.
   static constexpr std::size_t kLatticeEdges = 19;  ///< Of its tetrahedra.
   std::array<Vec3d, kLatticeEdges> crossings_;      ///< With the isovalue, as level_set_.
