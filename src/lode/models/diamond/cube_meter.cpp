@@ -109,6 +109,7 @@ void CubeMeter::open(const FieldSamples& samples, const Index3& cell) {
     for (std::size_t i = 0; i < 3; ++i)
       to_world_.rows[i][axis] = frame_.to_world.rows[i][axis] * field_.step()[axis];
   has_level_set_ = false;
+  farthest_vertex_ = -1;
   corners_ = 0;
   for (std::size_t k = 0; k < 8; ++k) corners_ |= (field_.at_corner(k) >= 0 ? 1U : 0U) << k;
   case_ = &cube_cases(0, false)[corners_];
@@ -151,6 +152,11 @@ bool CubeMeter::strays(double limit) {
     cube_[t].find_normal();
   }
   return !is_level_set_near(limit) || !is_cube_near(limit);
+}
+
+double CubeMeter::farthest_vertex() const {
+  const double inside = farthest_inside();
+  return std::isinf(inside) ? inside : std::max(farthest_move(), inside);
 }
 
 /// How far at most points inside the cell go if those on its faces' diagonals move as they do there
@@ -281,11 +287,13 @@ void CubeMeter::add_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const double error = error_of(a, b, c);
   deviation_.error = std::max(deviation_.error, error);
   if (error <= kRounding * field_.magnitude() || most <= deviation_.distance) return;
+  if (farthest_vertex_ < 0) farthest_vertex_ = farthest_vertex() * (1 + kRounding);
+  if (farthest_vertex_ <= deviation_.distance) return;
   Piece triangle;
   for (const Vec3d& p : {a, b, c}) triangle.add(p);
   // The least of all bounds, so that what is skipped changes nothing.
   visit_kuhn_simplices(triangle, [&](const Piece& part) {
-    const double bound = std::min(most, distance_to_values(part));
+    const double bound = std::min({most, farthest_vertex_, distance_to_values(part)});
     if (bound <= deviation_.distance) return;
     deviation_.distance =
         std::max(deviation_.distance, std::min(bound, distance_of(part, deviation_.distance)));

@@ -76,6 +76,7 @@ class CubeMeter {
   [[nodiscard]] double distance_of(const Piece& part, double enough);
   [[nodiscard]] double farthest_move() const;
   [[nodiscard]] double farthest_inside() const;
+  [[nodiscard]] double farthest_vertex() const;
   [[nodiscard]] bool is_cube_near(double limit);
   [[nodiscard]] bool is_level_set_near(double limit) const;
   [[nodiscard]] unsigned triangles_near(const Vec3d& p, double limit2) const;
@@ -95,6 +96,7 @@ class CubeMeter {
   std::array<FlatPolygon, 6> level_set_;
   std::array<FlatPolygon, 12> cube_;  ///< Its triangles, where they are wanted; as level_set_.
   bool has_level_set_ = false;
+  double farthest_vertex_ = -1;  ///< Between cube and tetrahedra, if it is known.
   CubeDeviation deviation_;
 };
 
