@@ -138,10 +138,13 @@ Outcome report_checks(const VerifyArguments& arguments, const VerifyReport& repo
     Json& json = checks.emplace_back();
     json["name"] = check.name;
     json["count"] = check.count;
-    json["passed"] = check.passed;
+    json["passed"] = check.skipped ? Json(nullptr) : Json(check.passed);
     json["detail"] = check.detail;
-    table.add(
-        {check.name, format_count(check.count), check.passed ? "passed" : "FAILED", check.detail});
+    table.add({check.name, format_count(check.count),
+               check.skipped  ? "skipped"
+               : check.passed ? "passed"
+                              : "FAILED",
+               check.detail});
   }
   const auto or_null = [](const std::string& path) {
     return path.empty() ? Json(nullptr) : Json(path);
@@ -177,6 +180,9 @@ Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
   }
   if (!is_tetra && !is_terrain && needs_model && report.passed())
     LODE_CHECK(verify_model(arguments, session, report));
+  for (const VerifyReport::Check& check : report.checks)
+    if (check.skipped)
+      session.warn(fmt::format("{}: {}: {}", arguments.input, check.name, check.detail));
   for (const VerifyReport::Check& check : report.checks) {
     if (check.passed) continue;
     session.fail(fmt::format("{}: failed: {}{}{}",

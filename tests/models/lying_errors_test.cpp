@@ -43,7 +43,7 @@ void expect_found_out(const Index3& dims, ScalarType type, test::Holes holes) {
   const auto limited = verify_file(path.str(), {2}, progress, 10'000);
   ASSERT_TRUE(limited);
   ASSERT_EQ(limited->checks.size(), 2U);
-  EXPECT_EQ(limited->checks[1].count, 0U);
+  EXPECT_TRUE(limited->checks[1].skipped);
   EXPECT_NE(limited->checks[1].detail.find("not looked at"), std::string::npos);
 
   test::rewrite(path.str(), {}, make_small);

@@ -81,7 +81,8 @@ DistanceProof::Corners DistanceProof::original_corners(std::uint32_t triangle) c
           widened(original_.positions[v[2]])};
 }
 
-double DistanceProof::bound_from(std::uint32_t triangle) const {
+double DistanceProof::bound_from(std::uint32_t triangle) {
+  looked_around_[triangle] = 0;
   const Piece piece = original_corners(triangle);
   const double limit = limit_ * (1 - 2 * kRounding);
   const double limit2 = limit * limit;
@@ -103,6 +104,7 @@ double DistanceProof::bound_from(std::uint32_t triangle) const {
     const double pieces = bound_pieces(piece, std::span(near).first(n), limit2, kFewCuts);
     if (pieces <= limit2) return pieces;
   }
+  looked_around_[triangle] = 1;
   std::vector<std::uint32_t> around;
   for (std::size_t i = 0; i < n; ++i)
     for (const std::uint32_t corner : mesh_.triangles[at[i]].v)

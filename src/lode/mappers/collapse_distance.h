@@ -37,14 +37,20 @@ class DistanceProof {
         stars_(stars),
         limit_(limit),
         longest_edge_(static_cast<float>(edge)),
-        progress_(progress) {}
+        progress_(progress),
+        looked_around_(original.triangles.size(), 1) {}
 
-  /// From all points of original triangles to the new surface.
+  /// From all points of original triangles to the new surface. Of each it is remembered whether
+  /// more was looked at than the triangles its corners are attached to.
   [[nodiscard]] DistanceReport from_original(std::span<const std::uint32_t> triangles,
                                              Threads threads);
   /// From all points of new triangles to the original surface.
   [[nodiscard]] DistanceReport to_original(std::span<const std::uint32_t> triangles,
                                            Threads threads);
+  /// Whether the last proof of an original triangle depends on what is round those, too.
+  [[nodiscard]] bool looked_around(std::uint32_t triangle) const {
+    return looked_around_[triangle] != 0;
+  }
   /// Original triangles round original vertices; found once.
   [[nodiscard]] Surroundings surroundings(Threads threads) {
     if (first_around_.empty()) find_triangles_around(threads);
@@ -54,7 +60,7 @@ class DistanceProof {
  private:
   using Corners = std::array<Vec3d, 3>;
 
-  [[nodiscard]] double bound_from(std::uint32_t triangle) const;
+  [[nodiscard]] double bound_from(std::uint32_t triangle);
   [[nodiscard]] double bound_from_one(std::uint32_t triangle) const;
   [[nodiscard]] double bound_to(std::uint32_t triangle, ShadowCover& shadows, Cover& cover) const;
   template <typename Add>
@@ -73,6 +79,7 @@ class DistanceProof {
   std::vector<std::uint32_t> first_around_;  ///< Original triangles round original vertices,
   std::vector<std::uint32_t> around_;        ///< once they are wanted.
   std::vector<double> attached_distance2_;   ///< Empty where it is not worth finding.
+  std::vector<std::uint8_t> looked_around_;  ///< By original triangle; 1 where that is not known.
 };
 
 }  // namespace lode::simplification

@@ -17,23 +17,25 @@ std::uint32_t later(std::uint32_t a, std::uint32_t b) {
 
 }  // namespace
 
-/// Original triangles of which a corner is attached to a changed triangle or a neighbour of one:
-/// their proofs may have been about what is no more. Those that failed, wherever they are attached,
-/// and to begin with those of which a corner has collapsed since all was proven, so that they may
-/// not have been looked at.
+/// Original triangles whose proofs may have been about what is no more: of which a corner is
+/// attached to a changed triangle, or to a neighbour of one, where they looked round it. Those that
+/// failed, wherever they are attached, and to begin with those of which a corner has collapsed
+/// since all was proven, so that they may not have been looked at.
 std::vector<std::uint32_t> CollapseProof::to_recheck(std::span<const std::uint32_t> live,
                                                      std::span<const std::uint32_t> changed) {
-  std::vector<std::uint8_t> is_near(mesh_.triangles.size(), 0);
-  std::vector<std::uint32_t> near;
+  std::vector<Nearness> nearness(mesh_.triangles.size(), Nearness::none);
+  std::vector<std::uint32_t> near(changed.begin(), changed.end());
+  for (const std::uint32_t t : changed) nearness[t] = Nearness::changed;
   for (const std::uint32_t t : changed)
     for (const std::uint32_t v : mesh_.triangles[t].v)
       stars_.for_each_around(v, [&](std::uint32_t s) {
-        if (is_near[s] != 0) return;
-        is_near[s] = 1;
+        if (nearness[s] != Nearness::none) return;
+        nearness[s] = Nearness::beside;
         near.push_back(s);
       });
   const bool are_few = has_begun_ && near.size() * 4 < live.size();
-  std::vector<std::uint32_t> found = are_few ? original_of_few(near) : original_of_many(is_near);
+  const std::vector<std::uint32_t> found =
+      are_few ? original_of_few(near, nearness) : original_of_many(nearness);
   has_begun_ = true;
   std::vector<std::uint32_t> all;
   all.reserve(found.size() + far_.size());
@@ -46,26 +48,34 @@ bool CollapseProof::is_changed(std::uint32_t triangle) const {
   return mesh_.triangles[triangle].is_dead() || stars_.maker(triangle) != kNone;
 }
 
-std::vector<std::uint32_t> CollapseProof::original_of_few(std::span<const std::uint32_t> near) {
+std::vector<std::uint32_t> CollapseProof::original_of_few(std::span<const std::uint32_t> near,
+                                                          std::span<const Nearness> nearness) {
   const Surroundings around = distance_.surroundings(options_.threads);
   std::vector<std::uint8_t> is_asked(original_.triangles.size(), 0);
   parallel_for(near.size(), options_.threads, 64, [&](std::size_t i, int) {
     for (std::uint32_t p = mesh_.triangles[near[i]].points; p != kNone; p = mesh_.next_point[p])
       for (const std::uint32_t t : around.of(p))
-        if (is_changed(t)) std::atomic_ref(is_asked[t]).store(1, std::memory_order_relaxed);
+        if (concerns(t, nearness[near[i]]) && is_changed(t))
+          std::atomic_ref(is_asked[t]).store(1, std::memory_order_relaxed);
   });
   return numbers_where(is_asked.size(), options_.threads,
                        [&](std::uint32_t t) { return is_asked[t] != 0; });
 }
 
 std::vector<std::uint32_t> CollapseProof::original_of_many(
-    std::span<const std::uint8_t> is_near) const {
+    std::span<const Nearness> nearness) const {
   return numbers_where(original_.triangles.size(), options_.threads, [&](std::uint32_t t) {
     return is_changed(t) && std::ranges::any_of(original_.triangles[t], [&](std::uint32_t v) {
              const bool is_new = mesh_.last[v] != kNone && mesh_.last[v] >= first_;
-             return is_near[mesh_.attached_to[v]] != 0 || (is_new && !has_begun_);
+             return concerns(t, nearness[mesh_.attached_to[v]]) || (is_new && !has_begun_);
            });
   });
+}
+
+/// Whether an original triangle's proof has to do with one that its corner is attached to.
+bool CollapseProof::concerns(std::uint32_t triangle, Nearness nearness) const {
+  if (nearness == Nearness::beside) return !has_begun_ || distance_.looked_around(triangle);
+  return nearness == Nearness::changed;
 }
 
 /// Adds collapses whose triangles are not proven near, to `bad`.

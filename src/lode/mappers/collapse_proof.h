@@ -44,9 +44,13 @@ class CollapseProof {
   [[nodiscard]] std::vector<std::uint32_t> to_recheck(std::span<const std::uint32_t> live,
                                                       std::span<const std::uint32_t> changed);
   [[nodiscard]] bool is_changed(std::uint32_t triangle) const;
-  [[nodiscard]] std::vector<std::uint32_t> original_of_few(std::span<const std::uint32_t> near);
+  /// Of a triangle that is there.
+  enum class Nearness : std::uint8_t { none, beside, changed };
+  [[nodiscard]] std::vector<std::uint32_t> original_of_few(std::span<const std::uint32_t> near,
+                                                           std::span<const Nearness> nearness);
   [[nodiscard]] std::vector<std::uint32_t> original_of_many(
-      std::span<const std::uint8_t> is_near) const;
+      std::span<const Nearness> nearness) const;
+  [[nodiscard]] bool concerns(std::uint32_t triangle, Nearness nearness) const;
   void find_far(std::span<const std::uint32_t> made, std::span<const std::uint32_t> to_prove_near,
                 std::vector<std::uint32_t>& bad);
   void find_beyond(std::span<const std::uint32_t> made, std::vector<std::uint32_t>& bad);
