@@ -242,8 +242,10 @@ std::string extraction_text(const Extraction& extraction) {
     const char* when = report.simplified ? ", before it was simplified" : "";
     const bool has_holes = extraction.input.dataset.describe().n_holes > 0;
     table.add({"style", report.max_error > 0 ? "cubes within the max error, tetrahedra elsewhere"
-                        : has_holes          ? "cubes, tetrahedra in bricks that holes touch"
-                                             : "cubes: vertices on grid edges alone"});
+                        : extraction.options.style_distance
+                            ? "cubes within the style distance, tetrahedra elsewhere"
+                        : has_holes ? "cubes, tetrahedra in bricks that holes touch"
+                                    : "cubes: vertices on grid edges alone"});
     const double error = std::max(report.style_error, report.achieved_error);
     table.add({"|F - isovalue|", fmt::format("at most {}{}", format_number(error), when)});
     table.add({"cubes", fmt::format("at most {} from F = isovalue, measured in {}",
@@ -283,20 +285,25 @@ Result<void> run_job(const Job& job, const ExtractOptions& options, const Input&
   ExtractOptions job_options = options;
   job_options.isovalues = job.isovalues;
   const auto note = [&](const ExtractReport& report) -> SurfaceWriteOptions {
-    return {.comment =
-                fmt::format("Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}{}",
-                            LODE_VERSION, job.isovalues.size() == 1 ? "isovalue" : "isovalues",
-                            fmt::join(job.isovalues, " "), report.max_error, report.achieved_error,
-                            options.style == SurfaceStyle::cubes
-                                ? fmt::format(", style cubes, style_error {}", report.style_error)
-                                : "",
-                            topology_comment(report), distance_comment(report),
-                            simplify_comment(report), salvage_comment(input.dataset.salvaged())),
+    return {.comment = fmt::format(
+                "Lode {}: {} {}, max_error {}, achieved_error {}{}{}{}{}{}", LODE_VERSION,
+                job.isovalues.size() == 1 ? "isovalue" : "isovalues", fmt::join(job.isovalues, " "),
+                report.max_error, report.achieved_error,
+                options.style == SurfaceStyle::cubes
+                    ? fmt::format(", style cubes{}, style_error {}",
+                                  options.style_distance
+                                      ? fmt::format(" within {}", *options.style_distance)
+                                      : "",
+                                  report.style_error)
+                    : "",
+                topology_comment(report), distance_comment(report), simplify_comment(report),
+                salvage_comment(input.dataset.salvaged())),
             .frame = input.info.volume.grid.frame};
   };
   LODE_TRY(const ExtractReport report,
            extract_to_file(input.dataset, job_options, job.path, note, session.progress()));
   totals.add(report);
+  warn_of_cubes(session, job_options);
   warn_of_open(session, report);
   warn_of_unmet(session, report.unmet, options, input.info);
   return {};

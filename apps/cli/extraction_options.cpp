@@ -173,6 +173,11 @@ void add_extraction(Json& json, const ExtractOptions& options, const ExtractRepo
   json["vertices"] = report.vertices;
 }
 
+void warn_of_cubes(Session& session, const ExtractOptions& options) {
+  if (options.style == SurfaceStyle::cubes && options.isovalues.size() > 1)
+    session.warn("--style cubes: surfaces of isovalues that are near each other may meet");
+}
+
 void warn_of_open(Session& session, const ExtractReport& report) {
   if (report.open_edges > 0)
     session.warn(fmt::format("the surface stays open at holes: along {} edges", report.open_edges));

@@ -40,6 +40,8 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments);
 /// The keys of isovalues, tolerance, achieved error and counts.
 void add_extraction(Json& json, const ExtractOptions& options, const ExtractReport& report);
 
+/// Warns of several isovalues' cubes in one surface.
+void warn_of_cubes(Session& session, const ExtractOptions& options);
 /// Warns where holes keep a surface open that was to be closed.
 void warn_of_open(Session& session, const ExtractReport& report);
 /// Warns of each such isovalue, naming the value range or the options that may have removed it.

@@ -17,13 +17,13 @@ inline Vec3d widen(const Vec3f& p) { return {{double{p[0]}, double{p[1]}, double
 
 inline double segment_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   const Vec3d e = b - a;
-  const double t = std::clamp(dot(p - a, e) / dot(e, e), 0.0, 1.0);
+  const double t = dot(e, e) > 0 ? std::clamp(dot(p - a, e) / dot(e, e), 0.0, 1.0) : 0;
   return length(p - (a + e * t));
 }
 
 inline double triangle_distance(const Vec3d& p, const std::array<Vec3d, 3>& t) {
   const Vec3d n = cross(t[1] - t[0], t[2] - t[0]);
-  bool is_above = true;
+  bool is_above = dot(n, n) > 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3d& a = t[i];
     const Vec3d& b = t[(i + 1) % 3];

@@ -29,14 +29,22 @@ struct Original {
     ShadowCover cover(surface, {first, around}, limit);
     return cover.bound(triangle, start);
   }
-  /// Cells of an n by n triangle that shadows from `start` cover where not all of it is.
-  [[nodiscard]] std::vector<std::size_t> covered_cells(const Piece& triangle, std::uint32_t start,
-                                                       double limit, std::size_t n) const {
+  /// The same, and where that is not enough from another start too.
+  [[nodiscard]] double bound(const Piece& triangle, std::uint32_t start, std::uint32_t second,
+                             double limit) const {
+    ShadowCover cover(surface, {first, around}, limit);
+    const double bound = cover.bound(triangle, start);
+    return bound < kUnproven ? bound : cover.bound_with(second);
+  }
+  /// Cells of an n by n piece of a triangle that shadows from `start` cover where not all of it is.
+  [[nodiscard]] std::vector<std::size_t> covered_cells(const Piece& triangle, const Piece& piece,
+                                                       std::uint32_t start, double limit,
+                                                       std::size_t n) const {
     ShadowCover cover(surface, {first, around}, limit);
     std::vector<std::size_t> cells;
     if (cover.bound(triangle, start) < kUnproven || !cover.has_rims()) return cells;
     std::vector<std::int32_t> is_covered(n * n);
-    cover.mark_covered(triangle, n, radius_of(cell_of(triangle, 0, n)), is_covered);
+    cover.mark_covered(piece, n, radius_of(cell_of(piece, 0, n)), is_covered);
     for (std::size_t i = 0; i < n * n; ++i)
       if (is_covered[i] != 0) cells.push_back(i);
     return cells;
@@ -99,10 +107,13 @@ Tally try_triangles(const Original& original, double size, double off, double li
     const double found = largest_distance(piece, target);
     if (found <= limit) ++tally.n_near;
     constexpr std::size_t kCells = 7;
-    for (const std::size_t cell : original.covered_cells(piece, start, limit, kCells)) {
-      ++tally.n_cells;
-      EXPECT_LE(largest_distance(cell_of(piece, cell, kCells), target, 2), limit + 1e-12);
-    }
+    for (const Piece& part : {piece, quarters(piece)[random() % 4]})
+      for (const std::size_t cell : original.covered_cells(piece, part, start, limit, kCells)) {
+        ++tally.n_cells;
+        EXPECT_LE(largest_distance(cell_of(part, cell, kCells), target, 2), limit + 1e-12);
+      }
+    const double of_two = std::sqrt(original.bound(piece, original.nearest(middle), start, limit));
+    if (of_two <= limit) EXPECT_LE(found, of_two * (1 + 1e-9) + 1e-12);
     if (!(bound <= limit)) continue;
     ++tally.n_proven;
     EXPECT_LE(found, bound * (1 + 1e-9) + 1e-12);
@@ -150,7 +161,7 @@ TEST(shadow_cover, a_hole_is_not_covered) {
   const Piece over{Vec3d{{1.2, 1.3, 0}}, Vec3d{{9.1, 1.2, 0}}, Vec3d{{5.3, 9.4, 0}}};
   EXPECT_EQ(patch.bound(over, patch.nearest({{4, 2, 0}}), 0.2), kUnproven);
   // Around it: of ten by ten cells all but those near [4, 5]².
-  const auto cells = patch.covered_cells(over, patch.nearest({{4, 2, 0}}), 0.2, 8);
+  const auto cells = patch.covered_cells(over, over, patch.nearest({{4, 2, 0}}), 0.2, 8);
   EXPECT_GT(cells.size(), 48U);
   EXPECT_LT(cells.size(), 64U);
   for (const std::size_t cell : cells) {
@@ -174,7 +185,7 @@ TEST(shadow_cover, nothing_is_proven_across_an_edge_of_three_triangles) {
   const Piece triangle{Vec3d{{-2, -0.5, 0}}, Vec3d{{3, 0, 0}}, Vec3d{{-2, 0.5, 0}}};
   for (std::uint32_t v = 0; v < 6; ++v) {
     EXPECT_EQ(original.bound(triangle, v, 0.5), kUnproven);
-    for (const std::size_t cell : original.covered_cells(triangle, v, 0.5, 8))
+    for (const std::size_t cell : original.covered_cells(triangle, triangle, v, 0.5, 8))
       for (const Vec3d& corner : cell_of(triangle, cell, 8)) EXPECT_LE(corner[0], 0);
   }
 }

@@ -100,7 +100,10 @@ void expect_simplified(const Volume& volume, const char* extension,
   EXPECT_EQ(result.report.vertices, result.surface.positions.size());
 
   // Some pieces are cut.
-  EXPECT_GT(simplified.triangles_before, options.style == SurfaceStyle::cubes ? 20'000U : 40'000U);
+  const bool begins_near = options.simplify_distance.value_or(0) >= 2;
+  EXPECT_EQ(simplified.start_distance > 0, begins_near);
+  EXPECT_GT(simplified.triangles_before,
+            begins_near || options.style == SurfaceStyle::cubes ? 20'000U : 40'000U);
   EXPECT_LT(simplified.triangles, simplified.triangles_before / 2);
   if (options.simplify_distance) EXPECT_LE(simplified.proven_distance, *options.simplify_distance);
   EXPECT_EQ(result.report.max_error, *options.max_error);
@@ -150,6 +153,13 @@ TEST(simplified_pieces, stay_within_an_error_and_a_distance) {
   ExtractOptions options = within_error(10);
   options.simplify_distance = 0.6;
   expect_simplified(noisy_waves(long_grid()), ".ply", options);
+}
+
+TEST(simplified_pieces, may_begin_with_cubes) {
+  ExtractOptions far = within_distance();
+  far.simplify_distance = 2.2;
+  expect_simplified(noisy_waves(long_grid()), ".ply", far);
+  expect_simplified(waves_with_holes(), ".vtp", far);
 }
 
 TEST(simplified_pieces, may_be_of_cubes) {

@@ -95,10 +95,11 @@ struct ExtractOptions {
   ///   before is extracted within half of it. Without a simplify_distance and keep_topology closed
   ///   components that hold nothing farther go. Of one isovalue, without a clip box.
   /// - Within simplify_distance (world units, > 0): no point of the surface, or of what it was, is
-  ///   farther from the other. From a step of the grid on, at full resolution, unclipped and with
-  ///   all pieces, a fifth goes to beginning with cubes where they are that near.
-  /// Of one isovalue, in a grid whose axes are the world's, piece by piece where the model is
-  /// larger than the memory limit; the surface before is then that of full resolution, or cubes.
+  ///   farther from the other. From two steps of the grid on, or from one where enough cells are
+  ///   near, at full resolution of one isovalue, unclipped and with all pieces, a fifth goes to
+  ///   beginning with cubes where they are that near.
+  /// Of one isovalue, in a grid whose axes are the world's, it goes piece by piece where the model
+  /// is larger than the memory limit; the surface before is then that of full resolution, or cubes.
   Simplify simplify = Simplify::off;
   std::optional<double> simplify_distance{};
   Orientation orientation = Orientation::from_lower_values;  ///< Which side sees triangles ccw.

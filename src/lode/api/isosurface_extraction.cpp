@@ -93,9 +93,10 @@ Result<void> stream_chunks(Dataset::Impl::Chunks& chunks, const ExtractOptions& 
   PieceFinisher finisher(options, surface);
   std::optional<PieceSimplifier> simplifier;
   const double tolerance = report.max_error;
-  const SimplifyStart start = start_of_simplification(
-      options, std::visit([](const auto& field) { return field.info.grid; }, chunks.field),
-      tolerance);
+  LODE_TRY(const SimplifyStart start,
+           start_of_simplification(
+               options, std::visit([](const auto& field) { return field.info.grid; }, chunks.field),
+               tolerance, nullptr, progress));
   const bool is_in_band = has_band(options, tolerance);
   if (is_in_band)
     report.max_error = options.style == SurfaceStyle::cubes
@@ -225,8 +226,13 @@ Result<ExtractReport> Dataset::extract(const ExtractOptions& options, Surface& s
   const Stopwatch watch;
   LODE_TRY(ExtractPlan plan, plan_extraction(*impl_, options));
   ExtractReport& report = plan.report;
-  const SimplifyStart start =
-      start_of_simplification(options, impl_->info().grid, report.max_error);
+  const diamond::Model<3>* model = nullptr;
+  if (plan.chunks == nullptr && options.simplify != Simplify::off) {
+    LODE_TRY(const auto* const held, impl_->model(progress));
+    model = std::get_if<diamond::Model<3>>(held);
+  }
+  LODE_TRY(const SimplifyStart start,
+           start_of_simplification(options, impl_->info().grid, report.max_error, model, progress));
   if (options.isovalues.size() > 1) surface.clear();  // one replaces the surface in place
   if (plan.chunks != nullptr) {
     const store::ReadCounts before = impl_->reads();

@@ -44,16 +44,16 @@ inline void add_isovalue(double isovalue, const ExtractOptions& options, Surface
 template <int D>
 diamond::IsosurfaceQuery query_of(double isovalue, const ExtractOptions& options,
                                   const ExtractReport& report) {
-  return {.isovalue = isovalue,
-          .tolerance = report.max_error,
-          .style = options.style,
-          .style_distance =
-              options.style_distance.value_or(std::numeric_limits<double>::infinity()),
-          .with_deviation = options.deviation == Deviation::measured,
-          .threads = options.threads,
-          .with_normals = D == 3 && options.normals == Normals::on,
-          .with_isovalues = true,
-          .replaces = options.isovalues.size() == 1};
+  return {
+      .isovalue = isovalue,
+      .tolerance = report.max_error,
+      .style = options.style,
+      .style_distance = options.style_distance.value_or(std::numeric_limits<double>::infinity()),
+      .with_deviation = options.deviation == Deviation::measured,
+      .threads = options.threads,
+      .with_normals = D == 3 && options.normals == Normals::on,
+      .with_isovalues = true,
+      .replaces = options.isovalues.size() == 1};
 }
 
 }  // namespace lode

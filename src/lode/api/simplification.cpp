@@ -8,6 +8,7 @@
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/band_components.h"
 #include "lode/mappers/lattice_frame.h"
+#include "lode/models/diamond/cube_deviation.h"
 #include "lode/models/diamond/field_band.h"
 
 namespace lode {
@@ -20,14 +21,24 @@ constexpr double kExtractionShare = 0.5;
 /// fewer triangles to begin with, but what is left of the distance takes longer to prove.
 constexpr double kStartShare = 0.2;
 
+/// From so many steps of the grid on cubes are begun with in any case. From one on, where a look at
+/// some cells says that so many of them are near: of noise fewer are, and longer proofs and more
+/// triangles that are left are not worth it.
+constexpr double kSurelyWorth = 2;
+constexpr double kLeastCubes = 0.7;
+
+/// Cubes of two isovalues may meet; boxes and the sizes of components are to be those of the
+/// tetrahedra's surface.
+bool may_begin_near(const ExtractOptions& options, double tolerance) {
+  return options.simplify == Simplify::edges && options.simplify_distance &&
+         options.style == SurfaceStyle::tetra && tolerance == 0 && options.isovalues.size() == 1 &&
+         !options.max_distance && !options.clip && options.min_component <= 1;
+}
+
 double longest_step(const RegularGrid& grid) {
   double longest = 0;
   for (const double step : grid.spacing.v) longest = std::max(longest, std::abs(step));
   return longest;
-}
-
-bool is_flat(const RegularGrid& grid) {
-  return grid.dims[0] == 1 || grid.dims[1] == 1 || grid.dims[2] == 1;
 }
 
 /// How far a point of the grid is at most from where its coordinates are stored.
@@ -105,19 +116,25 @@ ExtractOptions before_simplification(const ExtractOptions& options, double toler
   return before;
 }
 
-SimplifyStart start_of_simplification(const ExtractOptions& options, const RegularGrid& grid,
-                                      double tolerance) {
+Result<SimplifyStart> start_of_simplification(const ExtractOptions& options,
+                                              const RegularGrid& grid, double tolerance,
+                                              const diamond::Model<3>* model, Progress& progress) {
   SimplifyStart start{before_simplification(options, tolerance)};
-  // Boxes and the sizes of components are to be those of the tetrahedra's surface. Of less than a
-  // step few cubes are near enough to make up for what they take.
-  const bool begins_near = options.simplify == Simplify::edges && options.simplify_distance &&
-                           options.style == SurfaceStyle::tetra && tolerance == 0 &&
-                           !options.max_distance && !options.clip && options.min_component <= 1 &&
-                           !is_flat(grid) && *options.simplify_distance >= longest_step(grid);
-  if (!begins_near) return start;
+  if (!may_begin_near(options, tolerance)) return start;
   const double near = kStartShare * *options.simplify_distance;
   const double distance = near + 2 * coordinate_rounding(grid);
   if (!(distance < 2 * near)) return start;
+  if (*options.simplify_distance < kSurelyWorth * longest_step(grid)) {
+    if (*options.simplify_distance < longest_step(grid) || model == nullptr || model->has_holes())
+      return start;
+    LODE_TRY(const double share, diamond::share_of_cubes(*model,
+                                                         {.isovalue = options.isovalues.front(),
+                                                          .style = SurfaceStyle::cubes,
+                                                          .style_distance = near,
+                                                          .threads = options.threads},
+                                                         progress));
+    if (share < kLeastCubes) return start;
+  }
   start.distance = distance;
   start.options.style = SurfaceStyle::cubes;
   start.options.style_distance = near;

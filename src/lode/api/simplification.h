@@ -23,9 +23,12 @@ struct SimplifyStart {
   double distance = 0;     ///< Of that from what it stands for, at most, both ways; world units.
 };
 /// Within a distance of full resolution cubes stand for tetrahedra where they are near: a third of
-/// the triangles, and the same topology.
-[[nodiscard]] SimplifyStart start_of_simplification(const ExtractOptions& options,
-                                                    const RegularGrid& grid, double tolerance);
+/// the triangles, and the same topology. `model`: what is extracted from; null of a file's parts.
+[[nodiscard]] Result<SimplifyStart> start_of_simplification(const ExtractOptions& options,
+                                                            const RegularGrid& grid,
+                                                            double tolerance,
+                                                            const diamond::Model<3>* model,
+                                                            Progress& progress);
 
 /// Without a band.
 [[nodiscard]] SimplifyOptions simplify_options_of(const ExtractOptions& options,

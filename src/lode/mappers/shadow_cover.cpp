@@ -146,7 +146,9 @@ void ShadowCover::start_at(std::uint32_t vertex) {
   for (const std::uint32_t t : around_.of(vertex)) {
     if (!met_.insert(t)) continue;
     const auto& v = original_.triangles[t];
-    if (!take({t, v, {shadow_of(v[0]), shadow_of(v[1]), shadow_of(v[2])}, false})) high_.insert(t);
+    const bool has_corners = v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
+    if (!has_corners || !take({t, v, {shadow_of(v[0]), shadow_of(v[1]), shadow_of(v[2])}, false}))
+      high_.insert(t);
   }
 }
 

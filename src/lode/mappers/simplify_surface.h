@@ -32,7 +32,7 @@ struct SimplifyReport {
   /// Of max_distance and proven_distance what lies between the surface before and what that stands
   /// for.
   double start_distance = 0;
-  std::uint64_t triangles_before = 0;
+  std::uint64_t triangles_before = 0;  ///< Of what collapses begin with.
   std::uint64_t triangles = 0;
   std::uint64_t collapses = 0;  ///< Edges that stay collapsed.
   std::uint64_t undone = 0;     ///< Collapses taken back because a proof failed.

@@ -9,36 +9,80 @@
 
 namespace lode::diamond {
 
-Result<CubeDeviation> measure_cubes(const Model<3>& model, const IsosurfaceQuery& query,
-                                    Progress& progress) {
-  const LatticeFrame frame = LatticeFrame::of(model.info.grid);
-  const Selection<3> selection(model, query.isovalue, 0);
+namespace {
+
+/// Calls visit(cell, worker) in parallel for cells of full resolution that F = isovalue meets, in
+/// the rows that takes(y, z) does. Of a model without holes.
+template <typename Takes, typename Visit>
+Result<void> for_each_met_cell(const Model<3>& model, double isovalue, Threads threads,
+                               const Takes& takes, const Visit& visit, Progress& progress) {
+  const Selection<3> selection(model, isovalue, 0);
   std::uint64_t n_read = 0;
-  const SignField signs = sign_field(selection, query.threads, n_read);
-  const ModelSamples<3> samples(model);
-  std::vector<CubeMeter> meters(as_size(n_workers(query.threads)),
-                                CubeMeter(frame, query.isovalue));
-  parallel_for(as_size(signs.dims[2] - 1), query.threads, 1, [&](std::size_t z, int worker) {
+  const SignField signs = sign_field(selection, threads, n_read);
+  parallel_for(as_size(signs.dims[2] - 1), threads, 1, [&](std::size_t slice, int worker) {
+    const auto z = static_cast<std::int32_t>(slice);
     std::vector<WordGroup> groups(signs.n_words() / WordGroup::kWords + 1);
     for (std::int32_t y = 0; y + 1 < signs.dims[1] && !progress.is_cancelled(); ++y) {
-      if (!signs.may_cross(y, static_cast<std::int32_t>(z))) continue;
-      const CellRow row(signs, y, static_cast<std::int32_t>(z));
+      if (!takes(y, z) || !signs.may_cross(y, z)) continue;
+      const CellRow row(signs, y, z);
       const std::size_t n = find_words(row, SurfaceStyle::cubes, groups.data());
       for (const WordGroup& group : std::span(groups).first(n))
         for (std::size_t i = 0; i < WordGroup::kWords; ++i) {
           if ((group.met >> i & 1) == 0) continue;
           for (std::uint32_t cells = group.cells[i]; cells != 0; cells &= cells - 1) {
             const auto x = 32 * (group.first + i) + as_size(std::countr_zero(cells));
-            meters[as_size(worker)].add(
-                samples, {{static_cast<std::int32_t>(x), y, static_cast<std::int32_t>(z)}});
+            visit(Index3{{static_cast<std::int32_t>(x), y, z}}, as_size(worker));
           }
         }
     }
   });
   if (progress.is_cancelled()) return cancelled_error();
+  return {};
+}
+
+std::vector<CubeMeter> meters_of(const Model<3>& model, const IsosurfaceQuery& query) {
+  return std::vector<CubeMeter>(as_size(n_workers(query.threads)),
+                                CubeMeter(LatticeFrame::of(model.info.grid), query.isovalue));
+}
+
+}  // namespace
+
+Result<CubeDeviation> measure_cubes(const Model<3>& model, const IsosurfaceQuery& query,
+                                    Progress& progress) {
+  const ModelSamples<3> samples(model);
+  std::vector<CubeMeter> meters = meters_of(model, query);
+  LODE_CHECK(for_each_met_cell(
+      model, query.isovalue, query.threads, [](std::int32_t, std::int32_t) { return true; },
+      [&](const Index3& cell, std::size_t worker) { meters[worker].add(samples, cell); },
+      progress));
   CubeDeviation deviation;
   for (const CubeMeter& meter : meters) deviation.join(meter.deviation());
   return deviation;
+}
+
+Result<double> share_of_cubes(const Model<3>& model, const IsosurfaceQuery& query,
+                              Progress& progress) {
+  struct Count {
+    std::uint64_t n_met = 0;
+    std::uint64_t n_cubes = 0;
+  };
+  const ModelSamples<3> samples(model);
+  std::vector<CubeMeter> meters = meters_of(model, query);
+  std::vector<Count> counts(meters.size());
+  LODE_CHECK(for_each_met_cell(
+      model, query.isovalue, query.threads,
+      [](std::int32_t y, std::int32_t z) { return y % 4 == 1 && z % 4 == 2; },
+      [&](const Index3& cell, std::size_t worker) {
+        ++counts[worker].n_met;
+        if (!meters[worker].exceeds(samples, cell, query.style_limit())) ++counts[worker].n_cubes;
+      },
+      progress));
+  Count all;
+  for (const Count& count : counts) {
+    all.n_met += count.n_met;
+    all.n_cubes += count.n_cubes;
+  }
+  return all.n_met == 0 ? 1 : static_cast<double>(all.n_cubes) / static_cast<double>(all.n_met);
 }
 
 }  // namespace lode::diamond

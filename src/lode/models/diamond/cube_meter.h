@@ -52,6 +52,8 @@ class CubeMeter {
                              const CubeLimit& limit);
 
  private:
+  static constexpr double kRounding = 0x1p-40;
+
   /// A convex polygon in a plane, of three or four corners, or none.
   struct FlatPolygon {
     std::array<Vec3d, 4> corner;
