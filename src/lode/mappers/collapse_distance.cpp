@@ -221,10 +221,12 @@ std::uint32_t DistanceProof::vertex_near(std::uint32_t triangle) const {
   return nearest;
 }
 
-/// Each thread has vertices of its own, and looks at all triangles.
+/// Each thread has vertices of its own, and looks at all triangles: with many that would only be
+/// reading.
 void DistanceProof::find_triangles_around(Threads threads) {
+  constexpr int kMostParts = 8;
   const std::size_t n = original_.positions.size();
-  const auto n_parts = static_cast<std::size_t>(n_workers(threads));
+  const auto n_parts = static_cast<std::size_t>(std::min(n_workers(threads), kMostParts));
   first_around_.assign(n + 1, 0);
   const auto for_each_corner = [&](std::size_t part, const auto& visit) {
     const std::size_t begin = n * part / n_parts;
