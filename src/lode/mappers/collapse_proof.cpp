@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "lode/core/expects.h"
 #include "lode/mappers/collapse_crossings.h"
 
 namespace lode::simplification {
@@ -37,6 +38,7 @@ std::vector<std::uint32_t> CollapseProof::to_recheck(std::span<const std::uint32
   const std::vector<std::uint32_t> found =
       are_few ? original_of_few(near, nearness) : original_of_many(nearness);
   has_begun_ = true;
+  std::erase_if(far_, [this](std::uint32_t t) { return !is_changed(t); });  // back on the surface
   std::vector<std::uint32_t> all;
   all.reserve(found.size() + far_.size());
   std::ranges::set_union(found, far_, std::back_inserter(all));
@@ -92,6 +94,7 @@ void CollapseProof::find_far(std::span<const std::uint32_t> made,
       maker = later(maker, stars_.maker(mesh_.attached_to[v]));
     if (maker == kNone)
       for (const std::uint32_t v : original_.triangles[t]) maker = later(maker, mesh_.last[v]);
+    LODE_EXPECTS(maker != kNone);  // it is changed
     bad.push_back(maker);
   }
   far_ = from.failing;
