@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "lode/mappers/collapse_proof.h"
 #include "lode/mappers/surface_checks.h"
 #include "tests/mappers/point_band.h"
 #include "tests/mappers/shape_surfaces.h"
@@ -274,6 +275,38 @@ TEST(collapse_undo, takes_little_along_to_split_a_vertex) {
           stars.undo(static_cast<std::uint32_t>(collapsed.mesh.collapses.size() / 2), changed);
     }
   EXPECT_LT(10 * n_undone[0], n_undone[1]);
+}
+
+/// Points stay attached to what they were near, which is not near enough: those of original
+/// triangles that are back, too.
+TEST(collapse_undo, all_goes_back_where_nothing_is_near_enough) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    const Surface original = test::make_sphere(9, 4, {{1, 2, 3}});
+    RandomCollapses collapsed(original, seed);
+    collapsed.run(2000);
+    CollapseMesh& mesh = collapsed.mesh;
+    std::vector<std::uint32_t> live = live_triangles(mesh, {1});
+    CollapseUndo stars(mesh, original, live, UndoOrder::splits, nullptr, 1e6F);
+    const SimplifyOptions options{.max_distance = 1e-4, .threads = {1}};
+    Progress progress;
+    CollapseProof proof(original, mesh, stars, options, 3, 0, progress);
+    std::vector<std::uint32_t> changed;
+    for (const std::uint32_t t : live)
+      if (stars.maker(t) != kNone) changed.push_back(t);
+    while (!changed.empty()) {
+      const auto bad = proof.find_bad(live, changed);
+      ASSERT_TRUE(bad);
+      changed.clear();
+      for (const std::uint32_t c : *bad) {
+        ASSERT_LT(c, mesh.collapses.size());
+        if (mesh.last[mesh.collapses[c].removed] == c) stars.undo(c, changed);
+      }
+      sort_unique(changed);
+      live = live_triangles(mesh, {1});
+    }
+    for (std::uint32_t t = 0; t < original.triangles.size(); ++t)
+      ASSERT_EQ(mesh.triangles[t].v, original.triangles[t]);
+  }
 }
 
 }  // namespace
