@@ -63,12 +63,12 @@ CubeFollowing find_following(unsigned corners) {
 }  // namespace
 
 const CubeFollowing& cube_following(unsigned corners) {
-  static const std::array<CubeFollowing, 256> table = [] {
+  static const std::array<CubeFollowing, 256> kTable = [] {
     std::array<CubeFollowing, 256> all;
     for (unsigned i = 0; i < 256; ++i) all[i] = find_following(i);
     return all;
   }();
-  return table[corners];
+  return kTable[corners];
 }
 
 }  // namespace lode

@@ -22,10 +22,10 @@ ShadowCover::Lattice::Lattice(const Point& origin, const Point& along_rows,
 }
 
 ShadowCover::Place ShadowCover::Place::of(std::size_t cell) {
-  int row = 0;
-  while (static_cast<std::size_t>((row + 1) * (row + 1)) <= cell) ++row;
-  const int at = static_cast<int>(cell) - row * row;
-  return {row, at / 2, at % 2};
+  std::size_t row = 0;
+  while ((row + 1) * (row + 1) <= cell) ++row;
+  const std::size_t at = cell - row * row;
+  return {static_cast<int>(row), static_cast<int>(at / 2), static_cast<int>(at % 2)};
 }
 
 ShadowCover::Point ShadowCover::Lattice::middle(const Place& at) const {

@@ -82,7 +82,8 @@ class ShadowCover {
 
     [[nodiscard]] static Place of(std::size_t cell);
     [[nodiscard]] std::size_t cell() const {
-      return static_cast<std::size_t>(row * row + 2 * column + k);
+      const auto r = static_cast<std::size_t>(row);
+      return r * r + 2 * static_cast<std::size_t>(column) + static_cast<std::size_t>(k);
     }
   };
   /// The cells of a piece in the plane.
