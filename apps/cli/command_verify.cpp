@@ -33,14 +33,18 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.extraction));
   LODE_CHECK(apply_simplify_options(arguments.simplify, options));
   if (!arguments.memory_limit.empty()) {
-    const bool is_of_file = arguments.surface.empty() && arguments.original.empty();
-    if (!options.max_distance && !is_of_file)
+    if (!options.max_distance && !arguments.surface.empty())
       return fail(
-          "--memory-limit: expected --max-distance with it, without --simplify, or FILE alone: no "
+          "--memory-limit: expected --max-distance with --surface and it, without --simplify: no "
           "other surface depends on it");
     LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
   return options;
+}
+
+/// For looking at the file; a surface's limit says how that was extracted. 0: none was given.
+std::uint64_t limit_of_file(const VerifyArguments& arguments, const ExtractOptions& options) {
+  return arguments.surface.empty() ? options.memory_limit : 0;
 }
 
 [[nodiscard]] TetraVerifyJob tetra_job(const VerifyArguments& arguments) {
@@ -105,8 +109,8 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
                           VerifyReport& report) {
   LODE_TRY(const ExtractOptions asked, options_of(arguments));
   // Within a distance the query is repeated as it was made, by chunks where that is how, before the
-  // model is loaded.
-  const auto get = asked.max_distance ? open_input : load_input;
+  // model is loaded; without a surface it may never be.
+  const auto get = asked.max_distance || arguments.surface.empty() ? open_input : load_input;
   LODE_TRY(const Input input, get(session, arguments.input, arguments.reading, {}));
   VerifyReport of_surface;
   if (!arguments.surface.empty()) {
@@ -121,7 +125,8 @@ Result<void> verify_model(const VerifyArguments& arguments, Session& session,
     LODE_TRY(const ReadOptions options, to_read_options(arguments.reading, session.threads()));
     LODE_TRY(const auto original, open_foreign_volume(arguments.original, options));
     LODE_TRY(VerifyReport more,
-             input.dataset.verify_against(*original, session.threads(), session.progress()));
+             input.dataset.verify_against(*original, session.threads(), session.progress(),
+                                          limit_of_file(arguments, asked)));
     append(report, std::move(more));
   }
   append(report, std::move(of_surface));
@@ -175,8 +180,8 @@ Result<Outcome> run_verify(const VerifyArguments& arguments, Session& session) {
     LODE_TRY(report, verify_tetra(tetra_job(arguments), session));
   } else if (is_lode_path(arguments.input)) {
     LODE_TRY(const ExtractOptions options, options_of(arguments));
-    const std::uint64_t limit = needs_model ? 0 : options.memory_limit;
-    LODE_TRY(report, verify_file(arguments.input, session.threads(), session.progress(), limit));
+    LODE_TRY(report, verify_file(arguments.input, session.threads(), session.progress(),
+                                 limit_of_file(arguments, options)));
   }
   if (!is_tetra && !is_terrain && needs_model && report.passed())
     LODE_CHECK(verify_model(arguments, session, report));
@@ -240,11 +245,10 @@ Command add_verify_command(CLI::App& program) {
       ->type_name("D");
   app->add_option(
          "--memory-limit", arguments->memory_limit,
-         "Of a volume's FILE alone: where more would be taken, only its bytes are checked, which "
-         "the "
-         "report says (default: the machine's memory). Of a surface within --max-distance, "
-         "as given to extract, as it has other triangles then; that takes the whole model "
-         "all the same")
+         "Of a volume's FILE: it is looked at in parts as large as that allows, and with --against "
+         "errors by their definition where it allows that; the report says what was left out "
+         "(default: the machine's memory). Of a surface within --max-distance, as given to "
+         "extract, as it has other triangles then; that takes the whole model all the same")
       ->type_name("BYTES");
   add_extraction_options(*app, arguments->extraction);
   add_reading_options(*app, arguments->reading);

@@ -119,6 +119,13 @@ TEST(cli_verify, says_what_it_has_no_memory_to_look_at) {
   EXPECT_EQ(some.json().at("checks").size(), 2U);
   EXPECT_TRUE(some.json().at("checks").at(1).at("passed").is_null()) << some.out;
   EXPECT_NE(some.err.find("not looked at"), std::string::npos) << some.err;
+  const Finished against =
+      run_lode({"verify", lode, "--json", "--memory-limit", "200K", "--against", volume});
+  EXPECT_EQ(against.exit_code, 0) << against.err;
+  EXPECT_EQ(against.json().at("checks").size(), 5U);
+  EXPECT_EQ(against.json().at("checks").at(3).at("count"), 60 * 50 * 40);
+  EXPECT_TRUE(against.json().at("checks").at(3).at("passed"));
+  EXPECT_TRUE(against.json().at("checks").at(4).at("passed").is_null()) << against.out;
 }
 
 /// Of a file larger than the memory limit other triangles keep the distance than of one in memory.

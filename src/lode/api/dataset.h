@@ -258,9 +258,13 @@ class Dataset {
   [[nodiscard]] Result<SectionReport> extract_section(const SectionOptions& options,
                                                       Surface& section, Progress& progress) const;
 
-  /// Recomputes errors and ranges from the original data and compares them with the stored ones.
+  /// Compares samples with those of the original data, and finds errors and ranges from them by
+  /// their definition. Of a file that would take more memory than a limit so (0: than the machine
+  /// has) the samples alone are compared, box by box, and the report says so: verify_file() holds
+  /// its errors against these.
   [[nodiscard]] Result<VerifyReport> verify_against(VolumeSource& original, Threads threads,
-                                                    Progress& progress) const;
+                                                    Progress& progress,
+                                                    std::uint64_t memory_limit = 0) const;
   /// Checks a surface extracted with `options`: manifold, oriented, closed where it must be, free
   /// of self-intersections, within tolerance everywhere, and all that repeating the query makes.
   /// With a max_distance also how far it is from full resolution and back, measured to 1/16 of
@@ -283,8 +287,8 @@ class Dataset {
 
 /// Reads every byte of a .lode file and checks it, loads it, which checks what blocks and metadata
 /// say of each other, and finds errors and ranges anew from its samples: those stored are to be the
-/// same. But for the bytes that is left out, and the report says so, where it would take more
-/// memory than a limit (0: than the machine has).
+/// same. Of files larger than a memory limit (0: than the machine's memory) that goes part by part;
+/// but for the bytes it is left out, and the report says so, where the smallest part takes more.
 [[nodiscard]] Result<VerifyReport> verify_file(const std::string& path, Threads threads,
                                                Progress& progress, std::uint64_t memory_limit = 0);
 

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "lode/models/diamond/attribute_check.h"
-#include "lode/models/diamond/build.h"
 #include "lode/models/diamond/model_samples.h"
 #include "lode/models/diamond/persist.h"
+#include "lode/models/diamond/sample_check.h"
 
 namespace lode {
 namespace {
@@ -57,16 +57,22 @@ struct Differences {
   }
 };
 
+Result<void> check_same_grid(const VolumeInfo& ours, const VolumeInfo& theirs,
+                             VerifyReport& report) {
+  const Index3& dims = ours.grid.dims;
+  if (theirs.grid.dims != dims)
+    return fail("expected an original of {} x {} x {} samples, got {} x {} x {}", dims[0], dims[1],
+                dims[2], theirs.grid.dims[0], theirs.grid.dims[1], theirs.grid.dims[2]);
+  const std::string difference = difference_of(ours, theirs);
+  report.add("grid and nodata equal the original's", 1, difference.empty() ? 0 : 1, difference);
+  return {};
+}
+
 template <int D>
 Result<void> check_same_samples(const Model<D>& model, VolumeSource& original, Threads threads,
                                 Progress& progress, VerifyReport& report) {
   const RegularGrid& grid = model.info.grid;
-  if (original.info().grid.dims != grid.dims)
-    return fail("expected an original of {} x {} x {} samples, got {} x {} x {}", grid.dims[0],
-                grid.dims[1], grid.dims[2], original.info().grid.dims[0],
-                original.info().grid.dims[1], original.info().grid.dims[2]);
-  const std::string difference = difference_of(model.info, original.info());
-  report.add("grid and nodata equal the original's", 1, difference.empty() ? 0 : 1, difference);
+  LODE_CHECK(check_same_grid(model.info, original.info(), report));
   LODE_TRY(const Volume volume, read_all(original));
   const diamond::VolumeSamples theirs(volume);
   const diamond::ModelSamples<D> ours(model);
@@ -93,74 +99,34 @@ void add_finding(VerifyReport& report, std::string name, const diamond::Attribut
       finding.n_wrong == 0 ? "" : fmt::format("{} wrong; {}", finding.n_wrong, finding.worst));
 }
 
-/// Of a level's nodes those whose attributes are not what they should be, by what is_equal(its
-/// place among these) says; describe(place): what is wrong.
-template <int D, typename IsEqual, typename Describe>
-void compare_nodes(const diamond::Shape<D>& shape, int level, const IsEqual& is_equal,
-                   const Describe& describe, diamond::AttributeFinding& finding) {
-  const diamond::Index<D> dims = shape.grid_dims(level);
-  for (std::size_t at = 0; at < diamond::n_points<D>(dims); ++at) {
-    const diamond::Index<D> q = diamond::point_of<D>(dims, at);
-    if (std::ranges::none_of(q.v, [](std::int32_t x) { return (x & 1) != 0; })) continue;
-    ++finding.n_checked;
-    if (is_equal(at)) continue;
-    if (finding.n_wrong++ == 0)
-      finding.worst = fmt::format("first: level {}, node {} of its grid: {}", level,
-                                  fmt::join(q.v, " "), describe(at));
-  }
-}
-
-template <int D>
-void compare_levels(const Model<D>& found, const std::vector<diamond::NodeLevel>& stored,
-                    diamond::AttributeFinding& finding) {
-  for (std::size_t l = 1; l < stored.size(); ++l) {  // those of level 0 are not stored
-    const diamond::NodeLevel& ours = found.levels[l];
-    const diamond::NodeLevel& theirs = stored[l];
-    compare_nodes<D>(
-        found.shape, static_cast<int>(l),
-        [&](std::size_t at) {
-          return ours.error[at] == theirs.error[at] && ours.low[at] == theirs.low[at] &&
-                 ours.high[at] == theirs.high[at];
-        },
-        [&](std::size_t at) {
-          return fmt::format("error {}, range {} to {}; of the samples {}, {} to {}",
-                             diamond::decode_error(theirs.error[at]), theirs.low[at],
-                             theirs.high[at], diamond::decode_error(ours.error[at]), ours.low[at],
-                             ours.high[at]);
-        },
-        finding);
-  }
-}
-
 }  // namespace
 
 template <int D>
-Result<void> verify_attributes(const store::Reader& reader, Threads threads, Progress& progress,
+Result<void> verify_attributes(const store::Reader& reader,
+                               const diamond::RebuildSettings& settings, Progress& progress,
                                VerifyReport& report) {
-  LODE_TRY(Model<D> model, diamond::load<D>(reader, threads, progress));
-  const std::vector<diamond::NodeLevel> stored = std::move(model.levels);
-  const diamond::WorldErrors worlds = std::move(model.worlds);
-  LODE_CHECK(diamond::build_attributes<D>(model, !worlds.empty(), threads, progress));
-  diamond::AttributeFinding levels;
-  compare_levels<D>(model, stored, levels);
-  add_finding(report, "errors and ranges are the samples'", levels);
-  if (worlds.empty()) return {};
-  diamond::AttributeFinding finding;
-  for (std::size_t l = 1; l < worlds.size(); ++l)
-    compare_nodes<D>(
-        model.shape, static_cast<int>(l),
-        [&](std::size_t at) { return worlds[l][at] == model.worlds[l][at]; },
-        [&](std::size_t at) {
-          return fmt::format("{} edges; of the samples {}", diamond::decode_world(worlds[l][at]),
-                             diamond::decode_world(model.worlds[l][at]));
-        },
-        finding);
-  add_finding(report, "world errors are the samples'", finding);
+  LODE_TRY(const diamond::Metadata metadata, diamond::read_metadata(reader));
+  const std::uint64_t least = diamond::least_rebuild_bytes<D>(metadata.info, settings.threads);
+  if (least > settings.memory_limit) {
+    report.skip("blocks, metadata and samples agree",
+                fmt::format("not looked at: takes at least {} MB of memory, of {} MB",
+                            least / 1'000'000 + 1, settings.memory_limit / 1'000'000));
+    return {};
+  }
+  LODE_TRY(const auto findings, diamond::rebuild_check<D>(reader, settings, progress));
+  // What else would disagree ends the check.
+  report.add("blocks and metadata agree", findings.n_blocks, 0,
+             "range, holes, errors, samples beyond the data");
+  add_finding(report, "errors and ranges are the samples'", findings.nodes);
+  if (findings.worlds.n_checked > 0)
+    add_finding(report, "world errors are the samples'", findings.worlds);
   return {};
 }
 
-template Result<void> verify_attributes<2>(const store::Reader&, Threads, Progress&, VerifyReport&);
-template Result<void> verify_attributes<3>(const store::Reader&, Threads, Progress&, VerifyReport&);
+template Result<void> verify_attributes<2>(const store::Reader&, const diamond::RebuildSettings&,
+                                           Progress&, VerifyReport&);
+template Result<void> verify_attributes<3>(const store::Reader&, const diamond::RebuildSettings&,
+                                           Progress&, VerifyReport&);
 
 template <int D>
 Result<VerifyReport> verify_model_against(const Model<D>& model, VolumeSource& original,
@@ -176,6 +142,23 @@ Result<VerifyReport> verify_model_against(const Model<D>& model, VolumeSource& o
     add_finding(report, "stored world errors as defined", attributes.worlds);
   return report;
 }
+
+template <int D>
+Result<VerifyReport> verify_samples_against(const store::Reader& reader, VolumeSource& original,
+                                            const diamond::RebuildSettings& settings,
+                                            Progress& progress) {
+  VerifyReport report;
+  LODE_TRY(const diamond::Metadata metadata, diamond::read_metadata(reader));
+  LODE_CHECK(check_same_grid(metadata.info, original.info(), report));
+  LODE_TRY(const auto finding, diamond::compare_samples<D>(reader, original, settings, progress));
+  add_finding(report, "samples equal the original's", finding);
+  return report;
+}
+
+template Result<VerifyReport> verify_samples_against<2>(const store::Reader&, VolumeSource&,
+                                                        const diamond::RebuildSettings&, Progress&);
+template Result<VerifyReport> verify_samples_against<3>(const store::Reader&, VolumeSource&,
+                                                        const diamond::RebuildSettings&, Progress&);
 
 template Result<VerifyReport> verify_model_against<2>(const Model<2>&, VolumeSource&, Threads,
                                                       Progress&);

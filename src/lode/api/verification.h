@@ -2,6 +2,7 @@
 
 #include "lode/api/dataset.h"
 #include "lode/models/diamond/model.h"
+#include "lode/models/diamond/rebuild_check.h"
 #include "lode/store/reader.h"
 
 namespace lode {
@@ -13,10 +14,19 @@ template <int D>
                                                         VolumeSource& original, Threads threads,
                                                         Progress& progress);
 
-/// Loads a file's model, finds errors, ranges and, where it has them, world errors anew from its
-/// samples, as a build does, and compares: a file must not claim smaller errors than it has.
+/// The first part of that, of a file whose model is not in memory: grid and samples, box by box.
 template <int D>
-[[nodiscard]] Result<void> verify_attributes(const store::Reader& reader, Threads threads,
+[[nodiscard]] Result<VerifyReport> verify_samples_against(const store::Reader& reader,
+                                                          VolumeSource& original,
+                                                          const diamond::RebuildSettings& settings,
+                                                          Progress& progress);
+
+/// Finds errors, ranges and, where it has them, world errors of a file anew from its samples, part
+/// by part, and compares: a file must not claim smaller errors than it has. Says that this is left
+/// out where it would take more memory than settings.memory_limit, > 0.
+template <int D>
+[[nodiscard]] Result<void> verify_attributes(const store::Reader& reader,
+                                             const diamond::RebuildSettings& settings,
                                              Progress& progress, VerifyReport& report);
 
 /// What a query makes.

@@ -4,9 +4,8 @@
 #include <iterator>
 
 #include "lode/core/parallel.h"
+#include "lode/models/diamond/block_values.h"
 #include "lode/models/diamond/range_code.h"
-#include "lode/models/diamond/row_codes.h"
-#include "lode/models/diamond/sample_rows.h"
 
 namespace lode::diamond {
 namespace {
@@ -46,7 +45,6 @@ class RunWriter {
   std::uint64_t n_bytes_ = 0;
 };
 
-/// A number for each of the region's points, in their order.
 template <int D, typename T>
 store::EncodedBlock encode_values(const Region<D>& r, const std::vector<T>& values) {
   store::ElementGrid grid{{1, 1, 1}, !r.has_coarser_points};
@@ -56,94 +54,11 @@ store::EncodedBlock encode_values(const Region<D>& r, const std::vector<T>& valu
 }
 
 template <int D, typename Field>
-void encode_samples(const Field& field, const store::BlockKey& key, const Region<D>& r,
-                    PendingBlocks& out) {
-  visit_storage_type(field.storage, [&]<typename T>() {
-    std::vector<T> values(count_points(r));
-    T* to = values.data();
-    for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
-      for (std::int32_t& x : q.v) x <<= r.level;
-      to = copy_samples<T, D>(field, q, n, stride << r.level, to);
-    });
-    out.push_back({key, encode_values<D, T>(r, values)});
-  });
-}
-
-/// One attribute of the region's nodes; encode(first, n, stride, to) writes those of a row.
-template <typename T, int D, typename Encode>
-void encode_attribute(const Index<D>& dims, const store::BlockKey& key, const Region<D>& r,
-                      PendingBlocks& out, const Encode& encode) {
-  std::vector<T> values(count_points(r));
-  T* to = values.data();
-  for_each_row<D>(r, [&](const Index<D>& q, std::int32_t n, std::int32_t stride) {
-    encode(linear_index<D>(dims, q), as_size(n), as_size(stride), to);
-    to += n;
-  });
-  out.push_back({key, encode_values<D, T>(r, values)});
-}
-
-template <typename T>
-void copy_row(const T* __restrict from, std::size_t n, std::size_t stride, T* __restrict to) {
-  if (stride == 1)
-    std::copy_n(from, n, to);
-  else
-    for (std::size_t i = 0; i < n; ++i) to[i] = from[2 * i];
-}
-
-/// Of a row of ranges their ends as they are stored.
-template <typename R>
-void encode_range_ends(bool is_low, const float* low, const float* high, std::size_t n,
-                       std::size_t stride, R* to) {
-  if constexpr (std::is_integral_v<R>) {
-    (is_low ? encode_lows<R> : encode_highs<R>)(low, high, n, stride, to);
-  } else {
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t at = i * stride;
-      const bool is_empty = low[at] > high[at];
-      if (is_low)
-        to[i] = is_empty ? std::numeric_limits<R>::max() : low[at];
-      else
-        to[i] = is_empty ? std::numeric_limits<R>::lowest() : high[at];
-    }
-  }
-}
-
-template <int D, typename Field>
-void encode_attributes(const Field& field, const WorldErrors& worlds, const Region<D>& place,
-                       const Region<D>& r, PendingBlocks& out) {
-  const NodeLevel& nodes = field.levels[as_size(r.level)];
-  const Index<D> dims = field.shape.grid_dims(r.level);
-  const auto encode_as_it_is = [&]<typename T>(Kind kind, const T* values) {
-    encode_attribute<T>(dims, key_of(kind, place), r, out,
-                        [&](std::size_t first, std::size_t n, std::size_t stride, T* to) {
-                          copy_row(values + first, n, stride, to);
-                        });
-  };
-  encode_as_it_is(Kind::errors, nodes.error.data());
-  visit_range_type(field.storage, [&]<typename R>() {
-    for (const Kind kind : {Kind::lows, Kind::highs})
-      encode_attribute<R>(dims, key_of(kind, place), r, out,
-                          [&](std::size_t first, std::size_t n, std::size_t stride, R* to) {
-                            encode_range_ends(kind == Kind::lows, nodes.low.data() + first,
-                                              nodes.high.data() + first, n, stride, to);
-                          });
-  });
-  encode_as_it_is(Kind::worlds, worlds[as_size(r.level)].data());
-}
-
-template <int D, typename Field>
 void encode_group(const Field& field, const WorldErrors& worlds, const Index<D>& origin,
                   const BlockGroup<D>& group, PendingBlocks& out) {
-  Region<D> r = group.region;
-  if (count_points(r) == 0) return;
-  for (std::size_t i = 0; i < as_size(D); ++i) {
-    r.lower[i] -= origin[i] >> r.level;
-    r.upper[i] -= origin[i] >> r.level;
-  }
-  if (group.is_samples)
-    encode_samples<D>(field, key_of(Kind::samples, group.region), r, out);
-  else
-    encode_attributes<D>(field, worlds, group.region, r, out);
+  visit_block_values<D>(field, worlds, origin, group, [&](Kind kind, const auto& values) {
+    out.push_back({key_of(kind, group.region), encode_values<D>(group.region, values)});
+  });
 }
 
 }  // namespace

@@ -1,63 +1,14 @@
 #include "lode/models/diamond/file_parts.h"
 
+#include "lode/core/parallel_check.h"
 #include "lode/core/parallel_fill.h"
 #include "lode/models/diamond/block_checks.h"
 #include "lode/models/diamond/error_pass.h"
+#include "lode/models/diamond/file_samples.h"
 #include "lode/models/diamond/read_region.h"
 
 namespace lode::diamond {
 namespace {
-
-/// Runs body(i) for all i, in parallel; the first of what fails.
-template <typename Body>
-Result<void> check_all(std::size_t n, Threads threads, const Body& body) {
-  std::vector<Error> errors(n);
-  parallel_for(n, threads, 1, [&](std::size_t i, int) {
-    if (auto done = body(i); !done) errors[i] = done.error();
-  });
-  for (const Error& error : errors)
-    if (!error.message.empty()) return error;
-  return {};
-}
-
-/// Fails where a block has a hole though the metadata say there is none.
-template <int D, typename Field>
-Result<void> check_no_holes(const LatticeField<D, Field>& field, const store::Reader& reader,
-                            const store::BlockKey& key, std::span<const std::byte> samples) {
-  if (!is_floating(field.storage) && !field.info.nodata) return {};
-  if (field.has_holes()) return {};
-  return visit_storage_type(field.storage, [&]<typename T>() -> Result<void> {
-    for (std::size_t i = 0; i + sizeof(T) <= samples.size(); i += sizeof(T)) {
-      T sample;
-      std::memcpy(&sample, samples.data() + i, sizeof(T));
-      if (field.is_hole(static_cast<double>(sample)))
-        return fail("{}: {}: expected no holes, as the metadata say, got a sample {}",
-                    reader.path(), describe(key), sample);
-    }
-    return {};
-  });
-}
-
-/// Samples of a level on the grid of level kKeptLevel.
-template <int D>
-Result<void> load_coarse_samples(const store::Reader& reader, const Region<D>& r,
-                                 CoarseField<D>& field) {
-  const std::size_t size = field.sample_size();
-  LODE_TRY(const auto bytes, read_region<D>(reader, r, Kind::samples, size));
-  LODE_CHECK(check_no_holes<D>(field, reader, key_of(Kind::samples, r), bytes));
-  const std::byte* from = bytes.data();
-  const int shift = r.level - kKeptLevel;
-  for_each_row<D>(r, [&](Index<D> q, std::int32_t n, std::int32_t stride) {
-    for (std::int32_t i = 0; i < n; ++i, q[0] += stride, from += size) {
-      const Index<D> at = q * (1 << shift);
-      bool exists = true;  // coarser grids reach farther beyond the data
-      for (std::size_t a = 0; a < as_size(D); ++a) exists = exists && at[a] < field.dims[a];
-      if (exists)
-        std::memcpy(field.samples.data() + linear_index<D>(field.dims, at) * size, from, size);
-    }
-  });
-  return {};
-}
 
 template <int D>
 Result<void> load_coarse_nodes(const store::Reader& reader, const Region<D>& r,
@@ -98,8 +49,9 @@ Result<CoarseField<D>> load_coarse(const store::Reader& reader, const Metadata& 
   field.stats = metadata.summary.stats;
   if (!field.is_needed()) return field;
   const std::vector<BlockGroup<D>> groups = coarse_blocks<D>(field.shape);
+  LODE_CHECK(load_coarse_samples<D>(reader, threads, field));
   LODE_CHECK(check_all(groups.size(), threads, [&](std::size_t i) {
-    return groups[i].is_samples ? load_coarse_samples<D>(reader, groups[i].region, field)
+    return groups[i].is_samples ? Result<void>()
                                 : load_coarse_nodes<D>(reader, groups[i].region, field);
   }));
   for (NodeLevel& nodes : field.levels) LODE_CHECK(check_nodes(nodes, reader, threads));

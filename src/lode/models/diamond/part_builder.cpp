@@ -33,6 +33,24 @@ PartPlan<D> PartPlan<D>::of(const Shape<D>& shape, const LatticeBox<D>& chunks) 
   return plan;
 }
 
+/// The first part, one between others, and the last differ in their border layers.
+template <int D>
+PartPlan<D> PartPlan<D>::largest(const Shape<D>& shape, std::int32_t chunks_per_part) {
+  const Index<D> n = chunk_counts<D>(shape);
+  PartPlan largest;
+  for (std::size_t i = 0; i < as_size(D); ++i) {
+    const std::int32_t step = i == 0 ? chunks_per_part : 1;
+    for (const std::int32_t first : {0, step, (n[i] - 1) / step * step}) {
+      if (first >= n[i]) continue;
+      LatticeBox<D> chunks{{}, all_equal<D>(1)};
+      chunks.lower[i] = first;
+      chunks.upper[i] = std::min(first + step, n[i]);
+      largest.dims[i] = std::max(largest.dims[i], PartPlan::of(shape, chunks).dims[i]);
+    }
+  }
+  return largest;
+}
+
 template <int D>
 std::uint64_t PartPlan<D>::n_bytes(std::size_t sample_size) const {
   const Shape<D> shape = Shape<D>::of(dims);

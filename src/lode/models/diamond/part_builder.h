@@ -23,6 +23,8 @@ struct PartPlan {
   Part<D> part;
 
   [[nodiscard]] static PartPlan of(const Shape<D>& shape, const LatticeBox<D>& chunks);
+  /// One as large along each axis as any with so many chunks side by side in x.
+  [[nodiscard]] static PartPlan largest(const Shape<D>& shape, std::int32_t chunks_per_part);
   /// What a PartBuilder takes for it.
   [[nodiscard]] std::uint64_t n_bytes(std::size_t sample_size) const;
 };
@@ -51,6 +53,9 @@ class PartBuilder {
   /// Appends the blocks of one of the part's chunks.
   [[nodiscard]] Result<void> append_chunk(const Index<D>& chunk, store::Writer& writer,
                                           const Progress& progress) const;
+
+  /// The part, after find_attributes(): levels up to kChunkLevel and their world errors.
+  [[nodiscard]] const Model<D>& model() const { return model_; }
 
   /// Per level up to kChunkLevel: the largest nested error of any part's nodes so far.
   [[nodiscard]] const std::vector<ErrorCode>& largest_errors() const { return largest_; }

@@ -7,14 +7,12 @@
 #include <utility>
 
 #include "lode/core/stopwatch.h"
-#include "lode/models/diamond/block_checks.h"
 #include "lode/models/diamond/build.h"
+#include "lode/models/diamond/coarse_nesting.h"
 #include "lode/models/diamond/encode_blocks.h"
 #include "lode/models/diamond/field_scan.h"
-#include "lode/models/diamond/nesting_pass.h"
 #include "lode/models/diamond/part_log.h"
 #include "lode/models/diamond/part_reads.h"
-#include "lode/models/diamond/world_pass.h"
 #include "lode/store/bytes.h"
 #include "lode/store/checksum.h"
 
@@ -118,25 +116,6 @@ class BoxReader {
   std::uint64_t n_bytes_ = 0;
 };
 
-/// A plan as large along each axis as any with so many chunks side by side in x: the first, one
-/// between others, and the last differ in their border layers.
-template <int D>
-PartPlan<D> largest_part(const Shape<D>& shape, std::int32_t chunks_per_part) {
-  const Index<D> n = chunk_counts<D>(shape);
-  PartPlan<D> largest;
-  for (std::size_t i = 0; i < as_size(D); ++i) {
-    const std::int32_t step = i == 0 ? chunks_per_part : 1;
-    for (const std::int32_t first : {0, step, (n[i] - 1) / step * step}) {
-      if (first >= n[i]) continue;
-      LatticeBox<D> chunks{{}, all_equal<D>(1)};
-      chunks.lower[i] = first;
-      chunks.upper[i] = std::min(first + step, n[i]);
-      largest.dims[i] = std::max(largest.dims[i], PartPlan<D>::of(shape, chunks).dims[i]);
-    }
-  }
-  return largest;
-}
-
 /// Bytes that a build with so many chunks a part takes at most. has_units: whether the source reads
 /// more than single samples as a whole.
 template <int D>
@@ -146,7 +125,7 @@ std::uint64_t build_bytes(const VolumeInfo& info, bool has_units, std::int32_t c
   const Shape<D> shape = shape_of<D>(info.grid.dims);
   const std::size_t size = size_of(info.type);
   const std::size_t wide_size = size_of(storage_type(info.type));
-  const std::uint64_t largest = largest_part<D>(shape, chunks_per_part).n_bytes(wide_size);
+  const std::uint64_t largest = PartPlan<D>::largest(shape, chunks_per_part).n_bytes(wide_size);
   std::uint64_t slice = 2 * size + (wide_size == size ? 0 : wide_size) + 1;  // and where holes are
   std::uint64_t n_reads = 4;
   if (has_units) {  // may come in pieces: io/border_spool.h
@@ -201,10 +180,10 @@ class StreamBuild {
     LODE_CHECK(scan());
     LODE_TRY(auto writer, open(path));
     report_.n_chunks_resumed = done_.n_chunks;
-    builder_.reserve(largest_part<D>(field_.shape, chunks_per_part_).dims);
+    builder_.reserve(PartPlan<D>::largest(field_.shape, chunks_per_part_).dims);
     while (done_.n_chunks < n_points<D>(chunk_dims())) LODE_CHECK(build_next_part(writer));
     LODE_CHECK(finish_coarse(writer));
-    report_.metadata = {field_.info, summarize()};
+    report_.metadata = {field_.info, summarize<D>(field_, builder_)};
     report_.bytes_read = reader_.n_bytes();
     report_.io = source_.io();
     writer.set_metadata(encode_metadata(report_.metadata));
@@ -330,40 +309,13 @@ class StreamBuild {
   Result<void> finish_coarse(store::Writer& writer) {
     if (!field_.is_needed()) return {};
     const Stopwatch watch;
-    nest_coarse_worlds();
-    NestingPass<D, CoarseField<D>>(field_, kKeptLevel, field_.shape.n_levels, settings_.threads)
-        .run();
-    round_ranges<D, CoarseField<D>>(field_, field_.levels, kKeptLevel, settings_.threads);
+    nest_coarse<D>(field_, settings_.threads);
     const std::vector<BlockGroup<D>> groups = coarse_blocks<D>(field_.shape);
     LODE_CHECK(append_groups<D>(field_, field_.worlds, Index<D>{},
                                 std::span<const BlockGroup<D>>(groups), writer, settings_.threads,
                                 progress_));
     report_.write_seconds += watch.seconds();
     return {};
-  }
-
-  void nest_coarse_worlds() {
-    const double slack = rounding_slack<D>(field_);
-    for (int level = kKeptLevel; level < field_.shape.n_levels; ++level) {
-      const auto& own =
-          level == kKeptLevel ? field_.finest_own : field_.levels[as_size(level)].error;
-      visit_held_type<D>(field_, [&]<typename V>() {
-        raise_to_own_worlds<D, typename SampleScale<D, V>::C>(
-            field_, level, own, slack, settings_.threads, field_.worlds[as_size(level)]);
-      });
-    }
-    nest_worlds<D>(field_.shape, kKeptLevel, field_.shape.n_levels, settings_.threads,
-                   field_.worlds);
-  }
-
-  [[nodiscard]] Summary summarize() const {
-    Summary summary{.stats = field_.stats, .base_error = 0, .max_errors = {}};
-    for (const ErrorCode largest : builder_.largest_errors())
-      summary.max_errors.push_back(static_cast<double>(decode_error(largest)));
-    for (int level = kKeptLevel; level < field_.shape.n_levels; ++level)
-      summary.max_errors.push_back(largest_error(field_.levels[as_size(level)]));
-    summary.base_error = field_.is_needed() ? field_.base_error() : builder_.base_error();
-    return summary;
   }
 
   VolumeSource& source_;
