@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace lode {
@@ -54,6 +56,65 @@ void run_on_plain_threads(std::size_t n, int workers, std::size_t grain,
   for (std::thread& thread : threads) thread.join();
   failure.rethrow();
 }
+#else
+/// Arenas are kept from call to call: threads stay in one for a while after its work is done, and
+/// are there when there is more, where those of a new one have to be woken first. Each is used by
+/// one call at a time: what is called inside of another has its own, so that no thread takes up the
+/// outer one's work while it waits.
+class ArenaPool {
+ public:
+  /// Takes an arena for so many threads, and gives it back in the end.
+  class Lease {
+   public:
+    Lease(ArenaPool& pool, int workers)
+        : pool_(pool), workers_(workers), arena_(pool.take(workers)) {}
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    ~Lease() { pool_.give(workers_, std::move(arena_)); }
+    [[nodiscard]] tbb::task_arena& arena() { return *arena_; }
+
+   private:
+    ArenaPool& pool_;
+    int workers_;
+    std::unique_ptr<tbb::task_arena> arena_;
+  };
+
+  /// Of the program; it stays to the very end, as other threads may.
+  static ArenaPool& get() {
+    static ArenaPool& pool = *new ArenaPool;
+    return pool;
+  }
+
+ private:
+  struct Free {
+    int workers;
+    std::unique_ptr<tbb::task_arena> arena;
+  };
+  static constexpr std::size_t kMostFree = 8;
+
+  std::unique_ptr<tbb::task_arena> take(int workers) {
+    {
+      const std::lock_guard lock(mutex_);
+      for (Free& free : free_)
+        if (free.workers == workers) {
+          std::unique_ptr<tbb::task_arena> arena = std::move(free.arena);
+          std::swap(free, free_.back());
+          free_.pop_back();
+          return arena;
+        }
+    }
+    return std::make_unique<tbb::task_arena>(workers);
+  }
+  void give(int workers, std::unique_ptr<tbb::task_arena> arena) noexcept {
+    const std::lock_guard lock(mutex_);
+    if (free_.size() < kMostFree) free_.push_back({workers, std::move(arena)});
+  }
+
+  ArenaPool() { free_.reserve(kMostFree); }  // so that giving back cannot fail
+
+  std::mutex mutex_;
+  std::vector<Free> free_;
+};
 #endif
 
 }  // namespace
@@ -88,8 +149,8 @@ void parallel_for(std::size_t n, Threads threads, std::size_t grain,
       context.cancel_group_execution();
     }
   };
-  tbb::task_arena arena(workers);
-  arena.execute([&] {
+  ArenaPool::Lease lease(ArenaPool::get(), workers);
+  lease.arena().execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
                       run_range, tbb::simple_partitioner(), context);
   });
