@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -8,6 +9,7 @@
 #include "lode/delaunay/triangle_error.h"
 #include "lode/models/terrain/right_triangle_bisection/bisection.h"
 #include "lode/models/terrain/right_triangle_bisection/cell_counts.h"
+#include "lode/models/terrain/right_triangle_bisection/height_lanes.h"
 #include "lode/models/terrain/right_triangle_bisection/nested_errors.h"
 #include "lode/models/terrain/right_triangle_bisection/own_errors.h"
 #include "lode/models/terrain/right_triangle_bisection/stretched_diamonds.h"
@@ -18,9 +20,10 @@ namespace {
 
 constexpr float kAlways = std::numeric_limits<float>::infinity();
 
-/// Heights of a row of a raster without gaps; more than one sum at a time.
+/// Heights of a row of a raster without gaps.
 template <typename T>
-HeightRange range_of_row(const T* row, std::int32_t n) {
+HeightRange range_of_row(const T* row, std::int32_t n, const HeightLanes& lanes) {
+  if constexpr (std::is_floating_point_v<T>) return lanes.range(row, n);
   T lower = row[0];
   T upper = row[0];
   for (std::int32_t x = 1; x < n; ++x) {
@@ -33,9 +36,10 @@ HeightRange range_of_row(const T* row, std::int32_t n) {
 template <typename T>
 HeightRange find_range(const HeightGrid& grid, const RasterRows<T>& rows, Threads threads) {
   if (!grid.is_valid.empty()) return height_range(grid);
+  const HeightLanes lanes = height_lanes();
   std::vector<HeightRange> ranges(static_cast<std::size_t>(grid.n_rows));
   parallel_for(ranges.size(), threads, 64, [&](std::size_t y, int) {
-    ranges[y] = range_of_row(rows.row(static_cast<std::int32_t>(y)), grid.n_columns);
+    ranges[y] = range_of_row(rows.row(static_cast<std::int32_t>(y)), grid.n_columns, lanes);
   });
   HeightRange all = ranges.front();
   for (const HeightRange& range : ranges) {
@@ -108,19 +112,11 @@ bool is_level(const RasterRows<T>& rows, const Lattice& lattice, LatticePoint no
          std::ranges::none_of(diamond.apexes, differs);
 }
 
-/// Calls visit(x) for values equal to one that few of them are equal to.
 template <typename Visit>
-void find_equal(const float* values, std::int32_t n, float rare, const Visit& visit) {
-  constexpr std::int32_t kPiece = 32;
-  std::int32_t x = 0;
-  for (; x + kPiece <= n; x += kPiece) {
-    std::int32_t n_equal = 0;
-    for (std::int32_t i = 0; i < kPiece; ++i) n_equal += values[x + i] == rare ? 1 : 0;
-    for (std::int32_t i = 0; n_equal > 0 && i < kPiece; ++i)
-      if (values[x + i] == rare) visit(x + i);
-  }
-  for (; x < n; ++x)
-    if (values[x] == rare) visit(x);
+void for_each_bit(const std::vector<std::uint64_t>& words, const Visit& visit) {
+  for (std::size_t i = 0; i < words.size(); ++i)
+    for (std::uint64_t word = words[i]; word != 0; word &= word - 1)
+      visit(static_cast<std::int32_t>(64 * i) + std::countr_zero(word));
 }
 
 /// Errors of whole steps in units of heights, and what rounding may have hidden added to them: but
@@ -128,19 +124,22 @@ void find_equal(const float* values, std::int32_t n, float rare, const Visit& vi
 /// from these by what is less than a step, nodes that wait for this one say so.
 void finish_errors(const RasterRows<double>& rows, const Lattice& lattice, double unit,
                    double slack, Threads threads, float* errors) {
-  const float least = delaunay::to_float_above(slack);
   const auto n = static_cast<std::int32_t>(lattice.stride());
   const std::size_t n_rows = lattice.size() / static_cast<std::size_t>(n);
-  parallel_for(n_rows, threads, 64, [&](std::size_t row, int) {
-    const auto y = static_cast<std::int32_t>(row);
-    float* const at = errors + y * lattice.stride();
-    for (std::int32_t x = 0; x < n; ++x)
-      at[x] = delaunay::to_float_above(static_cast<double>(at[x]) * unit + slack);
-    find_equal(at, n, least, [&](std::int32_t x) {
-      const LatticePoint node = lattice.node_at(x, y);
-      if (lattice.has(node) && (lattice.is_corner(node) || is_level(rows, lattice, node)))
-        at[x] = 0;
-    });
+  const HeightLanes lanes = height_lanes();
+  constexpr std::size_t kRows = 64;
+  parallel_for((n_rows + kRows - 1) / kRows, threads, 1, [&](std::size_t piece, int) {
+    std::vector<std::uint64_t> zeros(static_cast<std::size_t>(n) / 64 + 1);
+    for (std::size_t row = piece * kRows; row < std::min(n_rows, (piece + 1) * kRows); ++row) {
+      const auto y = static_cast<std::int32_t>(row);
+      float* const at = errors + y * lattice.stride();
+      lanes.to_units(at, n, unit, slack, zeros.data());
+      for_each_bit(zeros, [&](std::int32_t x) {
+        const LatticePoint node = lattice.node_at(x, y);
+        if (lattice.has(node) && (lattice.is_corner(node) || is_level(rows, lattice, node)))
+          at[x] = 0;
+      });
+    }
   });
 }
 
@@ -148,9 +147,12 @@ void finish_errors(const RasterRows<double>& rows, const Lattice& lattice, doubl
 void scale_errors(const Lattice& lattice, double unit, Threads threads, float* errors) {
   constexpr std::size_t kPiece = 1 << 15;
   const std::size_t n = lattice.size();
+  const HeightLanes lanes = height_lanes();
   parallel_for((n + kPiece - 1) / kPiece, threads, 1, [&](std::size_t piece, int) {
-    for (std::size_t i = piece * kPiece; i < std::min(n, (piece + 1) * kPiece); ++i)
-      errors[i] = delaunay::to_float_above(static_cast<double>(errors[i]) * unit);
+    const std::size_t first = piece * kPiece;
+    std::array<std::uint64_t, kPiece / 64> zeros;
+    lanes.to_units(errors + first, static_cast<std::int32_t>(std::min(n - first, kPiece)), unit, 0,
+                   zeros.data());
   });
 }
 

@@ -56,6 +56,12 @@ class TriangleMeter {
       z[i] = rows_.height(corners[i]);
     }
     const auto worst = find_(rows_, slack_, packed, z);
+    // Residuals of whole numbers, times the area, are such.
+    if constexpr (std::is_integral_v<T>)
+      if (worst.error *
+              static_cast<double>(delaunay::doubled_area(corners[0], corners[1], corners[2])) <
+          1)
+        return 0;
     // Where rounding is much of it: planes have no error at all.
     if (worst.error > 4 * worst.slack) return worst.error;
     if constexpr (std::is_floating_point_v<T>)

@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "lode/models/terrain/right_triangle_bisection/height_lanes.h"
+
 namespace lode::bisection {
 namespace {
 
@@ -21,20 +23,6 @@ struct Steps {
 };
 constexpr std::array<Steps, 4> kSteps{{{1, true}, {10, false}, {100, false}, {256, true}}};
 
-/// A row's numbers of steps above the lowest; whether all heights are such numbers.
-template <typename T>
-bool put_row(const T* row, std::int32_t n, double per_unit, double lowest, double slack,
-             std::uint16_t* out) {
-  std::int32_t n_others = 0;
-  for (std::int32_t x = 0; x < n; ++x) {
-    const double steps = static_cast<double>(row[x]) * per_unit;
-    const double whole = (steps + kWhole) - kWhole;
-    n_others += std::abs(steps - whole) > slack ? 1 : 0;
-    out[x] = static_cast<std::uint16_t>(static_cast<std::int32_t>(whole - lowest));
-  }
-  return n_others == 0;
-}
-
 }  // namespace
 
 template <typename T>
@@ -42,6 +30,7 @@ std::optional<WholeHeights> find_whole_heights(const RasterRows<T>& rows, Lattic
                                                const HeightRange& range, Threads threads) {
   const double largest = std::max(std::abs(range.lower), std::abs(range.upper));
   const std::int32_t n = last.x + 1;
+  const HeightLanes lanes = height_lanes();
   WholeHeights whole;
   whole.stride = padded_stride(n);
   for (const Steps& steps : kSteps) {
@@ -52,7 +41,7 @@ std::optional<WholeHeights> find_whole_heights(const RasterRows<T>& rows, Lattic
     const double lowest = (range.lower * steps.per_unit + kWhole) - kWhole;
     const double slack = steps.is_exact ? 0 : kNearly * largest * steps.per_unit;
     const auto put = [&](std::int32_t y, std::uint16_t* out) {
-      return put_row(rows.row(y), n, steps.per_unit, lowest, slack, out);
+      return lanes.count_steps(rows.row(y), n, {steps.per_unit, lowest, slack}, out);
     };
     std::vector<std::uint16_t> first(static_cast<std::size_t>(n));
     if (!put(last.y / 2, first.data())) continue;
