@@ -35,8 +35,9 @@ Result<ExtractOptions> options_of(const VerifyArguments& arguments) {
   if (!arguments.memory_limit.empty()) {
     if (!options.max_distance && !arguments.surface.empty())
       return fail(
-          "--memory-limit: expected --max-distance with --surface and it, without --simplify: no "
-          "other surface depends on it");
+          "--memory-limit: expected --max-distance, without --simplify, where there is a "
+          "--surface: "
+          "no other surface depends on it");
     LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
   }
   return options;
@@ -253,6 +254,7 @@ Command add_verify_command(CLI::App& program) {
   add_extraction_options(*app, arguments->extraction);
   add_reading_options(*app, arguments->reading);
   add_terrain_options(*app, arguments->terrain, TerrainUse::verification);
+  add_resample_option(*app, arguments->terrain);
   return {app, [arguments, app] { return check_verify(*arguments, *app); },
           [arguments](Session& session) { return run_verify(*arguments, session); }};
 }

@@ -123,8 +123,8 @@ TEST(cli_verify, says_what_it_has_no_memory_to_look_at) {
       run_lode({"verify", lode, "--json", "--memory-limit", "200K", "--against", volume});
   EXPECT_EQ(against.exit_code, 0) << against.err;
   EXPECT_EQ(against.json().at("checks").size(), 5U);
-  EXPECT_EQ(against.json().at("checks").at(3).at("count"), 60 * 50 * 40);
-  EXPECT_TRUE(against.json().at("checks").at(3).at("passed"));
+  EXPECT_TRUE(against.json().at("checks").at(2).at("passed"));
+  EXPECT_TRUE(against.json().at("checks").at(3).at("passed").is_null()) << against.out;
   EXPECT_TRUE(against.json().at("checks").at(4).at("passed").is_null()) << against.out;
 }
 

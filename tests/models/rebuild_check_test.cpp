@@ -160,6 +160,9 @@ TEST(rebuild_check, refuses_metadata_that_are_not_the_samples) {
     expect_refused<3>(path, message);
   };
   expect([](diamond::Summary& summary) { ++summary.stats.n_holes; }, "number of holes: expected");
+  expect(
+      [](diamond::Summary& summary) { summary.stats.n_holes = summary.stats.n_removed_cells = 0; },
+      "expected no holes");
   expect([](diamond::Summary& summary) { --summary.stats.n_removed_cells; },
          "number of removed cells: expected");
   expect([](diamond::Summary& summary) { --summary.stats.min; }, "smallest sample: expected");
@@ -193,7 +196,7 @@ TEST(rebuild_check, refuses_blocks_that_are_missing_and_others) {
   save_random<3>(path, {{30, 20, 28}}, ScalarType::uint8, test::Holes::none);
   const auto reader = store::Reader::open(path.str());
   ASSERT_TRUE(reader);
-  const auto write = [&](std::uint32_t left_out, bool with_another) {
+  const auto write = [&](std::uint32_t left_out, bool with_another, std::uint32_t kind = 0) {
     auto writer = store::Writer::create(path.str(), reader->model(), reader->metadata());
     ASSERT_TRUE(writer);
     for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
@@ -207,8 +210,17 @@ TEST(rebuild_check, refuses_blocks_that_are_missing_and_others) {
       if (entry.key.kind == static_cast<std::uint32_t>(Kind::lows) && with_another)
         ASSERT_TRUE(writer->append(other, store::encode_block({raw, entry.element_size})));
     }
+    if (kind > 0)
+      ASSERT_TRUE(writer->append({kind, 0, {}}, store::encode_block({test::Bytes(16), 4})));
     ASSERT_TRUE(writer->finish());
   };
+  constexpr std::uint32_t kOther = 77;  // readers may ignore what they do not know
+  write(99, false, kOther);
+  EXPECT_TRUE(check<3>(path.str(), 2, kSmallMemory));
+  write(static_cast<std::uint32_t>(Kind::worlds), false);  // as in files from before there were any
+  const auto found = check<3>(path.str(), 2, kSmallMemory);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->worlds.n_checked, 0U);
   write(static_cast<std::uint32_t>(Kind::highs), false);
   expect_refused<3>(path, "but the file has none");
   write(99, true);

@@ -285,10 +285,10 @@ class Dataset {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Reads every byte of a .lode file and checks it, loads it, which checks what blocks and metadata
-/// say of each other, and finds errors and ranges anew from its samples: those stored are to be the
-/// same. Of files larger than a memory limit (0: than the machine's memory) that goes part by part;
-/// but for the bytes it is left out, and the report says so, where the smallest part takes more.
+/// Reads every byte of a .lode file and checks it, and finds errors and ranges anew from its
+/// samples: those stored are to be the same. Within a memory limit (0: the machine's memory) that
+/// goes part by part; but for the bytes it is left out, and the report says so, where the smallest
+/// part takes more.
 [[nodiscard]] Result<VerifyReport> verify_file(const std::string& path, Threads threads,
                                                Progress& progress, std::uint64_t memory_limit = 0);
 

@@ -40,6 +40,12 @@ std::string difference_of(const VolumeInfo& ours, const VolumeInfo& theirs) {
   return {};
 }
 
+std::string lacks_memory(const char* how, std::uint64_t bytes,
+                         const diamond::RebuildSettings& settings) {
+  return fmt::format("not looked at: takes {} {} MB of memory, of {:.3g} MB", how,
+                     bytes / 1'000'000 + 1, static_cast<double>(settings.memory_limit) / 1e6);
+}
+
 /// Samples that are not the original's.
 struct Differences {
   std::uint64_t n = 0;
@@ -106,17 +112,15 @@ Result<void> verify_attributes(const store::Reader& reader,
                                const diamond::RebuildSettings& settings, Progress& progress,
                                VerifyReport& report) {
   LODE_TRY(const diamond::Metadata metadata, diamond::read_metadata(reader));
-  const std::uint64_t least = diamond::least_rebuild_bytes<D>(metadata.info, settings.threads);
+  const std::uint64_t least = diamond::least_rebuild_bytes<D>(metadata.info);
   if (least > settings.memory_limit) {
-    report.skip("blocks, metadata and samples agree",
-                fmt::format("not looked at: takes at least {} MB of memory, of {} MB",
-                            least / 1'000'000 + 1, settings.memory_limit / 1'000'000));
+    report.skip("blocks, metadata and samples agree", lacks_memory("at least", least, settings));
     return {};
   }
   LODE_TRY(const auto findings, diamond::rebuild_check<D>(reader, settings, progress));
-  // What else would disagree ends the check.
-  report.add("blocks and metadata agree", findings.n_blocks, 0,
-             "range, holes, errors, samples beyond the data");
+  // Where they do not that has ended the check.
+  report.add("metadata and samples agree", findings.n_blocks, 0,
+             "range, holes, largest errors, samples beyond the data, number of blocks");
   add_finding(report, "errors and ranges are the samples'", findings.nodes);
   if (findings.worlds.n_checked > 0)
     add_finding(report, "world errors are the samples'", findings.worlds);
@@ -150,8 +154,18 @@ Result<VerifyReport> verify_samples_against(const store::Reader& reader, VolumeS
   VerifyReport report;
   LODE_TRY(const diamond::Metadata metadata, diamond::read_metadata(reader));
   LODE_CHECK(check_same_grid(metadata.info, original.info(), report));
-  LODE_TRY(const auto finding, diamond::compare_samples<D>(reader, original, settings, progress));
-  add_finding(report, "samples equal the original's", finding);
+  const std::uint64_t least = original.memory_bytes() + diamond::least_comparison_bytes<D>(
+                                                            metadata.info, original.info().type);
+  if (least > settings.memory_limit) {
+    report.skip("samples equal the original's", lacks_memory("at least", least, settings));
+    return report;
+  }
+  diamond::RebuildSettings left = settings;
+  left.memory_limit -= original.memory_bytes();
+  LODE_TRY(const auto finding, diamond::compare_samples<D>(reader, original, left, progress));
+  report.add(
+      "samples equal the original's", finding.n_checked, finding.n_wrong,
+      finding.n_wrong == 0 ? "" : fmt::format("{} differ; {}", finding.n_wrong, finding.worst));
   return report;
 }
 

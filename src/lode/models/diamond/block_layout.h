@@ -14,6 +14,11 @@ namespace lode::diamond {
 
 /// What a block holds, beside store::kIndexKind; part of the format.
 enum class Kind : std::uint32_t { samples = 1, errors = 2, lows = 3, highs = 4, worlds = 5 };
+/// Whether a block holds something of that: others a reader may ignore.
+[[nodiscard]] inline bool is_of_model(const store::BlockKey& key) {
+  return key.kind >= static_cast<std::uint32_t>(Kind::samples) &&
+         key.kind <= static_cast<std::uint32_t>(Kind::worlds);
+}
 
 /// Grid points per edge of a block.
 template <int D>

@@ -46,8 +46,10 @@ class GroupComparison {
     n_ = count_points(region_);
     if (n_ == 0) return {};
     if (group_.is_samples && !reaches_beyond()) {  // those in the data are what ours are made of
+      const auto found = find_region<D>(file_.reader, region_, Kind::samples, field.sample_size());
+      if (!found) return found.error();
       ++findings.n_blocks;
-      return find_block(Kind::samples, field.sample_size());
+      return {};
     }
     visit_block_values<D>(field, worlds, origin, group_, [&](Kind kind, const auto& values) {
       const auto bytes = std::as_bytes(std::span(values));
@@ -65,11 +67,6 @@ class GroupComparison {
     for (std::size_t i = 0; i < as_size(D); ++i)
       if (((region_.upper[i] - 1) << region_.level) >= file_.shape.dims[i]) return true;
     return false;
-  }
-  [[nodiscard]] Result<void> find_block(Kind kind, std::size_t element_size) const {
-    LODE_TRY(const std::size_t at, find_region<D>(file_.reader, region_, kind, element_size));
-    static_cast<void>(at);
-    return {};
   }
   [[nodiscard]] Result<void> read(Kind kind, std::size_t element_size, BlockFindings& findings) {
     LODE_TRY(theirs_[place_of(kind)], read_region<D>(file_.reader, region_, kind, element_size));
@@ -93,10 +90,20 @@ class GroupComparison {
   [[nodiscard]] T theirs(Kind kind, std::size_t i) const {
     return value_at<T>(theirs_[place_of(kind)], i);
   }
+  /// As bits: holes may be any NaN.
   template <typename T>
-  [[nodiscard]] bool differ(Kind kind, std::size_t i) const {
+  [[nodiscard]] bool has_other_bits(Kind kind, std::size_t i) const {
     return std::memcmp(ours_[place_of(kind)].data() + i * sizeof(T),
                        theirs_[place_of(kind)].data() + i * sizeof(T), sizeof(T)) != 0;
+  }
+  /// As numbers; no number is equal to none.
+  template <typename T>
+  [[nodiscard]] bool differ(Kind kind, std::size_t i) const {
+    return !(ours<T>(kind, i) == theirs<T>(kind, i));
+  }
+  [[nodiscard]] static std::string text_of(ErrorCode error) {
+    return error > kInfiniteError ? fmt::format("none (code {})", error)
+                                  : fmt::format("{}", decode_error(error));
   }
   /// The finding of nodes of which is_wrong(i) says so; describe(i): of the first.
   template <typename IsWrong, typename Describe>
@@ -114,7 +121,7 @@ class GroupComparison {
     if (are_equal(Kind::samples)) return {};
     return visit_storage_type(storage, [&]<typename T>() -> Result<void> {
       std::size_t i = 0;
-      while (!differ<T>(Kind::samples, i)) ++i;
+      while (!has_other_bits<T>(Kind::samples, i)) ++i;
       return fail(
           "{}: {}: beyond the data at grid point {}: expected the nearest sample, {}, got {}",
           file_.reader.path(), describe(key_of(Kind::samples, region_)),
@@ -136,10 +143,9 @@ class GroupComparison {
         },
         [&](std::size_t i) {
           return fmt::format("error {}, range {} to {}; of the samples {}, {} to {}",
-                             decode_error(theirs<ErrorCode>(Kind::errors, i)),
-                             theirs<R>(Kind::lows, i), theirs<R>(Kind::highs, i),
-                             decode_error(ours<ErrorCode>(Kind::errors, i)), ours<R>(Kind::lows, i),
-                             ours<R>(Kind::highs, i));
+                             text_of(theirs<ErrorCode>(Kind::errors, i)), theirs<R>(Kind::lows, i),
+                             theirs<R>(Kind::highs, i), text_of(ours<ErrorCode>(Kind::errors, i)),
+                             ours<R>(Kind::lows, i), ours<R>(Kind::highs, i));
         },
         findings.nodes);
     return {};
@@ -158,7 +164,7 @@ class GroupComparison {
     return {};
   }
 
-  static constexpr std::size_t kKinds = 6;  // numbered from 1
+  static constexpr std::size_t kKinds = static_cast<std::size_t>(Kind::worlds) + 1;
 
   const ComparedFile<D>& file_;
   const BlockGroup<D>& group_;

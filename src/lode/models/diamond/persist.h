@@ -31,8 +31,8 @@ struct Metadata {
 /// Reads the metadata of a diamond2d or diamond3d, and no block. Fails, naming the file, on sizes,
 /// ranges, counts and errors that no model has, on bytes too few or too many, and where the blocks
 /// cannot hold the samples, so that memory may be taken for what it says; where the directory was
-/// rebuilt, where a file of that size could not. Whether the summary is true, only load() finds
-/// out.
+/// rebuilt, where a file of that size could not. Whether the summary is true, load() and
+/// rebuild_check() find out.
 [[nodiscard]] Result<Metadata> read_metadata(const store::Reader& reader);
 
 /// Whether the file's errors are what they are today: of fields with holes they were finite where

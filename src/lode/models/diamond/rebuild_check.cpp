@@ -13,15 +13,17 @@ namespace {
 /// Bytes that one takes whose parts have so many chunks side by side, without what it keeps of
 /// blocks.
 template <int D>
-std::uint64_t rebuild_bytes(const VolumeInfo& info, std::int32_t chunks_per_part, Threads threads) {
-  const PartPlan<D> largest = PartPlan<D>::largest(shape_of<D>(info.grid.dims), chunks_per_part);
+std::uint64_t rebuild_bytes(const VolumeInfo& info, std::int32_t chunks_per_part, int n_threads) {
+  const Shape<D> shape = shape_of<D>(info.grid.dims);
+  const PartPlan<D> largest = PartPlan<D>::largest(shape, chunks_per_part);
   const std::size_t size = size_of(storage_type(info.type));
-  // For each thread what finding errors takes, a sample block, and a node block's values twice.
-  const std::uint64_t scratch = as_size(n_workers(threads)) * (std::uint64_t{12} << 20);
-  // Slices that are looked at, and what an allocator keeps of blocks that are gone.
-  constexpr std::uint64_t kRest = std::uint64_t{48} << 20;
+  // For each thread what finding errors takes, a sample block, and a node block's values twice;
+  // slices that are looked at, and what an allocator keeps of blocks that are gone.
+  const std::uint64_t of_all = (32 + 8 * size) * n_points<D>(shape.dims);
+  const std::uint64_t scratch = as_size(n_threads) * std::min(of_all, std::uint64_t{12} << 20);
+  const std::uint64_t rest = std::min(of_all, std::uint64_t{48} << 20);
   return largest.n_bytes(size) + n_points<D>(largest.dims) * size +
-         CoarseField<D>::n_bytes(info, true) + scratch + kRest;
+         CoarseField<D>::n_bytes(info, true) + scratch + rest;
 }
 
 /// Range, holes and removed cells of a field, found part by part.
@@ -135,8 +137,7 @@ class RebuildCheck {
     }
     LODE_CHECK(check_stats(file_.reader, said_.stats, stats_.stats()));
     LODE_CHECK(check_coarse());
-    if (findings_.nodes.n_wrong == 0)
-      LODE_CHECK(check_errors(file_.reader, said_, summarize<D>(field_, builder_)));
+    LODE_CHECK(check_errors(file_.reader, said_, summarize<D>(field_, builder_)));
     LODE_CHECK(check_number_of_blocks());
     return std::move(findings_);
   }
@@ -180,7 +181,7 @@ class RebuildCheck {
   Result<void> check_number_of_blocks() const {
     std::uint64_t n = 0;
     for (const store::BlockEntry& block : file_.reader.blocks())
-      n += store::is_index(block.key) ? 0 : 1;
+      n += is_of_model(block.key) ? 1 : 0;
     if (n == findings_.n_blocks) return {};
     return fail("{}: expected {} blocks, as its field has, got {}", file_.reader.path(),
                 findings_.n_blocks, n);
@@ -215,8 +216,8 @@ std::uint64_t shared_bytes(const VolumeInfo& info) {
 }  // namespace
 
 template <int D>
-std::uint64_t least_rebuild_bytes(const VolumeInfo& info, Threads threads) {
-  return rebuild_bytes<D>(info, 1, threads);
+std::uint64_t least_rebuild_bytes(const VolumeInfo& info) {
+  return rebuild_bytes<D>(info, 1, 1);
 }
 
 template <int D>
@@ -226,17 +227,20 @@ Result<BlockFindings> rebuild_check(const store::Reader& reader, const RebuildSe
   LODE_CHECK(check_current(reader, metadata));
   const VolumeInfo& info = metadata.info;
   std::int32_t chunks = chunk_counts<D>(shape_of<D>(info.grid.dims))[0];
+  int n_threads = n_workers(settings.threads);
   std::uint64_t cache = shared_bytes<D>(info);
   if (const std::uint64_t limit = settings.memory_limit; limit > 0) {
-    const auto bytes = [&] { return rebuild_bytes<D>(info, chunks, settings.threads); };
+    const auto bytes = [&] { return rebuild_bytes<D>(info, chunks, n_threads); };
     while (chunks > 1 && bytes() > limit) --chunks;
-    cache = std::min(cache, limit - std::min(limit, bytes()));
+    while (n_threads > 1 && bytes() > limit) --n_threads;
+    // Blocks that are kept lie between others that are not.
+    cache = std::min(cache, (limit - std::min(limit, bytes())) / 4 * 3);
   }
-  return RebuildCheck<D>(reader, metadata, chunks, cache, settings.threads, progress).run();
+  return RebuildCheck<D>(reader, metadata, chunks, cache, {n_threads}, progress).run();
 }
 
-template std::uint64_t least_rebuild_bytes<2>(const VolumeInfo&, Threads);
-template std::uint64_t least_rebuild_bytes<3>(const VolumeInfo&, Threads);
+template std::uint64_t least_rebuild_bytes<2>(const VolumeInfo&);
+template std::uint64_t least_rebuild_bytes<3>(const VolumeInfo&);
 template Result<BlockFindings> rebuild_check<2>(const store::Reader&, const RebuildSettings&,
                                                 Progress&);
 template Result<BlockFindings> rebuild_check<3>(const store::Reader&, const RebuildSettings&,

@@ -6,15 +6,15 @@
 namespace lode::diamond {
 
 struct RebuildSettings {
-  Threads threads;
-  /// Bytes that it may take, the directory's aside, or least_rebuild_bytes() if that is more; 0: as
-  /// it likes.
+  Threads threads;  ///< Fewer where memory is short.
+  /// Bytes that it may take, the directory's aside, or what it needs at least if that is more; 0:
+  /// as it likes.
   std::uint64_t memory_limit = 0;
 };
 
 /// Bytes that rebuild_check() takes at least.
 template <int D>
-[[nodiscard]] std::uint64_t least_rebuild_bytes(const VolumeInfo& info, Threads threads);
+[[nodiscard]] std::uint64_t least_rebuild_bytes(const VolumeInfo& info);
 
 /// Builds the hierarchy again of a file's own samples, part by part as build_file() does, and
 /// compares all blocks with what that gives: so errors, ranges and world errors are those of the

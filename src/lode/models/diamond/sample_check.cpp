@@ -56,40 +56,85 @@ class SampleComparison {
   AttributeFinding finding_;
 };
 
+/// What is looked at at once, and what is kept of blocks.
+template <int D>
+struct ComparisonPlan {
+  Index<D> edges = all_equal<D>(kChunkEdge<D>);  ///< Samples.
+  std::uint64_t cache_bytes = 0;
+
+  /// Blocks that are being decoded, and what an allocator keeps.
+  static constexpr std::uint64_t kRest = std::uint64_t{24} << 20;
+  static constexpr std::int32_t kLeastEdge = 16;
+
+  /// Both sides in their storage types, and theirs as they are read.
+  [[nodiscard]] std::uint64_t box_bytes(const VolumeInfo& info, ScalarType original) const {
+    return n_points<D>(edges) *
+           (size_of(storage_type(info.type)) + size_of(storage_type(original)) + size_of(original));
+  }
+  /// Rows of chunks, or less of them, in a half of what the coarse field leaves of a limit; the
+  /// other half is for blocks.
+  [[nodiscard]] static ComparisonPlan of(const VolumeInfo& info, ScalarType original,
+                                         std::uint64_t limit) {
+    ComparisonPlan plan;
+    const Shape<D> shape = shape_of<D>(info.grid.dims);
+    plan.edges[0] = shape.dims[0];
+    const std::uint64_t coarse = CoarseField<D>::n_bytes(info) + kRest;
+    const std::uint64_t left = limit - std::min(limit, coarse);
+    for (std::size_t i = 0; i < as_size(D); ++i)
+      plan.edges[i] = std::min(plan.edges[i], shape.dims[i]);
+    // The last axes first: what is read together stays together.
+    for (std::size_t i = as_size(D); i-- > 0;)
+      while (plan.edges[i] > kLeastEdge && plan.box_bytes(info, original) > left / 2)
+        plan.edges[i] = std::max(kLeastEdge, plan.edges[i] / 2);
+    plan.cache_bytes = left / 8 * 3;
+    return plan;
+  }
+};
+
 }  // namespace
+
+template <int D>
+std::uint64_t least_comparison_bytes(const VolumeInfo& info, ScalarType original) {
+  ComparisonPlan<D> least;
+  least.edges = all_equal<D>(ComparisonPlan<D>::kLeastEdge);
+  return CoarseField<D>::n_bytes(info) + ComparisonPlan<D>::kRest +
+         2 * least.box_bytes(info, original);
+}
 
 template <int D>
 Result<AttributeFinding> compare_samples(const store::Reader& reader, VolumeSource& original,
                                          const RebuildSettings& settings, Progress& progress) {
   LODE_TRY(const Metadata metadata, read_metadata(reader));
-  auto field = CoarseField<D>::make(metadata.info);
   LODE_EXPECTS(original.info().grid.dims == metadata.info.grid.dims);
+  auto field = CoarseField<D>::make(metadata.info);
   field.stats = metadata.summary.stats;
   LODE_CHECK(load_coarse_samples<D>(reader, settings.threads, field));
-  store::BlockCache blocks(reader, std::uint64_t{64} << 20);
+  constexpr std::uint64_t kMuch = std::uint64_t{1} << 32;
+  const auto plan =
+      ComparisonPlan<D>::of(metadata.info, original.info().type,
+                            settings.memory_limit > 0 ? settings.memory_limit : kMuch);
+  store::BlockCache blocks(reader, plan.cache_bytes);
   const FileSamples<D> ours(field, blocks, settings.threads);
   SampleComparison<D> comparison(field, ours, original);
-  // Rows of chunks, as many of these as memory holds: both sides, and theirs as they are read.
-  const Index<D> n = chunk_counts<D>(field.shape);
-  std::uint64_t chunk = 24;
+  Index<D> n;
   for (std::size_t i = 0; i < as_size(D); ++i)
-    chunk *= as_size(std::min(kChunkEdge<D>, field.shape.dims[i]));
-  const std::uint64_t most = std::max<std::uint64_t>(1, settings.memory_limit / 2 / chunk);
-  const auto step =
-      static_cast<std::int32_t>(std::min<std::uint64_t>(most, static_cast<std::uint64_t>(n[0])));
-  for (std::size_t done = 0; done < n_points<D>(n);) {
-    LatticeBox<D> chunks{point_of<D>(n, done), {}};
-    chunks.upper = chunks.lower + all_equal<D>(1);
-    chunks.upper[0] = std::min(chunks.lower[0] + step, n[0]);
-    LODE_CHECK(comparison.run(samples_of_chunks<D>(field.shape, chunks), progress));
+    n[i] = (field.shape.dims[i] + plan.edges[i] - 1) / plan.edges[i];
+  for (std::size_t i = 0; i < n_points<D>(n); ++i) {
     if (progress.is_cancelled()) return cancelled_error();
-    done += as_size(chunks.upper[0] - chunks.lower[0]);
+    LatticeBox<D> box{point_of<D>(n, i), {}};
+    for (std::size_t a = 0; a < as_size(D); ++a) {
+      box.lower[a] *= plan.edges[a];
+      box.upper[a] = std::min(box.lower[a] + plan.edges[a], field.shape.dims[a]);
+    }
+    LODE_CHECK(comparison.run(box, progress));
     progress.report("comparing samples",
-                    static_cast<double>(done) / static_cast<double>(n_points<D>(n)));
+                    static_cast<double>(i + 1) / static_cast<double>(n_points<D>(n)));
   }
   return comparison.finding();
 }
 
+template std::uint64_t least_comparison_bytes<2>(const VolumeInfo&, ScalarType);
+template std::uint64_t least_comparison_bytes<3>(const VolumeInfo&, ScalarType);
 template Result<AttributeFinding> compare_samples<2>(const store::Reader&, VolumeSource&,
                                                      const RebuildSettings&, Progress&);
 template Result<AttributeFinding> compare_samples<3>(const store::Reader&, VolumeSource&,
