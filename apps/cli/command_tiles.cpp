@@ -71,6 +71,21 @@ void add_levels(const TerrainTileReport& report, Json& json, Table& table) {
   }
 }
 
+void add_resampling(const TerrainTileReport& report, Json& json, Table& table) {
+  if (!report.resampling) return;
+  const auto& error = *report.resampling;
+  json["resampling"] = {{"samples", error.n_measured},
+                        {"outside", error.n_outside},
+                        {"max_error", error.largest},
+                        {"rms_error", error.rms}};
+  table.add({"resampled",
+             fmt::format("the file's samples are up to {} {} from that, RMS {}, {} of {} measured",
+                         format_number(error.largest),
+                         report.frame.vertical_unit.empty() ? "units" : report.frame.vertical_unit,
+                         format_number(error.rms), format_count(error.n_measured),
+                         format_count(error.n_measured + error.n_outside))});
+}
+
 void warn_of(const TerrainTileReport& report, const std::string& path, Session& session) {
   for (const std::string& note : report.notes) session.warn(fmt::format("{}: {}", path, note));
   warn_of_vertical(report.vertical, path, session);
@@ -109,6 +124,7 @@ Result<Outcome> run_tiles(const TilesArguments& arguments, Session& session) {
   if (report.n_missing > 0)
     table.add(
         {"missing", fmt::format("{} samples, as high as --fill", format_count(report.n_missing))});
+  add_resampling(report, json, table);
   add_levels(report, json, table);
   table.add({"read", format_seconds(report.read_seconds)});
   table.add({"build", format_seconds(report.build_seconds)});
@@ -135,9 +151,12 @@ Command add_tiles_command(CLI::App& program) {
       "Errors are measured on what is written, and are in layer.json. Tiles of a level meet "
       "without\n"
       "cracks.\n\n"
-      "The raster has to be in degrees. Heights are to be above the ellipsoid: where the file or\n"
-      "--vertical-crs says that they are above something else, they are transformed.\n\n"
-      "Example:\n  lode tiles N35W119.hgt tiles --max-error 2 --vertical-crs EPSG:5773");
+      "The raster has to be in degrees, or is put there: --resample. Heights are to be above the\n"
+      "ellipsoid: where the file or --vertical-crs says that they are above something else, they\n"
+      "are transformed.\n\n"
+      "Example:\n  lode tiles N35W119.hgt tiles --max-error 2 --vertical-crs EPSG:5773\n"
+      "  lode tiles utm.tif tiles --max-error 2 --resample cubic\n"
+      "  lode verify tiles --against utm.tif --resample cubic");
   app->add_option("dem", arguments->input, "Raster of heights (.tif, .asc, .hgt, .png, ...)")
       ->type_name("DEM")
       ->required();
@@ -162,6 +181,7 @@ Command add_tiles_command(CLI::App& program) {
       ->type_name("V")
       ->group("Rasters of heights");
   add_terrain_options(*app, arguments->terrain, TerrainUse::rasters);
+  add_resample_option(*app, arguments->terrain);
   return {app, [arguments] { return check_tiles(*arguments); },
           [arguments](Session& session) { return run_tiles(*arguments, session); }};
 }

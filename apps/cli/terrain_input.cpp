@@ -196,6 +196,19 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
       "samples first, fewer triangles; with --max-cells always strict");
 }
 
+void add_resample_option(CLI::App& app, TerrainArguments& arguments) {
+  app.add_option("--resample", arguments.resample,
+                 "Put a projected raster in degrees of WGS 84, with heights between samples from "
+                 "the nearest, 2 x 2 or 4 x 4 of them; errors are of what comes out")
+      ->type_name("nearest|bilinear|cubic")
+      ->group("Rasters of heights");
+  app.add_option("--oversample", arguments.oversample,
+                 "With --resample: so many samples along each axis for one of the file's, which "
+                 "keeps more of what it has (default: 1)")
+      ->type_name("N")
+      ->group("Rasters of heights");
+}
+
 Result<void> check_no_terrain(const TerrainArguments& arguments, const std::string& path) {
   if (arguments.has_points())
     return fail(
@@ -218,10 +231,10 @@ Result<void> check_no_terrain(const TerrainArguments& arguments, const std::stri
 Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
                                 const std::vector<std::string>& allowed) {
   constexpr std::array kAlways{
-      "--json",       "--threads",      "--quiet",           "--band",          "--encoding",
-      "--nodata",     "--class",        "--duplicates",      "--max-edge",      "--outline",
-      "--crs",        "--vertical-crs", "--to-vertical-crs", "--keep-features", "--feature-relief",
-      "--breaklines", "--drape",        "--drape-error"};
+      "--resample",      "--oversample",     "--json",       "--threads",      "--quiet",
+      "--band",          "--encoding",       "--nodata",     "--class",        "--duplicates",
+      "--max-edge",      "--outline",        "--crs",        "--vertical-crs", "--to-vertical-crs",
+      "--keep-features", "--feature-relief", "--breaklines", "--drape",        "--drape-error"};
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
     const std::string name = "--" + option->get_lnames().front();
@@ -232,6 +245,20 @@ Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
   }
   return {};
 }
+
+namespace {
+
+constexpr int kMostOversampling = 16;
+
+Result<std::optional<Resampling>> to_resampling(const std::string& text) {
+  if (text.empty()) return std::optional<Resampling>();
+  if (text == "nearest") return std::optional(Resampling::nearest);
+  if (text == "bilinear") return std::optional(Resampling::bilinear);
+  if (text == "cubic") return std::optional(Resampling::cubic);
+  return fail("--resample: expected 'nearest', 'bilinear' or 'cubic', got '{}'", text);
+}
+
+}  // namespace
 
 Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
                                             const ReadingArguments& reading) {
@@ -248,6 +275,15 @@ Result<HeightReadOptions> to_height_options(const TerrainArguments& arguments,
   } else if (!arguments.encoding.empty()) {
     return fail("--encoding: expected 'terrain-rgb' or 'terrarium', got '{}'", arguments.encoding);
   }
+  LODE_TRY(options.to_degrees, to_resampling(arguments.resample));
+  if (!arguments.oversample.empty()) {
+    if (!options.to_degrees) return fail("--oversample: expected --resample with it, got none");
+    LODE_TRY(const auto n,
+             parse_integer("--oversample", arguments.oversample, 1, kMostOversampling));
+    options.oversampling = static_cast<int>(n);
+  }
+  if (options.to_degrees && !arguments.encoding.empty())
+    return fail("--resample: expected no --encoding with it: colours have nothing in between");
   if (!arguments.encoding.empty() && !arguments.band.empty())
     return fail("--encoding: expected no --band with it, as it is of three bands");
   if (!reading.nodata.empty()) {

@@ -14,6 +14,8 @@ namespace lode::cli {
 struct TerrainArguments {
   std::string band;  ///< This and the next are of rasters.
   std::string encoding;
+  std::string resample;  ///< This and the next are of tiles.
+  std::string oversample;
   std::string classes;  ///< This and the next four are of points.
   std::string duplicates;
   std::string max_edge;
@@ -36,7 +38,9 @@ struct TerrainArguments {
   [[nodiscard]] bool has_vertical() const {
     return !vertical_crs.empty() || !to_vertical_crs.empty();
   }
-  [[nodiscard]] bool has_raster() const { return !band.empty() || !encoding.empty(); }
+  [[nodiscard]] bool has_raster() const {
+    return !band.empty() || !encoding.empty() || !resample.empty() || !oversample.empty();
+  }
   [[nodiscard]] bool has_points() const {
     return !(classes.empty() && duplicates.empty() && max_edge.empty() && outline.empty() &&
              crs.empty());
@@ -56,6 +60,9 @@ enum class TerrainUse : std::uint8_t { rasters, reading, verification, extractio
 /// rasters: --band, --encoding and what heights are above; reading: also the options of points;
 /// verification: also lines and --model; extraction: also lines, --model and --insertion.
 void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use);
+
+/// --resample and --oversample, of what is put in degrees.
+void add_resample_option(CLI::App& app, TerrainArguments& arguments);
 
 /// Refuses them for other inputs: they would silently do nothing.
 [[nodiscard]] Result<void> check_no_terrain(const TerrainArguments& arguments,

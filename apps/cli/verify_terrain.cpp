@@ -79,6 +79,8 @@ Result<VerifyReport> verify_points(const TerrainVerifyJob& job, double max_error
 }  // namespace
 
 Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& app) {
+  if (!job.terrain.resample.empty() || !job.terrain.oversample.empty())
+    return fail("--resample: expected a folder of tiles with it, got {}", job.input);
   if (holds_terrain_model(job.input)) return check_model_verify(job, app);
   LODE_CHECK(check_only_terrain(app, job.input, {"--surface", "--max-error", "--model"}));
   if (job.surface.empty())

@@ -237,5 +237,59 @@ TEST_F(cli_tiles, are_refused_of_what_is_not_on_the_globe) {
   EXPECT_EQ(run_lode({"tiles", scratch_ / "points.xyz", folder_, "--max-error", "1"}).exit_code, 2);
 }
 
+/// 60 x 45 heights in UTM's zone 33, ESRI ASCII with what ArcGIS writes beside it.
+void write_projected(const std::string& folder) {
+  std::ofstream(folder + "utm.prj")
+      << R"(PROJCS["WGS_1984_UTM_Zone_33N",GEOGCS["GCS_WGS_1984",DATUM["D_WGS_1984",)"
+         R"(SPHEROID["WGS_1984",6378137,298.257223563]],PRIMEM["Greenwich",0],)"
+         R"(UNIT["Degree",0.017453292519943295]],PROJECTION["Transverse_Mercator"],)"
+         R"(PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",15],)"
+         R"(PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],)"
+         R"(PARAMETER["false_northing",0],UNIT["Meter",1]])";
+  std::ofstream file(folder + "utm.asc");
+  file << "ncols 60\nnrows 45\nxllcorner 402000\nyllcorner 5201000\ncellsize 100\n";
+  for (int y = 0; y < 45; ++y)
+    for (int x = 0; x < 60; ++x)
+      file << std::lround(900 + 300 * std::sin(0.2 * x) * std::cos(0.3 * y))
+           << (x + 1 < 60 ? ' ' : '\n');
+}
+
+TEST_F(cli_tiles, of_projected_rasters_are_resampled) {
+  write_projected(scratch_ / "");
+  const std::string utm = scratch_ / "utm.asc";
+  const std::vector<std::string> cut{"tiles", utm, folder_, "--max-error", "5"};
+  const auto with = [](std::vector<std::string> words, const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return run_lode(words);
+  };
+  expect_refusal(run_lode(cut), 1, {"projected raster", "--resample"});
+  expect_refusal(with(cut, {"--resample", "lanczos"}), 2, {"--resample", "lanczos"});
+  expect_refusal(with(cut, {"--resample", "cubic", "--encoding", "terrarium"}), 2, {"--resample"});
+  const Finished made = with(cut, {"--resample", "cubic", "--json"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_NE(made.err.find("put in degrees"), std::string::npos) << made.err;
+  EXPECT_GT(made.json().at("missing_samples"), 0);  // in the corners
+  const auto& off = made.json().at("resampling");
+  EXPECT_GT(off.at("samples"), 50 * 40);
+  EXPECT_GT(off.at("max_error"), off.at("rms_error"));
+  EXPECT_LT(off.at("max_error"), 15);  // of waves of 300 m over 20 samples
+  expect_refusal(with(cut, {"--oversample", "2"}), 2, {"--oversample", "--resample"});
+  const std::string finer = scratch_ / "finer";
+  const Finished more = run_lode({"tiles", utm, finer, "--max-error", "5", "--resample", "cubic",
+                                  "--oversample", "3", "--json"});
+  EXPECT_LT(more.json().at("resampling").at("max_error"), 0.5 * off.at("max_error").get<double>());
+  EXPECT_EQ(
+      run_lode({"verify", finer, "--against", utm, "--resample", "cubic", "--oversample", "3"})
+          .exit_code,
+      0);
+  const std::vector<std::string> verify{"verify", folder_, "--against", utm};
+  expect_refusal(run_lode(verify), 1, {"--resample"});
+  EXPECT_EQ(with(verify, {"--resample", "cubic"}).exit_code, 0);
+  EXPECT_EQ(with(verify, {"--resample", "nearest"}).exit_code, 1) << "other samples";
+  expect_refusal(
+      run_lode({"verify", utm, "--surface", "s.ply", "--max-error", "1", "--resample", "cubic"}), 2,
+      {"--resample", "folder of tiles"});
+}
+
 }  // namespace
 }  // namespace lode::test

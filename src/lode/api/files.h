@@ -52,6 +52,7 @@ using io::describe_volume;
 using io::FileDescription;
 using io::has_depths;
 using io::HeightEncoding;
+using io::Resampling;
 using io::HeightRaster;
 using io::HeightReadOptions;
 using io::is_geojson_path;

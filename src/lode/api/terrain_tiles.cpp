@@ -17,6 +17,24 @@ namespace lode {
 
 using tile_pyramid::FinishedTile;
 
+namespace {
+
+Result<std::optional<io::ResamplingError>> resampling_of(const std::string& path,
+                                                         const io::HeightReadOptions& reading,
+                                                         const TileRows& rows,
+                                                         const TerrainTileOptions& options,
+                                                         Progress& progress) {
+  const HeightFrame& frame = rows.frame();
+  const auto n_samples =
+      static_cast<std::uint64_t>(frame.n_columns) * static_cast<std::uint64_t>(frame.n_rows);
+  if (!reading.to_degrees || n_samples * sizeof(double) > options.most_bytes)
+    return std::optional<io::ResamplingError>();
+  LODE_TRY(const auto error, io::measure_resampling(path, reading, options.threads, progress));
+  return std::optional(error);
+}
+
+}  // namespace
+
 Result<TerrainTileReport> write_terrain_tiles(const std::string& path,
                                               const io::HeightReadOptions& reading,
                                               const TerrainTileOptions& options,
@@ -29,6 +47,7 @@ Result<TerrainTileReport> write_terrain_tiles(const std::string& path,
   LODE_TRY(const TileRaster raster, open_tile_raster(path, reading, options.most_bytes, progress));
   auto place = tile_pyramid::ExtendedRaster::of(raster.rows->frame(), options.fill);
   if (!place) return fail("{}: {}", path, place.error().message);
+  LODE_TRY(report.resampling, resampling_of(path, reading, *raster.rows, options, progress));
   report.read_seconds = watch.seconds();
 
   TileFolder tiles(staged.folder());

@@ -9,6 +9,7 @@
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/io/height_reader.h"
+#include "lode/io/resampling_error.h"
 
 namespace lode {
 
@@ -44,6 +45,8 @@ struct TerrainTileReport {
   std::uint64_t n_missing = 0;
   io::VerticalOutcome vertical{};
   std::vector<std::string> notes;  ///< Of what was taken for granted.
+  /// Of a raster that was put in degrees; nothing where it takes more than most_bytes.
+  std::optional<io::ResamplingError> resampling{};
   double read_seconds = 0;
   double build_seconds = 0;  ///< And writing.
 };

@@ -65,8 +65,8 @@ double semi_minor_of(const Ellipsoid& ellipsoid) {
 Result<void> check_globe(const std::string& path, const HorizontalMetric& metric) {
   if (metric.prime_meridian != 0)
     return fail(
-        "{}: expected longitudes from Greenwich, got the prime meridian {} at {} degrees: put it "
-        "in WGS 84 first, for example by gdalwarp -t_srs EPSG:4326 -r cubic",
+        "{}: expected longitudes from Greenwich, got the prime meridian {} at {} degrees: "
+        "--resample cubic puts it in degrees of WGS 84",
         path, metric.prime_meridian_name, metric.prime_meridian);
   constexpr double kMostApart = 1e-3;
   const auto is_near = [](double a, double b) { return std::abs(a / b - 1) <= kMostApart; };
@@ -92,13 +92,16 @@ Result<void> check_place(const std::string& path, const io::HeightRaster& raster
   }
   if (!metric.ellipsoid)
     return fail(
-        "{}: expected longitudes and latitudes, got a projected raster: put it in degrees first, "
-        "for example by gdalwarp -t_srs EPSG:4326 -r cubic",
+        "{}: expected longitudes and latitudes, got a projected raster: --resample cubic puts it "
+        "in degrees",
         path);
   constexpr double kDegree = std::numbers::pi / 180;
   constexpr double kRounding = 1e-9;
   if (std::abs(metric.angle_unit / kDegree - 1) > kRounding)
-    return fail("{}: expected longitudes and latitudes in degrees, got another unit", path);
+    return fail(
+        "{}: expected longitudes and latitudes in degrees, got another unit: --resample cubic puts "
+        "it in degrees",
+        path);
   return check_globe(path, metric);
 }
 
@@ -109,8 +112,13 @@ bool is_above_something(const io::HeightRaster& raster) {
   return !io::vertical_name(raster.grid.crs).empty();
 }
 
-Result<TileRaster> describe(const std::string& path, const io::HeightRaster& raster) {
+Result<TileRaster> describe(const std::string& path, const io::HeightRaster& raster,
+                            const io::HeightReadOptions& reading) {
   TileRaster out;
+  if (reading.to_degrees)
+    out.notes.emplace_back(
+        fmt::format("put in degrees of WGS 84: errors are of the {} x {} samples that come out",
+                    raster.grid.n_columns, raster.grid.n_rows));
   LODE_CHECK(check_place(path, raster, out.notes));
   if (!is_above_something(raster))
     out.notes.emplace_back(
@@ -130,7 +138,7 @@ Result<std::optional<TileRaster>> stream(const std::string& path,
   if (!opened || opened->n_bytes() <= most_bytes) return std::optional<TileRaster>();
   const io::HeightRaster& raster = opened->raster();
   if (is_above_something(raster) && !is_above_ellipsoid(raster)) return std::optional<TileRaster>();
-  LODE_TRY(TileRaster out, describe(path, raster));
+  LODE_TRY(TileRaster out, describe(path, raster, reading));
   LODE_TRY(const double metres, metres_of(path, raster.grid, out.notes));
   out.rows = std::make_unique<FileRows>(path, std::move(opened).value(), metres);
   return std::optional(std::move(out));
@@ -166,7 +174,7 @@ Result<TileRaster> open_tile_raster(const std::string& path, const io::HeightRea
                           raster.vertical.notes.end());
     raster.vertical = *std::move(outcome);
   }
-  LODE_TRY(TileRaster out, describe(path, raster));
+  LODE_TRY(TileRaster out, describe(path, raster, reading));
   LODE_TRY(const double metres, metres_of(path, raster.grid, out.notes));
   out.rows = std::make_unique<GridRows>(path, std::move(raster.grid), metres);
   return out;

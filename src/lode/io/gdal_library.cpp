@@ -56,6 +56,9 @@ void find_bands(Finder& finder, GdalLibrary& gdal) {
   finder.find(gdal.unit, "GDALGetRasterUnitType");
   finder.find(gdal.set_cache, "GDALSetCacheMax64");
   finder.find(gdal.read, "GDALRasterIO");
+  finder.find(gdal.new_warp_options, "GDALWarpAppOptionsNew");
+  finder.find(gdal.free_warp_options, "GDALWarpAppOptionsFree");
+  finder.find(gdal.warp, "GDALWarp");
 }
 
 void find_raster_output(Finder& finder, GdalLibrary& gdal) {

@@ -4,6 +4,7 @@
 #include <cpl_error.h>
 #include <cpl_vsi.h>
 #include <gdal.h>
+#include <gdal_utils.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 
@@ -37,6 +38,9 @@ struct GdalLibrary {
   decltype(&GDALGetDriverShortName) driver_name = nullptr;
   decltype(&GDALSetCacheMax64) set_cache = nullptr;
   decltype(&GDALRasterIO) read = nullptr;  ///< And write.
+  decltype(&GDALWarpAppOptionsNew) new_warp_options = nullptr;
+  decltype(&GDALWarpAppOptionsFree) free_warp_options = nullptr;
+  decltype(&GDALWarp) warp = nullptr;
   decltype(&GDALDatasetGetLayerCount) n_layers = nullptr;
   decltype(&GDALDatasetGetLayer) layer = nullptr;
   decltype(&OGR_L_GetName) layer_name = nullptr;

@@ -49,12 +49,13 @@ Result<GdalRaster> GdalRaster::open(const std::string& path) {
 GdalRaster::~GdalRaster() {
   if (gdal_ == nullptr) return;
   if (dataset_ != nullptr) gdal_->close(dataset_);
+  if (source_ != nullptr) gdal_->close(source_);
   gdal_->set_option("GTIFF_REPORT_COMPD_CS", nullptr);
   gdal_->pop_error_handler();
 }
 
 std::string GdalRaster::format() const {
-  GDALDriverH driver = gdal_->driver(dataset_);
+  GDALDriverH driver = gdal_->driver(source_ != nullptr ? source_ : dataset_);
   return driver == nullptr ? "unknown" : gdal_->driver_name(driver);
 }
 
@@ -101,6 +102,9 @@ Result<void> GdalRaster::place(HeightRaster& raster) const {
   raster.has_place = gdal_->geotransform(dataset_, g.data()) == CE_None;
   if (const char* crs = gdal_->projection(dataset_); crs != nullptr && !is_empty_crs(crs))
     grid.crs = without_controls(crs);
+  if (source_ != nullptr) {
+    LODE_TRY(grid.crs, crs_of_degrees());
+  }
   if (!raster.has_place) {
     grid.to_world = {0, 1, 0, static_cast<double>(grid.n_rows - 1), 0, -1};
     return {};

@@ -24,6 +24,7 @@ class GdalRaster {
       : path_(std::move(other.path_)),
         gdal_(std::exchange(other.gdal_, nullptr)),
         dataset_(std::exchange(other.dataset_, nullptr)),
+        source_(std::exchange(other.source_, nullptr)),
         n_file_bytes_(other.n_file_bytes_) {}
   GdalRaster& operator=(GdalRaster&&) = delete;
   ~GdalRaster();
@@ -34,11 +35,19 @@ class GdalRaster {
   [[nodiscard]] std::string format() const;
   /// Fails where there is no such band, counted from 1.
   [[nodiscard]] Result<GDALRasterBandH> band(int number) const;
+  /// The file's own, which says what numbers stand for also where band() is of degrees.
+  [[nodiscard]] GDALRasterBandH band_of_file(int number) const {
+    return gdal_->band(source_ != nullptr ? source_ : dataset_, number);
+  }
   /// Of samples of n_bytes in memory, and of the band's own blocks: held against what a file of its
   /// size can have.
   [[nodiscard]] Result<void> check_size(GDALRasterBandH band, std::uint64_t n_bytes) const;
   [[nodiscard]] std::int32_t n_columns() const { return gdal_->n_columns(dataset_); }
   [[nodiscard]] std::int32_t n_rows() const { return gdal_->n_rows(dataset_); }
+  /// Becomes what HeightReadOptions::to_degrees says, sample by sample as they are read. Fails
+  /// where GDAL cannot do that.
+  [[nodiscard]] Result<void> put_in_degrees(Resampling resampling,
+                                            const HeightReadOptions& options);
   /// Position and CRS; fails where the position is degenerate.
   [[nodiscard]] Result<void> place(HeightRaster& raster) const;
   /// Fills a whole row, `type` as in memory.
@@ -51,9 +60,13 @@ class GdalRaster {
   GdalRaster(std::string path, const GdalLibrary* gdal, std::uint64_t n_file_bytes)
       : path_(std::move(path)), gdal_(gdal), n_file_bytes_(n_file_bytes) {}
 
+  /// Of degrees, with the vertical part of the source's.
+  [[nodiscard]] Result<std::string> crs_of_degrees() const;
+
   std::string path_;
   const GdalLibrary* gdal_;
   GDALDatasetH dataset_ = nullptr;
+  GDALDatasetH source_ = nullptr;  ///< What was put in degrees.
   std::uint64_t n_file_bytes_;
 };
 

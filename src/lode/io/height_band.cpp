@@ -48,7 +48,8 @@ struct BandMask {
     int has_nodata = 0;
     const double value = gdal.nodata(of, &has_nodata);
     if (has_nodata != 0) nodata = value;
-    if (options.nodata) nodata = options.nodata;
+    // Where heights are resampled it is told of the file's.
+    if (options.nodata && !options.to_degrees) nodata = options.nodata;
     is_float32 = gdal.type(of) == GDT_Float32;
   }
   /// Of a sample as stored. Files and people say in decimals which float it is.
@@ -106,7 +107,8 @@ Result<HeightGrid> read_typed(const GdalRaster& raster, const HeightReadOptions&
   const GdalLibrary& gdal = raster.gdal();
   GDALDataType type = gdal.type(band);
   const BandMask mask(raster, band, options);
-  const Scaling scaling{gdal.scale(band, nullptr), gdal.offset(band, nullptr)};
+  GDALRasterBandH of_file = raster.band_of_file(options.band);
+  const Scaling scaling{gdal.scale(of_file, nullptr), gdal.offset(of_file, nullptr)};
   if (!std::isfinite(scaling.scale) || !std::isfinite(scaling.offset))
     return fail("{}: expected a finite scale and offset, got {} and {}", raster.path(),
                 scaling.scale, scaling.offset);
@@ -212,9 +214,10 @@ Result<HeightRaster> describe_plain(const GdalRaster& raster, const HeightReadOp
         raster.path());
   HeightRaster result;
   result.type = to_lower(gdal.type_name(type));
-  if (gdal.scale(band, nullptr) != 1 || gdal.offset(band, nullptr) != 0)
+  GDALRasterBandH of_file = raster.band_of_file(options.band);
+  if (gdal.scale(of_file, nullptr) != 1 || gdal.offset(of_file, nullptr) != 0)
     result.type = "scaled " + result.type;
-  if (const char* unit = gdal.unit(band); unit != nullptr)
+  if (const char* unit = gdal.unit(of_file); unit != nullptr)
     result.grid.vertical_unit = without_controls(unit);
   result.form.nodata = BandMask(raster, band, options).nodata;
   return result;

@@ -21,12 +21,15 @@ Result<HeightRaster> read_hgt_alone(const std::string& path, const HeightReadOpt
   if (options.band != 1 || options.encoding != HeightEncoding::none)
     return fail(
         "{}: expected no band or encoding of a .hgt file, which has one of heights, got one", path);
+  if (options.to_degrees)
+    return fail("{}: expected no resampling of a .hgt file, which is in degrees, got some", path);
   return read_hgt(path, options);
 }
 
 Result<HeightRaster> read_with_gdal(const std::string& path, const HeightReadOptions& options,
                                     Progress& progress) {
-  LODE_TRY(const GdalRaster raster, GdalRaster::open(path));
+  LODE_TRY(GdalRaster raster, GdalRaster::open(path));
+  if (options.to_degrees) LODE_CHECK(raster.put_in_degrees(*options.to_degrees, options));
   LODE_TRY(HeightRaster result, describe_raster(raster, options));
   LODE_TRY(HeightGrid samples, read_rows(raster, options, {0, raster.n_rows()}, &progress));
   static_cast<HeightFrame&>(samples) = result.grid;

@@ -16,11 +16,19 @@ namespace lode::io {
 /// terrarium: 256 R + G + B / 256 - 32768 metres.
 enum class HeightEncoding : std::uint8_t { none, terrain_rgb, terrarium };
 
+/// How heights between samples are found: that of the nearest one, or from 2 x 2 or 4 x 4.
+enum class Resampling : std::uint8_t { nearest, bilinear, cubic };
+
 struct HeightReadOptions {
   int band = 1;  ///< Of a raster, from 1.
   HeightEncoding encoding = HeightEncoding::none;
   std::optional<double> nodata{};  ///< Instead of what the file says.
   VerticalOptions vertical{};
+  /// Put a raster in degrees of WGS 84, as far apart as its samples are: these are other samples,
+  /// which errors are then of. Heights stay above what they are above. Of what GDAL reads only, and
+  /// of no encoding.
+  std::optional<Resampling> to_degrees{};
+  int oversampling = 1;  ///< Then: so many samples along each axis for one of the file's, or more.
 };
 
 /// What the heights of a raster file are put in, for files that are to be like it.

@@ -20,6 +20,8 @@ set(IO_HEIGHT_SOURCES
   quantized_mesh.cpp
   quantized_mesh_input.cpp
   raster_file.cpp
+  raster_warp.cpp
+  resampling_error.cpp
   vector_file.cpp
   vertical_crs.cpp)
 

@@ -41,6 +41,7 @@ Result<HeightStream> HeightStream::open(const std::string& path, const HeightRea
   if (is_hgt_path(path) || !options.vertical.target.empty())
     return fail("{}: expected a raster that GDAL reads, whose heights stay what they are", path);
   LODE_TRY(GdalRaster file, GdalRaster::open(path));
+  if (options.to_degrees) LODE_CHECK(file.put_in_degrees(*options.to_degrees, options));
   LODE_TRY(HeightRaster raster, describe_raster(file, options));
   // Of no samples there is nothing to transform; declarations are checked.
   auto outcome = set_vertical(raster, options.vertical, progress);
