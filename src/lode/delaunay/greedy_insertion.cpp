@@ -166,6 +166,7 @@ Result<GreedyReport> insert_greedily(LatticeMesh& mesh, const SampleRows<T>& row
                                      double upper, const GreedyOptions& options,
                                      Progress& progress) {
   LODE_EXPECTS(options.max_error >= 0);
+  LODE_EXPECTS(options.order != InsertionOrder::tiles);
   LODE_EXPECTS(options.order == InsertionOrder::strict ||
                (options.max_triangles == std::numeric_limits<std::uint64_t>::max() &&
                 options.observer == nullptr));

@@ -14,8 +14,9 @@ namespace lode::delaunay {
 /// strict: always the sample with the largest error of all. levels: errors fall by octaves, and
 /// within one level samples are inserted where they lie close together, which keeps the work in
 /// cache; about as many points. Large rasters are refined in parts, on all threads: the same mesh
-/// for any number of them.
-enum class InsertionOrder : std::uint8_t { levels, strict };
+/// for any number of them. tiles: of rasters, in levels, each tile on its own between fixed seams
+/// (tile_insertion.h).
+enum class InsertionOrder : std::uint8_t { levels, strict, tiles };
 
 /// Is told what happens to a mesh while samples are inserted. Triangles are judged by then:
 /// `errors` are those of all samples in them, edges included, by triangle or in the order of the
@@ -54,7 +55,7 @@ struct GreedyReport {
 /// terrains and height fields", 1995; the refinement of L. De Floriani, B. Falcidieno, C.
 /// Pienovi, 1985). Each triangle knows its worst sample, looked for when the triangle is made.
 /// Equal errors are settled by position: rows first. `lower` and `upper`: of the
-/// heights. All samples in the mesh's triangles must be finite. Fails when cancelled.
+/// heights. All samples in the mesh's triangles must be finite. Not in tiles. Fails when cancelled.
 template <typename T>
 [[nodiscard]] Result<GreedyReport> insert_greedily(LatticeMesh& mesh, const SampleRows<T>& rows,
                                                    double lower, double upper,

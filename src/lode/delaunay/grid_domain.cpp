@@ -4,51 +4,11 @@
 #include <span>
 #include <utility>
 
+#include "lode/delaunay/grid_cells.h"
 #include "lode/delaunay/triangulation.h"
 
 namespace lode::delaunay {
 namespace {
-
-/// Which cells have four valid corners, with a border of cells outside all round.
-class Cells {
- public:
-  explicit Cells(const HeightGrid& grid)
-      : n_columns_(grid.n_columns),
-        n_rows_(grid.n_rows),
-        is_inside_(static_cast<std::size_t>(grid.n_columns + 1) *
-                   static_cast<std::size_t>(grid.n_rows + 1)) {
-    for (std::int32_t y = 0; y + 1 < n_rows_; ++y)
-      for (std::int32_t x = 0; x + 1 < n_columns_; ++x)
-        if (grid.has_height(x, y) && grid.has_height(x + 1, y) && grid.has_height(x, y + 1) &&
-            grid.has_height(x + 1, y + 1)) {
-          is_inside_[at(x, y)] = 1;
-          ++n_inside_;
-        }
-  }
-  /// The cell between columns x, x + 1 and rows y, y + 1; -1 and the last ones are outside.
-  [[nodiscard]] bool has(std::int32_t x, std::int32_t y) const { return is_inside_[at(x, y)] != 0; }
-  [[nodiscard]] std::uint64_t n_inside() const { return n_inside_; }
-  /// Of the four cells round a node.
-  [[nodiscard]] int n_round(std::int32_t x, std::int32_t y) const {
-    return int{has(x - 1, y - 1)} + int{has(x, y - 1)} + int{has(x - 1, y)} + int{has(x, y)};
-  }
-  /// Whether the outline turns at a node, or touches itself there.
-  [[nodiscard]] bool is_corner(std::int32_t x, std::int32_t y) const {
-    const int n = n_round(x, y);
-    return n == 1 || n == 3 || (n == 2 && has(x - 1, y - 1) == has(x, y));
-  }
-
- private:
-  [[nodiscard]] std::size_t at(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::size_t>(y + 1) * static_cast<std::size_t>(n_columns_ + 1) +
-           static_cast<std::size_t>(x + 1);
-  }
-
-  std::int32_t n_columns_;
-  std::int32_t n_rows_;
-  std::vector<std::uint8_t> is_inside_;
-  std::uint64_t n_inside_ = 0;
-};
 
 /// The corners of the outline, in rows, and its directed edges between them, the domain to their
 /// left.
@@ -57,14 +17,14 @@ struct Outline {
   std::vector<std::array<std::uint32_t, 2>> edges;
 };
 
-Outline trace_outline(const Cells& cells, const HeightGrid& grid) {
+Outline trace_outline(const GridCells& cells) {
   constexpr std::uint32_t kNobody = 0xffffffff;
   Outline outline;
   // The last corner of each column, where a vertical edge may have begun.
-  std::vector<std::uint32_t> above(static_cast<std::size_t>(grid.n_columns), kNobody);
-  for (std::int32_t y = 0; y < grid.n_rows; ++y) {
+  std::vector<std::uint32_t> above(static_cast<std::size_t>(cells.n_columns()), kNobody);
+  for (std::int32_t y = 0; y < cells.n_rows(); ++y) {
     std::uint32_t before = kNobody;
-    for (std::int32_t x = 0; x < grid.n_columns; ++x) {
+    for (std::int32_t x = 0; x < cells.n_columns(); ++x) {
       if (!cells.is_corner(x, y)) continue;
       const auto corner = static_cast<std::uint32_t>(outline.corners.size());
       outline.corners.push_back({x, y});
@@ -84,14 +44,6 @@ Outline trace_outline(const Cells& cells, const HeightGrid& grid) {
   return outline;
 }
 
-std::uint64_t count_samples(const Cells& cells, const HeightGrid& grid) {
-  std::uint64_t n = 0;
-  for (std::int32_t y = 0; y < grid.n_rows; ++y)
-    for (std::int32_t x = 0; x < grid.n_columns; ++x)
-      n += static_cast<std::uint64_t>(cells.n_round(x, y) > 0);
-  return n;
-}
-
 /// The whole lattice.
 GridDomain full_domain(const HeightGrid& grid, const LatticePacking& packing) {
   const std::int32_t x = grid.n_columns - 1;
@@ -107,27 +59,12 @@ GridDomain full_domain(const HeightGrid& grid, const LatticePacking& packing) {
 }
 
 Result<GridDomain> masked_domain(const HeightGrid& grid, const LatticePacking& packing) {
-  const Cells cells(grid);
-  if (cells.n_inside() == 0)
-    return fail(
-        "expected at least one cell with heights at its four corners, got none ({} of {} samples "
-        "are missing)",
-        grid.n_missing(), grid.n_samples());
-  const Outline outline = trace_outline(cells, grid);
-  std::vector<Point> points;
-  points.reserve(outline.corners.size());
-  for (const LatticePoint& p : outline.corners)
-    points.push_back({{static_cast<double>(p.x), static_cast<double>(p.y)}});
-  LODE_TRY(const auto triangles, triangulate_region(std::move(points), outline.edges));
+  const GridCells cells(grid);
+  LODE_CHECK(check_cells(cells, grid));
   GridDomain domain;
-  domain.triangles.reserve(triangles.size());
-  for (const auto& triangle : triangles) {
-    std::array<std::uint32_t, 3> packed{};
-    for (std::size_t i = 0; i < 3; ++i) packed[i] = packing.pack(outline.corners[triangle[i]]);
-    domain.triangles.push_back(packed);
-  }
+  LODE_TRY(domain.triangles, triangulate_cells(cells, packing));
   domain.n_cells = cells.n_inside();
-  domain.n_samples = count_samples(cells, grid);
+  domain.n_samples = cells.count_samples();
   domain.n_left_out =
       static_cast<std::uint64_t>(grid.n_samples()) - grid.n_missing() - domain.n_samples;
   return domain;
@@ -135,13 +72,39 @@ Result<GridDomain> masked_domain(const HeightGrid& grid, const LatticePacking& p
 
 }  // namespace
 
-Result<GridDomain> find_domain(const HeightGrid& grid) {
+Result<std::vector<std::array<std::uint32_t, 3>>> triangulate_cells(const GridCells& cells,
+                                                                    const LatticePacking& packing) {
+  const Outline outline = trace_outline(cells);
+  std::vector<Point> points;
+  points.reserve(outline.corners.size());
+  for (const LatticePoint& p : outline.corners)
+    points.push_back({{static_cast<double>(p.x), static_cast<double>(p.y)}});
+  LODE_TRY(auto triangles, triangulate_region(std::move(points), outline.edges));
+  for (auto& triangle : triangles)
+    for (std::uint32_t& corner : triangle) corner = packing.pack(outline.corners[corner]);
+  return triangles;
+}
+
+Result<void> check_lattice(const HeightGrid& grid) {
   if (grid.n_columns < 2 || grid.n_rows < 2)
     return fail("expected at least 2 x 2 samples, got {} x {}, which span no area", grid.n_columns,
                 grid.n_rows);
   if (!LatticePacking::fits(grid.n_columns, grid.n_rows))
     return fail("expected columns and rows whose numbers have 32 bits together, got {} x {}",
                 grid.n_columns, grid.n_rows);
+  return {};
+}
+
+Result<void> check_cells(const GridCells& cells, const HeightGrid& grid) {
+  if (cells.n_inside() > 0) return {};
+  return fail(
+      "expected at least one cell with heights at its four corners, got none ({} of {} samples "
+      "are missing)",
+      grid.n_missing(), grid.n_samples());
+}
+
+Result<GridDomain> find_domain(const HeightGrid& grid) {
+  LODE_CHECK(check_lattice(grid));
   const LatticePacking packing(grid.n_columns);
   if (grid.n_missing() == 0) return full_domain(grid, packing);
   return masked_domain(grid, packing);

@@ -6,6 +6,7 @@
 
 #include "lode/core/height_grid.h"
 #include "lode/core/result.h"
+#include "lode/delaunay/grid_cells.h"
 #include "lode/delaunay/lattice.h"
 
 namespace lode::delaunay {
@@ -24,6 +25,16 @@ struct GridDomain {
 /// O(cells), and O(n log n) for n corners of the outline. Fails where there are no such cells, and
 /// where nodes do not fit in 32 bits.
 [[nodiscard]] Result<GridDomain> find_domain(const HeightGrid& grid);
+
+/// The coarsest triangulation that has the outline of those cells, as GridDomain::triangles; at
+/// least one is inside. O(n log n) for n corners.
+[[nodiscard]] Result<std::vector<std::array<std::uint32_t, 3>>> triangulate_cells(
+    const GridCells& cells, const LatticePacking& packing);
+
+/// What find_domain() fails for: a lattice without area, or whose nodes do not fit in 32 bits; and
+/// a grid, which has those cells, without any.
+[[nodiscard]] Result<void> check_lattice(const HeightGrid& grid);
+[[nodiscard]] Result<void> check_cells(const GridCells& cells, const HeightGrid& grid);
 
 /// Fails beyond 1e30, as slopes and errors of such heights come near to where float32 ends.
 [[nodiscard]] Result<void> check_heights(const HeightRange& range);

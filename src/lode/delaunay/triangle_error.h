@@ -17,6 +17,15 @@ namespace lode::delaunay {
                               static_cast<std::uint32_t>(static_cast<double>(nearest) < value));
 }
 
+/// numerator / denominator, rounded up; both >= 0 and of 53 bits, the second > 0. Equal fractions
+/// give equal results.
+[[nodiscard]] inline double divided_up(std::int64_t numerator, std::int64_t denominator) {
+  const auto d = static_cast<double>(denominator);
+  const auto n = static_cast<double>(numerator);
+  const double quotient = n / d;
+  return std::fma(quotient, d, -n) < 0 ? std::nextafter(quotient, HUGE_VAL) : quotient;
+}
+
 /// Any number, rounded down.
 [[nodiscard]] inline float to_float_below(double value) {
   const auto nearest = static_cast<float>(value);

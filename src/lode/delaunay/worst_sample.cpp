@@ -4,6 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "lode/delaunay/triangle_error.h"
 #include "lode/delaunay/triangle_rows.h"
 
 namespace lode::delaunay {
@@ -23,14 +24,6 @@ RoundingSlack slack_of(double unit, double underflow, double lower, double upper
   const double range = upper - lower;
   return {kSecondOrder * (unit * (2 * size + 3 * range) + 4 * kDoubleUnit * size) + underflow,
           kSecondOrder * 64 * kDoubleUnit * range, kSecondOrder * 3 * unit};
-}
-
-/// numerator / denominator > 0, rounded up.
-double divided_up(std::int64_t numerator, std::int64_t denominator) {
-  const auto d = static_cast<double>(denominator);
-  const auto n = static_cast<double>(numerator);
-  const double quotient = n / d;
-  return std::fma(quotient, d, -n) < 0 ? std::nextafter(quotient, HUGE_VAL) : quotient;
 }
 
 struct Corners {
@@ -81,9 +74,10 @@ WorstSample find_in_integers(const SampleRows<T>& rows, const Corners& at) {
   return {divided_up(worst, at.area), node, 0};
 }
 
-template <typename T>
+/// Of nodes for which is_wanted(node).
+template <typename T, typename IsWanted>
 WorstSample find_in_doubles(const SampleRows<T>& rows, const RoundingSlack& slack,
-                            const Corners& at) {
+                            const Corners& at, const IsWanted& is_wanted) {
   const double za = rows.height(at.a);
   const double zb = rows.height(at.b) - za;
   const double zc = rows.height(at.c) - za;
@@ -94,6 +88,7 @@ WorstSample find_in_doubles(const SampleRows<T>& rows, const RoundingSlack& slac
   std::uint32_t node = WorstSample::kNone;
   std::uint32_t first = WorstSample::kNone;
   at.for_each_node([&](LatticePoint p) {
+    if (!is_wanted(p)) return;
     if (first == WorstSample::kNone) first = rows.packing.pack(p);
     const double plane = (za + y_slope * (p.y - at.a.y)) + x_slope * (p.x - at.a.x);
     const double error = std::abs(rows.height(p) - plane);
@@ -130,7 +125,7 @@ WorstSample find_worst_exactly(const SampleRows<T>& rows, const RoundingSlack& s
                                const std::array<std::uint32_t, 3>& corners) {
   const Corners at(rows.packing, corners);
   if constexpr (std::is_integral_v<T>) return find_in_integers(rows, at);
-  return find_in_doubles(rows, slack, at);
+  return find_in_doubles(rows, slack, at, [](LatticePoint /*node*/) { return true; });
 }
 template WorstSample find_worst_exactly(const SampleRows<std::int16_t>&, const RoundingSlack&,
                                         const std::array<std::uint32_t, 3>&);
@@ -140,5 +135,18 @@ template WorstSample find_worst_exactly(const SampleRows<float>&, const Rounding
                                         const std::array<std::uint32_t, 3>&);
 template WorstSample find_worst_exactly(const SampleRows<double>&, const RoundingSlack&,
                                         const std::array<std::uint32_t, 3>&);
+
+template <typename T>
+WorstSample find_worst_inside(const SampleRows<T>& rows, const RoundingSlack& slack,
+                              const std::array<std::uint32_t, 3>& corners,
+                              const LatticePart& part) {
+  return find_in_doubles(rows, slack, Corners(rows.packing, corners), [&](LatticePoint p) {
+    return p.x > part.first.x && p.x < part.last.x && p.y > part.first.y && p.y < part.last.y;
+  });
+}
+template WorstSample find_worst_inside(const SampleRows<float>&, const RoundingSlack&,
+                                       const std::array<std::uint32_t, 3>&, const LatticePart&);
+template WorstSample find_worst_inside(const SampleRows<double>&, const RoundingSlack&,
+                                       const std::array<std::uint32_t, 3>&, const LatticePart&);
 
 }  // namespace lode::delaunay

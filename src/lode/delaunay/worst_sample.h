@@ -69,4 +69,11 @@ template <typename T>
 [[nodiscard]] WorstSample find_worst_exactly(const SampleRows<T>& rows, const RoundingSlack& slack,
                                              const std::array<std::uint32_t, 3>& corners);
 
+/// The same of floats, but of nodes strictly inside a part alone: those on its border are neither
+/// looked at nor named.
+template <typename T>
+[[nodiscard]] WorstSample find_worst_inside(const SampleRows<T>& rows, const RoundingSlack& slack,
+                                            const std::array<std::uint32_t, 3>& corners,
+                                            const LatticePart& part);
+
 }  // namespace lode::delaunay
