@@ -92,9 +92,12 @@ template <typename T>
 std::int32_t choose_tile_side(LatticePoint last, const SampleRows<T>& rows, const GridCells* cells,
                               const SeamOptions& options) {
   constexpr std::int32_t kLines = 16;  // Each way.
-  constexpr double kVerticesPerSide = 64;
+  // Of 4096^2 samples of a sum of three sines half as many cost 2 to 8 % more triangles than the
+  // strict order, as many none; of a fractal even fewer do not matter.
+  constexpr double kVerticesPerSide = 12;
+  // A mesh of all samples of the smallest stays in the cache, and larger ones take as long.
   constexpr double kLeastSide = 128;
-  constexpr double kLargestSide = 4096;
+  constexpr double kLargestSide = 2048;
   SideSplitter<T> splitter(rows, cells, options);
   double n_steps = 0;
   double n_vertices = 0;

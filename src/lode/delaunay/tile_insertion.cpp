@@ -14,7 +14,7 @@
 namespace lode::delaunay {
 namespace {
 
-constexpr int kQueueTileBits = 7;
+constexpr int kQueueTileBits = 8;  // Few tiles are larger.
 
 /// What a thread needs for one tile after the other.
 template <typename T>
