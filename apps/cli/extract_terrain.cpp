@@ -20,7 +20,7 @@ struct TerrainAnswer {
   const OpenedTerrain& opened;
   const TerrainOptions& options;
   const TerrainReport& report;
-  bool is_strict;
+  InsertionOrder order;
   double read_seconds;
   double write_seconds;
   std::optional<TerrainRasterReport> raster{};
@@ -46,7 +46,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
     json["outputs"].push_back(answer.job.raster.difference);
   json["model"] = name_of(answer.opened.model);
   if (!is_on_squares(answer.opened.model) && !is_hierarchy(answer.opened.model))
-    json["insertion"] = answer.is_strict ? "strict" : "levels";
+    json["insertion"] = name_of(answer.order);
   json["is_uniform"] = report.is_uniform;
   const auto& focus = answer.options.focus;
   json["focus"] = focus_json(focus, report.view);
@@ -269,13 +269,11 @@ Result<TerrainOptions> to_terrain_options(const std::string& max_error,
     options.max_cells = static_cast<std::uint64_t>(n);
   }
   const std::string& insertion = terrain.insertion;
-  if (insertion == "strict") {
-    options.order = InsertionOrder::strict;
-  } else if (!insertion.empty() && insertion != "levels") {
-    return fail("--insertion: expected 'levels' or 'strict', got '{}'", insertion);
+  if (!insertion.empty()) {
+    LODE_TRY(options.order, to_insertion_order(insertion));
   }
-  if (insertion == "levels" && options.max_cells)
-    return fail("--insertion: expected 'strict' with --max-cells, got 'levels'");
+  if (!insertion.empty() && insertion != "strict" && options.max_cells)
+    return fail("--insertion: expected 'strict' with --max-cells, got '{}'", insertion);
   return options;
 }
 
@@ -331,10 +329,15 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   outputs.keep();
   const TerrainReport& report = made.report;
   warn_of(report, opened, job, session);
-  const bool is_strict =
-      options.max_cells || options.order == InsertionOrder::strict || opened.built.has_value();
-  const TerrainAnswer answer{job,       opened,       options,      report,
-                             is_strict, read_seconds, made.seconds, made.raster};
+  const bool is_strict = options.max_cells || opened.built.has_value();
+  const TerrainAnswer answer{job,
+                             opened,
+                             options,
+                             report,
+                             is_strict ? InsertionOrder::strict : options.order,
+                             read_seconds,
+                             made.seconds,
+                             made.raster};
   Table table;
   Outcome outcome;
   outcome.json = answer_json(answer, table, session);

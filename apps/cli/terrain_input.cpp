@@ -183,6 +183,8 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   if (use == TerrainUse::verification) {
     add("--model", arguments.model, "MODEL",
         "What the surface was extracted with (default: delaunay_selector)");
+    add("--insertion", arguments.insertion, "levels|strict|tiles",
+        "tiles: edges need not be Delaunay on columns and rows that no triangle crosses");
     return;
   }
   add("--model", arguments.model, "MODEL",
@@ -191,9 +193,21 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
       "may vary; surface_quadtree, quaternary_triangulation: with gaps; restricted_quadtree; "
       "right_triangle_bisection: any tolerance, which may vary; adaptive_triangulation: in levels; "
       "hierarchical_delaunay: in levels, of a raster it may vary");
-  add("--insertion", arguments.insertion, "levels|strict",
+  add("--insertion", arguments.insertion, "levels|strict|tiles",
       "levels (default): errors fall by octaves, faster; strict: the worst of all "
-      "samples first, fewer triangles; with --max-cells always strict");
+      "samples first, fewer triangles; with --max-cells always strict; tiles, of rasters: each tile "
+      "on its own between fixed seams, on all threads, fastest, and Delaunay but for seams");
+}
+
+Result<InsertionOrder> to_insertion_order(const std::string& insertion) {
+  for (const InsertionOrder order : kInsertionOrders)
+    if (insertion == name_of(order)) return order;
+  return fail("--insertion: expected 'levels', 'strict' or 'tiles', got '{}'", insertion);
+}
+
+const char* name_of(InsertionOrder order) {
+  if (order == InsertionOrder::tiles) return "tiles";
+  return order == InsertionOrder::strict ? "strict" : "levels";
 }
 
 void add_resample_option(CLI::App& app, TerrainArguments& arguments) {
@@ -407,8 +421,20 @@ Result<void> check_model_of_points(const std::string& path, const TerrainArgumen
       path, arguments.model);
 }
 
+/// Points have no columns and rows to cut along, and lines might cross these.
+Result<void> check_tiles(const std::string& path, const TerrainArguments& arguments) {
+  if (arguments.insertion != name_of(InsertionOrder::tiles)) return {};
+  if (is_point_path(path))
+    return fail("--insertion: expected 'levels' or 'strict' with scattered points, got 'tiles'");
+  if (!arguments.has_lines()) return {};
+  return fail(
+      "--insertion: expected 'levels' or 'strict' with --keep-features, --feature-relief, "
+      "--breaklines or --drape, got 'tiles'");
+}
+
 Result<void> check_terrain_model(const std::string& path, const TerrainArguments& arguments,
                                  const ReadingArguments& reading) {
+  LODE_CHECK(check_tiles(path, arguments));
   LODE_CHECK(check_lined_model(path, arguments));
   LODE_CHECK(check_model_of_points(path, arguments));
   if (!holds_terrain_model(path) || (arguments.is_empty() && reading.nodata.empty())) return {};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -58,11 +59,20 @@ inline constexpr const char* kTerrainFiles =
 enum class TerrainUse : std::uint8_t { rasters, reading, verification, extraction };
 
 /// rasters: --band, --encoding and what heights are above; reading: also the options of points;
-/// verification: also lines and --model; extraction: also lines, --model and --insertion.
+/// verification and extraction: also lines, --model and --insertion.
 void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use);
 
 /// --resample and --oversample, of what is put in degrees.
 void add_resample_option(CLI::App& app, TerrainArguments& arguments);
+
+/// As --insertion names them.
+inline constexpr std::array kInsertionOrders{InsertionOrder::levels, InsertionOrder::strict,
+                                             InsertionOrder::tiles};
+[[nodiscard]] const char* name_of(InsertionOrder order);
+[[nodiscard]] Result<InsertionOrder> to_insertion_order(const std::string& insertion);
+
+/// Refuses --insertion tiles with scattered points and with lines.
+[[nodiscard]] Result<void> check_tiles(const std::string& path, const TerrainArguments& arguments);
 
 /// Refuses them for other inputs: they would silently do nothing.
 [[nodiscard]] Result<void> check_no_terrain(const TerrainArguments& arguments,

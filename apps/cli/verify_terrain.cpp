@@ -16,8 +16,16 @@ Result<void> check_model_verify(const TerrainVerifyJob& job, const CLI::App& app
   return check_terrain_reading(job.original, job.terrain, job.reading);
 }
 
-Result<TinShape> to_shape(const std::string& model) {
-  if (model.empty() || model == name_of(TerrainModel::delaunay_selector)) return TinShape::delaunay;
+Result<TinShape> to_shape(const TerrainArguments& terrain) {
+  const std::string& model = terrain.model;
+  auto order = InsertionOrder::levels;
+  if (!terrain.insertion.empty()) {
+    LODE_TRY(order, to_insertion_order(terrain.insertion));
+  }
+  if (model.empty() || model == name_of(TerrainModel::delaunay_selector))
+    return order == InsertionOrder::tiles ? TinShape::tiles : TinShape::delaunay;
+  if (order == InsertionOrder::tiles)
+    return fail("--insertion: expected none with --model {}, got 'tiles'", model);
   LODE_TRY(const TerrainModel built, to_built_model(model));
   if (has_gaps(built))
     return fail("--model: expected a model without gaps, got '{}', whose files verify checks",
@@ -70,7 +78,7 @@ Result<VerifyReport> verify_points(const TerrainVerifyJob& job, double max_error
   LODE_TRY(const OpenedTerrain opened,
            open_terrain(job.input, job.terrain, job.reading, {}, max_error, session));
   LODE_TRY(const Surface surface, read_surface(job.surface));
-  LODE_TRY(const TinShape shape, to_shape(job.terrain.model));
+  LODE_TRY(const TinShape shape, to_shape(job.terrain));
   return verify_terrain(*opened.points, surface,
                         {.max_error = max_error, .shape = shape, .threads = session.threads()},
                         session.progress());
@@ -82,14 +90,15 @@ Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& a
   if (!job.terrain.resample.empty() || !job.terrain.oversample.empty())
     return fail("--resample: expected a folder of tiles with it, got {}", job.input);
   if (holds_terrain_model(job.input)) return check_model_verify(job, app);
-  LODE_CHECK(check_only_terrain(app, job.input, {"--surface", "--max-error", "--model"}));
+  LODE_CHECK(check_only_terrain(app, job.input, {"--surface", "--max-error", "--model", "--insertion"}));
   if (job.surface.empty())
     return fail("{}: expected --surface FILE to hold against this terrain, got none", job.input);
   LODE_CHECK(check_surface_path(job.surface));
   if (job.max_error.empty())
     return fail("--surface: expected the --max-error it was extracted with, got none");
   if (auto max_error = to_max_error(job.max_error); !max_error) return max_error.error();
-  if (auto shape = to_shape(job.terrain.model); !shape) return shape.error();
+  if (auto shape = to_shape(job.terrain); !shape) return shape.error();
+  LODE_CHECK(check_tiles(job.input, job.terrain));
   const auto model = built_model_of(job.terrain.model);
   if (job.terrain.has_lines() && model && !is_of_any_points(*model))
     return fail(
@@ -108,7 +117,7 @@ Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& 
   LODE_TRY(const HeightRaster raster, read_heights(job.input, reading, session.progress()));
   warn_of_vertical(raster.vertical, job.input, session);
   LODE_TRY(const Surface surface, read_surface(job.surface));
-  LODE_TRY(const TinShape shape, to_shape(job.terrain.model));
+  LODE_TRY(const TinShape shape, to_shape(job.terrain));
   return verify_terrain(
       raster.grid, surface,
       {.max_error = max_error.value_or(0), .shape = shape, .threads = session.threads()},

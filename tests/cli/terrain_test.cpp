@@ -46,6 +46,27 @@ TEST(cli_terrain, gives_the_same_bytes_for_any_number_of_threads) {
   EXPECT_EQ(read_bytes(scratch / "1.ply"), read_bytes(scratch / "5.ply"));
 }
 
+TEST(cli_terrain, is_extracted_in_tiles_and_verified_as_such) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  const std::string out = scratch / "dem.ply";
+  write_dem(dem, 400, 300);
+  const Finished run =
+      run_lode({"extract", dem, out, "--max-error", "5", "--insertion", "tiles", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.json().at("insertion"), "tiles");
+  EXPECT_LE(run.json().at("achieved_error").get<double>(), 5);
+  const std::vector<std::string> verify{"verify", dem, "--surface", out, "--max-error", "5"};
+  EXPECT_EQ(run_lode(verify).exit_code, 1) << "edges on seams are not Delaunay";
+  std::vector<std::string> as_tiles = verify;
+  as_tiles.insert(as_tiles.end(), {"--insertion", "tiles"});
+  const Finished checked = run_lode(as_tiles);
+  EXPECT_EQ(checked.exit_code, 0) << checked.out;
+  EXPECT_NE(checked.out.find("on seams"), std::string::npos) << checked.out;
+  as_tiles.insert(as_tiles.end(), {"--model", "delaunay_pyramid"});
+  expect_refusal(run_lode(as_tiles), 2, {"--insertion", "delaunay_pyramid"});
+}
+
 TEST(cli_terrain, keeps_max_cells_and_warns_where_the_tolerance_is_not_met) {
   const Scratch scratch;
   write_dem(scratch / "dem.asc");
@@ -67,9 +88,16 @@ TEST(cli_terrain, refuses_what_cannot_be_meant) {
   expect_refusal(run_lode({"extract", dem, out, "--max-error", "-1"}), 2, {"--max-error", ">= 0"});
   expect_refusal(run_lode({"extract", dem, out, "--model", "tin"}), 2, {"delaunay_selector"});
   expect_refusal(run_lode({"extract", dem, out, "--insertion", "odd"}), 2,
-                 {"'levels' or 'strict'"});
-  expect_refusal(run_lode({"extract", dem, out, "--insertion", "levels", "--max-cells", "9"}), 2,
-                 {"--insertion"});
+                 {"'levels', 'strict' or 'tiles'"});
+  for (const char* order : {"levels", "tiles"})
+    expect_refusal(run_lode({"extract", dem, out, "--insertion", order, "--max-cells", "9"}), 2,
+                   {"--insertion", "strict", order});
+  expect_refusal(run_lode({"extract", dem, out, "--insertion", "tiles", "--keep-features",
+                           "--feature-relief", "9"}),
+                 2, {"--insertion", "'tiles'", "--keep-features"});
+  write_bytes(scratch / "points.xyz", "0 0 1\n9 0 2\n0 9 3\n");
+  expect_refusal(run_lode({"extract", scratch / "points.xyz", out, "--insertion", "tiles"}), 2,
+                 {"--insertion", "'tiles'", "scattered points"});
   expect_refusal(run_lode({"extract", dem, out, "--encoding", "jpeg"}), 2, {"terrarium"});
   expect_refusal(run_lode({"extract", dem, out, "--max-cells", "0"}), 2, {"--max-cells"});
   expect_refusal(run_lode({"extract", dem, scratch / "dem.xyz"}), 2, {".ply"});

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
 
+#include "lode/api/point_terrain.h"
 #include "tests/delaunay/lattice_fixtures.h"
 
 namespace lode {
@@ -56,7 +59,8 @@ TEST(terrain, ends_at_heights_that_floats_hardly_hold) {
          {make_grid<float>(41, 37, tiny), make_grid<double>(41, 37, [&](auto x, auto y) {
             return 1e-275 * tiny(x, y);  // Below what doubles hold in full.
           })})
-      for (const InsertionOrder order : {InsertionOrder::levels, InsertionOrder::strict})
+      for (const InsertionOrder order :
+           {InsertionOrder::levels, InsertionOrder::strict, InsertionOrder::tiles})
         for (const double share : {0.0, 1e-3, 0.1}) {
           const HeightRange range = height_range(grid);
           const double max_error = share * (range.upper - range.lower);
@@ -190,6 +194,77 @@ TEST(terrain, covers_cells_with_four_heights_only_and_counts_the_rest) {
   const TerrainInfo info = describe_terrain(grid);
   EXPECT_EQ(info.n_missing, grid.n_missing());
   EXPECT_EQ(info.n_left_out, made.report.n_left_out);
+}
+
+/// Of several tiles, whose seams are columns 150 and row 100.
+class tiled_terrain : public testing::Test {
+ protected:
+  tiled_terrain() : grid_(make_grid<std::int16_t>(301, 201, hills)) {
+    for (std::int32_t i = 0; i < 40; ++i) set_missing(grid_, 130 + i, 90 + i / 2);
+    made_ = extract(grid_, {.max_error = 40, .order = InsertionOrder::tiles});
+  }
+  [[nodiscard]] VerifyReport verify_as(TinShape shape, const Surface& surface) const {
+    Progress progress;
+    const auto report =
+        verify_terrain(grid_, surface, {.max_error = 40, .shape = shape, .threads = {2}}, progress);
+    EXPECT_TRUE(report);
+    return report ? *report : VerifyReport{};
+  }
+
+  HeightGrid grid_;
+  TerrainSurface made_;
+};
+
+TEST_F(tiled_terrain, is_right_but_for_edges_on_seams) {
+  EXPECT_EQ(failed(verify_as(TinShape::tiles, made_.surface)), "");
+  EXPECT_EQ(failed(verify_as(TinShape::delaunay, made_.surface)), "inner edges are Delaunay");
+  EXPECT_LE(made_.report.achieved_error, 40);
+  const TerrainSurface whole = extract(grid_, {.max_error = 40});
+  EXPECT_EQ(failed(verify_as(TinShape::tiles, whole.surface)), "");
+  EXPECT_EQ(made_.report.n_samples, whole.report.n_samples);
+  EXPECT_EQ(made_.report.n_left_out, whole.report.n_left_out);
+}
+
+/// A surface in which nothing is on a line that no triangle crosses is held against all of
+/// Delaunay.
+TEST_F(tiled_terrain, must_be_delaunay_where_triangles_cross_the_seam) {
+  Surface& surface = made_.surface;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> sides;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (std::size_t e = 0; e < 3; ++e)
+      sides[{surface.triangles[t][e], surface.triangles[t][(e + 1) % 3]}] = 3 * t + e;
+  const auto x_of = [&](std::uint32_t v) {
+    const Vec3d at = surface.world_position(v);
+    return std::lround(grid_.lattice(at[0], at[1])[0]);
+  };
+  for (const auto& [ends, side] : sides) {
+    if (x_of(ends.first) != 150 || x_of(ends.second) != 150) continue;
+    const auto other = sides.find({ends.second, ends.first});
+    if (other == sides.end()) continue;
+    // Turned, the edge crosses column 150, which is no seam any more.
+    Surface turned = surface;
+    const std::uint32_t c = surface.triangles[side / 3][(side % 3 + 2) % 3];
+    const std::uint32_t d = surface.triangles[other->second / 3][(other->second % 3 + 2) % 3];
+    turned.triangles[side / 3] = {c, ends.first, d};
+    turned.triangles[other->second / 3] = {d, ends.second, c};
+    const std::string what = failed(verify_as(TinShape::tiles, turned));
+    if (what == "triangles face up") continue;
+    EXPECT_EQ(what, "inner edges are Delaunay or on seams");
+    return;
+  }
+  FAIL() << "no edge of the seam could be turned";
+}
+
+TEST(terrain, of_points_is_refused_in_tiles) {
+  PointTerrain terrain;
+  terrain.points.nodes = {{0, 0}, {9, 0}, {0, 9}};
+  terrain.points.heights = {1, 2, 3};
+  Progress progress;
+  const auto made =
+      extract_terrain(to_terrain(std::make_shared<const PointTerrain>(terrain)),
+                      {.max_error = 1, .order = InsertionOrder::tiles}, progress);
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().message.find("tiles"), std::string::npos) << made.error().message;
 }
 
 class broken_terrain : public testing::Test {

@@ -26,7 +26,7 @@ struct TerrainOptions {
   std::optional<double> max_error{};
   std::optional<std::uint64_t> max_cells{};  ///< At most so many triangles; orders strictly.
   InsertionOrder order = InsertionOrder::levels;
-  Threads threads{};                    ///< Of rasters in levels; the TIN is the same for any.
+  Threads threads{};  ///< Of rasters in levels or tiles; the TIN is the same for any.
   std::optional<TerrainFocus> focus{};  ///< Where max_error holds; of models that can vary.
 };
 
@@ -64,8 +64,9 @@ struct TerrainSurface {
                                                      Progress& progress);
 
 /// What a TIN has to be beside true: of TinShape::delaunay all edges that are not on the outline
-/// must be.
-enum class TinShape : std::uint8_t { delaunay, any };
+/// must be; of TinShape::tiles all but those on seams, which are columns and rows that no triangle
+/// crosses.
+enum class TinShape : std::uint8_t { delaunay, tiles, any };
 
 [[nodiscard]] constexpr TinShape shape_of(TerrainModel model) {
   return model == TerrainModel::ternary_triangulation || is_on_squares(model) || is_hierarchy(model)

@@ -137,13 +137,12 @@ std::optional<double> offset_between_samples(LatticePoint node, double height, s
 
 class TinChecker {
  public:
-  TinChecker(CheckedTin tin, const HeightGrid& grid, double max_error, Threads threads,
+  TinChecker(CheckedTin tin, const HeightGrid& grid, const TinCheckOptions& options,
              Progress& progress)
       : tin_(std::move(tin)),
         grid_(grid),
         domain_(grid),
-        max_error_(max_error),
-        threads_(threads),
+        options_(options),
         progress_(progress) {}
 
   /// `facts`: of the vertices.
@@ -154,9 +153,7 @@ class TinChecker {
     if (facts_.n_off_samples > 0) return facts_;
     check_turns(tin_.triangles, tin_.nodes, facts_);
     if (facts_.n_turned > 0) return facts_;
-    check_edges(
-        tin_.triangles, tin_.nodes,
-        [this](LatticePoint a, LatticePoint b) { return is_outline(a, b); }, facts_);
+    look_at_edges();
     count_domain();
     LODE_CHECK(check_samples());
     return facts_;
@@ -170,6 +167,19 @@ class TinChecker {
   [[nodiscard]] std::int32_t sample_below(std::int32_t node) const { return node / tin_.scale; }
   [[nodiscard]] std::int32_t sample_above(std::int32_t node) const {
     return (node + tin_.scale - 1) / tin_.scale;
+  }
+
+  void look_at_edges() {
+    const auto on_outline = [this](LatticePoint a, LatticePoint b) { return is_outline(a, b); };
+    if (options_.seams == TinSeams::none)
+      return check_edges(tin_.triangles, tin_.nodes, on_outline, facts_);
+    const UncrossedLines lines(
+        tin_.triangles, tin_.nodes,
+        {(grid_.n_columns - 1) * tin_.scale, (grid_.n_rows - 1) * tin_.scale});
+    check_edges(tin_.triangles, tin_.nodes, on_outline, facts_,
+                [&](std::uint32_t a, std::uint32_t b) {
+                  return lines.has(tin_.nodes[a], tin_.nodes[b]);
+                });
   }
 
   /// Steps that it goes over in part count whole.
@@ -201,7 +211,7 @@ class TinChecker {
     constexpr std::size_t kPiece = 4096;
     std::vector<std::atomic<std::uint8_t>> is_covered(static_cast<std::size_t>(grid_.n_samples()));
     LODE_TRY(const Seen all, look_at_triangles<double>(
-                                 tin_.triangles.size(), kPiece, threads_, progress_,
+                                 tin_.triangles.size(), kPiece, options_.threads, progress_,
                                  [&](std::size_t t, Seen& seen) { look_at(t, is_covered, seen); }));
     facts_.n_beyond = all.n_beyond;
     facts_.worst_error = all.worst;
@@ -221,7 +231,7 @@ class TinChecker {
     for (std::size_t i = 0; i < 3; ++i) z[i] = tin_.heights[tin_.triangles[number][i]];
     const auto area = static_cast<long double>(delaunay::doubled_area(t[0], t[1], t[2]));
     // Rounding of four terms in 64 bits; none with integers.
-    const auto limit = static_cast<long double>(max_error_) * area * (1 + 0x1p-52L);
+    const auto limit = static_cast<long double>(options_.max_error) * area * (1 + 0x1p-52L);
     for (LatticePoint s{0, sample_above(low)}; s.y <= sample_below(high); ++s.y)
       for (s.x = sample_above(left); s.x <= sample_below(right); ++s.x) {
         const LatticePoint p{s.x * tin_.scale, s.y * tin_.scale};
@@ -243,19 +253,18 @@ class TinChecker {
   CheckedTin tin_;
   const HeightGrid& grid_;
   CheckedDomain domain_;
-  double max_error_;
-  Threads threads_;
+  TinCheckOptions options_;
   Progress& progress_;
   TinFacts facts_;
 };
 
 }  // namespace
 
-Result<TinFacts> check_tin(const Surface& surface, const HeightGrid& grid, double max_error,
-                           Threads threads, Progress& progress) {
+Result<TinFacts> check_tin(const Surface& surface, const HeightGrid& grid,
+                           const TinCheckOptions& options, Progress& progress) {
   TinFacts facts;
-  CheckedTin tin = SurfaceNodes(surface, grid, max_error).find(facts);
-  return TinChecker(std::move(tin), grid, max_error, threads, progress).run(facts);
+  CheckedTin tin = SurfaceNodes(surface, grid, options.max_error).find(facts);
+  return TinChecker(std::move(tin), grid, options, progress).run(facts);
 }
 
 Result<TinFacts> check_fine_tin(const delaunay::Tin& tin, std::int32_t scale,
@@ -272,7 +281,8 @@ Result<TinFacts> check_fine_tin(const delaunay::Tin& tin, std::int32_t scale,
       ++facts.n_off_samples;
   }
   CheckedTin checked{tin.vertices, tin.heights, tin.triangles, scale};
-  return TinChecker(std::move(checked), grid, max_error, threads, progress).run(facts);
+  return TinChecker(std::move(checked), grid, {.max_error = max_error, .threads = threads}, progress)
+      .run(facts);
 }
 
 }  // namespace lode

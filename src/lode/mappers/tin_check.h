@@ -23,6 +23,7 @@ struct TinFacts {
   std::uint64_t n_overused = 0;  ///< Of more than two triangles, or of two on one side.
   std::uint64_t n_inner_edges = 0;
   std::uint64_t n_not_delaunay = 0;      ///< The vertex across lies inside the circle.
+  std::uint64_t n_constrained = 0;       ///< It does, too, but the edge is fixed or on a seam.
   std::uint64_t n_lines = 0;             ///< Edges that were to be fixed.
   std::uint64_t n_broken_lines = 0;      ///< Those that are not all edges of triangles.
   std::uint64_t n_cells = 0;             ///< Of the domain of a grid.
@@ -41,11 +42,20 @@ struct TinFacts {
   }
 };
 
+/// Whether edges on columns and rows that no triangle crosses need not be Delaunay.
+enum class TinSeams : std::uint8_t { none, allowed };
+
+struct TinCheckOptions {
+  double max_error = 0;
+  TinSeams seams = TinSeams::none;
+  Threads threads{};
+};
+
 /// Holds a surface against the samples it was made from, by other means than it was made: nodes of
 /// bounding boxes by the signs of areas, circles by CGAL's exact predicates. Errors are computed in
 /// 64 bits of mantissa, integers exactly. The same for any number of threads. Fails when cancelled.
 [[nodiscard]] Result<TinFacts> check_tin(const Surface& surface, const HeightGrid& grid,
-                                         double max_error, Threads threads, Progress& progress);
+                                         const TinCheckOptions& options, Progress& progress);
 
 /// The same of a TIN with heights that lies in the grid, whose columns and rows are `scale` nodes
 /// of the TIN's lattice apart: its vertices are samples, or lie on a side of a cell between two,

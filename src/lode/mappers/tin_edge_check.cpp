@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
 #include "lode/delaunay/lattice_side.h"
@@ -56,6 +57,26 @@ void check_turns(std::span<const VertexTriple> triangles, std::span<const Lattic
   }
 }
 
+UncrossedLines::UncrossedLines(std::span<const VertexTriple> triangles,
+                               std::span<const LatticePoint> nodes, LatticePoint last)
+    : n_over_column_(static_cast<std::size_t>(last.x) + 2),
+      n_over_row_(static_cast<std::size_t>(last.y) + 2) {
+  // First by how much there are more than over the one before.
+  const auto cover = [](std::vector<std::int64_t>& n_over, std::int32_t from, std::int32_t to) {
+    if (to - from < 2) return;
+    ++n_over[static_cast<std::size_t>(from) + 1];
+    --n_over[static_cast<std::size_t>(to)];
+  };
+  for (const VertexTriple& t : triangles) {
+    const auto [left, right] = std::minmax({nodes[t[0]].x, nodes[t[1]].x, nodes[t[2]].x});
+    const auto [low, high] = std::minmax({nodes[t[0]].y, nodes[t[1]].y, nodes[t[2]].y});
+    cover(n_over_column_, left, right);
+    cover(n_over_row_, low, high);
+  }
+  std::partial_sum(n_over_column_.begin(), n_over_column_.end(), n_over_column_.begin());
+  std::partial_sum(n_over_row_.begin(), n_over_row_.end(), n_over_row_.begin());
+}
+
 void check_edges(std::span<const VertexTriple> triangles, std::span<const LatticePoint> nodes,
                  const IsOutline& is_outline, TinFacts& facts, const IsFixed& is_fixed) {
   const std::vector<TinEdge> edges = sorted_edges(triangles);
@@ -74,9 +95,8 @@ void check_edges(std::span<const VertexTriple> triangles, std::span<const Lattic
       ++facts.n_overused;
     } else {
       ++facts.n_inner_edges;
-      facts.n_not_delaunay += static_cast<std::uint64_t>(
-          is_hit(triangles[a.triangle], edges[first + 1].opposite, nodes) &&
-          !(is_fixed && is_fixed(a.lower, a.upper)));
+      if (!is_hit(triangles[a.triangle], edges[first + 1].opposite, nodes)) continue;
+      ++(is_fixed && is_fixed(a.lower, a.upper) ? facts.n_constrained : facts.n_not_delaunay);
     }
   }
 }

@@ -26,6 +26,24 @@ using IsOutline = std::function<bool(LatticePoint, LatticePoint)>;
 /// Whether the edge between two vertices is part of a line, and need not be Delaunay.
 using IsFixed = std::function<bool(std::uint32_t, std::uint32_t)>;
 
+/// Columns and rows that no triangle crosses: along them a TIN may have been put together.
+class UncrossedLines {
+ public:
+  /// Nodes are >= 0 and `last` at most.
+  UncrossedLines(std::span<const std::array<std::uint32_t, 3>> triangles,
+                 std::span<const LatticePoint> nodes, LatticePoint last);
+
+  /// Whether the edge lies on one.
+  [[nodiscard]] bool has(LatticePoint a, LatticePoint b) const {
+    return (a.x == b.x && n_over_column_[static_cast<std::size_t>(a.x)] == 0) ||
+           (a.y == b.y && n_over_row_[static_cast<std::size_t>(a.y)] == 0);
+  }
+
+ private:
+  std::vector<std::int64_t> n_over_column_;
+  std::vector<std::int64_t> n_over_row_;
+};
+
 /// Looks at all edges of triangles that turn left: what is beside them, whether those on the border
 /// are on the outline and all others Delaunay, which CGAL's exact predicates decide, or fixed.
 void check_edges(std::span<const std::array<std::uint32_t, 3>> triangles,

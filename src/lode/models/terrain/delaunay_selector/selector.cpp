@@ -9,6 +9,7 @@
 
 #include "lode/delaunay/full_tin.h"
 #include "lode/delaunay/grid_domain.h"
+#include "lode/delaunay/tile_insertion.h"
 #include "lode/models/terrain/delaunay_selector/spatial_order.h"
 
 namespace lode::delaunay_selector {
@@ -38,11 +39,33 @@ Selection to_selection(delaunay::PointMesh& mesh, const SpatialOrder& order,
   return selection;
 }
 
+Result<Selection> select_in_tiles(const HeightGrid& grid, const SelectorOptions& options,
+                                  Progress& progress) {
+  const HeightRange range = height_range(grid);
+  LODE_CHECK(delaunay::check_heights(range));
+  const auto insert = [&](const auto& samples) {
+    using T = typename std::decay_t<decltype(samples)>::value_type;
+    return delaunay::insert_in_tiles<T>(
+        grid, range.lower, range.upper,
+        {.max_error = options.max_error, .links = options.links, .threads = options.threads},
+        progress);
+  };
+  LODE_TRY(delaunay::SeamedTiles tiles, std::visit(insert, grid.heights));
+  Selection selection;
+  selection.tin = delaunay::to_tin(tiles, options.threads);
+  selection.tin.heights = heights_of(selection.tin, grid);
+  selection.achieved_error = tiles.report.achieved_error;
+  selection.n_samples = tiles.n_samples;
+  selection.n_left_out = tiles.n_left_out;
+  return selection;
+}
+
 }  // namespace
 
 Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& options,
                                  Progress& progress) {
   LODE_EXPECTS(!options.max_cells || options.order == InsertionOrder::strict);
+  if (options.order == InsertionOrder::tiles) return select_in_tiles(grid, options, progress);
   LODE_TRY(const delaunay::GridDomain domain, delaunay::find_domain(grid));
   const delaunay::LatticePacking packing(grid.n_columns);
   delaunay::LatticeMesh mesh(packing, domain.triangles);
@@ -69,6 +92,9 @@ Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& 
 Result<Selection> select_points(const HeightPoints& points, const PointDomain& domain,
                                 const SelectorOptions& options, Progress& progress) {
   LODE_EXPECTS(!options.max_cells || options.order == InsertionOrder::strict);
+  if (options.order == InsertionOrder::tiles)
+    return fail(
+        "expected levels or the strict order, got tiles, which are of rasters without fixed lines");
   const HeightRange range = height_range(points);
   LODE_CHECK(delaunay::check_heights(range));
   const SpatialOrder order(points, domain);

@@ -19,7 +19,7 @@ struct SelectorOptions {
   std::optional<std::uint64_t> max_cells{};  ///< At most so many triangles; strict order only.
   InsertionOrder order = InsertionOrder::levels;
   delaunay::TinLinks links = delaunay::TinLinks::left_out;
-  Threads threads{};  ///< Of rasters in levels; the TIN is the same for any number.
+  Threads threads{};  ///< Of rasters in levels or tiles; the TIN is the same for any number.
 };
 
 struct Selection {
@@ -35,12 +35,13 @@ struct Selection {
 /// topographic surface description", The Visual Computer 12, 1996, section 3 and figure 3): samples
 /// are inserted into a Delaunay triangulation until the vertical error is within max_error at every
 /// sample, or max_cells is reached. The domain is the union of the cells with four valid corners;
-/// its outline is kept exactly, and constrains the triangulation where it is not convex. Time O(n
-/// log n) in the samples usually. Fails where there is no such cell, and on heights beyond 1e30.
+/// its outline is kept exactly, and constrains the triangulation where it is not convex; in tiles
+/// seams do so, too. Time O(n log n) in the samples usually. Fails where there is no such cell, and
+/// on heights beyond 1e30.
 [[nodiscard]] Result<Selection> select_samples(const HeightGrid& grid,
                                                const SelectorOptions& options, Progress& progress);
 
-/// The same of scattered points, in their domain.
+/// The same of scattered points, in their domain. Fails in tiles.
 [[nodiscard]] Result<Selection> select_points(const HeightPoints& points, const PointDomain& domain,
                                               const SelectorOptions& options, Progress& progress);
 
