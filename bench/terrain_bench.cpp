@@ -1,8 +1,8 @@
 // The Delaunay selector on a spectral fractal of 4096^2 samples of 16 bits: seconds, on two threads
-// in levels and on one in the strict order, triangles, and whether what came is right; beside hmm
-// (github.com/fogleman/hmm), a greedy insertion in C++ on one thread, where a program of that name
-// is in PATH or named by LODE_HMM. Its seconds, of the processor, hold reading a PNG and writing an
-// STL file.
+// in tiles and levels and on one in the strict order, triangles, and whether what came is right;
+// beside hmm (github.com/fogleman/hmm), a greedy insertion in C++ on one thread, where a program of
+// that name is in PATH or named by LODE_HMM. Its seconds, of the processor, hold reading a PNG and
+// writing an STL file. At the end how many times as fast as hmm the orders are.
 
 #include <fmt/format.h>
 #include <png.h>
@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -24,6 +25,7 @@
 #include "bench/timing.h"
 #include "lode/api/terrain.h"
 #include "lode/delaunay/grid_domain.h"
+#include "lode/delaunay/tile_insertion.h"
 #include "lode/delaunay/tin.h"
 #include "tests/oracles/fractal_terrain.h"
 
@@ -47,9 +49,21 @@ struct Run {
   std::uint64_t n_vertices = 0;
 };
 
-/// The selector itself: the domain, insertion, and the triangles with numbered corners.
+/// The same in tiles, until they are put together with numbered corners.
+Run select_in_tiles(const HeightGrid& grid, double max_error, Threads threads) {
+  const auto start = Clock::now();
+  Progress progress;
+  auto tiles = delaunay::insert_in_tiles<std::uint16_t>(
+      grid, 0, kRange, {.max_error = max_error, .threads = threads}, progress);
+  if (!tiles) return {};
+  const delaunay::Tin tin = delaunay::to_tin(*tiles, threads);
+  return {seconds_since(start), tin.triangles.size(), tin.vertices.size()};
+}
+
+/// The selector itself: the domain and insertion, until there is a mesh.
 Run select(const HeightGrid& grid, double max_error, InsertionOrder order, Threads threads) {
   const auto start = Clock::now();
+  if (order == InsertionOrder::tiles) return select_in_tiles(grid, max_error, threads);
   const delaunay::LatticePacking packing(grid.n_columns);
   const auto domain = delaunay::find_domain(grid);
   delaunay::LatticeMesh mesh(packing, domain->triangles);
@@ -68,27 +82,40 @@ std::string check(const HeightGrid& grid, double max_error, InsertionOrder order
   Progress progress;
   const auto made = extract_terrain(grid, {.max_error = max_error, .order = order}, progress);
   if (!made) return made.error().message;
-  const auto report = verify_terrain(grid, made->surface, {.max_error = max_error}, progress);
+  const auto shape = order == InsertionOrder::tiles ? TinShape::tiles : TinShape::delaunay;
+  const auto report =
+      verify_terrain(grid, made->surface, {.max_error = max_error, .shape = shape}, progress);
   if (!report) return report.error().message;
   for (const VerifyReport::Check& one : report->checks)
     if (!one.passed) return one.name + ": " + one.detail;
   return "right";
 }
 
-void race(const HeightGrid& grid, const Settings& settings, InsertionOrder order) {
-  const char* name = order == InsertionOrder::strict ? "strict" : "levels";
-  for (const double share : kTolerances) {
+const char* name_of(InsertionOrder order) {
+  if (order == InsertionOrder::tiles) return "tiles";
+  return order == InsertionOrder::strict ? "strict" : "levels";
+}
+
+/// By tolerance.
+using Medians = std::array<Run, kTolerances.size()>;
+
+Medians race(const HeightGrid& grid, const Settings& settings, InsertionOrder order) {
+  Medians medians;
+  for (std::size_t tolerance = 0; tolerance < kTolerances.size(); ++tolerance) {
+    const double share = kTolerances[tolerance];
     std::vector<Run> runs;
     for (int i = 0; i < settings.n_runs; ++i)
       runs.push_back(select(grid, share * kRange, order, {settings.n_threads}));
     const auto by_time = [](const Run& a, const Run& b) { return a.seconds < b.seconds; };
     std::sort(runs.begin(), runs.end(), by_time);
-    fmt::print("{:8} {:>8} {:>10.3f} {:>10.3f} {:>12} {:>12}  {}\n", name, share,
+    medians[tolerance] = runs[runs.size() / 2];
+    fmt::print("{:8} {:>8} {:>10.3f} {:>10.3f} {:>12} {:>12}  {}\n", name_of(order), share,
                runs[runs.size() / 2].seconds, runs.front().seconds, runs.front().n_triangles,
                runs.front().n_vertices,
                settings.is_unchecked ? "not checked" : check(grid, share * kRange, order));
     std::fflush(stdout);
   }
+  return medians;
 }
 
 /// LODE_HMM, else hmm in PATH, else "".
@@ -152,20 +179,23 @@ std::uint32_t stl_triangles(const std::string& path) {
   return file ? n : 0;
 }
 
-void race_hmm(const HeightGrid& grid) {
+std::optional<Medians> race_hmm(const HeightGrid& grid) {
   const std::string program = find_hmm();
   if (program.empty()) {
     fmt::print("hmm: skipped, neither LODE_HMM nor PATH has it\n");
-    return;
+    return std::nullopt;
   }
   std::string folder = std::filesystem::temp_directory_path() / "lode_bench_XXXXXX";
-  if (mkdtemp(folder.data()) == nullptr) return;
+  if (mkdtemp(folder.data()) == nullptr) return std::nullopt;
+  Medians found;
   const std::string png = folder + "/fractal.png";
   const std::string stl = folder + "/fractal.stl";
   if (write_png(png, grid))
-    for (const double share : kTolerances) {
+    for (std::size_t tolerance = 0; tolerance < kTolerances.size(); ++tolerance) {
+      const double share = kTolerances[tolerance];
       const auto seconds =
           run_program({program, png, stl, "-z", "1000", "-e", fmt::format("{}", share), "-q"});
+      found[tolerance] = {seconds.value_or(0), stl_triangles(stl), 0};
       if (seconds)
         fmt::print("{:8} {:>8} {:>10.3f} {:>10} {:>12}\n", "hmm", share, *seconds, "",
                    stl_triangles(stl));
@@ -174,17 +204,32 @@ void race_hmm(const HeightGrid& grid) {
       std::fflush(stdout);
     }
   std::filesystem::remove_all(folder);
+  return found;
+}
+
+void compare(InsertionOrder order, const Medians& own, const Medians& hmm) {
+  for (std::size_t i = 0; i < kTolerances.size(); ++i) {
+    if (hmm[i].n_triangles == 0 || own[i].n_triangles == 0) continue;
+    const auto more =
+        static_cast<double>(own[i].n_triangles) / static_cast<double>(hmm[i].n_triangles) - 1;
+    fmt::print("{:8} {:>8} {:>9.1f} times as fast as hmm, {:+.2f} % triangles\n", name_of(order),
+               kTolerances[i], hmm[i].seconds / own[i].seconds, 100 * more);
+  }
 }
 
 int run(const Settings& settings) {
   const HeightGrid grid = oracles::make_fractal_terrain(settings.side, settings.seed);
-  fmt::print("fractal of {0} x {0} samples, seed {1}; seconds of {2} runs, {3} threads in levels\n",
+  fmt::print("fractal of {0} x {0} samples, seed {1}; seconds of {2} runs, {3} threads in tiles and "
+             "levels\n",
              settings.side, settings.seed, settings.n_runs, settings.n_threads);
   fmt::print("{:8} {:>8} {:>10} {:>10} {:>12} {:>12}  {}\n", "order", "error", "median s",
              "fastest s", "triangles", "vertices", "checked");
-  race(grid, settings, InsertionOrder::levels);
-  race(grid, settings, InsertionOrder::strict);
-  race_hmm(grid);
+  constexpr std::array kOrders{InsertionOrder::tiles, InsertionOrder::levels,
+                               InsertionOrder::strict};
+  std::array<Medians, kOrders.size()> medians;
+  for (std::size_t i = 0; i < kOrders.size(); ++i) medians[i] = race(grid, settings, kOrders[i]);
+  const auto hmm = race_hmm(grid);
+  for (std::size_t i = 0; hmm && i < kOrders.size(); ++i) compare(kOrders[i], medians[i], *hmm);
   return 0;
 }
 
