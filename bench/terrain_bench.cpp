@@ -219,9 +219,10 @@ void compare(InsertionOrder order, const Medians& own, const Medians& hmm) {
 
 int run(const Settings& settings) {
   const HeightGrid grid = oracles::make_fractal_terrain(settings.side, settings.seed);
-  fmt::print("fractal of {0} x {0} samples, seed {1}; seconds of {2} runs, {3} threads in tiles and "
-             "levels\n",
-             settings.side, settings.seed, settings.n_runs, settings.n_threads);
+  fmt::print(
+      "fractal of {0} x {0} samples, seed {1}; seconds of {2} runs, {3} threads in tiles and "
+      "levels\n",
+      settings.side, settings.seed, settings.n_runs, settings.n_threads);
   fmt::print("{:8} {:>8} {:>10} {:>10} {:>12} {:>12}  {}\n", "order", "error", "median s",
              "fastest s", "triangles", "vertices", "checked");
   constexpr std::array kOrders{InsertionOrder::tiles, InsertionOrder::levels,

@@ -195,7 +195,8 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
       "hierarchical_delaunay: in levels, of a raster it may vary");
   add("--insertion", arguments.insertion, "levels|strict|tiles",
       "levels (default): errors fall by octaves, faster; strict: the worst of all "
-      "samples first, fewer triangles; with --max-cells always strict; tiles, of rasters: each tile "
+      "samples first, fewer triangles; with --max-cells always strict; tiles, of rasters: each "
+      "tile "
       "on its own between fixed seams, on all threads, fastest, and Delaunay but for seams");
 }
 

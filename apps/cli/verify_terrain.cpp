@@ -90,7 +90,8 @@ Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& a
   if (!job.terrain.resample.empty() || !job.terrain.oversample.empty())
     return fail("--resample: expected a folder of tiles with it, got {}", job.input);
   if (holds_terrain_model(job.input)) return check_model_verify(job, app);
-  LODE_CHECK(check_only_terrain(app, job.input, {"--surface", "--max-error", "--model", "--insertion"}));
+  LODE_CHECK(
+      check_only_terrain(app, job.input, {"--surface", "--max-error", "--model", "--insertion"}));
   if (job.surface.empty())
     return fail("{}: expected --surface FILE to hold against this terrain, got none", job.input);
   LODE_CHECK(check_surface_path(job.surface));

@@ -83,8 +83,8 @@ void expect_seams(const TiledAnswer& answer, const HeightGrid& grid, double max_
     const bool is_row = first.y == seams.part(i).last.y;
     EXPECT_LE(seams.side(i).error, max_error);
     for (const std::int32_t place : seams.side(i).places)
-      expected.insert(packing.pack(is_row ? LatticePoint{place, first.y}
-                                          : LatticePoint{first.x, place}));
+      expected.insert(
+          packing.pack(is_row ? LatticePoint{place, first.y} : LatticePoint{first.x, place}));
   }
   std::set<std::uint32_t> found;
   for (const LatticePoint& p : answer.tin.vertices)
@@ -131,8 +131,7 @@ TYPED_TEST(tile_insertion, joins_tiles_within_the_error_whatever_their_sizes) {
        {std::pair{2, 2}, {2, 30}, {30, 2}, {9, 9}, {16, 17}, {18, 33}, {34, 31}}) {
     const HeightGrid grid = test::make_grid<TypeParam>(n_columns, n_rows, hilly<TypeParam>);
     for (const double max_error : {0.0, 0.3, 3.0, 40.0})
-      for (const std::int32_t side : {1, 7, 8, 100})
-        expect_right<TypeParam>(grid, max_error, side);
+      for (const std::int32_t side : {1, 7, 8, 100}) expect_right<TypeParam>(grid, max_error, side);
   }
 }
 
@@ -159,8 +158,7 @@ TYPED_TEST(tile_insertion, keeps_gaps_that_cross_seams_or_touch_them) {
       masked([](int x, int y) { return (x * 31 + y * 17) % 23 == 0; })};
   for (const HeightGrid& grid : grids)
     for (const double max_error : {0.0, 3.0, 500.0})
-      for (const std::int32_t side : {5, 8, 100})
-        expect_right<TypeParam>(grid, max_error, side);
+      for (const std::int32_t side : {5, 8, 100}) expect_right<TypeParam>(grid, max_error, side);
 }
 
 TYPED_TEST(tile_insertion, makes_the_same_for_any_number_of_threads) {
@@ -202,8 +200,8 @@ TEST(tiles_of_a_fractal, cost_few_triangles) {
     LatticeMesh mesh(packing, find_domain(grid)->triangles);
     ASSERT_TRUE(insert_greedily(
         mesh,
-        SampleRows<std::uint16_t>{
-            std::get<HeightGrid::Samples<std::uint16_t>>(grid.heights).data(), grid.stride, packing},
+        SampleRows<std::uint16_t>{std::get<HeightGrid::Samples<std::uint16_t>>(grid.heights).data(),
+                                  grid.stride, packing},
         0, 65535, {.max_error = max_error, .order = InsertionOrder::strict}, progress));
     const TiledAnswer tiles = insert_tiles<std::uint16_t>(grid, max_error, 0);
     const double strict = static_cast<double>(mesh.triangles().size());
@@ -267,7 +265,8 @@ TEST(tile_insertion_stop, ends_with_an_error_when_cancelled_or_without_cells) {
   HeightGrid grid = test::make_grid<std::int16_t>(40, 33, hilly<std::int16_t>);
   Progress cancelled;
   cancelled.cancel();
-  EXPECT_FALSE(insert_in_tiles<std::int16_t>(grid, 0, 3000, {.max_error = 1, .side = 8}, cancelled));
+  EXPECT_FALSE(
+      insert_in_tiles<std::int16_t>(grid, 0, 3000, {.max_error = 1, .side = 8}, cancelled));
   Progress progress;
   for (std::int32_t y = 0; y < 33; ++y)
     for (std::int32_t x = y % 2; x < 40; x += 2) test::set_missing(grid, x, y);

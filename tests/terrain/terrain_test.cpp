@@ -260,9 +260,8 @@ TEST(terrain, of_points_is_refused_in_tiles) {
   terrain.points.nodes = {{0, 0}, {9, 0}, {0, 9}};
   terrain.points.heights = {1, 2, 3};
   Progress progress;
-  const auto made =
-      extract_terrain(to_terrain(std::make_shared<const PointTerrain>(terrain)),
-                      {.max_error = 1, .order = InsertionOrder::tiles}, progress);
+  const auto made = extract_terrain(to_terrain(std::make_shared<const PointTerrain>(terrain)),
+                                    {.max_error = 1, .order = InsertionOrder::tiles}, progress);
   ASSERT_FALSE(made);
   EXPECT_NE(made.error().message.find("tiles"), std::string::npos) << made.error().message;
 }

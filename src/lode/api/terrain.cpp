@@ -41,9 +41,8 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
                facts.n_not_delaunay > 0 ? fmt::format("{} are not", facts.n_not_delaunay) : "");
   if (shape == TinShape::tiles)
     report.add("inner edges are Delaunay or on seams", facts.n_inner_edges, facts.n_not_delaunay,
-               facts.n_not_delaunay > 0
-                   ? fmt::format("{} are neither", facts.n_not_delaunay)
-                   : fmt::format("{} on seams are not", facts.n_constrained));
+               facts.n_not_delaunay > 0 ? fmt::format("{} are neither", facts.n_not_delaunay)
+                                        : fmt::format("{} on seams are not", facts.n_constrained));
   if (facts.n_lines > 0)
     report.add("lines are edges", facts.n_lines, facts.n_broken_lines,
                facts.n_broken_lines > 0 ? fmt::format("{} are broken", facts.n_broken_lines) : "");
@@ -81,12 +80,13 @@ Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOpti
 
 Result<VerifyReport> verify_terrain(const HeightGrid& grid, const Surface& surface,
                                     const TerrainVerifyOptions& options, Progress& progress) try {
-  LODE_TRY(const TinFacts facts,
-           check_tin(surface, grid,
-                     {.max_error = options.max_error,
-                      .seams = options.shape == TinShape::tiles ? TinSeams::allowed : TinSeams::none,
-                      .threads = options.threads},
-                     progress));
+  LODE_TRY(
+      const TinFacts facts,
+      check_tin(surface, grid,
+                {.max_error = options.max_error,
+                 .seams = options.shape == TinShape::tiles ? TinSeams::allowed : TinSeams::none,
+                 .threads = options.threads},
+                progress));
   return to_report(facts, options.max_error, options.shape,
                    fmt::format("in column {}, row {}", facts.worst.x, facts.worst.y));
 } catch (const std::bad_alloc&) {

@@ -67,7 +67,8 @@ class LineSplitter {
     }
     return {divided_up(worst, n), at};
   }
-  /// Seven roundings of numbers up to twice the range, but of a level chord only that of a difference.
+  /// Seven roundings of numbers up to twice the range, but of a level chord only that of a
+  /// difference.
   [[nodiscard]] Worst find_in_reals(const T* samples, std::int32_t first, std::int32_t last) const {
     const auto n = static_cast<double>(last - first);
     const auto start = static_cast<double>(samples[first]);

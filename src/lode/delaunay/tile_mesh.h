@@ -42,10 +42,10 @@ class TileMesher {
 
   const Seams& seams_;
   const GridCells* cells_;
-  LatticePoint last_{};                 ///< Of the tile.
-  LatticePoint origin_{};               ///< In the raster.
-  bool is_full_ = true;                 ///< The tile has all cells.
-  std::vector<std::uint32_t> owners_;   ///< By side, then where an edge on it begins: its triangle.
+  LatticePoint last_{};                ///< Of the tile.
+  LatticePoint origin_{};              ///< In the raster.
+  bool is_full_ = true;                ///< The tile has all cells.
+  std::vector<std::uint32_t> owners_;  ///< By side, then where an edge on it begins: its triangle.
 };
 
 }  // namespace lode::delaunay

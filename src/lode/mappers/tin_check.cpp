@@ -139,11 +139,7 @@ class TinChecker {
  public:
   TinChecker(CheckedTin tin, const HeightGrid& grid, const TinCheckOptions& options,
              Progress& progress)
-      : tin_(std::move(tin)),
-        grid_(grid),
-        domain_(grid),
-        options_(options),
-        progress_(progress) {}
+      : tin_(std::move(tin)), grid_(grid), domain_(grid), options_(options), progress_(progress) {}
 
   /// `facts`: of the vertices.
   Result<TinFacts> run(const TinFacts& facts) {
@@ -176,10 +172,9 @@ class TinChecker {
     const UncrossedLines lines(
         tin_.triangles, tin_.nodes,
         {(grid_.n_columns - 1) * tin_.scale, (grid_.n_rows - 1) * tin_.scale});
-    check_edges(tin_.triangles, tin_.nodes, on_outline, facts_,
-                [&](std::uint32_t a, std::uint32_t b) {
-                  return lines.has(tin_.nodes[a], tin_.nodes[b]);
-                });
+    check_edges(
+        tin_.triangles, tin_.nodes, on_outline, facts_,
+        [&](std::uint32_t a, std::uint32_t b) { return lines.has(tin_.nodes[a], tin_.nodes[b]); });
   }
 
   /// Steps that it goes over in part count whole.
@@ -281,7 +276,8 @@ Result<TinFacts> check_fine_tin(const delaunay::Tin& tin, std::int32_t scale,
       ++facts.n_off_samples;
   }
   CheckedTin checked{tin.vertices, tin.heights, tin.triangles, scale};
-  return TinChecker(std::move(checked), grid, {.max_error = max_error, .threads = threads}, progress)
+  return TinChecker(std::move(checked), grid, {.max_error = max_error, .threads = threads},
+                    progress)
       .run(facts);
 }
 
