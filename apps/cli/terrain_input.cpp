@@ -423,7 +423,7 @@ Result<void> check_model_of_points(const std::string& path, const TerrainArgumen
 }
 
 /// Points have no columns and rows to cut along, and lines might cross these.
-Result<void> check_tiles(const std::string& path, const TerrainArguments& arguments) {
+Result<void> check_insertion(const std::string& path, const TerrainArguments& arguments) {
   if (arguments.insertion != name_of(InsertionOrder::tiles)) return {};
   if (is_point_path(path))
     return fail("--insertion: expected 'levels' or 'strict' with scattered points, got 'tiles'");
@@ -435,7 +435,7 @@ Result<void> check_tiles(const std::string& path, const TerrainArguments& argume
 
 Result<void> check_terrain_model(const std::string& path, const TerrainArguments& arguments,
                                  const ReadingArguments& reading) {
-  LODE_CHECK(check_tiles(path, arguments));
+  LODE_CHECK(check_insertion(path, arguments));
   LODE_CHECK(check_lined_model(path, arguments));
   LODE_CHECK(check_model_of_points(path, arguments));
   if (!holds_terrain_model(path) || (arguments.is_empty() && reading.nodata.empty())) return {};

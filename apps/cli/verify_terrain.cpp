@@ -99,7 +99,7 @@ Result<void> check_terrain_verify(const TerrainVerifyJob& job, const CLI::App& a
     return fail("--surface: expected the --max-error it was extracted with, got none");
   if (auto max_error = to_max_error(job.max_error); !max_error) return max_error.error();
   if (auto shape = to_shape(job.terrain); !shape) return shape.error();
-  LODE_CHECK(check_tiles(job.input, job.terrain));
+  LODE_CHECK(check_insertion(job.input, job.terrain));
   const auto model = built_model_of(job.terrain.model);
   if (job.terrain.has_lines() && model && !is_of_any_points(*model))
     return fail(
