@@ -77,7 +77,8 @@ void add_resampling(const TerrainTileReport& report, Json& json, Table& table) {
   json["resampling"] = {{"samples", error.n_measured},
                         {"outside", error.n_outside},
                         {"max_error", error.largest},
-                        {"rms_error", error.rms}};
+                        {"rms_error", error.rms},
+                        {"unit", report.frame.vertical_unit}};
   table.add({"resampled",
              fmt::format("the file's samples are up to {} {} from that, RMS {}, {} of {} measured",
                          format_number(error.largest),

@@ -109,21 +109,24 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
   if (!answer.job.raster.difference.empty()) table.add({"output", answer.job.raster.difference});
 }
 
-std::string summary_of(const TerrainReport& report, const OpenedTerrain& opened) {
+std::string summary_of(const TerrainReport& report, const OpenedTerrain& opened,
+                       InsertionOrder order) {
   const std::string& unit = opened.facts.frame.vertical_unit;
   const std::string tolerance =
       report.view && report.view->max_error_px
           ? fmt::format("max_error_px {} in view", *report.view->max_error_px)
           : fmt::format("max_error {}", report.max_error);
-  return fmt::format("Lode {}: {}, {}, achieved_error {} at samples{}", LODE_VERSION,
-                     name_of(opened.model), tolerance, report.achieved_error,
-                     unit.empty() ? "" : " " + unit);
+  return fmt::format("Lode {}: {}{}, {}, achieved_error {} at samples{}", LODE_VERSION,
+                     name_of(opened.model),
+                     order == InsertionOrder::tiles ? ", insertion tiles" : "", tolerance,
+                     report.achieved_error, unit.empty() ? "" : " " + unit);
 }
 
 /// Of surfaces, whose files have no other place for a CRS.
-std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened) {
+std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened,
+                       InsertionOrder order) {
   const std::string& crs = opened.facts.frame.crs;
-  return summary_of(report, opened) + (crs.empty() ? "" : ", CRS " + crs);
+  return summary_of(report, opened, order) + (crs.empty() ? "" : ", CRS " + crs);
 }
 
 void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const TerrainJob& job,
@@ -202,7 +205,9 @@ Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
   if (is_geotiff_path(job.output)) {
     LODE_TRY(TerrainRasterOptions wanted, to_raster_options(job.raster));
     wanted.threads = session.threads();
-    wanted.comment = [&](const TerrainReport& report) { return summary_of(report, opened); };
+    wanted.comment = [&](const TerrainReport& report) {
+      return summary_of(report, opened, options.order);
+    };
     auto written = write_terrain_raster(opened, options, wanted, job.output, session.progress());
     // What cannot be written is named already.
     const bool is_named = !written && names_output(written.error(), job);
@@ -214,9 +219,10 @@ Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
       const TerrainSurface made,
       naming(job.input, extract_terrain(opened.terrain, options, session.progress()), session));
   const Stopwatch watch;
-  LODE_CHECK(write_surface(job.output, made.surface,
-                           {.comment = comment_of(made.report, opened), .value_name = "height"},
-                           session.progress()));
+  LODE_CHECK(write_surface(
+      job.output, made.surface,
+      {.comment = comment_of(made.report, opened, options.order), .value_name = "height"},
+      session.progress()));
   return Written{made.report, {}, watch.seconds()};
 }
 

@@ -269,7 +269,7 @@ TEST_F(cli_tiles, of_projected_rasters_are_resampled) {
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_NE(made.err.find("put in degrees"), std::string::npos) << made.err;
   EXPECT_GT(made.json().at("missing_samples"), 0);  // in the corners
-  const auto& off = made.json().at("resampling");
+  const auto off = made.json().at("resampling");
   EXPECT_GT(off.at("samples"), 50 * 40);
   EXPECT_GT(off.at("max_error"), off.at("rms_error"));
   EXPECT_LT(off.at("max_error"), 15);  // of waves of 300 m over 20 samples

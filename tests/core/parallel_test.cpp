@@ -44,6 +44,39 @@ TEST(parallel_loop, has_every_worker_once_at_a_time) {
   }
 }
 
+/// What is called inside of a body must not take up work of the loop around it.
+TEST(parallel_loop, has_no_worker_twice_where_loops_are_nested) {
+  for (const int round : {1, 2, 3})
+    for (const int threads : {2, 3, 5}) {
+      std::vector<std::atomic<bool>> is_at_work(static_cast<std::size_t>(threads));
+      std::atomic<int> n_wrong = 0;
+      std::atomic<int> n_inner = 0;
+      parallel_for(100, {threads}, 1, [&](std::size_t, int worker) {
+        auto& mine = is_at_work[static_cast<std::size_t>(worker)];
+        n_wrong += mine.exchange(true) ? 1 : 0;
+        parallel_for(20, {threads}, 1, [&](std::size_t i, int) {
+          if (i % 4 == 0) std::this_thread::yield();
+          ++n_inner;
+        });
+        mine = false;
+      });
+      EXPECT_EQ(n_wrong, 0) << "round " << round;
+      EXPECT_EQ(n_inner, 2000);
+    }
+}
+
+TEST(parallel_loop, is_there_for_several_threads_at_once) {
+  std::vector<std::vector<int>> n_calls(6);
+  std::vector<std::thread> callers;
+  for (std::size_t c = 0; c < n_calls.size(); ++c)
+    callers.emplace_back([&n_calls, c] {
+      for (int round = 0; round < 50; ++round)
+        n_calls[c] = counts(300, 2 + static_cast<int>(c % 3), 7);
+    });
+  for (std::thread& caller : callers) caller.join();
+  for (const auto& calls : n_calls) EXPECT_EQ(calls, std::vector<int>(300, 1));
+}
+
 TEST(parallel_loop, passes_an_exception_on_and_leaves_out_most_of_the_rest) {
   for (const int threads : {1, 2, 7}) {
     std::atomic<std::size_t> n_calls = 0;

@@ -174,6 +174,54 @@ TEST_F(raster_warp, leaves_out_what_it_is_told) {
   expect_plane(read_told(file, -9999).grid, kOff);
 }
 
+/// Where one band has a hole another has heights.
+TEST_F(raster_warp, leaves_out_what_its_own_band_misses) {
+  RasterFile file = plane_in_utm(GDT_Int16);
+  file.n_bands = 2;  // the second 1000 higher, -8999 in the hole
+  expect_plane(read(Resampling::cubic, file).grid, kOff);
+  file.nodata.reset();
+  expect_plane(read_told(file, -9999).grid, kOff);
+}
+
+/// Of 200 x 100 steps of a kilometre.
+RasterFile kilometres(double west, double north, const std::string& crs) {
+  RasterFile file{.n_columns = 200, .n_rows = 100, .type = GDT_Float32, .samples = {}};
+  for (int y = 0; y < 100; ++y)
+    for (int x = 0; x < 200; ++x) file.samples.push_back(500 + 40 * std::sin(0.05 * (x - y)));
+  file.geotransform = {west, 1000, 0, north, 0, -1000};
+  file.crs = crs;
+  return file;
+}
+
+TEST_F(raster_warp, goes_on_beyond_180_degrees) {
+  // Zone 60 ends in the middle.
+  const RasterFile file = kilometres(600'000, 5'000'000, "EPSG:32660");
+  const HeightRaster raster = read(Resampling::cubic, file);
+  const auto first = raster.grid.world(0, 0);
+  const auto last = raster.grid.world(raster.grid.n_columns - 1, 0);
+  EXPECT_LT(first[0], 180);
+  EXPECT_GT(last[0], 180);
+  EXPECT_LT(last[0] - first[0], 4);
+  write_raster((*this)("utm.tif"), file);
+  Progress progress;
+  const auto error =
+      measure_resampling((*this)("utm.tif"), {.to_degrees = Resampling::cubic}, {2}, progress);
+  ASSERT_TRUE(error) << error.error().message;
+  EXPECT_GT(error->n_measured, 200 * 100 * 9 / 10);
+  EXPECT_LT(error->largest, 2);
+}
+
+TEST_F(raster_warp, keeps_samples_near_poles_and_refuses_poles) {
+  // From the pole on, in one direction: far from it a step of longitude is small.
+  const RasterFile beside = kilometres(20'000, 50'000, "EPSG:3413");
+  const HeightRaster raster = read(Resampling::cubic, beside);
+  EXPECT_GT(raster.grid.n_columns, 200);
+  EXPECT_GT(raster.grid.n_rows, 100);
+  write_raster((*this)("pole.tif"), kilometres(-100'000, 50'000, "EPSG:3413"));
+  EXPECT_NE(refusal("pole.tif", {.to_degrees = Resampling::cubic}).find("without a pole"),
+            std::string::npos);
+}
+
 TEST_F(raster_warp, keeps_what_numbers_stand_for) {
   RasterFile file = plane_in_utm(GDT_Int16);
   file.scale = 0.5;

@@ -21,15 +21,10 @@ namespace {
 
 Result<std::optional<io::ResamplingError>> resampling_of(const std::string& path,
                                                          const io::HeightReadOptions& reading,
-                                                         const TileRows& rows,
-                                                         const TerrainTileOptions& options,
+                                                         const TileRaster& raster, Threads threads,
                                                          Progress& progress) {
-  const HeightFrame& frame = rows.frame();
-  const auto n_samples =
-      static_cast<std::uint64_t>(frame.n_columns) * static_cast<std::uint64_t>(frame.n_rows);
-  if (!reading.to_degrees || n_samples * sizeof(double) > options.most_bytes)
-    return std::optional<io::ResamplingError>();
-  LODE_TRY(const auto error, io::measure_resampling(path, reading, options.threads, progress));
+  if (!reading.to_degrees || !raster.is_in_memory) return std::optional<io::ResamplingError>();
+  LODE_TRY(const auto error, io::measure_resampling(path, reading, threads, progress));
   return std::optional(error);
 }
 
@@ -47,7 +42,7 @@ Result<TerrainTileReport> write_terrain_tiles(const std::string& path,
   LODE_TRY(const TileRaster raster, open_tile_raster(path, reading, options.most_bytes, progress));
   auto place = tile_pyramid::ExtendedRaster::of(raster.rows->frame(), options.fill);
   if (!place) return fail("{}: {}", path, place.error().message);
-  LODE_TRY(report.resampling, resampling_of(path, reading, *raster.rows, options, progress));
+  LODE_TRY(report.resampling, resampling_of(path, reading, raster, options.threads, progress));
   report.read_seconds = watch.seconds();
 
   TileFolder tiles(staged.folder());

@@ -140,6 +140,7 @@ Result<std::optional<TileRaster>> stream(const std::string& path,
   if (is_above_something(raster) && !is_above_ellipsoid(raster)) return std::optional<TileRaster>();
   LODE_TRY(TileRaster out, describe(path, raster, reading));
   LODE_TRY(const double metres, metres_of(path, raster.grid, out.notes));
+  out.is_in_memory = false;
   out.rows = std::make_unique<FileRows>(path, std::move(opened).value(), metres);
   return std::optional(std::move(out));
 }

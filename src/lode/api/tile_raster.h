@@ -38,7 +38,8 @@ class TileRows : public tile_pyramid::HeightRows {
 /// A raster that tiles may be made of, or held against.
 struct TileRaster {
   std::unique_ptr<TileRows> rows;
-  std::string type;  ///< See HeightRaster, and so the next.
+  std::string type;          ///< See HeightRaster, and so the next.
+  bool is_in_memory = true;  ///< Else it stays in its file.
   io::VerticalOutcome vertical;
   std::vector<std::string> notes;  ///< Of what was taken for granted.
 };

@@ -98,8 +98,7 @@ class ArenaPool {
       for (Free& free : free_)
         if (free.workers == workers) {
           std::unique_ptr<tbb::task_arena> arena = std::move(free.arena);
-          std::swap(free, free_.back());
-          free_.pop_back();
+          free_.erase(free_.begin() + (&free - free_.data()));
           return arena;
         }
     }
@@ -107,7 +106,8 @@ class ArenaPool {
   }
   void give(int workers, std::unique_ptr<tbb::task_arena> arena) noexcept {
     const std::lock_guard lock(mutex_);
-    if (free_.size() < kMostFree) free_.push_back({workers, std::move(arena)});
+    if (free_.size() == kMostFree) free_.erase(free_.begin());  // that nobody has asked for longest
+    free_.push_back({workers, std::move(arena)});
   }
 
   ArenaPool() { free_.reserve(kMostFree); }  // so that giving back cannot fail

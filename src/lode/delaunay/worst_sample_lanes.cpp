@@ -159,8 +159,7 @@ HWY_INLINE WorstSample find_in_box(const SampleRows<T>& rows, const Slanted& t) 
   const typename Worst<D>::Node dn;
   Worst<D> worst;
   const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
-  // Of a number that is not known when this is compiled Highway's Iota() goes through memory, which
-  // took a third of the time.
+  // Of a number that is not known when this is compiled Highway's Iota() goes through memory.
   const auto step = hn::Iota(d, Real{0});
   const auto node_step = hn::Iota(dn, NodeT{0});
   for (std::int32_t x = t.left; x <= t.right; x += lanes) {

@@ -83,6 +83,7 @@ Result<void> GdalRaster::check_size(GDALRasterBandH band, std::uint64_t n_bytes)
     const std::uint64_t n = static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(rows);
     return n > kSmall / n_sample && n / kRatio > n_file_bytes_ / n_sample;
   };
+  if (source_ != nullptr) return {};  // which was looked at, and n of which there may be
   int block_columns = 0;
   int block_rows = 0;
   gdal_->block_size(band, &block_columns, &block_rows);

@@ -1,10 +1,12 @@
 // Rasters put in degrees while they are read, through GDAL's warped virtual rasters.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "lode/core/lattice_point.h"
+#include "lode/core/height_frame.h"
 #include "lode/io/gdal_crs.h"
 #include "lode/io/gdal_raster.h"
 #include "lode/io/vertical_crs.h"
@@ -25,36 +27,105 @@ const char* name_of(Resampling resampling) {
   return "near";
 }
 
-/// How far samples are apart in the middle of a raster, in degrees of longitude and of latitude; of
-/// one whose rows run slantwise as far as those of a step along both. Nothing where that cannot be
-/// told.
-std::optional<std::array<double, 2>> spacing_in_degrees(const GdalLibrary& gdal, const char* crs,
-                                                        const std::array<double, 6>& g,
-                                                        LatticePoint middle) {
-  const auto from = GdalCrs::of(crs);
-  const auto to = GdalCrs::of(kDegrees);
-  if (!from || !to) return {};
-  from->strip_heights();
-  OGRCoordinateTransformationH transformation =
-      gdal.new_transformation(from->handle(), to->handle());
-  if (transformation == nullptr) return {};
-  // The middle, and a step along columns and rows from it.
-  std::array<double, 3> x{};
-  std::array<double, 3> y{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double column = middle.x + (i == 1 ? 1 : 0);
-    const double row = middle.y + (i == 2 ? 1 : 0);
-    x[i] = g[0] + g[1] * column + g[2] * row;
-    y[i] = g[3] + g[4] * column + g[5] * row;
+/// Where a raster lies on the globe, as nine of its places tell.
+struct GlobePlace {
+  double middle = 0;  ///< Longitude.
+  bool crosses_180 = false;
+  /// The least steps of longitude and latitude between samples; of one whose rows run slantwise as
+  /// far as those of a step along both.
+  std::array<double, 2> spacing{360, 180};
+};
+
+class Transformation {
+ public:
+  Transformation(const GdalLibrary& gdal, const GdalCrs& from, const GdalCrs& to)
+      : gdal_(gdal), way_(gdal.new_transformation(from.handle(), to.handle())) {}
+  Transformation(const Transformation&) = delete;
+  Transformation& operator=(const Transformation&) = delete;
+  ~Transformation() {
+    if (way_ != nullptr) gdal_.destroy_transformation(way_);
   }
-  const bool is_done = gdal.transform(transformation, 3, x.data(), y.data(), nullptr) != 0;
-  gdal.destroy_transformation(transformation);
-  const std::array spacing{std::hypot(x[1] - x[0], x[2] - x[0]),
-                           std::hypot(y[1] - y[0], y[2] - y[0])};
-  // Across the meridian of 180 degrees, and where there is no such place, GDAL chooses.
-  const auto is_fit = [](double degrees) { return degrees > 1e-9 && degrees < 90; };
-  if (!is_done || !is_fit(spacing[0]) || !is_fit(spacing[1])) return {};
-  return spacing;
+  /// False where it has none of some of these places.
+  [[nodiscard]] bool apply(std::span<double> x, std::span<double> y) const {
+    if (way_ == nullptr ||
+        gdal_.transform(way_, static_cast<int>(x.size()), x.data(), y.data(), nullptr) == 0)
+      return false;
+    const auto is_finite = [](double value) { return std::isfinite(value); };
+    return std::ranges::all_of(x, is_finite) && std::ranges::all_of(y, is_finite);
+  }
+
+ private:
+  const GdalLibrary& gdal_;
+  OGRCoordinateTransformationH way_;
+};
+
+/// Nothing where nothing can be told.
+std::optional<GlobePlace> find_place(const Transformation& to_degrees, const HeightFrame& pixels) {
+  GlobePlace place;
+  bool is_known = false;
+  for (const int i : {4, 0, 1, 2, 3, 5, 6, 7, 8}) {  // the middle first
+    // A place, and a step along columns and rows from it.
+    std::array<double, 3> x{};
+    std::array<double, 3> y{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = pixels.world(0.5 * (i % 3) * pixels.n_columns + (k == 1 ? 1 : 0),
+                                   0.5 * (i / 3) * pixels.n_rows + (k == 2 ? 1 : 0));
+      x[k] = at[0];
+      y[k] = at[1];
+    }
+    if (!to_degrees.apply(x, y)) continue;
+    if (!is_known) place.middle = x[0];
+    is_known = true;
+    const auto from = [](double to, double longitude) {
+      return std::remainder(longitude - to, 360.0);
+    };
+    place.crosses_180 =
+        place.crosses_180 || std::abs(place.middle + from(place.middle, x[0])) > 180;
+    place.spacing[0] = std::min(place.spacing[0], std::hypot(from(x[0], x[1]), from(x[0], x[2])));
+    place.spacing[1] = std::min(place.spacing[1], std::hypot(y[1] - y[0], y[2] - y[0]));
+  }
+  const bool is_fit = place.spacing[0] > 1e-9 && place.spacing[1] > 1e-9;
+  return is_known && is_fit ? std::optional(place) : std::nullopt;
+}
+
+/// Whether a pole lies among a raster's pixels, and not on their border.
+bool holds_pole(const Transformation& from_degrees, const HeightFrame& pixels) {
+  for (const double latitude : {90.0, -90.0}) {
+    std::array<double, 1> x{0};
+    std::array<double, 1> y{latitude};
+    if (!from_degrees.apply(x, y)) continue;
+    const auto at = pixels.lattice(x[0], y[0]);
+    if (at[0] > 1 && at[1] > 1 && at[0] < pixels.n_columns - 1 && at[1] < pixels.n_rows - 1)
+      return true;
+  }
+  return false;
+}
+
+/// What GDAL is to put a raster in.
+struct Degrees {
+  std::string crs = kDegrees;
+  std::optional<std::array<double, 2>> spacing{};
+};
+
+Result<Degrees> choose_degrees(const std::string& path, const GdalLibrary& gdal, const char* crs,
+                               const HeightFrame& pixels) {
+  LODE_TRY(const GdalCrs source, GdalCrs::of(crs));
+  LODE_TRY(const GdalCrs degrees, GdalCrs::of(kDegrees));
+  source.strip_heights();
+  if (gdal.is_geographic(source.handle()) == 0 &&
+      holds_pole(Transformation(gdal, degrees, source), pixels))
+    return fail(
+        "{}: expected a raster without a pole in it, to be put in degrees, got one: cut it in "
+        "parts that leave the pole out",
+        path);
+  Degrees chosen;
+  const auto place = find_place(Transformation(gdal, source, degrees), pixels);
+  if (!place) return chosen;  // then GDAL chooses, or says what is wrong
+  chosen.spacing = place->spacing;
+  if (place->crosses_180)
+    chosen.crs =
+        fmt::format("+proj=longlat +datum=WGS84 +lon_wrap={} +no_defs", std::lround(place->middle));
+  return chosen;
 }
 
 }  // namespace
@@ -67,20 +138,27 @@ Result<void> GdalRaster::put_in_degrees(Resampling resampling, const HeightReadO
   if (const char* crs = gdal_->projection(dataset_); crs == nullptr || *crs == '\0')
     return fail("{}: expected a raster whose CRS is known, to be put in degrees, got one without",
                 path_);
+  HeightFrame pixels;
+  pixels.n_columns = n_columns();
+  pixels.n_rows = n_rows();
+  if (gdal_->geotransform(dataset_, pixels.to_world.data()) != CE_None)
+    return fail("{}: expected a raster with a position, to be put in degrees, got one without",
+                path_);
+  LODE_TRY(const Degrees degrees,
+           choose_degrees(path_, *gdal_, gdal_->projection(dataset_), pixels));
   const GDALDataType type = gdal_->type(band);
   const bool is_short = type == GDT_Byte || type == GDT_Int16 || type == GDT_UInt16;
-  // What is missing is NaN.
-  std::vector<std::string> words{"-of", "VRT", "-t_srs", kDegrees, "-r", name_of(resampling)};
+  // What is missing is NaN, in each band by itself.
+  std::vector<std::string> words{"-of", "VRT", "-t_srs", degrees.crs, "-r", name_of(resampling)};
   words.insert(words.end(), {"-et", kMostOff, "-novshift", "-dstnodata", "nan"});
   words.insert(words.end(), {"-ot", is_short || type == GDT_Float32 ? "Float32" : "Float64"});
-  std::array<double, 6> g{};
-  if (gdal_->geotransform(dataset_, g.data()) == CE_None)
-    if (const auto spacing = spacing_in_degrees(*gdal_, gdal_->projection(dataset_), g,
-                                                {n_columns() / 2, n_rows() / 2}))
-      words.insert(words.end(), {"-tr", fmt::format("{}", (*spacing)[0] / options.oversampling),
-                                 fmt::format("{}", (*spacing)[1] / options.oversampling)});
+  if (degrees.spacing)
+    words.insert(words.end(),
+                 {"-tr", fmt::format("{}", (*degrees.spacing)[0] / options.oversampling),
+                  fmt::format("{}", (*degrees.spacing)[1] / options.oversampling)});
   // In between samples heights are found from those round them, also where they come closer.
-  for (const char* scale : {"XSCALE=1", "YSCALE=1"}) words.insert(words.end(), {"-wo", scale});
+  for (const char* option : {"XSCALE=1", "YSCALE=1", "UNIFIED_SRC_NODATA=NO"})
+    words.insert(words.end(), {"-wo", option});
   if (options.nodata) words.insert(words.end(), {"-srcnodata", fmt::format("{}", *options.nodata)});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -92,7 +170,19 @@ Result<void> GdalRaster::put_in_degrees(Resampling resampling, const HeightReadO
   gdal_->free_warp_options(warping);
   if (warped == nullptr)
     return fail("{}: expected a raster that can be put in degrees, got: {}", path_, reason());
+  const auto n_samples = [&](GDALDatasetH dataset) {
+    return static_cast<std::uint64_t>(gdal_->n_columns(dataset)) *
+           static_cast<std::uint64_t>(gdal_->n_rows(dataset));
+  };
   source_ = std::exchange(dataset_, warped);
+  // Near poles, and of places that are far apart.
+  constexpr std::uint64_t kMostTimes = 64;
+  const auto n_times = static_cast<std::uint64_t>(options.oversampling * options.oversampling);
+  if (n_samples(dataset_) / kMostTimes / n_times > n_samples(source_) + 4096)
+    return fail(
+        "{}: expected a raster that has some more samples in degrees, got {} x {} of {} x {}",
+        path_, gdal_->n_columns(dataset_), gdal_->n_rows(dataset_), gdal_->n_columns(source_),
+        gdal_->n_rows(source_));
   return {};
 }
 

@@ -23,7 +23,7 @@ double bilinear(const HeightGrid& grid, double column, double row) {
   const auto y = static_cast<std::int32_t>(std::clamp(std::floor(row), 0.0, grid.n_rows - 2.0));
   const double u = column - x;
   const double v = row - y;
-  constexpr double kRounding = 1e-9;
+  constexpr double kRounding = 1e-6;  // of steps that were told from places
   if (u < -kRounding || v < -kRounding || u > 1 + kRounding || v > 1 + kRounding) return NAN;
   for (const std::int32_t dy : {0, 1})
     for (const std::int32_t dx : {0, 1})
@@ -39,9 +39,12 @@ Result<void> measure_rows(const HeightGrid& file, const HeightGrid& resampled,
                           StripError& strip) {
   const auto n = static_cast<std::size_t>(file.n_columns);
   std::vector<Vec<double, 2>> places(n);
+  const double middle = resampled.world(0.5 * resampled.n_columns, 0.5 * resampled.n_rows)[0];
   for (std::int32_t y = begin; y < end; ++y) {
     for (std::size_t x = 0; x < n; ++x) places[x] = file.world(static_cast<double>(x), y);
     LODE_CHECK(to_resampled.apply<2>(places));
+    // Longitudes go on beyond 180 degrees where the raster does.
+    for (auto& place : places) place[0] = middle + std::remainder(place[0] - middle, 360.0);
     for (std::size_t x = 0; x < n; ++x) {
       const auto column = static_cast<std::int32_t>(x);
       if (!file.has_height(column, y)) continue;
@@ -69,7 +72,9 @@ Result<ResamplingError> measure_resampling(const std::string& path,
   LODE_TRY(const HeightRaster resampled, read_heights(path, as_they_are, progress));
   as_they_are.to_degrees.reset();
   LODE_TRY(const HeightRaster file, read_heights(path, as_they_are, progress));
-  if (resampled.grid.n_columns < 2 || resampled.grid.n_rows < 2) return ResamplingError{};
+  if (resampled.grid.n_columns < 2 || resampled.grid.n_rows < 2)
+    return ResamplingError{.n_outside = static_cast<std::uint64_t>(file.grid.n_samples()) -
+                                        file.grid.n_missing()};
   constexpr std::int32_t kRows = 64;
   const auto n_strips = static_cast<std::size_t>((file.grid.n_rows + kRows - 1) / kRows);
   std::vector<StripError> strips(n_strips);
