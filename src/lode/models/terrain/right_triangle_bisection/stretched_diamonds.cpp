@@ -19,7 +19,8 @@ std::vector<LatticePoint> stretched_nodes(const Lattice& lattice) {
     if (is_of_reach && lattice.has({x, y})) nodes.push_back({x, y});
   };
   const LatticePoint last = lattice.last();
-  for (std::int32_t reach = 1; 2 * reach <= lattice.side(); reach *= 2) {
+  // Those that take longest first, for who divides them among threads.
+  for (std::int32_t reach = lattice.side() / 2; reach >= 1; reach /= 2) {
     // At most two columns and rows of nodes reach over the last ones of the raster.
     const auto across = [&](std::int32_t i, std::int32_t end) {
       return i - reach < end && std::min(i + reach, lattice.side()) > end;
