@@ -21,7 +21,7 @@ class StrictQueue {
     std::push_heap(heap_.begin(), heap_.end());
   }
   /// The worst triangle, which stays; kNoHalfEdge: there is none.
-  [[nodiscard]] std::uint32_t top(const std::vector<LatticeTriangle>& triangles) {
+  [[nodiscard]] std::uint32_t top(const LatticeTriangles& triangles) {
     if (heap_.size() > 2 * triangles.size() + kSpare) forget_replaced(triangles);
     while (!heap_.empty()) {
       if (heap_.front().is_current(triangles)) return heap_.front().triangle;
@@ -40,12 +40,12 @@ class StrictQueue {
     bool operator<(const Entry& other) const {
       return priority != other.priority ? priority < other.priority : triangle > other.triangle;
     }
-    [[nodiscard]] bool is_current(const std::vector<LatticeTriangle>& triangles) const {
+    [[nodiscard]] bool is_current(const LatticeTriangles& triangles) const {
       return triangles[triangle].candidate != WorstSample::kNone &&
              priority_of(triangles[triangle]) == priority;
     }
   };
-  void forget_replaced(const std::vector<LatticeTriangle>& triangles) {
+  void forget_replaced(const LatticeTriangles& triangles) {
     std::erase_if(heap_, [&](const Entry& entry) { return !entry.is_current(triangles); });
     std::make_heap(heap_.begin(), heap_.end());
   }

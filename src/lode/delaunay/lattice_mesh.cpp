@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "lode/core/expects.h"
-#include "lode/core/uninitialized_array.h"
 #include "lode/delaunay/tin_links.h"
 
 namespace lode::delaunay {
@@ -20,7 +19,7 @@ template <typename Nodes>
 NodeMesh<Nodes>::NodeMesh(Nodes nodes, std::span<const std::array<std::uint32_t, 3>> triangles,
                           InsertionRule rule)
     : nodes_(nodes), rule_(rule) {
-  resize_large(triangles_, triangles.size());
+  triangles_.resize(triangles.size());
   const auto twins = find_twins(triangles);
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const auto& corner = triangles[t];
@@ -32,7 +31,7 @@ NodeMesh<Nodes>::NodeMesh(Nodes nodes, std::span<const std::array<std::uint32_t,
 }
 
 template <typename Nodes>
-NodeMesh<Nodes>::NodeMesh(Nodes nodes, std::vector<LatticeTriangle> linked, InsertionRule rule)
+NodeMesh<Nodes>::NodeMesh(Nodes nodes, LatticeTriangles linked, InsertionRule rule)
     : nodes_(nodes), rule_(rule), triangles_(std::move(linked)) {
   find_size();
 }
@@ -131,14 +130,10 @@ void NodeMesh<Nodes>::fill_fan(std::uint32_t p, std::size_t split) {
   const std::size_t n = border_.size();
   const bool is_closed = split == n;
   const std::size_t n_made = is_closed ? n : n - 1;
-  // One more in memory than is needed would be clearing it twice; they double.
   const auto n_before = static_cast<std::uint32_t>(triangles_.size());
   LODE_EXPECTS(slots_.size() <= n_made);
   const std::size_t n_added = n_made - slots_.size();
-  if (triangles_.capacity() < n_before + n_added)
-    resize_large(triangles_, n_before + n_added);
-  else
-    triangles_.resize(n_before + n_added);
+  triangles_.resize(n_before + n_added);
   for (std::uint32_t i = 0; i < n_added; ++i) slots_.push_back(n_before + i);
 
   // After the edge that p splits, once round.

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "lode/core/uninitialized_array.h"
 #include "lode/delaunay/lattice.h"
 
 namespace lode::delaunay {
@@ -29,6 +30,8 @@ struct LatticeTriangle {
   float error;
 };
 static_assert(sizeof(LatticeTriangle) == 32);
+/// In huge pages where there are many: a mesh is walked here and there while it grows.
+using LatticeTriangles = UninitializedArray<LatticeTriangle>;
 
 /// What a node that is inserted replaces. delaunay: the triangles whose circles it lies in (Bowyer
 /// 1981, Watson 1981). split: the one that it lies in, or the two beside the edge that it lies on.
@@ -50,11 +53,10 @@ class NodeMesh {
            InsertionRule rule = InsertionRule::delaunay);
 
   /// Of triangles that are linked, such as parts of another mesh; those must be right.
-  NodeMesh(Nodes nodes, std::vector<LatticeTriangle> linked,
-           InsertionRule rule = InsertionRule::delaunay);
+  NodeMesh(Nodes nodes, LatticeTriangles linked, InsertionRule rule = InsertionRule::delaunay);
 
   [[nodiscard]] const Nodes& nodes() const { return nodes_; }
-  [[nodiscard]] const std::vector<LatticeTriangle>& triangles() const { return triangles_; }
+  [[nodiscard]] const LatticeTriangles& triangles() const { return triangles_; }
   [[nodiscard]] LatticeTriangle& triangle(std::uint32_t t) { return triangles_[t]; }
 
   /// Cuts the mesh along edges, from node to node, that have a triangle on both sides; of others
@@ -84,9 +86,7 @@ class NodeMesh {
   std::vector<std::uint32_t> make_delaunay(std::vector<std::uint32_t> suspects);
 
   /// Takes all triangles away, and leaves none.
-  [[nodiscard]] std::vector<LatticeTriangle> take_triangles() {
-    return std::exchange(triangles_, {});
-  }
+  [[nodiscard]] LatticeTriangles take_triangles() { return std::exchange(triangles_, {}); }
 
   /// Whether all edges with something behind them are Delaunay.
   [[nodiscard]] bool is_delaunay() const;
@@ -134,7 +134,7 @@ class NodeMesh {
 
   Nodes nodes_;
   InsertionRule rule_;
-  std::vector<LatticeTriangle> triangles_;
+  LatticeTriangles triangles_;
   bool is_narrow_ = false;  ///< All differences of coordinates are below kNarrowLattice.
   std::vector<InnerEdge> stack_;
   std::vector<std::uint32_t> slots_;  ///< Of removed triangles, then also of those to be made.

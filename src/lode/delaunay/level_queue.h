@@ -54,8 +54,7 @@ class LevelQueue {
 
   /// Of the current level and a tile, a triangle of the worst step that is still what it was when
   /// it was pushed, or kEmpty.
-  [[nodiscard]] std::uint32_t pop(std::uint32_t tile,
-                                  const std::vector<LatticeTriangle>& triangles) {
+  [[nodiscard]] std::uint32_t pop(std::uint32_t tile, const LatticeTriangles& triangles) {
     for (int i = 0; i < kStepsPerLevel; ++i) {
       std::uint32_t& head = head_of(tile, level_ * kStepsPerLevel + i);
       while (head != kEmpty) {
@@ -109,7 +108,7 @@ class LevelQueue {
   int level_ = 0;
   std::vector<std::uint32_t> heads_;  ///< By tiles, then steps.
   std::vector<std::uint64_t> n_waiting_;
-  std::vector<Waiting> waiting_;
+  UninitializedArray<Waiting> waiting_;
   std::uint32_t free_ = kEmpty;
 };
 

@@ -61,7 +61,7 @@ std::vector<Region> cut_into_regions(const LatticeMesh& mesh) {
   std::vector<Region> regions(n * n);
   std::vector<std::uint32_t> slot_of(triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    std::vector<LatticeTriangle>& own = regions[region_of[t]].triangles;
+    LatticeTriangles& own = regions[region_of[t]].triangles;
     slot_of[t] = static_cast<std::uint32_t>(own.size());
     own.push_back(triangles[t]);
   }
@@ -83,13 +83,13 @@ std::vector<Region> cut_into_regions(const LatticeMesh& mesh) {
   return regions;
 }
 
-std::vector<LatticeTriangle> join_regions(std::vector<Region>& regions, Threads threads,
-                                          std::vector<std::uint32_t>& border) {
+LatticeTriangles join_regions(std::vector<Region>& regions, Threads threads,
+                              std::vector<std::uint32_t>& border) {
   std::vector<std::uint32_t> first(regions.size() + 1, 0);
   for (std::size_t r = 0; r < regions.size(); ++r)
     first[r + 1] = first[r] + static_cast<std::uint32_t>(regions[r].triangles.size());
-  std::vector<LatticeTriangle> joined;
-  resize_large(joined, first.back());
+  LatticeTriangles joined;
+  joined.resize(first.back());
   parallel_for(regions.size(), threads, 1, [&](std::size_t r, int) {
     Region& region = regions[r];
     for (std::size_t t = 0; t < region.triangles.size(); ++t) {
@@ -105,7 +105,7 @@ std::vector<LatticeTriangle> join_regions(std::vector<Region>& regions, Threads 
         }
       }
     }
-    std::vector<LatticeTriangle>().swap(region.triangles);
+    LatticeTriangles().swap(region.triangles);
   });
   std::unordered_map<std::uint64_t, std::uint32_t> all;
   for (Region& region : regions) all.merge(region.border);

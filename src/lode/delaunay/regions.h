@@ -11,7 +11,7 @@ namespace lode::delaunay {
 
 /// A part of a mesh: a mesh of its own, whose border to other parts is not to be split.
 struct Region {
-  std::vector<LatticeTriangle> triangles;
+  LatticeTriangles triangles;
   /// Border edges, by border_key(), and their half-edges; those change with what is inserted.
   std::unordered_map<std::uint64_t, std::uint32_t> border;
 };
@@ -27,8 +27,7 @@ struct Region {
 
 /// Joins regions, whose border edges are what they were, and empties them. `border` becomes the
 /// half-edges of one side of each.
-[[nodiscard]] std::vector<LatticeTriangle> join_regions(std::vector<Region>& regions,
-                                                        Threads threads,
-                                                        std::vector<std::uint32_t>& border);
+[[nodiscard]] LatticeTriangles join_regions(std::vector<Region>& regions, Threads threads,
+                                            std::vector<std::uint32_t>& border);
 
 }  // namespace lode::delaunay

@@ -21,7 +21,7 @@ template <typename T>
 struct TileMemory {
   TileMesher mesher;
   HeightGrid::Samples<T> samples{};
-  std::vector<LatticeTriangle> triangles{};
+  LatticeTriangles triangles{};
 };
 
 /// All tiles, on all threads.

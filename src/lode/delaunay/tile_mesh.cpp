@@ -24,7 +24,7 @@ std::uint32_t side_of_edge(LatticePoint a, LatticePoint b, LatticePoint last) {
 }  // namespace
 
 /// The triangles of the outline's corners; false: there are none.
-Result<bool> TileMesher::start(const LatticePart& part, std::vector<LatticeTriangle>& memory) {
+Result<bool> TileMesher::start(const LatticePart& part, LatticeTriangles& memory) {
   const LatticePacking packing(last_.x + 1);
   memory.clear();
   is_full_ = true;
@@ -103,7 +103,7 @@ void TileMesher::insert_side(LatticeMesh& mesh, const Side& side) {
 }
 
 Result<LatticeMesh> TileMesher::make(std::size_t tile, const LatticePart& part,
-                                     std::vector<LatticeTriangle> memory) {
+                                     LatticeTriangles memory) {
   origin_ = part.first;
   last_ = {part.last.x - part.first.x, part.last.y - part.first.y};
   LODE_TRY(const bool has_any, start(part, memory));

@@ -21,7 +21,7 @@ class TileMesher {
   /// Constrained Delaunay, of a tile of that part of the raster; without triangles where it has no
   /// cells. `memory` is used for it.
   [[nodiscard]] Result<LatticeMesh> make(std::size_t tile, const LatticePart& part,
-                                         std::vector<LatticeTriangle> memory);
+                                         LatticeTriangles memory);
 
  private:
   /// A side from its smaller column or row, as `first` + i `step`; edges run that way, or back.
@@ -33,7 +33,7 @@ class TileMesher {
     bool is_forward;
     std::uint32_t number;
   };
-  [[nodiscard]] Result<bool> start(const LatticePart& part, std::vector<LatticeTriangle>& memory);
+  [[nodiscard]] Result<bool> start(const LatticePart& part, LatticeTriangles& memory);
   void insert_side(LatticeMesh& mesh, const Side& side);
   void insert_between(LatticeMesh& mesh, const Side& side, std::size_t lower, std::size_t upper);
   [[nodiscard]] bool has_cell(const Side& side, std::int32_t place) const;
