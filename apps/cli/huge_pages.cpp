@@ -8,21 +8,20 @@
 #if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #include <sys/mman.h>
 
-#include <cstdint>
+#include <memory>
 
 namespace {
 
 constexpr std::size_t kLeast = std::size_t{4} << 20;
-constexpr std::uintptr_t kPage = 4096;
+constexpr std::size_t kPage = 4096;
 
 void* allocate(std::size_t n) {
   void* memory = std::malloc(n > 0 ? n : 1);
   if (memory == nullptr || n < kLeast) return memory;
-  const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(memory);
-  const std::uintptr_t first = (begin + kPage - 1) / kPage * kPage;
-  const std::uintptr_t end = (begin + n) / kPage * kPage;
-  // No harm where it is refused.
-  madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
+  void* first = memory;
+  std::size_t left = n;
+  if (std::align(kPage, kPage, first, left) != nullptr)
+    madvise(first, left / kPage * kPage, MADV_HUGEPAGE);  // no harm where it is refused
   return memory;
 }
 

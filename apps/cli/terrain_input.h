@@ -72,7 +72,8 @@ inline constexpr std::array kInsertionOrders{InsertionOrder::levels, InsertionOr
 [[nodiscard]] Result<InsertionOrder> to_insertion_order(const std::string& insertion);
 
 /// Refuses --insertion tiles with scattered points and with lines.
-[[nodiscard]] Result<void> check_insertion(const std::string& path, const TerrainArguments& arguments);
+[[nodiscard]] Result<void> check_insertion(const std::string& path,
+                                           const TerrainArguments& arguments);
 
 /// Refuses them for other inputs: they would silently do nothing.
 [[nodiscard]] Result<void> check_no_terrain(const TerrainArguments& arguments,

@@ -64,12 +64,14 @@ std::optional<GlobePlace> find_place(const Transformation& to_degrees, const Hei
   GlobePlace place;
   bool is_known = false;
   for (const int i : {4, 0, 1, 2, 3, 5, 6, 7, 8}) {  // the middle first
+    const int across = i % 3;
+    const int up = i / 3;
     // A place, and a step along columns and rows from it.
     std::array<double, 3> x{};
     std::array<double, 3> y{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = pixels.world(0.5 * (i % 3) * pixels.n_columns + (k == 1 ? 1 : 0),
-                                   0.5 * (i / 3) * pixels.n_rows + (k == 2 ? 1 : 0));
+      const auto at = pixels.world(0.5 * across * pixels.n_columns + (k == 1 ? 1 : 0),
+                                   0.5 * up * pixels.n_rows + (k == 2 ? 1 : 0));
       x[k] = at[0];
       y[k] = at[1];
     }
@@ -161,6 +163,7 @@ Result<void> GdalRaster::put_in_degrees(Resampling resampling, const HeightReadO
     words.insert(words.end(), {"-wo", option});
   if (options.nodata) words.insert(words.end(), {"-srcnodata", fmt::format("{}", *options.nodata)});
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   gdal_->reset_errors();
@@ -177,8 +180,8 @@ Result<void> GdalRaster::put_in_degrees(Resampling resampling, const HeightReadO
   source_ = std::exchange(dataset_, warped);
   // Near poles, and of places that are far apart.
   constexpr std::uint64_t kMostTimes = 64;
-  const auto n_times = static_cast<std::uint64_t>(options.oversampling * options.oversampling);
-  if (n_samples(dataset_) / kMostTimes / n_times > n_samples(source_) + 4096)
+  const auto n_along = static_cast<std::uint64_t>(options.oversampling);
+  if (n_samples(dataset_) / kMostTimes / (n_along * n_along) > n_samples(source_) + 4096)
     return fail(
         "{}: expected a raster that has some more samples in degrees, got {} x {} of {} x {}",
         path_, gdal_->n_columns(dataset_), gdal_->n_rows(dataset_), gdal_->n_columns(source_),
