@@ -91,11 +91,6 @@ std::string check(const HeightGrid& grid, double max_error, InsertionOrder order
   return "right";
 }
 
-const char* name_of(InsertionOrder order) {
-  if (order == InsertionOrder::tiles) return "tiles";
-  return order == InsertionOrder::strict ? "strict" : "levels";
-}
-
 /// By tolerance.
 using Medians = std::array<Run, kTolerances.size()>;
 

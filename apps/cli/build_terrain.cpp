@@ -5,6 +5,7 @@
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
+#include "terrain_facts.h"
 
 namespace lode::cli {
 namespace {

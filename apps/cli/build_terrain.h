@@ -3,6 +3,7 @@
 #include <string>
 
 #include "terrain_input.h"
+#include "text.h"
 
 namespace lode::cli {
 

@@ -5,6 +5,7 @@
 #include "input.h"
 #include "outputs.h"
 #include "parse.h"
+#include "terrain_facts.h"
 #include "terrain_input.h"
 
 namespace lode::cli {

@@ -8,6 +8,7 @@
 #include "feature_output.h"
 #include "parse.h"
 #include "stopwatch.h"
+#include "terrain_facts.h"
 #include "terrain_query.h"
 #include "vector_output.h"
 

@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "parse.h"
+#include "terrain_facts.h"
 #include "terrain_query.h"
 
 namespace lode::cli {

@@ -9,6 +9,7 @@
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
+#include "terrain_facts.h"
 #include "terrain_query.h"
 
 namespace lode::cli {

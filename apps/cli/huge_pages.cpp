@@ -5,31 +5,16 @@
 #include <cstdlib>
 #include <new>
 
-#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#include <sys/mman.h>
+#include "lode/api/memory.h"
 
-#include <memory>
-
-namespace {
-
-constexpr std::size_t kLeast = std::size_t{4} << 20;
-constexpr std::size_t kPage = 4096;
-
-void* allocate(std::size_t n) {
-  void* memory = std::malloc(n > 0 ? n : 1);
-  if (memory == nullptr || n < kLeast) return memory;
-  void* first = memory;
-  std::size_t left = n;
-  if (std::align(kPage, kPage, first, left) != nullptr)
-    madvise(first, left / kPage * kPage, MADV_HUGEPAGE);  // no harm where it is refused
-  return memory;
-}
-
-}  // namespace
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
 void* operator new(std::size_t n) {
   for (;;) {
-    if (void* memory = allocate(n); memory != nullptr) return memory;
+    if (void* memory = std::malloc(n > 0 ? n : 1); memory != nullptr) {
+      lode::prefer_huge_pages(memory, n);
+      return memory;
+    }
     const std::new_handler handler = std::get_new_handler();
     if (handler == nullptr) throw std::bad_alloc();
     handler();
@@ -37,4 +22,5 @@ void* operator new(std::size_t n) {
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t /*n*/) noexcept { std::free(memory); }
+
 #endif

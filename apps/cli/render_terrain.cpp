@@ -5,6 +5,7 @@
 #include "parse.h"
 #include "render_tetra.h"
 #include "stopwatch.h"
+#include "terrain_facts.h"
 #include "terrain_focus_options.h"
 #include "terrain_query.h"
 

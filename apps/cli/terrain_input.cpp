@@ -14,15 +14,6 @@ namespace {
 
 constexpr int kMaxBand = 65536;
 
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
-
-/// The name that WKT gives: what its first quotes hold.
-std::string crs_name(const std::string& wkt) {
-  const std::size_t first = wkt.find('"');
-  const std::size_t last = first == std::string::npos ? first : wkt.find('"', first + 1);
-  return last == std::string::npos ? wkt : wkt.substr(first + 1, last - first - 1);
-}
-
 VerticalOptions to_vertical_options(const TerrainArguments& arguments) {
   return {arguments.vertical_crs, arguments.to_vertical_crs};
 }
@@ -98,7 +89,7 @@ Result<TerrainReadOptions> to_read_options(const std::string& path,
   LODE_CHECK(set_lines(arguments, options));
   if (is_point_path(path)) {
     if (arguments.has_raster())
-      return fail("{}: expected no --band or --encoding with points, got one", path);
+      return fail("{}: expected no --band, --encoding or --resample with points, got one", path);
     LODE_TRY(options.points, to_point_options(arguments, reading));
     LODE_TRY(options.domain, to_domain_options(arguments));
     return options;
@@ -112,154 +103,7 @@ Result<TerrainReadOptions> to_read_options(const std::string& path,
   return options;
 }
 
-void add_line_options(CLI::App& app, TerrainArguments& arguments) {
-  const char* group = "Lines of terrain";
-  app.add_flag(
-         "--keep-features", arguments.keep_features,
-         "Make peaks, passes and pits vertices of every mesh, and the ridges and channels from "
-         "passes edges; of quadtrees all of their samples vertices")
-      ->group(group);
-  app.add_option("--feature-relief", arguments.feature_relief,
-                 "Keep features that rise or fall by at least this, in units of the heights "
-                 "(default: 1 % of their range); means --keep-features")
-      ->type_name("R")
-      ->group(group);
-  app.add_option(
-         "--breaklines", arguments.breaklines,
-         "Make lines edges of every mesh: .geojson, .gpkg or .shp, in any CRS; lines without "
-         "heights get the surface's")
-      ->type_name("LINES")
-      ->group(group);
-  app.add_flag("--drape", arguments.drape,
-               "Give breaklines the surface's heights, though they have their own")
-      ->group(group);
-  app.add_option(
-         "--drape-error", arguments.drape_error,
-         "How far breaklines without heights of their own may be from the surface (default: "
-         "half of --max-error, or without that a quarter percent of the range)")
-      ->type_name("E")
-      ->group(group);
-}
-
-void add_point_options(CLI::App& app, TerrainArguments& arguments) {
-  const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
-    app.add_option(name, value, help)->type_name(type)->group("Scattered points");
-  };
-  add("--class", arguments.classes, "N,N,...",
-      "Keep only points of these LAS classes, such as 2 (ground)");
-  add("--duplicates", arguments.duplicates, "mean|min|max|error",
-      "Height where several points share a position (default: mean); error: refuse them");
-  add("--max-edge", arguments.max_edge, "L",
-      "Leave out of the domain what is in triangles with a longer edge, in the unit of "
-      "the CRS, or metres where it is of longitudes and latitudes");
-  add("--outline", arguments.outline, "POLYGONS",
-      "Leave out of the domain what is outside of polygons: .geojson, .gpkg or .shp, in "
-      "any CRS, or text with x and y a line, in the points' coordinates");
-  add("--crs", arguments.crs, "EPSG:N|EPSG:N+M|WKT",
-      "CRS of x and y, perhaps of heights too, instead of the file's");
-}
-
 }  // namespace
-
-void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse use) {
-  const char* group = "Rasters of heights";
-  const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
-    app.add_option(name, value, help)->type_name(type)->group(group);
-  };
-  add("--band", arguments.band, "N", "Band of heights, from 1 (default: 1)");
-  add("--encoding", arguments.encoding, "terrain-rgb|terrarium",
-      "What the colours of a picture stand for");
-  if (use != TerrainUse::rasters) add_point_options(app, arguments);
-  const auto add_of_heights = [&](const char* name, std::string& value, const char* help) {
-    app.add_option(name, value, help)->type_name("EPSG:N|WKT|ellipsoid")->group("Heights");
-  };
-  add_of_heights("--vertical-crs", arguments.vertical_crs,
-                 "What heights in the file are above and their unit, whatever it says: a vertical "
-                 "CRS, such as EPSG:5773, or the ellipsoid of its CRS");
-  add_of_heights("--to-vertical-crs", arguments.to_vertical_crs,
-                 "Transform heights to this when they are read, through PROJ; errors hold there");
-  if (use == TerrainUse::rasters || use == TerrainUse::reading) return;
-  add_line_options(app, arguments);
-  if (use == TerrainUse::verification) {
-    add("--model", arguments.model, "MODEL",
-        "What the surface was extracted with (default: delaunay_selector)");
-    add("--insertion", arguments.insertion, "levels|strict|tiles",
-        "tiles: edges need not be Delaunay on columns and rows that no triangle crosses");
-    return;
-  }
-  add("--model", arguments.model, "MODEL",
-      "delaunay_selector (default): a TIN for this question; delaunay_pyramid, "
-      "ternary_triangulation and implicit_delaunay_pyramid: built first, for all tolerances, which "
-      "may vary; surface_quadtree, quaternary_triangulation: with gaps; restricted_quadtree; "
-      "right_triangle_bisection: any tolerance, which may vary; adaptive_triangulation: in levels; "
-      "hierarchical_delaunay: in levels, of a raster it may vary");
-  add("--insertion", arguments.insertion, "levels|strict|tiles",
-      "levels (default): errors fall by octaves, faster; strict: the worst of all "
-      "samples first, fewer triangles; with --max-cells always strict; tiles, of rasters: each "
-      "tile "
-      "on its own between fixed seams, on all threads, fastest, and Delaunay but for seams");
-}
-
-Result<InsertionOrder> to_insertion_order(const std::string& insertion) {
-  for (const InsertionOrder order : kInsertionOrders)
-    if (insertion == name_of(order)) return order;
-  return fail("--insertion: expected 'levels', 'strict' or 'tiles', got '{}'", insertion);
-}
-
-const char* name_of(InsertionOrder order) {
-  if (order == InsertionOrder::tiles) return "tiles";
-  return order == InsertionOrder::strict ? "strict" : "levels";
-}
-
-void add_resample_option(CLI::App& app, TerrainArguments& arguments) {
-  app.add_option("--resample", arguments.resample,
-                 "Put a projected raster in degrees of WGS 84, with heights between samples from "
-                 "the nearest, 2 x 2 or 4 x 4 of them; errors are of what comes out")
-      ->type_name("nearest|bilinear|cubic")
-      ->group("Rasters of heights");
-  app.add_option("--oversample", arguments.oversample,
-                 "With --resample: so many samples along each axis for one of the file's, which "
-                 "keeps more of what it has (default: 1)")
-      ->type_name("N")
-      ->group("Rasters of heights");
-}
-
-Result<void> check_no_terrain(const TerrainArguments& arguments, const std::string& path) {
-  if (arguments.has_points())
-    return fail(
-        "{}: expected scattered points (.las, .xyz, ...) with --class, --duplicates, --max-edge, "
-        "--outline or --crs, got another file",
-        path);
-  if (arguments.has_vertical())
-    return fail("{}: expected {} with --vertical-crs or --to-vertical-crs, got another file", path,
-                kTerrainFiles);
-  if (arguments.has_lines())
-    return fail(
-        "{}: expected {} with --keep-features, --feature-relief, --breaklines or --drape, got "
-        "another file",
-        path, kTerrainFiles);
-  if (arguments.is_empty()) return {};
-  return fail("{}: expected {} with --band, --encoding, --model or --insertion, got another file",
-              path, kTerrainFiles);
-}
-
-Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
-                                const std::vector<std::string>& allowed) {
-  constexpr std::array kAlways{
-      "--resample",      "--oversample",     "--json",       "--threads",      "--quiet",
-      "--band",          "--encoding",       "--nodata",     "--class",        "--duplicates",
-      "--max-edge",      "--outline",        "--crs",        "--vertical-crs", "--to-vertical-crs",
-      "--keep-features", "--feature-relief", "--breaklines", "--drape",        "--drape-error"};
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->count() == 0 || option->get_lnames().empty()) continue;
-    const std::string name = "--" + option->get_lnames().front();
-    const bool is_known = std::ranges::find(kAlways, name) != kAlways.end() ||
-                          std::ranges::find(allowed, name) != allowed.end();
-    const char* what = is_point_path(path) ? "scattered points" : "a raster of heights";
-    if (!is_known) return fail("{}: expected no {} with {}, got one", path, name, what);
-  }
-  return {};
-}
 
 namespace {
 
@@ -337,49 +181,7 @@ void warn_of_lines(const TerrainLineReport& lines, const std::string& path, Sess
                              format_count(lines.n_crossing)));
 }
 
-Json counts_of(const terrain_features::FeatureCounts& counts) {
-  return {{"peaks", counts.peaks}, {"passes", counts.passes}, {"pits", counts.pits}};
-}
-
 }  // namespace
-
-void add_lines(const OpenedTerrain& opened, Json& json, Table& table) {
-  if (!opened.lines) return;
-  const TerrainLineReport& lines = *opened.lines;
-  Json& all = json["lines"];
-  if (lines.kept_features) {
-    const auto& kept = *lines.kept_features;
-    all["features"] = {{"relief", lines.least_relief},
-                       {"kept", counts_of(kept)},
-                       {"all", counts_of(*lines.all_features)},
-                       {"ridges", lines.n_ridges},
-                       {"channels", lines.n_channels}};
-    table.add(
-        {"features", fmt::format("{} peaks, {} passes, {} pits of a relief of {} or more",
-                                 format_count(kept.peaks), format_count(kept.passes),
-                                 format_count(kept.pits), format_number(lines.least_relief))});
-  }
-  if (lines.n_breaklines > 0) {
-    all["breaklines"] = {{"lines", lines.n_breaklines},
-                         {"own_heights", lines.n_own_heights},
-                         {"drape_error", lines.drape_error},
-                         {"outside", lines.n_outside},
-                         {"cut", lines.n_cut},
-                         {"left_out_edges", lines.n_crossing},
-                         {"replaced_samples", lines.n_replaced},
-                         {"largest_change", lines.largest_change},
-                         {"largest_move", lines.largest_move}};
-    table.add({"breaklines",
-               fmt::format("{}, {} with their own heights", format_count(lines.n_breaklines),
-                           format_count(lines.n_own_heights))});
-    if (lines.n_replaced > 0)
-      table.add({"replaced",
-                 fmt::format("{} samples under breaklines, by up to {}",
-                             format_count(lines.n_replaced), format_number(lines.largest_change))});
-  }
-  all["edges"] = lines.n_edges;
-  all["seconds"] = lines.seconds;
-}
 
 Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArguments& arguments,
                                    const ReadingArguments& reading,
@@ -485,46 +287,6 @@ Result<void> check_upwards(const HeightFrame& frame, const std::string& path) {
       "{}: expected heights, which grow upwards, got {}, which grows downwards: --to-vertical-crs "
       "transforms it when a raster or points are read",
       path, vertical_name(frame.crs));
-}
-
-void add_facts(const TerrainFacts& facts, Json& json, Table& table) {
-  const HeightFrame& frame = facts.frame;
-  json["columns"] = frame.n_columns;
-  json["rows"] = frame.n_rows;
-  json["type"] = facts.type;
-  json["missing_samples"] = facts.n_missing;
-  json["to_world"] = frame.to_world;
-  json["has_position"] = facts.has_place;
-  json["crs"] = text_or_null(frame.crs);
-  const std::string vertical = vertical_name(frame.crs);
-  json["vertical_crs"] = text_or_null(vertical);
-  json["vertical_unit"] = text_or_null(frame.vertical_unit);
-  const VerticalOutcome& outcome = facts.vertical;
-  if (!outcome.transformation.empty())
-    json["vertical_transformation"] = {
-        {"name", outcome.transformation},
-        {"accuracy", outcome.accuracy ? Json(*outcome.accuracy) : Json(nullptr)}};
-  json["is_of_points"] = facts.is_of_points || facts.points.has_value();
-  if (facts.points) {
-    add_point_facts(*facts.points, json, table);
-  } else if (facts.is_of_points) {
-    table.add({"lattice", fmt::format("{} x {}, of {}", frame.n_columns, frame.n_rows,
-                                      facts.type == "points" ? "points" : "a raster with lines")});
-  } else {
-    const std::int64_t n_samples = std::int64_t{frame.n_columns} * frame.n_rows;
-    table.add(
-        {"samples", fmt::format("{} x {} = {}, {}", frame.n_columns, frame.n_rows,
-                                format_count(static_cast<std::uint64_t>(n_samples)), facts.type)});
-  }
-  if (!facts.points || facts.n_missing > 0) table.add({"missing", format_count(facts.n_missing)});
-  table.add({"CRS", frame.crs.empty() ? "not known" : crs_name(frame.crs)});
-  table.add({"vertical CRS", vertical.empty() ? "not known" : vertical});
-  table.add({"vertical unit", frame.vertical_unit.empty() ? "not known" : frame.vertical_unit});
-  if (!outcome.transformation.empty())
-    table.add(
-        {"transformed",
-         fmt::format("{}{}", outcome.transformation,
-                     outcome.accuracy ? fmt::format(", accuracy {} m", *outcome.accuracy) : "")});
 }
 
 }  // namespace lode::cli

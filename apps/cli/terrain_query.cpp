@@ -2,6 +2,7 @@
 
 #include "parse.h"
 #include "stopwatch.h"
+#include "terrain_facts.h"
 
 namespace lode::cli {
 namespace {

@@ -40,10 +40,9 @@ std::string difference_of(const VolumeInfo& ours, const VolumeInfo& theirs) {
   return {};
 }
 
-std::string lacks_memory(const char* how, std::uint64_t bytes,
-                         const diamond::RebuildSettings& settings) {
-  return fmt::format("not looked at: takes {} {} MB of memory, of {:.3g} MB", how,
-                     bytes / 1'000'000 + 1, static_cast<double>(settings.memory_limit) / 1e6);
+std::string lacks_memory(std::uint64_t least, const diamond::RebuildSettings& settings) {
+  return fmt::format("not looked at: takes at least {} MB of memory, of {:.3g} MB",
+                     least / 1'000'000 + 1, static_cast<double>(settings.memory_limit) / 1e6);
 }
 
 /// Samples that are not the original's.
@@ -114,7 +113,7 @@ Result<void> verify_attributes(const store::Reader& reader,
   LODE_TRY(const diamond::Metadata metadata, diamond::read_metadata(reader));
   const std::uint64_t least = diamond::least_rebuild_bytes<D>(metadata.info);
   if (least > settings.memory_limit) {
-    report.skip("blocks, metadata and samples agree", lacks_memory("at least", least, settings));
+    report.skip("blocks, metadata and samples agree", lacks_memory(least, settings));
     return {};
   }
   LODE_TRY(const auto findings, diamond::rebuild_check<D>(reader, settings, progress));
@@ -157,7 +156,7 @@ Result<VerifyReport> verify_samples_against(const store::Reader& reader, VolumeS
   const std::uint64_t least = original.memory_bytes() + diamond::least_comparison_bytes<D>(
                                                             metadata.info, original.info().type);
   if (least > settings.memory_limit) {
-    report.skip("samples equal the original's", lacks_memory("at least", least, settings));
+    report.skip("samples equal the original's", lacks_memory(least, settings));
     return report;
   }
   diamond::RebuildSettings left = settings;

@@ -17,6 +17,10 @@ namespace lode::delaunay {
 /// for any number of them. tiles: of rasters, in levels, each tile on its own between fixed seams
 /// (tile_insertion.h).
 enum class InsertionOrder : std::uint8_t { levels, strict, tiles };
+[[nodiscard]] constexpr const char* name_of(InsertionOrder order) {
+  if (order == InsertionOrder::tiles) return "tiles";
+  return order == InsertionOrder::strict ? "strict" : "levels";
+}
 
 /// Is told what happens to a mesh while samples are inserted. Triangles are judged by then:
 /// `errors` are those of all samples in them, edges included, by triangle or in the order of the

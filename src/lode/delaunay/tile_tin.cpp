@@ -1,53 +1,11 @@
 #include <algorithm>
-#include <atomic>
-#include <bit>
 #include <cstddef>
 
+#include "lode/delaunay/numbered_nodes.h"
 #include "lode/delaunay/tile_insertion.h"
 
 namespace lode::delaunay {
 namespace {
-
-/// A set of nodes to which threads may add at once, and that then tells how many come before one.
-class SharedNodeSet {
- public:
-  explicit SharedNodeSet(std::uint32_t last) : words_(std::size_t{last / 64} + 1, 0) {}
-
-  void add(std::uint32_t node) {
-    const std::uint64_t bit = std::uint64_t{1} << (node % 64);
-    const std::atomic_ref<std::uint64_t> word(words_[node / 64]);
-    if ((word.load(std::memory_order_relaxed) & bit) == 0)
-      word.fetch_or(bit, std::memory_order_relaxed);
-  }
-  /// Counts what has been added.
-  std::uint32_t number() {
-    n_before_.reserve(words_.size());
-    std::uint32_t n = 0;
-    for (const std::uint64_t word : words_) {
-      n_before_.push_back(n);
-      n += static_cast<std::uint32_t>(std::popcount(word));
-    }
-    return n;
-  }
-  [[nodiscard]] std::uint32_t number_of(std::uint32_t node) const {
-    const std::uint64_t below = words_[node / 64] & ((std::uint64_t{1} << (node % 64)) - 1);
-    return n_before_[node / 64] + static_cast<std::uint32_t>(std::popcount(below));
-  }
-  [[nodiscard]] std::size_t n_words() const { return words_.size(); }
-  /// Calls visit(node, number) for those of a word.
-  template <typename Visit>
-  void for_each(std::size_t word, const Visit& visit) const {
-    std::uint32_t number = n_before_[word];
-    for (std::uint64_t left = words_[word]; left != 0; left &= left - 1)
-      visit(static_cast<std::uint32_t>(64 * word) +
-                static_cast<std::uint32_t>(std::countr_zero(left)),
-            number++);
-  }
-
- private:
-  std::vector<std::uint64_t> words_;
-  std::vector<std::uint32_t> n_before_;
-};
 
 /// Puts the pieces of tiles together.
 class TileJoiner {
@@ -82,12 +40,12 @@ class TileJoiner {
   void number_vertices() {
     parallel_for(tiles_.pieces.size(), threads_, 1, [&](std::size_t tile, int /*worker*/) {
       for (const auto& triangle : tiles_.pieces[tile].corners)
-        for (const std::uint32_t corner : triangle) nodes_.add(corner);
+        for (const std::uint32_t corner : triangle) nodes_.add_shared(corner);
     });
     resize_large(tin_.vertices, nodes_.number());
     constexpr std::size_t kWords = 4096;
     parallel_for(nodes_.n_words(), threads_, kWords, [&](std::size_t word, int /*worker*/) {
-      nodes_.for_each(word, [&](std::uint32_t node, std::uint32_t number) {
+      nodes_.for_each_in(word, [&](std::uint32_t node, std::uint32_t number) {
         tin_.vertices[number] = packing_.unpack(node);
       });
     });
@@ -135,7 +93,7 @@ class TileJoiner {
   SeamedTiles& tiles_;
   Threads threads_;
   LatticePacking packing_;
-  SharedNodeSet nodes_;
+  NumberedNodes nodes_;
   std::vector<std::size_t> first_;
   Tin tin_;
 };

@@ -3,12 +3,12 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "lode/core/height_frame.h"
 #include "lode/io/gdal_crs.h"
 #include "lode/io/gdal_raster.h"
+#include "lode/io/vector_input.h"
 #include "lode/io/vertical_crs.h"
 
 namespace lode::io {
@@ -36,67 +36,41 @@ struct GlobePlace {
   std::array<double, 2> spacing{360, 180};
 };
 
-class Transformation {
- public:
-  Transformation(const GdalLibrary& gdal, const GdalCrs& from, const GdalCrs& to)
-      : gdal_(gdal), way_(gdal.new_transformation(from.handle(), to.handle())) {}
-  Transformation(const Transformation&) = delete;
-  Transformation& operator=(const Transformation&) = delete;
-  ~Transformation() {
-    if (way_ != nullptr) gdal_.destroy_transformation(way_);
-  }
-  /// False where it has none of some of these places.
-  [[nodiscard]] bool apply(std::span<double> x, std::span<double> y) const {
-    if (way_ == nullptr ||
-        gdal_.transform(way_, static_cast<int>(x.size()), x.data(), y.data(), nullptr) == 0)
-      return false;
-    const auto is_finite = [](double value) { return std::isfinite(value); };
-    return std::ranges::all_of(x, is_finite) && std::ranges::all_of(y, is_finite);
-  }
-
- private:
-  const GdalLibrary& gdal_;
-  OGRCoordinateTransformationH way_;
-};
-
 /// Nothing where nothing can be told.
-std::optional<GlobePlace> find_place(const Transformation& to_degrees, const HeightFrame& pixels) {
+std::optional<GlobePlace> find_place(const PlaceTransform& to_degrees, const HeightFrame& pixels) {
   GlobePlace place;
   bool is_known = false;
   for (const int i : {4, 0, 1, 2, 3, 5, 6, 7, 8}) {  // the middle first
     const int across = i % 3;
     const int up = i / 3;
+    const double column = 0.5 * across * pixels.n_columns;
+    const double row = 0.5 * up * pixels.n_rows;
     // A place, and a step along columns and rows from it.
-    std::array<double, 3> x{};
-    std::array<double, 3> y{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = pixels.world(0.5 * across * pixels.n_columns + (k == 1 ? 1 : 0),
-                                   0.5 * up * pixels.n_rows + (k == 2 ? 1 : 0));
-      x[k] = at[0];
-      y[k] = at[1];
-    }
-    if (!to_degrees.apply(x, y)) continue;
-    if (!is_known) place.middle = x[0];
+    std::array<Vec<double, 2>, 3> at{pixels.world(column, row), pixels.world(column + 1, row),
+                                     pixels.world(column, row + 1)};
+    if (!to_degrees.apply<2>(at)) continue;
+    if (!is_known) place.middle = at[0][0];
     is_known = true;
-    const auto from = [](double to, double longitude) {
-      return std::remainder(longitude - to, 360.0);
+    const auto east_of = [](double from, double longitude) {
+      return std::remainder(longitude - from, 360.0);
     };
     place.crosses_180 =
-        place.crosses_180 || std::abs(place.middle + from(place.middle, x[0])) > 180;
-    place.spacing[0] = std::min(place.spacing[0], std::hypot(from(x[0], x[1]), from(x[0], x[2])));
-    place.spacing[1] = std::min(place.spacing[1], std::hypot(y[1] - y[0], y[2] - y[0]));
+        place.crosses_180 || std::abs(place.middle + east_of(place.middle, at[0][0])) > 180;
+    place.spacing[0] = std::min(
+        place.spacing[0], std::hypot(east_of(at[0][0], at[1][0]), east_of(at[0][0], at[2][0])));
+    place.spacing[1] =
+        std::min(place.spacing[1], std::hypot(at[1][1] - at[0][1], at[2][1] - at[0][1]));
   }
   const bool is_fit = place.spacing[0] > 1e-9 && place.spacing[1] > 1e-9;
   return is_known && is_fit ? std::optional(place) : std::nullopt;
 }
 
 /// Whether a pole lies among a raster's pixels, and not on their border.
-bool holds_pole(const Transformation& from_degrees, const HeightFrame& pixels) {
+bool holds_pole(const PlaceTransform& from_degrees, const HeightFrame& pixels) {
   for (const double latitude : {90.0, -90.0}) {
-    std::array<double, 1> x{0};
-    std::array<double, 1> y{latitude};
-    if (!from_degrees.apply(x, y)) continue;
-    const auto at = pixels.lattice(x[0], y[0]);
+    std::array<Vec<double, 2>, 1> pole{{{{0, latitude}}}};
+    if (!from_degrees.apply<2>(pole)) continue;
+    const auto at = pixels.lattice(pole[0][0], pole[0][1]);
     if (at[0] > 1 && at[1] > 1 && at[0] < pixels.n_columns - 1 && at[1] < pixels.n_rows - 1)
       return true;
   }
@@ -111,17 +85,17 @@ struct Degrees {
 
 Result<Degrees> choose_degrees(const std::string& path, const GdalLibrary& gdal, const char* crs,
                                const HeightFrame& pixels) {
+  constexpr const char* kWhat = "raster in degrees";
   LODE_TRY(const GdalCrs source, GdalCrs::of(crs));
-  LODE_TRY(const GdalCrs degrees, GdalCrs::of(kDegrees));
-  source.strip_heights();
-  if (gdal.is_geographic(source.handle()) == 0 &&
-      holds_pole(Transformation(gdal, degrees, source), pixels))
+  LODE_TRY(const auto from_degrees, PlaceTransform::make(path, kDegrees, crs, kWhat));
+  LODE_TRY(const auto to_degrees, PlaceTransform::make(path, crs, kDegrees, kWhat));
+  if (gdal.is_geographic(source.handle()) == 0 && holds_pole(from_degrees, pixels))
     return fail(
         "{}: expected a raster without a pole in it, to be put in degrees, got one: cut it in "
         "parts that leave the pole out",
         path);
   Degrees chosen;
-  const auto place = find_place(Transformation(gdal, source, degrees), pixels);
+  const auto place = find_place(to_degrees, pixels);
   if (!place) return chosen;  // then GDAL chooses, or says what is wrong
   chosen.spacing = place->spacing;
   if (place->crosses_180)

@@ -22,12 +22,15 @@ class SampleComparison {
     read_.resize(n * size_of(type));
     LODE_CHECK(ours_.read(box, progress, stored_));
     LODE_CHECK(original_.read(grid_box<D>(field_.axes, box), read_));
-    theirs_.resize(n * size_of(storage_type(type)));
-    widen_samples(type, read_.data(), n, theirs_.data());
+    if (storage_type(type) != type) {
+      wide_.resize(n * size_of(storage_type(type)));
+      widen_samples(type, read_.data(), n, wide_.data());
+    }
+    const std::vector<std::byte>& theirs = storage_type(type) == type ? read_ : wide_;
     visit_storage_type(field_.storage, [&]<typename S>() {
       visit_storage_type(storage_type(type), [&]<typename T>() {
         compare(box, reinterpret_cast<const S*>(stored_.data()),
-                reinterpret_cast<const T*>(theirs_.data()), n);
+                reinterpret_cast<const T*>(theirs.data()), n);
       });
     });
     return {};
@@ -52,7 +55,7 @@ class SampleComparison {
   const CoarseField<D>& field_;
   const FileSamples<D>& ours_;
   VolumeSource& original_;
-  std::vector<std::byte> stored_, read_, theirs_;
+  std::vector<std::byte> stored_, read_, wide_;
   AttributeFinding finding_;
 };
 

@@ -1,0 +1,101 @@
+#include "terrain_facts.h"
+
+#include "point_facts.h"
+
+namespace lode::cli {
+namespace {
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+/// The name that WKT gives: what its first quotes hold.
+std::string crs_name(const std::string& wkt) {
+  const std::size_t first = wkt.find('"');
+  const std::size_t last = first == std::string::npos ? first : wkt.find('"', first + 1);
+  return last == std::string::npos ? wkt : wkt.substr(first + 1, last - first - 1);
+}
+
+Json counts_of(const terrain_features::FeatureCounts& counts) {
+  return {{"peaks", counts.peaks}, {"passes", counts.passes}, {"pits", counts.pits}};
+}
+
+}  // namespace
+
+void add_lines(const OpenedTerrain& opened, Json& json, Table& table) {
+  if (!opened.lines) return;
+  const TerrainLineReport& lines = *opened.lines;
+  Json& all = json["lines"];
+  if (lines.kept_features) {
+    const auto& kept = *lines.kept_features;
+    all["features"] = {{"relief", lines.least_relief},
+                       {"kept", counts_of(kept)},
+                       {"all", counts_of(*lines.all_features)},
+                       {"ridges", lines.n_ridges},
+                       {"channels", lines.n_channels}};
+    table.add(
+        {"features", fmt::format("{} peaks, {} passes, {} pits of a relief of {} or more",
+                                 format_count(kept.peaks), format_count(kept.passes),
+                                 format_count(kept.pits), format_number(lines.least_relief))});
+  }
+  if (lines.n_breaklines > 0) {
+    all["breaklines"] = {{"lines", lines.n_breaklines},
+                         {"own_heights", lines.n_own_heights},
+                         {"drape_error", lines.drape_error},
+                         {"outside", lines.n_outside},
+                         {"cut", lines.n_cut},
+                         {"left_out_edges", lines.n_crossing},
+                         {"replaced_samples", lines.n_replaced},
+                         {"largest_change", lines.largest_change},
+                         {"largest_move", lines.largest_move}};
+    table.add({"breaklines",
+               fmt::format("{}, {} with their own heights", format_count(lines.n_breaklines),
+                           format_count(lines.n_own_heights))});
+    if (lines.n_replaced > 0)
+      table.add({"replaced",
+                 fmt::format("{} samples under breaklines, by up to {}",
+                             format_count(lines.n_replaced), format_number(lines.largest_change))});
+  }
+  all["edges"] = lines.n_edges;
+  all["seconds"] = lines.seconds;
+}
+
+void add_facts(const TerrainFacts& facts, Json& json, Table& table) {
+  const HeightFrame& frame = facts.frame;
+  json["columns"] = frame.n_columns;
+  json["rows"] = frame.n_rows;
+  json["type"] = facts.type;
+  json["missing_samples"] = facts.n_missing;
+  json["to_world"] = frame.to_world;
+  json["has_position"] = facts.has_place;
+  json["crs"] = text_or_null(frame.crs);
+  const std::string vertical = vertical_name(frame.crs);
+  json["vertical_crs"] = text_or_null(vertical);
+  json["vertical_unit"] = text_or_null(frame.vertical_unit);
+  const VerticalOutcome& outcome = facts.vertical;
+  if (!outcome.transformation.empty())
+    json["vertical_transformation"] = {
+        {"name", outcome.transformation},
+        {"accuracy", outcome.accuracy ? Json(*outcome.accuracy) : Json(nullptr)}};
+  json["is_of_points"] = facts.is_of_points || facts.points.has_value();
+  if (facts.points) {
+    add_point_facts(*facts.points, json, table);
+  } else if (facts.is_of_points) {
+    table.add({"lattice", fmt::format("{} x {}, of {}", frame.n_columns, frame.n_rows,
+                                      facts.type == "points" ? "points" : "a raster with lines")});
+  } else {
+    const std::int64_t n_samples = std::int64_t{frame.n_columns} * frame.n_rows;
+    table.add(
+        {"samples", fmt::format("{} x {} = {}, {}", frame.n_columns, frame.n_rows,
+                                format_count(static_cast<std::uint64_t>(n_samples)), facts.type)});
+  }
+  if (!facts.points || facts.n_missing > 0) table.add({"missing", format_count(facts.n_missing)});
+  table.add({"CRS", frame.crs.empty() ? "not known" : crs_name(frame.crs)});
+  table.add({"vertical CRS", vertical.empty() ? "not known" : vertical});
+  table.add({"vertical unit", frame.vertical_unit.empty() ? "not known" : frame.vertical_unit});
+  if (!outcome.transformation.empty())
+    table.add(
+        {"transformed",
+         fmt::format("{}{}", outcome.transformation,
+                     outcome.accuracy ? fmt::format(", accuracy {} m", *outcome.accuracy) : "")});
+}
+
+}  // namespace lode::cli

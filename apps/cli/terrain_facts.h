@@ -1,0 +1,14 @@
+#pragma once
+
+#include "input.h"
+#include "text.h"
+
+namespace lode::cli {
+
+/// Adds what became of lines, where there are some.
+void add_lines(const OpenedTerrain& opened, Json& json, Table& table);
+
+/// The keys and rows of a terrain: size, CRS, unit, samples that are missing.
+void add_facts(const TerrainFacts& facts, Json& json, Table& table);
+
+}  // namespace lode::cli
