@@ -15,6 +15,7 @@ lode_test(simplify_test
   SOURCES
     ${CMAKE_CURRENT_LIST_DIR}/collapse_undo_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/shadow_cover_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/triangle_cuts_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/simplify_sides_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/simplify_surface_test.cpp
   DEPENDS lode_mappers lode_core

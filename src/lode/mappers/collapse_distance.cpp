@@ -23,30 +23,6 @@ double farthest_corner(const Piece& piece, double enough, const SquaredDistance&
   return largest;
 }
 
-/// The least, over targets, of the distance that no point of the piece exceeds; squared.
-double nearest_target(const Piece& piece, std::span<const Piece> targets, double limit2) {
-  double least = kUnproven;
-  for (const Piece& target : targets) {
-    const double here = farthest_corner(piece, std::min(least, limit2), [&](const Vec3d& corner) {
-      return squared_distance_to_triangle(corner, target);
-    });
-    least = std::min(least, here);
-  }
-  return least;
-}
-
-/// Squared bound for a piece that is cut until targets are near enough; infinite if none is.
-double bound_pieces(const Piece& piece, std::span<const Piece> targets, double limit2, int depth) {
-  const double whole = nearest_target(piece, targets, limit2);
-  if (whole <= limit2 || depth == 0) return whole <= limit2 ? whole : kUnproven;
-  double largest = 0;
-  for (const Piece& part : quarters(piece)) {
-    largest = std::max(largest, bound_pieces(part, targets, limit2, depth - 1));
-    if (largest > limit2) return kUnproven;
-  }
-  return largest;
-}
-
 /// bound(triangle, worker), squared, of each in parallel.
 template <typename Bound>
 DistanceReport collect(std::span<const std::uint32_t> triangles, double limit, Threads threads,
@@ -81,7 +57,7 @@ DistanceProof::Corners DistanceProof::original_corners(std::uint32_t triangle) c
           widened(original_.positions[v[2]])};
 }
 
-double DistanceProof::bound_from(std::uint32_t triangle) {
+double DistanceProof::bound_from(std::uint32_t triangle, FromOriginal& own) {
   looked_around_[triangle] = 0;
   const Piece piece = original_corners(triangle);
   const double limit = limit_ * (1 - 2 * kRounding);
@@ -89,32 +65,38 @@ double DistanceProof::bound_from(std::uint32_t triangle) {
   if (const double of_one = bound_from_one(triangle); of_one <= limit2) return of_one;
   std::array<std::uint32_t, 3> at{kNone, kNone, kNone};
   std::array<Piece, 3> near;
+  std::array<std::size_t, 3> which{};  // of them, by corner
   std::size_t n = 0;
-  for (const std::uint32_t corner : original_.triangles[triangle]) {
-    const std::uint32_t t = mesh_.attached_to[corner];
-    if (t == at[0] || t == at[1]) continue;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t t = mesh_.attached_to[original_.triangles[triangle][k]];
+    which[k] = t == at[0] ? 0 : t == at[1] ? 1 : n;
+    if (which[k] < n) continue;
     at[n] = t;
     near[n] = widened_corners(corners(mesh_, t));
-    const double here = nearest_target(piece, std::span(near).subspan(n, 1), limit2);
+    const double here = farthest_corner(piece, limit2, [&](const Vec3d& corner) {
+      return squared_distance_to_triangle(corner, near[n]);
+    });
     if (here <= limit2) return here;
     ++n;
   }
-  constexpr int kFewCuts = 2;
-  if (n > 1) {
-    const double pieces = bound_pieces(piece, std::span(near).first(n), limit2, kFewCuts);
-    if (pieces <= limit2) return pieces;
-  }
+  if (const double cut = bound_by_cuts(piece, near, which, limit2); cut <= limit2) return cut;
   looked_around_[triangle] = 1;
-  std::vector<std::uint32_t> around;
-  for (std::size_t i = 0; i < n; ++i)
-    for (const std::uint32_t corner : mesh_.triangles[at[i]].v)
-      stars_.for_each_around(corner, [&](std::uint32_t t) { around.push_back(t); });
-  sort_unique(around);
-  std::vector<Piece> targets;
-  targets.reserve(around.size());
-  for (const std::uint32_t t : around) targets.push_back(widened_corners(corners(mesh_, t)));
-  constexpr int kManyCuts = 4;
-  return bound_pieces(piece, targets, limit2, kManyCuts);
+  return bound_from_around(triangle, own);
+}
+
+/// From what it is attached to, and what has a corner with that.
+double DistanceProof::bound_from_around(std::uint32_t triangle, FromOriginal& own) const {
+  const double limit = limit_ * (1 - 2 * kRounding);
+  own.cuts.begin(original_corners(triangle), limit);
+  own.around.clear();
+  for (const std::uint32_t p : original_.triangles[triangle])
+    for (const std::uint32_t corner : mesh_.triangles[mesh_.attached_to[p]].v)
+      stars_.for_each_around(corner, [&](std::uint32_t t) {
+        if (std::ranges::find(own.around, t) != own.around.end()) return;
+        own.around.push_back(t);
+        own.cuts.add(widened_corners(corners(mesh_, t)));
+      });
+  return own.cuts.covers() ? limit * limit : kUnproven;
 }
 
 /// Where all three vertices are attached to one triangle, and find_distances() has been called.
@@ -145,8 +127,11 @@ DistanceReport DistanceProof::from_original(std::span<const std::uint32_t> trian
   // Where all are asked for; vertices have some six triangles each, and most of these one they are
   // attached to.
   if (triangles.size() > original_.positions.size()) find_distances(threads);
-  DistanceReport report = collect(triangles, limit_, threads, progress_,
-                                  [this](std::uint32_t t, int) { return bound_from(t); });
+  std::vector<FromOriginal> workers(static_cast<std::size_t>(n_workers(threads)));
+  DistanceReport report =
+      collect(triangles, limit_, threads, progress_, [&](std::uint32_t t, int worker) {
+        return bound_from(t, workers[static_cast<std::size_t>(worker)]);
+      });
   attached_distance2_.clear();
   return report;
 }

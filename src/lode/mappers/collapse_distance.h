@@ -10,6 +10,7 @@
 #include "lode/core/surface.h"
 #include "lode/mappers/collapse_cover.h"
 #include "lode/mappers/collapse_undo.h"
+#include "lode/mappers/triangle_cuts.h"
 
 namespace lode::simplification {
 
@@ -21,8 +22,8 @@ struct DistanceReport {
 
 /// Proves, in both directions, that no point is farther than a limit. A triangle, or a piece of it
 /// where it is cut in four again and again, is near where its three corners are near one convex
-/// set: the distance to such a set is a convex function. Original triangles and their pieces are
-/// held against single new triangles. New triangles are covered by shadows of original ones; where
+/// set: the distance to such a set is a convex function. Original triangles are cut where they go
+/// from one new triangle to another. New triangles are covered by shadows of original ones; where
 /// they are not, pieces are held against single original vertices, and then against single original
 /// triangles. No nearest point is searched for: attached vertices say where to look, and what is
 /// not found there counts as failing.
@@ -60,7 +61,14 @@ class DistanceProof {
  private:
   using Corners = std::array<Vec3d, 3>;
 
-  [[nodiscard]] double bound_from(std::uint32_t triangle);
+  /// Of a thread.
+  struct FromOriginal {
+    TriangleCuts cuts;
+    std::vector<std::uint32_t> around;
+  };
+
+  [[nodiscard]] double bound_from(std::uint32_t triangle, FromOriginal& own);
+  [[nodiscard]] double bound_from_around(std::uint32_t triangle, FromOriginal& own) const;
   [[nodiscard]] double bound_from_one(std::uint32_t triangle) const;
   [[nodiscard]] double bound_to(std::uint32_t triangle, ShadowCover& shadows, Cover& cover) const;
   template <typename Add>
