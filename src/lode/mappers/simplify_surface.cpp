@@ -368,8 +368,13 @@ class UnitEdges {
  private:
   void scale(int exponent) {
     if (exponent == 0) return;
-    for (Vec3f& p : surface_.positions)
-      for (float& x : p.v) x = std::ldexp(x, exponent);
+    constexpr int kMost = 126;  // 2^126 and its inverse are normal numbers
+    for (; exponent > kMost; exponent -= kMost) multiply(std::ldexp(1.0F, kMost));
+    for (; exponent < -kMost; exponent += kMost) multiply(std::ldexp(1.0F, -kMost));
+    multiply(std::ldexp(1.0F, exponent));
+  }
+  void multiply(float factor) {
+    for (Vec3f& p : surface_.positions) p = p * factor;
   }
 
   Surface& surface_;

@@ -8,6 +8,16 @@
 
 namespace lode::diamond {
 
+void FieldSamples::find_corners(const Index3& even, const Index3& step,
+                                std::array<double, 8>& values) const {
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    Index3 p = even;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (((corner >> i) & 1U) != 0) p[i] += step[i];
+    values[corner] = sample(p);
+  }
+}
+
 double VolumeSamples::sample(const Index3& index) const {
   const Index3& dims = volume_.info.grid.dims;
   const std::int64_t offset =
@@ -30,13 +40,11 @@ CellField::CellField(const FieldSamples& samples, const Index3& cell, double iso
     even_[i] = is_even ? cell[i] : cell[i] + 1;
     step_[i] = samples.grid().dims[i] == 1 ? 0 : (is_even ? 1 : -1);
   }
-  for (std::size_t corner = 0; corner < 8; ++corner) {
-    Index3 p = even_;
-    for (std::size_t i = 0; i < 3; ++i)
-      if (((corner >> i) & 1U) != 0) p[i] += step_[i];
-    values_[corner] = samples.sample(p) - isovalue;
-    is_removed_ |= !std::isfinite(values_[corner]);
-    magnitude_ = std::max(magnitude_, std::abs(values_[corner]));
+  samples.find_corners(even_, step_, values_);
+  for (double& value : values_) {
+    value -= isovalue;
+    is_removed_ |= !std::isfinite(value);
+    magnitude_ = std::max(magnitude_, std::abs(value));
   }
 }
 

@@ -17,6 +17,10 @@ class FieldSamples {
   [[nodiscard]] virtual const RegularGrid& grid() const = 0;
   /// The sample at `index`, inside the grid; not finite where it is a hole.
   [[nodiscard]] virtual double sample(const Index3& index) const = 0;
+  /// Those at the corners of a unit cell inside the grid: `even` and steps of -1, 0 or 1 from it,
+  /// along axis i in corners with bit i.
+  virtual void find_corners(const Index3& even, const Index3& step,
+                            std::array<double, 8>& values) const;
 };
 
 /// The samples of a Volume, which must outlive this; nodata samples are holes.

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "lode/models/diamond/brick_nodes.h"
+#include "lode/models/diamond/model_samples.h"
 
 namespace lode::diamond {
 namespace {
@@ -12,13 +13,17 @@ namespace {
 /// Those of one brick after another.
 class SamplesOfBrick final : public FieldSamples {
  public:
-  explicit SamplesOfBrick(const Model<3>& model) : model_(model), samples_(model) {}
+  explicit SamplesOfBrick(const Model<3>& model) : model_(model), all_(model), samples_(model) {}
 
   void open(const Index<3>& brick) { samples_.open(brick); }
   [[nodiscard]] const BrickSamples<3>& brick() const { return samples_; }
   [[nodiscard]] const RegularGrid& grid() const override { return model_.info.grid; }
   [[nodiscard]] double sample(const Index3& index) const override {
     return samples_.value(samples_.point(index - samples_.base()).offset);
+  }
+  void find_corners(const Index3& even, const Index3& step,
+                    std::array<double, 8>& values) const override {
+    all_.find_corners(even, step, values);
   }
   [[nodiscard]] Index<3> n_cells() const {
     Index<3> n;
@@ -29,6 +34,7 @@ class SamplesOfBrick final : public FieldSamples {
 
  private:
   const Model<3>& model_;
+  ModelSamples<3> all_;
   BrickSamples<3> samples_;
 };
 

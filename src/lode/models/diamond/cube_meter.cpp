@@ -87,19 +87,28 @@ void CubeMeter::open(const FieldSamples& samples, const Index3& cell) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t i = 0; i < 3; ++i)
       to_world_.rows[i][axis] = frame_.to_world.rows[i][axis] * field_.step()[axis];
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    diagonals_[axis] = length(to_world_.column((axis + 1) % 3) + to_world_.column((axis + 2) % 3));
   has_level_set_ = false;
   farthest_vertex_ = -1;
   corners_ = 0;
   for (std::size_t k = 0; k < 8; ++k) corners_ |= (field_.at_corner(k) >= 0 ? 1U : 0U) << k;
   case_ = &cube_cases(0, false)[corners_];
-  for (std::size_t e = 0; e < case_->n_edges; ++e) {
-    const auto [a, b] = edge_corners(case_->edges[e]);
-    vertices_[e] = vertex_on(a, b);
-  }
+}
+
+void CubeMeter::place_vertices() {
+  for (std::size_t e = 0; e < case_->n_edges; ++e) vertices_[e] = vertex(e);
+}
+
+Vec3d CubeMeter::vertex(std::size_t e) const {
+  const auto [a, b] = edge_corners(case_->edges[e]);
+  return vertex_on(a, b);
 }
 
 void CubeMeter::add(const FieldSamples& samples, const Index3& cell) {
   open(samples, cell);
+  if (!may_add()) return;
+  place_vertices();
   for (std::size_t t = 0; t < case_->n_triangles; ++t)
     add_triangle(vertices_[case_->triangles[t][0]], vertices_[case_->triangles[t][1]],
                  vertices_[case_->triangles[t][2]]);
@@ -110,8 +119,39 @@ bool CubeMeter::exceeds(const FieldSamples& samples, const Index3& cell, const C
   return errs(limit.error) || (!std::isinf(limit.distance) && strays(limit.distance));
 }
 
-bool CubeMeter::errs(double limit) const {
-  if (field_.magnitude() * (1 + kRounding) <= limit) return false;
+/// Whether the open cell may raise what was found, by bounds for all of it.
+bool CubeMeter::may_add() {
+  if (error_bound() > deviation_.error) return true;
+  farthest_vertex_ = farthest_vertex() * (1 + kRounding);
+  return farthest_vertex_ > deviation_.distance;
+}
+
+/// Of |F - isovalue| on all of the cube's triangles. Along a segment F is linear but for where it
+/// crosses the planes between tetrahedra, each once: there its slope changes by how much the
+/// diagonals of a face differ, in their sums, times how fast the segment crosses. So between points
+/// where it has the isovalue it is off by no more than half of those sums together. Points of a
+/// triangle's edges are between two of its corners, others between such a point and a corner.
+double CubeMeter::error_bound() const {
+  double folds = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t first = std::size_t{1} << (axis + 1) % 3;
+    const std::size_t second = std::size_t{1} << (axis + 2) % 3;
+    double fold = 0;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::size_t even = side << axis;
+      fold = std::max(fold,
+                      std::abs(field_.at_corner(even) + field_.at_corner(even | first | second) -
+                               field_.at_corner(even | first) - field_.at_corner(even | second)));
+    }
+    folds += fold;
+  }
+  // Vertices stay away from corners by a margin.
+  return folds + (2 * frame_.margin + kRounding) * field_.magnitude();
+}
+
+bool CubeMeter::errs(double limit) {
+  if (std::min(field_.magnitude() * (1 + kRounding), error_bound()) <= limit) return false;
+  place_vertices();
   for (std::size_t t = 0; t < case_->n_triangles; ++t)
     if (error_of(vertices_[case_->triangles[t][0]], vertices_[case_->triangles[t][1]],
                  vertices_[case_->triangles[t][2]]) > limit)
@@ -121,9 +161,7 @@ bool CubeMeter::errs(double limit) const {
 
 /// In local coordinates.
 Vec3d CubeMeter::vertex_on(std::size_t a, std::size_t b) const {
-  const double first = field_.at_corner(a);
-  const double t =
-      std::clamp(first / (first - field_.at_corner(b)), frame_.margin, 1 - frame_.margin);
+  const double t = share_of(a, b);
   Vec3d p;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto from = static_cast<double>(a >> i & 1);

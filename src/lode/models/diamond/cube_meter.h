@@ -67,9 +67,21 @@ class CubeMeter {
     [[nodiscard]] bool is_near(const Vec3d& p, double limit2) const;
   };
 
-  [[nodiscard]] bool errs(double limit) const;
+  [[nodiscard]] bool errs(double limit);
   [[nodiscard]] bool strays(double limit);
   void open(const FieldSamples& samples, const Index3& cell);
+  void place_vertices();
+  [[nodiscard]] Vec3d vertex(std::size_t e) const;
+  [[nodiscard]] bool may_add();
+  [[nodiscard]] double error_bound() const;
+  /// Of an edge between corners, how far from a its vertex is.
+  [[nodiscard]] double share_of(std::size_t a, std::size_t b) const {
+    const double first = field_.at_corner(a);
+    return std::clamp(first / (first - field_.at_corner(b)), frame_.margin, 1 - frame_.margin);
+  }
+  [[nodiscard]] bool is_crossed(std::size_t a, std::size_t b) const {
+    return ((corners_ >> a ^ corners_ >> b) & 1) != 0;
+  }
   [[nodiscard]] Vec3d vertex_on(std::size_t a, std::size_t b) const;
   void add_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c);
   [[nodiscard]] double error_of(const Vec3d& a, const Vec3d& b, const Vec3d& c) const;
@@ -89,9 +101,10 @@ class CubeMeter {
   double isovalue_;
   CellField field_;
   Mat3 to_world_;
+  Vec3d diagonals_;       ///< Lengths of those of its faces, by axis, in the world.
   unsigned corners_ = 0;  ///< Inside, of the open cell: bits;
   const KuhnCubeCase* case_ = nullptr;
-  std::array<Vec3d, 19> vertices_;                  ///< and its vertices, in local coordinates.
+  std::array<Vec3d, 19> vertices_;  ///< and its vertices, in local coordinates, once placed.
   static constexpr std::size_t kLatticeEdges = 19;  ///< Of its tetrahedra.
   std::array<Vec3d, kLatticeEdges> crossings_;      ///< With the isovalue, as level_set_.
   unsigned crossed_ = 0;                            ///< Bits: edges that have one.

@@ -14,17 +14,19 @@ namespace lode::diamond {
 bool CubeMeter::FlatPolygon::is_near(const Vec3d& p, double limit2) const {
   const double height = dot(p - corner[0], normal);
   if (height * height > limit2 * squared_normal) return false;
-  bool is_above = squared_normal > 0;
+  const bool has_plane = squared_normal > 0;
+  unsigned beyond = 0;  // edges, and one of these is nearest
   for (std::size_t i = 0; i < n; ++i) {
     const double inside = dot(inward[i], p - corner[i]);
     if (inside >= 0) continue;
     if (inside * inside > limit2 * dot(inward[i], inward[i])) return false;
-    is_above = false;
+    beyond |= 1U << i;
   }
-  if (is_above) return true;
+  if (beyond == 0 && has_plane) return true;
   for (std::size_t i = 0; i < n; ++i)
-    if (squared_distance_to_segment(p, corner[i], corner[i + 1 == n ? 0 : i + 1] - corner[i]) <=
-        limit2)
+    if ((!has_plane || (beyond >> i & 1) != 0) &&
+        squared_distance_to_segment(p, corner[i], corner[i + 1 == n ? 0 : i + 1] - corner[i]) <=
+            limit2)
       return true;
   return false;
 }
@@ -40,6 +42,7 @@ bool CubeMeter::strays(double limit) {
   if (move > limit) return true;
   if (std::max(move, farthest_inside()) <= limit) return false;
   find_level_set();
+  place_vertices();
   for (std::size_t t = 0; t < case_->n_triangles; ++t) {
     cube_[t].n = 3;
     for (std::size_t k = 0; k < 3; ++k)
@@ -62,7 +65,7 @@ double CubeMeter::farthest_inside() const {
     return std::numeric_limits<double>::infinity();
   if (following.body == CubeFollowing::Body::none) return 0;
   std::array<Vec3d, 3> p;
-  for (std::size_t i = 0; i < 3; ++i) p[i] = to_world_ * vertices_[following.vertices[i]];
+  for (std::size_t i = 0; i < 3; ++i) p[i] = to_world_ * vertex(following.vertices[i]);
   const Vec3d body = to_world_ * vertex_on(0, 7);
   return std::sqrt(following.body == CubeFollowing::Body::on_edge
                        ? squared_distance_to_segment(body, p[0], p[1] - p[0])
@@ -132,29 +135,25 @@ bool CubeMeter::are_parts_near(std::span<const Vec3d> polygon, double limit2, in
 /// crossed edges.
 double CubeMeter::farthest_move() const {
   double farthest = 0;
-  const auto is_crossed = [&](std::size_t a, std::size_t b) {
-    return (field_.at_corner(a) >= 0) != (field_.at_corner(b) >= 0);
-  };
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t side = 0; side < 2; ++side) {
-      const std::size_t first = std::size_t{1} << (axis + 1) % 3;
-      const std::size_t second = std::size_t{1} << (axis + 2) % 3;
       const std::size_t even = side << axis;
-      const std::size_t odd = even | first | second;
+      const std::size_t first = even | std::size_t{1} << (axis + 1) % 3;
+      const std::size_t second = even | std::size_t{1} << (axis + 2) % 3;
+      const std::size_t odd = first | second;
       if (!is_crossed(even, odd)) continue;
-      // Of what is off the diagonal the two have as much on either side.
-      std::array<Vec3d, 2> p;
-      std::size_t n = 0;
-      for (const auto& [a, b] : {std::array{even, even | first},
-                                 {even | first, odd},
-                                 {even, even | second},
-                                 {even | second, odd}})
-        if (is_crossed(a, b)) p[n++] = vertex_on(a, b);
-      const auto aside = [&](const Vec3d& q) { return q[(axis + 1) % 3] - q[(axis + 2) % 3]; };
-      const double from = aside(p[0]);
-      const double to = aside(p[1]);
-      const Vec3d moved = p[0] + from / (from - to) * (p[1] - p[0]);
-      farthest = std::max(farthest, length(to_world_ * (moved - vertex_on(even, odd))));
+      // The face's crossed edges are one on either side of the diagonal; coordinates are along the
+      // first and the second axis, and what they differ by tells how far beside it.
+      const std::array<double, 2> p = is_crossed(even, first)
+                                          ? std::array{share_of(even, first), 0.0}
+                                          : std::array{1.0, share_of(first, odd)};
+      const std::array<double, 2> q = is_crossed(even, second)
+                                          ? std::array{0.0, share_of(even, second)}
+                                          : std::array{share_of(second, odd), 1.0};
+      const double from = p[0] - p[1];
+      const double to = q[0] - q[1];
+      const double moved = p[0] + from / (from - to) * (q[0] - p[0]);
+      farthest = std::max(farthest, std::abs(moved - share_of(even, odd)) * diagonals_[axis]);
     }
   return farthest;
 }

@@ -97,6 +97,30 @@ struct Model : LatticeField<D, Model<D>> {
       return static_cast<double>(sample);
     });
   }
+  /// Samples of a unit cell inside the data, as FieldSamples::find_corners() has them. Each cell
+  /// lies in one brick.
+  void find_corners(const Index<D>& even, const Index<D>& step,
+                    std::array<double, std::size_t{1} << D>& values) const {
+    Index<D> b;
+    Index<D> local;
+    std::array<std::ptrdiff_t, as_size(D)> along{};
+    std::ptrdiff_t stride = 1;
+    for (std::size_t i = 0; i < as_size(D); ++i, stride *= kBrickSamples<D>) {
+      b[i] = std::min(std::min(even[i], even[i] + step[i]) / kBrickEdge<D>, brick_dims[i] - 1);
+      local[i] = even[i] - b[i] * kBrickEdge<D>;
+      along[i] = step[i] * stride;
+    }
+    const std::byte* const first = brick(linear_index<D>(brick_dims, b));
+    visit_storage_type(storage, [&]<typename T>() {
+      const T* const at = reinterpret_cast<const T*>(first) + brick_offset(local);
+      for (std::size_t corner = 0; corner < values.size(); ++corner) {
+        std::ptrdiff_t offset = 0;
+        for (std::size_t i = 0; i < as_size(D); ++i)
+          if ((corner >> i & 1) != 0) offset += along[i];
+        values[corner] = static_cast<double>(at[offset]);
+      }
+    });
+  }
   /// All but nodes of level 0 and tier >= 1 have stored attributes.
   [[nodiscard]] static bool has_attributes(const Diamond<D>& node) {
     return node.level > 0 || node.tier == 0;

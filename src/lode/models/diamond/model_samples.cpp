@@ -12,6 +12,19 @@ double ModelSamples<D>::sample(const Index3& index) const {
   return model_.is_hole(value) ? std::numeric_limits<double>::quiet_NaN() : value;
 }
 
+template <int D>
+void ModelSamples<D>::find_corners(const Index3& even, const Index3& step,
+                                   std::array<double, 8>& values) const {
+  if constexpr (D == 3) {
+    model_.find_corners(even, step, values);
+    if (!model_.has_holes()) return;
+    for (double& value : values)
+      if (model_.is_hole(value)) value = std::numeric_limits<double>::quiet_NaN();
+  } else {
+    FieldSamples::find_corners(even, step, values);
+  }
+}
+
 template class ModelSamples<2>;
 template class ModelSamples<3>;
 

@@ -12,6 +12,8 @@ class ModelSamples final : public FieldSamples {
   explicit ModelSamples(const Model<D>& model) : model_(model) {}
   [[nodiscard]] const RegularGrid& grid() const override { return model_.info.grid; }
   [[nodiscard]] double sample(const Index3& index) const override;
+  void find_corners(const Index3& even, const Index3& step,
+                    std::array<double, 8>& values) const override;
 
  private:
   const Model<D>& model_;
