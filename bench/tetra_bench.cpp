@@ -51,6 +51,7 @@ constexpr std::array<std::pair<CollapseOrder, const char*>, 2> kOtherOrders{
 struct Settings {
   std::string only;          ///< Only cases whose name contains this.
   bool is_surfaces = false;  ///< Nothing but isosurfaces.
+  bool is_refining = false;  ///< Nothing but refining.
   std::string json_path;
 };
 
@@ -183,35 +184,38 @@ struct Made {
 };
 
 /// All of ours from a mesh to its hierarchy, against what the peer takes to simplify it once.
+Result<Made> make(const TetraMesh& mesh) {
+  LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, {}));
+  LODE_TRY(Hierarchy hierarchy, make_hierarchy(mesh, collapses, kThreads));
+  PackedHierarchy packed = PackedHierarchy::pack(hierarchy, mesh.tetrahedra.size(), kThreads);
+  return Made{std::move(hierarchy), std::move(packed)};
+}
+
 Result<Made> run_hierarchy(const TetraCase& tetra_case, const TetraMesh& mesh, const Timed& peer,
                            Table& table) {
   Timed ours;
-  std::optional<Hierarchy> hierarchy;
-  std::optional<PackedHierarchy> packed;
+  std::optional<Made> made;
   const Work work = [&]() -> Result<void> {
-    hierarchy.reset();
-    packed.reset();
-    LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, {}));
-    LODE_TRY(hierarchy, make_hierarchy(mesh, collapses, kThreads));
-    packed = PackedHierarchy::pack(*hierarchy, mesh.tetrahedra.size(), kThreads);
+    made.reset();
+    LODE_TRY(made, make(mesh));
     return {};
   };
   LODE_TRY(ours.seconds, time_runs("hierarchy", work, kRuns));
-  ours.cells = hierarchy->n_base_cells;
-  std::vector<tetra_mt::Tetrahedron> base = TetraCut(*packed).cells();
-  ours.errors = measure_errors(mesh, {hierarchy->positions, hierarchy->fields.front().values, base},
-                               kThreads);
-  const double n = hierarchy->n_nodes();
-  const double arcs = static_cast<double>(hierarchy->children.size()) / n;
-  const double bytes = static_cast<double>(packed->n_page_bytes()) / n;
+  ours.cells = made->hierarchy.n_base_cells;
+  std::vector<tetra_mt::Tetrahedron> base = TetraCut(made->packed).cells();
+  ours.errors = measure_errors(
+      mesh, {made->hierarchy.positions, made->hierarchy.fields.front().values, base}, kThreads);
+  const double n = made->hierarchy.n_nodes();
+  const double arcs = static_cast<double>(made->hierarchy.children.size()) / n;
+  const double bytes = static_cast<double>(made->packed.n_page_bytes()) / n;
   Row row = versus("hierarchy/" + tetra_case.name, ours, peer,
                    fmt::format("{} nodes, {:.2f} arcs and {:.1f} bytes a node; base: {}",
-                               hierarchy->n_nodes(), arcs, bytes, describe(ours.errors)));
+                               made->hierarchy.n_nodes(), arcs, bytes, describe(ours.errors)));
   row.counts["nodes"] = n;
   row.counts["arcs_per_node"] = arcs;
   row.counts["bytes_per_node"] = bytes;
   table.add(std::move(row));
-  return Made{std::move(*hierarchy), std::move(*packed)};
+  return std::move(*made);
 }
 
 /// That errors hold everywhere, not at samples alone.
@@ -286,11 +290,23 @@ void run_isovalue(const TetraCase& tetra_case, const TetraMesh& mesh,
                         standing.n_applied, 100 * share, standing.error_bound)));
 }
 
+Result<void> run_refining(const TetraCase& tetra_case, const TetraMesh& mesh, const Made& made,
+                          Table& table) {
+  LODE_CHECK(run_refine(tetra_case, made, table));
+  for (const double tolerance : {0.0, 0.02})
+    run_isovalue(tetra_case, mesh, made.packed, tolerance, table);
+  return {};
+}
+
 Result<void> run_case(const TetraCase& tetra_case, const Settings& settings, Table& table) {
   LODE_TRY(const TetraMesh mesh, load(tetra_case));
   const auto [low, high] = std::ranges::minmax(mesh.fields.front().values);
   fmt::print("{}: {} tetrahedra, {} vertices, values {:.4g} to {:.4g}\n", tetra_case.name,
              mesh.tetrahedra.size(), mesh.positions.size(), low, high);
+  if (settings.is_refining) {
+    LODE_TRY(const Made made, make(mesh));
+    return run_refining(tetra_case, mesh, made, table);
+  }
   LODE_CHECK(race_isosurfaces(tetra_case.name, mesh, table));
   if (settings.is_surfaces) return {};
   QuadricDecimation peer(mesh);
@@ -298,10 +314,7 @@ Result<void> run_case(const TetraCase& tetra_case, const Settings& settings, Tab
   LODE_TRY(const Timed theirs, run_collapse(tetra_case, mesh, kShares[1], peer, table));
   LODE_TRY(const Made made, run_hierarchy(tetra_case, mesh, theirs, table));
   LODE_CHECK(run_everywhere(tetra_case, mesh, theirs, table));
-  LODE_CHECK(run_refine(tetra_case, made, table));
-  for (const double tolerance : {0.0, 0.02})
-    run_isovalue(tetra_case, mesh, made.packed, tolerance, table);
-  return {};
+  return run_refining(tetra_case, mesh, made, table);
 }
 
 /// On a simplified mesh, as it is used.
@@ -336,6 +349,7 @@ int main(int argc, char** argv) {
   lode::bench::Settings settings;
   app.add_option("--only", settings.only, "Only cases whose name contains this");
   app.add_flag("--surfaces", settings.is_surfaces, "Isosurfaces alone");
+  app.add_flag("--refining", settings.is_refining, "Refining alone");
   app.add_option("--json", settings.json_path, "Also write the rows to this file");
   CLI11_PARSE(app, argc, argv);
   return lode::bench::run(settings);
