@@ -62,8 +62,10 @@ void measure(const std::string& name, const HeightGrid& grid, const std::vector<
     print_times(fmt::format("{}: errors, {} threads", name, n_threads), settings.n_runs,
                 [&] { return Bisection::build(grid, {n_threads}, progress)->lattice().size(); });
   for (const double tolerance : tolerances)
-    print_times(fmt::format("{}: within {}", name, tolerance), settings.n_runs,
-                [&] { return tin_within(*built, grid, tolerance).triangles.size(); });
+    for (const int n_threads : {1, 2})
+      print_times(
+          fmt::format("{}: within {}, {} threads", name, tolerance, n_threads), settings.n_runs,
+          [&] { return tin_within(*built, grid, tolerance, {n_threads}).triangles.size(); });
 }
 
 /// Heights at random places from the errors alone, one thread: millions a second.

@@ -50,7 +50,7 @@ delaunay::Tin BisectionTerrain::tin_for(const TerrainOptions& options,
     // A tolerance that fewer triangles keep is not made finer.
     tolerance = std::max(of_cells.value_or(kNoTolerance), options.max_error ? tolerance : 0);
   }
-  return tin_within(model_.tree, model_.grid, tolerance);
+  return tin_within(model_.tree, model_.grid, tolerance, options.threads);
 }
 
 Result<SelectedTerrain> BisectionTerrain::select(const TerrainOptions& options,

@@ -8,6 +8,7 @@
 #include "lode/core/expects.h"
 #include "lode/delaunay/triangle_error.h"
 #include "lode/models/terrain/right_triangle_bisection/sample_numbers.h"
+#include "lode/models/terrain/right_triangle_bisection/scanned_mesh.h"
 #include "lode/models/terrain/right_triangle_bisection/walk.h"
 
 namespace lode::bisection {
@@ -40,6 +41,40 @@ delaunay::Tin to_tin(const Bisection& bisection, const HeightGrid& grid, Collect
     }
   };
   std::visit(add_vertices, grid.heights);
+  return tin;
+}
+
+/// The same of what was scanned, rows of words at once.
+delaunay::Tin to_tin(const Bisection& bisection, const HeightGrid& grid, ScannedMesh&& mesh,
+                     Threads threads) {
+  delaunay::Tin tin;
+  tin.triangles = std::move(mesh.triangles);
+  tin.errors = std::move(mesh.errors);
+  tin.vertices.resize(mesh.n_samples);
+  tin.heights.resize(mesh.n_samples);
+  const auto stride = static_cast<std::size_t>(bisection.lattice().stride());
+  const std::vector<std::uint64_t>& words = mesh.marks.words();
+  constexpr std::size_t kWords = 1024;
+  const auto put_vertices = [&](const auto& samples, std::size_t first) {
+    std::size_t y = 64 * first / stride;
+    std::size_t row = y * stride;
+    for (std::size_t k = first; k < std::min(words.size(), first + kWords); ++k) {
+      std::size_t n = mesh.n_before[k];
+      for (std::uint64_t word = words[k]; word != 0; word &= word - 1) {
+        const std::size_t i = 64 * k + static_cast<std::size_t>(std::countr_zero(word));
+        for (; i - row >= stride; row += stride) ++y;
+        const std::size_t x = i - row;
+        tin.vertices[n] = {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+        tin.heights[n++] =
+            static_cast<double>(samples[y * static_cast<std::size_t>(grid.stride) + x]);
+      }
+    }
+  };
+  constexpr std::uint32_t kWorthThreads = 1 << 15;
+  if (mesh.n_samples < kWorthThreads) threads = {1};
+  parallel_for((words.size() + kWords - 1) / kWords, threads, 1, [&](std::size_t part, int) {
+    std::visit([&](const auto& samples) { put_vertices(samples, part * kWords); }, grid.heights);
+  });
   return tin;
 }
 
@@ -115,9 +150,12 @@ float limit_of(double tolerance) {
 
 }  // namespace
 
-delaunay::Tin tin_within(const Bisection& bisection, const HeightGrid& grid, double tolerance) {
+delaunay::Tin tin_within(const Bisection& bisection, const HeightGrid& grid, double tolerance,
+                         Threads threads) {
   const float* errors = bisection.errors();
   const float limit = limit_of(tolerance);
+  if (bisection.is_whole() && is_scanned(bisection.lattice()))
+    return to_tin(bisection, grid, mesh_by_scan(bisection, limit, threads), threads);
   return to_tin(bisection, grid,
                 collect(bisection, [errors, limit](std::int64_t i) { return errors[i] > limit; }));
 }

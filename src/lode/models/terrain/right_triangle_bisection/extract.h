@@ -34,9 +34,10 @@ class NodeSet {
 
 /// The coarsest mesh whose nodes with errors above the tolerance are refined; errors of triangles
 /// are those of the nodes that were not. O(triangles), and a bit for each sample. The grid is the
-/// one that the errors are of.
+/// one that the errors are of. The same for any number of threads, of which a raster larger than
+/// the caches takes one.
 [[nodiscard]] delaunay::Tin tin_within(const Bisection& bisection, const HeightGrid& grid,
-                                       double tolerance);
+                                       double tolerance, Threads threads = {1});
 /// The mesh whose refined nodes are these.
 [[nodiscard]] delaunay::Tin tin_of(const Bisection& bisection, const HeightGrid& grid,
                                    const NodeSet& nodes);

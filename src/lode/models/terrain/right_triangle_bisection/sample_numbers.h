@@ -18,6 +18,7 @@ class SampleMarks {
     words_[static_cast<std::size_t>(i) / 64] |= std::uint64_t{1} << (i % 64);
   }
   [[nodiscard]] const std::vector<std::uint64_t>& words() const { return words_; }
+  [[nodiscard]] std::uint64_t* data() { return words_.data(); }
 
  private:
   std::vector<std::uint64_t> words_;
