@@ -44,6 +44,7 @@ struct Distances {
   double max_distance;
   std::optional<double> max_error{};
   std::optional<double> keep_topology{};
+  bool has_estimates = true;  ///< The file's world errors.
 };
 
 /// How many triangles the file's surface has, the model's in memory and full resolution's.
@@ -52,6 +53,7 @@ std::array<std::size_t, 3> expect_near_of_file(const Volume& volume, double isov
   SCOPED_TRACE(::testing::Message() << within.max_distance);
   const TestPath path("near.lode");
   const std::string lode = stored(path, volume);
+  if (!within.has_estimates) test::leave_out(lode, diamond::Kind::worlds);
   ExtractOptions options{.isovalues = {isovalue}, .max_error = 0};
   options.normals = Normals::off;
   StoredExtract full;
@@ -107,6 +109,16 @@ TEST(stored_distance, is_kept_with_other_tolerances) {
   const auto with_error = expect_near_of_file(volume, 120.5, {1.5, 6.0});
   EXPECT_GT(with_error[0], alone[0]);
   expect_near_of_file(volume, 120.5, {1.5, {}, 0.0});
+}
+
+TEST(stored_distance, is_kept_without_world_errors_in_the_file) {
+  const Volume volume = spotted_hills(several_chunks(), 3);
+  const auto [pieces, whole, full] =
+      expect_near_of_file(volume, 120.5, {.max_distance = 1, .has_estimates = false});
+  EXPECT_LT(5 * pieces, 4 * full);
+  const auto with_them = expect_near_of_file(volume, 120.5, {.max_distance = 1});
+  EXPECT_NE(pieces, with_them[0]) << "it begins elsewhere";
+  EXPECT_EQ(full, with_them[2]);
 }
 
 TEST(stored_distance, far_below_a_voxel_is_full_resolution) {

@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "lode/models/diamond/block_layout.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/persist.h"
 #include "lode/store/codec.h"
+#include "lode/store/reader.h"
 #include "lode/store/writer.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/typed_samples.h"
@@ -54,6 +56,28 @@ void save(const diamond::Model<D>& model, const std::string& path) {
   Progress progress;
   const auto saved = diamond::save<D>(model, path, {2}, progress);
   ASSERT_TRUE(saved) << saved.error().message;
+}
+
+/// Writes a file again without its blocks of a kind, as older ones are without world errors.
+inline void leave_out(const std::string& path, diamond::Kind kind) {
+  const auto reader = store::Reader::open(path);
+  ASSERT_TRUE(reader);
+  auto writer = store::Writer::create(path, reader->model(), reader->metadata());
+  ASSERT_TRUE(writer);
+  std::size_t n_left_out = 0;
+  for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
+    const store::BlockEntry& entry = reader->blocks()[i];
+    if (store::is_index(entry.key)) continue;
+    if (entry.key.kind == static_cast<std::uint32_t>(kind)) {
+      ++n_left_out;
+      continue;
+    }
+    const auto raw = reader->read_block(i);
+    ASSERT_TRUE(raw);
+    ASSERT_TRUE(writer->append(entry.key, store::encode_block({*raw, entry.element_size})));
+  }
+  ASSERT_TRUE(writer->finish());
+  ASSERT_GT(n_left_out, 0U);
 }
 
 template <int D>
