@@ -42,6 +42,11 @@ std::string failed(const VerifyReport& report) {
     if (!check.passed) return check.name;
   return "";
 }
+std::string detail_of_failed(const VerifyReport& report) {
+  for (const VerifyReport::Check& check : report.checks)
+    if (!check.passed) return check.detail;
+  return "";
+}
 
 /// A grid with its rows from north to south, as rasters are, or from south to north.
 HeightGrid hilly_grid(bool is_mirrored) {
@@ -217,7 +222,9 @@ class tiled_terrain : public testing::Test {
 
 TEST_F(tiled_terrain, is_right_but_for_edges_on_seams) {
   EXPECT_EQ(failed(verify_as(TinShape::tiles, made_.surface)), "");
-  EXPECT_EQ(failed(verify_as(TinShape::delaunay, made_.surface)), "inner edges are Delaunay");
+  const VerifyReport as_delaunay = verify_as(TinShape::delaunay, made_.surface);
+  EXPECT_EQ(failed(as_delaunay), "inner edges are Delaunay");
+  EXPECT_NE(detail_of_failed(as_delaunay).find("\"tiles\""), std::string::npos);
   EXPECT_LE(made_.report.achieved_error, 40);
   const TerrainSurface whole = extract(grid_, {.max_error = 40});
   EXPECT_EQ(failed(verify_as(TinShape::tiles, whole.surface)), "");
@@ -250,6 +257,8 @@ TEST_F(tiled_terrain, must_be_delaunay_where_triangles_cross_the_seam) {
     const std::string what = failed(verify_as(TinShape::tiles, turned));
     if (what == "triangles face up") continue;
     EXPECT_EQ(what, "inner edges are Delaunay or on seams");
+    EXPECT_EQ(detail_of_failed(verify_as(TinShape::delaunay, turned)).find("tiles"),
+              std::string::npos);
     return;
   }
   FAIL() << "no edge of the seam could be turned";

@@ -19,6 +19,16 @@
 namespace lode {
 namespace {
 
+std::string describe_not_delaunay(const TinFacts& facts) {
+  if (facts.n_not_delaunay == 0) return "";
+  if (facts.n_on_seams < facts.n_not_delaunay)
+    return fmt::format("{} are not", facts.n_not_delaunay);
+  return fmt::format(
+      "{} are not, all on columns and rows that no triangle crosses, as the order "
+      "of insertion \"tiles\" leaves them",
+      facts.n_not_delaunay);
+}
+
 /// `vertices`: what they are to be; `worst`: where the largest error is.
 VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
                        const std::string& worst, const char* vertices = "vertices are samples") {
@@ -37,8 +47,7 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
                                         : 2;
   if (shape == TinShape::delaunay)
     report.add(facts.n_lines > 0 ? "other inner edges are Delaunay" : "inner edges are Delaunay",
-               facts.n_inner_edges, facts.n_not_delaunay,
-               facts.n_not_delaunay > 0 ? fmt::format("{} are not", facts.n_not_delaunay) : "");
+               facts.n_inner_edges, facts.n_not_delaunay, describe_not_delaunay(facts));
   if (shape == TinShape::tiles)
     report.add("inner edges are Delaunay or on seams", facts.n_inner_edges, facts.n_not_delaunay,
                facts.n_not_delaunay > 0 ? fmt::format("{} are neither", facts.n_not_delaunay)

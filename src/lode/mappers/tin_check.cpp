@@ -167,14 +167,20 @@ class TinChecker {
 
   void look_at_edges() {
     const auto on_outline = [this](LatticePoint a, LatticePoint b) { return is_outline(a, b); };
-    if (options_.seams == TinSeams::none)
-      return check_edges(tin_.triangles, tin_.nodes, on_outline, facts_);
+    if (options_.seams == TinSeams::none) {
+      check_edges(tin_.triangles, tin_.nodes, on_outline, facts_);
+      if (facts_.n_not_delaunay == 0) return;
+    }
     const UncrossedLines lines(
         tin_.triangles, tin_.nodes,
         {(grid_.n_columns - 1) * tin_.scale, (grid_.n_rows - 1) * tin_.scale});
-    check_edges(
-        tin_.triangles, tin_.nodes, on_outline, facts_,
-        [&](std::uint32_t a, std::uint32_t b) { return lines.has(tin_.nodes[a], tin_.nodes[b]); });
+    const auto is_on_seam = [&](std::uint32_t a, std::uint32_t b) {
+      return lines.has(tin_.nodes[a], tin_.nodes[b]);
+    };
+    TinFacts with_seams = facts_;
+    TinFacts& facts = options_.seams == TinSeams::none ? with_seams : facts_;
+    check_edges(tin_.triangles, tin_.nodes, on_outline, facts, is_on_seam);
+    facts_.n_on_seams = with_seams.n_constrained;
   }
 
   /// Steps that it goes over in part count whole.

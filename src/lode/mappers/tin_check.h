@@ -23,6 +23,7 @@ struct TinFacts {
   std::uint64_t n_overused = 0;  ///< Of more than two triangles, or of two on one side.
   std::uint64_t n_inner_edges = 0;
   std::uint64_t n_not_delaunay = 0;      ///< The vertex across lies inside the circle.
+  std::uint64_t n_on_seams = 0;          ///< Of those, with TinSeams::none: as TinSeams::allowed.
   std::uint64_t n_constrained = 0;       ///< It does, too, but the edge is fixed or on a seam.
   std::uint64_t n_lines = 0;             ///< Edges that were to be fixed.
   std::uint64_t n_broken_lines = 0;      ///< Those that are not all edges of triangles.
