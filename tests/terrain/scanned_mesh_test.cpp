@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "lode/models/terrain/right_triangle_bisection/extract.h"
+#include "tests/models/all_targets.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/trials.h"
 #include "tests/terrain/bisection_fixtures.h"
@@ -33,19 +34,23 @@ TEST(scanned_mesh, is_that_of_the_nodes_above_the_tolerance) {
     SCOPED_TRACE(testing::Message()
                  << "trial " << trial << ": " << grid.n_columns << " x " << grid.n_rows);
     Progress progress;
-    const auto made = Bisection::build(grid, {1}, progress);
+    auto made = Bisection::build(grid, {1}, progress);
     if (!made) continue;
     const HeightRange range = height_range(grid);
     const double wide = (range.upper - range.lower) * std::exp2(random.uniform(-12, 0));
     for (const double tolerance : {0.0, static_cast<double>(static_cast<float>(wide)), 1e30})
       expect_same_as_of_nodes(*made, grid, tolerance);
+    if (!made->is_whole()) continue;
+    made->keep({{grid.n_columns - 1, 0}, {grid.n_columns / 2, grid.n_rows / 2}});
+    expect_same_as_of_nodes(*made, grid, static_cast<double>(static_cast<float>(wide)));
   }
   // So many triangles that threads share them, and rows of words.
   const auto noise = [&](int, int) { return static_cast<double>(random.below(1000)); };
   for (const LatticePoint size : {LatticePoint{731, 700}, {300, 900}, {1100, 900}}) {
     const HeightGrid grid = delaunay::test::make_grid<std::int16_t>(size.x, size.y, noise);
     const Bisection made = test::build(grid);
-    for (const double tolerance : {0.0, 300.0}) expect_same_as_of_nodes(made, grid, tolerance);
+    for (const double tolerance : {0.0, 300.0})
+      lode::test::for_each_target([&] { expect_same_as_of_nodes(made, grid, tolerance); });
   }
 }
 

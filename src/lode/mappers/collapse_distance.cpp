@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "lode/core/expects.h"
 #include "lode/core/point_triangle.h"
 #include "lode/mappers/shadow_cover.h"
 
@@ -69,6 +70,7 @@ double DistanceProof::bound_from(std::uint32_t triangle, FromOriginal& own) {
   std::size_t n = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t t = mesh_.attached_to[original_.triangles[triangle][k]];
+    LODE_EXPECTS(t != kNone);  // it is a corner of triangles
     which[k] = t == at[0] ? 0 : t == at[1] ? 1 : n;
     if (which[k] < n) continue;
     at[n] = t;

@@ -20,7 +20,7 @@ Cut find_cut(const Vec3d& a, const Vec3d& b, const Piece& first, const Piece& se
   constexpr int kMostSteps = 6;
   double low = 0;
   double high = 1;
-  // Of the distances beyond the ends' own, as if they were linear.
+  // Where both would be equal if they were linear, and 0 at their own ends.
   const double from_second = std::sqrt(squared_distance_to_triangle(a, second));
   const double from_first = std::sqrt(squared_distance_to_triangle(b, first));
   const double both = from_second + from_first;
@@ -42,9 +42,13 @@ Cut find_cut(const Vec3d& a, const Vec3d& b, const Piece& first, const Piece& se
 double bound_by_cuts(const Piece& triangle, const std::array<Piece, 3>& targets,
                      const std::array<std::size_t, 3>& which, double limit2) {
   double bound = 0;
+  const auto is_near = [&](const Vec3d& p, const Piece& target) {
+    const double here = squared_distance_to_triangle(p, target);
+    bound = std::max(bound, here);
+    return here <= limit2;
+  };
   for (std::size_t k = 0; k < 3; ++k)
-    bound = std::max(bound, squared_distance_to_triangle(triangle[k], targets[which[k]]));
-  if (!(bound <= limit2)) return kUnproven;
+    if (!is_near(triangle[k], targets[which[k]])) return kUnproven;
   Vec3d middle;
   std::size_t n_cuts = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -60,8 +64,8 @@ double bound_by_cuts(const Piece& triangle, const std::array<Piece, 3>& targets,
   if (n_cuts < 3) return bound;
   middle = middle * (1.0 / 3);
   for (const Piece& target : targets)
-    bound = std::max(bound, squared_distance_to_triangle(middle, target));
-  return bound <= limit2 ? bound : kUnproven;
+    if (!is_near(middle, target)) return kUnproven;
+  return bound;
 }
 
 TriangleCuts::Box TriangleCuts::box_round(const Piece& piece, double reach) {

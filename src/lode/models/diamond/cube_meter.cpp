@@ -126,11 +126,13 @@ bool CubeMeter::may_add() {
   return farthest_vertex_ > deviation_.distance;
 }
 
-/// Of |F - isovalue| on all of the cube's triangles. Along a segment F is linear but for where it
-/// crosses the planes between tetrahedra, each once: there its slope changes by how much the
-/// diagonals of a face differ, in their sums, times how fast the segment crosses. So between points
-/// where it has the isovalue it is off by no more than half of those sums together. Points of a
-/// triangle's edges are between two of its corners, others between such a point and a corner.
+/// Of |F - isovalue| on all of the cube's triangles. F is linear but for folds at the planes
+/// between tetrahedra, where two coordinates are equal: on the side where the first is larger it
+/// gains their difference times how much the sums of a face's diagonals differ. That part of F is 0
+/// or more at the corners, which have the isovalue, and at other points off the corners' mean by at
+/// most what corners on either side weigh, so by half of a fold, as coordinates differ by no more
+/// than 1. Where a fold changes along its plane, by half of the larger one: go from a corner to a
+/// point of the side opposite, which adds up to the same.
 double CubeMeter::error_bound() const {
   double folds = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -146,7 +148,7 @@ double CubeMeter::error_bound() const {
     folds += fold;
   }
   // Vertices stay away from corners by a margin.
-  return folds + (2 * frame_.margin + kRounding) * field_.magnitude();
+  return 0.5 * folds + (2 * frame_.margin + kRounding) * field_.magnitude();
 }
 
 bool CubeMeter::errs(double limit) {
