@@ -183,7 +183,6 @@ struct Made {
   PackedHierarchy packed;
 };
 
-/// All of ours from a mesh to its hierarchy, against what the peer takes to simplify it once.
 Result<Made> make(const TetraMesh& mesh) {
   LODE_TRY(const HalfEdgeCollapses collapses, collapse(mesh, {}));
   LODE_TRY(Hierarchy hierarchy, make_hierarchy(mesh, collapses, kThreads));
@@ -191,6 +190,7 @@ Result<Made> make(const TetraMesh& mesh) {
   return Made{std::move(hierarchy), std::move(packed)};
 }
 
+/// All of ours from a mesh to its hierarchy, against what the peer takes to simplify it once.
 Result<Made> run_hierarchy(const TetraCase& tetra_case, const TetraMesh& mesh, const Timed& peer,
                            Table& table) {
   Timed ours;

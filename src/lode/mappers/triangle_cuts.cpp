@@ -98,14 +98,13 @@ void TriangleCuts::add(const Piece& target) {
   t.uv = dot(t.u, t.v);
   t.vv = dot(t.v, t.v);
   const Vec3d w = t.v - t.u;
-  t.ww = dot(w, w);
   const double area2 = t.uu * t.vv - t.uv * t.uv;
   const bool has_inside = area2 > 1e-8 * t.uu * t.vv;
   const auto over = [](double x) { return x > 0 ? 1 / x : 0.0; };
   t.area2 = has_inside ? area2 : -1;
   t.over_uu = over(t.uu);
   t.over_vv = over(t.vv);
-  t.over_ww = over(t.ww);
+  t.over_ww = over(dot(w, w));
   t.over_area2 = has_inside ? 1 / area2 : 0;
   targets_.push_back(t);
 }

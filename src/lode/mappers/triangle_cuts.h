@@ -48,7 +48,7 @@ class TriangleCuts {
   struct Target {
     Box around;  ///< No point outside it is near.
     Vec3d origin, u, v;
-    double uu, uv, vv, ww;
+    double uu, uv, vv;
     double area2;  ///< Squared, four times; negative of a sliver, whose edges are enough.
     double over_uu, over_vv, over_ww, over_area2;
   };

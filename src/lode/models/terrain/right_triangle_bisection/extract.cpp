@@ -14,38 +14,8 @@
 namespace lode::bisection {
 namespace {
 
-/// Triangles between samples, by their indices, and the samples that are corners of some.
-struct Collected {
-  std::vector<SampleCorners> corners;
-  std::vector<float> errors;
-  SampleMarks marks;
-};
-
-delaunay::Tin to_tin(const Bisection& bisection, const HeightGrid& grid, Collected&& collected) {
-  delaunay::Tin tin;
-  const std::vector<std::uint32_t> used = number_samples(collected.marks, collected.corners);
-  tin.triangles = std::move(collected.corners);
-  tin.errors = std::move(collected.errors);
-  tin.vertices.reserve(used.size());
-  tin.heights.reserve(used.size());
-  const auto stride = static_cast<std::uint32_t>(bisection.lattice().stride());
-  const auto add_vertices = [&](const auto& samples) {
-    std::int32_t y = 0;
-    std::uint32_t row = 0;
-    for (const std::uint32_t i : used) {
-      for (; i - row >= stride; row += stride) ++y;
-      const auto x = static_cast<std::int32_t>(i - row);
-      tin.vertices.push_back({x, y});
-      tin.heights.push_back(
-          static_cast<double>(samples[static_cast<std::size_t>(y * grid.stride + x)]));
-    }
-  };
-  std::visit(add_vertices, grid.heights);
-  return tin;
-}
-
-/// The same of what was scanned, rows of words at once.
-delaunay::Tin to_tin(const Bisection& bisection, const HeightGrid& grid, ScannedMesh&& mesh,
+/// Of numbered samples, so many words of marks at once.
+delaunay::Tin to_tin(const Bisection& bisection, const HeightGrid& grid, SampleMesh&& mesh,
                      Threads threads) {
   delaunay::Tin tin;
   tin.triangles = std::move(mesh.triangles);
@@ -116,13 +86,14 @@ void walk_domain(const Bisection& bisection, const IsRefined& is_refined, const 
 }
 
 template <typename IsRefined>
-Collected collect(const Bisection& bisection, const IsRefined& is_refined) {
+SampleMesh collect(const Bisection& bisection, const IsRefined& is_refined) {
   const Lattice& lattice = bisection.lattice();
-  Collected collected{{}, {}, SampleMarks(lattice.stride() * (std::int64_t{lattice.last().y} + 1))};
+  SampleMesh collected{
+      {}, {}, SampleMarks(lattice.stride() * (std::int64_t{lattice.last().y} + 1)), {}};
   const float* errors = bisection.errors();
   const auto add = [&](std::int64_t a, std::int64_t b, std::int64_t c, std::int64_t node) {
-    collected.corners.push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b),
-                                 static_cast<std::uint32_t>(c)});
+    collected.triangles.push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b),
+                                   static_cast<std::uint32_t>(c)});
     collected.errors.push_back(node < 0 ? 0.0F : errors[node]);
   };
   if (!bisection.is_whole()) {
@@ -132,6 +103,7 @@ Collected collect(const Bisection& bisection, const IsRefined& is_refined) {
                   add(a, b, c, node);
                   for (const std::int64_t i : {a, b, c}) collected.marks.add(i);
                 });
+    number_samples(collected);
     return collected;
   }
   for (const LatticePoint corner :
@@ -139,6 +111,7 @@ Collected collect(const Bisection& bisection, const IsRefined& is_refined) {
     collected.marks.add(static_cast<std::int64_t>(lattice.index(corner)));
   const auto mark = [&](std::int64_t i) { collected.marks.add(i); };
   Walk(lattice, is_refined, add, mark).all();
+  number_samples(collected);
   return collected;
 }
 
@@ -157,12 +130,13 @@ delaunay::Tin tin_within(const Bisection& bisection, const HeightGrid& grid, dou
   if (bisection.is_whole() && is_scanned(bisection.lattice()))
     return to_tin(bisection, grid, mesh_by_scan(bisection, limit, threads), threads);
   return to_tin(bisection, grid,
-                collect(bisection, [errors, limit](std::int64_t i) { return errors[i] > limit; }));
+                collect(bisection, [errors, limit](std::int64_t i) { return errors[i] > limit; }),
+                threads);
 }
 
 delaunay::Tin tin_of(const Bisection& bisection, const HeightGrid& grid, const NodeSet& nodes) {
   return to_tin(bisection, grid,
-                collect(bisection, [&nodes](std::int64_t i) { return nodes.has(i); }));
+                collect(bisection, [&nodes](std::int64_t i) { return nodes.has(i); }), {1});
 }
 
 std::uint64_t count_triangles(const Bisection& bisection, double tolerance, std::uint64_t most) {

@@ -34,8 +34,8 @@ class NodeSet {
 
 /// The coarsest mesh whose nodes with errors above the tolerance are refined; errors of triangles
 /// are those of the nodes that were not. O(triangles), and a bit for each sample. The grid is the
-/// one that the errors are of. The same for any number of threads, of which a raster larger than
-/// the caches takes one.
+/// one that the errors are of. The same for any number of threads; triangles of a raster larger
+/// than the caches are found by one.
 [[nodiscard]] delaunay::Tin tin_within(const Bisection& bisection, const HeightGrid& grid,
                                        double tolerance, Threads threads = {1});
 /// The mesh whose refined nodes are these.

@@ -12,24 +12,24 @@
 HWY_BEFORE_NAMESPACE();
 namespace lode::bisection::HWY_NAMESPACE {
 
-void number(const SampleMarks& marks, std::vector<SampleCorners>& triangles,
-            std::vector<std::uint32_t>& used) {
-  const std::vector<std::uint64_t>& words = marks.words();
-  std::vector<std::uint32_t> n_before(words.size());
+void count(SampleMesh& mesh) {
+  const std::vector<std::uint64_t>& words = mesh.marks.words();
+  mesh.n_before.resize(words.size());
   std::uint32_t n = 0;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    n_before[i] = n;
+    mesh.n_before[i] = n;
     n += static_cast<std::uint32_t>(std::popcount(words[i]));
   }
-  used.reserve(n);
-  for (std::size_t i = 0; i < words.size(); ++i)
-    for (std::uint64_t word = words[i]; word != 0; word &= word - 1)
-      used.push_back(static_cast<std::uint32_t>(64 * i) +
-                     static_cast<std::uint32_t>(std::countr_zero(word)));
-  for (SampleCorners& corners : triangles)
+  mesh.n_samples = n;
+}
+
+void number(SampleMesh& mesh) {
+  count(mesh);
+  const std::vector<std::uint64_t>& words = mesh.marks.words();
+  for (SampleCorners& corners : mesh.triangles)
     for (std::uint32_t& i : corners) {
       const std::uint64_t below = words[i / 64] & ((std::uint64_t{1} << (i % 64)) - 1);
-      i = n_before[i / 64] + static_cast<std::uint32_t>(std::popcount(below));
+      i = mesh.n_before[i / 64] + static_cast<std::uint32_t>(std::popcount(below));
     }
 }
 
@@ -39,14 +39,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace lode::bisection {
 
+HWY_EXPORT(count);
 HWY_EXPORT(number);
 
-std::vector<std::uint32_t> number_samples(const SampleMarks& marks,
-                                          std::vector<SampleCorners>& triangles) {
-  std::vector<std::uint32_t> used;
-  HWY_DYNAMIC_DISPATCH(number)(marks, triangles, used);
-  return used;
-}
+void count_samples(SampleMesh& mesh) { HWY_DYNAMIC_DISPATCH(count)(mesh); }
+
+void number_samples(SampleMesh& mesh) { HWY_DYNAMIC_DISPATCH(number)(mesh); }
 
 }  // namespace lode::bisection
 #endif

@@ -24,9 +24,20 @@ class SampleMarks {
   std::vector<std::uint64_t> words_;
 };
 
-/// Numbers marked samples by rising indices, and puts these numbers for the indices that triangles
-/// have for corners, all of which are marked. Returns the indices by number.
-[[nodiscard]] std::vector<std::uint32_t> number_samples(const SampleMarks& marks,
-                                                        std::vector<SampleCorners>& triangles);
+/// Triangles between samples, and the samples that are corners of some.
+struct SampleMesh {
+  /// Indices of samples, or once these are numbered by rising indices, their numbers.
+  std::vector<SampleCorners> triangles;
+  std::vector<float> errors;  ///< Of the nodes that were not refined, or 0.
+  SampleMarks marks;
+  std::vector<std::uint32_t> n_before;  ///< Marks before each of their words, once counted,
+  std::uint32_t n_samples = 0;          ///< and all.
+};
+
+/// Counts the marks.
+void count_samples(SampleMesh& mesh);
+/// The same, and puts numbers for the indices that triangles have for corners, all of which are
+/// marked.
+void number_samples(SampleMesh& mesh);
 
 }  // namespace lode::bisection

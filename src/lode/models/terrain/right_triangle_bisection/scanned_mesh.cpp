@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <span>
 
 #include "lode/models/terrain/right_triangle_bisection/walk.h"
 
@@ -67,16 +66,6 @@ void mark_above(const float* errors, std::int32_t n, float limit, std::uint64_t*
     const std::size_t at = first + static_cast<std::size_t>(x);
     words[at / 64] |= std::uint64_t{errors[x] > limit ? 1U : 0U} << (at % 64);
   }
-}
-
-/// Marks before each word, and all.
-std::uint32_t count_marks(std::span<const std::uint64_t> words, std::uint32_t* n_before) {
-  std::uint32_t n = 0;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    n_before[i] = n;
-    n += static_cast<std::uint32_t>(std::popcount(words[i]));
-  }
-  return n;
 }
 
 /// Walk with numbers: of each corner its index, and its number with it. Or the other way round,
@@ -185,7 +174,6 @@ namespace lode::bisection {
 namespace {
 
 HWY_EXPORT(mark_above);
-HWY_EXPORT(count_marks);
 HWY_EXPORT(walk_numbered);
 HWY_EXPORT(walk_turned);
 
@@ -236,20 +224,18 @@ void mark_samples(const Bisection& bisection, float limit, Threads threads, Samp
 
 }  // namespace
 
-ScannedMesh mesh_by_scan(const Bisection& bisection, float limit, Threads threads) {
+SampleMesh mesh_by_scan(const Bisection& bisection, float limit, Threads threads) {
   const Lattice& lattice = bisection.lattice();
-  ScannedMesh mesh{
-      {}, {}, SampleMarks(lattice.stride() * (std::int64_t{lattice.last().y} + 1)), {}};
+  SampleMesh mesh{{}, {}, SampleMarks(lattice.stride() * (std::int64_t{lattice.last().y} + 1)), {}};
   mark_samples(bisection, limit, threads, mesh.marks);
   const std::size_t n_beyond = mark_beyond(bisection, limit, mesh.marks);
-  const std::vector<std::uint64_t>& words = mesh.marks.words();
-  mesh.n_before.resize(words.size());
-  mesh.n_samples = HWY_DYNAMIC_DISPATCH(count_marks)(words, mesh.n_before.data());
+  count_samples(mesh);
   // Each refined node brings two triangles, or one.
   const std::size_t most = 2 + 2 * (mesh.n_samples + n_beyond);
   mesh.triangles.resize(most);
   mesh.errors.resize(most);
-  const ScannedNodes nodes{&lattice, bisection.errors(), limit, words.data(), mesh.n_before.data()};
+  const ScannedNodes nodes{&lattice, bisection.errors(), limit, mesh.marks.words().data(),
+                           mesh.n_before.data()};
   const std::array<LatticeTriangle, 2> halves = roots(lattice);
   SampleCorners* const corners = mesh.triangles.data();
   float* const errors = mesh.errors.data();
