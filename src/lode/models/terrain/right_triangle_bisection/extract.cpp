@@ -14,37 +14,96 @@
 namespace lode::bisection {
 namespace {
 
-/// Of numbered samples, so many words of marks at once.
+/// Vertices and heights of samples that are marked and counted, in parts.
+class VertexWriter {
+ public:
+  VertexWriter(const Bisection& bisection, const HeightGrid& grid, const SampleMesh& mesh,
+               delaunay::Tin& tin)
+      : stride_(static_cast<std::size_t>(bisection.lattice().stride())),
+        grid_(grid),
+        mesh_(mesh),
+        tin_(tin) {
+    tin.vertices.resize(mesh.n_samples);
+    tin.heights.resize(mesh.n_samples);
+  }
+
+  [[nodiscard]] std::size_t n_words() const { return mesh_.marks.words().size(); }
+  /// Of words of marks.
+  void put(std::size_t first, std::size_t end) {
+    std::visit([&](const auto& samples) { put_of(samples, first, end); }, grid_.heights);
+  }
+
+ private:
+  template <typename Samples>
+  void put_of(const Samples& samples, std::size_t first, std::size_t end) {
+    const std::vector<std::uint64_t>& words = mesh_.marks.words();
+    std::size_t y = 64 * first / stride_;
+    std::size_t row = y * stride_;
+    for (std::size_t k = first; k < end; ++k) {
+      std::size_t n = mesh_.n_before[k];
+      for (std::uint64_t word = words[k]; word != 0; word &= word - 1) {
+        const std::size_t i = 64 * k + static_cast<std::size_t>(std::countr_zero(word));
+        for (; i - row >= stride_; row += stride_) ++y;
+        const std::size_t x = i - row;
+        tin_.vertices[n] = {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+        tin_.heights[n++] =
+            static_cast<double>(samples[y * static_cast<std::size_t>(grid_.stride) + x]);
+      }
+    }
+  }
+
+  std::size_t stride_;
+  const HeightGrid& grid_;
+  const SampleMesh& mesh_;
+  delaunay::Tin& tin_;
+};
+
+/// Of numbered samples.
 delaunay::Tin to_tin(const Bisection& bisection, const HeightGrid& grid, SampleMesh&& mesh,
                      Threads threads) {
   delaunay::Tin tin;
   tin.triangles = std::move(mesh.triangles);
   tin.errors = std::move(mesh.errors);
-  tin.vertices.resize(mesh.n_samples);
-  tin.heights.resize(mesh.n_samples);
-  const auto stride = static_cast<std::size_t>(bisection.lattice().stride());
-  const std::vector<std::uint64_t>& words = mesh.marks.words();
+  VertexWriter vertices(bisection, grid, mesh, tin);
   constexpr std::size_t kWords = 1024;
-  const auto put_vertices = [&](const auto& samples, std::size_t first) {
-    std::size_t y = 64 * first / stride;
-    std::size_t row = y * stride;
-    for (std::size_t k = first; k < std::min(words.size(), first + kWords); ++k) {
-      std::size_t n = mesh.n_before[k];
-      for (std::uint64_t word = words[k]; word != 0; word &= word - 1) {
-        const std::size_t i = 64 * k + static_cast<std::size_t>(std::countr_zero(word));
-        for (; i - row >= stride; row += stride) ++y;
-        const std::size_t x = i - row;
-        tin.vertices[n] = {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
-        tin.heights[n++] =
-            static_cast<double>(samples[y * static_cast<std::size_t>(grid.stride) + x]);
-      }
-    }
-  };
   constexpr std::uint32_t kWorthThreads = 1 << 15;
   if (mesh.n_samples < kWorthThreads) threads = {1};
-  parallel_for((words.size() + kWords - 1) / kWords, threads, 1, [&](std::size_t part, int) {
-    std::visit([&](const auto& samples) { put_vertices(samples, part * kWords); }, grid.heights);
+  const std::size_t n_words = vertices.n_words();
+  parallel_for((n_words + kWords - 1) / kWords, threads, 1, [&](std::size_t part, int) {
+    vertices.put(part * kWords, std::min(n_words, (part + 1) * kWords));
   });
+  return tin;
+}
+
+/// A half of the triangles, the other, and the vertices, at once. These are a fifth of the work,
+/// and go to whoever has the smaller half.
+void walk_at_once(const MeshScan& scan, Threads threads, VertexWriter& vertices,
+                  delaunay::Tin& tin) {
+  delaunay::Tin upper;
+  parallel_for(3, threads, 1, [&](std::size_t part, int) {
+    if (part < 2)
+      scan.walk(part, part == 0 ? tin : upper);
+    else
+      vertices.put(0, vertices.n_words());
+  });
+  tin.triangles.insert(tin.triangles.end(), upper.triangles.begin(), upper.triangles.end());
+  tin.errors.insert(tin.errors.end(), upper.errors.begin(), upper.errors.end());
+}
+
+delaunay::Tin scanned_tin(const Bisection& bisection, const HeightGrid& grid, float limit,
+                          Threads threads) {
+  const MeshScan scan(bisection, limit, threads);
+  delaunay::Tin tin;
+  tin.triangles.reserve(scan.most_triangles());
+  tin.errors.reserve(scan.most_triangles());
+  VertexWriter vertices(bisection, grid, scan.mesh(), tin);
+  constexpr std::size_t kWorthThreads = 1 << 13;  // else waking them takes as long
+  if (scan.most_triangles() >= kWorthThreads && n_workers(threads) > 1) {
+    walk_at_once(scan, threads, vertices, tin);
+  } else {
+    for (const std::size_t half : {0U, 1U}) scan.walk(half, tin);
+    vertices.put(0, vertices.n_words());
+  }
   return tin;
 }
 
@@ -128,7 +187,7 @@ delaunay::Tin tin_within(const Bisection& bisection, const HeightGrid& grid, dou
   const float* errors = bisection.errors();
   const float limit = limit_of(tolerance);
   if (bisection.is_whole() && is_scanned(bisection.lattice()))
-    return to_tin(bisection, grid, mesh_by_scan(bisection, limit, threads), threads);
+    return scanned_tin(bisection, grid, limit, threads);
   return to_tin(bisection, grid,
                 collect(bisection, [errors, limit](std::int64_t i) { return errors[i] > limit; }),
                 threads);

@@ -17,12 +17,6 @@
 #define LODE_SCANNED_MESH_ONCE
 namespace lode::bisection {
 
-/// Where triangles go: from here on, or what is before it, the last one first.
-struct TriangleRoom {
-  SampleCorners* corners = nullptr;
-  float* errors = nullptr;
-};
-
 /// What a walk looks at.
 struct ScannedNodes {
   const Lattice* lattice = nullptr;
@@ -68,19 +62,16 @@ void mark_above(const float* errors, std::int32_t n, float limit, std::uint64_t*
   }
 }
 
-/// Walk with numbers: of each corner its index, and its number with it. Or the other way round,
-/// from right to left.
-template <bool kIsTurned>
+/// Walk with numbers: of each corner its index, and its number with it.
 class NumberedWalk {
  public:
-  NumberedWalk(const ScannedNodes& nodes, const TriangleRoom& room)
+  NumberedWalk(const ScannedNodes& nodes, delaunay::Tin& tin)
       : lattice_(*nodes.lattice),
         errors_(nodes.errors),
         limit_(nodes.limit),
         words_(nodes.words),
         n_before_(nodes.n_before),
-        corners_(room.corners),
-        mesh_errors_(room.errors) {}
+        tin_(tin) {}
 
   void under(const LatticeTriangle& t, int depth) {
     const LatticePoint last = lattice_.last();
@@ -91,79 +82,85 @@ class NumberedWalk {
     const LatticePoint middle = t.middle();
     const bool is_refined = depth > 0 && errors_[lattice_.index(middle)] > limit_;
     if (!is_refined) {
-      add(number_of(t.a), number_of(t.b), number_of(t.c),
-          depth > 0 ? errors_[lattice_.index(middle)] : 0.0F);
+      add(at(t.a), at(t.b), at(t.c), depth > 0 ? errors_[lattice_.index(middle)] : 0.0F);
     } else if (right <= last.x && top <= last.y) {
       within(at(t.a), at(t.b), at(t.c), depth);
     } else {
-      under(kIsTurned ? t.right() : t.left(), depth - 1);
-      under(kIsTurned ? t.left() : t.right(), depth - 1);
+      under(t.left(), depth - 1);
+      under(t.right(), depth - 1);
     }
   }
-  [[nodiscard]] std::size_t n() const { return n_; }
+  /// Puts what is left of the triangles into the mesh.
+  void flush() {
+    const auto n = static_cast<std::ptrdiff_t>(n_);
+    tin_.triangles.insert(tin_.triangles.end(), corners_.begin(), corners_.begin() + n);
+    tin_.errors.insert(tin_.errors.end(), errors_there_.begin(), errors_there_.begin() + n);
+    n_ = 0;
+  }
 
  private:
-  struct Corner {
-    std::int64_t index;
-    std::uint32_t number;
-  };
+  /// A sample's index, and its number above that: so a triangle is passed on in registers.
+  using Corner = std::uint64_t;
 
-  [[nodiscard]] std::uint32_t number(std::int64_t i) const {
-    const auto at = static_cast<std::size_t>(i);
-    const std::uint64_t below = words_[at / 64] & ((std::uint64_t{1} << (at % 64)) - 1);
-    return n_before_[at / 64] + static_cast<std::uint32_t>(std::popcount(below));
+  static std::uint32_t index_of(Corner corner) { return static_cast<std::uint32_t>(corner); }
+  static std::uint32_t number_of(Corner corner) { return static_cast<std::uint32_t>(corner >> 32); }
+  /// Where there is a node between them their sum is even; it is far below 2^32.
+  static std::uint32_t middle_of(Corner a, Corner b) { return (index_of(a) + index_of(b)) / 2; }
+
+  [[nodiscard]] Corner at(std::uint32_t i) const {
+    const std::uint64_t below = words_[i / 64] & ((std::uint64_t{1} << (i % 64)) - 1);
+    const std::uint32_t n = n_before_[i / 64] + static_cast<std::uint32_t>(std::popcount(below));
+    return std::uint64_t{n} << 32 | i;
   }
-  [[nodiscard]] Corner at(LatticePoint sample) const {
-    const auto i = static_cast<std::int64_t>(lattice_.index(sample));
-    return {i, number(i)};
+  /// Of a node, that of the sample it stands on.
+  [[nodiscard]] Corner at(LatticePoint node) const {
+    return at(static_cast<std::uint32_t>(lattice_.index(lattice_.place(node))));
   }
-  [[nodiscard]] std::uint32_t number_of(LatticePoint node) const {
-    return at(lattice_.place(node)).number;
+  void add(Corner a, Corner b, Corner c, float error) {
+    corners_[n_] = {number_of(a), number_of(b), number_of(c)};
+    errors_there_[n_] = error;
+    if (++n_ == kBuffer) flush();
   }
-  void add(std::uint32_t a, std::uint32_t b, std::uint32_t c, float error) {
-    const auto at =
-        kIsTurned ? -1 - static_cast<std::ptrdiff_t>(n_) : static_cast<std::ptrdiff_t>(n_);
-    corners_[at] = {a, b, c};
-    mesh_errors_[at] = error;
-    ++n_;
-  }
-  /// Of corners that are samples, whose node is refined.
-  void within(const Corner& a, const Corner& b, const Corner& c, int depth) {
-    const std::int64_t middle = (a.index + b.index) / 2;
-    const Corner m{middle, number(middle)};
-    half(kIsTurned ? b : c, kIsTurned ? c : a, m, depth - 1);
-    half(kIsTurned ? c : b, kIsTurned ? a : c, m, depth - 1);
-  }
-  void half(const Corner& a, const Corner& b, const Corner& c, int depth) {
-    const float error = depth > 0 ? errors_[(a.index + b.index) / 2] : 0;
-    if (error > limit_)
-      within(a, b, c, depth);
+  /// Of corners that are samples, whose node is refined. Both halves' errors are on their way
+  /// before the first decides what comes next, which nobody can guess.
+  void within(Corner a, Corner b, Corner c, int depth) {
+    const Corner m = at(middle_of(a, b));
+    float left = 0;
+    float right = 0;
+    if (depth > 1) {
+      left = errors_[middle_of(c, a)];
+      right = errors_[middle_of(b, c)];
+    }
+    if (left > limit_)
+      within(c, a, m, depth - 1);
     else
-      add(a.number, b.number, c.number, error);
+      add(c, a, m, left);
+    if (right > limit_)
+      within(b, c, m, depth - 1);
+    else
+      add(b, c, m, right);
   }
+
+  /// Triangles are put together here first: a vector that has them from the beginning would write
+  /// zeros for all of them.
+  static constexpr std::size_t kBuffer = 256;
 
   const Lattice& lattice_;
   const float* errors_;
   float limit_;
   const std::uint64_t* words_;
   const std::uint32_t* n_before_;
-  SampleCorners* corners_;
-  float* mesh_errors_;
+  delaunay::Tin& tin_;
+  std::array<SampleCorners, kBuffer> corners_;
+  std::array<float, kBuffer> errors_there_;
   std::size_t n_ = 0;
 };
 
-/// How many triangles there are under a root.
-std::size_t walk_numbered(const ScannedNodes& nodes, const LatticeTriangle& root,
-                          const TriangleRoom& room) {
-  NumberedWalk<false> walk(nodes, room);
+/// Adds the triangles under a root.
+void walk_numbered(const ScannedNodes& nodes, const LatticeTriangle& root, delaunay::Tin& tin) {
+  NumberedWalk walk(nodes, tin);
   walk.under(root, 2 * (nodes.lattice->n_levels() - 1));
-  return walk.n();
-}
-std::size_t walk_turned(const ScannedNodes& nodes, const LatticeTriangle& root,
-                        const TriangleRoom& room) {
-  NumberedWalk<true> walk(nodes, room);
-  walk.under(root, 2 * (nodes.lattice->n_levels() - 1));
-  return walk.n();
+  walk.flush();
 }
 
 }  // namespace lode::bisection::HWY_NAMESPACE
@@ -175,7 +172,6 @@ namespace {
 
 HWY_EXPORT(mark_above);
 HWY_EXPORT(walk_numbered);
-HWY_EXPORT(walk_turned);
 
 /// Nodes beyond the raster that are refined: marks what they stand on, and returns how many. With a
 /// reach those whose diamonds come back into the raster have the first multiple of it behind that
@@ -185,18 +181,25 @@ std::size_t mark_beyond(const Bisection& bisection, float limit, SampleMarks& ma
   const LatticePoint last = lattice.last();
   std::size_t n = 0;
   const auto look_at = [&](LatticePoint node, std::int32_t reach) {
-    if (lattice.is_corner(node) || Diamond(node).reach != reach) return;
-    if (!lattice.has_node(node, reach) || !(bisection.error(node) > limit)) return;
+    if (!(bisection.error(node) > limit) || !lattice.has_node(node, reach)) return;
     marks.add(static_cast<std::int64_t>(lattice.index(lattice.place(node))));
     ++n;
   };
   for (std::int32_t reach = 1; reach <= lattice.side() / 2; reach *= 2) {
+    // A multiple of a reach has it with all other multiples, or if it is even with the odd ones.
+    const auto first = [reach](std::int32_t multiple) {
+      return (multiple & reach) != 0 ? 0 : reach;
+    };
+    const auto step = [reach](std::int32_t multiple) {
+      return (multiple & reach) != 0 ? reach : 2 * reach;
+    };
     const std::int32_t column = (last.x / reach + 1) * reach;
     const std::int32_t row = (last.y / reach + 1) * reach;
     if (column - reach < last.x && column <= lattice.side())
-      for (std::int32_t y = 0; y <= lattice.side(); y += reach) look_at({column, y}, reach);
+      for (std::int32_t y = first(column); y <= lattice.side(); y += step(column))
+        look_at({column, y}, reach);
     if (row - reach < last.y && row <= lattice.side())
-      for (std::int32_t x = 0; x <= last.x; x += reach) look_at({x, row}, reach);
+      for (std::int32_t x = first(row); x <= last.x; x += step(row)) look_at({x, row}, reach);
   }
   return n;
 }
@@ -224,36 +227,25 @@ void mark_samples(const Bisection& bisection, float limit, Threads threads, Samp
 
 }  // namespace
 
-SampleMesh mesh_by_scan(const Bisection& bisection, float limit, Threads threads) {
-  const Lattice& lattice = bisection.lattice();
-  SampleMesh mesh{{}, {}, SampleMarks(lattice.stride() * (std::int64_t{lattice.last().y} + 1)), {}};
-  mark_samples(bisection, limit, threads, mesh.marks);
-  const std::size_t n_beyond = mark_beyond(bisection, limit, mesh.marks);
-  count_samples(mesh);
-  // Each refined node brings two triangles, or one.
-  const std::size_t most = 2 + 2 * (mesh.n_samples + n_beyond);
-  mesh.triangles.resize(most);
-  mesh.errors.resize(most);
-  const ScannedNodes nodes{&lattice, bisection.errors(), limit, mesh.marks.words().data(),
-                           mesh.n_before.data()};
-  const std::array<LatticeTriangle, 2> halves = roots(lattice);
-  SampleCorners* const corners = mesh.triangles.data();
-  float* const errors = mesh.errors.data();
-  // One from the left, one from the right, where there is room for both.
-  constexpr std::size_t kWorthThreads = 1 << 16;  // else waking them takes as long
-  std::array<std::size_t, 2> n{};
-  parallel_for(2, most < kWorthThreads ? Threads{1} : threads, 1, [&](std::size_t i, int) {
-    n[i] = i == 0 ? HWY_DYNAMIC_DISPATCH(walk_numbered)(nodes, halves[0], {corners, errors})
-                  : HWY_DYNAMIC_DISPATCH(walk_turned)(nodes, halves[1],
-                                                      {corners + most, errors + most});
-  });
-  if (n[0] + n[1] < most) {
-    std::copy_n(corners + (most - n[1]), n[1], corners + n[0]);
-    std::copy_n(errors + (most - n[1]), n[1], errors + n[0]);
-  }
-  mesh.triangles.resize(n[0] + n[1]);
-  mesh.errors.resize(n[0] + n[1]);
-  return mesh;
+MeshScan::MeshScan(const Bisection& bisection, float limit, Threads threads)
+    : bisection_(bisection),
+      limit_(limit),
+      mesh_{{},
+            {},
+            SampleMarks(bisection.lattice().stride() *
+                        (std::int64_t{bisection.lattice().last().y} + 1)),
+            {}} {
+  mark_samples(bisection, limit, threads, mesh_.marks);
+  const std::size_t n_beyond = mark_beyond(bisection, limit, mesh_.marks);
+  count_samples(mesh_);
+  most_triangles_ = 2 + 2 * (mesh_.n_samples + n_beyond);
+}
+
+void MeshScan::walk(std::size_t half, delaunay::Tin& tin) const {
+  const Lattice& lattice = bisection_.lattice();
+  const ScannedNodes nodes{&lattice, bisection_.errors(), limit_, mesh_.marks.words().data(),
+                           mesh_.n_before.data()};
+  HWY_DYNAMIC_DISPATCH(walk_numbered)(nodes, roots(lattice)[half], tin);
 }
 
 }  // namespace lode::bisection
