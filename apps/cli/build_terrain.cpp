@@ -73,6 +73,7 @@ void add_built_terrain(const BuiltTerrainInfo& info, TerrainModel model, Json& j
     json["vertices"] = info.n_nodes;
     json["first_triangles"] = info.n_base_triangles;
     json["triangles_ever"] = info.n_triangles;
+    json["fixed_edges"] = info.n_lines;
   } else {
     json["insertions"] = info.n_nodes;
     json["outline_triangles"] = info.n_base_triangles;

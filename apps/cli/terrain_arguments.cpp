@@ -11,7 +11,7 @@ void add_line_options(CLI::App& app, TerrainArguments& arguments) {
   app.add_flag(
          "--keep-features", arguments.keep_features,
          "Make peaks, passes and pits vertices of every mesh, and the ridges and channels from "
-         "passes edges; of quadtrees all of their samples vertices")
+         "passes edges; of models on squares all of their samples vertices")
       ->group(group);
   app.add_option("--feature-relief", arguments.feature_relief,
                  "Keep features that rise or fall by at least this, in units of the heights "

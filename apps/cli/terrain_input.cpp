@@ -207,12 +207,14 @@ Result<void> check_lined_model(const std::string& path, const TerrainArguments& 
   const auto model = built_model_of(arguments.model);
   if (!arguments.has_lines() || !model) return {};
   const bool has_breaklines = !arguments.breaklines.empty() || arguments.drape;
-  if (is_of_any_points(*model) || (is_on_squares(*model) && !has_breaklines)) return {};
+  if (is_of_any_points(*model) || !has_breaklines) return {};
   return fail(
       "{}: expected --model delaunay_selector, delaunay_pyramid, ternary_triangulation or "
-      "implicit_delaunay_pyramid with --breaklines, or with --keep-features and --feature-relief "
-      "one of these or a model on squares, got '{}', which cannot keep edges",
-      path, arguments.model);
+      "implicit_delaunay_pyramid with --breaklines, got '{}', which {}: --keep-features and "
+      "--feature-relief are for all models",
+      path, arguments.model,
+      is_hierarchy(*model) ? "refines edges along the heights of the raster"
+                           : "has no edges but those of squares");
 }
 
 Result<void> check_model_of_points(const std::string& path, const TerrainArguments& arguments) {

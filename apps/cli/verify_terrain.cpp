@@ -51,8 +51,17 @@ Result<VerifyReport> verify_origin(const TerrainVerifyJob& job, const BuiltTerra
   LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
   LODE_TRY(const HeightRaster raster, read_heights(job.original, reading, session.progress()));
   warn_of_vertical(raster.vertical, job.original, session);
-  return naming(job.original, built.verify(raster.grid, session.threads(), session.progress()),
-                session);
+  LODE_TRY(VerifyReport report,
+           naming(job.original, built.verify(raster.grid, session.threads(), session.progress()),
+                  session));
+  if (!is_hierarchy(built.model()) || !job.terrain.has_lines()) return report;
+  LODE_TRY(const OpenedTerrain lined,
+           open_terrain(job.original, job.terrain, job.reading, {}, {}, session));
+  LODE_TRY(const VerifyReport lines,
+           naming(job.original, built.verify(*lined.points, session.threads(), session.progress()),
+                  session));
+  report.checks.insert(report.checks.end(), lines.checks.begin(), lines.checks.end());
+  return report;
 }
 
 /// Every byte, then all that it says against its origin.

@@ -1,6 +1,8 @@
 // Files of hierarchical triangulations, through the program.
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "tests/cli/dem_fixture.h"
 #include "tests/cli/program.h"
 #include "tests/io/vtk_oracle.h"
@@ -51,6 +53,35 @@ TEST_P(cli_hierarchy_model, is_read_from_the_format_document_alone) {
             "vertices " + built_.at("vertices").dump() + " triangles " +
                 built_.at("triangles_ever").dump() + " levels [" +
                 levels[0].at("triangles").dump() + ", " + levels[1].at("triangles").dump() + "]\n");
+}
+
+TEST_P(cli_hierarchy_model, keeps_features_as_edges) {
+  const auto lined = run_lode({"build", dem_, model_, "--model", GetParam(), "--levels", "10,50",
+                               "--feature-relief", "20", "--json"})
+                         .json();
+  EXPECT_EQ(built_.at("fixed_edges"), 0);
+  EXPECT_GT(lined.at("fixed_edges"), 10);
+  EXPECT_EQ(lined.at("lines").at("features").at("relief"), 20);
+  EXPECT_EQ(run_lode({"info", model_, "--json"}).json().at("fixed_edges"), lined.at("fixed_edges"));
+  const Finished against =
+      run_lode({"verify", model_, "--against", dem_, "--feature-relief", "20"});
+  EXPECT_EQ(against.exit_code, 0) << against.out << against.err;
+  EXPECT_NE(against.out.find("lines are edges of all levels"), std::string::npos) << against.out;
+  EXPECT_NE(against.out.find("lines are those of the features"), std::string::npos) << against.out;
+  const Finished other =
+      run_lode({"verify", model_, "--against", dem_, "--feature-relief", "1000"});
+  EXPECT_NE(other.exit_code, 0) << other.out;
+  EXPECT_EQ(run_oracle(LODE_HIERARCHY_READER, "'" + model_ + "' '" + dem_ + "'").find("vertices"),
+            0U);
+  const auto from_raster = run_lode({"extract", dem_, out_, "--model", GetParam(), "--max-error",
+                                     "50", "--keep-features", "--json"});
+  EXPECT_GT(from_raster.json().at("lines").at("features").at("kept").at("peaks"), 0);
+  const std::string lines = scratch_ / "lines.geojson";
+  std::ofstream(lines) << R"({"type":"FeatureCollection","features":[]})";
+  const Finished refused =
+      run_lode({"build", dem_, model_, "--model", GetParam(), "--breaklines", lines});
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_NE(refused.err.find("along the heights of the raster"), std::string::npos) << refused.err;
 }
 
 TEST_P(cli_hierarchy_model, gives_the_mesh_of_a_level) {

@@ -20,17 +20,18 @@ import independent_reader as container  # noqa: E402
 from independent_reader import BadFile, expect  # noqa: E402
 from read_insertions_lode import PART, Cursor, area, read_raster  # noqa: E402
 
-X, Y, HEIGHT, CORNERS, ERROR, REPLACED, COUNT = range(1, 8)
+X, Y, HEIGHT, CORNERS, ERROR, REPLACED, COUNT, LINE = range(1, 9)
 
 
 def read_metadata(raw):
     cursor = Cursor(raw)
-    expect(cursor.take("I") == 1, "another layout")
+    expect(cursor.take("I") == 2, "another layout")
     m = {"size": cursor.take("2i"), "world": cursor.take("6d")}
     m["crs"], m["unit"], m["type"] = cursor.text(), cursor.text(), cursor.text()
     m["has_place"], m["range"], m["counts"] = cursor.take("B"), cursor.take("2d"), cursor.take("3Q")
     m["levels"] = [cursor.take("d") for _ in range(cursor.take("I"))]
     m["bits"], m["reach"], m["m"] = cursor.take("I"), cursor.take("i"), cursor.take("I")
+    m["lines"] = cursor.take("I")
     m["v"] = [cursor.take("I") for _ in m["levels"]]
     m["t"] = [cursor.take("I") for _ in m["levels"]]
     expect(cursor.at == len(raw), "bytes left over")
@@ -55,6 +56,9 @@ class Hierarchy:
         corners = self.column(CORNERS, 3 * t, "I")
         self.triangles = [tuple(corners[3 * i : 3 * i + 3]) for i in range(t)]
         self.errors = self.column(ERROR, t, "f")
+        ends = self.column(LINE, 2 * m["lines"], "I")
+        self.lines = [tuple(ends[2 * i : 2 * i + 2]) for i in range(m["lines"])]
+        expect(all(max(line) < m["v"][0] and line[0] != line[1] for line in self.lines), "a line")
         replaced, counts = self.column(REPLACED, m["m"], "I"), self.column(COUNT, m["m"], "I")
         expect(not self.blocks, "blocks left over")
         self.replaced_from = {}
@@ -112,6 +116,21 @@ def check_level(h, level, samples, n_cells):
                 expect(abs(off) <= most, "a sample that errs by more")
     expect(total == 2 * n_cells * scale * scale, "another area than the raster's")
     expect(len(covered) == h.m["counts"][0], "samples in no triangle")
+    ends_at = {}
+    for a, b in edges:
+        ends_at.setdefault(a, set()).add(b)
+        ends_at.setdefault(b, set()).add(a)
+    for a, b in h.lines:
+        while a != b:
+            (x, y), (u, v) = h.places[a], h.places[b]
+            on_way = [
+                c
+                for c in ends_at.get(a, ())
+                if area(h.places[a], h.places[b], h.places[c]) == 0
+                and (h.places[c][0] - x) * (u - x) + (h.places[c][1] - y) * (v - y) > 0
+            ]
+            expect(len(on_way) == 1, "a line that is no chain of edges")
+            a = on_way[0]
     for a, b in edges:
         if (b, a) not in edges:
             (x, y), (u, v) = h.places[a], h.places[b]

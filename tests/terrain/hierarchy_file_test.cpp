@@ -82,6 +82,7 @@ void expect_same(const HierarchyModel& a, const HierarchyModel& b) {
   EXPECT_EQ(o.vertices_until, h.vertices_until);
   EXPECT_EQ(o.triangles_until, h.triangles_until);
   EXPECT_EQ(o.reach, h.reach);
+  EXPECT_EQ(o.lines, h.lines);
   ASSERT_EQ(o.triangles.size(), h.triangles.size());
   for (std::size_t t = 0; t < h.triangles.size(); ++t) {
     EXPECT_EQ(o.triangles[t].corner, h.triangles[t].corner);
@@ -129,7 +130,8 @@ class hierarchy_file : public testing::Test {
 TEST_F(hierarchy_file, has_all_that_was_saved_and_finds_twins_again) {
   for (const Kind kind : kKinds)
     for (const test::TerrainCase& c : test::terrain_cases()) {
-      const HierarchyModel made = build(kind, c.grid, {150, 7, 0});
+      HierarchyModel made = build(kind, c.grid, {150, 7, 0});
+      made.hierarchy.lines = {{0, 1}, {2, 0}};
       SCOPED_TRACE(testing::Message() << c.name << ", " << model_name(made));
       expect_same(made, saved_and_opened(made));
     }
@@ -157,9 +159,9 @@ TEST_F(hierarchy_file, stops_when_cancelled) {
 }
 
 TEST_F(hierarchy_file, refuses_numbers_that_cannot_be) {
-  const HierarchyModel made =
-      build(Kind::hierarchical_delaunay, test::make_grid<float>(17, 13, test::hills_with_spikes),
-            {90, 20});
+  HierarchyModel made = build(Kind::hierarchical_delaunay,
+                              test::make_grid<float>(17, 13, test::hills_with_spikes), {90, 20});
+  made.hierarchy.lines = {{0, 1}, {2, 0}};
   ASSERT_GE(made.hierarchy.refinements.size(), 3U);
   const auto n = static_cast<std::uint32_t>(made.hierarchy.triangles.size());
   struct Lie {
@@ -216,6 +218,9 @@ TEST_F(hierarchy_file, refuses_numbers_that_cannot_be) {
        [](auto& m) { m.hierarchy.refinements[1].first = m.hierarchy.refinements[0].first - 7; }},
       {"triangles in all refinements",
        [](auto& m) { m.hierarchy.refinements.erase(m.hierarchy.refinements.begin()); }},
+      {"line 0: expected two vertices", [](auto& m) { m.hierarchy.lines[0][1] = 0; }},
+      {"line 1: expected two vertices",
+       [](auto& m) { m.hierarchy.lines[1][0] = m.hierarchy.vertices_until[0]; }},
       // Two meet there on other ways than the refined one's neighbours do.
       {"along columns and rows",
        [](auto& m) {

@@ -51,6 +51,7 @@ Result<BuiltTerrain> BuiltTerrain::build(const HeightGrid& grid, const TerrainBu
                                          Progress& progress) try {
   LODE_CHECK(check_levels(options.levels));
   LODE_EXPECTS(options.kept.empty() || is_on_squares(options.model));
+  LODE_EXPECTS(!options.lined || is_hierarchy(options.model));
   const HeightRange range = height_range(grid);
   LODE_CHECK(delaunay::check_heights(range));
   std::vector<double> levels = options.levels.empty() ? default_levels(range) : options.levels;

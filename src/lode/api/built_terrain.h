@@ -29,6 +29,9 @@ struct TerrainBuildOptions {
   /// Samples that every mesh has as vertices: different nodes in cells with four heights, in rows.
   /// Of models on squares.
   std::vector<LatticePoint> kept{};
+  /// The raster's samples as points with features as lines (add_lines() without breaklines), which
+  /// every mesh has as edges, or chains of edges. Of models that is_hierarchy(); null: none.
+  std::shared_ptr<const PointTerrain> lined{};
 };
 
 /// From a 2000th of the range of heights, doubled as long as that is below the range; 0 where there
@@ -101,7 +104,8 @@ class BuiltTerrain {
   [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
                                             Progress& progress) const;
   /// The same of a model of points. Fails where it is of none, as that of a raster does where it is
-  /// of points.
+  /// of points. Of a model that is_hierarchy(), whether its lines are those of a raster with
+  /// features, and nothing more.
   [[nodiscard]] Result<VerifyReport> verify(const PointTerrain& terrain, Threads threads,
                                             Progress& progress) const;
   /// What can be held against nothing but itself: that opening made all triangles again; of models

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lode/api/lined_hierarchy.h"
 #include "lode/api/terrain_focus.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/tin_quality.h"
@@ -40,14 +41,19 @@ Result<HierarchyTerrain> HierarchyTerrain::build(const HeightGrid& grid,
                                                  Progress& progress) {
   HierarchyModel model;
   LODE_TRY(model.source, source_of(grid, options));
+  LODE_TRY(auto fine, triangle_hierarchy::FineGrid::make(grid));
+  std::optional<triangle_hierarchy::FirstMesh> lined;
+  if (options.lined) {
+    LODE_TRY(lined, first_mesh(*options.lined, fine, levels.front(), progress));
+  }
+  const triangle_hierarchy::FirstMesh* first = lined ? &*lined : nullptr;
   if (options.model == TerrainModel::adaptive_triangulation) {
-    LODE_TRY(auto made, adaptive_triangulation::build(grid, levels, {}, progress));
+    LODE_TRY(auto made, adaptive_triangulation::build(fine, levels, {}, progress, first));
     model.kind = Kind::adaptive_triangulation;
     model.hierarchy = std::move(made.hierarchy);
     return HierarchyTerrain(std::move(model));
   }
-  LODE_TRY(auto fine, triangle_hierarchy::FineGrid::make(grid));
-  LODE_TRY(auto made, hierarchical_delaunay::build(fine, levels, {}, progress));
+  LODE_TRY(auto made, hierarchical_delaunay::build(fine, levels, {}, progress, first));
   model.kind = Kind::hierarchical_delaunay;
   model.hierarchy = std::move(made.hierarchy);
   return HierarchyTerrain(std::move(model), Mending{std::move(made.chains), std::move(fine)});
@@ -160,6 +166,7 @@ BuiltTerrainInfo HierarchyTerrain::describe_source() const {
   info.n_nodes = hierarchy().vertices.size();
   info.n_base_triangles = hierarchy().triangles_until.front();
   info.n_triangles = hierarchy().triangles.size();
+  info.n_lines = hierarchy().lines.size();
   info.memory_bytes = hierarchy().n_bytes();
   info.n_samples = source().n_samples;
   info.n_missing = source().n_missing;

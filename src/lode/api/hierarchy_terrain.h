@@ -47,6 +47,9 @@ class HierarchyTerrain final : public BuiltModel {
   [[nodiscard]] Result<BuiltTerrainInfo> describe(Progress& progress) const override;
   [[nodiscard]] Result<VerifyReport> verify(const HeightGrid& grid, Threads threads,
                                             Progress& progress) const override;
+  /// Of a raster with features: whether the lines are those.
+  [[nodiscard]] Result<VerifyReport> verify(const PointTerrain& terrain, Threads threads,
+                                            Progress& progress) const override;
   [[nodiscard]] Result<VerifyReport> verify_alone(Threads threads,
                                                   Progress& progress) const override;
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "lode/api/hierarchy_terrain.h"
+#include "lode/api/lined_hierarchy.h"
 #include "lode/mappers/tin_quality.h"
 
 namespace lode {
@@ -38,14 +39,21 @@ Result<VerifyReport> HierarchyTerrain::verify(const HeightGrid& grid, Threads th
   return report;
 }
 
-Result<VerifyReport> HierarchyTerrain::verify_alone(Threads /*threads*/,
-                                                    Progress& /*progress*/) const {
+Result<VerifyReport> HierarchyTerrain::verify(const PointTerrain& terrain, Threads /*threads*/,
+                                              Progress& /*progress*/) const {
+  VerifyReport report;
+  LODE_CHECK(compare_lines(hierarchy(), terrain, report));
+  return report;
+}
+
+Result<VerifyReport> HierarchyTerrain::verify_alone(Threads /*threads*/, Progress& progress) const {
   VerifyReport report;
   // What opening has found.
   report.add("meshes of levels conform and cover one domain once", hierarchy().triangles.size(), 0,
              "");
   report.add("reach bounds how far triangles lie out of those they refine",
              hierarchy().refinements.size(), n_out_of_reach(hierarchy()), "");
+  LODE_CHECK(check_lines(hierarchy(), progress, report));
   return report;
 }
 

@@ -170,12 +170,11 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
   }
   LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
   const bool has_edges = building && reading.has_lines() && is_of_any_points(building->model);
-  if (building && !has_edges && reading.has_lines() &&
-      (!is_on_squares(building->model) || !reading.breaklines.empty()))
+  if (building && !has_edges && !reading.breaklines.empty())
     return fail(
-        "{}: expected no lines with a {}, got some: the delaunay_selector takes them, the "
-        "delaunay_pyramid, the ternary_triangulation and the implicit_delaunay_pyramid, and models "
-        "on squares features",
+        "{}: expected no breaklines with a {}, got some: the delaunay_selector takes them, the "
+        "delaunay_pyramid, the ternary_triangulation and the implicit_delaunay_pyramid; other "
+        "models features",
         path, name_of(building->model));
   if (building && !has_edges) {
     TerrainBuildOptions options = *building;
@@ -186,9 +185,16 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
       LODE_TRY(const TerrainLineOptions wanted,
                read_line_options(reading, read.grid, height_range(read.grid)));
       lines.emplace();
-      LODE_TRY(options.kept,
-               naming(path, find_feature_nodes(read.grid, *wanted.least_relief, *lines, progress),
-                      progress));
+      if (is_hierarchy(building->model)) {
+        LODE_TRY(LinedTerrain lined,
+                 naming(path, add_lines(read.grid, wanted, progress), progress));
+        options.lined = std::make_shared<const PointTerrain>(std::move(lined.terrain));
+        *lines = lined.report;
+      } else {
+        LODE_TRY(options.kept,
+                 naming(path, find_feature_nodes(read.grid, *wanted.least_relief, *lines, progress),
+                        progress));
+      }
     }
     auto built = BuiltTerrain::build(read.grid, options, progress);
     if (!built && !progress.is_cancelled()) return fail("{}: {}", path, built.error().message);

@@ -10,6 +10,7 @@
 #include "lode/core/result.h"
 #include "lode/models/terrain/adaptive_triangulation/splitting.h"
 #include "lode/models/terrain/triangle_hierarchy/hierarchy.h"
+#include "lode/models/terrain/triangle_hierarchy/patch.h"
 
 namespace lode::adaptive_triangulation {
 
@@ -27,12 +28,15 @@ struct AdaptiveTriangulation {
 /// split by the five rules, on the edges that are beyond it at their worst crossings with columns
 /// and rows, and else at the worst sample, until no triangle is. The initial triangulation, which
 /// the paper wants of surface-specific points, is the Delaunay selector's within the first
-/// tolerance. In the mesh of each level
+/// tolerance, or what is given as `first`. In the mesh of each level
 /// - every sample of the domain is within the tolerance, in every triangle that holds it;
 /// - so are all edges, where they cross columns and rows, but for `n_edges_left`;
 /// both up to rounding, 2^-48 of the largest |height|. The same for any number of threads. O(N n)
 /// in the worst case for N samples and n vertices. Fails as FineGrid::make() does, on tolerances
 /// that do not fall, and when cancelled.
+[[nodiscard]] Result<AdaptiveTriangulation> build(
+    const triangle_hierarchy::FineGrid& grid, std::span<const double> tolerances, Threads threads,
+    Progress& progress, const triangle_hierarchy::FirstMesh* first = nullptr);
 [[nodiscard]] Result<AdaptiveTriangulation> build(const HeightGrid& grid,
                                                   std::span<const double> tolerances,
                                                   Threads threads, Progress& progress);

@@ -18,8 +18,10 @@ namespace {
 
 using triangle_hierarchy::EdgeSplit;
 using triangle_hierarchy::FineGrid;
+using triangle_hierarchy::FirstMesh;
 using triangle_hierarchy::HierarchyBuilder;
 using triangle_hierarchy::kNone;
+using triangle_hierarchy::Patch;
 using triangle_hierarchy::Place;
 using triangle_hierarchy::SampleErrors;
 
@@ -194,15 +196,20 @@ class LevelRefiner {
   std::vector<HierarchyBuilder::Made> kept_;
 };
 
+std::vector<Candidate> patch_candidates(HierarchyBuilder& builder, const Patch& patch) {
+  for (const Place& place : patch.places) builder.add_vertex(place, 0);
+  std::vector<Candidate> candidates;
+  candidates.reserve(patch.triangles.size());
+  for (const auto& corner : patch.triangles) candidates.push_back({.corner = corner});
+  return candidates;
+}
+
 /// The Delaunay selector's mesh: its vertices stand for the surface-specific points of the paper.
 Result<std::vector<Candidate>> first_candidates(HierarchyBuilder& builder, double limit,
                                                 Progress& progress) {
   LODE_TRY(const auto selected, select_samples(builder.grid(), base_patch(builder.grid()), limit,
                                                triangle_hierarchy::Outline::open, progress));
-  for (const Place& place : selected.patch.places) builder.add_vertex(place, 0);
-  std::vector<Candidate> candidates;
-  for (const auto& corner : selected.patch.triangles) candidates.push_back({.corner = corner});
-  return candidates;
+  return patch_candidates(builder, selected.patch);
 }
 
 std::vector<Candidate> mesh_candidates(const HierarchyBuilder& builder, double limit) {
@@ -215,10 +222,9 @@ std::vector<Candidate> mesh_candidates(const HierarchyBuilder& builder, double l
 
 }  // namespace
 
-Result<AdaptiveTriangulation> build(const HeightGrid& heights, std::span<const double> tolerances,
-                                    Threads threads, Progress& progress) {
+Result<AdaptiveTriangulation> build(const FineGrid& grid, std::span<const double> tolerances,
+                                    Threads threads, Progress& progress, const FirstMesh* first) {
   LODE_CHECK(triangle_hierarchy::check_tolerances(tolerances));
-  LODE_TRY(const FineGrid grid, FineGrid::make(heights));
   AdaptiveTriangulation made;
   HierarchyBuilder builder(grid);
   for (std::size_t level = 0; level < tolerances.size(); ++level) {
@@ -227,16 +233,25 @@ Result<AdaptiveTriangulation> build(const HeightGrid& heights, std::span<const d
     const double tolerance = tolerances[level];
     LevelRefiner refiner(builder, tolerance, made);
     std::vector<Candidate> candidates;
-    if (level == 0) {
-      LODE_TRY(candidates, first_candidates(builder, tolerance + grid.slack(), progress));
-    } else {
+    if (level > 0) {
       candidates = mesh_candidates(builder, tolerance + grid.slack());
+    } else if (first != nullptr) {
+      candidates = patch_candidates(builder, first->patch);
+    } else {
+      LODE_TRY(candidates, first_candidates(builder, tolerance + grid.slack(), progress));
     }
     LODE_TRY(const auto triangles, refiner.run(std::move(candidates), threads, progress));
     LODE_CHECK(builder.add_level(tolerance, triangles));
   }
   made.hierarchy = builder.finish();
+  if (first != nullptr) made.hierarchy.lines = first->lines;
   return made;
+}
+
+Result<AdaptiveTriangulation> build(const HeightGrid& heights, std::span<const double> tolerances,
+                                    Threads threads, Progress& progress) {
+  LODE_TRY(const FineGrid grid, FineGrid::make(heights));
+  return build(grid, tolerances, threads, progress);
 }
 
 }  // namespace lode::adaptive_triangulation

@@ -13,6 +13,7 @@ namespace lode::hierarchical_delaunay {
 namespace {
 
 using triangle_hierarchy::Crossings;
+using triangle_hierarchy::FirstMesh;
 using triangle_hierarchy::HierarchyBuilder;
 using triangle_hierarchy::kNone;
 using triangle_hierarchy::Outline;
@@ -45,20 +46,40 @@ struct Filled {
   std::vector<double> errors;  ///< By triangle, with those of its edges.
 };
 
-Result<Filled> fill(const FineGrid& grid, Patch patch, double limit, Outline outline,
-                    Progress& progress) {
+/// With errors of samples and edges.
+Filled with_errors(const FineGrid& grid, SelectedPatch selected) {
   Filled filled;
-  LODE_TRY(filled.selected, select_samples(grid, std::move(patch), limit, outline, progress));
-  const Patch& made = filled.selected.patch;
+  const Patch& made = selected.patch;
+  filled.errors.reserve(made.triangles.size());
   for (std::size_t t = 0; t < made.triangles.size(); ++t) {
-    double error = filled.selected.sample_errors[t];
+    double error = selected.sample_errors[t];
     for (std::size_t i = 0; i < 3; ++i)
       error = std::max(error, worst_crossing(grid, made.places[made.triangles[t][i]],
                                              made.places[made.triangles[t][(i + 1) % 3]])
                                   .error);
     filled.errors.push_back(error);
   }
+  filled.selected = std::move(selected);
   return filled;
+}
+
+Result<Filled> fill(const FineGrid& grid, Patch patch, double limit, Outline outline,
+                    Progress& progress) {
+  LODE_TRY(SelectedPatch selected,
+           select_samples(grid, std::move(patch), limit, outline, progress));
+  return with_errors(grid, std::move(selected));
+}
+
+/// Of a patch as it is.
+Filled measure(const FineGrid& grid, const Patch& patch) {
+  SelectedPatch selected{.patch = patch, .sample_errors = {}};
+  selected.sample_errors.reserve(patch.triangles.size());
+  for (const auto& [a, b, c] : patch.triangles)
+    selected.sample_errors.push_back(
+        measure_samples(grid, {patch.places[a], patch.places[b], patch.places[c]},
+                        triangle_hierarchy::kNoEdges)
+            .closed);
+  return with_errors(grid, std::move(selected));
 }
 
 class LevelBuilder {
@@ -83,9 +104,14 @@ class LevelBuilder {
   }
 
   /// Level 0.
-  Result<std::vector<HierarchyBuilder::Made>> start(Progress& progress) {
-    LODE_TRY(const Filled filled,
-             fill(builder_.grid(), base_patch(builder_.grid()), limit_, Outline::open, progress));
+  Result<std::vector<HierarchyBuilder::Made>> start(const FirstMesh* first, Progress& progress) {
+    Filled filled;
+    if (first != nullptr) {
+      filled = measure(builder_.grid(), first->patch);
+    } else {
+      LODE_TRY(filled,
+               fill(builder_.grid(), base_patch(builder_.grid()), limit_, Outline::open, progress));
+    }
     std::vector<HierarchyBuilder::Made> made;
     add(filled, kNone, {}, 0, made);
     return made;
@@ -243,7 +269,7 @@ class LevelBuilder {
 }  // namespace
 
 Result<HierarchicalDelaunay> build(const FineGrid& grid, std::span<const double> tolerances,
-                                   Threads threads, Progress& progress) {
+                                   Threads threads, Progress& progress, const FirstMesh* first) {
   LODE_CHECK(triangle_hierarchy::check_tolerances(tolerances));
   HierarchicalDelaunay made;
   HierarchyBuilder builder(grid);
@@ -251,11 +277,13 @@ Result<HierarchicalDelaunay> build(const FineGrid& grid, std::span<const double>
     progress.report("refining",
                     static_cast<double>(level) / static_cast<double>(tolerances.size()));
     LevelBuilder of_level(builder, made, tolerances[level], threads);
-    LODE_TRY(auto triangles, level == 0 ? of_level.start(progress) : of_level.refine(progress));
+    LODE_TRY(auto triangles,
+             level == 0 ? of_level.start(first, progress) : of_level.refine(progress));
     std::ranges::stable_sort(triangles, {}, &HierarchyBuilder::Made::refined);
     LODE_CHECK(builder.add_level(tolerances[level], triangles));
   }
   made.hierarchy = builder.finish();
+  if (first != nullptr) made.hierarchy.lines = first->lines;
   made.chains.sort();
   return made;
 }

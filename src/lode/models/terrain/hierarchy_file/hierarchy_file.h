@@ -39,8 +39,8 @@ struct HierarchyModel {
 ///   along columns and rows, is that of level 0, and goes round each place once at most: so the
 ///   mesh covers what is inside once, without overlaps and cracks;
 /// - triangles say that they keep the tolerances of the levels whose meshes they are in.
-/// Heights and errors are not found again: what they are is for verification to say. O(n log n) for
-/// each level and its n triangles.
+/// Heights, errors, and that lines are edges, are not found again: that is for verification. O(n
+/// log n) for each level and its n triangles.
 [[nodiscard]] Result<HierarchyModel> open(const std::string& path, Progress& progress);
 
 }  // namespace lode::hierarchy_file

@@ -38,8 +38,13 @@ Result<void> check_rising(const std::string& path, const char* what,
   return {};
 }
 
-/// How many refinements are there is told apart, as nothing of them is read yet.
-Result<std::uint32_t> read_head(const store::Reader& reader, HierarchyModel& model) {
+/// How many there are, of which nothing is read yet.
+struct Counts {
+  std::uint32_t refinements = 0;
+  std::uint32_t lines = 0;
+};
+
+Result<Counts> read_head(const store::Reader& reader, HierarchyModel& model) {
   const std::string& path = reader.path();
   store::ByteReader in(reader.metadata(), path + ": metadata");
   LODE_TRY(const auto layout, in.read<std::uint32_t>());
@@ -65,13 +70,15 @@ Result<std::uint32_t> read_head(const store::Reader& reader, HierarchyModel& mod
   LODE_TRY(h.reach, in.read<std::int32_t>());
   if (h.reach < 0 || h.reach > (last << bits))
     return fail("{}: metadata: expected a reach from 0 to {}, got {}", path, last << bits, h.reach);
-  LODE_TRY(const auto n_refinements, in.read<std::uint32_t>());
+  Counts counts;
+  LODE_TRY(counts.refinements, in.read<std::uint32_t>());
+  LODE_TRY(counts.lines, in.read<std::uint32_t>());
   LODE_TRY(h.vertices_until, in.read_all<std::uint32_t>(h.tolerances.size()));
   LODE_TRY(h.triangles_until, in.read_all<std::uint32_t>(h.tolerances.size()));
   LODE_CHECK(in.expect_end());
   LODE_CHECK(check_rising(path, "vertices", h.vertices_until, kNone - 1));
   LODE_CHECK(check_rising(path, "triangles", h.triangles_until, kMostTriangles));
-  return n_refinements;
+  return counts;
 }
 
 Result<void> read_vertices(const store::Reader& reader, HierarchyModel& model) {
@@ -163,6 +170,21 @@ Result<void> read_refinements(const store::Reader& reader, std::uint32_t n, Hier
   return {};
 }
 
+/// That meshes have them is for verification to say.
+Result<void> read_lines(const store::Reader& reader, std::uint32_t n, Hierarchy& h) {
+  LODE_TRY(const auto ends,
+           read_column<std::uint32_t>(reader, key_of(Column::line), 2 * std::uint64_t{n}));
+  h.lines.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::array<std::uint32_t, 2> line{ends[2 * i], ends[2 * i + 1]};
+    if (std::max(line[0], line[1]) >= h.vertices_until[0] || line[0] == line[1])
+      return fail("{}: line {}: expected two vertices below {}, got {} and {}", reader.path(), i,
+                  h.vertices_until[0], line[0], line[1]);
+    h.lines.push_back(line);
+  }
+  return {};
+}
+
 }  // namespace
 
 bool is_model_of(const std::string& path) { return terrain_file::is_one_of(path, kModelNames); }
@@ -172,11 +194,12 @@ Result<HierarchyModel> open(const std::string& path, Progress& progress) {
   LODE_TRY(const std::size_t kind, terrain_file::find_model(reader, kModelNames));
   HierarchyModel model;
   model.kind = static_cast<Kind>(kind);
-  LODE_TRY(const std::uint32_t n_refinements, read_head(reader, model));
+  LODE_TRY(const Counts counts, read_head(reader, model));
   LODE_CHECK(read_vertices(reader, model));
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(read_triangles(reader, model.hierarchy));
-  LODE_CHECK(read_refinements(reader, n_refinements, model.hierarchy));
+  LODE_CHECK(read_refinements(reader, counts.refinements, model.hierarchy));
+  LODE_CHECK(read_lines(reader, counts.lines, model.hierarchy));
   const HeightRange& range = model.source.range;
   const double size = std::max(std::abs(range.lower), std::abs(range.upper));
   auto linked = link_levels(model.hierarchy, size, progress);

@@ -21,6 +21,7 @@ std::vector<std::byte> encode_head(const HierarchyModel& model) {
   out.write(static_cast<std::uint32_t>(hierarchy.bits));
   out.write(hierarchy.reach);
   out.write(static_cast<std::uint32_t>(hierarchy.refinements.size()));
+  out.write(static_cast<std::uint32_t>(hierarchy.lines.size()));
   out.write_all(std::span<const std::uint32_t>(hierarchy.vertices_until));
   out.write_all(std::span<const std::uint32_t>(hierarchy.triangles_until));
   return std::move(out).take();
@@ -60,6 +61,12 @@ Result<void> append_refinements(const Hierarchy& h, store::Writer& writer) {
       writer);
 }
 
+Result<void> append_lines(const Hierarchy& h, store::Writer& writer) {
+  return append_column<std::uint32_t>(
+      key_of(Column::line), 2 * std::uint64_t{h.lines.size()},
+      [&](std::uint64_t i) { return h.lines[i / 2][i % 2]; }, writer);
+}
+
 }  // namespace
 
 std::string_view model_name(const HierarchyModel& model) {
@@ -73,6 +80,7 @@ Result<std::uint64_t> save(const HierarchyModel& model, const std::string& path,
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(append_triangles(model.hierarchy, writer));
   LODE_CHECK(append_refinements(model.hierarchy, writer));
+  LODE_CHECK(append_lines(model.hierarchy, writer));
   return writer.finish(progress);
 }
 

@@ -47,6 +47,9 @@ struct Hierarchy {
   std::vector<std::uint32_t> in_rows;  ///< All vertices, as they lie in rows.
   std::vector<Triangle> triangles;     ///< By levels, and there by refinements.
   std::vector<Refinement> refinements;
+  /// From vertex to vertex of level 0, both samples, along rows, columns or diagonals: in every
+  /// level's mesh each is an edge, or a chain of edges on it.
+  std::vector<std::array<std::uint32_t, 2>> lines;
   /// How many of each there are up to a level, that with it.
   std::vector<std::uint32_t> vertices_until;
   std::vector<std::uint32_t> triangles_until;

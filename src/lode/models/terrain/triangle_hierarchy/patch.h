@@ -19,6 +19,13 @@ struct Patch {
 /// The coarsest triangulation of a grid's domain.
 [[nodiscard]] Patch base_patch(const FineGrid& grid);
 
+/// A mesh of a grid's domain for level 0, in place of the selector's from the coarsest one. Its
+/// places are samples; each line is an edge of it, or a chain of edges on it: see Hierarchy::lines.
+struct FirstMesh {
+  Patch patch;
+  std::vector<std::array<std::uint32_t, 2>> lines;  ///< By places.
+};
+
 /// Whether samples on the outline of a patch may be inserted.
 enum class Outline : std::uint8_t { fixed, open };
 
