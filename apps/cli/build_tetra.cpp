@@ -54,6 +54,16 @@ void add_patches(const std::vector<BoundaryPatch>& patches, Table& table, Json& 
   json["patches"] = std::move(list);
 }
 
+void add_regions(const std::vector<std::int64_t>& regions, Table& table) {
+  if (regions.size() < 2) return;
+  std::string ids;
+  for (std::size_t i = 0; i < std::min(regions.size(), kMostPatchRows); ++i)
+    ids += fmt::format("{}{}", i == 0 ? "" : ", ", regions[i]);
+  if (regions.size() > kMostPatchRows)
+    ids += fmt::format(" and {} more", format_count(regions.size() - kMostPatchRows));
+  table.add({"regions", std::move(ids)});
+}
+
 void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["model"] = "tetra_mt";
   json["cells"] = info.n_cells;
@@ -61,6 +71,7 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["nodes"] = info.n_nodes;
   json["base_cells"] = info.n_base_cells;
   json["regions"] = info.regions;
+  add_regions(info.regions, table);
   add_patches(info.patches, table, json);
   json["boundary_deviation"] = info.boundary_deviation;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
@@ -114,11 +125,10 @@ Result<Outcome> foreign_info(const std::string& path, const ReadingArguments& re
   LODE_TRY(const TetraOptions options, to_tetra_options(reading));
   LODE_TRY(const TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
   json["tetrahedra"] = made.mesh.tetrahedra.size();
-  json["regions"] = made.mesh.region_ids.size();
+  json["regions"] = made.mesh.region_ids;
   table.add({"as tetrahedra", format_count(made.mesh.tetrahedra.size())});
   add_patches(made.mesh.patches, table, json);
-  if (made.mesh.region_ids.size() > 1)
-    table.add({"regions", format_count(made.mesh.region_ids.size())});
+  add_regions(made.mesh.region_ids, table);
   add_cell_counts(made.report, table, json["reading"]);
   outcome.text = table.to_string();
   return outcome;

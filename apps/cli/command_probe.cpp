@@ -10,6 +10,7 @@
 #include "tetra_input.h"
 #include "text.h"
 #include "tolerance.h"
+#include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
@@ -17,12 +18,16 @@ namespace {
 Result<void> check_probe_arguments(const ProbeArguments& arguments) {
   LODE_TRY(const ProbeJob job, to_probe_job(arguments, {}));
   if (!arguments.output.empty()) LODE_CHECK(check_extension(arguments.output, ".csv"));
-  if (!holds_tetrahedra(arguments.input))
+  if (is_lode_path(arguments.input)) LODE_CHECK(check_lode_opens(arguments.input));
+  if (!holds_cells(arguments.input))
     return fail(
         "{}: expected a mesh of cells, or a .lode file made from one: volumes cannot be "
         "probed yet",
         arguments.input);
   LODE_CHECK(check_tetra_reading(arguments.reading, arguments.input));
+  if (!arguments.reading.with.empty())
+    return fail("--with: expected none, as values of one field are shown at a time, got {}",
+                arguments.reading.with.front());
   std::vector<std::string> inputs{arguments.input};
   if (!arguments.points_file.empty()) inputs.push_back(arguments.points_file);
   return check_paths_differ(inputs, arguments.output.empty()

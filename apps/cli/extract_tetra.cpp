@@ -248,6 +248,24 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
   return tetra_outcome(job, input, made, counts, session);
 }
 
+/// How many cells of the cut that a surface is of --warp turns round.
+Result<std::uint64_t> count_turned(const TetraInput& input, const MeshJob& job, TetraJob wanted,
+                                   Session& session) {
+  if (!job.query.warp.is_wanted()) return std::uint64_t{0};
+  TetraMeshOptions options = wanted.mesh;
+  if (!job.query.sections.empty()) {
+    options.query = query_of(wanted.sections);
+    options.regions = wanted.sections.regions;
+    options.threads = session.threads();
+  }
+  const TetraFieldInfo& field = input.field();
+  set_share(job.extraction.max_error, field.range_min, field.range_max, options.query.max_error);
+  options.fields = input.fields;
+  SimplexMesh mesh;
+  LODE_CHECK(input.dataset.extract_mesh(options, mesh, session.progress()));
+  return apply_warp(job.query.warp, job.reading, session.threads(), mesh);
+}
+
 Result<TetraSurfaceReport> make_surface(const TetraInput& input, const MeshJob& job,
                                         TetraJob wanted, Surface& surface, Progress& progress) {
   wanted.mesh.fields = wanted.sections.fields = wanted.surface.fields = input.fields;
@@ -284,6 +302,8 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Se
   LODE_TRY(const TetraSurfaceReport report,
            make_surface(input, job, wanted, surface, session.progress()));
   LODE_CHECK(apply_warp(job.query.warp, job.reading, surface));
+  LODE_TRY(const std::uint64_t n_inverted, count_turned(input, job, wanted, session));
+  warn_of_inverted(session, n_inverted);
   warn_of_budget(session, report.budget_met, report.n_cut_cells);
   warn_of_surface(session, job, surface, report);
   TetraAnswer made = to_answer(report, wanted.is_default);
@@ -301,6 +321,7 @@ Result<Outcome> run_tetra_surface(const MeshJob& job, const TetraJob& wanted, Se
   if (!job.query.sections.empty()) counts["lines"] = report.n_lines;
   counts["vertices"] = report.n_vertices;
   counts["cut_cells"] = report.n_cut_cells;
+  if (job.query.warp.is_wanted()) counts["inverted_cells"] = n_inverted;
   if (wanted.mesh.threshold || !job.query.regions.empty()) counts["left_out"] = report.n_left_out;
   return tetra_outcome(job, input, made, counts, session);
 }

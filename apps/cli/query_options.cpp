@@ -43,14 +43,13 @@ Result<Ball> parse_ball(const std::string& text) {
   return Ball{{{n[0], n[1], n[2]}}, n[3]};
 }
 
-Result<SectionPlane> parse_section(const std::string& text) {
-  LODE_TRY(const auto parts,
-           split_pair("--section", text, "a point and a normal as X,Y,Z:NX,NY,NZ"));
+Result<SectionPlane> parse_plane_of(const char* option, const std::string& text) {
+  LODE_TRY(const auto parts, split_pair(option, text, "a point and a normal as X,Y,Z:NX,NY,NZ"));
   SectionPlane plane;
-  LODE_TRY(plane.point, parse_vector("--section", parts[0]));
-  LODE_TRY(plane.normal, parse_vector("--section", parts[1]));
+  LODE_TRY(plane.point, parse_vector(option, parts[0]));
+  LODE_TRY(plane.normal, parse_vector(option, parts[1]));
   if (!(length(plane.normal) > 0) || !std::isfinite(length(plane.normal)))
-    return fail("--section: expected a normal whose length is a number above 0, got '{}'", text);
+    return fail("{}: expected a normal whose length is a number above 0, got '{}'", option, text);
   return plane;
 }
 
@@ -70,7 +69,7 @@ Result<std::vector<Range>> parse_field_ranges(const std::vector<std::string>& te
   return ranges;
 }
 
-/// Boxes, balls and budget, which meshes and surfaces share.
+/// Boxes, balls, half-spaces and budget, which meshes and surfaces share.
 Result<void> add_foci(const QueryArguments& arguments, Query& query) {
   for (const std::string& text : arguments.boxes) {
     LODE_TRY(const Box3d box, parse_box(text));
@@ -79,6 +78,10 @@ Result<void> add_foci(const QueryArguments& arguments, Query& query) {
   for (const std::string& text : arguments.balls) {
     LODE_TRY(const Ball ball, parse_ball(text));
     query.balls.push_back(ball);
+  }
+  for (const std::string& text : arguments.half_spaces) {
+    LODE_TRY(const SectionPlane plane, parse_plane_of("--half-space", text));
+    query.half_spaces.push_back({plane.point, plane.normal});
   }
   LODE_TRY(query.budget, parse_budget(arguments.max_cells));
   return {};
@@ -138,6 +141,8 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
   add("--box", arguments.boxes, "X0,X1,Y0,Y1,Z0,Z1",
       "Accurate in a box (of terrain X0,X1,Y0,Y1); may be repeated (crops nothing)");
   add("--ball", arguments.balls, "X,Y,Z,R", "Accurate in a ball; may be repeated");
+  add("--half-space", arguments.half_spaces, "X,Y,Z:NX,NY,NZ",
+      "Accurate on the side of a plane that its normal points to; may be repeated");
   add("--view", arguments.view, "CAMERA.json",
       "Accurate where a camera sees it (as render --save-camera writes them)");
   add("--view-size", arguments.view_size, "WxH", "Pixels of the view (default: 1920x1080)");
@@ -211,8 +216,10 @@ Result<MeshOptions> to_mesh_options(const QueryArguments& arguments,
   LODE_TRY(const auto outside, parse_limit("--max-error-outside", arguments.max_error_outside));
   if (!outside) return MeshOptions{query};
   if (query.isovalues.empty() && query.field_ranges.empty() && query.boxes.empty() &&
-      query.balls.empty() && arguments.view.empty())
-    return fail("--max-error-outside: expected --isovalue, --field-range, --box or --ball with it");
+      query.balls.empty() && query.half_spaces.empty() && arguments.view.empty())
+    return fail(
+        "--max-error-outside: expected --isovalue, --field-range, --box, --ball or --half-space "
+        "with it");
   query.max_error_outside = outside;
   return MeshOptions{query};
 }
@@ -223,6 +230,7 @@ Result<SectionOptions> to_section_options(const QueryArguments& arguments,
   // Regions are joined: the plane would be as fine outside them.
   for (const auto& [name, is_set] : {std::pair{"--box", !arguments.boxes.empty()},
                                      {"--ball", !arguments.balls.empty()},
+                                     {"--half-space", !arguments.half_spaces.empty()},
                                      {"--max-error-outside", !arguments.max_error_outside.empty()}})
     if (is_set) return fail("{}: expected no --section with it, only --mesh", name);
   LODE_TRY(const ExtractOptions surface, to_extract_options(extraction));
@@ -241,7 +249,7 @@ Result<SectionOptions> to_section_options(const QueryArguments& arguments,
 Result<std::vector<SectionPlane>> to_planes(const QueryArguments& arguments) {
   std::vector<SectionPlane> planes;
   for (const std::string& text : arguments.sections) {
-    LODE_TRY(const SectionPlane plane, parse_section(text));
+    LODE_TRY(const SectionPlane plane, parse_plane_of("--section", text));
     planes.push_back(plane);
   }
   return planes;
@@ -289,8 +297,8 @@ Result<FocusedOptions> to_focused_options(const QueryArguments& arguments,
   if (query.max_error_px && arguments.view.empty())
     return fail("--max-error-px: expected --view with it, which says how large pixels are");
   if (query.max_error_outside && arguments.view.empty() && query.boxes.empty() &&
-      query.balls.empty())
-    return fail("--max-error-outside: expected --box, --ball or --view with it");
+      query.balls.empty() && query.half_spaces.empty())
+    return fail("--max-error-outside: expected --box, --ball, --half-space or --view with it");
   LODE_TRY(options.deadline_s, to_deadline(arguments));
   return options;
 }

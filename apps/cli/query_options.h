@@ -25,6 +25,7 @@ struct QueryArguments {
   std::vector<std::string> field_ranges;
   std::vector<std::string> boxes;
   std::vector<std::string> balls;
+  std::vector<std::string> half_spaces;
   std::string max_error_outside;
   std::string max_cells;
   std::string view;
@@ -37,8 +38,8 @@ struct QueryArguments {
   /// Whether it is a surface, but not equally good everywhere.
   [[nodiscard]] bool is_focused() const {
     return !is_wanted() &&
-           !(boxes.empty() && balls.empty() && max_error_outside.empty() && max_cells.empty() &&
-             view.empty() && max_error_px.empty() && deadline_ms.empty());
+           !(boxes.empty() && balls.empty() && half_spaces.empty() && max_error_outside.empty() &&
+             max_cells.empty() && view.empty() && max_error_px.empty() && deadline_ms.empty());
   }
 };
 

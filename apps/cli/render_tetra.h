@@ -16,6 +16,12 @@ struct TetraPictureArguments {
   std::string opacity;
   std::vector<std::string> sections;
   std::string max_cells;
+  std::vector<std::string> regions;
+  std::vector<std::string> field_ranges;
+  std::vector<std::string> boxes;
+  std::vector<std::string> balls;
+  std::vector<std::string> half_spaces;
+  std::string max_error_outside;
   WarpArguments warp;
   bool has_boundary = false;
   bool has_wireframe = false;
@@ -26,7 +32,9 @@ struct TetraPictureArguments {
     return !opacity.empty() || !sections.empty() || has_boundary || has_wireframe || has_points;
   }
   [[nodiscard]] bool is_empty() const {
-    return !is_of_mesh() && max_cells.empty() && warp.is_empty();
+    return !is_of_mesh() && max_cells.empty() && warp.is_empty() && regions.empty() &&
+           field_ranges.empty() && boxes.empty() && balls.empty() && half_spaces.empty() &&
+           max_error_outside.empty();
   }
 };
 

@@ -52,7 +52,8 @@ std::vector<std::string> names_of_with(const ReadingArguments& reading) {
   return names;
 }
 
-/// A field of a .lode file: of a series the step --time.
+}  // namespace
+
 Result<std::size_t> named_field(const TetraInfo& info, const std::string& name,
                                 const std::string& step) {
   std::vector<std::size_t> steps;
@@ -66,6 +67,8 @@ Result<std::size_t> named_field(const TetraInfo& info, const std::string& name,
   return steps[static_cast<std::size_t>(n)];
 }
 
+namespace {
+
 Result<TetraFieldUse> fields_of(const TetraInfo& info, const ReadingArguments& reading) {
   TetraFieldUse use;
   LODE_TRY(use.measured, named_field(info, numbered_component(reading.field), reading.time));
@@ -74,6 +77,15 @@ Result<TetraFieldUse> fields_of(const TetraInfo& info, const ReadingArguments& r
     if (at != use.measured && std::ranges::find(use.along, at) == use.along.end())
       use.along.push_back(at);
   }
+  const auto has_steps = [&](std::size_t field) {
+    return std::ranges::any_of(info.fields, [&](const TetraFieldInfo& other) {
+      return other.time && other.name == info.fields[field].name;
+    });
+  };
+  if (!reading.time.empty() && !has_steps(use.measured) &&
+      std::ranges::none_of(use.along, has_steps))
+    return fail("--time: expected none, as the field {} has no steps, got {}",
+                info.fields[use.measured].name, reading.time);
   return use;
 }
 

@@ -37,6 +37,11 @@ struct TetraInput {
 /// How cells become tetrahedra. Fails on what cannot be meant.
 [[nodiscard]] Result<TetraOptions> to_tetra_options(const ReadingArguments& reading);
 
+/// A field of a .lode file by its name, or the first: of a series the step that --time says, from
+/// 0, as it was attached; without it the first.
+[[nodiscard]] Result<std::size_t> named_field(const TetraInfo& info, const std::string& name,
+                                              const std::string& step);
+
 /// The tetrahedra of a foreign file, with the field that is wanted, then those of --with.
 [[nodiscard]] Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path,
                                                         const ReadingArguments& reading,

@@ -4,11 +4,14 @@
 #include <optional>
 #include <utility>
 
+#include "parse.h"
 #include "tetra_input.h"
 #include "vtk_import.h"
 
 namespace lode::cli {
 namespace {
+
+constexpr std::int64_t kMostSteps = 1'000'000'000;
 
 /// The mesh that a model was made from, with the model's fields, or those that are named.
 struct Original {
@@ -28,9 +31,10 @@ Result<Original> read_original(const TetraVerifyJob& job, const TetraInfo& info,
         job.input);
   Original original;
   for (const std::string& name : options.fields) {
-    LODE_TRY(const std::size_t at, find_field(info, name, {}));
+    LODE_TRY(const std::size_t at, named_field(info, name, job.reading.time));
     original.fields.push_back(at);
   }
+  // Of files that have steps that of the file, too.
   LODE_TRY(CellMesh cells, read_cells(job.original, job.reading, session));
   LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));
   original.mesh = std::move(made.mesh);
@@ -50,7 +54,13 @@ Result<void> check_tetra_verify(const TetraVerifyJob& job) {
                 job.original);
   if (is_lode_path(job.input) && job.original.empty() && !job.reading.is_empty())
     return fail("{}: expected no options of reading with a .lode file, got some", job.input);
-  return check_tetra_reading(job.reading, job.original.empty() ? job.input : job.original);
+  ReadingArguments reading = job.reading;
+  // Also of an original without steps, that one step of a series was attached from.
+  if (!job.original.empty() && !reading.time.empty()) {
+    LODE_CHECK(parse_integer("--time", reading.time, 0, kMostSteps));
+    reading.time.clear();
+  }
+  return check_tetra_reading(reading, job.original.empty() ? job.input : job.original);
 }
 
 Result<VerifyReport> verify_tetra(const TetraVerifyJob& job, Session& session) {

@@ -197,6 +197,8 @@ TEST_F(cli_probe, refuses_what_has_no_answer) {
   refused({"--integral", "--max-error", "-1"}, "--max-error");
   refused({"--integral", "-o", "out.txt"}, ".csv");
   refused({"--integral", "--dims", "3x3x3"}, "--field");
+  expect_refusal(run_lode({"probe", scratch_ / "none.lode", "--point", "0,0,0"}), 2,
+                 {"none.lode", "cannot open"});
   const Finished nowhere = run_lode({"probe", lode_, "--integral", "-o", "/none/such/out.csv"});
   EXPECT_EQ(nowhere.exit_code, 1);
 }

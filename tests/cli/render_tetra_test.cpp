@@ -89,6 +89,25 @@ TEST_F(cli_render_tetra, draws_isosurfaces_and_sections_alone) {
   EXPECT_FALSE(report({"--isovalue", "1e4"}).at("warnings").empty());
 }
 
+TEST_F(cli_render_tetra, is_fine_where_it_is_asked_to_be) {
+  const auto cells = [&](const Words& foci) {
+    Words words{"--boundary", "--max-error", "0"};
+    words.insert(words.end(), foci.begin(), foci.end());
+    return report(words).at("cells").get<int>();
+  };
+  const int all = cells({});
+  const int base = cells({"--ball", "-9,-9,-9,0"});
+  for (const Words& focus :
+       {Words{"--box", "0,1,0,1,0,1"}, {"--ball", "1,1,1,1"}, {"--half-space", "2,0,0:-1,0,0"}}) {
+    EXPECT_LT(cells(focus), all) << focus[0];
+    EXPECT_GT(cells(focus), base) << focus[0];
+  }
+  EXPECT_GT(cells({"--ball", "1,1,1,1", "--max-error-outside", "0"}), cells({"--ball", "1,1,1,1"}));
+  expect_refused({"--boundary", "--half-space", "1,2,3:0,0,0"}, "--half-space: expected a normal");
+  expect_refused({"--boundary", "--max-error-outside", "1"}, "--half-space");
+  expect_refused({"--boundary", "--region", "one"}, "--region");
+}
+
 TEST_F(cli_render_tetra, reads_transfer_functions_from_files_and_looks_through_saved_cameras) {
   const std::string knots = scratch_ / "knots.txt";
   write_bytes(knots, "0 1 0 0 0.1\n5 1 1 1 2 # bright\n");

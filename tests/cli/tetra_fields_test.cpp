@@ -165,6 +165,16 @@ TEST_F(cli_tetra_fields, deform) {
   EXPECT_EQ(turned.exit_code, 0) << turned.err;
   EXPECT_GT(turned.json().at("inverted_cells"), 0);
   EXPECT_NE(turned.err.find("turned round"), std::string::npos);
+  for (const std::vector<std::string>& of : {std::vector<std::string>{"--boundary"},
+                                             {"--isovalue", "0.1"},
+                                             {"--section", "0.5,0.5,0.5:0,0,1"}}) {
+    std::vector<std::string> words{"extract", model,   scratch_ / "s.ply", "--max-error", "0",
+                                   "--warp",  "shift", "--scale",          "-30",         "--json"};
+    words.insert(words.end(), of.begin(), of.end());
+    const Finished surface_turned = run_lode(words);
+    EXPECT_GT(surface_turned.json().at("inverted_cells"), 0) << surface_turned.err;
+    EXPECT_NE(surface_turned.err.find("turned round"), std::string::npos);
+  }
   // Boundaries and isosurfaces as well, and what is built in memory.
   const std::string surface = scratch_ / "s.ply";
   for (const std::vector<std::string>& of :
@@ -211,6 +221,15 @@ TEST_F(cli_tetra_fields, are_attached_as_steps) {
   };
   EXPECT_NEAR(value("1"), 2 * value("0"), 1e-12);
   EXPECT_NEAR(value("2"), 3 * value("0"), 1e-12);
+  // Each step against what it was attached from, and no other.
+  const auto against = [&](const std::string& mesh, const char* step) {
+    return run_lode({"verify", all, "--against", mesh, "--field", "noise", "--time", step})
+        .exit_code;
+  };
+  EXPECT_EQ(against(mesh_, "0"), 0);
+  EXPECT_EQ(against(later_, "1"), 0);
+  EXPECT_EQ(against(latest_, "2"), 0);
+  EXPECT_EQ(against(later_, "2"), 1);
   refused({"probe", all, "--point", "0,0,0", "--field", "noise", "--time", "3"}, "--time");
 }
 
@@ -228,6 +247,11 @@ TEST_F(cli_tetra_fields, that_make_no_sense_are_refused) {
   refused({"extract", model_, scratch_ / "out.ply", "--boundary", "--with", "square"},
           "--with: expected an output that ends in .vtp");
   refused({"extract", mesh_, out_, "--mesh", "--with", "square"}, "--field");
+  refused({"extract", model_, out_, "--mesh", "--field", "square", "--time", "3"}, "has no steps");
+  refused({"probe", model_, "--point", "0,0,0", "--field", "noise", "--with", "square"}, "--with");
+  refused(
+      {"render", model_, scratch_ / "p.png", "--boundary", "--field", "noise", "--with", "square"},
+      "--with");
   EXPECT_FALSE(std::filesystem::exists(all));
 }
 

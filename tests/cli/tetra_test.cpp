@@ -112,6 +112,23 @@ TEST_F(cli_tetra, keeps_regions_apart_and_writes_them) {
   const auto one = volumes({"--max-error", "0.4", "--region", "40"});
   ASSERT_EQ(one.size(), 1U);
   EXPECT_NEAR(one.begin()->second, 6 * 4 * 8, 1e-6);
+  // On surfaces as well.
+  for (const Words& of : {Words{"--boundary"},
+                          {"--isovalue", "3"},
+                          {"--section", "6,6,6:1,2,3"},
+                          {"--section", "6,6,6:1,2,3", "--isovalue", "3"}})
+    for (const char* const name : {"out.vtp", "out.ply"}) {
+      Words words{"extract", model, scratch_ / name, "--max-error", "0.4"};
+      words.insert(words.end(), of.begin(), of.end());
+      ASSERT_EQ(run_lode(words).exit_code, 0);
+      const std::string bytes = read_bytes(scratch_ / name);
+      EXPECT_NE(bytes.find(name == std::string("out.vtp") ? "Name=\"RegionId\""
+                                                          : "property double region"),
+                std::string::npos);
+      EXPECT_TRUE(read_surface(scratch_ / name)) << name;
+    }
+  EXPECT_NE(run_lode({"info", model}).out.find("-2, 40"), std::string::npos);
+  EXPECT_EQ(run_lode({"info", input_, "--json"}).json().at("regions"), nlohmann::json({-2, 40}));
   const Finished none = run_lode({"extract", model, output_, "--mesh", "--region", "5"});
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_NE(none.err.find("expected one of -2, 40, got 5"), std::string::npos) << none.err;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "lode/api/files.h"
@@ -133,6 +134,33 @@ TEST_F(cli_verify_tetra, finds_errors_of_all_points_where_they_are_promised) {
     return integral.at("high").get<double>() - integral.at("low").get<double>();
   };
   EXPECT_LT(width(model), 0.5 * width(lode_));
+}
+
+/// Errors, volumes and boundaries are held against what the model says that its boundary may do.
+TEST_F(cli_verify_tetra, passes_boundaries_that_move_as_far_as_the_model_says) {
+  SimplexMesh ball;
+  TetraMesh noise = oracles::noise_mesh(12, oracles::Cut::in_six, 7);
+  for (Vec3d& p : noise.positions) {
+    const Vec3d d = p - Vec3d{{0.5, 0.5, 0.5}};
+    const double most = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
+    p = length(d) > 0 ? d * (most / length(d)) : d;
+  }
+  ball.positions = noise.positions;
+  ball.values = noise.fields[0].values;
+  ball.tetrahedra = noise.tetrahedra;
+  ball.errors.assign(ball.tetrahedra.size(), 0);
+  const std::string mesh = scratch_ / "ball.vtu";
+  Progress progress;
+  ASSERT_TRUE(write_vtu(mesh, ball, {.value_name = "noise"}, progress));
+  for (const char* const tolerance : {"0.004", "0.03"}) {
+    const std::string model = scratch_ / "ball.lode";
+    const Finished build =
+        run_lode({"build", mesh, model, "--boundary-tolerance", tolerance, "--json"});
+    ASSERT_EQ(build.exit_code, 0) << build.err;
+    EXPECT_GT(build.json().at("boundary_deviation"), 0.001);
+    const Finished verify = run_lode({"verify", model, "--against", mesh});
+    EXPECT_EQ(verify.exit_code, 0) << verify.out << verify.err;
+  }
 }
 
 TEST_F(cli_verify_tetra, fails_against_other_data) {

@@ -166,6 +166,11 @@ TEST_F(vtk_import_of, what_lode_wrote_has_its_regions_and_values) {
   EXPECT_EQ(mesh.region_ids, (std::vector<std::int64_t>{10, 20}));
   EXPECT_EQ(mesh.positions.size(), 45U);
   EXPECT_NEAR(volumes_of(mesh).at(20), 8, 1e-9);
+  EXPECT_NEAR(report({"probe", exodus, "--field", "f", "--integral"})
+                  .at("volume")
+                  .at("value")
+                  .get<double>(),
+              volumes_of(mesh).at(10) + 8, 1e-9);
 }
 
 TEST_F(vtk_import_of, patches_come_with_their_names_through_files_and_exodus) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "lode/mappers/mesh_boundary.h"
 #include "lode/mappers/section.h"
 #include "tests/mappers/tetra_fixtures.h"
 
@@ -81,6 +82,42 @@ TEST(mesh_section, is_a_manifold_far_away) {
   const Surface section = section_of(mesh, {origin + Vec3d{{0.4, 0.5, 0.3}}, {{1, 2, 3}}}, origin);
   EXPECT_FALSE(section.is_empty());
   test::expect_manifold(section);
+}
+
+/// Beside x = 1/2, where faces of cells lie, each cell has the region of its side.
+TEST(mesh_section, and_other_surfaces_have_the_regions_of_their_cells) {
+  SimplexMesh mesh = test::noise(9);
+  for (const auto& cell : mesh.tetrahedra) {
+    double x = 0;
+    for (const std::uint32_t v : cell) x += mesh.positions[v][0] / 4;
+    mesh.regions.push_back(x < 0.5 ? -7 : 40);
+  }
+  const auto expect_regions = [](const Surface& surface, const auto& cells) {
+    ASSERT_FALSE(cells.empty());
+    ASSERT_EQ(surface.regions.size(), cells.size());
+    std::size_t n_left = 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      double x = 0;
+      for (const std::uint32_t v : cells[i]) x += surface.world_position(v)[0];
+      x /= static_cast<double>(cells[i].size());
+      if (std::abs(x - 0.5) < 1e-4) continue;
+      EXPECT_EQ(surface.regions[i], x < 0.5 ? -7 : 40);
+      n_left += x < 0.5 ? 1 : 0;
+    }
+    EXPECT_GT(n_left, 0U);
+    EXPECT_LT(n_left, cells.size());
+  };
+  const Surface section = section_of(mesh, {{{0.5, 0.5, 0.5}}, {{0, 0, 1}}});
+  expect_regions(section, section.triangles);
+  Surface lines;
+  add_isolines(section, 0.1, 1e-6, lines);
+  expect_regions(lines, lines.lines);
+  const Surface boundary = mesh_boundary(mesh, {}, {2});
+  expect_regions(boundary, boundary.triangles);
+  Surface several = test::isosurface_of(mesh, 0.1);
+  add_isosurface(mesh, -0.1, {.margin = rounding_margin(mesh.positions, {}), .threads = {2}},
+                 several);
+  expect_regions(several, several.triangles);
 }
 
 }  // namespace

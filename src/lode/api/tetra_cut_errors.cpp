@@ -58,11 +58,15 @@ class VertexSearch {
     finding.is_looked_at = true;
     const Vec3d& p = vertices_.positions[vertex];
     locator_.visit_near(p, 0, [&](std::uint32_t cell) { look_inside(vertex, cell, finding); });
-    if (std::isfinite(finding.error)) return finding;
-    finding.is_outside = true;
-    locator_.visit_near(p, 2 * allowance_,
-                        [&](std::uint32_t cell) { look_beside(vertex, cell, finding); });
-    finding.distance = locator_.distance_to_nearest(p);
+    const bool is_inside = std::isfinite(finding.error);
+    if (is_inside && (finding.is_within_stated || !vertices_.has_moving_boundary())) return finding;
+    finding.is_outside = !is_inside;
+    // What a boundary that moves has left outside has no F' to be held against. It may also leave a
+    // vertex beside its own part, in the cells of another.
+    if (is_inside || !vertices_.has_moving_boundary())
+      locator_.visit_near(p, 2 * allowance_,
+                          [&](std::uint32_t cell) { look_beside(vertex, cell, finding); });
+    if (finding.is_outside) finding.distance = locator_.distance_to_nearest(p);
     return finding;
   }
 
@@ -118,7 +122,7 @@ void add_finding(const VertexFinding& finding, std::size_t vertex, double allowa
                  TetraCutErrors& errors) {
   ++errors.n_vertices;
   const bool is_found = std::isfinite(finding.error);
-  const bool is_far = finding.is_outside && !(is_found && finding.distance <= allowance);
+  const bool is_far = finding.is_outside && !(finding.distance <= allowance);
   errors.n_outside += finding.is_outside ? 1 : 0;
   errors.n_far_outside += is_far ? 1 : 0;
   errors.farthest_outside = std::max(errors.farthest_outside, finding.distance);

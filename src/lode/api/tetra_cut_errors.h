@@ -27,7 +27,9 @@ struct TetraCutErrors {
 /// `vertices`: with the field's values. A vertex may be where several cells touch, or lie over one
 /// another: what one of them states is enough. What rounding does to F' is allowed for; and, where
 /// a vertex is outside by no more than the boundary may move, by how much F' may differ between
-/// there and the cell. The same for any number of threads. Fails where pages cannot be loaded.
+/// there and the cell. Where the boundary may move by more than rounding, vertices outside have no
+/// F', and of those inside cells that near count beside those that hold them. The same for any
+/// number of threads. Fails where pages cannot be loaded.
 [[nodiscard]] Result<TetraCutErrors> measure_errors(const tetra_mt::PackedHierarchy& hierarchy,
                                                     std::size_t field,
                                                     const TetraVertices& vertices,

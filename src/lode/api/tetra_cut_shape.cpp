@@ -83,7 +83,8 @@ void find_faces(const TetraVertices& vertices, const TetraCells& cells, TetraCut
 
 TetraVertices::TetraVertices(const PackedHierarchy& hierarchy)
     : has_narrow_positions(hierarchy.head().shape.has_narrow_positions),
-      size(length(hierarchy.head().upper - hierarchy.head().lower)) {
+      size(length(hierarchy.head().upper - hierarchy.head().lower)),
+      boundary_deviation_(hierarchy.head().boundary_deviation) {
   const std::uint32_t n = hierarchy.head().n_vertices();
   positions.reserve(n);
   Vec3d most;
@@ -101,6 +102,11 @@ void TetraVertices::take_values(const PackedHierarchy& hierarchy, std::size_t fi
 }
 
 double TetraVertices::boundary_allowance() const {
+  constexpr double kRounding = 1 + 1e-6;  // Of the deviation, and of what is measured.
+  return std::max(rounding_allowance(), kRounding * boundary_deviation_);
+}
+
+double TetraVertices::rounding_allowance() const {
   constexpr double kShareOfSize = 1e-6;
   constexpr double kRoundings = 64 * 0x1p-24;
   return std::max(kShareOfSize * size, has_narrow_positions ? kRoundings * farthest : 0);

@@ -25,8 +25,17 @@ struct TetraVertices {
   explicit TetraVertices(const tetra_mt::PackedHierarchy& hierarchy);
   void take_values(const tetra_mt::PackedHierarchy& hierarchy, std::size_t field);
   /// How far the boundary of any cut may be from the reference's: what docs/models/tetra_mt.md
-  /// says.
+  /// says of rounding, or what the hierarchy says, where it was built with a tolerance.
   [[nodiscard]] double boundary_allowance() const;
+  /// Whether it may move by more than rounding.
+  [[nodiscard]] bool has_moving_boundary() const {
+    return boundary_deviation_ > rounding_allowance();
+  }
+
+ private:
+  [[nodiscard]] double rounding_allowance() const;
+
+  double boundary_deviation_ = 0;  ///< The hierarchy's.
 };
 
 /// The tetrahedra of a cut, by the hierarchy's numbers of vertices.

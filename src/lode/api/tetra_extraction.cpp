@@ -27,6 +27,7 @@ void append(const Surface& section, Surface& surface) {
   put(section.positions, surface.positions);
   put(section.values, surface.values);
   put(section.errors, surface.errors);
+  put(section.regions, surface.regions);
   if (surface.attributes.empty())
     for (const Attribute& from : section.attributes)
       surface.attributes.push_back({from.name, from.is_narrow, {}, from.error});

@@ -13,7 +13,8 @@ std::uint64_t Surface::n_bytes() const {
   for (const Attribute& attribute : attributes) n += capacity_bytes(attribute.values);
   return n + capacity_bytes(positions) + capacity_bytes(normals) + capacity_bytes(isovalues) +
          capacity_bytes(values) + capacity_bytes(origins) + capacity_bytes(errors) +
-         capacity_bytes(patch_marks) + capacity_bytes(triangles) + capacity_bytes(lines);
+         capacity_bytes(regions) + capacity_bytes(patch_marks) + capacity_bytes(triangles) +
+         capacity_bytes(lines);
 }
 
 void Surface::clear() {
@@ -26,6 +27,7 @@ void Surface::clear() {
   origins.clear();
   errors.clear();
   patches.clear();
+  regions.clear();
   patch_marks.clear();
   triangles.clear();
   lines.clear();

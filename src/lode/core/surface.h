@@ -33,7 +33,9 @@ struct Surface {
   /// Per vertex where it is moved from by a refinement step, as positions; NaN where it has no such
   /// place; may be empty.
   std::vector<Vec3f> origins;
-  std::vector<float> errors;               ///< Of the field, per cell; may be empty.
+  std::vector<float> errors;  ///< Of the field, per cell; may be empty.
+  std::vector<std::int64_t>
+      regions;  ///< Of a mesh, as its file numbers them, per cell; may be empty.
   std::vector<BoundaryPatch> patches;      ///< Parts of a mesh's boundary.
   std::vector<std::uint32_t> patch_marks;  ///< By triangle: 0, or one more than its patch's place.
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Counter-clockwise from lower values.

@@ -86,6 +86,8 @@ Result<void> write_surface(const std::string& path, const Surface& surface,
   LODE_EXPECTS(surface.values.empty() || surface.values.size() == surface.positions.size());
   LODE_EXPECTS(surface.origins.empty() || surface.origins.size() == surface.positions.size());
   LODE_EXPECTS(surface.patches.empty() || surface.patch_marks.size() == surface.triangles.size());
+  LODE_EXPECTS(surface.regions.empty() ||
+               surface.regions.size() == surface.triangles.size() + surface.lines.size());
   LODE_EXPECTS(surface.errors.empty() ||
                surface.errors.size() == surface.triangles.size() + surface.lines.size());
   LODE_CHECK(check_surface_path(path));

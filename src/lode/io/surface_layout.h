@@ -20,6 +20,7 @@ struct SurfaceLayout {
   bool has_values = false;
   bool has_origins = false;
   bool has_errors = false;
+  bool has_regions = false;
   std::vector<std::string> attributes{};  ///< Their names.
   std::vector<BoundaryPatch> patches{};
 
@@ -35,6 +36,7 @@ struct SurfaceLayout {
             .has_values = !surface.values.empty(),
             .has_origins = !surface.origins.empty(),
             .has_errors = !surface.errors.empty(),
+            .has_regions = !surface.regions.empty(),
             .attributes = std::move(names),
             .patches = surface.patches};
   }

@@ -7,12 +7,17 @@
 namespace lode::io {
 namespace {
 
+/// Of a triangle or line, beside its corners.
+std::size_t fact_bytes(const SurfaceLayout& layout) {
+  return (layout.has_errors ? sizeof(float) : 0) + (layout.has_regions ? sizeof(double) : 0);
+}
+
 std::size_t face_bytes(const SurfaceLayout& layout) {
-  return 1 + 3 * sizeof(std::uint32_t) + (layout.has_errors ? sizeof(float) : 0);
+  return 1 + 3 * sizeof(std::uint32_t) + fact_bytes(layout);
 }
 
 std::size_t line_bytes(const SurfaceLayout& layout) {
-  return 2 * sizeof(std::uint32_t) + (layout.has_errors ? sizeof(float) : 0);
+  return 2 * sizeof(std::uint32_t) + fact_bytes(layout);
 }
 
 std::string ply_header(const SurfaceLayout& layout, const SurfaceWriteOptions& options) {
@@ -41,6 +46,8 @@ std::string ply_header(const SurfaceLayout& layout, const SurfaceWriteOptions& o
     add("element edge {}\nproperty {} vertex1\nproperty {} vertex2\n", layout.n_lines, index,
         index);
   if (layout.has_errors) add("property float error\n");
+  // PLY has no integers of 64 bits.
+  if (layout.has_regions) add("property double region\n");
   return header + "end_header\n";
 }
 
@@ -84,14 +91,18 @@ Result<void> write_vertex_records(Output& file, const Surface& surface, std::siz
 template <typename Output, typename Number>
 Result<void> write_cell_records(Output& file, const Surface& surface, const Number& number) {
   const SurfaceLayout layout = SurfaceLayout::of(surface);
+  const auto put_facts = [&](std::byte*& out, std::size_t i) {
+    if (layout.has_errors) put(out, surface.errors[i]);
+    if (layout.has_regions) put(out, static_cast<double>(surface.regions[i]));
+  };
   const auto fill_face = [&](std::size_t i, std::byte* out) {
     put(out, std::uint8_t{3});
     put(out, number(surface.triangles[i]));
-    if (layout.has_errors) put(out, surface.errors[i]);
+    put_facts(out, i);
   };
   const auto fill_line = [&](std::size_t i, std::byte* out) {
     put(out, number(surface.lines[i]));
-    if (layout.has_errors) put(out, surface.errors[i]);
+    put_facts(out, i);
   };
   LODE_CHECK(write_records(file, surface.triangles.size(), face_bytes(layout), fill_face));
   return write_records(file, surface.lines.size(), line_bytes(layout), fill_line);

@@ -15,7 +15,7 @@ namespace lode::io {
 /// Adds a piece to what the file's head will say.
 inline void note(const SurfacePiece& piece, SurfaceLayout& layout) {
   const SurfaceLayout here = SurfaceLayout::of(piece.surface);
-  LODE_EXPECTS(!here.has_values && !here.has_origins && !here.has_errors);
+  LODE_EXPECTS(!here.has_values && !here.has_origins && !here.has_errors && !here.has_regions);
   layout.origin = here.origin;
   if (here.n_vertices > 0) {
     LODE_EXPECTS(layout.n_vertices == 0 || layout.has_normals == here.has_normals);

@@ -18,6 +18,7 @@ struct VtpLayout {
   std::optional<VtkXmlArray> normals;
   std::optional<VtkXmlArray> origins;
   std::optional<VtkXmlArray> errors;
+  std::optional<VtkXmlArray> regions;
   std::optional<VtkXmlArray> patches;
   VtkXmlArray points;
   VtkXmlArray connectivity;
@@ -54,6 +55,8 @@ VtpLayout make_vtp_layout(const SurfaceLayout& surface, const SurfaceWriteOption
                       point_bytes};
   if (surface.has_errors)
     layout.errors = {R"(type="Float32" Name="error")", surface.n_cells() * sizeof(float)};
+  if (surface.has_regions)
+    layout.regions = {R"(type="Int64" Name="RegionId")", surface.n_cells() * sizeof(std::int64_t)};
   if (!surface.patches.empty())
     layout.patches = {R"(type="Int64" Name="PatchId")", surface.n_cells() * sizeof(std::int64_t)};
   layout.points = {fmt::format(R"(type="{}" Name="Points" NumberOfComponents="3")", coordinate),
@@ -74,8 +77,9 @@ std::uint64_t vtp_bytes(const VtpLayout& layout) {
   std::uint64_t n = 0;
   for (const VtkXmlArray& array : layout.attributes) n += array.n_bytes;
   return n + bytes_of(layout.values) + bytes_of(layout.isovalues) + bytes_of(layout.normals) +
-         bytes_of(layout.origins) + bytes_of(layout.errors) + bytes_of(layout.patches) +
-         layout.points.n_bytes + layout.connectivity.n_bytes + layout.offsets.n_bytes;
+         bytes_of(layout.origins) + bytes_of(layout.errors) + bytes_of(layout.regions) +
+         bytes_of(layout.patches) + layout.points.n_bytes + layout.connectivity.n_bytes +
+         layout.offsets.n_bytes;
 }
 
 std::string vtp_head(const SurfaceLayout& surface, const SurfaceWriteOptions& options) {
@@ -110,9 +114,9 @@ std::string vtp_piece(const SurfaceLayout& surface, const SurfaceWriteOptions& o
     if (*array) xml += describe_array(**array, offset);
   for (const VtkXmlArray& array : layout.attributes) xml += describe_array(array, offset);
   xml += "</PointData>\n";
-  if (layout.errors || layout.patches) {
+  if (layout.errors || layout.regions || layout.patches) {
     xml += "<CellData>\n";
-    for (const auto* array : {&layout.errors, &layout.patches})
+    for (const auto* array : {&layout.errors, &layout.regions, &layout.patches})
       if (*array) xml += describe_array(**array, offset);
     xml += "</CellData>\n";
   }
@@ -168,6 +172,7 @@ Result<void> write_point_arrays(SurfaceOutput& file, const Surface& surface,
     LODE_CHECK(write_array(file, std::span(surface.attributes[i].values)));
   }
   LODE_CHECK(write_optional(file, layout.errors, surface.errors));
+  LODE_CHECK(write_optional(file, layout.regions, surface.regions));
   LODE_CHECK(write_patches(file, surface, layout));
   LODE_CHECK(write_array_size(file, layout.points));
   return write_places(file, surface, surface.positions);

@@ -158,6 +158,7 @@ Surface mesh_boundary(const SimplexMesh& mesh, const Vec3d& origin, Threads thre
         continue;
       surface.triangles.push_back(face_across(mesh.tetrahedra[cell], face.place % 4));
       surface.errors.push_back(mesh.errors[cell]);
+      if (!mesh.regions.empty()) surface.regions.push_back(mesh.regions[cell]);
       if (!mesh.patches.empty()) surface.patch_marks.push_back(mark);
       for (const std::uint32_t corner : surface.triangles.back()) numbers[corner] = 0;
     }

@@ -11,11 +11,11 @@
 namespace lode {
 
 /// The faces of a mesh of tetrahedra that one cell alone has: triangles, counter-clockwise seen
-/// from outside, with the field's value and attributes at each vertex, the cell's error and the
-/// patch of each triangle, and positions relative to `origin`. Vertices in the order of the mesh's.
-/// Closed, and as manifold as the mesh is: where cells meet in an edge or corner only, so does the
-/// surface; a face of three cells or more is none of it. With `patches`, places of some, only their
-/// faces, and what is left may be open. O(cells), 64 bytes each for a while.
+/// from outside, with the field's value and attributes at each vertex, the cell's error and region
+/// and the patch of each triangle, and positions relative to `origin`. Vertices in the order of the
+/// mesh's. Closed, and as manifold as the mesh is: where cells meet in an edge or corner only, so
+/// does the surface; a face of three cells or more is none of it. With `patches`, places of some,
+/// only their faces, and what is left may be open. O(cells), 64 bytes each for a while.
 [[nodiscard]] Surface mesh_boundary(const SimplexMesh& mesh, const Vec3d& origin, Threads threads,
                                     std::span<const std::uint32_t> patches = {});
 

@@ -27,6 +27,7 @@ struct MarchedBlock {
   std::vector<std::uint32_t> part_begins;  ///< By part, and one more: places in `edges`.
   std::vector<std::uint32_t> ids;          ///< By edge: its number in its part, then the vertex.
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Of places in `edges`.
+  std::vector<std::uint32_t> cells;                     ///< By triangle, where cells have regions.
   std::size_t first_triangle = 0;
   float largest_error = 0;
 };
@@ -157,7 +158,10 @@ void MeshMarcher::march(std::size_t at, MarchScratch& scratch, MarchedBlock& blo
       [&](std::size_t i, std::size_t j) {
         return scratch.cache.find_or_add(edge_key(cell[i], cell[j]));
       },
-      [&](const std::array<std::uint32_t, 3>& t) { block.triangles.push_back(t); });
+      [&](const std::array<std::uint32_t, 3>& t) {
+        block.triangles.push_back(t);
+        if (!mesh_.regions.empty()) block.cells.push_back(static_cast<std::uint32_t>(at));
+      });
   block.largest_error = std::max(block.largest_error, mesh_.errors[at]);
 }
 
@@ -223,6 +227,7 @@ void MeshMarcher::make_room() {
       surface_.attributes.push_back({from.name, false, {}, from.error});
   for (Attribute& to : surface_.attributes) resize_large(to.values, n_vertices);
   resize_large(surface_.triangles, n_triangles);
+  if (!mesh_.regions.empty()) resize_large(surface_.regions, n_triangles);
 }
 
 /// From the lower value to the higher, so that a position does not depend on vertices' numbers.
@@ -258,6 +263,8 @@ void MeshMarcher::write_block(MarchedBlock& block) {
     const auto& [a, b, c] = block.triangles[i];
     surface_.triangles[block.first_triangle + i] = {block.ids[a], block.ids[b], block.ids[c]};
   }
+  for (std::size_t i = 0; i < block.cells.size(); ++i)
+    surface_.regions[block.first_triangle + i] = mesh_.regions[block.cells[i]];
 }
 
 double MeshMarcher::run() {

@@ -22,10 +22,11 @@ struct MeshIsosurfaceOptions {
 /// seen from lower values; `value >= isovalue` is inside. Vertices, one for each edge that is
 /// crossed, have positions relative to surface.origin, the isovalue, and normals, linear along the
 /// edge and then of unit length, where gradients are given, and the mesh's attributes, linear along
-/// the edge. Their numbers and the order of triangles do not depend on the threads; what a cell's
-/// triangles are depends neither on other cells, nor on the order of cells, vertices or corners,
-/// but for which way the cell is turned. Returns the largest error of a cell that is crossed.
-/// O(cells); takes a byte a vertex, and for a while 24 bytes a triangle.
+/// the edge; triangles the regions of their cells. Their numbers and the order of triangles do not
+/// depend on the threads; what a cell's triangles are depends neither on other cells, nor on the
+/// order of cells, vertices or corners, but for which way the cell is turned. Returns the largest
+/// error of a cell that is crossed. O(cells); takes a byte a vertex, and for a while 24 bytes a
+/// triangle.
 double add_isosurface(const SimplexMesh& mesh, double isovalue,
                       const MeshIsosurfaceOptions& options, Surface& surface);
 

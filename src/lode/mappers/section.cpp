@@ -18,7 +18,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 struct FlatFace {
   Triangle corners;  ///< Mesh vertices, ascending: what both sides call it.
   Triangle turned;   ///< The same, counter-clockwise from where the normal points to.
-  float error = 0;
+  std::size_t cell = 0;
 
   friend bool operator<(const FlatFace& a, const FlatFace& b) { return a.corners < b.corners; }
 };
@@ -32,9 +32,9 @@ class SectionCutter {
 
  private:
   void add_cell(std::size_t cell);
-  void add_flat_face(const std::array<std::uint32_t, 4>& cell, std::size_t opposite, float error);
+  void add_flat_face(std::size_t cell, std::size_t opposite);
   void add_flat_faces();
-  void add_triangle(const Triangle& triangle, float error);
+  void add_triangle(const Triangle& triangle, std::size_t cell);
   std::uint32_t vertex_on(std::uint32_t a, std::uint32_t b);
 
   const SimplexMesh& mesh_;
@@ -77,14 +77,15 @@ std::uint32_t SectionCutter::vertex_on(std::uint32_t a, std::uint32_t b) {
   return id;
 }
 
-void SectionCutter::add_triangle(const Triangle& t, float error) {
+void SectionCutter::add_triangle(const Triangle& t, std::size_t cell) {
   if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return;
   section_.triangles.push_back(t);
-  section_.errors.push_back(error);
+  section_.errors.push_back(mesh_.errors[cell]);
+  if (!mesh_.regions.empty()) section_.regions.push_back(mesh_.regions[cell]);
 }
 
-void SectionCutter::add_flat_face(const std::array<std::uint32_t, 4>& cell, std::size_t opposite,
-                                  float error) {
+void SectionCutter::add_flat_face(std::size_t at, std::size_t opposite) {
+  const std::array<std::uint32_t, 4>& cell = mesh_.tetrahedra[at];
   Triangle turned{};
   for (std::size_t i = 0, n = 0; i < 4; ++i)
     if (i != opposite) turned[n++] = cell[i];
@@ -95,7 +96,7 @@ void SectionCutter::add_flat_face(const std::array<std::uint32_t, 4>& cell, std:
   if (is_seen_from_opposite != is_above) std::swap(turned[1], turned[2]);
   Triangle corners = turned;
   std::sort(corners.begin(), corners.end());
-  flat_faces_.push_back({corners, turned, error});
+  flat_faces_.push_back({corners, turned, at});
 }
 
 void SectionCutter::add_cell(std::size_t at) {
@@ -108,8 +109,7 @@ void SectionCutter::add_cell(std::size_t at) {
   }
   if (above == 0 || below == 0) {
     if (std::has_single_bit(above | below))
-      add_flat_face(cell, static_cast<std::size_t>(std::countr_zero(above | below)),
-                    mesh_.errors[at]);
+      add_flat_face(at, static_cast<std::size_t>(std::countr_zero(above | below)));
     return;
   }
   // Vertices in the plane are inside, as those above: then all edges between the sides that are
@@ -117,21 +117,23 @@ void SectionCutter::add_cell(std::size_t at) {
   march_simplex<3>(
       std::size_t{15} - below, true,
       [&](std::size_t i, std::size_t j) { return vertex_on(cell[i], cell[j]); },
-      [&](const Triangle& t) { add_triangle(t, mesh_.errors[at]); });
+      [&](const Triangle& t) { add_triangle(t, at); });
 }
 
-/// Each once, though two cells have it.
+/// Each once, though two cells have it, as that of the one with the smaller error.
 void SectionCutter::add_flat_faces() {
   std::stable_sort(flat_faces_.begin(), flat_faces_.end());
   for (std::size_t i = 0; i < flat_faces_.size(); ++i) {
     const FlatFace& face = flat_faces_[i];
-    float error = face.error;
-    if (i + 1 < flat_faces_.size() && flat_faces_[i + 1].corners == face.corners)
-      error = std::min(error, flat_faces_[++i].error);
+    std::size_t cell = face.cell;
+    if (i + 1 < flat_faces_.size() && flat_faces_[i + 1].corners == face.corners) {
+      const std::size_t other = flat_faces_[++i].cell;
+      if (mesh_.errors[other] < mesh_.errors[cell]) cell = other;
+    }
     add_triangle(
         {vertex_on(face.turned[0], face.turned[0]), vertex_on(face.turned[1], face.turned[1]),
          vertex_on(face.turned[2], face.turned[2])},
-        error);
+        cell);
   }
 }
 
@@ -192,6 +194,7 @@ double IsolineMarcher::run() {
         inside, false, [&](std::size_t i, std::size_t j) { return vertex_on(t[i], t[j]); },
         [&](const auto& line) { lines_.lines.push_back(line); });
     lines_.errors.push_back(section_.errors[at]);
+    if (!section_.regions.empty()) lines_.regions.push_back(section_.regions[at]);
     largest_error = std::max(largest_error, static_cast<double>(section_.errors[at]));
   }
   return largest_error;

@@ -26,12 +26,12 @@ struct SectionRounding {
                                                const Vec3d& normal);
 
 /// What a plane cuts out of a mesh of tetrahedra: triangles, counter-clockwise seen from where the
-/// normal points to, with the field's value and attributes at each vertex and the cell's error on
-/// each triangle. Where the plane passes through mesh vertices these are the section's, with their
-/// own values, and where it holds faces of the mesh these are its triangles, once each and with the
-/// smaller error of the two cells: also at the mesh's border, whichever side the mesh is on. Within
-/// rounding.snap of a vertex the section bends to it. Values are the field's before positions are
-/// rounded to float32. O(cells).
+/// normal points to, with the field's value and attributes at each vertex and the cell's error and
+/// region on each triangle. Where the plane passes through mesh vertices these are the section's,
+/// with their own values, and where it holds faces of the mesh these are its triangles, once each
+/// and with the smaller error of the two cells: also at the mesh's border, whichever side the mesh
+/// is on. Within rounding.snap of a vertex the section bends to it. Values are the field's before
+/// positions are rounded to float32. O(cells).
 [[nodiscard]] Surface cut_section(const SimplexMesh& mesh, const SectionPlane& plane,
                                   const SectionRounding& rounding);
 
