@@ -71,6 +71,13 @@ std::string reason_of(const TerrainSight& sight) {
                      format_number(-sight.above_low), format_number(sight.above_high), at());
 }
 
+/// Of a file that was built for more than no error: nothing finer can decide.
+std::string limit_of(const TerrainSight& sight) {
+  if (sight.verdict != SightVerdict::undecided || !sight.is_finest() || sight.finest_error == 0)
+    return "";
+  return fmt::format("; the file has no level finer than {}", format_number(sight.finest_error));
+}
+
 Json sight_json(const TerrainSight& sight) {
   Json json;
   json["verdict"] = verdict_name(sight.verdict);
@@ -84,6 +91,8 @@ Json sight_json(const TerrainSight& sight) {
       {"above_ray_low", sight.above_low},
       {"above_ray_high", sight.above_high}};
   json["rounds"] = sight.n_rounds;
+  json["is_finest"] = sight.is_finest();
+  json["finest_error"] = sight.finest_error;
   json["max_error"] = sight.terrain.max_error;
   json["achieved_error"] = sight.terrain.achieved_error;
   json["error_kind"] = "at samples";
@@ -137,7 +146,7 @@ Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
                                   format_number(options.refraction))});
   table.add({"read", format_seconds(input.read_seconds)});
   table.add({"sight", format_seconds(sight.seconds)});
-  table.add({verdict_name(sight.verdict), reason_of(sight)});
+  table.add({verdict_name(sight.verdict), reason_of(sight) + limit_of(sight)});
   outcome.text = table.to_string();
   return outcome;
 }
@@ -150,7 +159,8 @@ Command add_sight_command(CLI::App& program) {
       program.add_subcommand("sight", "Find out whether two places of a terrain see each other");
   app->footer(
       "visible: no surface within the bounds of the TIN is above the ray; blocked: each one is,\n"
-      "and where; undecided: neither, and --exact asks again at full resolution. Bounds are those\n"
+      "and where; undecided: neither, and --exact asks again at full resolution, or at the finest\n"
+      "level of a file that was built for less. Bounds are those\n"
       "of lode height, at samples. Gaps on the way leave it undecided. The ray is straight over "
       "an\n"
       "earth whose radius is R / (1 - refraction).\n\n"
@@ -170,7 +180,7 @@ Command add_sight_command(CLI::App& program) {
   add("--height-unit", arguments->height_unit, "m|ft|us-ft",
       "Unit of the heights, where the raster does not say or is wrong");
   app->add_flag("--exact", arguments->is_exact,
-                "Where it is undecided, ask again at full resolution");
+                "Where it is undecided, ask again at full resolution, or a file's finest level");
   return {app, [arguments] { return check_sight(*arguments); },
           [arguments](Session& session) { return run_sight(*arguments, session); }};
 }

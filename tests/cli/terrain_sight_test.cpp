@@ -64,6 +64,32 @@ TEST_F(cli_terrain_sight, is_decided_exactly_where_the_error_leaves_it_open) {
   EXPECT_LT(decided.at("max_error").get<double>(), 40);
 }
 
+TEST_F(cli_terrain_sight, asks_a_file_no_finer_than_it_was_built) {
+  const auto ask = [&](const char* model, const char* levels, const Words& more) {
+    const std::string file = scratch_ / "wall.lode";
+    EXPECT_EQ(run_lode({"build", dem_, file, "--model", model, "--levels", levels}).exit_code, 0);
+    Words words{"sight",           file,          "--from", "550,450",           "--to",
+                "4550,450",        "--max-error", "40",     "--observer-height", "10",
+                "--target-height", "10"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_lode(words);
+  };
+  for (const char* model : {"delaunay_pyramid", "hierarchical_delaunay"}) {
+    SCOPED_TRACE(model);
+    const auto open = ask(model, "40", {"--exact", "--json"}).json();
+    EXPECT_EQ(open.at("verdict"), "undecided");
+    EXPECT_EQ(open.at("rounds"), 1);
+    EXPECT_EQ(open.at("is_finest"), true);
+    EXPECT_EQ(open.at("finest_error"), 40);
+    EXPECT_NE(ask(model, "40", {"--exact"}).out.find("no level finer than 40"), std::string::npos);
+    const auto decided = ask(model, "40,2", {"--exact", "--json"}).json();
+    EXPECT_EQ(decided.at("verdict"), "blocked");
+    EXPECT_EQ(decided.at("rounds"), 2);
+    EXPECT_EQ(decided.at("max_error"), 2);
+    EXPECT_EQ(ask(model, "40,2", {"--json"}).json().at("is_finest"), false);
+  }
+}
+
 TEST_F(cli_terrain_sight, takes_the_curvature_of_the_earth_less_refraction) {
   // Over 2.4 km of plain the earth rises 2400^2 / (8 R) = 0.113 m in the middle.
   const auto over_plain = [&](const char* refraction, const char* height) {

@@ -132,12 +132,12 @@ Result<TerrainSight> find_terrain_sight(const Terrain& terrain, const TerrainOpt
     sight.n_rounds = round;
     sight.terrain = tin.report();
     sight.seconds = watch.seconds();
-    const double max_error = tin.report().max_error;
+    sight.finest_error = terrain.origin().finest_error();
     if (options.effort == SightEffort::once || sight.verdict != SightVerdict::undecided ||
-        max_error == 0)
+        sight.is_finest())
       return sight;
     // All samples are had sooner than those that greed finds at any tolerance between.
-    wanted.max_error = 0;
+    wanted.max_error = sight.finest_error;
   }
 } catch (const std::bad_alloc&) {
   return out_of_memory("find the line of sight");

@@ -8,7 +8,8 @@
 
 namespace lode {
 
-/// once: at the tolerance asked for. until_decided: where that leaves it undecided, also at 0.
+/// once: at the tolerance asked for. until_decided: where that leaves it undecided, also at the
+/// finest that there is, which is 0 but of files that were built for more.
 enum class SightEffort : std::uint8_t { once, until_decided };
 
 struct TerrainSightOptions {
@@ -38,8 +39,12 @@ struct TerrainSight {
   double vertical_metres = 0;           ///< Of a unit of the heights.
   bool is_vertical_unit_known = false;  ///< Else metres are assumed.
   std::uint32_t n_rounds = 1;           ///< TINs that were made.
+  double finest_error = 0;              ///< The least tolerance that there is.
   TerrainReport terrain;                ///< Of the last.
   double seconds = 0;                   ///< Of all.
+
+  /// Whether no finer TIN can be asked.
+  [[nodiscard]] bool is_finest() const { return terrain.max_error <= finest_error; }
 };
 
 /// The segment is straight in the terrain's coordinates. Fails where one of the places is not on
