@@ -3,6 +3,7 @@ set(IO_MESH_SOURCES
   boundary_patches.cpp
   cell_types.cpp
   grid_pieces.cpp
+  inner_point.cpp
   mesh_blocks.cpp
   mesh_checks.cpp
   mesh_exodus_output.cpp
@@ -23,6 +24,8 @@ set(IO_MESH_SOURCES
   mesh_vtk_xml.cpp
   mesh_vtk_xml_arrays.cpp
   netcdf_output.cpp
+  polygon_triangles.cpp
+  polyhedron_centre.cpp
   polyhedron_faces.cpp
   split_cells.cpp
   tetra_faces.cpp

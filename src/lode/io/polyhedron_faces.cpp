@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "lode/io/polygon_triangles.h"
+
 namespace lode::io {
 namespace {
 
@@ -102,17 +104,7 @@ Result<void> make_agree(const CellMesh& mesh, std::size_t cell, std::vector<Loop
   return {};
 }
 
-std::vector<std::array<std::uint32_t, 3>> fans_of(const std::vector<Loop>& loops) {
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  for (const Loop& loop : loops) {
-    const auto first =
-        static_cast<std::size_t>(std::min_element(loop.begin(), loop.end()) - loop.begin());
-    const std::size_t n = loop.size();
-    for (std::size_t i = 1; i + 1 < n; ++i)
-      triangles.push_back({loop[first], loop[(first + i) % n], loop[(first + i + 1) % n]});
-  }
-  return triangles;
-}
+}  // namespace
 
 std::vector<std::uint32_t> distinct_corners(const CellMesh& mesh, std::size_t cell) {
   std::vector<std::uint32_t> distinct;
@@ -124,28 +116,23 @@ std::vector<std::uint32_t> distinct_corners(const CellMesh& mesh, std::size_t ce
   return distinct;
 }
 
-}  // namespace
-
-Vec3d centre_of(const CellMesh& mesh, std::size_t cell) {
+Vec3d mean_of_corners(const CellMesh& mesh, std::size_t cell) {
   const std::vector<std::uint32_t> corners = distinct_corners(mesh, cell);
   Vec3d sum;
   for (const std::uint32_t corner : corners) sum = sum + mesh.points[corner];
   return sum * (1.0 / static_cast<double>(corners.size()));
 }
 
-double mean_at_corners(const CellMesh& mesh, std::size_t cell, const std::vector<double>& values) {
-  const std::vector<std::uint32_t> corners = distinct_corners(mesh, cell);
-  double sum = 0;
-  for (const std::uint32_t corner : corners) sum += values[corner];
-  return sum / static_cast<double>(corners.size());
-}
-
 Result<std::vector<std::array<std::uint32_t, 3>>> outward_triangles(const CellMesh& mesh,
                                                                     std::size_t cell) {
   std::vector<Loop> loops = loops_of(mesh, cell);
   LODE_CHECK(make_agree(mesh, cell, loops));
-  std::vector<std::array<std::uint32_t, 3>> triangles = fans_of(loops);
-  const Vec3d centre = centre_of(mesh, cell);
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (const Loop& loop : loops) {
+    const auto more = polygon_triangles(mesh.points, loop);
+    triangles.insert(triangles.end(), more.begin(), more.end());
+  }
+  const Vec3d centre = mean_of_corners(mesh, cell);
   double volume = 0;
   for (const auto& [a, b, c] : triangles)
     volume += dot(cross(mesh.points[a] - centre, mesh.points[b] - centre), mesh.points[c] - centre);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
 
 #include "lode/io/mesh_checks.h"
+#include "lode/io/polyhedron_centre.h"
 #include "lode/io/polyhedron_faces.h"
 
 namespace lode::io {
@@ -155,21 +157,35 @@ void split_quadratic(const CellMesh& mesh, Corners c, Splitter& splitter) {
     splitter.add({c[best[0]], c[best[1]], c[best[2 + i]], c[best[2 + (i + 1) % 4]]});
 }
 
+/// Polyhedra in which no point sees all faces.
+struct Unseen {
+  std::uint64_t n = 0;
+  std::size_t first = 0;
+};
+
 Result<void> split_polyhedron(const CellMesh& mesh, std::size_t cell, SplitCells& split,
-                              Splitter& splitter) {
+                              Unseen& unseen) {
   const std::uint64_t centre = mesh.points.size() + split.centre_cells.size();
   if (centre > kMaxMeshCount)
     return fail("{}: expected at most {} points and centres of polyhedra, got more", mesh.path,
                 kMaxMeshCount);
   LODE_TRY(const std::vector<Triangle> triangles, outward_triangles(mesh, cell));
+  const std::optional<Vec3d> place = find_centre(mesh, cell, triangles);
+  if (!place) {
+    if (unseen.n++ == 0) unseen.first = cell;
+    return {};
+  }
   split.centre_cells.push_back(static_cast<std::uint32_t>(cell));
+  split.centres.push_back(*place);
+  Splitter splitter(split);
+  splitter.start(cell);
   for (const Triangle& t : triangles)
     splitter.add({static_cast<std::uint32_t>(centre), t[0], t[1], t[2]});
   return {};
 }
 
 Result<void> split_cell(const CellMesh& mesh, std::size_t cell, QuadraticCells quadratic,
-                        SplitCells& split) {
+                        SplitCells& split, Unseen& unseen) {
   Splitter splitter(split);
   splitter.start(cell);
   const Corners corners = mesh.corners_of(cell);
@@ -187,7 +203,7 @@ Result<void> split_cell(const CellMesh& mesh, std::size_t cell, QuadraticCells q
       else
         splitter.add({corners[0], corners[1], corners[2], corners[3]});
       break;
-    case CellType::polyhedron: return split_polyhedron(mesh, cell, split, splitter);
+    case CellType::polyhedron: return split_polyhedron(mesh, cell, split, unseen);
     default: break;
   }
   return {};
@@ -197,12 +213,18 @@ Result<void> split_cell(const CellMesh& mesh, std::size_t cell, QuadraticCells q
 
 Result<SplitCells> split_cells(const CellMesh& mesh, QuadraticCells quadratic) {
   SplitCells split;
+  Unseen unseen;
   for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell) {
-    LODE_CHECK(split_cell(mesh, cell, quadratic, split));
+    LODE_CHECK(split_cell(mesh, cell, quadratic, split, unseen));
     if (split.tetrahedra.size() > kMaxMeshCount)
       return fail("{}: expected cells that split into at most {} tetrahedra, got more", mesh.path,
                   kMaxMeshCount);
   }
+  if (unseen.n > 0)
+    return fail(
+        "{}: expected polyhedra in which some point sees all faces, to be split round it, got {} "
+        "in which none does, the first of them cell {}",
+        mesh.path, unseen.n, unseen.first);
   return split;
 }
 

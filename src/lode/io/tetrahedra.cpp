@@ -10,7 +10,7 @@
 #include "lode/core/out_of_memory.h"
 #include "lode/io/boundary_patches.h"
 #include "lode/io/cell_types.h"
-#include "lode/io/polyhedron_faces.h"
+#include "lode/io/polyhedron_centre.h"
 #include "lode/io/split_cells.h"
 #include "lode/io/tetra_faces.h"
 #include "lode/io/tetra_fields.h"
@@ -117,18 +117,16 @@ Result<void> weld(const TetraOptions& options, const ChosenFields& chosen, CellM
 /// New vertices behind the points: centres of polyhedra, with values of point fields.
 void add_centres(const SplitCells& split, CellMesh& mesh, ChosenFields& chosen) {
   if (split.centre_cells.empty()) return;
-  std::vector<Vec3d> centres;
-  for (const std::uint32_t cell : split.centre_cells) centres.push_back(centre_of(mesh, cell));
   for (std::size_t f = 0; f < chosen.fields.size(); ++f) {
     if (chosen.is_of_cells[f] != 0) continue;
     std::vector<double>& values = chosen.fields[f].values;
-    std::vector<double> means;
-    for (const std::uint32_t cell : split.centre_cells)
-      means.push_back(mean_at_corners(mesh, cell, values));
-    values.insert(values.end(), means.begin(), means.end());
+    std::vector<double> at_centres;
+    for (std::size_t i = 0; i < split.centres.size(); ++i)
+      at_centres.push_back(value_at_centre(mesh, split.centre_cells[i], split.centres[i], values));
+    values.insert(values.end(), at_centres.begin(), at_centres.end());
     chosen.fields[f].type = ScalarType::float64;
   }
-  mesh.points.insert(mesh.points.end(), centres.begin(), centres.end());
+  mesh.points.insert(mesh.points.end(), split.centres.begin(), split.centres.end());
 }
 
 void take_regions(const MeshField& field, const SplitCells& split, TetraMesh& result) {

@@ -73,12 +73,12 @@ struct TetrahedraOutcome {
 /// Makes tetrahedra of a valid mesh of cells. Quadrilateral faces are cut from their smallest point
 /// id, so that cells that share one agree (Dompierre, Labbe, Vallet and Camarero, How to subdivide
 /// pyramids, prisms and hexahedra into tetrahedra, 1999): 5 or 6 tetrahedra for a hexahedron or
-/// voxel, 3 for a wedge, 2 for a pyramid; a polyhedron's round its centre, the mean of its corners.
-/// Fields of cells become means, weighted by volume, over the cells at a point. Vertices keep the
-/// order of the points. Tetrahedra are turned round so that all of a component are wound alike, and
-/// most of positive volume.
-/// Fails on other solid cells, on faces of more than two tetrahedra, on a field that is missing,
-/// and where nothing solid is left.
+/// voxel, 3 for a wedge, 2 for a pyramid; a polyhedron's round the mean of its corners, or where
+/// that does not see all faces round another point that does (find_centre, value_at_centre). Fields
+/// of cells become means, weighted by volume, over the cells at a point. Vertices keep the order of
+/// the points. Tetrahedra are turned round so that all of a component are wound alike, and most of
+/// positive volume. Fails on other solid cells, on polyhedra without such a point, on faces of more
+/// than two tetrahedra, on a field that is missing, and where nothing solid is left.
 [[nodiscard]] Result<TetrahedraOutcome> to_tetrahedra(CellMesh&& mesh, const TetraOptions& options);
 
 }  // namespace lode::io
