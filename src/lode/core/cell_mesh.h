@@ -53,9 +53,10 @@ struct CellMesh {
   std::vector<std::uint32_t> faces;
   std::vector<MeshField> point_fields;
   std::vector<MeshField> cell_fields;
-  std::vector<BoundaryPatch> patch_names;  ///< Of cells with two dimensions, where a file has any.
-  std::uint64_t n_ghost_cells = 0;         ///< Left out: copies of another piece's cells.
-  std::uint64_t n_hidden_cells = 0;        ///< Left out: blanked ones, and those of blanked points.
+  std::vector<BoundaryPatch> patch_names;   ///< Of cells with two dimensions, where a file has any.
+  std::vector<std::string> skipped_arrays;  ///< Names of those that are no numbers: texts and bits.
+  std::uint64_t n_ghost_cells = 0;          ///< Left out: copies of another piece's cells.
+  std::uint64_t n_hidden_cells = 0;  ///< Left out: blanked ones, and those of blanked points.
 
   [[nodiscard]] std::size_t n_cells() const { return types.size(); }
   [[nodiscard]] std::span<const std::uint32_t> corners_of(std::size_t cell) const {

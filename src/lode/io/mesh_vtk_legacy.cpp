@@ -12,6 +12,7 @@
 #include "lode/io/mesh_numbers.h"
 #include "lode/io/text.h"
 #include "lode/io/vtk_legacy_arrays.h"
+#include "lode/io/vtk_legacy_skip.h"
 
 namespace lode::io {
 namespace {
@@ -28,6 +29,7 @@ struct LegacyMeshArrays {
   std::optional<LegacyArray> types;
   std::vector<LegacyArray> point_arrays;
   std::vector<LegacyArray> cell_arrays;
+  std::vector<std::string> skipped_arrays;  ///< Of points and cells, no numbers.
 };
 
 /// A legacy file being read.
@@ -139,6 +141,8 @@ Result<void> parse_arrays(LegacyFile& file, std::int64_t version, LegacyMeshArra
       return fail("{}: expected a legacy VTK keyword before byte {}, got {}", file.cursor.path(),
                   file.cursor.position(), in_quotes(words[0]));
     for (LegacyArray& array : attribute.arrays) section->push_back(std::move(array));
+    if (section == &others) continue;
+    for (std::string& name : attribute.skipped) arrays.skipped_arrays.push_back(std::move(name));
   }
 }
 
@@ -280,6 +284,7 @@ Result<void> load_grid(const LegacyMeshArrays& arrays, CellMesh& mesh) {
 Result<CellMesh> load_mesh(LegacyMeshFile& file, const LegacyMeshArrays& arrays) {
   CellMesh mesh;
   mesh.path = file.path();
+  mesh.skipped_arrays = arrays.skipped_arrays;
   LODE_TRY(mesh.points, load_points(file, arrays));
   LODE_CHECK(arrays.is_grid ? load_grid(arrays, mesh) : load_cells(file, arrays, mesh));
   LODE_TRY(mesh.point_fields, load_fields(file, mesh.points.size(), arrays.point_arrays));

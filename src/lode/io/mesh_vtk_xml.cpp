@@ -160,7 +160,10 @@ Result<CellMesh> read_vtk_xml_mesh(const std::string& path, const MeshReadOption
     return fail("{}: expected UnstructuredGrid or StructuredGrid, got {}", path, in_quotes(kind));
   const pugi::xml_node data = file.xml->root().child(kind.c_str());
   if (!data.child("Piece")) return fail("{}: expected an element Piece in {}", path, kind);
-  return kind == "UnstructuredGrid" ? read_unstructured(file, data) : read_curvilinear(file, data);
+  LODE_TRY(CellMesh mesh, kind == "UnstructuredGrid" ? read_unstructured(file, data)
+                                                     : read_curvilinear(file, data));
+  mesh.skipped_arrays = std::move(file.skipped_arrays);
+  return mesh;
 }
 
 }  // namespace lode::io

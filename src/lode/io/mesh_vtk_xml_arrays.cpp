@@ -1,5 +1,6 @@
 #include "lode/io/mesh_vtk_xml_arrays.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
@@ -29,6 +30,14 @@ Result<MeshField> load_xml_field(VtkXmlMeshFile& file, const pugi::xml_node& arr
   LODE_TRY(const MeshNumbers numbers, load_xml_numbers(file, array, n));
   field.values = as_doubles(numbers);
   return field;
+}
+
+/// Pieces have the same ones.
+void note_skipped(VtkXmlMeshFile& file, const pugi::xml_node& array) {
+  const std::string name = array.attribute("Name").as_string();
+  std::vector<std::string>& names = file.skipped_arrays;
+  if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end())
+    names.push_back(name);
 }
 
 /// Of an array of characters' codes, each string up to a 0.
@@ -88,8 +97,13 @@ Result<std::vector<Vec3d>> load_xml_points(VtkXmlMeshFile& file, const pugi::xml
 Result<std::vector<MeshField>> load_xml_fields(VtkXmlMeshFile& file, const pugi::xml_node& data,
                                                std::uint64_t n_tuples) {
   std::vector<MeshField> fields;
-  for (const pugi::xml_node array : data.children("DataArray")) {
-    if (!scalar_type_from_name(array.attribute("type").as_string())) continue;
+  for (const pugi::xml_node array : data.children()) {
+    if (std::string_view(array.name()) == "Array" ||
+        !scalar_type_from_name(array.attribute("type").as_string())) {
+      note_skipped(file, array);
+      continue;
+    }
+    if (std::string_view(array.name()) != "DataArray") continue;
     LODE_TRY(MeshField field, load_xml_field(file, array, n_tuples));
     fields.push_back(std::move(field));
   }

@@ -13,6 +13,7 @@ namespace lode::io {
 struct VtkXmlMeshFile {
   VtkXmlFilePtr xml;
   MeshBudget budget;
+  std::vector<std::string> skipped_arrays;  ///< CellMesh::skipped_arrays.
 
   [[nodiscard]] const std::string& path() const { return xml->file->path(); }
 };
@@ -28,7 +29,8 @@ struct VtkXmlMeshFile {
                                                          const pugi::xml_node& piece,
                                                          std::uint64_t n);
 
-/// The numeric arrays in a piece's PointData or CellData; strings and bits are passed over.
+/// The numeric arrays in a piece's PointData or CellData; the names of strings and
+/// bits are noted.
 [[nodiscard]] Result<std::vector<MeshField>> load_xml_fields(VtkXmlMeshFile& file,
                                                              const pugi::xml_node& data,
                                                              std::uint64_t n_tuples);

@@ -61,8 +61,9 @@ struct TetraReport {
   std::uint64_t n_inverted = 0;       ///< Kept, of negative volume: folded over others.
   std::uint64_t n_components = 0;     ///< Connected through faces.
   std::uint64_t n_boundary_faces = 0;
-  std::uint64_t n_nonfinite_values = 0;  ///< Of fields, at vertices.
-  std::vector<AveragedField> averaged;   ///< Fields of cells that became fields of points.
+  std::uint64_t n_nonfinite_values = 0;     ///< Of fields, at vertices.
+  std::vector<std::string> skipped_arrays;  ///< Left out: of points and cells, no numbers.
+  std::vector<AveragedField> averaged;      ///< Fields of cells that became fields of points.
 };
 
 struct TetrahedraOutcome {

@@ -54,6 +54,21 @@ Result<std::string_view> TextCursor::word() {
   return std::string_view(word_);
 }
 
+Result<std::uint8_t> TextCursor::byte() {
+  LODE_TRY(const int c, next());
+  if (c < 0) return fail("{}: expected more than {} bytes, got the end", path_, position_);
+  return static_cast<std::uint8_t>(c);
+}
+
+Result<bool> TextCursor::skip_line() {
+  LODE_TRY(int c, next());
+  const bool is_there = c >= 0;
+  while (c >= 0 && c != '\n') {
+    LODE_TRY(c, next());
+  }
+  return is_there;
+}
+
 Result<void> TextCursor::skip(std::uint64_t n) {
   const std::uint64_t buffered = std::min<std::uint64_t>(n, buffer_.size() - used_);
   used_ += static_cast<std::size_t>(buffered);

@@ -26,6 +26,10 @@ class TextCursor {
   /// The next word; the one separator after it is used up. Empty at the end of the stream.
   /// Valid until the next call.
   [[nodiscard]] Result<std::string_view> word();
+  /// The next byte, or fails.
+  [[nodiscard]] Result<std::uint8_t> byte();
+  /// Skips a line of any length; false at the end of the stream.
+  [[nodiscard]] Result<bool> skip_line();
   /// Skips n bytes, or fails.
   [[nodiscard]] Result<void> skip(std::uint64_t n);
   /// Bytes used so far.

@@ -6,6 +6,7 @@
 #include "lode/io/image_grid.h"
 #include "lode/io/text.h"
 #include "lode/io/vtk_legacy_arrays.h"
+#include "lode/io/vtk_legacy_skip.h"
 
 namespace lode::io {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "lode/io/text.h"
 #include "lode/io/text_samples.h"
+#include "lode/io/vtk_legacy_skip.h"
 
 namespace lode::io {
 namespace {
@@ -49,6 +50,23 @@ std::int64_t fixed_components(const std::string& keyword) {
   return 0;
 }
 
+/// The type of an attribute's values, or that they are no numbers.
+Result<void> set_type(const LegacyFile& file, const std::string& name, LegacyArray& array) {
+  using Content = LegacyArray::Content;
+  constexpr std::array<std::pair<std::string_view, Content>, 4> kOthers = {
+      {{"bit", Content::bits},
+       {"string", Content::strings},
+       {"utf8_string", Content::strings},
+       {"variant", Content::variants}}};
+  for (const auto& [spelling, content] : kOthers)
+    if (equals_ignoring_case(name, spelling)) {
+      array.content = content;
+      return {};
+    }
+  LODE_TRY(array.type, legacy_type(file.cursor.path(), name));
+  return {};
+}
+
 Error malformed(const LegacyFile& file, const std::vector<std::string>& words) {
   std::string line;
   for (const std::string& word : words) line += (line.empty() ? "" : " ") + word;
@@ -59,7 +77,7 @@ Error malformed(const LegacyFile& file, const std::vector<std::string>& words) {
 Result<LegacyArray> parse_scalars(LegacyFile& file, const std::vector<std::string>& words) {
   if (words.size() < 3 || words.size() > 4) return malformed(file, words);
   LegacyArray array{.name = decoded_name(words[1])};
-  LODE_TRY(array.type, legacy_type(file.cursor.path(), words[2]));
+  LODE_CHECK(set_type(file, words[2], array));
   if (words.size() == 4) {
     LODE_TRY(array.n_components, parse_count(file.cursor.path(), words[3]));
   }
@@ -84,15 +102,8 @@ Result<LegacyArray> parse_texture(LegacyFile& file, const std::vector<std::strin
   if (words.size() != 4) return malformed(file, words);
   LegacyArray array{.name = decoded_name(words[1])};
   LODE_TRY(array.n_components, parse_count(file.cursor.path(), words[2]));
-  LODE_TRY(array.type, legacy_type(file.cursor.path(), words[3]));
+  LODE_CHECK(set_type(file, words[3], array));
   return array;
-}
-
-Result<void> skip_metadata(LegacyFile& file) {
-  while (true) {
-    LODE_TRY(const auto line, file.cursor.line());
-    if (!line || trimmed(*line).empty()) return {};
-  }
 }
 
 Result<std::vector<LegacyArray>> parse_field(LegacyFile& file,
@@ -110,7 +121,7 @@ Result<std::vector<LegacyArray>> parse_field(LegacyFile& file,
     LegacyArray array{.name = decoded_name(line[0])};
     LODE_TRY(array.n_components, parse_count(file.cursor.path(), line[1]));
     LODE_TRY(array.n_tuples, parse_count(file.cursor.path(), line[2]));
-    LODE_TRY(array.type, legacy_type(file.cursor.path(), line[3]));
+    LODE_CHECK(set_type(file, line[3], array));
     LODE_CHECK(skip_array(file, array));
     arrays.push_back(std::move(array));
   }
@@ -129,7 +140,7 @@ Result<LegacyArray> parse_single(LegacyFile& file, const std::string& keyword,
     return parse_colors(file, words, n);
   }
   LegacyArray array{.name = decoded_name(words[1]), .n_components = fixed_components(keyword)};
-  LODE_TRY(array.type, legacy_type(file.cursor.path(), words[2]));
+  LODE_CHECK(set_type(file, words[2], array));
   return array;
 }
 
@@ -217,27 +228,11 @@ Result<ScalarType> legacy_type(const std::string& path, const std::string& name)
   return *type;
 }
 
-Result<void> skip_array(LegacyFile& file, LegacyArray& array) {
-  array.offset = file.cursor.position();
-  if (array.n_tuples == 0 || array.n_components == 0) return {};
-  const std::array<std::int64_t, 2> counts = {array.n_tuples, array.n_components};
-  LODE_TRY(array.n_bytes, checked_n_bytes(file.cursor.path(), counts, size_of(array.type)));
-  if (file.encoding == LegacyEncoding::binary) return file.cursor.skip(array.n_bytes);
-  const std::uint64_t n_numbers = array.n_bytes / size_of(array.type);
-  for (std::uint64_t i = 0; i < n_numbers; ++i) {
-    LODE_TRY(const std::string_view word, file.cursor.word());
-    if (word.empty())
-      return fail("{}: expected {} numbers for {}, got {}", file.cursor.path(), n_numbers,
-                  in_quotes(array.name), i);
-  }
-  return {};
-}
-
 Result<LegacyAttribute> parse_legacy_attribute(LegacyFile& file,
                                                const std::vector<std::string>& words,
                                                std::int64_t n_tuples) {
   const std::string keyword = to_upper(words[0]);
-  LegacyAttribute attribute{.is_known = true, .arrays = {}};
+  LegacyAttribute attribute{.is_known = true, .arrays = {}, .skipped = {}};
   if (keyword == "METADATA") {
     LODE_CHECK(skip_metadata(file));
   } else if (keyword == "FIELD") {
@@ -253,6 +248,11 @@ Result<LegacyAttribute> parse_legacy_attribute(LegacyFile& file,
   } else {
     attribute.is_known = false;
   }
+  for (const LegacyArray& array : attribute.arrays)
+    if (array.content != LegacyArray::Content::numbers) attribute.skipped.push_back(array.name);
+  std::erase_if(attribute.arrays, [](const LegacyArray& array) {
+    return array.content != LegacyArray::Content::numbers;
+  });
   return attribute;
 }
 

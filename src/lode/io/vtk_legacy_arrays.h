@@ -17,6 +17,7 @@ namespace lode::io {
 /// An array somewhere in a legacy VTK file.
 struct LegacyArray {
   enum class Text { numbers, fractions };  ///< fractions: of 255, for colours, which are bytes.
+  enum class Content { numbers, bits, strings, variants };  ///< All but numbers are passed over.
 
   std::string name;
   ScalarType type = ScalarType::uint8;
@@ -25,6 +26,7 @@ struct LegacyArray {
   std::uint64_t offset = 0;   ///< In the file, of its numbers.
   std::uint64_t n_bytes = 0;  ///< As numbers of `type`, whether text or binary.
   Text text = Text::numbers;  ///< What stands for the numbers in an ASCII file.
+  Content content = Content::numbers;
 };
 
 enum class LegacyEncoding { ascii, binary };
@@ -33,6 +35,7 @@ enum class LegacyEncoding { ascii, binary };
 struct LegacyFile {
   TextCursor cursor;
   LegacyEncoding encoding = LegacyEncoding::ascii;
+  std::int64_t n_components = 1;  ///< Of the array before, whose METADATA may follow.
 };
 
 /// What the first lines of a legacy VTK file say.
@@ -50,14 +53,12 @@ struct LegacyPreamble {
 /// "unsigned_char", "vtktypeint64", ... as the legacy format spells them.
 [[nodiscard]] Result<ScalarType> legacy_type(const std::string& path, const std::string& name);
 
-/// Notes where the numbers of `array` start (the cursor's position) and skips them.
-[[nodiscard]] Result<void> skip_array(LegacyFile& file, LegacyArray& array);
-
 /// What one attribute line and its data are: no array for those that only have to be skipped,
 /// several for a FIELD.
 struct LegacyAttribute {
   bool is_known = false;
-  std::vector<LegacyArray> arrays;
+  std::vector<LegacyArray> arrays;   ///< Of numbers.
+  std::vector<std::string> skipped;  ///< The names of others.
 };
 
 /// Parses SCALARS, VECTORS, FIELD and so on, whose first line is `words`, with n_tuples values.
