@@ -28,7 +28,8 @@ const std::string kAsciiArrays =
     "\n#%20%C3%A9\n\n"
     "bits 3 4 bit\n0 1 0 1 0 1 0 1 0 \n0 0 0 \n"
     "pair 2 4 int\n0 1 1 2 2 3 3 4 \n"
-    "METADATA\nINFORMATION 2\nNAME UNITS_LABEL LOCATION vtkDataArray\nDATA \n"
+    "METADATA\nINFORMATION 3\nNAME UNITS_LABEL LOCATION vtkDataArray\nDATA \n"
+    "NAME k LOCATION loc\nDATA 2\n\na%20b\n"
     "NAME k2 LOCATION loc\nDATA 2 4 5 \nCOMPONENT_NAMES\none\n\n\n"
     "any 1 4 variant\n6 3\n13 a%20b\n13 \n11 2.5\n"
     "last 1 4 double\n0 0.5 1 1.5 \n";
@@ -84,6 +85,13 @@ TEST(legacy_arrays, of_texts_that_end_early_are_refused) {
     const std::size_t end = binary.find(after, binary.find("names")) + std::string(after).size();
     test::expect_mesh_failure(directory.write("binary.vtk", binary.substr(0, end)), {});
   }
+}
+
+TEST(legacy_arrays, whose_metadata_end_early_are_refused) {
+  const TempDir directory;
+  std::string text = kAsciiArrays;
+  text.replace(text.find("INFORMATION 3"), 13, "INFORMATION 4");
+  test::expect_mesh_failure(directory.write("ascii.vtk", text), {"1 more keys in METADATA"});
 }
 
 TEST(xml_arrays, of_texts_and_bits_are_passed_over_and_named) {

@@ -66,10 +66,19 @@ Result<void> skip_array(LegacyFile& file, LegacyArray& array) {
 }
 
 Result<void> skip_metadata(LegacyFile& file) {
+  std::int64_t n_keys = 0;  // to come
   while (true) {
     LODE_TRY(const auto line, file.cursor.line());
-    if (!line || trimmed(*line).empty()) return {};
-    if (!equals_ignoring_case(trimmed(*line), "COMPONENT_NAMES")) continue;
+    if (!line && n_keys > 0)
+      return fail("{}: expected {} more keys in METADATA, got the end", file.cursor.path(), n_keys);
+    if (!line) return {};
+    const auto words = split_words(*line);
+    if (words.empty() && n_keys <= 0) return {};
+    if (words.empty()) continue;  // a key's text
+    if (words[0] == "NAME") --n_keys;
+    if (equals_ignoring_case(words[0], "INFORMATION") && words.size() == 2)
+      n_keys = to_int64(words[1]).value_or(0);
+    if (!equals_ignoring_case(words[0], "COMPONENT_NAMES")) continue;
     for (std::int64_t i = 0; i < file.n_components; ++i) {
       LODE_TRY(const bool is_there, file.cursor.skip_line());
       if (!is_there) return {};

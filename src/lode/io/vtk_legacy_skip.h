@@ -11,7 +11,8 @@ namespace lode::io {
 [[nodiscard]] Result<void> skip_array(LegacyFile& file, LegacyArray& array);
 
 /// Skips what follows METADATA after an array, up to a blank line: its components' names, of which
-/// any may be blank, and the keys of its information.
+/// any may be blank, and as many keys of its information as it says, whose texts may be blank.
+/// Fails where these do not come.
 [[nodiscard]] Result<void> skip_metadata(LegacyFile& file);
 
 }  // namespace lode::io
