@@ -26,13 +26,24 @@ namespace lode::cli {
 namespace {
 
 constexpr const char* kImporter = "lode-vtk-import";
-constexpr std::array kImported{".e",    ".exo",   ".ex2",  ".g",   ".cgns",
-                               ".case", ".encas", ".foam", ".xyz", ".p3d"};
+constexpr std::array kImported{".e",    ".exo", ".ex2", ".g",    ".cgns", ".case", ".encas",
+                               ".foam", ".xyz", ".p3d", ".pvtu", ".pvts", ".vtm"};
 
 bool is_foam_case(const std::string& path) {
   std::error_code status;
   return std::filesystem::is_directory(path, status) &&
          std::filesystem::exists(std::filesystem::path(path) / "system" / "controlDict", status);
+}
+
+/// Whether a VTK XML file is compressed as VTK can unpack, but Lode cannot.
+bool is_packed_for_vtk(const std::string& path) {
+  constexpr std::size_t kMaxStart = 1024;
+  std::string start(kMaxStart, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(file.gcount()));
+  return start.find("vtkLZ4DataCompressor") != std::string::npos ||
+         start.find("vtkLZMADataCompressor") != std::string::npos;
 }
 
 /// Beside this program, else the first in PATH; none where it is nowhere.
@@ -186,6 +197,7 @@ bool needs_vtk_import(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (extension == ".vtu" || extension == ".vts") return is_packed_for_vtk(path);
   return std::ranges::find(kImported, extension) != kImported.end() || is_foam_case(path);
 }
 
@@ -217,7 +229,8 @@ Result<CellMesh> read_cells(const std::string& path, const ReadingArguments& rea
   auto cells = read_cell_mesh(grid, {});
   if (!cells) return fail("{}: as {} gives it: {}", path, kImporter, cells.error().message);
   cells->path = path;
-  cells->patch_names = read_patch_names(names);
+  if (auto patches = read_patch_names(names); !patches.empty())
+    cells->patch_names = std::move(patches);
   return cells;
 }
 

@@ -9,7 +9,8 @@ namespace lode::cli {
 
 /// Whether `path` is a mesh that the program lode-vtk-import reads for us: Exodus II (.e .exo .ex2
 /// .g), CGNS (.cgns), EnSight (.case .encas), OpenFOAM (.foam, or a directory with
-/// system/controlDict) or PLOT3D (.xyz .p3d).
+/// system/controlDict), PLOT3D (.xyz .p3d), VTK XML in several files (.pvtu .pvts .vtm), or .vtu
+/// and .vts whose first bytes say that they are compressed by LZ4 or LZMA.
 [[nodiscard]] bool needs_vtk_import(const std::string& path);
 
 /// is_cell_mesh_path() and holds_tetrahedra(), or such a mesh.

@@ -8,6 +8,7 @@
 #include <vtkIdList.h>
 #include <vtkInformation.h>
 #include <vtkMultiBlockDataSet.h>
+#include <vtkMultiPieceDataSet.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkStructuredGrid.h>
@@ -85,6 +86,11 @@ void add_leaf(vtkDataObject* data, std::string name, Leaves& leaves) {
 
 constexpr const char* kInternal = "Internal";  // of a zone of CGNS, beside its patches
 
+void add_pieces(vtkMultiPieceDataSet& pieces, const std::string& name, Leaves& leaves) {
+  for (unsigned i = 0; i < pieces.GetNumberOfPieces(); ++i)
+    if (vtkDataObject* const piece = pieces.GetPieceAsDataObject(i)) add_leaf(piece, name, leaves);
+}
+
 void add_blocks(vtkMultiBlockDataSet& blocks, const std::string& own_name, Leaves& leaves) {
   for (unsigned i = 0; i < blocks.GetNumberOfBlocks(); ++i) {
     vtkDataObject* const block = blocks.GetBlock(i);
@@ -94,10 +100,14 @@ void add_blocks(vtkMultiBlockDataSet& blocks, const std::string& own_name, Leave
     const std::string name = given == nullptr ? "" : given;
     if (auto* const inner = vtkMultiBlockDataSet::SafeDownCast(block))
       add_blocks(*inner, name, leaves);
+    else if (auto* const pieces = vtkMultiPieceDataSet::SafeDownCast(block))
+      add_pieces(*pieces, name, leaves);
     else
       add_leaf(block, name == kInternal ? own_name : name, leaves);
   }
 }
+
+bool is_single(vtkDataObject& data) { return vtkDataSet::SafeDownCast(&data) != nullptr; }
 
 Leaves leaves_of(vtkDataObject& data) {
   Leaves leaves;
@@ -170,8 +180,7 @@ void append_cells(Leaf& leaf, vtkUnstructuredGrid& grid) {
   }
 }
 
-/// Hides the cells of a curvilinear block that have a hidden point: in other grids points hide
-/// nothing.
+/// Hides the cells of a curvilinear block that have a hidden point. In other grids Lode does.
 void hide_cells(vtkStructuredGrid& block) {
   auto* const points = vtkUnsignedCharArray::SafeDownCast(block.GetPointData()->GetArray(kGhosts));
   if (points == nullptr) return;
@@ -301,7 +310,10 @@ Flattened flatten(vtkDataObject& data, BlockPoints points) {
   vtkCellData& cells = *made.grid->GetCellData();
   for (const auto& [name, column] : columns_of(leaves, vtkDataObject::CELL))
     cells.AddArray(joined(leaves, vtkDataObject::CELL, name, column));
-  add_regions(leaves, made);
+  if (is_single(data))
+    made.grid->SetFieldData(leaves[0].data->GetFieldData());
+  else
+    add_regions(leaves, made);
   if (points == BlockPoints::shared) leaves.resize(1);
   for (const auto& [name, column] : columns_of(leaves, vtkDataObject::POINT))
     made.grid->GetPointData()->AddArray(joined(leaves, vtkDataObject::POINT, name, column));

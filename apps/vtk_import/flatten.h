@@ -29,7 +29,7 @@ struct NamedPatch {
 
 struct Flattened {
   vtkSmartPointer<vtkUnstructuredGrid> grid;
-  std::vector<Block> blocks;
+  std::vector<Block> blocks;  ///< None of a grid that is alone.
   std::vector<NamedPatch> patches;
   int n_left_out = 0;  ///< Blocks without either.
   std::int64_t n_faces_left_out = 0;
@@ -38,7 +38,8 @@ struct Flattened {
 /// Makes one grid of all blocks that have solid cells: points, cells and all numeric arrays, with
 /// NaN where a block lacks one, 0 for ghost arrays. Cells of curvilinear blocks become hexahedra;
 /// those with a hidden point are hidden. Of the cells, RegionId is that of the blocks where all
-/// have it, else their ObjectId, else 1, 2, ... Blocks of faces are patches: append_patches().
+/// have it, else their ObjectId, else 1, 2, ...; a grid that is alone keeps its arrays, and those
+/// that are of no points or cells, as they are. Blocks of faces are patches: append_patches().
 /// Throws std::runtime_error where nothing solid is there, and where blocks that share points have
 /// different ones.
 [[nodiscard]] Flattened flatten(vtkDataObject& data, BlockPoints points);

@@ -24,9 +24,12 @@ constexpr int kUsage = 2;
 constexpr const char* kHelp =
     "Usage: lode-vtk-import IN OUT.vtu [--step N] [--patches NAMES.txt]\n\n"
     "Reads Exodus II (.e .exo .ex2 .g), CGNS (.cgns), EnSight (.case .encas), OpenFOAM (.foam, or\n"
-    "a case's directory) or PLOT3D (.xyz .p3d, and the .q of the same name) with VTK, and writes\n"
-    "its solid cells as one grid that lode reads, and faces of its boundary that are in blocks or\n"
-    "side sets, with PatchId. lode itself runs it for such files.\n\n"
+    "a case's directory), PLOT3D (.xyz .p3d, and the .q of the same name) or VTK XML (.vtu .vts\n"
+    ".pvtu .pvts .vtm, also compressed by LZ4 or LZMA) with VTK, and writes its solid cells as "
+    "one\n"
+    "grid that lode reads, and faces of its boundary that are in blocks or side sets, with "
+    "PatchId.\n"
+    "lode itself runs it for such files.\n\n"
     "  --step N             Time step, from 0 (default: the last)\n"
     "  --patches NAMES.txt  Write PatchId and name of each of these, a line each\n"
     "  --help               This text\n";
@@ -92,7 +95,10 @@ void say_what_came(const Source& source, const Flattened& made) {
   if (source.n_steps > 1)
     std::cerr << ", step " << source.step << " of 0 to " << source.n_steps - 1 << " (time "
               << source.time << ")";
-  std::cerr << ": " << made.blocks.size() << (made.blocks.size() == 1 ? " block" : " blocks");
+  if (made.blocks.empty())
+    std::cerr << ": one grid";
+  else
+    std::cerr << ": " << made.blocks.size() << (made.blocks.size() == 1 ? " block" : " blocks");
   if (!made.patches.empty())
     std::cerr << ", " << made.patches.size() << (made.patches.size() == 1 ? " patch" : " patches");
   if (made.n_left_out > 0)

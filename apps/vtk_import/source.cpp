@@ -8,6 +8,11 @@
 #include <vtkMultiBlockPLOT3DReader.h>
 #include <vtkOpenFOAMReader.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
+#include <vtkXMLMultiBlockDataReader.h>
+#include <vtkXMLPStructuredGridReader.h>
+#include <vtkXMLPUnstructuredGridReader.h>
+#include <vtkXMLStructuredGridReader.h>
+#include <vtkXMLUnstructuredGridReader.h>
 
 #include <algorithm>
 #include <array>
@@ -97,6 +102,14 @@ Reader plot3d_reader(const std::string& path) {
   return reader;
 }
 
+template <typename T>
+Reader xml_reader(const std::string& path) {
+  auto reader = vtkSmartPointer<T>::New();
+  reader->SetFileName(path.c_str());
+  reader->UpdateInformation();
+  return reader;
+}
+
 struct Format {
   const char* extension;
   const char* name;
@@ -104,7 +117,7 @@ struct Format {
   BlockPoints points = BlockPoints::own;
 };
 
-constexpr std::array<Format, 11> kFormats{{
+constexpr std::array<Format, 16> kFormats{{
     {".e", "Exodus II", exodus_reader, BlockPoints::shared},
     {".exo", "Exodus II", exodus_reader, BlockPoints::shared},
     {".ex2", "Exodus II", exodus_reader, BlockPoints::shared},
@@ -115,6 +128,11 @@ constexpr std::array<Format, 11> kFormats{{
     {".foam", "OpenFOAM", foam_reader},
     {".xyz", "PLOT3D", plot3d_reader},
     {".p3d", "PLOT3D", plot3d_reader},
+    {".vtu", "VTK XML", xml_reader<vtkXMLUnstructuredGridReader>},  // what Lode cannot unpack
+    {".vts", "VTK XML", xml_reader<vtkXMLStructuredGridReader>},
+    {".pvtu", "VTK XML", xml_reader<vtkXMLPUnstructuredGridReader>},
+    {".pvts", "VTK XML", xml_reader<vtkXMLPStructuredGridReader>},
+    {".vtm", "VTK XML", xml_reader<vtkXMLMultiBlockDataReader>},
     {"", "OpenFOAM", foam_reader},  // a directory
 }};
 
@@ -126,7 +144,8 @@ const Format& format_of(const std::string& path) {
                    [&](const Format& format) { return format.extension == extension; });
   if (found == kFormats.end() || (extension.empty() && !std::filesystem::is_directory(path)))
     throw std::runtime_error(
-        "expected .e .exo .ex2 .g .cgns .case .encas .foam .xyz .p3d or an OpenFOAM case, got '" +
+        "expected .e .exo .ex2 .g .cgns .case .encas .foam .xyz .p3d .vtu .vts .pvtu .pvts .vtm or "
+        "an OpenFOAM case, got '" +
         extension + "'");
   return *found;
 }

@@ -21,9 +21,9 @@ struct Source {
 };
 
 /// Reads one step, from 0, of an Exodus II (.e .exo .ex2 .g), CGNS (.cgns), EnSight (.case .encas),
-/// OpenFOAM (.foam, or a case's directory) or PLOT3D file (.xyz .p3d, with the .q of the same name
-/// where it is there), with all fields; none: the last. Throws std::runtime_error on other files,
-/// and on steps that are not there.
+/// OpenFOAM (.foam, or a case's directory), PLOT3D (.xyz .p3d, with the .q of the same name where
+/// it is there) or VTK XML file (.vtu .vts .pvtu .pvts .vtm), with all fields; none: the last.
+/// Throws std::runtime_error on other files, and on steps that are not there.
 [[nodiscard]] Source read_source(const std::string& path, std::optional<int> step);
 
 }  // namespace lode::vtk_import

@@ -116,7 +116,12 @@ INSTANTIATE_TEST_SUITE_P(all, vtk_import,
                                          Import{"blocks.cgns", "f", 0, {1, 2}, 16, 54, 4, "Wall"},
                                          Import{
                                              "ensight.case", "f", 100, {1, 2}, 16, 54, 2, "wall"},
-                                         Import{"plot3d.xyz", "Density", 1, {1, 2}, 15}),
+                                         Import{"plot3d.xyz", "Density", 1, {1, 2}, 15},
+                                         Import{"lz4.vtu", "f", 0, {10, 20}, 16, 45},
+                                         Import{"lzma.vts", "f", 0, {10, 20}, 16, 45},
+                                         Import{"parts.pvtu", "f", 0, {10, 20}, 16, 54},
+                                         Import{"parts.pvts", "f", 0, {10, 20}, 16, 45},
+                                         Import{"blocks.vtm", "f", 0, {1, 2}, 16, 54, 1, "wall"}),
                          [](const auto& format) {
                            return std::filesystem::path(format.param.file).stem().string() +
                                   std::to_string(format.index);
@@ -214,12 +219,12 @@ class other_importer : public testing::Test {
     write_bytes(scratch_ / "lode-vtk-import", "#!/bin/sh\n" + script + "\n");
     std::filesystem::permissions(scratch_ / "lode-vtk-import", std::filesystem::perms::owner_all);
   }
-  /// What info of a.cgns says, with its temporary files in a folder that must be empty afterwards.
-  [[nodiscard]] std::string said() const {
+  /// What info of a file says, with its temporary files in a folder that must be empty afterwards.
+  [[nodiscard]] std::string said(const std::string& name = "a.cgns") const {
     std::filesystem::create_directory(scratch_ / "tmp");
     const std::string text =
         output_of("cd " + scratch_.path() + " && TMPDIR=" + (scratch_ / "tmp") +
-                  " PATH=/nonexistent ./lode info a.cgns 2>&1; echo \"exit $?\"");
+                  " PATH=/nonexistent ./lode info " + name + " 2>&1; echo \"exit $?\"");
     EXPECT_TRUE(std::filesystem::is_empty(scratch_ / "tmp"));
     return text;
   }
@@ -232,6 +237,16 @@ TEST_F(other_importer, that_is_not_there_is_asked_for) {
   EXPECT_NE(text.find("a.cgns: expected the program lode-vtk-import"), std::string::npos) << text;
   EXPECT_NE(text.find("libvtk9-dev"), std::string::npos) << text;
   EXPECT_NE(text.find("exit 1"), std::string::npos) << text;
+}
+
+TEST_F(other_importer, is_asked_for_what_is_packed_as_lode_cannot_unpack) {
+  for (const char* const name : {"a.vtu", "a.vts", "a.pvtu", "a.pvts", "a.vtm"}) {
+    write_bytes(scratch_ / name,
+                "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" "
+                "compressor=\"vtkLZ4DataCompressor\">\n</VTKFile>\n");
+    EXPECT_NE(said(name).find(std::string(name) + ": expected the program lode-vtk-import"),
+              std::string::npos);
+  }
 }
 
 TEST_F(other_importer, that_fails_or_dies_or_lies_leaves_an_error) {

@@ -1,10 +1,11 @@
 """Makes the small files that tests of lode-vtk-import read, one of each format.
 
 make_fixtures.py FOLDER  writes blocks.e (by VTK), ensight.case, foam/, plot3d.xyz with .q, and
-                         blocks.cgns (out of blocks.cgns.gz, see make_cgns.c)
+                         blocks.cgns (out of blocks.cgns.gz, see make_cgns.c), and by VTK lz4.vtu,
+                         lzma.vts, parts.pvtu, parts.pvts and blocks.vtm
 
-All fill [0, 4] x [0, 2] x [0, 2] with 4 x 2 x 2 hexahedra, in two blocks that meet at x = 2 (foam:
-one), with f = x + 2 y + 4 z + 100 step at points (foam: p = f at cells' centres).
+All fill [0, 4] x [0, 2] x [0, 2] with 4 x 2 x 2 hexahedra, in two blocks that meet at x = 2 (foam,
+lz4.vtu, lzma.vts: one), with f = x + 2 y + 4 z + 100 step at points (foam: p = f at cells' centres).
 """
 import gzip
 import os
@@ -232,12 +233,90 @@ def write_exodus(folder):
     writer.Write()
 
 
+def xml_grid(block, grid):
+    """An unstructured or curvilinear grid, with f and MaterialId."""
+    import vtk
+    points = vtk.vtkPoints()
+    field = vtk.vtkDoubleArray()
+    field.SetName("f")
+    for p in points_of(block):
+        points.InsertNextPoint(p)
+        field.InsertNextValue(value(p))
+    grid.SetPoints(points)
+    grid.GetPointData().AddArray(field)
+    material = vtk.vtkIntArray()
+    material.SetName("MaterialId")
+    for cell in hexahedra_of(block):
+        if grid.IsA("vtkUnstructuredGrid"):
+            grid.InsertNextCell(vtk.VTK_HEXAHEDRON, 8, cell)
+        material.InsertNextValue(10 if points.GetPoint(cell[0])[0] < 2 else 20)
+    grid.GetCellData().AddArray(material)
+    return grid
+
+
+def curvilinear(first, n_x):
+    import vtk
+    grid = vtk.vtkStructuredGrid()
+    grid.SetExtent(first, first + n_x - 1, 0, 2, 0, 2)
+    return xml_grid((first, n_x, 3, 3), grid)
+
+
+def write_xml(folder):
+    import vtk
+
+    def put(writer, name, data):
+        writer.SetFileName(os.path.join(folder, name))
+        writer.SetInputData(data)
+        writer.Write()
+
+    packed = vtk.vtkXMLUnstructuredGridWriter()
+    packed.SetCompressorTypeToLZ4()
+    put(packed, "lz4.vtu", xml_grid((0, 5, 3, 3), vtk.vtkUnstructuredGrid()))
+    packed = vtk.vtkXMLStructuredGridWriter()
+    packed.SetCompressorTypeToLZMA()
+    put(packed, "lzma.vts", curvilinear(0, 5))
+    blocks = vtk.vtkMultiBlockDataSet()
+    for i, block in enumerate(SIDES):
+        part = xml_grid(block, vtk.vtkUnstructuredGrid())
+        put(vtk.vtkXMLUnstructuredGridWriter(), f"part{i}.vtu", part)
+        put(vtk.vtkXMLStructuredGridWriter(), f"part{i}.vts", curvilinear(block[0], 3))
+        part = xml_grid(block, vtk.vtkUnstructuredGrid())
+        part.GetCellData().RemoveArray("MaterialId")
+        blocks.SetBlock(i, part)
+    wall = vtk.vtkPolyData()
+    points = vtk.vtkPoints()
+    for p in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)):
+        points.InsertNextPoint(p)
+    wall.SetPoints(points)
+    wall.Allocate(1)
+    wall.InsertNextCell(vtk.VTK_QUAD, 4, (0, 1, 2, 3))
+    blocks.SetBlock(2, wall)
+    blocks.GetMetaData(2).Set(vtk.vtkCompositeDataSet.NAME(), "wall")
+    put(vtk.vtkXMLMultiBlockDataWriter(), "blocks.vtm", blocks)
+    arrays = """<PPoints><PDataArray type="Float32" NumberOfComponents="3"/></PPoints>
+<PPointData><PDataArray type="Float64" Name="f"/></PPointData>
+<PCellData><PDataArray type="Int32" Name="MaterialId"/></PCellData>
+"""
+    for name, kind, whole, extents in (
+            ("parts.pvtu", "PUnstructuredGrid", "", ("", "")),
+            ("parts.pvts", "PStructuredGrid", 'WholeExtent="0 4 0 2 0 2"',
+             ('Extent="0 2 0 2 0 2"', 'Extent="2 4 0 2 0 2"'))):
+        pieces = "".join(f'<Piece Source="part{i}.{name[7:]}" {extents[i]}/>\n' for i in range(2))
+        write(os.path.join(folder, name), f"""<?xml version="1.0"?>
+<VTKFile type="{kind}" version="0.1" byte_order="LittleEndian">
+<{kind} GhostLevel="0" {whole}>
+{arrays}{pieces}</{kind}>
+</VTKFile>
+""")
+
+
 def main():
     folder = sys.argv[1]
     write_ensight(folder)
     write_foam(folder)
     write_plot3d(folder)
     write_exodus(folder)
+    write_xml(folder)
     with gzip.open(os.path.join(HERE, "blocks.cgns.gz")) as packed:
         with open(os.path.join(folder, "blocks.cgns"), "wb") as file:
             file.write(packed.read())

@@ -88,8 +88,10 @@ Result<void> read_attributes(VtkXmlFile& xml) {
   xml.counts.n_bytes = header == "UInt64" ? 8 : 4;
   const std::string compressor = root.attribute("compressor").as_string();
   if (!compressor.empty() && compressor != "vtkZLibDataCompressor")
-    return fail("{}: expected no compressor or vtkZLibDataCompressor, got {}", path,
-                in_quotes(compressor));
+    return fail(
+        "{}: expected no compressor or vtkZLibDataCompressor, got {}; write the file with one of "
+        "these",
+        path, in_quotes(compressor));
   xml.is_compressed = !compressor.empty();
   return {};
 }
