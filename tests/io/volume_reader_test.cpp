@@ -24,7 +24,9 @@ TEST(volume_reader, names_missing_empty_and_improper_files) {
 
 TEST(volume_reader, lists_the_known_extensions_for_an_unknown_one) {
   const TempDir dir;
-  expect_failure(dir.write("a.xyz", "x"), {"'.xyz'", ".nrrd", ".nii.gz", ".vti", ".raw"});
+  expect_failure(dir.write("a.xyz", "x"),
+                 {"'.xyz'", ".nrrd", ".nii.gz", ".vti", ".raw", "mesh of cells", ".vtu", ".msh",
+                  "Exodus II", ".pvtu", ".tif"});
   expect_failure(dir.write("a", "x"), {".nrrd"});
   expect_failure(dir.write("a.raw", "x"), {"--dims", "--type"});
 }

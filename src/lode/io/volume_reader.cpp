@@ -21,9 +21,13 @@
 namespace lode::io {
 namespace {
 
-constexpr std::string_view kKnownExtensions =
+constexpr std::string_view kVolumeExtensions =
     ".nrrd .nhdr .mha .mhd .nii .nii.gz .hdr .img .vti .vtr .vtk, a Zarr directory, and .raw "
     ".raw.gz with --dims and --type";
+/// What others read, and may be meant.
+constexpr std::string_view kOtherFiles =
+    "a mesh of cells (.vtu .vts .vtk .msh .mesh; by lode-vtk-import Exodus II, CGNS, EnSight, "
+    "OpenFOAM, PLOT3D, .pvtu .pvts .vtm) or heights (.tif .asc .las .csv and others)";
 
 using Reader = Result<Image> (*)(const std::string& path, const SampleStorage& storage);
 
@@ -67,8 +71,9 @@ Result<Image> read_image(const std::string& path, const ReadOptions& options) {
   const std::string lower = to_lower(path);
   if (lower.ends_with(".raw") || lower.ends_with(".raw.gz"))
     return fail("{}: a raw file does not describe itself; give --dims X,Y,Z and --type", path);
-  return fail("{}: expected a file of a known format ({}), got extension {}", path,
-              kKnownExtensions, in_quotes(std::filesystem::path(path).extension().string()));
+  return fail("{}: expected a volume ({}), or where they are taken {}, got extension {}", path,
+              kVolumeExtensions, kOtherFiles,
+              in_quotes(std::filesystem::path(path).extension().string()));
 }
 
 /// Keeps what third parties and the file system library throw inside this room.
