@@ -74,6 +74,16 @@ TEST(tetra_fields, of_cells_are_means_weighted_by_volume) {
   EXPECT_EQ(outcome.report.averaged[0].point_peak, 8);
 }
 
+TEST(tetra_fields, of_cells_have_the_peaks_of_those_in_the_mesh) {
+  CellMesh mesh = field_mesh();
+  test::add_cell(mesh, CellType::triangle, {0, 1, 2});
+  test::add_cell(mesh, CellType::tetrahedron, {0, 1, 1, 2});
+  for (MeshField& field : mesh.cell_fields) field.values.insert(field.values.end(), {900, 800});
+  const TetraReport report = tetrahedra_of(mesh, {.fields = {"p"}}).report;
+  EXPECT_EQ(report.averaged.at(0).cell_peak, 8);
+  EXPECT_EQ(report.averaged.at(0).point_peak, 8);
+}
+
 TEST(tetra_fields, of_cells_without_volume_are_means_all_the_same) {
   CellMesh mesh = field_mesh();
   for (Vec3d& point : mesh.points) point[2] = 0;

@@ -154,9 +154,11 @@ struct PointMean {
   [[nodiscard]] double value() const { return weight > 0 ? weighted / weight : sum / n; }
 };
 
-double peak_of(const std::vector<double>& values) {
+/// Of the cells that tetrahedra are of.
+double peak_of(const SplitCells& split, const std::vector<CellRun>& runs,
+               const std::vector<double>& values) {
   double peak = 0;
-  for (const double value : values) peak = std::max(peak, std::abs(value));
+  for (const CellRun& run : runs) peak = std::max(peak, std::abs(values[split.cells[run.begin]]));
   return peak;
 }
 
@@ -189,7 +191,7 @@ void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, Ch
     if (chosen.is_of_cells[f] == 0) continue;
     MeshField& field = chosen.fields[f];
     std::vector<PointMean> means(points.size());
-    AveragedField averaged{.name = field.name, .cell_peak = peak_of(field.values)};
+    AveragedField averaged{.name = field.name, .cell_peak = peak_of(split, runs, field.values)};
     for (const CellRun& run : runs)
       for (const std::uint32_t point : points_of(split, run))
         means[point].add(field.values[split.cells[run.begin]], run.volume);

@@ -35,7 +35,7 @@ struct TetraOptions {
 /// What averaging over cells did to a field.
 struct AveragedField {
   std::string name;
-  double cell_peak = 0;   ///< Largest |value| at cells.
+  double cell_peak = 0;   ///< Largest |value| at cells that are in the mesh.
   double point_peak = 0;  ///< And at points.
 };
 
