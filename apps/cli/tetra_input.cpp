@@ -269,6 +269,9 @@ void add_cell_counts(const TetraReport& report, Table& table, Json& json) {
     const std::uint64_t usual = std::string_view(count.key) == "components" ? 1 : 0;
     if (count.n > usual) table.add({count.name, format_count(count.n)});
   }
+  json["regions_not_taken"] = report.regions_not_taken;
+  for (const std::string& field : report.regions_not_taken)
+    table.add({"not taken for regions", field});
   json["skipped_arrays"] = report.skipped_arrays;
   if (!report.skipped_arrays.empty())
     table.add({"arrays of texts or bits left out",

@@ -110,10 +110,33 @@ TEST(tetra_regions, are_recognised_by_name_and_numbered_from_the_smallest) {
   const TetraMesh mesh = tetrahedra_of(field_mesh()).mesh;
   EXPECT_EQ(mesh.region_ids, (std::vector<std::int64_t>{-2, 7}));
   EXPECT_EQ(mesh.regions, (std::vector<std::uint32_t>{1, 0}));
-  CellMesh plain = field_mesh();
-  plain.cell_fields.pop_back();
-  plain.cell_fields[1].type = ScalarType::float32;
-  EXPECT_TRUE(tetrahedra_of(plain).mesh.region_ids.empty());
+}
+
+TEST(tetra_regions, may_have_floating_types_and_usual_spellings) {
+  for (const char* const name :
+       {"MaterialIds", "MaterialID", "Material", "material_id", "Material #", "material ids",
+        "region-id", "BLOCK_IDS", "medit:ref"}) {
+    CellMesh mesh = field_mesh();
+    mesh.cell_fields[1] = {name, ScalarType::float32, 1, {7, -2}};
+    const TetrahedraOutcome outcome = tetrahedra_of(mesh);
+    EXPECT_EQ(outcome.mesh.region_ids, (std::vector<std::int64_t>{-2, 7})) << name;
+    EXPECT_TRUE(outcome.report.regions_not_taken.empty());
+  }
+}
+
+TEST(tetra_regions, that_are_not_taken_are_named_with_the_reason) {
+  CellMesh mesh = field_mesh();
+  mesh.cell_fields[0] = {"Material_Ids", ScalarType::float64, 1, {0.5, 1}};
+  mesh.cell_fields.push_back({"BlockId", ScalarType::int32, 2, {1, 2, 3, 4}});
+  mesh.cell_fields.push_back({"zone_id", ScalarType::int32, 1, {1, 2}});
+  mesh.cell_fields.push_back({"Materials of blocks", ScalarType::int32, 1, {1, 2}});
+  mesh.point_fields[0].name = "RegionId";
+  const TetrahedraOutcome outcome = tetrahedra_of(mesh);
+  EXPECT_EQ(outcome.mesh.region_ids, (std::vector<std::int64_t>{-2, 7}));
+  EXPECT_EQ(outcome.report.regions_not_taken,
+            (std::vector<std::string>{"Material_Ids (0.5, which is no whole number)",
+                                      "BlockId (2 components)", "zone_id (MATERIALID is taken)",
+                                      "RegionId (of points)"}));
 }
 
 TEST(tetra_regions, are_named_by_option) {

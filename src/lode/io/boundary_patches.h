@@ -10,8 +10,8 @@
 
 namespace lode::io {
 
-/// The integer field of the cells that numbers patches: PatchId (any case) where there is one, else
-/// that of regions, whose place among them is `regions`; their number where there is none.
+/// The field of the cells that numbers patches: PatchId (any case) of integers where there is one,
+/// else that of regions, whose place among them is `regions`; their number where there is none.
 [[nodiscard]] std::size_t find_patch_ids(const CellMesh& mesh, std::size_t regions);
 
 /// Finds the patches that cells with two dimensions mark on the boundary: a face of one tetrahedron

@@ -31,6 +31,7 @@ set(IO_MESH_SOURCES
   tetra_faces.cpp
   tetra_fields.cpp
   tetra_orientation.cpp
+  tetra_regions.cpp
   tetra_winding.cpp
   tetrahedra.cpp
   weld_points.cpp)

@@ -1,7 +1,6 @@
 #include "lode/io/tetra_fields.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -9,15 +8,12 @@
 #include <utility>
 
 #include "lode/io/boundary_patches.h"
+#include "lode/io/tetra_regions.h"
 #include "lode/io/tetra_winding.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
 namespace {
-
-constexpr std::array<std::string_view, 9> kRegionNames = {
-    "Material #", "MaterialId", "RegionId",      "ObjectId", "ElementBlockIds",
-    "BlockId",    "ZoneId",     "gmsh:physical", "medit:ref"};
 
 std::size_t find_named(const std::vector<MeshField>& fields, std::string_view name) {
   const auto found = std::find_if(fields.begin(), fields.end(),
@@ -205,31 +201,6 @@ void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, Ch
     chosen.is_of_cells[f] = 0;
     report.averaged.push_back(averaged);
   }
-}
-
-Result<std::size_t> find_regions(const CellMesh& mesh, const TetraOptions& options) {
-  const std::vector<MeshField>& fields = mesh.cell_fields;
-  if (!options.region_field) {
-    for (const std::string_view name : kRegionNames)
-      for (std::size_t i = 0; i < fields.size(); ++i)
-        if (equals_ignoring_case(fields[i].name, name) && !is_floating(fields[i].type) &&
-            fields[i].n_components == 1)
-          return i;
-    return fields.size();
-  }
-  const std::size_t at = find_named(fields, *options.region_field);
-  if (at == fields.size())
-    return fail("{}: expected a field of the cells for regions, got {}", mesh.path,
-                in_quotes(*options.region_field));
-  constexpr double kLimit = 0x1p53;
-  if (fields[at].n_components != 1)
-    return fail("{}: expected one component for regions in {}, got {}", mesh.path,
-                in_quotes(fields[at].name), fields[at].n_components);
-  for (const double value : fields[at].values)
-    if (std::trunc(value) != value || std::abs(value) > kLimit)
-      return fail("{}: expected whole numbers for regions in {}, got {}", mesh.path,
-                  in_quotes(fields[at].name), value);
-  return at;
 }
 
 }  // namespace lode::io

@@ -27,8 +27,4 @@ struct ChosenFields {
 void average_cells(const std::vector<Vec3d>& points, const SplitCells& split, ChosenFields& chosen,
                    TetraReport& report);
 
-/// The integer field of the cells that tells regions apart: its place among them, or their number.
-/// Fails when the one that the options name is missing or has values that are no whole numbers.
-[[nodiscard]] Result<std::size_t> find_regions(const CellMesh& mesh, const TetraOptions& options);
-
 }  // namespace lode::io

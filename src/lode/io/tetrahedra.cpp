@@ -14,6 +14,7 @@
 #include "lode/io/split_cells.h"
 #include "lode/io/tetra_faces.h"
 #include "lode/io/tetra_fields.h"
+#include "lode/io/tetra_regions.h"
 #include "lode/io/tetra_winding.h"
 #include "lode/io/weld_points.h"
 
@@ -203,6 +204,7 @@ Result<TetrahedraOutcome> make_tetrahedra(CellMesh& mesh, const TetraOptions& op
   LODE_CHECK(check_types(mesh, options, report));
   LODE_TRY(ChosenFields chosen, choose_fields(mesh, options));
   LODE_TRY(const std::size_t regions, find_regions(mesh, options));
+  if (!options.region_field) report.regions_not_taken = find_regions_not_taken(mesh, regions);
   const std::size_t n_given = mesh.points.size();
   LODE_CHECK(weld(options, chosen, mesh, report));
   LODE_TRY(SplitCells split, split_cells(mesh, options.quadratic));

@@ -21,9 +21,10 @@ struct TetraOptions {
   /// where points have none.
   std::vector<std::string> fields{};
   QuadraticCells quadratic = QuadraticCells::split;
-  /// Of the cells, of whole numbers. None: the first of Material #, MaterialId, RegionId, ObjectId,
-  /// ElementBlockIds, BlockId, ZoneId, gmsh:physical and medit:ref (any case) that is of an integer
-  /// type. Those of faces are patches of the boundary, unless there is a field PatchId; 0 is none.
+  /// Of the cells, of whole numbers, whatever their type. None: the first of Material, MaterialId,
+  /// RegionId, ObjectId, ElementBlockId, BlockId, ZoneId, gmsh:physical and medit:ref, in any case,
+  /// with an s at the end or not, and with blanks, -, _ or #: "material_ids". Those of faces are
+  /// patches of the boundary, unless there is a field PatchId; 0 is none.
   std::optional<std::string> region_field{};
   /// Points become one that are so close (0: at one place) and whose fields, chosen or not, differ
   /// by no more than weld_values in any component; fields of whole numbers count only if chosen.
@@ -61,9 +62,10 @@ struct TetraReport {
   std::uint64_t n_inverted = 0;       ///< Kept, of negative volume: folded over others.
   std::uint64_t n_components = 0;     ///< Connected through faces.
   std::uint64_t n_boundary_faces = 0;
-  std::uint64_t n_nonfinite_values = 0;     ///< Of fields, at vertices.
-  std::vector<std::string> skipped_arrays;  ///< Left out: of points and cells, no numbers.
-  std::vector<AveragedField> averaged;      ///< Fields of cells that became fields of points.
+  std::uint64_t n_nonfinite_values = 0;        ///< Of fields, at vertices.
+  std::vector<std::string> skipped_arrays;     ///< Left out: of points and cells, no numbers.
+  std::vector<std::string> regions_not_taken;  ///< Fields named as such, and why they are none.
+  std::vector<AveragedField> averaged;         ///< Fields of cells that became fields of points.
 };
 
 struct TetrahedraOutcome {

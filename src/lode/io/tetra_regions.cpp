@@ -1,0 +1,87 @@
+#include "lode/io/tetra_regions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "lode/io/text.h"
+
+namespace lode::io {
+namespace {
+
+/// As plain_name() has them.
+constexpr std::array<std::string_view, 9> kRegionNames = {
+    "material", "materialid", "regionid",      "objectid", "elementblockid",
+    "blockid",  "zoneid",     "gmsh:physical", "medit:ref"};
+
+/// In lower case, without blanks and - _ #, and without an s at the end.
+std::string plain_name(std::string_view name) {
+  std::string plain = to_lower(name);
+  std::erase_if(plain, [](char c) { return c == ' ' || c == '-' || c == '_' || c == '#'; });
+  if (plain.ends_with('s')) plain.pop_back();
+  return plain;
+}
+
+bool is_region_name(std::string_view name) {
+  return std::find(kRegionNames.begin(), kRegionNames.end(), plain_name(name)) !=
+         kRegionNames.end();
+}
+
+/// What is wrong with a field as one of regions; nothing where it can be.
+std::optional<std::string> region_fault(const MeshField& field) {
+  constexpr double kLimit = 0x1p53;
+  if (field.n_components != 1) return fmt::format("{} components", field.n_components);
+  for (const double value : field.values)
+    if (std::trunc(value) != value || std::abs(value) > kLimit)
+      return fmt::format("{}, which is no whole number", value);
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<std::size_t> find_regions(const CellMesh& mesh, const TetraOptions& options) {
+  const std::vector<MeshField>& fields = mesh.cell_fields;
+  const auto place_of = [&](auto&& is_it) {
+    return static_cast<std::size_t>(std::find_if(fields.begin(), fields.end(), is_it) -
+                                    fields.begin());
+  };
+  if (!options.region_field) {
+    for (const std::string_view name : kRegionNames) {
+      const std::size_t at = place_of([&](const MeshField& field) {
+        return plain_name(field.name) == name && !region_fault(field);
+      });
+      if (at < fields.size()) return at;
+    }
+    return fields.size();
+  }
+  const std::string& name = *options.region_field;
+  const std::size_t at = place_of([&](const MeshField& field) { return field.name == name; });
+  if (at == fields.size())
+    return fail("{}: expected a field of the cells for regions, got {}", mesh.path,
+                in_quotes(name));
+  if (const auto fault = region_fault(fields[at]))
+    return fail("{}: expected whole numbers of one component for regions in {}, got {}", mesh.path,
+                in_quotes(name), *fault);
+  return at;
+}
+
+std::vector<std::string> find_regions_not_taken(const CellMesh& mesh, std::size_t regions) {
+  std::vector<std::string> found;
+  for (std::size_t i = 0; i < mesh.cell_fields.size(); ++i) {
+    const MeshField& field = mesh.cell_fields[i];
+    if (i == regions || !is_region_name(field.name)) continue;
+    const auto fault = region_fault(field);
+    found.push_back(
+        fmt::format("{} ({})", field.name,
+                    fault ? *fault : fmt::format("{} is taken", mesh.cell_fields[regions].name)));
+  }
+  for (const MeshField& field : mesh.point_fields)
+    if (is_region_name(field.name)) found.push_back(fmt::format("{} (of points)", field.name));
+  return found;
+}
+
+}  // namespace lode::io
