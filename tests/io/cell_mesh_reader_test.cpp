@@ -148,6 +148,29 @@ TEST(xml_mesh, leaves_out_ghost_and_hidden_cells) {
   EXPECT_EQ(kept.cell_fields.size(), 10U);
 }
 
+TEST(unstructured_mesh, leaves_out_the_cells_of_hidden_points) {
+  const TempDir directory;
+  CellMesh mesh = test::varied_mesh();
+  MeshField hidden{"vtkGhostType", ScalarType::uint8, 1,
+                   std::vector<double>(mesh.points.size(), 1)};
+  const std::uint32_t corner = mesh.corners_of(3).front();
+  hidden.values[corner] = 3;
+  mesh.point_fields.push_back(hidden);
+  std::uint64_t n_hidden = 0;
+  for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell)
+    n_hidden += static_cast<std::uint64_t>(std::ranges::count(mesh.corners_of(cell), corner));
+  ASSERT_GT(n_hidden, 0U);
+  for (const std::string& path :
+       {directory.write("hidden.vtu", test::vtu_of({mesh})),
+        directory.write("hidden.vtk", test::legacy_of(mesh, test::LegacyForm::binary_offsets))}) {
+    const CellMesh kept = test::read_mesh(path);
+    EXPECT_EQ(kept.n_hidden_cells, n_hidden);
+    EXPECT_EQ(kept.n_cells(), mesh.n_cells() - n_hidden);
+    EXPECT_EQ(kept.n_ghost_cells, 0U);
+    EXPECT_EQ(kept.point_fields.size(), mesh.point_fields.size() - 1);
+  }
+}
+
 std::string legacy_grid(const std::string& data) {
   return "# vtk DataFile Version 2.0\ngrid\nASCII\nDATASET STRUCTURED_GRID\nDIMENSIONS 2 2 3\n"
          "POINTS 12 float\n0 0 0 1 0 0 0 1 0 1 1 0\n0 0 1 1 0 1 0 1 1 1 1 1\n"

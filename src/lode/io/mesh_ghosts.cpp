@@ -58,10 +58,10 @@ Result<void> mark_by_cells(CellMesh& mesh, Fates& fates) {
   return {};
 }
 
-Result<void> mark_by_points(CellMesh& mesh, HiddenPoints points, Fates& fates) {
+Result<void> mark_by_points(CellMesh& mesh, Fates& fates) {
   LODE_TRY(const MeshField types, take_field(mesh.path, kGhostType, mesh.point_fields));
   LODE_TRY(const MeshField levels, take_field(mesh.path, kGhostLevels, mesh.point_fields));
-  if (points == HiddenPoints::hide_nothing || types.values.empty()) return {};
+  if (types.values.empty()) return {};
   for (std::size_t cell = 0; cell < mesh.n_cells(); ++cell)
     for (const std::uint32_t corner : mesh.corners_of(cell))
       if ((bits_of(types.values[corner]) & kHiddenPoint) != 0 && fates[cell] == Fate::stay)
@@ -114,10 +114,10 @@ std::size_t find_ghost_type(const std::vector<MeshField>& fields) {
 
 bool is_ghost(double type) { return (bits_of(type) & kDuplicateCell) != 0; }
 
-Result<void> leave_out_ghosts(CellMesh& mesh, HiddenPoints points) {
+Result<void> leave_out_ghosts(CellMesh& mesh) {
   Fates fates(mesh.n_cells(), Fate::stay);
   LODE_CHECK(mark_by_cells(mesh, fates));
-  LODE_CHECK(mark_by_points(mesh, points, fates));
+  LODE_CHECK(mark_by_points(mesh, fates));
   const auto n_of = [&](Fate fate) {
     return static_cast<std::uint64_t>(std::count(fates.begin(), fates.end(), fate));
   };

@@ -5,13 +5,10 @@
 
 namespace lode::io {
 
-/// Whether a hidden point hides the cells round it, as in curvilinear grids.
-enum class HiddenPoints { hide_nothing, hide_cells };
-
 /// Takes the arrays vtkGhostType and vtkGhostLevels out of the fields, leaves out the cells that
-/// they mark as another piece's or hidden, and counts them. Points stay. Fails when such an array
-/// has several components.
-[[nodiscard]] Result<void> leave_out_ghosts(CellMesh& mesh, HiddenPoints points);
+/// they mark as another piece's or hidden or that have a hidden point, and counts them. Points
+/// stay. Fails when such an array has several components.
+[[nodiscard]] Result<void> leave_out_ghosts(CellMesh& mesh);
 
 /// The place of a ghost array among the fields, or their number.
 [[nodiscard]] std::size_t find_ghost_type(const std::vector<MeshField>& fields);

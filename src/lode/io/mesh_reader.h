@@ -20,7 +20,7 @@ struct MeshReadOptions {
 /// and MEDIT (.mesh, text), whose groups become the field RegionId where no other is named so. The
 /// extension must be a known one; which of the forms it is follows from the content. Cells that
 /// vtkGhostType or vtkGhostLevels mark as copies or hidden are left out and counted, as are those
-/// of hidden points of a curvilinear grid. The mesh is valid: corners are points, cells have as
+/// of hidden points. The mesh is valid: corners are points, cells have as
 /// many as their type says, positions are finite, types are VTK's. Fails, naming the file, on
 /// anything else.
 [[nodiscard]] Result<CellMesh> read_cell_mesh(const std::string& path,

@@ -289,8 +289,7 @@ Result<CellMesh> load_mesh(LegacyMeshFile& file, const LegacyMeshArrays& arrays)
   LODE_CHECK(arrays.is_grid ? load_grid(arrays, mesh) : load_cells(file, arrays, mesh));
   LODE_TRY(mesh.point_fields, load_fields(file, mesh.points.size(), arrays.point_arrays));
   LODE_TRY(mesh.cell_fields, load_fields(file, mesh.n_cells(), arrays.cell_arrays));
-  LODE_CHECK(leave_out_ghosts(
-      mesh, arrays.is_grid ? HiddenPoints::hide_cells : HiddenPoints::hide_nothing));
+  LODE_CHECK(leave_out_ghosts(mesh));
   return mesh;
 }
 

@@ -118,7 +118,7 @@ Result<CellMesh> read_unstructured(VtkXmlMeshFile& file, const pugi::xml_node& d
     LODE_TRY(CellMesh part, read_unstructured_piece(file, piece));
     LODE_CHECK(append_piece(std::move(part), mesh));
   }
-  LODE_CHECK(leave_out_ghosts(mesh, HiddenPoints::hide_nothing));
+  LODE_CHECK(leave_out_ghosts(mesh));
   LODE_TRY(mesh.patch_names, load_xml_patch_names(file, data));
   return mesh;
 }
@@ -144,7 +144,7 @@ Result<CellMesh> read_curvilinear(VtkXmlMeshFile& file, const pugi::xml_node& da
     pieces.push_back(std::move(part));
   }
   LODE_TRY(CellMesh mesh, join_grid(file.path(), extent, std::move(pieces)));
-  LODE_CHECK(leave_out_ghosts(mesh, HiddenPoints::hide_cells));
+  LODE_CHECK(leave_out_ghosts(mesh));
   return mesh;
 }
 
