@@ -175,6 +175,25 @@ MeshField varied_field(const std::string& name, ScalarType type, std::size_t n, 
   return field;
 }
 
+/// PatchIds, and PatchNames as VTK has strings: characters, and a 0 after each name.
+std::string xml_patches(const CellMesh& mesh, XmlArrays& arrays) {
+  MeshField ids{"PatchIds", ScalarType::int64, 1, {}};
+  MeshField names{"PatchNames", ScalarType::uint8, 1, {}};
+  for (const BoundaryPatch& patch : mesh.patch_names) {
+    ids.values.push_back(static_cast<double>(patch.id));
+    for (const char c : patch.name) names.values.push_back(static_cast<unsigned char>(c));
+    names.values.push_back(0);
+  }
+  std::string text = arrays.array(names.name, names.type, names.values);
+  text.replace(text.find("DataArray type=\"UInt8\""), 22, "Array type=\"String\"");
+  if (const std::size_t end = text.find("</DataArray>"); end != std::string::npos)
+    text.replace(end, 12, "</Array>");
+  text += arrays.array(ids.name, ids.type, ids.values);
+  const std::string name = "Name=\"PatchIds\"";
+  text.insert(text.find(name), fmt::format("NumberOfTuples=\"{}\" ", ids.values.size()));
+  return "<FieldData>\n" + text + "</FieldData>\n";
+}
+
 }  // namespace
 
 std::vector<XmlForm> xml_forms() {
@@ -236,6 +255,7 @@ std::string vtu_of(const std::vector<CellMesh>& pieces, const XmlForm& form) {
                arrays.fields("PointData", mesh.point_fields) +
                arrays.fields("CellData", mesh.cell_fields) + xml_points(mesh, arrays) +
                xml_cells(mesh, arrays) + "</Piece>\n";
+  if (!pieces[0].patch_names.empty()) content = xml_patches(pieces[0], arrays) + content;
   return arrays.file("UnstructuredGrid", "", content);
 }
 

@@ -41,6 +41,15 @@ TEST_P(xml_meshes, of_several_pieces_are_joined) {
   EXPECT_EQ(joined.point_fields[4].at(24 + 5, 1), mesh.point_fields[4].at(5, 1));
 }
 
+TEST_P(xml_meshes, have_names_of_patches) {
+  const TempDir directory;
+  CellMesh mesh = test::varied_mesh();
+  mesh.patch_names = {{5, "in let \xC3\xA9"}, {-7, ""}, {8, std::string(300, 'x')}};
+  EXPECT_EQ(
+      test::read_mesh(directory.write("mesh.vtu", test::vtu_of({mesh}, GetParam()))).patch_names,
+      mesh.patch_names);
+}
+
 INSTANTIATE_TEST_SUITE_P(forms, xml_meshes, testing::ValuesIn(test::xml_forms()), name_of_form);
 
 class legacy_meshes : public testing::TestWithParam<test::LegacyForm> {};
@@ -146,6 +155,30 @@ TEST(xml_mesh, leaves_out_ghost_and_hidden_cells) {
     EXPECT_EQ(kept.cell_fields[0].at(i), mesh.cell_fields[0].at(stay[i]));
   }
   EXPECT_EQ(kept.cell_fields.size(), 10U);
+}
+
+TEST(xml_mesh, has_names_of_patches_whose_characters_have_signs) {
+  const TempDir directory;
+  CellMesh mesh = test::varied_mesh();
+  mesh.patch_names = {{5, "\xC3\xA9"}};
+  std::string text = test::vtu_of({mesh});
+  const std::size_t codes = text.find("195 169");
+  ASSERT_NE(codes, std::string::npos);
+  text.replace(codes, 7, "-61 -87");
+  EXPECT_EQ(test::read_mesh(directory.write("mesh.vtu", text)).patch_names, mesh.patch_names);
+}
+
+TEST(xml_mesh, with_broken_names_of_patches_is_refused) {
+  const TempDir directory;
+  CellMesh mesh = test::varied_mesh();
+  mesh.patch_names = {{5, "inlet"}};
+  for (const XmlForm& form : test::xml_forms()) {
+    if (form.format != "appended") continue;
+    std::string text = test::vtu_of({mesh}, form);
+    const std::size_t offset = text.find("offset=\"", text.find("PatchNames")) + 8;
+    text.replace(offset, text.find('"', offset) - offset, "7");
+    test::expect_mesh_failure(directory.write("mesh.vtu", text), {});
+  }
 }
 
 TEST(unstructured_mesh, leaves_out_the_cells_of_hidden_points) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "lode/io/text.h"
 
@@ -40,20 +41,34 @@ void note_skipped(VtkXmlMeshFile& file, const pugi::xml_node& array) {
     names.push_back(name);
 }
 
-/// Of an array of characters' codes, each string up to a 0.
-std::vector<std::string> strings_in(std::string_view text) {
-  std::vector<std::string> strings;
-  std::string string;
+/// Characters' codes, which VTK writes as numbers with a sign.
+std::string characters_in(std::string_view text) {
+  std::string characters;
   for (const std::string_view word : split_words(text)) {
     const auto code = to_int64(word);
-    if (!code || *code < 0 || *code > 255) break;
-    if (*code != 0) {
-      string += static_cast<char>(*code);
-      continue;
-    }
-    strings.push_back(std::move(string));
-    string.clear();
+    if (!code || *code < -128 || *code > 255) break;
+    characters += static_cast<char>(*code);
   }
+  return characters;
+}
+
+/// The strings in an Array, each up to a 0.
+Result<std::vector<std::string>> load_xml_strings(VtkXmlMeshFile& file,
+                                                  const pugi::xml_node& array) {
+  std::string characters = characters_in(array.child_value());
+  if (std::string_view(array.attribute("format").as_string("ascii")) != "ascii") {
+    LODE_TRY(const std::uint64_t n, encoded_size(*file.xml, array));
+    LODE_CHECK(file.budget.spend(file.path(), n));
+    characters.assign(static_cast<std::size_t>(n), '\0');
+    if (n > 0) {
+      LODE_TRY(const auto store, load_vtk_xml_array(*file.xml, {.node = array, .n_bytes = n}));
+      LODE_CHECK(store->read(0, std::as_writable_bytes(std::span(characters))));
+    }
+  }
+  std::vector<std::string> strings;
+  for (std::size_t at = 0, end = 0; (end = characters.find('\0', at)) != std::string::npos;
+       at = end + 1)
+    strings.push_back(characters.substr(at, end - at));
   return strings;
 }
 
@@ -116,8 +131,8 @@ Result<std::vector<BoundaryPatch>> load_xml_patch_names(VtkXmlMeshFile& file,
   const pugi::xml_node ids = find_array(fields, "PatchIds");
   const pugi::xml_node names = fields.find_child_by_attribute("Array", "Name", "PatchNames");
   std::vector<BoundaryPatch> patches;
-  if (!ids || std::string_view(names.attribute("format").as_string()) != "ascii") return patches;
-  const std::vector<std::string> strings = strings_in(names.child_value());
+  if (!ids || !names) return patches;
+  LODE_TRY(const std::vector<std::string> strings, load_xml_strings(file, names));
   const auto n = to_uint64(ids.attribute("NumberOfTuples").as_string());
   if (!n || *n != strings.size()) return patches;
   LODE_TRY(const MeshNumbers numbers, load_xml_numbers(file, ids, *n));

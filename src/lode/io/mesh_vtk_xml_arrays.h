@@ -35,8 +35,7 @@ struct VtkXmlMeshFile {
                                                              const pugi::xml_node& data,
                                                              std::uint64_t n_tuples);
 
-/// What a data set's PatchIds and PatchNames tell, of as many as there are of both; names are read
-/// where they are text, as our files have them.
+/// What a data set's PatchIds and PatchNames tell, of as many as there are of both.
 [[nodiscard]] Result<std::vector<BoundaryPatch>> load_xml_patch_names(VtkXmlMeshFile& file,
                                                                       const pugi::xml_node& data);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <new>
 
 #include "lode/io/byte_stream.h"
@@ -194,6 +195,20 @@ Result<std::unique_ptr<SampleStore>> load_vtk_xml_array(const VtkXmlFile& xml,
                 n_given, stream->n_left());
   if (is_in_file) return make_file_store(xml.file, xml.file->size() - stream->n_left(), n_bytes);
   return keep(xml, std::move(stream), array);
+}
+
+Result<std::uint64_t> encoded_size(const VtkXmlFile& xml, const pugi::xml_node& array) {
+  if (is_text(array)) return std::uint64_t{0};
+  LODE_TRY(const std::unique_ptr<ByteStream> stream, encoded_stream(xml, array));
+  LODE_TRY(const std::uint64_t first, read_vtk_count(*stream, xml.counts));
+  if (!xml.is_compressed || first == 0) return first;
+  LODE_TRY(const std::uint64_t block, read_vtk_count(*stream, xml.counts));
+  LODE_TRY(const std::uint64_t partial, read_vtk_count(*stream, xml.counts));
+  const std::uint64_t n_full = first - (partial > 0 ? 1 : 0);
+  if (block > 0 && n_full > (std::numeric_limits<std::uint64_t>::max() - partial) / block)
+    return fail("{}: expected compressed blocks of a sensible size, got {} of {} bytes",
+                xml.file->path(), n_full, block);
+  return n_full * block + partial;
 }
 
 }  // namespace lode::io

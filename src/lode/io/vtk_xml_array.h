@@ -53,4 +53,9 @@ struct VtkXmlDataArray {
 [[nodiscard]] Result<std::unique_ptr<SampleStore>> load_vtk_xml_array(const VtkXmlFile& xml,
                                                                       const VtkXmlDataArray& array);
 
+/// How many bytes an array takes that is binary or appended, as it says itself: for strings, whose
+/// number of characters is nowhere else. Text has 0.
+[[nodiscard]] Result<std::uint64_t> encoded_size(const VtkXmlFile& xml,
+                                                 const pugi::xml_node& array);
+
 }  // namespace lode::io
