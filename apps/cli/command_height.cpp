@@ -12,8 +12,6 @@
 namespace lode::cli {
 namespace {
 
-constexpr const char* kBoundKind = "at samples";
-
 struct HeightArguments {
   TerrainQueryArguments terrain;
   std::string points_file;
@@ -49,6 +47,8 @@ struct HeightAnswer {
   const std::vector<Place>& places;
   const std::vector<TerrainHeight>& heights;
   const HeightsReport& report;
+
+  [[nodiscard]] const char* bound_kind() const { return bound_kind_of(answerer.tin.report()); }
 };
 
 const char* status_name(TerrainHeight::Where where) {
@@ -63,7 +63,7 @@ std::string height_csv(const HeightAnswer& answer) {
     const Place& at = answer.places[i];
     const TerrainHeight& z = answer.heights[i];
     if (z.where == TerrainHeight::Where::inside)
-      fmt::format_to(out, "{},{},{},{},{}\n", at[0], at[1], z.height, z.bound, kBoundKind);
+      fmt::format_to(out, "{},{},{},{},{}\n", at[0], at[1], z.height, z.bound, answer.bound_kind());
     else
       fmt::format_to(out, "{},{},,,\n", at[0], at[1]);
   }
@@ -78,7 +78,7 @@ std::string height_table(const HeightAnswer& answer) {
     const bool is_inside = z.where == TerrainHeight::Where::inside;
     table.add({fmt::format("{:.12g}", at[0]), fmt::format("{:.12g}", at[1]),
                is_inside ? format_number(z.height) : "", is_inside ? format_number(z.bound) : "",
-               is_inside ? kBoundKind : status_name(z.where)});
+               is_inside ? answer.bound_kind() : status_name(z.where)});
   }
   return table.to_string();
 }
@@ -108,7 +108,7 @@ Outcome outcome_of(const HeightAnswer& answer, Session& session) {
   json["outputs"] = arguments.output.empty() ? Json::array() : Json::array({arguments.output});
   Table table;
   add_terrain_head(answer.answerer, arguments.terrain, json, table);
-  json["bound_kind"] = kBoundKind;
+  json["bound_kind"] = answer.bound_kind();
   json["places"] = answer.places.size();
   json["outside"] = answer.report.n_outside;
   json["in_gaps"] = answer.report.n_in_gaps;
@@ -159,14 +159,16 @@ Command add_height_command(CLI::App& program) {
       program.add_subcommand("height", "Show heights of a terrain at places, with their bounds");
   app->footer(
       "The height is that of the TIN within --max-error, in its triangle's plane. `bound` holds\n"
-      "at samples: none in the triangle is farther from its plane. Between samples terrain is\n"
-      "not defined. Places outside of the terrain, or in its gaps, have no height, and are "
+      "at samples: none in the triangle is farther from its plane. With --everywhere it holds\n"
+      "between samples, too, where terrain is taken for linear on two triangles a cell, as it is\n"
+      "at full resolution. Places outside of the terrain, or in its gaps, have no height, and are\n"
       "counted.\n"
       "POINTS.csv has x and y a line, in the raster's CRS, with a heading (x,y or lon,lat) or\n"
       "without.\n\n"
       "Examples:\n  lode height dem.tif --at 500010,4000020 --max-error 1\n"
       "  lode height dem.tif stations.csv --out heights.csv --max-error 0");
   add_terrain_query(*app, arguments->terrain);
+  add_everywhere(*app, arguments->terrain);
   app->add_option("points", arguments->points_file, "Places: x and y a line")
       ->type_name("POINTS.csv");
   app->add_option("--at", arguments->places, "A place; may be repeated")

@@ -73,7 +73,7 @@ Outcome outcome_of(const ProfileArguments& arguments, const TerrainAnswerer& ans
   json["outputs"] = arguments.output.empty() ? Json::array() : Json::array({arguments.output});
   Table table;
   add_terrain_head(answerer, arguments.terrain, json, table);
-  json["bound_kind"] = "at samples";
+  json["bound_kind"] = bound_kind_of(answerer.tin.report());
   add_metric(answerer.metric, json);
   json["length"] = profile.length;
   json["parts"] = profile.points.empty() ? 0 : profile.points.back().part;
@@ -136,6 +136,7 @@ Command add_profile_command(CLI::App& program) {
       "Examples:\n  lode profile dem.tif --from 500000,4000000 --to 520000,4010000 --max-error 1\n"
       "  lode profile dem.tif --from 8.1,46.5 --to 8.2,46.6 --out profile.csv");
   add_terrain_query(*app, arguments->terrain);
+  add_everywhere(*app, arguments->terrain);
   add_segment(*app, arguments->from, arguments->to);
   app->add_option("-o,--output,--out", arguments->output, "Write part,distance,x,y,height,bound")
       ->type_name("OUT.csv");

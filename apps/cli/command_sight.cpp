@@ -95,7 +95,7 @@ Json sight_json(const TerrainSight& sight) {
   json["finest_error"] = sight.finest_error;
   json["max_error"] = sight.terrain.max_error;
   json["achieved_error"] = sight.terrain.achieved_error;
-  json["error_kind"] = "at samples";
+  json["error_kind"] = bound_kind_of(sight.terrain);
   json["triangles"] = sight.terrain.triangles;
   json["earth_radius_metres"] = sight.radius;
   json["metres_of_height_unit"] = sight.vertical_metres;
@@ -108,6 +108,13 @@ void warn_of(const TerrainSight& sight, const HorizontalMetric& metric, Session&
   if (!sight.is_vertical_unit_known)
     session.warn(
         "the raster has no known unit of heights: they are taken for metres; --height-unit says");
+  const bool is_sure = sight.terrain.is_everywhere || sight.terrain.max_error == 0 ||
+                       sight.verdict == SightVerdict::undecided;
+  if (!is_sure)
+    session.warn(
+        "the bounds of this terrain hold at its samples alone, as their heights are not at hand: "
+        "between them it may be higher or lower; a raster in its place is held against all of its "
+        "heights");
 }
 
 Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
@@ -136,8 +143,9 @@ Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
   json["seconds"] = {{"read", input.read_seconds}, {"sight", sight.seconds}};
   json["warnings"] = session.warnings();
   table.add({"model", name_of(input.opened.model)});
-  table.add({"max error", fmt::format("{}, {} at samples", format_number(sight.terrain.max_error),
-                                      format_number(sight.terrain.achieved_error))});
+  table.add({"max error", fmt::format("{}, {} {}", format_number(sight.terrain.max_error),
+                                      format_number(sight.terrain.achieved_error),
+                                      bound_kind_of(sight.terrain))});
   table.add({"triangles", format_count(sight.terrain.triangles)});
   if (arguments.is_exact) table.add({"rounds", format_count(sight.n_rounds)});
   table.add({"distance",
@@ -160,12 +168,13 @@ Command add_sight_command(CLI::App& program) {
   app->footer(
       "visible: no surface within the bounds of the TIN is above the ray; blocked: each one is,\n"
       "and where; undecided: neither, and --exact asks again at full resolution, or at the finest\n"
-      "level of a file that was built for less. Bounds are those\n"
-      "of lode height, at samples. Gaps on the way leave it undecided. The ray is straight over "
-      "an\n"
+      "level of a file that was built for less. Bounds are\n"
+      "those of lode height --everywhere where all heights are at hand (rasters, models that keep\n"
+      "them), else at samples. Gaps on the way leave it undecided. The ray is straight over an\n"
       "earth whose radius is R / (1 - refraction).\n\n"
       "Examples:\n  lode sight dem.tif --from 500000,4000000 --to 520000,4010000\n"
       "  lode sight dem.tif --from 8.1,46.5 --to 8.2,46.6 --target-height 30 --exact");
+  arguments->terrain.may_be_everywhere = true;
   add_terrain_query(*app, arguments->terrain);
   add_segment(*app, arguments->from, arguments->to);
   const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {

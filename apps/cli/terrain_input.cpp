@@ -186,8 +186,10 @@ void warn_of_lines(const TerrainLineReport& lines, const std::string& path, Sess
 Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArguments& arguments,
                                    const ReadingArguments& reading,
                                    const std::optional<TerrainBuildOptions>& building,
-                                   const std::optional<double>& max_error, Session& session) {
+                                   const std::optional<double>& max_error, Session& session,
+                                   bool keeps_samples) {
   LODE_TRY(TerrainReadOptions options, to_read_options(path, arguments, reading));
+  options.keeps_samples = keeps_samples;
   if (max_error && !options.drape_error) options.drape_error = *max_error / 2;
   if (is_polygon_path(arguments.outline)) {
     options.outline = arguments.outline;

@@ -21,13 +21,14 @@ namespace lode::cli {
                                                  const ReadingArguments& reading);
 
 /// Reads a terrain, or builds what `building` says, and warns of what became of its points and
-/// lines. `max_error`: that will be asked for; draped lines keep half of it.
+/// lines. `max_error`: that will be asked for; draped lines keep half of it. `keeps_samples`: as of
+/// TerrainReadOptions.
 [[nodiscard]] Result<OpenedTerrain> open_terrain(const std::string& path,
                                                  const TerrainArguments& arguments,
                                                  const ReadingArguments& reading,
                                                  const std::optional<TerrainBuildOptions>& building,
                                                  const std::optional<double>& max_error,
-                                                 Session& session);
+                                                 Session& session, bool keeps_samples = false);
 
 /// Refuses --model, --insertion and reading's options with .lode files, which are of a model, and
 /// a --model that is built with points.

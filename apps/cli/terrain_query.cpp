@@ -36,6 +36,12 @@ void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments) {
       ->type_name("E");
 }
 
+void add_everywhere(CLI::App& app, TerrainQueryArguments& arguments) {
+  app.add_flag("--everywhere", arguments.is_everywhere,
+               "Bounds hold between samples, too, against full resolution; of rasters, and models "
+               "that keep all heights");
+}
+
 Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
                                  const std::string& instead) {
   if (is_lode_path(arguments.input)) LODE_CHECK(check_lode_opens(arguments.input));
@@ -55,7 +61,14 @@ Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Sessio
   const Stopwatch watch;
   LODE_TRY(OpenedTerrain opened,
            open_terrain(arguments.input, arguments.terrain, reading_of(arguments), building,
-                        options.max_error, session));
+                        options.max_error, session,
+                        arguments.is_everywhere || arguments.may_be_everywhere));
+  if (arguments.is_everywhere && !opened.samples)
+    return fail(
+        "{}: expected a raster without lines, or a model that keeps all heights, with "
+        "--everywhere, got one whose heights between vertices are not known",
+        arguments.input);
+  if (arguments.is_everywhere || arguments.may_be_everywhere) options.samples = opened.samples;
   LODE_TRY(HorizontalMetric metric,
            naming(arguments.input, read_metric(opened.facts.frame.crs), session));
   return TerrainInput{std::move(opened), std::move(metric), options, watch.seconds()};
@@ -71,6 +84,10 @@ Result<TerrainAnswerer> answer_terrain(const TerrainQueryArguments& arguments, S
                                   session));
   return TerrainAnswerer{std::move(input.opened), std::move(input.metric), std::move(tin),
                          input.read_seconds};
+}
+
+const char* bound_kind_of(const TerrainReport& report) {
+  return report.is_everywhere ? "everywhere" : "at samples";
 }
 
 void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& path,
@@ -90,13 +107,14 @@ void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArgumen
   json["max_error"] = report.max_error;
   json["max_error_is_default"] = arguments.max_error.empty();
   json["achieved_error"] = report.achieved_error;
-  json["error_kind"] = "at samples";
+  json["error_kind"] = bound_kind_of(report);
   json["triangles"] = report.triangles;
   table.add({"model", name_of(answerer.opened.model)});
   table.add({"max error", fmt::format("{} ({})", format_number(report.max_error),
                                       arguments.max_error.empty() ? "default: 0.5 % of the range"
                                                                   : "as asked")});
-  table.add({"achieved error", fmt::format("{} at samples", format_number(report.achieved_error))});
+  table.add({"achieved error",
+             fmt::format("{} {}", format_number(report.achieved_error), bound_kind_of(report))});
   table.add({"triangles", format_count(report.triangles)});
   table.add({"read", format_seconds(answerer.read_seconds)});
   table.add({"select", format_seconds(report.seconds)});

@@ -13,6 +13,8 @@ struct TerrainQueryArguments {
   std::string input;
   std::string max_error;
   std::string nodata;
+  bool is_everywhere = false;      ///< Bounds are to hold between samples, too,
+  bool may_be_everywhere = false;  ///< or where all heights are at hand.
   TerrainArguments terrain;
 };
 
@@ -20,6 +22,8 @@ struct TerrainQueryArguments {
 void add_terrain_source(CLI::App& app, TerrainQueryArguments& arguments, TerrainUse use);
 /// For extraction, with --max-error.
 void add_terrain_query(CLI::App& app, TerrainQueryArguments& arguments);
+/// --everywhere.
+void add_everywhere(CLI::App& app, TerrainQueryArguments& arguments);
 
 /// Looks at the arguments alone. `instead`: what there is for volumes and meshes, or empty.
 [[nodiscard]] Result<void> check_terrain_query(const TerrainQueryArguments& arguments,
@@ -49,6 +53,9 @@ using AcceptTerrain = std::function<Result<void>(const TerrainFacts&)>;
 [[nodiscard]] Result<TerrainAnswerer> answer_terrain(const TerrainQueryArguments& arguments,
                                                      Session& session,
                                                      const AcceptTerrain& accept = {});
+
+/// "everywhere" or "at samples": where the bounds of a TIN hold.
+[[nodiscard]] const char* bound_kind_of(const TerrainReport& report);
 
 /// Warns that heights are taken for metres, where their unit is not known.
 void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& path,

@@ -207,5 +207,39 @@ TEST_F(cli_terrain_query, follows_segments_and_tells_gaps) {
   EXPECT_NE(off.err.find("meets no terrain"), std::string::npos);
 }
 
+TEST_F(cli_terrain_query, bounds_hold_everywhere_where_all_heights_are_at_hand) {
+  const std::string model = scratch_ / "dem.lode";
+  const auto bound = [&](const std::string& of, const Words& more) {
+    Words words{"height", of, "--at", place_of(7.3, 11.4), "--max-error", "60", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto json = run_lode(words).json();
+    EXPECT_EQ(json.at("bound_kind"), more.empty() ? "at samples" : "everywhere");
+    EXPECT_EQ(json.at("error_kind"), json.at("bound_kind"));
+    return json.at("achieved_error").get<double>();
+  };
+  EXPECT_GT(bound(dem_, {"--everywhere"}), bound(dem_, {}));
+  for (const char* name : {"right_triangle_bisection", "restricted_quadtree"}) {
+    ASSERT_EQ(run_lode({"build", dem_, model, "--model", name}).exit_code, 0);
+    EXPECT_GE(bound(model, {"--everywhere"}), bound(model, {}));
+  }
+  ASSERT_EQ(run_lode({"build", dem_, model, "--levels", "60"}).exit_code, 0);
+  expect_refusal(run_lode({"height", model, "--at", place_of(7, 11), "--everywhere"}), 1,
+                 {"--everywhere", "all heights"});
+  const Words way{"--from", place_of(3, 11), "--to", place_of(30, 12)};
+  const auto sight = [&](const std::string& of) {
+    Words words{"sight",           of,    "--max-error", "60", "--observer-height", "900",
+                "--target-height", "900", "--json"};
+    words.insert(words.end(), way.begin(), way.end());
+    return run_lode(words);
+  };
+  EXPECT_EQ(sight(dem_).json().at("error_kind"), "everywhere");
+  const Finished of_file = sight(model);
+  EXPECT_EQ(of_file.json().at("error_kind"), "at samples");
+  EXPECT_NE(of_file.err.find("hold at its samples alone"), std::string::npos) << of_file.err;
+  const auto profile = run_lode({"profile", dem_, way[0], way[1], way[2], way[3], "--max-error",
+                                 "60", "--everywhere", "--json"});
+  EXPECT_EQ(profile.json().at("bound_kind"), "everywhere");
+}
+
 }  // namespace
 }  // namespace lode::test

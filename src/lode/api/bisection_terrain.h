@@ -22,6 +22,7 @@ class BisectionTerrain final : public BuiltModel {
   [[nodiscard]] static Result<BisectionTerrain> open(const std::string& path, Progress& progress);
   [[nodiscard]] static bool is_model_of(const std::string& path);
 
+  [[nodiscard]] const HeightGrid* samples() const override { return &model_.grid; }
   [[nodiscard]] TerrainModel model() const override {
     return TerrainModel::right_triangle_bisection;
   }

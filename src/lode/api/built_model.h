@@ -18,6 +18,8 @@ class BuiltModel : public TerrainOrigin {
  public:
   [[nodiscard]] virtual TerrainModel model() const = 0;
   [[nodiscard]] virtual const terrain_file::Source& source() const = 0;
+  /// All heights of its raster, where it keeps them, else null.
+  [[nodiscard]] virtual const HeightGrid* samples() const { return nullptr; }
   [[nodiscard]] virtual Result<std::uint64_t> save(const std::string& path,
                                                    Progress& progress) const = 0;
   [[nodiscard]] virtual BuiltTerrainInfo describe_source() const = 0;

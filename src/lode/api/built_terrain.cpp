@@ -126,6 +126,10 @@ Result<std::uint64_t> BuiltTerrain::save(const std::string& path, Progress& prog
 
 Terrain BuiltTerrain::terrain() const { return Terrain(model_); }
 TerrainModel BuiltTerrain::model() const { return model_->model(); }
+std::shared_ptr<const HeightGrid> BuiltTerrain::samples() const {
+  const HeightGrid* samples = model_->samples();
+  return samples == nullptr ? nullptr : std::shared_ptr<const HeightGrid>(model_, samples);
+}
 const HeightFrame& BuiltTerrain::frame() const { return model_->source().frame; }
 BuiltTerrainInfo BuiltTerrain::describe_source() const { return model_->describe_source(); }
 

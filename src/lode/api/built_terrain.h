@@ -91,6 +91,8 @@ class BuiltTerrain {
   /// mesh on the way that has no more; with a focus the fewest triangles within it.
   [[nodiscard]] Terrain terrain() const;
   [[nodiscard]] TerrainModel model() const;
+  /// All heights of the raster that it is of, where the model keeps them (on squares); else null.
+  [[nodiscard]] std::shared_ptr<const HeightGrid> samples() const;
   /// Of the raster, or the points' lattice.
   [[nodiscard]] const HeightFrame& frame() const;
   /// Without levels.

@@ -29,7 +29,12 @@ OpenedTerrain of_built(BuiltTerrain built) {
   Terrain terrain = built.terrain();
   TerrainFacts facts = facts_of(built);
   const TerrainModel model = built.model();
-  return {std::move(terrain), model, std::move(facts), std::move(built)};
+  auto samples = built.samples();
+  return {.terrain = std::move(terrain),
+          .model = model,
+          .facts = std::move(facts),
+          .built = std::move(built),
+          .samples = std::move(samples)};
 }
 
 /// Names the file, unless the reason is that the user stopped.
@@ -203,11 +208,17 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
     opened.facts.form = read.form;
     opened.facts.vertical = read.vertical;
     opened.lines = lines;
+    if (!opened.samples && reading.keeps_samples) {
+      const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
+      opened.samples = {raster, &raster->grid};
+    }
     return opened;
   }
   const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
   const std::shared_ptr<const HeightGrid> grid(raster, &raster->grid);
   OpenedTerrain opened{.terrain = Terrain(grid), .facts = facts_of(*raster), .grid = grid};
+  // Lines may change heights.
+  if (!reading.has_lines()) opened.samples = grid;
   if (reading.has_lines())
     LODE_CHECK(
         open_lines<const HeightGrid&>(path, reading, *grid, height_range(*grid), opened, progress));

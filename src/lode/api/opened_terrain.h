@@ -63,6 +63,8 @@ struct TerrainReadOptions {
   /// Draped lines stay that near to the surface; without: a quarter percent of the range of
   /// heights.
   std::optional<double> drape_error{};
+  /// Of a raster that a model is built of: its heights stay at hand (OpenedTerrain::samples).
+  bool keeps_samples = false;
 
   [[nodiscard]] bool has_lines() const {
     return least_relief || keeps_features || !breaklines.empty();
@@ -79,6 +81,8 @@ struct OpenedTerrain {
   /// model.
   std::shared_ptr<const PointTerrain> points{};
   std::shared_ptr<const HeightGrid> grid{};  ///< The raster; null where only a model is at hand.
+  /// All heights of the raster that it is of, where they are at hand.
+  std::shared_ptr<const HeightGrid> samples{};
   std::optional<TerrainLineReport> lines{};  ///< Where there are some.
 };
 

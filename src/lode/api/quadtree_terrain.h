@@ -23,6 +23,7 @@ class QuadtreeTerrain final : public BuiltModel {
   [[nodiscard]] static Result<QuadtreeTerrain> open(const std::string& path, Progress& progress);
   [[nodiscard]] static bool is_model_of(const std::string& path);
 
+  [[nodiscard]] const HeightGrid* samples() const override { return &model_.grid; }
   [[nodiscard]] TerrainModel model() const override;
   [[nodiscard]] const terrain_file::Source& source() const override { return model_.source; }
   [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -28,6 +29,9 @@ struct TerrainOptions {
   InsertionOrder order = InsertionOrder::levels;
   Threads threads{};  ///< Of rasters in levels or tiles; the TIN is the same for any.
   std::optional<TerrainFocus> focus{};  ///< Where max_error holds; of models that can vary.
+  /// All heights of the raster that the terrain is of, where bounds are to hold everywhere: of a
+  /// TIN that is asked (TerrainTin). Null: at samples.
+  std::shared_ptr<const HeightGrid> samples{};
 };
 
 struct TerrainReport {
@@ -37,6 +41,8 @@ struct TerrainReport {
   /// A bound of |z - z'| at every sample of the domain: the largest one, rounded up, but of a
   /// right_triangle_bisection that of finer meshes where it is larger.
   double achieved_error = 0;
+  /// That holds between samples, too: of the surface that full resolution has.
+  bool is_everywhere = false;
   bool is_within_error = true;
   bool is_uniform = true;                   ///< Else max_error holds in the focus alone.
   bool is_focus_empty = false;              ///< It lies beside the terrain.

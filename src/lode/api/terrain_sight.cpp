@@ -126,16 +126,22 @@ Result<TerrainSight> find_terrain_sight(const Terrain& terrain, const TerrainOpt
                                         Progress& progress) try {
   const Stopwatch watch;
   TerrainOptions wanted = tin_options;
+  Terrain asked = terrain;
   for (std::uint32_t round = 1;; ++round) {
-    LODE_TRY(const TerrainTin tin, TerrainTin::select(terrain, wanted, metric, progress));
+    LODE_TRY(const TerrainTin tin, TerrainTin::select(asked, wanted, metric, progress));
     LODE_TRY(TerrainSight sight, tin.sight(options));
     sight.n_rounds = round;
     sight.terrain = tin.report();
     sight.seconds = watch.seconds();
-    sight.finest_error = terrain.origin().finest_error();
-    if (options.effort == SightEffort::once || sight.verdict != SightVerdict::undecided ||
-        sight.is_finest())
+    sight.finest_error = asked.origin().finest_error();
+    if (options.effort == SightEffort::once || sight.verdict != SightVerdict::undecided)
       return sight;
+    if (sight.is_finest()) {
+      // What was built for less than all heights, where these are at hand.
+      if (sight.terrain.max_error == 0 || !wanted.samples) return sight;
+      asked = Terrain(wanted.samples);
+      sight.finest_error = 0;
+    }
     // All samples are had sooner than those that greed finds at any tolerance between.
     wanted.max_error = sight.finest_error;
   }

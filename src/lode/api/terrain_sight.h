@@ -9,7 +9,7 @@
 namespace lode {
 
 /// once: at the tolerance asked for. until_decided: where that leaves it undecided, also at the
-/// finest that there is, which is 0 but of files that were built for more.
+/// finest that there is, and where all heights are at hand (TerrainOptions::samples) at 0.
 enum class SightEffort : std::uint8_t { once, until_decided };
 
 struct TerrainSightOptions {

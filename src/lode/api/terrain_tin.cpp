@@ -8,8 +8,27 @@
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/locate/tin_profile.h"
+#include "lode/mappers/tin_everywhere.h"
 
 namespace lode {
+namespace {
+
+/// Bounds that hold between samples, too.
+Result<void> hold_everywhere(const Terrain& terrain, const TerrainOptions& options,
+                             SelectedTerrain& selected, Progress& progress) {
+  const HeightGrid& grid = *options.samples;
+  const std::int32_t scale = (terrain.frame().n_columns - 1) / (grid.n_columns - 1);
+  LODE_CHECK(raise_errors_everywhere(grid, scale, options.threads, progress, selected.tin));
+  TerrainReport& report = selected.report;
+  report.is_everywhere = true;
+  if (!selected.tin.errors.empty())
+    report.achieved_error =
+        std::max(report.achieved_error, static_cast<double>(std::ranges::max(selected.tin.errors)));
+  return {};
+}
+
+}  // namespace
+
 TerrainTin::TerrainTin(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 TerrainTin::TerrainTin(TerrainTin&& other) noexcept = default;
 TerrainTin::~TerrainTin() = default;
@@ -20,6 +39,7 @@ Result<TerrainTin> TerrainTin::select(const Terrain& terrain, const TerrainOptio
                                       const HorizontalMetric& metric, Progress& progress) try {
   LODE_TRY(SelectedTerrain selected,
            terrain.origin().select(options, delaunay::TinLinks::kept, progress));
+  if (options.samples) LODE_CHECK(hold_everywhere(terrain, options, selected, progress));
   return TerrainTin(std::unique_ptr<Impl>(
       new Impl{terrain.frame(), metric, selected.report, std::move(selected.tin)}));
 } catch (const std::bad_alloc&) {

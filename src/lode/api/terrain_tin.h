@@ -19,7 +19,8 @@ struct TerrainHeight {
 
   Where where = Where::outside;  ///< gap: in the rectangle of the samples, but not in the domain.
   double height = 0;             ///< Where inside.
-  /// Samples in the triangle are not farther from its plane, and rounding of the height.
+  /// Samples in the triangle are not farther from its plane, or everywhere
+  /// (TerrainOptions::samples) full resolution, and rounding of the height.
   double bound = 0;
 };
 
