@@ -19,6 +19,7 @@ struct CompareArguments {
   std::string tolerances;
   std::string runs = "3";
   std::string seed = "1";
+  std::string memory_limit;
   ReadingArguments reading;
   TerrainArguments terrain;
 };
@@ -33,6 +34,9 @@ Result<ComparisonOptions> to_options(const CompareArguments& arguments) {
   options.n_runs = static_cast<int>(runs);
   LODE_TRY(const auto seed, parse_integer("--seed", arguments.seed, 0, INT64_MAX));
   options.seed = static_cast<std::uint64_t>(seed);
+  if (!arguments.memory_limit.empty()) {
+    LODE_TRY(options.memory_limit, parse_bytes("--memory-limit", arguments.memory_limit));
+  }
   return options;
 }
 
@@ -87,6 +91,7 @@ Result<Outcome> run_compare(const CompareArguments& arguments, Session& session)
   json["range"] = {comparison->range.lower, comparison->range.upper};
   json["runs"] = options.n_runs;
   json["seed"] = options.seed;
+  json["memory_limit"] = comparison->memory_limit;
   json["models"] = comparison_json(*comparison);
   json["seconds"] = {{"total", comparison->seconds}};
   json["warnings"] = session.warnings();
@@ -108,8 +113,8 @@ Command add_compare_command(CLI::App& program) {
       "compare", "Run all models of terrain on a raster, and report how they do");
   app->footer(
       "Each model makes a mesh within each tolerance. True errors, shapes of triangles, and times\n"
-      "of extraction, contours, heights and profiles are measured on the meshes alike. The report\n"
-      "is one page with tables, plots and all numbers as JSON.\n\n"
+      "of extraction, contours, heights, profiles and steps over edges are measured on the meshes\n"
+      "alike. The report is one page with tables, plots and all numbers as JSON.\n\n"
       "Example:\n  lode compare dem.tif report.html --tolerances 50,20,10,5");
   app->add_option("dem", arguments->input, "Raster of heights (.tif, .asc, .hgt, .png, ...)")
       ->type_name("DEM")
@@ -122,6 +127,10 @@ Command add_compare_command(CLI::App& program) {
       ->type_name("N");
   app->add_option("--seed", arguments->seed, "Of the places for heights (default: 1)")
       ->type_name("N");
+  app->add_option("--memory-limit", arguments->memory_limit,
+                  "Memory for links between levels, such as 512M (default: a quarter of the "
+                  "machine's); a model that takes more is not run")
+      ->type_name("BYTES");
   app->add_option("--nodata", arguments->reading.nodata,
                   "Value of missing samples, instead of the file's")
       ->type_name("V")

@@ -70,6 +70,10 @@ std::vector<Column> columns() {
        [](const ComparedMesh& m) {
          return m.located_per_second ? fmt::format("{:.2f}", *m.located_per_second / 1e6) : "–";
        }},
+      {"M steps/s",
+       [](const ComparedMesh& m) {
+         return m.crossed_per_second ? fmt::format("{:.1f}", *m.crossed_per_second / 1e6) : "–";
+       }},
       {"contours ms",
        [](const ComparedMesh& m) {
          return m.contour_seconds ? milliseconds(*m.contour_seconds) : "–";
@@ -104,7 +108,8 @@ std::string models_list(const TerrainComparison& comparison) {
   for (const ComparedModel& model : comparison.models) {
     html += fmt::format("<li><b>{}</b>: {}", escaped(model.name), escaped(model.what));
     if (model.build_seconds)
-      html += fmt::format("; built in {}", format_seconds(*model.build_seconds));
+      html += fmt::format("; {} in {}", model.is_made_anew ? "all meshes made" : "built",
+                          format_seconds(*model.build_seconds));
     if (model.n_levels > 0) html += fmt::format("; {} levels", model.n_levels);
     if (model.memory_bytes)
       html += fmt::format("; {} of memory", format_bytes(*model.memory_bytes));
@@ -112,6 +117,7 @@ std::string models_list(const TerrainComparison& comparison) {
       html += fmt::format("; building took {} at most", format_bytes(*model.peak_bytes));
     if (model.file_bytes) html += fmt::format("; file of {}", format_bytes(*model.file_bytes));
     if (model.n_links) html += fmt::format("; {} links", format_count(*model.n_links));
+    html += fmt::format("; neighbours: {}", escaped(model.neighbours));
     if (!model.refusal.empty())
       html += fmt::format("; <span class=\"no\">not run: {}</span>", escaped(model.refusal));
     html += "</li>\n";
@@ -206,10 +212,12 @@ Json mesh_json(const ComparedMesh& mesh) {
       mesh.variable_seconds ? Json(mesh.variable_triangles) : Json(nullptr);
   json["zoom_triangles"] = mesh.zoom_seconds ? Json(mesh.zoom_triangles) : Json(nullptr);
   json["located_per_second"] = or_null(mesh.located_per_second);
+  json["crossed_per_second"] = or_null(mesh.crossed_per_second);
   json["seconds"] = {{"extract", mesh.extract_seconds},
                      {"zoom", or_null(mesh.zoom_seconds)},
                      {"variable", or_null(mesh.variable_seconds)},
                      {"contours", or_null(mesh.contour_seconds)},
+                     {"twins", or_null(mesh.twins_seconds)},
                      {"locator", mesh.locator_seconds},
                      {"profile", or_null(mesh.profile_seconds)}};
   return json;
@@ -223,6 +231,8 @@ Json comparison_json(const TerrainComparison& comparison) {
     Json json{{"name", model.name}, {"what", model.what}};
     json["refusal"] = model.refusal.empty() ? Json(nullptr) : Json(model.refusal);
     json["build_seconds"] = model.build_seconds ? Json(*model.build_seconds) : Json(nullptr);
+    json["is_made_anew"] = model.is_made_anew;
+    json["neighbours"] = model.neighbours;
     json["levels"] = model.n_levels > 0 ? Json(model.n_levels) : Json(nullptr);
     json["memory_bytes"] = model.memory_bytes ? Json(*model.memory_bytes) : Json(nullptr);
     json["peak_build_bytes"] = model.peak_bytes ? Json(*model.peak_bytes) : Json(nullptr);
@@ -254,7 +264,8 @@ std::string comparison_page(const TerrainComparison& comparison, const ComparedR
       "within "
       "the tolerance in the middle quarter, ten times outside. Contours: 20 levels. Heights: "
       "random "
-      "places, one thread. Profile: along the diagonal. MB: triangles, what is beside them, errors "
+      "places, one thread. Steps: a random walk from triangle to triangle, over edges, one thread. "
+      "Profile: along the diagonal. MB: triangles, what is beside them, errors "
       "and vertices. Times are medians.</p>\n";
   html += plots(comparison, raster.unit);
   const std::size_t n = comparison.models.front().meshes.size();

@@ -24,6 +24,18 @@ TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
   EXPECT_EQ(models[2].at("name"), "delaunay_pyramid");
   EXPECT_EQ(models[2].at("links"), nullptr);
   EXPECT_EQ(models[0].at("file_bytes"), nullptr);
+  EXPECT_EQ(models[0].at("is_made_anew"), true);
+  EXPECT_GT(made.at("memory_limit"), 0);
+  for (const auto& model : models) {
+    if (!model.at("refusal").is_null()) continue;
+    EXPECT_TRUE(model.at("build_seconds").is_number()) << model.at("name");
+    // All but lists, and squares of several sizes.
+    const std::string name = model.at("name");
+    const bool has_none = name.ends_with("lists") || name.starts_with("surface_quadtree") ||
+                          name == "quaternary_triangulation";
+    EXPECT_EQ(model.at("meshes")[1].at("crossed_per_second").is_null(), has_none) << name;
+    EXPECT_NE(model.at("neighbours"), "");
+  }
   for (const auto& model : models)
     EXPECT_EQ(model.at("file_bytes").is_number(),
               built_model_of(model.at("name").get<std::string>()).has_value());
@@ -52,7 +64,8 @@ TEST(cli_compare, writes_a_page_with_all_numbers_in_it) {
   const std::string html = read_bytes(page);
   EXPECT_TRUE(html.starts_with("<!doctype html>"));
   EXPECT_EQ(html.find("http"), std::string::npos) << "nothing outside the page";
-  for (const char* part : {"<svg", "Tolerance 50", "right_triangle_bisection", "not run: "})
+  for (const char* part :
+       {"<svg", "Tolerance 50", "right_triangle_bisection", "not run: ", "M steps/s"})
     EXPECT_NE(html.find(part), std::string::npos) << part;
   const std::size_t begin = html.find("id=\"comparison\">") + 16;
   const auto kept = nlohmann::json::parse(html.substr(begin, html.find("</script>") - begin));
@@ -68,6 +81,21 @@ TEST(cli_compare, keeps_its_page_whole_whatever_the_file_is_called) {
   const std::string html = read_bytes(page);
   EXPECT_EQ(html.find("<!--"), std::string::npos);
   EXPECT_EQ(html.find("<script>"), std::string::npos);
+}
+
+TEST(cli_compare, holds_links_against_a_memory_limit) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  write_dem(dem);
+  const auto made = run_lode({"compare", dem, scratch / "report.html", "--tolerances", "50,10",
+                              "--runs", "1", "--memory-limit", "64", "--json"})
+                        .json();
+  EXPECT_EQ(made.at("memory_limit"), 64);
+  EXPECT_NE(made.at("models")[4].at("refusal").get<std::string>().find("up to 64 bytes"),
+            std::string::npos);
+  expect_refusal(
+      run_lode({"compare", dem, scratch / "r.html", "--tolerances", "50", "--memory-limit", "x"}),
+      2, {"--memory-limit"});
 }
 
 TEST(cli_compare, refuses_what_cannot_be_meant) {

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "lode/api/compared_terrain.h"
+#include "lode/api/edge_walk.h"
 #include "lode/delaunay/tin_links.h"
 #include "tests/terrain/height_grids.h"
 
@@ -20,7 +21,9 @@ double ridges(int x, int y) { return 40 * std::sin(0.11 * x) * std::cos(0.17 * y
 TerrainComparison compared(const HeightGrid& grid, const std::vector<double>& tolerances) {
   Progress progress;
   auto made = compare_terrain(
-      grid, {.tolerances = tolerances, .n_runs = 1, .n_places = 500, .threads = {2}}, progress);
+      grid,
+      {.tolerances = tolerances, .n_runs = 1, .n_places = 500, .n_steps = 1000, .threads = {2}},
+      progress);
   EXPECT_TRUE(made) << (made ? "" : made.error().message);
   return made ? std::move(*made) : TerrainComparison{};
 }
@@ -62,6 +65,29 @@ void expect_one_pyramid(const TerrainComparison& made) {
   EXPECT_LT(pyramid.meshes[2].variable_triangles, pyramid.meshes[2].triangles);
 }
 
+/// Who keeps no neighbours says so; all others cross edges, and whatever there is took time to be
+/// built.
+void expect_neighbours(const TerrainComparison& made) {
+  for (const ComparedModel& model : made.models) {
+    SCOPED_TRACE(model.name);
+    EXPECT_FALSE(model.neighbours.empty());
+    EXPECT_TRUE(model.build_seconds);
+    const bool has_none =
+        model.name == "delaunay_pyramid, lists" || model.name == "delaunay_pyramid, linked lists" ||
+        model.name == "surface_quadtree" || model.name == "surface_quadtree, forced" ||
+        model.name == "quaternary_triangulation";
+    for (const ComparedMesh& mesh : model.meshes) {
+      EXPECT_EQ(mesh.crossed_per_second.has_value(), !has_none);
+      if (!has_none) EXPECT_GT(*mesh.crossed_per_second, 0);
+      EXPECT_EQ(mesh.twins_seconds.has_value(), !model.name.starts_with("delaunay_selector") &&
+                                                    model.name != "delaunay_pyramid, complete");
+    }
+  }
+  EXPECT_TRUE(named(made, "delaunay_selector").is_made_anew);
+  EXPECT_TRUE(named(made, "restricted_quadtree").is_made_anew);
+  EXPECT_FALSE(named(made, "delaunay_pyramid").is_made_anew);
+}
+
 TEST(terrain_comparison, has_every_model_within_every_tolerance) {
   // Odd sizes, of which none is a power of two and one more.
   const TerrainComparison made = compared(test::float_grid(90, 61, ridges), {20, 5, 1, 0});
@@ -96,6 +122,52 @@ TEST(terrain_comparison, has_every_model_within_every_tolerance) {
             named(made, "right_triangle_bisection").meshes[1].triangles);
   EXPECT_FALSE(named(made, "regular grid").meshes[0].variable_seconds);
   expect_one_pyramid(made);
+  expect_neighbours(made);
+}
+
+TEST(terrain_comparison, runs_no_model_whose_links_take_more_than_the_limit) {
+  Progress progress;
+  const auto made = compare_terrain(
+      test::float_grid(40, 40, ridges),
+      {.tolerances = {20, 5}, .n_runs = 1, .n_places = 10, .n_steps = 10, .memory_limit = 64},
+      progress);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(made->memory_limit, 64U);
+  for (const char* name : {"delaunay_pyramid, linked lists", "delaunay_pyramid, complete"})
+    EXPECT_NE(named(*made, name).refusal.find("up to 64 bytes"), std::string::npos) << name;
+  EXPECT_EQ(named(*made, "delaunay_pyramid, lists").refusal, "");
+}
+
+TEST(edge_walk, goes_on_until_the_outline_and_turns_there) {
+  // A strip of triangles, each with one behind edges 1 and 2 but for the ends.
+  constexpr std::uint32_t kTriangles = 9;
+  std::vector<std::uint32_t> visits(kTriangles, 0);
+  const std::uint64_t n = walk_edges(4, 1000, 7, [&](std::uint32_t triangle, unsigned edge) {
+    EXPECT_LT(triangle, kTriangles);
+    ++visits[triangle];
+    if (edge == 1 && triangle + 1 < kTriangles) return 4 * (triangle + 1) + 2;
+    if (edge == 2 && triangle > 0) return 4 * (triangle - 1) + 1;
+    return delaunay::kNoHalfEdge;
+  });
+  EXPECT_GT(n, 100U);
+  EXPECT_LT(n, 1000U);
+  for (const std::uint32_t v : visits) EXPECT_GT(v, 0U);
+}
+
+TEST(edge_walk, knows_what_is_behind_the_edges_of_a_grid) {
+  constexpr std::uint32_t kColumns = 5;
+  constexpr std::uint32_t kRows = 3;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t y = 0; y < kRows; ++y)
+    for (std::uint32_t x = 0; x < kColumns; ++x) {
+      const std::uint32_t a = y * (kColumns + 1) + x;
+      triangles.push_back({a, a + 1, a + kColumns + 2});
+      triangles.push_back({a, a + kColumns + 2, a + kColumns + 1});
+    }
+  const auto twins = delaunay::find_twins(triangles);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (unsigned edge = 0; edge < 3; ++edge)
+      EXPECT_EQ(behind_in_grid(kColumns, kRows, t, edge), twins[t][edge]) << t << ", " << edge;
 }
 
 TEST(terrain_comparison, says_why_a_model_is_not_run) {
@@ -113,7 +185,8 @@ TEST(terrain_comparison, is_the_same_but_for_times_for_any_number_of_threads) {
   Progress progress;
   const auto counts = [&](int threads) {
     const auto made = compare_terrain(
-        grid, {.tolerances = {2}, .n_runs = 1, .n_places = 10, .threads = {threads}}, progress);
+        grid, {.tolerances = {2}, .n_runs = 1, .n_places = 10, .n_steps = 10, .threads = {threads}},
+        progress);
     std::vector<double> numbers;
     for (const ComparedModel& model : made->models)
       for (const ComparedMesh& mesh : model.meshes)

@@ -53,6 +53,7 @@ class ComparedBisection final : public TerrainCandidate {
       return find_triangle(*tree_, tolerance, p.x, p.y).has_value();
     }));
   }
+  [[nodiscard]] Neighbours neighbours() const override { return sorted_twins(); }
 
  private:
   const HeightGrid* grid_ = nullptr;

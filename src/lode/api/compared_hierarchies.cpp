@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "lode/api/edge_walk.h"
 #include "lode/core/stopwatch.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
@@ -54,6 +55,21 @@ class HierarchyCandidate : public TerrainCandidate {
           const delaunay::Point at{{static_cast<double>(p.x), static_cast<double>(p.y)}};
           return locator_->find(*level, at).has_value();
         }));
+  }
+  [[nodiscard]] Neighbours neighbours() const final {
+    return {Neighbours::Place::in_model,
+            "the twins that triangles were made with, and what these are refined by"};
+  }
+  [[nodiscard]] std::uint64_t walk(double tolerance, std::uint64_t n_tries,
+                                   std::uint64_t seed) final {
+    const auto level = hierarchy().level_within(tolerance);
+    if (!level) return 0;
+    // The last one is of the level, whichever it is.
+    std::uint32_t start = hierarchy().triangles_until[static_cast<std::size_t>(*level)] / 2;
+    while (!hierarchy().is_in_level(start, *level)) ++start;
+    return walk_edges(start, n_tries, seed, [&](std::uint32_t triangle, unsigned edge) {
+      return hierarchy().neighbour(*level, triangle, edge);
+    });
   }
 
  protected:

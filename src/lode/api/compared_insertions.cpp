@@ -37,6 +37,7 @@ class Insertions final : public HistoryCandidate {
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
     return history().n_bytes() + locator_->n_bytes();
   }
+  [[nodiscard]] Neighbours neighbours() const override { return sorted_twins(); }
 
  private:
   Result<void> encode(Progress&) override {

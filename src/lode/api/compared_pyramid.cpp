@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lode/api/compared_insertions.h"
+#include "lode/api/edge_walk.h"
 #include "lode/models/terrain/delaunay_pyramid/encodings.h"
 
 namespace lode {
@@ -15,9 +16,6 @@ namespace {
 using delaunay_pyramid::EncodingLimit;
 using delaunay_pyramid::Interference;
 
-/// Links may be quadratic: what is more is refused, and the page says so.
-constexpr EncodingLimit kLimit{.n_bytes = std::uint64_t{4} << 30};
-
 /// What an encoding takes beside the places and heights of its vertices, and these.
 std::uint64_t with_vertices(const insertions::History& history, std::uint64_t n_bytes) {
   return n_bytes + history.vertices.size() * (sizeof(delaunay::LatticePoint) + sizeof(double));
@@ -25,8 +23,8 @@ std::uint64_t with_vertices(const insertions::History& history, std::uint64_t n_
 
 class Lists final : public HistoryCandidate {
  public:
-  Lists(std::shared_ptr<SharedHistory> shared, Interference interference)
-      : HistoryCandidate(std::move(shared)), interference_(interference) {}
+  Lists(std::shared_ptr<SharedHistory> shared, Interference interference, EncodingLimit limit)
+      : HistoryCandidate(std::move(shared)), interference_(interference), limit_(limit) {}
   [[nodiscard]] std::string name() const override {
     return has_links() ? "delaunay_pyramid, linked lists" : "delaunay_pyramid, lists";
   }
@@ -42,13 +40,18 @@ class Lists final : public HistoryCandidate {
   [[nodiscard]] std::optional<std::uint64_t> n_links() const override {
     return has_links() ? std::optional(lists_->n_links()) : std::nullopt;
   }
+  [[nodiscard]] Neighbours neighbours() const override {
+    return {Neighbours::Place::nowhere,
+            has_links() ? "its links go from level to level, and it keeps no neighbours"
+                        : "it keeps triangles alone, and no neighbours"};
+  }
 
  private:
   [[nodiscard]] bool has_links() const { return interference_ == Interference::linked; }
   Result<void> encode(Progress& progress) override {
     LODE_TRY(lists_,
              delaunay_pyramid::TriangleLists::make(history(), times_of(history(), shared().levels),
-                                                   interference_, kLimit, progress));
+                                                   interference_, limit_, progress));
     return {};
   }
   [[nodiscard]] delaunay::Tin tin_of_level(std::size_t level) override {
@@ -67,12 +70,14 @@ class Lists final : public HistoryCandidate {
   }
 
   Interference interference_;
+  EncodingLimit limit_;
   std::optional<delaunay_pyramid::TriangleLists> lists_;
 };
 
 class Complete final : public HistoryCandidate {
  public:
-  using HistoryCandidate::HistoryCandidate;
+  Complete(std::shared_ptr<SharedHistory> shared, EncodingLimit limit)
+      : HistoryCandidate(std::move(shared)), limit_(limit) {}
   [[nodiscard]] std::string name() const override { return "delaunay_pyramid, complete"; }
   [[nodiscard]] std::string what() const override {
     return "every level's whole triangulation with neighbours, and interference links";
@@ -83,11 +88,20 @@ class Complete final : public HistoryCandidate {
   [[nodiscard]] std::optional<std::uint64_t> n_links() const override {
     return pyramid_->n_links();
   }
+  [[nodiscard]] Neighbours neighbours() const override {
+    return {Neighbours::Place::in_model, "the twins of each level"};
+  }
+  [[nodiscard]] std::uint64_t walk(double tolerance, std::uint64_t n_tries,
+                                   std::uint64_t seed) override {
+    const auto& twins = pyramid_->levels()[shared().level_of(tolerance)].twins;
+    return walk_edges(static_cast<std::uint32_t>(twins.size() / 2), n_tries, seed,
+                      [&](std::uint32_t triangle, unsigned edge) { return twins[triangle][edge]; });
+  }
 
  private:
   Result<void> encode(Progress& progress) override {
     LODE_TRY(pyramid_, delaunay_pyramid::CompletePyramid::make(
-                           history(), times_of(history(), shared().levels), kLimit, progress));
+                           history(), times_of(history(), shared().levels), limit_, progress));
     return {};
   }
   [[nodiscard]] delaunay::Tin tin_of_level(std::size_t level) override {
@@ -103,18 +117,20 @@ class Complete final : public HistoryCandidate {
         places, [&](delaunay::LatticePoint p) { return pyramid_->locate(history(), level, p); });
   }
 
+  EncodingLimit limit_;
   std::optional<delaunay_pyramid::CompletePyramid> pyramid_;
 };
 
 }  // namespace
 
-std::vector<std::unique_ptr<TerrainCandidate>> pyramid_candidates() {
+std::vector<std::unique_ptr<TerrainCandidate>> pyramid_candidates(std::uint64_t memory_limit) {
+  const EncodingLimit limit{.n_bytes = memory_limit};
   const auto shared = std::make_shared<SharedHistory>(TerrainModel::delaunay_pyramid);
   std::vector<std::unique_ptr<TerrainCandidate>> all;
   all.push_back(insertions_candidate(shared));
-  all.push_back(std::make_unique<Lists>(shared, Interference::left_out));
-  all.push_back(std::make_unique<Lists>(shared, Interference::linked));
-  all.push_back(std::make_unique<Complete>(shared));
+  all.push_back(std::make_unique<Lists>(shared, Interference::left_out, limit));
+  all.push_back(std::make_unique<Lists>(shared, Interference::linked, limit));
+  all.push_back(std::make_unique<Complete>(shared, limit));
   for (const TerrainModel model :
        {TerrainModel::ternary_triangulation, TerrainModel::implicit_delaunay_pyramid})
     all.push_back(insertions_candidate(std::make_shared<SharedHistory>(model)));

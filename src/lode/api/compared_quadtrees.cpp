@@ -15,6 +15,11 @@ namespace {
 
 enum class Continuity : std::uint8_t { left_open, forced };
 
+Neighbours of_several_sizes() {
+  return {Neighbours::Place::nowhere,
+          "where sizes differ several triangles are behind an edge, and none is kept"};
+}
+
 class SurfaceSquares final : public TerrainCandidate {
  public:
   explicit SurfaceSquares(Continuity continuity) : continuity_(continuity) {}
@@ -48,6 +53,7 @@ class SurfaceSquares final : public TerrainCandidate {
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
     return tree_->n_bytes();
   }
+  [[nodiscard]] Neighbours neighbours() const override { return of_several_sizes(); }
 
  private:
   [[nodiscard]] bool is_forced() const { return continuity_ == Continuity::forced; }
@@ -82,6 +88,7 @@ class Quaternary final : public TerrainCandidate {
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const override {
     return tree_->n_bytes();
   }
+  [[nodiscard]] Neighbours neighbours() const override { return of_several_sizes(); }
 
  private:
   std::optional<quaternary_triangulation::QuaternaryTriangulation> tree_;
@@ -97,17 +104,23 @@ class Restricted final : public TerrainCandidate {
   }
   [[nodiscard]] Result<void> prepare(const HeightGrid& grid, std::span<const double>, Threads,
                                      Progress&) override {
+    const Stopwatch watch;
     LODE_TRY(domain_, squares::SquareDomain::make(grid));
+    seconds_ = watch.seconds();
     return {};
   }
   [[nodiscard]] Result<Answer> extract(double tolerance, Progress& progress) override {
     LODE_TRY(const auto leaves, restricted_quadtree::build(*domain_, tolerance, progress));
     return Answer{.tin = to_tin(*domain_, leaves), .stated_error = tolerance};
   }
+  [[nodiscard]] std::optional<double> build_seconds() const override { return seconds_; }
+  [[nodiscard]] bool is_made_anew() const override { return true; }
   [[nodiscard]] int n_levels() const override { return domain_->n_levels(); }
+  [[nodiscard]] Neighbours neighbours() const override { return sorted_twins(); }
 
  private:
   std::optional<squares::SquareDomain> domain_;
+  double seconds_ = 0;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "lode/api/compared_hierarchies.h"
 #include "lode/api/compared_pyramid.h"
 #include "lode/api/compared_quadtrees.h"
+#include "lode/api/edge_walk.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/tin_quality.h"
@@ -37,6 +38,10 @@ class Selector final : public TerrainCandidate {
              select_terrain(*grid_, {.max_error = tolerance, .max_cells = {}, .order = order_},
                             delaunay::TinLinks::kept, progress));
     return Answer{.tin = std::move(selected.tin), .stated_error = selected.report.achieved_error};
+  }
+  [[nodiscard]] bool is_made_anew() const override { return true; }
+  [[nodiscard]] Neighbours neighbours() const override {
+    return {Neighbours::Place::in_mesh, "the twins that its mesh is made with"};
   }
 
  private:
@@ -75,9 +80,23 @@ class Subsampling final : public TerrainCandidate {
       if (progress.is_cancelled()) return cancelled_error();
       answer.tin = tin_of(step);
       answer.stated_error = error_of(step);
+      step_ = step;
       if (*answer.stated_error <= tolerance) break;
     }
     return answer;
+  }
+  [[nodiscard]] bool is_made_anew() const override { return true; }
+  [[nodiscard]] Neighbours neighbours() const override {
+    return {Neighbours::Place::in_model, "by its columns and rows"};
+  }
+  [[nodiscard]] std::uint64_t walk(double /*tolerance*/, std::uint64_t n_tries,
+                                   std::uint64_t seed) override {
+    const auto n_columns = static_cast<std::uint32_t>(every(step_, grid_->n_columns).size() - 1);
+    const auto n_rows = static_cast<std::uint32_t>(every(step_, grid_->n_rows).size() - 1);
+    const std::uint32_t middle = 2 * (n_rows / 2 * n_columns + n_columns / 2);
+    return walk_edges(middle, n_tries, seed, [&](std::uint32_t triangle, unsigned edge) {
+      return behind_in_grid(n_columns, n_rows, triangle, edge);
+    });
   }
 
  private:
@@ -109,6 +128,7 @@ class Subsampling final : public TerrainCandidate {
 
   const HeightGrid* grid_ = nullptr;
   Threads threads_;
+  std::int32_t step_ = 1;  ///< Of the last mesh.
   std::vector<std::pair<std::int32_t, double>> errors_;
 };
 
@@ -129,6 +149,15 @@ std::optional<std::uint64_t> TerrainCandidate::locate(
   return {};
 }
 
+std::uint64_t TerrainCandidate::walk(double /*tolerance*/, std::uint64_t /*n_tries*/,
+                                     std::uint64_t /*seed*/) {
+  return 0;
+}
+
+Neighbours sorted_twins() {
+  return {Neighbours::Place::in_mesh, "the twins of its mesh, found by sorting its edges"};
+}
+
 FocusDemand middle_demand(const HeightFrame& frame, double tolerance) {
   Vec<double, 2> lower = frame.world(0.375 * (frame.n_columns - 1), 0.375 * (frame.n_rows - 1));
   Vec<double, 2> upper = frame.world(0.625 * (frame.n_columns - 1), 0.625 * (frame.n_rows - 1));
@@ -142,11 +171,11 @@ FocusDemand middle_demand(const HeightFrame& frame, double tolerance) {
   return demand;
 }
 
-std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates() {
+std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates(std::uint64_t memory_limit) {
   std::vector<std::unique_ptr<TerrainCandidate>> all;
   all.push_back(std::make_unique<Selector>(InsertionOrder::levels));
   all.push_back(std::make_unique<Selector>(InsertionOrder::strict));
-  for (auto& candidate : pyramid_candidates()) all.push_back(std::move(candidate));
+  for (auto& candidate : pyramid_candidates(memory_limit)) all.push_back(std::move(candidate));
   for (auto& candidate : hierarchy_candidates()) all.push_back(std::move(candidate));
   for (auto& candidate : quadtree_candidates()) all.push_back(std::move(candidate));
   all.push_back(bisection_candidate());

@@ -22,6 +22,14 @@ struct TerrainWindow {
   delaunay::LatticePoint upper;
 };
 
+/// How a model goes from a triangle to what is behind an edge.
+struct Neighbours {
+  /// in_mesh: by the twins of its mesh; in_model: by walk().
+  enum class Place : std::uint8_t { nowhere, in_mesh, in_model };
+  Place place = Place::nowhere;
+  std::string how;  ///< In words; where there are none why not.
+};
+
 /// A model of terrain as compare_terrain() runs it.
 class TerrainCandidate {
  public:
@@ -44,7 +52,10 @@ class TerrainCandidate {
   /// the number of triangles. Of those that can_vary().
   [[nodiscard]] virtual Result<std::uint64_t> extract_middle(double tolerance, Progress& progress);
   [[nodiscard]] virtual bool can_vary() const { return false; }
+  /// Of what prepare() does.
   [[nodiscard]] virtual std::optional<double> build_seconds() const { return {}; }
+  /// Whether extract() starts from the raster again, so that all meshes are what is built.
+  [[nodiscard]] virtual bool is_made_anew() const { return false; }
   [[nodiscard]] virtual int n_levels() const { return 0; }
   /// Of the whole model, where it is in memory.
   [[nodiscard]] virtual std::optional<std::uint64_t> memory_bytes() const { return {}; }
@@ -57,12 +68,22 @@ class TerrainCandidate {
   /// where the model cannot.
   [[nodiscard]] virtual std::optional<std::uint64_t> locate(
       double tolerance, std::span<const delaunay::LatticePoint> places);
+  [[nodiscard]] virtual Neighbours neighbours() const = 0;
+  /// walk_edges() in the mesh within the tolerance, without one, from one of its triangles. Of
+  /// those whose neighbours are in_model; extract() was called with the tolerance before.
+  [[nodiscard]] virtual std::uint64_t walk(double tolerance, std::uint64_t n_tries,
+                                           std::uint64_t seed);
 };
+
+/// Of models whose meshes do not come with twins.
+[[nodiscard]] Neighbours sorted_twins();
 
 /// What extract_middle() asks, in the world.
 [[nodiscard]] FocusDemand middle_demand(const HeightFrame& frame, double tolerance);
 
-/// All there are, the baseline last.
-[[nodiscard]] std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates();
+/// All there are, the baseline last. `memory_limit`: of interference links, whose number may be
+/// quadratic; a model that takes more fails to be prepared.
+[[nodiscard]] std::vector<std::unique_ptr<TerrainCandidate>> terrain_candidates(
+    std::uint64_t memory_limit);
 
 }  // namespace lode

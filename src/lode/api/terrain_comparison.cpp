@@ -14,6 +14,8 @@
 
 #include "lode/api/built_terrain.h"
 #include "lode/api/compared_terrain.h"
+#include "lode/api/edge_walk.h"
+#include "lode/api/file_build.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/peak_memory.h"
 #include "lode/core/stopwatch.h"
@@ -68,7 +70,9 @@ class Comparison {
   Result<TerrainComparison> run() {
     TerrainComparison made{.range = range_, .models = {}};
     made.n_samples = static_cast<std::uint64_t>(grid_.n_samples()) - grid_.n_missing();
-    const std::vector<std::unique_ptr<TerrainCandidate>> models = terrain_candidates();
+    made.memory_limit = options_.memory_limit > 0 ? options_.memory_limit : physical_memory() / 4;
+    const std::vector<std::unique_ptr<TerrainCandidate>> models =
+        terrain_candidates(made.memory_limit);
     for (std::size_t i = 0; i < models.size(); ++i) {
       progress_.report("comparing", static_cast<double>(i) / static_cast<double>(models.size()));
       LODE_TRY(ComparedModel model, compare(*models[i]));
@@ -79,7 +83,10 @@ class Comparison {
 
  private:
   Result<ComparedModel> compare(TerrainCandidate& model) {
-    ComparedModel compared{.name = model.name(), .what = model.what()};
+    ComparedModel compared{.name = model.name(),
+                           .what = model.what(),
+                           .is_made_anew = model.is_made_anew(),
+                           .neighbours = model.neighbours().how};
     const PeakMemory memory;
     if (auto refusal = model.prepare(grid_, options_.tolerances, options_.threads, progress_);
         !refusal) {
@@ -88,7 +95,7 @@ class Comparison {
       return compared;
     }
     compared.build_seconds = model.build_seconds();
-    if (compared.build_seconds) compared.peak_bytes = memory.bytes();
+    if (compared.build_seconds && !compared.is_made_anew) compared.peak_bytes = memory.bytes();
     compared.n_levels = model.n_levels();
     compared.memory_bytes = model.memory_bytes();
     compared.n_links = model.n_links();
@@ -101,6 +108,8 @@ class Comparison {
         return compared;
       }
       compared.meshes.push_back(*mesh);
+      if (compared.is_made_anew)
+        compared.build_seconds = compared.build_seconds.value_or(0) + mesh->extract_seconds;
     }
     if (const auto kind = built_model_of(compared.name)) {
       LODE_TRY(compared.file_bytes, measure_file(*kind));
@@ -140,7 +149,8 @@ class Comparison {
     mesh.gaps = measure_gaps(tin);
     LODE_CHECK(measure_variable(model, tolerance, mesh));
     LODE_CHECK(measure_descent(model, tolerance, mesh));
-    complete(tin);
+    complete(tin, mesh);
+    LODE_CHECK(measure_navigation(model, tin, tolerance, mesh));
     mesh.memory_bytes = tin.triangles.size() * (2 * sizeof(tin.triangles[0]) + sizeof(float)) +
                         tin.vertices.size() * (sizeof(tin.vertices[0]) + sizeof(double));
     LODE_CHECK(measure_questions(tin, answer.scale, mesh));
@@ -182,9 +192,32 @@ class Comparison {
     return {};
   }
 
+  Result<void> measure_navigation(TerrainCandidate& model, const delaunay::Tin& tin,
+                                  double tolerance, ComparedMesh& mesh) const {
+    const Neighbours::Place place = model.neighbours().place;
+    if (place == Neighbours::Place::nowhere) return {};
+    std::uint64_t n_crossed = 0;
+    const auto middle = static_cast<std::uint32_t>(tin.triangles.size() / 2);
+    LODE_TRY(const double seconds, time_of(options_.n_runs, [&]() -> Result<void> {
+               n_crossed = place == Neighbours::Place::in_model
+                               ? model.walk(tolerance, options_.n_steps, options_.seed)
+                               : walk_edges(middle, options_.n_steps, options_.seed,
+                                            [&](std::uint32_t triangle, unsigned edge) {
+                                              return tin.twins[triangle][edge];
+                                            });
+               return {};
+             }));
+    if (seconds > 0) mesh.crossed_per_second = static_cast<double>(n_crossed) / seconds;
+    return {};
+  }
+
   /// What questions need.
-  static void complete(delaunay::Tin& tin) {
-    if (tin.twins.empty()) tin.twins = delaunay::find_twins(tin.triangles);
+  static void complete(delaunay::Tin& tin, ComparedMesh& mesh) {
+    if (tin.twins.empty()) {
+      const Stopwatch watch;
+      tin.twins = delaunay::find_twins(tin.triangles);
+      mesh.twins_seconds = watch.seconds();
+    }
     if (tin.errors.empty()) tin.errors.assign(tin.triangles.size(), 0);
   }
 

@@ -19,7 +19,11 @@ struct ComparisonOptions {
   int n_runs = 3;                   ///< What takes time is done so often; the median counts.
   std::uint32_t n_places = 200000;  ///< Random ones for which heights are asked.
   int n_contours = 20;              ///< Levels, evenly between lowest and highest.
+  std::uint64_t n_steps = 1000000;  ///< Of a walk from triangle to triangle.
   std::uint64_t seed = 1;
+  /// Of links between levels, which may be quadratic: a model that takes more is not run. 0: a
+  /// quarter of the machine's.
+  std::uint64_t memory_limit = 0;
   Threads threads{};
 };
 
@@ -44,6 +48,9 @@ struct ComparedMesh {
   std::uint64_t zoom_triangles = 0;
   /// Of samples, one thread, from the model, without a mesh.
   std::optional<double> located_per_second{};
+  /// Edges crossed in a random walk over the triangles, one thread, by ComparedModel::neighbours.
+  std::optional<double> crossed_per_second{};
+  std::optional<double> twins_seconds{};    ///< To find twins by sorting, where meshes lack them.
   std::optional<double> profile_seconds{};  ///< Along the raster's diagonal.
   std::uint64_t profile_points = 0;
 
@@ -55,10 +62,13 @@ struct ComparedMesh {
 
 struct ComparedModel {
   std::string name;
-  std::string what;                             ///< In one sentence.
-  std::string refusal{};                        ///< Why there are no meshes; else empty.
-  std::optional<double> build_seconds{};        ///< Once, for all tolerances.
-  int n_levels = 0;                             ///< 0: it has none.
+  std::string what;       ///< In one sentence.
+  std::string refusal{};  ///< Why there are no meshes; else empty.
+  /// Once, for all tolerances. Of what is made anew for each that takes all meshes.
+  std::optional<double> build_seconds{};
+  bool is_made_anew = false;
+  std::string neighbours{};  ///< How it goes to what is behind an edge, or why it does not.
+  int n_levels = 0;          ///< 0: it has none.
   std::optional<std::uint64_t> memory_bytes{};  ///< Of the model itself.
   std::optional<std::uint64_t> n_links{};       ///< Between levels.
   /// That building took beside the raster, at most, as the system counts it; where it does.
@@ -70,6 +80,7 @@ struct ComparedModel {
 struct TerrainComparison {
   std::uint64_t n_samples = 0;  ///< With a height.
   HeightRange range;
+  std::uint64_t memory_limit = 0;  ///< That held.
   std::vector<ComparedModel> models;
   double seconds = 0;
 };
