@@ -122,7 +122,7 @@ Result<void> check_extract(const ExtractArguments& arguments, const CLI::App& ap
   if (arguments.query.is_focused()) return check_focused_job(arguments.mesh_job());
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.plain()));
   LODE_CHECK(apply_simplify_options(arguments.simplify, options));
-  if (options.isovalues.empty()) return no_isovalue(arguments.input);
+  if (options.isovalues.empty()) return no_isovalue(arguments.input, arguments.reading);
   LODE_CHECK(check_surface_extension(arguments.output));
   LODE_CHECK(check_reading_options(arguments.reading, arguments.input));
   LODE_CHECK(check_progressive(arguments.progressive, arguments.extraction));

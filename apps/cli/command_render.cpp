@@ -127,7 +127,7 @@ Result<void> check_render(const RenderArguments& arguments, const CLI::App& app)
         "--max-cells, got a volume",
         arguments.input);
   LODE_TRY(const ExtractOptions extraction, to_extract_options(arguments.extraction));
-  if (extraction.isovalues.empty()) return no_isovalue(arguments.input);
+  if (extraction.isovalues.empty()) return no_isovalue(arguments.input, arguments.reading);
   LODE_CHECK(check_extension(arguments.output, ".png"));
   LODE_CHECK(check_reading_options(arguments.reading, arguments.input));
   if (auto options = to_render_options(arguments); !options) return options.error();

@@ -9,6 +9,7 @@
 #include "parse.h"
 #include "salvage.h"
 #include "stopwatch.h"
+#include "terrain_arguments.h"
 #include "vtk_import.h"
 
 namespace lode::cli {
@@ -68,12 +69,16 @@ bool is_same_file(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-Error no_isovalue(const std::string& path) {
-  constexpr const char* kExpected = "--isovalue: expected at least one value, got none";
-  if (is_lode_path(path))
-    if (const auto opens = check_lode_opens(path); !opens)
-      return Error{fmt::format("{}; of a volume, {}", opens.error().message, kExpected)};
-  return Error{kExpected};
+Error no_isovalue(const std::string& path, const ReadingArguments& reading) {
+  if (is_lode_path(path)) {
+    if (const auto opens = check_lode_opens(path); !opens) return opens.error();
+  } else if (!is_volume_path(path) && reading.dims.empty()) {
+    return fail(
+        "{}: expected a volume and --isovalue, a mesh of cells (.vtu, ...), {}, or a .lode file, "
+        "got another file",
+        path, kTerrainFiles);
+  }
+  return fail("--isovalue: expected at least one value, got none");
 }
 
 Result<void> expect_no_mesh(const std::string& path) {

@@ -55,9 +55,9 @@ struct Input {
   bool was_built = false;   ///< From a foreign file, in memory.
 };
 
-/// For --isovalue, which a volume needs; and that a .lode file cannot be opened, as whoever meant
-/// one of a terrain or a mesh has to know that first.
-[[nodiscard]] Error no_isovalue(const std::string& path);
+/// For --isovalue, which a volume needs. Of a .lode file that cannot be opened why, and of what is
+/// no volume by its name what else there is: whoever meant terrain or a mesh needs to know that.
+[[nodiscard]] Error no_isovalue(const std::string& path, const ReadingArguments& reading);
 
 /// Fails on a mesh of cells, naming it.
 [[nodiscard]] Result<void> expect_no_mesh(const std::string& path);

@@ -34,6 +34,28 @@ TEST(cli_terrain, goes_the_whole_path_in_every_surface_format) {
   }
 }
 
+TEST(cli_terrain, says_what_terrain_is_of_files_that_are_none_and_why_of_those_that_are_broken) {
+  const Scratch scratch;
+  write_bytes(scratch / "x.foo", "nothing that is known");
+  const auto extract = [&](const char* name) {
+    return run_lode({"extract", scratch / name, scratch / "out.ply", "--max-error", "5"});
+  };
+  expect_refusal(extract("x.foo"), 2, {"x.foo", "raster of heights (.tif", ".las"});
+  expect_refusal(run_lode({"info", scratch / "x.foo"}), 1, {"x.foo", ".dt1", ".las"});
+  expect_refusal(extract("x.nrrd"), 2, {"--isovalue"});
+  write_bytes(scratch / "x.dt1", "no tile of DTED");
+  expect_refusal(extract("x.dt1"), 1, {"x.dt1", "DTED", "got"});
+  write_dem(scratch / "dem.asc");
+  const std::string model = scratch / "dem.lode";
+  ASSERT_EQ(run_lode({"build", scratch / "dem.asc", model, "--levels", "5"}).exit_code, 0);
+  write_bytes(scratch / "cut.lode", read_bytes(model).substr(0, 3000));
+  for (const char* name : {"cut.lode", "absent.lode"}) {
+    const Finished run = extract(name);
+    expect_refusal(run, 2, {name});
+    EXPECT_EQ(run.err.find("--isovalue"), std::string::npos) << run.err;
+  }
+}
+
 TEST(cli_terrain, gives_the_same_bytes_for_any_number_of_threads) {
   const Scratch scratch;
   write_dem(scratch / "dem.asc");

@@ -50,9 +50,12 @@ void write_raster(const std::string& path, const RasterFile& raster, const char*
   ASSERT_NE(dataset, nullptr);
   describe(dataset, raster);
   fill_bands(dataset, raster);
+  const std::array<const char*, 3> lossless{"QUALITY=100", "REVERSIBLE=YES", nullptr};
+  const bool is_jpeg = std::string(driver) == "JP2OpenJPEG";
   if (!is_tiff)
-    GDALClose(GDALCreateCopy(GDALGetDriverByName(driver), path.c_str(), dataset, 0, nullptr,
-                             nullptr, nullptr));
+    GDALClose(GDALCreateCopy(GDALGetDriverByName(driver), path.c_str(), dataset, 0,
+                             is_jpeg ? const_cast<char**>(lossless.data()) : nullptr, nullptr,
+                             nullptr));
   GDALClose(dataset);
 }
 

@@ -27,7 +27,7 @@ struct RasterFile {
   bool is_compressed = false;
 };
 
-/// Writes it as `driver`, GTiff or what can be copied from one (AAIGrid, PNG).
+/// Writes it as `driver`, GTiff or what can be copied from one (AAIGrid, PNG, HFA, ...).
 void write_raster(const std::string& path, const RasterFile& raster, const char* driver = "GTiff");
 
 }  // namespace lode::io::test

@@ -76,7 +76,111 @@ TEST_F(height_reader, takes_no_format_that_reads_other_files_or_the_network) {
       << (*this)("real.tif")
       << "</SourceFilename><SourceBand>1</SourceBand></SimpleSource>"
          "</VRTRasterBand></VRTDataset>";
-  EXPECT_NE(refusal((*this)("other.tif")).find("expected a GeoTIFF"), std::string::npos);
+  EXPECT_NE(refusal((*this)("other.tif")).find("got a VRT, which reads other files"),
+            std::string::npos);
+  std::filesystem::rename((*this)("other.tif"), (*this)("other.vrt"));
+  EXPECT_TRUE(is_height_path((*this)("other.vrt")));
+  EXPECT_NE(refusal((*this)("other.vrt")).find("gdal_translate"), std::string::npos);
+  for (const std::size_t n_before : {0U, 512U}) {
+    std::ofstream((*this)("four.nc"), std::ios::binary)
+        << std::string(n_before, ' ') << "\x89HDF\r\n\x1a\n"
+        << std::string(2000, ' ');
+    (void)refusal((*this)("four.nc"));
+  }
+  std::ofstream((*this)("four.nc"), std::ios::binary) << "\x89HDF\r\n\x1a\n and more";
+  EXPECT_NE(refusal((*this)("four.nc")).find("HDF5"), std::string::npos);
+}
+
+struct Kind {
+  const char* name;
+  const char* driver;
+  GDALDataType type = GDT_Int16;
+};
+
+/// Beside GeoTIFF, PNG and ESRI ASCII, which other tests have.
+constexpr std::array kKinds{Kind{"a.dt0", "DTED"},
+                            Kind{"erdas.img", "HFA"},
+                            Kind{"a.jp2", "JP2OpenJPEG"},
+                            Kind{"a.sdat", "SAGA", GDT_Float32},
+                            Kind{"ascii.grd", "GSAG", GDT_Float32},
+                            Kind{"six.grd", "GSBG", GDT_Float32},
+                            Kind{"seven.grd", "GS7BG", GDT_Float64},
+                            Kind{"a.bt", "BT"},
+                            Kind{"a.nc", "netCDF"},
+                            Kind{"gmt.grd", "netCDF", GDT_Float32},
+                            Kind{"envi.dat", "ENVI"},
+                            Kind{"envi.img", "ENVI", GDT_Float32},
+                            Kind{"esri.bil", "EHdr"},
+                            Kind{"float.flt", "EHdr", GDT_Float32},
+                            Kind{"nameless", "GTiff"}};
+
+/// A degree of 121 x 121 samples, as DTED has it.
+RasterFile degree(GDALDataType type) {
+  RasterFile raster{.n_columns = 121, .n_rows = 121, .type = type};
+  for (int i = 0; i < 121 * 121; ++i) raster.samples.push_back((i * 7919) % 4001 - 100);
+  constexpr double kStep = 1 / 120.0;
+  raster.geotransform = {8 - kStep / 2, kStep, 0, 47 + kStep / 2, 0, -kStep};
+  raster.epsg = 4326;
+  return raster;
+}
+
+TEST_F(height_reader, reads_terrain_in_its_usual_formats) {
+  for (const Kind& kind : kKinds) {
+    SCOPED_TRACE(std::string(kind.name) + ", " + kind.driver);
+    GDALAllRegister();
+    if (GDALGetDriverByName(kind.driver) == nullptr) continue;
+    const std::string path = (*this)(kind.name);
+    const RasterFile written = degree(kind.type);
+    write_raster(path, written, kind.driver);
+    EXPECT_TRUE(is_height_path(path));
+    const HeightRaster raster = read(path);
+    EXPECT_EQ(raster.format, kind.driver);
+    EXPECT_EQ(raster.grid.n_columns, 121);
+    EXPECT_EQ(raster.grid.n_rows, 121);
+    EXPECT_EQ(raster.grid.n_missing(), 0U);
+    expect_samples(raster.grid, written.samples);
+    EXPECT_NEAR(raster.grid.world(0, 0)[0], 8, 1e-6);
+    EXPECT_NEAR(raster.grid.world(0, 0)[1], 47, 1e-6);
+    EXPECT_NEAR(raster.grid.world(120, 120)[0], 9, 1e-6);
+    EXPECT_NEAR(raster.grid.world(120, 120)[1], 46, 1e-6);
+  }
+}
+
+TEST_F(height_reader, tells_what_is_no_terrain_by_content) {
+  std::ofstream((*this)("scan.img")) << "a volume beside scan.hdr";
+  std::ofstream((*this)("scan.hdr")) << std::string(348, ' ');
+  EXPECT_FALSE(is_height_path((*this)("scan.img")));
+  EXPECT_FALSE(is_height_path((*this)("absent.img")));
+  std::ofstream((*this)("numbers.dat")) << "1 2 3";
+  EXPECT_FALSE(is_height_path((*this)("numbers.dat")));
+  write_raster((*this)("a.nrrd"), {.samples = twelve(1)});
+  EXPECT_FALSE(is_height_path((*this)("a.nrrd"))) << "a name that says something else";
+  RasterFile two = degree(GDT_Int16);
+  two.n_bands = 2;
+  write_raster((*this)("two.nc"), two, "netCDF");
+  EXPECT_NE(refusal((*this)("two.nc")).find("several variables"), std::string::npos);
+}
+
+TEST_F(height_reader, survives_terrain_of_any_format_that_is_cut_off_or_changed) {
+  std::mt19937_64 random(5);
+  for (const Kind& kind : kKinds) {
+    SCOPED_TRACE(std::string(kind.name) + ", " + kind.driver);
+    GDALAllRegister();
+    if (GDALGetDriverByName(kind.driver) == nullptr) continue;
+    const std::string path = (*this)(kind.name);
+    write_raster(path, degree(kind.type), kind.driver);
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    for (int round = 0; round < 40; ++round) {
+      const std::string changed =
+          round < 10 ? bytes.substr(0, bytes.size() * static_cast<std::size_t>(round) / 10)
+                     : test::mutated(bytes, random);
+      std::ofstream(path, std::ios::binary) << changed;
+      Progress progress;
+      const auto raster = read_heights(path, {}, progress);
+      if (!raster) EXPECT_TRUE(raster.error().message.starts_with(path)) << raster.error().message;
+    }
+  }
 }
 
 TEST_F(height_reader, keeps_samples_of_all_types_exactly) {

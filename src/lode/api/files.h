@@ -59,6 +59,7 @@ using io::is_geotiff_path;
 using io::is_height_path;
 using io::is_point_path;
 using io::is_polygon_path;
+using io::is_volume_path;
 using io::Magnitude;
 using io::MeshWriteOptions;
 using io::Network;

@@ -4,16 +4,13 @@
 #include <cmath>
 #include <string_view>
 
+#include "lode/io/height_formats.h"
 #include "lode/io/input_file.h"
 #include "lode/io/text.h"
 
 namespace lode::io {
 
 namespace {
-
-/// Not those that read other files or ask the network, whatever a file is called.
-constexpr std::array<const char*, 8> kFormats{"GTiff", "AAIGrid", "PNG",  "USGSDEM",
-                                              "EHdr",  "ENVI",    "DTED", nullptr};
 
 /// GDAL's word for a GeoTIFF that says whether samples are points and nothing of a CRS.
 bool is_empty_crs(std::string_view wkt) {
@@ -31,18 +28,17 @@ std::string without_controls(std::string text) {
 Result<GdalRaster> GdalRaster::open(const std::string& path) {
   // GDAL takes URLs and the text of some formats for names, too.
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
+  LODE_CHECK(check_reads_itself(path));
   LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
   gdal->push_error_handler(gdal->quiet_handler);
   gdal->reset_errors();
   // Files of GeoTIFF 1.0 have vertical CRS, too, of which GDAL is silent unless asked.
   gdal->set_option("GTIFF_REPORT_COMPD_CS", "YES");
   GdalRaster raster(path, gdal, file->size());
-  raster.dataset_ = gdal->open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kFormats.data(),
-                               nullptr, nullptr);
+  raster.dataset_ = gdal->open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY,
+                               raster_drivers(path).data(), nullptr, nullptr);
   if (raster.dataset_ == nullptr)
-    return fail(
-        "{}: expected a GeoTIFF, PNG, DTED, USGS DEM, ESRI ASCII, EHdr or ENVI raster, got: {}",
-        path, raster.reason());
+    return fail("{}: expected {}, got: {}", path, kRasterFormats, raster.reason());
   return raster;
 }
 
@@ -65,6 +61,8 @@ std::string GdalRaster::reason() const {
 }
 
 Result<GDALRasterBandH> GdalRaster::band(int number) const {
+  if (n_bands() == 0)
+    return fail("{}: expected one raster in the file, got none, or several variables", path_);
   if (number < 1 || number > n_bands())
     return fail("{}: expected a band from 1 to {}, got {}", path_, n_bands(), number);
   GDALRasterBandH found = gdal_->band(dataset_, number);

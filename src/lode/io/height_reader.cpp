@@ -1,10 +1,7 @@
 #include "lode/io/height_reader.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <new>
-#include <string_view>
 #include <utility>
 
 #include "lode/core/out_of_memory.h"
@@ -12,7 +9,6 @@
 #include "lode/io/height_band.h"
 #include "lode/io/height_hgt.h"
 #include "lode/io/height_transform.h"
-#include "lode/io/text.h"
 
 namespace lode::io {
 namespace {
@@ -38,14 +34,6 @@ Result<HeightRaster> read_with_gdal(const std::string& path, const HeightReadOpt
 }
 
 }  // namespace
-
-bool is_height_path(const std::string& path) {
-  if (is_hgt_path(path)) return true;
-  const std::string name = to_lower(path);
-  constexpr std::array<const char*, 6> kExtensions{".tif", ".tiff", ".asc", ".png", ".dem", ".bil"};
-  return std::any_of(kExtensions.begin(), kExtensions.end(),
-                     [&](const char* extension) { return name.ends_with(extension); });
-}
 
 Result<HeightRaster> read_heights(const std::string& path, const HeightReadOptions& options,
                                   Progress& progress) try {

@@ -8,6 +8,7 @@
 #include "lode/core/height_grid.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
+#include "lode/io/height_formats.h"
 #include "lode/io/vertical_options.h"
 
 namespace lode::io {
@@ -58,9 +59,5 @@ struct HeightRaster {
 [[nodiscard]] Result<HeightRaster> read_heights(const std::string& path,
                                                 const HeightReadOptions& options,
                                                 Progress& progress);
-
-/// Whether the name is that of a raster of heights: .tif, .tiff, .asc, .hgt, .hgt.gz, .png, .dem or
-/// .bil (any case).
-[[nodiscard]] bool is_height_path(const std::string& path);
 
 }  // namespace lode::io

@@ -5,6 +5,7 @@ set(IO_HEIGHT_SOURCES
   gdal_library.cpp
   gdal_raster.cpp
   height_band.cpp
+  height_formats.cpp
   height_hgt.cpp
   height_stream.cpp
   height_reader.cpp

@@ -4,6 +4,7 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <system_error>
 
 #include "lode/core/out_of_memory.h"
 #include "lode/io/image.h"
@@ -27,7 +28,8 @@ constexpr std::string_view kVolumeExtensions =
 /// What others read, and may be meant.
 constexpr std::string_view kOtherFiles =
     "a mesh of cells (.vtu .vts .vtk .msh .mesh; by lode-vtk-import Exodus II, CGNS, EnSight, "
-    "OpenFOAM, PLOT3D, .pvtu .pvts .vtm) or heights (.tif .asc .las .csv and others)";
+    "OpenFOAM, PLOT3D, .pvtu .pvts .vtm), a raster of heights (.tif .asc .hgt .png .dem .bil .flt "
+    ".dt0 .dt1 .dt2 .img .jp2 .sdat .grd .bt .nc) or scattered points (.las .xyz .txt .csv)";
 
 using Reader = Result<Image> (*)(const std::string& path, const SampleStorage& storage);
 
@@ -58,6 +60,11 @@ Reader reader_of(const std::string& path) {
   return nullptr;
 }
 
+bool is_raw_path(const std::string& path) {
+  const std::string lower = to_lower(path);
+  return lower.ends_with(".raw") || lower.ends_with(".raw.gz");
+}
+
 Result<Image> read_image(const std::string& path, const ReadOptions& options) {
   const Reader reader = reader_of(path);
   const SampleStorage storage = storage_of(options);
@@ -68,8 +75,7 @@ Result<Image> read_image(const std::string& path, const ReadOptions& options) {
     return fail(
         "{}: this format describes itself; --dims, --type and the like are for bare samples", path);
   if (options.raw) return read_raw(path, *options.raw, storage);
-  const std::string lower = to_lower(path);
-  if (lower.ends_with(".raw") || lower.ends_with(".raw.gz"))
+  if (is_raw_path(path))
     return fail("{}: a raw file does not describe itself; give --dims X,Y,Z and --type", path);
   return fail("{}: expected a volume ({}), or where they are taken {}, got extension {}", path,
               kVolumeExtensions, kOtherFiles,
@@ -89,6 +95,12 @@ Result<T> guarded(const std::string& path, F&& work) {
 }
 
 }  // namespace
+
+bool is_volume_path(const std::string& path) {
+  std::error_code status;
+  return reader_of(path) != nullptr || is_raw_path(path) ||
+         std::filesystem::is_directory(path, status);
+}
 
 Result<std::unique_ptr<VolumeSource>> open_volume(const std::string& path,
                                                   const ReadOptions& options) {

@@ -61,6 +61,9 @@ struct FileDescription {
   ScalarType type = ScalarType::uint8;  ///< As stored, before any slope; of the same field.
 };
 
+/// Whether open_volume() takes a file of that name, or is a directory; any other needs options.raw.
+[[nodiscard]] bool is_volume_path(const std::string& path);
+
 /// Opens a volume for reading; the format follows from the extension: .nrrd .nhdr .mha .mhd .nii
 /// .nii.gz .hdr .img .vti .vtr .vtk, and .raw .raw.gz or any other one with options.raw. A
 /// directory is a Zarr array, a group of them or an OME-Zarr image. Uncompressed samples stay in

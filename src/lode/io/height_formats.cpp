@@ -1,0 +1,96 @@
+#include "lode/io/height_formats.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include "lode/io/height_hgt.h"
+#include "lode/io/point_reader.h"
+#include "lode/io/text.h"
+#include "lode/io/volume_reader.h"
+
+namespace lode::io {
+namespace {
+
+using namespace std::string_view_literals;
+
+/// That of netCDF, the first one, only of what is netCDF by its first bytes: it reads HDF5, too.
+constexpr std::array<const char*, 16> kDrivers{
+    "netCDF", "GTiff", "AAIGrid",     "PNG",  "USGSDEM", "EHdr",  "ENVI", "DTED",
+    "HFA",    "SAGA",  "JP2OpenJPEG", "GSAG", "GSBG",    "GS7BG", "BT",   nullptr};
+
+/// The first bytes; fewer of a shorter file, none of what cannot be read.
+std::string head_of(const std::string& path, std::size_t n) {
+  std::error_code status;
+  if (!std::filesystem::is_regular_file(path, status)) return {};
+  std::string head(n, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(n));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head;
+}
+
+bool is_tiff(const std::string& path) {
+  const std::string head = head_of(path, 4);
+  return head == "II*\0"sv || head == "MM\0*"sv || head == "II+\0"sv || head == "MM\0+"sv;
+}
+
+bool is_classic_netcdf(const std::string& path) {
+  const std::string head = head_of(path, 4);
+  return head == "CDF\1"sv || head == "CDF\2"sv || head == "CDF\5"sv;
+}
+
+bool is_erdas(const std::string& path) {
+  constexpr auto kSignature = "EHFA_HEADER_TAG"sv;
+  return head_of(path, kSignature.size()) == kSignature;
+}
+
+/// x.hdr or x.img.hdr beside x.img, which starts with the format's name.
+bool has_envi_header(const std::string& path) {
+  const std::filesystem::path replaced = std::filesystem::path(path).replace_extension(".hdr");
+  return head_of(replaced.string(), 4) == "ENVI" || head_of(path + ".hdr", 4) == "ENVI";
+}
+
+template <std::size_t N>
+bool ends_with_any(const std::string& name, const std::array<const char*, N>& extensions) {
+  return std::ranges::any_of(extensions,
+                             [&](const char* extension) { return name.ends_with(extension); });
+}
+
+}  // namespace
+
+std::span<const char* const> raster_drivers(const std::string& path) {
+  return std::span(kDrivers).subspan(is_classic_netcdf(path) ? 0 : 1);
+}
+
+Result<void> check_reads_itself(const std::string& path) {
+  constexpr std::size_t kRoot = 256;
+  if (to_lower(path).ends_with(".vrt") || head_of(path, kRoot).find("<VRTDataset") < kRoot)
+    return fail(
+        "{}: expected a raster that is in its own file, got a VRT, which reads other files: "
+        "gdal_translate makes a GeoTIFF of it",
+        path);
+  if (head_of(path, 8) == "\x89HDF\r\n\x1a\n"sv)
+    return fail(
+        "{}: expected a raster that is in its own file, got HDF5 (netCDF-4), which may name other "
+        "files: gdal_translate makes a GeoTIFF of it",
+        path);
+  return {};
+}
+
+bool is_height_path(const std::string& path) {
+  if (is_hgt_path(path)) return true;
+  const std::string name = to_lower(path);
+  constexpr std::array kSure{".tif", ".tiff", ".asc", ".png",  ".dem", ".bil", ".flt", ".dt0",
+                             ".dt1", ".dt2",  ".jp2", ".sdat", ".nc",  ".grd", ".bt",  ".vrt"};
+  if (ends_with_any(name, kSure)) return true;
+  constexpr std::array kOfEnvi{".img", ".dat", ".bip", ".bsq"};
+  if (ends_with_any(name, kOfEnvi) && has_envi_header(path)) return true;
+  if (name.ends_with(".img")) return is_erdas(path);
+  return !is_volume_path(path) && !is_point_path(path) && is_tiff(path);
+}
+
+}  // namespace lode::io
