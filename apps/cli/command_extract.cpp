@@ -47,7 +47,8 @@ struct ExtractArguments {
     return {input, output, memory_limit, extraction, query, reading};
   }
   [[nodiscard]] TerrainJob terrain_job() const {
-    return {input, output, extraction.max_error, query, focus, raster, terrain, reading};
+    return {input,   output, extraction.max_error, extraction.clip, query, focus, raster,
+            terrain, reading};
   }
 };
 
@@ -376,6 +377,7 @@ constexpr const char* kFooter =
     "pixels of --cell; within --max-error of every sample also after rounding.\n\n"
     "Examples:\n  lode extract scan.lode bone.ply --isovalue 1200 --max-error 10\n"
     "  lode extract dem.tif dem.ply --max-error 10\n"
+    "  lode extract dem.lode part.ply --max-error 1 --clip 560000,561000,5115000,5116000\n"
     "  lode extract dem.tif near.tif --max-error 10 --difference less.tif\n"
     "  lode extract survey.las ground.tif --class 2 --max-error 0.1 --cell 1\n"
     "  lode extract dem.lode dem.ply --max-error 1 --focus-point 562000,5117000 --growth 0.002\n"

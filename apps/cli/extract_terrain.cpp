@@ -9,6 +9,7 @@
 #include "outputs.h"
 #include "parse.h"
 #include "stopwatch.h"
+#include "terrain_clip.h"
 #include "terrain_facts.h"
 #include "terrain_query.h"
 
@@ -25,6 +26,7 @@ struct TerrainAnswer {
   double read_seconds;
   double write_seconds;
   std::optional<TerrainRasterReport> raster{};
+  std::optional<TerrainClip> clip{};
 };
 
 /// Whether max_error holds somewhere: there may be pixels of a view alone.
@@ -51,6 +53,7 @@ Json answer_json(const TerrainAnswer& answer, Table& table, const Session& sessi
   json["is_uniform"] = report.is_uniform;
   const auto& focus = answer.options.focus;
   json["focus"] = focus_json(focus, report.view);
+  json["clip"] = clip_json(answer.clip);
   json["max_error"] = has_tolerance(focus) ? Json(report.max_error) : Json(nullptr);
   json["max_error_is_default"] = answer.job.max_error.empty();
   json["max_error_px"] = pixels_json(report.view ? report.view->max_error_px : std::nullopt);
@@ -101,6 +104,7 @@ void add_rows(const TerrainAnswer& answer, Table& table) {
   }
   if (report.view) add_view_rows(*answer.options.focus, *report.view, table);
   table.add({"achieved error", fmt::format("{} at samples", format_number(report.achieved_error))});
+  add_clip_row(answer.clip, table);
   table.add({"triangles", format_count(report.triangles)});
   table.add({"vertices", format_count(report.vertices)});
   table.add({"read", format_seconds(answer.read_seconds)});
@@ -193,6 +197,7 @@ struct Written {
   TerrainReport report;
   std::optional<TerrainRasterReport> raster{};
   double seconds = 0;
+  std::optional<TerrainClip> clip{};
 };
 
 bool names_output(const Error& error, const TerrainJob& job) {
@@ -216,15 +221,16 @@ Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
              is_named ? std::move(written) : naming(job.input, std::move(written), session));
     return Written{made.terrain, made, made.sample_seconds + made.write_seconds};
   }
-  LODE_TRY(
-      const TerrainSurface made,
-      naming(job.input, extract_terrain(opened.terrain, options, session.progress()), session));
+  LODE_TRY(const auto clip, to_terrain_clip(job.clip, job.output));
+  LODE_TRY(const TerrainSurface made,
+           naming(job.input, extract_terrain(opened.terrain, options, session.progress(), clip),
+                  session));
   const Stopwatch watch;
   LODE_CHECK(write_surface(
       job.output, made.surface,
       {.comment = comment_of(made.report, opened, options.order), .value_name = "height"},
       session.progress()));
-  return Written{made.report, {}, watch.seconds()};
+  return Written{made.report, {}, watch.seconds(), made.clip};
 }
 
 Result<Outcome> run_model_info(const std::string& path, Session& session) {
@@ -285,14 +291,15 @@ Result<TerrainOptions> to_terrain_options(const std::string& max_error,
 }
 
 Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
-  LODE_CHECK(
-      check_only_terrain(app, job.input,
-                         {"--max-error", "--max-cells", "--model", "--insertion", "--box",
-                          "--focus-point", "--growth", "--view", "--view-size", "--max-error-px",
-                          "--exaggeration", "--max-error-outside", "--cell", "--difference"}));
+  LODE_CHECK(check_only_terrain(
+      app, job.input,
+      {"--max-error", "--max-cells", "--model", "--insertion", "--box", "--focus-point", "--growth",
+       "--view", "--view-size", "--max-error-px", "--exaggeration", "--max-error-outside", "--cell",
+       "--difference", "--clip"}));
   LODE_CHECK(check_terrain_model(job.input, job.terrain, job.reading));
   if (!is_geotiff_path(job.output)) LODE_CHECK(check_terrain_surface(job.output));
   LODE_CHECK(check_raster_arguments(job.raster, job.input, job.output));
+  if (auto clip = to_terrain_clip(job.clip, job.output); !clip) return clip.error();
   LODE_TRY(const Wanted wanted, to_wanted(job));
   const bool can_vary = wanted.building || holds_terrain_model(job.input);
   if (wanted.options.focus && !can_vary)
@@ -344,7 +351,8 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
                              is_strict ? InsertionOrder::strict : options.order,
                              read_seconds,
                              made.seconds,
-                             made.raster};
+                             made.raster,
+                             made.clip};
   Table table;
   Outcome outcome;
   outcome.json = answer_json(answer, table, session);

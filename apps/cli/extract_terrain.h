@@ -13,6 +13,7 @@ struct TerrainJob {
   std::string input;
   std::string output;
   std::string max_error;
+  std::string clip;
   QueryArguments query;  ///< --max-cells and foci.
   TerrainFocusArguments focus;
   RasterArguments raster;

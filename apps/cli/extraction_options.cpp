@@ -63,8 +63,10 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
                "tunnels and voids are those of full resolution; with =P those at least that there "
                "are from P below the isovalue to P above it")
       ->group(group);
-  app.add_option("--clip", arguments.clip, "Crop to a box in world units")
-      ->type_name("X0,X1,Y0,Y1,Z0,Z1")
+  app.add_option(
+         "--clip", arguments.clip,
+         "Crop to a box in world units; of terrain the triangles that meet X0,X1,Y0,Y1, whole")
+      ->type_name("X0,X1,Y0,Y1[,Z0,Z1]")
       ->group(group);
   app.add_flag("--close-border", arguments.close_border,
                "Cap the surface at the domain's border: it then encloses all values from V up")

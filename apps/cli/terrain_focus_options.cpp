@@ -9,15 +9,6 @@
 namespace lode::cli {
 namespace {
 
-Result<PlaceBox> parse_place_box(const std::string& text) {
-  LODE_TRY(const std::vector<double> n, parse_numbers("--box", text));
-  if (n.size() != 4)
-    return fail("--box: expected four numbers as X0,X1,Y0,Y1 with terrain, got '{}'", text);
-  if (n[0] > n[1] || n[2] > n[3])
-    return fail("--box: expected X0 <= X1 and Y0 <= Y1, got '{}'", text);
-  return PlaceBox{{{n[0], n[2]}}, {{n[1], n[3]}}};
-}
-
 Result<void> add_point(const TerrainFocusArguments& arguments, TerrainFocus& focus) {
   if (arguments.point.empty()) {
     if (!arguments.growth.empty()) return fail("--growth: expected --focus-point with it");
@@ -61,6 +52,15 @@ Result<void> add_view(const QueryArguments& query, const TerrainFocusArguments& 
 
 }  // namespace
 
+Result<PlaceBox> parse_place_box(const char* option, const std::string& text) {
+  LODE_TRY(const std::vector<double> n, parse_numbers(option, text));
+  if (n.size() != 4)
+    return fail("{}: expected four numbers as X0,X1,Y0,Y1 with terrain, got '{}'", option, text);
+  if (n[0] > n[1] || n[2] > n[3])
+    return fail("{}: expected X0 <= X1 and Y0 <= Y1, got '{}'", option, text);
+  return PlaceBox{{{n[0], n[2]}}, {{n[1], n[3]}}};
+}
+
 std::string describe_achieved(double pixels) {
   return std::isfinite(pixels) ? fmt::format("{} pixels", format_number(pixels))
                                : "any number of pixels, as triangles reach to the camera";
@@ -89,7 +89,7 @@ Result<std::optional<TerrainFocus>> to_terrain_focus(const QueryArguments& query
                                                      const std::string& max_error) {
   TerrainFocus focus;
   for (const std::string& text : query.boxes) {
-    LODE_TRY(const PlaceBox box, parse_place_box(text));
+    LODE_TRY(const PlaceBox box, parse_place_box("--box", text));
     focus.boxes.push_back(box);
   }
   LODE_CHECK(add_point(arguments, focus));

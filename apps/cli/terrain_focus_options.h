@@ -22,6 +22,9 @@ struct TerrainFocusArguments {
   }
 };
 
+/// X0,X1,Y0,Y1 of an option.
+[[nodiscard]] Result<PlaceBox> parse_place_box(const char* option, const std::string& text);
+
 void add_terrain_focus_options(CLI::App& app, TerrainFocusArguments& arguments);
 
 /// Where the tolerance holds; nothing where it does everywhere. The metric and the view's camera,

@@ -34,6 +34,51 @@ TEST(cli_terrain, goes_the_whole_path_in_every_surface_format) {
   }
 }
 
+TEST(cli_terrain, writes_the_triangles_that_meet_a_window) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  write_dem(dem);
+  const std::string model = scratch / "dem.lode";
+  ASSERT_EQ(run_lode({"build", dem, model, "--levels", "50,10"}).exit_code, 0);
+  const auto extract = [&](const std::string& input, const char* clip) {
+    return run_lode(
+        {"extract", input, scratch / "part.ply", "--max-error", "10", "--clip", clip, "--json"});
+  };
+  const int all = run_lode({"extract", model, scratch / "all.ply", "--max-error", "10", "--json"})
+                      .json()
+                      .at("triangles");
+  // The raster is from 500015 to 501185 and from 4000015 to 4000885.
+  for (const std::string& input : {dem, model}) {
+    const auto part = extract(input, "500200,500400,4000200,4000400").json();
+    const int n = part.at("clip").at("triangles");
+    EXPECT_GT(n, 0);
+    EXPECT_LT(n, all / 2);
+    EXPECT_EQ(part.at("triangles"), n);
+    EXPECT_LT(part.at("vertices"), 3 * n);
+    EXPECT_GE(part.at("clip").at("of_triangles"), all - 20);
+    const auto info = read_bytes(scratch / "part.ply");
+    EXPECT_NE(info.find("element face " + std::to_string(n) + "\n"), std::string::npos);
+    EXPECT_EQ(extract(input, "0,1e9,0,1e9").json().at("clip").at("triangles"),
+              extract(input, "0,1e9,0,1e9").json().at("clip").at("of_triangles"));
+  }
+  EXPECT_NE(run_lode({"extract", dem, scratch / "part.ply", "--max-error", "10", "--clip",
+                      "500200,500400,4000200,4000400"})
+                .out.find(" triangles meet it"),
+            std::string::npos);
+  ASSERT_EQ(run_lode({"extract", dem, scratch / "whole.ply", "--json"}).json().at("clip"), nullptr);
+  const auto refuse = [&](const char* clip, int code, const std::vector<std::string>& words) {
+    expect_refusal(run_lode({"extract", dem, scratch / "none.ply", "--clip", clip}), code, words);
+  };
+  refuse("0,1,0,1", 1, {"dem.asc", "clip", "meets none of"});
+  EXPECT_EQ(extract(dem, "500300,500300,4000300,4000300").json().at("triangles").get<int>() > 0,
+            true)
+      << "a point";
+  refuse("1,0,0,1", 2, {"--clip", "X0 <= X1"});
+  refuse("0,1,0,1,0,1", 2, {"--clip", "four numbers"});
+  expect_refusal(run_lode({"extract", dem, scratch / "part.tif", "--clip", "0,1,0,1"}), 2,
+                 {"--clip", "part.tif"});
+}
+
 TEST(cli_terrain, says_what_terrain_is_of_files_that_are_none_and_why_of_those_that_are_broken) {
   const Scratch scratch;
   write_bytes(scratch / "x.foo", "nothing that is known");

@@ -55,6 +55,68 @@ HeightGrid hilly_grid(bool is_mirrored) {
   return grid;
 }
 
+/// Whether a triangle has a part in a box: by cutting it along the box's sides.
+bool has_part_in(std::vector<Vec<double, 2>> part, const PlaceBox& box) {
+  for (const std::size_t axis : {0U, 1U})
+    for (const double sign : {1.0, -1.0}) {
+      const double limit = sign > 0 ? box.lower[axis] : box.upper[axis];
+      const auto depth = [&](const Vec<double, 2>& p) { return sign * (p[axis] - limit); };
+      std::vector<Vec<double, 2>> left;
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        const Vec<double, 2>& a = part[i];
+        const Vec<double, 2>& b = part[(i + 1) % part.size()];
+        if (depth(a) >= 0) left.push_back(a);
+        if ((depth(a) < 0) != (depth(b) < 0))
+          left.push_back(a + (b - a) * (depth(a) / (depth(a) - depth(b))));
+      }
+      part = std::move(left);
+    }
+  return !part.empty();
+}
+
+TEST(terrain, keeps_the_triangles_that_meet_a_box_as_they_are) {
+  HeightGrid turned = hilly_grid(true);
+  turned.to_world = {500000.25, 20, 11, 4000000.5, 9, -30};
+  for (const HeightGrid& grid : {hilly_grid(false), hilly_grid(true), turned}) {
+    const TerrainSurface whole = extract(grid, {.max_error = 60});
+    const auto corners = [](const Surface& surface, std::size_t t) {
+      std::vector<Vec<double, 2>> places;
+      for (const std::uint32_t v : surface.triangles[t])
+        places.push_back({{surface.origin[0] + surface.positions[v][0],
+                           surface.origin[1] + surface.positions[v][1]}});
+      return places;
+    };
+    for (const double size : {1.0, 40.0, 400.0}) {
+      const Vec<double, 2> middle = grid.world(21.3, 17.7);
+      const PlaceBox box{middle, {{middle[0] + size, middle[1] + size / 2}}};
+      Progress progress;
+      const auto part = extract_terrain(grid, {.max_error = 60}, progress, box);
+      ASSERT_TRUE(part) << part.error().message;
+      std::vector<std::vector<Vec<double, 2>>> expected;
+      for (std::size_t t = 0; t < whole.surface.triangles.size(); ++t)
+        if (has_part_in(corners(whole.surface, t), box))
+          expected.push_back(corners(whole.surface, t));
+      ASSERT_EQ(part->surface.triangles.size(), expected.size());
+      EXPECT_EQ(part->clip->n_kept, expected.size());
+      EXPECT_EQ(part->clip->n_triangles, whole.surface.triangles.size());
+      for (std::size_t t = 0; t < expected.size(); ++t)
+        for (std::size_t i = 0; i < 3; ++i)
+          for (std::size_t axis = 0; axis < 2; ++axis)
+            EXPECT_NEAR(corners(part->surface, t)[i][axis], expected[t][i][axis], 0.1);
+      std::vector<bool> is_used(part->surface.positions.size(), false);
+      for (const auto& triangle : part->surface.triangles)
+        for (const std::uint32_t v : triangle) is_used[v] = true;
+      EXPECT_EQ(std::ranges::count(is_used, false), 0);
+      EXPECT_EQ(part->report.vertices, is_used.size());
+    }
+    Progress progress;
+    const PlaceBox beside{{{0, 0}}, {{1, 1}}};
+    const auto none = extract_terrain(grid, {.max_error = 60}, progress, beside);
+    ASSERT_FALSE(none);
+    EXPECT_NE(none.error().message.find("meets none of"), std::string::npos);
+  }
+}
+
 /// What rounding errors are beside heights so small that products of them are none.
 TEST(terrain, ends_at_heights_that_floats_hardly_hold) {
   const auto rough = [](std::int32_t x, std::int32_t y) { return (x * 7919 + y * 104729) % 1000; };

@@ -15,6 +15,7 @@
 #include "lode/mappers/point_tin_check.h"
 #include "lode/mappers/tin_check.h"
 #include "lode/mappers/tin_surface.h"
+#include "lode/mappers/tin_window.h"
 
 namespace lode {
 namespace {
@@ -71,18 +72,43 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
 
 }  // namespace
 
+namespace {
+
+/// Leaves what meets a box. Fails where nothing does.
+Result<TerrainClip> clip_selected(const PlaceBox& box, const HeightFrame& frame,
+                                  SelectedTerrain& selected) {
+  delaunay::Tin& tin = selected.tin;
+  TerrainClip clip{.box = box, .n_triangles = tin.triangles.size()};
+  keep_in_window(tin, frame, {box.lower, box.upper});
+  clip.n_kept = tin.triangles.size();
+  selected.report.triangles = tin.triangles.size();
+  selected.report.vertices = tin.vertices.size();
+  if (clip.n_kept > 0) return clip;
+  return fail(
+      "clip: expected a box that meets the terrain, in its coordinates, got {} to {}, {} to "
+      "{}, which meets none of {} triangles",
+      box.lower[0], box.upper[0], box.lower[1], box.upper[1], clip.n_triangles);
+}
+
+}  // namespace
+
 Result<TerrainSurface> extract_terrain(const Terrain& terrain, const TerrainOptions& options,
-                                       Progress& progress) try {
+                                       Progress& progress,
+                                       const std::optional<PlaceBox>& clip) try {
   const Stopwatch watch;
   LODE_TRY(SelectedTerrain selected,
            terrain.origin().select(options, delaunay::TinLinks::left_out, progress));
+  std::optional<TerrainClip> clipped;
+  if (clip) {
+    LODE_TRY(clipped, clip_selected(*clip, terrain.frame(), selected));
+  }
   TinSurface made = to_surface(selected.tin, terrain.frame());
   TerrainReport report = selected.report;
   report.height_slack = made.height_slack;
   report.position_slack = made.position_slack;
   report.n_turned = made.n_turned;
   report.seconds = watch.seconds();
-  return TerrainSurface{std::move(made.surface), report};
+  return TerrainSurface{std::move(made.surface), report, clipped};
 } catch (const std::bad_alloc&) {
   return out_of_memory("select samples");
 }

@@ -57,17 +57,26 @@ struct TerrainReport {
   double seconds = 0;
 };
 
+/// What is left of a TIN by a rectangle of the world.
+struct TerrainClip {
+  PlaceBox box;
+  std::uint64_t n_kept = 0;       ///< Triangles that meet it.
+  std::uint64_t n_triangles = 0;  ///< Of the whole.
+};
+
 struct TerrainSurface {
-  Surface surface;  ///< Triangles, facing up; values are the heights, exactly.
-  TerrainReport report;
+  Surface surface;       ///< Triangles, facing up; values are the heights, exactly.
+  TerrainReport report;  ///< Errors are those of the whole TIN; the rest of what is left.
+  std::optional<TerrainClip> clip{};
 };
 
 /// The TIN of a terrain; of a raster that of the model delaunay_selector: see
-/// docs/models/delaunay_selector.md. Fails where no cell of the grid has four heights, and when
-/// cancelled.
+/// docs/models/delaunay_selector.md. With a box only the triangles that meet it, whole. Fails where
+/// no cell of the grid has four heights, where a box meets no triangle, and when cancelled.
 [[nodiscard]] Result<TerrainSurface> extract_terrain(const Terrain& terrain,
                                                      const TerrainOptions& options,
-                                                     Progress& progress);
+                                                     Progress& progress,
+                                                     const std::optional<PlaceBox>& clip = {});
 
 /// What a TIN has to be beside true: of TinShape::delaunay all edges that are not on the outline
 /// must be; of TinShape::tiles all but those on seams, which are columns and rows that no triangle
