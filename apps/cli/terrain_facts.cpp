@@ -45,6 +45,8 @@ void add_lines(const OpenedTerrain& opened, Json& json, Table& table) {
                          {"left_out_edges", lines.n_crossing},
                          {"replaced_samples", lines.n_replaced},
                          {"largest_change", lines.largest_change},
+                         {"unequal_crossings", lines.n_unequal},
+                         {"largest_spread", lines.largest_spread},
                          {"largest_move", lines.largest_move}};
     table.add({"breaklines",
                fmt::format("{}, {} with their own heights", format_count(lines.n_breaklines),
@@ -53,6 +55,10 @@ void add_lines(const OpenedTerrain& opened, Json& json, Table& table) {
       table.add({"replaced",
                  fmt::format("{} samples under breaklines, by up to {}",
                              format_count(lines.n_replaced), format_number(lines.largest_change))});
+    if (lines.n_unequal > 0)
+      table.add({"averaged",
+                 fmt::format("{} places where breaklines meet at heights up to {} apart",
+                             format_count(lines.n_unequal), format_number(lines.largest_spread))});
   }
   all["edges"] = lines.n_edges;
   all["seconds"] = lines.seconds;

@@ -176,6 +176,10 @@ void warn_of_lines(const TerrainLineReport& lines, const std::string& path, Sess
   if (lines.n_cut > 0)
     session.warn(fmt::format("{}: {} of {} lines are cut where they leave the domain", path,
                              format_count(lines.n_cut), format_count(lines.n_breaklines)));
+  if (lines.n_unequal > 0)
+    session.warn(fmt::format(
+        "{}: in {} places lines meet at different heights, up to {} apart, and get their mean",
+        path, format_count(lines.n_unequal), format_number(lines.largest_spread)));
   if (lines.n_crossing > 0)
     session.warn(fmt::format("{}: {} edges of lines are left out, as they cross the outline", path,
                              format_count(lines.n_crossing)));

@@ -85,6 +85,23 @@ TEST_F(cli_terrain_lines, that_break_the_surface_have_their_heights_in_answers) 
   EXPECT_LT(draped.at("points").at(0).at("height").get<double>(), 61);
 }
 
+TEST_F(cli_terrain_lines, that_meet_at_different_heights_are_warned_of) {
+  write_lines(R"({"type":"MultiLineString","coordinates":[[[5.5,5.5,80],[30.5,5.5,80]],)"
+              R"([[10.5,2.5,50],[10.5,8.5,50]]]})");
+  const Words words{"extract",      dem_,  scratch_ / "out.ply", "--max-error", "5",
+                    "--breaklines", lines_};
+  const Finished run = run_lode(words);
+  EXPECT_NE(run.err.find("in 1 places lines meet at different heights, up to 30 apart"),
+            std::string::npos)
+      << run.err;
+  EXPECT_NE(run.out.find("averaged"), std::string::npos) << run.out;
+  Words as_json = words;
+  as_json.emplace_back("--json");
+  const auto lines = run_lode(as_json).json().at("lines").at("breaklines");
+  EXPECT_EQ(lines.at("unequal_crossings"), 1);
+  EXPECT_NEAR(lines.at("largest_spread").get<double>(), 30, 1e-9);
+}
+
 TEST_F(cli_terrain_lines, that_cannot_be_are_refused) {
   const std::string out = scratch_ / "out.ply";
   const auto expect_refused = [&](std::vector<std::string> more, const std::string& reason) {

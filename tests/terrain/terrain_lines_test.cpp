@@ -147,6 +147,34 @@ TEST(terrain_lines, of_breaklines_have_their_own_heights_all_along) {
   }
 }
 
+TEST(terrain_lines, that_meet_at_different_heights_are_counted) {
+  const HeightGrid grid = raster();
+  const auto report_of = [&](const std::vector<PlaceLine>& lines) {
+    return add(grid, {.breaklines = lines}).report;
+  };
+  // Across each other in two places, 10 and 25 apart; ends that touch, one 2 above the other.
+  const PlaceLine along{at(5, 10, 100), at(25, 10, 100)};
+  const auto crossed = report_of({along,
+                                  {at(10, 5, 110), at(10, 15, 110)},
+                                  {at(20, 5, 75), at(20, 15, 75)},
+                                  {at(25, 10, 102), at(30, 20, 0)}});
+  EXPECT_EQ(crossed.n_unequal, 3);
+  EXPECT_NEAR(crossed.largest_spread, 25, 1e-9);
+  // At one height, over one another, at a corner of its own, and one beside another.
+  const auto joined = report_of({along,
+                                 {at(10, 5, 100), at(10, 15, 100)},
+                                 {at(25, 10, 100), at(30, 20, 0), at(35, 20, 10)},
+                                 {at(5, 10, 100), at(15, 10, 100)},
+                                 {at(12, 12, 3), at(25, 12, 4)}});
+  EXPECT_EQ(joined.n_unequal, 0);
+  EXPECT_EQ(joined.largest_spread, 0);
+  // With itself; and nearer vertices than nodes are no meeting.
+  EXPECT_EQ(report_of({{at(5, 5, 0), at(20, 20, 30), at(20, 5, 30), at(5, 20, 60)}}).n_unequal, 1);
+  PlaceLine dense;
+  for (int i = 0; i <= 5000; ++i) dense.push_back(at(5 + i * 1e-4, 7, i));
+  EXPECT_EQ(report_of({dense}).n_unequal, 0);
+}
+
 TEST(terrain_lines, that_are_draped_follow_the_surface) {
   const HeightGrid grid = raster();
   const Vec3d a = at(2.2, 3.1, 9999);

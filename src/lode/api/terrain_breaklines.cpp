@@ -173,6 +173,8 @@ Result<void> add_breaklines(LineGround& ground, const TerrainLineOptions& option
                        static_cast<double>(points.nodes[end].y), points.heights[end]}});
   }
   LODE_TRY(const terrain_lines::NodedLines noded, terrain_lines::node_lines(laid.parts));
+  report.n_unequal = noded.n_unequal;
+  report.largest_spread = noded.largest_spread;
   std::vector<std::uint32_t> moved_to;
   const std::vector<std::uint32_t> numbers =
       add_nodes(points, noded, locator, scale, moved_to, report);

@@ -37,8 +37,11 @@ struct TerrainLineReport {
   std::uint64_t n_crossing = 0;     ///< Edges left out as they cross the outline after rounding.
   std::uint64_t n_replaced = 0;     ///< Samples whose heights are a breakline's now.
   double largest_change = 0;        ///< Of such a height.
-  double largest_move = 0;          ///< Of a vertex of a breakline, in units of the world.
-  std::uint64_t n_edges = 0;        ///< In the coarsest TIN.
+  /// Places where breaklines with heights of their own meet at different ones, and get their mean;
+  std::uint64_t n_unequal = 0;
+  double largest_spread = 0;  ///< and between how far apart.
+  double largest_move = 0;    ///< Of a vertex of a breakline, in units of the world.
+  std::uint64_t n_edges = 0;  ///< In the coarsest TIN.
   double seconds = 0;
 };
 

@@ -143,14 +143,20 @@ class OwnEdges {
     std::ranges::sort(sides_);
   }
 
-  /// Along a piece of a line, by the edges that lead on and stay within the rounding of it.
-  void follow(const Vec3d& from, const Vec3d& to) {
+  /// Which piece of which line.
+  struct Piece {
+    std::size_t line;
+    std::size_t number;
+  };
+  /// Along a piece of a line, by the edges that lead on and stay within the rounding of it. Pieces
+  /// come in the order of lines.
+  void follow(const Vec3d& from, const Vec3d& to, const Piece& piece) {
     const Vec<double, 2> a{{from[0], from[1]}};
     const Vec<double, 2> way = Vec<double, 2>{{to[0], to[1]}} - a;
     const double length = std::hypot(way[0], way[1]);
     std::optional<std::uint32_t> at = node_at(from);
     double along = -kReach;
-    if (at) add_height(*at, from[2]);
+    if (at) add_height(*at, from[2], piece);
     while (at && noded_.nodes[*at] != rounded(to)) {
       std::optional<std::uint32_t> best;
       double least = kReach;
@@ -173,14 +179,20 @@ class OwnEdges {
       at = edge[0] == *at ? edge[1] : edge[0];
       along = next_along;
       const double t = std::clamp(along / length, 0.0, 1.0);
-      add_height(*at, noded_.nodes[*at] == rounded(to) ? to[2] : from[2] + (to[2] - from[2]) * t);
+      add_height(*at, noded_.nodes[*at] == rounded(to) ? to[2] : from[2] + (to[2] - from[2]) * t,
+                 piece);
     }
   }
   /// Of all lines that were followed.
   void finish() {
     noded_.own_heights.clear();
-    for (const auto& [n, sum] : sums_)
-      noded_.own_heights.push_back(n > 0 ? sum / n : std::numeric_limits<double>::quiet_NaN());
+    for (const HeightSum& here : sums_) {
+      noded_.own_heights.push_back(here.n > 0 ? here.sum / here.n
+                                              : std::numeric_limits<double>::quiet_NaN());
+      if (!here.is_unequal()) continue;
+      ++noded_.n_unequal;
+      noded_.largest_spread = std::max(noded_.largest_spread, here.highest - here.lowest);
+    }
   }
 
  private:
@@ -205,10 +217,26 @@ class OwnEdges {
   struct HeightSum {
     double n = 0;
     double sum = 0;
+    double lowest = std::numeric_limits<double>::infinity();
+    double highest = -std::numeric_limits<double>::infinity();
+    Piece last{};
+    int n_passes = 0;  ///< Of lines, each along pieces that follow one another.
+
+    [[nodiscard]] bool is_unequal() const {
+      return n_passes > 1 &&
+             highest - lowest > 0x1p-40 * std::max(std::abs(lowest), std::abs(highest));
+    }
   };
-  void add_height(std::uint32_t node, double height) {
-    ++sums_[node].n;
-    sums_[node].sum += height;
+  void add_height(std::uint32_t node, double height, const Piece& piece) {
+    HeightSum& here = sums_[node];
+    ++here.n;
+    here.sum += height;
+    here.lowest = std::min(here.lowest, height);
+    here.highest = std::max(here.highest, height);
+    const bool goes_on =
+        here.n_passes > 0 && here.last.line == piece.line && piece.number <= here.last.number + 1;
+    if (!goes_on) ++here.n_passes;
+    here.last = piece;
   }
 
   NodedLines& noded_;
@@ -222,9 +250,11 @@ Result<NodedLines> node_lines(std::span<const LineToNode> lines) {
   if (lines.empty()) return NodedLines{};
   LODE_TRY(NodedLines noded, LineNoder().run(lines));
   OwnEdges own(noded);
-  for (const auto& [places, has_own_heights] : lines)
+  for (std::size_t line = 0; line < lines.size(); ++line) {
+    const auto& [places, has_own_heights] = lines[line];
     for (std::size_t i = 0; has_own_heights && i + 1 < places.size(); ++i)
-      own.follow(places[i], places[i + 1]);
+      own.follow(places[i], places[i + 1], {line, i});
+  }
   own.finish();
   return noded;
 }

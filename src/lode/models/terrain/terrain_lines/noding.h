@@ -17,6 +17,8 @@ struct NodedLines {
   std::vector<double> own_heights;                  ///< By node: see LineToNode; NaN: none.
   std::vector<std::array<std::uint32_t, 2>> edges;  ///< By numbers of nodes, sorted, none twice.
   std::vector<bool> is_own;                         ///< By edge: of a line with own heights.
+  std::uint64_t n_unequal = 0;  ///< Nodes that lines with own heights reach at different ones,
+  double largest_spread = 0;    ///< and by how much at most; also where a line meets itself.
 };
 
 struct LineToNode {
