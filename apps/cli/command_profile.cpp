@@ -113,6 +113,7 @@ Result<Outcome> run_profile(const ProfileArguments& arguments, Session& session)
   LODE_TRY(
       const TerrainProfile profile,
       naming(arguments.terrain.input, answerer.tin.profile(from, to, session.progress()), session));
+  warn_of_long_way(answerer.metric, answerer.opened.facts.frame, from, to, session);
   if (profile.points.empty()) session.warn("the segment meets no terrain");
   if (!arguments.output.empty())
     LODE_CHECK(write_text(arguments.output, profile_csv(profile), session.progress()));

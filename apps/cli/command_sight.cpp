@@ -127,6 +127,7 @@ Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
                                      session.progress()),
                   session));
   warn_of(sight, input.metric, session);
+  warn_of_long_way(input.metric, input.opened.facts.frame, options.from, options.to, session);
   Outcome outcome;
   Json& json = outcome.json;
   json["command"] = "sight";

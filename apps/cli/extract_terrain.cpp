@@ -135,7 +135,7 @@ std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened,
 }
 
 void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const TerrainJob& job,
-             Session& session) {
+             const std::optional<TerrainFocus>& focus, Session& session) {
   constexpr double kMuch = 1e-3;
   if (report.height_slack > kMuch * report.max_error)
     session.warn(
@@ -164,6 +164,8 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
                              format_number(report.achieved_error)));
   if (!report.is_uniform && report.is_focus_empty && !report.view)
     session.warn("the focus meets no triangle of the terrain: is it in its CRS?");
+  else if (focus)
+    warn_of_boxes(*focus, opened.facts.frame, session);
 }
 
 /// What a job asks for, but for the metric of its focus.
@@ -342,7 +344,7 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_TRY(const Written made, write_tin(job, opened, options, session));
   outputs.keep();
   const TerrainReport& report = made.report;
-  warn_of(report, opened, job, session);
+  warn_of(report, opened, job, options.focus, session);
   const bool is_strict = options.max_cells || opened.built.has_value();
   const TerrainAnswer answer{job,
                              opened,

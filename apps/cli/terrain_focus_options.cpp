@@ -106,6 +106,17 @@ Result<std::optional<TerrainFocus>> to_terrain_focus(const QueryArguments& query
   return std::optional<TerrainFocus>();
 }
 
+void warn_of_boxes(const TerrainFocus& focus, const HeightFrame& frame, Session& session) {
+  constexpr double kLittle = 1e-4;
+  for (const PlaceBox& box : focus.boxes)
+    if (const double share = share_outside(box, frame); share > kLittle)
+      session.warn(fmt::format(
+          "--box {},{},{},{}: {:.3g} % of it lie outside of the terrain's columns and rows, and "
+          "count for nothing",
+          format_number(box.lower[0]), format_number(box.upper[0]), format_number(box.lower[1]),
+          format_number(box.upper[1]), 100 * share));
+}
+
 Json focus_json(const std::optional<TerrainFocus>& focus,
                 const std::optional<TerrainViewReport>& report) {
   if (!focus) return nullptr;

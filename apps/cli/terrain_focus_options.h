@@ -33,6 +33,9 @@ void add_terrain_focus_options(CLI::App& app, TerrainFocusArguments& arguments);
     const QueryArguments& query, const TerrainFocusArguments& arguments,
     const std::string& max_error);
 
+/// Warns of boxes that lie in part outside of the raster, where nothing comes of them.
+void warn_of_boxes(const TerrainFocus& focus, const HeightFrame& frame, Session& session);
+
 /// Null without one. `report`: of a focus with a view.
 [[nodiscard]] Json focus_json(const std::optional<TerrainFocus>& focus,
                               const std::optional<TerrainViewReport>& report);

@@ -1,5 +1,8 @@
 #include "terrain_query.h"
 
+#include <cmath>
+#include <numbers>
+
 #include "parse.h"
 #include "stopwatch.h"
 #include "terrain_facts.h"
@@ -96,6 +99,22 @@ void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& pa
   session.warn(fmt::format(
       "{}: heights are taken for metres, as the file {}", path,
       frame.vertical_unit.empty() ? "does not say their unit" : "says a unit that is not known"));
+}
+
+void warn_of_long_way(const HorizontalMetric& metric, const HeightFrame& frame, const Place& from,
+                      const Place& to, Session& session) {
+  if (!metric.ellipsoid) return;
+  constexpr double kTurn = 360;
+  const double degrees = metric.angle_unit * kTurn / (2 * std::numbers::pi);
+  const double way = std::abs(to[0] - from[0]) * degrees;
+  const double step = std::abs(frame.to_world[1]) * degrees;
+  // First and last samples may be at one place, or a pixel apart.
+  const bool is_all_round = (frame.n_columns + 0.5) * step >= kTurn;
+  if (!is_all_round || way <= kTurn / 2) return;
+  session.warn(fmt::format(
+      "the way is straight in the raster's coordinates and goes over {} degrees of longitude; the "
+      "other way round the earth, over {}, leaves the raster at its first or last column",
+      format_number(way), format_number(kTurn - way)));
 }
 
 void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArguments& arguments,

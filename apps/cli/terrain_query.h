@@ -61,6 +61,11 @@ using AcceptTerrain = std::function<Result<void>(const TerrainFacts&)>;
 void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& path,
                   Session& session);
 
+/// Warns of a way that is straight in the coordinates and goes the long way round the earth, on a
+/// raster that has all of it.
+void warn_of_long_way(const HorizontalMetric& metric, const HeightFrame& frame, const Place& from,
+                      const Place& to, Session& session);
+
 /// The keys and rows that all answers begin with.
 void add_terrain_head(const TerrainAnswerer& answerer, const TerrainQueryArguments& arguments,
                       Json& json, Table& table);

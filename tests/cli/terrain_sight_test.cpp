@@ -114,6 +114,32 @@ TEST_F(cli_terrain_sight, takes_the_curvature_of_the_earth_less_refraction) {
   EXPECT_EQ(over_plain("1", "0.01"), "visible");
 }
 
+TEST_F(cli_terrain_sight, warns_of_the_long_way_round_the_earth) {
+  const auto write_globe = [&](const std::string& path, int columns) {
+    std::ofstream file(path);
+    file << "ncols " << columns << "\nnrows 9\nxllcorner -180\nyllcorner -45\ncellsize 10\n";
+    for (int i = 0; i < 9 * columns; ++i) file << i % 7 << ' ';
+    std::ofstream(path.substr(0, path.size() - 4) + ".prj")
+        << R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
+           R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
+  };
+  write_globe(scratch_ / "globe.asc", 36);
+  write_globe(scratch_ / "part.asc", 30);
+  const auto warned = [&](const char* command, const char* name, const char* from, const char* to) {
+    const Finished run =
+        run_lode({command, scratch_ / name, "--from", from, "--to", to, "--max-error", "0"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.err.find("over 200 degrees of longitude; the other way round the earth, over 160") !=
+           std::string::npos;
+  };
+  for (const char* command : {"sight", "profile"}) {
+    EXPECT_TRUE(warned(command, "globe.asc", "-100,0", "100,0"));
+    EXPECT_TRUE(warned(command, "globe.asc", "100,20", "-100,0"));
+    EXPECT_FALSE(warned(command, "globe.asc", "-80,0", "80,0"));
+    EXPECT_FALSE(warned(command, "part.asc", "-100,0", "100,0")) << "no other way";
+  }
+}
+
 TEST_F(cli_terrain_sight, leaves_gaps_undecided_and_warns_of_units) {
   const auto gap = sight({"--from", "2550,850", "--to", "5950,850", "--max-error", "0"});
   EXPECT_EQ(gap.at("verdict"), "undecided");

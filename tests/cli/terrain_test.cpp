@@ -79,6 +79,25 @@ TEST(cli_terrain, writes_the_triangles_that_meet_a_window) {
                  {"--clip", "part.tif"});
 }
 
+TEST(cli_terrain, warns_of_boxes_that_lie_outside_in_part) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  write_dem(dem);
+  const auto warnings = [&](const char* box) {
+    return run_lode({"extract", dem, scratch / "out.ply", "--model", "right_triangle_bisection",
+                     "--max-error", "5", "--box", box, "--json"})
+        .json()
+        .at("warnings");
+  };
+  EXPECT_EQ(warnings("500000,501200,4000000,4000900").size(), 0U) << "all pixels";
+  const auto half = warnings("499400,500600,4000000,4000900");
+  ASSERT_EQ(half.size(), 1U);
+  EXPECT_NE(half[0].get<std::string>().find(": 50 % of it lie outside"), std::string::npos) << half;
+  const auto all = warnings("0,1,0,1");
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_NE(all[0].get<std::string>().find("meets no triangle"), std::string::npos) << all;
+}
+
 TEST(cli_terrain, says_what_terrain_is_of_files_that_are_none_and_why_of_those_that_are_broken) {
   const Scratch scratch;
   write_bytes(scratch / "x.foo", "nothing that is known");

@@ -74,6 +74,34 @@ bool has_part_in(std::vector<Vec<double, 2>> part, const PlaceBox& box) {
   return !part.empty();
 }
 
+TEST(terrain, knows_what_of_a_box_is_outside) {
+  HeightGrid turned = hilly_grid(true);
+  turned.to_world = {500000.25, 20, 11, 4000000.5, 9, -30};
+  for (const HeightGrid& grid : {hilly_grid(false), hilly_grid(true)}) {
+    const auto box = [&](double x0, double y0, double x1, double y1) {
+      PlaceBox made{grid.world(x0, y0), grid.world(x1, y1)};
+      for (const std::size_t i : {0U, 1U})
+        if (made.lower[i] > made.upper[i]) std::swap(made.lower[i], made.upper[i]);
+      return made;
+    };
+    // 50 x 40 samples: pixels from -0.5 to 49.5 and to 39.5.
+    EXPECT_NEAR(share_outside(box(-0.5, -0.5, 49.5, 39.5), grid), 0, 1e-9);
+    EXPECT_NEAR(share_outside(box(-10.5, 0, 9.5, 20), grid), 0.5, 1e-6);
+    EXPECT_NEAR(share_outside(box(39.5, 29.5, 59.5, 49.5), grid), 0.75, 1e-6);
+    EXPECT_NEAR(share_outside(box(-10.5, 5, 9.5, 5), grid), 0.5, 1e-5) << "a line";
+    EXPECT_NEAR(share_outside(box(3, 3, 3, 3), grid), 0, 1e-6) << "a point";
+    EXPECT_EQ(share_outside(box(60, 3, 70, 5), grid), 1);
+  }
+  // Half of it is beyond the first row, as rows and columns are oblique.
+  const Vec<double, 2> middle = turned.world(20, 20);
+  EXPECT_NEAR(share_outside({middle, middle + Vec<double, 2>{{100, 100}}}, turned), 0, 1e-9);
+  const Vec<double, 2> corner = turned.world(-0.5, -0.5);
+  const Vec<double, 2> reach{{30, 30}};
+  const double share = share_outside({corner - reach, corner + reach}, turned);
+  EXPECT_GT(share, 0.6);
+  EXPECT_LT(share, 0.9);
+}
+
 TEST(terrain, keeps_the_triangles_that_meet_a_box_as_they_are) {
   HeightGrid turned = hilly_grid(true);
   turned.to_world = {500000.25, 20, 11, 4000000.5, 9, -30};

@@ -1,6 +1,7 @@
 #include "lode/api/terrain_focus.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -66,7 +67,55 @@ Result<void> check_focus(const TerrainFocus& focus) {
   return {};
 }
 
+using Ring = std::vector<Vec<double, 2>>;
+
+double area_of(const Ring& ring) {
+  double doubled = 0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    // From one of its own, as places may be far from the origin.
+    const Vec<double, 2> a = ring[i] - ring[0];
+    const Vec<double, 2> b = ring[(i + 1) % ring.size()] - ring[0];
+    doubled += a[0] * b[1] - a[1] * b[0];
+  }
+  return std::abs(doubled) / 2;
+}
+
+/// What of a convex ring is on the side of a coordinate where `sign` times it is larger.
+Ring cut(const Ring& ring, std::size_t axis, double limit, double sign) {
+  Ring left;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec<double, 2>& a = ring[i];
+    const Vec<double, 2>& b = ring[(i + 1) % ring.size()];
+    const double depth = sign * (a[axis] - limit);
+    const double next = sign * (b[axis] - limit);
+    if (depth >= 0) left.push_back(a);
+    if ((depth < 0) != (next < 0)) left.push_back(a + (b - a) * (depth / (depth - next)));
+  }
+  return left;
+}
+
 }  // namespace
+
+double share_outside(const PlaceBox& box, const HeightFrame& frame) {
+  // Lines and points get some width; shares of areas are the same in columns and rows.
+  constexpr double kThin = 1e-6;
+  const Vec<double, 2> a = frame.world(0, 0);
+  const Vec<double, 2> b = frame.world(1, 1);
+  const double pad = kThin * std::max(std::abs(b[0] - a[0]), std::abs(b[1] - a[1]));
+  const Vec<double, 2> lower = box.lower - Vec<double, 2>{{pad, pad}};
+  const Vec<double, 2> upper = box.upper + Vec<double, 2>{{pad, pad}};
+  Ring ring;
+  for (const auto& [x, y] : {std::pair{lower[0], lower[1]},
+                             {upper[0], lower[1]},
+                             {upper[0], upper[1]},
+                             {lower[0], upper[1]}})
+    ring.push_back(frame.lattice(x, y));
+  const double all = area_of(ring);
+  const std::array<double, 2> last{frame.n_columns - 0.5, frame.n_rows - 0.5};
+  for (std::size_t axis = 0; axis < 2 && !ring.empty(); ++axis)
+    ring = cut(cut(ring, axis, -0.5 - kThin, 1), axis, last[axis] + kThin, -1);
+  return std::clamp(1 - (ring.empty() ? 0 : area_of(ring)) / all, 0.0, 1.0);
+}
 
 Result<TerrainDemand> TerrainDemand::make(const TerrainFocus& focus, double tolerance,
                                           const HeightFrame& grid, const HeightRange& range) {

@@ -18,6 +18,10 @@ struct PlaceBox {
   Vec<double, 2> upper;
 };
 
+/// How much of a box lies outside of a raster's pixels: from 0 to 1, of its area, or of its length
+/// where it has none.
+[[nodiscard]] double share_outside(const PlaceBox& box, const HeightFrame& frame);
+
 /// Where the tolerance of a TIN holds. Of several kinds each asks for what it asks, and the finest
 /// counts.
 struct TerrainFocus {
