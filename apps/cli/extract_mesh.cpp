@@ -180,7 +180,6 @@ Result<Outcome> run_section(const MeshJob& job, Session& session) {
 }  // namespace
 
 Result<void> check_mesh_job(const MeshJob& job) {
-  if (is_lode_path(job.input) && !job.reading.salvage) LODE_CHECK(check_lode_opens(job.input));
   if (job.query.is_boundary) return fail("--boundary: expected a mesh of cells, got {}", job.input);
   if (!job.query.threshold.empty())
     return fail("--threshold: expected a mesh of cells, got {}", job.input);
