@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "lode/io/inner_point.h"
 #include "lode/io/polygon_triangles.h"
@@ -86,6 +88,53 @@ TEST_P(concave_polyhedra, of_any_star_are_filled_once) {
     star.push_back({radius * std::cos(angle), radius * std::sin(angle)});
   }
   expect_filled(prism(star, GetParam()), area_of(star));
+}
+
+/// A sphere of 128 triangles whose points are at random distances from its middle, which so sees
+/// all of them; the mean does not, for one spike.
+CellMesh spiky_ball(oracles::Random& random) {
+  CellMesh mesh = test::empty_cells();
+  mesh.points = {{{1, 0, 0}}, {{-1, 0, 0}}, {{0, 1, 0}}, {{0, -1, 0}}, {{0, 0, 1}}, {{0, 0, -1}}};
+  std::vector<std::vector<std::uint32_t>> faces = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                                   {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (int level = 0; level < 2; ++level) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+      const auto [at, is_new] =
+          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.points.size()));
+      if (is_new) mesh.points.push_back(normalized(mesh.points[a] + mesh.points[b]));
+      return at->second;
+    };
+    std::vector<std::vector<std::uint32_t>> finer;
+    for (const auto& f : faces) {
+      const std::uint32_t a = middle(f[0], f[1]);
+      const std::uint32_t b = middle(f[1], f[2]);
+      const std::uint32_t c = middle(f[2], f[0]);
+      for (const auto& part : {std::vector{f[0], a, c}, {f[1], b, a}, {f[2], c, b}, {a, b, c}})
+        finer.push_back(part);
+    }
+    faces = finer;
+  }
+  for (Vec3d& p : mesh.points) p = p * (0.5 + static_cast<double>(random.below(1000)) / 1000);
+  mesh.points[4] = mesh.points[4] * 100;
+  for (Vec3d& p : mesh.points) p = p + Vec3d{{10, -20, 30}};
+  test::add_polyhedron(mesh, faces);
+  return mesh;
+}
+
+TEST_P(concave_polyhedra, with_spikes_are_filled_once) {
+  oracles::Random random(GetParam());
+  const CellMesh mesh = spiky_ball(random);
+  const Vec3d middle{{10, -20, 30}};
+  double volume = 0;
+  for (std::size_t at = 0; at < mesh.faces.size(); at += 4) {
+    const auto arm = [&](std::size_t k) { return mesh.points[mesh.faces[at + k]] - middle; };
+    volume += dot(cross(arm(1), arm(2)), arm(3)) / 6;
+  }
+  const TetrahedraOutcome outcome = tetrahedra_of(mesh);
+  EXPECT_EQ(outcome.report.n_inverted, 0U);
+  EXPECT_EQ(outcome.mesh.tetrahedra.size(), 128U);
+  EXPECT_NEAR(test::total_volume(outcome.mesh), volume, 1e-11 * volume);
 }
 
 TEST_P(concave_polyhedra, meet_what_fills_their_notches) {

@@ -128,12 +128,26 @@ TEST(vtk_legacy_reader, refuses_cell_data_other_datasets_and_bad_counts) {
   expect_failure(dir.write("b.vtk", head("BINARY") + "DATASET POLYDATA\n"), {"'POLYDATA'"});
   expect_failure(dir.write("c.vtk", points("BINARY") + "POINT_DATA 6\n" + tail + "abcdef"),
                  {"24 samples", "got 6"});
-  expect_failure(dir.write("d.vtk", points("BINARY") + "POINT_DATA 24\nSCALARS s bit\n"),
-                 {"'bit'"});
+  expect_failure(
+      dir.write("d.vtk",
+                points("BINARY") + "POINT_DATA 24\nSCALARS s bit\nLOOKUP_TABLE default\nabc\n"),
+      {"numbers", "bits in 's'"});
   expect_failure(dir.write("e.vtk", points("BINARY") + "POINT_DATA 24\nSCALARS s char\nabc\n"),
                  {"LOOKUP_TABLE"});
   expect_failure(dir.write("f.vtk", points("BINARY") + "NONSENSE 1 2\n"), {"'NONSENSE'"});
   expect_failure(dir.write("g.vtk", points("BINARY")), {"POINT_DATA"});
+}
+
+TEST(vtk_legacy_reader, passes_over_texts_and_bits) {
+  const TempDir dir;
+  std::string texts = "FIELD FieldData 2\nnames 1 24 string\n";
+  for (int i = 0; i < 24; ++i) texts += "\xC2\n\n";
+  const auto source =
+      open_volume(dir.write("texts.vtk", points("BINARY") + "POINT_DATA 24\nSCALARS bits bit\n" +
+                                             "LOOKUP_TABLE default\nabc\n" + texts +
+                                             "\ns 1 24 unsigned_char\nabcdefghijklmnopqrstuvwx\n"),
+                  {});
+  ASSERT_TRUE(source) << source.error().message;
 }
 
 TEST(vtk_legacy_reader, refuses_truncation_garbage_and_overflow) {

@@ -97,7 +97,7 @@ class FlatPolygon {
 Triangles polygon_triangles(std::span<const Vec3d> points, std::span<const std::uint32_t> polygon) {
   std::vector<std::uint32_t> loop(polygon.begin(), polygon.end());
   std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
-  const Triangles fan = fan_of(loop);
+  Triangles fan = fan_of(loop);
   if (loop.size() <= 4 || loop.size() > kMostEars) return fan;
   // To the smaller one of the points beside it.
   const bool is_turned = loop.back() < loop[1];

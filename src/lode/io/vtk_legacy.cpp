@@ -20,6 +20,7 @@ struct LegacyData {
   std::array<std::optional<LegacyArray>, 3> coordinates;
   std::optional<std::int64_t> n_points;
   std::vector<LegacyArray> arrays;  ///< At points.
+  std::string skipped;              ///< The first one at points that is passed over.
   bool has_cell_arrays = false;
 };
 
@@ -135,6 +136,8 @@ Result<LegacyData> parse_sections(LegacyFile& file, bool is_rectilinear) {
       return fail("{}: expected a legacy VTK keyword before byte {}, got {}", file.cursor.path(),
                   file.cursor.position(), in_quotes(words[0]));
     if (state.section == Section::cells && !attribute.arrays.empty()) data.has_cell_arrays = true;
+    if (state.section == Section::points && data.skipped.empty() && !attribute.skipped.empty())
+      data.skipped = attribute.skipped.front();
     if (state.section == Section::points)
       for (LegacyArray& array : attribute.arrays) data.arrays.push_back(std::move(array));
   }
@@ -177,6 +180,9 @@ Result<std::vector<ImageField>> make_legacy_fields(const InputFilePtr& file,
   const std::string& path = file->path();
   if (data.arrays.empty() && data.has_cell_arrays)
     return fail("{}: expected values at points, got only cell data; convert them first", path);
+  if (data.arrays.empty() && !data.skipped.empty())
+    return fail("{}: expected an array of numbers under POINT_DATA, got texts or bits in {}", path,
+                in_quotes(data.skipped));
   if (data.arrays.empty()) return fail("{}: expected an array under POINT_DATA, got none", path);
   std::vector<ImageField> fields;
   for (const LegacyArray& array : data.arrays) {
