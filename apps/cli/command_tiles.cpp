@@ -175,7 +175,7 @@ Command add_tiles_command(CLI::App& program) {
       ->type_name("H");
   app->add_option("--memory-limit", arguments->memory_limit,
                   "Samples that take more stay in their file, which is then read several times "
-                  "(default: 512M); not of .hgt files, nor where heights are transformed")
+                  "(default: 512M); not of .hgt files")
       ->type_name("BYTES");
   app->add_option("--nodata", arguments->reading.nodata,
                   "Value of missing samples, instead of the file's")

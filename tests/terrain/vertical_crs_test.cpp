@@ -11,6 +11,7 @@
 
 #include "lode/api/files.h"
 #include "lode/io/gdal_crs.h"
+#include "lode/io/height_stream.h"
 #include "tests/io/height_files.h"
 #include "tests/io/point_files.h"
 
@@ -313,6 +314,46 @@ TEST_F(vertical_crs, of_tiles_is_over_the_globe_of_their_clients) {
   EXPECT_EQ(cut("EPSG:4267"), "");  // Clarke's ellipsoid of 1866
   EXPECT_NE(cut("EPSG:4813").find("prime meridian Jakarta"), std::string::npos);
   EXPECT_NE(cut("+proj=longlat +R=1737400 +no_defs").find("1737400"), std::string::npos);
+}
+
+/// Rows that are read and transformed again and again are those of a raster that is read whole.
+TEST_F(vertical_crs, of_rows_that_stay_in_their_file_is_that_of_all) {
+  const std::string file = write("EPSG:4326", "ft");
+  for (const VerticalOptions& options :
+       {VerticalOptions{}, VerticalOptions{.declared = bound_to(write_geoid())},
+        VerticalOptions{.declared = bound_to(write_geoid()), .target = "ellipsoid"}}) {
+    const HeightRaster whole = read(file, options);
+    const auto stream = io::HeightStream::open(file, {.vertical = options}, progress_);
+    ASSERT_TRUE(stream) << stream.error().message;
+    EXPECT_EQ(stream->raster().grid.crs, whole.grid.crs);
+    EXPECT_EQ(stream->raster().grid.vertical_unit, whole.grid.vertical_unit);
+    EXPECT_EQ(stream->raster().type, whole.type);
+    EXPECT_EQ(stream->raster().vertical.notes, whole.vertical.notes);
+    EXPECT_EQ(stream->raster().vertical.transformation, whole.vertical.transformation);
+    for (const auto& [first, n_rows] : {std::pair{0, 15}, {3, 1}, {2, 9}, {14, 1}, {2, 9}}) {
+      std::vector<double> rows(static_cast<std::size_t>(20 * n_rows));
+      ASSERT_TRUE(stream->read(first, n_rows, rows));
+      for (int i = 0; i < 20 * n_rows; ++i) {
+        const double z = rows[static_cast<std::size_t>(i)];
+        EXPECT_EQ(std::isnan(z), !whole.grid.has_height(i % 20, first + i / 20));
+        if (!std::isnan(z)) EXPECT_EQ(z, whole.grid.height(i % 20, first + i / 20));
+      }
+    }
+  }
+  RasterFile raster{.n_columns = 20, .n_rows = 15};
+  for (int i = 0; i < 300; ++i) raster.samples.push_back(i);
+  raster.geotransform = {10.5, 0.1, 0, 45.5, 0, -0.1};
+  raster.crs = "EPSG:4326";
+  io::test::write_raster(path("far.tif"), raster);
+  const auto far = io::HeightStream::open(
+      path("far.tif"), {.vertical = {.declared = bound_to(write_geoid()), .target = "ellipsoid"}},
+      progress_);
+  ASSERT_TRUE(far);
+  std::vector<double> rows(20);
+  const auto off = far->read(14, 1, rows);
+  ASSERT_FALSE(off);
+  EXPECT_NE(off.error().message.find("off it"), std::string::npos) << off.error().message;
+  EXPECT_NE(off.error().message.find("far.tif"), std::string::npos) << off.error().message;
 }
 
 TEST_F(vertical_crs, of_points_is_that_of_their_keys_or_as_declared) {

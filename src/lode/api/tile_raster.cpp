@@ -129,15 +129,26 @@ Result<TileRaster> describe(const std::string& path, const io::HeightRaster& ras
   return out;
 }
 
+/// With heights above the ellipsoid, where it is known what they are above.
+Result<io::HeightStream> open_above_ellipsoid(const std::string& path,
+                                              const io::HeightReadOptions& reading,
+                                              Progress& progress) {
+  LODE_TRY(io::HeightStream opened, io::HeightStream::open(path, reading, progress));
+  const io::HeightRaster& raster = opened.raster();
+  if (!is_above_something(raster) || is_above_ellipsoid(raster)) return opened;
+  io::HeightReadOptions above = reading;
+  above.vertical.target = "ellipsoid";
+  return io::HeightStream::open(path, above, progress);
+}
+
 /// A raster too large for memory; nothing for others.
 Result<std::optional<TileRaster>> stream(const std::string& path,
                                          const io::HeightReadOptions& reading,
                                          std::uint64_t most_bytes, Progress& progress) {
-  auto opened = io::HeightStream::open(path, reading, progress);
+  auto opened = open_above_ellipsoid(path, reading, progress);
   // Whoever reads all of it says what is wrong.
   if (!opened || opened->n_bytes() <= most_bytes) return std::optional<TileRaster>();
   const io::HeightRaster& raster = opened->raster();
-  if (is_above_something(raster) && !is_above_ellipsoid(raster)) return std::optional<TileRaster>();
   LODE_TRY(TileRaster out, describe(path, raster, reading));
   LODE_TRY(const double metres, metres_of(path, raster.grid, out.notes));
   out.is_in_memory = false;

@@ -45,8 +45,8 @@ struct TileRaster {
 };
 
 /// Opens a raster in degrees, and puts its heights above the ellipsoid where it is known what they
-/// are above. One that would take more than `most_bytes` stays in its file and is read again
-/// whenever it is needed, unless its heights have to be transformed. Fails on rasters that are not
+/// are above. One that would take more than `most_bytes` stays in its file and is read again, and
+/// its heights transformed, whenever it is needed. Fails on rasters that are not
 /// in degrees, on units of heights that are not known, and as reading does.
 [[nodiscard]] Result<TileRaster> open_tile_raster(const std::string& path,
                                                   const io::HeightReadOptions& reading,

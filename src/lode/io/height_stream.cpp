@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -30,6 +31,7 @@ struct HeightStream::Impl {
   GdalRaster file;
   HeightReadOptions options;
   HeightRaster raster;
+  std::optional<RowTransformer> transformer{};
 };
 
 HeightStream::HeightStream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -38,16 +40,17 @@ HeightStream::~HeightStream() = default;
 
 Result<HeightStream> HeightStream::open(const std::string& path, const HeightReadOptions& options,
                                         Progress& progress) {
-  if (is_hgt_path(path) || !options.vertical.target.empty())
-    return fail("{}: expected a raster that GDAL reads, whose heights stay what they are", path);
+  if (is_hgt_path(path)) return fail("{}: expected a raster that GDAL reads", path);
   LODE_TRY(GdalRaster file, GdalRaster::open(path));
   if (options.to_degrees) LODE_CHECK(file.put_in_degrees(*options.to_degrees, options));
   LODE_TRY(HeightRaster raster, describe_raster(file, options));
-  // Of no samples there is nothing to transform; declarations are checked.
-  auto outcome = set_vertical(raster, options.vertical, progress);
-  if (!outcome) return fail("{}: {}", path, outcome.error().message);
-  raster.vertical = std::move(outcome).value();
-  return HeightStream(std::make_unique<Impl>(Impl{std::move(file), options, std::move(raster)}));
+  auto plan = plan_vertical(raster.grid, options.vertical, progress);
+  if (!plan && progress.is_cancelled()) return plan.error();
+  if (!plan) return fail("{}: {}", path, plan.error().message);
+  raster.vertical = std::move(plan->outcome);
+  if (plan->rows) raster.type = "float64";
+  return HeightStream(std::make_unique<Impl>(
+      Impl{std::move(file), options, std::move(raster), std::move(plan->rows)}));
 }
 
 const HeightRaster& HeightStream::raster() const { return impl_->raster; }
@@ -66,6 +69,11 @@ Result<void> HeightStream::read(std::int32_t first, std::int32_t n_rows,
   limit_cache(impl_->file, band);
   LODE_TRY(const HeightGrid grid, read_rows(impl_->file, impl_->options, {first, n_rows}, nullptr));
   copy_rows(grid, 0, n_rows, out);
+  if (!impl_->transformer) return {};
+  Progress progress;
+  auto transformed =
+      impl_->transformer->transform(impl_->raster.grid, first, n_rows, out, progress);
+  if (!transformed) return fail("{}: {}", impl_->file.path(), transformed.error().message);
   return {};
 }
 

@@ -14,8 +14,8 @@ namespace lode::io {
 /// destroyed, by the thread that opened it.
 class HeightStream {
  public:
-  /// As read_heights(), but of files that GDAL reads only, and no target for heights may be given:
-  /// fails on these.
+  /// As read_heights(), but of files that GDAL reads only: fails on others. Heights that have a
+  /// target are transformed as they are read.
   [[nodiscard]] static Result<HeightStream> open(const std::string& path,
                                                  const HeightReadOptions& options,
                                                  Progress& progress);

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <functional>
-#include <mutex>
 #include <new>
 #include <utility>
 
 #include "lode/core/out_of_memory.h"
 #include "lode/io/gdal_raster.h"
+#include "lode/io/height_pieces.h"
 
 namespace lode::io {
 namespace {
@@ -130,106 +129,6 @@ class Transformations {
   PJ_OBJ_LIST* list_ = nullptr;
 };
 
-/// A run of places and heights, to be transformed in place.
-struct HeightRun {
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<double> z;
-
-  void clear() {
-    x.clear();
-    y.clear();
-    z.clear();
-  }
-  void add(const Vec<double, 2>& at, double height) {
-    x.push_back(at[0]);
-    y.push_back(at[1]);
-    z.push_back(height);
-  }
-};
-
-/// Transforms pieces of heights in parallel, each thread with PROJ of its own.
-class PieceTransformer {
- public:
-  /// gather(piece, run) and scatter(piece, heights) are called once for each piece, in any order.
-  using Gather = std::function<void(std::size_t, HeightRun&)>;
-  using Scatter = std::function<void(std::size_t, const std::vector<double>&)>;
-
-  PieceTransformer(const PJ* transformation, bool has_places)
-      : transformation_(transformation), has_places_(has_places) {}
-
-  Result<void> run(std::size_t n, const Gather& gather, const Scatter& scatter,
-                   Progress& progress) {
-    // Before threads start: what they copy is not said to be safe from several.
-    std::vector<Worker> workers;
-    for (std::size_t i = 0; i < std::min(n, static_cast<std::size_t>(n_workers({}))); ++i) {
-      LODE_TRY(Worker worker, make_worker());
-      workers.push_back(std::move(worker));
-    }
-    std::atomic<std::size_t> n_done{0};
-    parallel_for(n, {static_cast<int>(workers.size())}, 1, [&](std::size_t piece, int number) {
-      if (progress.is_cancelled() || has_failed_) return;
-      Worker& worker = workers[static_cast<std::size_t>(number)];
-      worker.run.clear();
-      gather(piece, worker.run);
-      transform(worker);
-      if (!has_failed_) scatter(piece, worker.run.z);
-      progress.report("transforming", static_cast<double>(++n_done) / static_cast<double>(n));
-    });
-    if (progress.is_cancelled()) return cancelled_error();
-    if (error_) return *error_;
-    return {};
-  }
-
- private:
-  struct Worker {
-    Proj proj;
-    Proj::Object transformation;  ///< x before y.
-    HeightRun run{};
-  };
-
-  [[nodiscard]] Result<Worker> make_worker() const {
-    LODE_TRY(Proj proj, Proj::make());
-    const ProjLibrary& library = proj.library();
-    const Proj::Object copy = proj.own(library.clone(proj.context(), transformation_));
-    Proj::Object x_first =
-        proj.own(copy ? library.with_x_first(proj.context(), copy.get()) : nullptr);
-    if (!x_first) return fail("expected PROJ to copy a transformation, got: {}", proj.reason());
-    return Worker{std::move(proj), std::move(x_first)};
-  }
-
-  void transform(Worker& worker) {
-    HeightRun& run = worker.run;
-    if (run.z.empty()) return;
-    std::vector<double> x = run.x;
-    std::vector<double> y = run.y;
-    if (!has_places_) {
-      std::ranges::fill(x, 0.0);
-      std::ranges::fill(y, 0.0);
-    }
-    constexpr std::size_t kStep = sizeof(double);
-    const std::size_t n = run.z.size();
-    worker.proj.library().transform(worker.transformation.get(), PJ_FWD, x.data(), kStep, n,
-                                    y.data(), kStep, n, run.z.data(), kStep, n, nullptr, 0, 0);
-    for (std::size_t i = 0; i < n; ++i)
-      if (!std::isfinite(run.z[i]))
-        return refuse(
-            fail("expected heights where the transformation has a grid, got one at {}, {} off it",
-                 run.x[i], run.y[i]));
-  }
-  void refuse(Error error) {
-    const std::scoped_lock lock(mutex_);
-    if (!error_) error_ = std::move(error);
-    has_failed_ = true;
-  }
-
-  const PJ* transformation_;
-  bool has_places_;
-  std::atomic<bool> has_failed_{false};
-  std::mutex mutex_;
-  std::optional<Error> error_;
-};
-
 /// Transforms all heights by what it is given.
 using Transform = std::function<Result<void>(const PJ* transformation, bool has_places)>;
 
@@ -272,21 +171,22 @@ Result<void> transform_grid(HeightRaster& raster, const PJ* transformation, bool
     for (std::int32_t x = 0; x < before.n_columns; ++x)
       if (before.has_height(x, y)) visit(x, y);
   };
-  LODE_CHECK(PieceTransformer(transformation, has_places)
-                 .run(
-                     static_cast<std::size_t>(before.n_rows),
-                     [&](std::size_t row, HeightRun& run) {
-                       for_each(row, [&](std::int32_t x, std::int32_t y) {
-                         run.add(before.world(x, y), before.height(x, y));
-                       });
-                     },
-                     [&](std::size_t row, const std::vector<double>& heights) {
-                       std::size_t i = 0;
-                       for_each(row, [&](std::int32_t x, std::int32_t y) {
-                         samples[static_cast<std::size_t>(y * after.stride + x)] = heights[i++];
-                       });
-                     },
-                     progress));
+  const auto n_rows = static_cast<std::size_t>(before.n_rows);
+  LODE_TRY(const auto pieces, PieceTransformer::make(transformation, has_places, n_rows));
+  LODE_CHECK(pieces->run(
+      n_rows,
+      [&](std::size_t row, HeightRun& run) {
+        for_each(row, [&](std::int32_t x, std::int32_t y) {
+          run.add(before.world(x, y), before.height(x, y));
+        });
+      },
+      [&](std::size_t row, const std::vector<double>& heights) {
+        std::size_t i = 0;
+        for_each(row, [&](std::int32_t x, std::int32_t y) {
+          samples[static_cast<std::size_t>(y * after.stride + x)] = heights[i++];
+        });
+      },
+      progress));
   raster.grid = std::move(after);
   raster.type = "float64";
   return {};
@@ -296,27 +196,92 @@ Result<void> transform_points(std::vector<Vec3d>& points, const PJ* transformati
                               Progress& progress) {
   constexpr std::size_t kPiece = 4096;
   const auto end = [&](std::size_t piece) { return std::min(points.size(), (piece + 1) * kPiece); };
-  return PieceTransformer(transformation, has_places)
-      .run((points.size() + kPiece - 1) / kPiece,
-           [&](std::size_t piece, HeightRun& run) {
-             for (std::size_t i = piece * kPiece; i < end(piece); ++i)
-               run.add({{points[i][0], points[i][1]}}, points[i][2]);
-           },
-           [&](std::size_t piece, const std::vector<double>& heights) {
-             for (std::size_t i = piece * kPiece; i < end(piece); ++i)
-               points[i][2] = heights[i - piece * kPiece];
-           },
-           progress);
+  const std::size_t n_pieces = (points.size() + kPiece - 1) / kPiece;
+  LODE_TRY(const auto pieces, PieceTransformer::make(transformation, has_places, n_pieces));
+  return pieces->run(
+      n_pieces,
+      [&](std::size_t piece, HeightRun& run) {
+        for (std::size_t i = piece * kPiece; i < end(piece); ++i)
+          run.add({{points[i][0], points[i][1]}}, points[i][2]);
+      },
+      [&](std::size_t piece, const std::vector<double>& heights) {
+        for (std::size_t i = piece * kPiece; i < end(piece); ++i)
+          points[i][2] = heights[i - piece * kPiece];
+      },
+      progress);
+}
+
+Extent extent_of(const HeightFrame& frame) {
+  Extent extent;
+  for (const double x : {0, frame.n_columns - 1})
+    for (const double y : {0, frame.n_rows - 1}) extent.add(frame.world(x, y));
+  return extent;
 }
 
 }  // namespace
 
+struct RowTransformer::Impl {
+  std::unique_ptr<PieceTransformer> pieces;
+};
+
+struct RowTransformerMaker {
+  static RowTransformer make(std::unique_ptr<PieceTransformer> pieces) {
+    return RowTransformer(
+        std::make_unique<RowTransformer::Impl>(RowTransformer::Impl{std::move(pieces)}));
+  }
+};
+
+RowTransformer::RowTransformer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+RowTransformer::RowTransformer(RowTransformer&&) noexcept = default;
+RowTransformer& RowTransformer::operator=(RowTransformer&&) noexcept = default;
+RowTransformer::~RowTransformer() = default;
+
+Result<void> RowTransformer::transform(const HeightFrame& frame, std::int32_t first,
+                                       std::int32_t n_rows, std::span<double> heights,
+                                       Progress& progress) const {
+  const auto n = static_cast<std::size_t>(frame.n_columns);
+  const auto row_of = [&](std::size_t row) { return heights.subspan(row * n, n); };
+  return impl_->pieces->run(
+      static_cast<std::size_t>(n_rows),
+      [&](std::size_t row, HeightRun& run) {
+        const std::span<double> own = row_of(row);
+        const auto y = static_cast<double>(first) + static_cast<double>(row);
+        for (std::size_t x = 0; x < n; ++x)
+          if (!std::isnan(own[x])) run.add(frame.world(static_cast<double>(x), y), own[x]);
+      },
+      [&](std::size_t row, const std::vector<double>& made) {
+        std::size_t i = 0;
+        for (double& z : row_of(row))
+          if (!std::isnan(z)) z = made[i++];
+      },
+      progress);
+}
+
+Result<VerticalPlan> plan_vertical(HeightFrame& frame, const VerticalOptions& options,
+                                   Progress& progress) try {
+  if (progress.is_cancelled()) return cancelled_error();
+  VerticalPlan plan;
+  HeightReference reference{frame.crs, frame.vertical_unit};
+  const auto n_rows = static_cast<std::size_t>(frame.n_rows);
+  LODE_TRY(plan.outcome, change(reference, options, extent_of(frame),
+                                [&](const PJ* transformation, bool has_places) -> Result<void> {
+                                  LODE_TRY(auto pieces, PieceTransformer::make(transformation,
+                                                                               has_places, n_rows));
+                                  pieces->be_quiet();
+                                  plan.rows = RowTransformerMaker::make(std::move(pieces));
+                                  return {};
+                                }));
+  frame.crs = reference.crs;
+  frame.vertical_unit = reference.unit;
+  return plan;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("transform heights");
+}
+
 Result<VerticalOutcome> set_vertical(HeightRaster& raster, const VerticalOptions& options,
                                      Progress& progress) try {
   HeightGrid& grid = raster.grid;
-  Extent extent;
-  for (const double x : {0, grid.n_columns - 1})
-    for (const double y : {0, grid.n_rows - 1}) extent.add(grid.world(x, y));
+  const Extent extent = extent_of(grid);
   HeightReference reference{grid.crs, grid.vertical_unit};
   LODE_TRY(VerticalOutcome outcome,
            change(reference, options, extent, [&](const PJ* transformation, bool has_places) {
