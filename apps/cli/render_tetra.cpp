@@ -148,6 +148,9 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
   if (!job.picture.opacity.empty()) {
     LODE_TRY(options.opacity,
              to_transfer_function(job.picture.opacity, info.bounds, options.colors));
+    if (options.colors.low == options.colors.high)
+      session.warn(fmt::format("the field has one value, {}: its volume has one colour, or none",
+                               format_number(options.colors.low)));
   }
   LODE_TRY(Query query, to_query(job, options));
   set_share(job.extraction.max_error, input.field().range_min, input.field().range_max,

@@ -50,8 +50,9 @@ Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
     return fail("expected 1 to {} fields, got {}", tetra_mt::kMaxFields, mesh.fields.size());
   const std::uint64_t n_bytes = memory_to_build(mesh, options);
   if (options.memory_limit > 0 && n_bytes > options.memory_limit)
-    return fail("expected {} MiB of memory to build a mesh of {} cells, got a limit of {} MiB",
-                (n_bytes >> 20) + 1, mesh.tetrahedra.size(), options.memory_limit >> 20);
+    return fail("expected {} MiB of memory to build a mesh of {} cells, got a limit of {:.4g} MiB",
+                (n_bytes >> 20) + 1, mesh.tetrahedra.size(),
+                static_cast<double>(options.memory_limit) / (1 << 20));
   const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
   if (is_everywhere && options.boundary_tolerance > 0)
     return fail(
