@@ -254,6 +254,21 @@ void write_projected(const std::string& folder) {
            << (x + 1 < 60 ? ' ' : '\n');
 }
 
+TEST_F(cli_tiles, of_rasters_without_heights_are_refused) {
+  write_projected(scratch_ / "");
+  const std::string utm = scratch_ / "utm.asc";
+  std::ofstream file(utm);
+  file << "ncols 60\nnrows 45\nxllcorner 402000\nyllcorner 5201000\ncellsize 100\n"
+          "nodata_value -9999\n";
+  for (int i = 0; i < 60 * 45; ++i) file << "-9999 ";
+  file.close();
+  expect_refusal(run_lode({"tiles", utm, folder_, "--max-error", "5", "--resample", "cubic"}), 1,
+                 {"utm.asc", "samples with heights", "none of"});
+  std::filesystem::remove(scratch_ / "utm.prj");
+  expect_refusal(run_lode({"tiles", utm, folder_, "--max-error", "5"}), 1, {"utm.asc"});
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
 TEST_F(cli_tiles, of_projected_rasters_are_resampled) {
   write_projected(scratch_ / "");
   const std::string utm = scratch_ / "utm.asc";

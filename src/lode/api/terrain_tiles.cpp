@@ -54,6 +54,11 @@ Result<TerrainTileReport> write_terrain_tiles(const std::string& path,
                 .fill = options.fill,
                 .threads = options.threads},
                [&](const FinishedTile& tile) { return tiles.add(tile); }, progress));
+  const HeightFrame& frame = raster.rows->frame();
+  if (raster.rows->n_missing() ==
+      static_cast<std::uint64_t>(std::int64_t{frame.n_columns} * frame.n_rows))
+    return fail("{}: expected samples with heights, got none of {} x {}", path, frame.n_columns,
+                frame.n_rows);
   LODE_CHECK(tiles.write_layer(levels, place->box()));
   LODE_CHECK(staged.commit(progress));
   for (const auto& level : levels)
