@@ -161,5 +161,16 @@ TEST_F(cli_terrain_contours, warn_where_there_are_none) {
   EXPECT_NE(run.err.find("there are no contours"), std::string::npos) << run.err;
 }
 
+TEST(cli_contours_of_no_crs, are_lines_for_terrain_of_none) {
+  const Scratch scratch;
+  write_dem(scratch / "dem.asc");
+  const std::string lines = scratch / "lines.gpkg";
+  ASSERT_EQ(run_lode({"contours", scratch / "dem.asc", lines, "--interval", "200"}).exit_code, 0);
+  const Finished run = run_lode({"extract", scratch / "dem.asc", scratch / "out.ply", "--max-error",
+                                 "50", "--breaklines", lines, "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_GT(run.json().at("lines").at("breaklines").at("lines"), 0);
+}
+
 }  // namespace
 }  // namespace lode::test

@@ -89,6 +89,23 @@ TEST_F(vector_file, is_read_back_by_gdal_from_a_geopackage_with_its_crs) {
   GDALClose(dataset);
 }
 
+TEST_F(vector_file, of_no_crs_is_of_a_plane) {
+  const std::string file = path("plane.gpkg");
+  const auto status = write_two(file, "");
+  ASSERT_TRUE(status) << status.error().message;
+  GDALDatasetH dataset = GDALOpenEx(file.c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr);
+  ASSERT_NE(dataset, nullptr);
+  for (const char* table : {"gpkg_contents", "gpkg_geometry_columns"}) {
+    const std::string query = std::string("SELECT srs_id FROM ") + table;
+    OGRLayerH answer = GDALDatasetExecuteSQL(dataset, query.c_str(), nullptr, nullptr);
+    OGRFeatureH row = OGR_L_GetNextFeature(answer);
+    EXPECT_EQ(OGR_F_GetFieldAsInteger(row, 0), -1) << table;
+    OGR_F_Destroy(row);
+    GDALDatasetReleaseResultSet(dataset, answer);
+  }
+  GDALClose(dataset);
+}
+
 TEST_F(vector_file, of_geojson_has_longitudes_and_latitudes_of_wgs_84) {
   const std::string file = path("lines.geojson");
   const auto status = write_two(file, wkt_of(32611));

@@ -103,7 +103,12 @@ struct VectorWriter::Impl {
   Result<void> open_layer(const VectorLayer& wanted) {
     const bool is_geojson = is_geojson_path(path);
     std::optional<GdalCrs> crs;
-    if (!wanted.crs.empty()) {
+    if (wanted.crs.empty() && !is_geojson) {
+      // Else GDAL says srs_id 0, which is of angles; coordinates of no CRS are taken as in a plane.
+      LODE_TRY(GdalCrs plane,
+               GdalCrs::of(R"(LOCAL_CS["Undefined Cartesian SRS",UNIT["metre",1]])"));
+      crs.emplace(std::move(plane));
+    } else if (!wanted.crs.empty()) {
       LODE_TRY(GdalCrs read, GdalCrs::of(wanted.crs));
       if (is_geojson) read.strip_heights();
       crs.emplace(std::move(read));

@@ -11,6 +11,17 @@
 
 namespace lode::io {
 
+namespace {
+
+/// What GDAL says of GeoPackages with srs_id -1 and 0, which know of no CRS.
+bool is_undefined_crs(const std::string& wkt) {
+  return wkt.starts_with(R"(LOCAL_CS["Undefined Cartesian SRS")") ||
+         wkt.starts_with(R"(ENGCRS["Undefined Cartesian SRS")") ||
+         wkt.starts_with(R"(GEOGCS["Undefined geographic SRS")");
+}
+
+}  // namespace
+
 bool is_vector_path(const std::string& path) {
   const std::string name = to_lower(path);
   constexpr std::array kExtensions{".geojson", ".json", ".gpkg", ".shp"};
@@ -79,7 +90,7 @@ Result<std::string> VectorInput::crs_of(OGRLayerH layer) const {
   const std::string wkt = is_made ? without_controls(made) : "";
   gdal_->release(made);
   if (!is_made) return fail("{}: expected a CRS that WKT can say, got another", path_);
-  return wkt;
+  return is_undefined_crs(wkt) ? std::string() : wkt;
 }
 
 Result<void> VectorInput::add_feature(OGRFeatureH feature, const Add& add) const {
