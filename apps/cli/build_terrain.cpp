@@ -48,6 +48,17 @@ const char* what_nodes_are(TerrainModel model) {
   return model == TerrainModel::right_triangle_bisection ? "a sample" : "an insertion";
 }
 
+/// Vertices of hierarchies lie between samples, too.
+void warn_of_many(const BuiltTerrainInfo& info, const OpenedTerrain& opened, Session& session) {
+  const std::uint64_t full = n_full_triangles(opened.facts.frame);
+  for (const BuiltTerrainInfo::Level& level : info.levels)
+    if (is_hierarchy(opened.model) && level.triangles > full)
+      session.warn(fmt::format(
+          "the level within {} has {} triangles, more than the {} of all samples: other models, or "
+          "the raster itself, say as much with fewer",
+          format_number(level.tolerance), format_count(level.triangles), format_count(full)));
+}
+
 }  // namespace
 
 Result<void> check_terrain_build(const TerrainBuildJob& job, const CLI::App& app) {
@@ -127,6 +138,7 @@ Result<Outcome> run_terrain_build(const TerrainBuildJob& job, Session& session) 
   LODE_TRY(const std::uint64_t n_bytes, opened.built->save(job.output, session.progress()));
   const double write_seconds = write_watch.seconds();
   LODE_TRY(const BuiltTerrainInfo info, opened.built->describe(session.progress()));
+  warn_of_many(info, opened, session);
   Outcome outcome;
   Json& json = outcome.json;
   Table table;

@@ -135,7 +135,8 @@ std::string comment_of(const TerrainReport& report, const OpenedTerrain& opened,
 }
 
 void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const TerrainJob& job,
-             const std::optional<TerrainFocus>& focus, Session& session) {
+             const std::optional<TerrainFocus>& focus, const std::optional<TerrainClip>& clip,
+             Session& session) {
   constexpr double kMuch = 1e-3;
   if (report.height_slack > kMuch * report.max_error)
     session.warn(
@@ -146,6 +147,13 @@ void warn_of(const TerrainReport& report, const OpenedTerrain& opened, const Ter
         fmt::format("coordinates are floats: {} triangles in {}, thinner than these tell, "
                     "are turned over or flat",
                     format_count(report.n_turned), job.output));
+  const std::uint64_t n_triangles = clip ? clip->n_triangles : report.triangles;
+  const std::uint64_t full = n_full_triangles(opened.facts.frame);
+  if (is_hierarchy(opened.model) && n_triangles > full)
+    session.warn(
+        fmt::format("{} triangles are more than the {} of all samples, which "
+                    "--max-error 0 of the delaunay_selector has at most",
+                    format_count(n_triangles), format_count(full)));
   if (!report.budget_met)
     session.warn(fmt::format("--max-cells is not met: {} has {} triangles",
                              is_hierarchy(opened.model) ? "the coarsest level"
@@ -228,10 +236,11 @@ Result<Written> write_tin(const TerrainJob& job, const OpenedTerrain& opened,
            naming(job.input, extract_terrain(opened.terrain, options, session.progress(), clip),
                   session));
   const Stopwatch watch;
-  LODE_CHECK(write_surface(
-      job.output, made.surface,
-      {.comment = comment_of(made.report, opened, options.order), .value_name = "height"},
-      session.progress()));
+  LODE_CHECK(write_surface(job.output, made.surface,
+                           {.comment = comment_of(made.report, opened, options.order),
+                            .value_name = "height",
+                            .node_name = "terrain"},
+                           session.progress()));
   return Written{made.report, {}, watch.seconds(), made.clip};
 }
 
@@ -311,7 +320,10 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
         ".lode file that `lode build` makes",
         job.input);
   if (wanted.options.focus && wanted.options.max_cells)
-    return fail("--max-cells: expected no --box, --focus-point or --view with it");
+    return fail(
+        "--max-cells: expected no --box, --focus-point or --view with it: these say which "
+        "tolerances hold where, and a number of triangles is met by one tolerance for all of the "
+        "terrain");
   LODE_CHECK(check_terrain_reading(job.input, job.terrain, job.reading));
   std::vector<std::string> outputs{job.output};
   if (!job.raster.difference.empty()) outputs.push_back(job.raster.difference);
@@ -344,7 +356,7 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
   LODE_TRY(const Written made, write_tin(job, opened, options, session));
   outputs.keep();
   const TerrainReport& report = made.report;
-  warn_of(report, opened, job, options.focus, session);
+  warn_of(report, opened, job, options.focus, made.clip, session);
   const bool is_strict = options.max_cells || opened.built.has_value();
   const TerrainAnswer answer{job,
                              opened,

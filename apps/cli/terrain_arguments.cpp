@@ -18,10 +18,11 @@ void add_line_options(CLI::App& app, TerrainArguments& arguments) {
                  "(default: 1 % of their range); means --keep-features")
       ->type_name("R")
       ->group(group);
-  app.add_option(
-         "--breaklines", arguments.breaklines,
-         "Make lines edges of every mesh: .geojson, .gpkg or .shp, in any CRS; lines without "
-         "heights get the surface's")
+  app.add_option("--breaklines", arguments.breaklines,
+                 "Make lines edges of every mesh of the selector, the pyramids and the ternary "
+                 "triangulation (not of models on squares, nor of hierarchies of triangulations): "
+                 ".geojson, "
+                 ".gpkg or .shp, in any CRS; lines without heights get the surface's")
       ->type_name("LINES")
       ->group(group);
   app.add_flag("--drape", arguments.drape,

@@ -64,6 +64,11 @@ void add_lines(const OpenedTerrain& opened, Json& json, Table& table) {
   all["seconds"] = lines.seconds;
 }
 
+std::uint64_t n_full_triangles(const HeightFrame& frame) {
+  return 2 * static_cast<std::uint64_t>(frame.n_columns - 1) *
+         static_cast<std::uint64_t>(frame.n_rows - 1);
+}
+
 void add_facts(const TerrainFacts& facts, Json& json, Table& table) {
   const HeightFrame& frame = facts.frame;
   json["columns"] = frame.n_columns;

@@ -47,6 +47,34 @@ TEST_P(cli_hierarchy_model, is_built_told_of_and_verified) {
   EXPECT_NE(run_lode({"verify", model_, "--against", other}).exit_code, 0);
 }
 
+TEST(cli_adaptive_model, warns_of_levels_with_more_triangles_than_all_samples_have) {
+  const Scratch scratch;
+  const std::string dem = scratch / "dem.asc";
+  std::ofstream file(dem);
+  file << "ncols 40\nnrows 30\nxllcorner 0\nyllcorner 0\ncellsize 30\n";
+  for (int i = 0; i < 40 * 30; ++i) file << (i * 7919) % 401 << ' ';
+  file.close();
+  const std::string model = scratch / "dem.lode";
+  const auto built = run_lode({"build", dem, model, "--model", "adaptive_triangulation", "--levels",
+                               "400,1", "--json"})
+                         .json();
+  const int full = 2 * 39 * 29;
+  EXPECT_LT(built.at("levels")[0].at("triangles"), full);
+  ASSERT_GT(built.at("levels")[1].at("triangles"), full);
+  ASSERT_EQ(built.at("warnings").size(), 1U);
+  EXPECT_NE(built.at("warnings")[0].get<std::string>().find("more than the 2,262 of all samples"),
+            std::string::npos)
+      << built.at("warnings");
+  const auto warnings = [&](const char* max_error) {
+    return run_lode({"extract", model, scratch / "out.ply", "--max-error", max_error, "--json"})
+        .json()
+        .at("warnings");
+  };
+  EXPECT_EQ(warnings("400").size(), 0U);
+  ASSERT_EQ(warnings("1").size(), 1U);
+  EXPECT_NE(warnings("1")[0].get<std::string>().find("of all samples"), std::string::npos);
+}
+
 TEST_P(cli_hierarchy_model, is_read_from_the_format_document_alone) {
   const auto& levels = built_.at("levels");
   EXPECT_EQ(run_oracle(LODE_HIERARCHY_READER, "'" + model_ + "' '" + dem_ + "'"),

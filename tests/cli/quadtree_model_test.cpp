@@ -73,7 +73,8 @@ TEST_P(cli_quadtree_model, refuses_what_it_cannot_by_its_nature) {
     EXPECT_EQ(varied.exit_code, 0) << varied.err;
   else
     expect_refusal(varied, 1, {"one tolerance"});
-  expect_refusal(run_lode({"extract", model_, out_, "--max-cells", "100"}), 1, {"tolerance"});
+  expect_refusal(run_lode({"extract", model_, out_, "--max-cells", "100"}), 1,
+                 {"tolerance", "is known afterwards", "right_triangle_bisection"});
 }
 
 INSTANTIATE_TEST_SUITE_P(models, cli_quadtree_model,

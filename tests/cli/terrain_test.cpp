@@ -79,6 +79,15 @@ TEST(cli_terrain, writes_the_triangles_that_meet_a_window) {
                  {"--clip", "part.tif"});
 }
 
+TEST(cli_terrain, is_called_terrain_in_gltf) {
+  const Scratch scratch;
+  write_dem(scratch / "dem.asc");
+  ASSERT_EQ(run_lode({"extract", scratch / "dem.asc", scratch / "dem.glb"}).exit_code, 0);
+  const std::string bytes = read_bytes(scratch / "dem.glb");
+  EXPECT_NE(bytes.find("\"name\":\"terrain\""), std::string::npos);
+  EXPECT_EQ(bytes.find("isosurface"), std::string::npos);
+}
+
 TEST(cli_terrain, warns_of_boxes_that_lie_outside_in_part) {
   const Scratch scratch;
   const std::string dem = scratch / "dem.asc";

@@ -123,7 +123,7 @@ TEST_F(cli_terrain_view, refuses_what_cannot_be_meant) {
   refused({"--view", camera_, "--view-size", "3"}, 2, {"--view-size"});
   refused({"--view", camera_, "--max-error-px", "-1"}, 2, {"--max-error-px", ">= 0"});
   refused({"--view", camera_, "--exaggeration", "0"}, 2, {"--exaggeration", "> 0"});
-  refused({"--view", camera_, "--max-cells", "100"}, 2, {"--max-cells", "--view"});
+  refused({"--view", camera_, "--max-cells", "100"}, 2, {"--max-cells", "--view", "one tolerance"});
   refused({"--view", camera_, "--deadline-ms", "100"}, 2, {"--deadline-ms"});
   refused({"--view", scratch_ / "none.json"}, 1, {"none.json", "cannot open"});
   write_bytes(scratch_ / "bad.json", R"({"eye": [0, 0, 1]})");

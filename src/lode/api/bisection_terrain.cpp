@@ -62,7 +62,7 @@ Result<SelectedTerrain> BisectionTerrain::select(const TerrainOptions& options,
   TerrainReport& report = selected.report;
   report.max_error = default_tolerance(options, source().range);
   if (options.focus) {
-    if (options.max_cells) return fail("expected a focus or a number of triangles, got both");
+    if (options.max_cells) return fail(kFocusOrCells);
     LODE_TRY(const TerrainDemand focus,
              TerrainDemand::make(*options.focus, report.max_error, source().frame, source().range));
     selected.tin = tin_of(model_.tree, model_.grid,

@@ -121,7 +121,7 @@ Result<SelectedTerrain> HierarchyTerrain::select_focused(const TerrainOptions& o
       return fail(
           "expected a tolerance of {} or more, which is what the model was built for, got {}",
           finest, *asked);
-  if (options.max_cells) return fail("expected a focus or a number of triangles, got both");
+  if (options.max_cells) return fail(kFocusOrCells);
   SelectedTerrain selected;
   TerrainReport& report = selected.report;
   LODE_TRY(const TerrainDemand demand,

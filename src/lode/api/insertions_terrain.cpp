@@ -79,7 +79,7 @@ Result<SelectedTerrain> InsertionsTerrain::select(const TerrainOptions& options,
           "expected a tolerance of {} or more outside the focus, which is what the "
           "model was built for, got {}",
           history().max_error, *outside);
-    if (options.max_cells) return fail("expected a focus or a number of triangles, got both");
+    if (options.max_cells) return fail(kFocusOrCells);
     LODE_TRY(const TerrainDemand focus,
              TerrainDemand::make(*options.focus, tolerance, history().frame, history().range));
     selected.tin =

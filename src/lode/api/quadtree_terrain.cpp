@@ -133,7 +133,12 @@ Result<SelectedTerrain> QuadtreeTerrain::select(const TerrainOptions& options,
         "at a place; restricted_quadtree and the pyramids have one",
         name);
   if (options.max_cells)
-    return fail("expected a tolerance for {}, got a number of triangles", name);
+    return fail(
+        "expected a tolerance for {}, got a number of triangles: its squares are split by "
+        "tolerance "
+        "alone, and how many that makes is known afterwards; a right_triangle_bisection and the "
+        "pyramids find the finest mesh of a number",
+        name);
   if (options.focus && !has_gaps())
     return fail("expected one tolerance for {}, which has gaps where it varies, got a focus", name);
   SelectedTerrain selected;

@@ -12,6 +12,10 @@
 
 namespace lode {
 
+inline constexpr const char* kFocusOrCells =
+    "expected a focus or a number of triangles, got both: a focus says which tolerances hold "
+    "where, and a number is met by one tolerance for all of the terrain";
+
 /// A rectangle in the world.
 struct PlaceBox {
   Vec<double, 2> lower;

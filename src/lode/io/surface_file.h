@@ -13,6 +13,7 @@ struct SurfaceWriteOptions {
   std::string comment;           ///< One line for the file's header; what made it, and how.
   Frame frame = Frame::unknown;  ///< Named in the header where the format has comments.
   std::string value_name{};      ///< What VTP calls the values; empty: "value", as PLY does.
+  std::string node_name{};       ///< What GLB calls its node; empty: "isosurface".
 };
 
 /// Writes a surface, whole or not at all, in the format that the extension names: .ply, .stl,

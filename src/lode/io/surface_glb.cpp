@@ -87,7 +87,7 @@ json describe_primitive(const Surface& surface, GlbArrays& arrays) {
 /// The JSON chunk, padded to whole words as the container demands; sets the size of the data.
 std::string describe(const Surface& surface, const SurfaceWriteOptions& options,
                      std::uint64_t& n_bytes) {
-  json node = {{"name", "isosurface"}};
+  json node = {{"name", options.node_name.empty() ? "isosurface" : options.node_name}};
   if (has_origin(surface))
     node["translation"] = {surface.origin[0], surface.origin[1], surface.origin[2]};
   json document = {
