@@ -28,7 +28,7 @@ std::string without_controls(std::string text) {
 Result<GdalRaster> GdalRaster::open(const std::string& path) {
   // GDAL takes URLs and the text of some formats for names, too.
   LODE_TRY(const InputFilePtr file, InputFile::open(path));
-  LODE_CHECK(check_reads_itself(path));
+  LODE_CHECK(check_raster_kind(path));
   LODE_TRY(const GdalLibrary* gdal, GdalLibrary::get());
   gdal->push_error_handler(gdal->quiet_handler);
   gdal->reset_errors();
@@ -36,7 +36,7 @@ Result<GdalRaster> GdalRaster::open(const std::string& path) {
   gdal->set_option("GTIFF_REPORT_COMPD_CS", "YES");
   GdalRaster raster(path, gdal, file->size());
   raster.dataset_ = gdal->open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY,
-                               raster_drivers(path).data(), nullptr, nullptr);
+                               raster_drivers().data(), nullptr, nullptr);
   if (raster.dataset_ == nullptr)
     return fail("{}: expected {}, got: {}", path, kRasterFormats, raster.reason());
   return raster;
@@ -61,8 +61,6 @@ std::string GdalRaster::reason() const {
 }
 
 Result<GDALRasterBandH> GdalRaster::band(int number) const {
-  if (n_bands() == 0)
-    return fail("{}: expected one raster in the file, got none, or several variables", path_);
   if (number < 1 || number > n_bands())
     return fail("{}: expected a band from 1 to {}, got {}", path_, n_bands(), number);
   GDALRasterBandH found = gdal_->band(dataset_, number);

@@ -17,10 +17,9 @@ namespace {
 
 using namespace std::string_view_literals;
 
-/// That of netCDF, the first one, only of what is netCDF by its first bytes: it reads HDF5, too.
-constexpr std::array<const char*, 16> kDrivers{
-    "netCDF", "GTiff", "AAIGrid",     "PNG",  "USGSDEM", "EHdr",  "ENVI", "DTED",
-    "HFA",    "SAGA",  "JP2OpenJPEG", "GSAG", "GSBG",    "GS7BG", "BT",   nullptr};
+constexpr std::array<const char*, 15> kDrivers{
+    "GTiff", "AAIGrid",     "PNG",  "USGSDEM", "EHdr",  "ENVI", "DTED", "HFA",
+    "SAGA",  "JP2OpenJPEG", "GSAG", "GSBG",    "GS7BG", "BT",   nullptr};
 
 /// The first bytes; fewer of a shorter file, none of what cannot be read.
 std::string head_of(const std::string& path, std::size_t n) {
@@ -38,9 +37,11 @@ bool is_tiff(const std::string& path) {
   return head == "II*\0"sv || head == "MM\0*"sv || head == "II+\0"sv || head == "MM\0+"sv;
 }
 
-bool is_classic_netcdf(const std::string& path) {
-  const std::string head = head_of(path, 4);
-  return head == "CDF\1"sv || head == "CDF\2"sv || head == "CDF\5"sv;
+/// Of the classic formats, and of HDF5.
+bool is_netcdf(const std::string& path) {
+  const std::string head = head_of(path, 8);
+  return head.starts_with("CDF\1"sv) || head.starts_with("CDF\2"sv) ||
+         head.starts_with("CDF\5"sv) || head == "\x89HDF\r\n\x1a\n"sv;
 }
 
 bool is_erdas(const std::string& path) {
@@ -62,22 +63,19 @@ bool ends_with_any(const std::string& name, const std::array<const char*, N>& ex
 
 }  // namespace
 
-std::span<const char* const> raster_drivers(const std::string& path) {
-  return std::span(kDrivers).subspan(is_classic_netcdf(path) ? 0 : 1);
-}
+std::span<const char* const> raster_drivers() { return kDrivers; }
 
-Result<void> check_reads_itself(const std::string& path) {
+Result<void> check_raster_kind(const std::string& path) {
   constexpr std::size_t kRoot = 256;
   if (to_lower(path).ends_with(".vrt") || head_of(path, kRoot).find("<VRTDataset") < kRoot)
     return fail(
         "{}: expected a raster that is in its own file, got a VRT, which reads other files: "
         "gdal_translate makes a GeoTIFF of it",
         path);
-  if (head_of(path, 8) == "\x89HDF\r\n\x1a\n"sv)
-    return fail(
-        "{}: expected a raster that is in its own file, got HDF5 (netCDF-4), which may name other "
-        "files: gdal_translate makes a GeoTIFF of it",
-        path);
+  // Its driver in GDAL 3.6 crashed on 3 of 70 damaged files.
+  if (is_netcdf(path))
+    return fail("{}: expected {}, got netCDF: gdal_translate makes a GeoTIFF of it", path,
+                kRasterFormats);
   return {};
 }
 
