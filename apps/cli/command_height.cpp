@@ -155,6 +155,7 @@ Result<Outcome> run_height(const HeightArguments& arguments, Session& session) {
 
 Command add_height_command(CLI::App& program) {
   auto arguments = std::make_shared<HeightArguments>();
+  arguments->terrain.is_closed = true;
   CLI::App* app =
       program.add_subcommand("height", "Show heights of a terrain at places, with their bounds");
   app->footer(

@@ -109,11 +109,14 @@ Result<Outcome> run_profile(const ProfileArguments& arguments, Session& session)
   LODE_TRY(const Place from, parse_place("--from", arguments.from));
   LODE_TRY(const Place to, parse_place("--to", arguments.to));
   if (!arguments.output.empty()) LODE_CHECK(check_writable(arguments.output));
-  LODE_TRY(const TerrainAnswerer answerer, answer_terrain(arguments.terrain, session));
-  LODE_TRY(
-      const TerrainProfile profile,
-      naming(arguments.terrain.input, answerer.tin.profile(from, to, session.progress()), session));
-  warn_of_long_way(answerer.metric, answerer.opened.facts.frame, from, to, session);
+  TerrainQueryArguments terrain = arguments.terrain;
+  terrain.way = {from[0], to[0]};
+  LODE_TRY(const TerrainAnswerer answerer, answer_terrain(terrain, session));
+  const Place end = end_of_way(answerer.opened, answerer.metric, from, to);
+  LODE_TRY(const TerrainProfile profile,
+           naming(arguments.terrain.input, answerer.tin.profile(from, end, session.progress()),
+                  session));
+  warn_of_long_way(answerer.metric, answerer.opened.facts.frame, from, end, session);
   if (profile.points.empty()) session.warn("the segment meets no terrain");
   if (!arguments.output.empty())
     LODE_CHECK(write_text(arguments.output, profile_csv(profile), session.progress()));

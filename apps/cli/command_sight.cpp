@@ -118,8 +118,11 @@ void warn_of(const TerrainSight& sight, const HorizontalMetric& metric, Session&
 }
 
 Result<Outcome> run_sight(const SightArguments& arguments, Session& session) {
-  LODE_TRY(const TerrainSightOptions options, to_sight_options(arguments));
-  LODE_TRY(const TerrainInput input, read_terrain(arguments.terrain, session));
+  LODE_TRY(TerrainSightOptions options, to_sight_options(arguments));
+  TerrainQueryArguments terrain = arguments.terrain;
+  terrain.way = {options.from[0], options.to[0]};
+  LODE_TRY(const TerrainInput input, read_terrain(terrain, session));
+  options.to = end_of_way(input.opened, input.metric, options.from, options.to);
   LODE_CHECK(check_upwards(input.opened.facts.frame, arguments.terrain.input));
   LODE_TRY(const TerrainSight sight,
            naming(arguments.terrain.input,

@@ -191,9 +191,11 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainArgumen
                                    const ReadingArguments& reading,
                                    const std::optional<TerrainBuildOptions>& building,
                                    const std::optional<double>& max_error, Session& session,
-                                   bool keeps_samples) {
+                                   const TerrainQuestion& question) {
   LODE_TRY(TerrainReadOptions options, to_read_options(path, arguments, reading));
-  options.keeps_samples = keeps_samples;
+  options.keeps_samples = question.keeps_samples;
+  options.is_closed = question.is_closed;
+  options.way = question.way;
   if (max_error && !options.drape_error) options.drape_error = *max_error / 2;
   if (is_polygon_path(arguments.outline)) {
     options.outline = arguments.outline;

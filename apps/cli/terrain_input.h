@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -20,15 +21,19 @@ namespace lode::cli {
                                                  const TerrainArguments& arguments,
                                                  const ReadingArguments& reading);
 
+/// What a question needs of a raster: see TerrainReadOptions.
+struct TerrainQuestion {
+  bool keeps_samples = false;
+  bool is_closed = false;
+  std::optional<std::array<double, 2>> way{};
+};
+
 /// Reads a terrain, or builds what `building` says, and warns of what became of its points and
-/// lines. `max_error`: that will be asked for; draped lines keep half of it. `keeps_samples`: as of
-/// TerrainReadOptions.
-[[nodiscard]] Result<OpenedTerrain> open_terrain(const std::string& path,
-                                                 const TerrainArguments& arguments,
-                                                 const ReadingArguments& reading,
-                                                 const std::optional<TerrainBuildOptions>& building,
-                                                 const std::optional<double>& max_error,
-                                                 Session& session, bool keeps_samples = false);
+/// lines. `max_error`: that will be asked for; draped lines keep half of it.
+[[nodiscard]] Result<OpenedTerrain> open_terrain(
+    const std::string& path, const TerrainArguments& arguments, const ReadingArguments& reading,
+    const std::optional<TerrainBuildOptions>& building, const std::optional<double>& max_error,
+    Session& session, const TerrainQuestion& question = {});
 
 /// Refuses --model, --insertion and reading's options with .lode files, which are of a model, and
 /// a --model that is built with points.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lode/api/round_terrain.h"
 #include "parse.h"
 #include "stopwatch.h"
 #include "terrain_facts.h"
@@ -65,7 +66,9 @@ Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Sessio
   LODE_TRY(OpenedTerrain opened,
            open_terrain(arguments.input, arguments.terrain, reading_of(arguments), building,
                         options.max_error, session,
-                        arguments.is_everywhere || arguments.may_be_everywhere));
+                        {.keeps_samples = arguments.is_everywhere || arguments.may_be_everywhere,
+                         .is_closed = arguments.is_closed,
+                         .way = arguments.way}));
   if (arguments.is_everywhere && !opened.samples)
     return fail(
         "{}: expected a raster without lines, or a model that keeps all heights, with "
@@ -99,6 +102,11 @@ void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& pa
   session.warn(fmt::format(
       "{}: heights are taken for metres, as the file {}", path,
       frame.vertical_unit.empty() ? "does not say their unit" : "says a unit that is not known"));
+}
+
+Place end_of_way(const OpenedTerrain& opened, const HorizontalMetric& metric, const Place& from,
+                 const Place& to) {
+  return opened.is_closed ? nearest_turn(metric, from, to) : to;
 }
 
 void warn_of_long_way(const HorizontalMetric& metric, const HeightFrame& frame, const Place& from,

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "extract_terrain.h"
@@ -15,6 +17,8 @@ struct TerrainQueryArguments {
   std::string nodata;
   bool is_everywhere = false;      ///< Bounds are to hold between samples, too,
   bool may_be_everywhere = false;  ///< or where all heights are at hand.
+  bool is_closed = false;          ///< Of TerrainReadOptions, and the next.
+  std::optional<std::array<double, 2>> way{};
   TerrainArguments terrain;
 };
 
@@ -60,6 +64,10 @@ using AcceptTerrain = std::function<Result<void>(const TerrainFacts&)>;
 /// Warns that heights are taken for metres, where their unit is not known.
 void warn_of_unit(bool is_known, const HeightFrame& frame, const std::string& path,
                   Session& session);
+
+/// Where a way ends: where the terrain goes round the earth without a gap, on the shorter way.
+[[nodiscard]] Place end_of_way(const OpenedTerrain& opened, const HorizontalMetric& metric,
+                               const Place& from, const Place& to);
 
 /// Warns of a way that is straight in the coordinates and goes the long way round the earth, on a
 /// raster that has all of it.

@@ -114,7 +114,7 @@ TEST_F(cli_terrain_sight, takes_the_curvature_of_the_earth_less_refraction) {
   EXPECT_EQ(over_plain("1", "0.01"), "visible");
 }
 
-TEST_F(cli_terrain_sight, warns_of_the_long_way_round_the_earth) {
+TEST_F(cli_terrain_sight, goes_the_short_way_round_the_earth_and_warns_where_it_cannot) {
   const auto write_globe = [&](const std::string& path, int columns) {
     std::ofstream file(path);
     file << "ncols " << columns << "\nnrows 9\nxllcorner -180\nyllcorner -45\ncellsize 10\n";
@@ -132,12 +132,42 @@ TEST_F(cli_terrain_sight, warns_of_the_long_way_round_the_earth) {
     return run.err.find("over 200 degrees of longitude; the other way round the earth, over 160") !=
            std::string::npos;
   };
+  ASSERT_EQ(run_lode({"build", scratch_ / "globe.asc", scratch_ / "globe.lode", "--levels", "0"})
+                .exit_code,
+            0);
   for (const char* command : {"sight", "profile"}) {
-    EXPECT_TRUE(warned(command, "globe.asc", "-100,0", "100,0"));
-    EXPECT_TRUE(warned(command, "globe.asc", "100,20", "-100,0"));
-    EXPECT_FALSE(warned(command, "globe.asc", "-80,0", "80,0"));
+    EXPECT_TRUE(warned(command, "globe.lode", "-100,0", "100,0"));
+    EXPECT_TRUE(warned(command, "globe.lode", "100,20", "-100,0"));
+    EXPECT_FALSE(warned(command, "globe.lode", "-80,0", "80,0"));
     EXPECT_FALSE(warned(command, "part.asc", "-100,0", "100,0")) << "no other way";
+    EXPECT_FALSE(warned(command, "globe.asc", "-100,0", "100,0"));
   }
+  const auto profile = [&](const char* from, const char* to) {
+    return run_lode({"profile", scratch_ / "globe.asc", "--from", from, "--to", to, "--max-error",
+                     "0", "--json"})
+        .json();
+  };
+  const auto east = profile("100,0", "-100,0");
+  EXPECT_TRUE(east.at("gaps").empty());
+  EXPECT_NEAR(east.at("length").get<double>(), 6378137 * M_PI * 160 / 180, 1);
+  EXPECT_EQ(east.at("points").back().at("x"), 260);
+  // The same ground from the other end, and under other names.
+  const auto west = profile("-100,0", "100,0");
+  const auto again = profile("460,0", "260,0");
+  ASSERT_EQ(west.at("points").size(), east.at("points").size());
+  ASSERT_EQ(again.at("points").size(), east.at("points").size());
+  for (std::size_t i = 0; i < east.at("points").size(); ++i) {
+    const double z = east.at("points")[i].at("height");
+    EXPECT_NEAR(west.at("points")[west.at("points").size() - 1 - i].at("height").get<double>(), z,
+                1e-9);
+    EXPECT_NEAR(again.at("points")[i].at("height").get<double>(), z, 1e-9);
+  }
+  // Pixels' middles are at -175 and 175; between them is ground.
+  const auto seam = run_lode({"height", scratch_ / "globe.asc", "--at", "180,0", "--at", "-180,0",
+                              "--max-error", "0", "--json"})
+                        .json();
+  EXPECT_EQ(seam.at("outside"), 0);
+  EXPECT_EQ(seam.at("points")[0].at("height"), seam.at("points")[1].at("height"));
 }
 
 TEST_F(cli_terrain_sight, leaves_gaps_undecided_and_warns_of_units) {

@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "lode/api/files.h"
+#include "lode/api/round_terrain.h"
 #include "lode/api/terrain_features.h"
 #include "lode/core/out_of_memory.h"
+#include "lode/io/crs_metric.h"
 #include "lode/io/line_file.h"
 #include "lode/io/polygon_file.h"
 #include "lode/store/reader.h"
@@ -132,6 +134,21 @@ Result<void> build_of_points(const std::string& path, const TerrainBuildOptions&
   return {};
 }
 
+/// As the options say; whether it was.
+Result<bool> close_round(const TerrainReadOptions& options, HeightGrid& grid) {
+  if (options.has_lines() || (!options.is_closed && !options.way)) return false;
+  LODE_TRY(const HorizontalMetric metric, io::read_metric(grid.crs));
+  const auto n_turn = columns_of_turn(grid, metric);
+  if (!n_turn) return false;
+  double at = grid.to_world[0];
+  if (options.way) {
+    const Vec<double, 2> from{{(*options.way)[0], 0}};
+    at = std::min(from[0], nearest_turn(metric, from, {{(*options.way)[1], 0}})[0]);
+  }
+  grid = cut_open_at(grid, *n_turn, at);
+  return true;
+}
+
 }  // namespace
 
 TerrainFacts facts_of(const io::HeightRaster& raster) {
@@ -174,6 +191,8 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
     return opened;
   }
   LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
+  TerrainFacts facts = facts_of(read);
+  LODE_TRY(const bool is_closed, naming(path, close_round(reading, read.grid), progress));
   const bool has_edges = building && reading.has_lines() && is_of_any_points(building->model);
   if (building && !has_edges && !reading.breaklines.empty())
     return fail(
@@ -208,6 +227,7 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
     opened.facts.form = read.form;
     opened.facts.vertical = read.vertical;
     opened.lines = lines;
+    opened.is_closed = is_closed;
     if (!opened.samples && reading.keeps_samples) {
       const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
       opened.samples = {raster, &raster->grid};
@@ -216,7 +236,8 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
   }
   const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
   const std::shared_ptr<const HeightGrid> grid(raster, &raster->grid);
-  OpenedTerrain opened{.terrain = Terrain(grid), .facts = facts_of(*raster), .grid = grid};
+  OpenedTerrain opened{.terrain = Terrain(grid), .facts = std::move(facts), .grid = grid};
+  opened.is_closed = is_closed;
   // Lines may change heights.
   if (!reading.has_lines()) opened.samples = grid;
   if (reading.has_lines())

@@ -65,6 +65,11 @@ struct TerrainReadOptions {
   std::optional<double> drape_error{};
   /// Of a raster that a model is built of: its heights stay at hand (OpenedTerrain::samples).
   bool keeps_samples = false;
+  /// A raster without lines that goes round the earth ends with its first column (cut_open_at()),
+  bool is_closed = false;
+  /// and begins at the western one of these longitudes, the ends of a way, which is the shorter one
+  /// round the earth.
+  std::optional<std::array<double, 2>> way{};
 
   [[nodiscard]] bool has_lines() const {
     return least_relief || keeps_features || !breaklines.empty();
@@ -83,6 +88,7 @@ struct OpenedTerrain {
   std::shared_ptr<const HeightGrid> grid{};  ///< The raster; null where only a model is at hand.
   /// All heights of the raster that it is of, where they are at hand.
   std::shared_ptr<const HeightGrid> samples{};
+  bool is_closed = false;                    ///< It goes round the earth without a gap.
   std::optional<TerrainLineReport> lines{};  ///< Where there are some.
 };
 

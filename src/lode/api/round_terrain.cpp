@@ -1,0 +1,74 @@
+#include "lode/api/round_terrain.h"
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <type_traits>
+
+namespace lode {
+namespace {
+
+/// Of longitudes, in their unit.
+double turn_of(const HorizontalMetric& metric) { return 2 * std::numbers::pi / metric.angle_unit; }
+
+/// Whether two columns have the same heights.
+bool are_equal(const HeightGrid& grid, std::int32_t a, std::int32_t b) {
+  for (std::int32_t y = 0; y < grid.n_rows; ++y) {
+    const bool is_there = grid.has_height(a, y);
+    if (is_there != grid.has_height(b, y)) return false;
+    if (is_there && grid.height(a, y) != grid.height(b, y)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<std::int32_t> columns_of_turn(const HeightGrid& grid,
+                                            const HorizontalMetric& metric) {
+  const std::array<double, 6>& g = grid.to_world;
+  if (!metric.ellipsoid || g[2] != 0 || g[4] != 0 || !(g[1] > 0)) return std::nullopt;
+  const double n = std::round(turn_of(metric) / g[1]);
+  constexpr double kSteps = 1e-3;  // That the seam may differ from others by.
+  if (!(n >= 3) || std::abs(n * g[1] - turn_of(metric)) > kSteps * g[1]) return std::nullopt;
+  if (grid.n_columns == n) return grid.n_columns;
+  if (grid.n_columns == n + 1 && are_equal(grid, 0, grid.n_columns - 1)) return grid.n_columns - 1;
+  return std::nullopt;
+}
+
+HeightGrid cut_open_at(const HeightGrid& grid, std::int32_t n_turn, double longitude) {
+  const double step = grid.to_world[1];
+  const double steps = std::floor((longitude - grid.to_world[0]) / step);
+  const auto first = static_cast<std::int32_t>(steps - std::floor(steps / n_turn) * n_turn);
+  const auto column = [&](std::int32_t x) { return (first + x) % n_turn; };
+  return std::visit(
+      [&](const auto& from) {
+        using T = std::remove_cvref_t<decltype(from[0])>;
+        HeightGrid cut = make_height_grid<T>(n_turn + 1, grid.n_rows);
+        cut.crs = grid.crs;
+        cut.vertical_unit = grid.vertical_unit;
+        cut.to_world = grid.to_world;
+        cut.to_world[0] += steps * step;
+        auto& to = std::get<HeightGrid::Samples<T>>(cut.heights);
+        if (!grid.is_valid.empty()) cut.is_valid.resize(static_cast<std::size_t>(cut.n_samples()));
+        for (std::int32_t y = 0; y < grid.n_rows; ++y)
+          for (std::int32_t x = 0; x <= n_turn; ++x) {
+            to[static_cast<std::size_t>(y * cut.stride + x)] =
+                from[static_cast<std::size_t>(y * grid.stride + column(x))];
+            if (!grid.is_valid.empty())
+              cut.is_valid[static_cast<std::size_t>(std::int64_t{y} * cut.n_columns + x)] =
+                  grid.has_height(column(x), y) ? 1 : 0;
+          }
+        return cut;
+      },
+      grid.heights);
+}
+
+Vec<double, 2> nearest_turn(const HorizontalMetric& metric, const Vec<double, 2>& from,
+                            Vec<double, 2> to) {
+  if (!metric.ellipsoid) return to;
+  const double turn = turn_of(metric);
+  to[0] += turn * std::round((from[0] - to[0]) / turn);
+  return to;
+}
+
+}  // namespace lode

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "lode/core/height_grid.h"
+#include "lode/core/horizontal_metric.h"
+#include "lode/core/vec.h"
+
+namespace lode {
+
+/// Of a raster in longitudes that goes round the earth, how many columns go into a turn: its own,
+/// or all but the last, where that is the first again and has its heights. Nothing of others, and
+/// of rasters that are turned, or run from east to west.
+[[nodiscard]] std::optional<std::int32_t> columns_of_turn(const HeightGrid& grid,
+                                                          const HorizontalMetric& metric);
+
+/// Such a raster from the column at a longitude, or the next to its west, all the way round to that
+/// column once more: so a way that begins there and is no longer than a turn does not leave it.
+[[nodiscard]] HeightGrid cut_open_at(const HeightGrid& grid, std::int32_t n_turn, double longitude);
+
+/// A place as many turns on or back as bring it nearest to another.
+[[nodiscard]] Vec<double, 2> nearest_turn(const HorizontalMetric& metric,
+                                          const Vec<double, 2>& from, Vec<double, 2> to);
+
+}  // namespace lode

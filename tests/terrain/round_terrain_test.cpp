@@ -1,0 +1,81 @@
+// Rasters that go round the earth, cut open.
+#include "lode/api/round_terrain.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/terrain/hierarchy_fixtures.h"
+
+namespace lode {
+namespace {
+
+HorizontalMetric degrees() {
+  return {.is_known = true, .ellipsoid = kWgs84Ellipsoid, .angle_unit = std::numbers::pi / 180};
+}
+
+double globe_height(int x, int y) { return std::round(100 * std::sin(x * 1.7) + y); }
+
+/// 36 columns of ten degrees, or one more, which is the first again.
+HeightGrid globe(int n_columns, int n_turn = 36) {
+  HeightGrid grid = test::make_grid<std::int16_t>(
+      n_columns, 7, [&](int x, int y) { return globe_height(x % n_turn, y); });
+  grid.to_world = {-180, 360.0 / n_turn, 0, 30, 0, -10};
+  delaunay::test::set_missing(grid, 5, 3);
+  if (n_columns > n_turn + 5) delaunay::test::set_missing(grid, n_turn + 5, 3);
+  return grid;
+}
+
+TEST(round_terrain, knows_rasters_that_go_round) {
+  EXPECT_EQ(columns_of_turn(globe(36), degrees()), 36);
+  EXPECT_EQ(columns_of_turn(globe(37), degrees()), 36);
+  EXPECT_EQ(columns_of_turn(globe(35), degrees()), std::nullopt);
+  EXPECT_EQ(columns_of_turn(globe(38), degrees()), std::nullopt);
+  EXPECT_EQ(columns_of_turn(globe(36), {}), std::nullopt) << "in a plane";
+  HeightGrid other = globe(37);
+  std::get<HeightGrid::Samples<std::int16_t>>(other.heights)[36] += 1;
+  EXPECT_EQ(columns_of_turn(other, degrees()), std::nullopt) << "another last column";
+  for (const std::size_t i : {2U, 4U}) {
+    HeightGrid turned = globe(36);
+    turned.to_world[i] = 1;
+    EXPECT_EQ(columns_of_turn(turned, degrees()), std::nullopt);
+  }
+  HeightGrid westward = globe(36);
+  westward.to_world[1] = -10;
+  EXPECT_EQ(columns_of_turn(westward, degrees()), std::nullopt);
+  HeightGrid narrow = globe(36);
+  narrow.to_world[1] = 9.99;
+  EXPECT_EQ(columns_of_turn(narrow, degrees()), std::nullopt);
+}
+
+TEST(round_terrain, has_each_height_where_it_was) {
+  for (const int n_columns : {36, 37})
+    for (const double longitude : {-180.0, -180.1, 0.0, 3.0, 9.999, 175.0, 180.0, 725.0, -1000.0}) {
+      SCOPED_TRACE(testing::Message() << n_columns << ", " << longitude);
+      const HeightGrid cut = cut_open_at(globe(n_columns), 36, longitude);
+      ASSERT_EQ(cut.n_columns, 37);
+      EXPECT_LE(cut.to_world[0], longitude);
+      EXPECT_GT(cut.to_world[0] + 10, longitude);
+      for (int y = 0; y < 7; ++y)
+        for (int x = 0; x < 37; ++x) {
+          const double at = cut.world(x, y)[0];
+          const auto column = static_cast<int>(std::lround((at + 180) / 10) % 36 + 36) % 36;
+          ASSERT_EQ(cut.has_height(x, y), !(column == 5 && y == 3));
+          if (cut.has_height(x, y)) EXPECT_EQ(cut.height(x, y), globe_height(column, y));
+        }
+    }
+}
+
+TEST(round_terrain, brings_places_near) {
+  const auto near = [](double from, double to) {
+    return nearest_turn(degrees(), {{from, 3}}, {{to, 8}});
+  };
+  EXPECT_NEAR(near(359, 1)[0], 361, 1e-9);
+  EXPECT_NEAR(near(-170, 170)[0], -190, 1e-9);
+  EXPECT_NEAR(near(10, 20)[0], 20, 1e-9);
+  EXPECT_NEAR(near(10, 740)[0], 20, 1e-9);
+  EXPECT_EQ(near(359, 1)[1], 8);
+  EXPECT_EQ(nearest_turn({}, {{359, 3}}, {{1, 8}})[0], 1) << "in a plane";
+}
+
+}  // namespace
+}  // namespace lode
