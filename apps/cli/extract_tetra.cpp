@@ -249,8 +249,8 @@ Result<Outcome> run_tetra_mesh(const MeshJob& job, const TetraJob& wanted, Sessi
 }
 
 /// How many cells of the cut that a surface is of --warp turns round.
-Result<std::uint64_t> count_turned(const TetraInput& input, const MeshJob& job, TetraJob wanted,
-                                   Session& session) {
+Result<std::uint64_t> count_turned(const TetraInput& input, const MeshJob& job,
+                                   const TetraJob& wanted, Session& session) {
   if (!job.query.warp.is_wanted()) return std::uint64_t{0};
   TetraMeshOptions options = wanted.mesh;
   if (!job.query.sections.empty()) {

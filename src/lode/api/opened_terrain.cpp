@@ -149,6 +149,77 @@ Result<bool> close_round(const TerrainReadOptions& options, HeightGrid& grid) {
   return true;
 }
 
+/// What of its lines a model of a raster keeps that has no edges of points.
+Result<void> keep_features(const std::string& path, const TerrainReadOptions& reading,
+                           const HeightGrid& grid, TerrainBuildOptions& building,
+                           TerrainLineReport& report, Progress& progress) {
+  LODE_TRY(const TerrainLineOptions wanted, read_line_options(reading, grid, height_range(grid)));
+  if (!is_hierarchy(building.model)) {
+    LODE_TRY(
+        building.kept,
+        naming(path, find_feature_nodes(grid, *wanted.least_relief, report, progress), progress));
+    return {};
+  }
+  LODE_TRY(LinedTerrain lined, naming(path, add_lines(grid, wanted, progress), progress));
+  building.lined = std::make_shared<const PointTerrain>(std::move(lined.terrain));
+  report = lined.report;
+  return {};
+}
+
+/// A model of a raster itself, and not of its samples as points.
+Result<OpenedTerrain> build_of_raster(const std::string& path, const TerrainReadOptions& reading,
+                                      const TerrainBuildOptions& building, io::HeightRaster read,
+                                      Progress& progress) {
+  if (!reading.breaklines.empty())
+    return fail(
+        "{}: expected no breaklines with a {}, got some: the delaunay_selector takes them, the "
+        "delaunay_pyramid, the ternary_triangulation and the implicit_delaunay_pyramid; other "
+        "models features",
+        path, name_of(building.model));
+  TerrainBuildOptions options = building;
+  options.sample_type = read.type;
+  options.has_place = read.has_place;
+  std::optional<TerrainLineReport> lines;
+  if (reading.has_lines())
+    LODE_CHECK(keep_features(path, reading, read.grid, options, lines.emplace(), progress));
+  LODE_TRY(BuiltTerrain built,
+           naming(path, BuiltTerrain::build(read.grid, options, progress), progress));
+  OpenedTerrain opened = of_built(std::move(built));
+  opened.facts.form = read.form;
+  opened.facts.vertical = read.vertical;
+  opened.lines = lines;
+  if (!opened.samples && reading.keeps_samples) {
+    const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
+    opened.samples = {raster, &raster->grid};
+  }
+  return opened;
+}
+
+Result<OpenedTerrain> open_raster(const std::string& path, const TerrainReadOptions& reading,
+                                  const std::optional<TerrainBuildOptions>& building,
+                                  Progress& progress) {
+  LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
+  TerrainFacts facts = lode::facts_of(read);
+  LODE_TRY(const bool is_closed, naming(path, close_round(reading, read.grid), progress));
+  if (building && !(reading.has_lines() && is_of_any_points(building->model))) {
+    LODE_TRY(OpenedTerrain opened,
+             build_of_raster(path, reading, *building, std::move(read), progress));
+    opened.is_closed = is_closed;
+    return opened;
+  }
+  const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
+  const std::shared_ptr<const HeightGrid> grid(raster, &raster->grid);
+  OpenedTerrain opened{.terrain = Terrain(grid), .facts = std::move(facts), .grid = grid};
+  opened.is_closed = is_closed;
+  // Lines may change heights.
+  if (!reading.has_lines()) opened.samples = grid;
+  if (reading.has_lines())
+    LODE_CHECK(
+        open_lines<const HeightGrid&>(path, reading, *grid, height_range(*grid), opened, progress));
+  if (building) LODE_CHECK(build_of_points(path, *building, opened, progress));
+  return opened;
+}
+
 }  // namespace
 
 TerrainFacts facts_of(const io::HeightRaster& raster) {
@@ -190,61 +261,7 @@ Result<OpenedTerrain> open_terrain(const std::string& path, const TerrainReadOpt
     if (building) LODE_CHECK(build_of_points(path, *building, opened, progress));
     return opened;
   }
-  LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
-  TerrainFacts facts = facts_of(read);
-  LODE_TRY(const bool is_closed, naming(path, close_round(reading, read.grid), progress));
-  const bool has_edges = building && reading.has_lines() && is_of_any_points(building->model);
-  if (building && !has_edges && !reading.breaklines.empty())
-    return fail(
-        "{}: expected no breaklines with a {}, got some: the delaunay_selector takes them, the "
-        "delaunay_pyramid, the ternary_triangulation and the implicit_delaunay_pyramid; other "
-        "models features",
-        path, name_of(building->model));
-  if (building && !has_edges) {
-    TerrainBuildOptions options = *building;
-    options.sample_type = read.type;
-    options.has_place = read.has_place;
-    std::optional<TerrainLineReport> lines;
-    if (reading.has_lines()) {
-      LODE_TRY(const TerrainLineOptions wanted,
-               read_line_options(reading, read.grid, height_range(read.grid)));
-      lines.emplace();
-      if (is_hierarchy(building->model)) {
-        LODE_TRY(LinedTerrain lined,
-                 naming(path, add_lines(read.grid, wanted, progress), progress));
-        options.lined = std::make_shared<const PointTerrain>(std::move(lined.terrain));
-        *lines = lined.report;
-      } else {
-        LODE_TRY(options.kept,
-                 naming(path, find_feature_nodes(read.grid, *wanted.least_relief, *lines, progress),
-                        progress));
-      }
-    }
-    auto built = BuiltTerrain::build(read.grid, options, progress);
-    if (!built && !progress.is_cancelled()) return fail("{}: {}", path, built.error().message);
-    if (!built) return built.error();
-    OpenedTerrain opened = of_built(*std::move(built));
-    opened.facts.form = read.form;
-    opened.facts.vertical = read.vertical;
-    opened.lines = lines;
-    opened.is_closed = is_closed;
-    if (!opened.samples && reading.keeps_samples) {
-      const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
-      opened.samples = {raster, &raster->grid};
-    }
-    return opened;
-  }
-  const auto raster = std::make_shared<const io::HeightRaster>(std::move(read));
-  const std::shared_ptr<const HeightGrid> grid(raster, &raster->grid);
-  OpenedTerrain opened{.terrain = Terrain(grid), .facts = std::move(facts), .grid = grid};
-  opened.is_closed = is_closed;
-  // Lines may change heights.
-  if (!reading.has_lines()) opened.samples = grid;
-  if (reading.has_lines())
-    LODE_CHECK(
-        open_lines<const HeightGrid&>(path, reading, *grid, height_range(*grid), opened, progress));
-  if (building) LODE_CHECK(build_of_points(path, *building, opened, progress));
-  return opened;
+  return open_raster(path, reading, building, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("open the terrain", path);
 }
