@@ -1,5 +1,6 @@
 #include "verify_tetra.h"
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -34,6 +35,14 @@ Result<Original> read_original(const TetraVerifyJob& job, const TetraInfo& info,
     LODE_TRY(const std::size_t at, named_field(info, name, job.reading.time));
     original.fields.push_back(at);
   }
+  const bool has_steps =
+      needs_vtk_import(job.original) ||
+      std::ranges::any_of(info.fields, [&](const TetraFieldInfo& field) {
+        return field.time && std::ranges::find(options.fields, field.name) != options.fields.end();
+      });
+  if (!job.reading.time.empty() && !has_steps)
+    return fail("--time: expected none, as neither {} nor what is compared of {} has steps, got {}",
+                job.original, job.input, job.reading.time);
   // Of files that have steps that of the file, too.
   LODE_TRY(CellMesh cells, read_cells(job.original, job.reading, session));
   LODE_TRY(TetrahedraOutcome made, to_tetrahedra(std::move(cells), options));

@@ -162,6 +162,15 @@ TEST_F(cli_terrain_sight, goes_the_short_way_round_the_earth_and_warns_where_it_
                 1e-9);
     EXPECT_NEAR(again.at("points")[i].at("height").get<double>(), z, 1e-9);
   }
+  // What is a turn apart is one place, and what is beyond a hundred turns is none.
+  for (const char* command : {"sight", "profile"})
+    for (const char* far : {"370,0", "1e300,0", "-40000,0"}) {
+      const Finished run =
+          run_lode({command, scratch_ / "globe.asc", "--from", far, "--to", "10,0"});
+      EXPECT_EQ(run.exit_code, 1) << run.err;
+      EXPECT_NE(run.err.find("expected"), std::string::npos) << run.err;
+      EXPECT_EQ(run.err.find("broken expectation"), std::string::npos) << run.err;
+    }
   // Pixels' middles are at -175 and 175; between them is ground.
   const auto seam = run_lode({"height", scratch_ / "globe.asc", "--at", "180,0", "--at", "-180,0",
                               "--max-error", "0", "--json"})

@@ -235,6 +235,7 @@ TEST_F(cli_tetra_fields, are_attached_as_steps) {
 
 TEST_F(cli_tetra_fields, that_make_no_sense_are_refused) {
   const std::string all = scratch_ / "all.lode";
+  refused({"verify", model_, "--against", mesh_, "--time", "7"}, "--time: expected none");
   refused({"attach-field", model_, later_, all, "--field", "noise"}, "has not got");
   refused({"attach-field", model_, later_, latest_, all, "--field", "noise"}, "--at: expected");
   refused({"attach-field", model_, later_, all, "--field", "noise", "--at", "1,2"},

@@ -188,7 +188,8 @@ TEST(polyhedra_without_a_centre, are_counted_and_the_first_is_named) {
     test::add_polyhedron(mesh, faces);
   }
   mesh.point_fields.clear();
-  test::expect_no_tetrahedra(mesh, {"some point sees all faces", "got 2", "first of them cell 1"});
+  test::expect_no_tetrahedra(mesh,
+                             {"some point sees all triangles", "got 2", "first of them cell 1"});
 }
 
 TEST(polyhedra_that_are_flat, are_kept) {

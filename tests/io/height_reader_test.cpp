@@ -142,6 +142,26 @@ TEST_F(height_reader, reads_terrain_in_its_usual_formats) {
   }
 }
 
+TEST_F(height_reader, refuses_grids_of_saga_that_are_to_be_multiplied) {
+  GDALAllRegister();
+  if (GDALGetDriverByName("SAGA") == nullptr) GTEST_SKIP() << "GDAL has no driver for SAGA";
+  const std::string path = (*this)("a.sdat");
+  write_raster(path, degree(GDT_Float32), "SAGA");
+  std::string header;
+  std::getline(std::ifstream((*this)("a.sgrd")), header, '\0');
+  const std::size_t at = header.find("Z_FACTOR");
+  ASSERT_NE(at, std::string::npos);
+  header.erase(at, header.find('\n', at) + 1 - at);
+  for (const char* factor : {"1", " 1.000000\r", "1e0"}) {
+    std::ofstream((*this)("a.sgrd")) << header << "Z_FACTOR\t=" << factor << "\n";
+    EXPECT_EQ(read(path).grid.n_columns, 121) << factor;
+  }
+  for (const char* factor : {"0.3048", " 10.000000\r", "x"}) {
+    std::ofstream((*this)("a.sgrd")) << header << "z_factor\t= " << factor << "\n";
+    EXPECT_NE(refusal(path).find("Z_FACTOR"), std::string::npos) << factor;
+  }
+}
+
 TEST_F(height_reader, tells_what_is_no_terrain_by_content) {
   std::ofstream((*this)("scan.img")) << "a volume beside scan.hdr";
   std::ofstream((*this)("scan.hdr")) << std::string(348, ' ');

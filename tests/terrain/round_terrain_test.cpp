@@ -65,6 +65,18 @@ TEST(round_terrain, has_each_height_where_it_was) {
     }
 }
 
+TEST(round_terrain, leaves_alone_what_is_no_longitude) {
+  EXPECT_TRUE(is_longitude(degrees(), -36000));
+  for (const double far : {36001.0, -1e300, HUGE_VAL, std::nan("")}) {
+    EXPECT_FALSE(is_longitude(degrees(), far));
+    HeightGrid away = globe(36);
+    away.to_world[0] = far;
+    EXPECT_EQ(columns_of_turn(away, degrees()), std::nullopt);
+    EXPECT_EQ(nearest_turn(degrees(), {{far, 3}}, {{1, 8}})[0], 1);
+  }
+  EXPECT_EQ(nearest_turn(degrees(), {{0, 3}}, {{1e300, 8}})[0], 1e300);
+}
+
 TEST(round_terrain, brings_places_near) {
   const auto near = [](double from, double to) {
     return nearest_turn(degrees(), {{from, 3}}, {{to, 8}});

@@ -94,6 +94,61 @@ TEST_F(tetra_verification, finds_errors_that_are_stated_too_small) {
                                 "errors at 0.03 of the base's", "errors at 0.01 of the base's"}));
 }
 
+/// Noise in a ball, with a hierarchy whose boundary may move.
+struct MovingBall {
+  TetraMesh mesh;
+  Hierarchy hierarchy;
+
+  explicit MovingBall(double tolerance) : mesh(oracles::noise_mesh(10, oracles::Cut::in_six, 7)) {
+    for (Vec3d& p : mesh.positions) {
+      const Vec3d d = p - Vec3d{{0.5, 0.5, 0.5}};
+      const double most = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
+      p = most > 0 ? d * (most / length(d)) : d;
+    }
+    tetra_mt::CollapseRules rules;
+    rules.boundary_tolerance = tolerance;
+    Progress progress;
+    const auto collapses = tetra_mt::collapse_half_edges(
+        mesh, {.base_cells = 200, .rules = rules, .threads = {2}}, progress);
+    EXPECT_TRUE(collapses);
+    auto made = tetra_mt::make_hierarchy(mesh, *collapses, {2});
+    EXPECT_TRUE(made);
+    hierarchy = std::move(*made);
+  }
+  /// Of its checks, after errors and the boundary's deviation were multiplied.
+  [[nodiscard]] std::vector<std::string> failures(double errors, double deviation) const {
+    Hierarchy changed = hierarchy;
+    for (StoredFacts& facts : changed.facts) facts.error *= static_cast<float>(errors);
+    changed.boundary_deviation *= deviation;
+    const auto packed = PackedHierarchy::pack(changed, mesh.tetrahedra.size(), {2});
+    Progress progress;
+    const auto report = verify_hierarchy(packed, {.n_random_cuts = 4, .threads = {2}}, progress);
+    EXPECT_TRUE(report) << report.error().message;
+    std::vector<std::string> names;
+    for (const VerifyReport::Check& check : report->checks)
+      if (!check.passed) names.push_back(check.name);
+    return names;
+  }
+};
+
+TEST(tetra_verification_of_moving_boundaries, excuses_no_errors_that_are_stated_too_small) {
+  for (const double tolerance : {0.004, 0.03, 0.1}) {
+    const MovingBall ball(tolerance);
+    ASSERT_GT(ball.hierarchy.boundary_deviation, 0);
+    EXPECT_EQ(ball.failures(1, 1), std::vector<std::string>()) << tolerance;
+    // A deviation that is more than the boundary's is true, too, but must not help either.
+    for (const double deviation : {1.0, 1e9})
+      for (const double share : {0.9, 0.5, 0.0}) {
+        const auto names = ball.failures(share, deviation);
+        EXPECT_TRUE(std::ranges::find(names, "errors at vertices <= stored errors") != names.end())
+            << tolerance << ", " << deviation << ", " << share;
+      }
+    const auto names = ball.failures(1, 0.1);
+    EXPECT_TRUE(std::ranges::find(names, "boundary of random cuts where it was") != names.end())
+        << tolerance;
+  }
+}
+
 TEST_F(tetra_verification, finds_ranges_that_are_stated_too_narrow_and_facts_that_are_not_nested) {
   EXPECT_TRUE(has(failures([](Hierarchy& h) {
                     for (StoredFacts& facts : h.facts)

@@ -142,8 +142,10 @@ Result<bool> close_round(const TerrainReadOptions& options, HeightGrid& grid) {
   if (!n_turn) return false;
   double at = grid.to_world[0];
   if (options.way) {
-    const Vec<double, 2> from{{(*options.way)[0], 0}};
-    at = std::min(from[0], nearest_turn(metric, from, {{(*options.way)[1], 0}})[0]);
+    const auto& [begin, end] = *options.way;
+    if (!is_longitude(metric, begin) || !is_longitude(metric, end)) return false;
+    const Vec<double, 2> from{{begin, 0}};
+    at = std::min(from[0], nearest_turn(metric, from, {{end, 0}})[0]);
   }
   grid = cut_open_at(grid, *n_turn, at);
   return true;

@@ -23,10 +23,16 @@ bool are_equal(const HeightGrid& grid, std::int32_t a, std::int32_t b) {
 
 }  // namespace
 
+bool is_longitude(const HorizontalMetric& metric, double longitude) {
+  constexpr double kMostTurns = 100;
+  return std::abs(longitude) <= kMostTurns * turn_of(metric);
+}
+
 std::optional<std::int32_t> columns_of_turn(const HeightGrid& grid,
                                             const HorizontalMetric& metric) {
   const std::array<double, 6>& g = grid.to_world;
   if (!metric.ellipsoid || g[2] != 0 || g[4] != 0 || !(g[1] > 0)) return std::nullopt;
+  if (!is_longitude(metric, g[0])) return std::nullopt;
   const double n = std::round(turn_of(metric) / g[1]);
   constexpr double kSteps = 1e-3;  // That the seam may differ from others by.
   if (!(n >= 3) || std::abs(n * g[1] - turn_of(metric)) > kSteps * g[1]) return std::nullopt;
@@ -65,7 +71,8 @@ HeightGrid cut_open_at(const HeightGrid& grid, std::int32_t n_turn, double longi
 
 Vec<double, 2> nearest_turn(const HorizontalMetric& metric, const Vec<double, 2>& from,
                             Vec<double, 2> to) {
-  if (!metric.ellipsoid) return to;
+  if (!metric.ellipsoid || !is_longitude(metric, from[0]) || !is_longitude(metric, to[0]))
+    return to;
   const double turn = turn_of(metric);
   to[0] += turn * std::round((from[0] - to[0]) / turn);
   return to;

@@ -10,17 +10,23 @@
 
 namespace lode {
 
+/// Whether a longitude, in the metric's unit, is one that turns mean something of: beyond a hundred
+/// of them it is none, but a mistake.
+[[nodiscard]] bool is_longitude(const HorizontalMetric& metric, double longitude);
+
 /// Of a raster in longitudes that goes round the earth, how many columns go into a turn: its own,
 /// or all but the last, where that is the first again and has its heights. Nothing of others, and
-/// of rasters that are turned, or run from east to west.
+/// of rasters that are turned, run from east to west, or are nowhere on the earth.
 [[nodiscard]] std::optional<std::int32_t> columns_of_turn(const HeightGrid& grid,
                                                           const HorizontalMetric& metric);
 
-/// Such a raster from the column at a longitude, or the next to its west, all the way round to that
-/// column once more: so a way that begins there and is no longer than a turn does not leave it.
+/// Such a raster from the column at a longitude (is_longitude()), or the next to its west, all the
+/// way round to that column once more: so a way that begins there and is no longer than a turn does
+/// not leave it.
 [[nodiscard]] HeightGrid cut_open_at(const HeightGrid& grid, std::int32_t n_turn, double longitude);
 
-/// A place as many turns on or back as bring it nearest to another.
+/// A place as many turns on or back as bring it nearest to another; itself, where either is at no
+/// longitude.
 [[nodiscard]] Vec<double, 2> nearest_turn(const HorizontalMetric& metric,
                                           const Vec<double, 2>& from, Vec<double, 2> to);
 

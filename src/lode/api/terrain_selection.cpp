@@ -19,6 +19,7 @@ class Raster final : public TerrainOrigin {
   explicit Raster(std::shared_ptr<const HeightGrid> grid) : grid_(std::move(grid)) {}
   [[nodiscard]] const HeightFrame& frame() const override { return *grid_; }
   [[nodiscard]] HeightRange range() const override { return height_range(*grid_); }
+  [[nodiscard]] bool is_raster() const override { return true; }
   [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
                                                delaunay::TinLinks links,
                                                Progress& progress) const override {

@@ -137,8 +137,9 @@ Result<TerrainSight> find_terrain_sight(const Terrain& terrain, const TerrainOpt
     if (options.effort == SightEffort::once || sight.verdict != SightVerdict::undecided)
       return sight;
     if (sight.is_finest()) {
-      // What was built for less than all heights, where these are at hand.
-      if (sight.terrain.max_error == 0 || !wanted.samples) return sight;
+      // A model was built of a part of all heights, or with rounding of its own: where these are at
+      // hand, they have the last word.
+      if (asked.origin().is_raster() || !wanted.samples) return sight;
       asked = Terrain(wanted.samples);
       sight.finest_error = 0;
     }

@@ -23,6 +23,8 @@ class TerrainOrigin {
   [[nodiscard]] virtual HeightRange range() const = 0;
   /// The least tolerance that it keeps.
   [[nodiscard]] virtual double finest_error() const { return 0; }
+  /// Whether it is all heights themselves, not a model of them.
+  [[nodiscard]] virtual bool is_raster() const { return false; }
   /// A TIN with heights, with the tolerance and order that the options mean; with `links` also with
   /// twins and errors. Fails on options that it has no answer to, and when cancelled.
   [[nodiscard]] virtual Result<SelectedTerrain> select(const TerrainOptions& options,

@@ -48,7 +48,8 @@ Result<TerrainTin> TerrainTin::select(const Terrain& terrain, const TerrainOptio
 
 Result<TerrainProfile> TerrainTin::profile(const Place& from, const Place& to,
                                            Progress& progress) const try {
-  LODE_EXPECTS(from != to);
+  LODE_CHECK(check_angles(impl_->metric, {{std::min(from[0], to[0]), std::min(from[1], to[1])}},
+                          {{std::max(from[0], to[0]), std::max(from[1], to[1])}}));
   if (progress.is_cancelled()) return cancelled_error();
   const Stopwatch watch;
   TerrainProfile profile;

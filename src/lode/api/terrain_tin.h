@@ -105,8 +105,9 @@ class TerrainTin {
                                               std::vector<TerrainHeight>& heights, Threads threads,
                                               Progress& progress) const;
 
-  /// Of two different places. A row for each edge or vertex that the segment, straight in the
-  /// raster's coordinates, meets, and for its ends. Fails when cancelled.
+  /// Of two places; fails where they are one, and as check_angles() does. A row for each edge or
+  /// vertex that the segment, straight in the raster's coordinates, meets, and for its ends. Fails
+  /// when cancelled.
   [[nodiscard]] Result<TerrainProfile> profile(const Place& from, const Place& to,
                                                Progress& progress) const;
 

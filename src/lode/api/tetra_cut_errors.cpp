@@ -46,27 +46,28 @@ struct VertexFinding {
 class VertexSearch {
  public:
   VertexSearch(const TetraVertices& vertices, const TetraCells& cells, const CellLocator& locator,
-               const std::vector<StatedFacts>& stated)
+               const std::vector<StatedFacts>& stated, const MovedBoundary* moved)
       : vertices_(vertices),
         cells_(cells),
         locator_(locator),
         stated_(stated),
-        allowance_(vertices.boundary_allowance()) {}
+        moved_(moved),
+        reach_(moved != nullptr ? moved->reach : 2 * vertices.boundary_allowance()) {}
 
   [[nodiscard]] VertexFinding find(std::uint32_t vertex) const {
     VertexFinding finding;
     finding.is_looked_at = true;
     const Vec3d& p = vertices_.positions[vertex];
     locator_.visit_near(p, 0, [&](std::uint32_t cell) { look_inside(vertex, cell, finding); });
-    const bool is_inside = std::isfinite(finding.error);
-    if (is_inside && (finding.is_within_stated || !vertices_.has_moving_boundary())) return finding;
-    finding.is_outside = !is_inside;
-    // What a boundary that moves has left outside has no F' to be held against. It may also leave a
-    // vertex beside its own part, in the cells of another.
-    if (is_inside || !vertices_.has_moving_boundary())
-      locator_.visit_near(p, 2 * allowance_,
-                          [&](std::uint32_t cell) { look_beside(vertex, cell, finding); });
+    finding.is_outside = !std::isfinite(finding.error);
     if (finding.is_outside) finding.distance = locator_.distance_to_nearest(p);
+    const bool is_right = finding.is_within_stated && finding.is_in_range;
+    const bool is_beside = moved_ == nullptr
+                               ? finding.is_outside
+                               : !finding.is_outside && !is_right && moved_->is_near[vertex];
+    if (is_beside)
+      locator_.visit_near(p, reach_,
+                          [&](std::uint32_t cell) { look_beside(vertex, cell, finding); });
     return finding;
   }
 
@@ -82,10 +83,11 @@ class VertexSearch {
   }
   void look_beside(std::uint32_t vertex, std::uint32_t cell, VertexFinding& finding) const {
     const Vec3d& p = vertices_.positions[vertex];
-    if (locator_.distance_to_faces(cell, p) > 2 * allowance_) return;
+    if (locator_.distance_to_faces(cell, p) > reach_) return;
     const CellWeights found = locator_.weights_in(cell, p);
     if (!std::isfinite(found.rounding)) return;
-    offer(vertex, cell, found.clamped(), found.rounding + std::max(0.0, -found.least()), finding);
+    const double outside = moved_ == nullptr ? std::max(0.0, -found.least()) : 0;
+    offer(vertex, cell, found.clamped(), found.rounding + outside, finding);
   }
   /// `slack`: by how much each weight may be off.
   void offer(std::uint32_t vertex, std::uint32_t cell, const std::array<double, 4>& weights,
@@ -115,7 +117,8 @@ class VertexSearch {
   const TetraCells& cells_;
   const CellLocator& locator_;
   const std::vector<StatedFacts>& stated_;
-  double allowance_;
+  const MovedBoundary* moved_;
+  double reach_;
 };
 
 void add_finding(const VertexFinding& finding, std::size_t vertex, double allowance,
@@ -154,16 +157,34 @@ void TetraCutErrors::append(const TetraCutErrors& later) {
   if (first.empty()) first = later.first;
 }
 
+MovedBoundary find_moved(const TetraVertices& vertices, const TetraCutShape& reference,
+                         double deviation, Threads threads) {
+  std::vector<CellLocator::Cell> faces;  // As cells that are flat.
+  faces.reserve(reference.outer.size());
+  for (const auto& [a, b, c] : reference.outer) faces.push_back({a, b, c, c});
+  const CellLocator locator(vertices.positions, faces, threads);
+  std::vector<std::uint8_t> is_near(vertices.positions.size());
+  parallel_for(is_near.size(), threads, 256, [&](std::size_t v, int) {
+    const Vec3d& p = vertices.positions[v];
+    bool is = false;
+    locator.visit_near(p, deviation, [&](std::uint32_t face) {
+      is = is || locator.distance_to_faces(face, p) <= deviation;
+    });
+    is_near[v] = is ? 1 : 0;
+  });
+  return {{is_near.begin(), is_near.end()}, 2 * deviation};
+}
+
 Result<TetraCutErrors> measure_errors(const PackedHierarchy& hierarchy, std::size_t field,
                                       const TetraVertices& vertices, const TetraCells& cells,
-                                      Threads threads) {
+                                      const MovedBoundary* moved, Threads threads) {
   const std::vector<StatedFacts> stated = stated_by(hierarchy, field, cells);
   LODE_CHECK(hierarchy.check());
   std::vector<bool> is_there(vertices.positions.size(), false);
   for (const auto& t : cells.corners)
     for (const std::uint32_t v : t) is_there[v] = true;
   const CellLocator locator(vertices.positions, cells.corners, threads);
-  const VertexSearch search(vertices, cells, locator, stated);
+  const VertexSearch search(vertices, cells, locator, stated, moved);
   std::vector<VertexFinding> findings(vertices.positions.size());
   parallel_for(findings.size(), threads, 256, [&](std::size_t v, int) {
     if (!is_there[v]) findings[v] = search.find(static_cast<std::uint32_t>(v));

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "lode/api/tetra_cut_shape.h"
 
@@ -24,15 +25,29 @@ struct TetraCutErrors {
   void append(const TetraCutErrors& later);
 };
 
+/// Where a boundary that moves may have left vertices: outside of all cells, or, across a gap, in
+/// those of another part. Only such as lie near the reference's boundary: what its faces sweep is
+/// no farther from it than they move.
+struct MovedBoundary {
+  std::vector<bool> is_near;  ///< By vertex.
+  double reach = 0;           ///< How far from it cells are looked at, world units.
+};
+/// `deviation`: how far boundaries of cuts are from the reference's, at most.
+[[nodiscard]] MovedBoundary find_moved(const TetraVertices& vertices,
+                                       const TetraCutShape& reference, double deviation,
+                                       Threads threads);
+
 /// `vertices`: with the field's values. A vertex may be where several cells touch, or lie over one
 /// another: what one of them states is enough. What rounding does to F' is allowed for; and, where
-/// a vertex is outside by no more than the boundary may move, by how much F' may differ between
-/// there and the cell. Where the boundary may move by more than rounding, vertices outside have no
-/// F', and of those inside cells that near count beside those that hold them. The same for any
-/// number of threads. Fails where pages cannot be loaded.
+/// a vertex is outside by no more than that, by how much F' may differ between there and the cell.
+/// `moved`: where the boundary may move by more than rounding. Then vertices outside have no F';
+/// and of those inside that are near the boundary the cells within reach count beside those that
+/// hold them, at the weights nearest to theirs that are inside. The same for any number of threads.
+/// Fails where pages cannot be loaded.
 [[nodiscard]] Result<TetraCutErrors> measure_errors(const tetra_mt::PackedHierarchy& hierarchy,
                                                     std::size_t field,
                                                     const TetraVertices& vertices,
-                                                    const TetraCells& cells, Threads threads);
+                                                    const TetraCells& cells,
+                                                    const MovedBoundary* moved, Threads threads);
 
 }  // namespace lode

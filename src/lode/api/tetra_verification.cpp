@@ -87,6 +87,9 @@ class CutVerifier {
                        head.time ? fmt::format(" at {}", *head.time) : "");
   }
   void add_errors(std::size_t field, const TetraCutErrors& errors, VerifyReport& report) const;
+  [[nodiscard]] Result<void> find_moved_boundary();
+  [[nodiscard]] const MovedBoundary* moved() const { return moved_ ? &*moved_ : nullptr; }
+  [[nodiscard]] Result<SurfaceDistance> distance_of(const Surface& boundary) const;
   [[nodiscard]] Result<void> compare_boundary(const TetraCutShape& shape, const std::string& name);
   void check_volume(const TetraCutShape& shape, const std::string& name);
   void check_outer_faces(const TetraCutShape& shape, const std::string& name);
@@ -104,6 +107,7 @@ class CutVerifier {
   Surface reference_surface_;
   std::uint64_t n_reference_meetings_ = 0;  ///< Of pairs of its outer faces.
   std::vector<bool> is_outer_;              ///< By vertex, of the reference.
+  std::optional<MovedBoundary> moved_;      ///< Where it may by more than rounding.
   CutCheck conforming_;
   CutCheck turned_;
   CutCheck volume_;
@@ -132,7 +136,29 @@ Result<void> CutVerifier::find_reference() {
   is_outer_.assign(vertices_.positions.size(), false);
   for (const auto& triangle : reference_.outer)
     for (const std::uint32_t v : triangle) is_outer_[v] = true;
+  if (vertices_.has_moving_boundary()) LODE_CHECK(find_moved_boundary());
   return {};
+}
+
+/// By what the hierarchy states, but by no more than twice what is measured of the base: a
+/// deviation stated too large must excuse no errors. Cuts between may be off by more than the base.
+Result<void> CutVerifier::find_moved_boundary() {
+  const TetraCells base{TetraCut(hierarchy_)};
+  LODE_TRY(const SurfaceDistance distance,
+           distance_of(outer_surface(vertices_, shape_of(vertices_, base))));
+  moved_ = find_moved(vertices_, reference_,
+                      std::min(vertices_.boundary_allowance(), 2 * distance.upper()), threads_);
+  return {};
+}
+
+/// What is a hundredth of the domain off is found for sure; what is less, at the vertices of both
+/// and wherever triangles are cut. More pieces cost more than all other checks.
+Result<SurfaceDistance> CutVerifier::distance_of(const Surface& boundary) const {
+  constexpr double kAccuracy = 1e-2;
+  // A mesh may be a point.
+  const double accuracy = std::max(kAccuracy * vertices_.size, std::numeric_limits<double>::min());
+  return measure_distance(boundary, reference_surface_, {.accuracy = accuracy, .threads = threads_},
+                          progress_);
 }
 
 void CutVerifier::check_outer_faces(const TetraCutShape& shape, const std::string& name) {
@@ -158,8 +184,6 @@ void CutVerifier::check_volume(const TetraCutShape& shape, const std::string& na
               fmt::format("{}: {:.9g} instead of {:.9g}", name, shape.volume, reference_.volume));
 }
 
-/// What is a hundredth of the domain off is found for sure; what is less, at the vertices of both
-/// and wherever triangles are cut. More pieces cost more than all other checks.
 Result<void> CutVerifier::compare_boundary(const TetraCutShape& shape, const std::string& name) {
   const Surface surface = outer_surface(vertices_, shape);
   LODE_TRY(const auto meetings, check_self_intersections(surface, threads_, progress_));
@@ -170,14 +194,9 @@ Result<void> CutVerifier::compare_boundary(const TetraCutShape& shape, const std
   sheets_.add(meetings.n_simplices, is_clean ? meetings.n_intersections : 0,
               fmt::format("{}: {} pairs of outer faces meet where they should not", name,
                           meetings.n_intersections));
-  constexpr double kAccuracy = 1e-2;
   const double rounding = vertices_.has_narrow_positions ? 0 : 0x1p-23 * vertices_.size;
   const double allowed = vertices_.boundary_allowance() + 2 * rounding;
-  // A mesh may be a point.
-  const double accuracy = std::max(kAccuracy * vertices_.size, std::numeric_limits<double>::min());
-  LODE_TRY(const SurfaceDistance distance,
-           measure_distance(surface, reference_surface_,
-                            {.accuracy = accuracy, .threads = threads_}, progress_));
+  LODE_TRY(const SurfaceDistance distance, distance_of(surface));
   boundary_off_ = std::max(boundary_off_, distance.lower());
   boundary_.add(surface.triangles.size(), distance.lower() <= allowed ? 0 : 1,
                 fmt::format("{}: {:.6g} off, {:.6g} allowed", name, distance.lower(), allowed));
@@ -200,7 +219,7 @@ Result<void> CutVerifier::look_at(const TetraCut& cut, const std::string& name) 
     if (fields_.size() > 1 || vertices_.values.empty())
       vertices_.take_values(hierarchy_, fields_[i]);
     LODE_TRY(TetraCutErrors errors,
-             measure_errors(hierarchy_, fields_[i], vertices_, cells, threads_));
+             measure_errors(hierarchy_, fields_[i], vertices_, cells, moved(), threads_));
     if (!errors.first.empty()) errors.first = name + ": " + errors.first;
     errors_[i].append(errors);
     if (!overlay_) continue;
@@ -291,7 +310,7 @@ Result<void> CutVerifier::measure(std::size_t number, std::optional<double> shar
       share ? engine.largest([](const NodeFacts& facts) { return facts.error; }) : field.base_error;
   const TetraCells cells(cut);
   LODE_TRY(const TetraCutErrors errors,
-           measure_errors(hierarchy_, number, vertices_, cells, threads_));
+           measure_errors(hierarchy_, number, vertices_, cells, moved(), threads_));
   constexpr double kRounding = 1e-9;  // Of F', as a share of the range.
   const bool is_kept = errors.largest <= achieved + kRounding * (field.high - field.low) &&
                        (!share || achieved <= *share * field.base_error);

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
@@ -55,6 +56,21 @@ bool has_envi_header(const std::string& path) {
   return head_of(replaced.string(), 4) == "ENVI" || head_of(path + ".hdr", 4) == "ENVI";
 }
 
+/// What the header beside a SAGA grid multiplies its values by, as it is written there; GDAL does
+/// not. Empty: nothing.
+std::string saga_factor(const std::string& path) {
+  constexpr std::size_t kLongestHeader = 1 << 16;
+  const std::filesystem::path header = std::filesystem::path(path).replace_extension(".sgrd");
+  std::istringstream lines(head_of(header.string(), kLongestHeader));
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t at = line.find('=');
+    if (at == std::string::npos || to_lower(trimmed(line.substr(0, at))) != "z_factor") continue;
+    const std::string factor(trimmed(std::string_view(line).substr(at + 1)));
+    return to_double(factor) == 1 ? std::string() : factor;
+  }
+  return {};
+}
+
 template <std::size_t N>
 bool ends_with_any(const std::string& name, const std::array<const char*, N>& extensions) {
   return std::ranges::any_of(extensions,
@@ -76,6 +92,9 @@ Result<void> check_raster_kind(const std::string& path) {
   if (is_netcdf(path))
     return fail("{}: expected {}, got netCDF: gdal_translate makes a GeoTIFF of it", path,
                 kRasterFormats);
+  if (!to_lower(path).ends_with(".sdat")) return {};
+  if (const std::string factor = saga_factor(path); !factor.empty())
+    return fail("{}: expected a Z_FACTOR of 1 in its .sgrd, got {}", path, quoted(factor));
   return {};
 }
 

@@ -17,7 +17,8 @@ inline constexpr const char* kRasterFormats =
     "Surfer or BT raster";
 
 /// Refuses, saying why, VRT, which reads other files, and netCDF: as HDF5 it may name others, and
-/// GDAL's driver does not survive damaged ones.
+/// GDAL's driver does not survive damaged ones; and SAGA grids whose heights are a multiple of what
+/// they store, which GDAL does not heed.
 [[nodiscard]] Result<void> check_raster_kind(const std::string& path);
 
 /// Whether a file is a raster of heights. By its name: .tif, .tiff, .asc, .hgt, .hgt.gz, .png,

@@ -157,7 +157,7 @@ void split_quadratic(const CellMesh& mesh, Corners c, Splitter& splitter) {
     splitter.add({c[best[0]], c[best[1]], c[best[2 + i]], c[best[2 + (i + 1) % 4]]});
 }
 
-/// Polyhedra in which no point sees all faces.
+/// Polyhedra in which no point sees all triangles that their faces are cut into.
 struct Unseen {
   std::uint64_t n = 0;
   std::size_t first = 0;
@@ -222,8 +222,8 @@ Result<SplitCells> split_cells(const CellMesh& mesh, QuadraticCells quadratic) {
   }
   if (unseen.n > 0)
     return fail(
-        "{}: expected polyhedra in which some point sees all faces, to be split round it, got {} "
-        "in which none does, the first of them cell {}",
+        "{}: expected polyhedra in which some point sees all triangles that their faces are cut "
+        "into, to be split round it, got {} in which none does, the first of them cell {}",
         mesh.path, unseen.n, unseen.first);
   return split;
 }

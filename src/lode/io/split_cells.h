@@ -24,7 +24,7 @@ struct SplitCells {
 /// Splits the solid cells, all of types that can be; cells without a solid are passed over. A cell
 /// of positive volume gives tetrahedra of positive volume in all, wedges where their first triangle
 /// faces the other one. Fails when there are more than 32 bits number, and on open polyhedra and
-/// those in which no point sees all faces.
+/// those in which no point sees all triangles that their faces are cut into.
 [[nodiscard]] Result<SplitCells> split_cells(const CellMesh& mesh, QuadraticCells quadratic);
 
 }  // namespace lode::io
