@@ -95,7 +95,7 @@ TerrainPictureJob terrain_job(const RenderArguments& arguments, const RenderOpti
           arguments.camera,
           arguments.save_camera,
           arguments.extraction.max_error,
-          arguments.tetra.max_cells,
+          arguments.tetra.query.max_cells,
           arguments.path.max_error_px,
           arguments.reading,
           arguments.terrain,

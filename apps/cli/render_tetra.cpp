@@ -38,23 +38,9 @@ Result<SectionPlane> parse_plane(const std::string& text) {
   return plane;
 }
 
-/// What of the mesh is wanted: those of `extract`.
-QueryArguments query_arguments(const TetraPictureArguments& picture) {
-  QueryArguments arguments;
-  arguments.max_cells = picture.max_cells;
-  arguments.regions = picture.regions;
-  arguments.field_ranges = picture.field_ranges;
-  arguments.boxes = picture.boxes;
-  arguments.balls = picture.balls;
-  arguments.half_spaces = picture.half_spaces;
-  arguments.max_error_outside = picture.max_error_outside;
-  return arguments;
-}
-
-/// The same, and what is shown.
+/// What of the mesh is wanted, and what is shown.
 Result<Query> to_query(const TetraPictureJob& job, const MeshPictureOptions& picture) {
-  LODE_TRY(MeshOptions typed,
-           to_mesh_options(query_arguments(job.picture), job.extraction, "mesh of cells"));
+  LODE_TRY(MeshOptions typed, to_mesh_options(job.picture.query, job.extraction, "mesh of cells"));
   const Query shown = query_of(picture);
   Query query = std::move(typed.query);
   query.isovalues = shown.isovalues;
@@ -159,7 +145,7 @@ Result<TetraPicture> draw_picture(const TetraPictureJob& job, const TetraInput& 
     LODE_TRY(options.render.camera, read_camera(job.camera));
   }
   options.render.threads = session.threads();
-  LODE_TRY(const auto regions, to_regions(query_arguments(job.picture)));
+  LODE_TRY(const auto regions, to_regions(job.picture.query));
   TetraPicture made;
   SimplexMesh mesh;
   LODE_TRY(made.mesh, input.dataset.extract_mesh({.query = query,
@@ -206,18 +192,18 @@ void add_tetra_picture_options(CLI::App& app, TetraPictureArguments& arguments) 
   add_flag("--boundary", arguments.has_boundary, "Show the mesh's boundary as a thin film");
   add_flag("--wireframe", arguments.has_wireframe, "Show all edges of the mesh");
   add_flag("--points", arguments.has_points, "Show all vertices of the mesh");
-  add("--max-cells", arguments.max_cells, "N",
+  add("--max-cells", arguments.query.max_cells, "N",
       "At most N tetrahedra; without --max-error, as accurate as they allow");
-  add("--region", arguments.regions, "ID",
+  add("--region", arguments.query.regions, "ID",
       "Show only cells of a region (block, material, zone); may be repeated");
-  add("--field-range", arguments.field_ranges, "A:B",
+  add("--field-range", arguments.query.field_ranges, "A:B",
       "Accurate where the field may be from A to B; may be repeated");
-  add("--box", arguments.boxes, "X0,X1,Y0,Y1,Z0,Z1",
+  add("--box", arguments.query.boxes, "X0,X1,Y0,Y1,Z0,Z1",
       "Accurate in a box; may be repeated (crops nothing)");
-  add("--ball", arguments.balls, "X,Y,Z,R", "Accurate in a ball; may be repeated");
-  add("--half-space", arguments.half_spaces, "X,Y,Z:NX,NY,NZ",
+  add("--ball", arguments.query.balls, "X,Y,Z,R", "Accurate in a ball; may be repeated");
+  add("--half-space", arguments.query.half_spaces, "X,Y,Z:NX,NY,NZ",
       "Accurate on the side of a plane that its normal points to; may be repeated");
-  add("--max-error-outside", arguments.max_error_outside, "E",
+  add("--max-error-outside", arguments.query.max_error_outside, "E",
       "Tolerance outside of these (default: any)");
 }
 
@@ -225,7 +211,7 @@ Result<void> check_tetra_picture(const TetraPictureJob& job) {
   LODE_CHECK(check_warp(job.picture.warp));
   LODE_TRY(const MeshPictureOptions options, to_picture(job));
   LODE_CHECK(to_query(job, options));
-  LODE_CHECK(to_regions(query_arguments(job.picture)));
+  LODE_CHECK(to_regions(job.picture.query));
   if (!job.reading.with.empty() && !job.picture.warp.is_wanted())
     return fail("--with: expected none with a picture, which shows one field, got {}",
                 job.reading.with.front());

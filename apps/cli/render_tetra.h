@@ -7,6 +7,7 @@
 #include "extraction_options.h"
 #include "input.h"
 #include "lode/api/mesh_picture.h"
+#include "query_options.h"
 #include "warp_options.h"
 
 namespace lode::cli {
@@ -15,13 +16,7 @@ namespace lode::cli {
 struct TetraPictureArguments {
   std::string opacity;
   std::vector<std::string> sections;
-  std::string max_cells;
-  std::vector<std::string> regions;
-  std::vector<std::string> field_ranges;
-  std::vector<std::string> boxes;
-  std::vector<std::string> balls;
-  std::vector<std::string> half_spaces;
-  std::string max_error_outside;
+  QueryArguments query;  ///< Foci, regions and the budget, as of `extract`; nothing else.
   WarpArguments warp;
   bool has_boundary = false;
   bool has_wireframe = false;
@@ -32,9 +27,8 @@ struct TetraPictureArguments {
     return !opacity.empty() || !sections.empty() || has_boundary || has_wireframe || has_points;
   }
   [[nodiscard]] bool is_empty() const {
-    return !is_of_mesh() && max_cells.empty() && warp.is_empty() && regions.empty() &&
-           field_ranges.empty() && boxes.empty() && balls.empty() && half_spaces.empty() &&
-           max_error_outside.empty();
+    return !is_of_mesh() && warp.is_empty() && query.regions.empty() &&
+           query.field_ranges.empty() && !query.is_focused();
   }
 };
 

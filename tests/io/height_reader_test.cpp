@@ -124,7 +124,7 @@ TEST_F(height_reader, reads_terrain_in_its_usual_formats) {
   for (const Kind& kind : kKinds) {
     SCOPED_TRACE(std::string(kind.name) + ", " + kind.driver);
     GDALAllRegister();
-    if (GDALGetDriverByName(kind.driver) == nullptr) continue;
+    ASSERT_NE(GDALGetDriverByName(kind.driver), nullptr);
     const std::string path = (*this)(kind.name);
     const RasterFile written = degree(kind.type);
     write_raster(path, written, kind.driver);
@@ -144,7 +144,6 @@ TEST_F(height_reader, reads_terrain_in_its_usual_formats) {
 
 TEST_F(height_reader, refuses_grids_of_saga_that_are_to_be_multiplied) {
   GDALAllRegister();
-  if (GDALGetDriverByName("SAGA") == nullptr) GTEST_SKIP() << "GDAL has no driver for SAGA";
   const std::string path = (*this)("a.sdat");
   write_raster(path, degree(GDT_Float32), "SAGA");
   std::string header;
@@ -178,7 +177,7 @@ TEST_F(height_reader, survives_terrain_of_any_format_that_is_cut_off_or_changed)
   for (const Kind& kind : kKinds) {
     SCOPED_TRACE(std::string(kind.name) + ", " + kind.driver);
     GDALAllRegister();
-    if (GDALGetDriverByName(kind.driver) == nullptr) continue;
+    ASSERT_NE(GDALGetDriverByName(kind.driver), nullptr);
     const std::string path = (*this)(kind.name);
     write_raster(path, degree(kind.type), kind.driver);
     std::ifstream file(path, std::ios::binary);

@@ -107,30 +107,31 @@ void expect_lined_levels(const Hierarchy& h, const HeightGrid& heights, const Li
 constexpr std::array kReliefs{0.0, 40.0};
 const std::vector<double> kTolerances{300, 40, 7, 0.5, 0};
 
-TEST(lined_hierarchy, has_features_as_edges_of_every_adaptive_level) {
+/// `build`: a hierarchy of what lined() gives.
+template <typename Build>
+void expect_lines_at_every_level(const Build& build) {
   for (const test::TerrainCase& c : test::terrain_cases())
     for (const double relief : kReliefs) {
       SCOPED_TRACE(testing::Message() << c.name << ", relief " << relief);
       const Lined from = lined(c.grid, relief, kTolerances.front());
-      Progress progress;
-      const auto made =
-          adaptive_triangulation::build(from.grid, kTolerances, {2}, progress, &from.first);
+      const auto made = build(from);
       ASSERT_TRUE(made);
       expect_lined_levels(made->hierarchy, c.grid, from);
     }
 }
 
+TEST(lined_hierarchy, has_features_as_edges_of_every_adaptive_level) {
+  Progress progress;
+  expect_lines_at_every_level([&](const Lined& from) {
+    return adaptive_triangulation::build(from.grid, kTolerances, {2}, progress, &from.first);
+  });
+}
+
 TEST(lined_hierarchy, has_features_as_edges_of_every_delaunay_level) {
-  for (const test::TerrainCase& c : test::terrain_cases())
-    for (const double relief : kReliefs) {
-      SCOPED_TRACE(testing::Message() << c.name << ", relief " << relief);
-      const Lined from = lined(c.grid, relief, kTolerances.front());
-      Progress progress;
-      const auto made =
-          hierarchical_delaunay::build(from.grid, kTolerances, {2}, progress, &from.first);
-      ASSERT_TRUE(made);
-      expect_lined_levels(made->hierarchy, c.grid, from);
-    }
+  Progress progress;
+  expect_lines_at_every_level([&](const Lined& from) {
+    return hierarchical_delaunay::build(from.grid, kTolerances, {2}, progress, &from.first);
+  });
 }
 
 TEST(lined_hierarchy, has_features_as_edges_where_tolerances_vary) {

@@ -44,6 +44,18 @@ Hierarchy hierarchy_of(const TetraMesh& mesh) {
   return std::move(*hierarchy);
 }
 
+/// Names of the checks that a hierarchy of a mesh does not pass.
+std::vector<std::string> failed_checks(const Hierarchy& hierarchy, const TetraMesh& mesh) {
+  const auto packed = PackedHierarchy::pack(hierarchy, mesh.tetrahedra.size(), {2});
+  Progress progress;
+  const auto report = verify_hierarchy(packed, {.n_random_cuts = 4, .threads = {2}}, progress);
+  EXPECT_TRUE(report) << report.error().message;
+  std::vector<std::string> names;
+  for (const VerifyReport::Check& check : report->checks)
+    if (!check.passed) names.push_back(check.name);
+  return names;
+}
+
 class tetra_verification : public testing::Test {
  protected:
   /// Names of what fails after a change.
@@ -51,14 +63,7 @@ class tetra_verification : public testing::Test {
       const std::function<void(Hierarchy&)>& change) const {
     Hierarchy hierarchy = hierarchy_;
     change(hierarchy);
-    const auto packed = PackedHierarchy::pack(hierarchy, mesh_.tetrahedra.size(), {2});
-    Progress progress;
-    const auto report = verify_hierarchy(packed, {.n_random_cuts = 4, .threads = {2}}, progress);
-    EXPECT_TRUE(report) << report.error().message;
-    std::vector<std::string> names;
-    for (const VerifyReport::Check& check : report->checks)
-      if (!check.passed) names.push_back(check.name);
-    return names;
+    return failed_checks(hierarchy, mesh_);
   }
   static bool has(const std::vector<std::string>& names, const std::string& name) {
     return std::ranges::find(names, name) != names.end();
@@ -120,14 +125,7 @@ struct MovingBall {
     Hierarchy changed = hierarchy;
     for (StoredFacts& facts : changed.facts) facts.error *= static_cast<float>(errors);
     changed.boundary_deviation *= deviation;
-    const auto packed = PackedHierarchy::pack(changed, mesh.tetrahedra.size(), {2});
-    Progress progress;
-    const auto report = verify_hierarchy(packed, {.n_random_cuts = 4, .threads = {2}}, progress);
-    EXPECT_TRUE(report) << report.error().message;
-    std::vector<std::string> names;
-    for (const VerifyReport::Check& check : report->checks)
-      if (!check.passed) names.push_back(check.name);
-    return names;
+    return failed_checks(changed, mesh);
   }
 };
 
