@@ -316,8 +316,8 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   if (wanted.options.focus && !can_vary)
     return fail(
         "{}: expected one tolerance for all of a terrain, got a focus: --model delaunay_pyramid "
-        "can vary, of rasters right_triangle_bisection and hierarchical_delaunay too, and so can a "
-        ".lode file that `lode build` makes",
+        "can vary, of rasters right_triangle_bisection and others too, and so can a .lode file "
+        "that `lode build` makes",
         job.input);
   if (wanted.options.focus && wanted.options.max_cells)
     return fail(

@@ -51,8 +51,8 @@ Result<void> check_pixels(const TerrainPictureJob& job) {
   if (holds_terrain_model(job.input) || (building && may_vary(building->model))) return {};
   return fail(
       "{}: expected one tolerance for all of a terrain, got --max-error-px: --model "
-      "delaunay_pyramid can vary, of rasters right_triangle_bisection and hierarchical_delaunay "
-      "too, and so can a .lode file that `lode build` makes",
+      "delaunay_pyramid can vary, of rasters right_triangle_bisection and others too, and so can a "
+      ".lode file that `lode build` makes",
       job.input);
 }
 

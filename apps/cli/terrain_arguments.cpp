@@ -86,8 +86,8 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
       "delaunay_selector (default): a TIN for this question; delaunay_pyramid, "
       "ternary_triangulation and implicit_delaunay_pyramid: built first, for all tolerances, which "
       "may vary; surface_quadtree, quaternary_triangulation: with gaps; restricted_quadtree; "
-      "right_triangle_bisection: any tolerance, which may vary; adaptive_triangulation: in levels; "
-      "hierarchical_delaunay: in levels, of a raster it may vary");
+      "right_triangle_bisection: any tolerance, which may vary; adaptive_triangulation, "
+      "hierarchical_delaunay: in levels, and between them, which may vary");
   add("--insertion", arguments.insertion, "levels|strict|tiles",
       "levels (default): errors fall by octaves, faster; strict: the worst of all "
       "samples first, fewer triangles; with --max-cells always strict; tiles, of rasters: each "

@@ -169,47 +169,40 @@ TEST_P(cli_hierarchy_model, answers_what_rasters_answer) {
 TEST_P(cli_hierarchy_model, refuses_what_it_cannot_by_its_nature) {
   expect_refusal(run_lode({"extract", model_, out_, "--max-error", "9"}), 1,
                  {"dem.lode", "10 or more", "got 9"});
-  expect_refusal(run_lode({"extract", model_, out_, "--max-error", "10", "--focus-point",
-                           "500600,4000400", "--growth", "0.1"}),
-                 1, {"dem.lode", GetParam(), "levels alone"});
   expect_refusal(run_lode({"extract", model_, scratch_ / "out.tif", "--max-error", "10"}), 1,
                  {"expected a cell", GetParam(), "between samples"});
 }
 
-/// The raster mends what is between levels; no rule does that for the other model.
-TEST_P(cli_hierarchy_model, of_the_raster_may_vary_where_that_can_be_mended) {
-  const auto extract = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words{"extract", dem_, out_, "--model", GetParam()};
-    words.insert(words.end(), more.begin(), more.end());
-    return run_lode(words);
-  };
-  const auto report = [&](std::vector<std::string> more) {
-    more.emplace_back("--json");
-    return extract(more).json();
-  };
-  const std::vector<std::string> place{"--max-error", "2", "--box",
-                                       "500300,500500,4000200,4000500"};
-  if (GetParam() == "adaptive_triangulation") {
-    expect_refusal(extract(place), 1, {GetParam(), "levels alone"});
-    return;
+/// Of the raster what is between levels is measured, of the file bounded.
+TEST_P(cli_hierarchy_model, varies_of_the_raster_and_of_the_file) {
+  for (const auto& [input, tolerance] : {std::pair(dem_, "2"), {model_, "10"}}) {
+    SCOPED_TRACE(input);
+    const auto run = [&](std::vector<std::string> words) {
+      if (input == dem_) words.insert(words.end(), {"--model", GetParam()});
+      words.emplace_back("--json");
+      return run_lode(words).json();
+    };
+    const auto extract = [&](const std::vector<std::string>& more) {
+      std::vector<std::string> words{"extract", input, out_, "--max-error", tolerance};
+      words.insert(words.end(), more.begin(), more.end());
+      return run(words);
+    };
+    const int everywhere = extract({}).at("triangles");
+    const std::vector<std::string> place{"--box", "500300,500500,4000200,4000500"};
+    const auto box = extract(place);
+    EXPECT_LT(box.at("triangles").get<int>(), 0.7 * everywhere);
+    EXPECT_EQ(box.at("focus").at("boxes").size(), 1U);
+    std::vector<std::string> bounded = place;
+    bounded.insert(bounded.end(), {"--max-error-outside", "60"});
+    const auto outside = extract(bounded);
+    EXPECT_GE(outside.at("triangles"), box.at("triangles"));
+    EXPECT_LE(outside.at("achieved_error").get<double>(), 60);
+    EXPECT_LT(extract({"--focus-point", "500400,4000300", "--growth", "0.2"}).at("triangles"),
+              everywhere);
+    const auto drawn =
+        run({"render", input, scratch_ / "out.png", "--max-error-px", "20", "--size", "160x120"});
+    EXPECT_LE(drawn.at("achieved_px").get<double>(), 20);
   }
-  const auto everywhere = report({"--max-error", "2"});
-  const auto box = report(place);
-  EXPECT_LT(box.at("triangles").get<int>(), everywhere.at("triangles").get<int>() / 2);
-  EXPECT_EQ(box.at("focus").at("boxes").size(), 1U);
-  std::vector<std::string> bounded = place;
-  bounded.insert(bounded.end(), {"--max-error-outside", "60"});
-  const auto outside = report(bounded);
-  EXPECT_GE(outside.at("triangles"), box.at("triangles"));
-  EXPECT_LE(outside.at("achieved_error").get<double>(), 60);
-  EXPECT_LT(report({"--max-error", "2", "--focus-point", "500400,4000300", "--growth", "0.2"})
-                .at("triangles"),
-            everywhere.at("triangles"));
-  const auto drawn = run_lode({"render", dem_, scratch_ / "out.png", "--model", GetParam(),
-                               "--max-error-px", "9", "--size", "160x120", "--json"})
-                         .json();
-  EXPECT_LE(drawn.at("achieved_px").get<double>(), 9);
-  EXPECT_LT(drawn.at("triangles"), everywhere.at("triangles"));
 }
 
 INSTANTIATE_TEST_SUITE_P(models, cli_hierarchy_model,

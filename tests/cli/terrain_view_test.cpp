@@ -136,11 +136,9 @@ TEST_F(cli_terrain_view, refuses_what_cannot_be_meant) {
                  {"camera.json.ply"});
   const Words view{"--view", camera_, "--max-error-px", "1"};
   expect_refusal(extract(view, dem_), 2, {"delaunay_pyramid", "got a focus"});
-  for (const char* model : {"restricted_quadtree", "adaptive_triangulation"}) {
-    Words words = view;
-    words.insert(words.end(), {"--model", model});
-    expect_refusal(extract(words, dem_), 1, {model, "got a focus"});
-  }
+  Words words = view;
+  words.insert(words.end(), {"--model", "restricted_quadtree"});
+  expect_refusal(extract(words, dem_), 1, {"restricted_quadtree", "got a focus"});
   write_ball(scratch_ / "ball.nrrd");
   expect_refusal(extract({"--isovalue", "3", "--exaggeration", "2"}, scratch_ / "ball.nrrd"), 2,
                  {"--exaggeration", "terrain"});

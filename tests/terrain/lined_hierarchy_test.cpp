@@ -9,7 +9,7 @@
 #include "lode/api/terrain_lines.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
-#include "lode/models/terrain/hierarchical_delaunay/variable.h"
+#include "lode/models/terrain/triangle_hierarchy/variable.h"
 #include "lode/refine/focus.h"
 #include "tests/terrain/hierarchy_fixtures.h"
 
@@ -142,6 +142,8 @@ TEST(lined_hierarchy, has_features_as_edges_where_tolerances_vary) {
     const auto made =
         hierarchical_delaunay::build(from.grid, kTolerances, {2}, progress, &from.first);
     ASSERT_TRUE(made);
+    const auto chains = triangle_hierarchy::EdgeChains::find_in(made->hierarchy);
+    ASSERT_TRUE(chains);
     const double x = c.grid.n_columns / 3.0;
     const double y = c.grid.n_rows / 3.0;
     for (const double outside : {45.0, 1000.0}) {
@@ -149,9 +151,14 @@ TEST(lined_hierarchy, has_features_as_edges_where_tolerances_vary) {
       focus.foci = {BoxFocus{{{{x, y, -1e9}}, {{x + 9, y + 7, 1e9}}}}};
       focus.inside = 0.5;
       focus.outside = outside;
-      const auto tin = tin_of_demand(made->hierarchy, made->chains, from.grid, focus);
-      ASSERT_TRUE(tin) << tin.error().message;
-      expect_lines(made->hierarchy, *tin);
+      for (const bool with_raster : {false, true}) {
+        const Hierarchy& h = made->hierarchy;
+        const Tin tin =
+            with_raster
+                ? tin_of_demand(h, *chains, triangle_hierarchy::MeasuredPatches(from.grid), focus)
+                : tin_of_demand(h, *chains, triangle_hierarchy::BoundedPatches(h), focus);
+        expect_lines(h, tin);
+      }
     }
   }
 }

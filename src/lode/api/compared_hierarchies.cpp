@@ -9,8 +9,8 @@
 #include "lode/core/stopwatch.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
-#include "lode/models/terrain/hierarchical_delaunay/variable.h"
 #include "lode/models/terrain/triangle_hierarchy/locator.h"
+#include "lode/models/terrain/triangle_hierarchy/variable.h"
 
 namespace lode {
 namespace {
@@ -23,7 +23,9 @@ class HierarchyCandidate : public TerrainCandidate {
     std::ranges::sort(levels, std::greater());
     levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
     const Stopwatch watch;
-    LODE_CHECK(build(grid, levels, threads, progress));
+    LODE_TRY(grid_, triangle_hierarchy::FineGrid::make(grid));
+    LODE_CHECK(build(*grid_, levels, threads, progress));
+    LODE_TRY(chains_, triangle_hierarchy::EdgeChains::find_in(hierarchy()));
     locator_.emplace(hierarchy());
     seconds_ = watch.seconds();
     return {};
@@ -38,7 +40,7 @@ class HierarchyCandidate : public TerrainCandidate {
   [[nodiscard]] std::optional<double> build_seconds() const final { return seconds_; }
   [[nodiscard]] int n_levels() const final { return hierarchy().n_levels(); }
   [[nodiscard]] std::optional<std::uint64_t> memory_bytes() const final {
-    return n_bytes() + locator_->n_bytes();
+    return hierarchy().n_bytes() + chains_.n_bytes() + locator_->n_bytes();
   }
   [[nodiscard]] Result<std::optional<std::uint64_t>> zoom(double tolerance,
                                                           const TerrainWindow& window) final {
@@ -55,6 +57,13 @@ class HierarchyCandidate : public TerrainCandidate {
           const delaunay::Point at{{static_cast<double>(p.x), static_cast<double>(p.y)}};
           return locator_->find(*level, at).has_value();
         }));
+  }
+  [[nodiscard]] bool can_vary() const final { return true; }
+  [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) final {
+    const triangle_hierarchy::MeasuredPatches errors(*grid_);
+    const delaunay::Tin tin =
+        tin_of_demand(hierarchy(), chains_, errors, middle_demand(hierarchy().frame, tolerance));
+    return std::uint64_t{tin.triangles.size()};
   }
   [[nodiscard]] Neighbours neighbours() const final {
     return {Neighbours::Place::in_model,
@@ -73,12 +82,14 @@ class HierarchyCandidate : public TerrainCandidate {
   }
 
  protected:
-  virtual Result<void> build(const HeightGrid& grid, std::span<const double> levels,
-                             Threads threads, Progress& progress) = 0;
+  virtual Result<void> build(const triangle_hierarchy::FineGrid& grid,
+                             std::span<const double> levels, Threads threads,
+                             Progress& progress) = 0;
   [[nodiscard]] virtual const triangle_hierarchy::Hierarchy& hierarchy() const = 0;
-  [[nodiscard]] virtual std::uint64_t n_bytes() const { return hierarchy().n_bytes(); }
 
  private:
+  std::optional<triangle_hierarchy::FineGrid> grid_;
+  triangle_hierarchy::EdgeChains chains_;
   std::optional<triangle_hierarchy::Locator> locator_;
   double seconds_ = 0;
 };
@@ -92,8 +103,8 @@ class Adaptive final : public HierarchyCandidate {
   }
 
  private:
-  Result<void> build(const HeightGrid& grid, std::span<const double> levels, Threads threads,
-                     Progress& progress) override {
+  Result<void> build(const triangle_hierarchy::FineGrid& grid, std::span<const double> levels,
+                     Threads threads, Progress& progress) override {
     LODE_TRY(made_, adaptive_triangulation::build(grid, levels, threads, progress));
     return {};
   }
@@ -109,28 +120,19 @@ class Delaunay final : public HierarchyCandidate {
   [[nodiscard]] std::string name() const override { return "hierarchical_delaunay"; }
   [[nodiscard]] std::string what() const override {
     return "triangles refined by Delaunay triangulations between chains of vertices on their "
-           "edges; may vary";
-  }
-  [[nodiscard]] bool can_vary() const override { return true; }
-  [[nodiscard]] Result<std::uint64_t> extract_middle(double tolerance, Progress&) override {
-    LODE_TRY(const delaunay::Tin tin, tin_of_demand(made_.hierarchy, made_.chains, *grid_,
-                                                    middle_demand(hierarchy().frame, tolerance)));
-    return std::uint64_t{tin.triangles.size()};
+           "edges";
   }
 
  private:
-  Result<void> build(const HeightGrid& grid, std::span<const double> levels, Threads threads,
-                     Progress& progress) override {
-    LODE_TRY(grid_, triangle_hierarchy::FineGrid::make(grid));
-    LODE_TRY(made_, hierarchical_delaunay::build(*grid_, levels, threads, progress));
+  Result<void> build(const triangle_hierarchy::FineGrid& grid, std::span<const double> levels,
+                     Threads threads, Progress& progress) override {
+    LODE_TRY(made_, hierarchical_delaunay::build(grid, levels, threads, progress));
     return {};
   }
   [[nodiscard]] const triangle_hierarchy::Hierarchy& hierarchy() const override {
     return made_.hierarchy;
   }
-  [[nodiscard]] std::uint64_t n_bytes() const override { return made_.n_bytes(); }
 
-  std::optional<triangle_hierarchy::FineGrid> grid_;
   hierarchical_delaunay::HierarchicalDelaunay made_;
 };
 

@@ -9,12 +9,14 @@
 #include "lode/mappers/tin_quality.h"
 #include "lode/models/terrain/adaptive_triangulation/adaptive_triangulation.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
-#include "lode/models/terrain/hierarchical_delaunay/variable.h"
+#include "lode/models/terrain/triangle_hierarchy/variable.h"
 
 namespace lode {
 
 using hierarchy_file::HierarchyModel;
 using hierarchy_file::Kind;
+using triangle_hierarchy::BoundedPatches;
+using triangle_hierarchy::MeasuredPatches;
 
 namespace {
 
@@ -30,9 +32,10 @@ HeightFrame fine_frame(const HeightFrame& frame, int bits) {
 
 }  // namespace
 
-HierarchyTerrain::HierarchyTerrain(HierarchyModel model, std::optional<Mending> mending)
+HierarchyTerrain::HierarchyTerrain(HierarchyModel model,
+                                   std::optional<triangle_hierarchy::FineGrid> grid)
     : model_(std::move(model)),
-      mending_(std::move(mending)),
+      grid_(std::move(grid)),
       fine_frame_(fine_frame(model_.source.frame, model_.hierarchy.bits)) {}
 
 Result<HierarchyTerrain> HierarchyTerrain::build(const HeightGrid& grid,
@@ -51,12 +54,12 @@ Result<HierarchyTerrain> HierarchyTerrain::build(const HeightGrid& grid,
     LODE_TRY(auto made, adaptive_triangulation::build(fine, levels, {}, progress, first));
     model.kind = Kind::adaptive_triangulation;
     model.hierarchy = std::move(made.hierarchy);
-    return HierarchyTerrain(std::move(model));
+  } else {
+    LODE_TRY(auto made, hierarchical_delaunay::build(fine, levels, {}, progress, first));
+    model.kind = Kind::hierarchical_delaunay;
+    model.hierarchy = std::move(made.hierarchy);
   }
-  LODE_TRY(auto made, hierarchical_delaunay::build(fine, levels, {}, progress, first));
-  model.kind = Kind::hierarchical_delaunay;
-  model.hierarchy = std::move(made.hierarchy);
-  return HierarchyTerrain(std::move(model), Mending{std::move(made.chains), std::move(fine)});
+  return HierarchyTerrain(std::move(model), std::move(fine));
 }
 
 Result<HierarchyTerrain> HierarchyTerrain::open(const std::string& path, Progress& progress) {
@@ -75,14 +78,6 @@ TerrainModel HierarchyTerrain::model() const {
 
 Result<int> HierarchyTerrain::level_for(const TerrainOptions& options,
                                         TerrainReport& report) const {
-  if (options.focus)
-    return fail(
-        "expected one tolerance for {}, got a focus: its triangles meet in the meshes of its "
-        "levels alone, {}; a delaunay_pyramid can vary",
-        name_of(model()),
-        model_.kind == Kind::hierarchical_delaunay
-            ? "and to mend what is between them takes the raster, in the file's place"
-            : "and no rule says what would be between them");
   const double finest = finest_error();
   const double asked = default_tolerance(options, source().range);
   if (options.max_error && asked < finest)
@@ -126,8 +121,10 @@ Result<SelectedTerrain> HierarchyTerrain::select_focused(const TerrainOptions& o
   TerrainReport& report = selected.report;
   LODE_TRY(const TerrainDemand demand,
            TerrainDemand::make(focus, std::max(tolerance, finest), source().frame, source().range));
-  LODE_TRY(selected.tin,
-           tin_of_demand(hierarchy(), mending_->chains, mending_->grid, demand.demand()));
+  LODE_TRY(const auto chains, triangle_hierarchy::EdgeChains::find_in(hierarchy()));
+  selected.tin =
+      grid_ ? tin_of_demand(hierarchy(), chains, MeasuredPatches(*grid_), demand.demand())
+            : tin_of_demand(hierarchy(), chains, BoundedPatches(hierarchy()), demand.demand());
   count_selection(source(), selected);
   report_focus(demand, fine_frame_, selected);
   report.max_error = std::max(tolerance, finest);
@@ -140,7 +137,7 @@ Result<SelectedTerrain> HierarchyTerrain::select(const TerrainOptions& options,
                                                  Progress& progress) const {
   const Stopwatch watch;
   if (progress.is_cancelled()) return cancelled_error();
-  if (options.focus && mending_) {
+  if (options.focus) {
     LODE_TRY(SelectedTerrain focused, select_focused(options));
     focused.report.seconds = watch.seconds();
     return focused;

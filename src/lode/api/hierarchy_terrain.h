@@ -7,25 +7,19 @@
 
 #include "lode/api/built_model.h"
 #include "lode/api/terrain_selection.h"
-#include "lode/models/terrain/hierarchical_delaunay/edge_chains.h"
 #include "lode/models/terrain/hierarchy_file/hierarchy_file.h"
 #include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
 
 namespace lode {
 
 /// The models of triangles refined into triangulations. They have a mesh for each of their
-/// tolerances; a hierarchical Delaunay triangulation that was built and not opened also meshes of
-/// tolerances that vary. Vertices are nodes of a lattice finer than the raster.
+/// tolerances, and meshes of tolerances that vary. Vertices are nodes of a lattice finer than the
+/// raster.
 class HierarchyTerrain final : public BuiltModel {
  public:
-  /// What meshes of varying tolerances take besides, which files do not keep.
-  struct Mending {
-    hierarchical_delaunay::EdgeChains chains;
-    triangle_hierarchy::FineGrid grid;  ///< Of the raster.
-  };
-
+  /// With the raster what is between levels is measured, and else bounded.
   explicit HierarchyTerrain(hierarchy_file::HierarchyModel model,
-                            std::optional<Mending> mending = {});
+                            std::optional<triangle_hierarchy::FineGrid> grid = {});
 
   [[nodiscard]] static Result<HierarchyTerrain> build(const HeightGrid& grid,
                                                       const TerrainBuildOptions& options,
@@ -66,7 +60,7 @@ class HierarchyTerrain final : public BuiltModel {
   [[nodiscard]] Result<SelectedTerrain> select_focused(const TerrainOptions& options) const;
 
   hierarchy_file::HierarchyModel model_;
-  std::optional<Mending> mending_;
+  std::optional<triangle_hierarchy::FineGrid> grid_;  ///< Of the raster; files do not keep it.
   HeightFrame fine_frame_;
 };
 

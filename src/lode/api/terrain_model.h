@@ -54,10 +54,9 @@ inline constexpr std::array kBuiltTerrainModels{
          model == TerrainModel::implicit_delaunay_pyramid;
 }
 
-/// Whether tolerances may vary, of what is built and not opened from a file.
+/// Whether its tolerances may vary.
 [[nodiscard]] constexpr bool may_vary(TerrainModel model) {
-  return model != TerrainModel::delaunay_selector && model != TerrainModel::restricted_quadtree &&
-         model != TerrainModel::adaptive_triangulation;
+  return model != TerrainModel::delaunay_selector && model != TerrainModel::restricted_quadtree;
 }
 
 /// Whether its triangles leave gaps where their sizes differ.

@@ -5,9 +5,10 @@
 #include <utility>
 
 #include "lode/core/flat_index.h"
+#include "lode/models/terrain/hierarchical_delaunay/edge_refinement.h"
 #include "lode/models/terrain/hierarchical_delaunay/hierarchical_delaunay.h"
-#include "lode/models/terrain/hierarchical_delaunay/polygon.h"
 #include "lode/models/terrain/triangle_hierarchy/hierarchy_builder.h"
+#include "lode/models/terrain/triangle_hierarchy/polygon.h"
 
 namespace lode::hierarchical_delaunay {
 namespace {
@@ -214,7 +215,6 @@ class LevelBuilder {
   void add_chain(RefinedEdge& edge) {
     for (const ChainPlace& at : edge.between)
       edge.vertices.push_back(builder_.add_vertex(at.place, at.n_moves));
-    if (!edge.vertices.empty()) made_.chains.add(edge.from, edge.to, edge.vertices);
   }
 
   Result<std::vector<HierarchyBuilder::Made>> fill_all(Progress& progress) {
@@ -284,7 +284,6 @@ Result<HierarchicalDelaunay> build(const FineGrid& grid, std::span<const double>
   }
   made.hierarchy = builder.finish();
   if (first != nullptr) made.hierarchy.lines = first->lines;
-  made.chains.sort();
   return made;
 }
 

@@ -7,20 +7,18 @@
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
-#include "lode/models/terrain/hierarchical_delaunay/edge_chains.h"
 #include "lode/models/terrain/triangle_hierarchy/hierarchy.h"
 #include "lode/models/terrain/triangle_hierarchy/patch.h"
 
 namespace lode::hierarchical_delaunay {
 
+using triangle_hierarchy::FineGrid;
+
 struct HierarchicalDelaunay {
   triangle_hierarchy::Hierarchy hierarchy;
-  EdgeChains chains;
   /// Edges, once for each level, that stay beyond its tolerance between samples, as to refine them
   /// would fold a triangle's border.
   std::uint64_t n_edges_left = 0;
-
-  [[nodiscard]] std::uint64_t n_bytes() const { return hierarchy.n_bytes() + chains.n_bytes(); }
 };
 
 /// The hierarchical Delaunay triangulation (L. De Floriani, E. Puppo, "Hierarchical triangulation

@@ -1,13 +1,10 @@
-#include "lode/models/terrain/hierarchical_delaunay/polygon.h"
+#include "lode/models/terrain/triangle_hierarchy/polygon.h"
 
 #include <utility>
 
 #include "lode/delaunay/triangulation.h"
 
-namespace lode::hierarchical_delaunay {
-
-using triangle_hierarchy::Patch;
-using triangle_hierarchy::Place;
+namespace lode::triangle_hierarchy {
 
 Result<Patch> triangulate_polygon(std::vector<Place> corners) {
   Patch made{.places = std::move(corners), .triangles = {}};
@@ -30,4 +27,4 @@ Result<Patch> triangulate_polygon(std::vector<Place> corners) {
   return made;
 }
 
-}  // namespace lode::hierarchical_delaunay
+}  // namespace lode::triangle_hierarchy

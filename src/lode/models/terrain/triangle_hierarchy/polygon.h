@@ -5,11 +5,10 @@
 #include "lode/core/result.h"
 #include "lode/models/terrain/triangle_hierarchy/patch.h"
 
-namespace lode::hierarchical_delaunay {
+namespace lode::triangle_hierarchy {
 
 /// The Delaunay triangulation constrained by the sides of a polygon, whose corners turn left once
 /// round, at least three. Fails where sides meet but at their ends, or corners turn right.
-[[nodiscard]] Result<triangle_hierarchy::Patch> triangulate_polygon(
-    std::vector<triangle_hierarchy::Place> corners);
+[[nodiscard]] Result<Patch> triangulate_polygon(std::vector<Place> corners);
 
-}  // namespace lode::hierarchical_delaunay
+}  // namespace lode::triangle_hierarchy

@@ -1,7 +1,7 @@
 // L. De Floriani, E. Puppo, "Hierarchical triangulation for multiresolution surface description",
-// ACM Transactions on Graphics 14 (1995): variable resolution; that patches are measured, and
-// refined where they err, is ours.
-#include "lode/models/terrain/hierarchical_delaunay/variable.h"
+// ACM Transactions on Graphics 14 (1995): variable resolution; that patches have errors, and are
+// refined where these are too large, is ours.
+#include "lode/models/terrain/triangle_hierarchy/variable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +11,11 @@
 #include "lode/core/flat_index.h"
 #include "lode/delaunay/tin_links.h"
 #include "lode/delaunay/triangle_error.h"
-#include "lode/models/terrain/hierarchical_delaunay/polygon.h"
+#include "lode/models/terrain/triangle_hierarchy/polygon.h"
 #include "lode/refine/surface_facts.h"
 
-namespace lode::hierarchical_delaunay {
+namespace lode::triangle_hierarchy {
 namespace {
-
-using triangle_hierarchy::Hierarchy;
-using triangle_hierarchy::kNone;
 
 using Corners = std::array<std::uint32_t, 3>;
 
@@ -47,6 +44,18 @@ class Leaves {
   void remove(std::uint32_t triangle) {
     const Corners& corner = hierarchy_.triangles[triangle].corner;
     for (std::size_t i = 0; i < 3; ++i) edges_.erase(key(corner[i], corner[(i + 1) % 3]));
+  }
+  /// What is behind an edge, and has it whole or as a part of one of its own; kNone: what is there
+  /// is smaller, or nothing is.
+  [[nodiscard]] std::uint32_t find_behind(std::uint32_t from, std::uint32_t to) const {
+    while (true) {
+      const std::uint32_t found = edges_.find(key(to, from));
+      if (found != FlatIndex::kNone) return found;
+      const auto whole = chains_.find_whole(from, to);
+      if (!whole) return kNone;
+      from = (*whole)[0];
+      to = (*whole)[1];
+    }
   }
   /// The vertices that what is behind an edge has in it.
   void add_between(std::uint32_t from, std::uint32_t to, std::vector<std::uint32_t>& out) const {
@@ -100,15 +109,15 @@ struct Replacement {
 
 class VariableMesh {
  public:
-  VariableMesh(const Hierarchy& hierarchy, const EdgeChains& chains, const FineGrid& grid,
+  VariableMesh(const Hierarchy& hierarchy, const EdgeChains& chains, const PatchErrors& errors,
                const Demand& demand)
       : hierarchy_(hierarchy),
-        grid_(grid),
+        errors_(errors),
         demand_(demand),
         leaves_(hierarchy, chains),
         is_leaf_(hierarchy.triangles.size()) {}
 
-  Result<delaunay::Tin> run() {
+  delaunay::Tin run() {
     for (std::uint32_t t = 0; t < hierarchy_.triangles_until[0]; ++t) add(t);
     refine_wanted();
     while (!is_matching()) {
@@ -124,10 +133,16 @@ class VariableMesh {
     is_leaf_[t] = true;
     leaves_.add(t);
     fresh_.push_back(t);
+    touched_.push_back(t);
   }
   void refine(std::uint32_t t) {
     is_leaf_[t] = false;
     leaves_.remove(t);
+    const Corners& corner = hierarchy_.triangles[t].corner;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t behind = leaves_.find_behind(corner[i], corner[(i + 1) % 3]);
+      if (behind != kNone) touched_.push_back(behind);
+    }
     replacements_.erase(t);
     const auto [first, end] = hierarchy_.triangles_of(hierarchy_.triangles[t].refinement);
     for (std::uint32_t child = first; child < end; ++child) add(child);
@@ -147,7 +162,9 @@ class VariableMesh {
 
   /// Finds replacements where they are missing; those that will not do are forced_ to be refined.
   bool is_matching() {
-    for (std::uint32_t t = 0; t < is_leaf_.size(); ++t) {
+    std::ranges::sort(touched_);
+    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+    for (const std::uint32_t t : touched_) {
       // What is not refined has no chain.
       if (!is_leaf_[t] || hierarchy_.triangles[t].refinement == kNone) continue;
       const std::vector<std::uint32_t> border = border_of(t);
@@ -155,8 +172,9 @@ class VariableMesh {
       Replacement& replacement = replacements_[t];
       if (replacement.n_corners == border.size()) continue;
       replacement = {.n_corners = border.size(), .triangles = {}, .errors = {}};
-      if (!replace(border, replacement)) forced_.push_back(t);
+      if (!replace(t, border, replacement)) forced_.push_back(t);
     }
+    touched_.clear();
     return forced_.empty();
   }
 
@@ -170,42 +188,23 @@ class VariableMesh {
     return border;
   }
 
-  bool replace(const std::vector<std::uint32_t>& border, Replacement& out) const {
+  bool replace(std::uint32_t t, const std::vector<std::uint32_t>& border, Replacement& out) const {
     std::vector<Place> corners;
     corners.reserve(border.size());
     for (const std::uint32_t v : border)
       corners.push_back({hierarchy_.vertices[v], hierarchy_.heights[v]});
     const auto patch = triangulate_polygon(std::move(corners));
     if (!patch) return false;
-    for (const Corners& places : patch->triangles) {
-      const auto& [a, b, c] = places;
+    const std::vector<double> errors = errors_.of(t, *patch);
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      const auto& [a, b, c] = patch->triangles[i];
       out.triangles.push_back({border[a], border[b], border[c]});
-      double error = measure_samples(grid_, {patch->places[a], patch->places[b], patch->places[c]},
-                                     triangle_hierarchy::kNoEdges)
-                         .closed;
-      if (wants_more(out.triangles.back(), stated(error))) return false;
-      error = std::max(error, error_inside(*patch, places));
-      out.errors.push_back(stated(error));
-      if (wants_more(out.triangles.back(), out.errors.back())) return false;
+      out.errors.push_back(delaunay::to_float_above(errors[i]));
+      if (errors[i] > hierarchy_.tolerances.front() ||
+          wants_more(out.triangles.back(), out.errors.back()))
+        return false;
     }
-    return true;
-  }
-  [[nodiscard]] float stated(double error) const {
-    return delaunay::to_float_above(error + grid_.rounding());
-  }
-
-  /// Of a triangle's edges that are none of the polygon's, where they cross columns and rows: a
-  /// sliver between vertices of a chain has no samples, and may be a wall.
-  template <typename Patch>
-  [[nodiscard]] double error_inside(const Patch& patch, const Corners& places) const {
-    double error = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t a = places[i];
-      const std::uint32_t b = places[(i + 1) % 3];
-      if ((a + 1) % patch.places.size() != b)
-        error = std::max(error, worst_crossing(grid_, patch.places[a], patch.places[b]).error);
-    }
-    return error;
+    return !errors.empty();
   }
 
   [[nodiscard]] delaunay::Tin to_tin() const {
@@ -228,25 +227,21 @@ class VariableMesh {
   }
 
   const Hierarchy& hierarchy_;
-  const FineGrid& grid_;
+  const PatchErrors& errors_;
   const Demand& demand_;
   Leaves leaves_;
-  std::vector<bool> is_leaf_;         ///< By triangle.
-  std::vector<std::uint32_t> fresh_;  ///< Leaves that nobody has asked yet.
+  std::vector<bool> is_leaf_;           ///< By triangle.
+  std::vector<std::uint32_t> fresh_;    ///< Leaves that nobody has asked yet.
+  std::vector<std::uint32_t> touched_;  ///< Where what is behind edges may have become another.
   std::vector<std::uint32_t> forced_;
   std::unordered_map<std::uint32_t, Replacement> replacements_;  ///< Looked up only.
 };
 
 }  // namespace
 
-Result<delaunay::Tin> tin_of_demand(const Hierarchy& hierarchy, const EdgeChains& chains,
-                                    const FineGrid& grid, const Demand& demand) {
-  const HeightFrame& frame = hierarchy.frame;
-  if (grid.frame().n_columns != frame.n_columns || grid.frame().n_rows != frame.n_rows ||
-      grid.bits() != hierarchy.bits)
-    return fail("expected the raster of the model, of {} x {} samples, got {} x {}",
-                frame.n_columns, frame.n_rows, grid.frame().n_columns, grid.frame().n_rows);
-  return VariableMesh(hierarchy, chains, grid, demand).run();
+delaunay::Tin tin_of_demand(const Hierarchy& hierarchy, const EdgeChains& chains,
+                            const PatchErrors& errors, const Demand& demand) {
+  return VariableMesh(hierarchy, chains, errors, demand).run();
 }
 
-}  // namespace lode::hierarchical_delaunay
+}  // namespace lode::triangle_hierarchy
