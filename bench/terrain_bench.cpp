@@ -32,7 +32,6 @@
 namespace lode::bench {
 namespace {
 
-constexpr std::array<double, 3> kTolerances{0.01, 0.001, 0.0003};  ///< Of the range of heights.
 constexpr double kRange = 65535;
 
 struct Settings {
@@ -41,6 +40,7 @@ struct Settings {
   int n_runs = 3;
   bool is_unchecked = false;
   int n_threads = 2;
+  std::vector<double> errors{0.01, 0.001, 0.0003};  ///< Shares of the range of heights.
 };
 
 struct Run {
@@ -91,19 +91,18 @@ std::string check(const HeightGrid& grid, double max_error, InsertionOrder order
   return "right";
 }
 
-/// By tolerance.
-using Medians = std::array<Run, kTolerances.size()>;
+/// By error.
+using Medians = std::vector<Run>;
 
 Medians race(const HeightGrid& grid, const Settings& settings, InsertionOrder order) {
   Medians medians;
-  for (std::size_t tolerance = 0; tolerance < kTolerances.size(); ++tolerance) {
-    const double share = kTolerances[tolerance];
+  for (const double share : settings.errors) {
     std::vector<Run> runs;
     for (int i = 0; i < settings.n_runs; ++i)
       runs.push_back(select(grid, share * kRange, order, {settings.n_threads}));
     const auto by_time = [](const Run& a, const Run& b) { return a.seconds < b.seconds; };
     std::sort(runs.begin(), runs.end(), by_time);
-    medians[tolerance] = runs[runs.size() / 2];
+    medians.push_back(runs[runs.size() / 2]);
     fmt::print("{:8} {:>8} {:>10.3f} {:>10.3f} {:>12} {:>12}  {}\n", name_of(order), share,
                runs[runs.size() / 2].seconds, runs.front().seconds, runs.front().n_triangles,
                runs.front().n_vertices,
@@ -174,7 +173,7 @@ std::uint32_t stl_triangles(const std::string& path) {
   return file ? n : 0;
 }
 
-std::optional<Medians> race_hmm(const HeightGrid& grid) {
+std::optional<Medians> race_hmm(const HeightGrid& grid, const std::vector<double>& errors) {
   const std::string program = find_hmm();
   if (program.empty()) {
     fmt::print("hmm: skipped, neither LODE_HMM nor PATH has it\n");
@@ -186,11 +185,10 @@ std::optional<Medians> race_hmm(const HeightGrid& grid) {
   const std::string png = folder + "/fractal.png";
   const std::string stl = folder + "/fractal.stl";
   if (write_png(png, grid))
-    for (std::size_t tolerance = 0; tolerance < kTolerances.size(); ++tolerance) {
-      const double share = kTolerances[tolerance];
+    for (const double share : errors) {
       const auto seconds =
           run_program({program, png, stl, "-z", "1000", "-e", fmt::format("{}", share), "-q"});
-      found[tolerance] = {seconds.value_or(0), stl_triangles(stl), 0};
+      found.push_back({seconds.value_or(0), stl_triangles(stl), 0});
       if (seconds)
         fmt::print("{:8} {:>8} {:>10.3f} {:>10} {:>12}\n", "hmm", share, *seconds, "",
                    stl_triangles(stl));
@@ -202,13 +200,14 @@ std::optional<Medians> race_hmm(const HeightGrid& grid) {
   return found;
 }
 
-void compare(InsertionOrder order, const Medians& own, const Medians& hmm) {
-  for (std::size_t i = 0; i < kTolerances.size(); ++i) {
+void compare(InsertionOrder order, const Medians& own, const Medians& hmm,
+             const std::vector<double>& errors) {
+  for (std::size_t i = 0; i < hmm.size(); ++i) {
     if (hmm[i].n_triangles == 0 || own[i].n_triangles == 0) continue;
     const auto more =
         static_cast<double>(own[i].n_triangles) / static_cast<double>(hmm[i].n_triangles) - 1;
     fmt::print("{:8} {:>8} {:>9.1f} times as fast as hmm, {:+.2f} % triangles\n", name_of(order),
-               kTolerances[i], hmm[i].seconds / own[i].seconds, 100 * more);
+               errors[i], hmm[i].seconds / own[i].seconds, 100 * more);
   }
 }
 
@@ -224,8 +223,9 @@ int run(const Settings& settings) {
                                InsertionOrder::strict};
   std::array<Medians, kOrders.size()> medians;
   for (std::size_t i = 0; i < kOrders.size(); ++i) medians[i] = race(grid, settings, kOrders[i]);
-  const auto hmm = race_hmm(grid);
-  for (std::size_t i = 0; hmm && i < kOrders.size(); ++i) compare(kOrders[i], medians[i], *hmm);
+  const auto hmm = race_hmm(grid, settings.errors);
+  for (std::size_t i = 0; hmm && i < kOrders.size(); ++i)
+    compare(kOrders[i], medians[i], *hmm, settings.errors);
   return 0;
 }
 
@@ -239,6 +239,9 @@ int main(int argc, char** argv) {
   app.add_option("--seed", settings.seed, "Of the fractal");
   app.add_option("--runs", settings.n_runs, "Of each, an odd number")->check(CLI::Range(1, 99));
   app.add_option("--threads", settings.n_threads)->check(CLI::Range(1, 64));
+  app.add_option("--errors", settings.errors, "Shares of the range of heights")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
   app.add_flag("--unchecked", settings.is_unchecked, "Do not verify what comes");
   CLI11_PARSE(app, argc, argv);
   return lode::bench::run(settings);
