@@ -34,7 +34,8 @@ std::string make_glb(std::string json, std::size_t n_data) {
 
 std::string one_mesh(std::string_view view, std::string_view accessor) {
   return fmt::format(
-      R"({{"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},)"
+      R"({{"nodes":[{{"matrix":[1,0,0,0,0,0,-1,0,0,1,0,0,0,0,0,1],"children":[1]}},)"
+      R"({{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},)"
       R"("mode":0}}]}}],"bufferViews":[{{"buffer":0,{}}}],"accessors":[{{"bufferView":0,)"
       R"("componentType":5126,"type":"VEC3",{}}}]}})",
       view, accessor);
@@ -70,6 +71,13 @@ TEST(glb_file, states_the_bounds_and_puts_the_origin_into_the_node) {
   EXPECT_NE(bytes.find(R"("translation":[1000000.0,0.1,0.0])"), std::string::npos);
 }
 
+TEST(glb_file, stands_upright) {
+  const std::string bytes = written_bytes(make_torus(3));
+  EXPECT_NE(bytes.find(R"("nodes":[{"children":[1],"matrix":[1.0,0.0,0.0,0.0,0.0,0.0,-1.0,0.0,)"
+                       R"(0.0,1.0,0.0,0.0,0.0,0.0,0.0,1.0])"),
+            std::string::npos);
+}
+
 TEST(glb_file, replaces_comment_bytes_that_are_no_utf8) {
   const std::string bytes = written_bytes(make_torus(3), {.comment = "\xff\xfe"});
   EXPECT_TRUE(read_bytes(".glb", bytes));
@@ -94,11 +102,20 @@ TEST(glb_file, refuses_arrays_outside_the_file) {
 }
 
 TEST(glb_file, refuses_json_of_other_shapes) {
-  for (const char* json :
-       {"", "[]", "7", "{", "{}", R"({"nodes":7})", R"({"nodes":[7]})", R"({"nodes":[{"mesh":0}]})",
-        R"({"nodes":[{"mesh":0}],"meshes":[{"primitives":{}}]})",
-        R"({"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":[]}]}]})",
-        R"({"nodes":[{"scale":[2,2,2]}]})", R"({"nodes":[{"translation":["a",0,0]}]})"})
+  const auto of_nodes = [](const std::string& outer, const std::string& inner) {
+    return R"({"nodes":[)" + outer + "," + inner + "]}";
+  };
+  const std::string turned = R"({"matrix":[1,0,0,0,0,0,-1,0,0,1,0,0,0,0,0,1],"children":[1]})";
+  const std::string not_turned = R"({"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"children":[1]})";
+  EXPECT_EQ(complaint_about(".glb", make_glb(of_nodes(turned, "{}"), 4)), "");
+  for (const std::string& json : std::vector<std::string>{
+           "", "[]", "7", "{", "{}", R"({"nodes":7})", R"({"nodes":[7]})", R"({"nodes":[7,7]})",
+           of_nodes(turned, "7"), of_nodes(not_turned, "{}"), of_nodes("{}", "{}"),
+           of_nodes(R"({"matrix":[1,0]})", "{}"), of_nodes(turned, R"({"mesh":0})"),
+           of_nodes(turned, R"({"mesh":0}],"meshes":[{"primitives":{}})"),
+           of_nodes(turned, R"({"mesh":0}],"meshes":[{"primitives":[{"attributes":[]}]})"),
+           of_nodes(turned, R"({"scale":[2,2,2]})"),
+           of_nodes(turned, R"({"translation":["a",0,0]})")})
     EXPECT_NE(complaint_about(".glb", make_glb(json, 4)), "") << json;
 }
 

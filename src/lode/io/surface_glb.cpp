@@ -30,6 +30,8 @@ constexpr int kGlLines = 1;
 constexpr int kGlTriangles = 4;
 constexpr std::size_t kChunkHeadBytes = 8;
 constexpr std::size_t kFileHeadBytes = 12;
+/// Of the outer node, column by column: glTF's up is y, which our z becomes.
+constexpr std::array<double, 16> kTurn{1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
 
 /// Collects the JSON of the arrays, in the order of their data.
 struct GlbArrays {
@@ -87,7 +89,10 @@ json describe_primitive(const Surface& surface, GlbArrays& arrays) {
 /// The JSON chunk, padded to whole words as the container demands; sets the size of the data.
 std::string describe(const Surface& surface, const SurfaceWriteOptions& options,
                      std::uint64_t& n_bytes) {
-  json node = {{"name", options.node_name.empty() ? "isosurface" : options.node_name}};
+  const json outer = {{"name", options.node_name.empty() ? "isosurface" : options.node_name},
+                      {"matrix", kTurn},
+                      {"children", json::array({1})}};
+  json node = json::object();
   if (has_origin(surface))
     node["translation"] = {surface.origin[0], surface.origin[1], surface.origin[2]};
   json document = {
@@ -107,7 +112,7 @@ std::string describe(const Surface& surface, const SurfaceWriteOptions& options,
     node["mesh"] = 0;
     n_bytes = arrays.n_bytes;
   }
-  document["nodes"] = json::array({node});
+  document["nodes"] = json::array({outer, node});
   // Comments may hold any bytes; those that are no UTF-8 are replaced, not thrown at.
   std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
@@ -250,6 +255,20 @@ Result<void> read_primitive(const std::string& path, const json& document,
   return fill_cells(path, indices, surface.lines);
 }
 
+/// The node with the mesh, in the one that turns it.
+Result<const json*> inner_node(const std::string& path, const json& document) {
+  const json* nodes = member(document, "nodes");
+  if (nodes == nullptr || !nodes->is_array() || nodes->size() != 2 || !nodes->back().is_object())
+    return not_ours(path, "two nodes");
+  const json* matrix = member(nodes->front(), "matrix");
+  if (matrix == nullptr || !matrix->is_array() || matrix->size() != kTurn.size())
+    return not_ours(path, "a node with a matrix");
+  for (std::size_t i = 0; i < kTurn.size(); ++i)
+    if (!(*matrix)[i].is_number() || (*matrix)[i].get<double>() != kTurn[i])
+      return not_ours(path, "a node that turns z into y");
+  return &nodes->back();
+}
+
 Result<void> read_translation(const std::string& path, const json& node, Surface& surface) {
   for (const char* key : {"matrix", "rotation", "scale", "children"})
     if (member(node, key) != nullptr)
@@ -268,8 +287,7 @@ Result<void> read_translation(const std::string& path, const json& node, Surface
 
 Result<Surface> read_document(const std::string& path, const json& document,
                               std::span<const std::byte> data) {
-  const json* node = only_entry(member(document, "nodes"));
-  if (node == nullptr || !node->is_object()) return not_ours(path, "one node");
+  LODE_TRY(const json* node, inner_node(path, document));
   Surface surface;
   LODE_CHECK(read_translation(path, *node, surface));
   if (member(*node, "mesh") == nullptr) return surface;
