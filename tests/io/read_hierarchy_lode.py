@@ -25,15 +25,15 @@ X, Y, HEIGHT, CORNERS, ERROR, REPLACED, COUNT, LINE = range(1, 9)
 
 def read_metadata(raw):
     cursor = Cursor(raw)
-    expect(cursor.take("I") == 2, "another layout")
+    expect(cursor.take("I") == 3, "another layout")
     m = {"size": cursor.take("2i"), "world": cursor.take("6d")}
     m["crs"], m["unit"], m["type"] = cursor.text(), cursor.text(), cursor.text()
     m["has_place"], m["range"], m["counts"] = cursor.take("B"), cursor.take("2d"), cursor.take("3Q")
     m["levels"] = [cursor.take("d") for _ in range(cursor.take("I"))]
-    m["bits"], m["reach"], m["m"] = cursor.take("I"), cursor.take("i"), cursor.take("I")
-    m["lines"] = cursor.take("I")
+    m["bits"], m["reach"], m["lines"] = cursor.take("I"), cursor.take("i"), cursor.take("I")
     m["v"] = [cursor.take("I") for _ in m["levels"]]
     m["t"] = [cursor.take("I") for _ in m["levels"]]
+    m["m"] = [cursor.take("I") for _ in m["levels"]]
     expect(cursor.at == len(raw), "bytes left over")
     return m
 
@@ -59,7 +59,7 @@ class Hierarchy:
         ends = self.column(LINE, 2 * m["lines"], "I")
         self.lines = [tuple(ends[2 * i : 2 * i + 2]) for i in range(m["lines"])]
         expect(all(max(line) < m["v"][0] and line[0] != line[1] for line in self.lines), "a line")
-        replaced, counts = self.column(REPLACED, m["m"], "I"), self.column(COUNT, m["m"], "I")
+        replaced, counts = self.column(REPLACED, m["m"][-1], "I"), self.column(COUNT, m["m"][-1], "I")
         expect(not self.blocks, "blocks left over")
         self.replaced_from = {}
         first = m["t"][0]

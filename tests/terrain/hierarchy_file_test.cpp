@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <string>
@@ -132,7 +133,7 @@ TEST_F(hierarchy_file, has_all_that_was_saved_and_finds_twins_again) {
     for (const test::TerrainCase& c : test::terrain_cases()) {
       HierarchyModel made = build(kind, c.grid, {150, 7, 0});
       made.hierarchy.lines = {{0, 1}, {2, 0}};
-      SCOPED_TRACE(testing::Message() << c.name << ", " << model_name(made));
+      SCOPED_TRACE(testing::Message() << c.name << ", " << static_cast<int>(kind));
       expect_same(made, saved_and_opened(made));
     }
 }
@@ -156,6 +157,61 @@ TEST_F(hierarchy_file, stops_when_cancelled) {
   EXPECT_FALSE(open(path_, cancelled));
   EXPECT_FALSE(save(model, other_, cancelled));
   EXPECT_FALSE(std::filesystem::exists(other_));
+}
+
+TEST_F(hierarchy_file, has_its_first_levels_without_the_others) {
+  for (const Kind kind : {Kind::adaptive_triangulation, Kind::hierarchical_delaunay}) {
+    const HierarchyModel made =
+        build(kind, test::make_grid<float>(33, 29, test::hills_with_spikes), {150, 40, 7});
+    ASSERT_TRUE(save(made, path_, progress_));
+    const auto file = HierarchyFile::open(path_);
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_EQ(file->head().n_bytes(), made.hierarchy.n_bytes());
+    for (int level = 0; level < 3; ++level) {
+      EXPECT_EQ(file->head().n_triangles_in(level), made.hierarchy.n_triangles_in(level));
+      const auto read = file->read(level + 1, progress_);
+      ASSERT_TRUE(read) << read.error().message;
+      const Hierarchy& h = read->hierarchy;
+      EXPECT_EQ(h.n_levels(), level + 1);
+      EXPECT_EQ(h.vertices.size(), made.hierarchy.vertices_until[static_cast<std::size_t>(level)]);
+      const auto expected = tin_of_level(made.hierarchy, level, delaunay::TinLinks::kept);
+      const auto tin = tin_of_level(h, level, delaunay::TinLinks::kept);
+      EXPECT_EQ(tin.vertices, expected.vertices);
+      EXPECT_EQ(tin.triangles, expected.triangles);
+      EXPECT_EQ(tin.errors, expected.errors);
+      EXPECT_EQ(tin.twins, expected.twins);
+    }
+  }
+}
+
+/// So nothing of that level is read before.
+TEST_F(hierarchy_file, is_refused_for_a_damaged_level_when_that_is_read) {
+  oracles::Random random(5);
+  const auto noise =
+      test::make_grid<float>(140, 140, [&](int, int) { return random.uniform(-500, 500); });
+  const HierarchyModel made = build(Kind::hierarchical_delaunay, noise, {600, 0});
+  ASSERT_TRUE(save(made, path_, progress_));
+  std::uint64_t offset = 0;
+  {
+    const auto reader = store::Reader::open(path_);
+    ASSERT_TRUE(reader);
+    // The second of the corners' blocks.
+    const auto block = reader->find({4, 0, {{1, 0, 0}}});
+    ASSERT_TRUE(block);
+    offset = reader->blocks()[*block].offset;
+  }
+  std::fstream bytes(path_, std::ios::in | std::ios::out | std::ios::binary);
+  bytes.seekg(static_cast<std::streamoff>(offset));
+  const int byte = bytes.get();
+  bytes.seekp(static_cast<std::streamoff>(offset));
+  bytes.put(static_cast<char>(byte ^ 1));
+  bytes.close();
+  const auto file = HierarchyFile::open(path_);
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_TRUE(file->read(1, progress_));
+  const auto all = file->read(2, progress_);
+  ASSERT_FALSE(all);
+  EXPECT_NE(all.error().message.find(path_), std::string::npos);
 }
 
 TEST_F(hierarchy_file, refuses_numbers_that_cannot_be) {

@@ -104,7 +104,7 @@ Result<BuiltTerrain> BuiltTerrain::open(const std::string& path, Progress& progr
     return BuiltTerrain(std::make_shared<const BisectionTerrain>(std::move(opened)));
   }
   if (HierarchyTerrain::is_model_of(path)) {
-    LODE_TRY(auto opened, HierarchyTerrain::open(path, progress));
+    LODE_TRY(auto opened, HierarchyTerrain::open(path));
     return BuiltTerrain(std::make_shared<const HierarchyTerrain>(std::move(opened)));
   }
   LODE_TRY(insertions::LevelledHistory levelled, insertions::open(path, progress));

@@ -34,9 +34,15 @@ HeightFrame fine_frame(const HeightFrame& frame, int bits) {
 
 HierarchyTerrain::HierarchyTerrain(HierarchyModel model,
                                    std::optional<triangle_hierarchy::FineGrid> grid)
-    : model_(std::move(model)),
+    : head_(head_of(model)),
+      levels_(std::make_unique<LoadedLevels>(std::move(model.hierarchy))),
       grid_(std::move(grid)),
-      fine_frame_(fine_frame(model_.source.frame, model_.hierarchy.bits)) {}
+      fine_frame_(fine_frame(head_.source.frame, head_.bits)) {}
+
+HierarchyTerrain::HierarchyTerrain(hierarchy_file::HierarchyFile file)
+    : head_(file.head()),
+      levels_(std::make_unique<LoadedLevels>(std::move(file))),
+      fine_frame_(fine_frame(head_.source.frame, head_.bits)) {}
 
 Result<HierarchyTerrain> HierarchyTerrain::build(const HeightGrid& grid,
                                                  const TerrainBuildOptions& options,
@@ -62,9 +68,9 @@ Result<HierarchyTerrain> HierarchyTerrain::build(const HeightGrid& grid,
   return HierarchyTerrain(std::move(model), std::move(fine));
 }
 
-Result<HierarchyTerrain> HierarchyTerrain::open(const std::string& path, Progress& progress) {
-  LODE_TRY(HierarchyModel model, hierarchy_file::open(path, progress));
-  return HierarchyTerrain(std::move(model));
+Result<HierarchyTerrain> HierarchyTerrain::open(const std::string& path) {
+  LODE_TRY(auto file, hierarchy_file::HierarchyFile::open(path));
+  return HierarchyTerrain(std::move(file));
 }
 
 bool HierarchyTerrain::is_model_of(const std::string& path) {
@@ -72,8 +78,8 @@ bool HierarchyTerrain::is_model_of(const std::string& path) {
 }
 
 TerrainModel HierarchyTerrain::model() const {
-  return model_.kind == Kind::adaptive_triangulation ? TerrainModel::adaptive_triangulation
-                                                     : TerrainModel::hierarchical_delaunay;
+  return head_.kind == Kind::adaptive_triangulation ? TerrainModel::adaptive_triangulation
+                                                    : TerrainModel::hierarchical_delaunay;
 }
 
 Result<int> HierarchyTerrain::level_for(const TerrainOptions& options,
@@ -83,31 +89,44 @@ Result<int> HierarchyTerrain::level_for(const TerrainOptions& options,
   if (options.max_error && asked < finest)
     return fail("expected a tolerance of {} or more, which is what the model was built for, got {}",
                 finest, asked);
-  int level = hierarchy().n_levels() - 1;
-  if (!options.max_cells || options.max_error) {
-    LODE_TRY(level, hierarchy().level_within(std::max(asked, finest)));
-  }
+  int level = head_.n_levels() - 1;
+  if (!options.max_cells || options.max_error) level = level_within(std::max(asked, finest));
   report.max_error = options.max_cells && !options.max_error ? 0 : std::max(asked, finest);
   if (options.max_cells) {
-    while (level > 0 && hierarchy().n_triangles_in(level) > *options.max_cells) --level;
-    report.budget_met = hierarchy().n_triangles_in(level) <= *options.max_cells;
+    while (level > 0 && head_.n_triangles_in(level) > *options.max_cells) --level;
+    report.budget_met = head_.n_triangles_in(level) <= *options.max_cells;
   }
   report.is_within_error = tolerance(level) <= report.max_error;
   return level;
 }
 
-double HierarchyTerrain::error_of_level(int level) const {
+int HierarchyTerrain::level_within(double asked) const {
+  int level = 0;
+  while (level + 1 < head_.n_levels() && tolerance(level) > asked) ++level;
+  return level;
+}
+
+double HierarchyTerrain::error_of_level(const triangle_hierarchy::Hierarchy& hierarchy,
+                                        int level) const {
   float worst = 0;
-  const std::uint32_t end = hierarchy().triangles_until[static_cast<std::size_t>(level)];
+  const std::uint32_t end = hierarchy.triangles_until[static_cast<std::size_t>(level)];
   for (std::uint32_t t = 0; t < end; ++t)
-    if (hierarchy().is_in_level(t, level)) worst = std::max(worst, hierarchy().triangles[t].error);
+    if (hierarchy.is_in_level(t, level)) worst = std::max(worst, hierarchy.triangles[t].error);
   // Triangles state floats, rounded up; the level keeps its tolerance up to rounding.
   const HeightRange& range = source().range;
   const double rounding = 0x1p-48 * std::max(std::abs(range.lower), std::abs(range.upper));
   return std::min(static_cast<double>(worst), tolerance(level) + rounding);
 }
 
-Result<SelectedTerrain> HierarchyTerrain::select_focused(const TerrainOptions& options) const {
+int HierarchyTerrain::n_levels_for(const TerrainFocus& focus, double tolerance) const {
+  // What pixels come to depends on where they are.
+  if (focus.view && focus.view->max_error_px) return head_.n_levels();
+  const double least = std::min(tolerance, focus.max_error_outside.value_or(tolerance));
+  return level_within(least) + 1;
+}
+
+Result<SelectedTerrain> HierarchyTerrain::select_focused(const TerrainOptions& options,
+                                                         Progress& progress) const {
   const TerrainFocus& focus = *options.focus;
   const double finest = finest_error();
   const double tolerance = default_tolerance(options, source().range);
@@ -121,10 +140,12 @@ Result<SelectedTerrain> HierarchyTerrain::select_focused(const TerrainOptions& o
   TerrainReport& report = selected.report;
   LODE_TRY(const TerrainDemand demand,
            TerrainDemand::make(focus, std::max(tolerance, finest), source().frame, source().range));
-  LODE_TRY(const auto chains, triangle_hierarchy::EdgeChains::find_in(hierarchy()));
+  LODE_TRY(const LoadedLevels::Shared hierarchy,
+           levels_->first(n_levels_for(focus, std::max(tolerance, finest)), progress));
+  LODE_TRY(const auto chains, triangle_hierarchy::EdgeChains::find_in(*hierarchy));
   selected.tin =
-      grid_ ? tin_of_demand(hierarchy(), chains, MeasuredPatches(*grid_), demand.demand())
-            : tin_of_demand(hierarchy(), chains, BoundedPatches(hierarchy()), demand.demand());
+      grid_ ? tin_of_demand(*hierarchy, chains, MeasuredPatches(*grid_), demand.demand())
+            : tin_of_demand(*hierarchy, chains, BoundedPatches(*hierarchy), demand.demand());
   count_selection(source(), selected);
   report_focus(demand, fine_frame_, selected);
   report.max_error = std::max(tolerance, finest);
@@ -138,33 +159,35 @@ Result<SelectedTerrain> HierarchyTerrain::select(const TerrainOptions& options,
   const Stopwatch watch;
   if (progress.is_cancelled()) return cancelled_error();
   if (options.focus) {
-    LODE_TRY(SelectedTerrain focused, select_focused(options));
+    LODE_TRY(SelectedTerrain focused, select_focused(options, progress));
     focused.report.seconds = watch.seconds();
     return focused;
   }
   SelectedTerrain selected;
   TerrainReport& report = selected.report;
   LODE_TRY(const int level, level_for(options, report));
-  selected.tin = tin_of_level(hierarchy(), level, links);
+  LODE_TRY(const LoadedLevels::Shared hierarchy, levels_->first(level + 1, progress));
+  selected.tin = tin_of_level(*hierarchy, level, links);
   count_selection(source(), selected);
-  report.achieved_error = error_of_level(level);
+  report.achieved_error = error_of_level(*hierarchy, level);
   report.seconds = watch.seconds();
   return selected;
 }
 
 Result<std::uint64_t> HierarchyTerrain::save(const std::string& path, Progress& progress) const {
-  return hierarchy_file::save(model_, path, progress);
+  LODE_TRY(const LoadedLevels::Shared hierarchy, all_levels(progress));
+  return hierarchy_file::save({head_.source, head_.kind, *hierarchy}, path, progress);
 }
 
 BuiltTerrainInfo HierarchyTerrain::describe_source() const {
   BuiltTerrainInfo info;
   info.sample_type = source().sample_type;
   info.has_place = source().has_place;
-  info.n_nodes = hierarchy().vertices.size();
-  info.n_base_triangles = hierarchy().triangles_until.front();
-  info.n_triangles = hierarchy().triangles.size();
-  info.n_lines = hierarchy().lines.size();
-  info.memory_bytes = hierarchy().n_bytes();
+  info.n_nodes = head_.vertices_until.back();
+  info.n_base_triangles = head_.triangles_until.front();
+  info.n_triangles = head_.triangles_until.back();
+  info.n_lines = head_.n_lines;
+  info.memory_bytes = head_.n_bytes();
   info.n_samples = source().n_samples;
   info.n_missing = source().n_missing;
   info.n_left_out = source().n_left_out;
@@ -175,9 +198,10 @@ BuiltTerrainInfo HierarchyTerrain::describe_source() const {
 
 Result<BuiltTerrainInfo> HierarchyTerrain::describe(Progress& progress) const {
   BuiltTerrainInfo info = describe_source();
-  for (int level = 0; level < hierarchy().n_levels(); ++level) {
+  LODE_TRY(const LoadedLevels::Shared hierarchy, all_levels(progress));
+  for (int level = 0; level < head_.n_levels(); ++level) {
     if (progress.is_cancelled()) return cancelled_error();
-    const delaunay::Tin tin = tin_of_level(hierarchy(), level, delaunay::TinLinks::left_out);
+    const delaunay::Tin tin = tin_of_level(*hierarchy, level, delaunay::TinLinks::left_out);
     const TinAngles angles = measure_angles(tin, fine_frame_, {});
     info.levels.push_back({tolerance(level), tin.triangles.size(), tin.vertices.size(),
                            angles.smallest, angles.median});

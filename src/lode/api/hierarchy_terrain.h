@@ -1,11 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lode/api/built_model.h"
+#include "lode/api/loaded_levels.h"
 #include "lode/api/terrain_selection.h"
 #include "lode/models/terrain/hierarchy_file/hierarchy_file.h"
 #include "lode/models/terrain/triangle_hierarchy/fine_grid.h"
@@ -14,24 +16,26 @@ namespace lode {
 
 /// The models of triangles refined into triangulations. They have a mesh for each of their
 /// tolerances, and meshes of tolerances that vary. Vertices are nodes of a lattice finer than the
-/// raster.
+/// raster. Of a file levels are read when they are asked for, and what is wrong with one is found
+/// then.
 class HierarchyTerrain final : public BuiltModel {
  public:
   /// With the raster what is between levels is measured, and else bounded.
   explicit HierarchyTerrain(hierarchy_file::HierarchyModel model,
                             std::optional<triangle_hierarchy::FineGrid> grid = {});
+  explicit HierarchyTerrain(hierarchy_file::HierarchyFile file);
 
   [[nodiscard]] static Result<HierarchyTerrain> build(const HeightGrid& grid,
                                                       const TerrainBuildOptions& options,
                                                       const std::vector<double>& levels,
                                                       Progress& progress);
-  [[nodiscard]] static Result<HierarchyTerrain> open(const std::string& path, Progress& progress);
+  [[nodiscard]] static Result<HierarchyTerrain> open(const std::string& path);
   [[nodiscard]] static bool is_model_of(const std::string& path);
 
   [[nodiscard]] TerrainModel model() const override;
-  [[nodiscard]] const terrain_file::Source& source() const override { return model_.source; }
+  [[nodiscard]] const terrain_file::Source& source() const override { return head_.source; }
   [[nodiscard]] const HeightFrame& frame() const override { return fine_frame_; }
-  [[nodiscard]] double finest_error() const override { return hierarchy().tolerances.back(); }
+  [[nodiscard]] double finest_error() const override { return head_.tolerances.back(); }
   [[nodiscard]] Result<SelectedTerrain> select(const TerrainOptions& options,
                                                delaunay::TinLinks links,
                                                Progress& progress) const override;
@@ -48,18 +52,27 @@ class HierarchyTerrain final : public BuiltModel {
                                                   Progress& progress) const override;
 
  private:
-  [[nodiscard]] const triangle_hierarchy::Hierarchy& hierarchy() const { return model_.hierarchy; }
-  [[nodiscard]] double tolerance(int level) const {
-    return hierarchy().tolerances[static_cast<std::size_t>(level)];
+  [[nodiscard]] Result<LoadedLevels::Shared> all_levels(Progress& progress) const {
+    return levels_->first(head_.n_levels(), progress);
   }
+  [[nodiscard]] double tolerance(int level) const {
+    return head_.tolerances[static_cast<std::size_t>(level)];
+  }
+  /// The first level within a tolerance.
+  [[nodiscard]] int level_within(double tolerance) const;
   /// The mesh that the options mean; sets what the report says of their being met.
   [[nodiscard]] Result<int> level_for(const TerrainOptions& options, TerrainReport& report) const;
   /// No sample errs by more in the mesh of a level.
-  [[nodiscard]] double error_of_level(int level) const;
+  [[nodiscard]] double error_of_level(const triangle_hierarchy::Hierarchy& hierarchy,
+                                      int level) const;
 
-  [[nodiscard]] Result<SelectedTerrain> select_focused(const TerrainOptions& options) const;
+  [[nodiscard]] Result<SelectedTerrain> select_focused(const TerrainOptions& options,
+                                                       Progress& progress) const;
+  /// How many levels are enough for a focus.
+  [[nodiscard]] int n_levels_for(const TerrainFocus& focus, double tolerance) const;
 
-  hierarchy_file::HierarchyModel model_;
+  hierarchy_file::Head head_;
+  std::unique_ptr<LoadedLevels> levels_;
   std::optional<triangle_hierarchy::FineGrid> grid_;  ///< Of the raster; files do not keep it.
   HeightFrame fine_frame_;
 };

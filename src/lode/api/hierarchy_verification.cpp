@@ -25,35 +25,38 @@ Result<VerifyReport> HierarchyTerrain::verify(const HeightGrid& grid, Threads th
                                               Progress& progress) const {
   VerifyReport report;
   LODE_CHECK(check_source(source(), grid, report));
-  for (int level = 0; level < hierarchy().n_levels(); ++level) {
-    const delaunay::Tin tin = tin_of_level(hierarchy(), level, delaunay::TinLinks::left_out);
+  LODE_TRY(const LoadedLevels::Shared hierarchy, all_levels(progress));
+  for (int level = 0; level < head_.n_levels(); ++level) {
+    const delaunay::Tin tin = tin_of_level(*hierarchy, level, delaunay::TinLinks::left_out);
     LODE_TRY(const VerifyReport checked,
-             verify_fine_tin(grid, tin, hierarchy().scale(), tolerance(level), threads, progress));
+             verify_fine_tin(grid, tin, hierarchy->scale(), tolerance(level), threads, progress));
     for (const VerifyReport::Check& check : checked.checks)
       report.add(fmt::format("within {}: {}", tolerance(level), check.name), check.count,
                  check.passed ? 0 : 1, check.detail);
   }
-  LODE_CHECK(check_stated_errors(all_triangles(hierarchy()), hierarchy().scale(), grid,
+  LODE_CHECK(check_stated_errors(all_triangles(*hierarchy), hierarchy->scale(), grid,
                                  "triangles of all levels state their errors", threads, progress,
                                  report));
   return report;
 }
 
 Result<VerifyReport> HierarchyTerrain::verify(const PointTerrain& terrain, Threads /*threads*/,
-                                              Progress& /*progress*/) const {
+                                              Progress& progress) const {
   VerifyReport report;
-  LODE_CHECK(compare_lines(hierarchy(), terrain, report));
+  LODE_TRY(const LoadedLevels::Shared hierarchy, all_levels(progress));
+  LODE_CHECK(compare_lines(*hierarchy, terrain, report));
   return report;
 }
 
 Result<VerifyReport> HierarchyTerrain::verify_alone(Threads /*threads*/, Progress& progress) const {
   VerifyReport report;
-  // What opening has found.
-  report.add("meshes of levels conform and cover one domain once", hierarchy().triangles.size(), 0,
+  LODE_TRY(const LoadedLevels::Shared hierarchy, all_levels(progress));
+  // What reading has found.
+  report.add("meshes of levels conform and cover one domain once", hierarchy->triangles.size(), 0,
              "");
   report.add("reach bounds how far triangles lie out of those they refine",
-             hierarchy().refinements.size(), n_out_of_reach(hierarchy()), "");
-  LODE_CHECK(check_lines(hierarchy(), progress, report));
+             hierarchy->refinements.size(), n_out_of_reach(*hierarchy), "");
+  LODE_CHECK(check_lines(*hierarchy, progress, report));
   return report;
 }
 

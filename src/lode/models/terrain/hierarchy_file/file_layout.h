@@ -14,7 +14,7 @@ namespace lode::hierarchy_file {
 inline constexpr std::array<std::string_view, 2> kModelNames{"adaptive_triangulation",
                                                              "hierarchical_delaunay"};
 
-inline constexpr std::uint32_t kLayout = 2;
+inline constexpr std::uint32_t kLayout = 3;
 
 enum class Column : std::uint32_t {
   x = 1,            ///< int32 by vertex, in nodes of the fine lattice.

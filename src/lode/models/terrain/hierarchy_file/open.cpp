@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "lode/core/expects.h"
 #include "lode/models/terrain/hierarchy_file/file_layout.h"
 #include "lode/models/terrain/hierarchy_file/hierarchy_file.h"
 #include "lode/models/terrain/hierarchy_file/levels_check.h"
@@ -14,7 +15,6 @@
 namespace lode::hierarchy_file {
 namespace {
 
-using terrain_file::read_column;
 using triangle_hierarchy::Hierarchy;
 using triangle_hierarchy::kNone;
 using triangle_hierarchy::LatticePoint;
@@ -25,70 +25,83 @@ constexpr std::uint32_t kMostBits = 8;
 constexpr int kCoordinateBits = 30;
 
 /// The last node of the fine lattice.
-LatticePoint last_node(const Hierarchy& h) {
-  return {(h.frame.n_columns - 1) << h.bits, (h.frame.n_rows - 1) << h.bits};
+LatticePoint last_node(const HeightFrame& frame, int bits) {
+  return {(frame.n_columns - 1) << bits, (frame.n_rows - 1) << bits};
 }
 
 Result<void> check_rising(const std::string& path, const char* what,
-                          const std::vector<std::uint32_t>& until, std::uint32_t most) {
+                          const std::vector<std::uint32_t>& until, std::uint32_t least,
+                          std::uint32_t most) {
   for (std::size_t i = 0; i < until.size(); ++i)
-    if (until[i] > most || until[i] < (i > 0 ? until[i - 1] : 1))
+    if (until[i] > most || until[i] < (i > 0 ? until[i - 1] : least))
       return fail("{}: metadata: expected {} that get more, up to {}, got {} until level {}", path,
                   what, most, until[i], i);
   return {};
 }
 
-/// How many there are, of which nothing is read yet.
-struct Counts {
-  std::uint32_t refinements = 0;
-  std::uint32_t lines = 0;
-};
+Result<void> read_lattice(store::ByteReader& in, const std::string& path, Head& head) {
+  LODE_TRY(const auto bits, in.read<std::uint32_t>());
+  const HeightFrame& frame = head.source.frame;
+  const std::int64_t last = std::int64_t{std::max(frame.n_columns, frame.n_rows)} - 1;
+  if (bits > kMostBits || (last << bits) >> kCoordinateBits != 0)
+    return fail(
+        "{}: metadata: expected columns and rows at most 2^{} nodes apart, whose numbers "
+        "have {} bits, got 2^{}",
+        path, kMostBits, kCoordinateBits, bits);
+  head.bits = static_cast<int>(bits);
+  const auto& g = frame.to_world;
+  if (std::ldexp(g[1] * g[5] - g[2] * g[4], -2 * head.bits) == 0)
+    return fail("{}: metadata: expected nodes that span a plane", path);
+  LODE_TRY(head.reach, in.read<std::int32_t>());
+  if (head.reach < 0 || head.reach > (last << bits))
+    return fail("{}: metadata: expected a reach from 0 to {}, got {}", path, last << bits,
+                head.reach);
+  return {};
+}
 
-Result<Counts> read_head(const store::Reader& reader, HierarchyModel& model) {
+Result<Head> read_head(const store::Reader& reader) {
   const std::string& path = reader.path();
   store::ByteReader in(reader.metadata(), path + ": metadata");
   LODE_TRY(const auto layout, in.read<std::uint32_t>());
   if (layout != kLayout)
     return fail("{}: metadata: expected layout {} of the model {}, got {}", path, kLayout,
                 reader.model(), layout);
-  LODE_CHECK(terrain_file::read(in, path, model.source));
-  Hierarchy& h = model.hierarchy;
-  h.frame = model.source.frame;
-  LODE_TRY(h.tolerances, terrain_file::read_levels(in, path));
-  if (h.tolerances.empty()) return fail("{}: metadata: expected levels, got none", path);
-  LODE_TRY(const auto bits, in.read<std::uint32_t>());
-  const std::int64_t last = std::int64_t{std::max(h.frame.n_columns, h.frame.n_rows)} - 1;
-  if (bits > kMostBits || (last << bits) >> kCoordinateBits != 0)
-    return fail(
-        "{}: metadata: expected columns and rows at most 2^{} nodes apart, whose numbers "
-        "have {} bits, got 2^{}",
-        path, kMostBits, kCoordinateBits, bits);
-  h.bits = static_cast<int>(bits);
-  const auto& g = h.frame.to_world;
-  if (std::ldexp(g[1] * g[5] - g[2] * g[4], -2 * h.bits) == 0)
-    return fail("{}: metadata: expected nodes that span a plane", path);
-  LODE_TRY(h.reach, in.read<std::int32_t>());
-  if (h.reach < 0 || h.reach > (last << bits))
-    return fail("{}: metadata: expected a reach from 0 to {}, got {}", path, last << bits, h.reach);
-  Counts counts;
-  LODE_TRY(counts.refinements, in.read<std::uint32_t>());
-  LODE_TRY(counts.lines, in.read<std::uint32_t>());
-  LODE_TRY(h.vertices_until, in.read_all<std::uint32_t>(h.tolerances.size()));
-  LODE_TRY(h.triangles_until, in.read_all<std::uint32_t>(h.tolerances.size()));
+  Head head;
+  LODE_CHECK(terrain_file::read(in, path, head.source));
+  LODE_TRY(head.tolerances, terrain_file::read_levels(in, path));
+  if (head.tolerances.empty()) return fail("{}: metadata: expected levels, got none", path);
+  LODE_CHECK(read_lattice(in, path, head));
+  LODE_TRY(head.n_lines, in.read<std::uint32_t>());
+  LODE_TRY(head.vertices_until, in.read_all<std::uint32_t>(head.tolerances.size()));
+  LODE_TRY(head.triangles_until, in.read_all<std::uint32_t>(head.tolerances.size()));
+  LODE_TRY(head.refinements_until, in.read_all<std::uint32_t>(head.tolerances.size()));
   LODE_CHECK(in.expect_end());
-  LODE_CHECK(check_rising(path, "vertices", h.vertices_until, kNone - 1));
-  LODE_CHECK(check_rising(path, "triangles", h.triangles_until, kMostTriangles));
-  return counts;
+  LODE_CHECK(check_rising(path, "vertices", head.vertices_until, 1, kNone - 1));
+  LODE_CHECK(check_rising(path, "triangles", head.triangles_until, 1, kMostTriangles));
+  LODE_CHECK(check_rising(path, "refinements", head.refinements_until, 0,
+                          head.triangles_until.back() - 1));
+  return head;
 }
 
-Result<void> read_vertices(const store::Reader& reader, HierarchyModel& model) {
-  Hierarchy& h = model.hierarchy;
+/// The first of all numbers of a column.
+template <typename T>
+Result<std::vector<T>> read_first(const store::Reader& reader, Column column, std::uint64_t n,
+                                  std::uint64_t n_all) {
+  using terrain_file::kPart;
+  const std::uint64_t n_read = std::min(n_all, (n + kPart - 1) / kPart * kPart);
+  LODE_TRY(std::vector<T> numbers, terrain_file::read_column<T>(reader, key_of(column), n_read));
+  numbers.resize(static_cast<std::size_t>(n));
+  return numbers;
+}
+
+Result<void> read_vertices(const store::Reader& reader, const Head& head, Hierarchy& h) {
   const std::uint32_t n = h.vertices_until.back();
-  LODE_TRY(const auto x, read_column<std::int32_t>(reader, key_of(Column::x), n));
-  LODE_TRY(const auto y, read_column<std::int32_t>(reader, key_of(Column::y), n));
-  LODE_TRY(h.heights, read_column<double>(reader, key_of(Column::height), n));
-  const LatticePoint last = last_node(h);
-  const HeightRange& range = model.source.range;
+  const std::uint32_t n_all = head.vertices_until.back();
+  LODE_TRY(const auto x, read_first<std::int32_t>(reader, Column::x, n, n_all));
+  LODE_TRY(const auto y, read_first<std::int32_t>(reader, Column::y, n, n_all));
+  LODE_TRY(h.heights, read_first<double>(reader, Column::height, n, n_all));
+  const LatticePoint last = last_node(h.frame, h.bits);
+  const HeightRange& range = head.source.range;
   h.vertices.reserve(n);
   for (std::uint32_t v = 0; v < n; ++v) {
     if (x[v] < 0 || x[v] > last.x || y[v] < 0 || y[v] > last.y)
@@ -110,11 +123,11 @@ Result<void> read_vertices(const store::Reader& reader, HierarchyModel& model) {
   return {};
 }
 
-Result<void> read_triangles(const store::Reader& reader, Hierarchy& h) {
-  const std::uint32_t n = h.triangles_until.back();
-  LODE_TRY(const auto corners,
-           read_column<std::uint32_t>(reader, key_of(Column::corner), 3 * std::uint64_t{n}));
-  LODE_TRY(const auto errors, read_column<float>(reader, key_of(Column::error), n));
+Result<void> read_triangles(const store::Reader& reader, const Head& head, Hierarchy& h) {
+  const std::uint64_t n = h.triangles_until.back();
+  const std::uint64_t n_all = head.triangles_until.back();
+  LODE_TRY(const auto corners, read_first<std::uint32_t>(reader, Column::corner, 3 * n, 3 * n_all));
+  LODE_TRY(const auto errors, read_first<float>(reader, Column::error, n, n_all));
   constexpr std::uint32_t kOutside = delaunay::kNoHalfEdge;
   h.triangles.reserve(n);
   std::size_t level = 0;
@@ -141,9 +154,11 @@ Result<void> read_triangles(const store::Reader& reader, Hierarchy& h) {
 }
 
 /// Refinements follow one another without gaps, and none is of two levels.
-Result<void> read_refinements(const store::Reader& reader, std::uint32_t n, Hierarchy& h) {
-  LODE_TRY(const auto refined, read_column<std::uint32_t>(reader, key_of(Column::refined), n));
-  LODE_TRY(const auto counts, read_column<std::uint32_t>(reader, key_of(Column::n_triangles), n));
+Result<void> read_refinements(const store::Reader& reader, const Head& head, Hierarchy& h) {
+  const std::uint32_t n = head.refinements_until[h.tolerances.size() - 1];
+  const std::uint32_t n_all = head.refinements_until.back();
+  LODE_TRY(const auto refined, read_first<std::uint32_t>(reader, Column::refined, n, n_all));
+  LODE_TRY(const auto counts, read_first<std::uint32_t>(reader, Column::n_triangles, n, n_all));
   std::uint64_t first = h.triangles_until[0];
   std::size_t level = 1;
   h.refinements.reserve(n);
@@ -153,6 +168,10 @@ Result<void> read_refinements(const store::Reader& reader, std::uint32_t n, Hier
         first + counts[r] > h.triangles_until[level])
       return fail("{}: refinement {}: expected from 2 triangles to those of a level, got {}",
                   reader.path(), r, counts[r]);
+    if (r >= head.refinements_until[level] || r < head.refinements_until[level - 1])
+      return fail("{}: refinement {}: expected one of level {}, {} to {}, as its triangles are",
+                  reader.path(), r, level, head.refinements_until[level - 1],
+                  head.refinements_until[level]);
     if (refined[r] >= h.triangles_until[level - 1])
       return fail("{}: refinement {}: expected a triangle of a level before, below {}, got {}",
                   reader.path(), r, h.triangles_until[level - 1], refined[r]);
@@ -171,9 +190,8 @@ Result<void> read_refinements(const store::Reader& reader, std::uint32_t n, Hier
 }
 
 /// That meshes have them is for verification to say.
-Result<void> read_lines(const store::Reader& reader, std::uint32_t n, Hierarchy& h) {
-  LODE_TRY(const auto ends,
-           read_column<std::uint32_t>(reader, key_of(Column::line), 2 * std::uint64_t{n}));
+Result<void> read_lines(const store::Reader& reader, std::uint64_t n, Hierarchy& h) {
+  LODE_TRY(const auto ends, read_first<std::uint32_t>(reader, Column::line, 2 * n, 2 * n));
   h.lines.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
     const std::array<std::uint32_t, 2> line{ends[2 * i], ends[2 * i + 1]};
@@ -189,23 +207,43 @@ Result<void> read_lines(const store::Reader& reader, std::uint32_t n, Hierarchy&
 
 bool is_model_of(const std::string& path) { return terrain_file::is_one_of(path, kModelNames); }
 
-Result<HierarchyModel> open(const std::string& path, Progress& progress) {
-  LODE_TRY(const store::Reader reader, store::Reader::open(path));
+HierarchyFile::HierarchyFile(store::Reader reader, Head head)
+    : reader_(std::move(reader)), head_(std::move(head)) {}
+
+Result<HierarchyFile> HierarchyFile::open(const std::string& path) {
+  LODE_TRY(store::Reader reader, store::Reader::open(path));
   LODE_TRY(const std::size_t kind, terrain_file::find_model(reader, kModelNames));
-  HierarchyModel model;
-  model.kind = static_cast<Kind>(kind);
-  LODE_TRY(const Counts counts, read_head(reader, model));
-  LODE_CHECK(read_vertices(reader, model));
+  LODE_TRY(Head head, read_head(reader));
+  head.kind = static_cast<Kind>(kind);
+  return HierarchyFile(std::move(reader), std::move(head));
+}
+
+Result<HierarchyModel> HierarchyFile::read(int n_levels, Progress& progress) const {
+  LODE_EXPECTS(n_levels > 0 && n_levels <= head_.n_levels());
+  HierarchyModel model{.source = head_.source, .kind = head_.kind, .hierarchy = {}};
+  Hierarchy& h = model.hierarchy;
+  h.frame = head_.source.frame;
+  h.bits = head_.bits;
+  h.reach = head_.reach;
+  h.tolerances.assign(head_.tolerances.begin(), head_.tolerances.begin() + n_levels);
+  h.vertices_until.assign(head_.vertices_until.begin(), head_.vertices_until.begin() + n_levels);
+  h.triangles_until.assign(head_.triangles_until.begin(), head_.triangles_until.begin() + n_levels);
+  LODE_CHECK(read_vertices(reader_, head_, h));
   if (progress.is_cancelled()) return cancelled_error();
-  LODE_CHECK(read_triangles(reader, model.hierarchy));
-  LODE_CHECK(read_refinements(reader, counts.refinements, model.hierarchy));
-  LODE_CHECK(read_lines(reader, counts.lines, model.hierarchy));
-  const HeightRange& range = model.source.range;
+  LODE_CHECK(read_triangles(reader_, head_, h));
+  LODE_CHECK(read_refinements(reader_, head_, h));
+  LODE_CHECK(read_lines(reader_, head_.n_lines, h));
+  const HeightRange& range = head_.source.range;
   const double size = std::max(std::abs(range.lower), std::abs(range.upper));
-  auto linked = link_levels(model.hierarchy, size, progress);
+  auto linked = link_levels(h, size, progress);
   if (!linked && progress.is_cancelled()) return cancelled_error();
-  if (!linked) return fail("{}: {}", path, linked.error().message);
+  if (!linked) return fail("{}: {}", reader_.path(), linked.error().message);
   return model;
+}
+
+Result<HierarchyModel> open(const std::string& path, Progress& progress) {
+  LODE_TRY(const HierarchyFile file, HierarchyFile::open(path));
+  return file.read(file.head().n_levels(), progress);
 }
 
 }  // namespace lode::hierarchy_file

@@ -12,18 +12,17 @@ namespace {
 using terrain_file::append_column;
 using triangle_hierarchy::Hierarchy;
 
-std::vector<std::byte> encode_head(const HierarchyModel& model) {
-  const Hierarchy& hierarchy = model.hierarchy;
+std::vector<std::byte> encode(const Head& head) {
   store::ByteWriter out;
   out.write(kLayout);
-  terrain_file::write(out, model.source);
-  terrain_file::write_levels(out, hierarchy.tolerances);
-  out.write(static_cast<std::uint32_t>(hierarchy.bits));
-  out.write(hierarchy.reach);
-  out.write(static_cast<std::uint32_t>(hierarchy.refinements.size()));
-  out.write(static_cast<std::uint32_t>(hierarchy.lines.size()));
-  out.write_all(std::span<const std::uint32_t>(hierarchy.vertices_until));
-  out.write_all(std::span<const std::uint32_t>(hierarchy.triangles_until));
+  terrain_file::write(out, head.source);
+  terrain_file::write_levels(out, head.tolerances);
+  out.write(static_cast<std::uint32_t>(head.bits));
+  out.write(head.reach);
+  out.write(head.n_lines);
+  out.write_all(std::span<const std::uint32_t>(head.vertices_until));
+  out.write_all(std::span<const std::uint32_t>(head.triangles_until));
+  out.write_all(std::span<const std::uint32_t>(head.refinements_until));
   return std::move(out).take();
 }
 
@@ -69,13 +68,38 @@ Result<void> append_lines(const Hierarchy& h, store::Writer& writer) {
 
 }  // namespace
 
-std::string_view model_name(const HierarchyModel& model) {
-  return kModelNames[static_cast<std::size_t>(model.kind)];
+Head head_of(const HierarchyModel& model) {
+  const Hierarchy& h = model.hierarchy;
+  Head head{.source = model.source,
+            .kind = model.kind,
+            .tolerances = h.tolerances,
+            .bits = h.bits,
+            .reach = h.reach,
+            .n_lines = static_cast<std::uint32_t>(h.lines.size()),
+            .vertices_until = h.vertices_until,
+            .triangles_until = h.triangles_until,
+            .refinements_until = {}};
+  for (int level = 0; level < h.n_levels(); ++level)
+    head.refinements_until.push_back(static_cast<std::uint32_t>(
+        head.triangles_until[static_cast<std::size_t>(level)] - h.n_triangles_in(level)));
+  return head;
+}
+
+std::uint64_t Head::n_bytes() const {
+  using Triangle = Hierarchy::Triangle;
+  using Refinement = Hierarchy::Refinement;
+  constexpr std::uint64_t kOfVertex =
+      sizeof(triangle_hierarchy::LatticePoint) + sizeof(double) + sizeof(std::uint32_t);
+  return vertices_until.back() * kOfVertex + triangles_until.back() * sizeof(Triangle) +
+         refinements_until.back() * sizeof(Refinement) + n_lines * 2 * sizeof(std::uint32_t) +
+         tolerances.size() * (sizeof(double) + 2 * sizeof(std::uint32_t));
 }
 
 Result<std::uint64_t> save(const HierarchyModel& model, const std::string& path,
                            Progress& progress) {
-  LODE_TRY(auto writer, store::Writer::create(path, model_name(model), encode_head(model)));
+  LODE_TRY(auto writer,
+           store::Writer::create(path, kModelNames[static_cast<std::size_t>(model.kind)],
+                                 encode(head_of(model))));
   LODE_CHECK(append_vertices(model.hierarchy, writer));
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(append_triangles(model.hierarchy, writer));
