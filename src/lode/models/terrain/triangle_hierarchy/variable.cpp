@@ -156,8 +156,18 @@ class VariableMesh {
       const std::uint32_t t = fresh_.back();
       fresh_.pop_back();
       const Hierarchy::Triangle& triangle = hierarchy_.triangles[t];
-      if (triangle.refinement != kNone && wants_more(triangle.corner, triangle.error)) refine(t);
+      if (triangle.refinement != kNone && wants_more(triangle.corner, error_of(triangle)))
+        refine(t);
     }
+  }
+  /// With its edges: it errs by more than the tolerance of the level that refines it. A sliver has
+  /// no samples, and may be a wall.
+  [[nodiscard]] float error_of(const Hierarchy::Triangle& triangle) const {
+    const auto level = std::ranges::upper_bound(hierarchy_.triangles_until,
+                                                hierarchy_.refinements[triangle.refinement].first) -
+                       hierarchy_.triangles_until.begin();
+    const double kept = hierarchy_.tolerances[static_cast<std::size_t>(level)];
+    return std::max(triangle.error, std::nextafter(delaunay::to_float_above(kept), HUGE_VALF));
   }
 
   /// Finds replacements where they are missing; those that will not do are forced_ to be refined.
