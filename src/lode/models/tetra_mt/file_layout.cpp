@@ -1,10 +1,8 @@
 #include "lode/models/tetra_mt/file_layout.h"
 
-#include <algorithm>
 #include <cmath>
-#include <functional>
 
-#include "lode/models/tetra_mt/interfaces.h"
+#include "lode/models/tetra_mt/base_blocks.h"
 #include "lode/store/bytes.h"
 
 namespace lode::tetra_mt {
@@ -43,23 +41,6 @@ Result<HierarchyHead::Field> read_field(store::ByteReader& in, const std::string
   return field;
 }
 
-Result<std::vector<BoundaryPatch>> read_patches(store::ByteReader& in, const std::string& path) {
-  LODE_TRY(const auto n, in.read<std::uint32_t>());
-  if (n > kMaxPatches)
-    return fail("{}: metadata: expected up to {} patches, got {}", path, kMaxPatches, n);
-  std::vector<BoundaryPatch> patches;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    BoundaryPatch patch;
-    LODE_TRY(patch.id, in.read<std::int64_t>());
-    LODE_TRY(patch.name, in.read_string());
-    if (i > 0 && patch.id <= patches.back().id)
-      return fail("{}: metadata: expected patches that ascend, got {} after {}", path, patch.id,
-                  patches.back().id);
-    patches.push_back(std::move(patch));
-  }
-  return patches;
-}
-
 Result<void> check_counts(const HierarchyHead& head, const BaseCounts& counts,
                           const std::string& path) {
   const PageShape& shape = head.shape;
@@ -73,11 +54,7 @@ Result<void> check_counts(const HierarchyHead& head, const BaseCounts& counts,
         "{}: metadata: expected as many roots as nodes at most, and fewer cells of the base than "
         "tetrahedra, got {}, {} and {}, {}",
         path, counts.n_roots, shape.n_nodes, head.n_base_cells, counts.n_tetrahedra);
-  for (std::size_t i = 0; i < 3; ++i)
-    if (!(head.lower[i] <= head.upper[i]) || !std::isfinite(length(head.upper - head.lower)))
-      return fail("{}: metadata: expected a finite box, got {} to {} along axis {}", path,
-                  head.lower[i], head.upper[i], i);
-  return {};
+  return check_box(head.lower, head.upper, path);
 }
 
 }  // namespace
@@ -95,13 +72,7 @@ std::vector<std::byte> encode_head(const HierarchyHead& head) {
   for (const Vec3d* corner : {&head.lower, &head.upper})
     for (const double x : corner->v) out.write(x);
   out.write(head.boundary_deviation);
-  out.write(static_cast<std::uint32_t>(head.region_ids.size()));
-  for (const std::int64_t id : head.region_ids) out.write(id);
-  out.write(static_cast<std::uint32_t>(head.patches.size()));
-  for (const BoundaryPatch& patch : head.patches) {
-    out.write(patch.id);
-    out.write_string(patch.name);
-  }
+  write_labels(head.region_ids, head.patches, out);
   out.write(static_cast<std::uint32_t>(head.fields.size()));
   for (const HierarchyHead::Field& field : head.fields) {
     out.write_string(field.name);
@@ -137,11 +108,7 @@ Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::s
   LODE_TRY(head.boundary_deviation, in.read<double>());
   if (!(head.boundary_deviation >= 0))
     return fail("{}: metadata: expected a distance >= 0, got {}", path, head.boundary_deviation);
-  LODE_TRY(const auto n_regions, in.read<std::uint32_t>());
-  LODE_TRY(head.region_ids, in.read_all<std::int64_t>(n_regions));
-  if (std::ranges::adjacent_find(head.region_ids, std::greater_equal()) != head.region_ids.end())
-    return fail("{}: metadata: expected regions that ascend", path);
-  LODE_TRY(head.patches, read_patches(in, path));
+  LODE_CHECK(read_labels(in, path, head.region_ids, head.patches));
   head.shape.n_labels = n_labels_of(head.region_ids, head.patches);
   LODE_TRY(const auto n_fields, in.read<std::uint32_t>());
   if (n_fields < 1 || n_fields > kMaxFields)

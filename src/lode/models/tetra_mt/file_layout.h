@@ -29,9 +29,6 @@ enum class Kind : std::uint32_t {
 /// Of the metadata and the blocks; files of another one are refused.
 inline constexpr std::uint32_t kLayout = 5;
 
-/// Vertices, tetrahedra or roots of the base in a block.
-inline constexpr std::uint32_t kBasePart = 1U << 16;
-
 [[nodiscard]] inline store::BlockKey key_of(Kind kind, std::uint32_t number,
                                             std::uint32_t field = 0) {
   return {static_cast<std::uint32_t>(kind), field, {{static_cast<std::int32_t>(number), 0, 0}}};

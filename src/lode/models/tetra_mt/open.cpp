@@ -2,7 +2,7 @@
 #include <memory>
 #include <utility>
 
-#include "lode/models/tetra_mt/byte_streams.h"
+#include "lode/models/tetra_mt/base_blocks.h"
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/page_blocks.h"
 #include "lode/models/tetra_mt/persist.h"
@@ -10,12 +10,6 @@
 
 namespace lode::tetra_mt {
 namespace {
-
-Result<std::vector<std::byte>> read_block(const store::Reader& reader, const store::BlockKey& key) {
-  const auto at = reader.find(key);
-  if (!at) return fail("{}: expected {}, found none", reader.path(), store::describe(key));
-  return reader.read_block(*at);
-}
 
 class BaseReader {
  public:
@@ -40,28 +34,16 @@ class BaseReader {
   }
 
  private:
-  /// Columns of zeros take nothing: what is asked for is bounded by the file beforehand.
   Result<void> check_memory() const {
-    constexpr std::uint64_t kPerByte = 64;
-    constexpr std::uint64_t kAlways = std::uint64_t{64} << 20;
-    const std::uint64_t n_bytes =
-        head_.shape.n_base_vertices * (sizeof(Vec3d) + sizeof(double)) +
-        counts_.n_tetrahedra * (sizeof(Tetrahedron) + sizeof(std::uint32_t)) +
-        counts_.n_roots * sizeof(std::uint32_t);
-    if (n_bytes <= kPerByte * reader_.file_size() + kAlways) return {};
-    return fail("{}: expected a base that {} bytes may hold, got one of {} bytes", reader_.path(),
-                reader_.file_size(), n_bytes);
+    return check_base_memory(
+        reader_, head_.shape.n_base_vertices * (sizeof(Vec3d) + sizeof(double)) +
+                     counts_.n_tetrahedra * (sizeof(Tetrahedron) + sizeof(std::uint32_t)) +
+                     counts_.n_roots * sizeof(std::uint32_t));
   }
   template <typename Read>
   Result<void> read_parts(Kind kind, std::uint64_t n, const Read& read) {
-    for (std::uint64_t first = 0; first < n; first += kBasePart) {
-      const auto key = key_of(kind, static_cast<std::uint32_t>(first / kBasePart));
-      LODE_TRY(const auto bytes, read_block(reader_, key));
-      StreamReader in(bytes, reader_.path() + ": " + store::describe(key));
-      LODE_CHECK(read(in, static_cast<std::size_t>(std::min<std::uint64_t>(kBasePart, n - first))));
-      LODE_CHECK(in.expect_end());
-    }
-    return {};
+    return tetra_mt::read_parts(
+        reader_, n, [&](std::uint32_t part) { return key_of(kind, part); }, read);
   }
   Result<void> read_vertices(StreamReader& in, std::size_t n) {
     LODE_TRY(const auto coordinates, read_numbers(in, n, 3, head_.shape.has_narrow_positions));
@@ -71,50 +53,17 @@ class BaseReader {
     return {};
   }
   Result<void> read_tetrahedra(StreamReader& in, std::size_t n) {
-    const std::size_t first = head_.base.size();
-    head_.base.resize(first + n);
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-      LODE_TRY(const auto column, read_differences_of(in, n));
-      for (std::size_t i = 0; i < n; ++i) {
-        const std::uint32_t v = column[i];
-        if (v >= head_.shape.n_base_vertices && v != head_.outside())
-          return fail("{}: expected vertices of the base, {}, or {}, got {}", in.what(),
-                      head_.shape.n_base_vertices, head_.outside(), v);
-        head_.base[first + i][corner] = v;
-      }
-    }
+    LODE_TRY(const auto corners, read_corners(in, n, head_.shape.n_base_vertices, head_.outside()));
+    head_.base.insert(head_.base.end(), corners.begin(), corners.end());
     LODE_TRY(const auto makers, read_differences_of(in, n));
     for (const std::uint32_t maker : makers)
       if (maker >= head_.shape.n_nodes && maker != kNone)
         return fail("{}: expected one of {} nodes, got {}", in.what(), head_.shape.n_nodes, maker);
     head_.base_makers.insert(head_.base_makers.end(), makers.begin(), makers.end());
-    LODE_CHECK(read_regions(in, n));
-    return check_corners(in, first);
-  }
-  Result<void> read_regions(StreamReader& in, std::size_t n) {
     if (head_.shape.n_labels == 1) return {};
-    LODE_TRY(const auto regions, read_differences_of(in, n));
-    const std::size_t first = head_.base.size() - n;
-    for (std::size_t i = 0; i < n; ++i) {
-      const bool is_outer =
-          std::ranges::find(head_.base[first + i], head_.outside()) != head_.base[first + i].end();
-      const std::size_t limit =
-          is_outer ? head_.patches.size() + 1 : std::max<std::size_t>(head_.region_ids.size(), 1);
-      if (regions[i] >= limit)
-        return fail("{}: expected one of {} {}, got {}", in.what(), limit,
-                    is_outer ? "patches and none" : "regions", regions[i]);
-    }
+    LODE_TRY(const auto regions, read_marks(in, corners, head_.outside(), head_.region_ids.size(),
+                                            head_.patches.size()));
     head_.base_regions.insert(head_.base_regions.end(), regions.begin(), regions.end());
-    return {};
-  }
-  Result<void> check_corners(const StreamReader& in, std::size_t first) const {
-    for (std::size_t i = first; i < head_.base.size(); ++i) {
-      Tetrahedron t = head_.base[i];
-      std::ranges::sort(t);
-      if (std::ranges::adjacent_find(t) != t.end())
-        return fail("{}: expected tetrahedra of four vertices, got vertex {} twice", in.what(),
-                    *std::ranges::adjacent_find(t));
-    }
     return {};
   }
   Result<void> read_roots(StreamReader& in, std::size_t n) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <span>
 
+#include "lode/models/tetra_mt/base_blocks.h"
 #include "lode/models/tetra_mt/byte_streams.h"
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/page_blocks.h"
@@ -9,11 +10,6 @@
 
 namespace lode::tetra_mt {
 namespace {
-
-/// Columns are compressed already.
-store::EncodedBlock as_block(const std::vector<std::byte>& bytes) {
-  return store::encode_block_as(store::Codec::none, {.raw = bytes, .size = 1});
-}
 
 std::vector<std::byte> encode_vertices(const HierarchyHead& head, std::size_t first,
                                        std::size_t n) {
@@ -28,12 +24,7 @@ std::vector<std::byte> encode_vertices(const HierarchyHead& head, std::size_t fi
 std::vector<std::byte> encode_tetrahedra(const HierarchyHead& head, std::size_t first,
                                          std::size_t n) {
   StreamWriter out;
-  std::vector<std::uint32_t> column;
-  for (std::size_t corner = 0; corner < 4; ++corner) {
-    column.clear();
-    for (const Tetrahedron& t : std::span(head.base).subspan(first, n)) column.push_back(t[corner]);
-    write_differences_of(column, out);
-  }
+  write_corners(std::span(head.base).subspan(first, n), out);
   write_differences_of(std::span(head.base_makers).subspan(first, n), out);
   if (head.shape.n_labels > 1)
     write_differences_of(std::span(head.base_regions).subspan(first, n), out);
@@ -41,12 +32,9 @@ std::vector<std::byte> encode_tetrahedra(const HierarchyHead& head, std::size_t 
 }
 
 Result<void> append_base(const HierarchyHead& head, store::Writer& writer) {
-  const auto append = [&](Kind kind, std::size_t n, const auto& encode) -> Result<void> {
-    for (std::size_t first = 0; first < n; first += kBasePart)
-      LODE_CHECK(
-          writer.append(key_of(kind, static_cast<std::uint32_t>(first / kBasePart)),
-                        as_block(encode(first, std::min<std::size_t>(kBasePart, n - first)))));
-    return {};
+  const auto append = [&](Kind kind, std::size_t n, const auto& encode) {
+    return append_parts(
+        n, kBasePart, [&](std::uint32_t part) { return key_of(kind, part); }, encode, writer);
   };
   LODE_CHECK(append(Kind::base_vertices, head.base_positions.size(),
                     [&](auto first, auto n) { return encode_vertices(head, first, n); }));

@@ -1,0 +1,121 @@
+#include "lode/models/tetra_mt/base_blocks.h"
+
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "lode/models/tetra_mt/interfaces.h"
+#include "lode/models/tetra_mt/page_blocks.h"
+
+namespace lode::tetra_mt {
+namespace {
+
+Result<std::vector<BoundaryPatch>> read_patches(store::ByteReader& in, const std::string& path) {
+  LODE_TRY(const auto n, in.read<std::uint32_t>());
+  if (n > kMaxPatches)
+    return fail("{}: metadata: expected up to {} patches, got {}", path, kMaxPatches, n);
+  std::vector<BoundaryPatch> patches;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    BoundaryPatch patch;
+    LODE_TRY(patch.id, in.read<std::int64_t>());
+    LODE_TRY(patch.name, in.read_string());
+    if (i > 0 && patch.id <= patches.back().id)
+      return fail("{}: metadata: expected patches that ascend, got {} after {}", path, patch.id,
+                  patches.back().id);
+    patches.push_back(std::move(patch));
+  }
+  return patches;
+}
+
+}  // namespace
+
+void write_labels(std::span<const std::int64_t> region_ids, std::span<const BoundaryPatch> patches,
+                  store::ByteWriter& out) {
+  out.write(static_cast<std::uint32_t>(region_ids.size()));
+  for (const std::int64_t id : region_ids) out.write(id);
+  out.write(static_cast<std::uint32_t>(patches.size()));
+  for (const BoundaryPatch& patch : patches) {
+    out.write(patch.id);
+    out.write_string(patch.name);
+  }
+}
+
+Result<void> read_labels(store::ByteReader& in, const std::string& path,
+                         std::vector<std::int64_t>& region_ids,
+                         std::vector<BoundaryPatch>& patches) {
+  LODE_TRY(const auto n_regions, in.read<std::uint32_t>());
+  LODE_TRY(region_ids, in.read_all<std::int64_t>(n_regions));
+  if (std::ranges::adjacent_find(region_ids, std::greater_equal()) != region_ids.end())
+    return fail("{}: metadata: expected regions that ascend", path);
+  LODE_TRY(patches, read_patches(in, path));
+  return {};
+}
+
+Result<void> check_box(const Vec3d& lower, const Vec3d& upper, const std::string& path) {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!(lower[i] <= upper[i]) || !std::isfinite(length(upper - lower)))
+      return fail("{}: metadata: expected a finite box, got {} to {} along axis {}", path, lower[i],
+                  upper[i], i);
+  return {};
+}
+
+void write_corners(std::span<const Tetrahedron> tetrahedra, StreamWriter& out) {
+  std::vector<std::uint32_t> column;
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    column.clear();
+    for (const Tetrahedron& t : tetrahedra) column.push_back(t[corner]);
+    write_differences_of(column, out);
+  }
+}
+
+Result<std::vector<Tetrahedron>> read_corners(StreamReader& in, std::size_t n,
+                                              std::uint32_t n_vertices, std::uint32_t outside) {
+  std::vector<Tetrahedron> tetrahedra(n);
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    LODE_TRY(const auto column, read_differences_of(in, n));
+    for (std::size_t i = 0; i < n; ++i) {
+      if (column[i] >= n_vertices && column[i] != outside)
+        return fail("{}: expected vertices of the base, {}, or {}, got {}", in.what(), n_vertices,
+                    outside, column[i]);
+      tetrahedra[i][corner] = column[i];
+    }
+  }
+  for (Tetrahedron t : tetrahedra) {
+    std::ranges::sort(t);
+    if (std::ranges::adjacent_find(t) != t.end())
+      return fail("{}: expected tetrahedra of four vertices, got vertex {} twice", in.what(),
+                  *std::ranges::adjacent_find(t));
+  }
+  return tetrahedra;
+}
+
+Result<std::vector<std::uint32_t>> read_marks(StreamReader& in,
+                                              std::span<const Tetrahedron> tetrahedra,
+                                              std::uint32_t outside, std::size_t n_regions,
+                                              std::size_t n_patches) {
+  LODE_TRY(auto marks, read_differences_of(in, tetrahedra.size()));
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    const bool is_outer = std::ranges::find(tetrahedra[i], outside) != tetrahedra[i].end();
+    const std::size_t limit = is_outer ? n_patches + 1 : std::max<std::size_t>(n_regions, 1);
+    if (marks[i] >= limit)
+      return fail("{}: expected one of {} {}, got {}", in.what(), limit,
+                  is_outer ? "patches and none" : "regions", marks[i]);
+  }
+  return marks;
+}
+
+Result<std::vector<std::byte>> read_block(const store::Reader& reader, const store::BlockKey& key) {
+  const auto at = reader.find(key);
+  if (!at) return fail("{}: expected {}, found none", reader.path(), store::describe(key));
+  return reader.read_block(*at);
+}
+
+Result<void> check_base_memory(const store::Reader& reader, std::uint64_t n_bytes) {
+  constexpr std::uint64_t kPerByte = 64;
+  constexpr std::uint64_t kAlways = std::uint64_t{64} << 20;
+  if (n_bytes <= kPerByte * reader.file_size() + kAlways) return {};
+  return fail("{}: expected a base that {} bytes may hold, got one of {} bytes", reader.path(),
+              reader.file_size(), n_bytes);
+}
+
+}  // namespace lode::tetra_mt

@@ -1,0 +1,84 @@
+#pragma once
+
+// What files of half edges and of midpoints say alike: docs/format.md, section 7.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lode/core/boundary_patch.h"
+#include "lode/core/result.h"
+#include "lode/core/vec.h"
+#include "lode/models/tetra_mt/byte_streams.h"
+#include "lode/models/tetra_mt/closed_mesh.h"
+#include "lode/store/bytes.h"
+#include "lode/store/codec.h"
+#include "lode/store/reader.h"
+#include "lode/store/writer.h"
+
+namespace lode::tetra_mt {
+
+/// Vertices, tetrahedra or roots of the base in a block.
+inline constexpr std::uint32_t kBasePart = 1U << 16;
+
+/// Of metadata: regions, then patches.
+void write_labels(std::span<const std::int64_t> region_ids, std::span<const BoundaryPatch> patches,
+                  store::ByteWriter& out);
+[[nodiscard]] Result<void> read_labels(store::ByteReader& in, const std::string& path,
+                                       std::vector<std::int64_t>& region_ids,
+                                       std::vector<BoundaryPatch>& patches);
+/// Fails unless a box is one, and finite.
+[[nodiscard]] Result<void> check_box(const Vec3d& lower, const Vec3d& upper,
+                                     const std::string& path);
+
+/// Tetrahedra of a base, corner by corner.
+void write_corners(std::span<const Tetrahedron> tetrahedra, StreamWriter& out);
+/// Corners are numbers below `n_vertices`, or `outside`, and differ.
+[[nodiscard]] Result<std::vector<Tetrahedron>> read_corners(StreamReader& in, std::size_t n,
+                                                            std::uint32_t n_vertices,
+                                                            std::uint32_t outside);
+/// Places of regions and marks of patches, by tetrahedron.
+[[nodiscard]] Result<std::vector<std::uint32_t>> read_marks(StreamReader& in,
+                                                            std::span<const Tetrahedron> tetrahedra,
+                                                            std::uint32_t outside,
+                                                            std::size_t n_regions,
+                                                            std::size_t n_patches);
+
+/// Columns are compressed already.
+[[nodiscard]] inline store::EncodedBlock as_block(const std::vector<std::byte>& bytes) {
+  return store::encode_block_as(store::Codec::none, {.raw = bytes, .size = 1});
+}
+[[nodiscard]] Result<std::vector<std::byte>> read_block(const store::Reader& reader,
+                                                        const store::BlockKey& key);
+
+/// Appends blocks of up to `size` of n things. `key_of(part)`, `encode(first, n)`: its bytes.
+template <typename KeyOf, typename Encode>
+[[nodiscard]] Result<void> append_parts(std::size_t n, std::size_t size, const KeyOf& key_of,
+                                        const Encode& encode, store::Writer& writer) {
+  for (std::size_t first = 0; first < n; first += size)
+    LODE_CHECK(writer.append(key_of(static_cast<std::uint32_t>(first / size)),
+                             as_block(encode(first, std::min(size, n - first)))));
+  return {};
+}
+/// Reads them: `read(in, n)`.
+template <typename KeyOf, typename Read>
+[[nodiscard]] Result<void> read_parts(const store::Reader& reader, std::uint64_t n,
+                                      const KeyOf& key_of, const Read& read) {
+  for (std::uint64_t first = 0; first < n; first += kBasePart) {
+    const store::BlockKey key = key_of(static_cast<std::uint32_t>(first / kBasePart));
+    LODE_TRY(const auto bytes, read_block(reader, key));
+    StreamReader in(bytes, reader.path() + ": " + store::describe(key));
+    LODE_CHECK(read(in, static_cast<std::size_t>(std::min<std::uint64_t>(kBasePart, n - first))));
+    LODE_CHECK(in.expect_end());
+  }
+  return {};
+}
+
+/// Fails where a base of so many bytes is more than the file could justify. Columns of zeros take
+/// nothing: what is asked for is bounded by the file beforehand.
+[[nodiscard]] Result<void> check_base_memory(const store::Reader& reader, std::uint64_t n_bytes);
+
+}  // namespace lode::tetra_mt
