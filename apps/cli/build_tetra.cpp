@@ -66,6 +66,7 @@ void add_regions(const std::vector<std::int64_t>& regions, Table& table) {
 
 void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["model"] = "tetra_mt";
+  json["placement"] = name_of(info.placement);
   json["cells"] = info.n_cells;
   json["vertices"] = info.n_vertices;
   json["nodes"] = info.n_nodes;
@@ -76,6 +77,7 @@ void add_info(const TetraInfo& info, Table& table, Json& json) {
   json["boundary_deviation"] = info.boundary_deviation;
   json["bounds"] = {info.bounds.lower.v, info.bounds.upper.v};
   table.add({"model", "tetra_mt"});
+  table.add({"placement", name_of(info.placement)});
   add_fields(info, table, json);
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
@@ -161,9 +163,12 @@ Result<void> check_tetra_build(const TetraBuildJob& job) {
   LODE_CHECK(parse_base_cells(job.base_cells));
   LODE_CHECK(parse_memory_limit(job.memory_limit));
   LODE_TRY(const TetraBuildOptions options, to_build_options(job.reading, {}));
-  if (options.placement == Placement::midpoint)
-    return fail("--placement: expected half-edge, which is what files hold, got midpoint");
   LODE_TRY(const double tolerance, parse_boundary_tolerance(job.boundary_tolerance));
+  if (options.placement == Placement::midpoint && (job.is_everywhere || tolerance > 0))
+    return fail(
+        "--placement midpoint: expected neither --everywhere nor --boundary-tolerance with it, got "
+        "{}",
+        job.is_everywhere ? "--everywhere" : job.boundary_tolerance);
   if (job.is_everywhere && tolerance > 0)
     return fail("--everywhere: expected no --boundary-tolerance with it, got {}", tolerance);
   LODE_CHECK(check_tetra_reading(job.reading, job.input));

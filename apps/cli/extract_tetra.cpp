@@ -76,7 +76,7 @@ Json answer_json(const MeshJob& job, const TetraInput& input, const TetraAnswer&
   json["input"] = job.input;
   json["outputs"] = Json::array({job.output});
   json["model"] = "tetra_mt";
-  json["placement"] = job.reading.placement.empty() ? "half-edge" : job.reading.placement;
+  json["placement"] = name_of(info.placement);
   if (input.was_built()) json["order"] = name_of_order(job.reading);
   json["field"] = field.name;
   json["with"] = Json::array();
@@ -120,7 +120,8 @@ Outcome tetra_outcome(const MeshJob& job, const TetraInput& input, const TetraAn
   table.add({"reference", fmt::format("{} cells, {} vertices", format_count(info.n_cells),
                                       format_count(info.n_vertices))});
   add_reading(input, table, outcome.json);
-  if (!job.reading.placement.empty()) table.add({"placement", job.reading.placement});
+  if (info.placement != Placement::half_edge || !job.reading.placement.empty())
+    table.add({"placement", name_of(info.placement)});
   if (input.was_built()) table.add({"order", name_of_order(job.reading)});
   table.add({"base", fmt::format("{} cells, error {} {}", format_count(info.n_base_cells),
                                  format_number(field.base_error), place)});

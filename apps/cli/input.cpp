@@ -138,8 +138,8 @@ void add_reading_options(CLI::App& app, ReadingArguments& arguments) {
   add("--linearise", arguments.linearise, "corners",
       "Of a mesh of cells: a quadratic tetrahedron becomes the one of its corners, not eight");
   add("--placement", arguments.placement, "half-edge|midpoint",
-      "Of a mesh of cells that is built in memory: where edges collapse to (default: one of their "
-      "ends)");
+      "Of a mesh of cells that is built: where edges collapse to (default: one of their ends); "
+      "midpoints are of one field");
   add("--order", arguments.order, "error|space|quadric",
       "Of a mesh of cells that is built: which edges collapse first, those that add least to "
       "errors "

@@ -154,6 +154,10 @@ Result<TetraBuildOptions> to_build_options(const ReadingArguments& reading, Thre
   return options;
 }
 
+const char* name_of(Placement placement) {
+  return placement == Placement::midpoint ? "midpoint" : "half-edge";
+}
+
 const char* name_of(ErrorPlace place) {
   return place == ErrorPlace::everywhere ? "everywhere" : "at samples";
 }

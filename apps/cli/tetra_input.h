@@ -23,6 +23,7 @@ struct TetraInput {
 
 /// "at samples" or "everywhere".
 [[nodiscard]] const char* name_of(ErrorPlace place);
+[[nodiscard]] const char* name_of(Placement placement);
 
 /// Refuses options of reading that meshes of cells do not have.
 [[nodiscard]] Result<void> check_tetra_reading(const ReadingArguments& reading,

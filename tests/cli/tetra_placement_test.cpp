@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
@@ -279,6 +281,104 @@ TEST_F(cli_tetra_placement, keeps_regions) {
   EXPECT_NEAR(one.begin()->second, 0.5, 1e-6);
 }
 
+TEST_F(cli_tetra_placement, has_files_that_answer_as_memory_does) {
+  const std::string model = scratch_ / "out.lode";
+  const nlohmann::json built = done({"build", input_, model, "--placement", "midpoint"});
+  EXPECT_EQ(built.at("placement"), "midpoint");
+  EXPECT_EQ(built.at("fields").size(), 1U);
+  const nlohmann::json info = done({"info", model});
+  for (const char* key : {"placement", "cells", "vertices", "nodes", "base_cells", "range",
+                          "base_error", "bounds", "boundary_deviation"})
+    EXPECT_EQ(info.at(key), built.at(key)) << key;
+  const auto bytes = [&](const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string ply = scratch_ / "out.ply";
+  const std::string png = scratch_ / "out.png";
+  const std::vector<std::pair<std::string, Words>> questions{
+      {output_, {"--mesh", "--max-error", "0"}},
+      {output_, {"--mesh", "--max-error", "0.1"}},
+      {output_, {"--mesh", "--max-cells", "4000"}},
+      {output_, {"--mesh", "--max-error", "0", "--box", "0,0.3,0,0.3,0,0.3"}},
+      {output_, {"--mesh", "--max-error", "0", "--threshold", "-0.1:0.1"}},
+      {ply, {"--isovalue", "0.1", "--max-error", "0.05"}},
+      {ply, {"--section", "0,0,0.4:0,0,1", "--max-error", "0.05"}},
+      {ply, {"--boundary", "--max-error", "0.1"}}};
+  for (const auto& [path, options] : questions) {
+    Words from_file{"extract", model, path};
+    from_file.insert(from_file.end(), options.begin(), options.end());
+    const nlohmann::json file = done(from_file);
+    EXPECT_EQ(file.at("placement"), "midpoint");
+    EXPECT_LE(file.at("bytes_read"), file.at("file_bytes"));
+    const std::string expected = bytes(path);
+    Words from_memory{input_, path};
+    from_memory.insert(from_memory.end(), options.begin(), options.end());
+    const nlohmann::json memory = done(midpoint(from_memory));
+    EXPECT_EQ(file.at("achieved_error"), memory.at("achieved_error"));
+    EXPECT_EQ(bytes(path), expected);
+    EXPECT_GT(expected.size(), 500U);
+  }
+  std::vector<std::string> pictures;
+  for (const Words& from : {Words{model}, Words{input_, "--placement", "midpoint"}}) {
+    Words words{"render",      from[0], png,      "--opacity", "smoke",
+                "--max-error", "0.3",   "--size", "64x64"};
+    words.insert(words.end(), from.begin() + 1, from.end());
+    EXPECT_EQ(run_lode(words).exit_code, 0);
+    pictures.push_back(bytes(png));
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+  EXPECT_GT(pictures[0].size(), 500U);
+}
+
+TEST_F(cli_tetra_placement, verifies_and_probes_files_of_midpoints) {
+  const std::string model = scratch_ / "out.lode";
+  static_cast<void>(done({"build", input_, model, "--placement", "midpoint"}));
+  const nlohmann::json verified = done({"verify", model, "--against", input_});
+  EXPECT_GT(verified.at("checks").size(), 15U);
+  for (const auto& check : verified.at("checks")) EXPECT_EQ(check.at("passed"), true) << check;
+  const nlohmann::json exact =
+      done({"probe", model, "--point", "0.31,0.42,0.53", "--max-error", "0"});
+  const nlohmann::json coarse =
+      done({"probe", model, "--point", "0.31,0.42,0.53", "--max-error", "0.3"});
+  const double value = exact.at("points")[0].at("value");
+  EXPECT_LE(coarse.at("points")[0].at("low").get<double>(), value);
+  EXPECT_GE(coarse.at("points")[0].at("high").get<double>(), value);
+  const nlohmann::json sums = done({"probe", model, "--integral", "--max-error", "0.3"});
+  const nlohmann::json true_sums = done({"probe", model, "--integral", "--max-error", "0"});
+  for (const char* name : {"volume", "integral", "minimum", "maximum"}) {
+    const double number = true_sums.at(name).at("value");
+    EXPECT_LE(sums.at(name).at("low").get<double>(), number + 1e-9);
+    EXPECT_GE(sums.at(name).at("high").get<double>(), number - 1e-9);
+  }
+  const Finished attached =
+      run_lode({"attach-field", model, input_, scratch_ / "two.lode", "--field", "noise"});
+  EXPECT_EQ(attached.exit_code, 1);
+  EXPECT_NE(attached.err.find("expected half edges"), std::string::npos) << attached.err;
+}
+
+std::filesystem::path data_directory() {
+  if (const char* directory = std::getenv("LODE_DATA")) return directory;
+  return (std::filesystem::path(__FILE__).parent_path() / "../../../shared/data")
+      .lexically_normal();
+}
+
+/// Curved boundaries, flat cells, coincident and unused points.
+TEST_F(cli_tetra_placement, has_files_of_real_meshes_that_verify_within_24_bytes_a_vertex) {
+  const std::vector<std::pair<std::string, std::string>> meshes{
+      {"disk_out_44832tets.vtu", "Temp"}, {"blunt_fin_187395tets.vtu", "Density"}};
+  const std::string model = scratch_ / "real.lode";
+  for (const auto& [name, field] : meshes) {
+    const std::filesystem::path path = data_directory() / "tetra" / name;
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no tetra/" << name << "; set LODE_DATA";
+    const nlohmann::json built =
+        done({"build", path.string(), model, "--field", field, "--placement", "midpoint"});
+    EXPECT_LE(built.at("file_bytes").get<double>(), 24 * built.at("vertices").get<double>());
+    const nlohmann::json verified = done({"verify", model, "--against", path.string()});
+    for (const auto& check : verified.at("checks")) EXPECT_EQ(check.at("passed"), true) << check;
+  }
+}
+
 TEST_F(cli_tetra_placement, is_the_same_for_any_number_of_threads) {
   const auto bytes = [&](const char* threads) {
     static_cast<void>(
@@ -343,8 +443,12 @@ TEST_F(cli_tetra_placement, says_what_it_does_not_do) {
     EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
   };
   const std::string model = scratch_ / "out.lode";
-  refused({"build", input_, model, "--placement", "midpoint"},
-          "expected half-edge, which is what files hold");
+  const std::string message = "expected neither --everywhere nor --boundary-tolerance with it";
+  refused({"build", input_, model, "--placement", "midpoint", "--everywhere"}, message);
+  refused({"build", input_, model, "--placement", "midpoint", "--boundary-tolerance", "0.1"},
+          message);
+  refused({"build", input_, model, "--placement", "midpoint", "--order", "space"},
+          "expected 'error' with --placement midpoint");
   EXPECT_FALSE(std::ifstream(model).is_open());
   refused({"build", input_, model, "--placement", "centre"},
           "expected half-edge or midpoint, got 'centre'");

@@ -98,6 +98,12 @@ TEST_F(cli_verify_tetra, is_read_from_the_format_document_alone) {
     ASSERT_EQ(run_lode({"build", mesh_, lode_, "--base-cells", n_base}).exit_code, 0);
     EXPECT_TRUE(read_in_python(lode_, mesh_).starts_with("vertices 1728 cells 7986 nodes "))
         << read_in_python(lode_, mesh_);
+    ASSERT_EQ(run_lode({"build", mesh_, lode_, "--base-cells", n_base, "--placement", "midpoint"})
+                  .exit_code,
+              0);
+    const std::string midpoints =
+        run_oracle(LODE_MIDPOINT_READER, "'" + lode_ + "' '" + mesh_ + "'");
+    EXPECT_TRUE(midpoints.starts_with("vertices 1728 cells 7986 nodes ")) << midpoints;
   }
 }
 

@@ -4,11 +4,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
+#include "lode/models/tetra_mt/midpoint/persist.h"
 #include "lode/refine/cut.h"
+#include "lode/refine/engine.h"
 #include "tests/contract/mesh.h"
 #include "tests/contract/tetra_contract.h"
 
@@ -27,11 +30,26 @@ class MidpointContract {
     const auto collapses =
         tetra_mt::midpoint::collapse_edges(mesh, {.base_cells = 60, .threads = threads}, progress);
     auto hierarchy = tetra_mt::midpoint::make_hierarchy(mesh, *collapses, threads);
-    return MidpointContract(std::move(mesh), std::move(*hierarchy));
+    Forest forest(*hierarchy);
+    return {std::make_shared<const Hierarchy>(std::move(*hierarchy)), std::move(forest)};
+  }
+
+  Result<void> save(const std::string& path) const {
+    Progress progress;
+    LODE_CHECK(tetra_mt::midpoint::save(*hierarchy_, path, {2}, progress));
+    return {};
+  }
+  /// With all pages, so that whatever is wrong with the file is found here.
+  static Result<MidpointContract> open(const std::string& path) {
+    LODE_TRY(auto opened, tetra_mt::midpoint::open(path));
+    for (std::uint32_t node = 0; node < opened.forest.head().n_nodes(); ++node)
+      static_cast<void>(opened.forest.children(node));
+    LODE_CHECK(opened.forest.check());
+    return MidpointContract({}, std::move(opened.forest));
   }
 
   [[nodiscard]] tetra_mt::midpoint::MidpointCut refinable() const {
-    return tetra_mt::midpoint::MidpointCut(*hierarchy_);
+    return tetra_mt::midpoint::MidpointCut(*forest_);
   }
 
   /// The mesh of the cut that the model stands at.
@@ -51,22 +69,29 @@ class MidpointContract {
 
   /// The vertices of the reference mesh, but for those in the cavity.
   [[nodiscard]] std::vector<MeshVertex> samples() const {
-    std::vector<bool> is_used(reference_.positions.size());
-    for (const auto& t : reference_.tetrahedra)
+    auto opened = refinable();
+    Engine<tetra_mt::midpoint::MidpointCut> engine(opened);
+    engine.set_query(Demand([](const NodeFacts&) { return 1.0; }));
+    engine.finish();
+    std::vector<bool> is_used(forest_->head().n_vertices);
+    for (const auto& t : opened.cells())
       for (const std::uint32_t v : t) is_used[v] = true;
     std::vector<MeshVertex> result;
     for (std::uint32_t v = 0; v < is_used.size(); ++v)
-      if (is_used[v]) result.push_back({reference_.positions[v].v, reference_.fields[0].values[v]});
+      if (is_used[v]) result.push_back({opened.position(v).v, opened.value(v)});
     return result;
   }
 
  private:
-  MidpointContract(TetraMesh reference, tetra_mt::midpoint::Hierarchy hierarchy)
-      : reference_(std::move(reference)),
-        hierarchy_(std::make_unique<const tetra_mt::midpoint::Hierarchy>(std::move(hierarchy))) {}
+  using Forest = tetra_mt::midpoint::Forest;
+  using Hierarchy = tetra_mt::midpoint::Hierarchy;
 
-  TetraMesh reference_;
-  std::unique_ptr<const tetra_mt::midpoint::Hierarchy> hierarchy_;
+  MidpointContract(std::shared_ptr<const Hierarchy> hierarchy, Forest forest)
+      : hierarchy_(std::move(hierarchy)),
+        forest_(std::make_unique<const Forest>(std::move(forest))) {}
+
+  std::shared_ptr<const Hierarchy> hierarchy_;  ///< None of a file's.
+  std::unique_ptr<const Forest> forest_;
 };
 
 }  // namespace lode::test

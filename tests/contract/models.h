@@ -24,6 +24,7 @@ using StoredModels = ::testing::Types<  //
     DiamondContract<2>,                 //
     DiamondContract<3>,                 //
     TetraContract,                      //
+    MidpointContract,                   //
     DelaunayPyramidContract,            //
     TernaryContract,                    //
     PointPyramidContract,               //

@@ -9,12 +9,14 @@
 #include <utility>
 
 #include "lode/models/tetra_mt/midpoint/edge_collapser.h"
+#include "lode/models/tetra_mt/midpoint/forest.h"
 #include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
 #include "lode/refine/engine.h"
 #include "lode/refine/one_shot.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
 #include "tests/tetra/mesh_checks.h"
+#include "tests/tetra/midpoint_fixtures.h"
 
 namespace lode::tetra_mt::midpoint {
 namespace {
@@ -49,17 +51,21 @@ TetraMesh all_vertices(const Hierarchy& hierarchy) {
 }
 
 struct Built {
-  TetraMesh reference;
+  TetraMesh reference;  ///< Its vertices by their labels.
   EdgeCollapses collapses;
   Hierarchy hierarchy;
+  Forest forest;
   TetraMesh vertices;
 };
 
 Built built(const TetraMesh& mesh, std::uint64_t base_cells) {
-  Built result{mesh, collapsed(mesh, base_cells), {}, {}};
-  result.hierarchy = hierarchy_of(mesh, result.collapses);
-  result.vertices = all_vertices(result.hierarchy);
-  return result;
+  EdgeCollapses collapses = collapsed(mesh, base_cells);
+  Hierarchy hierarchy = hierarchy_of(mesh, collapses);
+  Forest forest(hierarchy);
+  TetraMesh vertices = all_vertices(hierarchy);
+  TetraMesh reference = test::labelled(mesh, hierarchy);
+  return {std::move(reference), std::move(collapses), std::move(hierarchy), std::move(forest),
+          std::move(vertices)};
 }
 
 /// A mesh with a cavity.
@@ -140,7 +146,7 @@ TEST(midpoint, refined_in_any_order_is_the_reference_and_coarsened_the_base) {
     const Built b = built(holed_mesh(11, split), 100);
     ASSERT_GT(b.hierarchy.n_nodes(), 800U);
     EXPECT_EQ(b.hierarchy.n_base_cells, b.collapses.n_base_cells);
-    MidpointCut cut(b.hierarchy);
+    MidpointCut cut(b.forest);
     const auto base = test::normalised(cut.cells());
     expect_valid(b, cut);
     Random random(4);
@@ -175,7 +181,7 @@ TEST(midpoint, labels_allow_what_brute_force_does) {
     std::vector<std::set<std::uint32_t>> children(n);
     for (std::uint32_t node = 0; node < n; ++node)
       for (const std::uint32_t parent : parents[node]) children[parent].insert(node);
-    MidpointCut cut(b.hierarchy);
+    MidpointCut cut(b.forest);
     std::vector<bool> is_applied(n, false);
     const auto has = [&](std::uint32_t node) { return is_applied[node]; };
     Random random(9);
@@ -226,7 +232,7 @@ TEST(midpoint, is_the_same_for_any_number_of_threads) {
 
 TEST(midpoint, engine_and_one_shot_find_the_same_and_errors_are_true) {
   const Built b = built(holed_mesh(10, Cut::in_five), 100);
-  MidpointCut refined(b.hierarchy);
+  MidpointCut refined(b.forest);
   Engine<MidpointCut> engine(refined);
   Random random(9);
   for (int trial = 0; trial < 12; ++trial) {
@@ -239,7 +245,7 @@ TEST(midpoint, engine_and_one_shot_find_the_same_and_errors_are_true) {
     });
     engine.set_query(demand);
     engine.finish();
-    MidpointCut direct(b.hierarchy);
+    MidpointCut direct(b.forest);
     const lode::Cut cut = one_shot(direct, demand);
     EXPECT_EQ(cut.applied(), engine.cut().applied());
     EXPECT_EQ(test::normalised(direct.cells()), test::normalised(refined.cells()));
@@ -257,22 +263,23 @@ TEST(midpoint, engine_and_one_shot_find_the_same_and_errors_are_true) {
 TEST(midpoint, has_the_errors_that_a_search_finds) {
   for (const Cut split : {Cut::in_five, Cut::in_six}) {
     const Built b = built(noise_mesh(10, split, 3), 150);
-    const MidpointCut cut(b.hierarchy);
+    const MidpointCut cut(b.forest);
     const std::vector<double>& values = b.reference.fields[0].values;
     const auto [low, high] = std::ranges::minmax(values);
     for (std::size_t v = 0; v < values.size(); ++v) {
       const test::Located found =
           test::locate(b.vertices, cut.cells(), b.reference.positions[v], 0);
       EXPECT_GT(found.least_weight, -1e-4);
-      EXPECT_NEAR(static_cast<double>(b.collapses.errors[v]) * (high - low),
-                  values[v] - found.value, 1e-4 * (high - low));
+      EXPECT_NEAR(
+          static_cast<double>(b.collapses.errors[b.hierarchy.mesh_vertices[v]]) * (high - low),
+          values[v] - found.value, 1e-4 * (high - low));
     }
   }
 }
 
 TEST(midpoint, cells_of_an_isovalue_are_the_references) {
   const Built b = built(holed_mesh(10, Cut::in_six), 100);
-  MidpointCut cut(b.hierarchy);
+  MidpointCut cut(b.forest);
   const double isovalue = 0.6;
   static_cast<void>(one_shot(cut, Demand([=](const NodeFacts& facts) {
                                return facts.range.crosses(isovalue) ? 1.0 : 0.0;
@@ -293,7 +300,7 @@ TEST(midpoint, cells_of_an_isovalue_are_the_references) {
 /// Conforming, of the same volume and range, and refined the reference.
 Built expect_sound(const TetraMesh& mesh, std::uint64_t base_cells = 0) {
   Built b = built(mesh, base_cells);
-  MidpointCut cut(b.hierarchy);
+  MidpointCut cut(b.forest);
   expect_valid(b, cut);
   std::set<std::uint32_t> left;
   for (const auto& t : cut.cells()) left.insert(t.begin(), t.end());
@@ -372,7 +379,7 @@ TEST(midpoint, takes_a_single_layer_far_longer_than_thick) {
 /// As in tetra_cut_test: at all vertices F' is as near as the cut of a tolerance promises.
 void expect_within(const TetraMesh& mesh, double tolerance) {
   const Built b = built(mesh, 60);
-  MidpointCut cut(b.hierarchy);
+  MidpointCut cut(b.forest);
   static_cast<void>(
       one_shot(cut, Demand([=](const NodeFacts& facts) { return facts.error - tolerance; })));
   const auto cells = cut.cells();
@@ -422,7 +429,7 @@ TEST(midpoint, keeps_regions_and_what_lies_between_them) {
   }
   const Built b = expect_sound(mesh);
   EXPECT_LT(b.hierarchy.n_base_cells, mesh.tetrahedra.size() / 4);
-  MidpointCut cut(b.hierarchy);
+  MidpointCut cut(b.forest);
   const auto volumes = [&] {
     std::array<double, 3> sums{};
     for (const MidpointCut::Cell& cell : cut.slots())
@@ -443,7 +450,7 @@ TEST(midpoint, keeps_regions_and_what_lies_between_them) {
     }
   }
   Engine<MidpointCut> engine(cut);
-  MidpointCut full(b.hierarchy);
+  MidpointCut full(b.forest);
   Engine<MidpointCut> all(full);
   all.set_query(Demand([](const NodeFacts&) { return 1.0; }));
   all.finish();
@@ -453,7 +460,7 @@ TEST(midpoint, keeps_regions_and_what_lies_between_them) {
     return t;
   };
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
-    regions[sorted(mesh.tetrahedra[i])] = mesh.regions[i];
+    regions[sorted(b.reference.tetrahedra[i])] = mesh.regions[i];
   for (const MidpointCut::Cell& cell : full.slots())
     if (full.is_inside(cell)) EXPECT_EQ(regions.at(sorted(cell.corners)), cell.region);
 }
@@ -461,13 +468,13 @@ TEST(midpoint, keeps_regions_and_what_lies_between_them) {
 TEST(midpoint, nodes_take_no_more_than_the_papers_forty_bytes_a_vertex) {
   TetraMesh mesh = noise_mesh(16, Cut::in_six, 6);
   const Built b = built(mesh, 400);
-  EXPECT_LE(b.hierarchy.n_bytes_of_nodes(), 40 * mesh.positions.size());
-  EXPECT_EQ(b.hierarchy.n_bytes_of_nodes(),
+  EXPECT_LE(b.forest.n_node_bytes(), 40 * mesh.positions.size());
+  EXPECT_EQ(b.forest.n_node_bytes(),
             4 * mesh.positions.size() + 36 * std::uint64_t{b.hierarchy.n_nodes()});
   // Of positions and values that the steps hold, nothing else is kept.
   for (Vec3d& p : mesh.positions)
     for (double& x : p.v) x = std::round(x * 15);
-  for (double& value : mesh.fields[0].values) value = std::round(value * 1000);
+  for (double& value : mesh.fields[0].values) value = std::round(value * 1000) + 0.0;  // no -0
   EXPECT_EQ(built(mesh, 400).hierarchy.exact.size(), 0U);
 }
 

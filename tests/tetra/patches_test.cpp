@@ -277,7 +277,8 @@ TEST(patches, are_there_in_cuts_of_midpoints) {
     const auto hierarchy = midpoint::make_hierarchy(mesh, *collapses, {2});
     ASSERT_TRUE(hierarchy) << hierarchy.error().message;
     EXPECT_EQ(hierarchy->patches, mesh.patches);
-    midpoint::MidpointCut cut(*hierarchy);
+    const midpoint::Forest forest(*hierarchy);
+    midpoint::MidpointCut cut(forest);
     const auto expect_kept = [&] {
       TetraMesh there;
       there.positions.resize(hierarchy->n_labels());

@@ -17,7 +17,6 @@
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
 #include "lode/refine/focus.h"
-#include "lode/store/reader.h"
 #include "lode/store/writer.h"
 #include "tests/oracles/random.h"
 #include "tests/oracles/tetra_grids.h"
@@ -31,6 +30,7 @@ using oracles::Random;
 using test::codes_of;
 using test::hierarchy_of;
 using test::noise;
+using test::rewrite;
 
 Demand box_demand(double tolerance) {
   FocusDemand demand;
@@ -214,27 +214,6 @@ TEST_F(tetra_file, keeps_doubles) {
     EXPECT_EQ(opened->hierarchy.position(v), hierarchy.positions[v]);
     EXPECT_EQ(opened->hierarchy.value(v, 0), hierarchy.fields[0].values[v]);
   }
-}
-
-/// Writes a file anew with some bytes of its blocks changed, and all checksums right.
-void rewrite(const std::string& from, const std::string& to, Random& random) {
-  const auto reader = store::Reader::open(from);
-  ASSERT_TRUE(reader);
-  std::vector<std::byte> metadata(reader->metadata().begin(), reader->metadata().end());
-  if (random.below(4) == 0)
-    metadata[random.below(metadata.size())] ^= static_cast<std::byte>(1 + random.below(255));
-  auto writer = store::Writer::create(to, reader->model(), metadata);
-  ASSERT_TRUE(writer);
-  const std::size_t changed = random.below(reader->blocks().size());
-  for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
-    auto bytes = reader->read_block(i);
-    ASSERT_TRUE(bytes);
-    if (i == changed || random.below(6) == 0)
-      (*bytes)[random.below(bytes->size())] ^= static_cast<std::byte>(1 + random.below(255));
-    ASSERT_TRUE(writer->append(reader->blocks()[i].key,
-                               store::encode_block_as(store::Codec::none, {.raw = *bytes})));
-  }
-  ASSERT_TRUE(writer->finish());
 }
 
 /// Of the noise: a patch of half the floor, and one of what is beside.

@@ -48,7 +48,8 @@ Hierarchy hierarchy_of(const TetraMesh& mesh) {
 std::vector<std::string> failed_checks(const Hierarchy& hierarchy, const TetraMesh& mesh) {
   const auto packed = PackedHierarchy::pack(hierarchy, mesh.tetrahedra.size(), {2});
   Progress progress;
-  const auto report = verify_hierarchy(packed, {.n_random_cuts = 4, .threads = {2}}, progress);
+  const auto report =
+      verify_hierarchy(*source_of(packed), {.n_random_cuts = 4, .threads = {2}}, progress);
   EXPECT_TRUE(report) << report.error().message;
   std::vector<std::string> names;
   for (const VerifyReport::Check& check : report->checks)
@@ -76,7 +77,7 @@ class tetra_verification : public testing::Test {
 TEST_F(tetra_verification, finds_nothing_wrong_with_what_was_built) {
   const auto packed = PackedHierarchy::pack(hierarchy_, mesh_.tetrahedra.size(), {2});
   Progress progress;
-  const auto report = verify_hierarchy(packed, {.threads = {2}}, progress);
+  const auto report = verify_hierarchy(*source_of(packed), {.threads = {2}}, progress);
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(report->checks.size(), 17U);
   for (const VerifyReport::Check& check : report->checks) {
@@ -84,7 +85,7 @@ TEST_F(tetra_verification, finds_nothing_wrong_with_what_was_built) {
     EXPECT_GT(check.count, 0U) << check.name;
   }
   // The same for any number of threads.
-  const auto other = verify_hierarchy(packed, {.threads = {1}}, progress);
+  const auto other = verify_hierarchy(*source_of(packed), {.threads = {1}}, progress);
   for (std::size_t i = 0; i < report->checks.size(); ++i)
     EXPECT_EQ(other->checks[i].detail, report->checks[i].detail);
 }
@@ -222,7 +223,7 @@ TEST_F(tetra_verification, compares_with_the_original_bit_for_bit) {
   Progress progress;
   const auto found = [&](const TetraMesh& original) {
     const auto report =
-        compare_with_original(packed, original, std::array<std::size_t, 1>{}, progress);
+        compare_with_original(*source_of(packed), original, std::array<std::size_t, 1>{}, progress);
     EXPECT_TRUE(report);
     std::string details;
     for (const VerifyReport::Check& check : report->checks) details += check.detail;
@@ -268,11 +269,12 @@ TEST_F(tetra_verification, takes_seams_of_the_reference_for_right) {
   }
   const auto packed = PackedHierarchy::pack(hierarchy_of(mesh), mesh.tetrahedra.size(), {2});
   Progress progress;
-  const auto report = verify_hierarchy(packed, {.threads = {2}}, progress);
+  const auto report = verify_hierarchy(*source_of(packed), {.threads = {2}}, progress);
   ASSERT_TRUE(report);
   for (const VerifyReport::Check& check : report->checks)
     EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
-  const auto compared = compare_with_original(packed, mesh, std::array<std::size_t, 1>{}, progress);
+  const auto compared =
+      compare_with_original(*source_of(packed), mesh, std::array<std::size_t, 1>{}, progress);
   ASSERT_TRUE(compared);
   EXPECT_TRUE(compared->passed());
 }
@@ -301,8 +303,9 @@ TEST_F(tetra_verification, can_be_stopped) {
   const auto packed = PackedHierarchy::pack(hierarchy_, mesh_.tetrahedra.size(), {2});
   Progress progress;
   progress.cancel();
-  EXPECT_FALSE(verify_hierarchy(packed, {}, progress));
-  EXPECT_FALSE(compare_with_original(packed, mesh_, std::array<std::size_t, 1>{}, progress));
+  EXPECT_FALSE(verify_hierarchy(*source_of(packed), {}, progress));
+  EXPECT_FALSE(
+      compare_with_original(*source_of(packed), mesh_, std::array<std::size_t, 1>{}, progress));
 }
 
 }  // namespace

@@ -15,8 +15,10 @@ namespace lode {
 
 /// Cells of a cut, and what is proven of F on each: what probing starts from, whatever the model.
 struct ProbeCells {
-  /// Tetrahedra; of the cut those near what is probed at least. At their vertices F' is F.
+  /// Tetrahedra; of the cut those near what is probed at least.
   SimplexMesh mesh{};
+  /// Whether F' is F at all its vertices; else at those of exact cells only.
+  bool is_exact_at_vertices = true;
   ErrorPlace error_place = ErrorPlace::everywhere;
   /// By cell: whether F' is F on it; empty: where its error is 0.
   std::vector<std::uint8_t> is_exact{};

@@ -45,7 +45,9 @@ class Integrator {
     if (part.is_whole) ++to.n_whole;
     const Range range = range_on(cell, corners, values);
     add_integral(cell, part, range, error, to);
-    add_extremes(part, range, corners, values, to.extremes);
+    add_extremes(part, range, to.extremes);
+    if (cells_.is_exact_at_vertices || cells_.has_exact(cell))
+      add_vertices(corners, values, to.extremes);
   }
 
  private:
@@ -87,8 +89,7 @@ class Integrator {
     const double high = std::max(range.high * least, range.high * volume);
     to.integral_bounds.add(low - kWiden * std::abs(low), high + kWiden * std::abs(high));
   }
-  void add_extremes(const CellPart& part, const Range& range, const std::array<Vec3d, 4>& corners,
-                    const std::array<double, 4>& values, Extremes& to) const {
+  static void add_extremes(const CellPart& part, const Range& range, Extremes& to) {
     if (!part.is_empty()) {
       to.of_cut_low = std::min(to.of_cut_low, part.lowest);
       to.of_cut_high = std::max(to.of_cut_high, part.highest);
@@ -99,13 +100,16 @@ class Integrator {
       to.reached_low = std::min(to.reached_low, range.high);
       to.reached_high = std::max(to.reached_high, range.low);
     }
+  }
+  /// Whose values F has.
+  void add_vertices(const std::array<Vec3d, 4>& corners, const std::array<double, 4>& values,
+                    Extremes& to) const {
     for (std::size_t k = 0; k < 4; ++k) {
       bool is_in = true;
       for (std::size_t i = 0; options_.box && i < 3; ++i)
         is_in = is_in && options_.box->lower[i] <= corners[k][i] &&
                 corners[k][i] <= options_.box->upper[i];
       if (!is_in) continue;
-      // The reference's, too.
       to.reached_low = std::min(to.reached_low, values[k]);
       to.reached_high = std::max(to.reached_high, values[k]);
     }

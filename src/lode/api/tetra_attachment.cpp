@@ -11,6 +11,7 @@
 #include "lode/core/stopwatch.h"
 #include "lode/models/tetra_mt/field_appender.h"
 #include "lode/models/tetra_mt/measured_fields.h"
+#include "lode/models/tetra_mt/midpoint/persist.h"
 #include "lode/models/tetra_mt/persist.h"
 
 namespace lode {
@@ -46,6 +47,11 @@ Result<TetraAttachReport> attach_fields(const std::string& model, const std::str
                                         const NextTetraStep& next, Threads threads,
                                         Progress& progress) try {
   const Stopwatch watch;
+  if (tetra_mt::midpoint::is_model_of(model))
+    return fail(
+        "{}: expected half edges, whose vertices are the mesh's, so that other fields have values "
+        "there, got midpoints",
+        model);
   LODE_TRY(const auto opened, tetra_mt::open(model));
   auto vertices = opened.mesh_vertices();
   if (!vertices) return vertices.error();

@@ -10,6 +10,7 @@
 #include "lode/models/tetra_mt/everywhere_errors.h"
 #include "lode/models/tetra_mt/file_layout.h"
 #include "lode/models/tetra_mt/midpoint/edge_collapses.h"
+#include "lode/models/tetra_mt/midpoint/persist.h"
 #include "lode/models/tetra_mt/persist.h"
 
 namespace lode {
@@ -30,6 +31,14 @@ std::uint64_t base_cells_of(const TetraMesh& mesh, const TetraBuildOptions& opti
                                     static_cast<double>(mesh.tetrahedra.size()));
 }
 
+Result<void> check_memory(const TetraMesh& mesh, const TetraBuildOptions& options) {
+  const std::uint64_t n_bytes = memory_to_build(mesh, options);
+  if (options.memory_limit == 0 || n_bytes <= options.memory_limit) return {};
+  return fail("expected {} MiB of memory to build a mesh of {} cells, got a limit of {:.4g} MiB",
+              (n_bytes >> 20) + 1, mesh.tetrahedra.size(),
+              static_cast<double>(options.memory_limit) / (1 << 20));
+}
+
 }  // namespace
 
 std::uint64_t memory_to_build(const TetraMesh& mesh, const TetraBuildOptions& options) {
@@ -48,11 +57,7 @@ Result<tetra_mt::HalfEdgeCollapses> collapse_mesh(const TetraMesh& mesh,
                                                   Progress& progress) {
   if (mesh.fields.empty() || mesh.fields.size() > tetra_mt::kMaxFields)
     return fail("expected 1 to {} fields, got {}", tetra_mt::kMaxFields, mesh.fields.size());
-  const std::uint64_t n_bytes = memory_to_build(mesh, options);
-  if (options.memory_limit > 0 && n_bytes > options.memory_limit)
-    return fail("expected {} MiB of memory to build a mesh of {} cells, got a limit of {:.4g} MiB",
-                (n_bytes >> 20) + 1, mesh.tetrahedra.size(),
-                static_cast<double>(options.memory_limit) / (1 << 20));
+  LODE_CHECK(check_memory(mesh, options));
   const bool is_everywhere = options.error_place == ErrorPlace::everywhere;
   if (is_everywhere && options.boundary_tolerance > 0)
     return fail(
@@ -77,25 +82,45 @@ Result<tetra_mt::Hierarchy> build_hierarchy(const TetraMesh& mesh, const TetraBu
   return tetra_mt::make_hierarchy(mesh, collapses, options.threads);
 }
 
-Result<tetra_mt::midpoint::Hierarchy> build_midpoints(const TetraMesh& mesh,
-                                                      const TetraBuildOptions& options,
-                                                      Progress& progress) {
+Result<BuiltMidpoints> build_midpoints(const TetraMesh& mesh, const TetraBuildOptions& options,
+                                       Progress& progress) {
   if (options.error_place == ErrorPlace::everywhere || options.boundary_tolerance > 0)
     return fail("midpoints: expected errors at samples and a boundary tolerance of 0, got others");
   if (options.order != CollapseOrder::squared_error)
     return fail("midpoints: expected an order by squared errors, got another");
+  LODE_CHECK(check_memory(mesh, options));
   LODE_TRY(const auto collapses,
            tetra_mt::midpoint::collapse_edges(
                mesh, {.base_cells = base_cells_of(mesh, options), .threads = options.threads},
                progress));
-  return tetra_mt::midpoint::make_hierarchy(mesh, collapses, options.threads);
+  LODE_TRY(auto hierarchy, tetra_mt::midpoint::make_hierarchy(mesh, collapses, options.threads));
+  return BuiltMidpoints{std::move(hierarchy), collapses.volume_change};
 }
+
+namespace {
+
+Result<TetraFileReport> build_midpoint_file(const TetraMesh& mesh, const std::string& path,
+                                            const TetraBuildOptions& options, Progress& progress) {
+  const Stopwatch watch;
+  LODE_TRY(const BuiltMidpoints made, build_midpoints(mesh, options, progress));
+  TetraFileReport report;
+  report.volume_change = made.volume_change;
+  report.build_seconds = watch.seconds();
+  report.info = info_of(made.hierarchy);
+  const Stopwatch write_watch;
+  LODE_TRY(report.file_bytes,
+           tetra_mt::midpoint::save(made.hierarchy, path, options.threads, progress));
+  report.write_seconds = write_watch.seconds();
+  return report;
+}
+
+}  // namespace
 
 Result<TetraFileReport> TetraDataset::build_file(const TetraMesh& mesh, const std::string& path,
                                                  const TetraBuildOptions& options,
                                                  Progress& progress) try {
   if (options.placement == Placement::midpoint)
-    return fail("placement: expected half edges, which files hold, got midpoints");
+    return build_midpoint_file(mesh, path, options, progress);
   Stopwatch watch;
   LODE_TRY(auto collapses, collapse_mesh(mesh, options, progress));
   TetraFileReport report;

@@ -9,14 +9,10 @@
 
 #include "lode/api/tetra_cut_shape.h"
 #include "lode/api/tetra_verification.h"
-#include "lode/refine/engine.h"
-#include "lode/refine/focus.h"
 
 namespace lode {
 namespace {
 
-using tetra_mt::PackedHierarchy;
-using tetra_mt::TetraCut;
 using tetra_mt::Tetrahedron;
 
 /// A vertex as bits, so that 0 and -0 differ.
@@ -91,28 +87,22 @@ std::string difference_text(std::uint64_t n, std::uint64_t ours, std::uint64_t t
 
 }  // namespace
 
-Result<VerifyReport> compare_with_original(const PackedHierarchy& hierarchy,
-                                           const TetraMesh& original,
+Result<VerifyReport> compare_with_original(const TetraCutSource& source, const TetraMesh& original,
                                            std::span<const std::size_t> fields,
                                            Progress& progress) {
   if (fields.empty() || original.fields.size() != fields.size())
     return fail("expected {} fields, got {}", std::max<std::size_t>(fields.size(), 1),
                 original.fields.size());
   progress.report("comparing with the original", 0);
-  TetraCut cut(hierarchy, fields.front());
-  Engine<TetraCut> engine(cut);
-  engine.set_query(uniform_demand(0), {}, FocusChange::changed, ApplyOrder::nearest_first);
-  engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
-  if (progress.is_cancelled()) return cancelled_error();
-  LODE_CHECK(cut.check());
-  TetraVertices vertices(hierarchy);
+  LODE_TRY(const RefinedCells all, source.refined(fields.front(), 0.0, progress));
+  const std::vector<Tetrahedron>& cells = all.cells.corners;
+  LODE_TRY(TetraVertices vertices, source.vertices());
   VerifyReport report;
   for (std::size_t i = 0; i < fields.size(); ++i) {
-    vertices.take_values(hierarchy, fields[i]);
-    LODE_CHECK(hierarchy.check());
+    LODE_CHECK(source.take_values(fields[i], vertices));
     const auto ours = bits_of(vertices.positions, vertices.values);
     const auto theirs = bits_of(original.positions, original.fields[i].values);
-    auto our_vertices = ours;
+    auto our_vertices = used_by(cells, ours);
     auto their_vertices = used_by(original.tetrahedra, theirs);
     std::ranges::sort(our_vertices);
     std::ranges::sort(their_vertices);
@@ -121,9 +111,9 @@ Result<VerifyReport> compare_with_original(const PackedHierarchy& hierarchy,
                                   : fmt::format("vertices and values equal the original's: {}",
                                                 original.fields[i].name),
                their_vertices.size(), n_vertices,
-               difference_text(n_vertices, ours.size(), their_vertices.size()));
+               difference_text(n_vertices, our_vertices.size(), their_vertices.size()));
     if (n_vertices > 0) return report;
-    const auto our_cells = ranked_cells(cut.cells(), ranks_of(ours, our_vertices));
+    const auto our_cells = ranked_cells(cells, ranks_of(ours, our_vertices));
     const auto their_cells = ranked_cells(original.tetrahedra, ranks_of(theirs, our_vertices));
     const std::uint64_t n_cells = count_differences(our_cells, their_cells);
     if (i == 0 || n_cells > 0)

@@ -11,27 +11,6 @@
 namespace lode {
 namespace {
 
-using tetra_mt::kNone;
-using tetra_mt::PackedHierarchy;
-
-/// What a cell states of the field.
-struct StatedFacts {
-  double error = 0;
-  Range range{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-};
-
-std::vector<StatedFacts> stated_by(const PackedHierarchy& hierarchy, std::size_t field,
-                                   const TetraCells& cells) {
-  const double reference = hierarchy.head().fields[field].low;
-  std::vector<StatedFacts> stated(cells.makers.size());
-  for (std::size_t i = 0; i < stated.size(); ++i) {
-    if (cells.makers[i] == kNone) continue;
-    const NodeFacts facts = without_bounds(hierarchy.facts(cells.makers[i], field), reference);
-    stated[i] = {facts.error, facts.range};
-  }
-  return stated;
-}
-
 /// What one vertex finds: of all cells there the one that is best for the model.
 struct VertexFinding {
   bool is_looked_at = false;
@@ -175,26 +154,23 @@ MovedBoundary find_moved(const TetraVertices& vertices, const TetraCutShape& ref
   return {{is_near.begin(), is_near.end()}, 2 * deviation};
 }
 
-Result<TetraCutErrors> measure_errors(const PackedHierarchy& hierarchy, std::size_t field,
-                                      const TetraVertices& vertices, const TetraCells& cells,
-                                      const MovedBoundary* moved, Threads threads) {
-  const std::vector<StatedFacts> stated = stated_by(hierarchy, field, cells);
-  LODE_CHECK(hierarchy.check());
+TetraCutErrors measure_errors(const TetraVertices& vertices, const TetraCells& cells,
+                              const MovedBoundary* moved, Threads threads) {
   std::vector<bool> is_there(vertices.positions.size(), false);
   for (const auto& t : cells.corners)
     for (const std::uint32_t v : t) is_there[v] = true;
   const CellLocator locator(vertices.positions, cells.corners, threads);
-  const VertexSearch search(vertices, cells, locator, stated, moved);
-  std::vector<VertexFinding> findings(vertices.positions.size());
-  parallel_for(findings.size(), threads, 256, [&](std::size_t v, int) {
-    if (!is_there[v]) findings[v] = search.find(static_cast<std::uint32_t>(v));
+  const VertexSearch search(vertices, cells, locator, cells.stated, moved);
+  std::vector<VertexFinding> findings(vertices.samples.size());
+  parallel_for(findings.size(), threads, 256, [&](std::size_t i, int) {
+    if (!is_there[vertices.samples[i]]) findings[i] = search.find(vertices.samples[i]);
   });
   TetraCutErrors errors;
-  for (const StatedFacts& facts : stated)
+  for (const StatedFacts& facts : cells.stated)
     errors.largest_stated = std::max(errors.largest_stated, facts.error);
-  for (std::size_t v = 0; v < findings.size(); ++v)
-    if (findings[v].is_looked_at)
-      add_finding(findings[v], v, vertices.boundary_allowance(), errors);
+  for (std::size_t i = 0; i < findings.size(); ++i)
+    if (findings[i].is_looked_at)
+      add_finding(findings[i], vertices.samples[i], vertices.boundary_allowance(), errors);
   return errors;
 }
 

@@ -37,17 +37,14 @@ struct MovedBoundary {
                                        const TetraCutShape& reference, double deviation,
                                        Threads threads);
 
-/// `vertices`: with the field's values. A vertex may be where several cells touch, or lie over one
-/// another: what one of them states is enough. What rounding does to F' is allowed for; and, where
-/// a vertex is outside by no more than that, by how much F' may differ between there and the cell.
-/// `moved`: where the boundary may move by more than rounding. Then vertices outside have no F';
-/// and of those inside that are near the boundary the cells within reach count beside those that
-/// hold them, at the weights nearest to theirs that are inside. The same for any number of threads.
-/// Fails where pages cannot be loaded.
-[[nodiscard]] Result<TetraCutErrors> measure_errors(const tetra_mt::PackedHierarchy& hierarchy,
-                                                    std::size_t field,
-                                                    const TetraVertices& vertices,
-                                                    const TetraCells& cells,
-                                                    const MovedBoundary* moved, Threads threads);
+/// `vertices`: with a field's values; `cells`: with what they state of it. A vertex may be where
+/// several cells touch, or lie over one another: what one of them states is enough. What rounding
+/// does to F' is allowed for; and, where a vertex is outside by no more than that, by how much F'
+/// may differ between there and the cell. `moved`: where the boundary may move by more than
+/// rounding. Then vertices outside have no F'; and of those inside that are near the boundary the
+/// cells within reach count beside those that hold them, at the weights nearest to theirs that are
+/// inside. The same for any number of threads.
+[[nodiscard]] TetraCutErrors measure_errors(const TetraVertices& vertices, const TetraCells& cells,
+                                            const MovedBoundary* moved, Threads threads);
 
 }  // namespace lode

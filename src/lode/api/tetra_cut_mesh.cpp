@@ -90,7 +90,7 @@ using MarkedFaces = std::vector<std::pair<FaceKey, std::uint32_t>>;
 
 /// patch_mark()s of the faces on the boundary, ascending.
 MarkedFaces marked_faces(const tetra_mt::midpoint::MidpointCut& cut) {
-  const std::uint32_t outside = cut.hierarchy().outside();
+  const std::uint32_t outside = cut.head().outside();
   MarkedFaces faces;
   for (const auto& cell : cut.slots()) {
     const auto at = std::ranges::find(cell.corners, outside) - cell.corners.begin();
@@ -157,9 +157,9 @@ std::vector<std::uint32_t> fill_mesh(const PackedHierarchy& hierarchy, const Tet
 
 std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
                                      SimplexMesh& mesh) {
-  const tetra_mt::midpoint::Hierarchy& hierarchy = cut.hierarchy();
+  const tetra_mt::midpoint::ForestHead& head = cut.head();
   mesh = {};
-  mesh.patches = hierarchy.patches;
+  mesh.patches = head.patches;
   const MarkedFaces faces = marked_faces(cut);
   std::vector<std::uint32_t> slots;
   for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot)
@@ -169,13 +169,13 @@ std::vector<std::uint32_t> fill_mesh(const tetra_mt::midpoint::MidpointCut& cut,
     std::ranges::sort(corners, std::greater());
     return corners;
   });
-  std::vector<std::uint32_t> numbers(hierarchy.n_labels(), kNone);
+  std::vector<std::uint32_t> numbers(head.n_labels(), kNone);
   for (const std::uint32_t slot : slots) {
     const auto& cell = cut.slots()[slot];
     const std::uint32_t maker = cut.maker(cell);
     mesh.tetrahedra.push_back(cell.corners);
     mesh.errors.push_back(maker == kNone ? 0 : cut.facts(NodeId{maker}).error);
-    if (hierarchy.region_ids.size() > 1) mesh.regions.push_back(hierarchy.region_ids[cell.region]);
+    if (head.region_ids.size() > 1) mesh.regions.push_back(head.region_ids[cell.region]);
     if (!faces.empty()) add_patch_sides(faces, mesh);
     for (const std::uint32_t v : cell.corners) numbers[v] = 0;
   }

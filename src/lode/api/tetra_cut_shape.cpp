@@ -87,11 +87,46 @@ TetraVertices::TetraVertices(const PackedHierarchy& hierarchy)
       boundary_deviation_(hierarchy.head().boundary_deviation) {
   const std::uint32_t n = hierarchy.head().n_vertices();
   positions.reserve(n);
-  Vec3d most;
   for (std::uint32_t v = 0; v < n; ++v) {
     positions.push_back(hierarchy.position(v));
-    for (std::size_t i = 0; i < 3; ++i) most[i] = std::max(most[i], std::abs(positions[v][i]));
+    samples.push_back(v);
   }
+  find_farthest();
+}
+
+/// From the base down: what a vertex splits into has smaller labels. Leaves of the base that no
+/// cell has are no samples.
+TetraVertices::TetraVertices(const tetra_mt::midpoint::Forest& forest)
+    : size(length(forest.head().box.upper - forest.head().box.lower)),
+      boundary_deviation_(forest.head().boundary_deviation) {
+  using tetra_mt::midpoint::Code;
+  const tetra_mt::midpoint::ForestHead& head = forest.head();
+  std::vector<Code> codes(head.n_labels(), Code{});
+  for (std::size_t i = 0; i < head.roots.size(); ++i) codes[head.roots[i]] = head.root_codes[i];
+  for (std::uint32_t node = head.n_nodes(); node-- > 0;) {
+    const tetra_mt::midpoint::Split split = forest.split(node);
+    if (split.children.first == kNone) return;  // check() says why
+    const auto ends = parted(codes[head.n_vertices + node], split.difference, split.placement);
+    codes[split.children.first] = ends.first;
+    codes[split.children.second] = ends.second;
+  }
+  std::vector<bool> is_used(head.n_vertices, false);
+  std::fill(is_used.begin() + head.n_base_leaves, is_used.end(), true);
+  for (const Tetrahedron& t : head.base)
+    for (const std::uint32_t v : t)
+      if (head.is_leaf(v)) is_used[v] = true;
+  for (std::uint32_t v = 0; v < codes.size(); ++v) {
+    positions.push_back(forest.position(v, codes[v]));
+    values.push_back(forest.value(v, codes[v]));
+    if (head.is_leaf(v) && is_used[v]) samples.push_back(v);
+  }
+  find_farthest();
+}
+
+void TetraVertices::find_farthest() {
+  Vec3d most;
+  for (const Vec3d& p : positions)
+    for (std::size_t i = 0; i < 3; ++i) most[i] = std::max(most[i], std::abs(p[i]));
   farthest = length(most);
 }
 
@@ -118,6 +153,14 @@ TetraCells::TetraCells(const tetra_mt::TetraCut& cut) {
     if (!cut.is_inside(cell)) continue;
     corners.push_back(cell.corners);
     makers.push_back(cut.maker(slot));
+  }
+}
+
+TetraCells::TetraCells(const tetra_mt::midpoint::MidpointCut& cut) {
+  for (const tetra_mt::midpoint::MidpointCut::Cell& cell : cut.slots()) {
+    if (!cut.is_inside(cell)) continue;
+    corners.push_back(cell.corners);
+    makers.push_back(cut.maker(cell));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -9,20 +10,25 @@
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
 #include "lode/core/surface.h"
+#include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
+#include "lode/refine/model.h"
 
 namespace lode {
 
 /// All vertices of a hierarchy, as verification looks at them.
 struct TetraVertices {
   std::vector<Vec3d> positions;
-  std::vector<double> values;  ///< Of one field.
+  std::vector<double> values;          ///< Of one field.
+  std::vector<std::uint32_t> samples;  ///< Those of cells of the reference mesh.
   bool has_narrow_positions = false;
   double size = 0;      ///< Of the box round all, along its diagonal.
   double farthest = 0;  ///< From the origin.
 
   /// Of a hierarchy, without values.
   explicit TetraVertices(const tetra_mt::PackedHierarchy& hierarchy);
+  /// Of midpoints, by labels, with the values.
+  explicit TetraVertices(const tetra_mt::midpoint::Forest& forest);
   void take_values(const tetra_mt::PackedHierarchy& hierarchy, std::size_t field);
   /// How far the boundary of any cut may be from the reference's: what docs/models/tetra_mt.md
   /// says of rounding, or what the hierarchy says, where it was built with a tolerance.
@@ -35,7 +41,15 @@ struct TetraVertices {
  private:
   [[nodiscard]] double rounding_allowance() const;
 
+  void find_farthest();
+
   double boundary_deviation_ = 0;  ///< The hierarchy's.
+};
+
+/// What a cell states of a field.
+struct StatedFacts {
+  double error = 0;
+  Range range{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 };
 
 /// The tetrahedra of a cut, by the hierarchy's numbers of vertices.
@@ -43,7 +57,10 @@ struct TetraCells {
   std::vector<tetra_mt::Tetrahedron> corners;
   std::vector<std::uint32_t> makers;  ///< By cell: its node, or kNone for the reference's.
 
+  std::vector<StatedFacts> stated;  ///< Likewise, of one field, once that is filled in.
+
   explicit TetraCells(const tetra_mt::TetraCut& cut);
+  explicit TetraCells(const tetra_mt::midpoint::MidpointCut& cut);
 };
 
 /// What the mesh of a cut is, as a mesh and in space.

@@ -13,6 +13,7 @@
 
 #include "lode/api/tetra_build.h"
 #include "lode/api/tetra_cut_mesh.h"
+#include "lode/api/tetra_cut_source.h"
 #include "lode/api/tetra_info.h"
 #include "lode/api/tetra_probe.h"
 #include "lode/api/tetra_query.h"
@@ -24,6 +25,7 @@
 #include "lode/mappers/mesh_isosurface.h"
 #include "lode/models/tetra_mt/gradient_codes.h"
 #include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
+#include "lode/models/tetra_mt/midpoint/persist.h"
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
@@ -33,7 +35,7 @@ namespace {
 
 using tetra_mt::Hierarchy;
 using tetra_mt::kNone;
-using Midpoints = tetra_mt::midpoint::Hierarchy;
+using Midpoints = tetra_mt::midpoint::Forest;
 using tetra_mt::PackedHierarchy;
 using tetra_mt::TetraCut;
 
@@ -53,13 +55,10 @@ Vec3d origin_of(const Box3d& box) {
   return is_far ? box.lower : Vec3d();
 }
 
-/// Of midpoints, which are in memory.
+/// Of midpoints: of what is in the mesh all errors are known.
 double midpoint_finishing_seconds(std::uint64_t n_cells) {
   return 1e-3 + 1e-6 * static_cast<double>(n_cells);
 }
-
-bool is_damaged(const TetraCut& cut) { return cut.is_damaged(); }
-bool is_damaged(const tetra_mt::midpoint::MidpointCut& /*cut*/) { return false; }
 
 }  // namespace
 
@@ -77,17 +76,20 @@ class TetraDataset::Impl {
         surface_margin(
             rounding_margin(std::array{info.bounds.lower, info.bounds.upper}, surface_origin)),
         source_(std::move(source)) {}
-  explicit Impl(Midpoints made)
+  explicit Impl(Midpoints made, std::function<tetra_mt::FileReads()> reads_of = {})
       : midpoints(std::move(made)),
-        info(info_of(*midpoints)),
+        reads(std::move(reads_of)),
+        info(info_of(midpoints->head())),
         surface_origin(origin_of(info.bounds)),
         surface_margin(
             rounding_margin(std::array{info.bounds.lower, info.bounds.upper}, surface_origin)) {}
 
-  /// Fails where there are midpoints.
-  [[nodiscard]] Result<const PackedHierarchy*> half_edges(const char* action) const {
+  [[nodiscard]] ProbedHierarchy probed() const {
     if (hierarchy) return &*hierarchy;
-    return fail("{}: expected a hierarchy of half edges, got one of midpoints", action);
+    return &*midpoints;
+  }
+  [[nodiscard]] std::unique_ptr<const TetraCutSource> source() const {
+    return hierarchy ? source_of(*hierarchy) : source_of(*midpoints);
   }
   /// The mesh of a query's cut, without gradients.
   template <typename Options>
@@ -136,8 +138,8 @@ TetraReads TetraDataset::reads() const {
 Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuildOptions& options,
                                          Progress& progress) try {
   if (options.placement == Placement::midpoint) {
-    LODE_TRY(Midpoints midpoints, build_midpoints(mesh, options, progress));
-    return TetraDataset(std::make_unique<Impl>(std::move(midpoints)));
+    LODE_TRY(auto midpoints, build_midpoints(mesh, options, progress));
+    return TetraDataset(std::make_unique<Impl>(Midpoints(std::move(midpoints.hierarchy))));
   }
   LODE_TRY(const auto hierarchy, build_hierarchy(mesh, options, progress));
   std::vector<std::vector<std::uint32_t>> codes;
@@ -155,9 +157,15 @@ Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuild
   return out_of_memory("build the hierarchy");
 }
 
-bool TetraDataset::is_model_of(const std::string& path) { return tetra_mt::is_model_of(path); }
+bool TetraDataset::is_model_of(const std::string& path) {
+  return tetra_mt::is_model_of(path) || tetra_mt::midpoint::is_model_of(path);
+}
 
 Result<TetraDataset> TetraDataset::open(const std::string& path) try {
+  if (tetra_mt::midpoint::is_model_of(path)) {
+    LODE_TRY(auto opened, tetra_mt::midpoint::open(path));
+    return TetraDataset(std::make_unique<Impl>(std::move(opened.forest), std::move(opened.reads)));
+  }
   LODE_TRY(auto opened, tetra_mt::open(path));
   return TetraDataset(std::make_unique<Impl>(std::move(opened.hierarchy),
                                              std::move(opened.gradients), std::move(opened.reads)));
@@ -206,7 +214,7 @@ Result<TetraCutMesh> TetraDataset::Impl::refine(Model& model, const Query& query
   constexpr unsigned kStepsPerLook = 16;
   unsigned n_looks = 0;
   engine.run([&] {
-    return progress.is_cancelled() || is_damaged(model) ||
+    return progress.is_cancelled() || model.is_damaged() ||
            (options.deadline_s && n_looks++ % kStepsPerLook == 0 && is_late());
   });
   if (progress.is_cancelled()) return cancelled_error();
@@ -238,7 +246,12 @@ Result<TetraCutMesh> TetraDataset::Impl::make_mesh(const Query& wanted, const Op
   if (midpoints) {
     tetra_mt::midpoint::MidpointCut cut(*midpoints);
     const auto finishing = [](std::uint64_t n) { return midpoint_finishing_seconds(n); };
-    const auto fill = [&](SimplexMesh& mesh) -> Ids { return fill_mesh(cut, mesh); };
+    const auto fill = [&](SimplexMesh& mesh) -> Ids {
+      LODE_CHECK(cut.check());
+      std::vector<std::uint32_t> ids = fill_mesh(cut, mesh);
+      LODE_CHECK(cut.check());
+      return ids;
+    };
     return refine(cut, query, options, finishing, fill, progress);
   }
   TetraCut cut(*hierarchy, options.fields.measured);
@@ -313,8 +326,7 @@ Result<ProbeReport> TetraDataset::probe(std::span<const Vec3d> points, const Pro
                                         std::vector<ProbedPoint>& found, Progress& progress) const
     try {
   const Stopwatch watch;
-  LODE_TRY(const PackedHierarchy* const hierarchy, impl_->half_edges("probe"));
-  LODE_TRY(ProbeReport report, probe_hierarchy(*hierarchy, points, options, found, progress));
+  LODE_TRY(ProbeReport report, probe_hierarchy(impl_->probed(), points, options, found, progress));
   report.seconds = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
@@ -325,8 +337,7 @@ Result<ProbeReport> TetraDataset::probe_line(const ProbedLine& line, const Probe
                                              std::vector<ProbedLinePoint>& found,
                                              Progress& progress) const try {
   const Stopwatch watch;
-  LODE_TRY(const PackedHierarchy* const hierarchy, impl_->half_edges("probe"));
-  LODE_TRY(ProbeReport report, probe_hierarchy(*hierarchy, line, options, found, progress));
+  LODE_TRY(ProbeReport report, probe_hierarchy(impl_->probed(), line, options, found, progress));
   report.seconds = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
@@ -337,8 +348,7 @@ Result<IntegralReport> TetraDataset::integrate(const IntegralOptions& options,
                                                Progress& progress) const try {
   const Stopwatch watch;
   LODE_CHECK(check_regions(impl_->info, options.regions));
-  LODE_TRY(const PackedHierarchy* const hierarchy, impl_->half_edges("probe"));
-  LODE_TRY(IntegralReport report, integrate_hierarchy(*hierarchy, options, progress));
+  LODE_TRY(IntegralReport report, integrate_hierarchy(impl_->probed(), options, progress));
   report.probe.seconds = watch.seconds();
   return report;
 } catch (const std::bad_alloc&) {
@@ -348,8 +358,7 @@ Result<IntegralReport> TetraDataset::integrate(const IntegralOptions& options,
 Result<VerifyReport> TetraDataset::verify(const TetraVerifyOptions& options,
                                           Progress& progress) const try {
   LODE_CHECK(check_fields(impl_->info, {.along = options.fields}));
-  LODE_TRY(const PackedHierarchy* const hierarchy, impl_->half_edges("verify"));
-  return verify_hierarchy(*hierarchy, options, progress);
+  return verify_hierarchy(*impl_->source(), options, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("check the hierarchy");
 }
@@ -358,8 +367,7 @@ Result<VerifyReport> TetraDataset::verify_against(const TetraMesh& original,
                                                   std::span<const std::size_t> fields,
                                                   Progress& progress) const try {
   LODE_CHECK(check_fields(impl_->info, {.along = {fields.begin(), fields.end()}}));
-  LODE_TRY(const PackedHierarchy* const hierarchy, impl_->half_edges("verify"));
-  return compare_with_original(*hierarchy, original, fields, progress);
+  return compare_with_original(*impl_->source(), original, fields, progress);
 } catch (const std::bad_alloc&) {
   return out_of_memory("compare the hierarchy with the data");
 }

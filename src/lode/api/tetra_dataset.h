@@ -36,8 +36,7 @@ struct TetraBuildOptions {
   double boundary_tolerance = 0;
   /// Where errors hold. Everywhere takes a few times as long, and a boundary_tolerance of 0.
   ErrorPlace error_place = ErrorPlace::at_samples;
-  /// Midpoints are of one field, errors at samples, a boundary tolerance of 0, and in memory alone;
-  /// such a dataset is neither probed nor verified.
+  /// Midpoints are of one field, errors at samples and a boundary tolerance of 0.
   Placement placement = Placement::half_edge;
   /// Which edges collapse first. Errors are measured, and as true, whatever it is: quadrics take
   /// less time where most cells go, for larger errors at as many. Of midpoints only the first.
@@ -72,6 +71,7 @@ struct TetraFieldInfo {
 };
 
 struct TetraInfo {
+  Placement placement = Placement::half_edge;
   std::uint64_t n_vertices = 0;  ///< Of the reference mesh.
   std::uint64_t n_cells = 0;
   std::uint64_t n_base_cells = 0;
@@ -99,11 +99,11 @@ struct TetraFileReport {
   double write_seconds = 0;
 };
 
-/// The door of tetrahedral meshes with fields: a Multi-Tessellation of half-edge collapses
-/// (docs/models/tetra_mt.md), in memory or in a file, of which parts are read when queries ask for
-/// them. F is linear on each tetrahedron of the reference mesh.
-/// Errors hold at samples, the reference's vertices, between which F' may be farther off; or
-/// everywhere, where the hierarchy was built so.
+/// The door of tetrahedral meshes with fields: a Multi-Tessellation of half-edge collapses, or of
+/// edges to their midpoints (docs/models/tetra_mt.md), in memory or in a file, of which parts are
+/// read when queries ask for them. F is linear on each tetrahedron of the reference mesh. Errors
+/// hold at samples, the reference's vertices, between which F' may be farther off; or everywhere,
+/// where the hierarchy was built so.
 class TetraDataset {
  public:
   /// `mesh`: with fields, at least one, of finite values. Edges collapse by the sum of squared

@@ -8,17 +8,18 @@
 
 namespace lode {
 
-TetraInfo info_of(const tetra_mt::midpoint::Hierarchy& hierarchy) {
-  return {.n_vertices = hierarchy.n_vertices,
-          .n_cells = hierarchy.n_cells,
-          .n_base_cells = hierarchy.n_base_cells,
-          .n_nodes = hierarchy.n_nodes(),
-          .fields = {{hierarchy.field, hierarchy.type, hierarchy.low, hierarchy.high,
-                      ErrorPlace::at_samples, hierarchy.base_error, std::nullopt}},
-          .bounds = hierarchy.box,
-          .boundary_deviation = hierarchy.boundary_deviation,
-          .regions = hierarchy.region_ids,
-          .patches = hierarchy.patches};
+TetraInfo info_of(const tetra_mt::midpoint::ForestHead& head) {
+  return {.placement = Placement::midpoint,
+          .n_vertices = head.n_vertices,
+          .n_cells = head.n_cells,
+          .n_base_cells = head.n_base_cells,
+          .n_nodes = head.n_nodes(),
+          .fields = {{head.field, head.type, head.low, head.high, ErrorPlace::at_samples,
+                      head.base_error, std::nullopt}},
+          .bounds = head.box,
+          .boundary_deviation = head.boundary_deviation,
+          .regions = head.region_ids,
+          .patches = head.patches};
 }
 
 std::vector<std::uint32_t> gradient_codes(const TetraMesh& mesh, std::size_t field,

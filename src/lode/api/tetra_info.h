@@ -11,7 +11,7 @@
 namespace lode {
 
 [[nodiscard]] TetraInfo info_of(const tetra_mt::HierarchyHead& head);
-[[nodiscard]] TetraInfo info_of(const tetra_mt::midpoint::Hierarchy& hierarchy);
+[[nodiscard]] TetraInfo info_of(const tetra_mt::midpoint::ForestHead& head);
 
 /// By vertex of the hierarchy: gradient_code() of a field on the mesh, whose vertices these are.
 [[nodiscard]] std::vector<std::uint32_t> gradient_codes(const TetraMesh& mesh, std::size_t field,

@@ -29,11 +29,9 @@ class TetraOverlay {
   /// Both must outlive it.
   TetraOverlay(const TetraVertices& vertices, const TetraCells& reference, Threads threads);
 
-  /// Of a field, whose values the vertices have. What rounding does to F' is allowed for. The same
-  /// for any number of threads. Fails where pages cannot be loaded.
-  [[nodiscard]] Result<TetraOverlayErrors> measure(const tetra_mt::PackedHierarchy& hierarchy,
-                                                   std::size_t field, const TetraCells& cells,
-                                                   Threads threads) const;
+  /// Of the field whose values the vertices have, and of which the cells state something. What
+  /// rounding does to F' is allowed for. The same for any number of threads.
+  [[nodiscard]] TetraOverlayErrors measure(const TetraCells& cells, Threads threads) const;
   /// Of one cell: the largest |F - F'|, less what rounding may have added.
   [[nodiscard]] double largest_in(const tetra_mt::Tetrahedron& cell) const;
 

@@ -9,17 +9,62 @@
 
 #include "lode/api/probe_cells.h"
 #include "lode/api/probe_focus.h"
+#include "lode/api/tetra_info.h"
 #include "lode/locate/cell_locator.h"
+#include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
 
 namespace lode {
 namespace {
 
-using tetra_mt::HierarchyHead;
 using tetra_mt::kNone;
 using tetra_mt::PackedHierarchy;
 using tetra_mt::TetraCut;
+using tetra_mt::midpoint::Forest;
+using tetra_mt::midpoint::MidpointCut;
+
+/// Cuts of half edges, and of midpoints, by what both have.
+class HalfEdgeView {
+ public:
+  using Cut = TetraCut;
+
+  HalfEdgeView(const PackedHierarchy& hierarchy, std::size_t field)
+      : hierarchy_(hierarchy), field_(field), cut_(hierarchy, field) {}
+
+  [[nodiscard]] Cut& cut() { return cut_; }
+  [[nodiscard]] const Cut& cut() const { return cut_; }
+  [[nodiscard]] Vec3d position(std::uint32_t vertex) const { return hierarchy_.position(vertex); }
+  [[nodiscard]] double value(std::uint32_t vertex) const {
+    return hierarchy_.value(vertex, field_);
+  }
+  [[nodiscard]] std::uint32_t maker(std::uint32_t slot) const { return cut_.maker(slot); }
+  [[nodiscard]] std::uint32_t region(std::uint32_t slot) const { return cut_.region(slot); }
+
+ private:
+  const PackedHierarchy& hierarchy_;
+  std::size_t field_;
+  Cut cut_;
+};
+
+class MidpointView {
+ public:
+  using Cut = MidpointCut;
+
+  MidpointView(const Forest& forest, std::size_t /*field*/) : cut_(forest) {}
+
+  [[nodiscard]] Cut& cut() { return cut_; }
+  [[nodiscard]] const Cut& cut() const { return cut_; }
+  [[nodiscard]] Vec3d position(std::uint32_t vertex) const { return cut_.position(vertex); }
+  [[nodiscard]] double value(std::uint32_t vertex) const { return cut_.value(vertex); }
+  [[nodiscard]] std::uint32_t maker(std::uint32_t slot) const {
+    return cut_.maker(cut_.slots()[slot]);
+  }
+  [[nodiscard]] std::uint32_t region(std::uint32_t slot) const { return cut_.slots()[slot].region; }
+
+ private:
+  Cut cut_;
+};
 
 /// What candidates say of F. A cell of the reference that a cut has not got is brought by one node
 /// that is not applied. All its corners are in the range, and itself in the bounds, that this node
@@ -28,11 +73,12 @@ using tetra_mt::TetraCut;
 /// the cut's cell there is the reference's.
 class CandidateRanges {
  public:
-  CandidateRanges(const Engine<TetraCut>& engine, const TetraCut& cut, const Range& all)
+  template <typename Model>
+  CandidateRanges(const Engine<Model>& engine, const Model& cut, const Range& all,
+                  const Box3d& domain)
       : all_(all) {
     const Cut& nodes = engine.cut();
-    const HierarchyHead& head = cut.head();
-    const double slack = bounds_slack({head.lower, head.upper});
+    const double slack = bounds_slack(domain);
     for (std::size_t at = 0; at < nodes.n_places(); ++at) {
       const Cut::Entry& entry = nodes[static_cast<Cut::Place>(at)];
       if (entry.state != Cut::State::candidate) continue;
@@ -74,15 +120,16 @@ class CandidateRanges {
 };
 
 /// Slots of cells of a cut that are where is looked, by their last vertex: near ones are near.
-std::vector<std::uint32_t> slots_near(const PackedHierarchy& hierarchy, const TetraCut& cut,
-                                      const MeetsBox& where) {
+template <typename View>
+std::vector<std::uint32_t> slots_near(const View& view, const MeetsBox& where) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
-  for (std::uint32_t slot = 0; slot < cut.slots().size(); ++slot) {
-    const TetraCut::Cell& cell = cut.slots()[slot];
-    if (!cut.is_inside(cell)) continue;
+  const auto slots = view.cut().slots();
+  for (std::uint32_t slot = 0; slot < slots.size(); ++slot) {
+    const auto& cell = slots[slot];
+    if (!view.cut().is_inside(cell)) continue;
     Box3d box;
     for (std::size_t k = 0; k < 4; ++k) {
-      const Vec3d p = hierarchy.position(cell.corners[k]);
+      const Vec3d p = view.position(cell.corners[k]);
       if (k == 0) box = {p, p};
       for (std::size_t i = 0; i < 3; ++i) {
         box.lower[i] = std::min(box.lower[i], p[i]);
@@ -92,31 +139,31 @@ std::vector<std::uint32_t> slots_near(const PackedHierarchy& hierarchy, const Te
     if (where(box)) found.emplace_back(std::ranges::max(cell.corners), slot);
   }
   std::ranges::sort(found);
-  std::vector<std::uint32_t> slots;
-  slots.reserve(found.size());
-  for (const auto& [vertex, slot] : found) slots.push_back(slot);
-  return slots;
+  std::vector<std::uint32_t> slots_found;
+  slots_found.reserve(found.size());
+  for (const auto& [vertex, slot] : found) slots_found.push_back(slot);
+  return slots_found;
 }
 
-void fill_cells(const PackedHierarchy& hierarchy, std::size_t field, const TetraCut& cut,
-                const std::vector<std::uint32_t>& slots, ProbeCells& cells) {
+template <typename View>
+void fill_cells(const View& view, const TetraInfo& info, const std::vector<std::uint32_t>& slots,
+                ProbeCells& cells) {
   SimplexMesh& mesh = cells.mesh;
   std::vector<std::uint32_t> vertices;
   for (const std::uint32_t slot : slots) {
-    const TetraCut::Cell& cell = cut.slots()[slot];
+    const auto& cell = view.cut().slots()[slot];
     mesh.tetrahedra.push_back(cell.corners);
-    const bool is_exact = cut.maker(slot) == kNone;
-    cells.is_exact.push_back(is_exact ? 1 : 0);
-    mesh.errors.push_back(is_exact ? 0 : hierarchy.facts(cut.maker(slot), field).error);
-    if (hierarchy.head().region_ids.size() > 1)
-      mesh.regions.push_back(hierarchy.head().region_ids[cut.region(slot)]);
+    const std::uint32_t maker = view.maker(slot);
+    cells.is_exact.push_back(maker == kNone ? 1 : 0);
+    mesh.errors.push_back(maker == kNone ? 0 : view.cut().facts(NodeId{maker}).error);
+    if (info.regions.size() > 1) mesh.regions.push_back(info.regions[view.region(slot)]);
     vertices.insert(vertices.end(), cell.corners.begin(), cell.corners.end());
   }
   std::ranges::sort(vertices);
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   for (const std::uint32_t v : vertices) {
-    mesh.positions.push_back(hierarchy.position(v));
-    mesh.values.push_back(hierarchy.value(v, field));
+    mesh.positions.push_back(view.position(v));
+    mesh.values.push_back(view.value(v));
   }
   for (auto& t : mesh.tetrahedra)
     for (std::uint32_t& v : t)
@@ -124,34 +171,47 @@ void fill_cells(const PackedHierarchy& hierarchy, std::size_t field, const Tetra
 }
 
 /// The cells of a cut that is fine where is looked, and those there only.
-Result<ProbeCells> cells_near(const PackedHierarchy& hierarchy, std::size_t field,
-                              const MeetsBox& where, double max_error, Progress& progress,
-                              ProbeReport& report) {
-  const HierarchyHead& head = hierarchy.head();
-  if (field >= head.fields.size())
-    return fail("field: expected a number below {}, got {}", head.fields.size(), field);
-  TetraCut cut(hierarchy, field);
-  Engine<TetraCut> engine(cut);
-  engine.set_query(probe_demand(where, max_error, bounds_slack({head.lower, head.upper})), {},
+template <typename View>
+Result<ProbeCells> cells_of(View view, const TetraInfo& info, std::size_t field,
+                            const MeetsBox& where, double max_error, Progress& progress,
+                            ProbeReport& report) {
+  typename View::Cut& cut = view.cut();
+  Engine<typename View::Cut> engine(cut);
+  engine.set_query(probe_demand(where, max_error, bounds_slack(info.bounds)), {},
                    FocusChange::changed, ApplyOrder::nearest_first);
   engine.run([&] { return progress.is_cancelled() || cut.is_damaged(); });
   if (progress.is_cancelled()) return cancelled_error();
   LODE_CHECK(cut.check());
-  const Range all{head.fields[field].low, head.fields[field].high};
-  const auto ranges = std::make_shared<const CandidateRanges>(engine, cut, all);
-  const ErrorPlace place =
-      head.fields[field].has_errors_everywhere ? ErrorPlace::everywhere : ErrorPlace::at_samples;
-  ProbeCells cells{.error_place = place};
-  fill_cells(hierarchy, field, cut, slots_near(hierarchy, cut, where), cells);
+  const Range all{info.fields[field].range_min, info.fields[field].range_max};
+  const auto ranges = std::make_shared<const CandidateRanges>(engine, cut, all, info.bounds);
+  const ErrorPlace place = info.fields[field].error_place;
+  ProbeCells cells{.is_exact_at_vertices = info.placement == Placement::half_edge,
+                   .error_place = place};
+  fill_cells(view, info, slots_near(view, where), cells);
   LODE_CHECK(cut.check());
   cells.range_in = [ranges](const Box3d& box) { return ranges->range_in(box); };
   cells.largest_value = std::max(std::abs(all.low), std::abs(all.high));
-  cells.boundary_deviation = head.boundary_deviation;
+  cells.boundary_deviation = info.boundary_deviation;
   report = {.max_error = max_error,
             .achieved_error = ranges->error(),
             .error_place = place,
             .n_cut_cells = engine.standing().n_cells};
   return cells;
+}
+
+Result<ProbeCells> cells_near(const ProbedHierarchy& hierarchy, std::size_t field,
+                              const MeetsBox& where, double max_error, Progress& progress,
+                              ProbeReport& report) {
+  const auto look = [&](const auto* found, const auto& view_of) -> Result<ProbeCells> {
+    const TetraInfo info = info_of(found->head());
+    if (field >= info.fields.size())
+      return fail("field: expected a number below {}, got {}", info.fields.size(), field);
+    return cells_of(view_of(*found), info, field, where, max_error, progress, report);
+  };
+  if (const auto* half_edges = std::get_if<const PackedHierarchy*>(&hierarchy))
+    return look(*half_edges, [&](const PackedHierarchy& h) { return HalfEdgeView(h, field); });
+  return look(std::get<const Forest*>(hierarchy),
+              [&](const Forest& forest) { return MidpointView(forest, field); });
 }
 
 std::uint64_t count_outside(std::span<const ProbedPoint> points) {
@@ -161,7 +221,7 @@ std::uint64_t count_outside(std::span<const ProbedPoint> points) {
 
 }  // namespace
 
-Result<ProbeReport> probe_hierarchy(const PackedHierarchy& hierarchy, std::span<const Vec3d> points,
+Result<ProbeReport> probe_hierarchy(const ProbedHierarchy& hierarchy, std::span<const Vec3d> points,
                                     const ProbeOptions& options, std::vector<ProbedPoint>& found,
                                     Progress& progress) {
   LODE_CHECK(check_probe(points, options.max_error));
@@ -173,7 +233,7 @@ Result<ProbeReport> probe_hierarchy(const PackedHierarchy& hierarchy, std::span<
   return report;
 }
 
-Result<ProbeReport> probe_hierarchy(const PackedHierarchy& hierarchy, const ProbedLine& line,
+Result<ProbeReport> probe_hierarchy(const ProbedHierarchy& hierarchy, const ProbedLine& line,
                                     const ProbeOptions& options,
                                     std::vector<ProbedLinePoint>& found, Progress& progress) {
   LODE_CHECK(check_probe({}, options.max_error));
@@ -192,7 +252,7 @@ Result<ProbeReport> probe_hierarchy(const PackedHierarchy& hierarchy, const Prob
   return report;
 }
 
-Result<IntegralReport> integrate_hierarchy(const PackedHierarchy& hierarchy,
+Result<IntegralReport> integrate_hierarchy(const ProbedHierarchy& hierarchy,
                                            const IntegralOptions& options, Progress& progress) {
   LODE_CHECK(check_integral(options));
   ProbeReport probe;

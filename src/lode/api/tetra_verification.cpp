@@ -14,18 +14,13 @@
 #include "lode/api/tetra_overlay_errors.h"
 #include "lode/mappers/self_intersections.h"
 #include "lode/mappers/surface_distance.h"
-#include "lode/models/tetra_mt/random_cut.h"
 #include "lode/models/tetra_mt/structure_check.h"
-#include "lode/refine/engine.h"
-#include "lode/refine/focus.h"
 
 namespace lode {
 namespace {
 
-using tetra_mt::PackedHierarchy;
 using tetra_mt::StructureFinding;
 using tetra_mt::StructureFindings;
-using tetra_mt::TetraCut;
 
 void add_structure(const StructureFindings& found, VerifyReport& report) {
   const auto add = [&](const char* name, const StructureFinding& finding) {
@@ -56,22 +51,22 @@ struct CutCheck {
 /// Cuts of one hierarchy, held against its mesh of all nodes.
 class CutVerifier {
  public:
-  CutVerifier(const PackedHierarchy& hierarchy, const TetraVerifyOptions& options,
-              Progress& progress)
-      : hierarchy_(hierarchy),
+  CutVerifier(const TetraCutSource& source, TetraVertices vertices,
+              const TetraVerifyOptions& options, Progress& progress)
+      : source_(source),
         threads_(options.threads),
         is_exact_(options.is_exact),
         progress_(progress),
-        vertices_(hierarchy),
+        vertices_(std::move(vertices)),
         fields_(options.fields) {
-    for (std::size_t f = 0; options.fields.empty() && f < hierarchy.head().fields.size(); ++f)
+    for (std::size_t f = 0; options.fields.empty() && f < source.info().fields.size(); ++f)
       fields_.push_back(f);
     errors_.resize(fields_.size());
     overlay_errors_.resize(fields_.size());
   }
 
   [[nodiscard]] Result<void> find_reference();
-  [[nodiscard]] Result<void> look_at(const TetraCut& cut, const std::string& name);
+  [[nodiscard]] Result<void> look_at(TetraCells cells, const std::string& name);
   /// At a tolerance that is a share of the base's error; nothing: the base.
   [[nodiscard]] Result<void> measure(std::optional<double> share, VerifyReport& report);
   void add_to(VerifyReport& report) const;
@@ -81,7 +76,7 @@ class CutVerifier {
                                      VerifyReport& report);
   /// Of a check of one field: names it where there are several.
   [[nodiscard]] std::string named(const std::string& check, std::size_t field) const {
-    const tetra_mt::HierarchyHead::Field& head = hierarchy_.head().fields[field];
+    const TetraFieldInfo& head = source_.info().fields[field];
     if (fields_.size() == 1) return check;
     return fmt::format("{}: {}{}", check, head.name,
                        head.time ? fmt::format(" at {}", *head.time) : "");
@@ -95,7 +90,7 @@ class CutVerifier {
   void check_outer_faces(const TetraCutShape& shape, const std::string& name);
   void add_overlay(std::size_t field, const TetraOverlayErrors& errors, VerifyReport& report) const;
 
-  const PackedHierarchy& hierarchy_;
+  const TetraCutSource& source_;
   Threads threads_;
   bool is_exact_;
   Progress& progress_;
@@ -121,13 +116,8 @@ class CutVerifier {
 };
 
 Result<void> CutVerifier::find_reference() {
-  TetraCut cut(hierarchy_);
-  Engine<TetraCut> engine(cut);
-  engine.set_query(uniform_demand(0), {}, FocusChange::changed, ApplyOrder::nearest_first);
-  engine.run([&] { return progress_.is_cancelled() || cut.is_damaged(); });
-  if (progress_.is_cancelled()) return cancelled_error();
-  LODE_CHECK(cut.check());
-  const TetraCells cells(cut);
+  LODE_TRY(const RefinedCells all, source_.refined(0, 0.0, progress_));
+  const TetraCells& cells = all.cells;
   reference_ = shape_of(vertices_, cells);
   if (is_exact_) overlay_.emplace(vertices_, reference_cells_.emplace(cells), threads_);
   reference_surface_ = outer_surface(vertices_, reference_);
@@ -136,6 +126,7 @@ Result<void> CutVerifier::find_reference() {
   is_outer_.assign(vertices_.positions.size(), false);
   for (const auto& triangle : reference_.outer)
     for (const std::uint32_t v : triangle) is_outer_[v] = true;
+  source_.spread(is_outer_);
   if (vertices_.has_moving_boundary()) LODE_CHECK(find_moved_boundary());
   return {};
 }
@@ -143,9 +134,9 @@ Result<void> CutVerifier::find_reference() {
 /// By what the hierarchy states, but by no more than twice what is measured of the base: a
 /// deviation stated too large must excuse no errors. Cuts between may be off by more than the base.
 Result<void> CutVerifier::find_moved_boundary() {
-  const TetraCells base{TetraCut(hierarchy_)};
+  LODE_TRY(const RefinedCells base, source_.refined(0, {}, progress_));
   LODE_TRY(const SurfaceDistance distance,
-           distance_of(outer_surface(vertices_, shape_of(vertices_, base))));
+           distance_of(outer_surface(vertices_, shape_of(vertices_, base.cells))));
   moved_ = find_moved(vertices_, reference_,
                       std::min(vertices_.boundary_allowance(), 2 * distance.upper()), threads_);
   return {};
@@ -203,9 +194,7 @@ Result<void> CutVerifier::compare_boundary(const TetraCutShape& shape, const std
   return {};
 }
 
-Result<void> CutVerifier::look_at(const TetraCut& cut, const std::string& name) {
-  LODE_CHECK(cut.check());
-  const TetraCells cells(cut);
+Result<void> CutVerifier::look_at(TetraCells cells, const std::string& name) {
   const TetraCutShape shape = shape_of(vertices_, cells);
   check_outer_faces(shape, name);
   const std::uint64_t n_more = shape.n_bad_reference > reference_.n_bad_reference ? 1 : 0;
@@ -217,13 +206,13 @@ Result<void> CutVerifier::look_at(const TetraCut& cut, const std::string& name) 
   LODE_CHECK(compare_boundary(shape, name));
   for (std::size_t i = 0; i < fields_.size(); ++i) {
     if (fields_.size() > 1 || vertices_.values.empty())
-      vertices_.take_values(hierarchy_, fields_[i]);
-    LODE_TRY(TetraCutErrors errors,
-             measure_errors(hierarchy_, fields_[i], vertices_, cells, moved(), threads_));
+      LODE_CHECK(source_.take_values(fields_[i], vertices_));
+    LODE_CHECK(source_.state(fields_[i], cells));
+    TetraCutErrors errors = measure_errors(vertices_, cells, moved(), threads_);
     if (!errors.first.empty()) errors.first = name + ": " + errors.first;
     errors_[i].append(errors);
     if (!overlay_) continue;
-    LODE_TRY(TetraOverlayErrors exact, overlay_->measure(hierarchy_, fields_[i], cells, threads_));
+    TetraOverlayErrors exact = overlay_->measure(cells, threads_);
     if (!exact.first.empty()) exact.first = name + ": " + exact.first;
     overlay_errors_[i].append(exact);
   }
@@ -235,7 +224,7 @@ void CutVerifier::add_overlay(std::size_t field, const TetraOverlayErrors& error
                               VerifyReport& report) const {
   const std::string measured =
       fmt::format("largest {:.6g}, stored {:.6g}", errors.largest, errors.largest_stated);
-  if (hierarchy_.head().fields[field].has_errors_everywhere) {
+  if (source_.info().fields[field].error_place == ErrorPlace::everywhere) {
     report.add(named("errors everywhere <= stored errors", field), errors.n_cells,
                errors.n_above_stated,
                errors.n_above_stated == 0
@@ -298,22 +287,18 @@ Result<void> CutVerifier::measure(std::optional<double> share, VerifyReport& rep
 
 Result<void> CutVerifier::measure(std::size_t number, std::optional<double> share,
                                   VerifyReport& report) {
-  const tetra_mt::HierarchyHead::Field& field = hierarchy_.head().fields[number];
-  if (fields_.size() > 1) vertices_.take_values(hierarchy_, number);
-  TetraCut cut(hierarchy_, number);
-  Engine<TetraCut> engine(cut);
-  if (share) engine.set_query(uniform_demand(*share * field.base_error));
-  engine.run([&] { return progress_.is_cancelled() || cut.is_damaged(); });
-  if (progress_.is_cancelled()) return cancelled_error();
-  LODE_CHECK(cut.check());
-  const double achieved =
-      share ? engine.largest([](const NodeFacts& facts) { return facts.error; }) : field.base_error;
-  const TetraCells cells(cut);
-  LODE_TRY(const TetraCutErrors errors,
-           measure_errors(hierarchy_, number, vertices_, cells, moved(), threads_));
+  const TetraFieldInfo& field = source_.info().fields[number];
+  if (fields_.size() > 1) LODE_CHECK(source_.take_values(number, vertices_));
+  const auto tolerance = share ? std::optional(*share * field.base_error) : std::nullopt;
+  LODE_TRY(RefinedCells refined, source_.refined(number, tolerance, progress_));
+  TetraCells& cells = refined.cells;
+  const double achieved = refined.achieved;
+  LODE_CHECK(source_.state(number, cells));
+  const TetraCutErrors errors = measure_errors(vertices_, cells, moved(), threads_);
   constexpr double kRounding = 1e-9;  // Of F', as a share of the range.
-  const bool is_kept = errors.largest <= achieved + kRounding * (field.high - field.low) &&
-                       (!share || achieved <= *share * field.base_error);
+  const bool is_kept =
+      errors.largest <= achieved + kRounding * (field.range_max - field.range_min) &&
+      (!share || achieved <= *share * field.base_error);
   report.add(named(share ? fmt::format("errors at {} of the base's", *share) : "errors of the base",
                    number),
              errors.n_vertices, errors.n_above_stated + (is_kept ? 0 : 1),
@@ -324,21 +309,23 @@ Result<void> CutVerifier::measure(std::size_t number, std::optional<double> shar
 
 }  // namespace
 
-Result<VerifyReport> verify_hierarchy(const PackedHierarchy& hierarchy,
+Result<VerifyReport> verify_hierarchy(const TetraCutSource& source,
                                       const TetraVerifyOptions& options, Progress& progress) {
   VerifyReport report;
-  LODE_TRY(const StructureFindings found, check_structure(hierarchy, options.seed, progress));
+  LODE_TRY(const StructureFindings found, source.check_structure(options.seed, progress));
   add_structure(found, report);
   if (found.discovery.n_wrong + found.links.n_wrong + found.refinement.n_wrong > 0) return report;
-  CutVerifier verifier(hierarchy, options, progress);
+  LODE_TRY(TetraVertices vertices, source.vertices());
+  CutVerifier verifier(source, std::move(vertices), options, progress);
   LODE_CHECK(verifier.find_reference());
-  const std::uint32_t n_nodes = hierarchy.head().shape.n_nodes;
+  const auto n_nodes = static_cast<std::uint32_t>(source.info().n_nodes);
   for (std::uint32_t k = 0; k < options.n_random_cuts; ++k) {
     progress.report("checking random cuts", static_cast<double>(k) / options.n_random_cuts);
-    TetraCut cut(hierarchy);
     // None for the base; then from a few up to a quarter of all, which need about as many more.
-    if (k > 0) apply_at_random(hierarchy, n_nodes >> (2 + 2 * (k % 4)), options.seed + k, cut);
-    LODE_CHECK(verifier.look_at(cut, k == 0 ? "base" : fmt::format("random cut {}", k)));
+    const std::uint32_t n_wanted = k > 0 ? n_nodes >> (2 + 2 * (k % 4)) : 0;
+    LODE_TRY(TetraCells cells, source.random(n_wanted, options.seed + k));
+    LODE_CHECK(
+        verifier.look_at(std::move(cells), k == 0 ? "base" : fmt::format("random cut {}", k)));
   }
   verifier.add_to(report);
   LODE_CHECK(verifier.measure({}, report));

@@ -131,30 +131,13 @@ std::vector<std::uint32_t> random_order(const NodeLists& before, const NodeLists
   return order;
 }
 
-/// The same for the same cells, in whatever slots and with whatever corner first.
-std::vector<Tetrahedron> sorted_cells_of(const TetraCut& cut) {
-  std::vector<Tetrahedron> cells = cut.cells();
-  for (Tetrahedron& t : cells) {
-    bool is_odd = false;
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t k = 0; k + 1 < 4; ++k)
-        if (t[k] > t[k + 1]) {
-          std::swap(t[k], t[k + 1]);
-          is_odd = !is_odd;
-        }
-    if (is_odd) std::swap(t[2], t[3]);
-  }
-  std::ranges::sort(cells);
-  return cells;
-}
-
 Result<StructureFinding> check_refinement(const PackedHierarchy& hierarchy, const NodeLinks& links,
                                           std::mt19937_64& random, Progress& progress) {
   const HierarchyHead& head = hierarchy.head();
   const std::uint32_t n_nodes = head.shape.n_nodes;
   StructureFinding finding;
   TetraCut cut(hierarchy);
-  const std::vector<Tetrahedron> base = sorted_cells_of(cut);
+  const std::vector<Tetrahedron> base = sorted_cells(cut.cells());
   finding.add(base.size() == head.n_base_cells,
               fmt::format("base: {} cells, {} are there", head.n_base_cells, base.size()));
   const auto up = random_order(links.parents, links.children, n_nodes, random);
@@ -173,11 +156,27 @@ Result<StructureFinding> check_refinement(const PackedHierarchy& hierarchy, cons
   finding.add(n_cells == head.n_cells && cut.cells().size() == n_cells,
               fmt::format("all nodes: expected {} cells, got {}", head.n_cells, n_cells));
   for (const std::uint32_t node : down) cut.undo(NodeId{node});
-  finding.add(sorted_cells_of(cut) == base, "all nodes undone: expected the base, got other cells");
+  finding.add(sorted_cells(cut.cells()) == base,
+              "all nodes undone: expected the base, got other cells");
   return finding;
 }
 
 }  // namespace
+
+std::vector<Tetrahedron> sorted_cells(std::vector<Tetrahedron> cells) {
+  for (Tetrahedron& t : cells) {
+    bool is_odd = false;
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t k = 0; k + 1 < 4; ++k)
+        if (t[k] > t[k + 1]) {
+          std::swap(t[k], t[k + 1]);
+          is_odd = !is_odd;
+        }
+    if (is_odd) std::swap(t[2], t[3]);
+  }
+  std::ranges::sort(cells);
+  return cells;
+}
 
 Result<StructureFindings> check_structure(const PackedHierarchy& hierarchy, std::uint64_t seed,
                                           Progress& progress) {

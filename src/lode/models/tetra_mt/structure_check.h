@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
@@ -33,6 +34,9 @@ struct StructureFindings {
     return discovery.n_wrong + links.n_wrong + nesting.n_wrong + refinement.n_wrong == 0;
   }
 };
+
+/// The same for the same cells, in whatever order and with whatever corner first.
+[[nodiscard]] std::vector<Tetrahedron> sorted_cells(std::vector<Tetrahedron> cells);
 
 /// Looks at every node. Where links do not fit together nothing is applied. Fails where pages
 /// cannot be loaded, or when cancelled. About 4 microseconds a node, on one thread.

@@ -10,7 +10,12 @@ namespace {
 constexpr std::int32_t kLast = std::numeric_limits<std::int32_t>::max();
 constexpr int kFraction = 52;  ///< Bits of a double's.
 constexpr int kLeast = -1074;  ///< The exponent of the smallest one.
+constexpr int kMostExponent = 1023;
 constexpr int kCodeBits = 30;  ///< Steps are no larger than 2^-30 of what is between the ends.
+
+std::int32_t less(std::int32_t a, std::int32_t b) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
+}
 
 Place place_of(Placement placement, std::size_t axis) {
   return axis < 3 ? placement.position : placement.value;
@@ -29,6 +34,18 @@ Scale::Scale(double low, double high) {
   step_ *= 2;
   first_ = static_cast<std::int64_t>(std::floor(low / step_));
 }
+
+Scale::Scale(int exponent, std::int64_t first) : step_(std::ldexp(1.0, exponent)), first_(first) {}
+
+bool Scale::is_valid(int exponent, std::int64_t first) {
+  constexpr std::int64_t kMost = std::int64_t{1} << (kFraction + 1);
+  if (exponent < kLeast || exponent > kMostExponent || first < -kMost || first > kMost)
+    return false;
+  const Scale scale(exponent, first);
+  return std::isfinite(scale.value(0)) && std::isfinite(scale.value(kLast));
+}
+
+int Scale::exponent() const { return std::ilogb(step_); }
 
 std::int32_t Scale::code(double x) const {
   const std::int64_t steps = std::llround(x / step_) - first_;
@@ -53,11 +70,11 @@ Scales::Scales(const TetraMesh& mesh) {
 }
 
 Code merged(const Code& first, const Code& second, Placement placement) {
-  Code made;
+  Code made = first;
   for (std::size_t i = 0; i < 4; ++i) {
-    const std::int32_t way = second[i] - first[i];
+    const std::int32_t way = less(second[i], first[i]);
     switch (place_of(placement, i)) {
-      case Place::middle: made[i] = first[i] + (way >> 1); break;
+      case Place::middle: made[i] = less(first[i], -(way >> 1)); break;
       case Place::first: made[i] = first[i]; break;
       case Place::second: made[i] = second[i]; break;
     }
@@ -67,20 +84,20 @@ Code merged(const Code& first, const Code& second, Placement placement) {
 
 Code difference(const Code& first, const Code& second) {
   Code way;
-  for (std::size_t i = 0; i < 4; ++i) way[i] = second[i] - first[i];
+  for (std::size_t i = 0; i < 4; ++i) way[i] = less(second[i], first[i]);
   return way;
 }
 
 Ends parted(const Code& middle, const Code& difference, Placement placement) {
-  Ends ends;
+  Ends ends{middle, middle};
   for (std::size_t i = 0; i < 4; ++i) {
     const std::int32_t way = difference[i];
     switch (place_of(placement, i)) {
-      case Place::middle: ends.first[i] = middle[i] - (way >> 1); break;
+      case Place::middle: ends.first[i] = less(middle[i], way >> 1); break;
       case Place::first: ends.first[i] = middle[i]; break;
-      case Place::second: ends.first[i] = middle[i] - way; break;
+      case Place::second: ends.first[i] = less(middle[i], way); break;
     }
-    ends.second[i] = ends.first[i] + way;
+    ends.second[i] = less(ends.first[i], less(0, way));
   }
   return ends;
 }

@@ -16,6 +16,10 @@ class Scale {
   Scale() = default;
   /// Finite, and so is what is between them.
   Scale(double low, double high);
+  /// Of steps of 2^exponent, the `first`-th of them for a code of 0.
+  Scale(int exponent, std::int64_t first);
+  /// Whether such a scale is one: all its values are finite, and doubles hold them.
+  [[nodiscard]] static bool is_valid(int exponent, std::int64_t first);
 
   /// The nearest step. Off by half a step, at most 2^-31 of what is between the ends, where these
   /// are more than 2^-21 of themselves apart; else by rounding of doubles.
@@ -25,6 +29,8 @@ class Scale {
     return static_cast<double>(first_ + code) * step_;
   }
   [[nodiscard]] double step() const { return step_; }
+  [[nodiscard]] int exponent() const;
+  [[nodiscard]] std::int64_t first() const { return first_; }
 
  private:
   double step_ = 1;
@@ -36,6 +42,7 @@ class Scales {
  public:
   Scales() = default;
   explicit Scales(const TetraMesh& mesh);
+  explicit Scales(const std::array<Scale, 4>& axes) : axes_(axes) {}
 
   [[nodiscard]] Code code(const Vec3d& position, double value) const {
     return {axes_[0].code(position[0]), axes_[1].code(position[1]), axes_[2].code(position[2]),
@@ -61,7 +68,8 @@ struct Placement {
 };
 
 /// The new vertex, and what tells the ends from it: the second end's code less the first's. Whole
-/// numbers go there and back without loss, halves are rounded down.
+/// numbers go there and back without loss, halves are rounded down. Of other numbers than codes
+/// something comes, modulo 2^32.
 [[nodiscard]] Code merged(const Code& first, const Code& second, Placement placement);
 [[nodiscard]] Code difference(const Code& first, const Code& second);
 struct Ends {

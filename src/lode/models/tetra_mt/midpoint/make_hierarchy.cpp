@@ -1,15 +1,19 @@
 // Does the collapses again, and notes what undoes them.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "lode/models/tetra_mt/face_labels.h"
 #include "lode/models/tetra_mt/interfaces.h"
 #include "lode/models/tetra_mt/live_tetrahedra.h"
 #include "lode/models/tetra_mt/midpoint/edge_collapser.h"
 #include "lode/models/tetra_mt/midpoint/hierarchy.h"
+#include "lode/models/tetra_mt/midpoint/label_order.h"
 #include "lode/models/tetra_mt/midpoint/star_order.h"
 
 namespace lode::tetra_mt::midpoint {
@@ -37,12 +41,14 @@ class HierarchyMaker {
     LODE_CHECK(close_boundary(n_, tetrahedra, threads));
     regions_ = labels_of(mesh_, tetrahedra);
     LiveTetrahedra live(n_, n_, std::move(tetrahedra));
-    for (std::uint32_t node = 0; node < n_nodes(); ++node) {
-      const EdgeCollapse& collapse = collapses_.collapses[node];
-      LODE_CHECK(note_star(live, node, collapse));
-      note_ends(node, collapse);
+    find_labels(live);
+    for (std::uint32_t k = 0; k < n_nodes(); ++k) {
+      const EdgeCollapse& collapse = collapses_.collapses[k];
+      LODE_CHECK(note_star(live, node_of(k), collapse));
+      note_ends(node_of(k), collapse);
       live.collapse(collapse.removed, collapse.kept);
     }
+    join_regions();
     take_base(live);
     find_facts();
     return std::move(made_);
@@ -52,8 +58,9 @@ class HierarchyMaker {
   [[nodiscard]] std::uint32_t n_nodes() const {
     return static_cast<std::uint32_t>(collapses_.collapses.size());
   }
-  [[nodiscard]] bool has_regions() const {
-    return !made_.patches.empty() || made_.region_ids.size() > 1;
+  /// That a collapse makes.
+  [[nodiscard]] std::uint32_t node_of(std::uint32_t collapse) const {
+    return order_.nodes[collapse] - n_;
   }
   /// Of a slot, as the hierarchy has it.
   [[nodiscard]] std::uint32_t region(std::uint32_t slot) const {
@@ -69,10 +76,13 @@ class HierarchyMaker {
   }
   void describe();
   void start_leaves();
+  [[nodiscard]] std::optional<LeafOffset> offset_of(std::uint32_t v) const;
+  void find_labels(const LiveTetrahedra& live);
   [[nodiscard]] Result<void> note_star(const LiveTetrahedra& live, std::uint32_t node,
                                        const EdgeCollapse& collapse);
   void note_regions(const LiveTetrahedra& live, std::uint32_t node, const EdgeCollapse& collapse);
   void note_ends(std::uint32_t node, const EdgeCollapse& collapse);
+  void join_regions();
   void take_base(const LiveTetrahedra& live);
   void find_facts();
 
@@ -82,7 +92,10 @@ class HierarchyMaker {
   std::vector<std::uint32_t> regions_;  ///< By slot: labels_of().
   std::vector<std::uint32_t> labels_;   ///< By slot: of the vertex there now,
   std::vector<Code> codes_;             ///< and its code.
+  LabelOrder order_;
   std::vector<StarTriangle> star_;
+  /// By mixed node: what Hierarchy::mixed_regions says.
+  std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> mixed_;
   std::vector<Vec3d> centres_;  ///< By node: where its vertex lies,
   std::vector<double> radii_;   ///< and how far what it changes reaches.
   Hierarchy made_;
@@ -100,6 +113,8 @@ void HierarchyMaker::describe() {
   made_.wide.assign(n_ + std::size_t{n_nodes()}, kNone);
   made_.deep.resize(n_nodes());
   made_.nodes.resize(n_nodes());
+  centres_.resize(n_nodes());
+  radii_.resize(n_nodes());
   if (n_ == 0) return;
   made_.low = std::ranges::min(field.values);
   made_.high = std::ranges::max(field.values);
@@ -110,21 +125,48 @@ void HierarchyMaker::describe() {
       made_.box.lower[i] = std::min(made_.box.lower[i], p[i]);
       made_.box.upper[i] = std::max(made_.box.upper[i], p[i]);
     }
+  constexpr double kRounded = 1 + 0x1p-23;  // Shares are rounded to the nearest float32.
   for (const float error : collapses_.errors)
-    made_.base_error =
-        std::max(made_.base_error, std::abs(static_cast<double>(error)) * (made_.high - made_.low));
+    made_.base_error = std::max(made_.base_error, kRounded * std::abs(static_cast<double>(error)) *
+                                                      (made_.high - made_.low));
 }
 
 void HierarchyMaker::start_leaves() {
-  made_.exact.set_size(n_);
-  for (std::uint32_t v = 0; v < n_; ++v) {
-    const Vec3d& position = mesh_.positions[v];
-    const double value = mesh_.fields[0].values[v];
-    labels_.push_back(v);
-    codes_.push_back(made_.scales.code(position, value));
-    const Code& code = codes_.back();
-    if (made_.scales.position(code).v != position.v || made_.scales.value(code) != value)
-      made_.exact.add(v, {position, value});
+  for (std::uint32_t v = 0; v < n_; ++v)
+    codes_.push_back(made_.scales.code(mesh_.positions[v], mesh_.fields[0].values[v]));
+}
+
+/// Without rounding: what is off by half a step at most is a multiple of the last place of what it
+/// is off from.
+std::optional<LeafOffset> HierarchyMaker::offset_of(std::uint32_t v) const {
+  LeafOffset offset;
+  bool is_off = false;
+  for (std::size_t axis = 0; axis < 4; ++axis) {
+    const double exact = axis < 3 ? mesh_.positions[v][axis] : mesh_.fields[0].values[v];
+    const double coded = made_.scales.axes()[axis].value(codes_[v][axis]);
+    if (std::bit_cast<std::uint64_t>(exact) == std::bit_cast<std::uint64_t>(coded)) continue;
+    is_off = true;
+    offset.axes[axis] = exact == coded ? exact : exact - coded;
+  }
+  return is_off ? std::optional(offset) : std::nullopt;
+}
+
+void HierarchyMaker::find_labels(const LiveTetrahedra& live) {
+  order_ = order_labels(mesh_, made_.scales, codes_, collapses_.collapses, live);
+  labels_ = order_.leaves;
+  made_.pages = std::move(order_.pages);
+  made_.n_inner = n_nodes();
+  made_.n_base_leaves = made_.pages.first_leaf(0);
+  made_.page_counts = std::move(order_.counts);
+  made_.page_levels = std::move(order_.levels);
+  made_.mesh_vertices.resize(n_);
+  for (std::uint32_t v = 0; v < n_; ++v) made_.mesh_vertices[labels_[v]] = v;
+  for (std::uint32_t leaf = 0; leaf < n_; ++leaf) {
+    const std::uint32_t v = made_.mesh_vertices[leaf];
+    const std::optional<LeafOffset> offset = offset_of(v);
+    if (!offset) continue;
+    made_.exact.add(leaf, *offset);
+    if (leaf < made_.n_base_leaves) made_.base_exact.add(leaf, *offset);
   }
 }
 
@@ -138,9 +180,9 @@ Result<void> HierarchyMaker::note_star(const LiveTetrahedra& live, std::uint32_t
   const std::uint32_t second = first == collapse.kept ? collapse.removed : collapse.kept;
   const Placement placement =
       first == collapse.kept ? collapse.placement : turned(collapse.placement);
-  centres_.push_back(made_.scales.position(merged(codes_[first], codes_[second], placement)));
-  double reach = std::max(length(position(first) - centres_.back()),
-                          length(position(second) - centres_.back()));
+  centres_[node] = made_.scales.position(merged(codes_[first], codes_[second], placement));
+  double reach =
+      std::max(length(position(first) - centres_[node]), length(position(second) - centres_[node]));
   for (const std::uint32_t end : {first, second})
     for (const std::uint32_t slot : live.star(end)) {
       Tetrahedron t = live.corners(slot);
@@ -149,12 +191,12 @@ Result<void> HierarchyMaker::note_star(const LiveTetrahedra& live, std::uint32_t
       const auto at = static_cast<std::size_t>(std::ranges::find(t, end) - t.begin());
       std::array<std::uint32_t, 3> face = others(t, at);
       for (std::uint32_t& v : face) {
-        if (v != n_) reach = std::max(reach, length(position(v) - centres_.back()));
+        if (v != n_) reach = std::max(reach, length(position(v) - centres_[node]));
         v = label(v);
       }
       star_.push_back({star_key(face), face, slot, end == second});
     }
-  radii_.push_back(reach);
+  radii_[node] = reach;
   sort_star(star_);
   if (star_.size() > kMaxStar)
     return fail("vertex {}: expected at most {} tetrahedra, got {}", made, kMaxStar, star_.size());
@@ -168,7 +210,7 @@ Result<void> HierarchyMaker::note_star(const LiveTetrahedra& live, std::uint32_t
   mask |= static_cast<std::uint64_t>(placement.position) << 60 |
           static_cast<std::uint64_t>(placement.value) << 62;
   record.mask = {static_cast<std::uint32_t>(mask), static_cast<std::uint32_t>(mask >> 32)};
-  if (has_regions()) note_regions(live, node, {first, second, placement});
+  if (made_.has_regions()) note_regions(live, node, {first, second, placement});
   return {};
 }
 
@@ -196,10 +238,18 @@ void HierarchyMaker::note_regions(const LiveTetrahedra& live, std::uint32_t node
   }
   if (is_common) return;
   std::ranges::sort(between);
-  made_.mixed_nodes.push_back(node);
-  if (made_.mixed_begins.empty()) made_.mixed_begins.push_back(0);
-  for (const auto& [edge, region_there] : between) made_.mixed_regions.push_back(region_there);
-  made_.mixed_begins.push_back(made_.mixed_regions.size());
+  auto& regions = mixed_.emplace_back(node, std::vector<std::uint32_t>()).second;
+  for (const auto& [edge, region_there] : between) regions.push_back(region_there);
+}
+
+void HierarchyMaker::join_regions() {
+  std::ranges::sort(mixed_);
+  if (!mixed_.empty()) made_.mixed_begins.push_back(0);
+  for (const auto& [node, regions] : mixed_) {
+    made_.mixed_nodes.push_back(node);
+    made_.mixed_regions.insert(made_.mixed_regions.end(), regions.begin(), regions.end());
+    made_.mixed_begins.push_back(made_.mixed_regions.size());
+  }
 }
 
 void HierarchyMaker::note_ends(std::uint32_t node, const EdgeCollapse& collapse) {
@@ -210,7 +260,7 @@ void HierarchyMaker::note_ends(std::uint32_t node, const EdgeCollapse& collapse)
   made_.deep[node] = labels_[first];
   made_.wide[labels_[first]] = labels_[second];
   made_.wide[labels_[second]] = n_ + node;
-  codes_[collapse.kept] = merged(codes_[first], codes_[second], made_.placement(node));
+  codes_[collapse.kept] = merged(codes_[first], codes_[second], made_.nodes[node].placement());
   labels_[collapse.kept] = n_ + node;
 }
 
@@ -220,7 +270,7 @@ void HierarchyMaker::take_base(const LiveTetrahedra& live) {
     Tetrahedron t = live.corners(slot);
     for (std::uint32_t& v : t) v = label(v);
     made_.base.push_back(t);
-    if (has_regions()) made_.base_regions.push_back(region(slot));
+    if (made_.has_regions()) made_.base_regions.push_back(region(slot));
     if (!is_outer(slot)) ++made_.n_base_cells;
   }
   std::vector<std::pair<std::uint32_t, std::uint32_t>> there;
@@ -230,6 +280,19 @@ void HierarchyMaker::take_base(const LiveTetrahedra& live) {
   for (const auto& [root, v] : there) {
     made_.roots.push_back(root);
     made_.root_codes.push_back(codes_[v]);
+  }
+  // Near ones are near in files.
+  std::vector<std::pair<Tetrahedron, std::size_t>> sorted;
+  for (std::size_t i = 0; i < made_.base.size(); ++i) {
+    sorted.emplace_back(made_.base[i], i);
+    std::ranges::sort(sorted.back().first, std::greater());
+  }
+  std::ranges::sort(sorted);
+  const std::vector<Tetrahedron> base = std::exchange(made_.base, {});
+  const std::vector<std::uint32_t> regions = std::exchange(made_.base_regions, {});
+  for (const auto& [corners, i] : sorted) {
+    made_.base.push_back(base[i]);
+    if (made_.has_regions()) made_.base_regions.push_back(regions[i]);
   }
 }
 
@@ -243,8 +306,10 @@ void HierarchyMaker::find_facts() {
   made_.codes = NodeCodes(mesh_.fields[0].values, largest_error, 2 * diagonal);
   const NodeCodes& codes = made_.codes;
   std::vector<NodeCodes::Parts> parts(n_nodes());
+  std::vector<std::uint32_t> collapse_of(n_nodes());
+  for (std::uint32_t k = 0; k < n_nodes(); ++k) collapse_of[node_of(k)] = k;
   for (std::uint32_t node = 0; node < n_nodes(); ++node) {
-    const EdgeFacts& own = collapses_.facts[node];
+    const EdgeFacts& own = collapses_.facts[collapse_of[node]];
     NodeCodes::Parts& all = parts[node];
     all = {codes.error_code(own.error), codes.low_code(own.low), codes.high_code(own.high), 0};
     double radius = radii_[node];
@@ -261,6 +326,8 @@ void HierarchyMaker::find_facts() {
     all.radius = codes.radius_code(radius * (1 + 0x1p-40));
     made_.nodes[node].facts = NodeCodes::word(all);
   }
+  for (const std::uint32_t root : made_.roots)
+    made_.root_facts.push_back(made_.is_leaf(root) ? 0 : made_.nodes[root - n_].facts);
 }
 
 }  // namespace

@@ -7,42 +7,44 @@ namespace lode::tetra_mt::midpoint {
 namespace {
 
 /// By place of the base's vertices; none yet for the others that there can be.
-std::vector<std::uint32_t> count_corners(const Hierarchy& hierarchy) {
-  std::vector<std::uint32_t> counts(hierarchy.n_labels() + std::size_t{1}, 0);
-  for (const Tetrahedron& t : hierarchy.base)
+std::vector<std::uint32_t> count_corners(const ForestHead& head) {
+  std::vector<std::uint32_t> counts(head.n_labels() + std::size_t{1}, 0);
+  for (const Tetrahedron& t : head.base)
     for (const std::uint32_t v : t) ++counts[v];
   std::vector<std::uint32_t> by_place;
-  for (const std::uint32_t root : hierarchy.roots) by_place.push_back(counts[root]);
+  for (const std::uint32_t root : head.roots) by_place.push_back(counts[root]);
   // One more while a node is undone.
-  by_place.resize(std::max<std::size_t>(hierarchy.n_vertices, by_place.size()) + 1, 0);
+  by_place.resize(std::max<std::size_t>(head.n_vertices, by_place.size()) + 1, 0);
   return by_place;
 }
 
 }  // namespace
 
-MidpointCut::MidpointCut(const Hierarchy& hierarchy)
-    : hierarchy_(&hierarchy),
-      outside_(hierarchy.outside()),
-      places_(hierarchy.n_labels(), kNone),
-      stars_(count_corners(hierarchy)) {
-  for (std::size_t i = 0; i < hierarchy.roots.size(); ++i)
-    add_vertex(hierarchy.roots[i], hierarchy.root_codes[i]);
-  for (std::uint32_t slot = 0; slot < hierarchy.base.size(); ++slot) {
-    const std::uint32_t region = hierarchy.base_regions.empty() ? 0 : hierarchy.base_regions[slot];
+MidpointCut::MidpointCut(const Forest& forest)
+    : forest_(&forest),
+      head_(&forest.head()),
+      outside_(head_->outside()),
+      n_inside_(head_->n_base_cells),
+      places_(head_->n_labels(), kNone),
+      stars_(count_corners(*head_)) {
+  for (std::size_t i = 0; i < head_->roots.size(); ++i)
+    add_vertex({head_->roots[i], kNone, head_->root_facts[i], head_->root_codes[i]});
+  for (std::uint32_t slot = 0; slot < head_->base.size(); ++slot) {
+    const std::uint32_t region = head_->base_regions.empty() ? 0 : head_->base_regions[slot];
     cells_.emplace_back();
-    place(slot, {hierarchy.base[slot], region});
+    place(slot, {head_->base[slot], region});
   }
 }
 
 void MidpointCut::add_base(std::vector<NodeId>& out) const {
-  for (const std::uint32_t root : hierarchy_->roots)
-    if (!hierarchy_->is_leaf(root)) out.push_back(NodeId{root - hierarchy_->n_vertices});
+  for (const std::uint32_t root : head_->roots)
+    if (!head_->is_leaf(root)) out.push_back(NodeId{root - head_->n_vertices});
 }
 
 void MidpointCut::add_children(NodeId node, std::vector<NodeId>& out) const {
-  const auto [first, second] = hierarchy_->children(index(node));
+  const auto [first, second] = forest_->children(index(node));
   for (const std::uint32_t child : {first, second})
-    if (!hierarchy_->is_leaf(child)) out.push_back(NodeId{child - hierarchy_->n_vertices});
+    if (child != kNone && !head_->is_leaf(child)) out.push_back(NodeId{child - head_->n_vertices});
 }
 
 /// Calls visit(label), often more than once for the same.
@@ -57,28 +59,35 @@ void MidpointCut::add_parents(NodeId node, std::vector<NodeId>& out) const {
   const std::uint32_t label = label_of(node);
   const auto begin = static_cast<std::ptrdiff_t>(out.size());
   const auto add = [&](std::uint32_t v) {
-    if (v != kNone) out.push_back(NodeId{v - hierarchy_->n_vertices});
+    if (v != kNone) out.push_back(NodeId{v - head_->n_vertices});
   };
-  if (!has_vertex(label)) return add(hierarchy_->parent(label));
+  if (!has_vertex(label)) return add(forest_->parent(index(node)));
+  const auto add_parent = [&](std::uint32_t v) { add(vertices_[places_[v]].parent); };
   visit_beside(label, [&](std::uint32_t v) {
     if (v > label) add(v);
   });
   if (out.begin() + begin == out.end()) {
-    add(hierarchy_->parent(label));
-    visit_beside(label, [&](std::uint32_t v) { add(hierarchy_->parent(v)); });
+    add_parent(label);
+    visit_beside(label, add_parent);
   }
   std::sort(out.begin() + begin, out.end());
   out.erase(std::unique(out.begin() + begin, out.end()), out.end());
 }
 
-Bounds MidpointCut::bounds(NodeId node) const {
+std::uint32_t MidpointCut::word_of(NodeId node) const {
   const std::uint32_t label = label_of(node);
-  const Code code = has_vertex(label) ? vertices_[places_[label]].code : hierarchy_->code_of(label);
-  const NodeCodes::Parts parts = NodeCodes::parts(hierarchy_->nodes[index(node)].facts);
-  return {hierarchy_->scales.position(code), hierarchy_->codes.radius(parts.radius)};
+  return has_vertex(label) ? vertices_[places_[label]].facts : forest_->facts(index(node));
 }
 
-void MidpointCut::add_vertex(std::uint32_t label, const Code& code) {
+Bounds MidpointCut::bounds(NodeId node) const {
+  const std::uint32_t label = label_of(node);
+  const Code code =
+      has_vertex(label) ? vertices_[places_[label]].code : forest_->code_of(index(node));
+  return {head_->scales.position(code),
+          head_->codes.radius(NodeCodes::parts(word_of(node)).radius)};
+}
+
+void MidpointCut::add_vertex(const Vertex& vertex) {
   std::uint32_t at = static_cast<std::uint32_t>(vertices_.size());
   if (free_vertices_.empty()) {
     vertices_.emplace_back();
@@ -86,8 +95,8 @@ void MidpointCut::add_vertex(std::uint32_t label, const Code& code) {
     at = free_vertices_.back();
     free_vertices_.pop_back();
   }
-  vertices_[at] = {label, code};
-  places_[label] = at;
+  vertices_[at] = vertex;
+  places_[vertex.label] = at;
 }
 
 void MidpointCut::end_vertex(std::uint32_t label) {
@@ -113,7 +122,7 @@ void MidpointCut::place(std::uint32_t slot, const Cell& cell) {
 }
 
 /// The tetrahedra round a vertex in their order, each with the end that it goes to.
-void MidpointCut::take_star(std::uint32_t label, std::uint32_t node) {
+void MidpointCut::take_star(std::uint32_t label, std::uint64_t mask) {
   star_.clear();
   for (const std::uint32_t slot : star(label)) {
     const Tetrahedron& t = cells_[slot].corners;
@@ -124,7 +133,7 @@ void MidpointCut::take_star(std::uint32_t label, std::uint32_t node) {
   }
   sort_star(star_);
   for (std::size_t i = 0; i < star_.size() && i < kMaxStar; ++i)
-    star_[i].is_second = hierarchy_->is_second(node, i);
+    star_[i].is_second = (mask >> i & 1) != 0;
 }
 
 /// The faces at the vertex that lie between tetrahedra of both ends, by the edges across from it.
@@ -151,17 +160,45 @@ void MidpointCut::find_edges() {
   between_.resize(n);
 }
 
+/// What a hierarchy's splits all are; a file's may be others.
+bool MidpointCut::may_apply(std::uint32_t label, const Split& split) {
+  const auto [first, second] = split.children;
+  if (first == kNone || !has_vertex(label) || has_vertex(first) || has_vertex(second)) return false;
+  const std::size_t n_first =
+      static_cast<std::size_t>(std::ranges::count(star_, false, &StarTriangle::is_second));
+  // No tetrahedron is without a place, and the outline is that of a disc.
+  return star_.size() <= kMaxStar && between_.size() <= n_first + 2 &&
+         (split.regions.empty() || split.regions.size() == between_.size());
+}
+
+/// Of a cell that comes: what is no region, or no patch, is none of a hierarchy's.
+std::uint32_t MidpointCut::region_within(const Cell& cell) const {
+  const std::size_t n = is_inside(cell) ? std::max<std::size_t>(head_->region_ids.size(), 1)
+                                        : head_->patches.size() + 1;
+  return cell.region < n ? cell.region : kNone;
+}
+
 std::uint64_t MidpointCut::apply(NodeId id) {
-  const std::uint32_t node = index(id);
   const std::uint32_t label = label_of(id);
-  const auto [first, second] = hierarchy_->children(node);
-  take_star(label, node);
+  const Split split = forest_->split(index(id));
+  if (!has_vertex(label) || split.children.first == kNone) {
+    is_damaged_ = true;
+    return 0;
+  }
+  const auto [first, second] = split.children;
+  take_star(label, split.mask);
   find_edges();
-  const Ends ends = parted(vertices_[places_[label]].code, hierarchy_->nodes[node].difference,
-                           hierarchy_->placement(node));
+  const Vertex vertex = vertices_[places_[label]];
+  const Ends ends = parted(vertex.code, split.difference, split.placement);
+  const bool is_right = may_apply(label, split) && vertex.parent == forest_->parent(index(id)) &&
+                        std::ranges::min(ends.first) >= 0 && std::ranges::min(ends.second) >= 0;
+  if (!is_right) {
+    is_damaged_ = true;
+    return 0;
+  }
   end_vertex(label);
-  add_vertex(first, ends.first);
-  add_vertex(second, ends.second);
+  add_vertex({first, label, split.child_facts[0], ends.first});
+  add_vertex({second, label, split.child_facts[1], ends.second});
   std::array<std::uint32_t, 2> common{};  // of those outside, and inside
   for (const StarTriangle& t : star_) {
     Cell& cell = cells_[t.slot];
@@ -170,25 +207,34 @@ std::uint64_t MidpointCut::apply(NodeId id) {
     stars_.add(places_[end], t.slot);
     common[is_inside(cell) ? 1 : 0] = cell.region;
   }
-  const auto regions = hierarchy_->regions_of(node);
   std::uint64_t n_inside = 0;
   for (std::size_t i = 0; i < between_.size(); ++i) {
     const Between& edge = between_[i];
     Cell cell{{first, edge.b, edge.a, second}, 0};
-    cell.region = i < regions.size() ? regions[i] : common[is_inside(cell) ? 1 : 0];
+    cell.region = i < split.regions.size() ? split.regions[i] : common[is_inside(cell) ? 1 : 0];
+    if (region_within(cell) == kNone) {
+      is_damaged_ = true;
+      cell.region = 0;
+    }
     place(take_slot(), cell);
     if (is_inside(cell)) ++n_inside;
   }
+  n_inside_ += n_inside;
+  is_damaged_ = is_damaged_ || n_inside_ > head_->n_cells;
   return n_inside;
 }
 
 std::uint64_t MidpointCut::undo(NodeId id) {
-  const std::uint32_t node = index(id);
   const std::uint32_t label = label_of(id);
-  const auto [first, second] = hierarchy_->children(node);
-  const Code code = merged(vertices_[places_[first]].code, vertices_[places_[second]].code,
-                           hierarchy_->placement(node));
-  add_vertex(label, code);
+  const Split split = forest_->split(index(id));
+  const auto [first, second] = split.children;
+  if (first == kNone || has_vertex(label) || !has_vertex(first) || !has_vertex(second)) {
+    is_damaged_ = true;
+    return 0;
+  }
+  const Code code =
+      merged(vertices_[places_[first]].code, vertices_[places_[second]].code, split.placement);
+  add_vertex({label, forest_->parent(index(id)), forest_->facts(index(id)), code});
   std::uint64_t n_gone = 0;
   for (const std::uint32_t end : {first, second}) {
     const std::uint32_t other = end == first ? second : first;
@@ -211,6 +257,7 @@ std::uint64_t MidpointCut::undo(NodeId id) {
     }
     end_vertex(end);
   }
+  n_inside_ -= n_gone;
   return n_gone;
 }
 
@@ -224,17 +271,23 @@ bool MidpointCut::may_split(NodeId node) const {
 
 bool MidpointCut::may_collapse(NodeId node) const {
   const std::uint32_t label = label_of(node);
-  const Hierarchy::Children ends = hierarchy_->children(index(node));
-  if (!has_vertex(ends.first) || !has_vertex(ends.second)) return false;
+  const Children ends = forest_->children(index(node));
+  if (ends.first == kNone || !has_vertex(ends.first) || !has_vertex(ends.second)) return false;
   bool is_edge = false;
   bool may = true;
   const auto look_at = [&](std::uint32_t v) {
     is_edge = is_edge || v == ends.second;
-    may = may && hierarchy_->parent(v) >= label;  // kNone is above all
+    may = may && vertices_[places_[v]].parent >= label;  // kNone is above all
   };
   visit_beside(ends.first, look_at);
   visit_beside(ends.second, look_at);
   return is_edge && may;
+}
+
+Result<void> MidpointCut::check() const {
+  LODE_CHECK(forest_->check());
+  if (is_damaged_) return fail("midpoints: expected nodes that fit together, got others");
+  return {};
 }
 
 bool MidpointCut::is_inside(const Cell& cell) const {
@@ -251,7 +304,7 @@ std::vector<Tetrahedron> MidpointCut::cells() const {
 
 std::uint32_t MidpointCut::maker(const Cell& cell) const {
   const std::uint32_t last = std::ranges::max(cell.corners);
-  return hierarchy_->is_leaf(last) ? kNone : last - hierarchy_->n_vertices;
+  return head_->is_leaf(last) ? kNone : last - head_->n_vertices;
 }
 
 }  // namespace lode::tetra_mt::midpoint

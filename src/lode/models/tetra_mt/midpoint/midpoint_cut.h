@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "lode/models/tetra_mt/midpoint/hierarchy.h"
+#include "lode/models/tetra_mt/midpoint/forest.h"
 #include "lode/models/tetra_mt/midpoint/star_order.h"
 #include "lode/models/tetra_mt/slot_lists.h"
 #include "lode/refine/model.h"
@@ -20,6 +20,9 @@ namespace lode::tetra_mt::midpoint {
 /// split. Else those beside it with larger labels must be split first, and before that whatever
 /// these wait for. Once it may be split the list is that of the vertices whose splits made what is
 /// beside it: ancestors all, and among them all that it directly depends on.
+///
+/// Of what is in the mesh all is known that a query asks before it splits it, so only pages are
+/// looked at that have a node which is split, or was.
 class MidpointCut {
  public:
   struct Cell {
@@ -27,17 +30,17 @@ class MidpointCut {
     std::uint32_t region;  ///< As Hierarchy::base_regions says.
   };
 
-  explicit MidpointCut(const Hierarchy& hierarchy);
+  explicit MidpointCut(const Forest& forest);
 
   void add_base(std::vector<NodeId>& out) const;
   void add_children(NodeId node, std::vector<NodeId>& out) const;
   void add_parents(NodeId node, std::vector<NodeId>& out) const;
   [[nodiscard]] StoredFacts facts(NodeId node) const {
-    return hierarchy_->codes.facts(NodeCodes::parts(hierarchy_->nodes[index(node)].facts));
+    return head_->codes.facts(NodeCodes::parts(word_of(node)));
   }
   [[nodiscard]] Bounds bounds(NodeId node) const;
-  [[nodiscard]] double range_reference() const { return hierarchy_->codes.knots()[0]; }
-  [[nodiscard]] std::uint64_t n_base_cells() const { return hierarchy_->n_base_cells; }
+  [[nodiscard]] double range_reference() const { return head_->codes.knots()[0]; }
+  [[nodiscard]] std::uint64_t n_base_cells() const { return head_->n_base_cells; }
   std::uint64_t apply(NodeId node);
   std::uint64_t undo(NodeId node);
 
@@ -47,7 +50,7 @@ class MidpointCut {
   /// whether its edge is there, and all beside the ends are of the base or made by a larger label.
   [[nodiscard]] bool may_collapse(NodeId node) const;
 
-  [[nodiscard]] const Hierarchy& hierarchy() const { return *hierarchy_; }
+  [[nodiscard]] const ForestHead& head() const { return *head_; }
   /// By slot, with those to the vertex outside.
   [[nodiscard]] std::span<const Cell> slots() const { return cells_; }
   /// Neither gone nor to the vertex outside.
@@ -58,37 +61,51 @@ class MidpointCut {
   [[nodiscard]] std::uint32_t maker(const Cell& cell) const;
   /// Of a vertex of the mesh.
   [[nodiscard]] Vec3d position(std::uint32_t label) const {
-    return hierarchy_->position(label, vertices_[places_[label]].code);
+    return forest_->position(label, vertices_[places_[label]].code);
   }
   [[nodiscard]] double value(std::uint32_t label) const {
-    return hierarchy_->value(label, vertices_[places_[label]].code);
+    return forest_->value(label, vertices_[places_[label]].code);
   }
+  /// Whether a vertex is in the mesh.
+  [[nodiscard]] bool has_vertex(std::uint32_t label) const { return places_[label] != kNone; }
+  /// Fails where pages could not be loaded, or what they say of nodes does not fit together: then
+  /// the mesh is no cut, and what asks for it should stop.
+  [[nodiscard]] Result<void> check() const;
+  [[nodiscard]] bool is_damaged() const { return is_damaged_; }
 
  private:
+  /// With what its parent's page says of it.
   struct Vertex {
     std::uint32_t label;
+    std::uint32_t parent;  ///< kNone of the base's.
+    std::uint32_t facts;   ///< A word of NodeCodes, 0 of leaves.
     Code code;
   };
 
   [[nodiscard]] static std::uint32_t index(NodeId node) { return static_cast<std::uint32_t>(node); }
   [[nodiscard]] std::uint32_t label_of(NodeId node) const {
-    return hierarchy_->n_vertices + index(node);
+    return head_->n_vertices + index(node);
   }
-  [[nodiscard]] bool has_vertex(std::uint32_t label) const { return places_[label] != kNone; }
+  [[nodiscard]] std::uint32_t word_of(NodeId node) const;
   [[nodiscard]] std::span<const std::uint32_t> star(std::uint32_t label) const {
     return stars_.of(places_[label]);
   }
   template <typename Visit>
   void visit_beside(std::uint32_t label, const Visit& visit) const;
-  void add_vertex(std::uint32_t label, const Code& code);
+  void add_vertex(const Vertex& vertex);
   void end_vertex(std::uint32_t label);
-  void take_star(std::uint32_t label, std::uint32_t node);
+  void take_star(std::uint32_t label, std::uint64_t mask);
+  [[nodiscard]] bool may_apply(std::uint32_t label, const Split& split);
+  [[nodiscard]] std::uint32_t region_within(const Cell& cell) const;
   void find_edges();
   std::uint32_t take_slot();
   void place(std::uint32_t slot, const Cell& cell);
 
-  const Hierarchy* hierarchy_;
+  const Forest* forest_;
+  const ForestHead* head_;
   std::uint32_t outside_;
+  bool is_damaged_ = false;
+  std::uint64_t n_inside_ = 0;         ///< Cells.
   std::vector<std::uint32_t> places_;  ///< By label: of its vertex, or kNone.
   std::vector<Vertex> vertices_;
   std::vector<std::uint32_t> free_vertices_;

@@ -31,22 +31,33 @@ std::uint32_t first_of_at_least(const Table& table, Number x) {
       std::min<std::ptrdiff_t>(at - table.begin(), std::ssize(table) - 1));
 }
 
-}  // namespace
-
-NodeCodes::NodeCodes(std::span<const double> values, double largest_error, double largest_radius) {
-  fill(errors_, largest_error, kErrorRatio, [](double x) { return x > 0 ? float_above(x) : 0.0F; });
-  fill(radii_, largest_radius / kRadiusRatio, kRadiusRatio, [](double x) { return x; });
-  radii_.back() = std::numeric_limits<double>::infinity();
-  if (values.empty()) return;
+/// 64 of a field's values, with as many between each two; the smallest first, the largest last.
+NodeCodes::Knots knots_of(std::span<const double> values) {
+  NodeCodes::Knots knots{};
+  if (values.empty()) return knots;
   constexpr std::size_t kSeen = std::size_t{1} << 16;
   std::vector<double> seen;
   const std::size_t stride = values.size() / kSeen + 1;
   for (std::size_t i = 0; i < values.size(); i += stride) seen.push_back(values[i]);
   std::ranges::sort(seen);
-  for (std::size_t i = 0; i < kKnots; ++i) knots_[i] = seen[i * (seen.size() - 1) / (kKnots - 1)];
+  for (std::size_t i = 0; i < knots.size(); ++i)
+    knots[i] = seen[i * (seen.size() - 1) / (knots.size() - 1)];
   const auto [low, high] = std::ranges::minmax(values);
-  knots_.front() = low;
-  knots_.back() = high;
+  knots.front() = low;
+  knots.back() = high;
+  return knots;
+}
+
+}  // namespace
+
+NodeCodes::NodeCodes(std::span<const double> values, double largest_error, double largest_radius)
+    : NodeCodes(knots_of(values), largest_error, largest_radius) {}
+
+NodeCodes::NodeCodes(const Knots& knots, double largest_error, double largest_radius)
+    : largest_error_(largest_error), largest_radius_(largest_radius), knots_(knots) {
+  fill(errors_, largest_error, kErrorRatio, [](double x) { return x > 0 ? float_above(x) : 0.0F; });
+  fill(radii_, largest_radius / kRadiusRatio, kRadiusRatio, [](double x) { return x; });
+  radii_.back() = std::numeric_limits<double>::infinity();
 }
 
 std::uint32_t NodeCodes::error_code(double error) const {

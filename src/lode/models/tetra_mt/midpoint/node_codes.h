@@ -23,9 +23,13 @@ class NodeCodes {
   };
   static constexpr std::size_t kKnots = 64;
 
-  NodeCodes() : NodeCodes({}, 0, 0) {}
+  using Knots = std::array<double, kKnots>;
+
+  NodeCodes() : NodeCodes(Knots{}, 0, 0) {}
   /// `values`: finite; `largest_error`: of all nodes.
   NodeCodes(std::span<const double> values, double largest_error, double largest_radius);
+  /// `knots`: ascending.
+  NodeCodes(const Knots& knots, double largest_error, double largest_radius);
 
   /// At least as large; expects what is no larger than the largest.
   [[nodiscard]] std::uint32_t error_code(double error) const;
@@ -34,11 +38,17 @@ class NodeCodes {
   [[nodiscard]] std::uint32_t low_code(double value) const;
   [[nodiscard]] std::uint32_t high_code(double value) const;
 
+  /// Whether the low is no higher than the high: where knots are equal, its code may be.
+  [[nodiscard]] bool has_range(const Parts& parts) const {
+    return knots_[parts.low] <= knots_[parts.high];
+  }
   [[nodiscard]] double radius(std::uint32_t code) const { return radii_[code]; }
   [[nodiscard]] float error(std::uint32_t code) const { return errors_[code]; }
   /// The range above the first knot.
   [[nodiscard]] StoredFacts facts(const Parts& parts) const;
-  [[nodiscard]] const std::array<double, kKnots>& knots() const { return knots_; }
+  [[nodiscard]] const Knots& knots() const { return knots_; }
+  [[nodiscard]] double largest_error() const { return largest_error_; }
+  [[nodiscard]] double largest_radius() const { return largest_radius_; }
 
   [[nodiscard]] static std::uint32_t word(const Parts& parts) {
     return parts.error | parts.low << 8 | parts.high << 14 | parts.radius << 20;
@@ -48,8 +58,10 @@ class NodeCodes {
   }
 
  private:
+  double largest_error_;
+  double largest_radius_;
   std::array<float, 256> errors_{};  ///< By code.
-  std::array<double, kKnots> knots_{};
+  Knots knots_{};
   std::array<double, 4096> radii_{};
 };
 

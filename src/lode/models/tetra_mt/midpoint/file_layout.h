@@ -1,0 +1,40 @@
+#pragma once
+
+// What save() and open() agree on; docs/format.md, section 7.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lode/models/tetra_mt/midpoint/forest.h"
+#include "lode/store/format.h"
+
+namespace lode::tetra_mt::midpoint {
+
+enum class Kind : std::uint32_t { table = 1, roots = 2, base_tetrahedra = 3, page = 4 };
+
+/// Of the metadata and the blocks; files of another one are refused.
+inline constexpr std::uint32_t kLayout = 1;
+
+/// Pages of which a block of the table tells.
+inline constexpr std::uint32_t kTablePart = 1U << 12;
+
+[[nodiscard]] inline store::BlockKey key_of(Kind kind, std::uint32_t number) {
+  return {static_cast<std::uint32_t>(kind), 0, {{static_cast<std::int32_t>(number), 0, 0}}};
+}
+
+/// How many the blocks have.
+struct ForestCounts {
+  std::uint32_t n_pages = 0;
+  std::uint32_t n_roots = 0;
+  std::uint64_t n_tetrahedra = 0;  ///< Of the base.
+};
+
+[[nodiscard]] std::vector<std::byte> encode_head(const ForestHead& head);
+/// All but the table, roots and tetrahedra. Fails on what no hierarchy has.
+[[nodiscard]] Result<ForestHead> decode_head(std::span<const std::byte> bytes,
+                                             const std::string& path, ForestCounts& counts);
+
+}  // namespace lode::tetra_mt::midpoint

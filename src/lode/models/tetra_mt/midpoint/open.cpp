@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "lode/models/tetra_mt/base_blocks.h"
+#include "lode/models/tetra_mt/midpoint/file_layout.h"
+#include "lode/models/tetra_mt/midpoint/forest_blocks.h"
+#include "lode/models/tetra_mt/midpoint/persist.h"
+#include "lode/models/tetra_mt/page_blocks.h"
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+auto keys_of(Kind kind) {
+  return [kind](std::uint32_t part) { return key_of(kind, part); };
+}
+
+class ForestBaseReader {
+ public:
+  ForestBaseReader(const store::Reader& reader, const ForestCounts& counts, ForestHead& head)
+      : reader_(reader), counts_(counts), head_(head) {}
+
+  Result<void> run() {
+    LODE_CHECK(check_base_memory(
+        reader_, counts_.n_tetrahedra * (sizeof(Tetrahedron) + sizeof(std::uint32_t)) +
+                     counts_.n_roots * (sizeof(Code) + 2 * sizeof(std::uint32_t))));
+    LODE_CHECK(read_table());
+    LODE_CHECK(read_parts(reader_, counts_.n_roots, keys_of(Kind::roots),
+                          [&](StreamReader& in, std::size_t n) { return read_roots(in, n); }));
+    LODE_CHECK(read_parts(reader_, counts_.n_tetrahedra, keys_of(Kind::base_tetrahedra),
+                          [&](StreamReader& in, std::size_t n) { return read_tetrahedra(in, n); }));
+    const auto n_inside = std::ranges::count_if(head_.base, [&](const Tetrahedron& t) {
+      return std::ranges::find(t, head_.outside()) == t.end();
+    });
+    if (static_cast<std::uint64_t>(n_inside) == head_.n_base_cells) return {};
+    return fail("{}: expected {} cells of the base, got {}", reader_.path(), head_.n_base_cells,
+                n_inside);
+  }
+
+ private:
+  /// As no page is without a block, a table of more than the file has is refused before it is read.
+  Result<void> read_table() {
+    std::vector<PageCounts> pages;
+    for (std::uint32_t page = 0; page < counts_.n_pages; ++page)
+      if (!reader_.find(key_of(Kind::page, page)))
+        return fail("{}: expected {}, found none", reader_.path(),
+                    store::describe(key_of(Kind::page, page)));
+    std::uint64_t n_leaves = head_.n_base_leaves;
+    std::uint64_t n_nodes = 0;
+    for (std::uint32_t first = 0; first < counts_.n_pages; first += kTablePart) {
+      const store::BlockKey key = key_of(Kind::table, first / kTablePart);
+      LODE_TRY(const auto bytes, read_block(reader_, key));
+      LODE_CHECK(decode_table(bytes, reader_.path() + ": " + store::describe(key),
+                              std::min(kTablePart, counts_.n_pages - first), pages));
+    }
+    for (const PageCounts& page : pages) {
+      n_leaves += page.n_leaves;
+      for (const PageCounts::Group& group : page.groups) n_nodes += group.n;
+    }
+    if (n_leaves != head_.n_vertices || head_.n_vertices + n_nodes >= kNone)
+      return fail(
+          "{}: expected {} vertices in pages and the base, and labels below {}, got {} and "
+          "{} nodes",
+          reader_.path(), head_.n_vertices, kNone, n_leaves, n_nodes);
+    head_.pages = PageTable(head_.n_base_leaves, pages);
+    head_.n_inner = head_.pages.n_nodes();
+    return {};
+  }
+
+  /// Leaves first, which are numbered from 0 on.
+  Result<void> read_roots(StreamReader& in, std::size_t n) {
+    LODE_TRY(const auto labels, read_differences_of(in, n));
+    for (const std::uint32_t label : labels) {
+      const std::size_t place = head_.roots.size();
+      const bool is_right = place < head_.n_base_leaves
+                                ? label == place
+                                : label >= head_.n_vertices && label < head_.n_labels() &&
+                                      (place == 0 || label > head_.roots.back());
+      if (!is_right)
+        return fail("{}: expected {} leaves and then nodes that ascend up to {}, got {}", in.what(),
+                    head_.n_base_leaves, head_.n_labels(), label);
+      head_.roots.push_back(label);
+    }
+    const std::size_t first = head_.root_codes.size();
+    head_.root_codes.resize(first + n);
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+      LODE_TRY(const auto column, read_differences_of(in, n));
+      for (std::size_t i = 0; i < n; ++i) {
+        if (column[i] > static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max()))
+          return fail("{}: expected codes of 31 bits, got {}", in.what(), column[i]);
+        head_.root_codes[first + i][axis] = static_cast<std::int32_t>(column[i]);
+      }
+    }
+    LODE_TRY(const auto facts, read_differences_of(in, n));
+    for (const std::uint32_t word : facts) {
+      const NodeCodes::Parts parts = NodeCodes::parts(word);
+      if (!head_.codes.has_range(parts))
+        return fail("{}: expected ranges, got {} to {}", in.what(), parts.low, parts.high);
+    }
+    head_.root_facts.insert(head_.root_facts.end(), facts.begin(), facts.end());
+    return read_offsets(in, first, n);
+  }
+  Result<void> read_offsets(StreamReader& in, std::size_t first, std::size_t n) {
+    LODE_TRY(const auto is_off, in.read(n));
+    const auto n_off = static_cast<std::size_t>(
+        std::ranges::count_if(is_off, [](std::uint8_t is) { return is != 0; }));
+    LODE_TRY(const auto numbers, read_numbers(in, n_off, 4, false));
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (is_off[i] == 0) continue;
+      if (is_off[i] > 1 || first + i >= head_.n_base_leaves)
+        return fail("{}: expected offsets of {} leaves, got {} of root {}", in.what(),
+                    head_.n_base_leaves, is_off[i], first + i);
+      LeafOffset offset;
+      for (double& x : offset.axes) x = numbers[next++];
+      head_.base_exact.add(static_cast<std::uint32_t>(first + i), offset);
+    }
+    return {};
+  }
+
+  Result<void> read_tetrahedra(StreamReader& in, std::size_t n) {
+    LODE_TRY(auto tetrahedra, read_corners(in, n, counts_.n_roots, counts_.n_roots));
+    if (head_.has_regions()) {
+      LODE_TRY(const auto marks, read_marks(in, tetrahedra, counts_.n_roots,
+                                            head_.region_ids.size(), head_.patches.size()));
+      head_.base_regions.insert(head_.base_regions.end(), marks.begin(), marks.end());
+    }
+    for (Tetrahedron& t : tetrahedra) {
+      for (std::uint32_t& v : t) v = v == counts_.n_roots ? head_.outside() : head_.roots[v];
+      head_.base.push_back(t);
+    }
+    return {};
+  }
+
+  const store::Reader& reader_;
+  ForestCounts counts_;
+  ForestHead& head_;
+};
+
+}  // namespace
+
+bool is_model_of(const std::string& path) {
+  const auto reader = store::Reader::open(path);
+  return reader && reader->model() == kModelName;
+}
+
+Result<OpenedForest> open(const std::string& path) {
+  LODE_TRY(auto opened, store::Reader::open(path));
+  const auto reader = std::make_shared<const store::Reader>(std::move(opened));
+  if (reader->model() != kModelName)
+    return fail("{}: expected the model {}, got {}", path, kModelName, reader->model());
+  ForestCounts counts;
+  LODE_TRY(ForestHead head, decode_head(reader->metadata(), path, counts));
+  LODE_CHECK(ForestBaseReader(*reader, counts, head).run());
+  Forest::Load load = [reader](const ForestHead& of, std::uint32_t page) -> Result<ForestContent> {
+    const store::BlockKey key = key_of(Kind::page, page);
+    LODE_TRY(const auto bytes, read_block(*reader, key));
+    return decode_page(bytes, reader->path() + ": " + store::describe(key), of, page);
+  };
+  return OpenedForest{Forest(std::move(head), std::move(load)), [reader] {
+                        return FileReads{reader->reads().n_bytes, reader->file_size()};
+                      }};
+}
+
+}  // namespace lode::tetra_mt::midpoint

@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "lode/models/tetra_mt/base_blocks.h"
+#include "lode/models/tetra_mt/midpoint/file_layout.h"
+#include "lode/models/tetra_mt/midpoint/forest_blocks.h"
+#include "lode/models/tetra_mt/midpoint/persist.h"
+#include "lode/models/tetra_mt/page_blocks.h"
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+/// Labels, codes and facts, then how far leaves are off their codes.
+std::vector<std::byte> encode_roots(const ForestHead& head, std::size_t first, std::size_t n) {
+  StreamWriter out;
+  write_differences_of(std::span(head.roots).subspan(first, n), out);
+  std::vector<std::uint32_t> column;
+  for (std::size_t axis = 0; axis < 4; ++axis) {
+    column.clear();
+    for (const Code& code : std::span(head.root_codes).subspan(first, n))
+      column.push_back(static_cast<std::uint32_t>(code[axis]));
+    write_differences_of(column, out);
+  }
+  write_differences_of(std::span(head.root_facts).subspan(first, n), out);
+  std::vector<std::uint8_t> is_off;
+  std::vector<double> offsets;
+  for (const std::uint32_t root : std::span(head.roots).subspan(first, n)) {
+    const LeafOffset* const offset = head.base_exact.find(root);
+    is_off.push_back(offset != nullptr ? 1 : 0);
+    if (offset != nullptr) offsets.insert(offsets.end(), offset->axes.begin(), offset->axes.end());
+  }
+  out.add(is_off);
+  write_numbers(offsets, 4, false, out);
+  return std::move(out).take();
+}
+
+/// Corners are places of roots, and how many there are for the vertex outside.
+std::vector<std::byte> encode_tetrahedra(const ForestHead& head, std::size_t first, std::size_t n) {
+  std::vector<Tetrahedron> tetrahedra;
+  for (Tetrahedron t : std::span(head.base).subspan(first, n)) {
+    for (std::uint32_t& v : t)
+      v = static_cast<std::uint32_t>(v == head.outside() ? head.roots.size()
+                                                         : head.place_of_root(v));
+    tetrahedra.push_back(t);
+  }
+  StreamWriter out;
+  write_corners(tetrahedra, out);
+  if (head.has_regions()) write_differences_of(std::span(head.base_regions).subspan(first, n), out);
+  return std::move(out).take();
+}
+
+Result<void> append_base(const Hierarchy& head, store::Writer& writer) {
+  const auto append = [&](Kind kind, std::size_t n, std::size_t size, const auto& encode) {
+    return append_parts(
+        n, size, [&](std::uint32_t part) { return key_of(kind, part); }, encode, writer);
+  };
+  LODE_CHECK(append(Kind::table, head.page_counts.size(), kTablePart, [&](auto first, auto n) {
+    return encode_table(std::span(head.page_counts).subspan(first, n));
+  }));
+  LODE_CHECK(append(Kind::roots, head.roots.size(), kBasePart,
+                    [&](auto first, auto n) { return encode_roots(head, first, n); }));
+  return append(Kind::base_tetrahedra, head.base.size(), kBasePart,
+                [&](auto first, auto n) { return encode_tetrahedra(head, first, n); });
+}
+
+}  // namespace
+
+Result<std::uint64_t> save(const Hierarchy& hierarchy, const std::string& path, Threads threads,
+                           Progress& progress) {
+  LODE_TRY(auto writer, store::Writer::create(path, kModelName, {}));
+  LODE_CHECK(append_base(hierarchy, writer));
+  constexpr std::size_t kPagesAtOnce = 256;
+  const std::size_t n_pages = hierarchy.pages.n_pages();
+  std::vector<store::EncodedBlock> blocks(kPagesAtOnce);
+  for (std::size_t first = 0; first < n_pages; first += kPagesAtOnce) {
+    const std::size_t n = std::min(kPagesAtOnce, n_pages - first);
+    parallel_for(n, threads, 1, [&](std::size_t i, int) {
+      const auto page = static_cast<std::uint32_t>(first + i);
+      blocks[i] = as_block(encode_page(content_of(hierarchy, page), hierarchy, page));
+    });
+    for (std::size_t i = 0; i < n; ++i)
+      LODE_CHECK(
+          writer.append(key_of(Kind::page, static_cast<std::uint32_t>(first + i)), blocks[i]));
+    if (progress.is_cancelled()) return cancelled_error();
+    progress.report("writing", static_cast<double>(first + n) / static_cast<double>(n_pages));
+  }
+  writer.set_metadata(encode_head(hierarchy));
+  return writer.finish(progress);
+}
+
+}  // namespace lode::tetra_mt::midpoint

@@ -1,0 +1,308 @@
+// Hierarchies of midpoints in files.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
+#include "lode/models/tetra_mt/midpoint/persist.h"
+#include "lode/refine/engine.h"
+#include "lode/refine/focus.h"
+#include "tests/oracles/tetra_grids.h"
+#include "tests/tetra/file_fixtures.h"
+#include "tests/tetra/mesh_checks.h"
+#include "tests/tetra/midpoint_fixtures.h"
+
+namespace lode::tetra_mt::midpoint {
+namespace {
+
+using oracles::Random;
+using test::midpoints_of;
+using test::noise;
+
+Demand corner_demand(double tolerance) {
+  FocusDemand demand;
+  demand.foci = {BoxFocus{{{{0.1, 0.1, 0.1}}, {{0.3, 0.3, 0.3}}}}};
+  demand.inside = tolerance;
+  return demand;
+}
+
+class midpoint_file : public testing::Test {
+ protected:
+  ~midpoint_file() override {
+    for (const char* const end : {"", ".lying.lode", ".part.lode"})
+      std::filesystem::remove(path_ + end);
+  }
+  void write(const Hierarchy& hierarchy) {
+    Progress progress;
+    const auto saved = save(hierarchy, path_, {2}, progress);
+    ASSERT_TRUE(saved) << saved.error().message;
+    EXPECT_EQ(*saved, std::filesystem::file_size(path_));
+  }
+
+  std::string path_ = fmt::format("{}lode_midpoint_{}.lode", testing::TempDir(), getpid());
+};
+
+/// By cell and corner.
+std::vector<std::pair<Vec3d, double>> vertices_of(const MidpointCut& cut) {
+  std::vector<std::pair<Vec3d, double>> vertices;
+  for (const Tetrahedron& t : cut.cells())
+    for (const std::uint32_t v : t) vertices.emplace_back(cut.position(v), cut.value(v));
+  return vertices;
+}
+
+/// Both ways, for many queries, budgets among them.
+void expect_same_answers(const Forest& ours, const Forest& theirs) {
+  MidpointCut a(ours);
+  MidpointCut b(theirs);
+  Engine<MidpointCut> engine(a);
+  Engine<MidpointCut> other(b);
+  const std::vector<Demand> demands{
+      corner_demand(0.02),  uniform_demand(0.3),      isovalue_demand(0.1, 0.02), corner_demand(0),
+      uniform_demand(0.05), isovalue_demand(-0.3, 0), uniform_demand(0)};
+  for (const Demand& demand : demands)
+    for (const Budget budget : {Budget{}, Budget{.max_cells = 3000}}) {
+      engine.set_query(demand, budget);
+      other.set_query(demand, budget);
+      engine.finish();
+      other.finish();
+      EXPECT_EQ(engine.cut().applied(), other.cut().applied());
+      EXPECT_EQ(a.cells(), b.cells());
+      EXPECT_TRUE(vertices_of(a) == vertices_of(b));
+    }
+  ASSERT_TRUE(a.check());
+}
+
+/// All that a file is to give back.
+void expect_same(const Forest& opened, const Hierarchy& hierarchy) {
+  const ForestHead& head = opened.head();
+  EXPECT_EQ(head.n_vertices, hierarchy.n_vertices);
+  EXPECT_EQ(head.field, hierarchy.field);
+  EXPECT_EQ(head.type, hierarchy.type);
+  EXPECT_EQ(head.low, hierarchy.low);
+  EXPECT_EQ(head.high, hierarchy.high);
+  EXPECT_EQ(head.base_error, hierarchy.base_error);
+  EXPECT_EQ(head.boundary_deviation, hierarchy.boundary_deviation);
+  EXPECT_EQ(head.n_cells, hierarchy.n_cells);
+  EXPECT_EQ(head.base, hierarchy.base);
+  EXPECT_EQ(head.base_regions, hierarchy.base_regions);
+  EXPECT_EQ(head.n_base_cells, hierarchy.n_base_cells);
+  EXPECT_EQ(head.roots, hierarchy.roots);
+  EXPECT_EQ(head.root_codes, hierarchy.root_codes);
+  EXPECT_EQ(head.root_facts, hierarchy.root_facts);
+  EXPECT_EQ(head.base_exact, hierarchy.base_exact);
+  EXPECT_EQ(head.region_ids, hierarchy.region_ids);
+  EXPECT_EQ(head.patches, hierarchy.patches);
+  ASSERT_EQ(head.pages.n_pages(), hierarchy.pages.n_pages());
+  ASSERT_EQ(head.n_nodes(), hierarchy.n_nodes());
+  for (std::uint32_t node = 0; node < hierarchy.n_nodes(); ++node) {
+    const Split split = opened.split(node);
+    const NodeRecord& record = hierarchy.nodes[node];
+    EXPECT_EQ(split.children, hierarchy.children(node));
+    EXPECT_EQ(split.difference, record.difference);
+    EXPECT_EQ(split.placement, record.placement());
+    for (std::size_t i = 0; i < 60; ++i) EXPECT_EQ(split.mask >> i & 1, record.is_second(i));
+    EXPECT_TRUE(std::ranges::equal(split.regions, hierarchy.regions_of(node)));
+    EXPECT_EQ(opened.facts(node), record.facts);
+    EXPECT_EQ(head.codes.facts(NodeCodes::parts(opened.facts(node))),
+              hierarchy.codes.facts(NodeCodes::parts(record.facts)));
+    EXPECT_EQ(head.codes.radius(NodeCodes::parts(record.facts).radius),
+              hierarchy.codes.radius(NodeCodes::parts(record.facts).radius));
+    EXPECT_EQ(opened.parent(node), hierarchy.parent(hierarchy.n_vertices + node));
+    EXPECT_EQ(opened.code_of(node), hierarchy.code_of(hierarchy.n_vertices + node));
+  }
+  for (std::uint32_t leaf = 0; leaf < hierarchy.n_vertices; ++leaf) {
+    const Code code = hierarchy.code_of(leaf);
+    EXPECT_EQ(opened.position(leaf, code), hierarchy.position(leaf, code));
+    EXPECT_EQ(opened.value(leaf, code), hierarchy.value(leaf, code));
+  }
+  EXPECT_TRUE(opened.check());
+}
+
+/// At a tolerance of 0, bit for bit.
+void expect_reference(const Forest& forest, const TetraMesh& mesh, const Hierarchy& hierarchy) {
+  MidpointCut cut(forest);
+  Engine<MidpointCut> engine(cut);
+  engine.set_query(uniform_demand(0));
+  engine.finish();
+  ASSERT_TRUE(cut.check());
+  const TetraMesh reference = test::labelled(mesh, hierarchy);
+  EXPECT_EQ(test::normalised(cut.cells()), test::normalised(reference.tetrahedra));
+  for (const Tetrahedron& t : cut.cells())
+    for (const std::uint32_t v : t) {
+      for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_EQ(std::bit_cast<std::uint64_t>(cut.position(v)[i]),
+                  std::bit_cast<std::uint64_t>(reference.positions[v][i]));
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(cut.value(v)),
+                std::bit_cast<std::uint64_t>(reference.fields[0].values[v]));
+    }
+}
+
+TEST_F(midpoint_file, is_the_hierarchy_bit_for_bit) {
+  TetraMesh doubles = oracles::noise_mesh(12, oracles::Cut::in_six, 9);
+  for (Vec3d& p : doubles.positions) p = p * (1 / 3.0);
+  for (double& value : doubles.fields[0].values) value = std::sin(7 * value) / 3;
+  doubles.fields[0].values[77] = -0.0;
+  doubles.positions[0] = {{-0.0, 0, 0}};
+  TetraMesh level = oracles::noise_mesh(9, oracles::Cut::in_five, 1);
+  std::ranges::fill(level.fields[0].values, -2.5);
+  TetraMesh one = oracles::noise_mesh(2, oracles::Cut::in_six, 1);
+  one.tetrahedra.resize(1);
+  TetraMesh none = one;
+  none.tetrahedra.clear();
+  TetraMesh moved = noise();
+  for (double& value : moved.fields[0].values) value = value * 1e-30 + 1e9;
+  for (const TetraMesh& mesh : {noise(), doubles, level, one, none, moved}) {
+    const Hierarchy hierarchy = midpoints_of(mesh, mesh.tetrahedra.size() / 50);
+    write(hierarchy);
+    auto opened = open(path_);
+    ASSERT_TRUE(opened) << opened.error().message;
+    EXPECT_EQ(opened->forest.n_pages_loaded(), 0U);
+    expect_reference(opened->forest, mesh, hierarchy);
+    expect_same(opened->forest, hierarchy);
+  }
+}
+
+TEST_F(midpoint_file, answers_as_memory_does_and_reads_what_it_needs) {
+  const Hierarchy hierarchy = midpoints_of(oracles::noise_mesh(25, oracles::Cut::in_five, 5), 800);
+  write(hierarchy);
+  const Forest memory(hierarchy);
+  auto opened = open(path_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  const std::uint64_t n_first = opened->reads().n_bytes;
+  EXPECT_LT(n_first, opened->reads().file_size / 8);
+  MidpointCut cut(opened->forest);
+  Engine<MidpointCut> engine(cut);
+  engine.set_query(corner_demand(0.2));
+  engine.finish();
+  EXPECT_GT(opened->forest.n_pages_loaded(), 0U);
+  // Of pages only those are read that have a node which is applied.
+  std::vector<bool> is_needed(opened->forest.head().pages.n_pages());
+  for (const NodeId node : engine.cut().applied())
+    is_needed[opened->forest.head().pages.locate(static_cast<std::uint32_t>(node)).page] = true;
+  EXPECT_EQ(opened->forest.n_pages_loaded(), std::ranges::count(is_needed, true));
+  EXPECT_LT(opened->reads().n_bytes, opened->reads().file_size / 2);
+  expect_same_answers(opened->forest, memory);
+}
+
+TEST_F(midpoint_file, keeps_regions_and_patches) {
+  TetraMesh mesh = noise();
+  mesh.region_ids = {-5, 0, 7};
+  mesh.patches = {{-2, "inlet"}, {5, ""}};
+  for (const Tetrahedron& t : mesh.tetrahedra) {
+    Vec3d centre;
+    for (const std::uint32_t v : t) centre = centre + mesh.positions[v] * 0.25;
+    mesh.regions.push_back(length(centre - Vec3d{{0.5, 0.5, 0.5}}) < 0.3 ? 2U
+                           : centre[0] < 0.5                             ? 0U
+                                                                         : 1U);
+    for (std::size_t place = 0; place < 4; ++place) {
+      const auto face = others(t, place);
+      const auto is_low = [&](std::size_t axis, double limit) {
+        return std::ranges::all_of(
+            face, [&](std::uint32_t v) { return mesh.positions[v][axis] <= limit; });
+      };
+      if (is_low(2, 0)) mesh.patch_faces.push_back({face, is_low(0, 0.5) ? 0U : 1U});
+    }
+  }
+  const Hierarchy hierarchy = midpoints_of(mesh, 300);
+  EXPECT_FALSE(hierarchy.mixed_nodes.empty());
+  write(hierarchy);
+  const auto opened = open(path_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  expect_same(opened->forest, hierarchy);
+  const Forest memory(hierarchy);
+  expect_same_answers(opened->forest, memory);
+  MidpointCut cut(opened->forest);
+  Engine<MidpointCut> engine(cut);
+  engine.set_query(uniform_demand(0));
+  engine.finish();
+  std::array<double, 3> volumes{};
+  std::array<double, 3> expected{};
+  const TetraMesh reference = test::labelled(mesh, hierarchy);
+  for (const MidpointCut::Cell& cell : cut.slots())
+    if (cut.is_inside(cell)) volumes[cell.region] += test::volume_of(reference, {cell.corners});
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+    expected[mesh.regions[i]] += test::volume_of(mesh, {mesh.tetrahedra[i]});
+  for (std::size_t r = 0; r < 3; ++r) EXPECT_NEAR(volumes[r], expected[r], 1e-12);
+}
+
+TEST_F(midpoint_file, that_lies_is_refused_or_gives_something_but_does_no_harm) {
+  TetraMesh mesh = noise();
+  mesh.region_ids = {1, 2};
+  for (const Tetrahedron& t : mesh.tetrahedra)
+    mesh.regions.push_back(mesh.positions[t[0]][0] < 0.5 ? 0 : 1);
+  write(midpoints_of(mesh, 300));
+  Random random(6);
+  const std::string lying = path_ + ".lying.lode";
+  int n_opened = 0;
+  for (int trial = 0; trial < 250; ++trial) {
+    test::rewrite(path_, lying, random);
+    const auto opened = open(lying);
+    if (!opened) {
+      EXPECT_NE(opened.error().message.find(lying), std::string::npos) << opened.error().message;
+      continue;
+    }
+    ++n_opened;
+    MidpointCut cut(opened->forest);
+    Engine<MidpointCut> engine(cut);
+    engine.set_query(trial % 2 == 0 ? uniform_demand(0.05) : corner_demand(0));
+    engine.run([&] { return cut.is_damaged(); });
+    engine.set_query(uniform_demand(0.3));
+    engine.run([&] { return cut.is_damaged(); });
+    const ForestHead& head = opened->forest.head();
+    for (const MidpointCut::Cell& cell : cut.slots()) {
+      if (cell.corners[0] == kNone) continue;
+      EXPECT_LT(cell.region, cut.is_inside(cell) ? head.region_ids.size() : 1);
+      for (const std::uint32_t v : cell.corners)
+        if (v != head.outside()) {
+          ASSERT_LT(v, head.outside());
+          EXPECT_TRUE(std::isfinite(cut.value(v)));
+        }
+    }
+    static_cast<void>(cut.check());
+  }
+  EXPECT_GT(n_opened, 20);
+}
+
+TEST_F(midpoint_file, that_was_cut_off_or_is_another_model_is_refused) {
+  write(midpoints_of(noise(), 300));
+  std::ifstream in(path_, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  const std::string part = path_ + ".part.lode";
+  std::ofstream(part, std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  EXPECT_FALSE(open(part));
+  auto writer = store::Writer::create(part, "tetra_mt", {});
+  ASSERT_TRUE(writer && writer->finish());
+  EXPECT_FALSE(is_model_of(part));
+  const auto other = open(part);
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("expected the model tetra_mt_midpoint"), std::string::npos);
+  auto unknown = store::Writer::create(part, kModelName, std::vector<std::byte>(4, std::byte{9}));
+  ASSERT_TRUE(unknown && unknown->finish());
+  const auto later = open(part);
+  ASSERT_FALSE(later);
+  EXPECT_NE(later.error().message.find("expected layout 1 of midpoints, got 151587081"),
+            std::string::npos);
+}
+
+TEST_F(midpoint_file, is_the_same_for_any_number_of_threads) {
+  const auto bytes = [&](int threads) {
+    Progress progress;
+    const TetraMesh mesh = noise();
+    const auto collapses =
+        collapse_edges(mesh, {.base_cells = 300, .threads = {threads}}, progress);
+    const auto hierarchy = make_hierarchy(mesh, *collapses, {threads});
+    EXPECT_TRUE(save(*hierarchy, path_, {threads}, progress));
+    std::ifstream in(path_, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  EXPECT_EQ(bytes(1), bytes(3));
+}
+
+}  // namespace
+}  // namespace lode::tetra_mt::midpoint

@@ -1,0 +1,168 @@
+// What verification finds of hierarchies of midpoints that are right, and of such that were
+// tampered with; and probing, held against half edges.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lode/api/tetra_verification.h"
+#include "tests/oracles/random.h"
+#include "tests/oracles/tetra_grids.h"
+#include "tests/tetra/midpoint_fixtures.h"
+
+namespace lode {
+namespace {
+
+using tetra_mt::midpoint::Forest;
+using tetra_mt::midpoint::NodeCodes;
+using MidpointHierarchy = tetra_mt::midpoint::Hierarchy;
+
+/// Noise in a cube with a cavity; points in it are of no cell.
+TetraMesh noise_round_a_cavity() {
+  TetraMesh mesh = oracles::noise_mesh(11, oracles::Cut::in_five, 21);
+  std::erase_if(mesh.tetrahedra, [&](const auto& t) {
+    Vec3d centre;
+    for (const std::uint32_t v : t) centre = centre + mesh.positions[v] * 0.25;
+    return length(centre - Vec3d{{0.5, 0.5, 0.4}}) < 0.2;
+  });
+  return mesh;
+}
+
+class midpoint_verification : public testing::Test {
+ protected:
+  [[nodiscard]] VerifyReport verified(const MidpointHierarchy& hierarchy) const {
+    const Forest forest(hierarchy);
+    Progress progress;
+    const auto report = verify_hierarchy(*source_of(forest), {.threads = {2}}, progress);
+    EXPECT_TRUE(report) << report.error().message;
+    return report ? *report : VerifyReport{};
+  }
+  /// Names of what fails after a change.
+  [[nodiscard]] std::vector<std::string> failures(
+      const std::function<void(MidpointHierarchy&)>& change) const {
+    MidpointHierarchy hierarchy = hierarchy_;
+    change(hierarchy);
+    std::vector<std::string> names;
+    for (const VerifyReport::Check& check : verified(hierarchy).checks)
+      if (!check.passed) names.push_back(check.name);
+    return names;
+  }
+  static bool has(const std::vector<std::string>& names, const std::string& name) {
+    return std::ranges::find(names, name) != names.end();
+  }
+
+  TetraMesh mesh_ = noise_round_a_cavity();
+  MidpointHierarchy hierarchy_ = test::midpoints_of(mesh_, 150);
+};
+
+TEST_F(midpoint_verification, finds_nothing_wrong_with_what_was_built) {
+  const VerifyReport report = verified(hierarchy_);
+  EXPECT_EQ(report.checks.size(), 17U);
+  for (const VerifyReport::Check& check : report.checks) {
+    EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+    EXPECT_GT(check.count, 0U) << check.name;
+  }
+  const Forest forest(hierarchy_);
+  Progress progress;
+  const auto compared =
+      compare_with_original(*source_of(forest), mesh_, std::array<std::size_t, 1>{}, progress);
+  ASSERT_TRUE(compared) << compared.error().message;
+  EXPECT_TRUE(compared->passed());
+}
+
+TEST_F(midpoint_verification, finds_what_is_stated_too_small) {
+  const auto lowered = failures([](MidpointHierarchy& h) {
+    const auto lower = [](std::uint32_t word) {
+      NodeCodes::Parts parts = NodeCodes::parts(word);
+      parts.error -= std::min(parts.error, 8U);
+      return NodeCodes::word(parts);
+    };
+    for (auto& node : h.nodes) node.facts = lower(node.facts);
+    for (std::uint32_t& word : h.root_facts) word = lower(word);
+  });
+  EXPECT_TRUE(has(lowered, "errors at vertices <= stored errors"));
+  EXPECT_TRUE(has(lowered, "errors of the base"));
+  EXPECT_FALSE(has(lowered, "stored values nested"));
+  const auto narrowed = failures([](MidpointHierarchy& h) {
+    for (auto& node : h.nodes) {
+      NodeCodes::Parts parts = NodeCodes::parts(node.facts);
+      parts.high = parts.low;
+      node.facts = NodeCodes::word(parts);
+    }
+  });
+  EXPECT_TRUE(has(narrowed, "values of vertices in stored ranges"));
+  const auto shrunk = failures([](MidpointHierarchy& h) {
+    NodeCodes::Parts parts = NodeCodes::parts(h.nodes.back().facts);
+    parts.radius = 1;
+    h.nodes.back().facts = NodeCodes::word(parts);
+  });
+  EXPECT_EQ(shrunk, (std::vector<std::string>{"stored values nested"}));
+}
+
+TEST_F(midpoint_verification, finds_vertices_that_are_elsewhere_and_masks_that_are_wrong) {
+  const auto moved = failures([](MidpointHierarchy& h) {
+    for (std::size_t i = 0; i < h.nodes.size(); i += 50) h.nodes[i].difference[0] += 1 << 27;
+  });
+  EXPECT_FALSE(moved.empty());
+  EXPECT_EQ(failures([](MidpointHierarchy& h) {
+              for (std::size_t i = 0; i < h.nodes.size(); i += 9) h.nodes[i].mask[0] ^= 5;
+            }),
+            (std::vector<std::string>{"nodes apply and undo in any order"}));
+  EXPECT_FALSE(
+      failures([](MidpointHierarchy& h) { h.wide[h.deep[7]] = h.wide[h.deep[8]]; }).empty());
+  const Forest forest(hierarchy_);
+  TetraMesh other = mesh_;
+  other.fields[0].values[other.tetrahedra[100][2]] += 1e-9;
+  Progress progress;
+  const auto compared =
+      compare_with_original(*source_of(forest), other, std::array<std::size_t, 1>{}, progress);
+  ASSERT_TRUE(compared);
+  EXPECT_FALSE(compared->passed());
+}
+
+/// Full resolution is the same mesh however it is refined; coarser answers have true bounds.
+TEST_F(midpoint_verification, probing_has_the_values_of_half_edges_and_true_bounds) {
+  Progress progress;
+  auto half = TetraDataset::build(mesh_, {.base_share = 0.02, .threads = {2}}, progress);
+  auto middle = TetraDataset::build(
+      mesh_, {.base_share = 0.02, .placement = Placement::midpoint, .threads = {2}}, progress);
+  ASSERT_TRUE(half && middle);
+  oracles::Random random(4);
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 300; ++i)
+    points.push_back({{random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)}});
+  std::vector<ProbedPoint> expected;
+  ASSERT_TRUE(half->probe(points, {}, expected, progress));
+  for (const double tolerance : {0.0, 0.05, 0.3}) {
+    std::vector<ProbedPoint> found;
+    const auto report = middle->probe(points, {.max_error = tolerance}, found, progress);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_LE(report->achieved_error, tolerance);
+    ASSERT_EQ(found.size(), points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_EQ(found[i].is_inside, expected[i].is_inside);
+      if (!expected[i].is_inside || !found[i].is_inside) continue;
+      EXPECT_LE(found[i].value.low, expected[i].value.high);
+      EXPECT_GE(found[i].value.high, expected[i].value.low);
+      if (tolerance == 0) {
+        EXPECT_NEAR(found[i].value.value, expected[i].value.value, 1e-9);
+        EXPECT_TRUE(found[i].is_exact);
+      }
+    }
+    const auto sums = middle->integrate({.max_error = tolerance}, progress);
+    const auto true_sums = half->integrate({}, progress);
+    ASSERT_TRUE(sums && true_sums);
+    for (const auto number : {&IntegralReport::volume, &IntegralReport::integral,
+                              &IntegralReport::minimum, &IntegralReport::maximum}) {
+      EXPECT_LE(((*sums).*number).low, ((*true_sums).*number).high);
+      EXPECT_GE(((*sums).*number).high, ((*true_sums).*number).low);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lode
