@@ -137,7 +137,8 @@ Result<Outcome> run_height(const HeightArguments& arguments, Session& session) {
     LODE_TRY(const std::vector<Place> more, read_places(arguments.points_file));
     places.insert(places.end(), more.begin(), more.end());
   }
-  LODE_TRY(const TerrainAnswerer answerer, answer_terrain(arguments.terrain, session));
+  LODE_TRY(const TerrainAnswerer answerer,
+           answer_terrain(arguments.terrain, session, {}, TinUse::places));
   std::vector<TerrainHeight> heights;
   LODE_TRY(const HeightsReport report,
            answerer.tin.heights(places, heights, session.threads(), session.progress()));

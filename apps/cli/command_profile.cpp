@@ -111,7 +111,7 @@ Result<Outcome> run_profile(const ProfileArguments& arguments, Session& session)
   if (!arguments.output.empty()) LODE_CHECK(check_writable(arguments.output));
   TerrainQueryArguments terrain = arguments.terrain;
   terrain.way = {from[0], to[0]};
-  LODE_TRY(const TerrainAnswerer answerer, answer_terrain(terrain, session));
+  LODE_TRY(const TerrainAnswerer answerer, answer_terrain(terrain, session, {}, TinUse::places));
   const Place end = end_of_way(answerer.opened, answerer.metric, from, to);
   LODE_TRY(const TerrainProfile profile,
            naming(arguments.terrain.input, answerer.tin.profile(from, end, session.progress()),

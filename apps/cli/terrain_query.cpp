@@ -81,12 +81,12 @@ Result<TerrainInput> read_terrain(const TerrainQueryArguments& arguments, Sessio
 }
 
 Result<TerrainAnswerer> answer_terrain(const TerrainQueryArguments& arguments, Session& session,
-                                       const AcceptTerrain& accept) {
+                                       const AcceptTerrain& accept, TinUse use) {
   LODE_TRY(TerrainInput input, read_terrain(arguments, session));
   if (accept) LODE_CHECK(accept(input.opened.facts));
   LODE_TRY(TerrainTin tin, naming(arguments.input,
                                   TerrainTin::select(input.opened.terrain, input.options,
-                                                     input.metric, session.progress()),
+                                                     input.metric, session.progress(), use),
                                   session));
   return TerrainAnswerer{std::move(input.opened), std::move(input.metric), std::move(tin),
                          input.read_seconds};

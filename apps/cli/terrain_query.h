@@ -56,7 +56,8 @@ using AcceptTerrain = std::function<Result<void>(const TerrainFacts&)>;
                                                 Session& session);
 [[nodiscard]] Result<TerrainAnswerer> answer_terrain(const TerrainQueryArguments& arguments,
                                                      Session& session,
-                                                     const AcceptTerrain& accept = {});
+                                                     const AcceptTerrain& accept = {},
+                                                     TinUse use = TinUse::all);
 
 /// "everywhere" or "at samples": where the bounds of a TIN hold.
 [[nodiscard]] const char* bound_kind_of(const TerrainReport& report);

@@ -10,6 +10,8 @@
 
 #include "lode/models/terrain/delaunay_selector/spatial_order.h"
 #include "lode/models/terrain/insertions/file_layout.h"
+#include "lode/models/terrain/insertions/history_file.h"
+#include "lode/models/terrain/insertions/local_selection.h"
 #include "lode/models/terrain/insertions/overlap.h"
 #include "lode/models/terrain/insertions/persist.h"
 #include "lode/store/reader.h"
@@ -20,9 +22,7 @@
 namespace lode::insertions {
 namespace {
 
-double hills(std::int32_t x, std::int32_t y) {
-  return 40 * std::sin(0.3 * x + 0.1 * y) * std::cos(0.2 * y) + (x * 5 + y * 11) % 7;
-}
+using test::hills;
 
 /// A file that goes with the test.
 class ScratchFile {
@@ -55,48 +55,7 @@ LevelledHistory make_model(Model model) {
   return {std::move(history), levels};
 }
 
-/// With a line across its domain, and a lattice larger than rasters have.
-LevelledHistory make_point_model(Model model) {
-  HeightPoints points;
-  oracles::Random random(3);
-  const auto scaled = [](std::uint64_t x) { return static_cast<std::int32_t>(x << 20); };
-  constexpr std::uint64_t kSize = 60;
-  std::vector<LatticePoint> nodes{{0, 0},
-                                  {scaled(kSize), 0},
-                                  {0, scaled(kSize)},
-                                  {scaled(kSize), scaled(kSize)},
-                                  {scaled(20), scaled(20)},
-                                  {scaled(30), scaled(30)},
-                                  {scaled(45), scaled(45)}};
-  for (int i = 0; i < 240; ++i)
-    nodes.push_back({scaled(random.below(kSize)), scaled(random.below(kSize))});
-  const auto row = [](LatticePoint p) { return std::pair(p.y, p.x); };
-  std::ranges::sort(nodes, {}, row);
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  points.nodes = nodes;
-  for (const LatticePoint& p : nodes) points.heights.push_back(hills(p.x >> 20, p.y >> 20));
-  points.n_columns = points.n_rows = scaled(kSize) + 1;
-  points.crs = "PROJCS[\"somewhere\"]";
-  const auto number = [&](std::int32_t x, std::int32_t y) {
-    const auto at = std::ranges::lower_bound(points.nodes, std::pair(y << 20, x << 20), {}, row);
-    return static_cast<std::uint32_t>(at - points.nodes.begin());
-  };
-  Progress progress;
-  const auto hull = delaunay_selector::find_hull(points);
-  const std::vector<std::array<std::uint32_t, 2>> line{{number(20, 20), number(45, 45)}};
-  const auto lined = delaunay_selector::with_lines(points, *hull, line, {}, progress);
-  const delaunay_selector::SpatialOrder order(points, lined->domain);
-  auto history = build_history({.frame = points,
-                                .range = height_range(points),
-                                .samples = order.samples(),
-                                .triangles = order.triangles,
-                                .lines = order.lines,
-                                .n_left_out = 0},
-                               1.5, model, progress);
-  EXPECT_TRUE(history) << history.error().message;
-  history->sample_type = "points";
-  return {*std::move(history), {20, 6, 1.5}};
-}
+using test::make_point_model;
 
 void expect_same(const LevelledHistory& a, const LevelledHistory& b) {
   const History& x = a.history;
@@ -168,22 +127,23 @@ TEST(insertions_point_file, has_all_that_was_saved) {
   }
 }
 
-/// Changes raw bytes of blocks; keys have the number of the column, of the metadata 0.
-using Change = std::function<void(std::uint32_t column, std::vector<std::byte>& bytes)>;
+/// Changes raw bytes of blocks, which are parts of columns, or pages; the metadata are column 0.
+using Change =
+    std::function<void(std::uint32_t column, std::uint32_t part, std::vector<std::byte>& bytes)>;
 
 /// A file of the same blocks, changed, with checksums that are right.
 void rewrite(const std::string& from, const std::string& to, const Change& change) {
   const auto reader = store::Reader::open(from);
   ASSERT_TRUE(reader);
   std::vector<std::byte> metadata(reader->metadata().begin(), reader->metadata().end());
-  change(0, metadata);
+  change(0, 0, metadata);
   auto writer = store::Writer::create(to, reader->model(), metadata);
   ASSERT_TRUE(writer);
   for (std::size_t i = 0; i < reader->blocks().size(); ++i) {
     const store::BlockEntry& block = reader->blocks()[i];
     auto bytes = reader->read_block(i);
     ASSERT_TRUE(bytes);
-    change(block.key.kind, *bytes);
+    change(block.key.kind, static_cast<std::uint32_t>(block.key.position[0]), *bytes);
     ASSERT_TRUE(writer->append(block.key, store::encode_block({.raw = *bytes, .size = 1})));
   }
   ASSERT_TRUE(writer->finish());
@@ -213,9 +173,10 @@ TEST(insertions_lies, are_named) {
   const auto number = [](Column column) { return static_cast<std::uint32_t>(column); };
   const auto expect = [&](std::uint32_t column, std::size_t at, auto value, const char* why) {
     SCOPED_TRACE(why);
-    rewrite(whole.path(), lie.path(), [&](std::uint32_t of, std::vector<std::byte>& bytes) {
-      if (of == column) put(bytes, at, value);
-    });
+    rewrite(whole.path(), lie.path(),
+            [&](std::uint32_t of, std::uint32_t part, std::vector<std::byte>& bytes) {
+              if (of == column && part == 0) put(bytes, at, value);
+            });
     expect_refused(lie.path(), why);
   };
   expect(0, 0, std::uint32_t{77}, "layout");
@@ -229,11 +190,15 @@ TEST(insertions_lies, are_named) {
   expect(number(Column::height), 4, 1e9F, "heights");
   expect(number(Column::height), 4, std::nanf(""), "heights");
   expect(number(Column::corners), 0, std::uint32_t{1000000}, "vertices of the base");
-  expect(number(Column::corners), 0, std::uint32_t{made.history.triangles[0].corner[1]},
-         "turn left");
-  expect(number(Column::age), 0, std::uint32_t{1000000}, "node 0");
-  expect(number(Column::error), 0, std::uint16_t{0x7F80}, "errors");
-  expect(number(Column::error), 0, std::uint16_t{0x8001}, "errors");
+  expect(number(Column::corners), 0, std::uint32_t{1}, "as its triangles come to them");
+  expect(number(Column::corners), 8, std::uint32_t{1}, "turn left");
+  for (const Column column : {Column::error, Column::made}) {
+    expect(number(column), 0, std::uint16_t{0x7F80}, "errors");
+    expect(number(column), 0, std::uint16_t{0x8001}, "errors");
+  }
+  expect(number(Column::boxes), 0, std::int32_t{-1}, "expected page 0 in");
+  expect(number(Column::counts), 0, std::uint32_t{1}, "nodes");
+  expect(number(Column::steps), 0, std::uint32_t{0x7F80}, "steps");
 }
 
 TEST(insertions_lies, of_points_are_named) {
@@ -263,10 +228,10 @@ TEST(insertions_lies, of_points_are_named) {
     ASSERT_FALSE(h.lines.empty());
   });
   // The line is all that keeps its edges.
-  expect("it can be inserted into", [&](History& h) { h.lines.clear(); });
+  expect("expected it to make", [&](History& h) { h.lines.clear(); });
   expect("fixed edges of a base", [&](History& h) { h.lines.resize(100'000); });
   expect("columns and rows", [&](History& h) { h.frame.n_columns = (1 << 30) + 1; });
-  expect("vertices in", [&](History& h) { h.vertices.back().x = 1 << 29; });
+  expect("expected page", [&](History& h) { h.vertices.back().x = 1 << 29; });
   // Twice the same place, and a corner pulled over the other side.
   expect("covers its domain once", [&](History& h) {
     const auto t = h.triangles[0].corner;
@@ -350,26 +315,71 @@ TEST(insertions_lies, of_the_base_are_named) {
   expect({lower, upper, {{{2, 0}, {4, 0}, {4, 1}}}, {{{2, 0}, {4, 1}, {2, 1}}}}, false);
 }
 
+std::int64_t doubled_area_of(const delaunay::Tin& tin) {
+  std::int64_t sum = 0;
+  for (const auto& [a, b, c] : tin.triangles) {
+    const std::int64_t area =
+        delaunay::doubled_area(tin.vertices[a], tin.vertices[b], tin.vertices[c]);
+    EXPECT_GT(area, 0);
+    sum += area;
+  }
+  return sum;
+}
+
+/// Asks of parts of a file that may lie. Whether all had an answer; those that there are cover what
+/// the base does.
+bool has_answers(const std::string& path) {
+  Progress progress;
+  const auto file = HistoryFile::open(path);
+  if (!file) return false;
+  bool has_all = true;
+  const History& base = file->base();
+  const std::int64_t area = doubled_area_of(tin_at(base, 0, delaunay::TinLinks::left_out));
+  for (const Demand& demand : {uniform_demand(0), test::box_demand(0, 20)}) {
+    const auto tin = select_tin(*file, demand, delaunay::TinLinks::kept, file->n_nodes(), progress);
+    has_all = has_all && tin.has_value();
+    if (tin) EXPECT_EQ(doubled_area_of(**tin), area);
+    if (!tin) EXPECT_NE(tin.error().message.find(path), std::string::npos) << tin.error().message;
+  }
+  const double width = base.frame.n_columns - 1;
+  const double height = base.frame.n_rows - 1;
+  const std::vector<delaunay::Point> places{
+      {{0.4 * width, 0.3 * height}}, {{width, 0}}, {{0.5 * width, 0.5 * height}}};
+  const auto around = tin_around(*file, file->n_nodes(), places, progress);
+  const auto along =
+      tin_along(*file, file->n_nodes(), {{-1, 0.2 * height}}, {{width, height}}, progress);
+  if (around) doubled_area_of(*around);
+  if (along) doubled_area_of(*along);
+  return has_all && around && along;
+}
+
 TEST(insertions_lies, never_make_meshes_that_are_none) {
   const ScratchFile whole("honest.lode");
   const ScratchFile lie("random.lode");
   Progress progress;
   oracles::Random random(5);
   int n_refused = 0;
+  int n_refused_in_part = 0;
   for (int trial = 0; trial < 500; ++trial) {
     const auto kind = static_cast<std::size_t>(trial / 100);
-    if (trial % 100 == 0)
+    if (trial % 100 == 0) {
       ASSERT_TRUE(save(kind < kModels.size()
                            ? make_model<std::int16_t>(kModels[kind])
                            : make_point_model(kPointModels[kind - kModels.size()]),
-                       whole.path(), progress));
-    const std::size_t victim = random.below(8);
-    rewrite(whole.path(), lie.path(), [&](std::uint32_t column, std::vector<std::byte>& bytes) {
-      if (column != victim || bytes.empty()) return;
-      for (std::size_t k = 0; k <= random.below(3); ++k)
-        bytes[random.below(bytes.size())] ^= static_cast<std::byte>(1 + random.below(255));
-      if (trial % 7 == 0) bytes.resize(1 + random.below(bytes.size()));
-    });
+                       whole.path(), progress, {.n_nodes = 24}));
+      EXPECT_TRUE(has_answers(whole.path()));
+    }
+    const std::size_t victim = random.below(12);
+    const std::uint32_t page = static_cast<std::uint32_t>(random.below(4));
+    rewrite(whole.path(), lie.path(),
+            [&](std::uint32_t column, std::uint32_t part, std::vector<std::byte>& bytes) {
+              const bool is_of_page = column >= static_cast<std::uint32_t>(Column::nodes);
+              if (column != victim || bytes.empty() || (is_of_page && part != page)) return;
+              for (std::size_t k = 0; k <= random.below(3); ++k)
+                bytes[random.below(bytes.size())] ^= static_cast<std::byte>(1 + random.below(255));
+              if (trial % 7 == 0) bytes.resize(1 + random.below(bytes.size()));
+            });
+    if (!has_answers(lie.path())) ++n_refused_in_part;
     const auto opened = open(lie.path(), progress);
     if (!opened) {
       ++n_refused;
@@ -383,6 +393,65 @@ TEST(insertions_lies, never_make_meshes_that_are_none) {
                 0);
   }
   EXPECT_GT(n_refused, 50);
+  EXPECT_GT(n_refused_in_part, 50);
+}
+
+/// Pages that are coded as they should be, of nodes that are not.
+TEST(insertions_lies, of_nodes_are_refused_by_who_comes_upon_them) {
+  const ScratchFile file("nodes.lode");
+  Progress progress;
+  oracles::Random random(17);
+  for (int trial = 0; trial < 240; ++trial) {
+    const auto kind = static_cast<std::size_t>(trial / 60);
+    LevelledHistory lie = kind < kModels.size() ? make_model<float>(kModels[kind])
+                                                : make_point_model(Model::delaunay_pyramid);
+    lie.levels.clear();
+    History& history = lie.history;
+    const auto any = [&] {
+      return history.n_base_vertices + static_cast<std::uint32_t>(random.below(history.n_nodes()));
+    };
+    const std::uint32_t victim = any();
+    std::uint32_t other = any();
+    while (other == victim) other = any();
+    switch (trial % 5) {
+      case 0: std::swap(history.vertices[victim], history.vertices[other]); break;
+      // A place that is there already, a corner, and one in the gap.
+      case 1: history.vertices[victim] = history.vertices[other]; break;
+      case 2: history.vertices[victim] = history.vertices[0]; break;
+      case 3: history.vertices[victim] = {14, 9}; break;
+      default: history.vertices[victim] = {history.frame.n_columns - 1, 0}; break;
+    }
+    ASSERT_TRUE(save(lie, file.path(), progress, {.n_nodes = 24}));
+    has_answers(file.path());
+    if (trial % 5 == 0) continue;  // Two nodes may be as good the other way round.
+    EXPECT_FALSE(open(file.path(), progress)) << trial;
+  }
+}
+
+TEST(insertions_lies, of_pages_are_named_when_they_are_read) {
+  const ScratchFile whole("pages.lode");
+  const ScratchFile lie("page_lie.lode");
+  Progress progress;
+  ASSERT_TRUE(
+      save(make_model<float>(Model::delaunay_pyramid), whole.path(), progress, {.n_nodes = 24}));
+  const auto n_pages = HistoryFile::open(whole.path())->pages().size();
+  ASSERT_GT(n_pages, 4U);
+  for (const Column column : {Column::nodes, Column::made})
+    for (std::uint32_t page = 0; page < n_pages; ++page) {
+      rewrite(whole.path(), lie.path(),
+              [&](std::uint32_t of, std::uint32_t part, std::vector<std::byte>& bytes) {
+                if (of != static_cast<std::uint32_t>(column) || part != page) return;
+                std::ranges::fill(bytes, std::byte{0xFF});
+              });
+      // Opening looks at none.
+      const auto opened = HistoryFile::open(lie.path());
+      ASSERT_TRUE(opened) << opened.error().message;
+      for (std::uint32_t other = 0; other < n_pages; ++other) {
+        EXPECT_EQ(opened->read_nodes(other).has_value(), column == Column::made || other != page);
+        EXPECT_EQ(opened->read_errors(other).has_value(), column == Column::nodes || other != page);
+      }
+      expect_refused(lie.path(), "page " + std::to_string(page));
+    }
 }
 
 }  // namespace

@@ -4,15 +4,20 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "lode/models/terrain/delaunay_selector/spatial_order.h"
 #include "lode/models/terrain/implicit_pyramid/build.h"
 #include "lode/models/terrain/insertions/build.h"
 #include "lode/models/terrain/insertions/extract.h"
+#include "lode/models/terrain/insertions/persist.h"
 #include "lode/refine/focus.h"
 #include "tests/delaunay/lattice_fixtures.h"
+#include "tests/oracles/random.h"
 
 namespace lode::insertions::test {
 
@@ -63,6 +68,54 @@ inline std::vector<Case> cases() {
   all.push_back({"one cell", delaunay::test::make_grid<double>(2, 2, terrain)});
   all.push_back({"strip", delaunay::test::make_grid<std::uint16_t>(2, 60, terrain)});
   return all;
+}
+
+inline double hills(std::int32_t x, std::int32_t y) {
+  return 40 * std::sin(0.3 * x + 0.1 * y) * std::cos(0.2 * y) + (x * 5 + y * 11) % 7;
+}
+
+/// With a line across its domain, and a lattice larger than rasters have.
+inline LevelledHistory make_point_model(Model model) {
+  HeightPoints points;
+  oracles::Random random(3);
+  const auto scaled = [](std::uint64_t x) { return static_cast<std::int32_t>(x << 20); };
+  constexpr std::uint64_t kSize = 60;
+  std::vector<delaunay::LatticePoint> nodes{{0, 0},
+                                            {scaled(kSize), 0},
+                                            {0, scaled(kSize)},
+                                            {scaled(kSize), scaled(kSize)},
+                                            {scaled(20), scaled(20)},
+                                            {scaled(30), scaled(30)},
+                                            {scaled(45), scaled(45)}};
+  for (int i = 0; i < 240; ++i)
+    nodes.push_back({scaled(random.below(kSize)), scaled(random.below(kSize))});
+  const auto row = [](delaunay::LatticePoint p) { return std::pair(p.y, p.x); };
+  std::ranges::sort(nodes, {}, row);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  points.nodes = nodes;
+  for (const delaunay::LatticePoint& p : nodes)
+    points.heights.push_back(hills(p.x >> 20, p.y >> 20));
+  points.n_columns = points.n_rows = scaled(kSize) + 1;
+  points.crs = "PROJCS[\"somewhere\"]";
+  const auto number = [&](std::int32_t x, std::int32_t y) {
+    const auto at = std::ranges::lower_bound(points.nodes, std::pair(y << 20, x << 20), {}, row);
+    return static_cast<std::uint32_t>(at - points.nodes.begin());
+  };
+  Progress progress;
+  const auto hull = delaunay_selector::find_hull(points);
+  const std::vector<std::array<std::uint32_t, 2>> line{{number(20, 20), number(45, 45)}};
+  const auto lined = delaunay_selector::with_lines(points, *hull, line, {}, progress);
+  const delaunay_selector::SpatialOrder order(points, lined->domain);
+  auto history = build_history({.frame = points,
+                                .range = height_range(points),
+                                .samples = order.samples(),
+                                .triangles = order.triangles,
+                                .lines = order.lines,
+                                .n_left_out = 0},
+                               1.5, model, progress);
+  EXPECT_TRUE(history) << history.error().message;
+  history->sample_type = "points";
+  return {*std::move(history), {20, 6, 1.5}};
 }
 
 inline History history_of(const HeightGrid& grid, double max_error, Model model) {

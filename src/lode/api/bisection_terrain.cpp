@@ -37,10 +37,6 @@ Result<BisectionTerrain> BisectionTerrain::open(const std::string& path, Progres
   return BisectionTerrain(std::move(model));
 }
 
-bool BisectionTerrain::is_model_of(const std::string& path) {
-  return bisection_file::is_model_of(path);
-}
-
 delaunay::Tin BisectionTerrain::tin_for(const TerrainOptions& options,
                                         TerrainReport& report) const {
   double tolerance = report.max_error;

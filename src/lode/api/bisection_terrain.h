@@ -20,7 +20,6 @@ class BisectionTerrain final : public BuiltModel {
                                                       std::vector<double> levels,
                                                       Progress& progress);
   [[nodiscard]] static Result<BisectionTerrain> open(const std::string& path, Progress& progress);
-  [[nodiscard]] static bool is_model_of(const std::string& path);
 
   [[nodiscard]] const HeightGrid* samples() const override { return &model_.grid; }
   [[nodiscard]] TerrainModel model() const override {

@@ -32,6 +32,9 @@ class BuiltModel : public TerrainOrigin {
   [[nodiscard]] virtual Result<VerifyReport> verify_alone(Threads threads,
                                                           Progress& progress) const = 0;
 
+  /// Of its file, since it was opened; 0 where it has none, or has read all of it.
+  [[nodiscard]] virtual std::uint64_t n_bytes_read() const { return 0; }
+
   /// Of models that keep all heights; others fail.
   [[nodiscard]] Result<SelectedTerrain> select_all(Progress& progress) const override;
   [[nodiscard]] const HeightFrame& frame() const override { return source().frame; }

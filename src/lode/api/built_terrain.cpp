@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "lode/api/bisection_terrain.h"
 #include "lode/api/built_model.h"
 #include "lode/api/hierarchy_terrain.h"
 #include "lode/api/insertions_terrain.h"
+#include "lode/api/opened_insertions.h"
 #include "lode/api/quadtree_terrain.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/delaunay/grid_domain.h"
+#include "lode/store/reader.h"
 
 namespace lode {
 namespace {
@@ -27,6 +30,12 @@ Result<void> check_levels(const std::vector<double>& levels) {
   if (levels.size() > terrain_file::kMaxLevels)
     return fail("levels: expected up to {}, got {}", terrain_file::kMaxLevels, levels.size());
   return {};
+}
+
+/// Nothing where the file is of none, or cannot be read.
+std::optional<TerrainModel> model_in(const std::string& path) {
+  const auto reader = store::Reader::open(path);
+  return reader ? built_model_of(reader->model()) : std::nullopt;
 }
 
 }  // namespace
@@ -95,28 +104,26 @@ Result<BuiltTerrain> BuiltTerrain::build(const PointTerrain& terrain,
 }
 
 Result<BuiltTerrain> BuiltTerrain::open(const std::string& path, Progress& progress) try {
-  if (QuadtreeTerrain::is_model_of(path)) {
+  const auto model = model_in(path);
+  if (model && is_quadtree(*model)) {
     LODE_TRY(auto opened, QuadtreeTerrain::open(path, progress));
     return BuiltTerrain(std::make_shared<const QuadtreeTerrain>(std::move(opened)));
   }
-  if (BisectionTerrain::is_model_of(path)) {
+  if (model == TerrainModel::right_triangle_bisection) {
     LODE_TRY(auto opened, BisectionTerrain::open(path, progress));
     return BuiltTerrain(std::make_shared<const BisectionTerrain>(std::move(opened)));
   }
-  if (HierarchyTerrain::is_model_of(path)) {
+  if (model && is_hierarchy(*model)) {
     LODE_TRY(auto opened, HierarchyTerrain::open(path));
     return BuiltTerrain(std::make_shared<const HierarchyTerrain>(std::move(opened)));
   }
-  LODE_TRY(insertions::LevelledHistory levelled, insertions::open(path, progress));
-  return BuiltTerrain(std::make_shared<const InsertionsTerrain>(std::move(levelled)));
+  LODE_TRY(auto opened, OpenedInsertions::open(path));
+  return BuiltTerrain(std::move(opened));
 } catch (const std::bad_alloc&) {
   return out_of_memory("open the file", path);
 }
 
-bool BuiltTerrain::is_model_of(const std::string& path) {
-  return insertions::is_model_of(path) || QuadtreeTerrain::is_model_of(path) ||
-         BisectionTerrain::is_model_of(path) || HierarchyTerrain::is_model_of(path);
-}
+bool BuiltTerrain::is_model_of(const std::string& path) { return model_in(path).has_value(); }
 
 Result<std::uint64_t> BuiltTerrain::save(const std::string& path, Progress& progress) const try {
   return model_->save(path, progress);
@@ -130,6 +137,7 @@ std::shared_ptr<const HeightGrid> BuiltTerrain::samples() const {
   const HeightGrid* samples = model_->samples();
   return samples == nullptr ? nullptr : std::shared_ptr<const HeightGrid>(model_, samples);
 }
+std::uint64_t BuiltTerrain::n_bytes_read() const { return model_->n_bytes_read(); }
 const HeightFrame& BuiltTerrain::frame() const { return model_->source().frame; }
 BuiltTerrainInfo BuiltTerrain::describe_source() const { return model_->describe_source(); }
 

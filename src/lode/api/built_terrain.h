@@ -79,7 +79,10 @@ class BuiltTerrain {
   [[nodiscard]] static Result<BuiltTerrain> build(const PointTerrain& terrain,
                                                   const TerrainBuildOptions& options,
                                                   Progress& progress);
-  /// Reads all of a file. Fails on what docs/format.md does not allow.
+  /// Reads a file; of insertions (delaunay_pyramid, ternary_triangulation,
+  /// implicit_delaunay_pyramid) what says where things are, and the base: questions read what they
+  /// take. Fails on what docs/format.md does not allow; of these a question fails where it reads
+  /// it.
   [[nodiscard]] static Result<BuiltTerrain> open(const std::string& path, Progress& progress);
   /// Whether a path is a .lode file of these models; also false where it cannot be read.
   [[nodiscard]] static bool is_model_of(const std::string& path);
@@ -95,6 +98,8 @@ class BuiltTerrain {
   [[nodiscard]] std::shared_ptr<const HeightGrid> samples() const;
   /// Of the raster, or the points' lattice.
   [[nodiscard]] const HeightFrame& frame() const;
+  /// Of a file that is read as it is needed, what has been so far; else 0.
+  [[nodiscard]] std::uint64_t n_bytes_read() const;
   /// Without levels.
   [[nodiscard]] BuiltTerrainInfo describe_source() const;
   /// With levels. Fails when cancelled.

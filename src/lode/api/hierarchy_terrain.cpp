@@ -73,10 +73,6 @@ Result<HierarchyTerrain> HierarchyTerrain::open(const std::string& path) {
   return HierarchyTerrain(std::move(file));
 }
 
-bool HierarchyTerrain::is_model_of(const std::string& path) {
-  return hierarchy_file::is_model_of(path);
-}
-
 TerrainModel HierarchyTerrain::model() const {
   return head_.kind == Kind::adaptive_triangulation ? TerrainModel::adaptive_triangulation
                                                     : TerrainModel::hierarchical_delaunay;

@@ -30,7 +30,6 @@ class HierarchyTerrain final : public BuiltModel {
                                                       const std::vector<double>& levels,
                                                       Progress& progress);
   [[nodiscard]] static Result<HierarchyTerrain> open(const std::string& path);
-  [[nodiscard]] static bool is_model_of(const std::string& path);
 
   [[nodiscard]] TerrainModel model() const override;
   [[nodiscard]] const terrain_file::Source& source() const override { return head_.source; }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <mutex>
+
 #include "lode/api/built_model.h"
 #include "lode/api/point_terrain.h"
 #include "lode/api/terrain_selection.h"
@@ -32,19 +34,23 @@ class InsertionsTerrain final : public BuiltModel {
   [[nodiscard]] Result<VerifyReport> verify_alone(Threads threads,
                                                   Progress& progress) const override;
 
- private:
   [[nodiscard]] const insertions::History& history() const { return levelled_.history; }
-  [[nodiscard]] std::uint64_t finest_triangles() const;
+  /// Of each level.
+  [[nodiscard]] Result<std::vector<insertions::LevelFacts>> facts(Progress& progress) const {
+    LODE_CHECK(find_facts(progress));
+    return levelled_.facts;
+  }
+
+ private:
   /// verify_tin(tin, options) of each level.
   template <typename Verify>
   [[nodiscard]] Result<void> verify_levels(const Verify& verify_tin, Threads threads,
                                            VerifyReport& report) const;
-  [[nodiscard]] Result<double> tolerance_of(const TerrainOptions& options) const;
-  /// Of one tolerance or number of triangles.
-  [[nodiscard]] delaunay::Tin tin_for(const TerrainOptions& options, double tolerance,
-                                      TerrainReport& report) const;
+  /// Found once.
+  [[nodiscard]] Result<void> find_facts(Progress& progress) const;
 
-  insertions::LevelledHistory levelled_;
+  mutable std::mutex mutex_;  ///< Of the levels' facts.
+  mutable insertions::LevelledHistory levelled_;
 };
 
 /// Of one of these models; an implicit pyramid has all samples, whatever max_error.

@@ -80,10 +80,6 @@ Result<QuadtreeTerrain> QuadtreeTerrain::open(const std::string& path, Progress&
   return QuadtreeTerrain(std::move(model));
 }
 
-bool QuadtreeTerrain::is_model_of(const std::string& path) {
-  return quadtree_file::is_model_of(path);
-}
-
 TerrainModel QuadtreeTerrain::model() const {
   constexpr std::array kModels{TerrainModel::surface_quadtree,
                                TerrainModel::quaternary_triangulation,

@@ -21,7 +21,6 @@ class QuadtreeTerrain final : public BuiltModel {
                                                      std::vector<double> levels,
                                                      Progress& progress);
   [[nodiscard]] static Result<QuadtreeTerrain> open(const std::string& path, Progress& progress);
-  [[nodiscard]] static bool is_model_of(const std::string& path);
 
   [[nodiscard]] const HeightGrid* samples() const override { return &model_.grid; }
   [[nodiscard]] TerrainModel model() const override;

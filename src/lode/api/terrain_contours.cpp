@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "lode/api/terrain_tin_impl.h"
+#include "lode/core/expects.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/mappers/tin_bands.h"
@@ -11,12 +12,14 @@
 namespace lode {
 
 HeightRange TerrainTin::height_range() const {
+  LODE_EXPECTS(!impl_->parts);
   const auto [lowest, highest] = std::ranges::minmax(impl_->tin.heights);
   return {lowest, highest};
 }
 
 Result<TerrainContours> TerrainTin::contours(std::span<const double> heights,
                                              Progress& progress) const try {
+  LODE_EXPECTS(!impl_->parts);
   const Stopwatch watch;
   LODE_TRY(ContourSet traced, trace_contours(impl_->tin, heights, KeptLines::drawable, progress));
   TerrainContours contours;
@@ -38,6 +41,7 @@ Result<TerrainContours> TerrainTin::contours(std::span<const double> heights,
 
 Result<TerrainBands> TerrainTin::bands(std::span<const double> heights, Progress& progress) const
     try {
+  LODE_EXPECTS(!impl_->parts);
   const Stopwatch watch;
   LODE_TRY(std::vector<BandPolygon> found, find_bands(impl_->tin, heights, progress));
   const HeightRange range = height_range();

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <new>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 #include "lode/api/terrain_tin_impl.h"
 #include "lode/core/out_of_memory.h"
@@ -19,51 +21,41 @@ constexpr std::size_t kPlacesAtOnce = 4096;
 
 class HeightFinder {
  public:
-  HeightFinder(const TerrainTin::Impl& tin, std::span<const Place> places,
+  /// Of places, as columns and rows.
+  HeightFinder(const TerrainTin::Impl& terrain, std::span<const Place> at,
                std::vector<TerrainHeight>& heights, Threads threads, Progress& progress)
-      : tin_(tin), places_(places), heights_(heights), threads_(threads), progress_(progress) {}
+      : terrain_(terrain), at_(at), heights_(heights), threads_(threads), progress_(progress) {}
 
-  Result<void> run() {
-    at_.resize(places_.size());
-    for_each_piece([&](std::size_t i) { at_[i] = find_place(places_[i]); }, 0, 0.2);
+  /// In the terrain's TIN, or one that has its triangles near the places.
+  Result<void> run(const delaunay::Tin& tin, const PlaceFinder& finder) {
+    tin_ = &tin;
+    finder_ = &finder;
     const std::vector<std::size_t> order = order_by_tiles();
-    for_each_piece([&](std::size_t i) { heights_[order[i]] = height_at(at_[order[i]]); }, 0.2, 1);
+    for_each_piece([&](std::size_t i) { heights_[order[i]] = height_at(at_[order[i]]); });
     if (progress_.is_cancelled()) return cancelled_error();
     return {};
   }
 
  private:
   template <typename Body>
-  void for_each_piece(const Body& body, double begin, double end) const {
-    const std::size_t n_pieces = (places_.size() + kPlacesAtOnce - 1) / kPlacesAtOnce;
+  void for_each_piece(const Body& body) const {
+    const std::size_t n_pieces = (at_.size() + kPlacesAtOnce - 1) / kPlacesAtOnce;
     std::atomic<std::size_t> n_done{0};
     parallel_for(n_pieces, threads_, 1, [&](std::size_t piece, int) {
       if (progress_.is_cancelled()) return;
-      const std::size_t last = std::min(places_.size(), (piece + 1) * kPlacesAtOnce);
+      const std::size_t last = std::min(at_.size(), (piece + 1) * kPlacesAtOnce);
       for (std::size_t i = piece * kPlacesAtOnce; i < last; ++i) body(i);
-      const double share = static_cast<double>(++n_done) / static_cast<double>(n_pieces);
-      progress_.report("locating", begin + share * (end - begin));
+      progress_.report("locating", static_cast<double>(++n_done) / static_cast<double>(n_pieces));
     });
   }
 
-  /// Columns and rows of a place: of the longitudes that are one the first in the raster.
-  [[nodiscard]] Place find_place(const Place& world) const {
-    const Place at = tin_.to_lattice(world);
-    if (!tin_.metric.ellipsoid || tin_.locator().is_in_rectangle(at)) return at;
-    const double turn = 2 * std::numbers::pi / tin_.metric.angle_unit;
-    for (const double shift : {turn, -turn}) {
-      const Place other = tin_.to_lattice({{world[0] + shift, world[1]}});
-      if (tin_.locator().is_in_rectangle(other)) return other;
-    }
-    return at;
-  }
-
   [[nodiscard]] std::uint32_t tile_of(const Place& at) const {
-    if (!tin_.locator().is_in_rectangle(at)) return 0;
+    if (!terrain_.is_in_rectangle(at)) return 0;
     const auto tile = [](double x, std::int32_t n) {
       return static_cast<std::uint32_t>(x * kTilesAcross / n);
     };
-    return tile(at[1], tin_.frame.n_rows) * kTilesAcross + tile(at[0], tin_.frame.n_columns);
+    return tile(at[1], terrain_.frame.n_rows) * kTilesAcross +
+           tile(at[0], terrain_.frame.n_columns);
   }
 
   [[nodiscard]] std::vector<std::size_t> order_by_tiles() const {
@@ -76,23 +68,40 @@ class HeightFinder {
   }
 
   [[nodiscard]] TerrainHeight height_at(const Place& at) const {
-    if (const auto triangle = tin_.locator().find(at)) {
-      const TinHeight z = height_in(tin_.tin, *triangle, at);
+    if (const auto triangle = finder_->find(at)) {
+      const TinHeight z = height_in(*tin_, *triangle, at);
       return {TerrainHeight::Where::inside, z.height,
-              tin_.error_bound(static_cast<double>(tin_.tin.errors[*triangle])) + z.rounding};
+              terrain_.error_bound(static_cast<double>(tin_->errors[*triangle])) + z.rounding};
     }
-    const bool is_in_raster = at[0] >= 0 && at[1] >= 0 && at[0] <= tin_.frame.n_columns - 1 &&
-                              at[1] <= tin_.frame.n_rows - 1;
+    const HeightFrame& frame = terrain_.frame;
+    const bool is_in_raster =
+        at[0] >= 0 && at[1] >= 0 && at[0] <= frame.n_columns - 1 && at[1] <= frame.n_rows - 1;
     return {is_in_raster ? TerrainHeight::Where::gap : TerrainHeight::Where::outside};
   }
 
-  const TerrainTin::Impl& tin_;
-  std::span<const Place> places_;
+  const TerrainTin::Impl& terrain_;
+  std::span<const Place> at_;
   std::vector<TerrainHeight>& heights_;
   Threads threads_;
   Progress& progress_;
-  std::vector<Place> at_;  ///< Columns and rows.
+  const delaunay::Tin* tin_ = nullptr;
+  const PlaceFinder* finder_ = nullptr;
 };
+
+/// Columns and rows of a place: of the longitudes that are one the first in the raster.
+Place find_place(const TerrainTin::Impl& tin, const Place& world) {
+  const Place at = tin.to_lattice(world);
+  if (!tin.metric.ellipsoid || tin.is_in_rectangle(at)) return at;
+  const double turn = 2 * std::numbers::pi / tin.metric.angle_unit;
+  for (const double shift : {turn, -turn}) {
+    const Place other = tin.to_lattice({{world[0] + shift, world[1]}});
+    if (tin.is_in_rectangle(other)) return other;
+  }
+  return at;
+}
+
+/// More places are looked for in all of the mesh.
+constexpr std::size_t kFewPlaces = 4096;
 
 }  // namespace
 
@@ -101,11 +110,26 @@ Result<HeightsReport> TerrainTin::heights(std::span<const Place> places,
                                           Progress& progress) const try {
   HeightsReport report;
   const Stopwatch preparing;
-  (void)impl_->locator();
+  std::vector<Place> at(places.size());
+  parallel_for(places.size(), threads, kPlacesAtOnce,
+               [&](std::size_t i, int) { at[i] = find_place(*impl_, places[i]); });
+  heights.assign(places.size(), {});
+  HeightFinder finder(*impl_, at, heights, threads, progress);
+  if (impl_->parts && places.size() > kFewPlaces) {
+    LODE_TRY(const TerrainTin whole,
+             select(*impl_->terrain, impl_->options, impl_->metric, progress));
+    return whole.heights(places, heights, threads, progress);
+  }
+  delaunay::Tin near;
+  if (impl_->parts) {
+    LODE_TRY(near, impl_->parts->around(at, progress));
+  }
+  std::optional<PlaceFinder> finder_near;
+  if (impl_->parts) finder_near.emplace(near);
+  const PlaceFinder& places_in = impl_->parts ? *finder_near : impl_->finder();
   report.prepare_seconds = preparing.seconds();
   const Stopwatch watch;
-  heights.assign(places.size(), {});
-  LODE_CHECK(HeightFinder(*impl_, places, heights, threads, progress).run());
+  LODE_CHECK(finder.run(impl_->parts ? near : impl_->tin, places_in));
   for (const TerrainHeight& height : heights) {
     report.n_outside += static_cast<std::uint64_t>(height.where == TerrainHeight::Where::outside);
     report.n_in_gaps += static_cast<std::uint64_t>(height.where == TerrainHeight::Where::gap);

@@ -65,6 +65,11 @@ Result<SelectedTerrain> selected(const TerrainOptions& options, const HeightRang
 
 }  // namespace
 
+Result<std::shared_ptr<const TerrainParts>> TerrainOrigin::parts(
+    const TerrainOptions& /*options*/) const {
+  return std::shared_ptr<const TerrainParts>{};
+}
+
 Result<SelectedTerrain> TerrainOrigin::select_all(Progress& progress) const {
   return select({.max_error = 0}, delaunay::TinLinks::kept, progress);
 }

@@ -13,7 +13,6 @@
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
 #include "lode/core/vertical_unit.h"
-#include "lode/locate/tin_profile.h"
 
 namespace lode {
 namespace {
@@ -32,7 +31,8 @@ class SightWay {
     const Place a = tin_.to_lattice(options_.from);
     const Place b = tin_.to_lattice(options_.to);
     if (a == b) return fail("expected two places that differ by more than rounding, got one");
-    const std::vector<ProfilePoint> profile = tin_profile(tin_.tin, a, b);
+    Progress progress;
+    LODE_TRY(const std::vector<ProfilePoint> profile, tin_.profile(a, b, progress));
     if (profile.empty() || profile.front().t > 0) return off_terrain("observer", options_.from);
     if (profile.back().t < 1) return off_terrain("target", options_.to);
     for (std::size_t i = 0; i < profile.size(); ++i) {
@@ -128,7 +128,8 @@ Result<TerrainSight> find_terrain_sight(const Terrain& terrain, const TerrainOpt
   TerrainOptions wanted = tin_options;
   Terrain asked = terrain;
   for (std::uint32_t round = 1;; ++round) {
-    LODE_TRY(const TerrainTin tin, TerrainTin::select(asked, wanted, metric, progress));
+    LODE_TRY(const TerrainTin tin,
+             TerrainTin::select(asked, wanted, metric, progress, TinUse::places));
     LODE_TRY(TerrainSight sight, tin.sight(options));
     sight.n_rounds = round;
     sight.terrain = tin.report();

@@ -1,17 +1,41 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "lode/core/height_frame.h"
 #include "lode/core/height_grid.h"
+#include "lode/core/lattice_point.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
+#include "lode/delaunay/predicates.h"
 #include "lode/delaunay/tin.h"
 
 namespace lode {
 
 struct SelectedTerrain;
 struct TerrainOptions;
+struct TerrainReport;
+
+/// A mesh of which parts can be had without making all of it. Const members are safe from many
+/// threads.
+class TerrainParts {
+ public:
+  virtual ~TerrainParts() = default;
+  /// Of all of the mesh.
+  [[nodiscard]] virtual const TerrainReport& report() const = 0;
+  /// Columns and rows of the outermost vertices.
+  [[nodiscard]] virtual LatticePoint lower() const = 0;
+  [[nodiscard]] virtual LatticePoint upper() const = 0;
+  /// The triangles that hold some places (columns and rows), with their edges, in the order of the
+  /// mesh, with heights, errors and twins among each other.
+  [[nodiscard]] virtual Result<delaunay::Tin> around(std::span<const delaunay::Point> places,
+                                                     Progress& progress) const = 0;
+  /// The same of those that a segment meets, and perhaps of some beside it.
+  [[nodiscard]] virtual Result<delaunay::Tin> along(const delaunay::Point& a,
+                                                    const delaunay::Point& b,
+                                                    Progress& progress) const = 0;
+};
 
 /// What TINs are made of. Const members are safe from many threads.
 class TerrainOrigin {
@@ -30,6 +54,10 @@ class TerrainOrigin {
   [[nodiscard]] virtual Result<SelectedTerrain> select(const TerrainOptions& options,
                                                        delaunay::TinLinks links,
                                                        Progress& progress) const = 0;
+  /// The mesh that select() would make, where it has one in parts, else null. Fails as select()
+  /// does.
+  [[nodiscard]] virtual Result<std::shared_ptr<const TerrainParts>> parts(
+      const TerrainOptions& options) const;
   /// The TIN of all samples or points of the domain, with heights and twins, by the rule of
   /// to_full_tin() where it is of a raster. Fails where not all heights are at hand.
   [[nodiscard]] virtual Result<SelectedTerrain> select_all(Progress& progress) const;

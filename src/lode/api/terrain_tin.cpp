@@ -7,7 +7,6 @@
 #include "lode/api/terrain_tin_impl.h"
 #include "lode/core/out_of_memory.h"
 #include "lode/core/stopwatch.h"
-#include "lode/locate/tin_profile.h"
 #include "lode/mappers/tin_everywhere.h"
 
 namespace lode {
@@ -35,13 +34,44 @@ TerrainTin::~TerrainTin() = default;
 
 const TerrainReport& TerrainTin::report() const { return impl_->report; }
 
+void TerrainTin::Impl::find_rectangle() {
+  if (tin.vertices.empty()) return;
+  lower = upper = tin.vertices.front();
+  for (const delaunay::LatticePoint& p : tin.vertices) {
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y)};
+  }
+}
+
+Result<std::vector<ProfilePoint>> TerrainTin::Impl::profile(const Place& a, const Place& b,
+                                                            Progress& progress) const {
+  if (!parts) return tin_profile(tin, a, b);
+  LODE_TRY(const delaunay::Tin near, parts->along(a, b, progress));
+  return tin_profile(near, a, b);
+}
+
 Result<TerrainTin> TerrainTin::select(const Terrain& terrain, const TerrainOptions& options,
-                                      const HorizontalMetric& metric, Progress& progress) try {
+                                      const HorizontalMetric& metric, Progress& progress,
+                                      TinUse use) try {
+  auto impl = std::unique_ptr<Impl>(new Impl{terrain.frame(), metric, {}, {}});
+  if (use == TinUse::places && !options.samples) {
+    LODE_TRY(impl->parts, terrain.origin().parts(options));
+    if (impl->parts) {
+      impl->report = impl->parts->report();
+      impl->lower = impl->parts->lower();
+      impl->upper = impl->parts->upper();
+      impl->terrain = terrain;
+      impl->options = options;
+      return TerrainTin(std::move(impl));
+    }
+  }
   LODE_TRY(SelectedTerrain selected,
            terrain.origin().select(options, delaunay::TinLinks::kept, progress));
   if (options.samples) LODE_CHECK(hold_everywhere(terrain, options, selected, progress));
-  return TerrainTin(std::unique_ptr<Impl>(
-      new Impl{terrain.frame(), metric, selected.report, std::move(selected.tin)}));
+  impl->report = selected.report;
+  impl->tin = std::move(selected.tin);
+  impl->find_rectangle();
+  return TerrainTin(std::move(impl));
 } catch (const std::bad_alloc&) {
   return out_of_memory("select samples");
 }
@@ -66,7 +96,7 @@ Result<TerrainProfile> TerrainTin::profile(const Place& from, const Place& to,
   if (a == b)
     return fail("expected two places that differ by more than rounding, got {}, {} and {}, {}",
                 from[0], from[1], to[0], to[1]);
-  const std::vector<ProfilePoint> points = tin_profile(impl_->tin, a, b);
+  LODE_TRY(const std::vector<ProfilePoint> points, impl_->profile(a, b, progress));
   double error = 0;
   for (const ProfilePoint& point : points) {
     const double before = distance;

@@ -83,6 +83,10 @@ struct TerrainBands {
 struct TerrainSight;
 struct TerrainSightOptions;
 
+/// What a TIN is asked for. places: heights(), profile() and sight() alone; of a model in a file
+/// they then read what is near the places, where that is less, and find the same.
+enum class TinUse : std::uint8_t { all, places };
+
 /// A TIN of a terrain, to ask of. Const members are safe from many threads.
 class TerrainTin {
  public:
@@ -90,8 +94,8 @@ class TerrainTin {
   /// that differ by whole turns are one.
   [[nodiscard]] static Result<TerrainTin> select(const Terrain& terrain,
                                                  const TerrainOptions& options,
-                                                 const HorizontalMetric& metric,
-                                                 Progress& progress);
+                                                 const HorizontalMetric& metric, Progress& progress,
+                                                 TinUse use = TinUse::all);
 
   TerrainTin(TerrainTin&& other) noexcept;
   TerrainTin& operator=(TerrainTin&&) = delete;

@@ -1,29 +1,61 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "lode/api/terrain_selection.h"
+#include "lode/api/terrain_source.h"
 #include "lode/api/terrain_tin.h"
 #include "lode/locate/tin_locator.h"
+#include "lode/locate/tin_profile.h"
 
 namespace lode {
+
+/// Finds triangles of a TIN, which outlives it; of one without triangles none.
+class PlaceFinder {
+ public:
+  explicit PlaceFinder(const delaunay::Tin& tin) {
+    if (!tin.triangles.empty()) locator_.emplace(tin);
+  }
+  [[nodiscard]] std::optional<std::uint32_t> find(const delaunay::Point& at) const {
+    return locator_ ? locator_->find(at) : std::nullopt;
+  }
+
+ private:
+  std::optional<TinLocator> locator_;
+};
 
 struct TerrainTin::Impl {
   HeightFrame frame;
   HorizontalMetric metric;
   TerrainReport report;
   delaunay::Tin tin;
-  mutable std::once_flag has_locator{};
-  mutable std::unique_ptr<TinLocator> made_locator{};
+  std::shared_ptr<const TerrainParts> parts{};  ///< In the TIN's place, where there are.
+  /// Of what the parts are, where more is wanted than that.
+  std::optional<Terrain> terrain{};
+  TerrainOptions options{};
+  delaunay::LatticePoint lower{};  ///< Of all vertices.
+  delaunay::LatticePoint upper{};
+  mutable std::once_flag has_finder{};
+  mutable std::unique_ptr<PlaceFinder> made_finder{};
 
-  /// Made when first asked for.
-  [[nodiscard]] const TinLocator& locator() const {
-    std::call_once(has_locator, [this] { made_locator = std::make_unique<TinLocator>(tin); });
-    return *made_locator;
+  /// Made when first asked for. Of the TIN.
+  [[nodiscard]] const PlaceFinder& finder() const {
+    std::call_once(has_finder, [this] { made_finder = std::make_unique<PlaceFinder>(tin); });
+    return *made_finder;
   }
+  /// Finds the rectangle of the TIN.
+  void find_rectangle();
+  [[nodiscard]] bool is_in_rectangle(const delaunay::Point& at) const {
+    return at[0] >= lower.x && at[0] <= upper.x && at[1] >= lower.y && at[1] <= upper.y;
+  }
+  /// What tin_profile() of the whole TIN is.
+  [[nodiscard]] Result<std::vector<ProfilePoint>> profile(const Place& a, const Place& b,
+                                                          Progress& progress) const;
   /// Of a triangle's, kept as floats rounded up, none is above the whole's.
   [[nodiscard]] double error_bound(double error) const {
     return std::min(error, report.achieved_error);

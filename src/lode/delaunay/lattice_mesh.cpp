@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "lode/core/expects.h"
+#include "lode/delaunay/grown_nodes.h"
 #include "lode/delaunay/tin_links.h"
 
 namespace lode::delaunay {
@@ -387,5 +388,6 @@ std::uint32_t NodeMesh<Nodes>::growth(std::uint32_t p, std::uint32_t t) const {
 
 template class NodeMesh<LatticePacking>;
 template class NodeMesh<ListedNodes>;
+template class NodeMesh<GrownNodes>;
 
 }  // namespace lode::delaunay

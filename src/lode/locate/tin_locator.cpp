@@ -117,6 +117,21 @@ bool TinLocator::holds(std::uint32_t triangle, const Point& p) const {
   return true;
 }
 
+bool TinLocator::is_on_edge(std::uint32_t triangle, const Point& p) const {
+  const auto& corner = tin_.triangles[triangle];
+  for (std::size_t i = 0; i < 3; ++i)
+    if (delaunay::side_of(tin_.vertices[corner[i]], tin_.vertices[corner[kNext[i]]], p) == 0)
+      return true;
+  return false;
+}
+
+std::optional<std::uint32_t> TinLocator::first_with(std::span<const std::uint32_t> near,
+                                                    const Point& p) const {
+  for (const std::uint32_t one : near)
+    if (holds(one, p)) return one;
+  return std::nullopt;
+}
+
 std::optional<std::uint32_t> TinLocator::find(const Point& p) const {
   if (!is_in_rectangle(p)) return std::nullopt;
   const std::span<const std::uint32_t> near = triangles_in(square_of(p));
@@ -134,15 +149,13 @@ std::optional<std::uint32_t> TinLocator::find(const Point& p) const {
       if (delaunay::side_of(tin_.vertices[corner[i]], tin_.vertices[corner[kNext[i]]], p) < 0)
         out = i;
     }
-    if (out == 3) return t;
+    if (out == 3) return is_on_edge(t, p) ? first_with(near, p) : t;
     const std::uint32_t twin = tin_.twins[t][out];
     if (twin == delaunay::kNoHalfEdge) break;
     t = twin / 4;
     entered = twin % 4;
   }
-  for (const std::uint32_t one : near)
-    if (holds(one, p)) return one;
-  return std::nullopt;
+  return first_with(near, p);
 }
 
 }  // namespace lode

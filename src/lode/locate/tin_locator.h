@@ -23,8 +23,9 @@ class TinLocator {
   /// The TIN has twins, and outlives it.
   explicit TinLocator(const delaunay::Tin& tin);
 
-  /// A triangle, with its edges, that p (column and row, finite) lies in: always the same of
-  /// several. None outside the domain.
+  /// A triangle, with its edges, that p (column and row, finite) lies in: of several the
+  /// first, so that a TIN of some triangles of another, in their order, has the same. None outside
+  /// the domain.
   [[nodiscard]] std::optional<std::uint32_t> find(const delaunay::Point& p) const;
 
   [[nodiscard]] const delaunay::Tin& tin() const { return tin_; }
@@ -43,6 +44,10 @@ class TinLocator {
   void visit_squares(std::uint32_t triangle, const Visit& visit) const;
   void choose_size();
   void fill_squares();
+  [[nodiscard]] bool is_on_edge(std::uint32_t triangle, const delaunay::Point& p) const;
+  /// A square's triangles are in their order.
+  [[nodiscard]] std::optional<std::uint32_t> first_with(std::span<const std::uint32_t> near,
+                                                        const delaunay::Point& p) const;
   [[nodiscard]] std::span<const std::uint32_t> triangles_in(std::uint32_t square) const;
 
   const delaunay::Tin& tin_;

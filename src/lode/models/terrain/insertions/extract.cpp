@@ -50,18 +50,11 @@ class Selection {
   void look_at(std::uint32_t t) {
     const Triangle& triangle = history_.triangles[t];
     if (triangle.death == kNone || applied_[triangle.death]) return;
-    const NodeFacts facts =
-        demand_.uses_bounds() ? facts_of(history_, triangle) : facts_without_bounds(triangle);
+    const auto& [a, b, c] = triangle.corner;
+    const NodeFacts facts = facts_of(
+        history_, {history_.vertices[a], history_.vertices[b], history_.vertices[c]},
+        {history_.heights[a], history_.heights[b], history_.heights[c]}, triangle.error, demand_);
     if (demand_.touches(facts) && to_rank(demand_(facts)) > 0) wanted_.push_back(triangle.death);
-  }
-  [[nodiscard]] NodeFacts facts_without_bounds(const Triangle& triangle) const {
-    const auto [low, high] =
-        std::minmax({history_.heights[triangle.corner[0]], history_.heights[triangle.corner[1]],
-                     history_.heights[triangle.corner[2]]});
-    NodeFacts facts;
-    facts.error = static_cast<double>(triangle.error);
-    facts.range = {low - facts.error, high + facts.error};
-    return facts;
   }
   /// After its ancestors, of which there may be long chains.
   void apply(std::uint32_t wanted) {
@@ -118,8 +111,13 @@ std::uint32_t time_of_cells(const History& history, std::uint64_t max_cells) {
 }  // namespace
 
 void place_vertices(const History& history, delaunay::Tin& tin) {
+  place_vertices(history.vertices, history.heights, tin);
+}
+
+void place_vertices(std::span<const delaunay::LatticePoint> vertices,
+                    std::span<const double> heights, delaunay::Tin& tin) {
   std::vector<std::uint32_t> used;
-  std::vector<bool> is_used(history.vertices.size());
+  std::vector<bool> is_used(vertices.size());
   for (const auto& corners : tin.triangles)
     for (const std::uint32_t vertex : corners)
       if (!is_used[vertex]) {
@@ -127,16 +125,16 @@ void place_vertices(const History& history, delaunay::Tin& tin) {
         used.push_back(vertex);
       }
   std::ranges::sort(used, {}, [&](std::uint32_t vertex) {
-    const delaunay::LatticePoint p = history.vertices[vertex];
+    const delaunay::LatticePoint p = vertices[vertex];
     return std::pair(p.y, p.x);
   });
-  std::vector<std::uint32_t> number(history.vertices.size());
+  std::vector<std::uint32_t> number(vertices.size());
   tin.vertices.reserve(used.size());
   tin.heights.reserve(used.size());
   for (const std::uint32_t vertex : used) {
     number[vertex] = static_cast<std::uint32_t>(tin.vertices.size());
-    tin.vertices.push_back(history.vertices[vertex]);
-    tin.heights.push_back(history.heights[vertex]);
+    tin.vertices.push_back(vertices[vertex]);
+    tin.heights.push_back(heights[vertex]);
   }
   for (auto& corners : tin.triangles)
     for (std::uint32_t& vertex : corners) vertex = number[vertex];
@@ -187,14 +185,36 @@ delaunay::Tin tin_of(const History& history, const NodeSet& nodes, delaunay::Tin
   });
 }
 
-NodeFacts facts_of(const History& history, const Triangle& triangle) {
+namespace {
+
+NodeFacts facts_with_bounds(const terrain_file::Source& source,
+                            const delaunay::LatticeCorners& corners,
+                            const std::array<double, 3>& heights, float error) {
   SurfacePatch patch;
-  for (const std::uint32_t v : triangle.corner) {
-    const Vec<double, 2> at = history.frame.world(history.vertices[v].x, history.vertices[v].y);
-    patch.add({{at[0], at[1], history.heights[v]}});
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec<double, 2> at = source.frame.world(corners[i].x, corners[i].y);
+    patch.add({{at[0], at[1], heights[i]}});
   }
-  return patch.facts(static_cast<double>(triangle.error),
-                     {history.range.lower, history.range.upper});
+  return patch.facts(static_cast<double>(error), {source.range.lower, source.range.upper});
+}
+
+}  // namespace
+
+NodeFacts facts_of(const History& history, const Triangle& triangle) {
+  const auto& [a, b, c] = triangle.corner;
+  return facts_with_bounds(history, {history.vertices[a], history.vertices[b], history.vertices[c]},
+                           {history.heights[a], history.heights[b], history.heights[c]},
+                           triangle.error);
+}
+
+NodeFacts facts_of(const terrain_file::Source& source, const delaunay::LatticeCorners& corners,
+                   const std::array<double, 3>& heights, float error, const Demand& demand) {
+  if (demand.uses_bounds()) return facts_with_bounds(source, corners, heights, error);
+  const auto [low, high] = std::ranges::minmax(heights);
+  NodeFacts facts;
+  facts.error = static_cast<double>(error);
+  facts.range = {low - facts.error, high + facts.error};
+  return facts;
 }
 
 }  // namespace lode::insertions

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -45,7 +47,18 @@ namespace lode::insertions {
 /// and takes places and heights over.
 void place_vertices(const History& history, delaunay::Tin& tin);
 
+/// The same of vertices and their heights, wherever they are from.
+void place_vertices(std::span<const delaunay::LatticePoint> vertices,
+                    std::span<const double> heights, delaunay::Tin& tin);
+
 /// What a demand sees of a triangle.
 [[nodiscard]] NodeFacts facts_of(const History& history, const Triangle& triangle);
+
+/// What it sees of a triangle of an error, over a raster or points of that frame and range; without
+/// bounds where it does not ask for them.
+[[nodiscard]] NodeFacts facts_of(const terrain_file::Source& source,
+                                 const delaunay::LatticeCorners& corners,
+                                 const std::array<double, 3>& heights, float error,
+                                 const Demand& demand);
 
 }  // namespace lode::insertions

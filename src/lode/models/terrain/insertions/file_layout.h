@@ -8,24 +8,33 @@
 
 namespace lode::insertions {
 
-/// Columns of numbers, each in parts of kPart.
+/// Columns of numbers, each in parts of kPart, but for pages.
 enum class Column : std::uint32_t {
-  x = 1,        ///< int32 by vertex.
-  y = 2,        ///< int32 by vertex.
-  height = 3,   ///< By vertex, in the type that HeightType says.
+  x = 1,        ///< int32 by vertex of the base.
+  y = 2,        ///< int32 by vertex of the base.
+  height = 3,   ///< By vertex of the base, in the type that HeightType says.
   corners = 4,  ///< uint32, three by triangle of the base.
-  age = 5,      ///< uint32 by node: how many triangles were made after the one its vertex lies in.
+  steps = 5,    ///< uint32: errors of all steps, their times, triangles and largest errors.
+  error = 6,    ///< uint16 by triangle of the base: the upper half of a float32.
   lines = 7,    ///< uint32, two by fixed edge of the base.
-  error = 6,    ///< uint16 by triangle: the upper half of a float32.
+  boxes = 8,    ///< int32: first columns of all pages, first rows, last columns, last rows.
+  counts = 9,   ///< uint32: nodes of all pages, then triangles that these make.
+  nodes = 10,   ///< Bits, by page: a block each, of any size.
+  made = 11,    ///< uint16 by triangle that a page's nodes make: its error. A block a page.
 };
 
 enum class HeightType : std::uint8_t { int16 = 1, float32 = 2, float64 = 3 };
 
 /// Of the metadata and the columns; files of another one are refused.
-inline constexpr std::uint32_t kLayout = 3;
+inline constexpr std::uint32_t kLayout = 4;
 
 [[nodiscard]] inline terrain_file::ColumnKey key_of(Column column) {
   return {static_cast<std::uint32_t>(column)};
+}
+
+/// Of Column::nodes and Column::made.
+[[nodiscard]] inline store::BlockKey key_of(Column column, std::uint32_t page) {
+  return {static_cast<std::uint32_t>(column), 0, {{static_cast<std::int32_t>(page), 0, 0}}};
 }
 
 }  // namespace lode::insertions

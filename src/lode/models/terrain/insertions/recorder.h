@@ -25,6 +25,9 @@ class Recorder {
   /// When all nodes are there.
   void finish();
 
+  /// What is in a slot of the mesh.
+  [[nodiscard]] std::uint32_t triangle_in(std::uint32_t slot) const { return current_[slot]; }
+
  private:
   [[nodiscard]] std::uint32_t border_vertex(delaunay::LatticePoint p) const;
 

@@ -1,0 +1,166 @@
+#include "lode/models/terrain/insertions/local_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "lode/delaunay/lattice_side.h"
+#include "lode/models/terrain/insertions/extract.h"
+#include "lode/models/terrain/insertions/local_mesh.h"
+
+namespace lode::insertions {
+namespace {
+
+using delaunay::Point;
+
+/// Applies nodes until no triangle wants more.
+class DemandedTin {
+ public:
+  DemandedTin(const HistoryFile& file, const Demand& demand)
+      : mesh_(file, file.n_nodes()), demand_(demand) {}
+
+  Result<std::optional<delaunay::Tin>> run(delaunay::TinLinks links, std::uint32_t max_nodes,
+                                           Progress& progress) {
+    for (std::uint32_t t = 0; t < mesh_.n_triangles(); ++t) {
+      if (progress.is_cancelled()) return cancelled_error();
+      if (mesh_.triangle(t).removed_by != kNone || !is_wanted(t)) continue;
+      LODE_TRY(const FileNode death, mesh_.death_of(t));
+      // What it makes is looked at in its turn.
+      if (death.time != kNone) LODE_CHECK(mesh_.apply_death_of(t));
+      if (mesh_.n_applied() > max_nodes) return std::optional<delaunay::Tin>{};
+    }
+    std::vector<std::uint32_t> left;
+    for (std::uint32_t t = 0; t < mesh_.n_triangles(); ++t)
+      if (mesh_.triangle(t).removed_by == kNone) left.push_back(t);
+    return std::optional(mesh_.to_tin(std::move(left), links));
+  }
+
+ private:
+  [[nodiscard]] bool is_wanted(std::uint32_t t) const {
+    const NodeFacts facts = facts_of(mesh_.file().base(), mesh_.corners_of(t), mesh_.heights_of(t),
+                                     mesh_.triangle(t).error, demand_);
+    return demand_.touches(facts) && to_rank(demand_(facts)) > 0;
+  }
+
+  LocalMesh mesh_;
+  const Demand& demand_;
+};
+
+/// Goes down from the base to the triangles of the last time that meet something.
+class Search {
+ public:
+  Search(const HistoryFile& file, std::uint32_t time) : mesh_(file, time) {
+    std::vector<LatticeBox> boxes;
+    for (std::uint32_t t = 0; t < mesh_.n_triangles(); ++t)
+      boxes.push_back(box_of(mesh_.corners_of(t)));
+    boxes_ = BoxTree(std::move(boxes));
+  }
+
+  /// meets(t): where false, nothing that is made in its place does.
+  template <typename Meets>
+  Result<void> add(const LatticeBox& box, const Meets& meets) {
+    ++round_;
+    open_.clear();
+    boxes_.for_each([&](const LatticeBox& other) { return other.meets(box); },
+                    [&](std::uint32_t t) {
+                      push(t, meets);
+                      return true;
+                    });
+    while (!open_.empty()) {
+      const std::uint32_t t = open_.back();
+      open_.pop_back();
+      LODE_TRY(const FileNode death, mesh_.death_of(t));
+      if (death.time == kNone) {
+        found_.push_back(t);
+        continue;
+      }
+      LODE_CHECK(mesh_.apply_death_of(t));
+      const auto [begin, end] = mesh_.made_by(mesh_.triangle(t).removed_by);
+      for (std::uint32_t made = begin; made < end; ++made) push(made, meets);
+    }
+    return {};
+  }
+  [[nodiscard]] LatticeCorners corners_of(std::uint32_t t) const { return mesh_.corners_of(t); }
+  [[nodiscard]] delaunay::Tin take() {
+    std::ranges::sort(found_);
+    found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+    return mesh_.to_tin(std::move(found_), delaunay::TinLinks::kept);
+  }
+
+ private:
+  template <typename Meets>
+  void push(std::uint32_t t, const Meets& meets) {
+    if (seen_.size() <= t) seen_.resize(mesh_.n_triangles());
+    if (seen_[t] == round_) return;
+    seen_[t] = round_;
+    if (meets(t)) open_.push_back(t);
+  }
+
+  LocalMesh mesh_;
+  BoxTree boxes_;  ///< Of the base's triangles.
+  std::uint32_t round_ = 0;
+  std::vector<std::uint32_t> seen_;  ///< By triangle: in which round it was.
+  std::vector<std::uint32_t> open_;
+  std::vector<std::uint32_t> found_;
+};
+
+/// Of nodes that a rectangle round two places meets.
+LatticeBox box_round(const Point& a, const Point& b) {
+  static constexpr double kEdge = 0x1p30;
+  const auto clamped = [](double x) {
+    return static_cast<std::int32_t>(std::clamp(x, -kEdge, kEdge));
+  };
+  return {{clamped(std::floor(std::min(a[0], b[0]))), clamped(std::floor(std::min(a[1], b[1])))},
+          {clamped(std::ceil(std::max(a[0], b[0]))), clamped(std::ceil(std::max(a[1], b[1])))}};
+}
+
+bool holds_place(const LatticeCorners& triangle, const Point& p) {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (delaunay::side_of(triangle[i], triangle[(i + 1) % 3], p) < 0) return false;
+  return true;
+}
+
+/// Whether all corners are to one side of the line through two places.
+bool is_beside_line(const LatticeCorners& triangle, const Point& a, const Point& b) {
+  int n_left = 0;
+  int n_right = 0;
+  for (const delaunay::LatticePoint& p : triangle) {
+    const int side = delaunay::side_of(a, b, delaunay::to_point(p));
+    n_left += side > 0 ? 1 : 0;
+    n_right += side < 0 ? 1 : 0;
+  }
+  return n_left == 3 || n_right == 3;
+}
+
+}  // namespace
+
+Result<std::optional<delaunay::Tin>> select_tin(const HistoryFile& file, const Demand& demand,
+                                                delaunay::TinLinks links, std::uint32_t max_nodes,
+                                                Progress& progress) {
+  return DemandedTin(file, demand).run(links, max_nodes, progress);
+}
+
+Result<delaunay::Tin> tin_around(const HistoryFile& file, std::uint32_t time,
+                                 std::span<const Point> places, Progress& progress) {
+  Search search(file, time);
+  for (const Point& p : places) {
+    if (progress.is_cancelled()) return cancelled_error();
+    LODE_CHECK(search.add(box_round(p, p),
+                          [&](std::uint32_t t) { return holds_place(search.corners_of(t), p); }));
+  }
+  return search.take();
+}
+
+Result<delaunay::Tin> tin_along(const HistoryFile& file, std::uint32_t time, const Point& a,
+                                const Point& b, Progress& progress) {
+  if (progress.is_cancelled()) return cancelled_error();
+  Search search(file, time);
+  const LatticeBox box = box_round(a, b);
+  LODE_CHECK(search.add(box, [&](std::uint32_t t) {
+    const LatticeCorners corners = search.corners_of(t);
+    return box_of(corners).meets(box) && !is_beside_line(corners, a, b);
+  }));
+  return search.take();
+}
+
+}  // namespace lode::insertions
