@@ -15,7 +15,7 @@ namespace lode::insertions {
 
 /// tin_of() what select_nodes() has of a file's history, from the pages that it takes: with errors
 /// and, if `links` says so, twins. Nothing where it is more than so many nodes: replaying all takes
-/// a sixth of the time a node. Fails when cancelled, and where a page is not as it has to be.
+/// a third of the time a node. Fails when cancelled, and where a page is not as it has to be.
 [[nodiscard]] Result<std::optional<delaunay::Tin>> select_tin(const HistoryFile& file,
                                                               const Demand& demand,
                                                               delaunay::TinLinks links,

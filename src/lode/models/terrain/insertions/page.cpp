@@ -64,6 +64,7 @@ double height_of(std::uint64_t key, HeightType type) {
 /// Numbers that rise, from `begin` on.
 void write_rising(std::span<const std::uint32_t> numbers, std::uint32_t begin, PageBitWriter& out) {
   std::vector<std::uint32_t> gaps;
+  gaps.reserve(numbers.size());
   for (const std::uint32_t number : numbers) {
     gaps.push_back(number - begin);
     begin = number + 1;
@@ -89,6 +90,7 @@ std::vector<std::uint32_t> read_rising(PageBitReader& in, std::size_t n, std::ui
 
 void write_heights(std::span<const double> heights, HeightType type, PageBitWriter& out) {
   std::vector<std::uint64_t> keys;
+  keys.reserve(heights.size());
   for (const double z : heights) keys.push_back(key_of(z, type));
   const std::uint64_t lowest = keys.empty() ? 0 : std::ranges::min(keys);
   std::uint64_t all = 0;
@@ -131,7 +133,9 @@ std::int64_t from_zigzag(std::uint64_t code) {
 /// How many triangles nodes make, from a number that the first one has on.
 void write_counts(std::span<const std::uint32_t> first_made, PageBitWriter& out) {
   std::vector<std::uint32_t> codes;
+  codes.reserve(first_made.size());
   std::vector<std::uint32_t> counts;
+  counts.reserve(first_made.size());
   for (std::size_t i = 0; i + 1 < first_made.size(); ++i)
     counts.push_back(first_made[i + 1] - first_made[i]);
   std::vector<std::uint32_t> sorted = counts;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "lode/delaunay/lattice_side.h"
 #include "lode/models/terrain/insertions/overlap.h"
 #include "lode/models/terrain/insertions/recorder.h"
 #include "lode/models/terrain/insertions/start_finder.h"
