@@ -21,7 +21,7 @@ import independent_reader as container  # noqa: E402
 from independent_reader import BadFile, expect  # noqa: E402
 
 PART = 65536
-X, Y, HEIGHT, CORNERS, AGE, ERROR, LINES = range(1, 8)
+X, Y, HEIGHT, CORNERS, STEPS, ERROR, LINES, BOXES, COUNTS, NODES, MADE = range(1, 12)
 HEIGHT_TYPES = {1: "h", 2: "f", 3: "d"}
 
 
@@ -42,7 +42,7 @@ class Cursor:
 
 def read_metadata(raw):
     cursor = Cursor(raw)
-    expect(cursor.take("I") == 3, "another layout")
+    expect(cursor.take("I") == 4, "another layout")
     kind = cursor.take("B")
     expect(kind in (0, 1), "neither of a raster nor of points")
     m = {"is_of_points": kind == 1, "size": cursor.take("2i"), "world": cursor.take("6d")}
@@ -58,7 +58,11 @@ def read_metadata(raw):
     n_ends = cursor.take("I")
     m["ends"] = struct.unpack_from(f"<{n_ends}I", raw, cursor.at)
     cursor.at += 4 * n_ends
-    m["n_lines"] = cursor.take("I")
+    m["facts"] = [cursor.take("d2I2d") for _ in range(n_levels + n_ends)]
+    m["n_lines"], m["n_steps"], n_bands = cursor.take("3I")
+    m["bands"] = [cursor.take("2I") for _ in range(n_bands)]
+    ends = [0] + [end for end, _ in m["bands"]]
+    expect(all(a < b for a, b in zip(ends, ends[1:])) and ends[-1] == m["n"], "wrong bands")
     expect(m["is_of_points"] or m["n_lines"] == 0, "lines in a raster")
     expect(cursor.at == len(raw), "bytes left over")
     return m
@@ -87,6 +91,62 @@ class File:
         return numbers
 
 
+class Bits:
+    """Numbers of few bits, the lowest first."""
+
+    def __init__(self, raw):
+        self.number, self.n, self.at = int.from_bytes(raw, "little"), 8 * len(raw), 0
+
+    def take(self, n):
+        self.at += n
+        expect(self.at <= self.n, "a page that is too short")
+        return (self.number >> (self.at - n)) & ((1 << n) - 1)
+
+    def rice(self, k):
+        high = 0
+        while self.take(1):
+            high += 1
+        return high << k | self.take(k)
+
+    def rising(self, n, begin):
+        k, numbers = self.take(5), []
+        for _ in range(n):
+            numbers.append(begin + self.rice(k))
+            begin = numbers[-1] + 1
+        return numbers
+
+
+def to_float(half):
+    return struct.unpack("<f", struct.pack("<I", half << 16))[0]
+
+
+def to_height(key, code):
+    if code == "h":
+        return key - 32768
+    n = 8 * struct.calcsize("<" + code)
+    bits = key ^ (1 << (n - 1)) if key >> (n - 1) else key ^ ((1 << n) - 1)
+    return struct.unpack("<" + code, bits.to_bytes(n // 8, "little"))[0]
+
+
+def read_page(bits, box, n, n_made, band, code):
+    """Of each node its number, place, height, how many triangles it makes, and whether removing
+    begins with the later one."""
+    numbers = bits.rising(n, band[0])
+    expect(numbers[-1] < band[1], "a node of another band")
+    w, h = ((box[k + 2] - box[k]).bit_length() for k in (0, 1))
+    places = [(box[0] + bits.take(w), box[1] + bits.take(h)) for _ in range(n)]
+    expect(all(x <= box[2] and y <= box[3] for x, y in places), "a node beside its page")
+    lowest, shift, m = bits.take(64), bits.take(7), bits.take(7)
+    heights = [to_height(lowest + (bits.take(m) << shift), code) for _ in range(n)]
+    middle, k = bits.take(16), bits.take(5)
+    codes = [bits.rice(k) for _ in range(n)]
+    made = [middle + (c // 2 if c % 2 == 0 else -(c + 1) // 2) for c in codes]
+    expect(min(made) > 0 and sum(made) == n_made, "another number of triangles in a page")
+    later = set(bits.rising(bits.take(17), 0))
+    expect(-(-bits.at // 8) * 8 == bits.n, "bytes left over in a page")
+    return [(numbers[i], places[i], heights[i], made[i], i in later) for i in range(n)]
+
+
 def area(a, b, c):
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
@@ -106,15 +166,14 @@ class Insertions:
     def __init__(self, file):
         self.m = m = file.m
         self.is_split = file.is_split
-        n = m["b"] + m["n"]
-        self.places = list(zip(file.column(X, n, "i"), file.column(Y, n, "i")))
-        self.heights = file.column(HEIGHT, n, HEIGHT_TYPES[m["height_type"]])
+        code = HEIGHT_TYPES[m["height_type"]]
+        self.places = list(zip(file.column(X, m["b"], "i"), file.column(Y, m["b"], "i")))
+        self.heights = list(file.column(HEIGHT, m["b"], code))
         corners = file.column(CORNERS, 3 * m["n_base"], "I")
-        ages = file.column(AGE, m["n"], "I")
-        self.errors = [
-            struct.unpack("<f", struct.pack("<I", e << 16))[0]
-            for e in file.column(ERROR, m["T"], "H")
-        ]
+        self.errors = [to_float(e) for e in file.column(ERROR, m["n_base"], "H")]
+        steps = file.column(STEPS, 4 * m["n_steps"], "I")
+        self.steps = [tuple(steps[k :: m["n_steps"]]) for k in range(m["n_steps"])]
+        nodes = self.read_pages(file, code)
         ends = file.column(LINES, 2 * m["n_lines"], "I")
         expect(not file.blocks, "blocks left over")
         self.lines = [tuple(ends[i : i + 2]) for i in range(0, len(ends), 2)]
@@ -122,14 +181,61 @@ class Insertions:
         expect(self.lines == sorted(set(self.lines)), "fixed edges out of order")
         # Split triangles keep their edges anyhow.
         self.fixed = set() if self.is_split else set(self.lines)
-        self.triangles, self.deaths, self.of_edge, self.removed = [], [], {}, []
+        self.triangles, self.deaths, self.of_edge = [], [], {}
+        self.removed, self.made = [], []
         for t in range(m["n_base"]):
             self.make(tuple(corners[3 * t : 3 * t + 3]))
         for a, b in self.lines:
             expect((a, b) in self.of_edge and (b, a) in self.of_edge, "a fixed edge of one side")
         for node in range(m["n"]):
-            self.insert(node, ages[node])
+            place, height, n_made, is_later, errors = nodes[node]
+            self.places.append(place)
+            self.heights.append(height)
+            self.errors += errors
+            self.insert(node, is_later)
+            expect(len(self.made[node]) == n_made, f"node {node} makes another number of triangles")
         expect(len(self.triangles) == m["T"], "another number of triangles")
+
+    def read_pages(self, file, code):
+        """By node: place, height, number of triangles, whether it begins later, and errors."""
+        n_pages = sum(n for _, n in self.m["bands"])
+        boxes = file.column(BOXES, 4 * n_pages, "i")
+        counts = file.column(COUNTS, 2 * n_pages, "I")
+        nodes, first, begin = {}, 0, 0
+        for end, n in self.m["bands"]:
+            for page in range(first, first + n):
+                n_nodes, n_made = counts[page::n_pages]
+                errors = array.array("H")
+                errors.frombytes(file.blocks.pop((MADE, page)))
+                expect(len(errors) == n_made, "another number of errors in a page")
+                bits, box = Bits(file.blocks.pop((NODES, page))), boxes[page::n_pages]
+                at = 0
+                for node, *rest in read_page(bits, box, n_nodes, n_made, (begin, end), code):
+                    expect(node not in nodes, "a node twice")
+                    own = [to_float(e) for e in errors[at : at + rest[2]]]
+                    nodes[node] = *rest, own
+                    at += rest[2]
+            first, begin = first + n, end
+        expect(len(nodes) == self.m["n"], "a node that is in no page")
+        return nodes
+
+    def holds(self, t, place):
+        c = [self.places[v] for v in self.triangles[t]]
+        return all(area(c[i], c[(i + 1) % 3], place) >= 0 for i in range(3))
+
+    def find(self, place):
+        """The triangles that hold a place: down from those of the base."""
+        found, ahead, seen = [], list(range(self.m["n_base"])), set()
+        while ahead:
+            t = ahead.pop()
+            if t in seen or not self.holds(t, place):
+                continue
+            seen.add(t)
+            if self.deaths[t] is None:
+                found.append(t)
+            else:
+                ahead += self.made[self.deaths[t]]
+        return sorted(found)
 
     def make(self, corner):
         expect(area(*(self.places[v] for v in corner)) > 0, "a triangle that does not turn left")
@@ -141,15 +247,13 @@ class Insertions:
             expect(edge not in self.of_edge, "an edge twice")
             self.of_edge[edge] = t, i
 
-    def insert(self, node, age):
+    def insert(self, node, is_later):
         p = self.m["b"] + node
         place = self.places[p]
-        seed = len(self.triangles) - 1 - age
-        expect(seed >= 0 and self.deaths[seed] is None, "a seed that is not there")
-        corner = self.triangles[seed]
-        for i in range(3):
-            a, b = self.places[corner[i]], self.places[corner[(i + 1) % 3]]
-            expect(a != place and area(a, b, place) >= 0, "a vertex outside its triangle")
+        found = self.find(place)
+        expect(1 <= len(found) <= 2, "a vertex in no triangle, or at a corner")
+        seed = found[-1 if is_later else 0]
+        expect(place not in [self.places[v] for v in self.triangles[seed]], "a vertex at a corner")
         sides = [self.cavity(seed, place)]
         across = sides[0][2]
         if across is not None and self.is_fixed(*across):
@@ -165,8 +269,10 @@ class Insertions:
         self.removed.append(removed)
         heads = [edge for gone, border, _ in sides for edge in border[: len(gone)]]
         tails = [edge for gone, border, _ in sides for edge in border[len(gone) :]]
+        first = len(self.triangles)
         for a, b in heads + tails:
             self.make((a, b, p))
+        self.made.append(range(first, len(self.triangles)))
 
     def is_fixed(self, a, b):
         return (min(a, b), max(a, b)) in self.fixed
@@ -217,6 +323,62 @@ class Insertions:
             if born < time and (death is None or death >= time):
                 alive.append(t)
         return alive
+
+
+def crosses(a, b, c, d):
+    """Whether each of two ways crosses the other, and does not only touch it."""
+
+    def sign(x):
+        return (x > 0) - (x < 0)
+
+    return (
+        sign(area(a, b, c)) * sign(area(a, b, d)) < 0
+        and sign(area(c, d, a)) * sign(area(c, d, b)) < 0
+    )
+
+
+def check_deaths(made, every):
+    """Which node removes a triangle follows from where vertices lie: of every so many triangles."""
+    base = [made.triangles[t] for t in range(made.m["n_base"])]
+    edges = {(c[i], c[(i + 1) % 3]) for c in base for i in range(3)}
+    fixed = [e for e in edges if e[::-1] not in edges] + made.lines
+    thrice = [(3 * x, 3 * y) for x, y in made.places]
+    for t in range(0, len(made.triangles), every):
+        corner = made.triangles[t]
+        a, b, c = (made.places[v] for v in corner)
+        middle = tuple(a[k] + b[k] + c[k] for k in (0, 1))
+        death = None
+        for node in range(corner[2] - made.m["b"] + 1 if t >= len(base) else 0, made.m["n"]):
+            v = made.m["b"] + node
+            p = made.places[v]
+            if made.is_split:
+                removes = made.holds(t, p) and p not in (a, b, c)
+            else:
+                removes = in_circle(a, b, c, p) and not any(
+                    crosses(middle, thrice[v], thrice[i], thrice[k]) for i, k in fixed
+                )
+            if removes:
+                death = node
+                break
+        expect(death == made.deaths[t], f"triangle {t} is removed by {made.deaths[t]}, not {death}")
+
+
+def check_steps(made):
+    """One of each error that a node is the first to fall to, and one after all nodes."""
+    steps, n_now, finest = [], made.m["n_base"], None
+    for node, removed in enumerate(made.removed):
+        worst = max(made.errors[t] for t in removed)
+        if not made.m["ends"] and (finest is None or worst < finest):
+            steps.append((worst, node, n_now))
+            finest = worst
+        n_now += len(made.made[node]) - len(removed)
+    said = [(to_float(error), time, n) for error, time, n, _ in made.steps]
+    expect(said[:-1] == steps, "other steps")
+    expect(said[-1][1:] == (made.m["n"], n_now), "another last step")
+    for _, time, _, largest in made.steps[:: max(1, len(made.steps) // 8)] + made.steps[-1:]:
+        worst = max(made.errors[t] for t in made.mesh_at(time))
+        expect(to_float(largest) == worst, f"another largest error at {time}")
+    expect(made.steps[-1][0] == made.steps[-1][3], "another last error")
 
 
 def read_raster(path, code="d"):
@@ -298,9 +460,12 @@ def main():
     check_errors(
         made, range(len(made.triangles)), samples, lambda t: fractions.Fraction(made.errors[t])
     )
+    check_deaths(made, 97)
+    check_steps(made)
     counts = []
     for level in made.m["levels"]:
         mesh = made.mesh_within(level)
+        expect(made.m["facts"][len(counts)][0] == level, "figures of another level")
         check_errors(made, mesh, samples, lambda t, level=level: fractions.Fraction(level))
         check_lines(made, mesh)
         counts.append(len(mesh))
@@ -310,6 +475,7 @@ def main():
         check_errors(made, mesh, samples, lambda t, worst=worst: worst)
         check_lines(made, mesh)
         counts.append(len(mesh))
+    expect([facts[1] for facts in made.m["facts"]] == counts, "other numbers of triangles")
     print(f"vertices {len(made.places)} triangles {len(made.triangles)} levels {counts}")
 
 
