@@ -178,6 +178,33 @@ TEST_P(hierarchy_terrain, varies) {
   }
 }
 
+/// Not on those before it, after which more of the file may be in memory.
+TEST_P(hierarchy_terrain, gives_answers_that_depend_on_the_question_alone) {
+  const HeightGrid grid = placed(make_grid<std::int16_t>(65, 65, hills_with_spikes));
+  const BuiltTerrain made = build(grid, {240, 24, 3});
+  ASSERT_TRUE(made.save(path_, progress_));
+  const auto opened = BuiltTerrain::open(path_, progress_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  TerrainFocus focus;
+  focus.boxes = {{{{1000, 9e5 - 900}}, {{1900, 9e5}}}};
+  focus.max_error_outside = 240;
+  const auto answer = [&](double tolerance) {
+    return extract_terrain(opened->terrain(), {.max_error = tolerance, .focus = focus}, progress_)
+        .value();
+  };
+  const auto first = answer(24);
+  const auto finer = answer(3);
+  const auto again = answer(24);
+  EXPECT_LT(first.report.triangles, finer.report.triangles);
+  EXPECT_EQ(first.surface.triangles, again.surface.triangles);
+  EXPECT_EQ(first.surface.positions, again.surface.positions);
+  // A tolerance that is a level's takes no triangles of the next one: what they say of themselves
+  // is rounded up.
+  const auto all = extract_terrain(opened->terrain(), {.max_error = 24}, progress_);
+  ASSERT_TRUE(all);
+  EXPECT_LE(first.report.triangles, all->report.triangles);
+}
+
 TEST_P(hierarchy_terrain, refuses_what_it_cannot_by_its_nature) {
   const HeightGrid grid = placed(make_grid<float>(20, 20, hills_with_spikes));
   const BuiltTerrain made = build(grid, {150, 40});

@@ -136,12 +136,14 @@ Result<SelectedTerrain> HierarchyTerrain::select_focused(const TerrainOptions& o
   TerrainReport& report = selected.report;
   LODE_TRY(const TerrainDemand demand,
            TerrainDemand::make(focus, std::max(tolerance, finest), source().frame, source().range));
-  LODE_TRY(const LoadedLevels::Shared hierarchy,
-           levels_->first(n_levels_for(focus, std::max(tolerance, finest)), progress));
+  // No others than these, whichever were read before: answers depend on the question alone.
+  const int n_levels = n_levels_for(focus, std::max(tolerance, finest));
+  LODE_TRY(const LoadedLevels::Shared hierarchy, levels_->first(n_levels, progress));
   LODE_TRY(const auto chains, triangle_hierarchy::EdgeChains::find_in(*hierarchy));
   selected.tin =
-      grid_ ? tin_of_demand(*hierarchy, chains, MeasuredPatches(*grid_), demand.demand())
-            : tin_of_demand(*hierarchy, chains, BoundedPatches(*hierarchy), demand.demand());
+      grid_ ? tin_of_demand(*hierarchy, chains, MeasuredPatches(*grid_), demand.demand(), n_levels)
+            : tin_of_demand(*hierarchy, chains, BoundedPatches(*hierarchy), demand.demand(),
+                            n_levels);
   count_selection(source(), selected);
   report_focus(demand, fine_frame_, selected);
   report.max_error = std::max(tolerance, finest);

@@ -110,8 +110,9 @@ struct Replacement {
 class VariableMesh {
  public:
   VariableMesh(const Hierarchy& hierarchy, const EdgeChains& chains, const PatchErrors& errors,
-               const Demand& demand)
+               const Demand& demand, int n_levels)
       : hierarchy_(hierarchy),
+        end_(hierarchy.triangles_until[static_cast<std::size_t>(n_levels) - 1]),
         errors_(errors),
         demand_(demand),
         leaves_(hierarchy, chains),
@@ -147,8 +148,11 @@ class VariableMesh {
     const auto [first, end] = hierarchy_.triangles_of(hierarchy_.triangles[t].refinement);
     for (std::uint32_t child = first; child < end; ++child) add(child);
   }
-  [[nodiscard]] bool wants_more(const Corners& corners, float error) const {
-    const NodeFacts facts = facts_of(hierarchy_, corners, static_cast<double>(error));
+  [[nodiscard]] bool is_refined(const Hierarchy::Triangle& triangle) const {
+    return triangle.refinement != kNone && hierarchy_.refinements[triangle.refinement].first < end_;
+  }
+  [[nodiscard]] bool wants_more(const Corners& corners, double error) const {
+    const NodeFacts facts = facts_of(hierarchy_, corners, error);
     return demand_.touches(facts) && to_rank(demand_(facts)) > 0;
   }
   void refine_wanted() {
@@ -156,18 +160,20 @@ class VariableMesh {
       const std::uint32_t t = fresh_.back();
       fresh_.pop_back();
       const Hierarchy::Triangle& triangle = hierarchy_.triangles[t];
-      if (triangle.refinement != kNone && wants_more(triangle.corner, error_of(triangle)))
-        refine(t);
+      if (is_refined(triangle) && wants_more(triangle.corner, error_of(triangle))) refine(t);
     }
   }
-  /// With its edges: it errs by more than the tolerance of the level that refines it. A sliver has
-  /// no samples, and may be a wall.
-  [[nodiscard]] float error_of(const Hierarchy::Triangle& triangle) const {
-    const auto level = std::ranges::upper_bound(hierarchy_.triangles_until,
-                                                hierarchy_.refinements[triangle.refinement].first) -
-                       hierarchy_.triangles_until.begin();
-    const double kept = hierarchy_.tolerances[static_cast<std::size_t>(level)];
-    return std::max(triangle.error, std::nextafter(delaunay::to_float_above(kept), HUGE_VALF));
+  /// With its edges: no more than the last level that has it allows, though it says so in a float
+  /// that is rounded up, and more than the one that refines it. A sliver has no samples, and may be
+  /// a wall.
+  [[nodiscard]] double error_of(const Hierarchy::Triangle& triangle) const {
+    const auto level = static_cast<std::size_t>(
+        std::ranges::upper_bound(hierarchy_.triangles_until,
+                                 hierarchy_.refinements[triangle.refinement].first) -
+        hierarchy_.triangles_until.begin());
+    return std::max(
+        std::min(static_cast<double>(triangle.error), hierarchy_.tolerances[level - 1]),
+        std::nextafter(hierarchy_.tolerances[level], HUGE_VAL));
   }
 
   /// Finds replacements where they are missing; those that will not do are forced_ to be refined.
@@ -176,7 +182,7 @@ class VariableMesh {
     touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
     for (const std::uint32_t t : touched_) {
       // What is not refined has no chain.
-      if (!is_leaf_[t] || hierarchy_.triangles[t].refinement == kNone) continue;
+      if (!is_leaf_[t] || !is_refined(hierarchy_.triangles[t])) continue;
       const std::vector<std::uint32_t> border = border_of(t);
       if (border.size() == 3) continue;
       Replacement& replacement = replacements_[t];
@@ -211,7 +217,7 @@ class VariableMesh {
       out.triangles.push_back({border[a], border[b], border[c]});
       out.errors.push_back(delaunay::to_float_above(errors[i]));
       if (errors[i] > hierarchy_.tolerances.front() ||
-          wants_more(out.triangles.back(), out.errors.back()))
+          wants_more(out.triangles.back(), static_cast<double>(out.errors.back())))
         return false;
     }
     return !errors.empty();
@@ -237,6 +243,7 @@ class VariableMesh {
   }
 
   const Hierarchy& hierarchy_;
+  std::uint32_t end_;  ///< Of the triangles that there are.
   const PatchErrors& errors_;
   const Demand& demand_;
   Leaves leaves_;
@@ -250,8 +257,11 @@ class VariableMesh {
 }  // namespace
 
 delaunay::Tin tin_of_demand(const Hierarchy& hierarchy, const EdgeChains& chains,
-                            const PatchErrors& errors, const Demand& demand) {
-  return VariableMesh(hierarchy, chains, errors, demand).run();
+                            const PatchErrors& errors, const Demand& demand,
+                            std::optional<int> n_levels) {
+  return VariableMesh(hierarchy, chains, errors, demand,
+                      n_levels.value_or(hierarchy.n_levels()))
+      .run();
 }
 
 }  // namespace lode::triangle_hierarchy

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "lode/core/result.h"
+#include <optional>
+
 #include "lode/delaunay/tin.h"
 #include "lode/models/terrain/triangle_hierarchy/edge_chains.h"
 #include "lode/models/terrain/triangle_hierarchy/patch_errors.h"
@@ -16,8 +17,10 @@ namespace lode::triangle_hierarchy {
 /// corners and the chain stands for it, if that satisfies the demand, and the first level's
 /// tolerance, with the errors that `errors` finds for it, and else it is refined, too: so the mesh
 /// conforms, and what it says of its errors holds. Triangles of the last level are all that there
-/// is. Chains and errors are those of the hierarchy.
+/// is: that of the hierarchy, or of its first `n_levels`, as if there were no others. Chains and
+/// errors are those of the hierarchy.
 [[nodiscard]] delaunay::Tin tin_of_demand(const Hierarchy& hierarchy, const EdgeChains& chains,
-                                          const PatchErrors& errors, const Demand& demand);
+                                          const PatchErrors& errors, const Demand& demand,
+                                          std::optional<int> n_levels = {});
 
 }  // namespace lode::triangle_hierarchy
