@@ -5,10 +5,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
+#include "lode/models/tetra_mt/base_blocks.h"
+#include "lode/models/tetra_mt/midpoint/file_layout.h"
+#include "lode/models/tetra_mt/midpoint/forest_blocks.h"
 #include "lode/models/tetra_mt/midpoint/midpoint_cut.h"
 #include "lode/models/tetra_mt/midpoint/persist.h"
 #include "lode/refine/engine.h"
@@ -267,6 +271,43 @@ TEST_F(midpoint_file, that_lies_is_refused_or_gives_something_but_does_no_harm) 
     static_cast<void>(cut.check());
   }
   EXPECT_GT(n_opened, 20);
+}
+
+/// One child of two nodes: more vertices than leaves could be in the mesh at once.
+TEST_F(midpoint_file, with_more_nodes_than_make_its_vertices_is_refused) {
+  std::vector<PageCounts> pages(2);
+  pages[0].groups = {{1, 4}};
+  pages[0].n_leaves = 4;
+  pages[1].groups = {{0, 2}};
+  pages[1].n_leaves = 4;
+  ForestHead head;
+  head.n_base_leaves = 3;
+  head.n_vertices = 11;
+  head.pages = PageTable(3, pages);
+  head.n_inner = head.pages.n_nodes();
+  head.field = "f";
+  head.high = 1;
+  head.box = {{{0, 0, 0}}, {{1, 1, 1}}};
+  head.n_cells = 100;
+  head.n_base_cells = 4;
+  for (std::uint32_t root = 0; root < 7; ++root) head.roots.push_back(root);
+  for (std::uint32_t cell = 0; cell < 4; ++cell) head.base.push_back({0, 1, 2, 3 + cell});
+  NodeCodes::Knots knots{};
+  for (std::size_t i = 0; i < knots.size(); ++i) knots[i] = static_cast<double>(i) / 63;
+  head.codes = NodeCodes(knots, 1, 10);
+  const Scale scale(-30, std::int64_t{0});
+  head.scales = Scales(std::array{scale, scale, scale, scale});
+  auto writer = store::Writer::create(path_, "tetra_mt_midpoint", encode_head(head));
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->append(key_of(Kind::table, 0), as_block(encode_table(pages))));
+  for (std::uint32_t page = 0; page < 2; ++page)
+    ASSERT_TRUE(writer->append(key_of(Kind::page, page), as_block(encode_table(pages))));
+  ASSERT_TRUE(writer->finish());
+  const auto opened = open(path_);
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().message.find("expected 4 nodes, which make 11 vertices of 7, got 6"),
+            std::string::npos)
+      << opened.error().message;
 }
 
 TEST_F(midpoint_file, that_was_cut_off_or_is_another_model_is_refused) {

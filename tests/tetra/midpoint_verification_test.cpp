@@ -61,7 +61,7 @@ class midpoint_verification : public testing::Test {
 
 TEST_F(midpoint_verification, finds_nothing_wrong_with_what_was_built) {
   const VerifyReport report = verified(hierarchy_);
-  EXPECT_EQ(report.checks.size(), 17U);
+  EXPECT_EQ(report.checks.size(), 18U);
   for (const VerifyReport::Check& check : report.checks) {
     EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
     EXPECT_GT(check.count, 0U) << check.name;
@@ -101,6 +101,24 @@ TEST_F(midpoint_verification, finds_what_is_stated_too_small) {
     h.nodes.back().facts = NodeCodes::word(parts);
   });
   EXPECT_EQ(shrunk, (std::vector<std::string>{"stored values nested"}));
+}
+
+/// Queries look at what balls hold alone: one that is too small makes answers wrong in silence.
+TEST_F(midpoint_verification, finds_balls_that_hold_less_than_their_nodes_change) {
+  const auto failed = failures([](MidpointHierarchy& h) {
+    // The last to be split: nothing is nested in it.
+    NodeCodes::Parts parts = NodeCodes::parts(h.nodes.front().facts);
+    parts.radius = 0;
+    h.nodes.front().facts = NodeCodes::word(parts);
+  });
+  EXPECT_EQ(failed, (std::vector<std::string>{"nodes apply and undo in any order"}));
+}
+
+TEST_F(midpoint_verification, takes_no_size_from_what_a_file_says_of_its_box) {
+  const auto widened = failures([](MidpointHierarchy& h) { h.box.upper = h.box.upper * 1e9; });
+  EXPECT_EQ(widened, (std::vector<std::string>{"the box that is stated is that of the vertices"}));
+  const auto closed = failures([](MidpointHierarchy& h) { h.box.upper = h.box.lower; });
+  EXPECT_TRUE(has(closed, "the box that is stated is that of the vertices"));
 }
 
 TEST_F(midpoint_verification, finds_vertices_that_are_elsewhere_and_masks_that_are_wrong) {

@@ -83,7 +83,6 @@ void find_faces(const TetraVertices& vertices, const TetraCells& cells, TetraCut
 
 TetraVertices::TetraVertices(const PackedHierarchy& hierarchy)
     : has_narrow_positions(hierarchy.head().shape.has_narrow_positions),
-      size(length(hierarchy.head().upper - hierarchy.head().lower)),
       boundary_deviation_(hierarchy.head().boundary_deviation) {
   const std::uint32_t n = hierarchy.head().n_vertices();
   positions.reserve(n);
@@ -91,14 +90,13 @@ TetraVertices::TetraVertices(const PackedHierarchy& hierarchy)
     positions.push_back(hierarchy.position(v));
     samples.push_back(v);
   }
-  find_farthest();
+  find_extent(n, {hierarchy.head().lower, hierarchy.head().upper});
 }
 
 /// From the base down: what a vertex splits into has smaller labels. Leaves of the base that no
 /// cell has are no samples.
 TetraVertices::TetraVertices(const tetra_mt::midpoint::Forest& forest)
-    : size(length(forest.head().box.upper - forest.head().box.lower)),
-      boundary_deviation_(forest.head().boundary_deviation) {
+    : boundary_deviation_(forest.head().boundary_deviation) {
   using tetra_mt::midpoint::Code;
   const tetra_mt::midpoint::ForestHead& head = forest.head();
   std::vector<Code> codes(head.n_labels(), Code{});
@@ -120,14 +118,23 @@ TetraVertices::TetraVertices(const tetra_mt::midpoint::Forest& forest)
     values.push_back(forest.value(v, codes[v]));
     if (head.is_leaf(v) && is_used[v]) samples.push_back(v);
   }
-  find_farthest();
+  find_extent(head.n_vertices, head.box);
 }
 
-void TetraVertices::find_farthest() {
+/// What a file says of its box has no say in what is allowed.
+void TetraVertices::find_extent(std::size_t n, const Box3d& stated) {
+  if (n == 0) return;
+  Box3d box{positions[0], positions[0]};
   Vec3d most;
-  for (const Vec3d& p : positions)
-    for (std::size_t i = 0; i < 3; ++i) most[i] = std::max(most[i], std::abs(p[i]));
+  for (const Vec3d& p : std::span(positions).first(n))
+    for (std::size_t i = 0; i < 3; ++i) {
+      box.lower[i] = std::min(box.lower[i], p[i]);
+      box.upper[i] = std::max(box.upper[i], p[i]);
+      most[i] = std::max(most[i], std::abs(p[i]));
+    }
+  size = length(box.upper - box.lower);
   farthest = length(most);
+  has_stated_box = box.lower == stated.lower && box.upper == stated.upper;
 }
 
 void TetraVertices::take_values(const PackedHierarchy& hierarchy, std::size_t field) {

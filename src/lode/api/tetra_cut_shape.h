@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "lode/core/box.h"
 #include "lode/core/parallel.h"
 #include "lode/core/progress.h"
 #include "lode/core/result.h"
@@ -22,8 +23,9 @@ struct TetraVertices {
   std::vector<double> values;          ///< Of one field.
   std::vector<std::uint32_t> samples;  ///< Those of cells of the reference mesh.
   bool has_narrow_positions = false;
-  double size = 0;      ///< Of the box round all, along its diagonal.
-  double farthest = 0;  ///< From the origin.
+  double size = 0;             ///< Of the box round all of the mesh, along its diagonal.
+  double farthest = 0;         ///< From the origin.
+  bool has_stated_box = true;  ///< That box is the one that the hierarchy says.
 
   /// Of a hierarchy, without values.
   explicit TetraVertices(const tetra_mt::PackedHierarchy& hierarchy);
@@ -41,7 +43,8 @@ struct TetraVertices {
  private:
   [[nodiscard]] double rounding_allowance() const;
 
-  void find_farthest();
+  /// Of the first n, which are the mesh's.
+  void find_extent(std::size_t n, const Box3d& stated);
 
   double boundary_deviation_ = 0;  ///< The hierarchy's.
 };

@@ -244,6 +244,8 @@ void CutVerifier::add_to(VerifyReport& report) const {
   const auto unless_zero = [](std::uint64_t n, const std::string& text) {
     return n == 0 ? std::string() : text;
   };
+  report.add("the box that is stated is that of the vertices", vertices_.positions.size(),
+             vertices_.has_stated_box ? 0 : 1, "");
   add("faces of random cuts have two cells, or are outer ones", conforming_,
       unless_zero(reference_.n_crowded_faces,
                   fmt::format("the reference has {} of more", reference_.n_crowded_faces)));

@@ -102,4 +102,9 @@ Ends parted(const Code& middle, const Code& difference, Placement placement) {
   return ends;
 }
 
+Result<void> check_offset(double offset, const Scale& scale, const std::string& what) {
+  if (std::abs(offset) <= scale.step()) return {};
+  return fail("{}: expected an offset of at most a step, {}, got {}", what, scale.step(), offset);
+}
+
 }  // namespace lode::tetra_mt::midpoint

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 
+#include "lode/core/result.h"
 #include "lode/core/tetra_mesh.h"
 
 namespace lode::tetra_mt::midpoint {
@@ -36,6 +38,9 @@ class Scale {
   double step_ = 1;
   std::int64_t first_ = 0;
 };
+
+/// Of what a code and its offset come to: an offset is no more than a step, so both are finite.
+[[nodiscard]] Result<void> check_offset(double offset, const Scale& scale, const std::string& what);
 
 /// Of a mesh with one field.
 class Scales {

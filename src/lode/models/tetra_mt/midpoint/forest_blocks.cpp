@@ -50,9 +50,8 @@ class OffsetCoder {
       return fail("{}: expected offsets of 53 bits, got {}", what_, size);
     const bool is_below = coder_.bit(models.is_negative, is_negative);
     offset = std::ldexp(static_cast<double>(size), exponent);
-    if (!std::isfinite(offset)) return fail("{}: expected finite offsets, got {}", what_, offset);
     if (is_below) offset = -offset;
-    return {};
+    return check_offset(offset, scales_.axes()[axis], what_);
   }
 
   struct Axis {

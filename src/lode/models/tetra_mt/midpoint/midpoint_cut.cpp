@@ -55,6 +55,14 @@ void MidpointCut::visit_beside(std::uint32_t label, const Visit& visit) const {
       if (v != label && v != outside_) visit(v);
 }
 
+bool MidpointCut::is_star_within(std::uint32_t label, const Bounds& bounds) const {
+  bool is_within = bounds.contains({position(label), 0});
+  visit_beside(label, [&](std::uint32_t v) {
+    is_within = is_within && bounds.contains({position(v), 0});
+  });
+  return is_within;
+}
+
 void MidpointCut::add_parents(NodeId node, std::vector<NodeId>& out) const {
   const std::uint32_t label = label_of(node);
   const auto begin = static_cast<std::ptrdiff_t>(out.size());

@@ -66,6 +66,8 @@ class MidpointCut {
   [[nodiscard]] double value(std::uint32_t label) const {
     return forest_->value(label, vertices_[places_[label]].code);
   }
+  /// Whether a vertex of the mesh, and what shares tetrahedra with it, are within bounds.
+  [[nodiscard]] bool is_star_within(std::uint32_t label, const Bounds& bounds) const;
   /// Whether a vertex is in the mesh.
   [[nodiscard]] bool has_vertex(std::uint32_t label) const { return places_[label] != kNone; }
   /// Fails where pages could not be loaded, or what they say of nodes does not fit together: then

@@ -63,6 +63,11 @@ class ForestBaseReader {
           "{}: expected {} vertices in pages and the base, and labels below {}, got {} and "
           "{} nodes",
           reader_.path(), head_.n_vertices, kNone, n_leaves, n_nodes);
+    // Each split makes one vertex two: a tree of other numbers names vertices more than once.
+    if (counts_.n_roots + n_nodes != head_.n_vertices)
+      return fail("{}: expected {} nodes, which make {} vertices of {}, got {}", reader_.path(),
+                  std::int64_t{head_.n_vertices} - std::int64_t{counts_.n_roots}, head_.n_vertices,
+                  counts_.n_roots, n_nodes);
     head_.pages = PageTable(head_.n_base_leaves, pages);
     head_.n_inner = head_.pages.n_nodes();
     return {};
@@ -113,7 +118,10 @@ class ForestBaseReader {
         return fail("{}: expected offsets of {} leaves, got {} of root {}", in.what(),
                     head_.n_base_leaves, is_off[i], first + i);
       LeafOffset offset;
-      for (double& x : offset.axes) x = numbers[next++];
+      for (std::size_t axis = 0; axis < 4; ++axis) {
+        offset.axes[axis] = numbers[next++];
+        LODE_CHECK(check_offset(offset.axes[axis], head_.scales.axes()[axis], in.what()));
+      }
       head_.base_exact.add(static_cast<std::uint32_t>(first + i), offset);
     }
     return {};

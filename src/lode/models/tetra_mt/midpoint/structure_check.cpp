@@ -94,9 +94,10 @@ struct Needs {
   std::vector<std::uint32_t> n_dependents;
 };
 
-/// Applies all nodes in a random order.
-std::uint64_t apply_all(MidpointCut& cut, std::uint32_t n_nodes, std::mt19937_64& random,
-                        Needs& needs) {
+/// Applies all nodes in a random order, and looks whether their balls hold what they change.
+std::uint64_t apply_all(MidpointCut& cut, const Forest& forest, std::mt19937_64& random,
+                        Needs& needs, StructureFinding& finding) {
+  const std::uint32_t n_nodes = cut.head().n_nodes();
   std::vector<std::uint32_t> order(n_nodes);
   std::iota(order.begin(), order.end(), 0U);
   std::ranges::shuffle(order, random);
@@ -107,7 +108,9 @@ std::uint64_t apply_all(MidpointCut& cut, std::uint32_t n_nodes, std::mt19937_64
   /// A cut that notes what is done to it.
   struct Noting {
     MidpointCut& cut;
+    const Forest& forest;
     Needs& needs;
+    StructureFinding& finding;
     std::uint64_t& n_cells;
     [[nodiscard]] bool is_damaged() const { return cut.is_damaged(); }
     void add_parents(NodeId node, std::vector<NodeId>& out) const { cut.add_parents(node, out); }
@@ -118,10 +121,16 @@ std::uint64_t apply_all(MidpointCut& cut, std::uint32_t n_nodes, std::mt19937_64
         needs.parents[static_cast<std::size_t>(node)].push_back(static_cast<std::uint32_t>(parent));
         ++needs.n_dependents[static_cast<std::size_t>(parent)];
       }
+      const Bounds bounds = cut.bounds(node);
       n_cells += cut.apply(node);
+      if (cut.is_damaged()) return;
+      const auto number = static_cast<std::uint32_t>(node);
+      const auto [first, second] = forest.children(number);
+      finding.add(cut.is_star_within(first, bounds) && cut.is_star_within(second, bounds),
+                  fmt::format("node {}: changes more than its ball holds", number));
     }
   };
-  Noting noting{cut, needs, n_cells};
+  Noting noting{cut, forest, needs, finding, n_cells};
   for (const std::uint32_t node : order) {
     if (cut.is_damaged()) break;
     apply_after_parents(NodeId{node}, noting, is_applied);
@@ -151,9 +160,8 @@ StructureFinding check_splits(const Forest& forest, std::mt19937_64& random) {
   finding.add(base.size() == head.n_base_cells,
               fmt::format("base: {} cells, {} are there", head.n_base_cells, base.size()));
   Needs needs;
-  const std::uint64_t n_cells = apply_all(cut, head.n_nodes(), random, needs);
+  const std::uint64_t n_cells = apply_all(cut, forest, random, needs, finding);
   const auto all = cut.check();
-  finding.n_checked += head.n_nodes();
   finding.add(all.has_value(), all ? "" : "all nodes: " + all.error().message);
   finding.add(n_cells == head.n_cells && cut.cells().size() == n_cells,
               fmt::format("all nodes: expected {} cells, got {}", head.n_cells, n_cells));
