@@ -171,9 +171,8 @@ class VariableMesh {
         std::ranges::upper_bound(hierarchy_.triangles_until,
                                  hierarchy_.refinements[triangle.refinement].first) -
         hierarchy_.triangles_until.begin());
-    return std::max(
-        std::min(static_cast<double>(triangle.error), hierarchy_.tolerances[level - 1]),
-        std::nextafter(hierarchy_.tolerances[level], HUGE_VAL));
+    return std::max(std::min(static_cast<double>(triangle.error), hierarchy_.tolerances[level - 1]),
+                    std::nextafter(hierarchy_.tolerances[level], HUGE_VAL));
   }
 
   /// Finds replacements where they are missing; those that will not do are forced_ to be refined.
@@ -259,8 +258,7 @@ class VariableMesh {
 delaunay::Tin tin_of_demand(const Hierarchy& hierarchy, const EdgeChains& chains,
                             const PatchErrors& errors, const Demand& demand,
                             std::optional<int> n_levels) {
-  return VariableMesh(hierarchy, chains, errors, demand,
-                      n_levels.value_or(hierarchy.n_levels()))
+  return VariableMesh(hierarchy, chains, errors, demand, n_levels.value_or(hierarchy.n_levels()))
       .run();
 }
 
