@@ -57,42 +57,27 @@ class Leaves {
       to = (*whole)[1];
     }
   }
-  /// The vertices that what is behind an edge has in it.
+  /// The vertices that what is behind an edge has in it; of an edge that is not the outline's.
   void add_between(std::uint32_t from, std::uint32_t to, std::vector<std::uint32_t>& out) const {
-    if (has_behind(from, to) || !has_parts_behind(from, to)) return;
-    visit_parts(from, to, [&](std::uint32_t a, std::uint32_t b) {
-      add_between(a, b, out);
-      if (b != to) out.push_back(b);
-      return false;
-    });
+    if (find_behind(from, to) == kNone) add_parts(from, to, out);
   }
 
  private:
   static std::uint64_t key(std::uint32_t from, std::uint32_t to) {
     return (std::uint64_t{from} << 32) | to;
   }
-  [[nodiscard]] bool has_behind(std::uint32_t from, std::uint32_t to) const {
-    return edges_.find(key(to, from)) != FlatIndex::kNone;
-  }
-  /// Whether that holds for some part of the edge, which is not so where the other triangle is the
-  /// larger one, or there is none.
-  [[nodiscard]] bool has_parts_behind(std::uint32_t from, std::uint32_t to) const {
-    return visit_parts(from, to, [&](std::uint32_t a, std::uint32_t b) {
-      return has_behind(a, b) || has_parts_behind(a, b);
-    });
-  }
-  /// Until visit(a, b) is true of a part, which it returns.
-  template <typename Visit>
-  bool visit_parts(std::uint32_t from, std::uint32_t to, const Visit& visit) const {
+  void add_parts(std::uint32_t from, std::uint32_t to, std::vector<std::uint32_t>& out) const {
     const auto chain = chains_.find(from, to);
-    if (chain.empty()) return false;
     std::uint32_t a = from;
-    for (std::size_t k = 0; k < chain.size(); ++k) {
-      const std::uint32_t b = from < to ? chain[k] : chain[chain.size() - 1 - k];
-      if (visit(a, b)) return true;
+    const auto go_to = [&](std::uint32_t b) {
+      if (edges_.find(key(b, a)) == FlatIndex::kNone) add_parts(a, b, out);
       a = b;
+    };
+    for (std::size_t k = 0; k < chain.size(); ++k) {
+      go_to(from < to ? chain[k] : chain[chain.size() - 1 - k]);
+      out.push_back(a);
     }
-    return visit(a, to);
+    if (!chain.empty()) go_to(to);
   }
 
   const Hierarchy& hierarchy_;
@@ -195,10 +180,11 @@ class VariableMesh {
 
   [[nodiscard]] std::vector<std::uint32_t> border_of(std::uint32_t t) const {
     std::vector<std::uint32_t> border;
-    const Corners& corner = hierarchy_.triangles[t].corner;
+    const Hierarchy::Triangle& triangle = hierarchy_.triangles[t];
     for (std::size_t i = 0; i < 3; ++i) {
-      border.push_back(corner[i]);
-      leaves_.add_between(corner[i], corner[(i + 1) % 3], border);
+      border.push_back(triangle.corner[i]);
+      if (triangle.twin[i] != delaunay::kNoHalfEdge)
+        leaves_.add_between(triangle.corner[i], triangle.corner[(i + 1) % 3], border);
     }
     return border;
   }
