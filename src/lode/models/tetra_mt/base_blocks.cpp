@@ -51,12 +51,22 @@ Result<void> read_labels(store::ByteReader& in, const std::string& path,
   return {};
 }
 
-Result<void> check_box(const Vec3d& lower, const Vec3d& upper, const std::string& path) {
+Result<void> read_box(store::ByteReader& in, const std::string& path, Vec3d& lower, Vec3d& upper) {
+  for (Vec3d* corner : {&lower, &upper})
+    for (double& x : corner->v) {
+      LODE_TRY(x, in.read<double>());
+    }
   for (std::size_t i = 0; i < 3; ++i)
     if (!(lower[i] <= upper[i]) || !std::isfinite(length(upper - lower)))
       return fail("{}: metadata: expected a finite box, got {} to {} along axis {}", path, lower[i],
                   upper[i], i);
   return {};
+}
+
+Result<double> read_deviation(store::ByteReader& in, const std::string& path) {
+  LODE_TRY(const auto deviation, in.read<double>());
+  if (deviation >= 0) return deviation;
+  return fail("{}: metadata: expected a distance >= 0, got {}", path, deviation);
 }
 
 void write_corners(std::span<const Tetrahedron> tetrahedra, StreamWriter& out) {

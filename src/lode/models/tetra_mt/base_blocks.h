@@ -30,9 +30,10 @@ void write_labels(std::span<const std::int64_t> region_ids, std::span<const Boun
 [[nodiscard]] Result<void> read_labels(store::ByteReader& in, const std::string& path,
                                        std::vector<std::int64_t>& region_ids,
                                        std::vector<BoundaryPatch>& patches);
-/// Fails unless a box is one, and finite.
-[[nodiscard]] Result<void> check_box(const Vec3d& lower, const Vec3d& upper,
-                                     const std::string& path);
+/// Of metadata: a box, which is finite, and how far the boundary may be off.
+[[nodiscard]] Result<void> read_box(store::ByteReader& in, const std::string& path, Vec3d& lower,
+                                    Vec3d& upper);
+[[nodiscard]] Result<double> read_deviation(store::ByteReader& in, const std::string& path);
 
 /// Tetrahedra of a base, corner by corner.
 void write_corners(std::span<const Tetrahedron> tetrahedra, StreamWriter& out);

@@ -54,7 +54,7 @@ Result<void> check_counts(const HierarchyHead& head, const BaseCounts& counts,
         "{}: metadata: expected as many roots as nodes at most, and fewer cells of the base than "
         "tetrahedra, got {}, {} and {}, {}",
         path, counts.n_roots, shape.n_nodes, head.n_base_cells, counts.n_tetrahedra);
-  return check_box(head.lower, head.upper, path);
+  return {};
 }
 
 }  // namespace
@@ -101,13 +101,8 @@ Result<HierarchyHead> decode_head(std::span<const std::byte> bytes, const std::s
   LODE_TRY(head.n_base_cells, in.read<std::uint64_t>());
   LODE_TRY(counts.n_tetrahedra, in.read<std::uint64_t>());
   LODE_TRY(counts.n_roots, in.read<std::uint64_t>());
-  for (Vec3d* corner : {&head.lower, &head.upper})
-    for (double& x : corner->v) {
-      LODE_TRY(x, in.read<double>());
-    }
-  LODE_TRY(head.boundary_deviation, in.read<double>());
-  if (!(head.boundary_deviation >= 0))
-    return fail("{}: metadata: expected a distance >= 0, got {}", path, head.boundary_deviation);
+  LODE_CHECK(read_box(in, path, head.lower, head.upper));
+  LODE_TRY(head.boundary_deviation, read_deviation(in, path));
   LODE_CHECK(read_labels(in, path, head.region_ids, head.patches));
   head.shape.n_labels = n_labels_of(head.region_ids, head.patches);
   LODE_TRY(const auto n_fields, in.read<std::uint32_t>());

@@ -70,7 +70,7 @@ Result<void> check_counts(const ForestHead& head, const ForestCounts& counts,
       head.n_base_cells > counts.n_tetrahedra || head.n_base_cells > head.n_cells)
     return fail("{}: metadata: expected fewer cells of the base than tetrahedra, got {} and {}",
                 path, head.n_base_cells, counts.n_tetrahedra);
-  return check_box(head.box.lower, head.box.upper, path);
+  return {};
 }
 
 }  // namespace
@@ -117,13 +117,8 @@ Result<ForestHead> decode_head(std::span<const std::byte> bytes, const std::stri
   LODE_TRY(head.n_cells, in.read<std::uint64_t>());
   LODE_TRY(head.n_base_cells, in.read<std::uint64_t>());
   LODE_TRY(counts.n_tetrahedra, in.read<std::uint64_t>());
-  for (Vec3d* corner : {&head.box.lower, &head.box.upper})
-    for (double& x : corner->v) {
-      LODE_TRY(x, in.read<double>());
-    }
-  LODE_TRY(head.boundary_deviation, in.read<double>());
-  if (!(head.boundary_deviation >= 0))
-    return fail("{}: metadata: expected a distance >= 0, got {}", path, head.boundary_deviation);
+  LODE_CHECK(read_box(in, path, head.box.lower, head.box.upper));
+  LODE_TRY(head.boundary_deviation, read_deviation(in, path));
   LODE_CHECK(read_labels(in, path, head.region_ids, head.patches));
   LODE_CHECK(read_field(in, path, head));
   LODE_TRY(head.scales, read_scales(in, path));

@@ -36,7 +36,7 @@ class LabelOrderer {
   }
 
  private:
-  /// Of both the mesh's vertices and what collapses make, for now by their order.
+  /// Of both the mesh's vertices and what collapses make, by their order.
   using Vertex = std::uint32_t;
 
   struct Level {
