@@ -141,11 +141,11 @@ TEST_F(hierarchy_file, has_all_that_was_saved_and_finds_twins_again) {
 TEST_F(hierarchy_file, is_of_these_models_alone) {
   const HierarchyModel model = drawn({{0, 0}, {3, 0}, {3, 3}, {0, 3}}, {{0, 1, 2}, {0, 2, 3}});
   ASSERT_TRUE(save(model, path_, progress_));
-  EXPECT_TRUE(is_model_of(path_));
-  EXPECT_FALSE(is_model_of(other_));
+  EXPECT_TRUE(HierarchyFile::open(path_));
+  EXPECT_FALSE(HierarchyFile::open(other_));
   auto writer = store::Writer::create(other_, "restricted_quadtree", {});
   ASSERT_TRUE(writer && writer->finish());
-  EXPECT_FALSE(is_model_of(other_));
+  EXPECT_FALSE(HierarchyFile::open(other_));
   EXPECT_FALSE(open(other_, progress_));
 }
 

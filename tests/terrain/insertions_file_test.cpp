@@ -105,7 +105,7 @@ TYPED_TEST(insertions_file, has_all_that_was_saved) {
     const auto size = save(made, path, progress);
     ASSERT_TRUE(size) << size.error().message;
     EXPECT_EQ(*size, std::filesystem::file_size(path));
-    EXPECT_TRUE(is_model_of(path));
+    EXPECT_TRUE(HistoryFile::open(path));
     const auto opened = open(path, progress);
     ASSERT_TRUE(opened) << opened.error().message;
     expect_same(made, *opened);

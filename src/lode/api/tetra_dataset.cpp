@@ -29,6 +29,7 @@
 #include "lode/models/tetra_mt/persist.h"
 #include "lode/models/tetra_mt/tetra_cut.h"
 #include "lode/refine/engine.h"
+#include "lode/store/reader.h"
 
 namespace lode {
 namespace {
@@ -158,7 +159,9 @@ Result<TetraDataset> TetraDataset::build(const TetraMesh& mesh, const TetraBuild
 }
 
 bool TetraDataset::is_model_of(const std::string& path) {
-  return tetra_mt::is_model_of(path) || tetra_mt::midpoint::is_model_of(path);
+  const auto reader = store::Reader::open(path);
+  return reader && (reader->model() == tetra_mt::kModelName ||
+                    reader->model() == tetra_mt::midpoint::kModelName);
 }
 
 Result<TetraDataset> TetraDataset::open(const std::string& path) try {

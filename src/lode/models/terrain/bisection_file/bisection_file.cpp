@@ -26,8 +26,6 @@ Result<std::uint64_t> save(const BisectionModel& model, const std::string& path,
   return writer.finish(progress);
 }
 
-bool is_model_of(const std::string& path) { return terrain_file::is_one_of(path, kModelNames); }
-
 Result<BisectionModel> open(const std::string& path, Threads threads, Progress& progress) {
   LODE_TRY(const store::Reader reader, store::Reader::open(path));
   LODE_CHECK(terrain_file::find_model(reader, kModelNames));

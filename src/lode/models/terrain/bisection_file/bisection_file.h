@@ -25,9 +25,6 @@ struct BisectionModel {
 [[nodiscard]] Result<std::uint64_t> save(const BisectionModel& model, const std::string& path,
                                          Progress& progress);
 
-/// Whether a file is a .lode file of this model; also false where it cannot be read.
-[[nodiscard]] bool is_model_of(const std::string& path);
-
 /// Reads all of it and finds all errors. Fails on all that is not as docs/format.md says, naming
 /// the file and what was expected, and when cancelled.
 [[nodiscard]] Result<BisectionModel> open(const std::string& path, Threads threads,

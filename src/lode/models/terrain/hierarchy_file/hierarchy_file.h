@@ -53,9 +53,6 @@ struct Head {
 [[nodiscard]] Result<std::uint64_t> save(const HierarchyModel& model, const std::string& path,
                                          Progress& progress);
 
-/// Whether a file is a .lode file of these models; also false where it cannot be read.
-[[nodiscard]] bool is_model_of(const std::string& path);
-
 /// A file whose levels are read when they are wanted: of its columns, which are in the order of
 /// levels, as much as these take.
 class HierarchyFile {

@@ -205,8 +205,6 @@ Result<void> read_lines(const store::Reader& reader, std::uint64_t n, Hierarchy&
 
 }  // namespace
 
-bool is_model_of(const std::string& path) { return terrain_file::is_one_of(path, kModelNames); }
-
 HierarchyFile::HierarchyFile(store::Reader reader, Head head)
     : reader_(std::move(reader)), head_(std::move(head)) {}
 

@@ -119,11 +119,6 @@ std::string_view model_name(Model model) {
   return {};
 }
 
-bool is_model_of(const std::string& path) {
-  const auto reader = store::Reader::open(path);
-  return reader && model_of(reader->model());
-}
-
 Result<FileHead> read_head(const store::Reader& reader, LevelledHistory& levelled) {
   const std::string& path = reader.path();
   History& history = levelled.history;

@@ -48,9 +48,6 @@ struct PageSize {
 [[nodiscard]] Result<std::uint64_t> save(const LevelledHistory& levelled, const std::string& path,
                                          Progress& progress, PageSize page_size = {});
 
-/// Whether a file is a .lode file of these models; also false where it cannot be read.
-[[nodiscard]] bool is_model_of(const std::string& path);
-
 /// Reads all of it and inserts the vertices again, with exact predicates: whatever the file says,
 /// they make a triangulation, Delaunay where that is the rule. Fails on all that is not as
 /// docs/format.md says, naming the file and what was expected. HistoryFile reads parts.

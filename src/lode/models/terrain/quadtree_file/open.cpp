@@ -36,8 +36,6 @@ Result<QuaternaryTriangulation> read_quaternary(const store::Reader& reader, Squ
 
 }  // namespace
 
-bool is_model_of(const std::string& path) { return terrain_file::is_one_of(path, kModelNames); }
-
 Result<QuadtreeModel> open(const std::string& path, Progress& progress) {
   LODE_TRY(const store::Reader reader, store::Reader::open(path));
   LODE_TRY(const std::size_t kind, terrain_file::find_model(reader, kModelNames));

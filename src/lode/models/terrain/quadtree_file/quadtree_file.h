@@ -40,9 +40,6 @@ struct QuadtreeModel {
 [[nodiscard]] Result<std::uint64_t> save(const QuadtreeModel& model, const std::string& path,
                                          Progress& progress);
 
-/// Whether a file is a .lode file of these models; also false where it cannot be read.
-[[nodiscard]] bool is_model_of(const std::string& path);
-
 /// Reads all of it. Fails on all that is not as docs/format.md says, naming the file and what was
 /// expected. Errors are not found again: what they are is for verification to say.
 [[nodiscard]] Result<QuadtreeModel> open(const std::string& path, Progress& progress);

@@ -39,11 +39,6 @@ Result<void> read_frame(store::ByteReader& in, const std::string& path, Source& 
 
 }  // namespace
 
-bool is_one_of(const std::string& path, std::span<const std::string_view> models) {
-  const auto reader = store::Reader::open(path);
-  return reader && std::ranges::find(models, reader->model()) != models.end();
-}
-
 Result<std::size_t> find_model(const store::Reader& reader,
                                std::span<const std::string_view> models) {
   const auto found = std::ranges::find(models, reader.model());

@@ -28,8 +28,6 @@ struct Source {
   std::uint64_t n_left_out = 0;
 };
 
-/// Whether a file is a .lode file of one of these models; also false where it cannot be read.
-[[nodiscard]] bool is_one_of(const std::string& path, std::span<const std::string_view> models);
 /// Which of these models a file is of; fails, naming the file, where it is of none.
 [[nodiscard]] Result<std::size_t> find_model(const store::Reader& reader,
                                              std::span<const std::string_view> models);
