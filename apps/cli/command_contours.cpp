@@ -7,6 +7,7 @@
 #include "contour_output.h"
 #include "outputs.h"
 #include "stopwatch.h"
+#include "terrain_input.h"
 #include "terrain_query.h"
 #include "vector_output.h"
 
@@ -122,6 +123,7 @@ Result<Outcome> run_contours(const ContourArguments& arguments, Session& session
     return check_known_crs(arguments.output, arguments.terrain.input, facts);
   };
   LODE_TRY(const TerrainAnswerer answerer, answer_terrain(arguments.terrain, session, accept));
+  hint_at_wrap(answerer.opened, arguments.terrain.input, session);
   const HeightRange range = answerer.tin.height_range();
   LODE_TRY(const std::vector<double> levels, wanted.within(range.lower, range.upper));
   const ContourAnswer answer{arguments, answerer, levels};

@@ -301,6 +301,21 @@ Result<TerrainOptions> to_terrain_options(const std::string& max_error,
   return options;
 }
 
+namespace {
+
+Result<void> check_wrap(const TerrainJob& job) {
+  if (!job.terrain.wrap) return {};
+  if (is_geotiff_path(job.output))
+    return fail("--wrap: expected a surface as output, got {}: rasters have no sides to close",
+                job.output);
+  if (job.query.max_cells.empty() || !job.terrain.model.empty()) return {};
+  return fail(
+      "--wrap: expected no --max-cells with it, which would need the tolerance before: both sides "
+      "get their vertices first, within --max-error");
+}
+
+}  // namespace
+
 Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   LODE_CHECK(check_only_terrain(
       app, job.input,
@@ -310,6 +325,7 @@ Result<void> check_terrain_job(const TerrainJob& job, const CLI::App& app) {
   LODE_CHECK(check_terrain_model(job.input, job.terrain, job.reading));
   if (!is_geotiff_path(job.output)) LODE_CHECK(check_terrain_surface(job.output));
   LODE_CHECK(check_raster_arguments(job.raster, job.input, job.output));
+  LODE_CHECK(check_wrap(job));
   if (auto clip = to_terrain_clip(job.clip, job.output); !clip) return clip.error();
   LODE_TRY(const Wanted wanted, to_wanted(job));
   const bool can_vary = wanted.building || holds_terrain_model(job.input);
@@ -351,6 +367,7 @@ Result<Outcome> run_terrain_job(const TerrainJob& job, Session& session) {
              naming(job.input, read_metric(opened.facts.frame.crs), session));
   }
   const double read_seconds = read_watch.seconds();
+  if (!is_geotiff_path(job.output)) hint_at_wrap(opened, job.input, session);
   OutputSet outputs({job.output, job.raster.difference});
   if (!job.raster.difference.empty()) outputs.add(job.raster.difference);
   LODE_TRY(const Written made, write_tin(job, opened, options, session));

@@ -74,6 +74,10 @@ void add_terrain_options(CLI::App& app, TerrainArguments& arguments, TerrainUse 
   add_of_heights("--to-vertical-crs", arguments.to_vertical_crs,
                  "Transform heights to this when they are read, through PROJ; errors hold there");
   if (use == TerrainUse::rasters || use == TerrainUse::reading) return;
+  app.add_flag("--wrap", arguments.wrap,
+               "Close a raster that goes round the earth: its first column follows its last, and "
+               "TINs of the delaunay_selector have the same vertices on both sides")
+      ->group(group);
   add_line_options(app, arguments);
   if (use == TerrainUse::verification) {
     add("--model", arguments.model, "MODEL",
@@ -130,18 +134,25 @@ Result<void> check_no_terrain(const TerrainArguments& arguments, const std::stri
         path, kTerrainFiles);
   if (arguments.is_empty()) return {};
   return fail(
-      "{}: expected {} with --band, --encoding, --resample, --oversample, --model or --insertion, "
+      "{}: expected {} with --band, --encoding, --wrap, --resample, --oversample, --model or "
+      "--insertion, "
       "got another file",
       path, kTerrainFiles);
 }
 
 Result<void> check_only_terrain(const CLI::App& app, const std::string& path,
                                 const std::vector<std::string>& allowed) {
-  constexpr std::array kAlways{
-      "--resample",      "--oversample",     "--json",       "--threads",      "--quiet",
-      "--band",          "--encoding",       "--nodata",     "--class",        "--duplicates",
-      "--max-edge",      "--outline",        "--crs",        "--vertical-crs", "--to-vertical-crs",
-      "--keep-features", "--feature-relief", "--breaklines", "--drape",        "--drape-error"};
+  constexpr std::array kAlways{"--resample",      "--oversample",
+                               "--json",          "--threads",
+                               "--quiet",         "--wrap",
+                               "--band",          "--encoding",
+                               "--nodata",        "--class",
+                               "--duplicates",    "--max-edge",
+                               "--outline",       "--crs",
+                               "--vertical-crs",  "--to-vertical-crs",
+                               "--keep-features", "--feature-relief",
+                               "--breaklines",    "--drape",
+                               "--drape-error"};
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
     const std::string name = "--" + option->get_lnames().front();

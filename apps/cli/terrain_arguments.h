@@ -14,6 +14,7 @@ namespace lode::cli {
 struct TerrainArguments {
   std::string band;  ///< This and the next are of rasters.
   std::string encoding;
+  bool wrap = false;
   std::string resample;  ///< This and the next are of tiles.
   std::string oversample;
   std::string classes;  ///< This and the next four are of points.
@@ -35,11 +36,18 @@ struct TerrainArguments {
     return keep_features || drape || !drape_error.empty() || !feature_relief.empty() ||
            !breaklines.empty();
   }
+  [[nodiscard]] TerrainArguments without_lines() const {
+    TerrainArguments plain = *this;
+    plain.keep_features = plain.drape = false;
+    for (std::string* text : {&plain.feature_relief, &plain.breaklines, &plain.drape_error})
+      text->clear();
+    return plain;
+  }
   [[nodiscard]] bool has_vertical() const {
     return !vertical_crs.empty() || !to_vertical_crs.empty();
   }
   [[nodiscard]] bool has_raster() const {
-    return !band.empty() || !encoding.empty() || !resample.empty() || !oversample.empty();
+    return wrap || !band.empty() || !encoding.empty() || !resample.empty() || !oversample.empty();
   }
   [[nodiscard]] bool has_points() const {
     return !(classes.empty() && duplicates.empty() && max_edge.empty() && outline.empty() &&

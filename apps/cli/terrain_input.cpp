@@ -89,7 +89,8 @@ Result<TerrainReadOptions> to_read_options(const std::string& path,
   LODE_CHECK(set_lines(arguments, options));
   if (is_point_path(path)) {
     if (arguments.has_raster())
-      return fail("{}: expected no --band, --encoding or --resample with points, got one", path);
+      return fail("{}: expected no --band, --encoding, --wrap or --resample with points, got one",
+                  path);
     LODE_TRY(options.points, to_point_options(arguments, reading));
     LODE_TRY(options.domain, to_domain_options(arguments));
     return options;
@@ -99,6 +100,11 @@ Result<TerrainReadOptions> to_read_options(const std::string& path,
         "{}: expected points (.las, .xyz, ...) with --class, --duplicates, --max-edge, --outline "
         "or --crs, got a raster",
         path);
+  if (arguments.wrap && arguments.has_lines())
+    return fail(
+        "--wrap: expected no --keep-features, --feature-relief, --breaklines or --drape with it, "
+        "got one");
+  options.is_wrapped = arguments.wrap;
   LODE_TRY(options.raster, to_height_options(arguments, reading));
   return options;
 }
@@ -252,7 +258,8 @@ Result<void> check_terrain_model(const std::string& path, const TerrainArguments
   LODE_CHECK(check_model_of_points(path, arguments));
   if (!holds_terrain_model(path) || (arguments.is_empty() && reading.nodata.empty())) return {};
   return fail(
-      "{}: expected no --band, --encoding, --nodata, --model, --insertion or options of lines, "
+      "{}: expected no --band, --encoding, --wrap, --nodata, --model, --insertion or options of "
+      "lines, "
       "points "
       "or heights with a .lode file of terrain, got one",
       path);
@@ -289,6 +296,12 @@ void choose_levels(const std::optional<double>& finest, TerrainBuildOptions& bui
 
 void warn_of_vertical(const VerticalOutcome& outcome, const std::string& path, Session& session) {
   for (const std::string& note : outcome.notes) session.warn(fmt::format("{}: {}", path, note));
+}
+
+void hint_at_wrap(const OpenedTerrain& opened, const std::string& path, Session& session) {
+  if (!opened.facts.goes_round || opened.is_closed || opened.lines) return;
+  session.warn(
+      fmt::format("{}: goes round the earth, and ends at its last column: --wrap closes it", path));
 }
 
 Result<void> check_upwards(const HeightFrame& frame, const std::string& path) {

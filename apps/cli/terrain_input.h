@@ -70,6 +70,9 @@ void choose_levels(const std::optional<double>& finest, TerrainBuildOptions& bui
 /// Says where heights were taken otherwise than their file says, and what was done to them.
 void warn_of_vertical(const VerticalOutcome& outcome, const std::string& path, Session& session);
 
+/// Says of a raster that goes round the earth, and was not wrapped, that it can be.
+void hint_at_wrap(const OpenedTerrain& opened, const std::string& path, Session& session);
+
 /// Refuses depths, where what is above what counts.
 [[nodiscard]] Result<void> check_upwards(const HeightFrame& frame, const std::string& path);
 

@@ -52,40 +52,107 @@ std::vector<std::string> names_of_with(const ReadingArguments& reading) {
   return names;
 }
 
+/// A field that is asked for, perhaps with its time behind it as lists of fields have it.
+struct NamedField {
+  std::string name;
+  std::optional<double> time{};
+  std::vector<std::size_t> steps{};  ///< Places, in order of time; what has none comes first.
+};
+
+Result<NamedField> to_named_field(const TetraInfo& info, const std::string& text) {
+  const auto named = [&](std::string name, std::optional<double> time) {
+    NamedField field{std::move(name), time};
+    for (std::size_t i = 0; i < info.fields.size(); ++i)
+      if (info.fields[i].name == field.name) field.steps.push_back(i);
+    std::ranges::stable_sort(field.steps, {}, [&](std::size_t i) { return info.fields[i].time; });
+    return field;
+  };
+  NamedField field = named(text.empty() ? info.fields[0].name : numbered_component(text), {});
+  if (!field.steps.empty()) return field;
+  constexpr std::string_view kAt = " at ";
+  if (const std::size_t at = text.rfind(kAt); at != std::string::npos)
+    if (const auto time = parse_number("", text.substr(at + kAt.size())); time)
+      field = named(numbered_component(text.substr(0, at)), *time);
+  if (!field.steps.empty()) return field;
+  LODE_CHECK(find_field(info, text));  // Names those that there are.
+  return field;
+}
+
+bool has_times(const TetraInfo& info, const NamedField& field) {
+  return info.fields[field.steps.back()].time.has_value();
+}
+
+std::string text_of(const std::optional<double>& time) {
+  return time ? fmt::format("at {}", *time) : "without a time";
+}
+
+/// The place of a field that has steps at a time, or among those without one.
+Result<std::size_t> step_at(const TetraInfo& info, const NamedField& field,
+                            const std::optional<double>& time) {
+  constexpr std::size_t kMostNamed = 20;
+  std::string times;
+  for (std::size_t i = 0; i < field.steps.size(); ++i) {
+    const std::optional<double>& other = info.fields[field.steps[i]].time;
+    if (other == time && (!field.time || field.time == time)) return field.steps[i];
+    if (i < kMostNamed) times += (i > 0 ? ", " : "") + text_of(other);
+  }
+  if (field.steps.size() > kMostNamed) times += ", ...";
+  return fail("field {}: expected a step {}, as all fields of an answer are of one time, got {}",
+              field.name, text_of(time), field.time ? "one " + text_of(field.time) : times);
+}
+
+/// The time of the first field, by its name or as the step of a number.
+Result<std::optional<double>> time_of(const TetraInfo& info, const NamedField& field,
+                                      const std::string& step) {
+  if (field.time && !step.empty())
+    return fail("--time: expected none with the field {} {}, got {}", field.name,
+                text_of(field.time), step);
+  if (field.time) return field.time;
+  if (step.empty()) return info.fields[field.steps.front()].time;
+  LODE_TRY(const std::int64_t n,
+           parse_integer("--time", step, 0, static_cast<std::int64_t>(field.steps.size()) - 1));
+  return info.fields[field.steps[static_cast<std::size_t>(n)]].time;
+}
+
 }  // namespace
 
-Result<std::size_t> named_field(const TetraInfo& info, const std::string& name,
-                                const std::string& step) {
-  std::vector<std::size_t> steps;
-  for (std::size_t i = 0; i < info.fields.size(); ++i)
-    if (name.empty() ? info.fields[i].name == info.fields[0].name : info.fields[i].name == name)
-      steps.push_back(i);
-  if (steps.empty()) return find_field(info, name, {});  // Names those that there are.
-  if (step.empty() || (steps.size() == 1 && !info.fields[steps[0]].time)) return steps.front();
-  LODE_TRY(const std::int64_t n,
-           parse_integer("--time", step, 0, static_cast<std::int64_t>(steps.size()) - 1));
-  return steps[static_cast<std::size_t>(n)];
+Result<std::vector<std::size_t>> named_fields(const TetraInfo& info,
+                                              const std::vector<std::string>& names,
+                                              const std::string& step) {
+  std::vector<NamedField> fields;
+  for (const std::string& name : names) {
+    LODE_TRY(NamedField field, to_named_field(info, name));
+    fields.push_back(std::move(field));
+  }
+  const auto first = std::ranges::find_if(
+      fields, [&](const NamedField& field) { return has_times(info, field); });
+  if (first == fields.end() && !step.empty())
+    return fail("--time: expected none, as the field {} has no steps, got {}", fields[0].name,
+                step);
+  std::optional<double> time;
+  if (first != fields.end()) {
+    LODE_TRY(time, time_of(info, *first, step));
+  }
+  std::vector<std::size_t> places;
+  for (const NamedField& field : fields) {
+    const bool is_of_all_times = !has_times(info, field) && !field.time;
+    LODE_TRY(const std::size_t at, is_of_all_times ? Result<std::size_t>(field.steps.front())
+                                                   : step_at(info, field, time));
+    places.push_back(at);
+  }
+  return places;
 }
 
 namespace {
 
 Result<TetraFieldUse> fields_of(const TetraInfo& info, const ReadingArguments& reading) {
-  TetraFieldUse use;
-  LODE_TRY(use.measured, named_field(info, numbered_component(reading.field), reading.time));
-  for (const std::string& name : names_of_with(reading)) {
-    LODE_TRY(const std::size_t at, named_field(info, name, reading.time));
+  std::vector<std::string> names{reading.field};
+  for (std::string& name : names_of_with(reading)) names.push_back(std::move(name));
+  LODE_TRY(const std::vector<std::size_t> places, named_fields(info, names, reading.time));
+  TetraFieldUse use{.measured = places[0]};
+  for (const std::size_t at : places)
     if (at != use.measured && std::ranges::find(use.along, at) == use.along.end())
       use.along.push_back(at);
-  }
-  const auto has_steps = [&](std::size_t field) {
-    return std::ranges::any_of(info.fields, [&](const TetraFieldInfo& other) {
-      return other.time && other.name == info.fields[field].name;
-    });
-  };
-  if (!reading.time.empty() && !has_steps(use.measured) &&
-      std::ranges::none_of(use.along, has_steps))
-    return fail("--time: expected none, as the field {} has no steps, got {}",
-                info.fields[use.measured].name, reading.time);
   return use;
 }
 
@@ -233,7 +300,18 @@ Result<TetraInput> open_tetra_input(const std::string& path, const ReadingArgume
   return TetraInput{std::move(*built), std::move(report), watch.seconds(), std::move(fields)};
 }
 
+std::optional<double> TetraInput::time() const {
+  const std::vector<TetraFieldInfo>& all = dataset.describe().fields;
+  if (field().time) return field().time;
+  for (const std::size_t at : fields.along)
+    if (all[at].time) return all[at].time;
+  return std::nullopt;
+}
+
 void add_reading(const TetraInput& input, Table& table, Json& json) {
+  const std::optional<double> time = input.time();
+  json["time"] = time ? Json(*time) : Json(nullptr);
+  if (time) table.add({"time", fmt::format("{}", *time)});
   json["built_in_memory"] = input.was_built();
   if (input.report) return add_cell_counts(*input.report, table, json["reading"]);
   const TetraReads reads = input.dataset.reads();

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "input.h"
 #include "text.h"
@@ -18,6 +19,8 @@ struct TetraInput {
   [[nodiscard]] const TetraFieldInfo& field() const {
     return dataset.describe().fields[fields.measured];
   }
+  /// Of the fields' step; none where no field has steps, or it has no time.
+  [[nodiscard]] std::optional<double> time() const;
   [[nodiscard]] bool was_built() const { return report.has_value(); }
 };
 
@@ -38,10 +41,13 @@ struct TetraInput {
 /// How cells become tetrahedra. Fails on what cannot be meant.
 [[nodiscard]] Result<TetraOptions> to_tetra_options(const ReadingArguments& reading);
 
-/// A field of a .lode file by its name, or the first: of a series the step that --time says, from
-/// 0, as it was attached; without it the first.
-[[nodiscard]] Result<std::size_t> named_field(const TetraInfo& info, const std::string& name,
-                                              const std::string& step);
+/// Places of fields of a .lode file by their names, `NAME at TIME` among them; an empty name is the
+/// first. All are of one time: that of the first with steps, of which `step` says the number, from 0
+/// in order of time, a field without a time before all (none: 0). Fields without any time are as
+/// they are. Fails, naming it, where a field lacks that time.
+[[nodiscard]] Result<std::vector<std::size_t>> named_fields(const TetraInfo& info,
+                                                            const std::vector<std::string>& names,
+                                                            const std::string& step);
 
 /// The tetrahedra of a foreign file, with the field that is wanted, then those of --with.
 [[nodiscard]] Result<TetrahedraOutcome> read_tetra_mesh(const std::string& path,

@@ -38,6 +38,12 @@ Result<TinShape> to_shape(const TerrainArguments& terrain) {
   return shape_of(built);
 }
 
+/// A raster without its lines, but wrapped.
+Result<OpenedTerrain> open_raster(const std::string& path, const TerrainVerifyJob& job,
+                                  Session& session) {
+  return open_terrain(path, job.terrain.without_lines(), job.reading, {}, {}, session);
+}
+
 /// Against the raster or points that it was built of.
 Result<VerifyReport> verify_origin(const TerrainVerifyJob& job, const BuiltTerrain& built,
                                    Session& session) {
@@ -48,11 +54,9 @@ Result<VerifyReport> verify_origin(const TerrainVerifyJob& job, const BuiltTerra
     return naming(job.original, built.verify(*opened.points, session.threads(), session.progress()),
                   session);
   }
-  LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
-  LODE_TRY(const HeightRaster raster, read_heights(job.original, reading, session.progress()));
-  warn_of_vertical(raster.vertical, job.original, session);
+  LODE_TRY(const OpenedTerrain raster, open_raster(job.original, job, session));
   LODE_TRY(VerifyReport report,
-           naming(job.original, built.verify(raster.grid, session.threads(), session.progress()),
+           naming(job.original, built.verify(*raster.grid, session.threads(), session.progress()),
                   session));
   if (!is_hierarchy(built.model()) || !job.terrain.has_lines()) return report;
   LODE_TRY(const OpenedTerrain lined,
@@ -123,13 +127,11 @@ Result<VerifyReport> verify_terrain_input(const TerrainVerifyJob& job, Session& 
   LODE_TRY(const std::optional<double> max_error, to_max_error(job.max_error));
   if (is_point_path(job.input) || job.terrain.has_lines())
     return verify_points(job, max_error.value_or(0), session);
-  LODE_TRY(const HeightReadOptions reading, to_height_options(job.terrain, job.reading));
-  LODE_TRY(const HeightRaster raster, read_heights(job.input, reading, session.progress()));
-  warn_of_vertical(raster.vertical, job.input, session);
+  LODE_TRY(const OpenedTerrain raster, open_raster(job.input, job, session));
   LODE_TRY(const Surface surface, read_surface(job.surface));
   LODE_TRY(const TinShape shape, to_shape(job.terrain));
   return verify_terrain(
-      raster.grid, surface,
+      *raster.grid, surface,
       {.max_error = max_error.value_or(0), .shape = shape, .threads = session.threads()},
       session.progress());
 }

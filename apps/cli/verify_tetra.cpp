@@ -31,11 +31,7 @@ Result<Original> read_original(const TetraVerifyJob& job, const TetraInfo& info,
         "none",
         job.input);
   Original original;
-  for (const std::string& name : options.fields) {
-    LODE_TRY(const std::size_t at, named_field(info, name, job.reading.time));
-    original.fields.push_back(at);
-  }
-  const bool has_steps =
+@@  const bool has_steps =
       needs_vtk_import(job.original) ||
       std::ranges::any_of(info.fields, [&](const TetraFieldInfo& field) {
         return field.time && std::ranges::find(options.fields, field.name) != options.fields.end();

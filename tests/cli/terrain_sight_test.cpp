@@ -114,15 +114,63 @@ TEST_F(cli_terrain_sight, takes_the_curvature_of_the_earth_less_refraction) {
   EXPECT_EQ(over_plain("1", "0.01"), "visible");
 }
 
-TEST_F(cli_terrain_sight, goes_the_short_way_round_the_earth_and_warns_where_it_cannot) {
-  const auto write_globe = [&](const std::string& path, int columns) {
-    std::ofstream file(path);
-    file << "ncols " << columns << "\nnrows 9\nxllcorner -180\nyllcorner -45\ncellsize 10\n";
-    for (int i = 0; i < 9 * columns; ++i) file << i % 7 << ' ';
-    std::ofstream(path.substr(0, path.size() - 4) + ".prj")
-        << R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
-           R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
+/// As .asc, every ten degrees from 175 degrees west on.
+void write_globe(const std::string& path, int columns) {
+  std::ofstream file(path);
+  file << "ncols " << columns << "\nnrows 9\nxllcorner -180\nyllcorner -45\ncellsize 10\n";
+  for (int i = 0; i < 9 * columns; ++i) file << i % 7 << ' ';
+  std::ofstream(path.substr(0, path.size() - 4) + ".prj")
+      << R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
+         R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
+}
+
+TEST_F(cli_terrain_sight, wraps_surfaces_contours_and_models_on_request) {
+  const std::string globe = scratch_ / "globe.asc";
+  const std::string part = scratch_ / "part.asc";
+  const std::string made = scratch_ / "globe.ply";
+  const std::string model = scratch_ / "globe.lode";
+  write_globe(globe, 36);
+  write_globe(part, 30);
+  const auto triangles = [&](const Words& more) {
+    Words words{"extract", globe, made, "--max-error", "0", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished run = run_lode(words);
+    EXPECT_EQ(run.err.find("--wrap closes it") == std::string::npos, !more.empty()) << run.err;
+    return run.json().at("triangles").get<int>();
   };
+  EXPECT_GT(triangles({"--wrap"}), triangles({}));
+  triangles({"--wrap"});
+  const auto verified = [&](const Words& more) {
+    Words words{"verify", globe, "--surface", made, "--max-error", "0"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_lode(words);
+  };
+  const Finished closed = verified({"--wrap"});
+  EXPECT_EQ(closed.exit_code, 0) << closed.out;
+  EXPECT_NE(closed.out.find("sides have the same vertices"), std::string::npos);
+  EXPECT_NE(verified({}).exit_code, 0) << "a column of vertices is at no sample";
+  const auto contours = run_lode({"contours", globe, scratch_ / "c.vtp", "--isovalue", "3",
+                                  "--max-error", "0", "--wrap", "--json"});
+  EXPECT_EQ(contours.exit_code, 0) << contours.err;
+  EXPECT_TRUE(contours.json().at("warnings").empty());
+  // What is built of it has heights all the way round.
+  ASSERT_EQ(run_lode({"build", globe, model, "--levels", "0", "--wrap"}).exit_code, 0);
+  EXPECT_EQ(run_lode({"verify", model, "--against", globe, "--wrap"}).exit_code, 0);
+  const auto seam = run_lode({"height", model, "--at", "180,0", "--json"}).json();
+  EXPECT_EQ(seam.at("outside"), 0);
+  for (const Words& refused : {Words{"extract", part, made, "--wrap"},
+                               Words{"extract", globe, scratch_ / "o.tif", "--wrap"},
+                               Words{"extract", globe, made, "--wrap", "--max-cells", "50"},
+                               Words{"extract", globe, made, "--wrap", "--keep-features"},
+                               Words{"extract", model, made, "--wrap"}}) {
+    const Finished run = run_lode(refused);
+    EXPECT_NE(run.exit_code, 0) << refused[1];
+    EXPECT_NE(run.err.find("wrap"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("expected"), std::string::npos) << run.err;
+  }
+}
+
+TEST_F(cli_terrain_sight, goes_the_short_way_round_the_earth_and_warns_where_it_cannot) {
   write_globe(scratch_ / "globe.asc", 36);
   write_globe(scratch_ / "part.asc", 30);
   const auto warned = [&](const char* command, const char* name, const char* from, const char* to) {

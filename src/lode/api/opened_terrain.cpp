@@ -1,8 +1,11 @@
 #include "lode/api/opened_terrain.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <new>
+#include <numbers>
 #include <utility>
 
 #include "lode/api/files.h"
@@ -134,12 +137,30 @@ Result<void> build_of_points(const std::string& path, const TerrainBuildOptions&
   return {};
 }
 
-/// As the options say; whether it was.
-Result<bool> close_round(const TerrainReadOptions& options, HeightGrid& grid) {
-  if (options.has_lines() || (!options.is_closed && !options.way)) return false;
-  LODE_TRY(const HorizontalMetric metric, io::read_metric(grid.crs));
+Error not_round(const HeightGrid& grid, const HorizontalMetric& metric) {
+  const double degrees = metric.angle_unit * 180 / std::numbers::pi;
+  const std::string got = metric.ellipsoid ? fmt::format("{} columns, {} degrees apart",
+                                                         grid.n_columns, grid.to_world[1] * degrees)
+                                           : "one in no geographic CRS";
+  return fail(
+      "wrap: expected a raster from west to east whose columns go all the way round, 360 "
+      "degrees, got {}",
+      got);
+}
+
+/// As the options say; whether it was. `goes_round`: whether it could be.
+Result<bool> close_round(const TerrainReadOptions& options, HeightGrid& grid, bool& goes_round) {
+  if (options.is_wrapped && options.has_lines())
+    return fail("wrap: expected no breaklines or features with it, got some");
+  const bool is_wanted = options.is_wrapped || options.is_closed || options.way;
+  const Result<HorizontalMetric> read = io::read_metric(grid.crs);
+  if (!read && is_wanted) return read.error();
+  if (!read) return false;
+  const HorizontalMetric& metric = *read;
   const auto n_turn = columns_of_turn(grid, metric);
-  if (!n_turn) return false;
+  goes_round = n_turn.has_value();
+  if (options.is_wrapped && !n_turn) return not_round(grid, metric);
+  if (!n_turn || !is_wanted || options.has_lines()) return false;
   double at = grid.to_world[0];
   if (options.way) {
     const auto& [begin, end] = *options.way;
@@ -202,7 +223,8 @@ Result<OpenedTerrain> open_raster(const std::string& path, const TerrainReadOpti
                                   Progress& progress) {
   LODE_TRY(io::HeightRaster read, io::read_heights(path, reading.raster, progress));
   TerrainFacts facts = lode::facts_of(read);
-  LODE_TRY(const bool is_closed, naming(path, close_round(reading, read.grid), progress));
+  LODE_TRY(const bool is_closed,
+           naming(path, close_round(reading, read.grid, facts.goes_round), progress));
   if (building && !(reading.has_lines() && is_of_any_points(building->model))) {
     LODE_TRY(OpenedTerrain opened,
              build_of_raster(path, reading, *building, std::move(read), progress));

@@ -39,6 +39,7 @@ struct TerrainFacts {
   std::string type;        ///< Of the raster's samples; see HeightRaster.
   bool has_place = false;  ///< See HeightRaster.
   std::uint64_t n_missing = 0;
+  bool goes_round = false;             ///< A raster that goes round the earth (columns_of_turn()).
   bool is_of_points = false;           ///< A model, of points or of a raster with lines.
   std::optional<PointFacts> points{};  ///< Where their file was read.
   io::RasterForm form{};               ///< Of a raster's file.
@@ -67,6 +68,8 @@ struct TerrainReadOptions {
   bool keeps_samples = false;
   /// A raster without lines that goes round the earth ends with its first column (cut_open_at()),
   bool is_closed = false;
+  /// the same where it is asked for: rasters that do not go round, and lines, are refused;
+  bool is_wrapped = false;
   /// and begins at the western one of these longitudes, the ends of a way, which is the shorter one
   /// round the earth.
   std::optional<std::array<double, 2>> way{};

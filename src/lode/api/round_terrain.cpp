@@ -54,6 +54,7 @@ HeightGrid cut_open_at(const HeightGrid& grid, std::int32_t n_turn, double longi
         cut.vertical_unit = grid.vertical_unit;
         cut.to_world = grid.to_world;
         cut.to_world[0] += steps * step;
+        cut.is_round = true;
         auto& to = std::get<HeightGrid::Samples<T>>(cut.heights);
         if (!grid.is_valid.empty()) cut.is_valid.resize(static_cast<std::size_t>(cut.n_samples()));
         for (std::int32_t y = 0; y < grid.n_rows; ++y)

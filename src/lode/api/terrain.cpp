@@ -56,6 +56,10 @@ VerifyReport to_report(const TinFacts& facts, double max_error, TinShape shape,
   if (facts.n_lines > 0)
     report.add("lines are edges", facts.n_lines, facts.n_broken_lines,
                facts.n_broken_lines > 0 ? fmt::format("{} are broken", facts.n_broken_lines) : "");
+  if (facts.is_round && shape != TinShape::any)
+    report.add("sides have the same vertices, as it goes round", facts.n_side_rows,
+               facts.n_unmatched,
+               facts.n_unmatched > 0 ? fmt::format("{} rows do not", facts.n_unmatched) : "");
   report.add("the domain is covered once", facts.n_cells > 0 ? facts.n_cells : facts.n_samples,
              facts.is_covered() ? 0 : 1,
              facts.is_covered()

@@ -16,6 +16,7 @@ struct HeightFrame {
   std::array<double, 6> to_world{0, 1, 0, 0, 0, 1};
   std::string crs;            ///< As WKT; empty: not known.
   std::string vertical_unit;  ///< Empty: not known.
+  bool is_round = false;      ///< The last column is the first again, all the way round the earth.
 
   /// World x and y of a place in columns and rows.
   [[nodiscard]] Vec<double, 2> world(double x, double y) const;

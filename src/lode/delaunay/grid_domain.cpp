@@ -17,15 +17,20 @@ struct Outline {
   std::vector<std::array<std::uint32_t, 2>> edges;
 };
 
-Outline trace_outline(const GridCells& cells) {
+Outline trace_outline(const GridCells& cells, std::span<const std::int32_t> side_rows) {
   constexpr std::uint32_t kNobody = 0xffffffff;
   Outline outline;
+  const auto is_vertex = [&](std::int32_t x, std::int32_t y) {
+    if (cells.is_corner(x, y)) return true;
+    const bool is_on_side = (x == 0 || x == cells.n_columns() - 1) && cells.n_round(x, y) == 2;
+    return is_on_side && std::ranges::binary_search(side_rows, y);
+  };
   // The last corner of each column, where a vertical edge may have begun.
   std::vector<std::uint32_t> above(static_cast<std::size_t>(cells.n_columns()), kNobody);
   for (std::int32_t y = 0; y < cells.n_rows(); ++y) {
     std::uint32_t before = kNobody;
     for (std::int32_t x = 0; x < cells.n_columns(); ++x) {
-      if (!cells.is_corner(x, y)) continue;
+      if (!is_vertex(x, y)) continue;
       const auto corner = static_cast<std::uint32_t>(outline.corners.size());
       outline.corners.push_back({x, y});
       const bool is_low = cells.has(x - 1, y - 1);
@@ -58,11 +63,12 @@ GridDomain full_domain(const HeightGrid& grid, const LatticePacking& packing) {
           0};
 }
 
-Result<GridDomain> masked_domain(const HeightGrid& grid, const LatticePacking& packing) {
+Result<GridDomain> traced_domain(const HeightGrid& grid, const LatticePacking& packing,
+                                 std::span<const std::int32_t> side_rows) {
   const GridCells cells(grid);
   LODE_CHECK(check_cells(cells, grid));
   GridDomain domain;
-  LODE_TRY(domain.triangles, triangulate_cells(cells, packing));
+  LODE_TRY(domain.triangles, triangulate_cells(cells, packing, side_rows));
   domain.n_cells = cells.n_inside();
   domain.n_samples = cells.count_samples();
   domain.n_left_out =
@@ -72,9 +78,10 @@ Result<GridDomain> masked_domain(const HeightGrid& grid, const LatticePacking& p
 
 }  // namespace
 
-Result<std::vector<std::array<std::uint32_t, 3>>> triangulate_cells(const GridCells& cells,
-                                                                    const LatticePacking& packing) {
-  const Outline outline = trace_outline(cells);
+Result<std::vector<std::array<std::uint32_t, 3>>> triangulate_cells(
+    const GridCells& cells, const LatticePacking& packing,
+    std::span<const std::int32_t> side_rows) {
+  const Outline outline = trace_outline(cells, side_rows);
   std::vector<Point> points;
   points.reserve(outline.corners.size());
   for (const LatticePoint& p : outline.corners)
@@ -103,11 +110,11 @@ Result<void> check_cells(const GridCells& cells, const HeightGrid& grid) {
       grid.n_missing(), grid.n_samples());
 }
 
-Result<GridDomain> find_domain(const HeightGrid& grid) {
+Result<GridDomain> find_domain(const HeightGrid& grid, std::span<const std::int32_t> side_rows) {
   LODE_CHECK(check_lattice(grid));
   const LatticePacking packing(grid.n_columns);
-  if (grid.n_missing() == 0) return full_domain(grid, packing);
-  return masked_domain(grid, packing);
+  if (grid.n_missing() == 0 && side_rows.empty()) return full_domain(grid, packing);
+  return traced_domain(grid, packing, side_rows);
 }
 
 Result<void> check_heights(const HeightRange& range) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lode/core/height_grid.h"
@@ -22,14 +23,17 @@ struct GridDomain {
   std::uint64_t n_left_out = 0;  ///< Valid samples that are corners of none.
 };
 
-/// O(cells), and O(n log n) for n corners of the outline. Fails where there are no such cells, and
-/// where nodes do not fit in 32 bits.
-[[nodiscard]] Result<GridDomain> find_domain(const HeightGrid& grid);
+/// O(cells), and O(n log n) for n corners of the outline. `side_rows`, from small to large: where
+/// the outline has vertices beside its corners, on the first and the last column. Fails where there
+/// are no such cells, and where nodes do not fit in 32 bits.
+[[nodiscard]] Result<GridDomain> find_domain(const HeightGrid& grid,
+                                             std::span<const std::int32_t> side_rows = {});
 
 /// The coarsest triangulation that has the outline of those cells, as GridDomain::triangles; at
-/// least one is inside. O(n log n) for n corners.
+/// least one is inside. `side_rows`: as of find_domain(). O(n log n) for n corners.
 [[nodiscard]] Result<std::vector<std::array<std::uint32_t, 3>>> triangulate_cells(
-    const GridCells& cells, const LatticePacking& packing);
+    const GridCells& cells, const LatticePacking& packing,
+    std::span<const std::int32_t> side_rows = {});
 
 /// What find_domain() fails for: a lattice without area, or whose nodes do not fit in 32 bits; and
 /// a grid, which has those cells, without any.

@@ -14,7 +14,10 @@ template <typename T>
 class SideSplitter {
  public:
   SideSplitter(const SampleRows<T>& rows, const GridCells* cells, const SeamOptions& options)
-      : rows_(rows), cells_(cells), splitter_(options.range, options.max_error) {}
+      : rows_(rows),
+        cells_(cells),
+        turn_(options.turn),
+        splitter_(options.range, options.max_error) {}
 
   SeamSide split(const LatticePart& part) {
     const bool is_row = part.first.y == part.last.y;
@@ -46,12 +49,15 @@ class SideSplitter {
   [[nodiscard]] int beside(LatticePoint first, bool is_row, std::int32_t step) const {
     if (cells_ == nullptr) return 1;
     const LatticePoint p{first.x + (is_row ? step : 0), first.y + (is_row ? 0 : step)};
-    const bool is_other = is_row ? cells_->has(p.x, p.y - 1) : cells_->has(p.x - 1, p.y);
-    return int{cells_->has(p.x, p.y)} + 2 * int{is_other};
+    if (is_row) return int{cells_->has(p.x, p.y)} + 2 * int{cells_->has(p.x, p.y - 1)};
+    const bool is_right = cells_->has(p.x == turn_ ? 0 : p.x, p.y);
+    const bool is_left = cells_->has((p.x == 0 ? turn_ : p.x) - 1, p.y);
+    return int{is_right} + 2 * int{is_left};
   }
 
   const SampleRows<T>& rows_;
   const GridCells* cells_;
+  std::int32_t turn_;
   LineSplitter<T> splitter_;
   std::vector<T> line_;
 };
@@ -86,6 +92,12 @@ Seams find_seams(const TileLayout& layout, const SampleRows<T>& rows, const Grid
     seams.side(i) = splitters[static_cast<std::size_t>(worker)].split(seams.part(i));
   });
   return seams;
+}
+
+template <typename T>
+std::vector<std::int32_t> find_round_side(LatticePoint last, const SampleRows<T>& rows,
+                                          const GridCells* cells, const SeamOptions& options) {
+  return SideSplitter<T>(rows, cells, options).split({{0, 0}, {0, last.y}}).places;
 }
 
 template <typename T>
@@ -127,6 +139,14 @@ template Seams find_seams(const TileLayout&, const SampleRows<float>&, const Gri
                           const SeamOptions&);
 template Seams find_seams(const TileLayout&, const SampleRows<double>&, const GridCells*,
                           const SeamOptions&);
+template std::vector<std::int32_t> find_round_side(LatticePoint, const SampleRows<std::int16_t>&,
+                                                   const GridCells*, const SeamOptions&);
+template std::vector<std::int32_t> find_round_side(LatticePoint, const SampleRows<std::uint16_t>&,
+                                                   const GridCells*, const SeamOptions&);
+template std::vector<std::int32_t> find_round_side(LatticePoint, const SampleRows<float>&,
+                                                   const GridCells*, const SeamOptions&);
+template std::vector<std::int32_t> find_round_side(LatticePoint, const SampleRows<double>&,
+                                                   const GridCells*, const SeamOptions&);
 template std::int32_t choose_tile_side(LatticePoint, const SampleRows<std::int16_t>&,
                                        const GridCells*, const SeamOptions&);
 template std::int32_t choose_tile_side(LatticePoint, const SampleRows<std::uint16_t>&,

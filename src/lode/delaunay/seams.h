@@ -54,6 +54,9 @@ struct SeamOptions {
   double range = 0;  ///< Of the heights.
   double max_error = 0;
   Threads threads{};
+  /// Of a raster whose last column is its first again (HeightFrame::is_round), that column's
+  /// number: cells beside the one are beside the other, and both are split alike. Else 0.
+  std::int32_t turn = 0;
 };
 
 /// Splits all sides of tiles until no sample on them errs by more than max_error. `cells`: null
@@ -61,6 +64,14 @@ struct SeamOptions {
 template <typename T>
 [[nodiscard]] Seams find_seams(const TileLayout& layout, const SampleRows<T>& rows,
                                const GridCells* cells, const SeamOptions& options);
+
+/// The same of a raster's first and last column alone, with a turn: the rows of the vertices of
+/// both, but for those where neither has a cell.
+template <typename T>
+[[nodiscard]] std::vector<std::int32_t> find_round_side(LatticePoint last,
+                                                        const SampleRows<T>& rows,
+                                                        const GridCells* cells,
+                                                        const SeamOptions& options);
 
 /// How wide tiles should be: so many vertices on a side that seams cost little, as far as some
 /// columns and rows of the raster tell. The same for any number of threads.

@@ -147,8 +147,10 @@ Result<SeamedTiles> insert_in_tiles(const HeightGrid& grid, double lower, double
   const std::uint64_t n_samples = masked ? masked->count_samples() : n_valid;
   const SampleRows<T> rows{std::get<HeightGrid::Samples<T>>(grid.heights).data(), grid.stride,
                            LatticePacking(grid.n_columns)};
-  const SeamOptions wanted{
-      .range = upper - lower, .max_error = options.max_error, .threads = options.threads};
+  const SeamOptions wanted{.range = upper - lower,
+                           .max_error = options.max_error,
+                           .threads = options.threads,
+                           .turn = grid.is_round ? grid.n_columns - 1 : 0};
   const LatticePoint last{grid.n_columns - 1, grid.n_rows - 1};
   const std::int32_t side =
       options.side > 0 ? options.side : choose_tile_side(last, rows, cells, wanted);

@@ -150,6 +150,7 @@ class TinChecker {
     check_turns(tin_.triangles, tin_.nodes, facts_);
     if (facts_.n_turned > 0) return facts_;
     look_at_edges();
+    if (grid_.is_round) match_sides();
     count_domain();
     LODE_CHECK(check_samples());
     return facts_;
@@ -181,6 +182,22 @@ class TinChecker {
     TinFacts& facts = options_.seams == TinSeams::none ? with_seams : facts_;
     check_edges(tin_.triangles, tin_.nodes, on_outline, facts, is_on_seam);
     facts_.n_on_seams = with_seams.n_constrained;
+  }
+
+  void match_sides() {
+    facts_.is_round = true;
+    const LatticePoint last{grid_.n_columns - 1, (grid_.n_rows - 1) * tin_.scale};
+    std::vector<std::uint8_t> sides(static_cast<std::size_t>(last.y) + 1, 0);
+    for (const LatticePoint& p : tin_.nodes) {
+      if (p.x == 0) sides[static_cast<std::size_t>(p.y)] |= 1U;
+      if (p.x == last.x * tin_.scale) sides[static_cast<std::size_t>(p.y)] |= 2U;
+    }
+    for (std::int32_t y = 0; y <= last.y; ++y) {
+      const std::uint8_t side = sides[static_cast<std::size_t>(y)];
+      facts_.n_side_rows += static_cast<std::uint64_t>(side != 0);
+      const bool is_one = side == 1 || side == 2;
+      if (is_one && domain_.has_node(side == 1 ? last.x : 0, y / tin_.scale)) ++facts_.n_unmatched;
+    }
   }
 
   /// Steps that it goes over in part count whole.

@@ -35,6 +35,9 @@ struct TinFacts {
   std::uint64_t n_samples = 0;      ///< Of the domain.
   std::uint64_t n_uncovered = 0;    ///< In no triangle.
   std::uint64_t n_beyond = 0;       ///< Farther than max_error from a triangle that they lie in.
+  bool is_round = false;            ///< As the grid; then there are the next two.
+  std::uint64_t n_side_rows = 0;    ///< With a vertex on the first or the last column.
+  std::uint64_t n_unmatched = 0;    ///< Of those: on one alone, though the other has cells there.
   double worst_error = 0;           ///< |z - z'| of all samples in all triangles, heights exact.
   delaunay::LatticePoint worst{};   ///< Column and row of the first that has it.
 

@@ -2,13 +2,18 @@
 // description", The Visual Computer 12 (1996), section 3: the Delaunay selector.
 #include "lode/models/terrain/delaunay_selector/selector.h"
 
+#include <algorithm>
+#include <iterator>
+#include <span>
 #include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "lode/delaunay/full_tin.h"
+#include "lode/delaunay/grid_cells.h"
 #include "lode/delaunay/grid_domain.h"
+#include "lode/delaunay/seams.h"
 #include "lode/delaunay/tile_insertion.h"
 #include "lode/models/terrain/delaunay_selector/spatial_order.h"
 
@@ -60,13 +65,53 @@ Result<Selection> select_in_tiles(const HeightGrid& grid, const SelectorOptions&
   return selection;
 }
 
-}  // namespace
+/// Where a raster that goes round has to have vertices on both its first and its last column.
+std::vector<std::int32_t> side_rows(const HeightGrid& grid, const SelectorOptions& options) {
+  if (!grid.is_round || options.max_cells || !delaunay::check_lattice(grid)) return {};
+  const HeightRange range = height_range(grid);
+  const delaunay::LatticePoint last{grid.n_columns - 1, grid.n_rows - 1};
+  const auto find = [&](const auto& samples) {
+    using T = typename std::decay_t<decltype(samples)>::value_type;
+    const delaunay::SampleRows<T> rows{samples.data(), grid.stride,
+                                       delaunay::LatticePacking(grid.n_columns)};
+    std::optional<delaunay::GridCells> cells;
+    if (grid.n_missing() > 0) cells.emplace(grid);
+    return delaunay::find_round_side(
+        last, rows, cells ? &*cells : nullptr,
+        {.range = range.upper - range.lower, .max_error = options.max_error, .turn = last.x});
+  };
+  return std::visit(find, grid.heights);
+}
 
-Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& options,
-                                 Progress& progress) {
-  LODE_EXPECTS(!options.max_cells || options.order == InsertionOrder::strict);
-  if (options.order == InsertionOrder::tiles) return select_in_tiles(grid, options, progress);
-  LODE_TRY(const delaunay::GridDomain domain, delaunay::find_domain(grid));
+/// Adds rows of vertices of either column that are not on both sides by then; whether there are
+/// such. Rounding of heights that are no integers may ask for them.
+bool add_unequal(const delaunay::LatticeMesh& mesh, std::int32_t last,
+                 std::vector<std::int32_t>& rows) {
+  std::vector<std::int32_t> all;
+  for (const delaunay::LatticeTriangle& triangle : mesh.triangles())
+    for (const std::uint32_t corner : triangle.corner) {
+      const delaunay::LatticePoint p = mesh.nodes().unpack(corner);
+      if (p.x == 0 || p.x == last) all.push_back(p.y);
+    }
+  std::ranges::sort(all);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  if (std::ranges::includes(rows, all)) return false;
+  std::vector<std::int32_t> both;
+  std::ranges::set_union(rows, all, std::back_inserter(both));
+  rows = std::move(both);
+  return true;
+}
+
+struct Inserted {
+  delaunay::GridDomain domain;
+  delaunay::LatticeMesh mesh;
+  delaunay::GreedyReport report;
+};
+
+/// `rows_of_sides`: as of find_domain().
+Result<Inserted> insert_samples(const HeightGrid& grid, const SelectorOptions& options,
+                                std::span<const std::int32_t> rows_of_sides, Progress& progress) {
+  LODE_TRY(delaunay::GridDomain domain, delaunay::find_domain(grid, rows_of_sides));
   const delaunay::LatticePacking packing(grid.n_columns);
   delaunay::LatticeMesh mesh(packing, domain.triangles);
   const HeightRange range = height_range(grid);
@@ -78,6 +123,21 @@ Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& 
                                      progress);
   };
   LODE_TRY(const delaunay::GreedyReport report, std::visit(insert, grid.heights));
+  return Inserted{std::move(domain), std::move(mesh), report};
+}
+
+}  // namespace
+
+Result<Selection> select_samples(const HeightGrid& grid, const SelectorOptions& options,
+                                 Progress& progress) {
+  LODE_EXPECTS(!options.max_cells || options.order == InsertionOrder::strict);
+  if (options.order == InsertionOrder::tiles) return select_in_tiles(grid, options, progress);
+  std::vector<std::int32_t> rows = side_rows(grid, options);
+  LODE_TRY(Inserted inserted, insert_samples(grid, options, rows, progress));
+  while (!rows.empty() && add_unequal(inserted.mesh, grid.n_columns - 1, rows)) {
+    LODE_TRY(inserted, insert_samples(grid, options, rows, progress));
+  }
+  const auto& [domain, mesh, report] = inserted;
   Selection selection{.tin = delaunay::to_tin(mesh, options.links),
                       .achieved_error = report.achieved_error,
                       .is_within_error = report.is_within_error,

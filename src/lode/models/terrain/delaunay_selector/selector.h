@@ -36,8 +36,9 @@ struct Selection {
 /// are inserted into a Delaunay triangulation until the vertical error is within max_error at every
 /// sample, or max_cells is reached. The domain is the union of the cells with four valid corners;
 /// its outline is kept exactly, and constrains the triangulation where it is not convex; in tiles
-/// seams do so, too. Time O(n log n) in the samples usually. Fails where there is no such cell, and
-/// on heights beyond 1e30.
+/// seams do so, too. Where a raster is_round, its first and its last column have the same vertices,
+/// but with max_cells. Time O(n log n) in the samples usually. Fails where there is no such cell,
+/// and on heights beyond 1e30.
 [[nodiscard]] Result<Selection> select_samples(const HeightGrid& grid,
                                                const SelectorOptions& options, Progress& progress);
 
