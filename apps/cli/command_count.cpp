@@ -34,9 +34,10 @@ struct EvenIsovalues {
     const double high = first ? last : range_max;
     std::vector<double> isovalues;
     isovalues.reserve(static_cast<std::size_t>(n));
+    // Multiplied first: steps of whole numbers that are whole come out so.
     for (std::int64_t i = 0; i < n; ++i) {
-      const double t = static_cast<double>(first ? i : i + 1) / n_steps;
-      isovalues.push_back((1 - t) * low + t * high);
+      const auto k = static_cast<double>(first ? i : i + 1);
+      isovalues.push_back(k == n_steps ? high : low + (high - low) * k / n_steps);
     }
     return isovalues;
   }
@@ -115,7 +116,7 @@ std::string count_text(const Input& input, const CountOptions& options, const Co
   const bool is_lines = input.info.model == "diamond2d";
   Table table({"isovalue", is_lines ? "lines" : "triangles", "vertices"});
   for (const IsovalueCount& count : report.counts)
-    table.add({format_number(count.isovalue),
+    table.add({fmt::format("{}", count.isovalue),
                format_count(is_lines ? count.lines : count.triangles),
                format_count(count.vertices)});
   return head.to_string() + '\n' + table.to_string();

@@ -119,6 +119,10 @@ Result<void> check_extract(const ExtractArguments& arguments, const CLI::App& ap
   }
   if (!arguments.query.warp.is_empty())
     return fail("--warp: expected a mesh of cells, got {}", arguments.input);
+  if (!arguments.query.patches.empty())
+    return fail("--patch: expected a mesh of cells, got {}", arguments.input);
+  if (!arguments.query.regions.empty())
+    return fail("--region: expected a mesh of cells, got {}", arguments.input);
   if (arguments.query.is_wanted()) return check_mesh_job(arguments.mesh_job());
   if (arguments.query.is_focused()) return check_focused_job(arguments.mesh_job());
   LODE_TRY(ExtractOptions options, to_extract_options(arguments.plain()));
@@ -405,9 +409,11 @@ Command add_extract_command(CLI::App& program) {
       ->type_name("FILE")
       ->required();
   app->add_option("output", arguments->output, "Surface to write")->type_name("OUT")->required();
-  app->add_option("--memory-limit", arguments->memory_limit,
-                  "Memory for the hierarchy, such as 512M (default: a quarter of the machine's); "
-                  "with a focus or a budget also for what is made of it")
+  app->add_option(
+         "--memory-limit", arguments->memory_limit,
+         "Memory for the hierarchy, such as 512M (default: a quarter of the machine's); "
+         "with a focus or a budget also for what is made of it; --max-distance and --simplify take "
+         "about as much again beside it")
       ->type_name("BYTES");
   app->add_flag(
       "--salvage", arguments->reading.salvage,

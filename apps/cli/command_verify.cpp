@@ -57,6 +57,16 @@ std::uint64_t limit_of_file(const VerifyArguments& arguments, const ExtractOptio
           arguments.terrain, arguments.reading};
 }
 
+/// They say how a surface was extracted: without one they would mean nothing.
+Result<void> check_no_surface_options(const CLI::App& app) {
+  for (const char* name :
+       {"--isovalue", "--max-error", "--style", "--style-distance", "--keep-topology", "--clip",
+        "--close-border", "--min-component", "--flip", "--normals", "--simplify"})
+    if (app.get_option(name)->count() > 0)
+      return fail("{}: expected --surface FILE with it, got none", name);
+  return {};
+}
+
 Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app) {
   if (holds_tiles(arguments.input)) return check_tile_verify(terrain_job(arguments), app);
   if (holds_terrain(arguments.input)) return check_terrain_verify(terrain_job(arguments), app);
@@ -85,8 +95,8 @@ Result<void> check_verify(const VerifyArguments& arguments, const CLI::App& app)
     LODE_CHECK(check_surface_path(arguments.surface));
     if (options.isovalues.empty())
       return fail("--surface: expected the --isovalue it was extracted with, got none");
-  } else if (!options.isovalues.empty()) {
-    return fail("--isovalue: expected --surface FILE with it, got none");
+  } else {
+    LODE_CHECK(check_no_surface_options(app));
   }
   if (!arguments.original.empty()) {
     if (is_lode_path(arguments.original))

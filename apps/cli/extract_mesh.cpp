@@ -183,10 +183,6 @@ Result<void> check_mesh_job(const MeshJob& job) {
   if (job.query.is_boundary) return fail("--boundary: expected a mesh of cells, got {}", job.input);
   if (!job.query.threshold.empty())
     return fail("--threshold: expected a mesh of cells, got {}", job.input);
-  if (!job.query.patches.empty())
-    return fail("--patch: expected a mesh of cells, got {}", job.input);
-  if (!job.query.regions.empty())
-    return fail("--region: expected a mesh of cells, got {}", job.input);
   if (job.query.sections.size() > 1)
     return fail("--section: expected one of a volume, got {}", job.query.sections.size());
   if (job.query.is_mesh) {

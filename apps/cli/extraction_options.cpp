@@ -41,9 +41,10 @@ void add_extraction_options(CLI::App& app, ExtractionArguments& arguments) {
       ->type_name("V")
       ->allow_extra_args(false)
       ->group(group);
-  app.add_option("--max-error", arguments.max_error,
-                 "Tolerance in field units, or with % of the range of values; 0 is full "
-                 "resolution (default: 0.5%)")
+  app.add_option(
+         "--max-error", arguments.max_error,
+         "Tolerance in field units (terrain: of its heights), or, not of terrain, with % of "
+         "the range of values; 0 is full resolution (default: 0.5%)")
       ->type_name("E")
       ->group(group);
   app.add_option("--style", arguments.style,
@@ -197,11 +198,15 @@ void warn_of_unmet(Session& session, const std::vector<double>& unmet,
       continue;
     }
     const bool is_in_range = info.range_min <= isovalue && isovalue <= info.range_max;
+    const bool is_coarse = options.max_error != 0.0 || options.max_distance.has_value();
+    const char* why = "it meets nothing";
+    if (is_in_range && is_cropped)
+      why = "nothing of it is left by --clip and --min-component";
+    else if (is_in_range && is_coarse)
+      why =
+          "nothing of it is left within the tolerance: a smaller one, or --keep-topology, keeps it";
     session.warn(fmt::format("no surface at isovalue {}: {} (values run from {} to {})", isovalue,
-                             is_cropped && is_in_range
-                                 ? "nothing of it is left by --clip and --min-component"
-                                 : "it meets nothing",
-                             info.range_min, info.range_max));
+                             why, info.range_min, info.range_max));
   }
 }
 

@@ -150,10 +150,12 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
       "Tolerance in pixels of the view, by an estimate of distances; of terrain a bound, of "
       "vertical errors");
   add("--max-error-outside", arguments.max_error_outside, "E",
-      "Tolerance outside the focus, in the unit of the other, or of terrain's heights (default: "
-      "any)");
+      "Tolerance outside the focus, in the unit of the other, or of terrain's heights; of a mesh "
+      "of "
+      "cells also with % (default: any)");
   add("--max-cells", arguments.max_cells, "N",
-      "At most N simplices, before clipping; without --max-error, as accurate as they allow");
+      "At most N simplices, before cells are cut by --clip or where the data end; without "
+      "--max-error, as accurate as they allow");
   add("--deadline-ms", arguments.deadline_ms, "T",
       "The best answer that is ready T milliseconds after the file is open");
 }

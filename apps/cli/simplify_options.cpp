@@ -13,7 +13,8 @@ void add_simplify_options(CLI::App& app, SimplifyArguments& arguments) {
   app.add_flag(
          "--simplify", arguments.simplifies,
          "Collapse edges of the surface within --max-error of the isovalue, the field's at full "
-         "resolution, and within --max-distance (with this alone, of full resolution): proven, "
+         "resolution, and within --max-distance (with this alone, of full resolution; with --style "
+         "cubes of the cubes): proven, "
          "still a manifold, never through itself; within --max-error alone closed pieces that "
          "hold nothing farther go")
       ->group(group);

@@ -56,6 +56,23 @@ TEST_F(cli_count, spreads_isovalues_inside_the_range_and_prints_a_table) {
   EXPECT_NEAR(middle - first, last - middle, 1e-9);
 }
 
+TEST_F(cli_count, has_whole_steps_of_whole_numbers) {
+  const auto isovalues = [&](const char* evenly) {
+    std::vector<double> found;
+    const nlohmann::json report = count(lode_file(), {"--isovalues", evenly, "--json"}).json();
+    for (const auto& one : report.at("counts")) found.push_back(one.at("isovalue"));
+    return found;
+  };
+  const std::vector<double> tens = isovalues("10:200:20");
+  for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(tens[i], 10 * static_cast<double>(i + 1));
+  const std::vector<double> ones = isovalues("1:99:99");
+  for (std::size_t i = 0; i < 99; ++i) EXPECT_EQ(ones[i], static_cast<double>(i + 1));
+  EXPECT_EQ(isovalues("0.1:0.7:3").back(), 0.7);
+  // What is not whole is told apart from what is.
+  const Finished run = count(lode_file(), {"--isovalues", "100:101:4"});
+  EXPECT_NE(run.out.find("100.33333333333333"), std::string::npos) << run.out;
+}
+
 TEST_F(cli_count, takes_a_memory_limit) {
   const Words few = {"--isovalue", "100", "--max-error", "4", "--json"};
   Words limited = few;

@@ -282,5 +282,30 @@ TEST(cli_contours, go_to_formats_with_lines_only) {
   EXPECT_GT(run.json().at("lines").get<int>(), 0);
 }
 
+TEST_F(cli_extract, refuses_what_only_meshes_of_cells_have) {
+  for (const Words& option : {Words{"--region", "1"}, Words{"--patch", "a"}})
+    for (const Words& kind : {Words{}, Words{"--mesh"}, Words{"--max-cells", "100"}}) {
+      Words words{"--isovalue", "100"};
+      words.insert(words.end(), option.begin(), option.end());
+      words.insert(words.end(), kind.begin(), kind.end());
+      expect_refusal(extract("s.vtp", words), 2, {option[0], "mesh of cells"});
+    }
+}
+
+TEST_F(cli_extract, says_where_the_tolerance_has_left_nothing) {
+  const std::string bubble = scratch_ / "bubble.nrrd";
+  write_nrrd(bubble, {{17, 17, 17}},
+             [](int x, int y, int z) { return x == 8 && y == 9 && z == 7 ? 50 : 200; });
+  const auto warned = [&](const char* isovalue, const char* max_error) {
+    return run_lode({"extract", bubble, scratch_ / "b.ply", "--isovalue", isovalue, "--max-error",
+                     max_error})
+        .err;
+  };
+  EXPECT_NE(warned("100", "200").find("nothing of it is left within the tolerance"),
+            std::string::npos);
+  EXPECT_NE(warned("300", "200").find("it meets nothing"), std::string::npos);
+  EXPECT_EQ(warned("100", "0").find("no surface"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace lode::test

@@ -102,6 +102,28 @@ TEST_F(cli_simplify, is_verified_against_the_surface_before) {
   EXPECT_NE(lacking.err.find("components, tunnels and boundaries as before"), std::string::npos);
 }
 
+TEST_F(cli_simplify, is_verified_to_face_the_way_it_did) {
+  for (const Words& how :
+       {Words{"--simplify", "--max-distance", "0.7"}, Words{"--simplify", "--max-error", "4"},
+        Words{"--remove-slivers", "--max-error", "4", "--max-distance", "0.7"}})
+    for (const bool is_flipped : {false, true}) {
+      Words words{"--isovalue", "100"};
+      words.insert(words.end(), how.begin(), how.end());
+      Words flipped = words;
+      flipped.emplace_back("--flip");
+      ASSERT_EQ(extract("s.ply", is_flipped ? flipped : words).exit_code, 0);
+      for (const bool is_expected : {false, true}) {
+        Words verify{"verify", volume(), "--surface", file("s.ply")};
+        const Words& rest = is_expected ? flipped : words;
+        verify.insert(verify.end(), rest.begin(), rest.end());
+        const Finished run = run_lode(verify);
+        EXPECT_EQ(run.exit_code, is_expected == is_flipped ? 0 : 1) << run.out << run.err;
+        if (is_expected != is_flipped)
+          EXPECT_NE(run.err.find("pieces face the way they did"), std::string::npos) << run.err;
+      }
+    }
+}
+
 TEST_F(cli_simplify, within_an_error_leaves_fewer_triangles_and_is_verified) {
   const std::vector<std::string> query = {"--isovalue", "100", "--max-error", "4"};
   std::vector<std::string> with_json = query;

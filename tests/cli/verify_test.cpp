@@ -80,6 +80,28 @@ TEST(cli_verify, fails_on_a_surface_of_another_isovalue) {
   EXPECT_EQ(run.json().at("passed"), false);
 }
 
+TEST(cli_verify, refuses_options_of_a_surface_without_one) {
+  const Scratch scratch;
+  write_ball(scratch / "ball.nrrd");
+  const std::string file = scratch / "ball.lode";
+  ASSERT_EQ(run_lode({"build", scratch / "ball.nrrd", file}).exit_code, 0);
+  for (const Words& options : {Words{"--simplify"},
+                               {"--keep-topology"},
+                               {"--flip"},
+                               {"--style", "cubes"},
+                               {"--max-error", "3"},
+                               {"--isovalue", "9"},
+                               {"--max-distance", "1"},
+                               {"--close-border"},
+                               {"--clip", "0,1,0,1,0,1"},
+                               {"--min-component", "3"},
+                               {"--normals", "off"}}) {
+    Words words{"verify", file};
+    words.insert(words.end(), options.begin(), options.end());
+    expect_refusal(run_lode(words), 2, {options[0], "--surface"});
+  }
+}
+
 TEST(cli_verify, every_format_comes_back_from_a_volume_with_holes) {
   // Where holes pinch the domain there are twins, which STL merges.
   const Scratch scratch;

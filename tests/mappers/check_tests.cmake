@@ -7,6 +7,7 @@ lode_test(mappers_check_test
     ${CMAKE_CURRENT_LIST_DIR}/surface_edits_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/surface_match_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/surface_topology_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/surface_turning_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/triangle_intersection_test.cpp
   DEPENDS lode_mappers lode_core)
 

@@ -233,7 +233,32 @@ TEST(close_border, adds_nothing_to_a_bubble_of_high_values_and_nothing_to_nothin
   const Surface closed = extract(c, options);
   options.border = Border::open;
   EXPECT_EQ(extract(c, options).triangles, closed.triangles);
-  EXPECT_TRUE(extract(c, closed_at(-1000, 0)).is_empty());
+  EXPECT_TRUE(extract(c, closed_at(1000, 0)).is_empty());
+}
+
+/// Where all values are from the isovalue up, what encloses them is the border alone, also where
+/// the tolerance has taken a bubble away.
+TEST(close_border, is_the_border_itself_where_nothing_is_below) {
+  const Case bubble = case_of(grid_with({{20, 18, 17}}), [](const Index3& p) {
+    return p == Index3{{9, 8, 8}} ? 50.0F : 200.0F;
+  });
+  for (const auto& [isovalue, tolerance] :
+       {std::pair{100.0, 200.0}, {50.0, 0.0}, {-1000.0, 0.0}, {-1000.0, 5.0}}) {
+    const Surface box = extract(bubble, closed_at(isovalue, tolerance));
+    EXPECT_EQ(box.triangles.size(), 12U);
+    expect_watertight(box);
+    EXPECT_NEAR(enclosed_volume(box), 19 * 17 * 16, 1e-6);
+  }
+  EXPECT_GT(extract(bubble, closed_at(100, 0)).triangles.size(), 12U);
+  RegularGrid turned = grid_with({{5, 4, 3}});
+  turned.direction = {{Vec3d{{0, -1, 0}}, Vec3d{{-1, 0, 0}}, Vec3d{{0, 0, -1}}}};
+  turned.origin = {{1e7, -3, 5}};
+  const Surface box = extract(case_of(turned, [](const Index3&) { return 7.0F; }), closed_at(5, 0));
+  expect_watertight(box);
+  EXPECT_NEAR(enclosed_volume(box), 4 * 3 * 2, 1e-6);
+  const Case image = case_of(grid_with({{9, 12, 1}}), [](const Index3&) { return 7.0F; });
+  EXPECT_EQ(extract(image, closed_at(5, 0)).lines.size(), 4U);
+  EXPECT_TRUE(extract(image, closed_at(8, 0)).is_empty());
 }
 
 TEST(close_border, closes_contour_lines_along_the_image_border) {

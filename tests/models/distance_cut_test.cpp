@@ -136,6 +136,61 @@ TEST(distance_cut, a_single_bright_voxel_is_not_lost) {
   }
 }
 
+std::uint64_t n_crossings(const Surface& surface) {
+  Progress progress;
+  return check_self_intersections(surface, {2}, progress)->n_intersections;
+}
+
+/// The triangles at an isovalue, with all vertices.
+Surface part_at(const Surface& surface, double isovalue) {
+  Surface part = surface;
+  std::erase_if(part.triangles, [&](const auto& t) {
+    return surface.isovalues[t[0]] != static_cast<float>(isovalue);
+  });
+  return part;
+}
+
+/// One behind the other, as if they had been extracted together.
+Surface together(const Surface& a, const Surface& b) {
+  Surface both = a;
+  EXPECT_EQ(a.origin.v, b.origin.v);
+  const auto n = static_cast<std::uint32_t>(a.positions.size());
+  both.positions.insert(both.positions.end(), b.positions.begin(), b.positions.end());
+  for (const auto& t : b.triangles) both.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+  return both;
+}
+
+/// Level sets do not meet, and neither do coarse ones in one cut, which each on its own would.
+TEST(distance_cut, surfaces_of_several_isovalues_do_not_meet) {
+  std::uint64_t n_apart = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    oracles::Random random(seed);
+    const Volume volume = volume_of<float>(turned_grid({{21, 18, 15}}), [&](const Index3& p) {
+      return wave(p) + 0.3 * random.uniform(-1, 1);
+    });
+    const Dataset dataset = dataset_of(volume);
+    const std::vector<double> isovalues{0.2, 0.45};
+    for (const double distance : {1.0, 2.5}) {
+      ExtractOptions options{.isovalues = isovalues, .max_distance = distance};
+      const Extracted all = extracted(dataset, options);
+      EXPECT_EQ(n_crossings(all.surface), 0U);
+      std::vector<Surface> alone;
+      std::uint64_t n_full = 0;
+      for (const double isovalue : isovalues) {
+        const Surface full =
+            extracted(dataset, {.isovalues = {isovalue}, .max_error = 0.0}).surface;
+        n_full += full.triangles.size();
+        EXPECT_LE(measured(part_at(all.surface, isovalue), full), distance + 1e-5);
+        options.isovalues = {isovalue};
+        alone.push_back(extracted(dataset, options).surface);
+      }
+      EXPECT_EQ(all.report.distance->full_triangles, n_full);
+      n_apart += n_crossings(together(alone[0], alone[1]));
+    }
+  }
+  EXPECT_GT(n_apart, 0U) << "what is tested happens by itself";
+}
+
 TEST(distance_cut, a_distance_beyond_the_volume_still_has_a_surface_for_each_isovalue) {
   const auto counts = expect_near(noise<std::uint8_t>(grid_with({{9, 9, 9}}), 6, 256), 128.5, {50});
   EXPECT_GT(counts[0], 0U);

@@ -11,6 +11,7 @@
 
 #include "lode/api/dataset.h"
 #include "lode/api/dataset_impl.h"
+#include "lode/mappers/surface_checks.h"
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/build.h"
 #include "lode/models/diamond/critical_nodes.h"
@@ -95,6 +96,38 @@ Volume smoothed_noise(const Index3& dims, std::uint64_t seed, int n_rounds) {
   }
   return oracles::volume_of<float>(grid,
                                    [&](const Index3& p) { return values[at(p[0], p[1], p[2])]; });
+}
+
+TEST(keep_topology, surfaces_of_several_isovalues_do_not_meet) {
+  std::uint64_t n_apart = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Dataset dataset = built_in_memory(smoothed_noise({{22, 19, 17}}, seed, 1));
+    const std::vector<double> isovalues{0.15, 0.4};
+    Progress progress;
+    Surface all;
+    ASSERT_TRUE(dataset.extract({.isovalues = isovalues,
+                                 .max_error = kAny,
+                                 .keep_topology = 0.0,
+                                 .normals = Normals::off,
+                                 .threads = {2}},
+                                all, progress));
+    EXPECT_EQ(check_self_intersections(all, {2}, progress)->n_intersections, 0U);
+    ComponentTypes expected;
+    Surface apart;
+    for (const double isovalue : isovalues) {
+      const ComponentTypes full = pieces_of(surface_of(dataset, isovalue, 0.0, kNotKept));
+      expected.insert(expected.end(), full.begin(), full.end());
+      const Surface one = surface_of(dataset, isovalue, kAny, 0.0);
+      const auto n = static_cast<std::uint32_t>(apart.positions.size());
+      apart.origin = one.origin;
+      apart.positions.insert(apart.positions.end(), one.positions.begin(), one.positions.end());
+      for (const auto& t : one.triangles) apart.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+    }
+    std::ranges::sort(expected);
+    EXPECT_EQ(pieces_of(all), expected);
+    n_apart += check_self_intersections(apart, {2}, progress)->n_intersections;
+  }
+  EXPECT_GT(n_apart, 0U) << "what is tested happens by itself";
 }
 
 TEST(keep_topology, of_noise_at_any_tolerance) {

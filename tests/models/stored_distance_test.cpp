@@ -1,5 +1,6 @@
 // Surfaces within a distance of full resolution, of files larger than the memory limit: held
 // against each other in windows, measured here as a whole by a program that knows of none.
+#include "lode/mappers/surface_checks.h"
 #include "lode/mappers/surface_distance.h"
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/distance_cut.h"
@@ -244,6 +245,8 @@ TEST(stored_distance, of_several_isovalues_is_counted_together) {
   EXPECT_EQ(near.report.distance->full_triangles, full.surface.triangles.size());
   EXPECT_LT(near.surface.triangles.size(), full.surface.triangles.size());
   expect_distance(near.surface, full.surface, 2);
+  Progress progress;
+  EXPECT_EQ(check_self_intersections(near.surface, {2}, progress)->n_intersections, 0U);
 }
 
 TEST(stored_distance, stops_when_cancelled) {

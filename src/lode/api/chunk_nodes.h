@@ -4,13 +4,12 @@
 
 #include "lode/api/dataset_impl.h"
 #include "lode/api/isovalue_passes.h"
-#include "lode/models/diamond/critical_nodes.h"
-#include "lode/models/diamond/distance_cut.h"
+#include "lode/models/diamond/node_set.h"
 
 namespace lode {
 
 /// The nodes of a file that keep_topology and max_distance want refined, found chunk by chunk: of
-/// one isovalue at a time.
+/// all isovalues together.
 class ChunkNodes {
  public:
   /// Beside what extraction takes, a quarter of the limit is for the nodes, half of it for the
@@ -24,14 +23,12 @@ class ChunkNodes {
   [[nodiscard]] NodesOfIsovalue begin(ExtractReport& report, Progress& progress);
 
  private:
-  [[nodiscard]] Result<const diamond::NodeSet<3>*> find(double isovalue, ExtractReport& report,
-                                                        Progress& progress);
+  [[nodiscard]] Result<void> find(ExtractReport& report, Progress& progress);
 
   Dataset::Impl::Chunks& chunks_;
   const ExtractOptions& options_;
   std::uint64_t memory_limit_;
-  std::optional<diamond::CriticalNodes> critical_;
-  std::optional<diamond::DistanceCut> near_;
+  std::optional<diamond::NodeSet<3>> nodes_;
 };
 
 }  // namespace lode

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lode/core/stopwatch.h"
-#include "lode/models/diamond/distance_cut.h"
-
 namespace lode {
 
 void add_distance(const diamond::DistanceCutReport& found, double seconds, ExtractReport& report) {
@@ -34,29 +31,6 @@ Result<void> check_max_distance(const ExtractOptions& options) {
     return fail("max_distance: expected all pieces kept with it, got min_component {}",
                 options.min_component);
   return {};
-}
-
-Result<diamond::IsosurfaceReport> extract_within_distance(const Dataset::Impl& impl,
-                                                          diamond::IsosurfaceQuery query,
-                                                          const ExtractOptions& options,
-                                                          Surface& surface, ExtractReport& report,
-                                                          Progress& progress) {
-  if (!report.distance) report.distance = DistanceReport{.max_distance = *options.max_distance};
-  LODE_TRY(const auto* const held, impl.model(progress));
-  const auto& model = std::get<diamond::Model<3>>(*held);
-  if (query.tolerance == 0) {  // it is the surface that it is to be near
-    const std::size_t n_before = query.replaces ? 0 : surface.triangles.size();
-    auto part = diamond::extract_isosurface<3>(model, query, surface, progress);
-    report.distance->full_triangles += surface.triangles.size() - n_before;
-    return part;
-  }
-  const Stopwatch watch;
-  LODE_TRY(const auto worlds, impl.world_errors(progress));
-  LODE_TRY(const diamond::DistanceCut cut,
-           diamond::find_distance_cut(model, query, *options.max_distance, *worlds, progress));
-  add_distance(cut.report, watch.seconds(), report);
-  query.wanted = &cut.nodes;
-  return diamond::extract_isosurface<3>(model, query, surface, progress);
 }
 
 }  // namespace lode

@@ -8,12 +8,6 @@ namespace lode {
 /// Refuses what would break the distance, or is not proven to keep it.
 [[nodiscard]] Result<void> check_max_distance(const ExtractOptions& options);
 
-/// Extracts one isosurface within options.max_distance, which is set, of full resolution's; adds
-/// what that took to `report`.
-[[nodiscard]] Result<diamond::IsosurfaceReport> extract_within_distance(
-    const Dataset::Impl& impl, diamond::IsosurfaceQuery query, const ExtractOptions& options,
-    Surface& surface, ExtractReport& report, Progress& progress);
-
 /// Adds how one surface's distance was kept to report.distance, which is there.
 void add_distance(const diamond::DistanceCutReport& found, double seconds, ExtractReport& report);
 

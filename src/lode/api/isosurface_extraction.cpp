@@ -26,11 +26,14 @@ namespace {
 
 Result<void> close_surface(const FieldFacts& field, const ExtractOptions& options, Surface& surface,
                            ExtractReport& report) {
-  if (surface.is_empty()) return {};
+  const bool is_inside = field.first_sample >= options.isovalues.front();
+  if (surface.is_empty() && !is_inside) return {};
   if (field.has_removed_border_cell)
     return fail("closing at the border: expected no holes there, but the field has some");
-  const bool is_inside = field.first_sample >= options.isovalues.front();
-  LODE_TRY(const auto caps, diamond::close_border(field.grid, is_inside, options.threads, surface));
+  LODE_TRY(const auto caps,
+           diamond::close_border(field.grid, is_inside, options.normals == Normals::on,
+                                 options.threads, surface));
+  if (surface.isovalues.empty()) add_isovalue(options.isovalues.front(), options, surface);
   report.cap_cells = caps.n_cells;
   report.open_edges = caps.n_open;
   return {};

@@ -1,28 +1,34 @@
 #include "lode/api/memory_extraction.h"
 
 #include <optional>
+#include <utility>
 
-#include "lode/api/distance_extraction.h"
+#include "lode/api/common_nodes.h"
 #include "lode/api/topology_extraction.h"
 
 namespace lode {
 namespace {
 
-template <int D>
-Result<diamond::IsosurfaceReport> extract_one(const Dataset::Impl& impl,
-                                              const diamond::Model<D>& model,
-                                              diamond::IsosurfaceQuery query,
-                                              const ExtractOptions& options, Surface& surface,
-                                              ExtractReport& report, Progress& progress) {
-  std::optional<diamond::CriticalNodes> critical;
-  if constexpr (D == 3)
-    if (report.topology && report.topology->is_searched) {
-      LODE_TRY(critical, critical_nodes(model, query.isovalue, options, report, progress));
-      query.wanted = &critical->nodes;
-    }
-  if (options.max_distance)
-    return extract_within_distance(impl, query, options, surface, report, progress);
-  return diamond::extract_isosurface<D>(model, query, surface, progress);
+/// That surfaces want, of a volume.
+Result<std::optional<diamond::NodeSet<3>>> wanted_nodes(const Dataset::Impl& impl,
+                                                        const diamond::Model<3>& model,
+                                                        const ExtractOptions& options,
+                                                        ExtractReport& report, Progress& progress) {
+  const NodeSearch search{
+      .none = [&] { return diamond::NodeSet<3>(model.shape); },
+      .critical =
+          [&](double isovalue) {
+            return diamond::find_critical_nodes(
+                model, {isovalue, *options.keep_topology, options.threads}, progress);
+          },
+      .within_distance = [&](double isovalue,
+                             const diamond::NodeSet<3>& nodes) -> Result<diamond::DistanceCut> {
+        diamond::IsosurfaceQuery query = query_of<3>(isovalue, options, report);
+        query.wanted = &nodes;
+        LODE_TRY(const auto worlds, impl.world_errors(progress));
+        return diamond::find_distance_cut(model, query, *options.max_distance, *worlds, progress);
+      }};
+  return find_common_nodes(options, search, report, progress);
 }
 
 }  // namespace
@@ -31,14 +37,24 @@ Result<FieldFacts> extract_in_memory(const Dataset::Impl& impl, const ExtractOpt
                                      Surface& surface, ExtractReport& report, Progress& progress) {
   LODE_TRY(const auto* const held, impl.model(progress));
   begin_topology(options, report);
+  if (options.max_distance) report.distance = DistanceReport{.max_distance = *options.max_distance};
   return std::visit(
       [&]<int D>(const diamond::Model<D>& model) -> Result<FieldFacts> {
+        std::optional<diamond::NodeSet<3>> wanted;
+        if constexpr (D == 3) {
+          LODE_TRY(wanted, wanted_nodes(impl, model, options, report, progress));
+        }
         for (const double isovalue : options.isovalues) {
-          LODE_TRY(const auto part, extract_one(impl, model, query_of<D>(isovalue, options, report),
-                                                options, surface, report, progress));
+          auto query = query_of<D>(isovalue, options, report);
+          if constexpr (D == 3) query.wanted = wanted ? &*wanted : nullptr;
+          LODE_TRY(const auto part,
+                   diamond::extract_isosurface<D>(model, query, surface, progress));
           add_part(part, report);
           if (!part.has_isovalues) add_isovalue(isovalue, options, surface);
         }
+        // At full resolution it is the surface that it is to be near.
+        if (report.distance && report.max_error == 0)
+          report.distance->full_triangles = surface.triangles.size();
         const bool closes = options.border == Border::closed;
         return FieldFacts{model.info.grid,
                           closes && model.has_holes() && model.has_removed_border_cell(),

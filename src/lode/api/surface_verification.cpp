@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 #include <optional>
 
+#include "lode/api/compared_surfaces.h"
 #include "lode/api/simplification.h"
 #include "lode/api/surface_text.h"
 #include "lode/api/verification.h"
 #include "lode/mappers/lattice_frame.h"
 #include "lode/mappers/surface_checks.h"
-#include "lode/mappers/surface_distance.h"
 #include "lode/mappers/surface_topology.h"
 #include "lode/models/diamond/boundary_check.h"
 #include "lode/models/diamond/critical_nodes.h"
@@ -93,21 +92,11 @@ void add_boundary(const Surface& surface, const diamond::BoundaryReport& boundar
                fmt::format("{} stray edges{}", boundary.n_stray, first));
 }
 
-/// Rounding, in the file and by other choices of the origin: two units in the last place of
-/// float32.
-double rounding_of(const Surface& a, const Surface& b) {
-  double largest = std::numeric_limits<double>::min();
-  double origin = 0;
-  for (const Surface* surface : {&a, &b}) {
-    for (const Vec3f& p : surface->positions)
-      for (const float x : p.v) largest = std::max(largest, std::abs(static_cast<double>(x)));
-    for (const double x : surface->origin.v) origin = std::max(origin, std::abs(x));
-  }
-  return 0x1p-22 * largest + 0x1p-48 * origin;
-}
+constexpr const char* kFullResolution = "at full resolution";
+constexpr const char* kUnsimplified = "before simplification";
 
 void add_match(const Surface& expected, const Surface& surface, VerifyReport& report) {
-  const MatchReport match = match_surfaces(expected, surface, rounding_of(expected, surface));
+  const MatchReport match = match_surfaces(expected, surface, file_rounding(expected, surface));
   std::string detail;
   if (match.n_missing > 0)
     detail = fmt::format("{} cells missing; first: the query's {}", match.n_missing,
@@ -120,44 +109,6 @@ void add_match(const Surface& expected, const Surface& surface, VerifyReport& re
                          describe_cell(surface, match.first_turned));
   report.add("complete: all that the query makes, turned as it says", match.n_cells,
              match.is_same() ? 0 : 1, std::move(detail));
-}
-
-/// Compares what kinds of pieces there are with those of another surface; `whose` that is.
-void add_pieces(const Surface& surface, const Surface& other, const char* whose, Threads threads,
-                VerifyReport& report) {
-  const TopologyOptions options{.threads = threads};
-  const ComponentTypes found = component_types(check_topology(surface, options));
-  const ComponentTypes wanted = component_types(check_topology(other, options));
-  ComponentTypes different;
-  std::set_symmetric_difference(found.begin(), found.end(), wanted.begin(), wanted.end(),
-                                std::back_inserter(different));
-  std::string detail = fmt::format("{} pieces, {} {}", found.size(), wanted.size(), whose);
-  if (!different.empty())
-    detail += fmt::format("; first difference: Euler number {}, {} boundary loops",
-                          different.front()[0], different.front()[1]);
-  report.add(fmt::format("components, tunnels and boundaries as {}", whose), found.size(),
-             different.size(), std::move(detail));
-}
-
-/// Measures how far two surfaces are from each other; `whose` the other one is.
-Result<void> add_distance(const Surface& surface, const Surface& other, const char* whose,
-                          double max_distance, Threads threads, Progress& progress,
-                          VerifyReport& report) {
-  const std::string name = fmt::format("distance from that {} and back", whose);
-  if (!surface.lines.empty()) {
-    report.add(name, surface.lines.size(), 1, "lines, whose distance is not measured");
-    return {};
-  }
-  constexpr double kAccuracy = 1.0 / 16;
-  LODE_TRY(const SurfaceDistance distance,
-           measure_distance(surface, other, {kAccuracy * max_distance, threads}, progress));
-  const double allowed = max_distance + rounding_of(surface, other);
-  report.add(name, surface.triangles.size() + other.triangles.size(),
-             distance.lower() <= allowed ? 0 : 1,
-             fmt::format("measured {} and {}, at most {} and {}, of {}", distance.from_first.lower,
-                         distance.from_second.lower, distance.from_first.upper,
-                         distance.from_second.upper, max_distance));
-  return {};
 }
 
 /// Repeats the query and compares it with every sample.
@@ -183,9 +134,6 @@ Result<void> add_cut(const Model<D>& model, double isovalue, Threads threads,
              cut.n_lost == 0 ? "" : fmt::format("{} simplices; {}", cut.n_lost, cut.worst));
   return {};
 }
-
-constexpr const char* kFullResolution = "at full resolution";
-constexpr const char* kUnsimplified = "before simplification";
 
 template <int D>
 Result<void> add_level_set(const Model<D>& model, const Surface& surface,
@@ -213,22 +161,6 @@ Result<void> add_level_set(const Model<D>& model, const Surface& surface,
   return {};
 }
 
-/// The pieces of a surface that was simplified in a band are some of those before; others went.
-void add_kept_pieces(const Surface& surface, const Surface& before, Threads threads,
-                     VerifyReport& report) {
-  const TopologyOptions options{.threads = threads};
-  const ComponentTypes found = component_types(check_topology(surface, options));
-  const ComponentTypes wanted = component_types(check_topology(before, options));
-  ComponentTypes added;
-  ComponentTypes gone;
-  std::ranges::set_difference(found, wanted, std::back_inserter(added));
-  std::ranges::set_difference(wanted, found, std::back_inserter(gone));
-  const auto n_open = std::ranges::count_if(gone, [](const auto& type) { return type[1] > 0; });
-  report.add("components of those before simplification, none open gone", wanted.size(),
-             added.size() + static_cast<std::size_t>(n_open),
-             fmt::format("{} pieces of {}", found.size(), wanted.size()));
-}
-
 template <int D>
 Result<void> add_sides(const Model<D>& model, const Surface& surface, double isovalue, double error,
                        Threads threads, Progress& progress, VerifyReport& report) {
@@ -249,10 +181,13 @@ Result<void> add_sides(const Model<D>& model, const Surface& surface, double iso
 /// Compares a simplified surface with what it was.
 Result<void> add_held_to(const Surface& surface, const Surface& before, bool is_in_band,
                          const ExtractOptions& options, Progress& progress, VerifyReport& report) {
-  if (is_in_band && drops_components(options))
+  const bool may_drop = is_in_band && drops_components(options);
+  if (may_drop)
     add_kept_pieces(surface, before, options.threads, report);
   else
     add_pieces(surface, before, kUnsimplified, options.threads, report);
+  LODE_CHECK(add_turning(surface, before, may_drop ? MayDrop::yes : MayDrop::no,
+                         options.simplify_distance, options.threads, progress, report));
   if (!options.simplify_distance) return {};
   return add_distance(surface, before, kUnsimplified, *options.simplify_distance, options.threads,
                       progress, report);

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "lode/core/stopwatch.h"
-
 namespace lode {
 
 Result<void> check_keep_topology(const ExtractOptions& options) {
@@ -31,17 +29,6 @@ void add_critical(const diamond::CriticalNodes& found, double seconds, ExtractRe
   report.seconds.topology += seconds;
   report.topology->critical_nodes += found.n_critical;
   report.topology->nodes += found.n_nodes;
-}
-
-Result<diamond::CriticalNodes> critical_nodes(const diamond::Model<3>& model, double isovalue,
-                                              const ExtractOptions& options, ExtractReport& report,
-                                              Progress& progress) {
-  const Stopwatch watch;
-  progress.report("finding critical nodes", 0);
-  LODE_TRY(auto found, diamond::find_critical_nodes(
-                           model, {isovalue, *options.keep_topology, options.threads}, progress));
-  add_critical(found, watch.seconds(), report);
-  return found;
 }
 
 }  // namespace lode

@@ -12,14 +12,7 @@ namespace lode {
 /// be searched for that.
 void begin_topology(const ExtractOptions& options, ExtractReport& report);
 
-/// The nodes that keep the topology of one isosurface, and their ancestors; adds to the report.
-[[nodiscard]] Result<diamond::CriticalNodes> critical_nodes(const diamond::Model<3>& model,
-                                                            double isovalue,
-                                                            const ExtractOptions& options,
-                                                            ExtractReport& report,
-                                                            Progress& progress);
-
-/// Adds them to the report.
+/// Adds the nodes that keep the topology of one isosurface, and their ancestors, to the report.
 void add_critical(const diamond::CriticalNodes& found, double seconds, ExtractReport& report);
 
 }  // namespace lode

@@ -8,6 +8,7 @@ set(MAPPERS_CHECK_SOURCES
   surface_checks.cpp
   surface_match.cpp
   surface_topology.cpp
+  surface_turning.cpp
   triangle_intersection.cpp
   vertex_corners.cpp)
 

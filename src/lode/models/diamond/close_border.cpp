@@ -19,14 +19,15 @@ using Ends = std::array<std::uint32_t, 2>;
 
 class BorderCloser {
  public:
-  BorderCloser(const RegularGrid& grid, bool is_first_sample_inside, Threads threads,
-               Surface& surface)
+  BorderCloser(const RegularGrid& grid, bool is_first_sample_inside, bool has_normals,
+               Threads threads, Surface& surface)
       : grid_(grid),
         frame_(LatticeFrame::of(grid)),
         coordinates_(grid, surface, {}, threads),
         is_oblique_(is_oblique(frame_.to_world)),
         is_mirrored_(frame_.is_mirrored),
         is_first_sample_inside_(is_first_sample_inside),
+        has_normals_(has_normals),
         surface_(surface),
         boundary_(find_boundary_edges(surface, threads)) {
     for (std::size_t i = 0; i < 3; ++i) last_[i] = grid.dims[i] - 1;
@@ -274,7 +275,7 @@ class BorderCloser {
     const Vec3d p = frame_.position({{1.0 * sample[0], 1.0 * sample[1], 1.0 * sample[2]}});
     surface_.positions.push_back(
         {{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}});
-    if (!surface_.normals.empty()) {
+    if (has_normals_) {
       Vec3d normal;
       for (std::size_t i = 0; i < 3; ++i)
         if (sample[i] == 0 || sample[i] == last_[i]) normal = normal + outward(i, sample[i] > 0);
@@ -351,6 +352,7 @@ class BorderCloser {
   bool is_oblique_;
   bool is_mirrored_;
   bool is_first_sample_inside_;
+  bool has_normals_;
   Surface& surface_;
   std::vector<Ends> boundary_;
   Index3 last_;
@@ -368,10 +370,14 @@ class BorderCloser {
 }  // namespace
 
 Result<CapReport> close_border(const RegularGrid& grid, bool is_first_sample_inside,
-                               Threads threads, Surface& surface) {
-  if (surface.is_empty()) return CapReport{};
-  BorderCloser closer(grid, is_first_sample_inside, threads, surface);
-  return surface.triangles.empty() ? closer.close_lines() : closer.close_surface();
+                               bool has_normals, Threads threads, Surface& surface) {
+  if (surface.is_empty() && !is_first_sample_inside) return CapReport{};
+  const bool is_image = std::ranges::find(grid.dims.v, 1) != grid.dims.v.end();
+  if (surface.is_empty()) surface.origin = LatticeFrame::of(grid).surface_origin;
+  const bool keeps_normals =
+      surface.is_empty() ? has_normals && !is_image : !surface.normals.empty();
+  BorderCloser closer(grid, is_first_sample_inside, keeps_normals, threads, surface);
+  return is_image ? closer.close_lines() : closer.close_surface();
 }
 
 }  // namespace lode::diamond

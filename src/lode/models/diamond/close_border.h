@@ -20,11 +20,12 @@ struct CapReport {
 /// on its edges hardly beside vertices. Each is a constrained Delaunay triangulation of what the
 /// surface's edges in the plane and the box's edges enclose, so nothing overlaps.
 /// `is_first_sample_inside` says whether F >= isovalue at sample (0, 0, 0), which decides where the
-/// surface does not meet the border. Expects a surface of one isovalue with triangles
-/// counter-clockwise from lower values, as extracted, of a field without holes at the border.
-/// Fails, and leaves it as it was, where its edges in a border plane do not enclose anything, or
-/// lie along an edge of the domain.
+/// surface does not meet the border: of an empty surface it becomes the border itself, or nothing;
+/// `has_normals`: that then gets normals.
+/// Expects a surface of one isovalue with triangles counter-clockwise from lower values, as
+/// extracted, of a field without holes at the border. Fails, and leaves it as it was, where its
+/// edges in a border plane do not enclose anything, or lie along an edge of the domain.
 [[nodiscard]] Result<CapReport> close_border(const RegularGrid& grid, bool is_first_sample_inside,
-                                             Threads threads, Surface& surface);
+                                             bool has_normals, Threads threads, Surface& surface);
 
 }  // namespace lode::diamond

@@ -68,6 +68,19 @@ class NodeSet {
         waiting.push_back(parent);
     }
   }
+  /// With all of another of the same lattice.
+  void join(const NodeSet& other) {
+    for (std::size_t at = 0; at < tile_of_.size(); ++at) {
+      if (other.tile_of_[at] == 0) continue;
+      if (tile_of_[at] == 0) {
+        tile_of_[at] = static_cast<std::uint32_t>(tiles_.size());
+        tiles_.emplace_back();
+      }
+      Tile& own = tiles_[tile_of_[at]];
+      const Tile& more = other.tiles_[other.tile_of_[at]];
+      for (std::size_t i = 0; i < own.size(); ++i) own[i] |= more[i];
+    }
+  }
   void clear() {
     tiles_.resize(1);
     std::fill(tile_of_.begin(), tile_of_.end(), 0);

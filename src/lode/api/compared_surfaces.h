@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "lode/api/verify_report.h"
+#include "lode/core/parallel.h"
+#include "lode/core/progress.h"
+#include "lode/core/result.h"
+#include "lode/core/surface.h"
+
+namespace lode {
+
+// Checks of one surface against another; `whose` the other one is.
+
+/// Rounding, in the file and by other choices of the origin: two units in the last place of
+/// float32, world units.
+[[nodiscard]] double file_rounding(const Surface& a, const Surface& b);
+
+/// Compares what kinds of pieces there are.
+void add_pieces(const Surface& surface, const Surface& other, const char* whose, Threads threads,
+                VerifyReport& report);
+
+/// The pieces of a surface that was simplified in a band are some of those before; others went.
+void add_kept_pieces(const Surface& surface, const Surface& before, Threads threads,
+                     VerifyReport& report);
+
+/// Measures how far the two are from each other.
+[[nodiscard]] Result<void> add_distance(const Surface& surface, const Surface& other,
+                                        const char* whose, double max_distance, Threads threads,
+                                        Progress& progress, VerifyReport& report);
+
+enum class MayDrop : std::uint8_t { no, yes };
+
+/// Whether pieces of a simplified surface face as before, some of which it may have dropped: closed
+/// ones by their volumes, open ones, all together, by what is near. `distance`: that it was to
+/// keep; without one, edges say about how far it may be.
+[[nodiscard]] Result<void> add_turning(const Surface& surface, const Surface& before,
+                                       MayDrop may_drop, std::optional<double> distance,
+                                       Threads threads, Progress& progress, VerifyReport& report);
+
+}  // namespace lode
